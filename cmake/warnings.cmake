@@ -1,0 +1,15 @@
+# One interface target that every target of ours links: warnings, sanitizers, exact floating point.
+add_library(triskin_options INTERFACE)
+target_compile_options(triskin_options INTERFACE
+  -Wall -Wextra -Wconversion -Wshadow -Wdouble-promotion -Werror
+  # Results must agree between gcc and clang: never contract a*b+c, never fast-math.
+  -ffp-contract=off)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND TRISKIN_SANITIZE)
+  # The sanitizers' instrumentation makes gcc 12 see null pointers and out-of-range indices that are not there.
+  target_compile_options(triskin_options INTERFACE -Wno-null-dereference -Wno-maybe-uninitialized
+                         -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict)
+endif()
+if(TRISKIN_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+endif()

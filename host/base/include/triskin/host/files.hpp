@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace triskin {
+
+/// Whole file as bytes. Throws InputError naming the file when it cannot be read.
+[[nodiscard]] std::string read_file(const std::filesystem::path& path);
+
+/// Writes `bytes` so that `path` appears whole or not at all (temporary file in the same folder, fsync,
+/// rename). Throws InputError naming the file and the cause; then the old file, if any, is unchanged.
+void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace triskin

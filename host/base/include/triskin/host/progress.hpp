@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+#include <string>
+
+namespace triskin {
+
+/// One step of long work. `fraction` in [0, 1], negative when it cannot be known.
+struct Progress {
+  std::string stage;
+  double fraction = -1.0;
+  std::string detail;
+};
+
+/// Called from the thread that runs the work; must not throw. An empty function is allowed.
+using ProgressSink = std::function<void(const Progress&)>;
+
+inline void report(const ProgressSink& sink, std::string stage, double fraction, std::string detail = {}) {
+  if (sink) sink(Progress{std::move(stage), fraction, std::move(detail)});
+}
+
+}  // namespace triskin

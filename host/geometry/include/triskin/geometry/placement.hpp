@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "triskin/geometry/lattice.hpp"
+#include "triskin/geometry/types.hpp"
+#include "triskin/host/progress.hpp"
+
+namespace triskin::geometry {
+
+/// Rigid motion that carries the polygon onto the grid: q = R(theta)·p + (x, y).
+struct Placement {
+  double x_mm = 0.0;
+  double y_mm = 0.0;
+  double theta_rad = 0.0;
+};
+
+enum class PlacementMethod { kBranchAndBound, kR1, kR2, kR3, kR4, kR5, kR6, kR7 };
+enum class TileShape { kTriangle, kHexagon, kSquare };
+
+struct PlacementOptions {
+  PlacementMethod method = PlacementMethod::kBranchAndBound;
+  TileShape shape = TileShape::kTriangle;
+  double tolerance_mm = 1e-6;     ///< ε: a tile counts when it lies in P inset by ε (docs/placement.md)
+  double gap_mm = 0.0;            ///< free space between modules: pitch = side + gap
+  double time_limit_s = 60.0;     ///< ≤ 0: none
+  int threads = 0;                ///< 0: all cores; the answer does not depend on it
+  std::uint64_t seed = 1;
+  bool connected = false;         ///< count only the largest edge-connected set
+  bool largest_clearance = true;  ///< last step: among the optima the placement with the largest clearance
+};
+
+struct PlacementResult {
+  int modules = 0;
+  int upper_bound = 0;
+  bool proved = false;
+  double clearance_mm = 0.0;      ///< inset at which `modules` tiles still fit
+  double tolerance_mm = 0.0;
+  Placement placement;
+  std::vector<Tile> tiles;        ///< grid triangles wholly inside, sorted
+  std::int64_t evaluations = 0;
+  std::int64_t cells = 0;
+  double seconds = 0.0;
+};
+
+/// Places `polygon` on the isometric grid so that as many tiles as possible lie wholly inside.
+/// Errors: InputError for open, self-intersecting, empty or non-finite rings, with ring and vertex index.
+[[nodiscard]] PlacementResult place(const Polygon& polygon, const PlacementOptions& options = {},
+                                    const ProgressSink& progress = {});
+
+}  // namespace triskin::geometry
