@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+
+namespace triskin::sim {
+
+/// Thrown out of a flash operation when power is lost in the middle of it: the virtual controller is then dead and must
+/// be made anew on the same flash. Only simulation throws; the firmware never sees or catches it.
+struct PowerLost : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Flash memory that obeys the rules of the STM32G474 (RM0440 §3): erased bytes read 0xFF, pages of `page_bytes`,
+/// programming in aligned units of `program_bytes` into erased units only (a unit written twice is refused: ECC).
+class FlashModel {
+ public:
+  virtual ~FlashModel() = default;
+  [[nodiscard]] virtual std::size_t size_bytes() const = 0;
+  [[nodiscard]] virtual std::size_t page_bytes() const = 0;     ///< 2048
+  [[nodiscard]] virtual std::size_t program_bytes() const = 0;  ///< 8
+  virtual bool erase_page(std::size_t offset_bytes) = 0;        ///< false: misaligned, out of range
+  virtual bool program(std::size_t offset_bytes, std::span<const std::uint8_t> bytes) = 0;  ///< false: rule broken
+  [[nodiscard]] virtual std::span<const std::uint8_t> bytes() const = 0;
+};
+
+}  // namespace triskin::sim

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "triskin/sim/flash_model.hpp"
+#include "triskin/sim/i2c_bus.hpp"
+#include "triskin/wire/can_frame.hpp"
+
+namespace triskin::sim {
+
+/// What surrounds one patch controller. Everything outlives the controller.
+struct VirtualBoard {
+  std::array<I2cBus*, 4> lines{};      ///< the four I²C lines, none null
+  FlashModel* flash = nullptr;         ///< table slots, fault memory, node address
+  std::array<std::uint8_t, 12> unique_id{};
+  std::function<void(const wire::CanFrame&)> send;  ///< frame leaves the controller
+  bool can_fd = true;                  ///< the bus carries FD frames
+};
+
+/// The patch controller's application on virtual ports: the same logic that runs on the microcontroller.
+/// Time is virtual and given by the caller. Not thread-safe.
+class VirtualController {
+ public:
+  virtual ~VirtualController() = default;
+  /// A frame arrives. It is handled by the next run_until.
+  virtual void receive(const wire::CanFrame& frame) = 0;
+  /// Runs the application until virtual time `now_us` (monotonic). May throw PowerLost from the flash model.
+  virtual void run_until(std::uint64_t now_us) = 0;
+  /// Earliest virtual time at which the application has something to do; ≤ now when it is busy.
+  [[nodiscard]] virtual std::uint64_t next_event_us() const = 0;
+};
+
+/// Starts the application as after power-up. Implemented by firmware/board/posix, bound at link time.
+[[nodiscard]] std::unique_ptr<VirtualController> make_virtual_controller(const VirtualBoard& board);
+
+}  // namespace triskin::sim
