@@ -1,2 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstdio>
-int main(){return 0;}
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <new>
+
+#include "triskin/cli/command.hpp"
+#include "triskin/host/error.hpp"
+
+namespace {
+
+using triskin::cli::Command;
+using triskin::cli::Output;
+using triskin::cli::Registration;
+using triskin::cli::Run;
+
+struct Entry {
+  CLI::App* app = nullptr;
+  Run run;
+  bool json = false;
+};
+
+int fail(const std::string& what, int status) {
+  std::fputs(fmt::format("triskin: {}\n", what).c_str(), stderr);
+  return status;
+}
+
+// Runs one command and turns what it throws into the exit status of docs/cli.md.
+int run_entry(const Entry& entry) {
+  try {
+    Output output(entry.json);
+    const int status = entry.run(output);
+    if (entry.json) std::fputs((output.result.dump() + "\n").c_str(), stdout);
+    if (std::fflush(stdout) != 0) return fail("standard output: cannot write; check the disk or the pipe", 2);
+    return status;
+  } catch (const triskin::Error& e) {
+    return fail(e.what(), e.exit_status());
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory; use a smaller input", 2);
+  } catch (const std::exception& e) {
+    return fail(fmt::format("internal error: {}; please report it with the input", e.what()), 2);
+  }
+}
+
+std::vector<std::unique_ptr<Entry>> add_commands(CLI::App& program) {
+  std::vector<Command> commands = Registration::all();
+  std::ranges::sort(commands, {}, &Command::name);
+  std::vector<std::unique_ptr<Entry>> entries;
+  for (const Command& command : commands) {
+    auto entry = std::make_unique<Entry>();
+    entry->app = program.add_subcommand(command.name, command.summary);
+    entry->app->footer("Example:\n  " + command.example);
+    entry->app->add_flag("--json", entry->json, "one JSON object on standard output; messages on standard error");
+    entry->run = command.set_up(*entry->app);
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App program{"triskin: robot skin from the CAD mesh of a body part to a verified, streaming patch"};
+  program.set_version_flag("--version", TRISKIN_VERSION);
+  program.require_subcommand(1);
+  program.footer("Each command has --help with an example.");
+  const auto entries = add_commands(program);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return program.exit(e) == 0 ? EXIT_SUCCESS : 2;
+  }
+  for (const auto& entry : entries) {
+    if (entry->app->parsed()) return run_entry(*entry);
+  }
+  return 2;
+}

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "triskin/host/progress.hpp"
+
+namespace triskin::cli {
+
+/// What a command answers with: one JSON object with --json, else text. Messages go to standard error.
+class Output {
+ public:
+  explicit Output(bool json) : json_(json) {}
+
+  /// The object printed by --json. Filled by the command; printed once, when it has ended.
+  nlohmann::json result = nlohmann::json::object();
+
+  [[nodiscard]] bool json() const { return json_; }
+  /// One line for a person: standard output, with --json standard error.
+  void say(const std::string& line) const;
+  /// Bar on a terminal after one second; elsewhere one line per stage. Safe to call from any thread.
+  [[nodiscard]] ProgressSink progress() const;
+
+ private:
+  bool json_;
+};
+
+/// Runs a command and returns its exit status: 0 done, 1 done and the answer is bad. Throws triskin::Error for 2 and 3.
+using Run = std::function<int(Output&)>;
+
+/// One subcommand. `set_up` adds options to `app` and returns what runs them; options live in the returned closure
+/// (a shared_ptr to a struct), since CLI11 keeps references.
+struct Command {
+  std::string name;
+  std::string summary;
+  std::string example;  ///< shown by --help
+  std::function<Run(CLI::App& app)> set_up;
+};
+
+/// Each command's file holds one constant of this type at namespace scope; main finds all of them.
+class Registration {
+ public:
+  explicit Registration(Command command);
+  [[nodiscard]] static const std::vector<Command>& all();
+};
+
+}  // namespace triskin::cli
