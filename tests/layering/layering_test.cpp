@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The layering check must accept this tree and refuse each kind of forbidden include.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+int run_check(const fs::path& root) {
+  const std::string command = "python3 " TRISKIN_SOURCE "/tools/check_layering.py " + root.string() + " > /dev/null";
+  return std::system(command.c_str());
+}
+
+class Layering : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "layering.XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    root_ = name;
+  }
+  void TearDown() override { fs::remove_all(root_); }
+
+  int with_file(const std::string& path, const std::string& line) {
+    fs::create_directories((root_ / path).parent_path());
+    std::ofstream(root_ / path) << line << '\n';
+    return run_check(root_);
+  }
+
+ private:
+  fs::path root_;
+};
+
+TEST_F(Layering, accepts_this_tree) { EXPECT_EQ(run_check(TRISKIN_SOURCE), 0); }
+
+TEST_F(Layering, accepts_an_allowed_include) {
+  EXPECT_EQ(with_file("firmware/logic/src/a.cpp", "#include \"triskin/drivers/ad7147.hpp\""), 0);
+}
+
+TEST_F(Layering, refuses_firmware_that_includes_host) {
+  EXPECT_NE(with_file("firmware/app/src/a.cpp", "#include \"triskin/device/link.hpp\""), 0);
+}
+
+TEST_F(Layering, refuses_host_that_includes_firmware) {
+  EXPECT_NE(with_file("host/device/src/a.cpp", "#include \"triskin/logic/sampler.hpp\""), 0);
+}
+
+TEST_F(Layering, refuses_logic_that_includes_a_board) {
+  EXPECT_NE(with_file("firmware/logic/src/a.cpp", "#include \"triskin/board/posix.hpp\""), 0);
+}
+
+TEST_F(Layering, refuses_vendor_headers_outside_the_board) {
+  EXPECT_NE(with_file("firmware/logic/src/a.cpp", "#include <stm32g474xx.h>"), 0);
+}
+
+TEST_F(Layering, refuses_geometry_that_knows_devices) {
+  EXPECT_NE(with_file("host/geometry/src/a.cpp", "#include \"triskin/wire/uds.hpp\""), 0);
+}
+
+TEST_F(Layering, refuses_a_checker_that_uses_a_solver) {
+  EXPECT_NE(with_file("host/check/src/a.cpp", "#include \"triskin/geometry/routing.hpp\""), 0);
+}
+
+TEST_F(Layering, refuses_relative_includes) {
+  EXPECT_NE(with_file("shared/include/triskin/base/a.hpp", "#include \"../../../host/x.hpp\""), 0);
+}
+
+}  // namespace
