@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "triskin/geometry/types.hpp"
+
+namespace triskin::geometry {
+
+enum class LengthUnit { kMillimetre, kCentimetre, kMetre };
+
+/// What reading did to the file's triangles, for the report.
+struct MeshReadReport {
+  double scale_to_mm = 1.0;
+  int welded_vertices = 0;    ///< corners at the same place that became one vertex (relative 1e-7 of the size)
+  int degenerate_faces = 0;   ///< faces without area, dropped
+  int duplicate_faces = 0;    ///< faces with the same three vertices as an earlier one, dropped
+  int flipped_faces = 0;      ///< faces turned so that neighbours agree
+};
+
+struct MeshFile {
+  Mesh mesh;  ///< mm; coincident vertices welded; no degenerate or duplicate face; orientation as in the file
+  MeshReadReport report;
+};
+
+/// Reads OBJ, STL, PLY, OFF or DAE (by content and extension). Without `unit` the file's numbers are mm (DAE: its
+/// own unit). Errors: InputError naming the file for unreadable, empty, non-finite or face-less files, and for
+/// sizes that cannot be a body part: under 20 mm (with the hint to pass --unit m or cm) or over 5 m.
+/// Cost: linear. Thread-safe.
+[[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt);
+
+/// Writes vertices and faces as OBJ, whole or not at all.
+void write_obj(const std::filesystem::path& path, const Mesh& mesh);
+
+}  // namespace triskin::geometry

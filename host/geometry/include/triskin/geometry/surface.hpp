@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "triskin/geometry/types.hpp"
+
+namespace triskin::geometry {
+
+/// Closest point of a surface to a query point.
+struct SurfacePoint {
+  Vec3 position_mm = Vec3::Zero();
+  int face = -1;
+  Vec3 barycentric = Vec3::Zero();  ///< of `position_mm` in `face`
+  double distance_mm = std::numeric_limits<double>::infinity();
+};
+
+/// Manifold, oriented triangle surface with border: topology, normals, closest points. Immutable after construction;
+/// all queries are const and thread-safe.
+class Surface {
+ public:
+  /// Throws InputError when an edge has more than two faces, or two faces of an edge disagree in orientation.
+  /// Cost: O(n log n).
+  explicit Surface(Mesh mesh);
+
+  [[nodiscard]] const Mesh& mesh() const { return mesh_; }
+  /// Face across side s (corner s → s+1) of a face, -1 at the border.
+  [[nodiscard]] const std::array<int, 3>& neighbours(int face) const { return neighbour_[static_cast<std::size_t>(face)]; }
+  [[nodiscard]] const Vec3& face_normal(int face) const { return face_normal_[static_cast<std::size_t>(face)]; }
+  /// Unit, angle weighted.
+  [[nodiscard]] const Vec3& vertex_normal(int vertex) const { return vertex_normal_[static_cast<std::size_t>(vertex)]; }
+  /// Normal interpolated from the vertices of the point's face, unit length.
+  [[nodiscard]] Vec3 normal_at(const SurfacePoint& point) const;
+  /// Border loops as vertex indices, surface on the left.
+  [[nodiscard]] const std::vector<std::vector<int>>& border_loops() const { return loops_; }
+  [[nodiscard]] double area_mm2() const { return area_mm2_; }
+
+  /// Closest point; cost O(log n) typical.
+  [[nodiscard]] SurfacePoint closest(const Vec3& query_mm) const;
+  /// Distance from a point to the border polyline; infinity when the surface is closed.
+  [[nodiscard]] double border_distance(const Vec3& query_mm) const;
+
+ private:
+  struct Box {
+    int first = 0, count = 0;  ///< leaf: items [first, first + count); inner: count 0 and two children
+    int left = -1, right = -1;
+    Eigen::Array3d low = Eigen::Array3d::Zero(), high = Eigen::Array3d::Zero();
+  };
+  /// Bounding volume hierarchy over primitives given by their boxes.
+  struct Tree {
+    std::vector<Box> nodes;
+    std::vector<int> items;
+  };
+  static Tree build_tree(const std::vector<std::array<Eigen::Array3d, 2>>& boxes);
+  template <class Visit>
+  static void nearest(const Tree& tree, const Vec3& query, double& best_squared, Visit visit);
+
+  void connect_faces();
+  void compute_normals();
+  void find_loops();
+  void build_trees();
+
+  Mesh mesh_;
+  std::vector<std::array<int, 3>> neighbour_;
+  std::vector<Vec3> face_normal_, vertex_normal_;
+  std::vector<std::vector<int>> loops_;
+  std::vector<std::array<int, 2>> border_edges_;
+  double area_mm2_ = 0.0;
+  Tree face_tree_, border_tree_;
+};
+
+/// Closest point of triangle (a, b, c) to p as barycentric coordinates.
+[[nodiscard]] Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+
+}  // namespace triskin::geometry

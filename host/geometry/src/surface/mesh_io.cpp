@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/geometry/mesh_io.hpp"
+
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include "triskin/host/error.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+constexpr double kSmallestPart_mm = 20.0;
+constexpr double kLargestPart_mm = 5000.0;
+
+double scale_of(LengthUnit unit) {
+  if (unit == LengthUnit::kMetre) return 1000.0;
+  return unit == LengthUnit::kCentimetre ? 10.0 : 1.0;
+}
+
+// COLLADA states its unit; assimp hands it over as a scene or root property. Other formats have none.
+double file_scale(const aiScene& scene) {
+  double metres = 0.0;
+  float single = 0.0F;
+  if (scene.mMetaData == nullptr) return 1.0;
+  if (scene.mMetaData->Get("UnitScaleFactor", metres) && metres > 0.0) return metres * 10.0;
+  if (scene.mMetaData->Get("UnitScaleFactor", single) && single > 0.0F) return static_cast<double>(single) * 10.0;
+  return 1.0;
+}
+
+void collect(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent, Mesh& out) {
+  const aiMatrix4x4 transform = parent * node.mTransformation;
+  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+    const aiMesh& part = *scene.mMeshes[node.mMeshes[m]];
+    const int base = static_cast<int>(out.vertices.size());
+    for (unsigned v = 0; v < part.mNumVertices; ++v) {
+      const aiVector3D p = transform * part.mVertices[v];
+      out.vertices.emplace_back(static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z));
+    }
+    for (unsigned f = 0; f < part.mNumFaces; ++f) {
+      const aiFace& face = part.mFaces[f];
+      if (face.mNumIndices != 3) continue;  // points and lines carry no surface
+      out.faces.push_back({base + static_cast<int>(face.mIndices[0]), base + static_cast<int>(face.mIndices[1]),
+                           base + static_cast<int>(face.mIndices[2])});
+    }
+  }
+  for (unsigned c = 0; c < node.mNumChildren; ++c) collect(scene, *node.mChildren[c], transform, out);
+}
+
+void require_finite(const std::filesystem::path& path, const Mesh& mesh) {
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (!mesh.vertices[v].allFinite()) {
+      throw InputError(fmt::format("{}: vertex {} is not a finite point; repair or export the mesh again", path.string(), v));
+    }
+  }
+}
+
+double diagonal(const Mesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& v : mesh.vertices) box.extend(v);
+  return mesh.vertices.empty() ? 0.0 : box.diagonal().norm();
+}
+
+// Makes coincident corners one vertex. Files store single precision, so equality is taken on a grid of 1e-7 of the size.
+void weld(Mesh& mesh, MeshReadReport& report) {
+  const double cell = std::max(1e-7 * diagonal(mesh), std::numeric_limits<double>::min());
+  std::map<std::array<std::int64_t, 3>, int> first;
+  std::vector<int> target(mesh.vertices.size());
+  std::vector<Vec3> kept;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Vec3 q = mesh.vertices[v] / cell;
+    const std::array key{std::llround(q.x()), std::llround(q.y()), std::llround(q.z())};
+    const auto [entry, is_new] = first.try_emplace({key[0], key[1], key[2]}, static_cast<int>(kept.size()));
+    if (is_new) kept.push_back(mesh.vertices[v]);
+    target[v] = entry->second;
+  }
+  report.welded_vertices = static_cast<int>(mesh.vertices.size() - kept.size());
+  mesh.vertices = std::move(kept);
+  for (auto& face : mesh.faces) {
+    for (int& v : face) v = target[static_cast<std::size_t>(v)];
+  }
+}
+
+void drop_bad_faces(Mesh& mesh, MeshReadReport& report) {
+  std::set<std::array<int, 3>> seen;
+  std::vector<std::array<int, 3>> kept;
+  for (const auto& f : mesh.faces) {
+    const auto at = [&](int k) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(f[static_cast<std::size_t>(k)])]; };
+    const double longest = std::max({(at(1) - at(0)).norm(), (at(2) - at(1)).norm(), (at(0) - at(2)).norm()});
+    const double area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+    if (!(area > 1e-9 * longest * longest)) {
+      ++report.degenerate_faces;
+      continue;
+    }
+    std::array<int, 3> key = f;
+    std::ranges::sort(key);
+    if (!seen.insert(key).second) {
+      ++report.duplicate_faces;
+      continue;
+    }
+    kept.push_back(f);
+  }
+  mesh.faces = std::move(kept);
+}
+
+void drop_unused_vertices(Mesh& mesh) {
+  std::vector<int> target(mesh.vertices.size(), -1);
+  std::vector<Vec3> kept;
+  for (auto& face : mesh.faces) {
+    for (int& v : face) {
+      int& t = target[static_cast<std::size_t>(v)];
+      if (t < 0) {
+        t = static_cast<int>(kept.size());
+        kept.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+      }
+      v = t;
+    }
+  }
+  mesh.vertices = std::move(kept);
+}
+
+void require_size(const std::filesystem::path& path, const Mesh& mesh) {
+  const double size_mm = diagonal(mesh);
+  if (size_mm < kSmallestPart_mm) {
+    throw InputError(fmt::format("{}: the mesh is only {:.3g} mm across, no module of 30 mm fits; if its numbers are metres or "
+                                 "centimetres pass --unit m or --unit cm", path.string(), size_mm));
+  }
+  if (size_mm > kLargestPart_mm) {
+    throw InputError(fmt::format("{}: the mesh is {:.3g} m across, larger than a body part (5 m); check its unit (--unit mm|cm|m)",
+                                 path.string(), size_mm / 1000.0));
+  }
+}
+
+}  // namespace
+
+MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
+  const std::string bytes = read_file(path);  // names the file when it cannot be read
+  if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty", path.string()));
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    throw InputError(fmt::format("{}: not a mesh that can be read ({}); give OBJ, STL, PLY, OFF or DAE", path.string(),
+                                 importer.GetErrorString()));
+  }
+  MeshFile file;
+  collect(*scene, *scene->mRootNode, aiMatrix4x4(), file.mesh);
+  require_finite(path, file.mesh);
+  file.report.scale_to_mm = unit ? scale_of(*unit) : file_scale(*scene);
+  for (Vec3& v : file.mesh.vertices) v *= file.report.scale_to_mm;
+  weld(file.mesh, file.report);
+  drop_bad_faces(file.mesh, file.report);
+  drop_unused_vertices(file.mesh);
+  if (file.mesh.faces.empty()) throw InputError(fmt::format("{}: no triangle with an area in it", path.string()));
+  require_size(path, file.mesh);
+  return file;
+}
+
+void write_obj(const std::filesystem::path& path, const Mesh& mesh) {
+  std::string text = "# triskin, mm\n";
+  for (const Vec3& v : mesh.vertices) text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", v.x(), v.y(), v.z());
+  for (const auto& f : mesh.faces) text += fmt::format("f {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1);
+  write_file_atomically(path, text);
+}
+
+}  // namespace triskin::geometry

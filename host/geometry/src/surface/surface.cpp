@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/geometry/surface.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "triskin/host/error.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+double box_distance_squared(const Eigen::Array3d& low, const Eigen::Array3d& high, const Vec3& q) {
+  const Eigen::Array3d outside = (low - q.array()).max(q.array() - high).max(0.0);
+  return outside.matrix().squaredNorm();
+}
+
+Vec3 closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double length_squared = d.squaredNorm();
+  const double t = length_squared > 0.0 ? std::clamp((p - a).dot(d) / length_squared, 0.0, 1.0) : 0.0;
+  return a + t * d;
+}
+
+}  // namespace
+
+// Regions of Voronoi of the triangle's features (Ericson, Real-Time Collision Detection, 5.1.5).
+Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0.0 && d2 <= 0.0) return {1, 0, 0};
+  const Vec3 bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0.0 && d4 <= d3) return {0, 1, 0};
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
+    const double v = d1 / (d1 - d3);
+    return {1 - v, v, 0};
+  }
+  const Vec3 cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0.0 && d5 <= d6) return {0, 0, 1};
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
+    const double w = d2 / (d2 - d6);
+    return {1 - w, 0, w};
+  }
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && (d4 - d3) >= 0.0 && (d5 - d6) >= 0.0) {
+    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {0, 1 - w, w};
+  }
+  const double sum = va + vb + vc;
+  return {va / sum, vb / sum, vc / sum};
+}
+
+Surface::Surface(Mesh mesh) : mesh_(std::move(mesh)) {
+  connect_faces();
+  compute_normals();
+  find_loops();
+  build_trees();
+}
+
+void Surface::connect_faces() {
+  struct Side {
+    int face, side;
+  };
+  std::map<std::pair<int, int>, Side> open;  // directed edge → its only face
+  neighbour_.assign(mesh_.faces.size(), {-1, -1, -1});
+  for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
+    for (int s = 0; s < 3; ++s) {
+      const std::pair edge{mesh_.faces[f][at(s)], mesh_.faces[f][at((s + 1) % 3)]};
+      if (!open.try_emplace(edge, Side{static_cast<int>(f), s}).second) {
+        throw InputError(fmt::format("surface: the edge from vertex {} to {} has more than two faces or faces of opposite "
+                                     "orientation (face {}); run `triskin extract` first", edge.first, edge.second, f));
+      }
+    }
+  }
+  for (const auto& [edge, side] : open) {
+    const auto twin = open.find({edge.second, edge.first});
+    if (twin != open.end()) neighbour_[at(side.face)][at(side.side)] = twin->second.face;
+  }
+}
+
+void Surface::compute_normals() {
+  vertex_normal_.assign(mesh_.vertices.size(), Vec3::Zero());
+  face_normal_.reserve(mesh_.faces.size());
+  for (const auto& f : mesh_.faces) {
+    const std::array p{mesh_.vertices[at(f[0])], mesh_.vertices[at(f[1])], mesh_.vertices[at(f[2])]};
+    const Vec3 n = (p[1] - p[0]).cross(p[2] - p[0]);
+    area_mm2_ += 0.5 * n.norm();
+    face_normal_.push_back(n.normalized());
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 u = (p[at((k + 1) % 3)] - p[at(k)]).normalized(), v = (p[at((k + 2) % 3)] - p[at(k)]).normalized();
+      vertex_normal_[at(f[at(k)])] += std::acos(std::clamp(u.dot(v), -1.0, 1.0)) * face_normal_.back();
+    }
+  }
+  for (Vec3& n : vertex_normal_) {
+    if (n.norm() > 0.0) n.normalize();
+  }
+}
+
+void Surface::find_loops() {
+  std::multimap<int, int> next;  // border edges; a pinched vertex has several
+  for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
+    for (int s = 0; s < 3; ++s) {
+      if (neighbour_[f][at(s)] >= 0) continue;
+      const std::array edge{mesh_.faces[f][at(s)], mesh_.faces[f][at((s + 1) % 3)]};
+      border_edges_.push_back(edge);
+      next.emplace(edge[0], edge[1]);
+    }
+  }
+  while (!next.empty()) {
+    std::vector<int> loop;
+    auto edge = next.begin();
+    const int start = edge->first;
+    while (edge != next.end()) {
+      loop.push_back(edge->first);
+      const int to = edge->second;
+      next.erase(edge);
+      if (to == start) break;
+      edge = next.find(to);
+    }
+    loops_.push_back(std::move(loop));
+  }
+}
+
+Surface::Tree Surface::build_tree(const std::vector<std::array<Eigen::Array3d, 2>>& boxes) {
+  constexpr int kLeafSize = 4;
+  Tree tree;
+  tree.items.resize(boxes.size());
+  std::iota(tree.items.begin(), tree.items.end(), 0);
+  if (boxes.empty()) return tree;
+  tree.nodes.push_back({.first = 0, .count = static_cast<int>(boxes.size())});
+  for (std::size_t n = 0; n < tree.nodes.size(); ++n) {  // nodes appended while walking: breadth first
+    const int first = tree.nodes[n].first, count = tree.nodes[n].count;
+    Eigen::Array3d low = boxes[at(tree.items[at(first)])][0], high = boxes[at(tree.items[at(first)])][1];
+    for (int k = first; k < first + count; ++k) {
+      low = low.min(boxes[at(tree.items[at(k)])][0]);
+      high = high.max(boxes[at(tree.items[at(k)])][1]);
+    }
+    tree.nodes[n].low = low;
+    tree.nodes[n].high = high;
+    if (count <= kLeafSize) continue;
+    Eigen::Index axis = 0;
+    (high - low).maxCoeff(&axis);
+    const auto middle_of = [&](int item) { return boxes[at(item)][0][axis] + boxes[at(item)][1][axis]; };
+    const auto begin = tree.items.begin() + first;
+    std::nth_element(begin, begin + count / 2, begin + count,
+                     [&](int a, int b) { return std::pair(middle_of(a), a) < std::pair(middle_of(b), b); });
+    tree.nodes[n].left = static_cast<int>(tree.nodes.size());
+    tree.nodes[n].right = tree.nodes[n].left + 1;
+    tree.nodes[n].count = 0;
+    tree.nodes.push_back({.first = first, .count = count / 2});
+    tree.nodes.push_back({.first = first + count / 2, .count = count - count / 2});
+  }
+  return tree;
+}
+
+template <class Visit>
+void Surface::nearest(const Tree& tree, const Vec3& query, double& best_squared, Visit visit) {
+  if (tree.nodes.empty()) return;
+  std::array<int, 128> stack;  // depth of a median split of 2^31 items is under 64
+  int top = 0;
+  stack[0] = 0;
+  while (top >= 0) {
+    const Box& box = tree.nodes[at(stack[at(top--)])];
+    if (box_distance_squared(box.low, box.high, query) >= best_squared) continue;
+    for (int k = box.first; k < box.first + box.count; ++k) visit(tree.items[at(k)]);
+    if (box.left < 0) continue;
+    const auto distance = [&](int n) { return box_distance_squared(tree.nodes[at(n)].low, tree.nodes[at(n)].high, query); };
+    const bool left_first = distance(box.left) <= distance(box.right);
+    stack[at(++top)] = left_first ? box.right : box.left;
+    stack[at(++top)] = left_first ? box.left : box.right;
+  }
+}
+
+void Surface::build_trees() {
+  std::vector<std::array<Eigen::Array3d, 2>> boxes;
+  for (const auto& f : mesh_.faces) {
+    const auto a = mesh_.vertices[at(f[0])].array(), b = mesh_.vertices[at(f[1])].array(), c = mesh_.vertices[at(f[2])].array();
+    boxes.push_back({Eigen::Array3d(a.min(b).min(c)), Eigen::Array3d(a.max(b).max(c))});
+  }
+  face_tree_ = build_tree(boxes);
+  boxes.clear();
+  for (const auto& e : border_edges_) {
+    const auto a = mesh_.vertices[at(e[0])].array(), b = mesh_.vertices[at(e[1])].array();
+    boxes.push_back({Eigen::Array3d(a.min(b)), Eigen::Array3d(a.max(b))});
+  }
+  border_tree_ = build_tree(boxes);
+}
+
+SurfacePoint Surface::closest(const Vec3& query_mm) const {
+  SurfacePoint best;
+  double best_squared = std::numeric_limits<double>::infinity();
+  nearest(face_tree_, query_mm, best_squared, [&](int face) {
+    const auto& f = mesh_.faces[at(face)];
+    const Vec3 &a = mesh_.vertices[at(f[0])], &b = mesh_.vertices[at(f[1])], &c = mesh_.vertices[at(f[2])];
+    const Vec3 weights = closest_on_triangle(query_mm, a, b, c);
+    const Vec3 p = weights[0] * a + weights[1] * b + weights[2] * c;
+    const double squared = (p - query_mm).squaredNorm();
+    if (squared < best_squared) {
+      best_squared = squared;
+      best = {p, face, weights, 0.0};
+    }
+  });
+  best.distance_mm = std::sqrt(best_squared);
+  return best;
+}
+
+double Surface::border_distance(const Vec3& query_mm) const {
+  double best_squared = std::numeric_limits<double>::infinity();
+  nearest(border_tree_, query_mm, best_squared, [&](int edge) {
+    const auto& e = border_edges_[at(edge)];
+    const Vec3 p = closest_on_segment(query_mm, mesh_.vertices[at(e[0])], mesh_.vertices[at(e[1])]);
+    best_squared = std::min(best_squared, (p - query_mm).squaredNorm());
+  });
+  return std::sqrt(best_squared);
+}
+
+Vec3 Surface::normal_at(const SurfacePoint& point) const {
+  const auto& f = mesh_.faces[at(point.face)];
+  const Vec3 n = point.barycentric[0] * vertex_normal_[at(f[0])] + point.barycentric[1] * vertex_normal_[at(f[1])] +
+                 point.barycentric[2] * vertex_normal_[at(f[2])];
+  return n.norm() > 1e-9 ? Vec3(n.normalized()) : face_normal_[at(point.face)];
+}
+
+}  // namespace triskin::geometry
