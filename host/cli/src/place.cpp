@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "triskin/cli/command.hpp"
+#include "triskin/geometry/placement.hpp"
+#include "triskin/geometry/polygon_io.hpp"
+
+namespace triskin::cli {
+namespace {
+
+using geometry::PlacementMethod;
+
+struct Options {
+  std::string polygon;
+  geometry::PlacementOptions placement;
+};
+
+int run(const Options& options, Output& output) {
+  const geometry::Polygon polygon = geometry::read_polygon(options.polygon);
+  const geometry::PlacementResult r = geometry::place(polygon, options.placement, output.progress());
+  output.result = {{"modules", r.modules},
+                   {"upper_bound", r.upper_bound},
+                   {"proved", r.proved},
+                   {"clearance_mm", r.clearance_mm},
+                   {"tolerance_mm", r.tolerance_mm},
+                   {"placement", {{"x_mm", r.placement.x_mm}, {"y_mm", r.placement.y_mm}, {"theta_rad", r.placement.theta_rad}}},
+                   {"evaluations", r.evaluations},
+                   {"cells", r.cells},
+                   {"seconds", r.seconds}};
+  nlohmann::json tiles = nlohmann::json::array();
+  for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
+  output.result["tiles"] = std::move(tiles);
+  if (!output.json()) {
+    output.say(fmt::format("{} modules, upper bound {}{}; clearance {:.4f} mm at tolerance {:g} mm", r.modules, r.upper_bound,
+                           r.proved ? " (proved optimal)" : "", r.clearance_mm, r.tolerance_mm));
+    output.say(fmt::format("placement x {:.6f} mm, y {:.6f} mm, theta {:.9f} rad; {} cells, {:.3f} s", r.placement.x_mm,
+                           r.placement.y_mm, r.placement.theta_rad, r.cells, r.seconds));
+  }
+  return 0;
+}
+
+const Registration kPlace{{
+    "place", "place a polygon on the isometric grid so that as many modules as possible lie wholly inside",
+    "triskin place outline.geojson --method bnb --json",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      static const std::map<std::string, PlacementMethod> kMethods{
+          {"bnb", PlacementMethod::kBranchAndBound}, {"r1", PlacementMethod::kR1}, {"r2", PlacementMethod::kR2},
+          {"r3", PlacementMethod::kR3}, {"r4", PlacementMethod::kR4}, {"r5", PlacementMethod::kR5},
+          {"r6", PlacementMethod::kR6}, {"r7", PlacementMethod::kR7}};
+      app.add_option("POLYGON", options->polygon, "GeoJSON or WKT polygon in mm, holes allowed")->required();
+      app.add_option("--method", options->placement.method, "bnb (certified) or one of the paper's r1 … r7")
+          ->transform(CLI::CheckedTransformer(kMethods, CLI::ignore_case));
+      app.add_option("--tolerance-mm", options->placement.tolerance_mm, "a module may stand over by this much")->capture_default_str();
+      app.add_option("--gap-mm", options->placement.gap_mm, "free space between modules")->capture_default_str();
+      app.add_option("--time-limit-s", options->placement.time_limit_s, "0: none")->capture_default_str();
+      app.add_option("--threads", options->placement.threads, "0: all cores; the answer does not depend on it")->check(CLI::Range(0, 1024));
+      app.add_option("--seed", options->placement.seed, "for the random heuristics")->capture_default_str();
+      return [options](Output& output) { return run(*options, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "tile_polygon.hpp"
+
+namespace triskin::geometry {
+
+struct HeuristicResult {
+  Motion motion;
+  int modules = -1;
+  std::int64_t evaluations = 0;
+};
+
+/// The paper's scheme: Algorithm 1 evaluates a placement, Algorithm 2 keeps the best of a list, R1–R7 make the lists
+/// (docs/placement.md says what each list holds). Deterministic for a seed.
+[[nodiscard]] HeuristicResult run_heuristic(const PreparedPolygon& polygon, const PlacementOptions& options);
+
+}  // namespace triskin::geometry
