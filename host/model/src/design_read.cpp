@@ -2,9 +2,9 @@
 #include <charconv>
 #include <optional>
 
-#include "json_reader.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/model/design.hpp"
+#include "triskin/model/json_value.hpp"
 
 namespace triskin::model {
 namespace {
@@ -162,30 +162,6 @@ Design::Report read_report(const JsonValue& v) {
   return r;
 }
 
-nlohmann::json parse(const std::string& text, const std::string& file) {
-  // The parser recurses: bound the depth before it does.
-  int depth = 0;
-  bool in_text = false;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const char c = text[k];
-    if (in_text) {
-      if (c == '\\') ++k;
-      if (c == '"') in_text = false;
-    } else if (c == '"') {
-      in_text = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > 64) throw InputError(fmt::format("{}: nested deeper than 64; not a design file", file));
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  try {
-    return nlohmann::json::parse(text);
-  } catch (const nlohmann::json::exception& e) {
-    throw InputError(fmt::format("{}: not JSON ({}); give a file that `triskin design` wrote", file, e.what()));
-  }
-}
-
 void check_head(const JsonValue& v) {
   if (v["format"].text() != "triskin-design") v["format"].fail("must be \"triskin-design\"");
   const int version = v["version"].integer(0, kMaxCount);
@@ -199,7 +175,7 @@ void check_head(const JsonValue& v) {
 
 Design read_design(const std::filesystem::path& path) {
   const std::string file = path.string();
-  const nlohmann::json document = parse(read_file(path), file);
+  const nlohmann::json document = parse_json(read_file(path), file);
   const JsonValue v(document, file, "");
   check_head(v);
   Design d;
