@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "triskin/geometry/module_layout.hpp"
+#include "triskin/geometry/surface.hpp"
 #include "triskin/geometry/types.hpp"
+#include "triskin/host/progress.hpp"
 
 namespace triskin::geometry {
 
@@ -21,5 +23,15 @@ struct Net {
   std::vector<Piece> pieces;
   int overlaps = 0;  ///< pairs of flat triangles of one piece that overlap; 0 in a valid net
 };
+
+struct UnfoldingOptions {
+  double edge_error_mm = 1.0;  ///< largest edge error of a piece, for an edge of 30 mm
+  int iterations = 60;         ///< of the local/global flattening
+};
+
+/// Unfolds a surface into flat pieces at true scale: flattens (as rigid as possible), and while a piece has a larger edge
+/// error, a flipped triangle or an outline that crosses itself, divides it in two. Ends always: single triangles are flat.
+/// Deterministic. Cost: about O(n log n) per level of division.
+[[nodiscard]] Net unfold(const Surface& surface, const UnfoldingOptions& options = {}, const ProgressSink& progress = {});
 
 }  // namespace triskin::geometry

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "triskin/geometry/types.hpp"
+#include "triskin/host/progress.hpp"
+
+namespace triskin::geometry {
+
+/// What making a surface from a raw mesh changed.
+struct ExtractReport {
+  int removed_components = 0;   ///< small or hidden parts
+  int removed_faces = 0;        ///< faces at edges with more than two faces, hidden faces
+  int flipped_faces = 0;
+  int boundary_loops = 0;
+};
+
+struct Extraction {
+  Mesh surface;  ///< manifold, oriented outwards where a side can be told
+  ExtractReport report;
+};
+
+/// Makes a manifold, consistently oriented surface of a welded mesh: drops faces beyond two at an edge (the ones that turn
+/// most), orients each component over its edges (a Möbius band is cut), splits pinched vertices, and drops components smaller
+/// than a module. Throws InputError when nothing is left. Cost: O(n log n).
+[[nodiscard]] Extraction extract(const Mesh& mesh, const ProgressSink& progress = {});
+
+}  // namespace triskin::geometry

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/geometry/extract.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
+
+#include "triskin/geometry/lattice.hpp"
+#include "triskin/geometry/surface.hpp"
+#include "triskin/host/error.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+struct Side {
+  int face, side;
+};
+
+class Extractor {
+ public:
+  explicit Extractor(const Mesh& mesh) : mesh_(mesh) {}
+
+  Extraction run() {
+    pair_faces();
+    orient_components();
+    keep_large_components();
+    rebuild();
+    Extraction out{std::move(result_), report_};
+    out.report.boundary_loops = static_cast<int>(Surface(out.surface).border_loops().size());
+    return out;
+  }
+
+ private:
+  [[nodiscard]] Vec3 cross_of(int face) const {
+    const auto& f = mesh_.faces[at(face)];
+    const Vec3 &a = mesh_.vertices[at(f[0])], &b = mesh_.vertices[at(f[1])], &c = mesh_.vertices[at(f[2])];
+    return (b - a).cross(c - a);
+  }
+
+  // At an edge with more than two faces only the flattest pair stays joined; there the others get a border.
+  void pair_faces() {
+    std::map<std::pair<int, int>, std::vector<Side>> edges;
+    for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
+      for (int s = 0; s < 3; ++s) {
+        const auto [a, b] = std::minmax(mesh_.faces[f][at(s)], mesh_.faces[f][at((s + 1) % 3)]);
+        edges[{a, b}].push_back({static_cast<int>(f), s});
+      }
+    }
+    neighbour_.assign(mesh_.faces.size(), {-1, -1, -1});
+    for (const auto& [edge, sides] : edges) {
+      if (sides.size() < 2) continue;
+      std::pair<std::size_t, std::size_t> best{0, 1};
+      double flattest = -2.0;
+      for (std::size_t i = 0; i < sides.size(); ++i) {
+        for (std::size_t k = i + 1; k < sides.size(); ++k) {
+          const bool same_direction = start(sides[i]) == start(sides[k]);
+          const double cosine = cross_of(sides[i].face).normalized().dot(cross_of(sides[k].face).normalized()) * (same_direction ? -1 : 1);
+          if (cosine > flattest) {
+            flattest = cosine;
+            best = {i, k};
+          }
+        }
+      }
+      const Side &a = sides[best.first], &b = sides[best.second];
+      neighbour_[at(a.face)][at(a.side)] = b.face;
+      neighbour_[at(b.face)][at(b.side)] = a.face;
+    }
+  }
+  [[nodiscard]] int start(const Side& s) const { return mesh_.faces[at(s.face)][at(s.side)]; }
+
+  // Walks each component; where a face that is already oriented disagrees, the edge is opened.
+  void orient_components() {
+    component_.assign(mesh_.faces.size(), -1);
+    flipped_.assign(mesh_.faces.size(), false);
+    for (std::size_t first = 0; first < mesh_.faces.size(); ++first) {
+      if (component_[first] >= 0) continue;
+      const int id = static_cast<int>(areas_.size());
+      areas_.push_back(0.0);
+      std::vector<int> queue{static_cast<int>(first)};
+      component_[first] = id;
+      for (std::size_t q = 0; q < queue.size(); ++q) {
+        const int f = queue[q];
+        areas_.back() += 0.5 * cross_of(f).norm();
+        for (int s = 0; s < 3; ++s) visit_neighbour(f, s, id, queue);
+      }
+      prefer_majority(queue);
+    }
+  }
+
+  void visit_neighbour(int f, int s, int id, std::vector<int>& queue) {
+    const int n = neighbour_[at(f)][at(s)];
+    if (n < 0) return;
+    int back = 0;
+    while (neighbour_[at(n)][at(back)] != f || !same_edge(f, s, n, back)) {
+      if (++back == 3) return;
+    }
+    const bool agrees = start({f, s}) != start({n, back});  // as stored, before any flip
+    const bool wanted = agrees ? flipped_[at(f)] : !flipped_[at(f)];
+    if (component_[at(n)] < 0) {
+      component_[at(n)] = id;
+      flipped_[at(n)] = wanted;
+      queue.push_back(n);
+    } else if (flipped_[at(n)] != wanted) {
+      neighbour_[at(f)][at(s)] = -1;
+      neighbour_[at(n)][at(back)] = -1;
+    }
+  }
+  [[nodiscard]] bool same_edge(int f, int s, int n, int back) const {
+    const auto& a = mesh_.faces[at(f)];
+    const auto& b = mesh_.faces[at(n)];
+    return std::minmax(a[at(s)], a[at((s + 1) % 3)]) == std::minmax(b[at(back)], b[at((back + 1) % 3)]);
+  }
+
+  // The file's own orientation wins where most of the area has it.
+  void prefer_majority(const std::vector<int>& faces) {
+    double turned = 0.0, total = 0.0;
+    for (const int f : faces) {
+      const double area = cross_of(f).norm();
+      total += area;
+      if (flipped_[at(f)]) turned += area;
+    }
+    const bool invert = turned > 0.5 * total;
+    for (const int f : faces) {
+      if (invert) flipped_[at(f)] = !flipped_[at(f)];
+      report_.flipped_faces += flipped_[at(f)] ? 1 : 0;
+    }
+  }
+
+  void keep_large_components() {
+    keep_.assign(areas_.size(), false);
+    for (std::size_t k = 0; k < areas_.size(); ++k) {
+      keep_[k] = areas_[k] >= kModuleArea_mm2;
+      report_.removed_components += keep_[k] ? 0 : 1;
+    }
+    if (std::ranges::count(keep_, true) == 0) {
+      throw InputError("surface: no connected part is as large as one module (3.9 cm²); check the mesh and its unit (--unit)");
+    }
+  }
+
+  // New vertices: one per fan of joined faces, so that no edge has more than two faces and no vertex is pinched.
+  void rebuild() {
+    std::vector<std::array<int, 3>> vertex(mesh_.faces.size(), {-1, -1, -1});
+    for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
+      if (!keep_[at(component_[f])]) {
+        ++report_.removed_faces;
+        continue;
+      }
+      for (int k = 0; k < 3; ++k) {
+        if (vertex[f][at(k)] < 0) spread(static_cast<int>(f), k, vertex);
+      }
+      std::array<int, 3> face = vertex[f];
+      if (flipped_[f]) std::swap(face[1], face[2]);
+      result_.faces.push_back(face);
+    }
+  }
+
+  void spread(int face, int k, std::vector<std::array<int, 3>>& vertex) {
+    const int old = mesh_.faces[at(face)][at(k)];
+    const int id = static_cast<int>(result_.vertices.size());
+    result_.vertices.push_back(mesh_.vertices[at(old)]);
+    std::vector<int> fan{face};
+    vertex[at(face)][at(k)] = id;
+    for (std::size_t q = 0; q < fan.size(); ++q) {
+      const auto& corners = mesh_.faces[at(fan[q])];
+      for (int s = 0; s < 3; ++s) {
+        if (corners[at(s)] != old && corners[at((s + 1) % 3)] != old) continue;
+        const int n = neighbour_[at(fan[q])][at(s)];
+        if (n < 0) continue;
+        for (int c = 0; c < 3; ++c) {
+          if (mesh_.faces[at(n)][at(c)] != old || vertex[at(n)][at(c)] >= 0) continue;
+          vertex[at(n)][at(c)] = id;
+          fan.push_back(n);
+        }
+      }
+    }
+  }
+
+  const Mesh& mesh_;
+  std::vector<std::array<int, 3>> neighbour_;
+  std::vector<int> component_;
+  std::vector<bool> flipped_;
+  std::vector<double> areas_;
+  std::vector<bool> keep_;
+  Mesh result_;
+  ExtractReport report_;
+};
+
+}  // namespace
+
+Extraction extract(const Mesh& mesh, const ProgressSink& progress) {
+  report(progress, "extracting", 0.0);
+  return Extractor(mesh).run();
+}
+
+}  // namespace triskin::geometry

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "triskin/geometry/surface.hpp"
+
+namespace triskin::geometry {
+
+/// A connected set of faces with its own vertices, laid flat.
+struct FlatChart {
+  std::vector<int> faces;                      ///< of the surface
+  std::vector<std::array<int, 3>> local_faces; ///< into `flat`, same corner order
+  std::vector<int> vertices;                   ///< surface vertex of each local vertex
+  std::vector<Vec2> flat;                      ///< mm
+};
+
+/// Lays the faces flat, each as rigid as possible: starts from an unfolding along the shortest dual paths from the
+/// middle face, then alternates best rotations and one prefactored sparse solve (Sorkine and Alexa, 2007; Liu et al., 2008).
+[[nodiscard]] FlatChart flatten(const Surface& surface, const std::vector<int>& faces, int iterations);
+
+/// Largest and root mean square |flat − surface| length of an edge, scaled to an edge of 30 mm.
+struct EdgeError {
+  double max_mm = 0.0, rms_mm = 0.0;
+};
+[[nodiscard]] EdgeError edge_error(const Surface& surface, const FlatChart& chart);
+
+/// True when a flat triangle is turned over or without area.
+[[nodiscard]] bool has_flip(const FlatChart& chart);
+
+/// Border loops of the chart as local vertices; the longest first.
+[[nodiscard]] std::vector<std::vector<int>> chart_loops(const FlatChart& chart);
+
+}  // namespace triskin::geometry
