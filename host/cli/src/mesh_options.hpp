@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <CLI/CLI.hpp>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "triskin/geometry/mesh_io.hpp"
+
+namespace triskin::cli {
+
+/// --unit mm|cm|m, for every command that reads a mesh.
+struct UnitOption {
+  std::optional<geometry::LengthUnit> unit;
+
+  void add_to(CLI::App& app) {
+    static const std::map<std::string, geometry::LengthUnit> kUnits{{"mm", geometry::LengthUnit::kMillimetre},
+                                                                    {"cm", geometry::LengthUnit::kCentimetre},
+                                                                    {"m", geometry::LengthUnit::kMetre}};
+    app.add_option("--unit", unit, "unit of the mesh's numbers: mm, cm or m")->transform(CLI::CheckedTransformer(kUnits));
+  }
+};
+
+}  // namespace triskin::cli

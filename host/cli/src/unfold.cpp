@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/geometry/unfolding.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "mesh_options.hpp"
+#include "triskin/cli/command.hpp"
+#include "triskin/geometry/extract.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::cli {
+namespace {
+
+using nlohmann::json;
+
+struct Options {
+  std::string surface, output;
+  UnitOption unit;
+  geometry::UnfoldingOptions unfolding;
+};
+
+json ring_json(const std::vector<geometry::Vec2>& ring) {
+  json out = json::array();
+  for (const auto& p : ring) out.push_back({p.x(), p.y()});
+  return out;
+}
+
+json net_json(const geometry::Net& net) {
+  json pieces = json::array();
+  for (const geometry::Piece& p : net.pieces) {
+    json holes = json::array(), flat = json::array();
+    for (const auto& hole : p.outline.holes) holes.push_back(ring_json(hole));
+    for (const auto& t : p.flat) flat.push_back(ring_json({t.begin(), t.end()}));
+    pieces.push_back({{"outline", ring_json(p.outline.outer)}, {"holes", std::move(holes)}, {"faces", p.faces},
+                      {"flat", std::move(flat)}, {"max_edge_error_mm", p.max_edge_error_mm}, {"rms_edge_error_mm", p.rms_edge_error_mm}});
+  }
+  return {{"format", "triskin-net"}, {"version", 1}, {"pieces", std::move(pieces)}};
+}
+
+int run(const Options& options, Output& output) {
+  const auto start = std::chrono::steady_clock::now();
+  const geometry::MeshFile file = geometry::read_mesh(options.surface, options.unit.unit);
+  const geometry::Surface surface(geometry::extract(file.mesh).surface);
+  const geometry::Net net = geometry::unfold(surface, options.unfolding, output.progress());
+  write_file_atomically(options.output, net_json(net).dump() + "\n");
+  double max_mm = 0.0, squares = 0.0, faces = 0.0;
+  for (const auto& p : net.pieces) {
+    const auto n = static_cast<double>(p.faces.size());
+    max_mm = std::max(max_mm, p.max_edge_error_mm);
+    squares += n * p.rms_edge_error_mm * p.rms_edge_error_mm;
+    faces += n;
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  output.result = {{"pieces", net.pieces.size()}, {"area_cm2", surface.area_mm2() / 100.0}, {"max_edge_error_mm", max_mm},
+                   {"rms_edge_error_mm", std::sqrt(squares / faces)}, {"overlaps", net.overlaps}, {"seconds", seconds}};
+  output.say(fmt::format("{} pieces, {:.1f} cm², edge error at most {:.3f} mm (rms {:.3f} mm) on 30 mm, {} overlaps; {:.2f} s",
+                         net.pieces.size(), surface.area_mm2() / 100.0, max_mm, std::sqrt(squares / faces), net.overlaps, seconds));
+  return 0;
+}
+
+const Registration kUnfold{{
+    "unfold", "unfold a surface into flat pieces at true scale", "triskin unfold surface.obj -o net.json",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      app.add_option("SURFACE", options->surface, "OBJ, STL, PLY, OFF or DAE")->required();
+      app.add_option("-o,--output", options->output, "net (JSON, docs/unfolding.md)")->required();
+      app.add_option("--edge-error-mm", options->unfolding.edge_error_mm, "largest edge error on 30 mm")->check(CLI::Range(1e-6, 30.0))->capture_default_str();
+      options->unit.add_to(app);
+      return [options](Output& output) { return run(*options, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli

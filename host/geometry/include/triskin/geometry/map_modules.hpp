@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "triskin/geometry/module_layout.hpp"
+#include "triskin/geometry/placement.hpp"
+#include "triskin/geometry/surface.hpp"
+#include "triskin/geometry/unfolding.hpp"
+
+namespace triskin::geometry {
+
+/// A piece with its tiles on the plane.
+struct PlacedPiece {
+  const Piece* piece = nullptr;
+  Placement placement;
+  std::vector<Tile> tiles;
+};
+
+/// Brings placed tiles back to the surface as rigid modules: corners through the flat triangles, then joined corners are
+/// averaged, projected and refitted (Kabsch) until they settle; modules and joints that break a limit are given up, the
+/// worst first. Islands are what stays joined. Metrics of each module are measured against the surface (measure.hpp).
+[[nodiscard]] ModuleLayout map_modules(const Surface& surface, const std::vector<PlacedPiece>& pieces, const LayoutLimits& limits);
+
+/// Measures every metric of every module of the layout. Sides are sampled at most 1 mm apart. Cost: ~200 closest-point
+/// queries a module and near pairs for penetration.
+void measure(const Surface& surface, ModuleLayout& layout);
+
+/// Depth of overlap of two modules in the plane of their mean normal, 0 when apart or not lying over each other, mm.
+[[nodiscard]] double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);
+
+}  // namespace triskin::geometry

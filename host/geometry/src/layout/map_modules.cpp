@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/geometry/map_modules.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+namespace triskin::geometry {
+namespace {
+
+std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+// The rigid module nearest to three points (Kabsch, 1976).
+std::array<Vec3, 3> fit_rigid(const std::array<Vec3, 3>& target) {
+  static const std::array<Vec3, 3> kRest{Vec3(-15, -kHeight_mm / 3, 0), Vec3(15, -kHeight_mm / 3, 0), Vec3(0, 2 * kHeight_mm / 3, 0)};
+  const Vec3 center = (target[0] + target[1] + target[2]) / 3.0;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < 3; ++k) covariance += (target[k] - center) * kRest[k].transpose();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
+  const Eigen::Matrix3d rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  return {Vec3(center + rotation * kRest[0]), Vec3(center + rotation * kRest[1]), Vec3(center + rotation * kRest[2])};
+}
+
+// Point of the flat piece → point of the surface.
+class PieceMap {
+ public:
+  PieceMap(const Surface& surface, const PlacedPiece& placed) : surface_(surface), placed_(placed) {
+    for (const auto& t : placed.piece->flat) {
+      const Vec2 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
+      boxes_.push_back({low, high});
+    }
+  }
+
+  [[nodiscard]] Vec3 at_grid_vertex(int i, int j) const {
+    const double c = std::cos(placed_.placement.theta_rad), s = std::sin(placed_.placement.theta_rad);
+    const Vec2 d = grid_point(i, j) - Vec2(placed_.placement.x_mm, placed_.placement.y_mm);
+    return at_flat({c * d.x() + s * d.y(), -s * d.x() + c * d.y()});
+  }
+
+ private:
+  // The triangle that holds the point, or (rounding at the border) misses it least.
+  [[nodiscard]] Vec3 at_flat(const Vec2& p) const {
+    double best = -1e300;
+    Vec3 best_weights = Vec3::Zero();
+    std::size_t best_triangle = 0;
+    for (std::size_t k = 0; k < boxes_.size(); ++k) {
+      if ((p - boxes_[k][0]).minCoeff() < -1.0 || (boxes_[k][1] - p).minCoeff() < -1.0) continue;
+      const auto& t = placed_.piece->flat[k];
+      const auto area = [](const Vec2& u, const Vec2& v) { return u.x() * v.y() - u.y() * v.x(); };
+      const double total = area(t[1] - t[0], t[2] - t[0]);
+      const Vec3 w(area(t[1] - p, t[2] - p) / total, area(t[2] - p, t[0] - p) / total, area(t[0] - p, t[1] - p) / total);
+      if (w.minCoeff() > best) {
+        best = w.minCoeff();
+        best_weights = w;
+        best_triangle = k;
+      }
+    }
+    const auto& face = surface_.mesh().faces[at(placed_.piece->faces[best_triangle])];
+    const auto& v = surface_.mesh().vertices;
+    return best_weights[0] * v[at(face[0])] + best_weights[1] * v[at(face[1])] + best_weights[2] * v[at(face[2])];
+  }
+
+  const Surface& surface_;
+  const PlacedPiece& placed_;
+  std::vector<std::array<Vec2, 2>> boxes_;
+};
+
+class Mapper {
+ public:
+  Mapper(const Surface& surface, const LayoutLimits& limits) : surface_(surface), limits_(limits) { layout_.method = "pieces"; }
+
+  ModuleLayout run(const std::vector<PlacedPiece>& pieces) {
+    for (std::size_t p = 0; p < pieces.size(); ++p) add_piece(pieces[p], static_cast<int>(p));
+    relax();
+    give_up_bad();
+    number_islands();
+    measure(surface_, layout_);
+    for (const auto& [limit, count] : refused_) layout_.refused.emplace_back(limit, count);
+    return std::move(layout_);
+  }
+
+ private:
+  void add_piece(const PlacedPiece& placed, int piece) {
+    const PieceMap map(surface_, placed);
+    std::map<Tile, int> index;
+    for (const Tile& tile : placed.tiles) {
+      PlacedModule m;
+      m.tile = tile;
+      m.island = piece;
+      for (int c = 0; c < 3; ++c) {
+        const auto [i, j] = tile_corner_index(tile, c);
+        m.corner_mm[at(c)] = map.at_grid_vertex(i, j);
+      }
+      m.corner_mm = fit_rigid(m.corner_mm);
+      index[tile] = static_cast<int>(layout_.modules.size());
+      layout_.modules.push_back(m);
+    }
+    for (const auto& [tile, k] : index) {
+      for (int s = 0; s < 3; ++s) {
+        const auto found = index.find(across(tile, s).tile);
+        if (found != index.end()) layout_.modules[at(k)].neighbour[at(s)] = found->second;
+      }
+    }
+  }
+
+  // Joined corners pull each other together on the surface; the modules stay rigid.
+  void relax() {
+    for (int step = 0; step < 40; ++step) {
+      std::vector<std::array<Vec3, 3>> target(layout_.modules.size());
+      for (std::size_t k = 0; k < layout_.modules.size(); ++k) {
+        const PlacedModule& m = layout_.modules[k];
+        for (int c = 0; c < 3; ++c) target[k][at(c)] = 0.7 * pulled_corner(m, c) + 0.3 * m.corner_mm[at(c)];
+      }
+      for (std::size_t k = 0; k < layout_.modules.size(); ++k) layout_.modules[k].corner_mm = fit_rigid(target[k]);
+    }
+  }
+
+  [[nodiscard]] Vec3 pulled_corner(const PlacedModule& m, int c) const {
+    Vec3 sum = m.corner_mm[at(c)];
+    int n = 1;
+    // Corner c ends side c and begins side c + 2.
+    for (const int s : {c, (c + 2) % 3}) {
+      if (m.neighbour[at(s)] < 0) continue;
+      const int t = across(m.tile, s).side;
+      sum += layout_.modules[at(m.neighbour[at(s)])].corner_mm[at(s == c ? (t + 1) % 3 : t)];
+      ++n;
+    }
+    return surface_.closest(sum / n).position_mm;
+  }
+
+  void remove(const std::vector<bool>& bad) {
+    std::vector<int> target(layout_.modules.size(), -1);
+    std::vector<PlacedModule> kept;
+    for (std::size_t k = 0; k < bad.size(); ++k) {
+      if (bad[k]) continue;
+      target[k] = static_cast<int>(kept.size());
+      kept.push_back(layout_.modules[k]);
+    }
+    for (PlacedModule& m : kept) {
+      for (int& n : m.neighbour) n = n < 0 ? -1 : target[at(n)];
+    }
+    layout_.modules = std::move(kept);
+  }
+
+  // How far over its limit, 1 = at the limit; the name of the limit that is broken most.
+  [[nodiscard]] std::pair<double, const char*> worst(const PlacedModule& m) const {
+    return std::max({std::pair{m.edge_error_mm / limits_.edge_error_mm, "edge_error_mm"},
+                     std::pair{m.center_gap_mm / limits_.center_gap_mm, "center_gap_mm"},
+                     std::pair{m.penetration_mm / limits_.penetration_mm, "penetration_mm"},
+                     std::pair{m.overrun_mm / limits_.overrun_mm, "overrun_mm"}},
+                    [](const auto& a, const auto& b) { return a.first < b.first; });
+  }
+
+  // First joints (they become slits), then modules; a margin of 2 % keeps another measurement from disagreeing.
+  void give_up_bad() {
+    for (;;) {
+      measure(surface_, layout_);
+      if (open_bad_joints()) continue;
+      double highest = 0.98;
+      int which = -1;
+      for (std::size_t k = 0; k < layout_.modules.size(); ++k) {
+        if (worst(layout_.modules[k]).first > highest) {
+          highest = worst(layout_.modules[k]).first;
+          which = static_cast<int>(k);
+        }
+      }
+      if (which < 0) return;
+      ++refused_[worst(layout_.modules[at(which)]).second];
+      std::vector<bool> bad(layout_.modules.size(), false);
+      bad[at(which)] = true;
+      remove(bad);
+    }
+  }
+
+  bool open_bad_joints() {
+    bool any = false;
+    for (PlacedModule& m : layout_.modules) {
+      for (int s = 0; s < 3; ++s) {
+        if (m.neighbour[at(s)] < 0) continue;
+        if (m.hinge_gap_mm[at(s)] <= 0.98 * limits_.hinge_gap_mm && m.fold_rad[at(s)] <= 0.98 * limits_.fold_rad) continue;
+        layout_.modules[at(m.neighbour[at(s)])].neighbour[at(across(m.tile, s).side)] = -1;
+        m.neighbour[at(s)] = -1;
+        any = true;
+      }
+    }
+    return any;
+  }
+
+  void number_islands() {
+    std::vector<int> island(layout_.modules.size(), -1);
+    for (std::size_t first = 0; first < island.size(); ++first) {
+      if (island[first] >= 0) continue;
+      std::vector<int> queue{static_cast<int>(first)};
+      island[first] = layout_.islands;
+      for (std::size_t q = 0; q < queue.size(); ++q) {
+        for (const int n : layout_.modules[at(queue[q])].neighbour) {
+          if (n < 0 || island[at(n)] >= 0) continue;
+          island[at(n)] = layout_.islands;
+          queue.push_back(n);
+        }
+      }
+      ++layout_.islands;
+    }
+    for (std::size_t k = 0; k < island.size(); ++k) layout_.modules[k].island = island[k];
+  }
+
+  const Surface& surface_;
+  const LayoutLimits limits_;
+  ModuleLayout layout_;
+  std::map<std::string, int> refused_;
+};
+
+}  // namespace
+
+ModuleLayout map_modules(const Surface& surface, const std::vector<PlacedPiece>& pieces, const LayoutLimits& limits) {
+  return Mapper(surface, limits).run(pieces);
+}
+
+}  // namespace triskin::geometry

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "triskin/geometry/map_modules.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+std::size_t at(int k) { return static_cast<std::size_t>(k); }
+constexpr double kNear_mm = 45.0;     // centroids farther apart than two circumradii and some height cannot touch
+constexpr double kLayer_mm = 10.0;    // modules this far apart along the normal lie on different sheets
+constexpr int kSideSamples = 31;
+
+Vec3 normal_of(const std::array<Vec3, 3>& t) { return (t[1] - t[0]).cross(t[2] - t[0]).normalized(); }
+Vec3 centroid_of(const std::array<Vec3, 3>& t) { return (t[0] + t[1] + t[2]) / 3.0; }
+
+double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+// Smallest overlap of the two projected triangles over the directions normal to their six sides (separating axes).
+double planar_depth(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto* t : {&a, &b}) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec2 d = ((*t)[(k + 1) % 3] - (*t)[k]).normalized();
+      const Vec2 n(d.y(), -d.x());
+      double a_low = 1e300, a_high = -1e300, b_low = 1e300, b_high = -1e300;
+      for (std::size_t c = 0; c < 3; ++c) {
+        a_low = std::min(a_low, n.dot(a[c]));
+        a_high = std::max(a_high, n.dot(a[c]));
+        b_low = std::min(b_low, n.dot(b[c]));
+        b_high = std::max(b_high, n.dot(b[c]));
+      }
+      least = std::min({least, a_high - b_low, b_high - a_low});
+      if (least <= 0.0) return 0.0;
+    }
+  }
+  return least;
+}
+
+struct SurfaceMetrics {
+  double overrun = 0.0, depth = 0.0;
+};
+
+// Along the sides: how deep they lie under the surface, and how far they stand over its border.
+SurfaceMetrics along_sides(const Surface& surface, const std::array<Vec3, 3>& corners) {
+  SurfaceMetrics m;
+  for (std::size_t s = 0; s < 3; ++s) {
+    for (int k = 0; k < kSideSamples; ++k) {
+      const Vec3 p = corners[s] + (corners[(s + 1) % 3] - corners[s]) * (static_cast<double>(k) / kSideSamples);
+      const SurfacePoint c = surface.closest(p);
+      const Vec3 d = p - c.position_mm;
+      const Vec3 n = surface.normal_at(c);
+      m.depth = std::max(m.depth, -d.dot(n));
+      if (surface.border_distance(c.position_mm) < 1e-6) m.overrun = std::max(m.overrun, (d - d.dot(n) * n).norm());
+    }
+  }
+  return m;
+}
+
+// Normals at corners and centre turn by the curvature times the distance.
+double smallest_radius(const Surface& surface, const std::array<Vec3, 3>& corners) {
+  const Vec3 middle = centroid_of(corners);
+  const Vec3 n = surface.normal_at(surface.closest(middle));
+  double largest_turn = 0.0;
+  for (const Vec3& c : corners) largest_turn = std::max(largest_turn, angle_between(n, surface.normal_at(surface.closest(c))));
+  return largest_turn > 1e-6 ? (corners[0] - middle).norm() / largest_turn : 0.0;
+}
+
+}  // namespace
+
+double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+  const Vec3 ca = centroid_of(a), cb = centroid_of(b);
+  if ((ca - cb).norm() > kNear_mm) return 0.0;
+  const Vec3 na = normal_of(a), nb = normal_of(b);
+  if (na.dot(nb) < -0.2) return 0.0;
+  const Vec3 n = (na + nb).normalized();
+  if (std::abs(n.dot(ca - cb)) > kLayer_mm) return 0.0;
+  const Vec3 x = (a[1] - a[0] - n.dot(a[1] - a[0]) * n).normalized(), y = n.cross(x);
+  const auto flat = [&](const std::array<Vec3, 3>& t) {
+    return std::array{Vec2(x.dot(t[0]), y.dot(t[0])), Vec2(x.dot(t[1]), y.dot(t[1])), Vec2(x.dot(t[2]), y.dot(t[2]))};
+  };
+  return planar_depth(flat(a), flat(b));
+}
+
+void measure(const Surface& surface, ModuleLayout& layout) {
+  auto& modules = layout.modules;
+  for (PlacedModule& m : modules) {
+    m.penetration_mm = 0.0;
+    m.edge_error_mm = 0.0;
+    m.center_gap_mm = surface.closest(centroid_of(m.corner_mm)).distance_mm;
+    const SurfaceMetrics sides = along_sides(surface, m.corner_mm);
+    m.edge_depth_mm = sides.depth;
+    m.overrun_mm = sides.overrun;
+    m.bend_radius_mm = smallest_radius(surface, m.corner_mm);
+    for (int s = 0; s < 3; ++s) {
+      m.hinge_gap_mm[at(s)] = m.fold_rad[at(s)] = 0.0;
+      if (m.neighbour[at(s)] < 0) continue;
+      const PlacedModule& other = modules[at(m.neighbour[at(s)])];
+      const int t = across(m.tile, s).side;
+      const double gap = std::max((m.corner_mm[at(s)] - other.corner_mm[at((t + 1) % 3)]).norm(),
+                                  (m.corner_mm[at((s + 1) % 3)] - other.corner_mm[at(t)]).norm());
+      m.hinge_gap_mm[at(s)] = gap;
+      m.fold_rad[at(s)] = angle_between(normal_of(m.corner_mm), normal_of(other.corner_mm));
+      // The net's edge runs between the mean places of its ends, which two rigid sides share.
+      const Vec3 p = 0.5 * (m.corner_mm[at(s)] + other.corner_mm[at((t + 1) % 3)]);
+      const Vec3 q = 0.5 * (m.corner_mm[at((s + 1) % 3)] + other.corner_mm[at(t)]);
+      m.edge_error_mm = std::max(m.edge_error_mm, std::abs((q - p).norm() - kSide_mm));
+    }
+  }
+  for (std::size_t a = 0; a < modules.size(); ++a) {
+    for (std::size_t b = a + 1; b < modules.size(); ++b) {
+      const double depth = penetration_depth(modules[a].corner_mm, modules[b].corner_mm);
+      modules[a].penetration_mm = std::max(modules[a].penetration_mm, depth);
+      modules[b].penetration_mm = std::max(modules[b].penetration_mm, depth);
+    }
+  }
+}
+
+}  // namespace triskin::geometry

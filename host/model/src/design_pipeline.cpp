@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/model/design_pipeline.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "triskin/geometry/extract.hpp"
+#include "triskin/geometry/map_modules.hpp"
+#include "triskin/geometry/polygon_io.hpp"
+#include "triskin/geometry/surface.hpp"
+#include "triskin/model/module_list.hpp"
+
+namespace triskin::model {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// Large pieces first; each may use what its share of the area leaves of the time.
+std::vector<geometry::PlacedPiece> place_pieces(Design& design, const geometry::Net& net, const DesignOptions& options,
+                                                Clock::time_point start, const ProgressSink& progress) {
+  std::vector<geometry::PlacedPiece> placed;
+  double area_left = 0.0;
+  for (const auto& piece : net.pieces) area_left += geometry::polygon_area(piece.outline);
+  for (const geometry::Piece& piece : net.pieces) {
+    const double area = geometry::polygon_area(piece.outline);
+    geometry::PlacementOptions p;
+    p.seed = options.seed;
+    p.time_limit_s = std::max(0.2, 0.7 * (0.8 * options.time_limit_s - seconds_since(start)) * area / std::max(area_left, 1.0));
+    area_left -= area;
+    geometry::PlacementResult result;
+    result.proved = true;  // a piece smaller than a module holds none
+    if (area >= geometry::kModuleArea_mm2) result = geometry::place(piece.outline, p);
+    report(progress, "placing", -1.0, fmt::format("{} modules on piece {} of {}", result.modules, design.pieces.size() + 1, net.pieces.size()));
+    design.pieces.push_back({piece, result});
+  }
+  for (const auto& p : design.pieces) placed.push_back({&p.piece, p.placement.placement, p.placement.tiles});
+  return placed;
+}
+
+void fill_report(Design& design, const geometry::Surface& surface) {
+  Design::Report& r = design.report;
+  r.area_cm2 = surface.area_mm2() / 100.0;
+  r.upper_bound = static_cast<int>(std::floor(surface.area_mm2() / geometry::kModuleArea_mm2));
+  r.coverage = static_cast<double>(design.layout.modules.size()) * geometry::kModuleArea_mm2 / surface.area_mm2();
+  for (const geometry::PlacedModule& m : design.layout.modules) {
+    r.max_edge_error_mm = std::max(r.max_edge_error_mm, m.edge_error_mm);
+    r.max_center_gap_mm = std::max(r.max_center_gap_mm, m.center_gap_mm);
+    for (const double gap : m.hinge_gap_mm) r.max_hinge_gap_mm = std::max(r.max_hinge_gap_mm, gap);
+  }
+}
+
+}  // namespace
+
+Design make_design(const std::filesystem::path& mesh, const DesignOptions& options, const ProgressSink& progress) {
+  const auto start = Clock::now();
+  Design design;
+  design.name = mesh.stem().string();
+  design.source_file = mesh.filename().string();
+  design.seed = options.seed;
+  design.limits = options.limits;
+  const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit);
+  design.scale_to_mm = file.report.scale_to_mm;
+  design.surface = geometry::extract(file.mesh, progress).surface;
+  const geometry::Surface surface(design.surface);
+  const geometry::Net net = geometry::unfold(surface, {.edge_error_mm = options.limits.edge_error_mm}, progress);
+  const auto placed = place_pieces(design, net, options, start, progress);
+  report(progress, "mapping to the surface", -1.0);
+  design.layout = geometry::map_modules(surface, placed, options.limits);
+  geometry::RoutingOptions routing;
+  routing.seed = options.seed;
+  geometry::RoutingResult routes = geometry::route(graph_of(design.layout), routing, progress);
+  design.patches = std::move(routes.patches);
+  fill_report(design, surface);
+  design.report.patches_lower_bound = routes.lower_bound;
+  design.design_id = design_id_of(design);
+  design.report.seconds = seconds_since(start);
+  return design;
+}
+
+}  // namespace triskin::model
