@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace triskin {
+
+using Bytes = std::span<const std::uint8_t>;
+
+/// Writes into a fixed buffer; running over the end sets `ok()` to false and writes nothing more.
+class ByteWriter {
+ public:
+  constexpr explicit ByteWriter(std::span<std::uint8_t> out) : out_(out) {}
+  constexpr void u8(std::uint8_t v) {
+    if (size_ < out_.size()) out_[size_++] = v;
+    else ok_ = false;
+  }
+  constexpr void le16(std::uint16_t v) { little(v, 2); }
+  constexpr void le32(std::uint32_t v) { little(v, 4); }
+  constexpr void le64(std::uint64_t v) { little(v, 8); }
+  constexpr void be16(std::uint16_t v) { big(v, 2); }
+  constexpr void be32(std::uint32_t v) { big(v, 4); }
+  constexpr void bytes(Bytes in) {
+    for (const std::uint8_t b : in) u8(b);
+  }
+  [[nodiscard]] constexpr bool ok() const { return ok_; }
+  [[nodiscard]] constexpr std::size_t size() const { return size_; }
+  [[nodiscard]] constexpr Bytes written() const { return {out_.data(), size_}; }
+
+ private:
+  constexpr void little(std::uint64_t v, int n) {
+    for (int k = 0; k < n; ++k) u8(static_cast<std::uint8_t>(v >> (8 * k)));
+  }
+  constexpr void big(std::uint64_t v, int n) {
+    for (int k = n - 1; k >= 0; --k) u8(static_cast<std::uint8_t>(v >> (8 * k)));
+  }
+  std::span<std::uint8_t> out_;
+  std::size_t size_ = 0;
+  bool ok_ = true;
+};
+
+/// Reads from bytes; reading over the end gives 0 and sets `ok()` to false.
+class ByteReader {
+ public:
+  constexpr explicit ByteReader(Bytes in) : in_(in) {}
+  constexpr std::uint8_t u8() {
+    if (at_ < in_.size()) return in_[at_++];
+    ok_ = false;
+    return 0;
+  }
+  constexpr std::uint16_t le16() { return static_cast<std::uint16_t>(little(2)); }
+  constexpr std::uint32_t le32() { return static_cast<std::uint32_t>(little(4)); }
+  constexpr std::uint64_t le64() { return little(8); }
+  constexpr std::uint16_t be16() { return static_cast<std::uint16_t>(big(2)); }
+  constexpr std::uint32_t be32() { return static_cast<std::uint32_t>(big(4)); }
+  [[nodiscard]] constexpr Bytes rest() const { return in_.subspan(at_); }
+  [[nodiscard]] constexpr bool ok() const { return ok_; }
+
+ private:
+  constexpr std::uint64_t little(int n) {
+    std::uint64_t v = 0;
+    for (int k = 0; k < n; ++k) v |= static_cast<std::uint64_t>(u8()) << (8 * k);
+    return v;
+  }
+  constexpr std::uint64_t big(int n) {
+    std::uint64_t v = 0;
+    for (int k = 0; k < n; ++k) v = v << 8 | u8();
+    return v;
+  }
+  Bytes in_;
+  std::size_t at_ = 0;
+  bool ok_ = true;
+};
+
+/// CRC-32 of ISO-HDLC (reflected 0xEDB88320, init and final xor all ones): "123456789" → 0xCBF43926.
+[[nodiscard]] constexpr std::uint32_t crc32(Bytes bytes, std::uint32_t seed = 0) {
+  std::uint32_t crc = ~seed;
+  for (const std::uint8_t b : bytes) {
+    crc ^= b;
+    for (int k = 0; k < 8; ++k) crc = (crc >> 1) ^ (0xEDB88320U & (0U - (crc & 1U)));
+  }
+  return ~crc;
+}
+
+}  // namespace triskin

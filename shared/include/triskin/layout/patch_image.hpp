@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/base/status.hpp"
+
+/// The patch image: what is flashed into one controller (docs/flash_layout.md). Little-endian, 32-byte header, then one
+/// 12-byte row a module. The only owner of the limits and of the format.
+namespace triskin::layout {
+
+inline constexpr std::uint16_t kLayoutVersion = 1;  ///< bump when a field changes; readers refuse others
+inline constexpr int kLines = 4;
+inline constexpr int kAddressesPerLine = 4;
+inline constexpr int kMaxModules = kLines * kAddressesPerLine;
+inline constexpr int kTaxelsPerModule = 12;
+inline constexpr std::uint8_t kFirstCdcAddress = 0x2C;  ///< AD7147 ADD1:ADD0 = 0
+inline constexpr std::uint32_t kMagic = 0x4E4B5354;     ///< "TSKN" in memory
+inline constexpr std::uint8_t kNoParent = 0xFF;
+inline constexpr std::uint8_t kCable = 3;               ///< parent_port of the entry module
+inline constexpr std::size_t kHeaderBytes = 32;
+inline constexpr std::size_t kRowBytes = 12;
+inline constexpr std::size_t kMaxImageBytes = kHeaderBytes + kMaxModules * kRowBytes;
+
+/// One module: address table and route table in one row, so that they cannot disagree.
+struct ModuleRow {
+  std::uint16_t module_id = 0;     ///< in the design file
+  std::uint8_t line = 0;           ///< 0..3
+  std::uint8_t address = 0;        ///< 0..3, CDC address 0x2C + address
+  std::uint8_t rotation = 0;       ///< 0..2, tile side of port A
+  std::uint8_t parent = kNoParent; ///< index of the parent's row, lower than this row's index; kNoParent at the entry
+  std::uint8_t parent_port = kCable;  ///< output port of the parent (0..2) that this module hangs on; kCable at the entry
+  std::uint8_t kept_joints = 0;    ///< bit p: port p carries the lines; other joints are cut
+  bool operator==(const ModuleRow&) const = default;
+};
+
+struct PatchImage {
+  std::uint64_t design_id = 0;
+  std::uint8_t node_address = 1;   ///< 1..126: the controller that this image is for
+  std::uint8_t module_count = 0;   ///< 1..16
+  std::array<ModuleRow, kMaxModules> modules{};
+  [[nodiscard]] constexpr std::span<const ModuleRow> rows() const { return {modules.data(), module_count}; }
+  bool operator==(const PatchImage&) const = default;
+};
+
+/// Limits and tree: ranges, unique (line, address) and module id, one entry that is row 0, parents before children, no
+/// port of a parent used twice, the input port (A) only towards the parent.
+[[nodiscard]] constexpr Status check(const PatchImage& image) {
+  if (image.module_count < 1 || image.module_count > kMaxModules) return Status::kOutOfRange;
+  if (image.node_address < 1 || image.node_address > 126) return Status::kOutOfRange;
+  std::array<bool, kMaxModules> slot{};
+  std::array<std::uint8_t, kMaxModules> used_ports{};
+  for (std::size_t k = 0; k < image.module_count; ++k) {
+    const ModuleRow& m = image.modules[k];
+    if (m.line >= kLines || m.address >= kAddressesPerLine || m.rotation > 2 || m.kept_joints > 7) return Status::kOutOfRange;
+    bool& taken = slot[static_cast<std::size_t>(m.line * kAddressesPerLine + m.address)];
+    if (taken) return Status::kDuplicate;
+    taken = true;
+    for (std::size_t o = 0; o < k; ++o) {
+      if (image.modules[o].module_id == m.module_id) return Status::kDuplicate;
+    }
+    if ((k == 0) != (m.parent == kNoParent) || (k == 0) != (m.parent_port == kCable)) return Status::kBadTree;
+    if (k == 0) continue;
+    if (m.parent >= k) return Status::kBadTree;
+    if (m.parent_port < 1 || m.parent_port > 2) return Status::kBadTree;  // port A is the parent's own input
+    const auto bit = static_cast<std::uint8_t>(1U << m.parent_port);
+    if ((used_ports[m.parent] & bit) != 0) return Status::kBadTree;
+    used_ports[m.parent] = static_cast<std::uint8_t>(used_ports[m.parent] | bit);
+  }
+  return Status::kOk;
+}
+
+/// Header: magic, layout version, header bytes, total bytes, node address, module count, design id, 8 reserved zeros, CRC-32
+/// of everything else. Returns the bytes written. Errors: what check() says; kNoSpace.
+[[nodiscard]] constexpr Result<std::size_t> encode(const PatchImage& image, std::span<std::uint8_t> out) {
+  if (const Status s = check(image); s != Status::kOk) return std::unexpected(s);
+  const std::size_t total = kHeaderBytes + image.module_count * kRowBytes;
+  if (out.size() < total) return std::unexpected(Status::kNoSpace);
+  ByteWriter w(out.first(total));
+  w.le32(kMagic);
+  w.le16(kLayoutVersion);
+  w.le16(static_cast<std::uint16_t>(kHeaderBytes));
+  w.le16(static_cast<std::uint16_t>(total));
+  w.u8(image.node_address);
+  w.u8(image.module_count);
+  w.le64(image.design_id);
+  w.le64(0);
+  w.le32(0);  // CRC, below
+  for (const ModuleRow& m : image.rows()) {
+    w.le16(m.module_id);
+    w.u8(m.line);
+    w.u8(m.address);
+    w.u8(m.rotation);
+    w.u8(m.parent);
+    w.u8(m.parent_port);
+    w.u8(m.kept_joints);
+    w.le32(0);
+  }
+  const std::uint32_t crc = crc32(out.first(total));
+  ByteWriter(out.subspan(28, 4)).le32(crc);
+  return total;
+}
+
+/// Reads and checks an image. `bytes` may be longer than the image (a flash slot). Errors: kTooShort, kBadMagic,
+/// kBadVersion, kBadLength, kBadCrc, then what check() says.
+[[nodiscard]] constexpr Result<PatchImage> decode(Bytes bytes) {
+  if (bytes.size() < kHeaderBytes) return std::unexpected(Status::kTooShort);
+  ByteReader r(bytes);
+  if (r.le32() != kMagic) return std::unexpected(Status::kBadMagic);
+  if (r.le16() != kLayoutVersion) return std::unexpected(Status::kBadVersion);
+  const std::size_t header = r.le16(), total = r.le16();
+  PatchImage image;
+  image.node_address = r.u8();
+  image.module_count = r.u8();
+  if (image.module_count > kMaxModules) return std::unexpected(Status::kOutOfRange);
+  if (header != kHeaderBytes || total != kHeaderBytes + image.module_count * kRowBytes) return std::unexpected(Status::kBadLength);
+  if (bytes.size() < total) return std::unexpected(Status::kTooShort);
+  image.design_id = r.le64();
+  const std::uint64_t reserved = r.le64();
+  const std::uint32_t stated = r.le32();
+  constexpr std::array<std::uint8_t, 4> kZeros{};
+  const std::uint32_t crc = crc32(bytes.subspan(32, total - 32), crc32(kZeros, crc32(bytes.first(28))));
+  if (crc != stated) return std::unexpected(Status::kBadCrc);
+  if (reserved != 0) return std::unexpected(Status::kOutOfRange);
+  for (std::size_t k = 0; k < image.module_count; ++k) {
+    ModuleRow& m = image.modules[k];
+    m.module_id = r.le16();
+    m.line = r.u8();
+    m.address = r.u8();
+    m.rotation = r.u8();
+    m.parent = r.u8();
+    m.parent_port = r.u8();
+    m.kept_joints = r.u8();
+    if (r.le32() != 0) return std::unexpected(Status::kOutOfRange);
+  }
+  if (const Status s = check(image); s != Status::kOk) return std::unexpected(s);
+  return image;
+}
+
+}  // namespace triskin::layout

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "triskin/base/status.hpp"
+#include "triskin/layout/patch_image.hpp"
+#include "triskin/wire/can_frame.hpp"
+
+/// Taxels on the wire. docs/protocol.md, "Data stream".
+namespace triskin::wire {
+
+/// One module's taxels in 8 bits, as an iCub MTB4 board sends them: two CAN frames, id 0x400 | board << 4 | module.
+struct IcubTaxels {
+  std::uint8_t board = 0;   ///< 0..15
+  std::uint8_t module = 0;  ///< 0..15
+  std::array<std::uint8_t, layout::kTaxelsPerModule> value{};  ///< resting near 240, falling with pressure
+  std::uint16_t out_of_range = 0;  ///< bit t: taxel t
+  bool no_acknowledge = false;
+  bool not_connected = false;
+  bool operator==(const IcubTaxels&) const = default;
+};
+inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
+
+[[nodiscard]] constexpr std::array<CanFrame, 2> encode_icub(const IcubTaxels& t) {
+  std::array<CanFrame, 2> frames{};
+  for (CanFrame& f : frames) {
+    f.id = 0x400U | static_cast<std::uint32_t>(t.board & 0xF) << 4 | (t.module & 0xFU);
+    f.size = 8;
+  }
+  frames[0].data[0] = kIcubFirst;
+  for (std::size_t k = 0; k < 7; ++k) frames[0].data[1 + k] = t.value[k];
+  frames[1].data[0] = kIcubSecond;
+  for (std::size_t k = 0; k < 5; ++k) frames[1].data[1 + k] = t.value[7 + k];
+  frames[1].data[6] = static_cast<std::uint8_t>(t.out_of_range >> 4);
+  frames[1].data[7] = static_cast<std::uint8_t>((t.out_of_range & 0xF) << 4 | (t.not_connected ? 2 : 0) | (t.no_acknowledge ? 1 : 0));
+  return frames;
+}
+
+/// Joins the two frames of one module. Errors: kBadLength, kOutOfRange (not a skin identifier or not first and second).
+[[nodiscard]] constexpr Result<IcubTaxels> decode_icub(const CanFrame& first, const CanFrame& second) {
+  if (first.size != 8 || second.size != 8) return std::unexpected(Status::kBadLength);
+  if (first.extended || second.extended || (first.id & 0x700U) != 0x400 || first.id != second.id) return std::unexpected(Status::kOutOfRange);
+  if (first.data[0] != kIcubFirst || second.data[0] != kIcubSecond) return std::unexpected(Status::kOutOfRange);
+  IcubTaxels t;
+  t.board = static_cast<std::uint8_t>(first.id >> 4 & 0xF);
+  t.module = static_cast<std::uint8_t>(first.id & 0xF);
+  for (std::size_t k = 0; k < 7; ++k) t.value[k] = first.data[1 + k];
+  for (std::size_t k = 0; k < 5; ++k) t.value[7 + k] = second.data[1 + k];
+  t.out_of_range = static_cast<std::uint16_t>(second.data[6] << 4 | second.data[7] >> 4);
+  t.no_acknowledge = (second.data[7] & 1) != 0;
+  t.not_connected = (second.data[7] & 2) != 0;
+  return t;
+}
+
+/// One module of one sample in full: a 48-byte CAN FD frame (fits no classic frame), id 0x18F0‹node›‹module›.
+struct FullTaxels {
+  std::uint8_t node_address = 0;
+  std::uint8_t module = 0;          ///< row in the table
+  std::uint32_t sample = 0;         ///< counts every sample of the patch: a gap is a lost sample
+  std::uint64_t device_time_us = 0;
+  std::uint16_t valid = 0;          ///< bit t: taxel t
+  std::uint8_t state = 0;           ///< ModuleState
+  std::array<std::uint16_t, layout::kTaxelsPerModule> value{};
+  bool operator==(const FullTaxels&) const = default;
+};
+inline constexpr std::uint32_t kFullBase = 0x18F00000;
+inline constexpr std::uint8_t kFullBytes = 48;
+
+[[nodiscard]] constexpr CanFrame encode_full(const FullTaxels& t) {
+  CanFrame f;
+  f.id = kFullBase | static_cast<std::uint32_t>(t.node_address) << 8 | t.module;
+  f.extended = f.fd = f.bit_rate_switch = true;
+  f.size = kFullBytes;
+  ByteWriter w(std::span(f.data).first(kFullBytes));
+  w.le32(t.sample);
+  w.le64(t.device_time_us);
+  w.le16(t.valid);
+  w.u8(t.state);
+  w.u8(t.module);
+  for (const std::uint16_t v : t.value) w.le16(v);
+  while (w.size() < kFullBytes) w.u8(0);
+  return f;
+}
+
+[[nodiscard]] constexpr Result<FullTaxels> decode_full(const CanFrame& f) {
+  if (!f.extended || !f.fd || (f.id & 0x1FFF0000U) != kFullBase) return std::unexpected(Status::kOutOfRange);
+  if (f.size != kFullBytes) return std::unexpected(Status::kBadLength);
+  FullTaxels t;
+  t.node_address = static_cast<std::uint8_t>(f.id >> 8);
+  ByteReader r(f.payload());
+  t.sample = r.le32();
+  t.device_time_us = r.le64();
+  t.valid = r.le16();
+  t.state = r.u8();
+  t.module = r.u8();
+  if (t.module >= layout::kMaxModules || t.module != (f.id & 0xFF)) return std::unexpected(Status::kOutOfRange);
+  for (std::uint16_t& v : t.value) v = r.le16();
+  return t;
+}
+
+}  // namespace triskin::wire
