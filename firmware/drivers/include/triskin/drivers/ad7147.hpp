@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "triskin/layout/patch_image.hpp"
+#include "triskin/ports/ports.hpp"
+
+namespace triskin::fw {
+
+/// Registers of the AD7147 (data sheet rev. E, tables 14–36): 16-bit addresses and values, big-endian.
+namespace ad7147 {
+inline constexpr std::uint16_t kPowerControl = 0x000, kStageCalibration = 0x001, kAmbientControl = 0x002, kInterruptEnable = 0x005,
+                               kResult = 0x00B, kDeviceId = 0x017, kStage = 0x080;
+inline constexpr std::uint16_t kFullPower = 0x00B0;        ///< twelve stages, decimation 256
+inline constexpr std::uint16_t kAllStages = 0x0FFF;
+inline constexpr std::uint16_t kId = 0x1470, kIdMask = 0xFFF0;  ///< low nibble: revision
+inline constexpr int kStages = 12;
+inline constexpr std::uint16_t kStageStride = 8;
+/// Conversion time of twelve stages at decimation 256 (data sheet table 11), µs.
+inline constexpr std::uint32_t kSequence_us = 36'900;
+}  // namespace ad7147
+
+/// One CDC on a line: what to write and read, never waiting. Each begin_… starts one transfer on the line; the caller polls the
+/// line and then calls the matching finish_….
+class Ad7147 {
+ public:
+  void begin_identify(I2cLine& line, std::uint8_t address);
+  [[nodiscard]] Status finish_identify() const;
+
+  /// Writes configuration in `kConfigurationSteps` transfers: stages first, power last.
+  static constexpr int kConfigurationSteps = ad7147::kStages + 2;
+  void begin_configure(I2cLine& line, std::uint8_t address, int step);
+
+  /// Reads back what a power dip would clear: power control and calibration enables.
+  void begin_verify(I2cLine& line, std::uint8_t address);
+  [[nodiscard]] bool configuration_holds() const;
+
+  /// Twelve results in one burst of 28 bytes.
+  void begin_read(I2cLine& line, std::uint8_t address);
+  [[nodiscard]] std::array<std::uint16_t, ad7147::kStages> results() const;
+
+ private:
+  void write_register(std::uint16_t reg);
+  std::array<std::uint8_t, 2 + 2 * 8> out_{};
+  std::array<std::uint8_t, 2 * ad7147::kStages> in_{};
+};
+
+}  // namespace triskin::fw

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "triskin/drivers/ad7147.hpp"
+
+namespace triskin::fw {
+namespace {
+
+std::uint16_t big16(std::span<const std::uint8_t> b) { return static_cast<std::uint16_t>(b[0] << 8 | b[1]); }
+
+}  // namespace
+
+void Ad7147::write_register(std::uint16_t reg) {
+  out_[0] = static_cast<std::uint8_t>(reg >> 8);
+  out_[1] = static_cast<std::uint8_t>(reg);
+}
+
+void Ad7147::begin_identify(I2cLine& line, std::uint8_t address) {
+  write_register(ad7147::kDeviceId);
+  line.start(address, std::span(out_).first(2), std::span(in_).first(2));
+}
+
+Status Ad7147::finish_identify() const {
+  return (big16(in_) & ad7147::kIdMask) == ad7147::kId ? Status::kOk : Status::kWrongId;
+}
+
+void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step) {
+  ByteWriter w(out_);
+  if (step < ad7147::kStages) {
+    // Stage s converts input s alone, single ended, to the positive side; offsets mid-range, clamps wide open.
+    w.be16(static_cast<std::uint16_t>(ad7147::kStage + step * ad7147::kStageStride));
+    const int position = step < 7 ? 2 * step : 2 * (step - 7);
+    const auto selected = static_cast<std::uint16_t>(0x3FFF & ~(1U << position));  // 10: CIN to the positive input
+    const auto unused = static_cast<std::uint16_t>(0x3FFF);                          // 11: to BIAS
+    w.be16(step < 7 ? selected : unused);
+    w.be16(step < 7 ? unused : selected);
+    w.be16(0x0000);  // AFE offset
+    w.be16(0x2626);  // sensitivity: data sheet's typical
+    w.be16(0x2710);  // offset low
+    w.be16(0x2710);  // offset high
+    w.be16(0x7530);  // high clamp
+    w.be16(0x0000);  // low clamp
+  } else if (step == ad7147::kStages) {
+    w.be16(ad7147::kStageCalibration);
+    w.be16(ad7147::kAllStages);
+    w.be16(0x0000);  // ambient compensation off: the controller compensates itself
+    w.be16(0x0000);
+    w.be16(0x0000);
+    w.be16(0x0000);  // no interrupts
+    w.be16(0x0000);
+    w.be16(0x0000);
+  } else {
+    w.be16(ad7147::kPowerControl);
+    w.be16(ad7147::kFullPower);
+  }
+  line.start(address, w.written(), {});
+}
+
+void Ad7147::begin_verify(I2cLine& line, std::uint8_t address) {
+  write_register(ad7147::kPowerControl);
+  line.start(address, std::span(out_).first(2), std::span(in_).first(4));
+}
+
+bool Ad7147::configuration_holds() const {
+  return big16(in_) == ad7147::kFullPower && big16(std::span(in_).subspan(2)) == ad7147::kAllStages;
+}
+
+void Ad7147::begin_read(I2cLine& line, std::uint8_t address) {
+  write_register(ad7147::kResult);
+  line.start(address, std::span(out_).first(2), in_);
+}
+
+std::array<std::uint16_t, ad7147::kStages> Ad7147::results() const {
+  std::array<std::uint16_t, ad7147::kStages> r{};
+  for (std::size_t k = 0; k < r.size(); ++k) r[k] = big16(std::span(in_).subspan(2 * k));
+  return r;
+}
+
+}  // namespace triskin::fw

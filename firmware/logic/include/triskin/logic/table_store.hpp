@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "triskin/layout/patch_image.hpp"
+#include "triskin/ports/ports.hpp"
+
+namespace triskin::fw {
+
+/// Two slots for the patch image and one page for the node address, on the board's flash. The image of a slot counts only
+/// when its commit record, written last, names its length and CRC: a cut of power at any moment leaves the old or the new one.
+/// Layout: docs/flash_layout.md. Page 0 and 1: slots; page 2: node address.
+class TableStore {
+ public:
+  explicit TableStore(FlashArea& flash) : flash_(flash) {}
+
+  /// Finds the newest valid slot. Call once after power-up.
+  void load();
+
+  [[nodiscard]] bool has_table() const { return active_slot_ >= 0; }
+  [[nodiscard]] const layout::PatchImage& table() const { return table_; }
+  [[nodiscard]] Bytes active_bytes() const;
+  [[nodiscard]] std::uint32_t sequence() const { return sequence_; }
+  /// kEmpty before the first activation.
+  [[nodiscard]] Status status() const { return has_table() ? Status::kOk : Status::kEmpty; }
+
+  /// Receives an image for the inactive slot into RAM; nothing touches flash before activate().
+  void begin_download(std::size_t size_bytes);
+  [[nodiscard]] Status append(Bytes block);
+  [[nodiscard]] bool downloaded() const { return staged_size_ > 0 && staged_at_ == staged_size_; }
+  [[nodiscard]] Bytes staged_bytes() const { return {staged_.data(), staged_at_}; }
+  /// Decodes what was received and checks that it is for this node. kBadLength when not complete.
+  [[nodiscard]] Status check_staged(std::uint8_t node_address) const;
+  /// Writes the staged image to the inactive slot, reads it back, commits it, and makes it active.
+  [[nodiscard]] Status activate(std::uint8_t node_address);
+
+  /// 1..126; 1 when never assigned.
+  [[nodiscard]] std::uint8_t node_address() const { return node_address_; }
+  [[nodiscard]] Status set_node_address(std::uint8_t address);
+
+ private:
+  static constexpr std::size_t kCommitBytes = 16;
+  [[nodiscard]] std::size_t slot_offset(int slot) const { return static_cast<std::size_t>(slot) * flash_.page_bytes(); }
+  [[nodiscard]] Result<std::uint32_t> read_slot(int slot, layout::PatchImage& image) const;
+  void load_node_address();
+
+  FlashArea& flash_;
+  int active_slot_ = -1;
+  std::uint32_t sequence_ = 0;
+  layout::PatchImage table_;
+  std::uint8_t node_address_ = 1;
+  std::array<std::uint8_t, layout::kMaxImageBytes> staged_{};
+  std::size_t staged_size_ = 0, staged_at_ = 0;
+};
+
+}  // namespace triskin::fw

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "triskin/logic/table_store.hpp"
+
+#include <algorithm>
+
+namespace triskin::fw {
+namespace {
+
+constexpr std::uint32_t kCommitMagic = 0x54494D43;  // "CMIT"
+constexpr std::uint32_t kNodeMagic = 0x45444F4E;    // "NODE"
+constexpr int kNodePage = 2;
+
+}  // namespace
+
+// The commit record stands at the end of the slot's page: magic, sequence, image length, CRC of these and the image.
+Result<std::uint32_t> TableStore::read_slot(int slot, layout::PatchImage& image) const {
+  const Bytes page = flash_.bytes().subspan(slot_offset(slot), flash_.page_bytes());
+  ByteReader r(page.last(kCommitBytes));
+  if (r.le32() != kCommitMagic) return std::unexpected(Status::kEmpty);
+  const std::uint32_t sequence = r.le32();
+  const std::uint32_t size = r.le32();
+  if (size < layout::kHeaderBytes || size > layout::kMaxImageBytes) return std::unexpected(Status::kBadLength);
+  if (r.le32() != crc32(page.last(kCommitBytes).first(12), crc32(page.first(size)))) return std::unexpected(Status::kBadCrc);
+  const auto decoded = layout::decode(page.first(size));
+  if (!decoded) return std::unexpected(decoded.error());
+  image = *decoded;
+  return sequence;
+}
+
+void TableStore::load() {
+  active_slot_ = -1;
+  for (int slot = 0; slot < 2; ++slot) {
+    layout::PatchImage image;
+    const auto sequence = read_slot(slot, image);
+    if (!sequence || (active_slot_ >= 0 && *sequence <= sequence_)) continue;
+    active_slot_ = slot;
+    sequence_ = *sequence;
+    table_ = image;
+  }
+  load_node_address();
+}
+
+void TableStore::load_node_address() {
+  node_address_ = 1;
+  const Bytes page = flash_.bytes().subspan(slot_offset(kNodePage), flash_.page_bytes());
+  for (std::size_t at = 0; at + 8 <= page.size(); at += 8) {  // the last valid record counts
+    ByteReader r(page.subspan(at, 8));
+    if (r.le32() != kNodeMagic) continue;
+    const std::uint8_t address = r.u8();
+    const std::uint8_t complement = r.u8();
+    if (address == static_cast<std::uint8_t>(~complement) && address >= 1 && address <= 126) node_address_ = address;
+  }
+}
+
+Bytes TableStore::active_bytes() const {
+  if (!has_table()) return {};
+  return flash_.bytes().subspan(slot_offset(active_slot_), layout::kHeaderBytes + table_.module_count * layout::kRowBytes);
+}
+
+void TableStore::begin_download(std::size_t size_bytes) {
+  staged_size_ = size_bytes <= staged_.size() ? size_bytes : 0;
+  staged_at_ = 0;
+}
+
+Status TableStore::append(Bytes block) {
+  if (block.size() > staged_size_ - staged_at_) return Status::kNoSpace;
+  std::copy(block.begin(), block.end(), staged_.begin() + static_cast<std::ptrdiff_t>(staged_at_));
+  staged_at_ += block.size();
+  return Status::kOk;
+}
+
+Status TableStore::check_staged(std::uint8_t node_address) const {
+  if (!downloaded()) return Status::kBadLength;
+  const auto image = layout::decode(staged_bytes());
+  if (!image) return image.error();
+  if (layout::kHeaderBytes + image->module_count * layout::kRowBytes != staged_size_) return Status::kBadLength;
+  return image->node_address == node_address ? Status::kOk : Status::kWrongTarget;
+}
+
+Status TableStore::activate(std::uint8_t node_address) {
+  if (const Status s = check_staged(node_address); s != Status::kOk) return s;
+  const int slot = active_slot_ == 0 ? 1 : 0;
+  const std::size_t offset = slot_offset(slot);
+  if (!flash_.erase_page(offset)) return Status::kFlashFailed;
+  // Padded to whole program units with the erased value.
+  std::array<std::uint8_t, layout::kMaxImageBytes + 16> unit{};
+  unit.fill(0xFF);
+  std::copy_n(staged_.begin(), staged_size_, unit.begin());
+  const std::size_t step = flash_.program_bytes();
+  for (std::size_t at = 0; at < staged_size_; at += step) {
+    if (!flash_.program(offset + at, Bytes(unit).subspan(at, step))) return Status::kFlashFailed;
+  }
+  if (!std::ranges::equal(flash_.bytes().subspan(offset, staged_size_), staged_bytes())) return Status::kFlashFailed;
+  std::array<std::uint8_t, kCommitBytes> commit{};
+  ByteWriter w(commit);
+  w.le32(kCommitMagic);
+  w.le32(sequence_ + 1);
+  w.le32(static_cast<std::uint32_t>(staged_size_));
+  w.le32(crc32(w.written(), crc32(staged_bytes())));
+  const std::size_t commit_offset = offset + flash_.page_bytes() - kCommitBytes;
+  for (std::size_t at = 0; at < kCommitBytes; at += step) {
+    if (!flash_.program(commit_offset + at, Bytes(commit).subspan(at, step))) return Status::kFlashFailed;
+  }
+  staged_size_ = staged_at_ = 0;
+  load();
+  return active_slot_ == slot ? Status::kOk : Status::kFlashFailed;
+}
+
+Status TableStore::set_node_address(std::uint8_t address) {
+  if (address < 1 || address > 126) return Status::kOutOfRange;
+  if (address == node_address_) return Status::kOk;
+  const std::size_t offset = slot_offset(kNodePage);
+  const Bytes page = flash_.bytes().subspan(offset, flash_.page_bytes());
+  std::array<std::uint8_t, 8> record{};
+  ByteWriter w(record);
+  w.le32(kNodeMagic);
+  w.u8(address);
+  w.u8(static_cast<std::uint8_t>(~address));
+  w.le16(0);
+  std::size_t at = 0;
+  while (at + 8 <= page.size() && !std::ranges::all_of(page.subspan(at, 8), [](std::uint8_t b) { return b == 0xFF; })) at += 8;
+  if (at + 8 > page.size()) {
+    at = 0;
+    if (!flash_.erase_page(offset)) return Status::kFlashFailed;
+  }
+  if (!flash_.program(offset + at, record)) return Status::kFlashFailed;
+  load_node_address();
+  return node_address_ == address ? Status::kOk : Status::kFlashFailed;
+}
+
+}  // namespace triskin::fw

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/base/status.hpp"
+#include "triskin/wire/can_frame.hpp"
+
+/// What the application sees of a board. Implemented in board/, wired once in app/. No call blocks.
+namespace triskin::fw {
+
+/// One I²C line. A transfer writes bytes, then reads bytes after a repeated start (either may be empty), in the background.
+class I2cLine {
+ public:
+  virtual ~I2cLine() = default;
+  /// Buffers must live until poll() reports the end. Only one transfer at a time.
+  virtual void start(std::uint8_t address, Bytes write, std::span<std::uint8_t> read) = 0;
+  /// Empty while busy; then kOk, kBusError (no acknowledgement) or kLineStuck. Reported once.
+  virtual std::optional<Status> poll() = 0;
+  /// Bus clear (UM10204 3.1.16): up to nine clock pulses, stop, re-initialization. Takes under 200 µs.
+  virtual Status recover() = 0;
+};
+
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  [[nodiscard]] virtual std::uint64_t now_us() const = 0;  ///< since power-up, monotonic
+};
+
+class CanPort {
+ public:
+  virtual ~CanPort() = default;
+  [[nodiscard]] virtual bool fd() const = 0;
+  /// False: the queue is full; try again later.
+  virtual bool send(const wire::CanFrame& frame) = 0;
+  virtual std::optional<wire::CanFrame> receive() = 0;
+};
+
+/// Non-volatile memory with the rules of the silicon: erase by page to ones, program aligned units once.
+class FlashArea {
+ public:
+  virtual ~FlashArea() = default;
+  [[nodiscard]] virtual std::size_t size_bytes() const = 0;
+  [[nodiscard]] virtual std::size_t page_bytes() const = 0;
+  [[nodiscard]] virtual std::size_t program_bytes() const = 0;
+  [[nodiscard]] virtual bool erase_page(std::size_t offset) = 0;
+  [[nodiscard]] virtual bool program(std::size_t offset, Bytes bytes) = 0;
+  [[nodiscard]] virtual Bytes bytes() const = 0;
+};
+
+/// Everything a board gives to the application.
+struct Ports {
+  std::array<I2cLine*, 4> lines;
+  Clock* clock;
+  CanPort* can;
+  FlashArea* flash;
+  std::array<std::uint8_t, 12> unique_id;
+};
+
+}  // namespace triskin::fw
