@@ -27,11 +27,11 @@ void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step) {
   if (step < ad7147::kStages) {
     // Stage s converts input s alone, single ended, to the positive side; offsets mid-range, clamps wide open.
     w.be16(static_cast<std::uint16_t>(ad7147::kStage + step * ad7147::kStageStride));
-    const int position = step < 7 ? 2 * step : 2 * (step - 7);
-    const auto selected = static_cast<std::uint16_t>(0x3FFF & ~(1U << position));  // 10: CIN to the positive input
-    const auto unused = static_cast<std::uint16_t>(0x3FFF);                          // 11: to BIAS
-    w.be16(step < 7 ? selected : unused);
-    w.be16(step < 7 ? unused : selected);
+    // Two bits an input: 11 to BIAS, 10 to the positive side. High word: CIN7 … 12, then 01 = single ended, positive.
+    const std::uint16_t low = step < 7 ? static_cast<std::uint16_t>(0x3FFF & ~(1U << (2 * step))) : std::uint16_t{0x3FFF};
+    const std::uint16_t high = step < 7 ? std::uint16_t{0x0FFF} : static_cast<std::uint16_t>(0x0FFF & ~(1U << (2 * (step - 7))));
+    w.be16(low);
+    w.be16(static_cast<std::uint16_t>(0x1000 | high));
     w.be16(0x0000);  // AFE offset
     w.be16(0x2626);  // sensitivity: data sheet's typical
     w.be16(0x2710);  // offset low
