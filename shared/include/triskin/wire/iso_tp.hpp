@@ -99,8 +99,10 @@ class IsoTp {
     f.extended = true;
     f.fd = f.bit_rate_switch = frame_bytes_ > 8;
     // CAN FD has lengths 8, 12, 16, 20, 24, 32, 48, 64 above 8; everything is padded to at least 8.
-    constexpr std::array<std::uint8_t, 8> kLengths{8, 12, 16, 20, 24, 32, 48, 64};
-    f.size = *std::ranges::find_if(kLengths, [&](std::uint8_t n) { return n >= bytes.size(); });
+    f.size = 8;
+    for (const std::uint8_t length : {12, 16, 20, 24, 32, 48, 64}) {
+      if (bytes.size() > f.size) f.size = length;
+    }
     std::copy(bytes.begin(), bytes.end(), f.data.begin());
     std::fill(f.data.begin() + static_cast<std::ptrdiff_t>(bytes.size()), f.data.begin() + f.size, kPadding);
     return f;

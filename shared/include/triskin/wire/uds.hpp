@@ -35,7 +35,8 @@ inline constexpr std::uint16_t kNodeAddress = 0xFD01;  ///< 1 byte; written with
 inline constexpr std::uint16_t kActiveTable = 0xFD02;  ///< status, sequence, design id, CRC, modules
 inline constexpr std::uint16_t kModuleStates = 0xFD03; ///< per module of the table: state, where it was found
 inline constexpr std::uint16_t kStatistics = 0xFD04;   ///< samples, bus errors, recoveries
-inline constexpr std::uint16_t kLineStates = 0xFD06;   ///< per line: level, recoveries; which addresses answer
+inline constexpr std::uint16_t kStream = 0xFD05;       ///< StreamMode, 1 byte
+inline constexpr std::uint16_t kLineStates = 0xFD06;   ///< per line: stuck, recoveries
 inline constexpr std::uint16_t kLiveTaxels = 0xFD10;   ///< per module: validity, 12 × 16 bit
 }  // namespace did
 
@@ -48,6 +49,9 @@ namespace memory {
 inline constexpr std::uint32_t kInactiveTable = 0x00010000, kActiveTable = 0x00020000;
 inline constexpr std::uint16_t kMaxBlockBytes = 66;  ///< 0x36 with counter: 64 bytes of data a block
 }  // namespace memory
+
+/// What the controller sends by itself.
+enum class StreamMode : std::uint8_t { kOff = 0, kIcub = 1, kFull = 2 };
 
 /// What is known about a module of the table. The numbers are part of the wire version.
 enum class ModuleState : std::uint8_t {

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "triskin/logic/fault_memory.hpp"
+#include "triskin/logic/sampler.hpp"
+#include "triskin/logic/table_store.hpp"
+#include "triskin/logic/uds_server.hpp"
+#include "triskin/ports/ports.hpp"
+#include "triskin/wire/iso_tp.hpp"
+#include "triskin/wire/taxel_frames.hpp"
+
+namespace triskin::fw {
+
+inline constexpr std::uint32_t kFirmwareVersion = 0x00'01'00'00;  ///< 0.1.0: major, minor, patch, build
+
+/// The patch controller: the only place that knows all parts. step() does what is due and returns at once.
+class Application final : private UdsHost {
+ public:
+  explicit Application(const Ports& ports);
+
+  /// Handles frames, bus transfers and timers that are due.
+  void step();
+  /// Earliest time at which step() has work, not counting frames and line transfers, whose ends the board reports.
+  [[nodiscard]] std::uint64_t next_event_us() const;
+
+ private:
+  bool read_identifier(std::uint16_t did, ByteWriter& out) override;
+  Status write_identifier(std::uint16_t did, Bytes value) override;
+  Status start_routine(std::uint16_t routine, Bytes option, ByteWriter& out) override;
+  Status routine_result(std::uint16_t routine, ByteWriter& out) override;
+  void clear_faults() override { faults_.clear(); }
+  void read_faults(std::uint8_t mask, ByteWriter& out) override { faults_.report(mask, out); }
+  void request_reset() override { reset_requested_ = true; }
+  [[nodiscard]] std::uint64_t now_us() const override { return ports_.clock->now_us(); }
+
+  void restart();
+  void handle_frame(const wire::CanFrame& frame);
+  void send_pending();
+  void end_cycle();
+  void queue_sample();
+  void write_hello(ByteWriter& out) const;
+  void write_live(ByteWriter& out) const;
+
+  const Ports ports_;
+  TableStore tables_;
+  UdsServer server_;
+  FaultMemory faults_;
+  wire::IsoTp link_;
+  std::array<LineSampler, layout::kLines> lines_;
+  std::array<ModuleSample, layout::kMaxModules> samples_{};
+  std::uint8_t lines_done_ = 0;
+  std::uint32_t sample_count_ = 0;
+  wire::StreamMode stream_ = wire::StreamMode::kOff;
+  std::array<wire::CanFrame, 2 * layout::kMaxModules> outgoing_{};
+  std::size_t outgoing_count_ = 0, outgoing_at_ = 0;
+  std::uint32_t lost_frames_ = 0;
+  bool reset_requested_ = false;
+};
+
+}  // namespace triskin::fw

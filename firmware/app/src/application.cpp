@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "triskin/app/application.hpp"
+
+#include <algorithm>
+
+namespace triskin::fw {
+
+using wire::ModuleState;
+using wire::StreamMode;
+
+namespace {
+
+constexpr std::uint8_t kAllLines = (1U << layout::kLines) - 1;
+constexpr int kRestingIcub = 240;       // 8-bit value of a taxel at rest
+constexpr int kCountsPerIcubStep = 64;  // raw counts of the CDC for one step of the 8-bit value
+
+std::uint8_t icub_value(std::uint16_t raw, std::uint16_t baseline) {
+  const int step = (static_cast<int>(raw) - static_cast<int>(baseline)) / kCountsPerIcubStep;
+  return static_cast<std::uint8_t>(std::clamp(kRestingIcub - step, 0, 255));
+}
+
+wire::IsoTp make_link(std::uint8_t node, bool fd) {
+  return {wire::physical_id(wire::kTesterAddress, node), wire::physical_id(node, wire::kTesterAddress), static_cast<std::uint8_t>(fd ? 64 : 8)};
+}
+
+}  // namespace
+
+Application::Application(const Ports& ports)
+    : ports_(ports), tables_(*ports.flash), server_(*this, tables_), link_(make_link(1, ports.can->fd())) {
+  restart();
+}
+
+// As after power-up: the newest table, nothing known about the modules.
+void Application::restart() {
+  tables_.load();
+  link_ = make_link(tables_.node_address(), ports_.can->fd());
+  samples_ = {};
+  lines_done_ = 0;
+  const layout::PatchImage table = tables_.has_table() ? tables_.table() : layout::PatchImage{};
+  for (std::size_t l = 0; l < lines_.size(); ++l) {
+    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l), table, samples_, now_us());
+  }
+}
+
+void Application::step() {
+  while (const auto frame = ports_.can->receive()) handle_frame(*frame);
+  (void)link_.tick(now_us());
+  server_.tick();
+  for (std::size_t l = 0; l < lines_.size(); ++l) {
+    if (lines_[l].step(now_us())) lines_done_ = static_cast<std::uint8_t>(lines_done_ | 1U << l);
+    else if (lines_[l].next_event_us() != UINT64_MAX && lines_[l].next_event_us() > now_us() + LineSampler::kPeriod_us) {
+      lines_done_ = static_cast<std::uint8_t>(lines_done_ | 1U << l);  // left alone: nobody waits for it
+    }
+  }
+  end_cycle();
+  send_pending();
+  if (reset_requested_ && !link_.sending()) {
+    reset_requested_ = false;
+    stream_ = StreamMode::kOff;
+    restart();
+  }
+}
+
+std::uint64_t Application::next_event_us() const {
+  std::uint64_t next = link_.next_event_us();
+  for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us());
+  return next;
+}
+
+void Application::handle_frame(const wire::CanFrame& frame) {
+  if (!frame.extended) return;
+  const bool functional = frame.id == wire::kFunctionalId;
+  if (!functional && frame.id != link_.rx_id()) return;
+  if (functional) {  // single frames only (ISO 15765-4)
+    wire::IsoTp single(0, wire::kFunctionalId, 8);
+    if (single.receive(frame, now_us()) != wire::IsoTp::Event::kReceived || link_.sending()) return;
+    const Bytes response = server_.handle(single.message(), true);
+    if (!response.empty()) (void)link_.send(response, now_us());
+    return;
+  }
+  if (link_.receive(frame, now_us()) != wire::IsoTp::Event::kReceived) return;
+  const Bytes response = server_.handle(link_.message(), false);
+  if (!response.empty()) (void)link_.send(response, now_us());
+}
+
+void Application::send_pending() {
+  while (const auto frame = link_.transmit(now_us())) {
+    if (!ports_.can->send(*frame)) break;
+  }
+  while (outgoing_at_ < outgoing_count_ && ports_.can->send(outgoing_[outgoing_at_])) ++outgoing_at_;
+}
+
+// A sample of the patch is complete when every line has been through its modules once.
+void Application::end_cycle() {
+  for (std::size_t l = 0; l < lines_.size(); ++l) {
+    const bool empty = !tables_.has_table() || std::ranges::none_of(tables_.table().rows(), [&](const auto& r) { return r.line == l; });
+    if (empty) lines_done_ = static_cast<std::uint8_t>(lines_done_ | 1U << l);
+  }
+  if (lines_done_ != kAllLines || !tables_.has_table()) return;
+  lines_done_ = 0;
+  ++sample_count_;
+  for (std::size_t k = 0; k < tables_.table().module_count; ++k) faults_.note(k, samples_[k].state, now_us());
+  queue_sample();
+}
+
+void Application::queue_sample() {
+  if (stream_ == StreamMode::kOff) return;
+  lost_frames_ += static_cast<std::uint32_t>(outgoing_count_ - outgoing_at_);
+  outgoing_count_ = outgoing_at_ = 0;
+  for (std::size_t k = 0; k < tables_.table().module_count; ++k) {
+    const ModuleSample& s = samples_[k];
+    if (stream_ == StreamMode::kFull) {
+      outgoing_[outgoing_count_++] = wire::encode_full({tables_.node_address(), static_cast<std::uint8_t>(k), sample_count_, now_us(),
+                                                        s.valid, static_cast<std::uint8_t>(s.state), s.raw});
+      continue;
+    }
+    wire::IcubTaxels t;
+    t.board = tables_.node_address() & 0xF;
+    t.module = static_cast<std::uint8_t>(k);
+    for (std::size_t x = 0; x < t.value.size(); ++x) t.value[x] = icub_value(s.raw[x], s.baseline[x]);
+    t.out_of_range = s.state == ModuleState::kSaturated ? static_cast<std::uint16_t>(~s.valid & 0xFFF) : 0;
+    t.no_acknowledge = s.state == ModuleState::kAbsent || s.state == ModuleState::kLineStuck;
+    t.not_connected = s.state == ModuleState::kUnknown || s.state == ModuleState::kWrongId;
+    for (const wire::CanFrame& f : wire::encode_icub(t)) outgoing_[outgoing_count_++] = f;
+  }
+}
+
+void Application::write_hello(ByteWriter& out) const {
+  out.le16(wire::kWireVersion);
+  out.le16(layout::kLayoutVersion);
+  out.le32(kFirmwareVersion);
+  out.u8(tables_.node_address());
+  out.bytes(ports_.unique_id);
+  out.u8(layout::kMaxModules);
+  out.u8(layout::kTaxelsPerModule);
+}
+
+void Application::write_live(ByteWriter& out) const {
+  out.le32(sample_count_);
+  out.le64(now_us());
+  for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) {
+    out.le16(samples_[k].valid);
+    for (const std::uint16_t raw : samples_[k].raw) out.le16(raw);
+  }
+}
+
+bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
+  switch (did) {
+    case wire::did::kSerialNumber: out.bytes(ports_.unique_id); return true;
+    case wire::did::kPartNumber:
+    case wire::did::kHardware: out.bytes(std::array<std::uint8_t, 8>{'T', 'R', 'I', 'S', 'K', 'I', 'N', '1'}); return true;
+    case wire::did::kFirmware: out.be32(kFirmwareVersion); return true;
+    case wire::did::kHello: write_hello(out); return true;
+    case wire::did::kNodeAddress: out.u8(tables_.node_address()); return true;
+    case wire::did::kActiveTable:
+      out.u8(static_cast<std::uint8_t>(tables_.status()));
+      out.le32(tables_.sequence());
+      out.le64(tables_.has_table() ? tables_.table().design_id : 0);
+      out.le32(crc32(tables_.active_bytes()));
+      out.u8(tables_.has_table() ? tables_.table().module_count : 0);
+      return true;
+    case wire::did::kModuleStates:
+      for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) out.u8(static_cast<std::uint8_t>(samples_[k].state));
+      return tables_.has_table();
+    case wire::did::kStatistics: {
+      std::uint32_t errors = 0, recoveries = 0;
+      for (const LineSampler& l : lines_) {
+        errors += l.bus_errors();
+        recoveries += l.recoveries();
+      }
+      for (const std::uint32_t v : {sample_count_, errors, recoveries, lost_frames_}) out.le32(v);
+      return true;
+    }
+    case wire::did::kStream: out.u8(static_cast<std::uint8_t>(stream_)); return true;
+    case wire::did::kLineStates:
+      for (const LineSampler& l : lines_) {
+        out.u8(l.scan().stuck ? 1 : 0);
+        out.le32(l.recoveries());
+      }
+      return true;
+    case wire::did::kLiveTaxels: write_live(out); return true;
+    default: return false;
+  }
+}
+
+Status Application::write_identifier(std::uint16_t did, Bytes value) {
+  if (value.size() != 1) return Status::kOutOfRange;
+  if (did == wire::did::kNodeAddress) {
+    const Status s = tables_.set_node_address(value[0]);
+    if (s == Status::kOk) reset_requested_ = true;  // answers under the old address first
+    return s;
+  }
+  if (did != wire::did::kStream || value[0] > static_cast<std::uint8_t>(StreamMode::kFull)) return Status::kOutOfRange;
+  if (value[0] == static_cast<std::uint8_t>(StreamMode::kFull) && !ports_.can->fd()) return Status::kOutOfRange;
+  stream_ = static_cast<StreamMode>(value[0]);
+  return Status::kOk;
+}
+
+Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
+  switch (routine) {
+    case wire::routine::kDiscover:
+      for (LineSampler& l : lines_) l.request_scan();
+      return Status::kOk;
+    case wire::routine::kCalibrate:
+      for (ModuleSample& s : samples_) s.has_baseline = false;  // the next reading becomes the baseline
+      return Status::kOk;
+    case wire::routine::kActivate: {
+      const Status s = tables_.activate(tables_.node_address());
+      if (s == Status::kOk) restart();
+      return s;
+    }
+    default: return Status::kOutOfRange;
+  }
+}
+
+// Discover: done, then per line: stuck, answering addresses, wrong ids.
+Status Application::routine_result(std::uint16_t routine, ByteWriter& out) {
+  if (routine != wire::routine::kDiscover) return Status::kOutOfRange;
+  out.u8(std::ranges::all_of(lines_, [](const LineSampler& l) { return l.scan().done; }) ? 1 : 0);
+  for (const LineSampler& l : lines_) {
+    out.u8(l.scan().stuck ? 1 : 0);
+    out.u8(l.scan().answers);
+    out.u8(l.scan().wrong_id);
+  }
+  return Status::kOk;
+}
+
+}  // namespace triskin::fw

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "triskin/sim/virtual_controller.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <optional>
+
+#include "triskin/app/application.hpp"
+
+namespace triskin::sim {
+namespace {
+
+constexpr std::uint64_t kByte_ns = 22'500;      // nine bits at 400 kHz
+constexpr std::uint64_t kStartStop_us = 5;      // start and stop conditions
+constexpr std::uint64_t kStuckTimeout_us = 1'000;
+
+class VirtualClock final : public fw::Clock {
+ public:
+  std::uint64_t now = 0;
+  [[nodiscard]] std::uint64_t now_us() const override { return now; }
+};
+
+// Moves the bytes at once, and reports the end when the bus would have needed the time.
+class VirtualI2cLine final : public fw::I2cLine {
+ public:
+  VirtualI2cLine(I2cBus& bus, const VirtualClock& clock) : bus_(bus), clock_(clock) {}
+
+  void start(std::uint8_t address, Bytes write, std::span<std::uint8_t> read) override {
+    bytes_ = 0;
+    status_ = transfer(address, write, read);
+    done_us_ = clock_.now + kStartStop_us + (bytes_ * kByte_ns + 999) / 1000 + (status_ == Status::kLineStuck ? kStuckTimeout_us : 0);
+    busy_ = true;
+  }
+  std::optional<Status> poll() override {
+    if (!busy_ || clock_.now < done_us_) return std::nullopt;
+    busy_ = false;
+    return status_;
+  }
+  Status recover() override {
+    for (int pulse = 0; pulse < 9 && !bus_.sda(); ++pulse) bus_.pulse_scl(clock_.now);
+    bus_.stop(clock_.now);
+    return bus_.sda() && bus_.scl() ? Status::kOk : Status::kLineStuck;
+  }
+  [[nodiscard]] std::uint64_t done_us() const { return busy_ ? done_us_ : UINT64_MAX; }
+
+ private:
+  Status transfer(std::uint8_t address, Bytes write, std::span<std::uint8_t> read) {
+    if (!bus_.sda() || !bus_.scl()) return Status::kLineStuck;
+    const auto shifted = static_cast<std::uint8_t>(address << 1);
+    Status status = Status::kOk;
+    if (!write.empty()) {
+      status = step(bus_.start(shifted, clock_.now));
+      for (std::size_t k = 0; k < write.size() && status == Status::kOk; ++k) status = step(bus_.write(write[k], clock_.now));
+    }
+    if (!read.empty() && status == Status::kOk) {
+      status = step(bus_.start(static_cast<std::uint8_t>(shifted | 1), clock_.now));
+      for (std::size_t k = 0; k < read.size() && status == Status::kOk; ++k) {
+        read[k] = bus_.read(k + 1 < read.size(), clock_.now);
+        ++bytes_;
+      }
+    }
+    bus_.stop(clock_.now);
+    return bus_.sda() && bus_.scl() ? status : Status::kLineStuck;
+  }
+  Status step(bool acknowledged) {
+    ++bytes_;
+    return acknowledged ? Status::kOk : Status::kBusError;
+  }
+
+  I2cBus& bus_;
+  const VirtualClock& clock_;
+  bool busy_ = false;
+  Status status_ = Status::kOk;
+  std::uint64_t bytes_ = 0, done_us_ = 0;
+};
+
+class VirtualCan final : public fw::CanPort {
+ public:
+  explicit VirtualCan(const VirtualBoard& board) : board_(board) {}
+  [[nodiscard]] bool fd() const override { return board_.can_fd; }
+  bool send(const wire::CanFrame& frame) override {
+    board_.send(frame);
+    return true;
+  }
+  std::optional<wire::CanFrame> receive() override {
+    if (queue.empty()) return std::nullopt;
+    const wire::CanFrame frame = queue.front();
+    queue.pop_front();
+    return frame;
+  }
+  std::deque<wire::CanFrame> queue;
+
+ private:
+  const VirtualBoard& board_;
+};
+
+class VirtualFlash final : public fw::FlashArea {
+ public:
+  explicit VirtualFlash(FlashModel& model) : model_(model) {}
+  [[nodiscard]] std::size_t size_bytes() const override { return model_.size_bytes(); }
+  [[nodiscard]] std::size_t page_bytes() const override { return model_.page_bytes(); }
+  [[nodiscard]] std::size_t program_bytes() const override { return model_.program_bytes(); }
+  bool erase_page(std::size_t offset) override { return model_.erase_page(offset); }
+  bool program(std::size_t offset, Bytes bytes) override { return model_.program(offset, bytes); }
+  [[nodiscard]] Bytes bytes() const override { return model_.bytes(); }
+
+ private:
+  FlashModel& model_;
+};
+
+class Controller final : public VirtualController {
+ public:
+  explicit Controller(const VirtualBoard& board)
+      : board_(board), lines_{{{*board.lines[0], clock_}, {*board.lines[1], clock_}, {*board.lines[2], clock_}, {*board.lines[3], clock_}}},
+        can_(board_), flash_(*board.flash),
+        application_({{&lines_[0], &lines_[1], &lines_[2], &lines_[3]}, &clock_, &can_, &flash_, board.unique_id}) {}
+
+  void receive(const wire::CanFrame& frame) override { can_.queue.push_back(frame); }
+
+  void run_until(std::uint64_t now_us) override {
+    while (next_event_us() <= now_us) {
+      clock_.now = std::max(clock_.now, next_event_us());
+      application_.step();
+    }
+    clock_.now = std::max(clock_.now, now_us);
+  }
+
+  [[nodiscard]] std::uint64_t next_event_us() const override {
+    if (!can_.queue.empty()) return clock_.now;
+    std::uint64_t next = application_.next_event_us();
+    for (const VirtualI2cLine& line : lines_) next = std::min(next, line.done_us());
+    return next;
+  }
+
+ private:
+  VirtualBoard board_;
+  VirtualClock clock_;
+  std::array<VirtualI2cLine, 4> lines_;
+  VirtualCan can_;
+  VirtualFlash flash_;
+  fw::Application application_;
+};
+
+}  // namespace
+
+std::unique_ptr<VirtualController> make_virtual_controller(const VirtualBoard& board) { return std::make_unique<Controller>(board); }
+
+}  // namespace triskin::sim
