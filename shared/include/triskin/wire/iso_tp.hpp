@@ -100,7 +100,7 @@ class IsoTp {
     f.fd = f.bit_rate_switch = frame_bytes_ > 8;
     // CAN FD has lengths 8, 12, 16, 20, 24, 32, 48, 64 above 8; everything is padded to at least 8.
     f.size = 8;
-    for (const std::uint8_t length : {12, 16, 20, 24, 32, 48, 64}) {
+    for (const std::uint8_t length : std::array<std::uint8_t, 7>{12, 16, 20, 24, 32, 48, 64}) {
       if (bytes.size() > f.size) f.size = length;
     }
     std::copy(bytes.begin(), bytes.end(), f.data.begin());
