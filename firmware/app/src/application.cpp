@@ -16,7 +16,7 @@ constexpr int kCountsPerIcubStep = 64;  // raw counts of the CDC for one step of
 
 std::uint8_t icub_value(std::uint16_t raw, std::uint16_t baseline) {
   const int step = (static_cast<int>(raw) - static_cast<int>(baseline)) / kCountsPerIcubStep;
-  return static_cast<std::uint8_t>(std::clamp(kRestingIcub - step, 0, 255));
+  return static_cast<std::uint8_t>(std::clamp(kRestingIcub + step, 0, 255));
 }
 
 wire::IsoTp make_link(std::uint8_t node, bool fd) {

@@ -25,13 +25,14 @@ Status Ad7147::finish_identify() const {
 void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step) {
   ByteWriter w(out_);
   if (step < ad7147::kStages) {
-    // Stage s converts input s alone, single ended, to the positive side; offsets mid-range, clamps wide open.
+    // Stage s converts input s alone, single ended; offsets mid-range, clamps wide open.
     w.be16(static_cast<std::uint16_t>(ad7147::kStage + step * ad7147::kStageStride));
-    // Two bits an input: 11 to BIAS, 10 to the positive side. High word: CIN7 … 12, then 01 = single ended, positive.
-    const std::uint16_t low = step < 7 ? static_cast<std::uint16_t>(0x3FFF & ~(1U << (2 * step))) : std::uint16_t{0x3FFF};
-    const std::uint16_t high = step < 7 ? std::uint16_t{0x0FFF} : static_cast<std::uint16_t>(0x0FFF & ~(1U << (2 * (step - 7))));
+    // Two bits an input: 11 to BIAS, 01 to the negative side, so that pressure lowers the result. High word: CIN7 … 12,
+    // then 10 = single ended, negative.
+    const std::uint16_t low = step < 7 ? static_cast<std::uint16_t>(0x3FFF & ~(2U << (2 * step))) : std::uint16_t{0x3FFF};
+    const std::uint16_t high = step < 7 ? std::uint16_t{0x0FFF} : static_cast<std::uint16_t>(0x0FFF & ~(2U << (2 * (step - 7))));
     w.be16(low);
-    w.be16(static_cast<std::uint16_t>(0x1000 | high));
+    w.be16(static_cast<std::uint16_t>(0x2000 | high));
     w.be16(0x0000);  // AFE offset
     w.be16(0x2626);  // sensitivity: data sheet's typical
     w.be16(0x2710);  // offset low
