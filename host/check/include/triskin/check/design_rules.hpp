@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace triskin::check {
+
+/// One broken rule: its name (docs/check.md), where, and the measured number against the limit.
+struct Violation {
+  std::string rule;
+  std::string where;  ///< "module 12", "module 3 side 1", "patch 0", "piece 2", "design"
+  std::string text;
+};
+
+struct DesignReport {
+  std::vector<std::string> rules;  ///< every rule that was checked
+  std::vector<Violation> violations;
+};
+
+/// Checks every rule of a design file against the mesh that the file holds. Shares no code with the solvers: own reader,
+/// own geometry (CGAL's exact predicates and its tree of triangles). Throws InputError when the file cannot be read as a
+/// design. Cost: about 300 closest-point queries a module.
+[[nodiscard]] DesignReport check_design(const std::filesystem::path& path);
+
+}  // namespace triskin::check

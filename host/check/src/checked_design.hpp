@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "triskin/check/design_rules.hpp"
+
+namespace triskin::check {
+
+using P2 = Eigen::Vector2d;
+using P3 = Eigen::Vector3d;
+using Triangle3 = std::array<P3, 3>;
+
+/// The design as the checker reads it.
+struct CheckedDesign {
+  struct Module {
+    int island, i, j;
+    bool up;
+    Triangle3 corner;
+    std::array<int, 3> neighbour;
+    double edge_error, center_gap, edge_depth, penetration, overrun;
+    std::array<double, 3> hinge_gap, fold;
+    int patch, line, address, rotation, parent, depth;
+    std::array<P3, 12> taxel, taxel_normal;
+  };
+  struct Piece {
+    std::vector<P2> outline;
+    std::vector<std::vector<P2>> holes;
+    std::vector<int> faces;
+    std::vector<std::array<P2, 3>> flat;
+    double max_edge_error;
+    double x, y, theta;
+    int modules, upper_bound;
+    bool proved;
+  };
+  struct Patch {
+    int node_address, entry, line_hops, max_depth;
+    std::vector<int> modules;
+    std::vector<std::array<int, 2>> cut_joints;
+  };
+  struct Limits {
+    double edge_error, hinge_gap, center_gap, fold, penetration, overrun;
+  };
+  std::vector<P3> vertices;
+  std::vector<std::array<int, 3>> faces;
+  Limits limits;
+  int islands;
+  std::vector<Module> modules;
+  std::vector<Piece> pieces;
+  std::vector<Patch> patches;
+  double area_cm2, coverage, max_edge_error, max_hinge_gap, max_center_gap;
+  int upper_bound, patches_lower_bound;
+  std::string method;
+};
+
+[[nodiscard]] CheckedDesign read_checked_design(const std::filesystem::path& path);
+
+/// Collects violations; each rule names itself once.
+class Findings {
+ public:
+  explicit Findings(DesignReport& report) : report_(report) {}
+  void rule(const char* name) { report_.rules.emplace_back(name); }
+  void broken(const char* name, std::string where, std::string text) { report_.violations.push_back({name, std::move(where), std::move(text)}); }
+
+ private:
+  DesignReport& report_;
+};
+
+void check_modules(const CheckedDesign& design, Findings& findings);   ///< lattice, rigidity, joints
+void check_surface(const CheckedDesign& design, Findings& findings);   ///< gaps, border, overlap, orientation
+void check_pieces(const CheckedDesign& design, Findings& findings);    ///< nets and placements on the plane
+void check_patches(const CheckedDesign& design, Findings& findings);   ///< wiring
+void check_report(const CheckedDesign& design, Findings& findings);    ///< the numbers that the file states
+
+inline constexpr double kSide = 30.0;
+[[nodiscard]] inline std::string module_name(std::size_t k) { return "module " + std::to_string(k); }
+[[nodiscard]] inline P3 centroid(const Triangle3& t) { return (t[0] + t[1] + t[2]) / 3.0; }
+[[nodiscard]] inline P3 unit_normal(const Triangle3& t) { return (t[1] - t[0]).cross(t[2] - t[0]).normalized(); }
+
+/// Grid vertex of a corner, written down from docs/design_file.md.
+[[nodiscard]] std::array<int, 2> corner_vertex(const CheckedDesign::Module& m, int corner);
+/// Side of the neighbour's tile that joins side s, −1 when the tiles do not share that side.
+[[nodiscard]] int matching_side(const CheckedDesign::Module& m, int side, const CheckedDesign::Module& other);
+
+}  // namespace triskin::check

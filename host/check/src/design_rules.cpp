@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/check/design_rules.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "checked_design.hpp"
+
+namespace triskin::check {
+namespace {
+
+constexpr double kModule_mm2 = kSide * kSide * 0.43301270189221932;
+
+void stated(Findings& f, const char* rule, double says, double is, double tolerance) {
+  if (!(std::abs(says - is) <= tolerance)) f.broken(rule, "design", fmt::format("states {:.6g}, is {:.6g}", says, is));
+}
+
+}  // namespace
+
+void check_report(const CheckedDesign& d, Findings& f) {
+  for (const char* rule : {"report-area", "report-coverage", "report-maxima", "report-bound"}) f.rule(rule);
+  double area = 0.0;
+  for (const auto& face : d.faces) {
+    const P3 &a = d.vertices[static_cast<std::size_t>(face[0])], &b = d.vertices[static_cast<std::size_t>(face[1])], &c = d.vertices[static_cast<std::size_t>(face[2])];
+    area += (b - a).cross(c - a).norm() / 2;
+  }
+  const double covered = static_cast<double>(d.modules.size()) * kModule_mm2;
+  stated(f, "report-area", d.area_cm2, area / 100, 1e-6 * area);
+  stated(f, "report-coverage", d.coverage, covered / area, 1e-9);
+  double edge = 0.0, hinge = 0.0, center = 0.0;
+  for (const auto& m : d.modules) {
+    edge = std::max(edge, m.edge_error);
+    center = std::max(center, m.center_gap);
+    for (const double g : m.hinge_gap) hinge = std::max(hinge, g);
+  }
+  stated(f, "report-maxima", d.max_edge_error, edge, 1e-9);
+  stated(f, "report-maxima", d.max_hinge_gap, hinge, 1e-9);
+  stated(f, "report-maxima", d.max_center_gap, center, 1e-9);
+  if (static_cast<int>(d.modules.size()) > d.upper_bound) {
+    f.broken("report-bound", "design", fmt::format("{} modules above the stated upper bound {}", d.modules.size(), d.upper_bound));
+  }
+}
+
+DesignReport check_design(const std::filesystem::path& path) {
+  const CheckedDesign design = read_checked_design(path);
+  DesignReport report;
+  Findings findings(report);
+  check_modules(design, findings);
+  check_surface(design, findings);
+  check_pieces(design, findings);
+  check_patches(design, findings);
+  check_report(design, findings);
+  return report;
+}
+
+}  // namespace triskin::check

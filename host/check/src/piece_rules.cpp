@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+
+#include "checked_design.hpp"
+
+namespace triskin::check {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_2;
+
+Point pt(const P2& p) { return {p.x(), p.y()}; }
+std::string piece_name(std::size_t k) { return "piece " + std::to_string(k); }
+
+double area_of(const std::vector<P2>& ring) {
+  double twice = 0.0;
+  for (std::size_t k = 1; k + 1 < ring.size(); ++k) {
+    const P2 u = ring[k] - ring[0], v = ring[k + 1] - ring[0];
+    twice += u.x() * v.y() - u.y() * v.x();
+  }
+  return twice / 2;
+}
+
+void check_scale(const CheckedDesign& d, std::size_t k, Findings& f) {
+  const auto& p = d.pieces[k];
+  double worst = 0.0, area = 0.0;
+  for (std::size_t t = 0; t < p.faces.size(); ++t) {
+    const auto& face = d.faces[static_cast<std::size_t>(p.faces[t])];
+    if (CGAL::orientation(pt(p.flat[t][0]), pt(p.flat[t][1]), pt(p.flat[t][2])) != CGAL::LEFT_TURN) {
+      f.broken("piece-flip", piece_name(k), fmt::format("the flat triangle of face {} is turned over", p.faces[t]));
+    }
+    for (std::size_t s = 0; s < 3; ++s) {
+      const double real = (d.vertices[static_cast<std::size_t>(face[(s + 1) % 3])] - d.vertices[static_cast<std::size_t>(face[s])]).norm();
+      worst = std::max(worst, std::abs((p.flat[t][(s + 1) % 3] - p.flat[t][s]).norm() / real - 1.0) * kSide);
+    }
+    area += area_of({p.flat[t].begin(), p.flat[t].end()});
+  }
+  if (!(std::abs(worst - p.max_edge_error) <= 1e-6)) {
+    f.broken("piece-scale", piece_name(k), fmt::format("states an edge error of {:.4f} mm, has {:.4f} mm", p.max_edge_error, worst));
+  }
+  double outline = std::abs(area_of(p.outline));
+  for (const auto& hole : p.holes) outline -= std::abs(area_of(hole));
+  if (!(std::abs(outline - area) <= 1e-5 * area)) {
+    f.broken("piece-overlap", piece_name(k), fmt::format("its triangles have {:.3f} mm², its outline holds {:.3f} mm²", area, outline));
+  }
+}
+
+struct Edge {
+  P2 a, b;
+};
+
+std::vector<Edge> edges_of(const CheckedDesign::Piece& p) {
+  std::vector<Edge> edges;
+  const auto add = [&](const std::vector<P2>& ring) {
+    for (std::size_t k = 0; k < ring.size(); ++k) edges.push_back({ring[k], ring[(k + 1) % ring.size()]});
+  };
+  add(p.outline);
+  for (const auto& hole : p.holes) add(hole);
+  return edges;
+}
+
+void check_simple(const CheckedDesign::Piece& p, std::size_t k, Findings& f) {
+  const auto edges = edges_of(p);
+  for (std::size_t a = 0; a < edges.size(); ++a) {
+    for (std::size_t b = a + 1; b < edges.size(); ++b) {
+      const Point p1 = pt(edges[a].a), p2 = pt(edges[a].b), q1 = pt(edges[b].a), q2 = pt(edges[b].b);
+      const int s1 = CGAL::orientation(p1, p2, q1), s2 = CGAL::orientation(p1, p2, q2), s3 = CGAL::orientation(q1, q2, p1), s4 = CGAL::orientation(q1, q2, p2);
+      if (s1 * s2 < 0 && s3 * s4 < 0) f.broken("piece-simple", piece_name(k), "its outline crosses itself");
+    }
+  }
+}
+
+// Tiles of the grid inside the moved outline, counted tile by tile: no edge may enter a tile's interior, its centre lies inside.
+int tiles_inside(const CheckedDesign::Piece& p) {
+  const double c = std::cos(p.theta), s = std::sin(p.theta), h = kSide * std::sqrt(3.0) / 2;
+  std::vector<Edge> edges = edges_of(p);
+  Eigen::AlignedBox2d box;
+  for (Edge& e : edges) {
+    for (P2* q : {&e.a, &e.b}) {
+      *q = P2(c * q->x() - s * q->y() + p.x, s * q->x() + c * q->y() + p.y);
+      box.extend(*q);
+    }
+  }
+  const auto inside = [&](const P2& q) {
+    bool in = false;
+    for (const Edge& e : edges) {
+      if ((e.a.y() > q.y()) != (e.b.y() > q.y()) && (CGAL::orientation(pt(e.a), pt(e.b), pt(q)) == CGAL::LEFT_TURN) == (e.b.y() > e.a.y())) in = !in;
+    }
+    return in;
+  };
+  const auto free_of = [&](const std::array<P2, 3>& t, const Edge& e) {
+    int left = 0, right = 0;
+    for (const P2& q : t) {
+      const int o = CGAL::orientation(pt(e.a), pt(e.b), pt(q));
+      left += o > 0 ? 1 : 0;
+      right += o < 0 ? 1 : 0;
+    }
+    if (left == 0 || right == 0) return true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (CGAL::orientation(pt(t[k]), pt(t[(k + 1) % 3]), pt(e.a)) <= 0 && CGAL::orientation(pt(t[k]), pt(t[(k + 1) % 3]), pt(e.b)) <= 0) return true;
+    }
+    return false;
+  };
+  int count = 0;
+  for (int j = static_cast<int>(std::floor(box.min().y() / h)); j * h < box.max().y(); ++j) {
+    const int first = static_cast<int>(std::floor(box.min().x() / kSide - 0.5 * j)) - 2;
+    for (int i = first; kSide * (i + 0.5 * j) < box.max().x(); ++i) {
+      for (const bool up : {true, false}) {
+        const auto at = [&](int di, int dj) { return P2(kSide * (i + di + 0.5 * (j + dj)), h * (j + dj)); };
+        std::array<P2, 3> t = up ? std::array{at(0, 0), at(1, 0), at(0, 1)} : std::array{at(1, 0), at(1, 1), at(0, 1)};
+        const P2 middle = (t[0] + t[1] + t[2]) / 3;
+        for (P2& q : t) q = middle + (q - middle) * (1 - 1e-5 / 8.66);  // tolerance of the placement and rounding
+        bool free = inside(middle);
+        for (std::size_t e = 0; free && e < edges.size(); ++e) free = free_of(t, edges[e]);
+        count += free ? 1 : 0;
+      }
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+void check_pieces(const CheckedDesign& design, Findings& findings) {
+  for (const char* rule : {"piece-flip", "piece-scale", "piece-overlap", "piece-simple", "piece-faces", "piece-placement"}) findings.rule(rule);
+  std::set<int> used;
+  for (std::size_t k = 0; k < design.pieces.size(); ++k) {
+    const auto& p = design.pieces[k];
+    for (const int face : p.faces) {
+      if (!used.insert(face).second) findings.broken("piece-faces", piece_name(k), fmt::format("face {} stands in two pieces", face));
+    }
+    check_scale(design, k, findings);
+    check_simple(p, k, findings);
+    const int tiles = p.modules > 0 ? tiles_inside(p) : 0;
+    if (tiles < p.modules) {
+      findings.broken("piece-placement", piece_name(k), fmt::format("states {} modules, {} tiles lie inside", p.modules, tiles));
+    }
+    if (p.modules > p.upper_bound || (p.proved && p.modules != p.upper_bound)) {
+      findings.broken("piece-placement", piece_name(k), fmt::format("{} modules against the bound {}", p.modules, p.upper_bound));
+    }
+  }
+}
+
+}  // namespace triskin::check

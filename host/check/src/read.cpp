@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "checked_design.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::check {
+namespace {
+
+using nlohmann::json;
+
+P2 p2(const json& j) { return {j.at(0).get<double>(), j.at(1).get<double>()}; }
+P3 p3(const json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
+
+template <class Read>
+auto all(const json& j, Read read) {
+  std::vector<decltype(read(j))> out;
+  for (const json& item : j) out.push_back(read(item));
+  return out;
+}
+
+std::array<int, 3> three_ints(const json& j) { return {j.at(0).get<int>(), j.at(1).get<int>(), j.at(2).get<int>()}; }
+std::array<double, 3> three(const json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
+
+int bounded(int value, int low, int high, const char* what) {
+  if (value < low || value > high) throw InputError(fmt::format("{} {} is outside {} … {}", what, value, low, high));
+  return value;
+}
+
+CheckedDesign::Module read_module(const json& j, int n) {
+  CheckedDesign::Module m{};
+  m.island = j.at("island").get<int>();
+  m.i = bounded(j.at("i").get<int>(), -1'000'000, 1'000'000, "lattice coordinate");
+  m.j = bounded(j.at("j").get<int>(), -1'000'000, 1'000'000, "lattice coordinate");
+  m.up = j.at("up").get<bool>();
+  for (std::size_t k = 0; k < 3; ++k) m.corner[k] = p3(j.at("corners").at(k));
+  m.neighbour = three_ints(j.at("neighbours"));
+  for (const int v : m.neighbour) bounded(v, -1, n - 1, "neighbour");
+  m.edge_error = j.at("edge_error_mm").get<double>();
+  m.center_gap = j.at("center_gap_mm").get<double>();
+  m.edge_depth = j.at("edge_depth_mm").get<double>();
+  m.penetration = j.at("penetration_mm").get<double>();
+  m.overrun = j.at("overrun_mm").get<double>();
+  m.hinge_gap = three(j.at("hinge_gap_mm"));
+  m.fold = three(j.at("fold_rad"));
+  m.patch = j.at("patch").get<int>();
+  m.line = j.at("line").get<int>();
+  m.address = j.at("address").get<int>();
+  m.rotation = j.at("rotation").get<int>();
+  m.parent = bounded(j.at("parent").get<int>(), -1, n - 1, "parent");
+  m.depth = j.at("depth").get<int>();
+  for (std::size_t t = 0; t < 12; ++t) {
+    m.taxel[t] = p3(j.at("taxels").at(t).at("position"));
+    m.taxel_normal[t] = p3(j.at("taxels").at(t).at("normal"));
+  }
+  return m;
+}
+
+CheckedDesign::Piece read_piece(const json& j, int n_faces) {
+  CheckedDesign::Piece p{};
+  p.outline = all(j.at("outline"), p2);
+  p.holes = all(j.at("holes"), [](const json& h) { return all(h, p2); });
+  p.faces = all(j.at("faces"), [&](const json& f) { return bounded(f.get<int>(), 0, n_faces - 1, "face"); });
+  p.flat = all(j.at("flat"), [](const json& t) { return std::array{p2(t.at(0)), p2(t.at(1)), p2(t.at(2))}; });
+  p.max_edge_error = j.at("max_edge_error_mm").get<double>();
+  const json& at = j.at("placement");
+  p.x = at.at("x_mm").get<double>();
+  p.y = at.at("y_mm").get<double>();
+  p.theta = at.at("theta_rad").get<double>();
+  p.modules = j.at("modules").get<int>();
+  p.upper_bound = j.at("upper_bound").get<int>();
+  p.proved = j.at("proved").get<bool>();
+  if (p.flat.size() != p.faces.size()) throw InputError("a piece must have as many flat triangles as faces");
+  return p;
+}
+
+CheckedDesign::Patch read_patch(const json& j, int n) {
+  CheckedDesign::Patch p{};
+  p.node_address = j.at("node_address").get<int>();
+  p.entry = bounded(j.at("entry").get<int>(), 0, n - 1, "entry");
+  p.line_hops = j.at("line_hops").get<int>();
+  p.max_depth = j.at("max_depth").get<int>();
+  p.modules = all(j.at("modules"), [&](const json& m) { return bounded(m.get<int>(), 0, n - 1, "module of a patch"); });
+  p.cut_joints = all(j.at("cut_joints"), [&](const json& c) {
+    return std::array{bounded(c.at(0).get<int>(), 0, n - 1, "cut joint"), bounded(c.at(1).get<int>(), 0, n - 1, "cut joint")};
+  });
+  return p;
+}
+
+CheckedDesign read_all(const json& j) {
+  CheckedDesign d{};
+  if (j.at("format") != "triskin-design" || j.at("version") != 1) throw InputError("not a design file of version 1; make the design again");
+  d.vertices = all(j.at("surface").at("vertices"), p3);
+  const int n_vertices = static_cast<int>(d.vertices.size());
+  d.faces = all(j.at("surface").at("faces"), three_ints);
+  for (const auto& f : d.faces) {
+    for (const int v : f) bounded(v, 0, n_vertices - 1, "vertex");
+  }
+  if (d.faces.empty()) throw InputError("the surface has no faces");
+  const json& l = j.at("limits");
+  d.limits = {l.at("edge_error_mm"), l.at("hinge_gap_mm"), l.at("center_gap_mm"), l.at("fold_rad"), l.at("penetration_mm"), l.at("overrun_mm")};
+  d.islands = j.at("islands").get<int>();
+  d.method = j.at("method").get<std::string>();
+  const int n = static_cast<int>(j.at("modules").size());
+  for (const json& m : j.at("modules")) {
+    bounded(m.at("id").get<int>(), static_cast<int>(d.modules.size()), static_cast<int>(d.modules.size()), "module id");
+    d.modules.push_back(read_module(m, n));
+  }
+  for (const json& p : j.at("pieces")) d.pieces.push_back(read_piece(p, static_cast<int>(d.faces.size())));
+  for (const json& p : j.at("patches")) d.patches.push_back(read_patch(p, n));
+  const json& r = j.at("report");
+  d.area_cm2 = r.at("area_cm2");
+  d.coverage = r.at("coverage");
+  d.upper_bound = r.at("upper_bound");
+  d.patches_lower_bound = r.at("patches_lower_bound");
+  d.max_edge_error = r.at("max_edge_error_mm");
+  d.max_hinge_gap = r.at("max_hinge_gap_mm");
+  d.max_center_gap = r.at("max_center_gap_mm");
+  return d;
+}
+
+// The JSON parser recurses; a design nests 6 deep.
+void require_shallow(const std::string& text, const std::string& file) {
+  int depth = 0;
+  for (const char c : text) {
+    depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
+    if (depth > 1000) throw InputError(fmt::format("{}: nested too deeply; not a design file", file));
+  }
+}
+
+}  // namespace
+
+CheckedDesign read_checked_design(const std::filesystem::path& path) {
+  const std::string text = read_file(path);
+  require_shallow(text, path.string());
+  try {
+    return read_all(json::parse(text));
+  } catch (const json::exception& e) {
+    throw InputError(fmt::format("{}: not a design file ({})", path.string(), e.what()));
+  } catch (const InputError& e) {
+    throw InputError(fmt::format("{}: {}", path.string(), e.what()));
+  }
+}
+
+}  // namespace triskin::check

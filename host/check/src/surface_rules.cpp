@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Simple_cartesian.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "checked_design.hpp"
+
+namespace triskin::check {
+namespace {
+
+using Kernel = CGAL::Simple_cartesian<double>;
+using Triangles = std::vector<Kernel::Triangle_3>;
+using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
+using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+
+// Stated and measured numbers may differ by how finely the sides are walked and by how normals are interpolated.
+constexpr double kStated_mm = 0.05;
+constexpr int kSamples = 60;
+
+Kernel::Point_3 to_cgal(const P3& p) { return {p.x(), p.y(), p.z()}; }
+P3 from_cgal(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
+
+class SurfaceIndex {
+ public:
+  struct Hit {
+    P3 point;
+    std::size_t face;
+    P3 normal;  // interpolated from the corners
+    bool on_border;
+  };
+
+  explicit SurfaceIndex(const CheckedDesign& d) : design_(d), normals_(d.vertices.size(), P3::Zero()) {
+    std::map<std::pair<int, int>, int> edges;
+    for (const auto& f : d.faces) {
+      const Triangle3 t = triangle(f);
+      triangles_.emplace_back(to_cgal(t[0]), to_cgal(t[1]), to_cgal(t[2]));
+      for (std::size_t k = 0; k < 3; ++k) {
+        const P3 u = (t[(k + 1) % 3] - t[k]).normalized(), v = (t[(k + 2) % 3] - t[k]).normalized();
+        normals_[static_cast<std::size_t>(f[k])] += std::atan2(u.cross(v).norm(), u.dot(v)) * unit_normal(t);
+        ++edges[std::minmax(f[k], f[(k + 1) % 3])];
+      }
+    }
+    for (P3& n : normals_) n.normalize();
+    for (const auto& [edge, count] : edges) {
+      if (count != 1) continue;
+      border_.push_back({d.vertices[static_cast<std::size_t>(edge.first)], d.vertices[static_cast<std::size_t>(edge.second)]});
+    }
+    tree_.insert(triangles_.cbegin(), triangles_.cend());
+    tree_.build();
+    tree_.accelerate_distance_queries();
+  }
+
+  [[nodiscard]] Hit closest(const P3& p) const {
+    const auto [point, primitive] = tree_.closest_point_and_primitive(to_cgal(p));
+    Hit h{from_cgal(point), static_cast<std::size_t>(primitive - triangles_.cbegin()), P3::Zero(), false};
+    const auto& f = design_.faces[h.face];
+    const Triangle3 t = triangle(f);
+    const P3 n = (t[1] - t[0]).cross(t[2] - t[0]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double weight = (t[(k + 2) % 3] - t[(k + 1) % 3]).cross(h.point - t[(k + 1) % 3]).dot(n) / n.squaredNorm();
+      h.normal += weight * normals_[static_cast<std::size_t>(f[k])];
+    }
+    h.normal.normalize();
+    h.on_border = border_distance(h.point) < 1e-6;
+    return h;
+  }
+
+ private:
+  [[nodiscard]] Triangle3 triangle(const std::array<int, 3>& f) const {
+    return {design_.vertices[static_cast<std::size_t>(f[0])], design_.vertices[static_cast<std::size_t>(f[1])], design_.vertices[static_cast<std::size_t>(f[2])]};
+  }
+  [[nodiscard]] double border_distance(const P3& p) const {
+    double best = std::numeric_limits<double>::infinity();
+    for (const auto& [a, b] : border_) {
+      const P3 d = b - a;
+      best = std::min(best, (a + std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0) * d - p).norm());
+    }
+    return best;
+  }
+
+  const CheckedDesign& design_;
+  std::vector<P3> normals_;
+  Triangles triangles_;
+  Tree tree_;
+  std::vector<std::array<P3, 2>> border_;
+};
+
+void against_limit(Findings& f, const char* rule, std::size_t module, double measured, double limit, double stated) {
+  if (!(measured <= limit)) f.broken(rule, module_name(module), fmt::format("{:.3f} mm, limit {} mm", measured, limit));
+  if (!(std::abs(measured - stated) <= kStated_mm)) f.broken(rule, module_name(module), fmt::format("stated {:.3f} mm, measured {:.3f} mm", stated, measured));
+}
+
+void check_against_surface(const CheckedDesign& d, Findings& f) {
+  for (const char* rule : {"center-gap", "overrun", "edge-depth", "outward"}) f.rule(rule);
+  const SurfaceIndex surface(d);
+  for (std::size_t k = 0; k < d.modules.size(); ++k) {
+    const auto& m = d.modules[k];
+    const P3 c = centroid(m.corner);
+    const auto hit = surface.closest(c);
+    against_limit(f, "center-gap", k, (hit.point - c).norm(), d.limits.center_gap, m.center_gap);
+    const double cosine = hit.normal.dot(unit_normal(m.corner));
+    if (!(cosine > 0.5)) f.broken("outward", module_name(k), fmt::format("its normal is {:.0f}° off the surface's", std::acos(cosine) * 180 / M_PI));
+    double overrun = 0.0, depth = 0.0;
+    for (std::size_t s = 0; s < 3; ++s) {
+      for (int q = 0; q < kSamples; ++q) {
+        const P3 p = m.corner[s] + (m.corner[(s + 1) % 3] - m.corner[s]) * (q / static_cast<double>(kSamples));
+        const auto h = surface.closest(p);
+        const P3 off = p - h.point;
+        depth = std::max(depth, -off.dot(h.normal));
+        if (h.on_border) overrun = std::max(overrun, (off - off.dot(h.normal) * h.normal).norm());
+      }
+    }
+    against_limit(f, "overrun", k, overrun, d.limits.overrun, m.overrun);
+    if (!(std::abs(depth - m.edge_depth) <= 0.1)) f.broken("edge-depth", module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", m.edge_depth, depth));
+  }
+}
+
+// Where two convex outlines overlap: the least distance that parts them, over the directions of their sides.
+double overlap(const std::array<P2, 3>& a, const std::array<P2, 3>& b) {
+  double least = std::numeric_limits<double>::infinity();
+  const auto test = [&](const std::array<P2, 3>& t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const P2 e = t[(k + 1) % 3] - t[k];
+      const P2 n = P2(-e.y(), e.x()) / e.norm();
+      std::array<double, 4> range{1e300, -1e300, 1e300, -1e300};
+      for (std::size_t c = 0; c < 3; ++c) {
+        range[0] = std::min(range[0], a[c].dot(n));
+        range[1] = std::max(range[1], a[c].dot(n));
+        range[2] = std::min(range[2], b[c].dot(n));
+        range[3] = std::max(range[3], b[c].dot(n));
+      }
+      least = std::min({least, range[1] - range[2], range[3] - range[0]});
+    }
+  };
+  test(a);
+  test(b);
+  return std::max(0.0, least);
+}
+
+// Two modules lie over each other when their outlines, seen along the mean of their normals, overlap within one layer.
+double module_overlap(const Triangle3& a, const Triangle3& b) {
+  const P3 na = unit_normal(a), nb = unit_normal(b);
+  const P3 between = centroid(b) - centroid(a);
+  if (between.norm() > 45.0 || na.dot(nb) < -0.2) return 0.0;
+  const P3 n = (na + nb).normalized();
+  if (std::abs(between.dot(n)) > 10.0) return 0.0;
+  const P3 x = n.unitOrthogonal(), y = n.cross(x);
+  std::array<P2, 3> fa, fb;
+  for (std::size_t k = 0; k < 3; ++k) {
+    fa[k] = {a[k].dot(x), a[k].dot(y)};
+    fb[k] = {b[k].dot(x), b[k].dot(y)};
+  }
+  return overlap(fa, fb);
+}
+
+// Open segment against triangle in space (Möller and Trumbore, 1997).
+bool pierces(const P3& a, const P3& b, const Triangle3& t) {
+  const P3 d = b - a, e1 = t[1] - t[0], e2 = t[2] - t[0], h = d.cross(e2);
+  const double det = e1.dot(h);
+  if (std::abs(det) < 1e-12) return false;
+  const P3 s = a - t[0];
+  const double u = s.dot(h) / det, v = d.dot(s.cross(e1)) / det, w = e2.dot(s.cross(e1)) / det;
+  return u > 0 && v > 0 && u + v < 1 && w > 0 && w < 1;
+}
+
+// How far inside the other triangle the piercing goes, in space: shrink one until it no longer pierces.
+bool cross_in_space(const Triangle3& a, const Triangle3& b, double allowed_mm) {
+  const auto shrunk = [&](const Triangle3& t) {
+    const P3 c = centroid(t);
+    const double scale = 1.0 - allowed_mm / (kSide * std::sqrt(3.0) / 6.0);
+    return Triangle3{P3(c + scale * (t[0] - c)), P3(c + scale * (t[1] - c)), P3(c + scale * (t[2] - c))};
+  };
+  const Triangle3 p = shrunk(a), q = shrunk(b);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (pierces(p[k], p[(k + 1) % 3], q) || pierces(q[k], q[(k + 1) % 3], p)) return true;
+  }
+  return false;
+}
+
+void check_overlap(const CheckedDesign& d, Findings& f) {
+  for (const char* rule : {"penetration", "pierced"}) f.rule(rule);
+  std::vector<double> worst(d.modules.size(), 0.0);
+  for (std::size_t a = 0; a < d.modules.size(); ++a) {
+    for (std::size_t b = a + 1; b < d.modules.size(); ++b) {
+      const double depth = module_overlap(d.modules[a].corner, d.modules[b].corner);
+      worst[a] = std::max(worst[a], depth);
+      worst[b] = std::max(worst[b], depth);
+      if (!(depth <= d.limits.penetration)) {
+        f.broken("penetration", module_name(a), fmt::format("overlaps module {} by {:.3f} mm, limit {} mm", b, depth, d.limits.penetration));
+      }
+      if (cross_in_space(d.modules[a].corner, d.modules[b].corner, d.limits.penetration)) {
+        f.broken("pierced", module_name(a), fmt::format("passes through module {}", b));
+      }
+    }
+  }
+  for (std::size_t k = 0; k < worst.size(); ++k) {
+    if (!(std::abs(worst[k] - d.modules[k].penetration) <= kStated_mm)) {
+      f.broken("penetration", module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", d.modules[k].penetration, worst[k]));
+    }
+  }
+}
+
+}  // namespace
+
+void check_surface(const CheckedDesign& design, Findings& findings) {
+  check_against_surface(design, findings);
+  check_overlap(design, findings);
+}
+
+}  // namespace triskin::check

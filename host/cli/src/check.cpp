@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "triskin/check/design_rules.hpp"
+#include "triskin/cli/command.hpp"
+
+namespace triskin::cli {
+namespace {
+
+int run(const std::string& path, Output& output) {
+  const check::DesignReport report = check::check_design(path);
+  nlohmann::json violations = nlohmann::json::array();
+  for (const check::Violation& v : report.violations) {
+    violations.push_back({{"rule", v.rule}, {"where", v.where}, {"text", v.text}});
+    if (!output.json()) output.say(fmt::format("{}: {}: {}", v.rule, v.where, v.text));
+  }
+  output.result = {{"rules", report.rules.size()}, {"rule_names", report.rules}, {"violations", std::move(violations)}};
+  output.say(fmt::format("{} rules checked, {} violations", report.rules.size(), report.violations.size()));
+  return report.violations.empty() ? 0 : 1;
+}
+
+const Registration kCheck{{
+    "check", "check every rule of a design, by code that shares nothing with the solvers", "triskin check forearm.design.json --json",
+    [](CLI::App& app) -> Run {
+      auto path = std::make_shared<std::string>();
+      app.add_option("DESIGN", *path, "design file")->required();
+      return [path](Output& output) { return run(*path, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli
