@@ -65,7 +65,9 @@ Design make_design(const std::filesystem::path& mesh, const DesignOptions& optio
   design.limits = options.limits;
   const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit);
   design.scale_to_mm = file.report.scale_to_mm;
+  geometry::require_manifold(file.mesh, mesh.string());
   design.surface = geometry::extract(file.mesh, progress).surface;
+  geometry::require_no_self_intersection(design.surface, mesh.string());
   const geometry::Surface surface(design.surface);
   const geometry::Net net = geometry::unfold(surface, {.edge_error_mm = options.limits.edge_error_mm}, progress);
   const auto placed = place_pieces(design, net, options, start, progress);

@@ -149,6 +149,10 @@ class Mapper {
 
   // How far over its limit, 1 = at the limit; the name of the limit that is broken most.
   [[nodiscard]] std::pair<double, const char*> worst(const PlacedModule& m) const {
+    // Thin shells have two sheets: a module whose nearest sheet is the other one would be measured against that.
+    const Vec3 middle = (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
+    const Vec3 normal = (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
+    if (surface_.normal_at(surface_.closest(middle)).dot(normal) < 0.6) return {100.0, "outward"};
     return std::max({std::pair{m.edge_error_mm / limits_.edge_error_mm, "edge_error_mm"},
                      std::pair{m.center_gap_mm / limits_.center_gap_mm, "center_gap_mm"},
                      std::pair{m.penetration_mm / limits_.penetration_mm, "penetration_mm"},

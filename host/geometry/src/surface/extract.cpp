@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "triskin/geometry/lattice.hpp"
 #include "triskin/geometry/surface.hpp"
@@ -152,8 +153,20 @@ class Extractor {
       }
       std::array<int, 3> face = vertex[f];
       if (flipped_[f]) std::swap(face[1], face[2]);
-      result_.faces.push_back(face);
+      add_face(face);
     }
+  }
+
+  // Two unjoined faces can still meet at an edge when the fans at both ends connect them elsewhere: the later one goes.
+  void add_face(const std::array<int, 3>& face) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (used_edges_.contains({face[k], face[(k + 1) % 3]})) {
+        ++report_.removed_faces;
+        return;
+      }
+    }
+    for (std::size_t k = 0; k < 3; ++k) used_edges_.insert({face[k], face[(k + 1) % 3]});
+    result_.faces.push_back(face);
   }
 
   void spread(int face, int k, std::vector<std::array<int, 3>>& vertex) {
@@ -184,6 +197,7 @@ class Extractor {
   std::vector<double> areas_;
   std::vector<bool> keep_;
   Mesh result_;
+  std::set<std::pair<int, int>> used_edges_;  // directed
   ExtractReport report_;
 };
 

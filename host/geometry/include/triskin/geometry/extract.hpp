@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <string>
+
 #include "triskin/geometry/types.hpp"
 #include "triskin/host/progress.hpp"
 
@@ -22,5 +24,12 @@ struct Extraction {
 /// most), orients each component over its edges (a Möbius band is cut), splits pinched vertices, and drops components smaller
 /// than a module. Throws InputError when nothing is left. Cost: O(n log n).
 [[nodiscard]] Extraction extract(const Mesh& mesh, const ProgressSink& progress = {});
+
+/// Throws InputError naming `name` and the place when an edge of the mesh has more than two faces (non-manifold).
+void require_manifold(const Mesh& mesh, const std::string& name);
+
+/// Throws InputError naming `name` and the place when two faces of the surface pass through each other. Exact predicates;
+/// cost O(n log n) typical.
+void require_no_self_intersection(const Mesh& surface, const std::string& name);
 
 }  // namespace triskin::geometry
