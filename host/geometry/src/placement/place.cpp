@@ -54,6 +54,14 @@ void enlarge_clearance(const PreparedPolygon& polygon, const PlacementOptions& o
 
 }  // namespace
 
+std::vector<Tile> tiles_inside(const Polygon& polygon, const Placement& placement, double tolerance_mm, double gap_mm) {
+  const PreparedPolygon p = prepare(polygon);
+  const double c = std::cos(placement.theta_rad), s = std::sin(placement.theta_rad);
+  const Vec2 o = p.first + p.center;
+  const Motion motion{placement.x_mm + c * o.x() - s * o.y(), placement.y_mm + s * o.x() + c * o.y(), placement.theta_rad};
+  return tiles_inside(p, motion, -tolerance_mm, kSide_mm + gap_mm);
+}
+
 PlacementResult place(const Polygon& input, const PlacementOptions& options, const ProgressSink& progress) {
   require_sane(options);
   const auto start = Clock::now();

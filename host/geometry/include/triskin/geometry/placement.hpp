@@ -51,4 +51,8 @@ struct PlacementResult {
 [[nodiscard]] PlacementResult place(const Polygon& polygon, const PlacementOptions& options = {},
                                     const ProgressSink& progress = {});
 
+/// The paper's Algorithm 1 with holes: the tiles that lie in the moved polygon, each allowed to stand over by `tolerance_mm`,
+/// sorted. `polygon` must be normalized (polygon_io.hpp). Cost: O(edges · tiles that they pass).
+[[nodiscard]] std::vector<Tile> tiles_inside(const Polygon& polygon, const Placement& placement, double tolerance_mm, double gap_mm = 0.0);
+
 }  // namespace triskin::geometry
