@@ -43,11 +43,55 @@ class Unfolder {
       }
       for (auto& part : divide(faces)) open.push_back(std::move(part));
     }
+    merge_pieces();
     std::ranges::stable_sort(net_.pieces, std::greater<>(), [](const Piece& p) { return polygon_area(p.outline); });
     return std::move(net_);
   }
 
  private:
+  // Length of the seams between pairs of pieces, mm.
+  [[nodiscard]] std::map<std::pair<int, int>, double> seams() const {
+    std::vector<int> piece_of(surface_.mesh().faces.size(), -1);
+    for (std::size_t p = 0; p < net_.pieces.size(); ++p) {
+      for (const int f : net_.pieces[p].faces) piece_of[at(f)] = static_cast<int>(p);
+    }
+    std::map<std::pair<int, int>, double> length;
+    for (std::size_t f = 0; f < piece_of.size(); ++f) {
+      for (int s = 0; s < 3; ++s) {
+        const int n = surface_.neighbours(static_cast<int>(f))[at(s)];
+        if (n < 0 || piece_of[at(n)] <= piece_of[f]) continue;
+        const auto& c = surface_.mesh().faces[f];
+        length[{piece_of[f], piece_of[at(n)]}] += (surface_.mesh().vertices[at(c[at((s + 1) % 3)])] - surface_.mesh().vertices[at(c[at(s)])]).norm();
+      }
+    }
+    return length;
+  }
+
+  // Joins two pieces again, longest seam first, where the joined piece keeps the limit. A pair that failed is not tried twice.
+  void merge_pieces() {
+    std::set<std::pair<std::vector<int>, std::vector<int>>> failed;
+    for (bool merged = true; merged;) {
+      merged = false;
+      std::vector<std::pair<double, std::pair<int, int>>> order;
+      for (const auto& [pair, length] : seams()) order.emplace_back(-length, pair);
+      std::ranges::sort(order);
+      for (const auto& [length, pair] : order) {
+        Piece &a = net_.pieces[at(pair.first)], &b = net_.pieces[at(pair.second)];
+        if (failed.contains({a.faces, b.faces})) continue;
+        std::vector<int> both;
+        std::ranges::merge(a.faces, b.faces, std::back_inserter(both));
+        if (auto joined = try_piece(both)) {
+          a = std::move(*joined);
+          net_.pieces.erase(net_.pieces.begin() + pair.second);
+          merged = true;
+          report(progress_, "merging pieces", -1.0, std::to_string(net_.pieces.size()));
+          break;
+        }
+        failed.emplace(a.faces, b.faces);
+      }
+    }
+  }
+
   // Parts of a face set that hang together by edges.
   std::vector<std::vector<int>> connected(const std::vector<int>& faces) {
     const int mark = ++stamp_;

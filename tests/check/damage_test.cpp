@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A real design passes; each kind of damage is rejected by the rule that is there for it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "triskin/check/design_rules.hpp"
+#include "triskin/geometry/mesh_io.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/host/files.hpp"
+#include "triskin/model/design_pipeline.hpp"
+
+namespace triskin::check {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+// Two thirds of a cylinder, radius 60 mm, 200 mm long: it unfolds without error and holds several islands and patches.
+geometry::Mesh half_pipe() {
+  geometry::Mesh mesh;
+  constexpr int kAlong = 20, kAround = 24;
+  for (int a = 0; a <= kAlong; ++a) {
+    for (int r = 0; r <= kAround; ++r) {
+      const double angle = 4.0 * r / kAround;
+      mesh.vertices.emplace_back(60 * std::cos(angle), 60 * std::sin(angle), 10.0 * a);
+    }
+  }
+  for (int a = 0; a < kAlong; ++a) {
+    for (int r = 0; r < kAround; ++r) {
+      const int v = a * (kAround + 1) + r;
+      mesh.faces.push_back({v, v + 1, v + kAround + 1});
+      mesh.faces.push_back({v + 1, v + kAround + 2, v + kAround + 1});
+    }
+  }
+  return mesh;
+}
+
+class Damage : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = fs::temp_directory_path() / ("check_damage." + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    geometry::write_obj(folder_ / "pipe.obj", half_pipe());
+    model::write_design(folder_ / "good.json", model::make_design(folder_ / "pipe.obj", {}));
+    good_ = new json(json::parse(read_file(folder_ / "good.json")));
+  }
+  static void TearDownTestSuite() {
+    fs::remove_all(folder_);
+    delete good_;
+  }
+
+  // Names of the rules that the damaged design breaks.
+  static std::vector<std::string> broken_by(const std::function<void(json&)>& damage) {
+    json j = *good_;
+    damage(j);
+    const fs::path path = folder_ / "damaged.json";
+    std::ofstream(path) << j.dump();
+    std::vector<std::string> names;
+    for (const Violation& v : check_design(path).violations) names.push_back(v.rule);
+    return names;
+  }
+  static void expect(const std::string& rule, const std::function<void(json&)>& damage) {
+    EXPECT_THAT(broken_by(damage), testing::Contains(rule));
+  }
+
+  static inline fs::path folder_;
+  static inline json* good_ = nullptr;
+};
+
+void shift(json& module, double dx, double dy, double dz) {
+  for (json& c : module["corners"]) {
+    c[0] = c[0].get<double>() + dx;
+    c[1] = c[1].get<double>() + dy;
+    c[2] = c[2].get<double>() + dz;
+  }
+}
+
+json& leaf(json& j) { return j["modules"][j["patches"][0]["modules"].back().get<std::size_t>()]; }
+json& entry(json& j) { return j["modules"][j["patches"][0]["entry"].get<std::size_t>()]; }
+
+TEST_F(Damage, the_design_itself_is_accepted) {
+  const DesignReport report = check_design(folder_ / "good.json");
+  for (const Violation& v : report.violations) ADD_FAILURE() << v.rule << " " << v.where << " " << v.text;
+  EXPECT_GE(report.rules.size(), 40U);
+  EXPECT_GE((*good_)["modules"].size(), 20U);
+}
+
+TEST_F(Damage, geometry) {
+  expect("hinge-gap", [](json& j) { shift(leaf(j), 0, 0, 3); });
+  expect("center-gap", [](json& j) { for (json& m : j["modules"]) shift(m, 6, 0, 0); });
+  expect("rigid", [](json& j) { leaf(j)["corners"][0][2] = leaf(j)["corners"][0][2].get<double>() + 0.01; });
+  expect("penetration", [](json& j) { shift(leaf(j), 0, 0, 2); });
+  expect("overrun", [](json& j) { for (json& m : j["modules"]) shift(m, 0, 0, 40); });
+  expect("outward", [](json& j) { for (json& m : j["modules"]) std::swap(m["corners"][1], m["corners"][2]); });
+  expect("report-coverage", [](json& j) { j["report"]["coverage"] = 0.99; });
+  expect("report-area", [](json& j) { j["report"]["area_cm2"] = 1.0; });
+  expect("report-maxima", [](json& j) { j["report"]["max_center_gap_mm"] = 0.0; });
+  expect("report-bound", [](json& j) { j["report"]["upper_bound"] = 1; });
+  expect("taxel-pose", [](json& j) { leaf(j)["taxels"][3]["position"][0] = 0.0; });
+}
+
+TEST_F(Damage, lattice) {
+  expect("tile-unique", [](json& j) { for (const char* k : {"i", "j", "up"}) j["modules"][1][k] = j["modules"][0][k]; });
+  expect("joint-lattice", [](json& j) { leaf(j)["i"] = leaf(j)["i"].get<int>() + 7; });
+  expect("joint-symmetric", [](json& j) {
+    json& m = leaf(j);
+    for (json& n : m["neighbours"]) n = -1;
+  });
+  expect("island-connected", [](json& j) { j["islands"] = 99; });
+  expect("joint-island", [](json& j) { leaf(j)["island"] = 77; });
+}
+
+TEST_F(Damage, pieces) {
+  expect("piece-flip", [](json& j) { std::swap(j["pieces"][0]["flat"][0][0], j["pieces"][0]["flat"][0][1]); });
+  expect("piece-scale", [](json& j) { j["pieces"][0]["max_edge_error_mm"] = 0.5; });
+  expect("piece-overlap", [](json& j) { j["pieces"][0]["outline"][0][0] = j["pieces"][0]["outline"][0][0].get<double>() + 50; });
+  expect("piece-placement", [](json& j) { j["pieces"][0]["placement"]["x_mm"] = j["pieces"][0]["placement"]["x_mm"].get<double>() + 13; });
+  expect("piece-placement", [](json& j) { j["pieces"][0]["upper_bound"] = 1; });
+  expect("piece-faces", [](json& j) { j["pieces"].push_back(j["pieces"][0]); });
+}
+
+TEST_F(Damage, wiring) {
+  expect("address-unique", [](json& j) { for (const char* k : {"line", "address"}) leaf(j)[k] = entry(j)[k]; });
+  expect("line-load", [](json& j) { for (json& m : j["modules"]) m["line"] = 0; });
+  expect("address-range", [](json& j) { leaf(j)["address"] = 4; });
+  expect("rotation", [](json& j) { leaf(j)["rotation"] = (leaf(j)["rotation"].get<int>() + 1) % 3; });
+  expect("one-entry", [](json& j) { leaf(j)["parent"] = -1; });
+  expect("parent", [](json& j) {
+    const auto second = j["patches"][1]["entry"];
+    leaf(j)["parent"] = second;
+  });
+  expect("parent-first", [](json& j) { std::reverse(j["patches"][0]["modules"].begin(), j["patches"][0]["modules"].end()); });
+  expect("depth", [](json& j) { leaf(j)["depth"] = 15; });
+  expect("max-depth", [](json& j) { j["patches"][0]["max_depth"] = 0; });
+  expect("line-hops", [](json& j) { j["patches"][0]["line_hops"] = 0; });
+  expect("joint-use", [](json& j) { j["patches"][0]["cut_joints"].push_back({entry(j)["id"], leaf(j)["id"]}); });
+  expect("patch-members", [](json& j) { j["patches"][0]["modules"].push_back(leaf(j)["id"]); });
+  expect("every-module-wired", [](json& j) { j["patches"].erase(0); });
+  expect("patch-node", [](json& j) { j["patches"][0]["node_address"] = 5; });
+  expect("entry", [](json& j) { j["patches"][0]["entry"] = j["patches"][1]["entry"]; });
+  expect("patches-bound", [](json& j) { j["report"]["patches_lower_bound"] = 99; });
+  expect("patch-size", [](json& j) {
+    for (const json& m : j["patches"][1]["modules"]) j["patches"][0]["modules"].push_back(m);
+  });
+}
+
+TEST_F(Damage, what_is_not_a_design_ends_with_the_file_named) {
+  for (const char* text : {"", "{}", "[1,2]", "{\"format\":\"triskin-design\",\"version\":2}", "nonsense"}) {
+    const fs::path path = folder_ / "bad.json";
+    std::ofstream(path) << text;
+    try {
+      (void)check_design(path);
+      ADD_FAILURE() << text;
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find("bad.json"), std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace triskin::check
