@@ -34,6 +34,11 @@ Application::Application(const Ports& ports)
 void Application::restart() {
   tables_.load();
   link_ = make_link(tables_.node_address(), ports_.can->fd());
+  held_.reset();
+  restart_sampling();
+}
+
+void Application::restart_sampling() {
   samples_ = {};
   lines_done_ = 0;
   const layout::PatchImage table = tables_.has_table() ? tables_.table() : layout::PatchImage{};
@@ -54,9 +59,10 @@ void Application::step() {
   }
   end_cycle();
   send_pending();
-  if (reset_requested_ && !link_.sending()) {
+  if (reset_requested_ && !link_.sending() && !held_) {
     reset_requested_ = false;
     stream_ = StreamMode::kOff;
+    server_.restart();
     restart();
   }
 }
@@ -78,14 +84,18 @@ void Application::handle_frame(const wire::CanFrame& frame) {
     if (!response.empty()) (void)link_.send(response, now_us());
     return;
   }
+  link_.set_frame_bytes(frame.fd ? 64 : 8);
   if (link_.receive(frame, now_us()) != wire::IsoTp::Event::kReceived) return;
   const Bytes response = server_.handle(link_.message(), false);
   if (!response.empty()) (void)link_.send(response, now_us());
 }
 
 void Application::send_pending() {
-  while (const auto frame = link_.transmit(now_us())) {
-    if (!ports_.can->send(*frame)) break;
+  while (true) {  // a frame that finds the queue full is kept: ISO-TP has counted it already
+    if (!held_) held_ = link_.transmit(now_us());
+    if (!held_) break;
+    if (!ports_.can->send(*held_)) return;
+    held_.reset();
   }
   while (outgoing_at_ < outgoing_count_ && ports_.can->send(outgoing_[outgoing_at_])) ++outgoing_at_;
 }
@@ -104,7 +114,7 @@ void Application::end_cycle() {
 }
 
 void Application::queue_sample() {
-  if (stream_ == StreamMode::kOff) return;
+  if (stream_ == StreamMode::kOff || server_.transferring()) return;
   lost_frames_ += static_cast<std::uint32_t>(outgoing_count_ - outgoing_at_);
   outgoing_count_ = outgoing_at_ = 0;
   for (std::size_t k = 0; k < tables_.table().module_count; ++k) {
@@ -174,7 +184,7 @@ bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
     case wire::did::kStream: out.u8(static_cast<std::uint8_t>(stream_)); return true;
     case wire::did::kLineStates:
       for (const LineSampler& l : lines_) {
-        out.u8(l.scan().stuck ? 1 : 0);
+        out.u8(l.stuck() ? 1 : 0);
         out.le32(l.recoveries());
       }
       return true;
@@ -201,20 +211,28 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
     case wire::routine::kDiscover:
       for (LineSampler& l : lines_) l.request_scan();
       return Status::kOk;
+    case wire::routine::kSelfTest:
+      for (LineSampler& l : lines_) l.request_check();
+      return Status::kOk;
     case wire::routine::kCalibrate:
       for (ModuleSample& s : samples_) s.has_baseline = false;  // the next reading becomes the baseline
       return Status::kOk;
     case wire::routine::kActivate: {
       const Status s = tables_.activate(tables_.node_address());
-      if (s == Status::kOk) restart();
+      if (s == Status::kOk) restart_sampling();
       return s;
     }
     default: return Status::kOutOfRange;
   }
 }
 
-// Discover: done, then per line: stuck, answering addresses, wrong ids.
+// Discover: done, then per line: stuck, answering addresses, wrong ids. Self test: done, then the state of each module.
 Status Application::routine_result(std::uint16_t routine, ByteWriter& out) {
+  if (routine == wire::routine::kSelfTest) {
+    out.u8(std::ranges::all_of(lines_, [](const LineSampler& l) { return l.checked(); }) ? 1 : 0);
+    for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) out.u8(static_cast<std::uint8_t>(samples_[k].state));
+    return Status::kOk;
+  }
   if (routine != wire::routine::kDiscover) return Status::kOutOfRange;
   out.u8(std::ranges::all_of(lines_, [](const LineSampler& l) { return l.scan().done; }) ? 1 : 0);
   for (const LineSampler& l : lines_) {

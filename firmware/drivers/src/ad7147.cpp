@@ -22,17 +22,19 @@ Status Ad7147::finish_identify() const {
   return (big16(in_) & ad7147::kIdMask) == ad7147::kId ? Status::kOk : Status::kWrongId;
 }
 
-void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step) {
+void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, Polarity polarity) {
   ByteWriter w(out_);
   if (step < ad7147::kStages) {
     // Stage s converts input s alone, single ended; offsets mid-range, clamps wide open.
     w.be16(static_cast<std::uint16_t>(ad7147::kStage + step * ad7147::kStageStride));
-    // Two bits an input: 11 to BIAS, 01 to the negative side, so that pressure lowers the result. High word: CIN7 … 12,
-    // then 10 = single ended, negative.
-    const std::uint16_t low = step < 7 ? static_cast<std::uint16_t>(0x3FFF & ~(2U << (2 * step))) : std::uint16_t{0x3FFF};
-    const std::uint16_t high = step < 7 ? std::uint16_t{0x0FFF} : static_cast<std::uint16_t>(0x0FFF & ~(2U << (2 * (step - 7))));
-    w.be16(low);
-    w.be16(static_cast<std::uint16_t>(0x2000 | high));
+    // Two bits an input: 11 to BIAS, 10 to the positive side, 01 to the negative. High word: CIN7 … 12, then 01 or 10 for
+    // single ended, positive or negative.
+    const bool positive = polarity == Polarity::kPositive;
+    const unsigned cleared = 1U << (2 * (step < 7 ? step : step - 7) + (positive ? 0 : 1));
+    const unsigned low = step < 7 ? 0x3FFFU & ~cleared : 0x3FFFU;
+    const unsigned high = step < 7 ? 0x0FFFU : 0x0FFFU & ~cleared;
+    w.be16(static_cast<std::uint16_t>(low));
+    w.be16(static_cast<std::uint16_t>((positive ? 0x1000U : 0x2000U) | high));
     w.be16(0x0000);  // AFE offset
     w.be16(0x2626);  // sensitivity: data sheet's typical
     w.be16(0x2710);  // offset low
@@ -69,8 +71,8 @@ void Ad7147::begin_read(I2cLine& line, std::uint8_t address) {
   line.start(address, std::span(out_).first(2), in_);
 }
 
-std::array<std::uint16_t, ad7147::kStages> Ad7147::results() const {
-  std::array<std::uint16_t, ad7147::kStages> r{};
+ad7147::Results Ad7147::results() const {
+  ad7147::Results r{};
   for (std::size_t k = 0; k < r.size(); ++k) r[k] = big16(std::span(in_).subspan(2 * k));
   return r;
 }

@@ -43,6 +43,12 @@ Bytes UdsServer::handle(Bytes request, bool functional) {
   return negative.written();
 }
 
+void UdsServer::restart() {
+  leave_session();
+  seed_ = 0;
+  wrong_keys_ = 0;
+}
+
 void UdsServer::tick() {
   if (session_ != session::kDefault && host_.now_us() - last_request_us_ > kS3_us) leave_session();
 }
@@ -157,10 +163,12 @@ std::uint8_t UdsServer::security(Bytes request, Out& out) {
 std::uint8_t UdsServer::routine(Bytes request, Out& out) {
   if (request.size() < 4) return nrc::kWrongLength;
   const auto id = static_cast<std::uint16_t>(request[2] << 8 | request[3]);
-  out.u8(request[1]);
+  const std::uint8_t kind = request[1] & 0x7F;
+  suppress_ = (request[1] & kSuppress) != 0;
+  out.u8(kind);
   out.be16(id);
-  if (request[1] == 0x03) return nrc_of(host_.routine_result(id, out));
-  if (request[1] != 0x01) return nrc::kSubFunctionNotSupported;
+  if (kind == 0x03) return nrc_of(host_.routine_result(id, out));
+  if (kind != 0x01) return nrc::kSubFunctionNotSupported;
   if (id != routine::kActivate) return nrc_of(host_.start_routine(id, request.subspan(4), out));
   if (const std::uint8_t code = need_unlocked(); code != kDone) return code;
   // The reason travels in the result byte, so that the host can name it.

@@ -28,6 +28,10 @@ class IsoTp {
       : tx_id_(tx_id), rx_id_(rx_id), frame_bytes_(frame_bytes) {}
 
   [[nodiscard]] constexpr std::uint32_t rx_id() const { return rx_id_; }
+  /// Longest frame from now on; a server answers in the frame format of the request. Ignored while sending.
+  constexpr void set_frame_bytes(std::uint8_t frame_bytes) {
+    if (!sending()) frame_bytes_ = frame_bytes;
+  }
   [[nodiscard]] constexpr bool sending() const { return tx_ != Tx::kIdle; }
   /// The last complete message; valid until the next frame comes in.
   [[nodiscard]] constexpr Bytes message() const { return {rx_buffer_.data(), rx_size_}; }
@@ -127,7 +131,7 @@ class IsoTp {
              static_cast<std::size_t>(frame.data[4]) << 8 | frame.data[5];
       start = 6;
     }
-    if (size < 8) return Event::kNone;
+    if (size < 8 || size <= frame.size - start) return Event::kNone;  // fits a single frame: not a first frame
     flow_control_due_ = true;
     if (size > kCapacity) {
       flow_status_ = 0x32;  // overflow: the sender gives up
@@ -136,7 +140,8 @@ class IsoTp {
     }
     flow_status_ = 0x30;
     rx_expected_ = size;
-    rx_at_ = std::min<std::size_t>(frame.size - start, size);
+    rx_frame_bytes_ = frame.size;
+    rx_at_ = frame.size - start;
     std::copy_n(frame.data.begin() + static_cast<std::ptrdiff_t>(start), rx_at_, rx_buffer_.begin());
     rx_sequence_ = 1;
     rx_deadline_us_ = now_us + kTimeout_us;
@@ -149,8 +154,13 @@ class IsoTp {
       rx_expected_ = 0;
       return Event::kFailed;
     }
+    // Only the last frame may be shorter than the first one was, and it must hold all that is missing.
+    const std::size_t n = std::min<std::size_t>(rx_frame_bytes_ - 1U, rx_expected_ - rx_at_);
+    if (frame.size < n + 1) {
+      rx_expected_ = 0;
+      return Event::kFailed;
+    }
     rx_sequence_ = (rx_sequence_ + 1) & 0xF;
-    const std::size_t n = std::min<std::size_t>(frame.size - 1U, rx_expected_ - rx_at_);
     std::copy_n(frame.data.begin() + 1, n, rx_buffer_.begin() + static_cast<std::ptrdiff_t>(rx_at_));
     rx_at_ += n;
     rx_deadline_us_ = now_us + kTimeout_us;
@@ -230,7 +240,7 @@ class IsoTp {
   }
 
   std::uint32_t tx_id_, rx_id_;
-  std::uint8_t frame_bytes_;
+  std::uint8_t frame_bytes_, rx_frame_bytes_ = 8;
   Tx tx_ = Tx::kIdle;
   std::array<std::uint8_t, kCapacity> tx_buffer_{}, rx_buffer_{};
   std::size_t tx_size_ = 0, tx_at_ = 0, rx_size_ = 0, rx_at_ = 0, rx_expected_ = 0;

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "triskin/logic/fault_memory.hpp"
 #include "triskin/logic/sampler.hpp"
@@ -36,6 +37,7 @@ class Application final : private UdsHost {
   [[nodiscard]] std::uint64_t now_us() const override { return ports_.clock->now_us(); }
 
   void restart();
+  void restart_sampling();
   void handle_frame(const wire::CanFrame& frame);
   void send_pending();
   void end_cycle();
@@ -48,6 +50,7 @@ class Application final : private UdsHost {
   UdsServer server_;
   FaultMemory faults_;
   wire::IsoTp link_;
+  std::optional<wire::CanFrame> held_;  ///< sent by link_, not yet taken by the port
   std::array<LineSampler, layout::kLines> lines_;
   std::array<ModuleSample, layout::kMaxModules> samples_{};
   std::uint8_t lines_done_ = 0;

@@ -18,9 +18,11 @@ inline constexpr std::uint16_t kFullPower = 0x00B0;        ///< twelve stages, d
 inline constexpr std::uint16_t kAllStages = 0x0FFF;
 inline constexpr std::uint16_t kId = 0x1470, kIdMask = 0xFFF0;  ///< low nibble: revision
 inline constexpr int kStages = 12;
+using Results = std::array<std::uint16_t, kStages>;
 inline constexpr std::uint16_t kStageStride = 8;
 /// Conversion time of twelve stages at decimation 256 (data sheet table 11), µs.
 inline constexpr std::uint32_t kSequence_us = 36'900;
+inline constexpr std::uint32_t kMidScale = 0x8000;
 }  // namespace ad7147
 
 /// One CDC on a line: what to write and read, never waiting. Each begin_… starts one transfer on the line; the caller polls the
@@ -30,9 +32,12 @@ class Ad7147 {
   void begin_identify(I2cLine& line, std::uint8_t address);
   [[nodiscard]] Status finish_identify() const;
 
-  /// Writes configuration in `kConfigurationSteps` transfers: stages first, power last.
+  /// Input of the converter that the pads are connected to. It measures at the negative one: pressure lowers the result, as on
+  /// the iCub skin. The positive one gives the same number mirrored at mid scale.
+  enum class Polarity : std::uint8_t { kPositive, kNegative };
+  /// Writes configuration in `kConfigurationSteps` transfers: stages first, power last, which restarts the sequence.
   static constexpr int kConfigurationSteps = ad7147::kStages + 2;
-  void begin_configure(I2cLine& line, std::uint8_t address, int step);
+  void begin_configure(I2cLine& line, std::uint8_t address, int step, Polarity polarity);
 
   /// Reads back what a power dip would clear: power control and calibration enables.
   void begin_verify(I2cLine& line, std::uint8_t address);
@@ -40,7 +45,7 @@ class Ad7147 {
 
   /// Twelve results in one burst of 28 bytes.
   void begin_read(I2cLine& line, std::uint8_t address);
-  [[nodiscard]] std::array<std::uint16_t, ad7147::kStages> results() const;
+  [[nodiscard]] ad7147::Results results() const;
 
  private:
   void write_register(std::uint16_t reg);

@@ -39,6 +39,10 @@ class UdsServer {
   [[nodiscard]] Bytes handle(Bytes request, bool functional);
   /// Falls back to the default session when the tester has gone.
   void tick();
+  /// A download or upload is under way: the bus belongs to it.
+  [[nodiscard]] bool transferring() const { return transfer_ != Transfer::kNone; }
+  /// As after power-up: default session, locked, no transfer.
+  void restart();
   [[nodiscard]] std::uint8_t session() const { return session_; }
 
  private:
