@@ -3,131 +3,239 @@
 
 #include <gtest/gtest.h>
 
+#include <deque>
 #include <numeric>
 
-#include "vector_file.hpp"
+#include "../vectors/vector_file.hpp"
+#include "triskin/wire/uds.hpp"
 
 namespace triskin::wire {
 namespace {
 
-using test::from_hex;
-using test::vector_rows;
+using Event = IsoTp::Event;
+using Message = std::vector<std::uint8_t>;
 
-CanFrame frame_of(const std::vector<std::uint8_t>& bytes) {
-  CanFrame f;
-  f.size = static_cast<std::uint8_t>(bytes.size());
-  std::copy(bytes.begin(), bytes.end(), f.data.begin());
-  return f;
-}
+constexpr std::uint32_t kToNode = physical_id(5, kTesterAddress), kToTester = physical_id(kTesterAddress, 5);
+static_assert(kToNode == 0x18DA05F1 && kToTester == 0x18DAF105);
 
-std::vector<std::uint8_t> bytes_of(const CanFrame& f) { return {f.data.begin(), f.data.begin() + f.size}; }
+IsoTp tester(std::uint8_t bytes = 8) { return {kToNode, kToTester, bytes}; }
+IsoTp node(std::uint8_t bytes = 8) { return {kToTester, kToNode, bytes}; }
 
-TEST(IsoTp, vectors) {
-  for (const auto& row : vector_rows("iso_tp.txt")) {
-    IsoTp sender(1, 2, static_cast<std::uint8_t>(std::stoi(row[1]))), receiver(2, 1, static_cast<std::uint8_t>(std::stoi(row[1])));
-    const auto message = from_hex(row[2]);
-    ASSERT_EQ(sender.send(message, 0), Status::kOk);
-    IsoTp::Event last = IsoTp::Event::kNone;
-    std::istringstream frames(row[3]);
-    for (std::string text; std::getline(frames, text, ';');) {
-      text.erase(0, text.find_first_not_of(' '));
-      const bool from_receiver = text[0] == '<';
-      auto expected = from_hex(from_receiver ? text.substr(1) : text);
-      if (from_receiver) expected.resize(8, IsoTp::kPadding);
-      const auto frame = (from_receiver ? receiver : sender).transmit(0);
-      ASSERT_TRUE(frame.has_value()) << row[0];
-      EXPECT_EQ(bytes_of(*frame), expected) << row[0];
-      last = (from_receiver ? sender : receiver).receive(*frame, 0);
-    }
-    EXPECT_EQ(last, IsoTp::Event::kReceived) << row[0];
-    EXPECT_EQ(std::vector<std::uint8_t>(receiver.message().begin(), receiver.message().end()), message) << row[0];
-    EXPECT_FALSE(sender.sending());
-  }
-}
-
-// Moves frames between two ends; `meddle` may drop (false) or keep each one.
-template <class Meddle>
-bool exchange(IsoTp& a, IsoTp& b, Meddle meddle, std::uint64_t until_us = 3'000'000) {
-  bool received = false;
-  for (std::uint64_t now = 0; now < until_us; now += 500) {
-    while (const auto f = a.transmit(now)) {
-      if (meddle(*f) && b.receive(*f, now) == IsoTp::Event::kReceived) received = true;
-    }
-    while (const auto f = b.transmit(now)) {
-      if (meddle(*f)) (void)a.receive(*f, now);
-    }
-    (void)a.tick(now);
-    (void)b.tick(now);
-  }
-  return received;
-}
-
-std::vector<std::uint8_t> long_message(std::size_t n) {
-  std::vector<std::uint8_t> m(n);
-  std::iota(m.begin(), m.end(), std::uint8_t{1});
+Message counting(std::size_t size) {
+  Message m(size);
+  std::iota(m.begin(), m.end(), std::uint8_t{0});
   return m;
 }
 
-TEST(IsoTp, every_length_arrives_on_classic_and_fd) {
-  for (const std::uint8_t bytes : std::array<std::uint8_t, 2>{8, 64}) {
-    for (std::size_t n = 1; n <= IsoTp::kCapacity; n += n < 140 ? 1 : 97) {
-      IsoTp a(1, 2, bytes), b(2, 1, bytes);
-      const auto message = long_message(n);
-      ASSERT_EQ(a.send(message, 0), Status::kOk);
-      EXPECT_TRUE(exchange(a, b, [](const CanFrame&) { return true; }, 2000)) << n;
-      EXPECT_TRUE(std::ranges::equal(b.message(), message)) << n;
+Message received(const IsoTp& end) { return {end.message().begin(), end.message().end()}; }
+
+CanFrame frame(std::initializer_list<std::uint8_t> bytes) {
+  CanFrame f;
+  f.id = kToNode;
+  f.extended = true;
+  for (const std::uint8_t b : bytes) f.data[f.size++] = b;
+  return f;
+}
+
+TEST(IsoTpVectors, FramesAsTheFileSays) {
+  for (const test::Vector& v : test::read_vectors("iso_tp.txt")) {
+    SCOPED_TRACE(v.name);
+    const auto bytes = static_cast<std::uint8_t>(v.number("bytes"));
+    IsoTp a = tester(bytes), b = node(bytes);
+    const Message message = test::hex_bytes(v.one("message"));
+    ASSERT_EQ(a.send(message, 0), Status::kOk);
+    Event last = Event::kNone;
+    for (const auto& [key, value] : v.lines) {
+      if (key != ">" && key != "<") continue;
+      const auto sent = (key == ">" ? a : b).transmit(0);
+      ASSERT_TRUE(sent) << value;
+      EXPECT_EQ(sent->id, key == ">" ? kToNode : kToTester);
+      EXPECT_EQ(sent->fd, bytes == 64);
+      EXPECT_EQ(Message(sent->payload().begin(), sent->payload().end()), test::hex_bytes(value));
+      if (key == ">") last = b.receive(*sent, 0);
+      else EXPECT_EQ(a.receive(*sent, 0), Event::kNone);
+    }
+    EXPECT_EQ(last, Event::kReceived);
+    EXPECT_EQ(received(b), message);
+    EXPECT_FALSE(a.transmit(0));
+    EXPECT_FALSE(a.sending());
+  }
+}
+
+// Passes frames until both ends are silent; `drop` decides by frame number what gets lost.
+template <class Lost>
+Event converse(IsoTp& a, IsoTp& b, Lost lost, std::uint64_t& now_us) {
+  int number = 0;
+  for (int idle = 0; idle < 3; ++idle) {
+    for (auto [from, to] : {std::pair{&a, &b}, std::pair{&b, &a}}) {
+      while (const auto f = from->transmit(now_us)) {
+        idle = 0;
+        if (lost(number++)) continue;
+        const Event e = to->receive(*f, now_us);
+        if (e == Event::kReceived) return e;
+      }
+    }
+    now_us += 1'000;
+  }
+  return Event::kNone;
+}
+
+TEST(IsoTp, EveryLengthArrives) {
+  for (const std::uint8_t bytes : {std::uint8_t{8}, std::uint8_t{64}}) {
+    for (std::size_t size = 1; size <= IsoTp::kCapacity; ++size) {
+      IsoTp a = tester(bytes), b = node(bytes);
+      const Message m = counting(size);
+      ASSERT_EQ(a.send(m, 0), Status::kOk);
+      std::uint64_t now = 0;
+      ASSERT_EQ(converse(a, b, [](int) { return false; }, now), Event::kReceived) << size;
+      ASSERT_EQ(received(b), m) << size;
     }
   }
 }
 
-TEST(IsoTp, any_single_lost_frame_ends_both_sides_without_a_wrong_message) {
-  const auto message = long_message(100);
-  for (int lost = 0; lost < 16; ++lost) {
-    IsoTp a(1, 2, 8), b(2, 1, 8);
-    ASSERT_EQ(a.send(message, 0), Status::kOk);
-    int k = 0;
-    EXPECT_FALSE(exchange(a, b, [&](const CanFrame&) { return k++ != lost; })) << lost;
-    EXPECT_FALSE(a.sending()) << lost;
-    // The connection is usable again.
-    ASSERT_EQ(a.send(message, 0), Status::kOk);
-    EXPECT_TRUE(exchange(a, b, [](const CanFrame&) { return true; }));
+TEST(IsoTp, LongerOrEmptyMessagesAreRefused) {
+  IsoTp a = tester();
+  EXPECT_EQ(a.send({}, 0), Status::kNoSpace);
+  EXPECT_EQ(a.send(counting(IsoTp::kCapacity + 1), 0), Status::kNoSpace);
+  EXPECT_EQ(a.send(counting(20), 0), Status::kOk);
+  EXPECT_EQ(a.send(counting(3), 0), Status::kOutOfRange);  // busy
+}
+
+TEST(IsoTp, ALostFrameNeverGivesAWrongMessage) {
+  for (int lost = 0; lost < 7; ++lost) {
+    IsoTp a = tester(), b = node();
+    ASSERT_EQ(a.send(counting(40), 0), Status::kOk);  // first frame, flow control, five consecutive frames
+    std::uint64_t now = 0;
+    EXPECT_EQ(converse(a, b, [&](int n) { return n == lost; }, now), Event::kNone) << "frame " << lost;
+    now += IsoTp::kTimeout_us + 1;
+    (void)a.tick(now);
+    (void)b.tick(now);
+    EXPECT_FALSE(a.sending());
+    ASSERT_EQ(a.send(counting(9), now), Status::kOk);  // and the connection works again
+    EXPECT_EQ(converse(a, b, [](int) { return false; }, now), Event::kReceived);
+    EXPECT_EQ(received(b), counting(9));
   }
 }
 
-TEST(IsoTp, a_repeated_consecutive_frame_is_not_taken_twice) {
-  IsoTp b(2, 1, 8);
-  (void)b.receive(frame_of({0x10, 20, 1, 2, 3, 4, 5, 6}), 0);
-  (void)b.receive(frame_of({0x21, 7, 8, 9, 10, 11, 12, 13}), 0);
-  EXPECT_EQ(b.receive(frame_of({0x21, 7, 8, 9, 10, 11, 12, 13}), 0), IsoTp::Event::kFailed);
-  EXPECT_EQ(b.receive(frame_of({0x22, 14, 15, 16, 17, 18, 19, 20}), 0), IsoTp::Event::kNone);
+TEST(IsoTp, DuplicatedAndReorderedFramesEndTheMessage) {
+  IsoTp b = node();
+  const CanFrame first = frame({0x10, 20, 0, 1, 2, 3, 4, 5}), one = frame({0x21, 6, 7, 8, 9, 10, 11, 12}),
+                 two = frame({0x22, 13, 14, 15, 16, 17, 18, 19});
+  EXPECT_EQ(b.receive(first, 0), Event::kNone);
+  EXPECT_EQ(b.receive(one, 0), Event::kNone);
+  EXPECT_EQ(b.receive(one, 0), Event::kFailed);   // duplicated
+  EXPECT_EQ(b.receive(two, 0), Event::kNone);     // belongs to nothing any more
+  EXPECT_EQ(b.receive(first, 0), Event::kNone);
+  EXPECT_EQ(b.receive(two, 0), Event::kFailed);   // reordered
+  EXPECT_EQ(b.receive(first, 0), Event::kNone);
+  EXPECT_EQ(b.receive(first, 0), Event::kNone);   // a first frame starts over
+  EXPECT_EQ(b.receive(one, 0), Event::kNone);
+  EXPECT_EQ(b.receive(two, 0), Event::kReceived);
+  EXPECT_EQ(received(b), counting(20));
 }
 
-TEST(IsoTp, refuses_more_than_it_can_hold_with_an_overflow) {
-  IsoTp b(2, 1, 8);
-  (void)b.receive(frame_of({0x1F, 0xFF, 1, 2, 3, 4, 5, 6}), 0);
-  const auto f = b.transmit(0);
-  ASSERT_TRUE(f.has_value());
-  EXPECT_EQ(f->data[0], 0x32);
-  IsoTp a(1, 2, 8);
-  EXPECT_EQ(a.send(long_message(IsoTp::kCapacity + 1), 0), Status::kNoSpace);
+TEST(IsoTp, ShortFramesAreAcceptedOnlyAtTheEnd) {
+  IsoTp b = node();
+  EXPECT_EQ(b.receive(frame({0x03, 0x22, 0xF1, 0x90}), 0), Event::kReceived);  // unpadded single frame
+  EXPECT_EQ(received(b), (Message{0x22, 0xF1, 0x90}));
+  const CanFrame first = frame({0x10, 15, 0, 1, 2, 3, 4, 5});
+  EXPECT_EQ(b.receive(first, 0), Event::kNone);
+  EXPECT_EQ(b.receive(frame({0x21, 6, 7, 8}), 0), Event::kFailed);  // in the middle
+  EXPECT_EQ(b.receive(first, 0), Event::kNone);
+  EXPECT_EQ(b.receive(frame({0x21, 6, 7, 8, 9, 10, 11, 12}), 0), Event::kNone);
+  EXPECT_EQ(b.receive(frame({0x22, 13, 14}), 0), Event::kReceived);  // at the end
+  EXPECT_EQ(received(b), counting(15));
 }
 
-TEST(IsoTp, obeys_block_size_and_gap) {
-  IsoTp a(1, 2, 8);
-  ASSERT_EQ(a.send(long_message(50), 0), Status::kOk);
-  (void)a.transmit(0);
-  EXPECT_FALSE(a.transmit(0).has_value());
-  (void)a.receive(frame_of({0x30, 2, 10}), 1000);  // blocks of two, 10 ms apart
-  EXPECT_TRUE(a.transmit(1000).has_value());
-  EXPECT_FALSE(a.transmit(10'999).has_value());
-  EXPECT_TRUE(a.transmit(11'000).has_value());
-  EXPECT_FALSE(a.transmit(100'000).has_value());  // waits for the next flow control
+TEST(IsoTp, NonsenseIsIgnored) {
+  IsoTp b = node();
+  EXPECT_EQ(b.receive(frame({}), 0), Event::kNone);
+  EXPECT_EQ(b.receive(frame({0x00}), 0), Event::kNone);                             // length 0
+  EXPECT_EQ(b.receive(frame({0x05, 1, 2}), 0), Event::kNone);                       // says 5, has 2
+  EXPECT_EQ(b.receive(frame({0x10, 7, 0, 1, 2, 3, 4, 5}), 0), Event::kNone);        // 7 bytes are a single frame
+  EXPECT_EQ(b.receive(frame({0x10, 20, 0, 1}), 0), Event::kNone);                   // first frame cut off
+  EXPECT_EQ(b.receive(frame({0x21, 6, 7, 8, 9, 10, 11, 12}), 0), Event::kNone);     // nothing under way
+  EXPECT_EQ(b.receive(frame({0x30, 0, 0}), 0), Event::kNone);                       // not sending
+  EXPECT_EQ(b.receive(frame({0x40, 1, 2, 3}), 0), Event::kNone);                    // no such frame
+  EXPECT_FALSE(b.transmit(0));
 }
 
-TEST(IsoTp, accepts_frames_without_padding) {
-  IsoTp b(2, 1, 8);
-  EXPECT_EQ(b.receive(frame_of({0x02, 0x3E, 0x00}), 0), IsoTp::Event::kReceived);
-  EXPECT_EQ(b.message().size(), 2U);
+TEST(IsoTp, TooLongAMessageIsAnsweredWithOverflow) {
+  IsoTp b = node();
+  EXPECT_EQ(b.receive(frame({0x14, 0x01, 0, 1, 2, 3, 4, 5}), 0), Event::kNone);  // 1025 bytes
+  EXPECT_EQ(b.transmit(0)->data[0], 0x32);
+  EXPECT_EQ(b.receive(frame({0x10, 0, 0, 1, 0, 0, 4, 5}), 0), Event::kNone);  // 65536 bytes, escaped length
+  EXPECT_EQ(b.transmit(0)->data[0], 0x32);
+  IsoTp a = tester();
+  ASSERT_EQ(a.send(counting(30), 0), Status::kOk);
+  ASSERT_TRUE(a.transmit(0));
+  EXPECT_EQ(a.receive(frame({0x32, 0, 0}), 0), Event::kFailed);
+  EXPECT_FALSE(a.sending());
+}
+
+TEST(IsoTp, BlockSizeAndGapAreKept) {
+  IsoTp a = tester();
+  ASSERT_EQ(a.send(counting(6 + 5 * 7), 0), Status::kOk);
+  ASSERT_TRUE(a.transmit(0));
+  EXPECT_FALSE(a.transmit(0));  // waits for flow control
+  EXPECT_EQ(a.receive(frame({0x30, 2, 0xF3}), 100), Event::kNone);  // two frames, 300 µs apart
+  EXPECT_TRUE(a.transmit(100));
+  EXPECT_FALSE(a.transmit(399));
+  EXPECT_EQ(a.next_event_us(), 400U);
+  EXPECT_TRUE(a.transmit(400));
+  EXPECT_FALSE(a.transmit(10'000));  // block is full
+  EXPECT_EQ(a.receive(frame({0x30, 0, 20}), 10'000), Event::kNone);  // the rest, 20 ms apart
+  EXPECT_TRUE(a.transmit(10'000));
+  EXPECT_FALSE(a.transmit(29'999));
+  EXPECT_TRUE(a.transmit(30'000));
+  EXPECT_TRUE(a.transmit(50'000));
+  EXPECT_FALSE(a.sending());
+}
+
+TEST(IsoTp, AReservedGapMeansTheLongest) {
+  IsoTp a = tester();
+  ASSERT_EQ(a.send(counting(30), 0), Status::kOk);
+  ASSERT_TRUE(a.transmit(0));
+  EXPECT_EQ(a.receive(frame({0x30, 0, 0xFA}), 0), Event::kNone);
+  EXPECT_TRUE(a.transmit(0));
+  EXPECT_FALSE(a.transmit(126'999));
+  EXPECT_TRUE(a.transmit(127'000));
+}
+
+TEST(IsoTp, WaitingHasAnEnd) {
+  IsoTp a = tester();
+  ASSERT_EQ(a.send(counting(30), 0), Status::kOk);
+  ASSERT_TRUE(a.transmit(0));
+  for (int k = 0; k < IsoTp::kMaxWaits; ++k) EXPECT_EQ(a.receive(frame({0x31, 0, 0}), 0), Event::kNone);
+  EXPECT_EQ(a.receive(frame({0x31, 0, 0}), 0), Event::kFailed);
+  ASSERT_EQ(a.send(counting(30), 0), Status::kOk);
+  ASSERT_TRUE(a.transmit(0));
+  EXPECT_EQ(a.tick(IsoTp::kTimeout_us), Event::kNone);
+  EXPECT_EQ(a.next_event_us(), IsoTp::kTimeout_us + 1);
+  EXPECT_EQ(a.tick(IsoTp::kTimeout_us + 1), Event::kFailed);
+  EXPECT_EQ(a.next_event_us(), UINT64_MAX);
+}
+
+TEST(IsoTp, ASilentSenderIsGivenUp) {
+  IsoTp b = node();
+  EXPECT_EQ(b.receive(frame({0x10, 20, 0, 1, 2, 3, 4, 5}), 0), Event::kNone);
+  EXPECT_TRUE(b.transmit(0));
+  EXPECT_EQ(b.tick(IsoTp::kTimeout_us + 1), Event::kFailed);
+  EXPECT_EQ(b.receive(frame({0x21, 6, 7, 8, 9, 10, 11, 12}), IsoTp::kTimeout_us + 2), Event::kNone);
+}
+
+TEST(IsoTp, BothDirectionsAtOnce) {
+  IsoTp a = tester(), b = node();
+  ASSERT_EQ(a.send(counting(100), 0), Status::kOk);
+  ASSERT_EQ(b.send(counting(90), 0), Status::kOk);
+  bool a_done = false, b_done = false;
+  for (int k = 0; k < 200 && !(a_done && b_done); ++k) {
+    if (const auto f = a.transmit(0)) b_done |= b.receive(*f, 0) == Event::kReceived;
+    if (const auto f = b.transmit(0)) a_done |= a.receive(*f, 0) == Event::kReceived;
+  }
+  ASSERT_TRUE(a_done && b_done);
+  EXPECT_EQ(received(a), counting(90));
+  EXPECT_EQ(received(b), counting(100));
 }
 
 }  // namespace
