@@ -56,6 +56,7 @@ const Registration kPlace{{
       app.add_option("--tolerance-mm", options->placement.tolerance_mm, "a module may stand over by this much")->capture_default_str();
       app.add_option("--gap-mm", options->placement.gap_mm, "free space between modules")->capture_default_str();
       app.add_option("--time-limit-s", options->placement.time_limit_s, "0: none")->capture_default_str();
+      app.add_flag("!--no-clearance", options->placement.largest_clearance, "do not look for the placement with the largest clearance");
       app.add_option("--threads", options->placement.threads, "0: all cores; the answer does not depend on it")->check(CLI::Range(0, 1024));
       app.add_option("--seed", options->placement.seed, "for the random heuristics")->capture_default_str();
       return [options](Output& output) { return run(*options, output); };

@@ -124,10 +124,14 @@ class Search {
     }
   }
 
-  [[nodiscard]] bool center_inside(const Vec2& q, const MotionBox& box) const {
-    const double c = std::cos(box.center[2]), s = std::sin(box.center[2]);
+  [[nodiscard]] bool center_inside(const Vec2& q, const MotionBox& box) {
+    if (box.center[2] != turned_to_) {
+      turned_to_ = box.center[2];
+      cosine_ = std::cos(turned_to_);
+      sine_ = std::sin(turned_to_);
+    }
     const Vec2 d = q - Vec2(box.center[0], box.center[1]);
-    return polygon_.contains({c * d.x() + s * d.y(), -s * d.x() + c * d.y()});
+    return polygon_.contains({cosine_ * d.x() + sine_ * d.y(), -sine_ * d.x() + cosine_ * d.y()});
   }
 
   const MovedEdge& moved(int edge, const MotionBox& box) {
@@ -198,7 +202,7 @@ class Search {
     if (value <= result_.best) return;
     // Count again at the very motion that is returned; the filtered lists are only a shortcut.
     const Motion motion{box.center[0], box.center[1], box.center[2]};
-    const int counted = static_cast<int>(tiles_inside(polygon_, motion, goal_.inset_mm, goal_.pitch_mm).size());
+    const int counted = count_inside(polygon_, motion, goal_.inset_mm, goal_.pitch_mm);
     if (counted <= result_.best) return;
     result_.best = counted;
     result_.motion = motion;
@@ -282,6 +286,7 @@ class Search {
   std::vector<MovedEdge> moved_;
   std::vector<std::int64_t> moved_at_;
   std::int64_t stamp_ = 0;
+  double turned_to_ = 1e300, cosine_ = 0.0, sine_ = 0.0;  // of the last angle that was asked for
 };
 
 }  // namespace

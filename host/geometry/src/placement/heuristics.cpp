@@ -12,8 +12,8 @@ using Clock = std::chrono::steady_clock;
 
 class Heuristic {
  public:
-  Heuristic(const PreparedPolygon& polygon, const PlacementOptions& options)
-      : polygon_(polygon), options_(options), pitch_(kSide_mm + options.gap_mm), height_(pitch_ * 0.86602540378443864676) {
+  Heuristic(const PreparedPolygon& polygon, const PlacementOptions& options, int descents)
+      : polygon_(polygon), options_(options), descents_(descents), pitch_(kSide_mm + options.gap_mm), height_(pitch_ * 0.86602540378443864676) {
     if (options.time_limit_s > 0) {
       deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
     }
@@ -27,7 +27,7 @@ class Heuristic {
       case PlacementMethod::kR4: angles_and_translations(60, 1.0); break;
       case PlacementMethod::kR5: edge_angles_and_translations(2.0); break;
       case PlacementMethod::kR6: random_placements(2000); break;
-      default: random_descents(40); break;
+      default: random_descents(descents_); break;
     }
     return best_;
   }
@@ -36,7 +36,7 @@ class Heuristic {
   // Algorithm 2: keep the best.
   int try_motion(const Motion& m) {
     ++best_.evaluations;
-    const int n = static_cast<int>(tiles_inside(polygon_, m, -options_.tolerance_mm, pitch_).size());
+    const int n = count_inside(polygon_, m, -options_.tolerance_mm, pitch_);
     if (n > best_.modules) {
       best_.modules = n;
       best_.motion = m;
@@ -109,6 +109,7 @@ class Heuristic {
 
   const PreparedPolygon& polygon_;
   const PlacementOptions& options_;
+  const int descents_;
   const double pitch_, height_;
   Clock::time_point deadline_ = Clock::time_point::max();
   std::mt19937_64 random_{options_.seed};
@@ -117,8 +118,8 @@ class Heuristic {
 
 }  // namespace
 
-HeuristicResult run_heuristic(const PreparedPolygon& polygon, const PlacementOptions& options) {
-  return Heuristic(polygon, options).run();
+HeuristicResult run_heuristic(const PreparedPolygon& polygon, const PlacementOptions& options, int descents) {
+  return Heuristic(polygon, options, descents).run();
 }
 
 }  // namespace triskin::geometry

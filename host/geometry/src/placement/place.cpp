@@ -72,15 +72,19 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   result.tolerance_mm = options.tolerance_mm;
   Motion motion;
   if (options.method == PlacementMethod::kBranchAndBound) {
-    const SearchGoal goal{.inset_mm = -options.tolerance_mm, .pitch_mm = pitch, .known = 0, .deadline = deadline};
+    // A few descents give a value to beat: the search then opens only cells that promise more.
+    PlacementOptions start_options = options;
+    start_options.method = PlacementMethod::kR7;
+    const HeuristicResult first = run_heuristic(polygon, start_options, 6);
+    const SearchGoal goal{.inset_mm = -options.tolerance_mm, .pitch_mm = pitch, .known = first.modules, .deadline = deadline};
     const SearchResult found = branch_and_bound(polygon, goal, progress);
     result.modules = found.best;
     result.upper_bound = found.upper_bound;
     result.proved = found.best == found.upper_bound;
     result.cells = found.cells;
-    result.evaluations = found.evaluations;
+    result.evaluations = found.evaluations + first.evaluations;
     result.clearance_mm = -options.tolerance_mm;
-    motion = found.motion;
+    motion = found.found ? found.motion : first.motion;
     if (options.largest_clearance && result.modules > 0) enlarge_clearance(polygon, options, result, motion, deadline, progress);
   } else {
     const HeuristicResult found = run_heuristic(polygon, options);

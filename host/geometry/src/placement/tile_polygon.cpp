@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
-#include <set>
 
 namespace triskin::geometry {
 namespace {
@@ -118,55 +116,108 @@ double separation(const TileGeometry& tile, const Vec2& a, const Vec2& b) {
 
 namespace {
 
-// Marks the tiles that an edge cuts and collects where it crosses the rows' centre lines.
+// A tile's shape around its centre: the same for all up tiles and for all down tiles.
+struct TileShapeAround {
+  std::array<Vec2, 3> normal, corner;
+};
+
+TileShapeAround shape_of(bool up, double pitch_mm) {
+  const TileGeometry g = tile_geometry({0, 0, up}, pitch_mm);
+  TileShapeAround s;
+  for (std::size_t k = 0; k < 3; ++k) {
+    s.normal[k] = g.normal[k];
+    s.corner[k] = g.corner[k] - g.center;
+  }
+  return s;
+}
+
+// Marks the tiles that edges cut and collects where edges cross the rows' centre lines; flat arrays over the polygon's box.
 class Rasterizer {
  public:
-  Rasterizer(double inset_mm, double pitch_mm)
-      : inset_(inset_mm), pitch_(pitch_mm), height_(pitch_mm * 0.86602540378443864676) {}
-
-  void add_edge(const Vec2& a, const Vec2& b) {
-    mark_cut_tiles(a, b);
-    const auto [low, high] = std::minmax(a.y(), b.y());
-    for (int j = row(low) - 1; j <= row(high) + 1; ++j) {
-      for (const bool up : {true, false}) {
-        const double y = center_y(j, up);
-        if ((a.y() > y) == (b.y() > y)) continue;
-        crossings_[{j, up}].push_back(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
-      }
+  Rasterizer(const std::vector<std::array<Vec2, 2>>& edges, double inset_mm, double pitch_mm)
+      : inset_(inset_mm), pitch_(pitch_mm), height_(pitch_mm * 0.86602540378443864676),
+        shape_{shape_of(false, pitch_mm), shape_of(true, pitch_mm)} {
+    double low_x = 1e300, high_x = -1e300, low_y = 1e300, high_y = -1e300;
+    for (const auto& e : edges) {
+      low_x = std::min(low_x, e[0].x());
+      high_x = std::max(high_x, e[0].x());
+      low_y = std::min(low_y, e[0].y());
+      high_y = std::max(high_y, e[0].y());
     }
+    const double reach = std::max(0.0, inset_);
+    low_x_ = low_x - reach;
+    first_row_ = row(low_y - reach) - 1;
+    rows_ = row(high_y + reach) + 2 - first_row_;
+    columns_ = static_cast<int>(std::ceil((high_x - low_x + 2 * reach) / pitch_)) + 8;
+    cut_.assign(static_cast<std::size_t>(2 * rows_ * columns_), 0);
+    crossings_.resize(static_cast<std::size_t>(2 * rows_));
+    for (const auto& e : edges) add_edge(e[0], e[1]);
   }
 
-  std::vector<Tile> inside() {
-    std::vector<Tile> tiles;
-    for (auto& [line, xs] : crossings_) {
-      std::ranges::sort(xs);
-      const auto [j, up] = line;
-      // Centre of cell (i, j): up at x = a(i + j/2 + 1/2), down at a(i + j/2 + 1).
-      const double shift = 0.5 * j + (up ? 0.5 : 1.0);
-      for (std::size_t k = 0; k + 1 < xs.size(); k += 2) {
-        const int first = static_cast<int>(std::ceil(xs[k] / pitch_ - shift));
-        const int last = static_cast<int>(std::floor(xs[k + 1] / pitch_ - shift));
-        for (int i = first; i <= last; ++i) {
-          const Tile tile{i, j, up};
-          if (!cut_.contains(tile)) tiles.push_back(tile);
+  template <class Visit>
+  void for_each_inside(Visit visit) {
+    for (int r = 0; r < rows_; ++r) {
+      for (const bool up : {false, true}) {
+        auto& xs = crossings_[static_cast<std::size_t>(2 * r + (up ? 1 : 0))];
+        std::ranges::sort(xs);
+        const int j = first_row_ + r;
+        // Centre of cell (i, j): up at x = a(i + j/2 + 1/2), down at a(i + j/2 + 1).
+        const double shift = 0.5 * j + (up ? 0.5 : 1.0);
+        for (std::size_t k = 0; k + 1 < xs.size(); k += 2) {
+          const int last = static_cast<int>(std::floor(xs[k + 1] / pitch_ - shift));
+          for (int i = static_cast<int>(std::ceil(xs[k] / pitch_ - shift)); i <= last; ++i) {
+            if (cut_[index(i, j, up)] == 0) visit(Tile{i, j, up});
+          }
         }
       }
     }
-    std::ranges::sort(tiles);
-    tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
-    return tiles;
   }
 
  private:
   [[nodiscard]] int row(double y) const { return static_cast<int>(std::floor(y / height_)); }
   [[nodiscard]] double center_y(int j, bool up) const { return height_ * (j + (up ? 1.0 : 2.0) / 3.0); }
+  [[nodiscard]] std::size_t index(int i, int j, bool up) const {
+    const int first = static_cast<int>(std::floor(low_x_ / pitch_ - 0.5 * j)) - 3;
+    const int column = std::clamp(i - first, 0, columns_ - 1);
+    return static_cast<std::size_t>(2 * ((j - first_row_) * columns_ + column) + (up ? 1 : 0));
+  }
+
+  void add_edge(const Vec2& a, const Vec2& b) {
+    mark_cut_tiles(a, b);
+    const auto [low, high] = std::minmax(a.y(), b.y());
+    for (int j = row(low) - 1; j <= row(high); ++j) {
+      for (const bool up : {true, false}) {
+        const double y = center_y(j, up);
+        if ((a.y() > y) == (b.y() > y)) continue;
+        crossings_[static_cast<std::size_t>(2 * (j - first_row_) + (up ? 1 : 0))].push_back(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+      }
+    }
+  }
+
+  [[nodiscard]] bool is_cut(bool up, const Vec2& center, const Vec2& a, const Vec2& b) const {
+    const TileShapeAround& s = shape_[up ? 1 : 0];
+    const Vec2 p = a - center, q = b - center;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (std::min(s.normal[k].dot(p), s.normal[k].dot(q)) - kInradius_mm >= inset_) return false;
+    }
+    const Vec2 d = q - p;
+    const double length = d.norm();
+    if (!(length > 0.0)) return true;
+    const Vec2 n(-d.y() / length, d.x() / length);
+    double low = 1e300, high = -1e300;
+    for (const Vec2& c : s.corner) {
+      const double side = n.dot(c - p);
+      low = std::min(low, side);
+      high = std::max(high, side);
+    }
+    return std::max(low, -high) < inset_;
+  }
 
   void mark_cut_tiles(const Vec2& a, const Vec2& b) {
     const double reach = std::max(0.0, inset_);
     const auto [low, high] = std::minmax(a.y(), b.y());
     for (int j = row(low - reach); j <= row(high + reach); ++j) {
-      // Part of the edge inside the row's strip, widened by the reach and a half cell of slant.
-      double x0 = a.x(), x1 = b.x();
+      double x0 = a.x(), x1 = b.x();  // the part of the edge inside the row's strip, widened by the reach
       if (a.y() != b.y()) {
         const auto x_at = [&](double y) {
           const double t = std::clamp((y - a.y()) / (b.y() - a.y()), 0.0, 1.0);
@@ -180,26 +231,42 @@ class Rasterizer {
       const int last = static_cast<int>(std::floor((right + reach) / pitch_ - 0.5 * j)) + 1;
       for (int i = first; i <= last; ++i) {
         for (const bool up : {true, false}) {
-          const Tile tile{i, j, up};
-          if (separation(tile_geometry(tile, pitch_), a, b) < inset_) cut_.insert(tile);
+          const Vec2 center(pitch_ * (i + 0.5 * j + (up ? 0.5 : 1.0)), center_y(j, up));
+          if (is_cut(up, center, a, b)) cut_[index(i, j, up)] = 1;
         }
       }
     }
   }
 
-  double inset_, pitch_, height_;
-  std::set<Tile> cut_;
-  std::map<std::pair<int, bool>, std::vector<double>> crossings_;
+  double inset_, pitch_, height_, low_x_ = 0.0;
+  int first_row_ = 0, rows_ = 0, columns_ = 0;
+  std::array<TileShapeAround, 2> shape_;
+  std::vector<std::uint8_t> cut_;
+  std::vector<std::vector<double>> crossings_;
 };
+
+std::vector<std::array<Vec2, 2>> moved_edges(const PreparedPolygon& polygon, const Motion& motion) {
+  std::vector<std::array<Vec2, 2>> edges;
+  edges.reserve(polygon.edges.size());
+  const double c = std::cos(motion.theta), s = std::sin(motion.theta);
+  const Vec2 shift(motion.x, motion.y);
+  for (const auto& [a, b] : polygon.edges) edges.push_back({Vec2(rotate(a, c, s) + shift), Vec2(rotate(b, c, s) + shift)});
+  return edges;
+}
 
 }  // namespace
 
 std::vector<Tile> tiles_inside(const PreparedPolygon& polygon, const Motion& motion, double inset_mm, double pitch_mm) {
-  Rasterizer rasterizer(inset_mm, pitch_mm);
-  const double c = std::cos(motion.theta), s = std::sin(motion.theta);
-  const Vec2 shift(motion.x, motion.y);
-  for (const auto& [a, b] : polygon.edges) rasterizer.add_edge(rotate(a, c, s) + shift, rotate(b, c, s) + shift);
-  return rasterizer.inside();
+  std::vector<Tile> tiles;
+  Rasterizer(moved_edges(polygon, motion), inset_mm, pitch_mm).for_each_inside([&](const Tile& t) { tiles.push_back(t); });
+  std::ranges::sort(tiles);
+  return tiles;
+}
+
+int count_inside(const PreparedPolygon& polygon, const Motion& motion, double inset_mm, double pitch_mm) {
+  int n = 0;
+  Rasterizer(moved_edges(polygon, motion), inset_mm, pitch_mm).for_each_inside([&](const Tile&) { ++n; });
+  return n;
 }
 
 }  // namespace triskin::geometry

@@ -50,4 +50,7 @@ inline constexpr double kCircumradius_mm = 2.0 * kInradius_mm;
 [[nodiscard]] std::vector<Tile> tiles_inside(const PreparedPolygon& polygon, const Motion& motion, double inset_mm,
                                              double pitch_mm);
 
+/// How many tiles_inside() would return.
+[[nodiscard]] int count_inside(const PreparedPolygon& polygon, const Motion& motion, double inset_mm, double pitch_mm);
+
 }  // namespace triskin::geometry
