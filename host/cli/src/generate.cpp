@@ -43,7 +43,7 @@ const Registration kGenerate{{
       auto path = std::make_shared<std::string>();
       app.add_option("KIND", *kind, "forearm: tapered and bent")->required()->check(CLI::IsMember({"forearm"}));
       app.add_option("-o,--output", *path, "mesh (OBJ, mm)")->required();
-      return [path](Output& output) {
+      return [kind, path](Output& output) {
         const geometry::Mesh mesh = forearm();
         geometry::write_obj(*path, mesh);
         output.result = {{"faces", mesh.faces.size()}};

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/model/export.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "triskin/cli/command.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::cli {
+namespace {
+
+struct Format {
+  const char* suffix;
+  std::string (*write)(const model::Design&);
+};
+const std::map<std::string, Format> kFormats{{"picture", {".svg", model::picture_svg}},
+                                             {"taxels", {".taxels.csv", model::taxels_csv}},
+                                             {"assembly", {".assembly.html", model::assembly_html}},
+                                             {"modules", {".modules.obj", model::modules_obj}}};
+
+struct Options {
+  std::string design, format, output;
+};
+
+int run(const Options& options, Output& output) {
+  const model::Design design = model::read_design(options.design);
+  const Format& format = kFormats.at(options.format);
+  const std::string path = options.output.empty() ? std::filesystem::path(options.design).replace_extension(format.suffix).string() : options.output;
+  write_file_atomically(path, format.write(design));
+  output.result = {{"files", {path}}};
+  output.say(path);
+  return 0;
+}
+
+const Registration kExport{{
+    "export", "write a picture, the taxel list, the assembly sheet or the modules as a mesh", "triskin export forearm.design.json --format picture -o forearm.svg",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      app.add_option("DESIGN", options->design, "design file")->required();
+      std::vector<std::string> names;
+      for (const auto& [name, format] : kFormats) names.push_back(name);
+      app.add_option("--format", options->format, "what to write")->required()->check(CLI::IsMember(names));
+      app.add_option("-o,--output", options->output, "file; without it beside the design");
+      return [options](Output& output) { return run(*options, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli
