@@ -26,13 +26,14 @@ wire::IsoTp make_link(std::uint8_t node, bool fd) {
 }  // namespace
 
 Application::Application(const Ports& ports)
-    : ports_(ports), tables_(*ports.flash), server_(*this, tables_), link_(make_link(1, ports.can->fd())) {
+    : ports_(ports), tables_(*ports.flash), server_(*this, tables_), faults_(*ports.flash), link_(make_link(1, ports.can->fd())) {
   restart();
 }
 
 // As after power-up: the newest table, nothing known about the modules.
 void Application::restart() {
   tables_.load();
+  faults_.load();
   link_ = make_link(tables_.node_address(), ports_.can->fd());
   held_.reset();
   restart_sampling();
@@ -109,7 +110,9 @@ void Application::end_cycle() {
   if (lines_done_ != kAllLines || !tables_.has_table()) return;
   lines_done_ = 0;
   ++sample_count_;
-  for (std::size_t k = 0; k < tables_.table().module_count; ++k) faults_.note(k, samples_[k].state, now_us());
+  for (std::size_t k = 0; k < tables_.table().module_count; ++k) {
+    faults_.note(k, samples_[k].state, {static_cast<std::uint32_t>(now_us() / 1000), sample_count_});
+  }
   queue_sample();
 }
 
@@ -133,6 +136,21 @@ void Application::queue_sample() {
     t.not_connected = s.state == ModuleState::kUnknown || s.state == ModuleState::kWrongId;
     for (const wire::CanFrame& f : wire::encode_icub(t)) outgoing_[outgoing_count_++] = f;
   }
+}
+
+// Status, record 1 with two identifiers.
+bool Application::read_fault(std::uint32_t dtc, ByteWriter& out) {
+  std::uint8_t status = 0;
+  FaultMemory::Freeze freeze;
+  if (!faults_.snapshot(dtc, status, freeze)) return false;
+  out.u8(status);
+  out.u8(1);
+  out.u8(2);
+  out.be16(wire::did::kFreezeTime);
+  out.le32(freeze.time_ms);
+  out.be16(wire::did::kFreezeSample);
+  out.le32(freeze.sample);
+  return true;
 }
 
 void Application::write_hello(ByteWriter& out) const {
@@ -219,7 +237,9 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
       return Status::kOk;
     case wire::routine::kActivate: {
       const Status s = tables_.activate(tables_.node_address());
-      if (s == Status::kOk) restart_sampling();
+      if (s != Status::kOk) return s;
+      (void)faults_.clear();  // its rows were those of the old table
+      restart_sampling();
       return s;
     }
     default: return Status::kOutOfRange;

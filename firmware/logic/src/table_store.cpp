@@ -8,7 +8,8 @@ namespace {
 
 constexpr std::uint32_t kCommitMagic = 0x54494D43;  // "CMIT"
 constexpr std::uint32_t kNodeMagic = 0x45444F4E;    // "NODE"
-constexpr int kNodePage = 2;
+constexpr int kNodePages[] = {2, 3};
+constexpr std::size_t kNodeRecordBytes = 8;
 
 }  // namespace
 
@@ -40,15 +41,23 @@ void TableStore::load() {
   load_node_address();
 }
 
+// The valid record with the highest sequence counts.
 void TableStore::load_node_address() {
   node_address_ = 1;
-  const Bytes page = flash_.bytes().subspan(slot_offset(kNodePage), flash_.page_bytes());
-  for (std::size_t at = 0; at + 8 <= page.size(); at += 8) {  // the last valid record counts
-    ByteReader r(page.subspan(at, 8));
-    if (r.le32() != kNodeMagic) continue;
-    const std::uint8_t address = r.u8();
-    const std::uint8_t complement = r.u8();
-    if (address == static_cast<std::uint8_t>(~complement) && address >= 1 && address <= 126) node_address_ = address;
+  node_sequence_ = 0;
+  node_page_ = 0;
+  for (int page = 0; page < 2; ++page) {
+    const Bytes bytes = flash_.bytes().subspan(slot_offset(kNodePages[page]), flash_.page_bytes());
+    for (std::size_t at = 0; at + kNodeRecordBytes <= bytes.size(); at += kNodeRecordBytes) {
+      ByteReader r(bytes.subspan(at, kNodeRecordBytes));
+      if (r.le32() != kNodeMagic) continue;
+      const std::uint8_t address = r.u8(), complement = r.u8();
+      const std::uint16_t sequence = r.le16();
+      if (address != static_cast<std::uint8_t>(~complement) || address < 1 || address > 126 || sequence <= node_sequence_) continue;
+      node_address_ = address;
+      node_sequence_ = sequence;
+      node_page_ = page;
+    }
   }
 }
 
@@ -106,24 +115,28 @@ Status TableStore::activate(std::uint8_t node_address) {
   return active_slot_ == slot ? Status::kOk : Status::kFlashFailed;
 }
 
+// Appends a record; when the page is full, to the other page, so that the old record stands until the new one does.
 Status TableStore::set_node_address(std::uint8_t address) {
   if (address < 1 || address > 126) return Status::kOutOfRange;
   if (address == node_address_) return Status::kOk;
-  const std::size_t offset = slot_offset(kNodePage);
-  const Bytes page = flash_.bytes().subspan(offset, flash_.page_bytes());
-  std::array<std::uint8_t, 8> record{};
+  std::array<std::uint8_t, kNodeRecordBytes> record{};
   ByteWriter w(record);
   w.le32(kNodeMagic);
   w.u8(address);
   w.u8(static_cast<std::uint8_t>(~address));
-  w.le16(0);
-  std::size_t at = 0;
-  while (at + 8 <= page.size() && !std::ranges::all_of(page.subspan(at, 8), [](std::uint8_t b) { return b == 0xFF; })) at += 8;
-  if (at + 8 > page.size()) {
-    at = 0;
-    if (!flash_.erase_page(offset)) return Status::kFlashFailed;
+  w.le16(static_cast<std::uint16_t>(node_sequence_ + 1));
+  std::size_t offset = slot_offset(kNodePages[node_page_]), at = 0;
+  const auto used = [&] {
+    const Bytes unit = flash_.bytes().subspan(offset + at, kNodeRecordBytes);
+    return !std::ranges::all_of(unit, [](std::uint8_t b) { return b == 0xFF; });
+  };
+  while (at < flash_.page_bytes() && used()) at += kNodeRecordBytes;
+  // A unit that a cut of power left between two states may read as erased and still be refused: take the next one.
+  while (at < flash_.page_bytes() && !flash_.program(offset + at, record)) at += kNodeRecordBytes;
+  if (at >= flash_.page_bytes()) {
+    offset = slot_offset(kNodePages[1 - node_page_]);
+    if (!flash_.erase_page(offset) || !flash_.program(offset, record)) return Status::kFlashFailed;
   }
-  if (!flash_.program(offset + at, record)) return Status::kFlashFailed;
   load_node_address();
   return node_address_ == address ? Status::kOk : Status::kFlashFailed;
 }

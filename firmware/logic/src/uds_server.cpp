@@ -179,9 +179,18 @@ std::uint8_t UdsServer::routine(Bytes request, Out& out) {
 
 std::uint8_t UdsServer::faults(Bytes request, Out& out) {
   if (request.size() < 2) return nrc::kWrongLength;
-  if (request[1] != 0x02) return nrc::kSubFunctionNotSupported;  // report by status mask
+  const std::uint8_t kind = request[1] & 0x7F;
+  suppress_ = (request[1] & kSuppress) != 0;
+  out.u8(kind);
+  if (kind == 0x04) {  // freeze data of one code, record 1 or all
+    if (request.size() != 6) return nrc::kWrongLength;
+    const std::uint32_t dtc = ByteReader(request.subspan(1)).be32() & 0xFFFFFF;
+    out.bytes(request.subspan(2, 3));
+    const bool known = (request[5] == 0x01 || request[5] == 0xFF) && host_.read_fault(dtc, out);
+    return known ? kDone : nrc::kOutOfRange;
+  }
+  if (kind != 0x02) return nrc::kSubFunctionNotSupported;  // report by status mask
   if (request.size() != 3) return nrc::kWrongLength;
-  out.u8(0x02);
   out.u8(0x09);  // availability: test failed, confirmed
   host_.read_faults(request[2], out);
   return kDone;
@@ -190,8 +199,7 @@ std::uint8_t UdsServer::faults(Bytes request, Out& out) {
 std::uint8_t UdsServer::clear(Bytes request, Out&) {
   if (request.size() != 4) return nrc::kWrongLength;
   if (request[1] != 0xFF || request[2] != 0xFF || request[3] != 0xFF) return nrc::kOutOfRange;  // all groups
-  host_.clear_faults();
-  return kDone;
+  return nrc_of(host_.clear_faults());
 }
 
 // 0x34/0x35: data format 0, address and length of 4 bytes each.

@@ -38,6 +38,7 @@ inline constexpr std::uint16_t kStatistics = 0xFD04;   ///< samples, bus errors,
 inline constexpr std::uint16_t kStream = 0xFD05;       ///< StreamMode, 1 byte
 inline constexpr std::uint16_t kLineStates = 0xFD06;   ///< per line: stuck, recoveries
 inline constexpr std::uint16_t kLiveTaxels = 0xFD10;   ///< per module: validity, 12 × 16 bit
+inline constexpr std::uint16_t kFreezeTime = 0xFD21, kFreezeSample = 0xFD22;  ///< of a fault: ms since power-up, sample; 32 bit
 }  // namespace did
 
 namespace routine {

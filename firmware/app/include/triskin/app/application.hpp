@@ -31,8 +31,9 @@ class Application final : private UdsHost {
   Status write_identifier(std::uint16_t did, Bytes value) override;
   Status start_routine(std::uint16_t routine, Bytes option, ByteWriter& out) override;
   Status routine_result(std::uint16_t routine, ByteWriter& out) override;
-  void clear_faults() override { faults_.clear(); }
+  Status clear_faults() override { return faults_.clear() ? Status::kOk : Status::kFlashFailed; }
   void read_faults(std::uint8_t mask, ByteWriter& out) override { faults_.report(mask, out); }
+  bool read_fault(std::uint32_t dtc, ByteWriter& out) override;
   void request_reset() override { reset_requested_ = true; }
   [[nodiscard]] std::uint64_t now_us() const override { return ports_.clock->now_us(); }
 

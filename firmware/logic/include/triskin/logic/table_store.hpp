@@ -8,9 +8,9 @@
 
 namespace triskin::fw {
 
-/// Two slots for the patch image and one page for the node address, on the board's flash. The image of a slot counts only
+/// Two slots for the patch image and two pages for the node address, on the board's flash. The image of a slot counts only
 /// when its commit record, written last, names its length and CRC: a cut of power at any moment leaves the old or the new one.
-/// Layout: docs/flash_layout.md. Page 0 and 1: slots; page 2: node address.
+/// Layout: docs/flash_layout.md. Pages 0 and 1: slots; 2 and 3: node address.
 class TableStore {
  public:
   explicit TableStore(FlashArea& flash) : flash_(flash) {}
@@ -50,6 +50,8 @@ class TableStore {
   std::uint32_t sequence_ = 0;
   layout::PatchImage table_;
   std::uint8_t node_address_ = 1;
+  std::uint16_t node_sequence_ = 0;  ///< 65535 changes at most
+  int node_page_ = 0;
   std::array<std::uint8_t, layout::kMaxImageBytes> staged_{};
   std::size_t staged_size_ = 0, staged_at_ = 0;
 };

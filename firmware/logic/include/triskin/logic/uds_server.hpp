@@ -21,9 +21,11 @@ class UdsHost {
   /// Starts a routine; its immediate result bytes go to `out`.
   virtual Status start_routine(std::uint16_t routine, Bytes option, ByteWriter& out) = 0;
   virtual Status routine_result(std::uint16_t routine, ByteWriter& out) = 0;
-  virtual void clear_faults() = 0;
+  virtual Status clear_faults() = 0;
   /// `mask` of status bits; writes 3-byte DTC and status each.
   virtual void read_faults(std::uint8_t mask, ByteWriter& out) = 0;
+  /// Writes status and freeze data of one DTC; false: no such entry.
+  virtual bool read_fault(std::uint32_t dtc, ByteWriter& out) = 0;
   virtual void request_reset() = 0;
   [[nodiscard]] virtual std::uint64_t now_us() const = 0;
 };

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "triskin/sim/i2c_bus.hpp"
+
+namespace triskin::test {
+
+/// An AD7147 as far as the data sheet binds the firmware: registers, device id, results of the connected inputs. Written for these
+/// tests alone, apart from the chips of host/scene. Results change at the end of a sequence, 36.9 ms after power control is written.
+struct ChipDouble {
+  static constexpr std::uint64_t kSequence_us = 36'900;
+  std::uint8_t address = 0x2C;
+  std::uint16_t device_id = 0x1470;
+  bool powered = true;
+  std::array<int, 12> counts{};  ///< at the positive input, above mid scale
+  int noise = 3;                 ///< amplitude of a change from sequence to sequence
+  std::uint16_t frozen = 0;      ///< bit t: no noise at input t
+  std::map<std::uint16_t, std::uint16_t> registers;
+  std::uint64_t started_us = 0;
+  int configurations = 0;  ///< writes to power control
+
+  void dip() { registers.clear(); }
+
+  [[nodiscard]] std::uint16_t read(std::uint16_t reg, std::uint64_t now_us) {
+    if (reg == 0x017) return device_id;
+    if (reg >= 0x00B && reg <= 0x016) return result(reg - 0x00B, now_us);
+    return registers[reg];
+  }
+  void write(std::uint16_t reg, std::uint16_t value, std::uint64_t now_us) {
+    registers[reg] = value;
+    if (reg != 0) return;
+    started_us = now_us;
+    ++configurations;
+  }
+
+ private:
+  std::uint16_t result(int stage, std::uint64_t now_us) {
+    if (registers[0] != 0x00B0 || now_us < started_us + kSequence_us) return 0;
+    const auto base = static_cast<std::uint16_t>(0x080 + 8 * stage);
+    const unsigned both = registers[base] | static_cast<unsigned>(registers[static_cast<std::uint16_t>(base + 1)]) << 14;
+    const unsigned connection = both >> (2 * stage) & 3;
+    if (connection != 1 && connection != 2) return 0x8000;
+    const auto sequence = (now_us - started_us) / kSequence_us;
+    const int wobble = (frozen >> stage & 1) != 0 ? 0 : static_cast<int>((sequence * 7 + static_cast<unsigned>(stage) * 5) % 11) * noise / 10;
+    const int value = 0x8000 + (connection == 2 ? 1 : -1) * (counts[static_cast<std::size_t>(stage)] + wobble);
+    return static_cast<std::uint16_t>(std::min(0xFFFF, std::max(0, value)));
+  }
+};
+
+/// A line with chips; two at one address answer together as on open-drain wires.
+class LineDouble final : public sim::I2cBus {
+ public:
+  std::vector<ChipDouble> chips;
+  bool sda_low = false, scl_low = false;
+  int frees_after_pulses = 0;  ///< 0: never
+  int pulses = 0, starts = 0;
+
+  bool start(std::uint8_t address_byte, std::uint64_t now_us) override {
+    now_us_ = now_us;
+    ++starts;
+    selected_.clear();
+    reading_ = (address_byte & 1) != 0;
+    for (ChipDouble& c : chips) {
+      if (c.powered && c.address == address_byte >> 1) selected_.push_back(&c);
+    }
+    written_ = 0;
+    return !selected_.empty() && !stuck();
+  }
+  bool write(std::uint8_t byte, std::uint64_t now_us) override {
+    if (written_ < 2) {
+      register_ = static_cast<std::uint16_t>(register_ << 8 | byte);
+    } else if (written_ % 2 == 0) {
+      high_ = byte;
+    } else {
+      for (ChipDouble* c : selected_) c->write(register_, static_cast<std::uint16_t>(high_ << 8 | byte), now_us);
+      ++register_;
+    }
+    ++written_;
+    high_next_ = true;
+    return !selected_.empty() && !stuck();
+  }
+  std::uint8_t read(bool /*acknowledge*/, std::uint64_t now_us) override {
+    unsigned value = 0xFFFF;
+    for (ChipDouble* c : selected_) value &= c->read(register_, now_us);
+    const auto byte = static_cast<std::uint8_t>(high_next_ ? value >> 8 : value);
+    if (!high_next_) ++register_;
+    high_next_ = !high_next_;
+    return byte;
+  }
+  void stop(std::uint64_t) override { selected_.clear(); }
+  [[nodiscard]] bool scl() const override { return !scl_low; }
+  [[nodiscard]] bool sda() const override { return !sda_low; }
+  void pulse_scl(std::uint64_t) override {
+    ++pulses;
+    if (frees_after_pulses > 0 && pulses >= frees_after_pulses) sda_low = false;
+  }
+
+ private:
+  [[nodiscard]] bool stuck() const { return sda_low || scl_low; }
+  std::vector<ChipDouble*> selected_;
+  std::uint16_t register_ = 0;
+  std::uint8_t high_ = 0;
+  int written_ = 0;
+  bool reading_ = false, high_next_ = true;
+  std::uint64_t now_us_ = 0;
+};
+
+}  // namespace triskin::test

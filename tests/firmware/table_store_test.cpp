@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/logic/table_store.hpp"
+
+#include <gtest/gtest.h>
+
+#include "flash_double.hpp"
+#include "triskin/logic/fault_memory.hpp"
+
+namespace triskin::fw {
+namespace {
+
+using Flash = test::FlashDouble<FlashArea>;
+using Tear = Flash::Tear;
+
+layout::PatchImage table(std::uint64_t design, std::uint8_t modules, std::uint8_t node = 1) {
+  layout::PatchImage image;
+  image.design_id = design;
+  image.node_address = node;
+  image.module_count = modules;
+  for (std::uint8_t k = 0; k < modules; ++k) {
+    const auto small = [](int x) { return static_cast<std::uint8_t>(x); };
+    image.modules[k] = {k, small(k / 4), small(k % 4), 0, k == 0 ? layout::kNoParent : small((k - 1) / 2),
+                        k == 0 ? layout::kCable : small(k % 2 == 1 ? 1 : 2), 7};
+  }
+  return image;
+}
+
+std::vector<std::uint8_t> bytes_of(const layout::PatchImage& image) {
+  std::vector<std::uint8_t> bytes(layout::kMaxImageBytes);
+  bytes.resize(layout::encode(image, bytes).value());
+  return bytes;
+}
+
+Status flash_table(TableStore& store, const std::vector<std::uint8_t>& bytes, std::uint8_t node = 1) {
+  store.begin_download(bytes.size());
+  if (const Status s = store.append(bytes); s != Status::kOk) return s;
+  return store.activate(node);
+}
+
+TEST(TableStore, StartsEmptyAndKeepsWhatIsActivated) {
+  Flash flash;
+  TableStore store(flash);
+  store.load();
+  EXPECT_EQ(store.status(), Status::kEmpty);
+  EXPECT_TRUE(store.active_bytes().empty());
+  for (std::uint8_t n = 1; n <= 16; ++n) {
+    const auto bytes = bytes_of(table(n, n));
+    ASSERT_EQ(flash_table(store, bytes), Status::kOk);
+    EXPECT_TRUE(std::ranges::equal(store.active_bytes(), bytes));
+    EXPECT_EQ(store.sequence(), n);
+    TableStore again(flash);  // after power-up
+    again.load();
+    ASSERT_TRUE(again.has_table());
+    EXPECT_EQ(again.table(), table(n, n));
+  }
+}
+
+TEST(TableStore, RefusesWithoutTouchingFlash) {
+  Flash flash;
+  TableStore store(flash);
+  store.load();
+  ASSERT_EQ(flash_table(store, bytes_of(table(1, 16))), Status::kOk);
+  const auto before = flash.raw();
+  auto bytes = bytes_of(table(2, 5));
+  EXPECT_EQ(flash_table(store, bytes_of(table(2, 5, 9))), Status::kWrongTarget);
+  bytes[40] ^= 1;
+  EXPECT_EQ(flash_table(store, bytes), Status::kBadCrc);
+  bytes = bytes_of(table(2, 5));
+  bytes[4] = 2;
+  EXPECT_EQ(flash_table(store, bytes), Status::kBadVersion);
+  bytes = bytes_of(table(2, 5));
+  bytes.push_back(0xFF);  // more than the image says
+  EXPECT_EQ(flash_table(store, bytes), Status::kBadLength);
+  bytes = bytes_of(table(2, 5));
+  store.begin_download(bytes.size());
+  ASSERT_EQ(store.append(Bytes(bytes).first(50)), Status::kOk);
+  EXPECT_EQ(store.activate(1), Status::kBadLength);  // half of it
+  EXPECT_EQ(store.append(bytes), Status::kNoSpace);  // too much of it
+  EXPECT_EQ(flash.raw(), before);
+  EXPECT_EQ(store.table(), table(1, 16));
+}
+
+TEST(TableStore, AFlashThatRefusesLeavesTheOldTable) {
+  Flash flash;
+  TableStore store(flash);
+  store.load();
+  ASSERT_EQ(flash_table(store, bytes_of(table(1, 3))), Status::kOk);
+  flash.refuse(true);
+  EXPECT_EQ(flash_table(store, bytes_of(table(2, 4))), Status::kFlashFailed);
+  EXPECT_EQ(store.table(), table(1, 3));
+}
+
+// Power fails in every operation of an activation in turn, before it, in its middle, and after it.
+TEST(TableStore, APowerCutLeavesTheOldOrTheNewTable) {
+  const auto next = bytes_of(table(99, 16));
+  for (int history = 0; history <= 2; ++history) {  // nothing, one slot, both slots in use
+    for (const Tear tear : {Tear::kNothing, Tear::kHalf, Tear::kAll}) {
+      int cuts = 0;
+      for (bool completed = false; !completed; ++cuts) {
+        ASSERT_LT(cuts, 100);
+        Flash flash;
+        TableStore store(flash);
+        store.load();
+        for (int h = 1; h <= history; ++h) {
+          ASSERT_EQ(flash_table(store, bytes_of(table(static_cast<std::uint64_t>(h), 8))), Status::kOk);
+        }
+        flash.cut_after(cuts, tear);
+        try {
+          EXPECT_EQ(flash_table(store, next), Status::kOk);
+          completed = true;
+        } catch (const sim::PowerLost&) {
+        }
+        flash.never_cut();
+        TableStore after(flash);
+        after.load();
+        SCOPED_TRACE(testing::Message() << "history " << history << ", cut " << cuts << ", tear " << static_cast<int>(tear));
+        const bool is_new = after.has_table() && after.table() == table(99, 16);
+        const bool is_old = history == 0 ? !after.has_table()
+                                         : after.has_table() && after.table() == table(static_cast<std::uint64_t>(history), 8);
+        EXPECT_TRUE(is_new || is_old);
+        EXPECT_TRUE(is_new || !completed);
+        EXPECT_EQ(flash_table(after, next), Status::kOk);  // running it again completes the work
+        EXPECT_EQ(after.table(), table(99, 16));
+      }
+      EXPECT_EQ(cuts, 1 + 224 / 8 + 2 + 1);  // erase, image, commit record, and the run without a cut
+    }
+  }
+}
+
+TEST(TableStore, ADamagedSlotGivesWayToTheOther) {
+  Flash flash;
+  TableStore store(flash);
+  store.load();
+  ASSERT_EQ(flash_table(store, bytes_of(table(1, 3))), Status::kOk);
+  ASSERT_EQ(flash_table(store, bytes_of(table(2, 4))), Status::kOk);
+  flash.raw()[Flash::kPage + 33] ^= 0x10;  // the newer slot
+  TableStore after(flash);
+  after.load();
+  ASSERT_TRUE(after.has_table());
+  EXPECT_EQ(after.table(), table(1, 3));
+}
+
+TEST(NodeAddress, IsKeptOverManyChangesAndPowerCuts) {
+  Flash flash;
+  TableStore store(flash);
+  store.load();
+  EXPECT_EQ(store.node_address(), 1);
+  EXPECT_EQ(store.set_node_address(0), Status::kOutOfRange);
+  EXPECT_EQ(store.set_node_address(127), Status::kOutOfRange);
+  std::uint8_t old = 1;
+  for (int change = 0; change < 700; ++change) {  // fills both pages
+    const auto wanted = static_cast<std::uint8_t>(1 + (change * 37 + 1) % 126);
+    if (change % 3 == 0) flash.cut_after(change % 2, change % 5 == 0 ? Tear::kHalf : Tear::kNothing);
+    try {
+      ASSERT_EQ(store.set_node_address(wanted), Status::kOk);
+    } catch (const sim::PowerLost&) {
+    }
+    flash.never_cut();
+    TableStore after(flash);
+    after.load();
+    ASSERT_TRUE(after.node_address() == wanted || after.node_address() == old) << change;
+    store.load();
+    old = store.node_address();
+  }
+}
+
+TEST(FaultMemory, SurvivesPowerLossUntilItIsCleared) {
+  Flash flash;
+  FaultMemory faults(flash);
+  faults.load();
+  faults.note(3, wire::ModuleState::kAbsent, {1500, 40});
+  faults.note(3, wire::ModuleState::kOk, {1600, 43});
+  faults.note(3, wire::ModuleState::kAbsent, {9000, 240});  // the first occurrence is kept
+  FaultMemory after(flash);
+  after.load();
+  std::uint8_t status = 0;
+  FaultMemory::Freeze freeze;
+  ASSERT_TRUE(after.snapshot(0x920003, status, freeze));
+  EXPECT_EQ(status, FaultMemory::kConfirmed);
+  EXPECT_EQ(freeze, (FaultMemory::Freeze{1500, 40}));
+  EXPECT_FALSE(after.snapshot(0x920004, status, freeze));
+  EXPECT_FALSE(after.snapshot(0x910003, status, freeze));  // "ok" is no fault
+  EXPECT_FALSE(after.snapshot(0x92FF03, status, freeze));
+  EXPECT_TRUE(after.clear());
+  after.load();
+  EXPECT_FALSE(after.snapshot(0x920003, status, freeze));
+}
+
+TEST(FaultMemory, ALooseContactWritesOnce) {
+  Flash flash;
+  FaultMemory faults(flash);
+  faults.load();
+  faults.note(0, wire::ModuleState::kAbsent, {});
+  const int operations = flash.operations();
+  for (std::uint32_t k = 0; k < 1000; ++k) faults.note(0, k % 2 == 0 ? wire::ModuleState::kOk : wire::ModuleState::kAbsent, {k, k});
+  EXPECT_EQ(flash.operations(), operations);
+}
+
+TEST(FaultMemory, APowerCutLosesAtMostTheLastEntry) {
+  for (const Tear tear : {Tear::kNothing, Tear::kHalf, Tear::kAll}) {
+    for (int cut = 0; cut < 400; ++cut) {
+      Flash flash;
+      FaultMemory faults(flash);
+      faults.load();
+      faults.note(15, wire::ModuleState::kFrozen, {7, 7});
+      flash.cut_after(cut, tear);
+      std::size_t noted = 0;
+      try {
+        for (std::uint8_t m = 0; m < 15; ++m) {
+          for (std::uint8_t s = 2; s < 9; ++s, ++noted) faults.note(m, static_cast<wire::ModuleState>(s), {m, s});
+        }
+      } catch (const sim::PowerLost&) {
+      }
+      flash.never_cut();
+      FaultMemory after(flash);
+      after.load();
+      std::uint8_t status = 0;
+      FaultMemory::Freeze freeze;
+      EXPECT_TRUE(after.snapshot(0x96000F, status, freeze));
+      std::array<std::uint8_t, 512> out{};
+      ByteWriter w(out);
+      after.report(FaultMemory::kConfirmed, w);
+      EXPECT_GE(w.size() / 4, noted + 1) << "cut " << cut;
+      EXPECT_LE(w.size() / 4, noted + 2);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace triskin::fw
