@@ -11,6 +11,7 @@
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/polygon_io.hpp"
 #include "triskin/geometry/surface.hpp"
+#include "triskin/geometry/surface_lattice.hpp"
 #include "triskin/model/module_list.hpp"
 
 namespace triskin::model {
@@ -30,7 +31,7 @@ std::vector<geometry::PlacedPiece> place_pieces(Design& design, const geometry::
     const double area = geometry::polygon_area(piece.outline);
     geometry::PlacementOptions p;
     p.seed = options.seed;
-    p.time_limit_s = std::max(0.2, 0.7 * (0.8 * options.time_limit_s - seconds_since(start)) * area / std::max(area_left, 1.0));
+    p.time_limit_s = std::max(0.1, 0.7 * (0.25 * options.time_limit_s - seconds_since(start)) * area / std::max(area_left, 1.0));
     area_left -= area;
     geometry::PlacementResult result;
     result.proved = true;  // a piece smaller than a module holds none
@@ -73,6 +74,11 @@ Design make_design(const std::filesystem::path& mesh, const DesignOptions& optio
   const auto placed = place_pieces(design, net, options, start, progress);
   report(progress, "mapping to the surface", -1.0);
   design.layout = geometry::map_modules(surface, placed, options.limits);
+  geometry::SurfaceLatticeOptions lattice;
+  lattice.seed = options.seed;
+  lattice.time_limit_s = std::max(0.1, 0.9 * options.time_limit_s - seconds_since(start));
+  geometry::ModuleLayout grown = geometry::grow_lattice(surface, options.limits, lattice, progress);
+  if (grown.modules.size() > design.layout.modules.size()) design.layout = std::move(grown);
   geometry::RoutingOptions routing;
   routing.seed = options.seed;
   geometry::RoutingResult routes = geometry::route(graph_of(design.layout), routing, progress);

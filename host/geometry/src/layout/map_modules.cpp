@@ -2,29 +2,18 @@
 #include "triskin/geometry/map_modules.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <set>
 
+#include "rigid.hpp"
+
 namespace triskin::geometry {
 namespace {
 
 std::size_t at(int k) { return static_cast<std::size_t>(k); }
-
-// The rigid module nearest to three points (Kabsch, 1976).
-std::array<Vec3, 3> fit_rigid(const std::array<Vec3, 3>& target) {
-  static const std::array<Vec3, 3> kRest{Vec3(-15, -kHeight_mm / 3, 0), Vec3(15, -kHeight_mm / 3, 0), Vec3(0, 2 * kHeight_mm / 3, 0)};
-  const Vec3 center = (target[0] + target[1] + target[2]) / 3.0;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (std::size_t k = 0; k < 3; ++k) covariance += (target[k] - center) * kRest[k].transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-  const Eigen::Matrix3d rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-  return {Vec3(center + rotation * kRest[0]), Vec3(center + rotation * kRest[1]), Vec3(center + rotation * kRest[2])};
-}
 
 // Point of the flat piece → point of the surface.
 class PieceMap {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "rigid.hpp"
 #include "triskin/geometry/map_modules.hpp"
 
 namespace triskin::geometry {
@@ -40,26 +41,6 @@ double planar_depth(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) 
   return least;
 }
 
-struct SurfaceMetrics {
-  double overrun = 0.0, depth = 0.0;
-};
-
-// Along the sides: how deep they lie under the surface, and how far they stand over its border.
-SurfaceMetrics along_sides(const Surface& surface, const std::array<Vec3, 3>& corners) {
-  SurfaceMetrics m;
-  for (std::size_t s = 0; s < 3; ++s) {
-    for (int k = 0; k < kSideSamples; ++k) {
-      const Vec3 p = corners[s] + (corners[(s + 1) % 3] - corners[s]) * (static_cast<double>(k) / kSideSamples);
-      const SurfacePoint c = surface.closest(p);
-      const Vec3 d = p - c.position_mm;
-      const Vec3 n = surface.normal_at(c);
-      m.depth = std::max(m.depth, -d.dot(n));
-      if (surface.border_distance(c.position_mm) < 1e-6) m.overrun = std::max(m.overrun, (d - d.dot(n) * n).norm());
-    }
-  }
-  return m;
-}
-
 // Normals at corners and centre turn by the curvature times the distance.
 double smallest_radius(const Surface& surface, const std::array<Vec3, 3>& corners) {
   const Vec3 middle = centroid_of(corners);
@@ -91,9 +72,9 @@ void measure(const Surface& surface, ModuleLayout& layout) {
     m.penetration_mm = 0.0;
     m.edge_error_mm = 0.0;
     m.center_gap_mm = surface.closest(centroid_of(m.corner_mm)).distance_mm;
-    const SurfaceMetrics sides = along_sides(surface, m.corner_mm);
-    m.edge_depth_mm = sides.depth;
-    m.overrun_mm = sides.overrun;
+    const SideMetrics sides = walk_sides(surface, m.corner_mm, kSideSamples);
+    m.edge_depth_mm = sides.depth_mm;
+    m.overrun_mm = sides.overrun_mm;
     m.bend_radius_mm = smallest_radius(surface, m.corner_mm);
     for (int s = 0; s < 3; ++s) {
       m.hinge_gap_mm[at(s)] = m.fold_rad[at(s)] = 0.0;
