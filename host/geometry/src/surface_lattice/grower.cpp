@@ -16,7 +16,7 @@ std::size_t at(int k) { return static_cast<std::size_t>(k); }
 constexpr double kReach_mm = 62.0;      // modules that a new one may push
 constexpr double kTryJoin_mm = 9.0;     // corners nearer than this are pulled together before the limit decides
 constexpr double kMargin = 0.96;        // of each limit: the final measurement walks the sides more finely
-constexpr int kCoarseSamples = 10;
+constexpr int kCoarseSamples = 15;
 constexpr int kSeedTries = 150;
 
 Vec3 centroid(const std::array<Vec3, 3>& t) { return (t[0] + t[1] + t[2]) / 3.0; }

@@ -68,7 +68,8 @@ ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits, co
   }
   ModuleLayout layout = std::move(best.layout);
   layout.method = "surface";
-  measure(surface, layout);
+  layout.islands = 0;
+  keep_limits(surface, limits, layout);  // growing walks the sides coarsely: the exact measure decides
   return layout;
 }
 

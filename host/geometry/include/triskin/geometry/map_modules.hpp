@@ -19,6 +19,10 @@ struct PlacedPiece {
 /// worst first. Islands are what stays joined. Metrics of each module are measured against the surface (measure.hpp).
 [[nodiscard]] ModuleLayout map_modules(const Surface& surface, const std::vector<PlacedPiece>& pieces, const LayoutLimits& limits);
 
+/// Measures the layout and gives up what breaks a limit, the worst first: joints become slits, modules go (counted in
+/// layout.refused). Numbers the islands anew by what stays joined.
+void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout);
+
 /// Measures every metric of every module of the layout. Sides are walked every 0.5 mm. Cost: ~200 closest-point
 /// queries a module and near pairs for penetration.
 void measure(const Surface& surface, ModuleLayout& layout);

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
+#include <string>
+
+#include "triskin/geometry/map_modules.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+class Keeper {
+ public:
+  Keeper(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout) : surface_(surface), limits_(limits), layout_(layout) {}
+
+  void run() {
+    give_up_bad();
+    number_islands();
+    for (const auto& [limit, count] : refused_) layout_.refused.emplace_back(limit, count);
+  }
+
+ private:
+  void remove(const std::vector<bool>& bad) {
+    std::vector<int> target(layout_.modules.size(), -1);
+    std::vector<PlacedModule> kept;
+    for (std::size_t k = 0; k < bad.size(); ++k) {
+      if (bad[k]) continue;
+      target[k] = static_cast<int>(kept.size());
+      kept.push_back(layout_.modules[k]);
+    }
+    for (PlacedModule& m : kept) {
+      for (int& n : m.neighbour) n = n < 0 ? -1 : target[at(n)];
+    }
+    layout_.modules = std::move(kept);
+  }
+
+  // How far over its limit, 1 = at the limit; the name of the limit that is broken most.
+  [[nodiscard]] std::pair<double, const char*> worst(const PlacedModule& m) const {
+    // Thin shells have two sheets: a module whose nearest sheet is the other one would be measured against that.
+    const Vec3 middle = (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
+    const Vec3 normal = (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
+    if (surface_.normal_at(surface_.closest(middle)).dot(normal) < 0.6) return {100.0, "outward"};
+    return std::max({std::pair{m.edge_error_mm / limits_.edge_error_mm, "edge_error_mm"},
+                     std::pair{m.center_gap_mm / limits_.center_gap_mm, "center_gap_mm"},
+                     std::pair{m.penetration_mm / limits_.penetration_mm, "penetration_mm"},
+                     std::pair{m.overrun_mm / limits_.overrun_mm, "overrun_mm"}},
+                    [](const auto& a, const auto& b) { return a.first < b.first; });
+  }
+
+  // First joints (they become slits), then modules; a margin of 2 % keeps another measurement from disagreeing.
+  void give_up_bad() {
+    for (;;) {
+      measure(surface_, layout_);
+      if (open_bad_joints()) continue;
+      double highest = 0.98;
+      int which = -1;
+      for (std::size_t k = 0; k < layout_.modules.size(); ++k) {
+        if (worst(layout_.modules[k]).first > highest) {
+          highest = worst(layout_.modules[k]).first;
+          which = static_cast<int>(k);
+        }
+      }
+      if (which < 0) return;
+      ++refused_[worst(layout_.modules[at(which)]).second];
+      std::vector<bool> bad(layout_.modules.size(), false);
+      bad[at(which)] = true;
+      remove(bad);
+    }
+  }
+
+  bool open_bad_joints() {
+    bool any = false;
+    for (PlacedModule& m : layout_.modules) {
+      for (int s = 0; s < 3; ++s) {
+        if (m.neighbour[at(s)] < 0) continue;
+        if (m.hinge_gap_mm[at(s)] <= 0.98 * limits_.hinge_gap_mm && m.fold_rad[at(s)] <= 0.98 * limits_.fold_rad) continue;
+        layout_.modules[at(m.neighbour[at(s)])].neighbour[at(across(m.tile, s).side)] = -1;
+        m.neighbour[at(s)] = -1;
+        any = true;
+      }
+    }
+    return any;
+  }
+
+  void number_islands() {
+    std::vector<int> island(layout_.modules.size(), -1);
+    for (std::size_t first = 0; first < island.size(); ++first) {
+      if (island[first] >= 0) continue;
+      std::vector<int> queue{static_cast<int>(first)};
+      island[first] = layout_.islands;
+      for (std::size_t q = 0; q < queue.size(); ++q) {
+        for (const int n : layout_.modules[at(queue[q])].neighbour) {
+          if (n < 0 || island[at(n)] >= 0) continue;
+          island[at(n)] = layout_.islands;
+          queue.push_back(n);
+        }
+      }
+      ++layout_.islands;
+    }
+    for (std::size_t k = 0; k < island.size(); ++k) layout_.modules[k].island = island[k];
+  }
+
+  const Surface& surface_;
+  const LayoutLimits limits_;
+  ModuleLayout& layout_;
+  std::map<std::string, int> refused_;
+};
+
+}  // namespace
+
+void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout) { Keeper(surface, limits, layout).run(); }
+
+}  // namespace triskin::geometry
