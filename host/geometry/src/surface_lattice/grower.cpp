@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "layout/rigid.hpp"
 #include "triskin/geometry/map_modules.hpp"
@@ -30,7 +31,7 @@ Grower::Grower(const Surface& surface, const std::vector<double>& area_sums, con
 void Grower::grow(Deadline deadline) {
   int failures = 0;
   while (failures < kSeedTries && std::chrono::steady_clock::now() < deadline) {
-    if (!seed_island()) {
+    if (!seed_island(random_point())) {
       ++failures;
       continue;
     }
@@ -39,8 +40,7 @@ void Grower::grow(Deadline deadline) {
   }
 }
 
-// A module at a random place and angle of the free surface.
-bool Grower::seed_island() {
+Vec3 Grower::random_point() {
   const double pick = uniform() * area_sums_.back();
   const int face = static_cast<int>(std::ranges::upper_bound(area_sums_, pick) - area_sums_.begin());
   const auto& f = surface_.mesh().faces[at(std::min(face, static_cast<int>(area_sums_.size()) - 1))];
@@ -50,7 +50,11 @@ bool Grower::seed_island() {
     v = 1.0 - v;
   }
   const auto& p = surface_.mesh().vertices;
-  const Vec3 middle = (1 - u - v) * p[at(f[0])] + u * p[at(f[1])] + v * p[at(f[2])];
+  return (1 - u - v) * p[at(f[0])] + u * p[at(f[1])] + v * p[at(f[2])];
+}
+
+// A module at the place, at a random angle, when it is free.
+bool Grower::seed_island(const Vec3& middle) {
   for (const PlacedModule& m : modules_) {
     if ((centroid(m.corner_mm) - middle).norm() < 9.0) return false;
   }
@@ -76,6 +80,64 @@ bool Grower::seed_island() {
   ++islands_;
   for (int s = 0; s < 3; ++s) open_.push_back({id, s});
   return true;
+}
+
+void Grower::keep(const std::vector<bool>& kept) {
+  std::vector<int> target(modules_.size(), -1);
+  std::vector<PlacedModule> left;
+  for (std::size_t k = 0; k < modules_.size(); ++k) {
+    if (!kept[k]) continue;
+    target[k] = static_cast<int>(left.size());
+    left.push_back(modules_[k]);
+  }
+  for (PlacedModule& m : left) {
+    m.island = -1;
+    for (int& n : m.neighbour) n = n < 0 ? -1 : target[at(n)];
+  }
+  modules_ = std::move(left);
+  // What falls apart becomes islands of its own: their lattices need not fit each other any more.
+  place_.clear();
+  islands_ = 0;
+  for (std::size_t first = 0; first < modules_.size(); ++first) {
+    if (modules_[first].island >= 0) continue;
+    std::vector<int> queue{static_cast<int>(first)};
+    modules_[first].island = islands_;
+    for (std::size_t q = 0; q < queue.size(); ++q) {
+      const PlacedModule& m = modules_[at(queue[q])];
+      place_[{islands_, m.tile}] = queue[q];
+      for (const int n : m.neighbour) {
+        if (n < 0 || modules_[at(n)].island >= 0) continue;
+        modules_[at(n)].island = islands_;
+        queue.push_back(n);
+      }
+    }
+    ++islands_;
+  }
+}
+
+void Grower::ruin_and_recreate(double radius_mm, double allowed_loss, double island_cost, Deadline deadline) {
+  if (modules_.empty()) return;
+  const auto before = std::tuple(modules_, place_, islands_);
+  const double old_score = score(island_cost);
+  const Vec3 middle = centroid(modules_[random_() % modules_.size()].corner_mm);
+  std::vector<bool> kept(modules_.size());
+  for (std::size_t k = 0; k < kept.size(); ++k) kept[k] = (centroid(modules_[k].corner_mm) - middle).norm() > radius_mm;
+  keep(kept);
+  open_.clear();
+  for (std::size_t k = 0; k < modules_.size(); ++k) {
+    if ((centroid(modules_[k].corner_mm) - middle).norm() > radius_mm + 40.0) continue;
+    for (int s = 0; s < 3; ++s) {
+      if (modules_[k].neighbour[at(s)] < 0) open_.push_back({static_cast<int>(k), s});
+    }
+  }
+  std::ranges::shuffle(open_, random_);
+  grow_island(deadline);
+  for (int k = 0; k < 12 && std::chrono::steady_clock::now() < deadline; ++k) {
+    const Vec3 offset = (radius_mm + 15.0) * Vec3(2 * uniform() - 1, 2 * uniform() - 1, 2 * uniform() - 1);
+    if (seed_island(surface_.closest(middle + offset).position_mm)) grow_island(deadline);
+  }
+  if (score(island_cost) < old_score - allowed_loss) std::tie(modules_, place_, islands_) = before;
+  open_.clear();
 }
 
 int Grower::find(int island, const Tile& tile) const {

@@ -18,6 +18,10 @@ class Grower {
 
   /// Islands until nothing more fits; stops early at the deadline.
   void grow(Deadline deadline);
+  /// Takes the modules within `radius_mm` of a random one away and grows there anew; undone when the score falls by more than
+  /// `allowed_loss`. Score: modules − island_cost · islands.
+  void ruin_and_recreate(double radius_mm, double allowed_loss, double island_cost, Deadline deadline);
+  [[nodiscard]] double score(double island_cost) const { return static_cast<double>(modules_.size()) - island_cost * islands_; }
   [[nodiscard]] const std::vector<PlacedModule>& modules() const { return modules_; }
   [[nodiscard]] int islands() const { return islands_; }
 
@@ -26,7 +30,9 @@ class Grower {
     int module, side;
   };
   double uniform() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
-  bool seed_island();
+  bool seed_island(const Vec3& middle);
+  [[nodiscard]] Vec3 random_point();
+  void keep(const std::vector<bool>& kept);
   void grow_island(Deadline deadline);
   bool add_across(const Side& at);
   [[nodiscard]] std::array<Vec3, 3> roll(const PlacedModule& from, int side) const;
@@ -43,7 +49,7 @@ class Grower {
 
   const Surface& surface_;
   const std::vector<double>& area_sums_;
-  const LayoutLimits limits_;
+  LayoutLimits limits_;
   std::mt19937_64 random_;
   std::vector<PlacedModule> modules_;
   std::map<std::pair<int, Tile>, int> place_;
