@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+
+namespace triskin::scene {
+
+/// What the pins of one converter see. Stateless, so that a sample costs nothing until somebody reads it.
+class CapacitanceSource {
+ public:
+  virtual ~CapacitanceSource() = default;
+  /// Capacitance at pin `cin` (0..12) and virtual time `at_us`, in converter counts (8 pF / 32768) above the
+  /// converter's reference. More capacitance, that is pressure, is a larger number.
+  [[nodiscard]] virtual double counts(int cin, std::uint64_t at_us) const = 0;
+};
+
+/// AD7147 at register level (data sheet rev. E): 16-bit registers at 16-bit addresses, big endian, address increment,
+/// 12 stages converted one after another, results latched at the end of each stage. Not thread-safe.
+/// Modelled: power modes, stage count, decimation, software reset, input connections, AFE offsets, stage-complete
+/// status, device id, loss of the configuration in a power dip. Not modelled: interrupts, environmental calibration.
+class Ad7147 {
+ public:
+  static constexpr int kStages = 12;
+  static constexpr std::uint16_t kDeviceId = 0x1472;  ///< 0x1470 | revision (data sheet, table 20)
+
+  /// `source` must outlive the chip. The chip has power since time 0.
+  explicit Ad7147(const CapacitanceSource& source, std::uint16_t device_id = kDeviceId)
+      : source_(&source), device_id_(device_id) {}
+
+  /// Power fails for a moment at `at_us`, and again every `every_us` after that if it is not 0: all registers
+  /// then hold their reset values.
+  void schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us);
+
+  // Bus side: what an I²C slave sees between start and stop.
+  void select(bool read, std::uint64_t now_us);
+  void write_byte(std::uint8_t byte, std::uint64_t now_us);
+  [[nodiscard]] std::uint8_t read_byte(std::uint64_t now_us);
+
+  // Register side. Reading the stage-complete status clears it; other reads change nothing.
+  [[nodiscard]] std::uint16_t read_register(std::uint16_t address, std::uint64_t now_us);
+  void write_register(std::uint16_t address, std::uint16_t value, std::uint64_t now_us);
+
+  /// Time of one pass over the stages that are switched on: 9.2, 18.4 or 36.9 ms for 12 of them.
+  [[nodiscard]] std::uint64_t sequence_us() const;
+
+ private:
+  static constexpr std::size_t kSetupRegisters = 8;     // 0x000 … 0x007
+  static constexpr std::size_t kStageRegisters = 96;    // 0x080 … 0x0DF
+  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
+
+  void reset(std::uint64_t now_us);
+  void apply_power_dips(std::uint64_t now_us);
+  void latch_results(std::uint64_t now_us);
+  [[nodiscard]] std::uint64_t stage_us() const;
+  [[nodiscard]] std::uint64_t period_us() const;
+  [[nodiscard]] int stages_on() const;
+  [[nodiscard]] bool converting() const;
+  /// Time at which the latest conversion of `stage` up to now ended; kNever if there was none since the restart.
+  [[nodiscard]] std::uint64_t last_conversion_us(int stage, std::uint64_t now_us) const;
+  [[nodiscard]] std::uint16_t convert(int stage, std::uint64_t at_us) const;
+  [[nodiscard]] std::uint16_t result(int stage, std::uint64_t now_us) const;
+  [[nodiscard]] std::uint16_t complete_status(std::uint64_t now_us);
+
+  const CapacitanceSource* source_;
+  std::uint16_t device_id_;
+  std::array<std::uint16_t, kSetupRegisters> setup_{};
+  std::array<std::uint16_t, kStageRegisters> stage_{};
+  std::array<std::uint16_t, kStages> latched_{};  // results from before the last restart of the sequence
+  std::uint64_t restart_us_ = 0;
+  std::uint64_t status_read_us_ = 0;
+  std::uint64_t next_dip_us_ = kNever;
+  std::uint64_t dip_every_us_ = 0;
+  // Bus state: two address bytes, then pairs of data bytes.
+  std::uint16_t pointer_ = 0;
+  int address_bytes_ = 0;
+  bool high_byte_next_ = true;
+  std::uint8_t half_ = 0;
+  std::uint16_t outgoing_ = 0;
+};
+
+}  // namespace triskin::scene

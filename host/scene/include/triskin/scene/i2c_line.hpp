@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "triskin/scene/ad7147.hpp"
+#include "triskin/sim/i2c_bus.hpp"
+
+namespace triskin::scene {
+
+/// One I²C line with chips on it. Two chips at one address answer together, and their data are a wired AND, as on
+/// open-drain wires. Not thread-safe.
+class I2cLineModel final : public sim::I2cBus {
+ public:
+  enum class Signal { kSda, kScl };
+
+  /// `chip` must outlive the line. `address` is the 7-bit address.
+  void attach(Ad7147& chip, std::uint8_t address) { chips_.push_back({&chip, address}); }
+  /// From `at_us` the signal is held low. SDA is let go after `frees_after_pulses` pulses on SCL, 0: never.
+  void hold_low(Signal signal, std::uint64_t at_us, int frees_after_pulses);
+
+  bool start(std::uint8_t address_byte, std::uint64_t now_us) override;
+  bool write(std::uint8_t byte, std::uint64_t now_us) override;
+  std::uint8_t read(bool acknowledge, std::uint64_t now_us) override;
+  void stop(std::uint64_t now_us) override;
+  [[nodiscard]] bool scl() const override;
+  [[nodiscard]] bool sda() const override;
+  void pulse_scl(std::uint64_t now_us) override;
+
+  /// Bytes that went over the line, address bytes included.
+  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  struct Chip {
+    Ad7147* chip;
+    std::uint8_t address;
+  };
+  struct Hold {
+    bool on = false;
+    std::uint64_t at_us = 0;
+    int pulses_left = 0;
+  };
+  [[nodiscard]] bool usable() const { return scl() && sda(); }
+
+  std::vector<Chip> chips_;
+  std::vector<Ad7147*> selected_;
+  Hold sda_, scl_;
+  std::uint64_t now_us_ = 0;
+  std::uint64_t bytes_ = 0;
+};
+
+}  // namespace triskin::scene

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "triskin/model/design.hpp"
+
+namespace triskin::scene {
+
+inline constexpr std::uint64_t kForever = ~std::uint64_t{0};
+
+/// A round finger on the skin: Hertz pressure 3F/(2πr²)·√(1 − (d/r)²) at distance d ≤ r from its centre.
+struct Contact {
+  std::uint64_t from_us = 0;
+  std::uint64_t until_us = kForever;      ///< exclusive
+  geometry::Vec3 position_mm{0, 0, 0};    ///< mesh frame
+  std::optional<geometry::Vec3> to_mm;    ///< moves there at constant speed until `until_us`
+  double radius_mm = 6.0;
+  double force_n = 2.0;
+};
+
+/// What is wrong with the simulated hardware (docs/scene.md describes each kind and its keys).
+enum class FaultKind {
+  kRemovedChip,        ///< module
+  kMovedChip,          ///< module, line, address: straps soldered wrongly
+  kSwappedChips,       ///< module, other: each sits at the other's place
+  kStuckLine,          ///< patch, line, signal, frees_after_pulses
+  kWrongId,            ///< module, value
+  kLostConfiguration,  ///< module: power dip at from_us, and every_us
+  kSaturatedTaxel,     ///< module, taxel
+  kFrozenTaxel,        ///< module, taxel
+  kFingerElsewhere,    ///< module, other: a finger meant for the module lands on the other
+};
+[[nodiscard]] const char* name_of(FaultKind kind);
+
+struct Fault {
+  FaultKind kind = FaultKind::kRemovedChip;
+  int module = -1, other = -1, patch = -1, line = -1, address = -1, taxel = -1;
+  int value = 0;
+  bool stuck_scl = false;
+  int frees_after_pulses = 0;
+  std::uint64_t from_us = 0;
+  std::uint64_t every_us = 0;
+};
+
+/// Physical effects; each is off, and costs nothing, unless the scene names it.
+struct Effects {
+  double noise_counts = 0.0;            ///< standard deviation of a sample
+  double drift_counts_per_s = 0.0;      ///< of every taxel
+  double taxel_spread_counts = 0.0;     ///< half range of the resting values
+  std::uint64_t bus_bit_rate = 0;       ///< 0: frames take no time
+  std::uint64_t bus_data_bit_rate = 0;  ///< of FD frames with rate switch; 0: as bus_bit_rate
+};
+
+struct Scene {
+  model::Design design;
+  std::uint64_t seed = 1;
+  std::vector<Contact> contacts;
+  std::vector<Fault> faults;
+  Effects effects;
+};
+
+/// Reads a scene file, or a design file (then nothing touches the skin and nothing is wrong). Throws InputError naming
+/// file and key: wrong types or ranges, unknown keys or kinds, a module that the design does not have.
+[[nodiscard]] Scene read_scene(const std::filesystem::path& path);
+
+/// Centre of a module on its outer side, mm.
+[[nodiscard]] geometry::Vec3 center_of(const model::Design& design, int module);
+
+}  // namespace triskin::scene

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "triskin/scene/flash_memory.hpp"
+#include "triskin/scene/scene.hpp"
+#include "triskin/scene/skin.hpp"
+#include "triskin/sim/virtual_controller.hpp"
+
+namespace triskin::scene {
+
+/// A scene at work: one virtual controller per patch, its chips, and one CAN bus for all, in virtual time.
+/// Deterministic. Not thread-safe.
+class VirtualSkin {
+ public:
+  static constexpr std::size_t kFlashBytes = std::size_t{64} * 1024;
+  using OnFrame = std::function<void(const wire::CanFrame&, std::uint64_t at_us)>;
+
+  /// Powers all controllers. The flash contents live in `state_folder` (made when missing), or in memory if it is empty.
+  explicit VirtualSkin(Scene scene, const std::filesystem::path& state_folder = {});
+  ~VirtualSkin();
+  VirtualSkin(const VirtualSkin&) = delete;
+  VirtualSkin& operator=(const VirtualSkin&) = delete;
+
+  [[nodiscard]] std::uint64_t now_us() const { return now_us_; }
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] Skin& skin() { return skin_; }
+  [[nodiscard]] std::size_t controllers() const { return nodes_.size(); }
+
+  /// Every frame that a controller sends, at the time at which it has left the bus.
+  void on_frame(OnFrame handler) { on_frame_ = std::move(handler); }
+  /// A frame of the host enters the bus now.
+  void send(const wire::CanFrame& frame);
+  /// Runs everything until `until_us`.
+  void run_until(std::uint64_t until_us) { run(until_us, false); }
+  /// Runs until a frame for the host has left the bus (true), at the latest until `until_us`.
+  bool run_until_frame(std::uint64_t until_us) { return run(until_us, true); }
+
+  /// Puts a finger that is meant for the module on it (fault finger_elsewhere moves it). Returns an id for release.
+  int press_module(int module);
+  void release(int id) { skin_.release(id, now_us_); }
+
+  /// Flash of one controller, to cut its power; a controller that lost power is dead until it is powered again.
+  [[nodiscard]] FlashMemory& flash(std::size_t patch) { return *nodes_[patch].flash; }
+  [[nodiscard]] bool alive(std::size_t patch) const { return nodes_[patch].controller != nullptr; }
+  void power_cycle(std::size_t patch);
+  /// Unplugs the bus from the host's frames, or plugs it back: frames in both directions are lost.
+  void plug(bool plugged) { plugged_ = plugged; }
+
+  /// Frames and bits that went over the bus.
+  [[nodiscard]] std::uint64_t bus_frames() const { return bus_frames_; }
+  [[nodiscard]] std::uint64_t bus_busy_us() const { return bus_busy_us_; }
+
+ private:
+  struct Node {
+    std::unique_ptr<FlashMemory> flash;
+    sim::VirtualBoard board;
+    std::unique_ptr<sim::VirtualController> controller;
+    std::uint64_t run_again_us = 0;
+  };
+  struct Pending {
+    wire::CanFrame frame;
+    std::size_t from;  // node, or kHost
+  };
+  static constexpr std::size_t kHost = ~std::size_t{0};
+
+  bool run(std::uint64_t until_us, bool stop_at_frame);
+  void power_up(std::size_t patch);
+  void run_controllers();
+  void deliver(const Pending& pending);
+  bool advance_bus();
+  [[nodiscard]] std::uint64_t next_event_us() const;
+  [[nodiscard]] std::uint64_t frame_us(const wire::CanFrame& frame) const;
+
+  Scene scene_;
+  Skin skin_;
+  std::vector<Node> nodes_;
+  OnFrame on_frame_;
+  std::deque<Pending> pending_;
+  std::vector<Pending> on_wire_;  // at most one frame, that occupies the bus until wire_free_us_
+  std::uint64_t wire_free_us_ = 0;
+  std::uint64_t now_us_ = 0;
+  std::uint64_t bus_frames_ = 0;
+  std::uint64_t bus_busy_us_ = 0;
+  bool plugged_ = true;
+  bool frame_came_ = false;
+};
+
+/// Folder that keeps the flash of the simulated controllers of a design between processes:
+/// $XDG_STATE_HOME/triskin/sim/<design id>, else ~/.local/state/…, else the temporary folder.
+[[nodiscard]] std::filesystem::path state_folder_of(const model::Design& design);
+
+}  // namespace triskin::scene

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/scene/i2c_line.hpp"
+
+namespace triskin::scene {
+
+void I2cLineModel::hold_low(Signal signal, std::uint64_t at_us, int frees_after_pulses) {
+  (signal == Signal::kSda ? sda_ : scl_) = {true, at_us, frees_after_pulses};
+}
+
+bool I2cLineModel::start(std::uint8_t address_byte, std::uint64_t now_us) {
+  now_us_ = now_us;
+  selected_.clear();
+  if (!usable()) return false;
+  ++bytes_;
+  for (const Chip& c : chips_) {
+    if (c.address != address_byte >> 1) continue;
+    c.chip->select((address_byte & 1) != 0, now_us);
+    selected_.push_back(c.chip);
+  }
+  return !selected_.empty();
+}
+
+bool I2cLineModel::write(std::uint8_t byte, std::uint64_t now_us) {
+  now_us_ = now_us;
+  if (!usable()) return false;
+  ++bytes_;
+  for (Ad7147* chip : selected_) chip->write_byte(byte, now_us);
+  return !selected_.empty();
+}
+
+std::uint8_t I2cLineModel::read(bool /*acknowledge*/, std::uint64_t now_us) {
+  now_us_ = now_us;
+  if (!usable()) return sda() ? 0xFF : 0x00;
+  ++bytes_;
+  std::uint8_t byte = 0xFF;
+  for (Ad7147* chip : selected_) byte = static_cast<std::uint8_t>(byte & chip->read_byte(now_us));
+  return byte;
+}
+
+void I2cLineModel::stop(std::uint64_t now_us) {
+  now_us_ = now_us;
+  selected_.clear();
+}
+
+bool I2cLineModel::scl() const { return !scl_.on || now_us_ < scl_.at_us; }
+bool I2cLineModel::sda() const { return !sda_.on || now_us_ < sda_.at_us; }
+
+void I2cLineModel::pulse_scl(std::uint64_t now_us) {
+  now_us_ = now_us;
+  if (sda_.on && scl() && sda_.pulses_left > 0 && --sda_.pulses_left == 0) sda_.on = false;
+}
+
+}  // namespace triskin::scene

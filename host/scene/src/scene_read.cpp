@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <string_view>
+#include <utility>
+
+#include "triskin/host/files.hpp"
+#include "triskin/model/json_value.hpp"
+#include "triskin/scene/scene.hpp"
+
+namespace triskin::scene {
+namespace {
+
+using model::JsonValue;
+
+constexpr double kMaxSeconds = 1e6;
+constexpr double kMaxLength_mm = 1e5;
+
+constexpr std::pair<FaultKind, const char*> kKinds[] = {
+    {FaultKind::kRemovedChip, "removed_chip"},       {FaultKind::kMovedChip, "moved_chip"},
+    {FaultKind::kSwappedChips, "swapped_chips"},     {FaultKind::kStuckLine, "stuck_line"},
+    {FaultKind::kWrongId, "wrong_id"},               {FaultKind::kLostConfiguration, "lost_configuration"},
+    {FaultKind::kSaturatedTaxel, "saturated_taxel"}, {FaultKind::kFrozenTaxel, "frozen_taxel"},
+    {FaultKind::kFingerElsewhere, "finger_elsewhere"}};
+
+bool has(const JsonValue& v, const char* key) { return v.raw().is_object() && v.raw().contains(key); }
+
+// A misspelt key would silently change nothing, so it is an error.
+void only_keys(const JsonValue& v, std::initializer_list<std::string_view> allowed) {
+  if (!v.raw().is_object()) v.fail("must be an object");
+  for (const auto& [key, value] : v.raw().items()) {
+    if (std::find(allowed.begin(), allowed.end(), key) == allowed.end()) {
+      v.fail(fmt::format("key \"{}\" is unknown here; see docs/scene.md", key));
+    }
+  }
+}
+
+double number_in(const JsonValue& v, double low, double high) {
+  const double x = v.number();
+  if (x < low || x > high) v.fail(fmt::format("must be in {:g} … {:g}", low, high));
+  return x;
+}
+
+std::uint64_t time_us(const JsonValue& v) {
+  return static_cast<std::uint64_t>(std::llround(number_in(v, 0.0, kMaxSeconds) * 1e6));
+}
+
+geometry::Vec3 point(const JsonValue& v) {
+  v.require_size(3);
+  const auto at = [&](std::size_t k) { return number_in(v.at(k), -kMaxLength_mm, kMaxLength_mm); };
+  return {at(0), at(1), at(2)};
+}
+
+class Reader {
+ public:
+  Reader(const model::Design& design) : design_(design), wiring_(model::wiring_of(design)) {}
+
+  [[nodiscard]] int module(const JsonValue& v) const { return below(v, design_.layout.modules.size()); }
+
+  [[nodiscard]] Contact contact(const JsonValue& v) const {
+    only_keys(v, {"at_s", "until_s", "position_mm", "to_mm", "module", "taxel", "radius_mm", "force_n"});
+    Contact c;
+    if (has(v, "at_s")) c.from_us = time_us(v["at_s"]);
+    if (has(v, "until_s")) c.until_us = time_us(v["until_s"]);
+    if (c.until_us <= c.from_us) v["until_s"].fail("must be later than \"at_s\"");
+    if (has(v, "position_mm") == has(v, "module")) v.fail("needs either \"position_mm\" or \"module\"");
+    c.position_mm = has(v, "module") ? on_module(v) : point(v["position_mm"]);
+    if (has(v, "to_mm")) c.to_mm = point(v["to_mm"]);
+    if (c.to_mm && c.until_us == kForever) v["to_mm"].fail("needs \"until_s\": the time at which it arrives");
+    if (has(v, "radius_mm")) c.radius_mm = number_in(v["radius_mm"], 0.1, 1000.0);
+    if (has(v, "force_n")) c.force_n = number_in(v["force_n"], 0.0, 1000.0);
+    return c;
+  }
+
+  [[nodiscard]] Fault fault(const JsonValue& v) const {
+    Fault f;
+    const JsonValue kind = v["kind"];
+    const std::string text = kind.text();
+    const auto* const found = std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return text == k.second; });
+    if (found == std::end(kKinds)) kind.fail("\"" + text + "\" is no kind of fault; docs/scene.md lists them");
+    f.kind = found->first;
+    read_keys(v, f);
+    return f;
+  }
+
+ private:
+  static int below(const JsonValue& v, std::size_t n) {
+    if (n == 0) v.fail("the design has none");
+    return v.integer(0, static_cast<int>(n) - 1);
+  }
+
+  [[nodiscard]] geometry::Vec3 on_module(const JsonValue& v) const {
+    const int m = module(v["module"]);
+    if (!has(v, "taxel")) return center_of(design_, m);
+    const auto k = static_cast<std::size_t>(m);
+    const auto taxels = model::taxels_of(design_.layout.modules[k], wiring_[k].routed.rotation);
+    return taxels[static_cast<std::size_t>(v["taxel"].integer(0, 11))].position_mm;
+  }
+
+  void read_keys(const JsonValue& v, Fault& f) const {
+    switch (f.kind) {
+      case FaultKind::kRemovedChip:
+        only_keys(v, {"kind", "module"});
+        break;
+      case FaultKind::kMovedChip:
+        only_keys(v, {"kind", "module", "line", "address"});
+        f.line = v["line"].integer(0, 3);
+        f.address = v["address"].integer(0, 3);
+        break;
+      case FaultKind::kSwappedChips:
+      case FaultKind::kFingerElsewhere:
+        only_keys(v, {"kind", "module", "other"});
+        f.other = module(v["other"]);
+        break;
+      case FaultKind::kStuckLine:
+        return read_stuck_line(v, f);
+      case FaultKind::kWrongId:
+        only_keys(v, {"kind", "module", "value"});
+        f.value = has(v, "value") ? v["value"].integer(0, 0xFFFF) : 0xFFFF;
+        break;
+      case FaultKind::kLostConfiguration:
+        only_keys(v, {"kind", "module", "at_s", "every_s"});
+        f.from_us = has(v, "at_s") ? time_us(v["at_s"]) : 1'000'000;
+        if (has(v, "every_s")) f.every_us = static_cast<std::uint64_t>(number_in(v["every_s"], 1e-3, kMaxSeconds) * 1e6);
+        break;
+      case FaultKind::kSaturatedTaxel:
+      case FaultKind::kFrozenTaxel:
+        only_keys(v, {"kind", "module", "taxel"});
+        f.taxel = v["taxel"].integer(0, 11);
+        break;
+    }
+    f.module = module(v["module"]);
+    if (f.other == f.module) v["other"].fail("must be another module");
+  }
+
+  void read_stuck_line(const JsonValue& v, Fault& f) const {
+    only_keys(v, {"kind", "patch", "line", "signal", "at_s", "frees_after_pulses"});
+    f.patch = below(v["patch"], design_.patches.size());
+    f.line = v["line"].integer(0, 3);
+    if (has(v, "signal")) {
+      const std::string signal = v["signal"].text();
+      if (signal != "sda" && signal != "scl") v["signal"].fail("must be \"sda\" or \"scl\"");
+      f.stuck_scl = signal == "scl";
+    }
+    if (has(v, "at_s")) f.from_us = time_us(v["at_s"]);
+    if (has(v, "frees_after_pulses")) f.frees_after_pulses = v["frees_after_pulses"].integer(0, 1000);
+  }
+
+  const model::Design& design_;
+  std::vector<model::ModuleWiring> wiring_;
+};
+
+Effects read_effects(const JsonValue& v) {
+  only_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "bus_bit_rate", "bus_data_bit_rate"});
+  Effects e;
+  if (has(v, "noise_counts")) e.noise_counts = number_in(v["noise_counts"], 0.0, 1e4);
+  if (has(v, "drift_counts_per_s")) e.drift_counts_per_s = number_in(v["drift_counts_per_s"], -1e4, 1e4);
+  if (has(v, "taxel_spread_counts")) e.taxel_spread_counts = number_in(v["taxel_spread_counts"], 0.0, 1e4);
+  if (has(v, "bus_bit_rate")) e.bus_bit_rate = static_cast<std::uint64_t>(v["bus_bit_rate"].integer(10'000, 1'000'000));
+  if (has(v, "bus_data_bit_rate")) {
+    e.bus_data_bit_rate = static_cast<std::uint64_t>(v["bus_data_bit_rate"].integer(10'000, 8'000'000));
+  }
+  return e;
+}
+
+void read_head(const JsonValue& v) {
+  constexpr int kVersion = 1;
+  if (v["format"].text() != "triskin-scene") v["format"].fail("must be \"triskin-scene\" (or give a design file)");
+  const int version = v["version"].integer(0, 1'000'000);
+  if (version != kVersion) v["version"].fail(fmt::format("is {}, this program reads {}", version, kVersion));
+  only_keys(v, {"format", "version", "design", "seed", "contacts", "faults", "effects"});
+}
+
+}  // namespace
+
+const char* name_of(FaultKind kind) {
+  const auto* const found = std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return kind == k.first; });
+  return found == std::end(kKinds) ? "unknown" : found->second;
+}
+
+geometry::Vec3 center_of(const model::Design& design, int module) {
+  const auto& corner = design.layout.modules.at(static_cast<std::size_t>(module)).corner_mm;
+  return (corner[0] + corner[1] + corner[2]) / 3.0;
+}
+
+Scene read_scene(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  const nlohmann::json document = model::parse_json(read_file(path), file);
+  const JsonValue v(document, file, "");
+  Scene scene;
+  if (has(v, "format") && v["format"].raw() == "triskin-design") {
+    scene.design = model::read_design(path);
+    return scene;
+  }
+  read_head(v);
+  const std::filesystem::path design = v["design"].text();
+  scene.design = model::read_design(design.is_absolute() ? design : path.parent_path() / design);
+  if (has(v, "seed")) scene.seed = v["seed"].unsigned_integer();
+  const Reader reader(scene.design);
+  if (has(v, "contacts")) {
+    const JsonValue list = v["contacts"];
+    for (std::size_t k = 0; k < list.size(); ++k) scene.contacts.push_back(reader.contact(list.at(k)));
+  }
+  if (has(v, "faults")) {
+    const JsonValue list = v["faults"];
+    for (std::size_t k = 0; k < list.size(); ++k) scene.faults.push_back(reader.fault(list.at(k)));
+  }
+  if (has(v, "effects")) scene.effects = read_effects(v["effects"]);
+  return scene;
+}
+
+}  // namespace triskin::scene

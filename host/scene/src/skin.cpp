@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/scene/skin.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace triskin::scene {
+namespace {
+
+constexpr double kSaturatedCounts = -1e6;  // beyond the converter's range: a pad shorted to the shield
+constexpr std::uint64_t kForgetAfterUs = 1'000'000;
+constexpr int kFirstCdcAddress = 0x2C;  // AD7147 data sheet: ADD1, ADD0 = 0
+
+// SplitMix64 (Steele, Lea, Flood 2014): one hash per sample, so that noise needs no state.
+std::uint64_t mix(std::uint64_t x) {
+  x += 0x9E3779B97F4A7C15ULL;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
+  return x ^ (x >> 31);
+}
+
+double uniform(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
+
+double gaussian(std::uint64_t seed) {
+  const double u = std::max(uniform(mix(seed)), 0x1p-53);
+  const double angle = 2.0 * std::numbers::pi * uniform(mix(seed ^ 0x5DEECE66DULL));
+  return std::sqrt(-2.0 * std::log(u)) * std::cos(angle);
+}
+
+}  // namespace
+
+double Touch::pressure_kpa(const geometry::Vec3& at_mm, std::uint64_t at_us) const {
+  if (at_us < contact.from_us || at_us >= contact.until_us) return 0.0;
+  geometry::Vec3 center = contact.position_mm;
+  if (contact.to_mm) {
+    const double span = static_cast<double>(contact.until_us - contact.from_us);
+    center += (*contact.to_mm - contact.position_mm) * (static_cast<double>(at_us - contact.from_us) / span);
+  }
+  const double r = contact.radius_mm;
+  const double ratio2 = (at_mm - center).squaredNorm() / (r * r);
+  if (ratio2 >= 1.0) return 0.0;
+  constexpr double kKpaPerNewtonPerMm2 = 1000.0;
+  return kKpaPerNewtonPerMm2 * 3.0 * contact.force_n / (2.0 * std::numbers::pi * r * r) * std::sqrt(1.0 - ratio2);
+}
+
+ModuleSkin::ModuleSkin(const Scene& scene, int module, int rotation)
+    : seed_(mix(scene.seed ^ (static_cast<std::uint64_t>(module) << 32))),
+      noise_counts_(scene.effects.noise_counts),
+      drift_counts_per_us_(scene.effects.drift_counts_per_s * 1e-6) {
+  const auto taxels = model::taxels_of(scene.design.layout.modules[static_cast<std::size_t>(module)], rotation);
+  for (std::size_t t = 0; t < taxels.size(); ++t) {
+    position_mm_[t] = taxels[t].position_mm;
+    const double spread = scene.effects.taxel_spread_counts * (2.0 * uniform(mix(seed_ + t)) - 1.0);
+    rest_counts_[t] = kRestCounts + spread;
+  }
+}
+
+double ModuleSkin::counts(int cin, std::uint64_t at_us) const {
+  const auto taxel = static_cast<std::size_t>(cin);
+  if (taxel >= state_.size()) return 0.0;
+  if (state_[taxel] == State::kSaturated) return kSaturatedCounts;
+  double value = rest_counts_[taxel];
+  if (state_[taxel] == State::kFrozen) return value;
+  if (kMeasuresPressure[taxel]) {
+    for (const Touch* touch : touches_) value += kCountsPerKpa * touch->pressure_kpa(position_mm_[taxel], at_us);
+  }
+  if (drift_counts_per_us_ != 0.0) value += drift_counts_per_us_ * static_cast<double>(at_us);
+  if (noise_counts_ != 0.0) value += noise_counts_ * gaussian(seed_ ^ (at_us * 16 + taxel));
+  return value;
+}
+
+bool ModuleSkin::reached_by(const Contact& contact) const {
+  return std::any_of(position_mm_.begin(), position_mm_.end(), [&](const geometry::Vec3& p) {
+    // A moving contact reaches what is within its radius of its path.
+    geometry::Vec3 nearest = contact.position_mm;
+    if (contact.to_mm) {
+      const geometry::Vec3 path = *contact.to_mm - contact.position_mm;
+      const double length2 = path.squaredNorm();
+      if (length2 > 0.0) nearest += path * std::clamp((p - contact.position_mm).dot(path) / length2, 0.0, 1.0);
+    }
+    return (p - nearest).norm() < contact.radius_mm;
+  });
+}
+
+void ModuleSkin::add(const Touch& touch) { touches_.push_back(&touch); }
+
+void ModuleSkin::remove(int touch_id) {
+  std::erase_if(touches_, [&](const Touch* t) { return t->id == touch_id; });
+}
+
+Skin::Skin(const Scene& scene) : lines_(scene.design.patches.size()) {
+  const auto wiring = model::wiring_of(scene.design);
+  for (std::size_t m = 0; m < wiring.size(); ++m) modules_.emplace_back(scene, static_cast<int>(m), wiring[m].routed.rotation);
+  place_chips(scene);
+  for (const Fault& fault : scene.faults) apply(fault);
+  for (const Contact& contact : scene.contacts) press(contact);
+}
+
+// Where each chip is soldered, after the faults that move chips; then the chips that are there are attached.
+void Skin::place_chips(const Scene& scene) {
+  struct Place {
+    int patch, line, address;
+    std::uint16_t device_id = Ad7147::kDeviceId;
+    bool present = true;
+  };
+  std::vector<Place> places;
+  for (const auto& w : model::wiring_of(scene.design)) {
+    places.push_back({w.patch, w.routed.line, w.routed.address, Ad7147::kDeviceId, w.patch >= 0});
+  }
+  for (const Fault& f : scene.faults) {
+    if (f.module < 0) continue;
+    Place& place = places[static_cast<std::size_t>(f.module)];
+    if (f.kind == FaultKind::kRemovedChip) place.present = false;
+    if (f.kind == FaultKind::kWrongId) place.device_id = static_cast<std::uint16_t>(f.value);
+    if (f.kind == FaultKind::kMovedChip) place.line = f.line, place.address = f.address;
+    if (f.kind == FaultKind::kSwappedChips) {
+      Place& other = places[static_cast<std::size_t>(f.other)];
+      std::swap(place.patch, other.patch);
+      std::swap(place.line, other.line);
+      std::swap(place.address, other.address);
+    }
+  }
+  for (std::size_t m = 0; m < places.size(); ++m) {
+    const Place& place = places[m];
+    chips_.push_back(std::make_unique<Ad7147>(modules_[m], place.device_id));
+    if (!place.present) continue;
+    line(place.patch, place.line).attach(*chips_.back(), static_cast<std::uint8_t>(kFirstCdcAddress + place.address));
+  }
+}
+
+void Skin::apply(const Fault& f) {
+  switch (f.kind) {
+    case FaultKind::kStuckLine:
+      line(f.patch, f.line)
+          .hold_low(f.stuck_scl ? I2cLineModel::Signal::kScl : I2cLineModel::Signal::kSda, f.from_us, f.frees_after_pulses);
+      break;
+    case FaultKind::kLostConfiguration:
+      chips_[static_cast<std::size_t>(f.module)]->schedule_power_dip(f.from_us, f.every_us);
+      break;
+    case FaultKind::kSaturatedTaxel:
+      modules_[static_cast<std::size_t>(f.module)].saturate(f.taxel);
+      break;
+    case FaultKind::kFrozenTaxel:
+      modules_[static_cast<std::size_t>(f.module)].freeze(f.taxel);
+      break;
+    case FaultKind::kRemovedChip:
+    case FaultKind::kMovedChip:
+    case FaultKind::kSwappedChips:
+    case FaultKind::kWrongId:
+    case FaultKind::kFingerElsewhere:
+      break;  // done where chips are placed, or where the finger is
+  }
+}
+
+I2cLineModel& Skin::line(int patch, int line) {
+  return lines_.at(static_cast<std::size_t>(patch)).at(static_cast<std::size_t>(line));
+}
+
+int Skin::press(const Contact& contact) {
+  const int id = next_touch_++;
+  const Touch& touch = touches_.emplace_back(Touch{id, contact});
+  for (ModuleSkin& m : modules_) {
+    if (m.reached_by(contact)) m.add(touch);
+  }
+  return id;
+}
+
+void Skin::release(int id, std::uint64_t now_us) {
+  for (Touch& t : touches_) {
+    if (t.id == id) t.contact.until_us = std::min(t.contact.until_us, now_us);
+  }
+  if (now_us > kForgetAfterUs) forget(now_us - kForgetAfterUs);
+}
+
+void Skin::forget(std::uint64_t before_us) {
+  for (auto t = touches_.begin(); t != touches_.end();) {
+    if (t->contact.until_us >= before_us) {
+      ++t;
+      continue;
+    }
+    for (ModuleSkin& m : modules_) m.remove(t->id);
+    t = touches_.erase(t);
+  }
+}
+
+}  // namespace triskin::scene

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/scene/virtual_skin.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "triskin/host/error.hpp"
+#include "triskin/scene/bus_time.hpp"
+
+namespace triskin::scene {
+namespace {
+
+// A controller that stays busy is run again after this time, so that the loop always advances.
+constexpr std::uint64_t kBusyStepUs = 50;
+constexpr std::uint64_t kNeverUs = ~std::uint64_t{0};
+
+// Sorted by patch, so that fresh boards can be told apart, and different for every design.
+std::array<std::uint8_t, 12> unique_id_of(std::uint64_t design_id, std::size_t patch) {
+  std::array<std::uint8_t, 12> id{};
+  for (std::size_t k = 0; k < 8; ++k) id[k] = static_cast<std::uint8_t>(design_id >> (56 - 8 * k));
+  for (std::size_t k = 0; k < 4; ++k) id[8 + k] = static_cast<std::uint8_t>(patch >> (24 - 8 * k));
+  return id;
+}
+
+}  // namespace
+
+std::filesystem::path state_folder_of(const model::Design& design) {
+  std::filesystem::path base;
+  if (const char* xdg = std::getenv("XDG_STATE_HOME"); xdg != nullptr && *xdg != '\0') {
+    base = xdg;
+  } else if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
+    base = std::filesystem::path(home) / ".local" / "state";
+  }
+  std::error_code error;
+  if (!base.empty()) std::filesystem::create_directories(base, error);
+  if (base.empty() || error) base = std::filesystem::temp_directory_path();
+  return base / "triskin" / "sim" / fmt::format("{:016x}", design.design_id);
+}
+
+VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
+    : scene_(std::move(scene)), skin_(scene_), nodes_(scene_.design.patches.size()) {
+  if (!state_folder.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(state_folder, error);
+    if (error) {
+      throw InputError(fmt::format("{}: cannot make the folder of the simulated flash: {}; set XDG_STATE_HOME",
+                                   state_folder.string(), error.message()));
+    }
+  }
+  for (std::size_t p = 0; p < nodes_.size(); ++p) {
+    Node& node = nodes_[p];
+    node.flash = state_folder.empty()
+                     ? std::make_unique<FlashMemory>(kFlashBytes)
+                     : std::make_unique<FlashMemory>(kFlashBytes, state_folder / fmt::format("controller_{}.flash", p + 1));
+    for (int l = 0; l < 4; ++l) node.board.lines[static_cast<std::size_t>(l)] = &skin_.line(static_cast<int>(p), l);
+    node.board.flash = node.flash.get();
+    node.board.unique_id = unique_id_of(scene_.design.design_id, p);
+    node.board.send = [this, p](const wire::CanFrame& frame) { pending_.push_back({frame, p}); };
+    power_up(p);
+  }
+}
+
+VirtualSkin::~VirtualSkin() = default;
+
+void VirtualSkin::power_up(std::size_t patch) {
+  Node& node = nodes_[patch];
+  node.run_again_us = now_us_;
+  try {
+    node.controller = sim::make_virtual_controller(node.board);
+    node.controller->run_until(now_us_);
+  } catch (const sim::PowerLost&) {
+    node.controller.reset();
+  }
+}
+
+void VirtualSkin::power_cycle(std::size_t patch) {
+  nodes_.at(patch).controller.reset();
+  power_up(patch);
+}
+
+void VirtualSkin::send(const wire::CanFrame& frame) {
+  if (plugged_) pending_.push_back({frame, kHost});
+}
+
+void VirtualSkin::deliver(const Pending& pending) {
+  ++bus_frames_;
+  for (std::size_t p = 0; p < nodes_.size(); ++p) {
+    if (p == pending.from || nodes_[p].controller == nullptr) continue;
+    nodes_[p].controller->receive(pending.frame);
+    nodes_[p].run_again_us = now_us_;
+  }
+  if (pending.from == kHost || !plugged_) return;
+  frame_came_ = true;
+  if (on_frame_) on_frame_(pending.frame, now_us_);
+}
+
+std::uint64_t VirtualSkin::frame_us(const wire::CanFrame& frame) const {
+  const Effects& e = scene_.effects;
+  if (e.bus_bit_rate == 0) return 0;
+  const FrameBits bits = bits_of(frame);
+  const std::uint64_t data_rate = e.bus_data_bit_rate != 0 ? e.bus_data_bit_rate : e.bus_bit_rate;
+  return static_cast<std::uint64_t>(bits.nominal) * 1'000'000 / e.bus_bit_rate +
+         static_cast<std::uint64_t>(bits.data) * 1'000'000 / data_rate;
+}
+
+// Moves at most one frame on; true: something changed at this instant.
+bool VirtualSkin::advance_bus() {
+  if (!on_wire_.empty()) {
+    if (now_us_ < wire_free_us_) return false;
+    const Pending arrived = on_wire_.back();
+    on_wire_.clear();
+    deliver(arrived);
+    return true;
+  }
+  if (pending_.empty()) return false;
+  auto first = pending_.begin();
+  if (scene_.effects.bus_bit_rate != 0) {
+    // Arbitration: the lowest base identifier wins, and at equal ones the 11-bit frame.
+    const auto priority = [](const Pending& p) {
+      const std::uint32_t base = p.frame.extended ? p.frame.id >> 18 : p.frame.id;
+      return std::pair{(base << 1) | (p.frame.extended ? 1U : 0U), p.frame.id};
+    };
+    first = std::min_element(pending_.begin(), pending_.end(), [&](const auto& a, const auto& b) { return priority(a) < priority(b); });
+  }
+  const Pending next = *first;
+  pending_.erase(first);
+  const std::uint64_t duration_us = frame_us(next.frame);
+  bus_busy_us_ += duration_us;
+  if (duration_us == 0) {
+    deliver(next);
+  } else {
+    on_wire_.push_back(next);
+    wire_free_us_ = now_us_ + duration_us;
+  }
+  return true;
+}
+
+void VirtualSkin::run_controllers() {
+  for (Node& node : nodes_) {
+    if (node.controller == nullptr || node.run_again_us > now_us_) continue;
+    try {
+      node.controller->run_until(now_us_);
+      node.run_again_us = std::max(node.controller->next_event_us(), now_us_ + kBusyStepUs);
+    } catch (const sim::PowerLost&) {
+      node.controller.reset();
+    }
+  }
+}
+
+std::uint64_t VirtualSkin::next_event_us() const {
+  std::uint64_t next = on_wire_.empty() ? kNeverUs : wire_free_us_;
+  for (const Node& node : nodes_) {
+    if (node.controller != nullptr) next = std::min(next, node.run_again_us);
+  }
+  return next;
+}
+
+bool VirtualSkin::run(std::uint64_t until_us, bool stop_at_frame) {
+  frame_came_ = false;
+  while (true) {
+    run_controllers();
+    const bool moved = advance_bus();
+    if (frame_came_ && stop_at_frame) return true;
+    if (moved) continue;
+    const std::uint64_t next = next_event_us();
+    if (next > until_us) break;
+    now_us_ = std::max(now_us_, next);
+  }
+  now_us_ = std::max(now_us_, until_us);
+  return frame_came_;
+}
+
+int VirtualSkin::press_module(int module) {
+  int touched = module;
+  for (const Fault& f : scene_.faults) {
+    if (f.kind == FaultKind::kFingerElsewhere && f.module == module) touched = f.other;
+  }
+  // Reaches all pads of a module (the farthest is 11.4 mm from the centre) and little beyond.
+  constexpr double kRadius_mm = 12.0;
+  constexpr double kForce_n = 20.0;
+  return skin_.press({now_us_, kForever, center_of(scene_.design, touched), {}, kRadius_mm, kForce_n});
+}
+
+}  // namespace triskin::scene

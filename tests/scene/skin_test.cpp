@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/scene/skin.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "small_design.hpp"
+#include "triskin/scene/bus_time.hpp"
+
+namespace triskin::scene {
+namespace {
+
+Scene scene_of(int modules) {
+  Scene scene;
+  scene.design = strip(modules);
+  return scene;
+}
+
+TEST(SkinModel, pressure_is_that_of_hertz) {
+  Scene scene = scene_of(1);
+  // Taxel 3 lies at the centroid, taxel 0 at 6.533 mm from it. F = 2 N, r = 10 mm: p0 = 3·2/(2π·1e-4) = 9549.3 Pa.
+  const Touch touch{1, {100, 200, center_of(scene.design, 0), {}, 10.0, 2.0}};
+  ModuleSkin skin(scene, 0, 0);
+  skin.add(touch);
+  EXPECT_DOUBLE_EQ(skin.counts(3, 99), kRestCounts);
+  EXPECT_NEAR(skin.counts(3, 100), kRestCounts + 9.5493 * kCountsPerKpa, 0.01);
+  EXPECT_NEAR(skin.counts(0, 150), kRestCounts + 9.5493 * kCountsPerKpa * std::sqrt(1 - 0.6533 * 0.6533), 0.01);
+  EXPECT_DOUBLE_EQ(skin.counts(3, 200), kRestCounts);
+  // Taxel 10 (7.507 mm) measures temperature; pin 12 is open.
+  EXPECT_DOUBLE_EQ(skin.counts(10, 150), kRestCounts);
+  EXPECT_DOUBLE_EQ(skin.counts(12, 150), 0.0);
+  skin.remove(1);
+  EXPECT_DOUBLE_EQ(skin.counts(3, 150), kRestCounts);
+}
+
+TEST(SkinModel, a_moving_contact_passes_over_the_pads) {
+  Scene scene = scene_of(4);
+  const geometry::Vec3 from = center_of(scene.design, 0), to = center_of(scene.design, 2);
+  const Touch touch{1, {0, 1000, from, to, 4.0, 1.0}};
+  ModuleSkin far(scene, 2, 0);
+  ASSERT_TRUE(far.reached_by(touch.contact));
+  far.add(touch);
+  EXPECT_DOUBLE_EQ(far.counts(3, 0), kRestCounts);
+  EXPECT_GT(far.counts(3, 999), kRestCounts + 100);
+  EXPECT_FALSE(ModuleSkin(scene, 3, 0).reached_by({0, 1, center_of(scene.design, 0), {}, 4.0, 1.0}));
+}
+
+TEST(SkinModel, noise_is_seeded_and_has_the_deviation_asked_for) {
+  Scene scene = scene_of(1);
+  scene.effects.noise_counts = 5.0;
+  const ModuleSkin a(scene, 0, 0), same(scene, 0, 0);
+  scene.seed = 2;
+  const ModuleSkin other(scene, 0, 0);
+  double sum = 0, sum2 = 0;
+  int equal = 0;
+  constexpr int kSamples = 20'000;
+  for (int k = 0; k < kSamples; ++k) {
+    const auto t = static_cast<std::uint64_t>(k) * 36'900;
+    const double x = a.counts(1, t) - kRestCounts;
+    EXPECT_DOUBLE_EQ(same.counts(1, t) - kRestCounts, x);
+    equal += other.counts(1, t) - kRestCounts == x ? 1 : 0;
+    sum += x;
+    sum2 += x * x;
+  }
+  EXPECT_NEAR(sum / kSamples, 0.0, 0.15);                       // four standard errors
+  EXPECT_NEAR(std::sqrt(sum2 / kSamples), 5.0, 0.1);
+  EXPECT_EQ(equal, 0);
+}
+
+bool answers(Skin& skin, int line, int address) {
+  const bool yes = skin.line(0, line).start(static_cast<std::uint8_t>((0x2C + address) << 1), 0);
+  skin.line(0, line).stop(0);
+  return yes;
+}
+
+TEST(SkinModel, chips_sit_where_the_design_and_the_faults_put_them) {
+  Scene scene = scene_of(6);  // module 5: line 1, address 1
+  EXPECT_TRUE(answers(*std::make_unique<Skin>(scene), 1, 1));
+  EXPECT_FALSE(answers(*std::make_unique<Skin>(scene), 1, 2));
+  Fault moved;
+  moved.kind = FaultKind::kMovedChip;
+  moved.module = 5;
+  moved.line = 3;
+  moved.address = 2;
+  Fault removed;
+  removed.kind = FaultKind::kRemovedChip;
+  removed.module = 0;
+  scene.faults = {moved, removed};
+  Skin skin(scene);
+  EXPECT_FALSE(answers(skin, 1, 1));
+  EXPECT_TRUE(answers(skin, 3, 2));
+  EXPECT_FALSE(answers(skin, 0, 0));
+  EXPECT_TRUE(answers(skin, 0, 1));
+}
+
+// Worked from ISO 11898-1: extended classic frame with 8 bytes: 1 + 32 + 6 + 64 + 15 = 118 bits may be stuffed, 29 stuff bits
+// at most, 13 more bits from the CRC delimiter to the interframe space.
+TEST(BusTime, classic_frames_have_the_worst_case_length) {
+  wire::CanFrame frame;
+  frame.extended = true;
+  frame.size = 8;
+  EXPECT_EQ(bits_of(frame).nominal, 118 + 29 + 13);
+  frame.extended = false;
+  EXPECT_EQ(bits_of(frame).nominal, 98 + 24 + 13);
+  EXPECT_EQ(bits_of(frame).data, 0);
+}
+
+}  // namespace
+}  // namespace triskin::scene

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "triskin/model/design.hpp"
+
+namespace triskin::scene {
+
+/// A straight strip of `count` modules on the plane z = 0, divided into patches of `per_patch`; in a patch module k has
+/// line k / 4 and address k % 4, and hangs on module k - 1.
+inline model::Design strip(int count, int per_patch = 16) {
+  using geometry::kHeight_mm;
+  using geometry::Vec3;
+  model::Design d;
+  d.name = "strip";
+  d.source_file = "strip.obj";
+  d.surface.vertices = {{-1, -1, 0}, {1000, -1, 0}, {1000, 30, 0}, {-1, 30, 0}};
+  d.surface.faces = {{0, 1, 2}, {0, 2, 3}};
+  d.layout.islands = 1;
+  d.layout.method = "surface";
+  for (int k = 0; k < count; ++k) {
+    const double x = 30.0 * (k / 2);
+    geometry::PlacedModule m;
+    m.tile = {k / 2, 0, k % 2 == 0};
+    // Tile corners and sides as in lattice.hpp; side 1 of an up tile is side 2 of the down tile of its cell.
+    if (m.tile.up) {
+      m.corner_mm = {Vec3{x, 0, 0}, Vec3{x + 30, 0, 0}, Vec3{x + 15, kHeight_mm, 0}};
+      m.neighbour = {-1, k + 1 < count ? k + 1 : -1, k - 1};
+    } else {
+      m.corner_mm = {Vec3{x + 30, 0, 0}, Vec3{x + 45, kHeight_mm, 0}, Vec3{x + 15, kHeight_mm, 0}};
+      m.neighbour = {k + 1 < count ? k + 1 : -1, -1, k - 1};
+    }
+    d.layout.modules.push_back(m);
+  }
+  for (int first = 0; first < count; first += per_patch) {
+    geometry::Patch patch;
+    patch.entry = first;
+    for (int k = first; k < std::min(count, first + per_patch); ++k) {
+      const int n = k - first;
+      // Port A (side `rotation`) faces the parent, which lies across side 2.
+      patch.modules.push_back({k, n == 0 ? -1 : k - 1, 2, n / 4, n % 4, n});
+    }
+    patch.max_depth = static_cast<int>(patch.modules.size()) - 1;
+    d.patches.push_back(patch);
+  }
+  d.design_id = model::design_id_of(d);
+  return d;
+}
+
+}  // namespace triskin::scene
