@@ -75,7 +75,7 @@ std::uint64_t Application::next_event_us() const {
 }
 
 void Application::handle_frame(const wire::CanFrame& frame) {
-  if (!frame.extended) return;
+  if (!frame.extended || handle_claim_frame(frame)) return;
   const bool functional = frame.id == wire::kFunctionalId;
   if (!functional && frame.id != link_.rx_id()) return;
   if (functional) {  // single frames only (ISO 15765-4)
@@ -91,7 +91,23 @@ void Application::handle_frame(const wire::CanFrame& frame) {
   if (!response.empty()) (void)link_.send(response, now_us());
 }
 
+// Discovery and assignment by unique id: works while several fresh boards share the default address.
+bool Application::handle_claim_frame(const wire::CanFrame& frame) {
+  if (frame.id == wire::kWhoIsThereId) {
+    claim_ = wire::encode_claim({ports_.unique_id, tables_.node_address(), tables_.has_table()});
+    claim_at_ = 0;
+    return true;
+  }
+  if (frame.id != wire::kAssignId) return false;
+  const auto wanted = assignment_.add(frame);
+  if (!wanted || wanted->unique_id != ports_.unique_id) return true;
+  if (wanted->b != wire::assignment_key(wanted->unique_id, wanted->a)) return true;
+  if (wanted->a != tables_.node_address() && tables_.set_node_address(wanted->a) == Status::kOk) restart();
+  return true;
+}
+
 void Application::send_pending() {
+  while (claim_at_ < claim_.size() && ports_.can->send(claim_[claim_at_])) ++claim_at_;
   while (true) {  // a frame that finds the queue full is kept: ISO-TP has counted it already
     if (!held_) held_ = link_.transmit(now_us());
     if (!held_) break;

@@ -10,6 +10,7 @@
 #include "triskin/logic/uds_server.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/iso_tp.hpp"
+#include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
 namespace triskin::fw {
@@ -40,6 +41,7 @@ class Application final : private UdsHost {
   void restart();
   void restart_sampling();
   void handle_frame(const wire::CanFrame& frame);
+  bool handle_claim_frame(const wire::CanFrame& frame);
   void send_pending();
   void end_cycle();
   void queue_sample();
@@ -61,6 +63,9 @@ class Application final : private UdsHost {
   std::size_t outgoing_count_ = 0, outgoing_at_ = 0;
   std::uint32_t lost_frames_ = 0;
   bool reset_requested_ = false;
+  wire::IdFrames assignment_;
+  std::array<wire::CanFrame, wire::kClaimFrames> claim_{};
+  std::size_t claim_at_ = wire::kClaimFrames;  // next frame of claim_ to send
 };
 
 }  // namespace triskin::fw
