@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "triskin/device/link.hpp"
+#include "triskin/device/sim_link.hpp"
+#include "triskin/device/tcp_link.hpp"
+#include "triskin/host/error.hpp"
+
+namespace triskin::device {
+namespace {
+
+constexpr const char* kKnown = "sim, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]";
+
+std::unique_ptr<Link> open_sim(const LinkOptions& options, const model::Design* design) {
+  if (options.scene.empty()) {
+    if (design == nullptr) throw InputError("link sim: give the scene or the design to simulate with --scene FILE");
+    scene::Scene scene;
+    scene.design = *design;
+    const auto folder = scene::state_folder_of(scene.design);
+    return std::make_unique<SimLink>(std::move(scene), folder);
+  }
+  scene::Scene scene = scene::read_scene(options.scene);
+  if (design != nullptr && scene.design.design_id != design->design_id) {
+    throw InputError(fmt::format("{}: its design is {:016x}, the one given is {:016x}; use a scene of this design", options.scene,
+                                 scene.design.design_id, design->design_id));
+  }
+  const auto folder = scene::state_folder_of(scene.design);
+  return std::make_unique<SimLink>(std::move(scene), folder);
+}
+
+}  // namespace
+
+HostPort parse_host_port(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  HostPort result;
+  if (colon != std::string::npos) {
+    result.host = text.substr(0, colon);
+    const char* first = text.data() + colon + 1;
+    const char* last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(first, last, result.port);
+    if (error == std::errc{} && end == last && !result.host.empty()) return result;
+  }
+  throw InputError(fmt::format("\"{}\" is no HOST:PORT, for example 127.0.0.1:7000", text));
+}
+
+std::unique_ptr<Link> open_link(const LinkOptions& options, const model::Design* design) {
+  if (options.link == "sim") return open_sim(options, design);
+  if (!options.scene.empty()) throw InputError("--scene belongs to --link sim; give the scene to triskin simulate instead");
+  if (options.link.starts_with("sim:")) return std::make_unique<TcpLink>(parse_host_port(options.link.substr(4)));
+  throw InputError(fmt::format("link \"{}\" is unknown; use {}", options.link, kKnown));
+}
+
+}  // namespace triskin::device

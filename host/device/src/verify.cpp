@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/device/verify.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "verification.hpp"
+
+namespace triskin::device {
+namespace {
+
+constexpr std::uint32_t kFirstSamples = 3;  // after these every module was found, configured and read
+constexpr std::uint64_t kStartLimit_us = 3'000'000;
+constexpr std::uint64_t kPoll_us = 20'000;
+
+Finding controller_finding(const char* kind, int patch, std::string text, std::string remedy) {
+  Finding f;
+  f.kind = kind;
+  f.patch = patch;
+  f.text = std::move(text);
+  f.remedy = std::move(remedy);
+  return f;
+}
+
+// Whether the controller of a patch is there and holds the table of the design.
+class ControllerCheck {
+ public:
+  ControllerCheck(Bus& bus, const model::Design& design) : bus_(bus), design_(design), claims_(bus.discover()) {
+    for (const auto& c : claims_) {
+      ++users_[c.node_address];
+      if (!c.has_table) ++without_table_;
+    }
+    if (claims_.empty()) throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.link().name()));
+  }
+
+  bool check(const PatchState& p, std::vector<Finding>& findings) {
+    const int node = p.image.node_address;
+    const auto claim = std::ranges::find_if(claims_, [&](const auto& c) { return c.node_address == node; });
+    if (claim == claims_.end() || !claim->has_table || users_[node] > 1) {
+      findings.push_back(missing(p.patch, node));
+      return false;
+    }
+    Controller c = p.controller(bus_);
+    c.require_versions(c.hello());
+    const ActiveTable active = c.active_table();
+    const std::vector<std::uint8_t> expected = bytes_of(p.image);
+    if (active.design_id == design_.design_id && active.crc == crc32(expected)) return true;
+    findings.push_back(controller_finding(
+        "wrong_table", p.patch,
+        fmt::format("patch {}: controller {} holds another table (design {:016x}, this is {:016x})", p.patch, node, active.design_id,
+                    design_.design_id),
+        "run triskin flash with this design, or verify with the design that was flashed"));
+    return false;
+  }
+
+ private:
+  Finding missing(int patch, int node) {
+    if (users_[node] > 1 && without_table_ == 0) {
+      return controller_finding("duplicate_controller", patch, fmt::format("patch {}: {} controllers share node address {}", patch, users_[node], node),
+                                "run triskin flash: it gives every controller its own address");
+    }
+    if (without_table_ > 0) {
+      return controller_finding("not_flashed", patch,
+                                fmt::format("patch {}: no controller has its table; {} of {} controllers were never flashed", patch,
+                                            without_table_, claims_.size()),
+                                "run triskin flash with this design and link first");
+    }
+    return controller_finding("absent_controller", patch, fmt::format("patch {}: no controller answers at node address {}", patch, node),
+                              "check its power and its cable to the bus");
+  }
+
+  Bus& bus_;
+  const model::Design& design_;
+  std::vector<wire::NodeClaim> claims_;
+  std::map<int, int> users_;
+  std::size_t without_table_ = 0;
+};
+
+void wait_for_samples(Bus& bus, const PatchState& p) {
+  const std::uint64_t limit_us = bus.now_us() + kStartLimit_us;
+  while (p.controller(bus).sample_count() < kFirstSamples && bus.now_us() < limit_us) bus.listen(bus.now_us() + kPoll_us);
+}
+
+void read_patch(Bus& bus, PatchState& p) {
+  Controller c = p.controller(bus);
+  p.states = c.module_states();
+  p.faults = c.remembered_faults();
+  p.recoveries = c.recoveries();
+  p.now = c.taxels();
+  if (p.states.size() != p.image.module_count || p.now.modules.size() != p.image.module_count) {
+    throw DeviceError(fmt::format("{}: controller {} changed its table while it was verified; run verify again", bus.link().name(), c.node()));
+  }
+}
+
+std::vector<TouchOutcome> touch_all(Bus& bus, std::vector<PatchState>& patches, const VerifyOptions& options, const ProgressSink& progress) {
+  std::vector<TouchOutcome> outcomes;
+  TouchTest test(bus, patches);
+  test.take_rest();
+  std::size_t total = 0;
+  for (const PatchState& p : patches) total += p.usable ? p.image.module_count : 0;
+  std::size_t done = 0;
+  for (const PatchState& p : patches) {
+    for (std::size_t row = 0; p.usable && row < p.image.module_count; ++row) {
+      report(progress, "touching", static_cast<double>(done++) / static_cast<double>(total), fmt::format("module {}", p.module(row)));
+      if (const auto outcome = test.press(p.module(row), p, options)) outcomes.push_back(*outcome);
+    }
+  }
+  test.finish();
+  return outcomes;
+}
+
+}  // namespace
+
+VerifyResult verify(Bus& bus, const model::Design& design, const VerifyOptions& options, const ProgressSink& progress) {
+  const std::uint64_t start_us = bus.now_us();
+  report(progress, "finding controllers", -1.0);
+  VerifyResult result;
+  result.modules = static_cast<int>(design.layout.modules.size());
+  std::vector<PatchState> patches(design.patches.size());
+  ControllerCheck controllers(bus, design);
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    patches[k].patch = static_cast<int>(k);
+    patches[k].image = image_of(design, static_cast<int>(k));
+    patches[k].usable = controllers.check(patches[k], result.findings);
+  }
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    if (!patches[k].usable) continue;
+    report(progress, "asking the modules", static_cast<double>(k) / static_cast<double>(patches.size()));
+    wait_for_samples(bus, patches[k]);
+    patches[k].lines = patches[k].controller(bus).discover();
+  }
+  std::vector<TouchOutcome> touches;
+  if (options.touch) touches = touch_all(bus, patches, options, progress);
+  const auto watch_us = static_cast<std::uint64_t>(std::max(0.0, options.watch_s) * 1e6);
+  if (std::ranges::any_of(patches, &PatchState::usable)) bus.listen(start_us + watch_us);
+  for (PatchState& p : patches) {
+    if (p.usable) read_patch(bus, p);
+  }
+  result.touched = static_cast<int>(touches.size());
+  Diagnosis(design, patches, std::move(touches)).run(result);
+  return result;
+}
+
+}  // namespace triskin::device
