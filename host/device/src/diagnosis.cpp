@@ -77,7 +77,7 @@ void Diagnosis::look_at_lines(const PatchState& p) {
 }
 
 void Diagnosis::look_at_modules(const PatchState& p) {
-  std::vector<std::size_t> absent;
+  std::vector<std::size_t> absent, doubled;
   for (std::size_t row = 0; row < p.image.module_count; ++row) {
     const int module = p.module(row);
     switch (p.states[row]) {
@@ -90,7 +90,7 @@ void Diagnosis::look_at_modules(const PatchState& p) {
             "look at the part that is soldered there; another device may share the address");
         break;
       case ModuleState::kDuplicate:
-        add("duplicate_address", module, p.patch, where(module) + ": two chips answer at once", "compare the straps of the modules with the assembly sheet");
+        doubled.push_back(row);
         break;
       case ModuleState::kSaturated:
       case ModuleState::kFrozen:
@@ -103,7 +103,43 @@ void Diagnosis::look_at_modules(const PatchState& p) {
         break;  // history and lines say it
     }
   }
+  look_at_doubled(p, absent, doubled);
   look_at_absent(p, std::move(absent));
+}
+
+// Two chips answer at one address: most likely the absent module's straps differ least from it.
+void Diagnosis::look_at_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled) {
+  for (const std::size_t row : doubled) {
+    const layout::ModuleRow& r = p.image.modules[row];
+    const int module = p.module(row);
+    told_.insert(module);
+    if (absent.empty()) {
+      add("duplicate_address", module, p.patch, where(module) + ": two chips answer at once", "compare the straps of the modules with the assembly sheet");
+      continue;
+    }
+    const auto best = std::ranges::min_element(absent, {}, [&](std::size_t a) { return strap_difference(p.image.modules[a], {r.line, r.address}); });
+    add_duplicate(p, *best, module);
+    absent.erase(best);
+  }
+}
+
+void Diagnosis::add_duplicate(const PatchState& p, std::size_t row, int other) {
+  const int module = p.module(row);
+  const layout::ModuleRow& r = p.image.modules[row];
+  const auto& o = wiring_[static_cast<std::size_t>(other)].routed;
+  Finding& f = add("duplicate_address", module, p.patch,
+                   fmt::format("{}: nothing answers there; it sits at {} together with module {}", where(module), at(o.line, o.address), other),
+                   fmt::format("solder the straps of module {} to {}", module, at(r.line, r.address)));
+  f.other = other;
+  f.line = o.line;
+  f.address = o.address;
+  told_.insert(module);
+  bad_.insert(other);
+}
+
+// Straps that differ. One wrong strap is likelier than several.
+int Diagnosis::strap_difference(const layout::ModuleRow& row, const Place& place) {
+  return std::popcount(static_cast<unsigned>(place.line ^ row.line)) + std::popcount(static_cast<unsigned>(place.address ^ row.address));
 }
 
 void Diagnosis::look_at_taxels(const PatchState& p, std::size_t row) {
@@ -116,6 +152,13 @@ void Diagnosis::look_at_taxels(const PatchState& p, std::size_t row) {
   const unsigned valid = p.now.modules[row].valid;
   for (int t = 0; t < layout::kTaxelsPerModule; ++t) {
     if ((valid >> t & 1) != 0) continue;
+    const std::uint16_t raw = p.now.modules[row].raw[static_cast<std::size_t>(t)];
+    if (raw != 0 && raw != 0xFFFF) {
+      add("frozen_taxel", module, p.patch, fmt::format("{}: taxel {} keeps one value while the others change", where(module), t),
+          "look for a broken trace to the pad")
+          .taxel = t;
+      continue;
+    }
     add("saturated_taxel", module, p.patch, fmt::format("{}: taxel {} is at the end of its range", where(module), t),
         "look for a short between the pad and its neighbours or the shield")
         .taxel = t;
@@ -143,23 +186,11 @@ void Diagnosis::look_at_absent(const PatchState& p, std::vector<std::size_t> row
     const TouchOutcome* touch = touch_of(module);
     told_.insert(module);
     if (touch != nullptr && touch->answered >= 0 && touch->answered != module) {
-      const auto& o = wiring_[static_cast<std::size_t>(touch->answered)].routed;
-      Finding& f = add("duplicate_address", module, p.patch,
-                       fmt::format("{}: sits at {} together with module {}: pressing it moves that module's taxels", where(module),
-                                   at(o.line, o.address), touch->answered),
-                       fmt::format("solder the straps of module {} to {}", module, at(r.line, r.address)));
-      f.other = touch->answered;
-      f.line = o.line;
-      f.address = o.address;
-      bad_.insert(touch->answered);
+      add_duplicate(p, row, touch->answered);
       continue;
     }
     if (!elsewhere.empty()) {
-      // One wrong strap is likelier than several: the place that differs least.
-      const auto straps = [&](const Place& q) {
-        return std::popcount(static_cast<unsigned>(q.line ^ r.line)) + std::popcount(static_cast<unsigned>(q.address ^ r.address));
-      };
-      const auto best = std::ranges::min_element(elsewhere, {}, straps);
+      const auto best = std::ranges::min_element(elsewhere, {}, [&](const Place& q) { return strap_difference(r, q); });
       Finding& f = add("wrong_address", module, p.patch,
                        fmt::format("{}: nothing answers there, but a chip answers at {}, where the design has none", where(module), at(best->line, best->address)),
                        fmt::format("solder the straps of module {} to {}", module, at(r.line, r.address)));

@@ -67,6 +67,7 @@ class Diagnosis {
   };
   void look_at_lines(const PatchState& p);
   void look_at_modules(const PatchState& p);
+  void look_at_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled);
   void look_at_absent(const PatchState& p, std::vector<std::size_t> rows);
   void look_at_taxels(const PatchState& p, std::size_t row);
   void look_at_history(const PatchState& p);
@@ -74,6 +75,8 @@ class Diagnosis {
   [[nodiscard]] std::vector<Place> unexpected(const PatchState& p) const;
   [[nodiscard]] const TouchOutcome* touch_of(int module) const;
   [[nodiscard]] std::string where(int module) const;
+  [[nodiscard]] static int strap_difference(const layout::ModuleRow& row, const Place& place);
+  void add_duplicate(const PatchState& p, std::size_t row, int other);
   [[nodiscard]] static std::string at(int line, int address);
   Finding& add(std::string kind, int module, int patch, std::string text, std::string remedy);
 

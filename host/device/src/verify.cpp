@@ -11,7 +11,6 @@
 namespace triskin::device {
 namespace {
 
-constexpr std::uint32_t kFirstSamples = 3;  // after these every module was found, configured and read
 constexpr std::uint64_t kStartLimit_us = 3'000'000;
 constexpr std::uint64_t kPoll_us = 20'000;
 
@@ -78,9 +77,14 @@ class ControllerCheck {
   std::size_t without_table_ = 0;
 };
 
-void wait_for_samples(Bus& bus, const PatchState& p) {
+// Until every module was found and checked, or is known to be absent.
+void wait_until_checked(Bus& bus, const PatchState& p) {
   const std::uint64_t limit_us = bus.now_us() + kStartLimit_us;
-  while (p.controller(bus).sample_count() < kFirstSamples && bus.now_us() < limit_us) bus.listen(bus.now_us() + kPoll_us);
+  while (bus.now_us() < limit_us) {
+    const auto states = p.controller(bus).module_states();
+    if (std::ranges::find(states, wire::ModuleState::kUnknown) == states.end()) return;
+    bus.listen(bus.now_us() + kPoll_us);
+  }
 }
 
 void read_patch(Bus& bus, PatchState& p) {
@@ -128,7 +132,7 @@ VerifyResult verify(Bus& bus, const model::Design& design, const VerifyOptions& 
   for (std::size_t k = 0; k < patches.size(); ++k) {
     if (!patches[k].usable) continue;
     report(progress, "asking the modules", static_cast<double>(k) / static_cast<double>(patches.size()));
-    wait_for_samples(bus, patches[k]);
+    wait_until_checked(bus, patches[k]);
     patches[k].lines = patches[k].controller(bus).discover();
   }
   std::vector<TouchOutcome> touches;

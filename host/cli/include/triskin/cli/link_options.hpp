@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "triskin/cli/command.hpp"
+#include "triskin/device/link.hpp"
+
+namespace triskin::cli {
+
+/// Adds --link and --scene, as all commands that talk to controllers have them.
+inline void add_link_options(CLI::App& app, device::LinkOptions& options) {
+  app.add_option("--link", options.link, "sim, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]")->capture_default_str();
+  app.add_option("--scene", options.scene, "what the link sim simulates: contacts, faults, effects (docs/scene.md)");
+}
+
+}  // namespace triskin::cli

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/device/live.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "triskin/cli/link_options.hpp"
+
+namespace triskin::cli {
+namespace {
+
+struct Options {
+  std::string design;
+  device::LinkOptions link;
+  double seconds = 0.0;
+  int press = -2;
+};
+
+constexpr std::uint64_t kLine_us = 200'000;
+constexpr std::uint64_t kRest_us = 150'000;
+constexpr std::uint64_t kFingerMoves_us = 2'000'000;
+
+nlohmann::json to_json(const device::PressedTaxel& t) {
+  return {{"module", t.module},
+          {"taxel", t.taxel},
+          {"change_counts", t.change_counts},
+          {"position_mm", {t.position_mm.x(), t.position_mm.y(), t.position_mm.z()}},
+          {"normal", {t.normal.x(), t.normal.y(), t.normal.z()}}};
+}
+
+std::string to_line(const device::PressedTaxel& t, double time_s, std::size_t others) {
+  const auto bar = std::string(static_cast<std::size_t>(std::clamp(t.change_counts / 500.0, 1.0, 24.0)), '#');
+  return fmt::format("{:7.2f} s  module {:4} taxel {:2}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm  {:6.0f} {:<24} +{} taxels", time_s, t.module,
+                     t.taxel, t.position_mm.x(), t.position_mm.y(), t.position_mm.z(), t.change_counts, bar, others);
+}
+
+// On a simulated link without a scene nobody would touch the skin: the virtual finger does, one module after another.
+class Demonstrator {
+ public:
+  Demonstrator(device::Link& link, int modules, int press, bool scripted) : finger_(link.finger()), modules_(modules), press_(press) {
+    if (scripted && press < 0) finger_ = nullptr;
+  }
+  void step(std::uint64_t elapsed_us) {
+    if (finger_ == nullptr || modules_ == 0 || press_ == -1 || elapsed_us < kRest_us) return;
+    const int module = press_ >= 0 ? press_ : static_cast<int>(elapsed_us / kFingerMoves_us) % modules_;
+    if (module == last_) return;
+    finger_->press(module);
+    last_ = module;
+  }
+
+ private:
+  device::Finger* finger_;
+  int modules_;
+  int press_;
+  int last_ = -1;
+};
+
+int run(const Options& options, Output& output) {
+  const model::Design design = model::read_design(options.design);
+  const int modules = static_cast<int>(design.layout.modules.size());
+  if (options.press >= modules) throw InputError(fmt::format("--press {}: the design has modules 0 … {}", options.press, modules - 1));
+  const auto link = device::open_link(options.link, &design);
+  device::Bus bus(*link);
+  device::TouchMap map(design);
+  device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { map.add(f); });
+  Demonstrator demonstrator(*link, modules, options.press, !options.link.scene.empty());
+  const std::uint64_t start_us = bus.now_us();
+  const auto end_us = static_cast<std::uint64_t>(options.seconds * 1e6);
+  std::vector<device::PressedTaxel> pressed;
+  int lines = 0;
+  while (options.seconds <= 0.0 || bus.now_us() - start_us < end_us) {
+    demonstrator.step(bus.now_us() - start_us);
+    const std::uint64_t next_us = bus.now_us() + kLine_us;
+    stream.run_until(options.seconds > 0.0 ? std::min(next_us, start_us + end_us) : next_us);
+    const auto now = map.pressed();
+    if (!now.empty()) {
+      pressed = now;
+      output.say(to_line(now.front(), static_cast<double>(bus.now_us() - start_us) * 1e-6, now.size() - 1));
+      ++lines;
+    }
+  }
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& t : pressed) list.push_back(to_json(t));
+  output.result = {{"frames", stream.frames()}, {"lost", stream.lost()}, {"pressed", std::move(list)}};
+  output.say(fmt::format("{} frames, {} samples lost", stream.frames(), stream.lost()));
+  return 0;
+}
+
+const Registration kLive{{
+    "live", "taxels under pressure on the terminal, each at its place on the surface", "triskin live forearm.json --link sim --seconds 2",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      app.add_option("DESIGN", options->design, "design file")->required();
+      add_link_options(app, options->link);
+      app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")->check(CLI::Range(0.0, 1e7));
+      app.add_option("--press", options->press, "simulated link: the virtual finger presses this module (-1: none; without a scene it walks)")
+          ->check(CLI::Range(-1, 1'000'000));
+      return [options](Output& output) { return run(*options, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli

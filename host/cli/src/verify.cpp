@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/device/verify.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <iostream>
+#include <memory>
+
+#include "triskin/cli/link_options.hpp"
+
+namespace triskin::cli {
+namespace {
+
+struct Options {
+  std::string design;
+  device::LinkOptions link;
+  device::VerifyOptions verify;
+  bool no_touch = false;
+};
+
+nlohmann::json to_json(const device::Finding& f) {
+  nlohmann::json j = {{"kind", f.kind}, {"text", f.text}, {"remedy", f.remedy}};
+  j["module"] = f.module >= 0 ? nlohmann::json(f.module) : nlohmann::json(nullptr);
+  j["patch"] = f.patch >= 0 ? nlohmann::json(f.patch) : nlohmann::json(nullptr);
+  if (f.other >= 0) j["other"] = f.other;
+  if (f.line >= 0) j["line"] = f.line;
+  if (f.address >= 0) j["address"] = f.address;
+  if (f.taxel >= 0) j["taxel"] = f.taxel;
+  return j;
+}
+
+// A person presses real modules: Enter first, then the finger; the program sees the touch by itself.
+bool ask_person(int module) {
+  std::cerr << "Press module " << module << " after Enter (s: skip) " << std::flush;
+  std::string line;
+  return std::getline(std::cin, line) && line != "s";
+}
+
+int run(Options options, Output& output) {
+  const model::Design design = model::read_design(options.design);
+  const auto link = device::open_link(options.link, &design);
+  // The virtual finger costs nobody anything, so it always tries every module.
+  if (link->finger() != nullptr) options.verify.touch = !options.no_touch;
+  options.verify.ask = ask_person;
+  device::Bus bus(*link);
+  const device::VerifyResult r = device::verify(bus, design, options.verify, output.progress());
+  nlohmann::json findings = nlohmann::json::array();
+  for (const auto& f : r.findings) {
+    findings.push_back(to_json(f));
+    output.say(fmt::format("{}: {}\n    {}", f.kind, f.text, f.remedy));
+  }
+  output.result = {{"modules_ok", r.modules_ok}, {"modules", r.modules}, {"touched", r.touched}, {"findings", std::move(findings)}};
+  output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched, r.findings.size()));
+  return r.findings.empty() ? 0 : 1;
+}
+
+const Registration kVerify{{
+    "verify", "ask the hardware whether it is the design: controllers, tables, modules, taxels",
+    "triskin verify forearm.json --link sim --touch",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      app.add_option("DESIGN", options->design, "design file")->required();
+      add_link_options(app, options->link);
+      app.add_flag("--touch", options->verify.touch, "press every module in turn; simulated links have a finger of their own and always do");
+      app.add_flag("--no-touch", options->no_touch, "only ask, also on a simulated link");
+      app.add_option("--watch-s", options->verify.watch_s, "least time in which faults that come and go are collected")
+          ->check(CLI::Range(0.0, 86400.0))
+          ->capture_default_str();
+      return [options](Output& output) { return run(*options, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/device/live.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "triskin/device/controller.hpp"
+#include "triskin/device/patch_table.hpp"
+
+namespace triskin::device {
+
+Stream::Stream(Bus& bus, const model::Design& design, OnFrame handler) : bus_(bus), handler_(std::move(handler)) {
+  if (!bus.link().fd()) throw InputError(fmt::format("{}: carries classic frames only, and the full stream needs CAN FD; use --protocol icub", bus.link().name()));
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    const layout::PatchImage image = image_of(design, static_cast<int>(p));
+    Controller c(bus, image.node_address);
+    const ActiveTable table = c.active_table();
+    if (!table.present || table.crc != crc32(bytes_of(image))) {
+      throw DeviceError(fmt::format("{}: the controller of patch {} does not hold the table of this design; run triskin flash first", bus.link().name(), p));
+    }
+    Node node;
+    for (const auto& row : image.rows()) node.modules.push_back(row.module_id);
+    node.last.assign(node.modules.size(), 0);
+    nodes_[image.node_address] = std::move(node);
+  }
+  bus_.on_stream([this](const wire::CanFrame& frame) { handle(frame); });
+  for (const auto& [address, node] : nodes_) Controller(bus_, address).set_stream(wire::StreamMode::kFull);
+}
+
+Stream::~Stream() {
+  bus_.on_stream({});
+  for (const auto& [address, node] : nodes_) {
+    try {
+      Controller(bus_, address).set_stream(wire::StreamMode::kOff);
+    } catch (const Error&) {
+      return;  // the link is gone, and so is the stream
+    }
+  }
+}
+
+void Stream::run_until(std::uint64_t until_us) { bus_.listen(until_us); }
+
+void Stream::handle(const wire::CanFrame& frame) {
+  const auto decoded = wire::decode_full(frame);
+  if (!decoded) return;
+  const auto node = nodes_.find(decoded->node_address);
+  if (node == nodes_.end() || decoded->module >= node->second.modules.size()) return;
+  std::uint32_t& last = node->second.last[decoded->module];
+  if (last != 0 && decoded->sample > last + 1) lost_ += decoded->sample - last - 1;
+  last = decoded->sample;
+  ++frames_;
+  if (handler_) {
+    handler_({node->second.modules[decoded->module], decoded->sample, decoded->device_time_us, bus_.now_us(), decoded->valid, decoded->value});
+  }
+}
+
+void TouchMap::add(const ModuleFrame& frame) {
+  Module& m = modules_[static_cast<std::size_t>(frame.module)];
+  for (std::size_t t = 0; t < frame.raw.size(); ++t) {
+    const bool valid = (frame.valid >> t & 1) != 0;
+    if (valid && (m.known >> t & 1) == 0) {
+      m.rest[t] = frame.raw[t];
+      m.known = static_cast<std::uint16_t>(m.known | 1U << t);
+    }
+    m.now[t] = valid ? frame.raw[t] : m.rest[t];  // an invalid taxel is unknown, not pressed
+  }
+}
+
+std::vector<PressedTaxel> TouchMap::pressed() const {
+  std::vector<PressedTaxel> pressed;
+  for (std::size_t k = 0; k < modules_.size(); ++k) {
+    std::array<model::TaxelPose, 12> poses;
+    bool posed = false;
+    for (std::size_t t = 0; t < modules_[k].now.size(); ++t) {
+      const double change = std::abs(modules_[k].now[t] - modules_[k].rest[t]);
+      if (change < kPressed_counts) continue;
+      if (!posed) poses = model::taxels_of(design_.layout.modules[k], wiring_[k].routed.rotation);
+      posed = true;
+      pressed.push_back({static_cast<int>(k), static_cast<int>(t), change, poses[t].position_mm, poses[t].normal});
+    }
+  }
+  std::ranges::sort(pressed, std::greater{}, &PressedTaxel::change_counts);
+  return pressed;
+}
+
+}  // namespace triskin::device
