@@ -74,32 +74,107 @@ TEST(Unfold, a_closed_tube_is_cut_without_help) {
   EXPECT_NEAR(flat_area(net) / s.area_mm2(), 1.0, 1e-3);
 }
 
-// Largest edge error of a disc of radius ρ on a sphere: a·ρ²/(12·R²) within some 20 % (docs/unfolding.md).
+// Polar grid over a disc of radius ρ (arc length from the middle), 16 rings of 48 sectors, mapped into space.
+Mesh disc(double rho_mm, const std::function<Vec3(double, double)>& map) {
+  constexpr int kRings = 16, kSectors = 48;
+  Mesh mesh;
+  mesh.vertices.push_back(map(0, 0));
+  for (int r = 1; r <= kRings; ++r) {
+    for (int k = 0; k < kSectors; ++k) mesh.vertices.push_back(map(rho_mm * r / kRings, 2 * M_PI * k / kSectors));
+  }
+  const auto at = [](int r, int k) { return 1 + (r - 1) * kSectors + k % kSectors; };
+  for (int k = 0; k < kSectors; ++k) {
+    mesh.faces.push_back({0, at(1, k), at(1, k + 1)});
+    for (int r = 1; r < kRings; ++r) {
+      mesh.faces.push_back({at(r, k), at(r + 1, k), at(r + 1, k + 1)});
+      mesh.faces.push_back({at(r, k), at(r + 1, k + 1), at(r, k + 1)});
+    }
+  }
+  return mesh;
+}
+
+Mesh cap(double radius_mm, double rho_mm) {
+  return disc(rho_mm, [=](double r, double a) {
+    const double polar = r / radius_mm;
+    return Vec3(radius_mm * std::sin(polar) * std::cos(a), radius_mm * std::sin(polar) * std::sin(a), radius_mm * std::cos(polar));
+  });
+}
+
+// The sum of squares leaves a·K·ρ²/8 at the border (docs/unfolding.md).
 TEST(Unfold, a_spherical_cap_has_the_error_of_the_formula) {
-  for (const double radius : {100.0, 150.0}) {
-    constexpr double kRho = 50.0;
-    Mesh mesh;
-    mesh.vertices.emplace_back(0, 0, radius);
-    constexpr int kRings = 16, kSectors = 48;
-    for (int r = 1; r <= kRings; ++r) {
-      const double polar = kRho / radius * r / kRings;
-      for (int k = 0; k < kSectors; ++k) {
-        const double a = 2 * M_PI * k / kSectors;
-        mesh.vertices.emplace_back(radius * std::sin(polar) * std::cos(a), radius * std::sin(polar) * std::sin(a), radius * std::cos(polar));
-      }
+  for (const double radius : {50.0, 75.0, 100.0, 125.0, 150.0}) {
+    for (const double share : {0.2, 0.35}) {
+      const double rho = share * radius;
+      const Net net = unfold(Surface(cap(radius, rho)), {.edge_error_mm = 20.0});
+      ASSERT_EQ(net.pieces.size(), 1U);
+      const double formula = 30.0 * rho * rho / (8 * radius * radius);
+      EXPECT_NEAR(net.pieces[0].max_edge_error_mm / formula, 1.0, 0.12) << "radius " << radius << " mm, cap " << rho << " mm";
     }
-    const auto at = [](int r, int k) { return 1 + (r - 1) * kSectors + k % kSectors; };
-    for (int k = 0; k < kSectors; ++k) {
-      mesh.faces.push_back({0, at(1, k), at(1, k + 1)});
-      for (int r = 1; r < kRings; ++r) {
-        mesh.faces.push_back({at(r, k), at(r + 1, k), at(r + 1, k + 1)});
-        mesh.faces.push_back({at(r, k), at(r + 1, k + 1), at(r, k + 1)});
-      }
+  }
+}
+
+// Evened out, the largest error is a·K·ρ²/12: a limit 15 % over it needs no cut, one 15 % under it needs one.
+TEST(Unfold, a_cap_is_cut_where_the_least_error_passes_the_limit) {
+  for (const double radius : {50.0, 100.0, 150.0}) {
+    const double rho = 0.35 * radius, least = 30.0 * rho * rho / (12 * radius * radius);
+    const Surface s(cap(radius, rho));
+    const Net within = unfold(s, {.edge_error_mm = 1.15 * least});
+    EXPECT_EQ(within.pieces.size(), 1U) << radius;
+    EXPECT_GT(unfold(s, {.edge_error_mm = 0.85 * least}).pieces.size(), 1U) << radius;
+  }
+}
+
+// Saddle z = xy/R: K ≈ −1/R² near the middle, the same least error as on the sphere.
+TEST(Unfold, a_saddle_has_the_error_of_its_curvature) {
+  const double radius = 150.0, rho = 40.0;
+  const Surface s(disc(rho, [=](double r, double a) {
+    const double x = r * std::cos(a), y = r * std::sin(a);
+    return Vec3(x, y, x * y / radius);
+  }));
+  const Net net = unfold(s, {.edge_error_mm = 20.0});
+  ASSERT_EQ(net.pieces.size(), 1U);
+  const double formula = 30.0 * rho * rho / (8 * radius * radius);
+  EXPECT_NEAR(net.pieces[0].max_edge_error_mm / formula, 1.0, 0.25);
+}
+
+// A whole torus is closed and has both signs of curvature: it must come apart by itself, every piece within the limit.
+TEST(Unfold, a_torus_comes_apart_by_itself) {
+  constexpr int kN = 32;
+  Mesh mesh;
+  for (int v = 0; v < kN; ++v) {
+    for (int u = 0; u < kN; ++u) {
+      const double a = 2 * M_PI * u / kN, b = 2 * M_PI * v / kN;
+      mesh.vertices.emplace_back((120 + 40 * std::cos(b)) * std::cos(a), (120 + 40 * std::cos(b)) * std::sin(a), 40 * std::sin(b));
     }
-    const Net net = unfold(Surface(mesh), {.edge_error_mm = 3.0});
-    ASSERT_EQ(net.pieces.size(), 1U);
-    const double formula = 30.0 * kRho * kRho / (12 * radius * radius);
-    EXPECT_NEAR(net.pieces[0].max_edge_error_mm / formula, 1.0, 0.6) << radius;
+  }
+  for (int v = 0; v < kN; ++v) {
+    for (int u = 0; u < kN; ++u) {
+      const int w = (v + 1) % kN, t = (u + 1) % kN;
+      mesh.faces.push_back({v * kN + u, v * kN + t, w * kN + t});
+      mesh.faces.push_back({v * kN + u, w * kN + t, w * kN + u});
+    }
+  }
+  const Surface s(mesh);
+  EXPECT_TRUE(s.border_loops().empty());
+  const Net net = unfold(s);
+  for (const Piece& p : net.pieces) EXPECT_LE(p.max_edge_error_mm, 1.0);
+  EXPECT_LE(net.pieces.size(), 24U);
+  EXPECT_NEAR(flat_area(net) / s.area_mm2(), 1.0, 0.02);
+}
+
+// A rigid motion and another order of the faces change neither the number of pieces much nor the area.
+TEST(Unfold, moved_and_mirrored_copies_unfold_alike) {
+  const Mesh mesh = cap(70.0, 80.0);
+  const Net net = unfold(Surface(mesh));
+  const Eigen::AngleAxisd turn(1.1, Vec3(1, 2, 3).normalized());
+  Mesh moved = mesh, mirrored = mesh;
+  for (Vec3& v : moved.vertices) v = turn * v + Vec3(400, -30, 7);
+  for (Vec3& v : mirrored.vertices) v.x() = -v.x();
+  for (auto& f : mirrored.faces) std::swap(f[0], f[1]);
+  for (const Mesh& copy : {moved, mirrored}) {
+    const Net other = unfold(Surface(copy));
+    EXPECT_NEAR(static_cast<double>(other.pieces.size()), static_cast<double>(net.pieces.size()), 1.0);
+    EXPECT_NEAR(flat_area(other) / flat_area(net), 1.0, 0.01);
   }
 }
 

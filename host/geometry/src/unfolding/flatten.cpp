@@ -105,10 +105,10 @@ struct Solver {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
   std::vector<std::array<double, 3>> weight;  // cotangent of the angle opposite to side k
   std::vector<std::array<Vec2, 3>> own;
+  std::vector<std::array<double, 3>> cotangent;
 };
 
 void prepare_solver(const Surface& s, const FlatChart& c, Solver& solver) {
-  std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t f = 0; f < c.faces.size(); ++f) {
     solver.own.push_back(own_plane(s, c.faces[f]));
     std::array<double, 3> w{};
@@ -116,18 +116,32 @@ void prepare_solver(const Surface& s, const FlatChart& c, Solver& solver) {
       const Vec2 u = solver.own[f][at(k)] - solver.own[f][at((k + 2) % 3)], v = solver.own[f][at((k + 1) % 3)] - solver.own[f][at((k + 2) % 3)];
       const double area = std::abs(u.x() * v.y() - u.y() * v.x());
       w[at(k)] = std::clamp(u.dot(v) / std::max(area, 1e-12), 0.05, 20.0);  // positive: the system stays definite
-      const int i = c.local_faces[f][at(k)], j = c.local_faces[f][at((k + 1) % 3)];
-      entries.emplace_back(i, i, w[at(k)]);
-      entries.emplace_back(j, j, w[at(k)]);
-      entries.emplace_back(i, j, -w[at(k)]);
-      entries.emplace_back(j, i, -w[at(k)]);
     }
-    solver.weight.push_back(w);
+    solver.cotangent.push_back(w);
+  }
+}
+
+// The pattern is analysed once; a new weight per face costs the numeric part alone.
+void factorize(const FlatChart& c, const std::vector<double>& face_weight, Solver& solver) {
+  const bool first = solver.weight.empty();
+  solver.weight = solver.cotangent;
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(12 * c.faces.size() + 1);
+  for (std::size_t f = 0; f < c.faces.size(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const double w = solver.weight[f][at(k)] *= face_weight[f];
+      const int i = c.local_faces[f][at(k)], j = c.local_faces[f][at((k + 1) % 3)];
+      entries.emplace_back(i, i, w);
+      entries.emplace_back(j, j, w);
+      entries.emplace_back(i, j, -w);
+      entries.emplace_back(j, i, -w);
+    }
   }
   entries.emplace_back(0, 0, 1.0);  // fixes the translation
   Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(c.flat.size()), static_cast<Eigen::Index>(c.flat.size()));
   matrix.setFromTriplets(entries.begin(), entries.end());
-  solver.factor.compute(matrix);
+  if (first) solver.factor.analyzePattern(matrix);
+  solver.factor.factorize(matrix);
 }
 
 // One local/global step: the best rotation of every triangle, then the vertices that fit all of them best.
@@ -159,14 +173,65 @@ void step(FlatChart& c, const Solver& solver) {
   for (std::size_t v = 0; v < c.flat.size(); ++v) c.flat[v] = solution.row(static_cast<Eigen::Index>(v)).transpose();
 }
 
+// Largest scaled error of the edges of each face.
+std::vector<double> face_errors(const FlatChart& c, const Solver& solver) {
+  std::vector<double> errors(c.faces.size(), 0.0);
+  for (std::size_t f = 0; f < c.faces.size(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const double rest = (solver.own[f][at((k + 1) % 3)] - solver.own[f][at(k)]).norm();
+      const double flat = (c.flat[at(c.local_faces[f][at((k + 1) % 3)])] - c.flat[at(c.local_faces[f][at(k)])]).norm();
+      errors[f] = std::max(errors[f], std::abs(flat - rest) / rest * kSide_mm);
+    }
+  }
+  return errors;
+}
+
+// Weights grow where the error is large: the largest error goes down towards the least possible one.
+void even_out(FlatChart& c, Solver& solver, double limit_mm) {
+  constexpr int kRounds = 8, kSteps = 5;
+  std::vector<double> weight(c.faces.size(), 1.0);
+  std::vector<double> errors = face_errors(c, solver);
+  double best = *std::ranges::max_element(errors);
+  std::vector<Vec2> best_flat = c.flat;
+  for (int round = 0; round < kRounds && best > limit_mm; ++round) {
+    const double highest = *std::ranges::max_element(errors);
+    double sum = 0.0;
+    for (std::size_t f = 0; f < weight.size(); ++f) {
+      weight[f] *= 0.15 + errors[f] / highest;
+      sum += weight[f];
+    }
+    for (double& w : weight) w *= static_cast<double>(weight.size()) / sum;
+    factorize(c, weight, solver);
+    for (int k = 0; k < kSteps; ++k) step(c, solver);
+    errors = face_errors(c, solver);
+    const double now = *std::ranges::max_element(errors);
+    if (!(now < best)) continue;
+    best = now;
+    best_flat = c.flat;
+  }
+  c.flat = best_flat;
+}
+
 }  // namespace
 
-FlatChart flatten(const Surface& surface, const std::vector<int>& faces, int iterations) {
+FlatChart flatten(const Surface& surface, const std::vector<int>& faces, int iterations, double limit_mm) {
+  constexpr int kLook = 10;                         // steps between two looks at the error
+  constexpr double kHopeless = 6.0, kNear = 2.5;    // times the limit
   FlatChart chart = make_chart(surface, faces);
   unfold_start(surface, chart);
+  if (faces.size() < 2) return chart;
   Solver solver;
   prepare_solver(surface, chart, solver);
-  for (int k = 0; k < iterations && faces.size() > 1; ++k) step(chart, solver);
+  factorize(chart, std::vector<double>(faces.size(), 1.0), solver);
+  double error = 0.0;
+  for (int k = 1; k <= iterations; ++k) {
+    step(chart, solver);
+    if (k % kLook != 0 && k != iterations) continue;
+    const double before = error;
+    error = std::ranges::max(face_errors(chart, solver));
+    if (k > kLook && (error > kHopeless * limit_mm || std::abs(error - before) < 1e-3 * error || error < 1e-9)) break;
+  }
+  if (error > limit_mm && error < kNear * limit_mm) even_out(chart, solver, limit_mm);
   return chart;
 }
 

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <limits>
 #include <optional>
 #include <queue>
-#include <set>
 
 #include "flatten.hpp"
+#include "merge_pieces.hpp"
 #include "triskin/geometry/polygon_io.hpp"
 #include "triskin/host/error.hpp"
 
@@ -43,55 +43,12 @@ class Unfolder {
       }
       for (auto& part : divide(faces)) open.push_back(std::move(part));
     }
-    merge_pieces();
+    merge_pieces(surface_, net_.pieces, [this](const std::vector<int>& faces) { return try_piece(faces); }, progress_);
     std::ranges::stable_sort(net_.pieces, std::greater<>(), [](const Piece& p) { return polygon_area(p.outline); });
     return std::move(net_);
   }
 
  private:
-  // Length of the seams between pairs of pieces, mm.
-  [[nodiscard]] std::map<std::pair<int, int>, double> seams() const {
-    std::vector<int> piece_of(surface_.mesh().faces.size(), -1);
-    for (std::size_t p = 0; p < net_.pieces.size(); ++p) {
-      for (const int f : net_.pieces[p].faces) piece_of[at(f)] = static_cast<int>(p);
-    }
-    std::map<std::pair<int, int>, double> length;
-    for (std::size_t f = 0; f < piece_of.size(); ++f) {
-      for (int s = 0; s < 3; ++s) {
-        const int n = surface_.neighbours(static_cast<int>(f))[at(s)];
-        if (n < 0 || piece_of[at(n)] <= piece_of[f]) continue;
-        const auto& c = surface_.mesh().faces[f];
-        length[{piece_of[f], piece_of[at(n)]}] += (surface_.mesh().vertices[at(c[at((s + 1) % 3)])] - surface_.mesh().vertices[at(c[at(s)])]).norm();
-      }
-    }
-    return length;
-  }
-
-  // Joins two pieces again, longest seam first, where the joined piece keeps the limit. A pair that failed is not tried twice.
-  void merge_pieces() {
-    std::set<std::pair<std::vector<int>, std::vector<int>>> failed;
-    for (bool merged = true; merged;) {
-      merged = false;
-      std::vector<std::pair<double, std::pair<int, int>>> order;
-      for (const auto& [pair, length] : seams()) order.emplace_back(-length, pair);
-      std::ranges::sort(order);
-      for (const auto& [length, pair] : order) {
-        Piece &a = net_.pieces[at(pair.first)], &b = net_.pieces[at(pair.second)];
-        if (failed.contains({a.faces, b.faces})) continue;
-        std::vector<int> both;
-        std::ranges::merge(a.faces, b.faces, std::back_inserter(both));
-        if (auto joined = try_piece(both)) {
-          a = std::move(*joined);
-          net_.pieces.erase(net_.pieces.begin() + pair.second);
-          merged = true;
-          report(progress_, "merging pieces", -1.0, std::to_string(net_.pieces.size()));
-          break;
-        }
-        failed.emplace(a.faces, b.faces);
-      }
-    }
-  }
-
   // Parts of a face set that hang together by edges.
   std::vector<std::vector<int>> connected(const std::vector<int>& faces) {
     const int mark = ++stamp_;
@@ -116,7 +73,7 @@ class Unfolder {
 
   std::optional<Piece> try_piece(const std::vector<int>& faces) {
     if (faces.size() > 1 && turns_too_far(faces)) return std::nullopt;
-    const FlatChart chart = flatten(surface_, faces, options_.iterations);
+    const FlatChart chart = flatten(surface_, faces, options_.iterations, options_.edge_error_mm);
     const EdgeError error = edge_error(surface_, chart);
     if (faces.size() > 1 && (has_flip(chart) || !(error.max_mm <= options_.edge_error_mm))) return std::nullopt;
     Piece piece;
@@ -171,14 +128,14 @@ class Unfolder {
       const auto d = distances(faces, from);
       int best = faces.front();
       for (const int f : faces) {
-        if (d.at(f) > d.at(best)) best = f;
+        if (d[at(f)] > d[at(best)]) best = f;
       }
       return best;
     };
     const int a = farthest(faces.front()), b = farthest(a);
     const auto da = distances(faces, a), db = distances(faces, b);
     std::array<std::vector<int>, 2> halves;
-    for (const int f : faces) halves[da.at(f) <= db.at(f) ? 0 : 1].push_back(f);
+    for (const int f : faces) halves[da[at(f)] <= db[at(f)] ? 0 : 1].push_back(f);
     std::vector<std::vector<int>> parts;
     for (const auto& half : halves) {
       for (auto& part : connected(half)) parts.push_back(std::move(part));
@@ -186,25 +143,25 @@ class Unfolder {
     return parts;
   }
 
-  std::map<int, double> distances(const std::vector<int>& faces, int from) const {
-    std::map<int, double> d;
-    for (const int f : faces) d[f] = 1e300;
+  // Along the dual graph of the faces; by face of the surface, infinite outside.
+  std::vector<double> distances(const std::vector<int>& faces, int from) {
+    const int mark = ++stamp_;
+    for (const int f : faces) member_[at(f)] = mark;
+    std::vector<double> d(member_.size(), std::numeric_limits<double>::infinity());
     using Item = std::pair<double, int>;
     std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
-    d[from] = 0.0;
+    d[at(from)] = 0.0;
     queue.emplace(0.0, from);
     while (!queue.empty()) {
       const auto [distance, f] = queue.top();
       queue.pop();
-      if (distance > d[f]) continue;
+      if (distance > d[at(f)]) continue;
       for (const int n : surface_.neighbours(f)) {
-        const auto found = n >= 0 ? d.find(n) : d.end();
-        if (found == d.end()) continue;
+        if (n < 0 || member_[at(n)] != mark) continue;
         const double next = distance + (middle_[at(n)] - middle_[at(f)]).norm();
-        if (next < found->second) {
-          found->second = next;
-          queue.emplace(next, n);
-        }
+        if (!(next < d[at(n)])) continue;
+        d[at(n)] = next;
+        queue.emplace(next, n);
       }
     }
     return d;
