@@ -62,6 +62,7 @@ std::string error_of(const std::string& file_name, const std::string& content, s
   try {
     model::DesignOptions options;
     options.unit = unit;
+    options.time_limit_s = 1.0;
     (void)model::make_design(path, options);
   } catch (const InputError& e) {
     message = e.what();

@@ -162,7 +162,7 @@ TEST(Unfold, a_torus_comes_apart_by_itself) {
   EXPECT_NEAR(flat_area(net) / s.area_mm2(), 1.0, 0.02);
 }
 
-// A rigid motion and another order of the faces change neither the number of pieces much nor the area.
+// A rigid motion or a mirror changes neither the number of pieces much nor the area.
 TEST(Unfold, moved_and_mirrored_copies_unfold_alike) {
   const Mesh mesh = cap(70.0, 80.0);
   const Net net = unfold(Surface(mesh));
