@@ -11,13 +11,6 @@ using wire::StreamMode;
 namespace {
 
 constexpr std::uint8_t kAllLines = (1U << layout::kLines) - 1;
-constexpr int kRestingIcub = 240;       // 8-bit value of a taxel at rest
-constexpr int kCountsPerIcubStep = 64;  // raw counts of the CDC for one step of the 8-bit value
-
-std::uint8_t icub_value(std::uint16_t raw, std::uint16_t baseline) {
-  const int step = (static_cast<int>(raw) - static_cast<int>(baseline)) / kCountsPerIcubStep;
-  return static_cast<std::uint8_t>(std::clamp(kRestingIcub + step, 0, 255));
-}
 
 wire::IsoTp make_link(std::uint8_t node, bool fd) {
   return {wire::physical_id(wire::kTesterAddress, node), wire::physical_id(node, wire::kTesterAddress), static_cast<std::uint8_t>(fd ? 64 : 8)};
@@ -64,6 +57,7 @@ void Application::step() {
     reset_requested_ = false;
     stream_ = StreamMode::kOff;
     server_.restart();
+    icub_ = {};
     restart();
   }
 }
@@ -75,7 +69,8 @@ std::uint64_t Application::next_event_us() const {
 }
 
 void Application::handle_frame(const wire::CanFrame& frame) {
-  if (!frame.extended || handle_claim_frame(frame)) return;
+  if (!frame.extended) return handle_icub_frame(frame);
+  if (handle_claim_frame(frame)) return;
   const bool functional = frame.id == wire::kFunctionalId;
   if (!functional && frame.id != link_.rx_id()) return;
   if (functional) {  // single frames only (ISO 15765-4)
@@ -89,6 +84,14 @@ void Application::handle_frame(const wire::CanFrame& frame) {
   if (link_.receive(frame, now_us()) != wire::IsoTp::Event::kReceived) return;
   const Bytes response = server_.handle(link_.message(), false);
   if (!response.empty()) (void)link_.send(response, now_us());
+}
+
+void Application::handle_icub_frame(const wire::CanFrame& frame) {
+  const IcubBoard::Reaction reaction = icub_.handle(frame, tables_.node_address(), kFirmwareVersion);
+  if (reaction.reply) icub_reply_ = reaction.reply;
+  if (!reaction.transmit) return;
+  if (*reaction.transmit) stream_ = StreamMode::kIcub;
+  else if (stream_ == StreamMode::kIcub) stream_ = StreamMode::kOff;
 }
 
 // Discovery and assignment by unique id: works while several fresh boards share the default address.
@@ -107,6 +110,7 @@ bool Application::handle_claim_frame(const wire::CanFrame& frame) {
 }
 
 void Application::send_pending() {
+  if (icub_reply_ && ports_.can->send(*icub_reply_)) icub_reply_.reset();
   while (claim_at_ < claim_.size() && ports_.can->send(claim_[claim_at_])) ++claim_at_;
   while (true) {  // a frame that finds the queue full is kept: ISO-TP has counted it already
     if (!held_) held_ = link_.transmit(now_us());
@@ -134,6 +138,7 @@ void Application::end_cycle() {
 
 void Application::queue_sample() {
   if (stream_ == StreamMode::kOff || server_.transferring()) return;
+  if (stream_ == StreamMode::kIcub && !icub_.due(now_us())) return;
   lost_frames_ += static_cast<std::uint32_t>(outgoing_count_ - outgoing_at_);
   outgoing_count_ = outgoing_at_ = 0;
   for (std::size_t k = 0; k < tables_.table().module_count; ++k) {
@@ -143,10 +148,11 @@ void Application::queue_sample() {
                                                         s.valid, static_cast<std::uint8_t>(s.state), s.raw});
       continue;
     }
+    if (!icub_.enabled(k)) continue;
     wire::IcubTaxels t;
     t.board = tables_.node_address() & 0xF;
     t.module = static_cast<std::uint8_t>(k);
-    for (std::size_t x = 0; x < t.value.size(); ++x) t.value[x] = icub_value(s.raw[x], s.baseline[x]);
+    for (std::size_t x = 0; x < t.value.size(); ++x) t.value[x] = icub_.value(k, s.raw[x], s.baseline[x]);
     t.out_of_range = s.state == ModuleState::kSaturated ? static_cast<std::uint16_t>(~s.valid & 0xFFF) : 0;
     t.no_acknowledge = s.state == ModuleState::kAbsent || s.state == ModuleState::kLineStuck;
     t.not_connected = s.state == ModuleState::kUnknown || s.state == ModuleState::kWrongId;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "triskin/logic/fault_memory.hpp"
+#include "triskin/logic/icub_board.hpp"
 #include "triskin/logic/sampler.hpp"
 #include "triskin/logic/table_store.hpp"
 #include "triskin/logic/uds_server.hpp"
@@ -41,6 +42,7 @@ class Application final : private UdsHost {
   void restart();
   void restart_sampling();
   void handle_frame(const wire::CanFrame& frame);
+  void handle_icub_frame(const wire::CanFrame& frame);
   bool handle_claim_frame(const wire::CanFrame& frame);
   void send_pending();
   void end_cycle();
@@ -63,6 +65,8 @@ class Application final : private UdsHost {
   std::size_t outgoing_count_ = 0, outgoing_at_ = 0;
   std::uint32_t lost_frames_ = 0;
   bool reset_requested_ = false;
+  IcubBoard icub_;
+  std::optional<wire::CanFrame> icub_reply_;
   wire::IdFrames assignment_;
   std::array<wire::CanFrame, wire::kClaimFrames> claim_{};
   std::size_t claim_at_ = wire::kClaimFrames;  // next frame of claim_ to send
