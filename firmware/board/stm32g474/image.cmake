@@ -1,0 +1,28 @@
+# The images: the loader, and the application linked for each of the two slots. Ceilings fail the build.
+set(triskin_board ${CMAKE_CURRENT_SOURCE_DIR}/board/stm32g474)
+
+add_library(triskin_fw_board STATIC ${triskin_board}/src/clock.cpp ${triskin_board}/src/flash.cpp ${triskin_board}/src/slot.cpp
+            ${triskin_board}/src/can.cpp ${triskin_board}/src/line.cpp)
+target_include_directories(triskin_fw_board PUBLIC ${triskin_board}/include ${triskin_board}/src)
+target_link_libraries(triskin_fw_board PUBLIC triskin_fw_ports)
+add_dependencies(triskin_fw_board triskin_layering)
+
+# triskin_image(name SCRIPT file FLASH_CEILING bytes RAM_CEILING bytes SOURCES files LIBS targets)
+function(triskin_image name)
+  cmake_parse_arguments(arg "" "SCRIPT;FLASH_CEILING;RAM_CEILING" "SOURCES;LIBS" ${ARGN})
+  add_executable(${name} ${triskin_board}/src/startup.cpp ${arg_SOURCES})
+  set_target_properties(${name} PROPERTIES SUFFIX .elf LINK_DEPENDS "${triskin_board}/${arg_SCRIPT};${triskin_board}/sections.ld")
+  target_link_libraries(${name} PRIVATE ${arg_LIBS} triskin_fw_board)
+  target_link_options(${name} PRIVATE -L${triskin_board} -T${triskin_board}/${arg_SCRIPT} -Wl,-Map=$<TARGET_FILE:${name}>.map)
+  add_custom_command(TARGET ${name} POST_BUILD
+    COMMAND ${Python3_EXECUTABLE} ${CMAKE_SOURCE_DIR}/tools/check_image_size.py ${CMAKE_SIZE} $<TARGET_FILE:${name}>
+            ${arg_FLASH_CEILING} ${arg_RAM_CEILING}
+    VERBATIM)
+endfunction()
+
+triskin_image(triskin_loader SCRIPT loader.ld FLASH_CEILING 16384 RAM_CEILING 24576 SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/boot/src/loader.cpp)
+target_include_directories(triskin_loader PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/boot/include)
+foreach(slot a b)
+  triskin_image(triskin_app_${slot} SCRIPT slot_${slot}.ld FLASH_CEILING 65536 RAM_CEILING 65536
+                SOURCES ${triskin_board}/src/main.cpp LIBS triskin_fw_app)
+endforeach()

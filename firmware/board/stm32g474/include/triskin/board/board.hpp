@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+
+/// Low-level parts that the loader and the application share.
+namespace triskin::board {
+
+/// HSE 8 MHz, PLL 340 MHz, SYSCLK = HCLK = PCLK = 170 MHz, range 1 boost, four wait states (RM0440 §6.1.5, §7.2.4, §3.3.3).
+/// Falls back to HSI 16 MHz when the crystal does not start. Waits for the oscillators (start-up only).
+void start_clocks();
+
+/// TIM2 at 1 MHz: 32 bits in hardware, extended to 64 on each reading; must be read at least every 71 minutes.
+void start_microseconds();
+[[nodiscard]] std::uint64_t microseconds();
+/// An interrupt at or soon after `at_us`, to end a sleep.
+void wake_at(std::uint64_t at_us);
+
+/// IWDG, 32 kHz / 32 · 2000 = 2 s. Cannot be stopped.
+void start_watchdog();
+void feed_watchdog();  ///< harmless before the start
+
+[[nodiscard]] std::array<std::uint8_t, 12> unique_id();
+
+/// Flash (RM0440 §3.3.7, §3.3.8). Waits for the end: 22 ms an erase, 82 µs a unit of eight bytes. The CPU goes on when it runs from the
+/// other bank, and is stalled by the bus otherwise. False: refused, misaligned, write protected, or the unit was not erased.
+[[nodiscard]] bool erase_flash_page(std::uint32_t address);
+[[nodiscard]] bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t high);
+
+/// Stops with a reason that survives the reset.
+[[noreturn]] void fail(std::uint32_t reason);
+
+}  // namespace triskin::board

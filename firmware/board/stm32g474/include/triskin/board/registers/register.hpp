@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+namespace triskin::board {
+
+/// One 32-bit register at a fixed address. The section numbers in this folder are those of RM0440 (STM32G4 reference manual).
+class Register {
+ public:
+  constexpr explicit Register(std::uint32_t address) : address_(address) {}
+  [[nodiscard]] std::uint32_t read() const { return *pointer(); }
+  void write(std::uint32_t value) const { *pointer() = value; }
+  void set(std::uint32_t mask) const { write(read() | mask); }
+  void clear(std::uint32_t mask) const { write(read() & ~mask); }
+  void modify(std::uint32_t clear_mask, std::uint32_t set_mask) const { write((read() & ~clear_mask) | set_mask); }
+  [[nodiscard]] bool any(std::uint32_t mask) const { return (read() & mask) != 0; }
+
+ private:
+  [[nodiscard]] volatile std::uint32_t* pointer() const { return reinterpret_cast<volatile std::uint32_t*>(address_); }
+  std::uint32_t address_;
+};
+
+[[nodiscard]] constexpr std::uint32_t bit(unsigned n) { return std::uint32_t{1} << n; }
+
+}  // namespace triskin::board

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+
+#include "triskin/ports/ports.hpp"
+
+namespace triskin::board {
+
+/// FDCAN1 at 1 Mbit/s, data phase 2 Mbit/s, on PB8 and PB9. Both directions go through queues that the interrupt serves.
+class Stm32CanPort final : public fw::CanPort {
+ public:
+  void open();
+  [[nodiscard]] bool fd() const override { return true; }
+  bool send(const wire::CanFrame& frame) override;
+  std::optional<wire::CanFrame> receive() override;
+  [[nodiscard]] bool frame_waits() const { return received_.head != received_.tail; }
+  void on_interrupt();
+
+ private:
+  template <std::size_t N>
+  struct Queue {
+    std::array<wire::CanFrame, N> frames;
+    volatile std::size_t head = 0, tail = 0;
+    [[nodiscard]] bool full() const { return (head + 1) % N == tail; }
+  };
+  void fill_transmit_buffers();
+
+  Queue<32> received_;
+  Queue<16> waiting_;
+};
+
+extern Stm32CanPort can;
+
+}  // namespace triskin::board

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "triskin/board/board.hpp"
+#include "triskin/board/registers/system.hpp"
+
+namespace triskin::board {
+namespace {
+
+constexpr std::uint32_t kHseWaitLoops = 200'000;  // crystals start within 10 ms
+
+void raise_core_voltage() {
+  rcc_reg::kApb1Enr1.set(rcc_reg::kPwr);
+  (void)rcc_reg::kApb1Enr1.read();  // the clock needs two cycles (§7.2.16)
+  pwr_reg::kCr5.clear(pwr_reg::kNoBoost);
+}
+
+bool start_crystal() {
+  rcc_reg::kCr.set(rcc_reg::kHseOn);
+  for (std::uint32_t k = 0; k < kHseWaitLoops; ++k) {
+    if (rcc_reg::kCr.any(rcc_reg::kHseReady)) return true;
+  }
+  return false;
+}
+
+// 8 MHz / 2 · 85 / 2 = 170 MHz (M in bits 4–7, N in 8–14, R = 2 as 0 in 25–26).
+constexpr std::uint32_t kPll = rcc_reg::kPllFromHse | (2U - 1U) << 4 | 85U << 8 | rcc_reg::kPllREnable;
+
+}  // namespace
+
+void start_clocks() {
+  if ((rcc_reg::kCfgr.read() >> rcc_reg::kStatusShift & 3U) == rcc_reg::kSwitchPll) return;  // the loader did it
+  raise_core_voltage();
+  if (!start_crystal()) return;
+  rcc_reg::kPllCfgr.write(kPll);
+  rcc_reg::kCr.set(rcc_reg::kPllOn);
+  while (!rcc_reg::kCr.any(rcc_reg::kPllReady)) {
+  }
+  flash_reg::kAcr.write(flash_reg::kLatency4 | flash_reg::kPrefetch | flash_reg::kInstructionCache | flash_reg::kDataCache);
+  while ((flash_reg::kAcr.read() & 0xFU) != flash_reg::kLatency4) {
+  }
+  // Above 80 MHz the AHB clock is halved for at least 1 µs while switching (§7.2.7).
+  rcc_reg::kCfgr.modify(rcc_reg::kAhbMask, rcc_reg::kAhbHalf);
+  rcc_reg::kCfgr.modify(rcc_reg::kSwitchMask, rcc_reg::kSwitchPll);
+  while ((rcc_reg::kCfgr.read() >> rcc_reg::kStatusShift & 3U) != rcc_reg::kSwitchPll) {
+  }
+  for (int k = 0; k < 100; ++k) asm volatile("nop");
+  rcc_reg::kCfgr.clear(rcc_reg::kAhbMask);
+}
+
+namespace {
+std::uint32_t last_count = 0;
+std::uint32_t wraps = 0;
+}  // namespace
+
+void start_microseconds() {
+  rcc_reg::kApb1Enr1.set(rcc_reg::kTim2);
+  (void)rcc_reg::kApb1Enr1.read();
+  const bool fast = (rcc_reg::kCfgr.read() >> rcc_reg::kStatusShift & 3U) == rcc_reg::kSwitchPll;
+  tim2_reg::kPsc.write(fast ? 170 - 1 : 16 - 1);
+  tim2_reg::kArr.write(0xFFFFFFFF);
+  tim2_reg::kEgr.write(tim2_reg::kUpdate);  // loads the prescaler
+  tim2_reg::kSr.write(0);
+  tim2_reg::kCr1.write(tim2_reg::kEnable);
+}
+
+std::uint64_t microseconds() {
+  const InterruptLock lock;
+  const std::uint32_t count = tim2_reg::kCnt.read();
+  if (count < last_count) ++wraps;
+  last_count = count;
+  return static_cast<std::uint64_t>(wraps) << 32 | count;
+}
+
+void wake_at(std::uint64_t at_us) {
+  tim2_reg::kCcr1.write(static_cast<std::uint32_t>(at_us));
+  tim2_reg::kSr.write(~tim2_reg::kCompare1);
+  tim2_reg::kDier.write(tim2_reg::kCompare1);
+  // A time that has just passed would be missed for a whole turn of the counter.
+  if (microseconds() >= at_us) tim2_reg::kEgr.write(tim2_reg::kCompare1);
+}
+
+void start_watchdog() {
+  iwdg_reg::kKr.write(iwdg_reg::kStart);
+  iwdg_reg::kKr.write(iwdg_reg::kUnlock);
+  iwdg_reg::kPr.write(3);  // 32 kHz / 32
+  iwdg_reg::kRlr.write(2000);
+  while (iwdg_reg::kSr.read() != 0) {
+  }
+  iwdg_reg::kKr.write(iwdg_reg::kReload);
+}
+
+void feed_watchdog() { iwdg_reg::kKr.write(iwdg_reg::kReload); }
+
+std::array<std::uint8_t, 12> unique_id() {
+  std::array<std::uint8_t, 12> id{};
+  for (std::uint32_t k = 0; k < 12; ++k) {
+    const std::uint32_t word = Register(kUniqueIdAddress + (k & ~3U)).read();
+    id[k] = static_cast<std::uint8_t>(word >> (8 * (k % 4)));
+  }
+  return id;
+}
+
+}  // namespace triskin::board

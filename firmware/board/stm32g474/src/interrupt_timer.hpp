@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "triskin/board/budget.hpp"
+#include "triskin/board/registers/system.hpp"
+
+namespace triskin::board {
+
+/// Measures one interrupt handler for the budget.
+class InterruptTimer {
+ public:
+  InterruptTimer() : start_(tim2_reg::kCnt.read()) {}
+  ~InterruptTimer() {
+    const std::uint32_t took = tim2_reg::kCnt.read() - start_;
+    if (took > triskin_budget.worst_interrupt_us) triskin_budget.worst_interrupt_us = took;
+  }
+  InterruptTimer(const InterruptTimer&) = delete;
+  InterruptTimer& operator=(const InterruptTimer&) = delete;
+
+ private:
+  std::uint32_t start_;
+};
+
+}  // namespace triskin::board

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "triskin/board/registers/gpio.hpp"
+#include "triskin/ports/ports.hpp"
+
+namespace triskin::board {
+
+/// Where one I²C line is on the chip (data sheet DS12288, table 13).
+struct LinePlace {
+  std::uint32_t base;
+  Pin scl, sda;
+  std::uint32_t alternate;
+  int event_irq, error_irq;
+};
+
+/// I2C1 … I2C4 as masters at 400 kHz. Each byte is moved in an interrupt; poll() looks at the outcome. Every transfer has a
+/// deadline made of its bytes, so that a line that hangs without an error flag is also noticed.
+class Stm32I2cLine final : public fw::I2cLine {
+ public:
+  void open(const LinePlace& place);
+  void start(std::uint8_t address, Bytes write, std::span<std::uint8_t> read) override;
+  std::optional<Status> poll() override;
+  Status recover() override;
+  /// When poll() must be called although no interrupt came; max when nothing is under way.
+  [[nodiscard]] std::uint64_t deadline_us() const { return active_ ? deadline_us_ : UINT64_MAX; }
+  /// The outcome stands and waits for poll().
+  [[nodiscard]] bool finished() const { return active_ && outcome_ != Outcome::kRunning; }
+  /// From the interrupt handlers.
+  void on_event();
+  void on_error();
+
+ private:
+  enum class Outcome : std::uint8_t { kRunning, kDone, kNack, kStuck };
+  [[nodiscard]] Register reg(std::uint32_t offset) const { return Register(place_.base + offset); }
+  void enable();
+  void disable();
+  void end(Outcome outcome);
+  void pins_to_bus() const;
+
+  LinePlace place_{};
+  Bytes write_;
+  std::span<std::uint8_t> read_;
+  std::size_t at_ = 0;
+  std::uint8_t address_ = 0;
+  bool reading_ = false, active_ = false, nack_ = false;
+  volatile Outcome outcome_ = Outcome::kRunning;
+  std::uint64_t deadline_us_ = 0;
+};
+
+extern Stm32I2cLine lines[4];
+void open_lines();
+
+}  // namespace triskin::board

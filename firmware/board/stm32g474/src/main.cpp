@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// The application on this board: ports, the loop, the measurements.
+#include <algorithm>
+#include <cstring>
+
+#include "can.hpp"
+#include "line.hpp"
+#include "slot.hpp"
+#include "triskin/app/application.hpp"
+#include "triskin/board/board.hpp"
+#include "triskin/board/budget.hpp"
+#include "triskin/board/flash_map.hpp"
+#include "triskin/board/registers/system.hpp"
+
+extern "C" std::uint32_t triskin_stack_bottom, triskin_stack_top;
+
+namespace triskin::board {
+namespace {
+
+constexpr std::uint64_t kLongestSleep_us = 100'000;   // the watchdog is fed at least this often
+constexpr std::uint64_t kConfirmAfter_us = 2'000'000;  // a new application that lived so long keeps its slot
+constexpr std::uint32_t kStackPaint = 0x5AFE5AFE;
+
+class Stm32Clock final : public fw::Clock {
+ public:
+  [[nodiscard]] std::uint64_t now_us() const override { return microseconds(); }
+};
+
+class TableFlash final : public fw::FlashArea {
+ public:
+  [[nodiscard]] std::size_t size_bytes() const override { return flash_map::kTablesBytes; }
+  [[nodiscard]] std::size_t page_bytes() const override { return flash_map::kPageBytes; }
+  [[nodiscard]] std::size_t program_bytes() const override { return flash_map::kUnitBytes; }
+  [[nodiscard]] bool erase_page(std::size_t offset) override {
+    return offset < size_bytes() && erase_flash_page(flash_map::kTables + static_cast<std::uint32_t>(offset));
+  }
+  [[nodiscard]] bool program(std::size_t offset, Bytes bytes) override {
+    if (bytes.size() % flash_map::kUnitBytes != 0 || offset + bytes.size() > size_bytes()) return false;
+    for (std::size_t at = 0; at < bytes.size(); at += flash_map::kUnitBytes) {
+      std::uint32_t words[2];
+      std::memcpy(words, bytes.data() + at, sizeof words);
+      if (!program_flash_unit(flash_map::kTables + static_cast<std::uint32_t>(offset + at), words[0], words[1])) return false;
+    }
+    return true;
+  }
+  [[nodiscard]] Bytes bytes() const override { return {reinterpret_cast<const std::uint8_t*>(flash_map::kTables), flash_map::kTablesBytes}; }
+};
+
+Stm32Clock system_clock;
+TableFlash table_flash;
+
+std::uint32_t untouched_stack() {
+  const std::uint32_t* p = &triskin_stack_bottom;
+  while (p < &triskin_stack_top && *p == kStackPaint) ++p;
+  return static_cast<std::uint32_t>(p - &triskin_stack_bottom) * 4;
+}
+
+// Sleeps until an interrupt. Interrupts stay off between the decision and WFI, which wakes all the same: none is slept through.
+void sleep_until(std::uint64_t at_us) {
+  asm volatile("cpsid i" ::: "memory");
+  const bool work = can.frame_waits() || std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); });
+  if (!work && microseconds() < at_us) {
+    const std::uint64_t before = microseconds();
+    wake_at(at_us);
+    asm volatile("dsb\n wfi" ::: "memory");
+    triskin_budget.idle_us += microseconds() - before;
+  }
+  asm volatile("cpsie i\n isb" ::: "memory");
+}
+
+[[noreturn]] void run(fw::Application& application) {
+  bool confirmed = false;
+  for (;;) {
+    const std::uint64_t start = microseconds();
+    application.step();
+    feed_watchdog();
+    if (!confirmed && start > kConfirmAfter_us) {
+      confirm_running_slot();
+      confirmed = true;
+    }
+    std::uint64_t next = std::min(application.next_event_us(), start + kLongestSleep_us);
+    for (const Stm32I2cLine& line : lines) next = std::min(next, line.deadline_us());
+    ++triskin_budget.loops;
+    if (triskin_budget.loops % 1024 == 0) triskin_budget.stack_free_bytes = untouched_stack();
+    triskin_budget.worst_loop_us = std::max(triskin_budget.worst_loop_us, static_cast<std::uint32_t>(microseconds() - start));
+    sleep_until(next);
+  }
+}
+
+}  // namespace
+}  // namespace triskin::board
+
+extern "C" void tim2_handler() {
+  using namespace triskin::board;
+  tim2_reg::kSr.write(0);
+  tim2_reg::kDier.write(0);
+}
+
+int main() {
+  using namespace triskin::board;
+  triskin_budget.reset_cause = rcc_reg::kCsr.read();
+  rcc_reg::kCsr.set(rcc_reg::kRemoveResetFlags);
+  start_clocks();
+  start_microseconds();
+  core_reg::enable_interrupt(tim2_reg::kIrq);
+  start_watchdog();
+  open_lines();
+  can.open();
+  static triskin::fw::Application application({{&lines[0], &lines[1], &lines[2], &lines[3]}, &system_clock, &can, &table_flash, unique_id()});
+  run(application);
+}

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// From reset to main: vectors, FPU, memory, and what the core reports as a fault.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "triskin/board/board.hpp"
+#include "triskin/board/budget.hpp"
+#include "triskin/board/registers/system.hpp"
+
+extern "C" {
+extern std::uint32_t triskin_data_load, triskin_data_start, triskin_data_end, triskin_bss_start, triskin_bss_end, triskin_stack_bottom, triskin_stack_top;
+using Constructor = void (*)();
+extern const Constructor triskin_constructors_start, triskin_constructors_end;
+
+[[noreturn]] void reset_handler();
+int main();
+void nmi_handler();
+[[noreturn]] void hard_fault_handler();
+void default_handler();
+// A part of the board overrides the handlers that it owns.
+#define TRISKIN_HANDLER(name) void name() __attribute__((weak, alias("default_handler")))
+TRISKIN_HANDLER(sys_tick_handler);
+TRISKIN_HANDLER(tim2_handler);
+TRISKIN_HANDLER(fdcan_handler);
+TRISKIN_HANDLER(usb_handler);
+TRISKIN_HANDLER(i2c1_event_handler);
+TRISKIN_HANDLER(i2c1_error_handler);
+TRISKIN_HANDLER(i2c2_event_handler);
+TRISKIN_HANDLER(i2c2_error_handler);
+TRISKIN_HANDLER(i2c3_event_handler);
+TRISKIN_HANDLER(i2c3_error_handler);
+TRISKIN_HANDLER(i2c4_event_handler);
+TRISKIN_HANDLER(i2c4_error_handler);
+}
+
+triskin::board::Budget triskin_budget;
+
+// Survives every reset but power-off: the loader and the application agree on its place through the linker script.
+extern "C" {
+[[gnu::section(".survivor")]] std::uint32_t triskin_last_failure[4];
+// Objects live for ever: nothing is destroyed at an exit that does not come, and there is no heap to give back to.
+void* __dso_handle = nullptr;
+int __cxa_atexit(void (*)(void*), void*, void*) { return 0; }
+[[noreturn]] void __cxa_pure_virtual() { triskin::board::fail(2); }
+}
+void operator delete(void*) noexcept { triskin::board::fail(3); }
+void operator delete(void*, std::size_t) noexcept { triskin::board::fail(3); }
+
+namespace triskin::board {
+namespace {
+
+using Handler = void (*)();
+constexpr int kInterrupts = 102;  // RM0440 table 97
+constexpr std::uint32_t kFailureMark = 0xFA11ED00;
+constexpr std::uint32_t kStackPaint = 0x5AFE5AFE;
+
+struct Vectors {
+  std::uint32_t* stack;
+  std::array<Handler, 15 + kInterrupts> handlers;
+};
+
+consteval Vectors make_vectors() {
+  Vectors v{&triskin_stack_top, {}};
+  for (Handler& h : v.handlers) h = default_handler;
+  const auto exception = [&v](int number, Handler h) { v.handlers[static_cast<std::size_t>(number - 1)] = h; };
+  exception(1, reset_handler);
+  exception(2, nmi_handler);
+  for (int k = 3; k <= 6; ++k) exception(k, hard_fault_handler);
+  exception(15, sys_tick_handler);
+  exception(16 + 20, usb_handler);
+  exception(16 + 21, fdcan_handler);
+  exception(16 + 28, tim2_handler);
+  exception(16 + 31, i2c1_event_handler);
+  exception(16 + 32, i2c1_error_handler);
+  exception(16 + 33, i2c2_event_handler);
+  exception(16 + 34, i2c2_error_handler);
+  exception(16 + 92, i2c3_event_handler);
+  exception(16 + 93, i2c3_error_handler);
+  exception(16 + 82, i2c4_event_handler);
+  exception(16 + 83, i2c4_error_handler);
+  return v;
+}
+
+}  // namespace
+
+extern "C" {
+[[gnu::section(".vectors")]] extern const Vectors triskin_vectors;
+constinit const Vectors triskin_vectors = make_vectors();
+}
+
+void fail(std::uint32_t reason) {
+  triskin_last_failure[0] = kFailureMark;
+  triskin_last_failure[1] = reason;
+  core_reg::reset();
+}
+
+}  // namespace triskin::board
+
+void reset_handler() {
+  using namespace triskin::board;
+  core_reg::kCpacr.set(core_reg::kFpuFull);  // before anything that may use it (ARMv7-M, B1.4.7)
+  asm volatile("dsb\n isb" ::: "memory");
+  core_reg::kVtor.write(reinterpret_cast<std::uint32_t>(&triskin_vectors));
+  std::uint32_t* here = nullptr;
+  asm volatile("mov %0, sp" : "=r"(here));
+  for (std::uint32_t* p = &triskin_stack_bottom; p < here - 16; ++p) *p = kStackPaint;
+  const std::uint32_t* from = &triskin_data_load;
+  for (std::uint32_t* to = &triskin_data_start; to < &triskin_data_end;) *to++ = *from++;
+  for (std::uint32_t* p = &triskin_bss_start; p < &triskin_bss_end;) *p++ = 0;
+  for (const Constructor* c = &triskin_constructors_start; c < &triskin_constructors_end; ++c) (*c)();
+  asm volatile("cpsie i" ::: "memory");
+  main();
+  fail(0);
+}
+
+// The only source in use is the flash: a unit with two wrong bits, which a power cut left behind. Whoever reads it checks
+// a CRC, so it is counted and reading goes on (RM0440 §3.3.9).
+void nmi_handler() {
+  using namespace triskin::board;
+  flash_reg::kEccr.write(flash_reg::kEccDetected);
+  ++triskin_budget.ecc_faults;
+}
+
+void hard_fault_handler() { triskin::board::fail(triskin::board::core_reg::kCfsr.read() | 1U); }
+void default_handler() { triskin::board::fail(triskin::board::core_reg::kIcsr.read() & 0x1FFU); }
