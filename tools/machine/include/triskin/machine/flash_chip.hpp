@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace triskin::machine {
+
+/// What an ELF says: bytes by load address, symbols.
+struct ElfImage {
+  std::map<std::uint32_t, std::vector<std::uint8_t>> segments;  ///< only those with bytes in the file
+  std::map<std::string, std::uint32_t> symbols;
+  /// One run of bytes from the lowest to the highest load address; gaps are 0xFF.
+  [[nodiscard]] std::vector<std::uint8_t> flat() const;
+  [[nodiscard]] std::uint32_t origin() const { return segments.begin()->first; }
+};
+/// Throws InputError naming the file when it is no 32-bit ARM ELF.
+[[nodiscard]] ElfImage read_elf(const std::filesystem::path& path);
+
+/// The cells of the flash: they outlive the machine, as the real ones outlive a power cut.
+class FlashChip {
+ public:
+  static constexpr std::uint32_t kBase = 0x08000000, kBytes = 512 * 1024, kPage = 2048, kUnit = 8;
+
+  FlashChip() : bytes(kBytes, 0xFF), used(kBytes / kUnit, false) {}
+  /// As a programmer at the factory does it. Throws InputError when the image is not inside the flash.
+  void store(const ElfImage& image);
+  void store(std::uint32_t address, const std::vector<std::uint8_t>& data);
+  /// Stores an application for a slot with its commit record and confirmation.
+  void store_application(const ElfImage& image, std::uint32_t slot_bytes, std::uint32_t sequence);
+
+  /// Power fails in the middle of the operation (erase of a page or program of a unit) after the next `operations` ones.
+  void cut_power_after(std::uint64_t operations) { cut_at = this->operations + operations; }
+
+  std::vector<std::uint8_t> bytes;
+  std::vector<bool> used;              ///< per unit: programmed since its erase
+  std::set<std::uint32_t> torn;        ///< units (by index) whose ECC has two wrong bits
+  std::uint64_t operations = 0;
+  std::uint64_t cut_at = ~std::uint64_t{0};
+};
+
+}  // namespace triskin::machine

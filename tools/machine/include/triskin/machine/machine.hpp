@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "triskin/machine/flash_chip.hpp"
+#include "triskin/machine/peripheral.hpp"
+#include "triskin/machine/vcd.hpp"
+#include "triskin/sim/i2c_bus.hpp"
+#include "triskin/wire/can_frame.hpp"
+
+namespace triskin::machine {
+
+/// What is soldered around the controller. Everything outlives the machine.
+struct MachineSetup {
+  std::array<sim::I2cBus*, 4> lines{};  ///< none null
+  FlashChip* flash = nullptr;
+  std::array<std::uint8_t, 12> unique_id{};
+  std::function<void(const wire::CanFrame&, std::uint64_t now_us)> on_can;  ///< a frame has left the controller
+  VcdTrace* trace = nullptr;     ///< may be null
+  bool crystal_works = true;
+};
+
+/// Counted since power-up.
+struct MachineCounts {
+  std::uint64_t instructions = 0, exceptions = 0;
+  std::uint64_t idle_us = 0;
+  int resets = 0;
+  Time worst_interrupt = 0;  ///< entry to return of the longest exception
+  std::array<std::uint64_t, 4> i2c_busy_us{};  ///< start to stop, summed
+};
+
+/// An STM32G474 that runs an unmodified image (docs/machine.md). Deterministic. Not thread-safe; one instruction counts one cycle.
+class Machine {
+ public:
+  class Core;
+  explicit Machine(const MachineSetup& setup);
+  ~Machine();
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
+
+  /// Runs until virtual time `us`. Throws sim::PowerLost when the flash was told to lose power, DeviceError when the core locks up.
+  void run_until(std::uint64_t us);
+  [[nodiscard]] std::uint64_t now_us() const;
+  /// A frame on the CAN bus, after those given before.
+  void receive(const wire::CanFrame& frame);
+  [[nodiscard]] std::uint32_t read_word(std::uint32_t address) const;
+  [[nodiscard]] const std::vector<Violation>& violations() const;
+  [[nodiscard]] const MachineCounts& counts() const;
+  [[nodiscard]] std::uint64_t sysclk_hz() const;
+  [[nodiscard]] std::uint32_t vector_table() const;  ///< VTOR: tells which image runs
+
+ private:
+  std::unique_ptr<Core> core_;
+};
+
+}  // namespace triskin::machine

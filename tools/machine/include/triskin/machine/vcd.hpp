@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "triskin/machine/scheduler.hpp"
+
+namespace triskin::machine {
+
+/// Bus signals and CPU state as a value change dump (IEEE 1364-2005 §18) for a wave viewer, at 1 ns.
+class VcdTrace {
+ public:
+  /// One byte with its acknowledge bit on line 0..3, which ended at `end`; `period` of SCL.
+  void i2c_byte(int line, std::uint8_t byte, bool acknowledged, Time end, Time period);
+  void i2c_start(int line, Time at);
+  void i2c_stop(int line, Time at);
+  void can_busy(bool busy, Time at) { change(kCan, busy ? 1 : 0, at); }
+  void exception(int number, Time at) { change(kException, static_cast<std::uint32_t>(number), at); }
+  void sleeping(bool asleep, Time at) { change(kSleep, asleep ? 1 : 0, at); }
+  void write(const std::filesystem::path& path) const;
+  [[nodiscard]] std::string text() const;
+
+ private:
+  static constexpr int kScl = 0, kSda = 4, kCan = 8, kException = 9, kSleep = 10, kSignals = 11;
+  struct Change {
+    Time at;
+    int signal;
+    std::uint32_t value;
+  };
+  void change(int signal, std::uint32_t value, Time at) { changes_.push_back({at, signal, value}); }
+  std::vector<Change> changes_;
+};
+
+}  // namespace triskin::machine

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "triskin/host/error.hpp"
+#include "triskin/sim/flash_model.hpp"
+
+namespace triskin::machine {
+namespace {
+
+constexpr std::uint32_t kRamBase = 0x20000000, kRamBytes = 128 * 1024, kSystemMemory = 0x1FFF7000;
+constexpr std::uint32_t kPeripherals = 0x40000000, kPeripheralBytes = 0x80000, kGpioBase = 0x48000000, kScs = 0xE000E000;
+
+void check(uc_err error, const char* what) {
+  if (error != UC_ERR_OK) throw DeviceError(fmt::format("modelled machine: {}: {}", what, uc_strerror(error)));
+}
+
+}  // namespace
+
+/// Callbacks of Unicorn. They only note what happened: the core's state changes between two runs.
+struct Hooks {
+  static Machine::Core& core(void* user) { return *static_cast<Machine::Core*>(user); }
+
+  static void block(uc_engine* uc, std::uint64_t address, std::uint32_t size, void* user) {
+    Machine::Core& c = core(user);
+    const bool stop = c.nvic_.poked || c.reset_wanted_ || c.nmi_ || !c.cell_writes_.empty() || c.time_.take_changed() || c.time_.now() >= c.slice_end_;
+    if (stop) {
+      c.stopped_before_block_ = true;
+      uc_emu_stop(uc);
+      return;
+    }
+    const auto& b = c.block_at(static_cast<std::uint32_t>(address), size);
+    if (b.floating_point) {
+      if (!c.nvic_.fpu_on()) c.violation(fmt::format("floating point at {:#x} before CPACR allows it", address));
+      c.fp_active_ = true;
+    }
+    c.counts_.instructions += b.instructions;
+    c.time_.advance(b.instructions * (kSecond / c.rcc_.sysclk_hz()));
+    c.last_block_pc_ = static_cast<std::uint32_t>(address);
+  }
+  static void interrupt(uc_engine* uc, std::uint32_t number, void* user) {
+    core(user).interrupt_code_ = number;
+    uc_emu_stop(uc);
+  }
+  static void flash_write(uc_engine*, uc_mem_type, std::uint64_t address, int size, std::int64_t value, void* user) {
+    Machine::Core& c = core(user);
+    std::uint32_t old = 0;
+    std::memcpy(&old, c.setup_.flash->bytes.data() + (address - FlashChip::kBase), static_cast<std::size_t>(size));
+    c.cell_writes_.push_back({static_cast<std::uint32_t>(address), static_cast<std::uint32_t>(value), old, static_cast<unsigned>(size)});
+  }
+  static void torn_read(uc_engine*, uc_mem_type, std::uint64_t address, int, std::int64_t, void* user) {
+    core(user).flash_.torn_read(static_cast<std::uint32_t>((address - FlashChip::kBase) / FlashChip::kUnit));
+  }
+  static std::uint64_t read(uc_engine*, std::uint64_t offset, unsigned size, void* user) { return core(user).bus_read(kPeripherals + static_cast<std::uint32_t>(offset), size); }
+  static void write(uc_engine*, std::uint64_t offset, unsigned size, std::uint64_t value, void* user) {
+    core(user).bus_write(kPeripherals + static_cast<std::uint32_t>(offset), static_cast<std::uint32_t>(value), size);
+  }
+  static std::uint64_t read_gpio(uc_engine*, std::uint64_t offset, unsigned size, void* user) { return core(user).gpio_.read(static_cast<std::uint32_t>(offset), size); }
+  static void write_gpio(uc_engine*, std::uint64_t offset, unsigned size, std::uint64_t value, void* user) {
+    core(user).gpio_.write(static_cast<std::uint32_t>(offset), static_cast<std::uint32_t>(value), size);
+  }
+  static std::uint64_t read_scs(uc_engine*, std::uint64_t offset, unsigned size, void* user) { return core(user).nvic_.read(static_cast<std::uint32_t>(offset), size); }
+  static void write_scs(uc_engine*, std::uint64_t offset, unsigned size, std::uint64_t value, void* user) {
+    core(user).nvic_.write(static_cast<std::uint32_t>(offset), static_cast<std::uint32_t>(value), size);
+  }
+};
+
+Machine::Core::Core(const MachineSetup& setup)
+    : setup_(setup), nvic_(*this), rcc_(*this, setup.crystal_works), pwr_(*this, rcc_), tim2_(*this), iwdg_(*this),
+      flash_(*this, *setup.flash, rcc_,
+             [this](std::uint32_t address, const std::uint8_t* data, std::size_t size) {
+               check(uc_mem_write(uc_, address, data, size), "flash cells");
+               blocks_.clear();
+             }),
+      gpio_(*this, rcc_, setup.lines), can_(*this, setup.on_can, setup.trace), can_ram_(*this, can_), ram_(kRamBytes, 0xA5) {
+  constexpr std::array<std::array<int, 2>, 4> kIrqs{{{31, 32}, {33, 34}, {92, 93}, {82, 83}}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup.lines[k], kIrqs[k][0], kIrqs[k][1], setup.trace);
+  }
+  windows_ = {{&tim2_, 0x40000000, 0x400, 0x58, 0, "TIM2"},           {&iwdg_, 0x40003000, 0x400, 0, 0, "IWDG"},
+              {i2c_[0].get(), 0x40005400, 0x400, 0x58, 21, "I2C1"},   {i2c_[1].get(), 0x40005800, 0x400, 0x58, 22, "I2C2"},
+              {&can_, 0x40006400, 0x400, 0x58, 25, "FDCAN"},          {&pwr_, 0x40007000, 0x400, 0x58, 28, "PWR"},
+              {i2c_[2].get(), 0x40007800, 0x400, 0x58, 30, "I2C3"},   {i2c_[3].get(), 0x40008400, 0x400, 0x5C, 1, "I2C4"},
+              {&can_ram_, 0x4000A400, 0x400, 0x58, 25, "FDCAN RAM"},  {&rcc_, 0x40021000, 0x400, 0, 0, "RCC"},
+              {&flash_, 0x40022000, 0x400, 0x48, 8, "FLASH"}};
+  check(uc_open(UC_ARCH_ARM, static_cast<uc_mode>(UC_MODE_THUMB | UC_MODE_MCLASS), &uc_), "open");
+  check(uc_ctl_set_cpu_model(uc_, UC_CPU_ARM_CORTEX_M4), "Cortex-M4");
+  map_memory();
+  add_hooks();
+  reset_core();
+}
+
+Machine::Core::~Core() {
+  if (uc_ != nullptr) uc_close(uc_);
+}
+
+void Machine::Core::map_memory() {
+  check(uc_mem_map_ptr(uc_, FlashChip::kBase, FlashChip::kBytes, UC_PROT_ALL, setup_.flash->bytes.data()), "map flash");
+  check(uc_mem_map_ptr(uc_, kRamBase, kRamBytes, UC_PROT_ALL, ram_.data()), "map RAM");
+  check(uc_mem_map(uc_, kSystemMemory, 0x1000, UC_PROT_READ), "map system memory");
+  check(uc_mem_write(uc_, 0x1FFF7590, setup_.unique_id.data(), setup_.unique_id.size()), "unique id");
+  check(uc_mmio_map(uc_, kPeripherals, kPeripheralBytes, Hooks::read, this, Hooks::write, this), "map peripherals");
+  check(uc_mmio_map(uc_, kGpioBase, 0x2000, Hooks::read_gpio, this, Hooks::write_gpio, this), "map GPIO");
+  check(uc_mmio_map(uc_, kScs, 0x1000, Hooks::read_scs, this, Hooks::write_scs, this), "map SCS");
+}
+
+void Machine::Core::add_hooks() {
+  uc_hook h = 0;
+  check(uc_hook_add(uc_, &h, UC_HOOK_BLOCK, reinterpret_cast<void*>(&Hooks::block), this, 1, 0), "block hook");
+  check(uc_hook_add(uc_, &h, UC_HOOK_INTR, reinterpret_cast<void*>(&Hooks::interrupt), this, 1, 0), "interrupt hook");
+  check(uc_hook_add(uc_, &h, UC_HOOK_MEM_WRITE, reinterpret_cast<void*>(&Hooks::flash_write), this, FlashChip::kBase, FlashChip::kBase + FlashChip::kBytes - 1), "flash hook");
+  for (const std::uint32_t unit : setup_.flash->torn) {
+    const std::uint64_t first = FlashChip::kBase + unit * FlashChip::kUnit;
+    check(uc_hook_add(uc_, &h, UC_HOOK_MEM_READ, reinterpret_cast<void*>(&Hooks::torn_read), this, first, first + FlashChip::kUnit - 1), "ECC hook");
+  }
+}
+
+// RAM keeps what it holds; everything else starts anew.
+void Machine::Core::reset_core() {
+  time_.clear();
+  nvic_.reset();
+  for (const Window& w : windows_) w.block->reset();
+  gpio_.reset();
+  cell_writes_.clear();
+  exception_entry_.clear();
+  sleeping_ = fp_active_ = nmi_ = reset_wanted_ = false;
+  reg(UC_ARM_REG_IPSR, 0);
+  reg(UC_ARM_REG_CONTROL, 0);
+  reg(UC_ARM_REG_PRIMASK, 0);
+  reg(UC_ARM_REG_BASEPRI, 0);
+  reg(UC_ARM_REG_SP, load(nvic_.vtor()));
+  reg(UC_ARM_REG_PC, load(nvic_.vtor() + 4));
+}
+
+std::uint32_t Machine::Core::reg(int id) const {
+  std::uint32_t value = 0;
+  uc_reg_read(uc_, id, &value);
+  return value;
+}
+void Machine::Core::reg(int id, std::uint32_t value) { uc_reg_write(uc_, id, &value); }
+
+std::uint32_t Machine::Core::load(std::uint32_t address) const {
+  std::uint32_t value = 0;
+  check(uc_mem_read(uc_, address, &value, 4), "load");
+  return value;
+}
+void Machine::Core::store(std::uint32_t address, std::uint32_t value) { check(uc_mem_write(uc_, address, &value, 4), "store"); }
+
+void Machine::Core::violation(std::string what) { violations_.push_back({time_.now_us(), fmt::format("{} (code near {:#x})", what, last_block_pc_)}); }
+
+void Machine::Core::request_reset(std::uint32_t cause) {
+  rcc_.note_reset(cause);
+  reset_wanted_ = true;
+}
+
+void Machine::Core::raise_nmi() { nmi_ = true; }
+
+Machine::Core::Window* Machine::Core::window_of(std::uint32_t address) {
+  for (Window& w : windows_) {
+    if (address >= w.base && address < w.base + w.size) return &w;
+  }
+  violation(fmt::format("access to {:#x}, where nothing is modelled", address));
+  return nullptr;
+}
+
+bool Machine::Core::gate_open(const Window& w) {
+  if (w.enable_offset == 0 || rcc_.enabled(w.enable_offset, w.enable_bit)) return true;
+  violation(fmt::format("{} used without its clock", w.name));
+  return false;
+}
+
+std::uint32_t Machine::Core::bus_read(std::uint32_t address, unsigned size) {
+  Window* w = window_of(address);
+  return w != nullptr && gate_open(*w) ? w->block->read(address - w->base, size) : 0;
+}
+
+void Machine::Core::bus_write(std::uint32_t address, std::uint32_t value, unsigned size) {
+  Window* w = window_of(address);
+  if (w == nullptr || !gate_open(*w)) return;
+  w->block->write(address - w->base, value, size);
+  if (w->block == &rcc_ && address - w->base == 0x38) {  // APB1RSTR1
+    for (Window& o : windows_) {
+      if (o.enable_offset == 0x58 && (value >> o.enable_bit & 1) != 0) o.block->reset();
+    }
+  }
+}
+
+// Thumb-2: a first half-word of 0b11101…, 0b11110… or 0b11111… begins a 32-bit instruction.
+Machine::Core::Block& Machine::Core::block_at(std::uint32_t address, std::uint32_t size) {
+  Block& b = blocks_[static_cast<std::uint64_t>(address) << 32 | size];
+  if (b.instructions != 0) return b;
+  std::vector<std::uint8_t> code(size);
+  check(uc_mem_read(uc_, address, code.data(), size), "code");
+  for (std::uint32_t k = 0; k + 1 < size; ++b.instructions) {
+    const unsigned half = code[k] | static_cast<unsigned>(code[k + 1]) << 8;
+    const bool wide = half >> 11 >= 0x1D;
+    if (wide && k + 3 < size) {
+      const unsigned second = code[k + 2] | static_cast<unsigned>(code[k + 3]) << 8;
+      b.floating_point = b.floating_point || ((half & 0xEC00) == 0xEC00 && (second >> 9 & 7) == 5);  // coprocessor 10 or 11
+    }
+    k += wide ? 4 : 2;
+  }
+  b.instructions = std::max(b.instructions, 1U);
+  return b;
+}
+
+void Machine::Core::run_until(Time until) {
+  while (time_.now() < until) {
+    time_.run_due();
+    if (flash_.power_lost()) throw sim::PowerLost("power lost in a flash operation");
+    if (reset_wanted_) {
+      ++counts_.resets;
+      reset_core();
+    }
+    if (std::exchange(nmi_, false)) nvic_.pend(Nvic::kNmi);
+    nvic_.poked = false;
+    take_exception();
+    const Time next = std::min(time_.next(), until);
+    if (sleeping_) {
+      if (next > time_.now()) counts_.idle_us += (next - time_.now()) / kMicrosecond;
+      time_.advance_to(next);
+      continue;
+    }
+    execute(next);
+  }
+}
+
+void Machine::Core::execute(Time until) {
+  slice_end_ = until;
+  stopped_before_block_ = false;
+  interrupt_code_ = ~0U;
+  (void)time_.take_changed();
+  const uc_err error = uc_emu_start(uc_, reg(UC_ARM_REG_PC) | 1, 0xFFFFFFFE, 0, 0);
+  after_execution(error);
+}
+
+// Why did execution end? An exception return, a WFI, a fault, or a wish of ours.
+void Machine::Core::after_execution(uc_err error) {
+  apply_flash_writes();
+  const std::uint32_t pc = reg(UC_ARM_REG_PC);
+  if ((pc & 0xFFFFFFE0) == 0xFFFFFFE0 && nvic_.running() != 0) {
+    leave_exception(pc | 1);
+    return;
+  }
+  if (error != UC_ERR_OK || interrupt_code_ != ~0U) {
+    violation(error != UC_ERR_OK ? fmt::format("fault at {:#x}: {}", pc, uc_strerror(error)) : fmt::format("exception {} at {:#x}", interrupt_code_, pc));
+    if (nvic_.running_priority() <= -1) throw DeviceError(fmt::format("modelled machine: lock-up at {:#x}", pc));
+    nvic_.pend(Nvic::kHardFault);
+    return;
+  }
+  std::uint16_t before = 0;
+  uc_mem_read(uc_, (pc & ~1U) - 2, &before, 2);
+  if (!stopped_before_block_ || before == 0xBF30) {
+    sleeping_ = before == 0xBF30;
+    if (sleeping_ && setup_.trace != nullptr) setup_.trace->sleeping(true, time_.now());
+  }
+}
+
+// Takes back what the stores did to the memory, then lets the controller decide.
+void Machine::Core::apply_flash_writes() {
+  if (cell_writes_.empty()) return;
+  const std::vector<CellWrite> writes = std::exchange(cell_writes_, {});
+  for (auto w = writes.rbegin(); w != writes.rend(); ++w) check(uc_mem_write(uc_, w->address, &w->old, w->size), "flash restore");
+  for (const CellWrite& w : writes) flash_.cell_write(w.address, w.value, w.size);
+}
+
+}  // namespace triskin::machine

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <unicorn/unicorn.h>
+
+#include <unordered_map>
+
+#include "fdcan.hpp"
+#include "flash_controller.hpp"
+#include "gpio.hpp"
+#include "i2c_controller.hpp"
+#include "nvic.hpp"
+#include "system_blocks.hpp"
+#include "triskin/machine/machine.hpp"
+
+namespace triskin::machine {
+
+/// The Cortex-M4 in Unicorn, the bus with its peripherals, and the loop that joins execution and virtual time.
+class Machine::Core final : public Surroundings {
+ public:
+  explicit Core(const MachineSetup& setup);
+  ~Core() override;
+
+  void run_until(Time until);
+  void receive(const wire::CanFrame& frame) { can_.from_bus(frame); }
+  [[nodiscard]] std::uint32_t load(std::uint32_t address) const;
+
+  Scheduler& time() override { return time_; }
+  void set_irq(int irq, bool level) override { nvic_.set_level(irq, level); }
+  void violation(std::string what) override;
+  [[nodiscard]] std::uint64_t sysclk_hz() const override { return rcc_.sysclk_hz(); }
+  void request_reset(std::uint32_t cause) override;
+  void raise_nmi() override;
+
+  const MachineSetup setup_;
+  std::vector<Violation> violations_;
+  MachineCounts counts_;
+  [[nodiscard]] std::uint32_t vtor() const { return nvic_.vtor(); }
+  [[nodiscard]] Time i2c_busy(std::size_t k) const { return i2c_[k]->busy_time(); }
+
+ private:
+  friend struct Hooks;
+  struct Block {
+    std::uint32_t instructions = 0;
+    bool floating_point = false;
+  };
+  struct Window {
+    Peripheral* block;
+    std::uint32_t base, size;
+    std::uint32_t enable_offset;  ///< in RCC; 0: no gate
+    unsigned enable_bit;
+    const char* name;
+  };
+  struct CellWrite {
+    std::uint32_t address, value, old;
+    unsigned size;
+  };
+
+  void map_memory();
+  void add_hooks();
+  void reset_core();
+  std::uint32_t bus_read(std::uint32_t address, unsigned size);
+  void bus_write(std::uint32_t address, std::uint32_t value, unsigned size);
+  Window* window_of(std::uint32_t address);
+  bool gate_open(const Window& w);
+
+  void execute(Time until);
+  void after_execution(uc_err error);
+  void apply_flash_writes();
+  void take_exception();
+  void enter_exception(int exception);
+  void leave_exception(std::uint32_t code);
+  void push_frame(bool extended);
+  [[nodiscard]] int mask_priority() const;
+  Block& block_at(std::uint32_t address, std::uint32_t size);
+
+  [[nodiscard]] std::uint32_t reg(int id) const;
+  void reg(int id, std::uint32_t value);
+  void store(std::uint32_t address, std::uint32_t value);
+
+  uc_engine* uc_ = nullptr;
+  Scheduler time_;
+  Nvic nvic_;
+  Rcc rcc_;
+  Pwr pwr_;
+  Tim2 tim2_;
+  Iwdg iwdg_;
+  FlashController flash_;
+  Gpio gpio_;
+  std::array<std::unique_ptr<I2cController>, 4> i2c_;
+  Fdcan can_;
+  FdcanRam can_ram_;
+  std::vector<Window> windows_;
+  std::vector<std::uint8_t> ram_;
+  std::unordered_map<std::uint64_t, Block> blocks_;
+  std::vector<CellWrite> cell_writes_;
+  std::vector<Time> exception_entry_;
+  Time slice_end_ = 0;
+  bool stopped_before_block_ = false, sleeping_ = false, reset_wanted_ = false, fp_active_ = false, nmi_ = false;
+  std::uint32_t interrupt_code_ = ~0U, last_block_pc_ = 0;
+};
+
+}  // namespace triskin::machine

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fdcan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace triskin::machine {
+namespace {
+
+constexpr std::uint32_t kDbtp = 0x0C, kCccr = 0x18, kNbtp = 0x1C, kTdcr = 0x48, kIr = 0x50, kIe = 0x54, kIle = 0x5C, kRxgfc = 0x80, kTxbc = 0xC0;
+constexpr std::uint32_t kFifo0 = 0x0B0, kTx = 0x278, kElement = 72, kExtFilters = 0x070;
+constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
+constexpr std::uint32_t kNewMessage = 1, kFull = 2, kLost = 4, kTxDone = 1U << 7;
+
+}  // namespace
+
+void Fdcan::reset() {
+  ++generation_;
+  regs_ = {};
+  regs_[kCccr / 4] = 1;
+  regs_[kNbtp / 4] = 0x06000A03;
+  regs_[kDbtp / 4] = 0x00000A33;
+  incoming_.clear();
+  to_send_.clear();
+  fill_ = get_ = put_ = tx_put_ = 0;
+  bus_busy_ = false;
+  update_irqs();
+}
+
+void Fdcan::update_irqs() {
+  around_.set_irq(21, (regs_[kIr / 4] & regs_[kIe / 4]) != 0 && (regs_[kIle / 4] & 1) != 0);
+}
+
+// Bits without stuffing: 11-bit frames 47 + 8n, 29-bit 67 + 8n; FD frames have their data phase at the data rate.
+Time Fdcan::frame_time(const wire::CanFrame& frame) const {
+  const Time clock = kSecond / around_.sysclk_hz();
+  const std::uint32_t n = regs_[kNbtp / 4], d = regs_[kDbtp / 4];
+  const Time nominal = ((n >> 16 & 511) + 1) * ((n >> 8 & 255) + 1 + (n & 127) + 1 + 1) * clock;
+  const Time data = ((d >> 16 & 31) + 1) * ((d >> 8 & 31) + 1 + (d >> 4 & 15) + 1 + 1) * clock;
+  if (!frame.fd) return nominal * ((frame.extended ? 67U : 47U) + 8U * frame.size);
+  const Time crc = frame.size > 16 ? 26 : 22;
+  return nominal * (frame.extended ? 48U : 29U) + (frame.bit_rate_switch ? data : nominal) * (9 + 8U * frame.size + crc);
+}
+
+wire::CanFrame Fdcan::read_element(std::uint32_t offset) const {
+  const std::uint32_t w0 = ram_[offset / 4], w1 = ram_[offset / 4 + 1];
+  wire::CanFrame f;
+  f.extended = (w0 >> 30 & 1) != 0;
+  f.id = f.extended ? w0 & 0x1FFFFFFF : w0 >> 18 & 0x7FF;
+  f.fd = (w1 >> 21 & 1) != 0 && (regs_[kCccr / 4] >> 8 & 1) != 0;
+  f.bit_rate_switch = f.fd && (w1 >> 20 & 1) != 0 && (regs_[kCccr / 4] >> 9 & 1) != 0;
+  f.size = kSizes[w1 >> 16 & 15];
+  if (!f.fd) f.size = std::min<std::uint8_t>(f.size, 8);
+  for (std::uint32_t k = 0; k < f.size; ++k) f.data[k] = static_cast<std::uint8_t>(ram_[offset / 4 + 2 + k / 4] >> (8 * (k % 4)));
+  return f;
+}
+
+void Fdcan::write_element(std::uint32_t offset, const wire::CanFrame& f) {
+  std::uint32_t code = 0;
+  while (kSizes[code] < f.size) ++code;
+  ram_[offset / 4] = f.extended ? 1U << 30 | f.id : f.id << 18;
+  ram_[offset / 4 + 1] = code << 16 | (f.fd ? 1U << 21 : 0U) | (f.bit_rate_switch ? 1U << 20 : 0U);
+  for (std::uint32_t k = 0; k < 16; ++k) {
+    std::uint32_t w = 0;
+    for (std::uint32_t b = 0; b < 4; ++b) w |= static_cast<std::uint32_t>(f.data[4 * k + b]) << (8 * b);
+    ram_[offset / 4 + 2 + k] = w;
+  }
+}
+
+// Classic filters (identifier and mask) into FIFO 0, then what RXGFC says about the rest.
+bool Fdcan::accepted(const wire::CanFrame& f) const {
+  const std::uint32_t rxgfc = regs_[kRxgfc / 4];
+  const std::uint32_t count = f.extended ? rxgfc >> 24 & 15 : rxgfc >> 16 & 31;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    if (f.extended) {
+      const std::uint32_t f0 = ram_[kExtFilters / 4 + 2 * k], f1 = ram_[kExtFilters / 4 + 2 * k + 1];
+      if ((f1 >> 30) == 2 && (f0 >> 29) == 1 && (f.id & f1 & 0x1FFFFFFF) == (f0 & f1 & 0x1FFFFFFF)) return true;
+    } else {
+      const std::uint32_t e = ram_[k];
+      if ((e >> 30) == 2 && (e >> 27 & 7) == 1 && (f.id & e & 0x7FF) == (e >> 16 & e & 0x7FF)) return true;
+    }
+  }
+  return (f.extended ? rxgfc >> 2 & 3 : rxgfc >> 4 & 3) == 0;
+}
+
+void Fdcan::deliver(const wire::CanFrame& frame) {
+  if (!running() || !accepted(frame)) return;
+  if (frame.fd && (regs_[kCccr / 4] >> 8 & 1) == 0) return;  // an error frame on the real bus
+  if (fill_ == 3) {
+    regs_[kIr / 4] |= kLost;
+  } else {
+    write_element(kFifo0 + put_ * kElement, frame);
+    put_ = (put_ + 1) % 3;
+    regs_[kIr / 4] |= ++fill_ == 3 ? kNewMessage | kFull : kNewMessage;
+  }
+  update_irqs();
+}
+
+void Fdcan::from_bus(const wire::CanFrame& frame) {
+  incoming_.push_back(frame);
+  next_on_bus();
+}
+
+// One frame at a time; the lower identifier wins (11-bit before 29-bit with equal leading bits).
+void Fdcan::next_on_bus() {
+  if (bus_busy_ || (incoming_.empty() && (to_send_.empty() || !running()))) return;
+  const auto rank = [](const wire::CanFrame& f) { return f.extended ? static_cast<std::uint64_t>(f.id) << 1 | 1 : static_cast<std::uint64_t>(f.id) << 19; };
+  const bool can_send = !to_send_.empty() && running();
+  const wire::CanFrame own = can_send ? read_element(kTx + to_send_.front() * kElement) : wire::CanFrame{};
+  const bool mine = can_send && (incoming_.empty() || rank(own) < rank(incoming_.front()));
+  const wire::CanFrame frame = mine ? own : incoming_.front();
+  bus_busy_ = true;
+  if (trace_ != nullptr) trace_->can_busy(mine, around_.time().now());
+  around_.time().after(frame_time(frame), [this, mine, frame, g = generation_] {
+    if (g != generation_) return;
+    bus_busy_ = false;
+    if (trace_ != nullptr) trace_->can_busy(false, around_.time().now());
+    if (mine) {
+      const std::uint32_t index = to_send_.front();
+      to_send_.pop_front();
+      sent(index, frame);
+    } else {
+      incoming_.pop_front();
+      deliver(frame);
+    }
+    next_on_bus();
+  });
+}
+
+void Fdcan::sent(std::uint32_t index, const wire::CanFrame& frame) {
+  regs_[0xC8 / 4] &= ~(1U << index);
+  regs_[0xD4 / 4] |= 1U << index;
+  if ((regs_[0xDC / 4] >> index & 1) != 0) regs_[kIr / 4] |= kTxDone;
+  update_irqs();
+  if (sink_) sink_(frame, around_.time().now_us());
+}
+
+void Fdcan::request(std::uint32_t mask) {
+  if (!running()) {
+    around_.violation("FDCAN: transmission requested in initialization mode");
+    return;
+  }
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    if ((mask >> k & 1) == 0) continue;
+    if (k != tx_put_) around_.violation("FDCAN: a transmit FIFO element out of order");
+    regs_[0xC8 / 4] |= 1U << k;
+    regs_[0xD4 / 4] &= ~(1U << k);
+    to_send_.push_back(k);
+    tx_put_ = (k + 1) % 3;
+  }
+  next_on_bus();
+}
+
+std::uint32_t Fdcan::read(std::uint32_t offset, unsigned) {
+  if (offset == 0x00) return 0x32141218;  // CREL
+  if (offset == 0x04) return 0x87654321;  // ENDN
+  if (offset == 0x90) return fill_ | get_ << 8 | put_ << 16 | (fill_ == 3 ? 1U << 24 : 0U);
+  if (offset == 0xC4) {
+    const auto waiting = static_cast<std::uint32_t>(to_send_.size());
+    return (3 - waiting) | (to_send_.empty() ? tx_put_ : to_send_.front()) << 8 | tx_put_ << 16 | (waiting == 3 ? 1U << 21 : 0U);
+  }
+  return offset / 4 < regs_.size() ? regs_[offset / 4] : 0;
+}
+
+void Fdcan::write(std::uint32_t offset, std::uint32_t value, unsigned) {
+  const bool configuration = offset == kDbtp || offset == kNbtp || offset == kTdcr || offset == kRxgfc || offset == kTxbc || offset == 0x100;
+  if (configuration && (regs_[kCccr / 4] & 3) != 3) {
+    around_.violation(fmt::format("FDCAN: register {:#x} written without INIT and CCE", offset));
+    return;
+  }
+  switch (offset) {
+    case kCccr: {
+      std::uint32_t& cccr = regs_[kCccr / 4];
+      if ((value & 0x300) != (cccr & 0x300) && (cccr & 3) != 3) around_.violation("FDCAN: FDOE or BRSE changed without INIT and CCE");
+      cccr = (value & 1) == 0 ? value & ~2U : value;
+      break;
+    }
+    case kIr: regs_[kIr / 4] &= ~value; break;
+    case 0x94:
+      if (fill_ == 0 || (value & 3) != get_) around_.violation("FDCAN: acknowledged a FIFO element that is not the oldest");
+      else {
+        get_ = (get_ + 1) % 3;
+        --fill_;
+      }
+      break;
+    case 0xCC: request(value & 7); break;
+    default:
+      if (offset / 4 < regs_.size()) regs_[offset / 4] = value;
+  }
+  update_irqs();
+  next_on_bus();
+}
+
+}  // namespace triskin::machine

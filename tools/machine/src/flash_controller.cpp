@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "flash_controller.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace triskin::machine {
+namespace {
+
+constexpr std::uint32_t kLock = 1U << 31, kBusy = 1U << 16, kStart = 1U << 16, kEcc = 1U << 31;
+constexpr std::uint32_t kProgError = 1U << 3, kAlignError = 1U << 5, kSizeError = 1U << 6, kSequenceError = 1U << 7;
+
+}  // namespace
+
+void FlashController::reset() {
+  ++generation_;
+  acr_ = 0x600;
+  sr_ = eccr_ = 0;
+  cr_ = 0xC0000000;
+  keys_ = 0;
+  locked_out_ = half_waits_ = false;
+}
+
+std::uint32_t FlashController::read(std::uint32_t offset, unsigned) {
+  switch (offset) {
+    case 0x00: return acr_;
+    case 0x10: return sr_;
+    case 0x14: return cr_;
+    case 0x18: return eccr_;
+    default: return 0;
+  }
+}
+
+void FlashController::error(std::uint32_t flag, const char* what) {
+  sr_ |= flag | 2;
+  around_.violation(what);
+}
+
+// A wrong key or order locks the register until the next reset (§3.3.5).
+void FlashController::write_key(std::uint32_t value) {
+  constexpr std::uint32_t kKeys[2] = {0x45670123, 0xCDEF89AB};
+  if (locked_out_ || (cr_ & kLock) == 0 || value != kKeys[keys_]) {
+    locked_out_ = true;
+    cr_ |= kLock;
+    around_.violation("FLASH_KEYR: wrong key or order; locked until reset");
+    return;
+  }
+  if (++keys_ == 2) {
+    cr_ &= ~kLock;
+    keys_ = 0;
+  }
+}
+
+void FlashController::write(std::uint32_t offset, std::uint32_t value, unsigned) {
+  switch (offset) {
+    case 0x00:
+      acr_ = value;
+      rcc_.set_wait_states(value & 15);
+      break;
+    case 0x08: write_key(value); break;
+    case 0x10: sr_ &= ~(value & 0xC3FB); break;
+    case 0x14: write_control(value); break;
+    case 0x18: eccr_ &= ~(value & 0xC0000000); break;
+    default: around_.violation(fmt::format("FLASH register {:#x} is not modelled", offset));
+  }
+}
+
+void FlashController::write_control(std::uint32_t value) {
+  if ((cr_ & kLock) != 0) {
+    around_.violation("FLASH_CR written while locked");
+    return;
+  }
+  if ((sr_ & kBusy) != 0) {
+    around_.violation("FLASH_CR written while busy");
+    return;
+  }
+  cr_ = (cr_ & 0x40000000) | (value & 0x8FFFFFFF);
+  if ((cr_ & kStart) == 0) return;
+  cr_ &= ~kStart;
+  if ((cr_ & 2) == 0 || (cr_ & 1) != 0) error(kSequenceError, "FLASH_CR.STRT without page erase, or with programming");
+  else start_erase();
+}
+
+// Counts the operation; when power fails in it, half of it has happened.
+void FlashController::begin(Time duration, std::function<void(bool torn)> effect) {
+  sr_ |= kBusy;
+  const bool cut = chip_.operations++ == chip_.cut_at;
+  around_.time().after(cut ? duration / 2 : duration, [this, cut, effect = std::move(effect), g = generation_] {
+    effect(cut);
+    power_lost_ = power_lost_ || cut;
+    if (g != generation_) return;
+    sr_ = (sr_ & ~kBusy) | 1;
+  });
+}
+
+void FlashController::start_erase() {
+  const std::uint32_t page = (cr_ >> 3 & 127) + ((cr_ >> 11 & 1) != 0 ? 128 : 0);
+  begin(kEraseTime, [this, page](bool torn) {
+    const std::uint32_t size = torn ? FlashChip::kPage / 2 : FlashChip::kPage;
+    const std::vector<std::uint8_t> ones(size, 0xFF);
+    store_(FlashChip::kBase + page * FlashChip::kPage, ones.data(), size);
+    for (std::uint32_t k = 0; k < size / FlashChip::kUnit; ++k) {
+      const std::uint32_t unit = page * (FlashChip::kPage / FlashChip::kUnit) + k;
+      chip_.used[unit] = false;
+      chip_.torn.erase(unit);
+    }
+  });
+}
+
+void FlashController::cell_write(std::uint32_t address, std::uint32_t value, unsigned size) {
+  if ((cr_ & kLock) != 0 || (cr_ & 1) == 0) {
+    error(kSequenceError, (cr_ & kLock) != 0 ? "write to a locked flash" : "write to the flash without FLASH_CR.PG");
+    return;
+  }
+  if ((sr_ & kBusy) != 0) {
+    error(kSequenceError, "write to a busy flash");
+    return;
+  }
+  if (size != 4) {
+    error(kSizeError, "flash written in bytes or half-words");
+    return;
+  }
+  if (!half_waits_) {
+    if (address % FlashChip::kUnit != 0) {
+      error(kAlignError, "flash unit begun in its middle");
+      return;
+    }
+    half_waits_ = true;
+    half_address_ = address;
+    words_[0] = value;
+    return;
+  }
+  half_waits_ = false;
+  if (address != half_address_ + 4) {
+    error(kAlignError, "second word of a flash unit is elsewhere");
+    return;
+  }
+  words_[1] = value;
+  program_unit();
+}
+
+// Erased units only; all zeros may be written over anything (§3.3.8).
+void FlashController::program_unit() {
+  const std::uint32_t offset = half_address_ - FlashChip::kBase, unit = offset / FlashChip::kUnit;
+  if (chip_.used[unit] && (words_[0] | words_[1]) != 0) {
+    error(kProgError, "flash unit programmed twice");
+    return;
+  }
+  const std::uint64_t both = words_[0] | static_cast<std::uint64_t>(words_[1]) << 32;
+  begin(kProgramTime, [this, offset, unit, both](bool torn) {
+    std::uint64_t value = both;
+    if (torn) {
+      value |= 0xAAAAAAAAAAAAAAAA;  // half of the bits have not fallen yet
+      chip_.torn.insert(unit);
+    }
+    std::uint8_t data[8];
+    std::memcpy(data, &value, sizeof data);
+    store_(FlashChip::kBase + offset, data, sizeof data);
+    chip_.used[unit] = true;
+  });
+}
+
+void FlashController::torn_read(std::uint32_t unit) {
+  if (!chip_.torn.contains(unit)) return;
+  eccr_ = kEcc | unit;
+  around_.raise_nmi();
+}
+
+}  // namespace triskin::machine

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+
+#include "system_blocks.hpp"
+#include "triskin/machine/flash_chip.hpp"
+#include "triskin/machine/peripheral.hpp"
+
+namespace triskin::machine {
+
+/// Flash interface (RM0440 §3.7): keys, lock, page erase, programming of 64-bit units, busy times, error flags, ECC.
+class FlashController final : public Peripheral {
+ public:
+  static constexpr Time kProgramTime = 82 * kMicrosecond, kEraseTime = 22'000 * kMicrosecond;
+  /// `store` puts bytes into the memory that the core sees.
+  using Store = std::function<void(std::uint32_t address, const std::uint8_t* data, std::size_t size)>;
+
+  FlashController(Surroundings& around, FlashChip& chip, Rcc& rcc, Store store)
+      : Peripheral(around), chip_(chip), rcc_(rcc), store_(std::move(store)) {
+    reset();
+  }
+  std::uint32_t read(std::uint32_t offset, unsigned size) override;
+  void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
+  void reset() override;
+  /// The CPU wrote to the flash's address space.
+  void cell_write(std::uint32_t address, std::uint32_t value, unsigned size);
+  /// The CPU read a unit whose ECC is broken.
+  void torn_read(std::uint32_t unit);
+  /// Power failed in an operation: the machine must end.
+  [[nodiscard]] bool power_lost() const { return power_lost_; }
+
+ private:
+  void write_key(std::uint32_t value);
+  void write_control(std::uint32_t value);
+  void start_erase();
+  void program_unit();
+  void begin(Time duration, std::function<void(bool torn)> effect);
+  void error(std::uint32_t flag, const char* what);
+
+  FlashChip& chip_;
+  Rcc& rcc_;
+  Store store_;
+  std::uint32_t acr_ = 0, sr_ = 0, cr_ = 0, eccr_ = 0;
+  int keys_ = 0;
+  bool locked_out_ = false, power_lost_ = false;
+  bool half_waits_ = false;
+  std::uint32_t half_address_ = 0, words_[2]{};
+  std::uint64_t generation_ = 0;
+};
+
+}  // namespace triskin::machine

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gpio.hpp"
+
+#include <fmt/format.h>
+
+namespace triskin::machine {
+namespace {
+
+struct LinePins {
+  unsigned scl_port, scl, sda_port, sda;
+};
+constexpr std::array<LinePins, 4> kLines{{{0, 15, 1, 7}, {0, 9, 0, 8}, {2, 8, 2, 9}, {2, 6, 2, 7}}};
+
+}  // namespace
+
+void Gpio::reset() { ports_ = {}; }
+
+bool Gpio::drives_low(unsigned port, unsigned pin) const {
+  const Port& p = ports_[port];
+  return (p.moder >> (2 * pin) & 3) == 1 && (p.odr >> pin & 1) == 0;
+}
+
+std::uint32_t Gpio::levels(unsigned port) const {
+  std::uint32_t v = 0xFFFF;
+  for (unsigned pin = 0; pin < 16; ++pin) {
+    if (drives_low(port, pin)) v &= ~(1U << pin);
+  }
+  for (std::size_t k = 0; k < kLines.size(); ++k) {
+    if (kLines[k].scl_port == port && !buses_[k]->scl()) v &= ~(1U << kLines[k].scl);
+    if (kLines[k].sda_port == port && !buses_[k]->sda()) v &= ~(1U << kLines[k].sda);
+  }
+  return v;
+}
+
+std::uint32_t Gpio::read(std::uint32_t offset, unsigned) {
+  const unsigned port = offset / 0x400;
+  if (port >= ports_.size()) return 0;
+  const Port& p = ports_[port];
+  switch (offset % 0x400) {
+    case 0x00: return p.moder;
+    case 0x04: return p.otyper;
+    case 0x08: return p.ospeedr;
+    case 0x0C: return p.pupdr;
+    case 0x10: return levels(port);
+    case 0x14: return p.odr;
+    case 0x20: return p.afrl;
+    case 0x24: return p.afrh;
+    default: return 0;
+  }
+}
+
+// A rising SCL is one pulse; a rising SDA while SCL is high is a stop.
+void Gpio::follow_lines(const std::array<Port, 3>& before) {
+  const std::array<Port, 3> after = ports_;
+  for (std::size_t k = 0; k < kLines.size(); ++k) {
+    const LinePins& l = kLines[k];
+    ports_ = before;
+    const bool scl_was_low = drives_low(l.scl_port, l.scl), sda_was_low = drives_low(l.sda_port, l.sda);
+    ports_ = after;
+    const bool scl_low = drives_low(l.scl_port, l.scl), sda_low = drives_low(l.sda_port, l.sda);
+    if (scl_was_low && !scl_low) buses_[k]->pulse_scl(around_.time().now_us());
+    if (sda_was_low && !sda_low && !scl_low) buses_[k]->stop(around_.time().now_us());
+  }
+}
+
+void Gpio::write(std::uint32_t offset, std::uint32_t value, unsigned) {
+  const unsigned port = offset / 0x400;
+  if (port >= ports_.size()) return;
+  if (!rcc_.enabled(0x4C, port)) {
+    around_.violation(fmt::format("GPIO{} written without its clock", static_cast<char>('A' + port)));
+    return;
+  }
+  const std::array<Port, 3> before = ports_;
+  Port& p = ports_[port];
+  switch (offset % 0x400) {
+    case 0x00: p.moder = value; break;
+    case 0x04: p.otyper = value; break;
+    case 0x08: p.ospeedr = value; break;
+    case 0x0C: p.pupdr = value; break;
+    case 0x14: p.odr = value & 0xFFFF; break;
+    case 0x18: p.odr = (p.odr | (value & 0xFFFF)) & ~(value >> 16 & ~value & 0xFFFF); break;
+    case 0x20: p.afrl = value; break;
+    case 0x24: p.afrh = value; break;
+    default: around_.violation(fmt::format("GPIO register {:#x} is not modelled", offset % 0x400));
+  }
+  follow_lines(before);
+}
+
+}  // namespace triskin::machine

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+
+#include "system_blocks.hpp"
+#include "triskin/machine/peripheral.hpp"
+#include "triskin/sim/i2c_bus.hpp"
+
+namespace triskin::machine {
+
+/// Ports A, B, C (RM0440 §9.4): modes, alternate functions, levels. The pins of the four I²C lines are tied to their buses,
+/// so that pulses made by hand reach the chips.
+class Gpio final : public Peripheral {
+ public:
+  Gpio(Surroundings& around, Rcc& rcc, const std::array<sim::I2cBus*, 4>& buses) : Peripheral(around), rcc_(rcc), buses_(buses) { reset(); }
+  std::uint32_t read(std::uint32_t offset, unsigned size) override;
+  void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
+  void reset() override;
+
+ private:
+  struct Port {
+    std::uint32_t moder = 0xFFFFFFFF, otyper = 0, ospeedr = 0, pupdr = 0, odr = 0, afrl = 0, afrh = 0;
+  };
+  [[nodiscard]] bool drives_low(unsigned port, unsigned pin) const;
+  [[nodiscard]] std::uint32_t levels(unsigned port) const;
+  void follow_lines(const std::array<Port, 3>& before);
+
+  Rcc& rcc_;
+  std::array<sim::I2cBus*, 4> buses_;
+  std::array<Port, 3> ports_;
+};
+
+}  // namespace triskin::machine

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+
+#include "triskin/machine/peripheral.hpp"
+#include "triskin/machine/vcd.hpp"
+#include "triskin/sim/i2c_bus.hpp"
+
+namespace triskin::machine {
+
+/// I²C version 2 as a master (RM0440 §41.9): timing from TIMINGR, data register and shift register, automatic end, NACK and
+/// stop, SCL time-out. The bytes go to an I2cBus. Its pins can be taken away by the GPIO block (bus clear).
+class I2cController final : public Peripheral {
+ public:
+  I2cController(Surroundings& around, int line, sim::I2cBus& bus, int event_irq, int error_irq, VcdTrace* trace)
+      : Peripheral(around), line_(line), bus_(bus), event_irq_(event_irq), error_irq_(error_irq), trace_(trace) {
+    reset();
+  }
+  std::uint32_t read(std::uint32_t offset, unsigned size) override;
+  void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
+  void reset() override;
+  [[nodiscard]] sim::I2cBus& bus() { return bus_; }
+  [[nodiscard]] Time busy_time() const { return busy_time_; }
+  [[nodiscard]] Time scl_period() const;
+
+ private:
+  void after(Time delay, std::function<void()> action);
+  void write_control2(std::uint32_t value);
+  void check_timing();
+  void begin();
+  void address_sent();
+  void shift_out();
+  void shift_in();
+  void deliver();
+  void finish_phase();
+  void send_stop();
+  void hang();
+  [[nodiscard]] bool lines_free() const { return bus_.scl() && bus_.sda(); }
+  void update_irqs();
+
+  int line_;
+  sim::I2cBus& bus_;
+  int event_irq_, error_irq_;
+  VcdTrace* trace_;
+  std::uint32_t cr1_ = 0, cr2_ = 0, timing_ = 0, timeout_ = 0, isr_ = 1;
+  std::uint8_t rx_ = 0, tx_ = 0, held_ = 0;
+  bool reading_ = false, tx_waits_ = false, shifting_ = false, stretched_ = false;
+  std::uint32_t count_ = 0, loaded_ = 0, moved_ = 0;
+  std::uint64_t generation_ = 0;
+  bool on_bus_ = false;
+  Time busy_since_ = 0, busy_time_ = 0;
+};
+
+}  // namespace triskin::machine

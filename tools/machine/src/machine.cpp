@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/machine/machine.hpp"
+
+#include "core.hpp"
+
+namespace triskin::machine {
+
+Machine::Machine(const MachineSetup& setup) : core_(std::make_unique<Core>(setup)) {}
+Machine::~Machine() = default;
+
+void Machine::run_until(std::uint64_t us) {
+  core_->run_until(us * kMicrosecond);
+  for (std::size_t k = 0; k < 4; ++k) core_->counts_.i2c_busy_us[k] = core_->i2c_busy(k) / kMicrosecond;
+}
+
+std::uint64_t Machine::now_us() const { return core_->time().now_us(); }
+void Machine::receive(const wire::CanFrame& frame) { core_->receive(frame); }
+std::uint32_t Machine::read_word(std::uint32_t address) const { return core_->load(address); }
+const std::vector<Violation>& Machine::violations() const { return core_->violations_; }
+const MachineCounts& Machine::counts() const { return core_->counts_; }
+std::uint64_t Machine::sysclk_hz() const { return core_->sysclk_hz(); }
+std::uint32_t Machine::vector_table() const { return core_->vtor(); }
+
+}  // namespace triskin::machine
