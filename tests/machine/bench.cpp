@@ -19,9 +19,10 @@ bool TestLine::start(std::uint8_t address_byte, std::uint64_t) {
   return true;
 }
 
-bool TestLine::write(std::uint8_t byte, std::uint64_t) {
+bool TestLine::write(std::uint8_t byte, std::uint64_t now_us) {
   ++bytes;
   if (selected_ == nullptr) return false;
+  if (position_ == 3 && pointer_ == 0) selected_->restart_us = now_us;
   if (position_ == 0) pointer_ = static_cast<std::uint16_t>(byte << 8);
   else if (position_ == 1) pointer_ = static_cast<std::uint16_t>(pointer_ | byte);
   else if (position_ % 2 == 0) selected_->regs[pointer_ & 0xFF] = static_cast<std::uint16_t>(byte << 8);
@@ -30,8 +31,9 @@ bool TestLine::write(std::uint8_t byte, std::uint64_t) {
   return true;
 }
 
-std::uint16_t TestLine::expected(std::size_t chip, int stage, std::uint64_t now_us) {
-  return static_cast<std::uint16_t>(0x4000 + now_us / kSequence_us % 1024 * 8 + chip + static_cast<unsigned>(stage) * 0x800);
+std::uint16_t TestLine::expected(std::size_t chip, int stage, std::uint64_t now_us) const {
+  const std::uint64_t since_us = now_us - chips[chip].restart_us;
+  return static_cast<std::uint16_t>(0x4000 + since_us / kSequence_us % 1024 * 8 + chip + static_cast<unsigned>(stage) * 0x800);
 }
 
 std::uint8_t TestLine::read(bool, std::uint64_t now_us) {
@@ -39,7 +41,12 @@ std::uint8_t TestLine::read(bool, std::uint64_t now_us) {
   if (selected_ == nullptr) return 0xFF;
   std::uint16_t value = selected_->regs[pointer_ & 0xFF];
   if (pointer_ == 0x17) value = selected_->id;
-  if (pointer_ >= 0x0B && pointer_ <= 0x16) value = expected(index_, pointer_ - 0x0B, now_us);
+  if (pointer_ >= 0x0B && pointer_ <= 0x16) {
+    const int stage = pointer_ - 0x0B;
+    value = expected(index_, stage, now_us);
+    const bool positive = (selected_->regs[0x81 + 8 * static_cast<std::size_t>(stage)] & 0x1000) != 0;
+    if (positive) value = static_cast<std::uint16_t>(0x10000 - value);  // the converter's inputs mirror each other
+  }
   if (position_++ % 2 == 0) return static_cast<std::uint8_t>(value >> 8);
   ++pointer_;
   return static_cast<std::uint8_t>(value);
@@ -52,6 +59,13 @@ void TestLine::stop(std::uint64_t) {
 
 void TestLine::pulse_scl(std::uint64_t) {
   if (++pulses == frees_after_pulses) sda_held = false;
+}
+
+std::vector<std::uint8_t> whole_blocks(const ElfImage& image) {
+  const std::vector<std::uint8_t> flat = image.flat();
+  std::vector<std::uint8_t> out((flat.size() + 255) / 256 * 256, 0xFF);
+  std::ranges::copy(flat, out.begin());
+  return out;
 }
 
 layout::PatchImage patch(int modules) {
@@ -77,6 +91,7 @@ void Bench::power_up() {
   for (std::size_t k = 0; k < 12; ++k) setup.unique_id[k] = static_cast<std::uint8_t>(0x10 + k);
   setup.on_can = [this](const wire::CanFrame& f, std::uint64_t) { frames.push_back(f); };
   setup.trace = trace;
+  setup.crystal_works = crystal_works;
   machine = std::make_unique<Machine>(setup);
 }
 
@@ -112,7 +127,7 @@ std::vector<std::uint8_t> Bench::request(const std::vector<std::uint8_t>& bytes)
   return {};
 }
 
-void Bench::send(std::uint32_t id, std::vector<std::uint8_t> data) {
+void Bench::send(std::uint32_t id, std::span<const std::uint8_t> data) {
   wire::CanFrame f;
   f.id = id;
   f.extended = true;

@@ -22,6 +22,7 @@ class TestLine final : public sim::I2cBus {
     bool present = true;
     std::uint16_t id = 0x1472;
     std::array<std::uint16_t, 0x100> regs{};
+    std::uint64_t restart_us = 0;  ///< writing power control restarts the sequence
   };
   std::array<Chip, 4> chips;
   bool sda_held = false, scl_held = false;
@@ -38,7 +39,7 @@ class TestLine final : public sim::I2cBus {
   [[nodiscard]] bool sda() const override { return !sda_held; }
   void pulse_scl(std::uint64_t now_us) override;
   /// What stage `stage` of a chip gives at a time: the number of the sequence, chip and stage in one value.
-  static std::uint16_t expected(std::size_t chip, int stage, std::uint64_t now_us);
+  [[nodiscard]] std::uint16_t expected(std::size_t chip, int stage, std::uint64_t now_us) const;
 
  private:
   Chip* selected_ = nullptr;
@@ -49,6 +50,9 @@ class TestLine final : public sim::I2cBus {
 };
 
 [[nodiscard]] inline std::filesystem::path firmware(const char* name) { return std::filesystem::path(TRISKIN_FIRMWARE) / name; }
+
+/// The image filled up to blocks of 32 frames with eight bytes, as the loader acknowledges them.
+[[nodiscard]] std::vector<std::uint8_t> whole_blocks(const ElfImage& image);
 
 /// A patch of `modules` modules (four a line) for node 1.
 [[nodiscard]] layout::PatchImage patch(int modules);
@@ -69,7 +73,7 @@ class Bench : public ::testing::Test {
   /// One UDS request over ISO-TP; the response, empty after 200 ms of silence.
   std::vector<std::uint8_t> request(const std::vector<std::uint8_t>& bytes);
   /// Loader frames.
-  void send(std::uint32_t id, std::vector<std::uint8_t> data);
+  void send(std::uint32_t id, std::span<const std::uint8_t> data);
   [[nodiscard]] std::uint32_t budget(std::uint32_t offset) const { return machine->read_word(application.symbols.at("triskin_budget") + offset); }
   void expect_no_violation() const {
     for (const Violation& v : machine->violations()) ADD_FAILURE() << v.at_us << " us: " << v.what;
@@ -80,6 +84,7 @@ class Bench : public ::testing::Test {
   ElfImage application;
   std::vector<wire::CanFrame> frames;  ///< sent by the controller
   VcdTrace* trace = nullptr;
+  bool crystal_works = true;
   std::unique_ptr<Machine> machine;
 };
 

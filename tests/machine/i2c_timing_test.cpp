@@ -6,16 +6,18 @@
 namespace triskin::board {
 namespace {
 
-// By hand for 170 MHz (5.882 ns): both edges' synchronization is 2 · (50 + 2 · 5.882) = 123.5 ns, so 2376.5 ns remain for low and
-// high: 405 clocks; low 222 and high 103 are needed, the spare 80 is shared 54 : 26 → 276 clocks low. That does not fit 8 bits, so
-// prescaler 1 (11.765 ns): 203 units; 111 + 51, spare 41 → 28 : 13 → low 139, high 64.
+// By hand for 170 MHz (5.882 ns). Data set-up needs 400 ns in at most 16 units, so a unit is at least 25 ns: prescaler 4, 29.41 ns, 14
+// units. Both edges' synchronization is 2 · (50 + 2 · 5.882) = 123.5 ns; 2376.5 ns remain for low and high: 81 units. Low needs 45
+// (1300 ns), high 21 (600 ns); the spare 15 are shared 10 : 5.
 TEST(I2cTiming, WorkedByHandAt170MHz) {
   const auto t = compute_i2c_timing({});
   ASSERT_TRUE(t.has_value());
-  EXPECT_EQ(t->prescaler, 1);
-  EXPECT_EQ(t->low + 1, 139);
-  EXPECT_EQ(t->high + 1, 64);
-  EXPECT_EQ(t->data_setup + 1, 4 + 30);  // 400 ns / 11.765 ns = 34 units: does not fit 4 bits
+  EXPECT_EQ(t->prescaler, 4);
+  EXPECT_EQ(t->low + 1, 55);
+  EXPECT_EQ(t->high + 1, 26);
+  EXPECT_EQ(t->data_setup + 1, 14);
+  EXPECT_EQ(t->data_delay, 0);
+  EXPECT_EQ(t->value(), 4U << 28 | 13U << 20 | 25U << 8 | 54U);
 }
 
 TEST(I2cTiming, KeepsTheLimitsOfFastModeForEveryClock) {

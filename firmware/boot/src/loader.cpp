@@ -14,6 +14,7 @@ namespace triskin::board {
 namespace {
 
 using boot::Command;
+constexpr std::uint64_t kLook_us = 10'000;
 
 struct Update {
   bool stay = false, selected = false;
@@ -133,5 +134,11 @@ int main() {
     }
     if (!update.stay && microseconds() >= window_end) start_newest();
     feed_watchdog();
+    asm volatile("cpsid i" ::: "memory");
+    if (!can.frame_waits()) {
+      wake_at(update.stay ? microseconds() + kLook_us : window_end);
+      asm volatile("dsb\n wfi" ::: "memory");
+    }
+    asm volatile("cpsie i\n isb" ::: "memory");
   }
 }

@@ -2,6 +2,8 @@
 #include "triskin/board/board.hpp"
 #include "triskin/board/registers/system.hpp"
 
+extern "C" void tim2_handler();
+
 namespace triskin::board {
 namespace {
 
@@ -21,16 +23,17 @@ bool start_crystal() {
   return false;
 }
 
-// 8 MHz / 2 · 85 / 2 = 170 MHz (M in bits 4–7, N in 8–14, R = 2 as 0 in 25–26).
-constexpr std::uint32_t kPll = rcc_reg::kPllFromHse | (2U - 1U) << 4 | 85U << 8 | rcc_reg::kPllREnable;
+// 8 MHz / 2 or 16 MHz / 4, · 85 / 2 = 170 MHz (M in bits 4–7, N in 8–14, R = 2 as 0 in 25–26).
+constexpr std::uint32_t kPllCommon = 85U << 8 | rcc_reg::kPllREnable;
+constexpr std::uint32_t kPllCrystal = rcc_reg::kPllFromHse | (2U - 1U) << 4 | kPllCommon;
+constexpr std::uint32_t kPllInternal = rcc_reg::kPllFromHsi | (4U - 1U) << 4 | kPllCommon;
 
 }  // namespace
 
 void start_clocks() {
   if ((rcc_reg::kCfgr.read() >> rcc_reg::kStatusShift & 3U) == rcc_reg::kSwitchPll) return;  // the loader did it
   raise_core_voltage();
-  if (!start_crystal()) return;
-  rcc_reg::kPllCfgr.write(kPll);
+  rcc_reg::kPllCfgr.write(start_crystal() ? kPllCrystal : kPllInternal);
   rcc_reg::kCr.set(rcc_reg::kPllOn);
   while (!rcc_reg::kCr.any(rcc_reg::kPllReady)) {
   }
@@ -54,12 +57,12 @@ std::uint32_t wraps = 0;
 void start_microseconds() {
   rcc_reg::kApb1Enr1.set(rcc_reg::kTim2);
   (void)rcc_reg::kApb1Enr1.read();
-  const bool fast = (rcc_reg::kCfgr.read() >> rcc_reg::kStatusShift & 3U) == rcc_reg::kSwitchPll;
-  tim2_reg::kPsc.write(fast ? 170 - 1 : 16 - 1);
+  tim2_reg::kPsc.write(170 - 1);
   tim2_reg::kArr.write(0xFFFFFFFF);
   tim2_reg::kEgr.write(tim2_reg::kUpdate);  // loads the prescaler
   tim2_reg::kSr.write(0);
   tim2_reg::kCr1.write(tim2_reg::kEnable);
+  core_reg::enable_interrupt(tim2_reg::kIrq);
 }
 
 std::uint64_t microseconds() {
@@ -100,3 +103,9 @@ std::array<std::uint8_t, 12> unique_id() {
 }
 
 }  // namespace triskin::board
+
+extern "C" void tim2_handler() {
+  using namespace triskin::board;
+  tim2_reg::kSr.write(0);
+  tim2_reg::kDier.write(0);
+}

@@ -7,6 +7,8 @@
 namespace triskin::board {
 namespace {
 
+constexpr std::uint64_t kLook_us = 500;
+
 // Keeps the control register unlocked for one operation only: a runaway program cannot write.
 class Unlocked {
  public:
@@ -21,6 +23,14 @@ class Unlocked {
 
 void wait_ready() {
   while (flash_reg::kSr.any(flash_reg::kBusy)) {
+  }
+}
+
+// An erase takes 22 ms: sleep between the looks. Interrupts, among them those of the I²C lines, go on.
+void sleep_while_busy() {
+  while (flash_reg::kSr.any(flash_reg::kBusy)) {
+    wake_at(microseconds() + kLook_us);
+    asm volatile("dsb\n wfi" ::: "memory");
   }
 }
 
@@ -55,6 +65,7 @@ bool erase_flash_page(std::uint32_t address) {
   const std::uint32_t command = flash_reg::kPageErase | page << flash_reg::kPageShift | (second ? flash_reg::kBank2 : 0U);
   flash_reg::kCr.write(command);
   flash_reg::kCr.write(command | flash_reg::kStart);
+  sleep_while_busy();
   const bool good = finish();
   flush_data_cache();
   return good;

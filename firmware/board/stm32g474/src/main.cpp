@@ -90,19 +90,12 @@ void sleep_until(std::uint64_t at_us) {
 }  // namespace
 }  // namespace triskin::board
 
-extern "C" void tim2_handler() {
-  using namespace triskin::board;
-  tim2_reg::kSr.write(0);
-  tim2_reg::kDier.write(0);
-}
-
 int main() {
   using namespace triskin::board;
   triskin_budget.reset_cause = rcc_reg::kCsr.read();
   rcc_reg::kCsr.set(rcc_reg::kRemoveResetFlags);
   start_clocks();
   start_microseconds();
-  core_reg::enable_interrupt(tim2_reg::kIrq);
   start_watchdog();
   open_lines();
   can.open();

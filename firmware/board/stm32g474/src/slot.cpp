@@ -38,6 +38,13 @@ bool vectors_fit(int slot, std::uint32_t size_bytes) {
   return stack > kRamBase && stack <= kRamEnd && entry > kSlots[slot] && entry < kSlots[slot] + size_bytes;
 }
 
+bool marked(std::uint32_t first, std::uint32_t count) {
+  for (std::uint32_t k = 0; k < count; ++k) {
+    if (unit_used(first + k * kUnitBytes)) return true;
+  }
+  return false;
+}
+
 // The first free one of `count` units gets programmed; a unit that was torn looks free but is refused: the next one then.
 bool add_mark(std::uint32_t first, std::uint32_t count) {
   for (std::uint32_t k = 0; k < count; ++k) {
@@ -58,7 +65,7 @@ SlotState inspect_slot(int slot) {
   if (s.size_bytes < 512 || s.size_bytes > kImageBytes) return s;
   s.valid = vectors_fit(slot, s.size_bytes) && word(at + 12) == slot_crc(slot, s.sequence, s.size_bytes);
   for (std::uint32_t k = 0; k < kMaxStarts; ++k) s.starts += unit_used(at + (kStartUnit + k) * kUnitBytes) ? 1 : 0;
-  for (std::uint32_t k = 0; k < kConfirmUnits; ++k) s.confirmed = s.confirmed || unit_used(at + (kConfirmUnit + k) * kUnitBytes);
+  s.confirmed = marked(at + kConfirmUnit * kUnitBytes, kConfirmUnits);
   return s;
 }
 
@@ -101,8 +108,9 @@ Status commit_slot(int slot, std::uint32_t size_bytes, std::uint32_t crc) {
 void confirm_running_slot() {
   const std::uint32_t vectors = core_reg::kVtor.read();
   for (int slot = 0; slot < 2; ++slot) {
-    if (vectors != kSlots[slot] || inspect_slot(slot).confirmed) continue;
-    (void)add_mark(records(slot) + kConfirmUnit * kUnitBytes, kConfirmUnits);
+    const std::uint32_t first = records(slot) + kConfirmUnit * kUnitBytes;
+    // No CRC here: it would hold up the loop for 6 ms, and the loader has just looked.
+    if (vectors == kSlots[slot] && !marked(first, kConfirmUnits)) (void)add_mark(first, kConfirmUnits);
   }
 }
 

@@ -32,8 +32,8 @@ class FlashChip {
   /// Stores an application for a slot with its commit record and confirmation.
   void store_application(const ElfImage& image, std::uint32_t slot_bytes, std::uint32_t sequence);
 
-  /// Power fails in the middle of the operation (erase of a page or program of a unit) after the next `operations` ones.
-  void cut_power_after(std::uint64_t operations) { cut_at = this->operations + operations; }
+  /// Power fails in the middle of the operation (erase of a page or program of a unit) after the next `more` ones.
+  void cut_power_after(std::uint64_t more) { cut_at = operations + more; }
 
   std::vector<std::uint8_t> bytes;
   std::vector<bool> used;              ///< per unit: programmed since its erase

@@ -7,7 +7,7 @@
 namespace triskin::board {
 
 /// HSE 8 MHz, PLL 340 MHz, SYSCLK = HCLK = PCLK = 170 MHz, range 1 boost, four wait states (RM0440 §6.1.5, §7.2.4, §3.3.3).
-/// Falls back to HSI 16 MHz when the crystal does not start. Waits for the oscillators (start-up only).
+/// Without a crystal the PLL runs from HSI 16 MHz (± 1 %: enough for I²C and, as a rule, for classic CAN). Waits for the oscillators (start-up only).
 void start_clocks();
 
 /// TIM2 at 1 MHz: 32 bits in hardware, extended to 64 on each reading; must be read at least every 71 minutes.
