@@ -34,19 +34,20 @@ struct PartBits {
     }
     return seen;
   }
-  /// Σ of distances from v; every node is within reach.
-  [[nodiscard]] int sum_of_distances(int v) const {
+  /// Σ of distances from v within `allowed`, which is connected and holds v.
+  [[nodiscard]] int sum_of_distances(int v, std::uint32_t allowed) const {
     std::uint32_t seen = 1U << v, front = seen;
     int sum = 0;
     for (int depth = 1; front != 0; ++depth) {
       std::uint32_t next = 0;
       for (; front != 0; front &= front - 1) next |= joined[static_cast<std::size_t>(std::countr_zero(front))];
-      front = next & ~seen;
+      front = next & allowed & ~seen;
       seen |= front;
       sum += depth * std::popcount(front);
     }
     return sum;
   }
+  [[nodiscard]] bool connected(std::uint32_t set) const { return set != 0 && reach(set & (~set + 1), set) == set; }
 };
 
 }  // namespace triskin::geometry

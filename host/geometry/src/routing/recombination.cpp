@@ -2,140 +2,200 @@
 #include "recombination.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
-#include "part_bits.hpp"
 #include "wiring.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-constexpr int kNoBorder = 20'000, kParted = 24, kDepth = 4;
-constexpr int kFirstThreshold = 60;
+constexpr int kNoBorder = 20'000, kLost = 24, kDepth = 3;
+constexpr int kFirstThreshold = 120;
+constexpr int kExchanges = 8;  // single modules tried on each pair of parts
 
-// Modules that are cut off the largest rest by each single module failure.
-int parted(const PartBits& bits) {
-  int sum = 0;
-  for (int v = 0; v < bits.n; ++v) {
-    std::uint32_t rest = bits.all & ~(1U << v);
-    const int left = std::popcount(rest);
-    int largest = 0;
-    while (rest != 0) {
-      const std::uint32_t piece = bits.reach(rest & (~rest + 1), rest);
-      largest = std::max(largest, std::popcount(piece));
-      rest &= ~piece;
-    }
-    sum += left - largest;
-  }
-  return sum;
+std::uint32_t bit(int v) { return 1U << v; }
+int lowest(std::uint32_t set) { return std::countr_zero(set); }
+
+// One bit of `set` at random.
+int pick(std::uint32_t set, Random& random) {
+  for (int k = random.below(std::popcount(set)); k > 0; --k) set &= set - 1;
+  return lowest(set);
 }
 
 class Recombiner {
  public:
   Recombiner(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, Random& random, Partition& partition)
-      : graph_(graph), g_(g), options_(options), random_(random), p_(partition), members_(at(partition.parts)), cost_(at(partition.parts)) {
-    for (int v = 0; v < g.size(); ++v) members_[at(p_.part_of[at(v)])].push_back(v);
-    for (std::size_t k = 0; k < members_.size(); ++k) cost_[k] = cost_of(members_[k]);
+      : g_(g), capacity_(options.capacity), random_(random), p_(partition), members_(at(partition.parts)), cost_(at(partition.parts)),
+        border_(at(g.size()), false), cable_cm_(at(g.size()), 0), slot_(at(g.size()), -1) {
+    for (int v = 0; v < g.size(); ++v) {
+      members_[at(p_.part_of[at(v)])].push_back(v);
+      for (int s = 0; s < 3; ++s) border_[at(v)] = border_[at(v)] || is_border(graph, g.node[at(v)], s);
+      if (options.has_controller_place) cable_cm_[at(v)] = static_cast<int>(std::lround(cable_m(graph, g.node[at(v)], options) * 100.0));
+    }
+    for (std::size_t k = 0; k < members_.size(); ++k) {
+      load(members_[k], {});
+      cost_[k] = secondary_cost(bits(), around_, bits().all);
+    }
+    for (int v = 0; v < g.size(); ++v) {
+      for (const int w : g.neighbour[at(v)]) {
+        if (w >= 0) joints_.push_back({v, w});
+      }
+    }
   }
 
   void run(int moves) {
-    for (int k = 0; k < moves; ++k) {
-      // The second half only descends: the end is a local optimum of what was visited.
-      move(std::max(0, kFirstThreshold - 2 * kFirstThreshold * k / moves));
-    }
+    // The second half only descends: the end is a local optimum of what was visited.
+    for (int k = 0; k < moves; ++k) move(std::max(0, kFirstThreshold - 2 * kFirstThreshold * k / moves));
   }
 
  private:
-  [[nodiscard]] int cost_of(const std::vector<int>& nodes) const {
-    std::vector<int> global;
-    global.reserve(nodes.size());
-    for (const int v : nodes) global.push_back(g_.node[at(v)]);
-    return secondary_cost(graph_, localize(graph_, std::move(global)), options_);
+  [[nodiscard]] const PartBits& bits() const { return *bits_; }
+
+  // The union of two parts as local numbers 0 … n−1; the first part's nodes come first.
+  void load(const std::vector<int>& a, const std::vector<int>& b) {
+    both_.node = a;
+    both_.node.insert(both_.node.end(), b.begin(), b.end());
+    both_.neighbour.assign(both_.node.size(), {-1, -1, -1});
+    around_.border = 0;
+    for (std::size_t k = 0; k < both_.node.size(); ++k) slot_[at(both_.node[k])] = static_cast<int>(k);
+    for (std::size_t k = 0; k < both_.node.size(); ++k) {
+      const int v = both_.node[k];
+      for (std::size_t s = 0; s < 3; ++s) both_.neighbour[k][s] = g_.neighbour[at(v)][s] < 0 ? -1 : slot_[at(g_.neighbour[at(v)][s])];
+      if (border_[at(v)]) around_.border |= 1U << k;
+      around_.cable_cm[k] = cable_cm_[at(v)];
+    }
+    for (const int v : both_.node) slot_[at(v)] = -1;
+    bits_.emplace(both_);
   }
 
   void move(int threshold) {
-    const int v = random_.below(g_.size());
-    const int w = g_.neighbour[at(v)][at(random_.below(3))];
-    if (w < 0 || p_.part_of[at(w)] == p_.part_of[at(v)]) return;
-    const int a = p_.part_of[at(v)], b = p_.part_of[at(w)];
-    split(a, b);
-    if (left_.empty()) return;
-    const int cost_a = cost_of(left_), cost_b = cost_of(right_);
-    if (cost_a + cost_b > cost_[at(a)] + cost_[at(b)] + threshold) return;
-    members_[at(a)] = left_;
-    members_[at(b)] = right_;
-    cost_[at(a)] = cost_a;
-    cost_[at(b)] = cost_b;
-    for (const int u : left_) p_.part_of[at(u)] = a;
-    for (const int u : right_) p_.part_of[at(u)] = b;
+    int a = 0, b = 0;
+    for (int tries = 0; tries < 64 && a == b; ++tries) {
+      const auto& [v, w] = joints_[at(random_.below(static_cast<int>(joints_.size())))];
+      a = p_.part_of[at(v)];
+      b = p_.part_of[at(w)];
+    }
+    if (a == b) return;
+    load(members_[at(a)], members_[at(b)]);
+    first_ = members_[at(a)].size() == 32 ? ~0U : (1U << members_[at(a)].size()) - 1U;
+    now_ = cost_[at(a)] + cost_[at(b)];
+    const std::uint32_t before = first_;
+    if (random_.below(3) == 0) cut_a_tree(threshold);
+    for (int k = 0; k < kExchanges; ++k) exchange(threshold);
+    if (first_ != before) store(a, b);
   }
 
-  // A random cut of a random tree of both parts into left_ and right_; left_ is empty when no cut fits.
-  void split(int a, int b) {
-    std::vector<int> nodes = members_[at(a)];
-    nodes.insert(nodes.end(), members_[at(b)].begin(), members_[at(b)].end());
-    std::ranges::sort(nodes);
-    LocalGraph both{nodes, {}};
-    for (const int v : nodes) {
-      std::array<int, 3> n{-1, -1, -1};
-      for (std::size_t s = 0; s < 3; ++s) {
-        const int w = g_.neighbour[at(v)][s];
-        if (w < 0 || (p_.part_of[at(w)] != a && p_.part_of[at(w)] != b)) continue;
-        n[s] = static_cast<int>(std::ranges::lower_bound(nodes, w) - nodes.begin());
-      }
-      both.neighbour.push_back(n);
-    }
-    left_.clear();
-    right_.clear();
-    const std::vector<int> whole(nodes.size(), 0);
-    for (int tries = 0; tries < 3 && left_.empty(); ++tries) {
-      random_tree(both, whole, 0, random_.below(both.size()), random_, tree_);
-      cut(both);
-    }
+  void offer(std::uint32_t first, int threshold) {
+    const int cost = secondary_cost(bits(), around_, first) + secondary_cost(bits(), around_, bits().all & ~first);
+    if (cost > now_ + threshold) return;
+    now_ = cost;
+    first_ = first;
   }
 
-  void cut(const LocalGraph& both) {
-    std::vector<int> size(at(both.size()), 1), fits;
+  // Nodes of `set` beside `other`.
+  [[nodiscard]] std::uint32_t rim(std::uint32_t set, std::uint32_t other) const {
+    std::uint32_t touched = 0;
+    for (; other != 0; other &= other - 1) touched |= bits().joined[at(lowest(other))];
+    return touched & set;
+  }
+
+  // Moves one module across, or swaps two where a part is full.
+  void exchange(int threshold) {
+    const std::uint32_t second = bits().all & ~first_;
+    const std::uint32_t rim_first = rim(first_, second), rim_second = rim(second, first_);
+    if (rim_first == 0 || rim_second == 0) return;
+    std::uint32_t changed = first_;
+    const int style = random_.below(4);
+    if (style != 0) changed &= ~bit(pick(rim_first, random_));
+    if (style != 1) changed |= bit(pick(rim_second, random_));
+    const std::uint32_t rest = bits().all & ~changed;
+    if (std::popcount(changed) > capacity_ || std::popcount(rest) > capacity_) return;
+    if (!bits().connected(changed) || !bits().connected(rest)) return;
+    offer(changed, threshold);
+  }
+
+  void cut_a_tree(int threshold) {
+    const std::vector<int> whole(both_.node.size(), 0);
+    random_tree(both_, whole, 0, random_.below(both_.size()), random_, tree_);
+    std::array<std::uint32_t, 32> below{};
+    std::vector<int> fits;
     for (auto v = tree_.order.rbegin(); v != tree_.order.rend(); ++v) {
-      const int p = tree_.parent[at(*v)];
+      below[at(*v)] |= bit(*v);
+      const int p = tree_.parent[at(*v)], size = std::popcount(below[at(*v)]);
       if (p < 0) continue;
-      if (size[at(*v)] <= options_.capacity && both.size() - size[at(*v)] <= options_.capacity) fits.push_back(*v);
-      size[at(p)] += size[at(*v)];
+      below[at(p)] |= below[at(*v)];
+      if (size <= capacity_ && both_.size() - size <= capacity_) fits.push_back(*v);
     }
-    if (fits.empty()) return;
-    const int top = fits[at(random_.below(static_cast<int>(fits.size())))];
-    std::vector<bool> below(at(both.size()), false);
-    for (const int v : tree_.order) {
-      below[at(v)] = v == top || (tree_.parent[at(v)] >= 0 && below[at(tree_.parent[at(v)])]);
-      (below[at(v)] ? left_ : right_).push_back(both.node[at(v)]);
-    }
+    if (!fits.empty()) offer(below[at(fits[at(random_.below(static_cast<int>(fits.size())))])], threshold);
   }
 
-  const ModuleGraph& graph_;
+  void store(int a, int b) {
+    members_[at(a)].clear();
+    members_[at(b)].clear();
+    for (int k = 0; k < both_.size(); ++k) {
+      const int part = (first_ & bit(k)) != 0 ? a : b;
+      members_[at(part)].push_back(both_.node[at(k)]);
+      p_.part_of[at(both_.node[at(k)])] = part;
+    }
+    cost_[at(a)] = secondary_cost(bits(), around_, first_);
+    cost_[at(b)] = now_ - cost_[at(a)];
+  }
+
   const LocalGraph& g_;
-  const RoutingOptions& options_;
+  int capacity_;
   Random& random_;
   Partition& p_;
   std::vector<std::vector<int>> members_;
-  std::vector<int> cost_, left_, right_;
+  std::vector<int> cost_;
+  std::vector<bool> border_;
+  std::vector<int> cable_cm_, slot_;
+  std::vector<std::array<int, 2>> joints_;
+  LocalGraph both_;
+  std::optional<PartBits> bits_;
+  PartSurroundings around_;
   SpanningTree tree_;
+  std::uint32_t first_ = 0;
+  int now_ = 0;
 };
+
+// Modules lost beyond the failed one, over all single module failures, with `entry` and the best second entry.
+int lost_with_two_entries(const PartBits& bits, std::uint32_t part, int entry, std::uint32_t border) {
+  std::array<std::uint32_t, 64> pieces;  // without the entry
+  std::size_t count = 0;
+  for (std::uint32_t left = part; left != 0; left &= left - 1) {
+    std::uint32_t rest = part & ~(left & (~left + 1));
+    if (lowest(left) != entry) rest &= ~bits.reach(bit(entry), rest);
+    while (rest != 0 && count < pieces.size()) {
+      pieces[count] = bits.reach(rest & (~rest + 1), rest);
+      rest &= ~pieces[count++];
+    }
+  }
+  int all = 0;
+  for (std::size_t k = 0; k < count; ++k) all += std::popcount(pieces[k]);
+  int best = all;
+  for (std::uint32_t seconds = border & part & ~bit(entry); seconds != 0; seconds &= seconds - 1) {
+    const std::uint32_t second = seconds & (~seconds + 1);
+    int lost = all;
+    for (std::size_t k = 0; k < count; ++k) lost -= (pieces[k] & second) != 0 ? std::popcount(pieces[k]) : 0;
+    best = std::min(best, lost);
+  }
+  return best;
+}
 
 }  // namespace
 
-int secondary_cost(const ModuleGraph& graph, const LocalGraph& part, const RoutingOptions& options) {
-  const PartBits bits(part);
-  int best = -1;
-  bool on_border = false;
-  for (int v = 0; v < part.size(); ++v) {
-    bool border = false;
-    for (int s = 0; s < 3; ++s) border = border || is_border(graph, part.node[at(v)], s);
-    if (on_border && !border) continue;
-    int entry = kDepth * bits.sum_of_distances(v);
-    if (options.has_controller_place) entry += static_cast<int>(cable_m(graph, part.node[at(v)], options) * 100.0);
-    if (best < 0 || entry < best || (border && !on_border)) best = entry;
-    on_border = on_border || border;
+int secondary_cost(const PartBits& bits, const PartSurroundings& around, std::uint32_t part) {
+  const bool on_border = (around.border & part) != 0;
+  int best = -1, entry = lowest(part);
+  for (std::uint32_t places = on_border ? around.border & part : part; places != 0; places &= places - 1) {
+    const int v = lowest(places);
+    const int cost = kDepth * bits.sum_of_distances(v, part) + around.cable_cm[at(v)];
+    if (best >= 0 && cost >= best) continue;
+    best = cost;
+    entry = v;
   }
-  return (on_border ? 0 : kNoBorder) + kParted * parted(bits) + best;
+  return (on_border ? 0 : kNoBorder) + kLost * lost_with_two_entries(bits, part, entry, around.border) + best;
 }
 
 void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Random& random, Partition& partition) {
