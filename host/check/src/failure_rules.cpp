@@ -21,6 +21,10 @@ class FailureRules {
       // No signal passes where an entry cable is plugged.
       const int behind = modules_.at(other.entry).beside[static_cast<std::size_t>(other.find(other.entry)->rotation)];
       if (behind >= 0) plugged_.insert(edge(other.entry, behind));
+      const int second = other.second_entry, side = other.second_side;
+      if (second < 0 || side < 0 || side > 2 || !modules_.contains(second)) continue;
+      const int beyond = modules_.at(second).beside[static_cast<std::size_t>(side)];
+      if (beyond >= 0) plugged_.insert(edge(second, beyond));
     }
   }
 
@@ -48,8 +52,14 @@ class FailureRules {
   void second_entry() {
     const int e = p_.second_entry, s = p_.second_side;
     if (e < 0) return;
-    const bool fits = e != p_.entry && p_.find(e) != nullptr && s >= 0 && s <= 2 && modules_.at(e).border && modules_.at(e).beside[static_cast<std::size_t>(s)] < 0;
-    if (!fits) f_.broken("second-entry", name(), fmt::format("module {} side {} is no free border side of another member", e, s));
+    bool fits = e != p_.entry && p_.find(e) != nullptr && s >= 0 && s <= 2;
+    if (fits) {
+      const int beyond = modules_.at(e).beside[static_cast<std::size_t>(s)];
+      fits = beyond < 0 ? modules_.at(e).border : p_.find(beyond) == nullptr;
+      const bool border = beyond < 0;
+      if (fits && border != p_.second_border) f_.broken("second-entry", name(), fmt::format("module {} is {}on the border", e, border ? "" : "not "));
+    }
+    if (!fits) f_.broken("second-entry", name(), fmt::format("module {} side {} has no place for a connector", e, s));
   }
 
   bool known(const FailureRow& x) {

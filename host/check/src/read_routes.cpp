@@ -74,7 +74,7 @@ RouteDocument read_route_document(const json& document) {
   for (const json& p : list(document, "routes", where)) {
     const std::string name = fmt::format("patch {}", d.patches.size());
     RoutePatch patch{integer(p, "entry", name), integer(p, "second_entry", name), integer(p, "second_entry_side", name),
-                     integer(p, "line_hops", name), integer(p, "max_depth", name), boolean(p, "border_entry", name), {}, pairs(p, "cut_joints", name), {}};
+                     integer(p, "line_hops", name), integer(p, "max_depth", name), boolean(p, "border_entry", name), boolean(p, "second_entry_border", name), {}, pairs(p, "cut_joints", name), {}};
     for (const json& m : list(p, "modules", name)) {
       patch.rows.push_back({integer(m, "id", name), integer(m, "parent", name), integer(m, "rotation", name), integer(m, "line", name),
                             integer(m, "address", name), integer(m, "depth", name)});

@@ -26,7 +26,7 @@ struct FailureRow {
 };
 struct RoutePatch {
   int entry, second_entry, second_side, line_hops, max_depth;
-  bool border_entry;
+  bool border_entry, second_border;
   std::vector<RouteRow> rows;
   std::vector<std::array<int, 2>> cut;
   std::vector<FailureRow> failures;

@@ -65,7 +65,7 @@ nlohmann::json patches_json(const geometry::RoutingResult& result, const Ids& id
     nlohmann::json articulation = nlohmann::json::array();
     for (const int v : p.articulation) articulation.push_back(id_of(ids, v));
     patches.push_back({{"entry", id_of(ids, p.entry)}, {"border_entry", p.border_entry}, {"second_entry", id_of(ids, p.second_entry)},
-                       {"second_entry_side", p.second_entry_side}, {"second_entry_saves", p.second_entry_saves}, {"modules", std::move(modules)},
+                       {"second_entry_side", p.second_entry_side}, {"second_entry_border", p.second_entry_border}, {"second_entry_saves", p.second_entry_saves}, {"modules", std::move(modules)},
                        {"cut_joints", pairs_json(p.cut_joints, ids)}, {"line_hops", p.line_hops}, {"max_depth", p.max_depth},
                        {"failures", failures_json(p, ids)}, {"articulation", std::move(articulation)}, {"bridges", pairs_json(p.bridges, ids)},
                        {"lines", lines_json(p)}, {"electrical_violations", p.electrical_violations}});

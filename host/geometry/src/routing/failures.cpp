@@ -11,6 +11,8 @@
 namespace triskin::geometry {
 namespace {
 
+constexpr int kBorderWorth = 6;  // modules
+
 struct Failure {
   int dead = -1;                    // local node
   std::array<int, 2> broken{-1, -1};  // local (parent, child)
@@ -47,9 +49,13 @@ class PatchAnalysis {
     }
   }
 
-  void run() {
+  void plan() {
     weak_points();
+    patch_.second_entry = patch_.second_entry_side = -1;
     if (options_.second_entry) choose_second_entry();
+  }
+
+  void run() {
     patch_.failures.clear();
     for (const Failure& f : failures_) patch_.failures.push_back(loss(f));
   }
@@ -91,22 +97,34 @@ class PatchAnalysis {
   }
 
   void choose_second_entry() {
-    patch_.second_entry = patch_.second_entry_side = -1;
     patch_.second_entry_saves = 0;
     const int without = total_reached(1U << entry_);
+    int best = 0;
     for (int v = 0; v < g_.size(); ++v) {
       if (v == entry_) continue;
-      for (int s = 0; s < 3; ++s) {
-        if (!is_border(graph_, g_.node[at(v)], s)) continue;
-        const int saves = total_reached(1U << entry_ | 1U << v) - without;
-        if (saves > patch_.second_entry_saves) {
-          patch_.second_entry = g_.node[at(v)];
-          patch_.second_entry_side = s;
-          patch_.second_entry_saves = saves;
-        }
-        break;
-      }
+      const auto [side, border] = connector_side(v);
+      if (side < 0) continue;
+      const int saves = total_reached(1U << entry_ | 1U << v) - without;
+      // A cable from outside is worth a few modules over all failures: inside only where it saves clearly more.
+      const int score = saves > 0 ? saves + (border ? kBorderWorth : 0) : 0;
+      if (score <= best) continue;
+      best = score;
+      patch_.second_entry = g_.node[at(v)];
+      patch_.second_entry_side = side;
+      patch_.second_entry_border = border;
+      patch_.second_entry_saves = saves;
     }
+  }
+
+  // A side without a joint of this patch, best on the border; otherwise at the seam to another patch. −1: none.
+  [[nodiscard]] std::pair<int, bool> connector_side(int v) const {
+    int seam = -1;
+    for (int s = 0; s < 3; ++s) {
+      if (is_border(graph_, g_.node[at(v)], s)) return {s, true};
+      const int across = graph_.nodes[at(g_.node[at(v)])].neighbour[at(s)];
+      if (seam < 0 && across >= 0 && owner_.patch[at(across)] != owner_.patch[at(patch_.entry)] && !cable_between(v, across)) seam = s;
+    }
+    return {seam, false};
   }
 
   FailureLoss loss(const Failure& f) {
@@ -212,11 +230,16 @@ class PatchAnalysis {
     if (used < options_.lines * options_.addresses) best = std::min(best, {d, v, node});
   }
 
-  // An entry cable, this patch's or the other's, lies in the joint of v and the node.
+  // A cable, this patch's or the other's, lies in the joint of v and the node.
   [[nodiscard]] bool cable_between(int v, int node) const {
     const Patch& other = patches_[at(owner_.patch[at(node)])];
-    const auto behind = [&](const Patch& p) { return graph_.nodes[at(p.entry)].neighbour[at(p.modules[0].rotation)]; };
-    return (other.entry == node && behind(other) == g_.node[at(v)]) || (v == entry_ && behind(patch_) == node);
+    const int mine = g_.node[at(v)];
+    const auto plugs = [&](const Patch& p, int from, int to) {
+      const auto& sides = graph_.nodes[at(from)].neighbour;
+      return (p.entry == from && sides[at(p.modules[0].rotation)] == to) ||
+             (p.second_entry == from && sides[at(p.second_entry_side)] == to);
+    };
+    return plugs(other, node, mine) || plugs(patch_, mine, node);
   }
 
   const ModuleGraph& graph_;
@@ -241,6 +264,8 @@ void analyse_failures(const ModuleGraph& graph, const RoutingOptions& options, s
       owner.depth[at(m.node)] = m.depth;
     }
   }
+  // Every connector is planned before losses are counted: it takes a joint that adoption could use.
+  for (Patch& patch : patches) PatchAnalysis(graph, options, patches, owner, patch).plan();
   for (Patch& patch : patches) PatchAnalysis(graph, options, patches, owner, patch).run();
 }
 

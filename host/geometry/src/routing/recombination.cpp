@@ -160,7 +160,7 @@ class Recombiner {
 };
 
 // Modules lost beyond the failed one, over all single module failures, with `entry` and the best second entry.
-int lost_with_two_entries(const PartBits& bits, std::uint32_t part, int entry, std::uint32_t border) {
+int lost_with_two_entries(const PartBits& bits, std::uint32_t part, int entry) {
   std::array<std::uint32_t, 64> pieces;  // without the entry
   std::size_t count = 0;
   for (std::uint32_t left = part; left != 0; left &= left - 1) {
@@ -174,7 +174,9 @@ int lost_with_two_entries(const PartBits& bits, std::uint32_t part, int entry, s
   int all = 0;
   for (std::size_t k = 0; k < count; ++k) all += std::popcount(pieces[k]);
   int best = all;
-  for (std::uint32_t seconds = border & part & ~bit(entry); seconds != 0; seconds &= seconds - 1) {
+  if (count == 0) return 0;
+  for (std::uint32_t seconds = part & ~bit(entry); seconds != 0; seconds &= seconds - 1) {
+    if (std::popcount(bits.joined[at(lowest(seconds))] & part) == 3) continue;  // no side for a connector
     const std::uint32_t second = seconds & (~seconds + 1);
     int lost = all;
     for (std::size_t k = 0; k < count; ++k) lost -= (pieces[k] & second) != 0 ? std::popcount(pieces[k]) : 0;
@@ -195,7 +197,7 @@ int secondary_cost(const PartBits& bits, const PartSurroundings& around, std::ui
     best = cost;
     entry = v;
   }
-  return (on_border ? 0 : kNoBorder) + kLost * lost_with_two_entries(bits, part, entry, around.border) + best;
+  return (on_border ? 0 : kNoBorder) + kLost * lost_with_two_entries(bits, part, entry) + best;
 }
 
 void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Random& random, Partition& partition) {

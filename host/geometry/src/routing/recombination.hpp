@@ -12,7 +12,7 @@ struct PartSurroundings {
 };
 
 /// Secondary cost of the connected set `part`, in integers so that every compiler decides alike: no border side ≫ modules
-/// lost beyond the failed one, summed over all module failures, with the best two border entries > Σ depth from the entry.
+/// lost beyond the failed one, summed over all module failures, with the best second entry > Σ depth from the entry.
 [[nodiscard]] int secondary_cost(const PartBits& bits, const PartSurroundings& around, std::uint32_t part);
 
 /// Lowers the sum of secondary costs under a fixed number of parts. A move takes two neighbouring parts and either draws a

@@ -15,7 +15,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kMostMoves = 6000;         // of recombination, an island: bounds the time of very large ones
+constexpr int kMostMoves = 5000;         // of recombination, an island: bounds the time of very large ones
 constexpr double kMilpWorthwhile_s = 10;  // CBC decides little in less
 
 void require_joints(const ModuleGraph& graph) {

@@ -64,7 +64,8 @@ struct Patch {
   std::vector<FailureLoss> failures;
   bool border_entry = false;          ///< the entry's cable side is reached from outside
   int second_entry = -1;              ///< node where a second connector saves most modules; -1: none saves any
-  int second_entry_side = -1;
+  int second_entry_side = -1;         ///< carries no joint of the patch: on the border, or at the seam to another patch
+  bool second_entry_border = false;   ///< false: its cable passes through the skin
   int second_entry_saves = 0;         ///< modules, summed over all single failures
   std::vector<int> articulation;      ///< modules whose failure parts others of the patch from its joints
   std::vector<std::array<int, 2>> bridges;  ///< joints whose failure does
@@ -100,7 +101,7 @@ struct RoutingOptions {
   ElectricalModel electrical;
   bool second_entry = true;   ///< plan a second connector where it saves modules
   bool adoption = true;       ///< let neighbouring patches with free addresses read orphans
-  int recombinations = 150;   ///< secondary-cost moves a patch; 0: keep the first partition
+  int recombinations = 60;    ///< secondary-cost moves a patch; 0: keep the first partition
   bool has_controller_place = false;  ///< cable lengths count in the secondary cost
   std::array<double, 3> controller_mm{};
 };
