@@ -2,187 +2,124 @@
 #include "partition.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <numeric>
-#include <random>
+
+#include "frontier.hpp"
+#include "milp.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
+constexpr int kTrees = 24;
+constexpr long kPeelBudget = 1'000'000;   // node visits: about 15 ms
+constexpr long kExactBudget = 2'000'000;  // state transitions: about 0.3 s
 
-// A spanning tree of the component as an order (parents first) and parents, by randomized search from a random root:
-// mixing breadth and depth first gives bushy and stringy trees.
-struct Tree {
-  std::vector<int> order;
-  std::vector<int> parent;  // by node
-};
-
-class TreeCutter {
+class Partitioner {
  public:
-  TreeCutter(const ModuleGraph& graph, const std::vector<int>& component, int capacity, std::uint64_t seed)
-      : graph_(graph), component_(component), capacity_(capacity), random_(seed), seen_(graph.nodes.size(), -1) {}
+  Partitioner(const LocalGraph& g, int capacity, std::uint64_t seed, double milp_time_s)
+      : g_(g), capacity_(capacity), milp_time_s_(milp_time_s), random_(seed), whole_(at(g.size()), 0) {}
 
-  std::vector<std::vector<int>> attempt() {
-    const Tree tree = random_tree();
-    return cut(tree);
+  Partition run() {
+    const int by_size = (g_.size() + capacity_ - 1) / capacity_;
+    best_.lower_bound = folded_lower_bound(g_, whole_, 0, capacity_);
+    best_.proof = best_.lower_bound == by_size ? "size" : "folding";
+    try_trees();
+    if (!met()) try_peel(kPeelBudget + 60L * g_.size());
+    if (!met()) try_exact();
+    if (!met() && milp_time_s_ > 0) try_milp();
+    if (!met()) best_.proof = "";
+    return std::move(best_);
   }
 
  private:
-  std::uint64_t below(std::uint64_t n) { return random_() % n; }
+  [[nodiscard]] bool met() const { return best_.parts == best_.lower_bound; }
 
-  Tree random_tree() {
-    ++stamp_;
-    Tree tree;
-    tree.parent.assign(graph_.nodes.size(), -1);
-    std::vector<int> front{component_[below(component_.size())]};
-    seen_[at(front[0])] = stamp_;
-    const std::uint64_t style = below(3);
-    while (!front.empty()) {
-      const std::size_t pick = style == 0 ? 0 : style == 1 ? front.size() - 1 : below(front.size());
-      const int v = front[pick];
-      front.erase(front.begin() + static_cast<std::ptrdiff_t>(pick));
-      tree.order.push_back(v);
-      std::array<int, 3> sides{0, 1, 2};
-      std::ranges::shuffle(sides, random_);
-      for (const int s : sides) {
-        const int w = graph_.nodes[at(v)].neighbour[at(s)];
-        if (w < 0 || seen_[at(w)] == stamp_) continue;
-        seen_[at(w)] = stamp_;
-        tree.parent[at(w)] = v;
-        front.push_back(w);
-      }
+  void offer(const std::vector<int>& part_of, int parts) {
+    if (best_.parts > 0 && parts >= best_.parts) return;
+    best_.part_of = part_of;
+    best_.parts = parts;
+  }
+  void offer(const std::vector<std::vector<int>>& parts) {
+    std::vector<int> part_of(at(g_.size()), -1);
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      for (const int v : parts[p]) part_of[at(v)] = static_cast<int>(p);
     }
-    return tree;
+    offer(part_of, static_cast<int>(parts.size()));
   }
 
-  // Bottom-up: where a subtree outgrows the capacity, its heaviest child becomes a part of its own. Fewest parts for
-  // this tree (Kundu and Misra, 1977).
-  std::vector<std::vector<int>> cut(const Tree& tree) {
-    std::vector<int> weight(graph_.nodes.size(), 1);
-    std::vector<std::vector<int>> children(graph_.nodes.size());
-    std::vector<bool> is_root(graph_.nodes.size(), false);
-    for (auto v = tree.order.rbegin(); v != tree.order.rend(); ++v) {
-      auto& mine = children[at(*v)];
-      std::ranges::sort(mine, {}, [&](int c) { return std::pair(weight[at(c)], c); });
-      for (const int c : mine) weight[at(*v)] += weight[at(c)];
-      while (weight[at(*v)] > capacity_) {
-        weight[at(*v)] -= weight[at(mine.back())];
-        is_root[at(mine.back())] = true;
-        mine.pop_back();
-      }
-      const int p = tree.parent[at(*v)];
-      if (p >= 0) children[at(p)].push_back(*v);
-      else is_root[at(*v)] = true;
+  void try_trees() {
+    SpanningTree tree;
+    std::vector<int> part_of;
+    for (int k = 0; k < kTrees && !met(); ++k) {
+      random_tree(g_, whole_, 0, random_.below(g_.size()), random_, tree);
+      const int parts = cut_tree(g_, tree, capacity_, part_of);
+      offer(part_of, parts);
     }
-    std::vector<int> part_of(graph_.nodes.size(), -1);
-    std::vector<std::vector<int>> parts;
-    for (const int v : tree.order) {
-      if (is_root[at(v)]) {
-        part_of[at(v)] = static_cast<int>(parts.size());
-        parts.emplace_back();
-      } else {
-        part_of[at(v)] = part_of[at(tree.parent[at(v)])];
-      }
-      parts[at(part_of[at(v)])].push_back(v);
-    }
-    return parts;
   }
 
-  const ModuleGraph& graph_;
-  const std::vector<int>& component_;
+  // Downwards from the best, so that a large patch that misses the bound still ends near it.
+  void try_peel(long budget) {
+    std::vector<int> part_of;
+    if (peel(g_, capacity_, best_.lower_bound, budget, random_, part_of)) return offer(part_of, best_.lower_bound);
+    while (best_.parts > best_.lower_bound + 1 && peel(g_, capacity_, best_.parts - 1, budget / 2, random_, part_of)) {
+      offer(part_of, best_.parts - 1);
+    }
+  }
+
+  void try_exact() {
+    const Folding folding = fold(g_, whole_, 0, capacity_);
+    while (!met()) {
+      const FrontierAnswer answer = divide_exactly(g_, folding, capacity_, best_.lower_bound, kExactBudget);
+      if (answer.decision == Decision::kTooLarge) return;
+      if (answer.decision == Decision::kFeasible) offer(answer.parts);
+      else ++best_.lower_bound;
+      best_.proof = "frontier";
+    }
+  }
+
+  void try_milp() {
+    const MilpAnswer answer = divide_by_milp(g_, capacity_, best_.lower_bound, milp_time_s_);
+    best_.lower_bound = std::max(best_.lower_bound, answer.lower_bound);
+    if (answer.parts > 0) offer(answer.part_of, answer.parts);
+    best_.proof = "milp";
+  }
+
+  const LocalGraph& g_;
   int capacity_;
-  std::mt19937_64 random_;
-  std::vector<std::int64_t> seen_;
-  std::int64_t stamp_ = 0;
+  double milp_time_s_;
+  Random random_;
+  std::vector<int> whole_;
+  Partition best_;
 };
 
 }  // namespace
 
-std::vector<std::vector<int>> components(const ModuleGraph& graph) {
-  std::vector<std::vector<int>> result;
-  std::vector<bool> seen(graph.nodes.size(), false);
-  for (std::size_t start = 0; start < graph.nodes.size(); ++start) {
-    if (seen[start]) continue;
-    std::vector<int> component{static_cast<int>(start)};
-    seen[start] = true;
-    for (std::size_t k = 0; k < component.size(); ++k) {
-      for (const int w : graph.nodes[at(component[k])].neighbour) {
-        if (w < 0 || seen[at(w)]) continue;
-        seen[at(w)] = true;
-        component.push_back(w);
-      }
+int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, std::vector<int>& part_of) {
+  std::vector<int> weight(at(g.size()), 1);
+  std::vector<std::array<int, 3>> children(at(g.size()), {-1, -1, -1});
+  std::vector<int> count(at(g.size()), 0);
+  std::vector<bool> is_root(at(g.size()), false);
+  for (auto v = tree.order.rbegin(); v != tree.order.rend(); ++v) {
+    auto& mine = children[at(*v)];
+    int& n = count[at(*v)];
+    std::sort(mine.begin(), mine.begin() + n, [&](int a, int b) { return std::pair(weight[at(a)], a) < std::pair(weight[at(b)], b); });
+    for (int k = 0; k < n; ++k) weight[at(*v)] += weight[at(mine[at(k)])];
+    while (weight[at(*v)] > capacity) {
+      const int heaviest = mine[at(--n)];
+      weight[at(*v)] -= weight[at(heaviest)];
+      is_root[at(heaviest)] = true;
     }
-    std::ranges::sort(component);
-    result.push_back(std::move(component));
+    const int p = tree.parent[at(*v)];
+    if (p >= 0) children[at(p)][at(count[at(p)]++)] = *v;
+    else is_root[at(*v)] = true;
   }
-  return result;
+  part_of.assign(at(g.size()), -1);
+  int parts = 0;
+  for (const int v : tree.order) part_of[at(v)] = is_root[at(v)] ? parts++ : part_of[at(tree.parent[at(v)])];
+  return parts;
 }
 
-int folded_lower_bound(const ModuleGraph& graph, const std::vector<int>& component, int capacity) {
-  // Fold pendant trees into their attachment. A node with more pendant weight than fits beside it has to leave whole
-  // branches to other parts; in a tree the bottom-up cut is exact, so cutting the heaviest branch first loses nothing.
-  std::vector<int> degree(graph.nodes.size(), 0), weight(graph.nodes.size(), 1);
-  std::vector<std::vector<int>> branches(graph.nodes.size());
-  std::vector<int> leaves;
-  for (const int v : component) {
-    for (const int w : graph.nodes[at(v)].neighbour) degree[at(v)] += w >= 0 ? 1 : 0;
-    if (degree[at(v)] <= 1) leaves.push_back(v);
-  }
-  std::vector<bool> gone(graph.nodes.size(), false);
-  int closed = 0;
-  const auto settle = [&](int v) {
-    auto& b = branches[at(v)];
-    std::ranges::sort(b);
-    int sum = 1 + std::accumulate(b.begin(), b.end(), 0);
-    while (sum > capacity) {
-      sum -= b.back();
-      b.pop_back();
-      ++closed;
-    }
-    weight[at(v)] = sum;
-  };
-  std::size_t left = component.size();
-  while (!leaves.empty()) {
-    const int v = leaves.back();
-    leaves.pop_back();
-    if (gone[at(v)]) continue;
-    settle(v);
-    if (left == 1) break;
-    gone[at(v)] = true;
-    --left;
-    for (const int w : graph.nodes[at(v)].neighbour) {
-      if (w < 0 || gone[at(w)]) continue;
-      branches[at(w)].push_back(weight[at(v)]);
-      if (--degree[at(w)] == 1) leaves.push_back(w);
-    }
-  }
-  int rest = 0;
-  for (const int v : component) {
-    if (gone[at(v)]) continue;
-    settle(v);
-    rest += weight[at(v)];
-  }
-  const int n = static_cast<int>(component.size());
-  return std::max((n + capacity - 1) / capacity, closed + (rest + capacity - 1) / capacity);
-}
-
-Partition partition(const ModuleGraph& graph, const std::vector<int>& component, int capacity, std::uint64_t seed, double time_limit_s) {
-  Partition best;
-  best.lower_bound = folded_lower_bound(graph, component, capacity);
-  TreeCutter cutter(graph, component, capacity, seed);
-  const auto start = std::chrono::steady_clock::now();
-  constexpr int kAttempts = 4000;  // counted, so that the result does not depend on the machine
-  for (int k = 0; k < kAttempts; ++k) {
-    auto parts = cutter.attempt();
-    if (best.parts.empty() || parts.size() < best.parts.size()) best.parts = std::move(parts);
-    if (static_cast<int>(best.parts.size()) == best.lower_bound) break;
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (seconds > time_limit_s) break;
-  }
-  for (auto& part : best.parts) std::ranges::sort(part);
-  std::ranges::sort(best.parts);
-  return best;
+Partition partition(const LocalGraph& g, int capacity, std::uint64_t seed, double milp_time_s) {
+  return Partitioner(g, capacity, seed, milp_time_s).run();
 }
 
 }  // namespace triskin::geometry

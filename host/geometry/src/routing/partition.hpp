@@ -2,23 +2,27 @@
 #pragma once
 #include <vector>
 
-#include "triskin/geometry/routing.hpp"
+#include "local_graph.hpp"
 
 namespace triskin::geometry {
 
-/// Connected components of the joints, each sorted.
-[[nodiscard]] std::vector<std::vector<int>> components(const ModuleGraph& graph);
-
 struct Partition {
-  std::vector<std::vector<int>> parts;  ///< each connected, ≤ capacity, sorted
+  std::vector<int> part_of;  ///< by local node; parts 0 … parts − 1, each connected and ≤ capacity
+  int parts = 0;
   int lower_bound = 0;
+  const char* proof = "";  ///< "size", "folding", "frontier", "milp", or "" while parts > lower_bound
 };
-/// Divides one component into connected parts of at most `capacity` nodes: the best of many random spanning trees, each
-/// cut bottom-up. Lower bound: pendant parts that no other part can serve, then the rest by size (docs/routing.md).
-[[nodiscard]] Partition partition(const ModuleGraph& graph, const std::vector<int>& component, int capacity, std::uint64_t seed,
-                                  double time_limit_s);
+/// Divides a connected graph into the fewest connected parts of at most `capacity` nodes: random trees cut bottom-up, peel,
+/// exact frontier programme: all counted, never timed, so equal on every machine. Where they do not meet and milp_time_s is
+/// positive, CBC goes on for that time.
+[[nodiscard]] Partition partition(const LocalGraph& g, int capacity, std::uint64_t seed, double milp_time_s);
 
-/// Fewest parts that any partition of the component has: from folding pendant trees.
-[[nodiscard]] int folded_lower_bound(const ModuleGraph& graph, const std::vector<int>& component, int capacity);
+/// Bottom-up cut of a spanning tree: where a subtree outgrows the capacity its heaviest branch becomes a part. Fewest parts
+/// for this tree (Kundu and Misra, SIAM J. Comput. 6, 1977). Returns their number; fills part_of.
+int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, std::vector<int>& part_of);
+
+/// Peels parts of capacity − slack … capacity nodes off, each a subtree of a random spanning tree of what is left, so that
+/// both stay connected; when stuck gives some neighbouring parts back and goes on. True and fills part_of when k parts do.
+bool peel(const LocalGraph& g, int capacity, int k, long budget, Random& random, std::vector<int>& part_of);
 
 }  // namespace triskin::geometry

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string_view>
 
+#include "failures.hpp"
 #include "partition.hpp"
+#include "recombination.hpp"
 #include "triskin/geometry/routing.hpp"
 #include "triskin/host/error.hpp"
 #include "wiring.hpp"
@@ -12,44 +15,102 @@
 namespace triskin::geometry {
 namespace {
 
-void require_symmetric(const ModuleGraph& graph) {
+constexpr int kMostMoves = 5000;         // of recombination, an island: bounds the time of very large ones
+constexpr double kMilpWorthwhile_s = 10;  // CBC decides little in less
+
+void require_joints(const ModuleGraph& graph) {
   const int n = static_cast<int>(graph.nodes.size());
   for (int v = 0; v < n; ++v) {
-    for (const int w : graph.nodes[static_cast<std::size_t>(v)].neighbour) {
+    const auto& mine = graph.nodes[at(v)].neighbour;
+    for (const int w : mine) {
       if (w < 0) continue;
-      const bool back = w < n && w != v && std::ranges::count(graph.nodes[static_cast<std::size_t>(w)].neighbour, v) > 0;
-      if (!back) throw InputError(fmt::format("module {}: joined to {}, which is not joined to it", v, w));
+      const bool back = w < n && w != v && std::ranges::count(graph.nodes[at(w)].neighbour, v) == 1;
+      if (!back) throw InputError(fmt::format("module {}: joined to {}, which is not joined to it once; make the joints symmetric", v, w));
+      if (std::ranges::count(mine, w) != 1) throw InputError(fmt::format("module {}: joined to {} twice; name the joint once", v, w));
     }
   }
 }
 
+void require_options(const RoutingOptions& o) {
+  const bool sizes = o.capacity >= 1 && o.capacity <= 16 && o.lines >= 1 && o.lines <= 4 && o.addresses >= 1 && o.addresses <= 16;
+  if (!sizes) throw InputError("routing: capacity 1 … 16, lines 1 … 4, addresses 1 … 16 are possible");
+  if (o.lines * o.addresses < o.capacity) {
+    throw InputError(fmt::format("routing: {} lines of {} addresses carry fewer than {} modules; lower the capacity", o.lines, o.addresses, o.capacity));
+  }
+}
+
+// The islands' proofs in one word: the one that took most effort.
+int effort(std::string_view proof) {
+  constexpr std::array<std::string_view, 5> kOrder{"size", "folding", "frontier", "milp", ""};
+  return static_cast<int>(std::ranges::find(kOrder, proof) - kOrder.begin());
+}
+
+class Router {
+ public:
+  Router(const ModuleGraph& graph, const RoutingOptions& options) : graph_(graph), options_(options), lines_(options.lines, options.addresses) {
+    result_.proof = "size";
+  }
+
+  void route_island(const std::vector<int>& nodes) {
+    const LocalGraph g = localize(graph_, nodes);
+    const double milp_s = options_.milp && options_.time_limit_s >= kMilpWorthwhile_s ? options_.time_limit_s : 0.0;
+    Partition p = partition(g, options_.capacity, options_.seed, milp_s);
+    Random random(options_.seed + 1);
+    recombine(graph_, g, options_, std::min(kMostMoves, options_.recombinations * p.parts), random, p);
+    std::vector<std::vector<int>> parts(at(p.parts));
+    for (int v = 0; v < g.size(); ++v) parts[at(p.part_of[at(v)])].push_back(g.node[at(v)]);
+    std::ranges::sort(parts);
+    for (const auto& part : parts) result_.patches.push_back(wire(graph_, part, options_, lines_));
+    result_.lower_bound += p.lower_bound;
+    if (effort(p.proof) >= effort(result_.proof)) result_.proof = p.proof;
+  }
+
+  RoutingResult finish() {
+    if (options_.failure_analysis) analyse_failures(graph_, options_, result_.patches);
+    double rerouted = 0.0, strapped = 0.0, backed_up = 0.0;
+    int failures = 0;
+    for (const Patch& patch : result_.patches) {
+      result_.line_hops += patch.line_hops;
+      result_.max_depth = std::max(result_.max_depth, patch.max_depth);
+      result_.patches_without_border += patch.border_entry ? 0 : 1;
+      result_.electrical_violations += patch.electrical_violations;
+      for (const FailureLoss& f : patch.failures) {
+        const int itself = f.other_node < 0 ? 1 : 0;
+        rerouted += f.lost_rerouted - itself;
+        strapped += f.lost_strapped - itself;
+        backed_up += f.lost_backed_up - itself;
+        ++failures;
+      }
+    }
+    if (failures > 0) {
+      result_.mean_loss = backed_up / failures;
+      result_.mean_loss_one_entry = rerouted / failures;
+      result_.mean_loss_strapped = strapped / failures;
+    }
+    result_.proved = static_cast<int>(result_.patches.size()) == result_.lower_bound;
+    return std::move(result_);
+  }
+
+ private:
+  const ModuleGraph& graph_;
+  const RoutingOptions& options_;
+  LineAssigner lines_;
+  RoutingResult result_;
+};
+
 }  // namespace
 
 RoutingResult route(const ModuleGraph& graph, const RoutingOptions& options, const ProgressSink& progress) {
-  require_symmetric(graph);
+  require_joints(graph);
+  require_options(options);
   const auto start = std::chrono::steady_clock::now();
-  RoutingResult result;
+  Router router(graph, options);
   const auto islands = components(graph);
   for (std::size_t k = 0; k < islands.size(); ++k) {
     report(progress, "routing", static_cast<double>(k) / static_cast<double>(islands.size()));
-    const Partition p = partition(graph, islands[k], options.capacity, options.seed, options.time_limit_s);
-    result.lower_bound += p.lower_bound;
-    for (const auto& part : p.parts) result.patches.push_back(wire(graph, part, options));
+    router.route_island(islands[k]);
   }
-  double loss = 0.0;
-  int failures = 0;
-  for (Patch& patch : result.patches) {
-    result.line_hops += patch.line_hops;
-    result.max_depth = std::max(result.max_depth, patch.max_depth);
-    if (!options.failure_analysis) continue;
-    analyse_failures(graph, patch);
-    for (const FailureLoss& f : patch.failures) {
-      loss += f.lost_rerouted;
-      ++failures;
-    }
-  }
-  result.mean_loss = failures > 0 ? loss / failures : 0.0;
-  result.proved = static_cast<int>(result.patches.size()) == result.lower_bound;
+  RoutingResult result = router.finish();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

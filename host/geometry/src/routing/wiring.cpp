@@ -2,191 +2,176 @@
 #include "wiring.hpp"
 
 #include <algorithm>
-#include <map>
-#include <numeric>
-#include <optional>
+#include <cmath>
 
-#include "line_assignment.hpp"
+#include "electrical.hpp"
+#include "spanning_trees.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
+using Key = std::array<int, 5>;
 
-// The part with local numbers 0 … n−1.
-struct LocalGraph {
-  std::vector<int> node;
-  std::vector<std::array<int, 3>> neighbour;  // by side, local, −1 outside the part
-};
-
-LocalGraph localize(const ModuleGraph& graph, const std::vector<int>& part) {
-  LocalGraph g{part, {}};
-  std::map<int, int> local;
-  for (std::size_t k = 0; k < part.size(); ++k) local[part[k]] = static_cast<int>(k);
-  for (const int v : part) {
-    std::array<int, 3> n{-1, -1, -1};
-    for (std::size_t s = 0; s < 3; ++s) {
-      const auto found = local.find(graph.nodes[at(v)].neighbour[s]);
-      if (found != local.end()) n[s] = found->second;
-    }
-    g.neighbour.push_back(n);
-  }
-  return g;
-}
-
-struct Tree {
-  std::vector<int> order;   // parents first; order[0] is the entry
-  std::vector<int> parent;  // local, −1 at the entry
-  std::vector<int> depth;
+struct RootedTree {
+  std::vector<int> order;   // local nodes, parents first
+  std::vector<int> parent;  // positions in `order`
+  std::vector<int> depth;   // by position
   int sum_of_depths = 0;
+  int max_depth = 0;
 };
 
-// Breadth-first tree from `root` without the root's side `blocked` (−1: none); of several parents on the level above the
-// one with fewest children so far, which spreads the lines. Empty when something stays out of reach.
-std::optional<Tree> breadth_first(const LocalGraph& g, int root, int blocked) {
-  const std::size_t n = g.node.size();
-  Tree t{{root}, std::vector<int>(n, -1), std::vector<int>(n, -1), 0};
-  t.depth[at(root)] = 0;
-  for (std::size_t k = 0; k < t.order.size(); ++k) {
-    const int v = t.order[k];
+class Wirer {
+ public:
+  Wirer(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options, LineAssigner& lines)
+      : graph_(graph), g_(localize(graph, part)), options_(options), lines_(lines), tree_(at(g_.size())) {
+    for (int v = 0; v < g_.size(); ++v) {
+      for (int s = 0; s < 3; ++s) has_border_ = has_border_ || is_border(graph_, g_.node[at(v)], s);
+    }
+  }
+
+  Patch run() {
+    for_each_spanning_tree(g_, [&](const std::vector<Joint>& joints) {
+      load(joints);
+      for (int root = 0; root < g_.size(); ++root) try_root(root);
+    });
+    return assemble();
+  }
+
+ private:
+  void load(const std::vector<Joint>& joints) {
+    for (auto& n : tree_) n.clear();
+    for (const Joint& j : joints) {
+      tree_[at(j.a)].push_back(j.b);
+      tree_[at(j.b)].push_back(j.a);
+    }
+  }
+
+  // Side of the root where the cable enters: no tree joint there; a border side before others. −1: none.
+  [[nodiscard]] int entry_side(int root) const {
+    int fallback = -1;
     for (int s = 0; s < 3; ++s) {
-      const int w = g.neighbour[at(v)][at(s)];
-      if (w < 0 || t.depth[at(w)] >= 0 || (v == root && s == blocked)) continue;
-      if (w != root) {
-        t.depth[at(w)] = t.depth[at(v)] + 1;
-        t.parent[at(w)] = v;
-        t.sum_of_depths += t.depth[at(w)];
-        t.order.push_back(w);
+      if (is_border(graph_, g_.node[at(root)], s)) return s;
+      const int w = g_.neighbour[at(root)][at(s)];
+      if (fallback < 0 && (w < 0 || std::ranges::count(tree_[at(root)], w) == 0)) fallback = s;
+    }
+    return has_border_ ? -1 : fallback;
+  }
+
+  void grow(int root) {
+    now_.order.assign(1, root);
+    now_.parent.assign(1, -1);
+    now_.depth.assign(1, 0);
+    now_.sum_of_depths = now_.max_depth = 0;
+    for (std::size_t k = 0; k < now_.order.size(); ++k) {
+      const int from = now_.parent[k] < 0 ? -1 : now_.order[at(now_.parent[k])];
+      for (const int w : tree_[at(now_.order[k])]) {
+        if (w == from) continue;
+        now_.order.push_back(w);
+        now_.parent.push_back(static_cast<int>(k));
+        now_.depth.push_back(now_.depth[k] + 1);
+        now_.sum_of_depths += now_.depth.back();
+        now_.max_depth = now_.depth.back();
       }
     }
   }
-  if (t.order.size() != n) return std::nullopt;
-  return t;
-}
 
-struct Entry {
-  int root = -1;
-  int blocked = -1;  // side of the root that carries no tree edge, where the cable enters
-  bool border = false;
+  [[nodiscard]] Key key(int violations, int hops) const {
+    const bool loss_first = options_.objective == RouteObjective::kLossFirst;
+    return {has_border_ ? 0 : 1, violations, loss_first ? now_.sum_of_depths : hops, loss_first ? hops : now_.sum_of_depths, now_.max_depth};
+  }
+
+  void try_root(int root) {
+    const int side = entry_side(root);
+    if (side < 0) return;
+    grow(root);
+    if (found_ && !(key(0, 0) < best_key_)) return;
+    if (found_ && !(key(0, lines_.bound(now_.parent)) < best_key_)) return;
+    const LineAssignment assignment = lines_.assign(now_.parent);
+    const std::vector<LineElectrical> state = electrical(assignment.line, root);
+    const int violations =
+        static_cast<int>(std::ranges::count_if(state, [&](const LineElectrical& e) { return violates(options_.electrical, e); }));
+    const Key k = key(violations, assignment.line_hops);
+    if (found_ && !(k < best_key_)) return;
+    found_ = true;
+    best_key_ = k;
+    best_ = now_;
+    best_side_ = side;
+    best_lines_ = assignment;
+    best_state_ = state;
+    best_violations_ = violations;
+  }
+
+  [[nodiscard]] std::vector<LineElectrical> electrical(const std::vector<int>& line, int root) const {
+    std::vector<LineElectrical> state;
+    const double cable = cable_m(graph_, g_.node[at(root)], options_);
+    for (const LineLoad& load : line_loads(options_.electrical, now_.parent, line, options_.lines, cable)) {
+      state.push_back(electrical_state(options_.electrical, load));
+    }
+    return state;
+  }
+
+  Patch assemble() const {
+    Patch patch;
+    patch.entry = g_.node[at(best_.order[0])];
+    patch.line_hops = best_lines_.line_hops;
+    patch.max_depth = best_.max_depth;
+    patch.border_entry = is_border(graph_, patch.entry, best_side_);
+    patch.lines = best_state_;
+    patch.electrical_violations = best_violations_;
+    std::vector<int> next_address(at(options_.lines), 0), tree_parent(at(g_.size()), -1);
+    for (std::size_t k = 0; k < best_.order.size(); ++k) {
+      RoutedModule m;
+      const int p = best_.parent[k] < 0 ? -1 : best_.order[at(best_.parent[k])];
+      m.node = g_.node[at(best_.order[k])];
+      m.parent = p < 0 ? -1 : g_.node[at(p)];
+      m.depth = best_.depth[k];
+      m.line = best_lines_.line[k];
+      m.address = next_address[at(m.line)]++;
+      m.rotation = best_side_;
+      for (int s = 0; s < 3 && p >= 0; ++s) {
+        if (graph_.nodes[at(m.node)].neighbour[at(s)] == m.parent) m.rotation = s;
+      }
+      tree_parent[at(best_.order[k])] = p;
+      patch.modules.push_back(m);
+    }
+    for (const Joint& j : joints_of(g_)) {
+      if (tree_parent[at(j.a)] != j.b && tree_parent[at(j.b)] != j.a) patch.cut_joints.push_back({g_.node[at(j.a)], g_.node[at(j.b)]});
+    }
+    return patch;
+  }
+
+  const ModuleGraph& graph_;
+  LocalGraph g_;
+  const RoutingOptions& options_;
+  LineAssigner& lines_;
+  std::vector<std::vector<int>> tree_;
+  bool has_border_ = false, found_ = false;
+  RootedTree now_, best_;
+  Key best_key_{};
+  int best_side_ = -1, best_violations_ = 0;
+  LineAssignment best_lines_;
+  std::vector<LineElectrical> best_state_;
 };
-
-// Sides at which a cable can enter: free ones first; at a joined side the joint is cut.
-std::vector<Entry> entries(const ModuleGraph& graph, const LocalGraph& g) {
-  std::vector<Entry> result;
-  for (std::size_t v = 0; v < g.node.size(); ++v) {
-    const ModuleGraph::Node& node = graph.nodes[at(g.node[v])];
-    for (int s = 0; s < 3; ++s) {
-      const bool border = node.neighbour[at(s)] < 0 && node.border[at(s)];
-      result.push_back({static_cast<int>(v), s, border});
-    }
-  }
-  return result;
-}
-
-Patch assemble(const ModuleGraph& graph, const LocalGraph& g, const Tree& t, int entry_side, const RoutingOptions& options) {
-  std::vector<int> rank(g.node.size());
-  for (std::size_t k = 0; k < t.order.size(); ++k) rank[at(t.order[k])] = static_cast<int>(k);
-  std::vector<int> parent;
-  for (const int v : t.order) parent.push_back(t.parent[at(v)] < 0 ? -1 : rank[at(t.parent[at(v)])]);
-  const LineAssignment lines = assign_lines(parent, options.lines, options.addresses);
-  Patch patch;
-  patch.entry = g.node[at(t.order[0])];
-  patch.line_hops = lines.line_hops;
-  std::vector<int> next_address(at(options.lines), 0);
-  for (std::size_t k = 0; k < t.order.size(); ++k) {
-    const int v = t.order[k], p = t.parent[at(v)];
-    RoutedModule m;
-    m.node = g.node[at(v)];
-    m.parent = p < 0 ? -1 : g.node[at(p)];
-    m.depth = t.depth[at(v)];
-    m.line = lines.line[k];
-    m.address = next_address[at(m.line)]++;
-    m.rotation = entry_side;
-    for (int s = 0; s < 3 && p >= 0; ++s) {
-      if (graph.nodes[at(m.node)].neighbour[at(s)] == m.parent) m.rotation = s;
-    }
-    patch.max_depth = std::max(patch.max_depth, m.depth);
-    patch.modules.push_back(m);
-  }
-  for (std::size_t v = 0; v < g.node.size(); ++v) {
-    for (const int w : g.neighbour[v]) {
-      if (w < static_cast<int>(v) || t.parent[v] == w || t.parent[at(w)] == static_cast<int>(v)) continue;
-      patch.cut_joints.push_back({g.node[v], g.node[at(w)]});
-    }
-  }
-  return patch;
-}
-
-// Modules of the patch that the entry still reaches over the joints that are left.
-std::vector<int> reachable(const LocalGraph& g, int root, int dead, std::array<int, 2> broken, std::vector<int>& parent) {
-  parent.assign(g.node.size(), -1);
-  std::vector<int> order;
-  if (root == dead) return order;
-  std::vector<bool> seen(g.node.size(), false);
-  seen[at(root)] = true;
-  order.push_back(root);
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const int v = order[k];
-    for (const int w : g.neighbour[at(v)]) {
-      const bool cut = (v == broken[0] && w == broken[1]) || (v == broken[1] && w == broken[0]);
-      if (w < 0 || w == dead || cut || seen[at(w)]) continue;
-      seen[at(w)] = true;
-      parent[at(w)] = v;
-      order.push_back(w);
-    }
-  }
-  return order;
-}
 
 }  // namespace
 
-Patch wire(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options) {
-  const LocalGraph g = localize(graph, part);
-  std::optional<Patch> best;
-  // Border entries come before all others, then least loss, hops, depth.
-  std::array<int, 4> best_key{};
-  for (const Entry& e : entries(graph, g)) {
-    const std::optional<Tree> tree = breadth_first(g, e.root, e.blocked);
-    if (!tree) continue;
-    if (best && std::pair(e.border ? 0 : 1, tree->sum_of_depths) > std::pair(best_key[0], best_key[1])) continue;
-    Patch patch = assemble(graph, g, *tree, e.blocked, options);
-    const std::array key{e.border ? 0 : 1, tree->sum_of_depths, patch.line_hops, patch.max_depth};
-    if (!best || key < best_key) {
-      best = std::move(patch);
-      best_key = key;
-    }
-  }
-  return std::move(best).value();  // a leaf of any spanning tree is an entry: there is always one
+bool is_border(const ModuleGraph& graph, int node, int side) {
+  const ModuleGraph::Node& n = graph.nodes[at(node)];
+  return n.neighbour[at(side)] < 0 && n.border[at(side)];
 }
 
-void analyse_failures(const ModuleGraph& graph, Patch& patch) {
-  std::vector<int> part;
-  for (const RoutedModule& m : patch.modules) part.push_back(m.node);
-  const LocalGraph g = localize(graph, part);
-  std::map<int, int> local;
-  for (std::size_t k = 0; k < part.size(); ++k) local[part[k]] = static_cast<int>(k);
-  const int n = static_cast<int>(part.size());
-  std::vector<int> subtree(part.size(), 1), tree_parent(part.size(), -1);
-  for (std::size_t k = part.size(); k-- > 1;) {
-    tree_parent[k] = local.at(patch.modules[k].parent);
-    subtree[at(tree_parent[k])] += subtree[k];
+double cable_m(const ModuleGraph& graph, int node, const RoutingOptions& options) {
+  if (!options.has_controller_place) return options.electrical.cable_m;
+  double square = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double d = graph.nodes[at(node)].center_mm[k] - options.controller_mm[k];
+    square += d * d;
   }
-  patch.failures.clear();
-  const auto add = [&](int dead, std::array<int, 2> broken, int strapped) {
-    FailureLoss f;
-    f.node = part[at(dead >= 0 ? dead : broken[1])];
-    f.other_node = dead >= 0 ? -1 : part[at(broken[0])];
-    f.lost_strapped = strapped;
-    std::vector<int> parent;
-    const std::vector<int> alive = reachable(g, 0, dead, broken, parent);
-    f.lost_rerouted = n - static_cast<int>(alive.size());
-    for (const int v : alive) {
-      if (v != 0 && parent[at(v)] != tree_parent[at(v)]) f.backup_tree.push_back({part[at(v)], part[at(parent[at(v)])]});
-    }
-    patch.failures.push_back(std::move(f));
-  };
-  for (int v = 0; v < n; ++v) add(v, {-1, -1}, subtree[at(v)]);
-  for (int v = 1; v < n; ++v) add(-1, {tree_parent[at(v)], v}, subtree[at(v)]);
+  return std::sqrt(square) * 1e-3;
+}
+
+Patch wire(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options, LineAssigner& lines) {
+  return Wirer(graph, part, options, lines).run();
 }
 
 }  // namespace triskin::geometry

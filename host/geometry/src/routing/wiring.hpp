@@ -2,15 +2,20 @@
 #pragma once
 #include <vector>
 
-#include "triskin/geometry/routing.hpp"
+#include "line_assignment.hpp"
+#include "local_graph.hpp"
 
 namespace triskin::geometry {
 
-/// Wires one connected part: entry, tree, line, address, rotation. Minimizes lexicographically the expected loss (sum of
-/// depths), the line hops, the depth. Line hops are exact for each tree; trees are the breadth-first ones of every entry.
-[[nodiscard]] Patch wire(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options);
+/// Wires one connected part: the least (no border entry, lines against the electrical rule, Σ depth, line hops, depth) over
+/// all spanning trees and entries, exact; with kHopsFirst the line hops come before Σ depth. Trees that cannot win by
+/// ⌈size / addresses⌉ are not assigned. Ties go to the first tree and the least node. `lines` must fit the options.
+[[nodiscard]] Patch wire(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options, LineAssigner& lines);
 
-/// Fills patch.failures: what each single module or joint failure costs.
-void analyse_failures(const ModuleGraph& graph, Patch& patch);
+/// Metres of entry cable to a module: from the controller place where one is given.
+[[nodiscard]] double cable_m(const ModuleGraph& graph, int node, const RoutingOptions& options);
+
+/// A cable can come from outside at this side.
+[[nodiscard]] bool is_border(const ModuleGraph& graph, int node, int side);
 
 }  // namespace triskin::geometry

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "local_graph.hpp"
+
+namespace triskin::geometry {
+
+/// What is left of a graph when its pendant trees are folded into the nodes they hang on. Bottom-up, a node keeps its
+/// lightest branches while they fit and closes the others as parts of their own: fewest closed parts first, then the
+/// lightest rest, which is optimal because one more closed part can always free the node of its whole branch.
+struct Folding {
+  std::vector<std::vector<int>> closed;  ///< parts that are settled in some optimal partition, local nodes
+  std::vector<int> core;                 ///< nodes on cycles or between them; one node when the graph is a tree
+  std::vector<int> branch_weight;        ///< by node: weight of the branches that it keeps, 0 … capacity − 1
+  std::vector<std::vector<int>> branch;  ///< by node: the nodes of those branches
+};
+/// Folds the nodes with part_of[v] == part.
+[[nodiscard]] Folding fold(const LocalGraph& g, const std::vector<int>& part_of, int part, int capacity);
+
+/// No partition of those nodes into connected parts ≤ capacity has fewer parts: closed parts + ⌈rest / capacity⌉, valid
+/// also where a core node's branch is cut, since a branch weighs at most one part. Cost: O(n).
+[[nodiscard]] int folded_lower_bound(const LocalGraph& g, const std::vector<int>& part_of, int part, int capacity);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "shapes.hpp"
+#include "triskin/host/error.hpp"
+
+namespace triskin::testing {
+namespace {
+
+geometry::RoutingOptions without_failures() {
+  geometry::RoutingOptions options;
+  options.failure_analysis = false;
+  return options;
+}
+
+TEST(Partition, four_hundred_patches_are_proved) {
+  constexpr std::array kShapes{Shape::kCompact, Shape::kStrip, Shape::kHoled};
+  double slowest = 0.0;
+  for (int k = 0; k < 400; ++k) {
+    SCOPED_TRACE(k);
+    Dice dice(static_cast<std::uint64_t>(k));
+    const Listed patch = random_patch(kShapes[static_cast<std::size_t>(k % 3)], 38 + dice.below(203), static_cast<std::uint64_t>(k));
+    const geometry::RoutingResult r = geometry::route(patch.graph);
+    EXPECT_TRUE(r.proved) << patch.tiles.size() << " modules: " << r.patches.size() << " patches, bound " << r.lower_bound;
+    slowest = std::max(slowest, r.seconds);
+  }
+  RecordProperty("slowest_ms", static_cast<int>(slowest * 1000));
+  std::printf("slowest of 400: %.3f s\n", slowest);
+}
+
+TEST(Partition, dendritic_patches_are_proved_or_bounded) {
+  int proved = 0;
+  double slowest = 0.0;
+  for (int k = 0; k < 50; ++k) {
+    SCOPED_TRACE(k);
+    Dice dice(static_cast<std::uint64_t>(k));
+    const Listed patch = random_patch(Shape::kDendritic, 38 + dice.below(203), 7000 + static_cast<std::uint64_t>(k));
+    const geometry::RoutingResult r = geometry::route(patch.graph);
+    EXPECT_LE(r.lower_bound, static_cast<int>(r.patches.size()));
+    EXPECT_EQ(r.proved, r.lower_bound == static_cast<int>(r.patches.size()));
+    proved += r.proved ? 1 : 0;
+    slowest = std::max(slowest, r.seconds);
+  }
+  std::printf("dendritic: %d of 50 proved, slowest %.3f s\n", proved, slowest);
+  EXPECT_GE(proved, 45);
+}
+
+TEST(Partition, very_large_patch_has_an_interval) {
+  const Listed patch = random_patch(Shape::kCompact, 2600, 5);
+  const geometry::RoutingResult r = geometry::route(patch.graph);
+  EXPECT_EQ(r.lower_bound, 163);  // ⌈2600 / 16⌉
+  EXPECT_LE(r.patches.size(), 165U);
+  std::printf("2600 modules: [%d, %zu] in %.3f s\n", r.lower_bound, r.patches.size(), r.seconds);
+}
+
+TEST(Partition, a_star_needs_more_than_the_size_bound) {
+  // A centre with three arms of 10: 31 modules, ⌈31 / 16⌉ = 2; but no two arms fit together with the centre.
+  Tiles tiles{{0, 0, true}};
+  for (int side = 0; side < 3; ++side) {
+    Tile t = geometry::across({0, 0, true}, side).tile;
+    for (int k = 0; k < 10; ++k) {
+      tiles.insert(t);
+      for (int s = 0; s < 3; ++s) {
+        const Tile u = geometry::across(t, s).tile;
+        if (tiles.contains(u) || joints(tiles, u) != 1 || center(u).norm() <= center(t).norm()) continue;
+        t = u;
+        break;
+      }
+    }
+  }
+  const Listed patch = listed(tiles);
+  ASSERT_EQ(patch.tiles.size(), 31U);
+  const geometry::RoutingResult r = geometry::route(patch.graph, without_failures());
+  EXPECT_EQ(r.lower_bound, 3);
+  EXPECT_TRUE(r.proved);
+  EXPECT_EQ(r.proof, "folding");
+}
+
+TEST(Partition, same_seed_same_result) {
+  const Listed patch = random_patch(Shape::kHoled, 150, 3);
+  const auto a = geometry::route(patch.graph), b = geometry::route(patch.graph);
+  ASSERT_EQ(a.patches.size(), b.patches.size());
+  for (std::size_t p = 0; p < a.patches.size(); ++p) {
+    ASSERT_EQ(a.patches[p].modules.size(), b.patches[p].modules.size());
+    for (std::size_t k = 0; k < a.patches[p].modules.size(); ++k) {
+      EXPECT_EQ(a.patches[p].modules[k].node, b.patches[p].modules[k].node);
+      EXPECT_EQ(a.patches[p].modules[k].line, b.patches[p].modules[k].line);
+      EXPECT_EQ(a.patches[p].modules[k].rotation, b.patches[p].modules[k].rotation);
+    }
+  }
+}
+
+TEST(Routing, mean_loss_of_compact_patches) {
+  for (const int n : {142, 232}) {
+    const geometry::RoutingResult r = geometry::route(random_patch(Shape::kCompact, n, 1).graph);
+    std::printf("%d modules: extra loss %.3f, one entry %.3f, strapped %.3f, %d without border, %.3f s\n", n, r.mean_loss, r.mean_loss_one_entry,
+                r.mean_loss_strapped, r.patches_without_border, r.seconds);
+    EXPECT_LE(r.mean_loss, 0.35);
+    EXPECT_LE(r.mean_loss, r.mean_loss_one_entry);
+    EXPECT_LE(r.mean_loss_one_entry, r.mean_loss_strapped);
+  }
+}
+
+TEST(Routing, rejects_joints_that_are_not_mutual) {
+  geometry::ModuleGraph graph;
+  graph.nodes.resize(2);
+  graph.nodes[0].neighbour[0] = 1;
+  EXPECT_THROW((void)geometry::route(graph), InputError);
+  graph.nodes[1].neighbour[0] = graph.nodes[1].neighbour[1] = 0;
+  EXPECT_THROW((void)geometry::route(graph), InputError);
+}
+
+TEST(Routing, rejects_a_capacity_that_the_lines_cannot_carry) {
+  geometry::RoutingOptions options;
+  options.lines = 2;
+  EXPECT_THROW((void)geometry::route(random_patch(Shape::kCompact, 5, 1).graph, options), InputError);
+}
+
+TEST(Routing, a_pair_is_wired_by_hand) {
+  // Two tiles: one hop, depth 1, one line. Failure of the entry: with a second entry only itself.
+  const Listed patch = listed({{0, 0, true}, {0, 0, false}});
+  const geometry::RoutingResult r = geometry::route(patch.graph);
+  ASSERT_EQ(r.patches.size(), 1U);
+  EXPECT_EQ(r.line_hops, 1);
+  EXPECT_EQ(r.max_depth, 1);
+  const geometry::Patch& p = r.patches[0];
+  EXPECT_NE(p.second_entry, p.entry);
+  ASSERT_EQ(p.failures.size(), 3U);  // two modules, one joint
+  for (const auto& f : p.failures) EXPECT_EQ(f.lost_backed_up, f.other_node < 0 ? 1 : 0);
+  EXPECT_DOUBLE_EQ(r.mean_loss, 0.0);
+  EXPECT_DOUBLE_EQ(r.mean_loss_one_entry, 2.0 / 3.0);  // the other module, when the entry or the joint fails
+}
+
+TEST(Routing, electrical_rule_by_hand) {
+  // 2 modules on one line, 1 joint, 0.5 m: 0.5·60 + 1·2 + 2·10 = 52 pF; R = 2.9 V / 3 mA; t = 0.8473·R·C.
+  const geometry::RoutingResult r = geometry::route(listed({{0, 0, true}, {0, 0, false}}).graph);
+  const geometry::LineElectrical& line = r.patches[0].lines[0];
+  EXPECT_DOUBLE_EQ(line.capacitance_pf, 52.0);
+  EXPECT_NEAR(line.pull_up_min_ohm, 966.667, 1e-3);
+  EXPECT_NEAR(line.rise_time_ns, 42.591, 1e-3);
+  EXPECT_DOUBLE_EQ(line.max_bus_hz, 400e3);
+  EXPECT_EQ(r.electrical_violations, 0);
+}
+
+TEST(Routing, a_long_cable_is_reported) {
+  geometry::RoutingOptions options;
+  options.electrical.cable_m = 8.0;  // 480 pF alone: above the 366 pF of fast mode
+  const geometry::RoutingResult r = geometry::route(random_patch(Shape::kCompact, 16, 1).graph, options);
+  EXPECT_EQ(r.electrical_violations, 4);
+  EXPECT_DOUBLE_EQ(r.patches[0].lines[0].max_bus_hz, 100e3);
+}
+
+TEST(Jumpers, join_facing_sides_of_two_islands_and_save_a_controller) {
+  // Two pairs of tiles, 5 mm apart across a straight seam: alone two patches, with the jumper one.
+  geometry::ModuleGraph graph;
+  std::vector<std::array<std::array<double, 3>, 3>> sides;
+  const Tiles tiles{{0, 0, true}, {0, 0, false}};
+  for (int island = 0; island < 2; ++island) {
+    const Listed one = listed(tiles);
+    for (std::size_t k = 0; k < one.tiles.size(); ++k) {
+      geometry::ModuleGraph::Node node = one.graph.nodes[k];
+      for (int& w : node.neighbour) w = w < 0 ? -1 : w + 2 * island;
+      node.island = island;
+      const auto place = [&](const geometry::Vec2& p) { return std::array{p.x() * 30.0 + island * 35.0, p.y() * 30.0, 0.0}; };
+      node.center_mm = place(center(one.tiles[k]));
+      std::array<std::array<double, 3>, 3> mid{};
+      for (int s = 0; s < 3; ++s) {
+        const auto a = geometry::tile_corner_index(one.tiles[k], s), b = geometry::tile_corner_index(one.tiles[k], (s + 1) % 3);
+        mid[static_cast<std::size_t>(s)] = place((geometry::grid_point(a[0], a[1], 1.0) + geometry::grid_point(b[0], b[1], 1.0)) / 2.0);
+      }
+      graph.nodes.push_back(node);
+      sides.push_back(mid);
+    }
+  }
+  const auto jumpers = geometry::find_jumpers(graph, sides, 6.0);
+  ASSERT_EQ(jumpers.size(), 1U);
+  EXPECT_NEAR(jumpers[0].length_mm, 5.0, 1e-9);
+  EXPECT_EQ(geometry::route(graph).lower_bound, 2);
+  const geometry::RoutingResult joined = geometry::route(geometry::with_jumpers(graph, jumpers));
+  EXPECT_EQ(joined.lower_bound, 1);
+  EXPECT_EQ(joined.patches.size(), 1U);
+  EXPECT_TRUE(geometry::find_jumpers(graph, sides, 4.0).empty());
+}
+
+}  // namespace
+}  // namespace triskin::testing
