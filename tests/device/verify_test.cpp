@@ -135,6 +135,21 @@ TEST(Verify, names_a_chip_that_lost_its_configuration) {
   expect_one(verify_with({f}), "lost_configuration", 3);
 }
 
+TEST(Verify, what_is_remembered_from_before_is_told_once_and_no_finding) {
+  scene::Fault f = fault(FaultKind::kLostConfiguration, 3);
+  f.from_us = 900'000;
+  Bench bench(6, 16, {f});
+  bench.flash();
+  bench.bus().listen(3'000'000);
+  VerifyResult r = bench.verify();
+  EXPECT_TRUE(r.findings.empty());
+  EXPECT_EQ(r.modules_ok, 6);
+  ASSERT_EQ(r.earlier.size(), 1U);
+  EXPECT_EQ(r.earlier[0].kind, "lost_configuration");
+  EXPECT_EQ(r.earlier[0].module, 3);
+  EXPECT_TRUE(bench.verify().earlier.empty());
+}
+
 TEST(Verify, names_saturated_and_frozen_taxels) {
   scene::Fault f = fault(FaultKind::kSaturatedTaxel, 1);
   f.taxel = 7;

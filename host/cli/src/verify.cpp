@@ -50,7 +50,12 @@ int run(Options options, Output& output) {
     findings.push_back(to_json(f));
     output.say(fmt::format("{}: {}\n    {}", f.kind, f.text, f.remedy));
   }
-  output.result = {{"modules_ok", r.modules_ok}, {"modules", r.modules}, {"touched", r.touched}, {"findings", std::move(findings)}};
+  nlohmann::json earlier = nlohmann::json::array();
+  for (const auto& f : r.earlier) {
+    earlier.push_back(to_json(f));
+    output.say(fmt::format("remembered from before, not there now: {}", f.text));
+  }
+  output.result = {{"modules_ok", r.modules_ok}, {"modules", r.modules}, {"touched", r.touched}, {"findings", std::move(findings)}, {"earlier", std::move(earlier)}};
   output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched, r.findings.size()));
   return r.findings.empty() ? 0 : 1;
 }

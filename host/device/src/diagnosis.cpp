@@ -25,6 +25,7 @@ void Diagnosis::run(VerifyResult& result) {
     look_at_history(p);
   }
   look_at_touches();
+  result.earlier = look_at_earlier();
   result.modules_ok = result.modules - static_cast<int>(bad_.size());
   result.findings.insert(result.findings.end(), findings_.begin(), findings_.end());
 }
@@ -212,20 +213,43 @@ void Diagnosis::look_at_absent(const PatchState& p, std::vector<std::size_t> row
   }
 }
 
-// What came and went since the controller was powered or flashed.
+// A fault that came and went. Faults that are there now have their own findings.
+std::optional<Finding> Diagnosis::remembered(const PatchState& p, const RememberedFault& fault) const {
+  const auto row = static_cast<std::size_t>(fault.row);
+  if (row >= p.image.module_count) return std::nullopt;
+  Finding f;
+  f.module = p.module(row);
+  f.patch = p.patch;
+  if (fault.state == ModuleState::kLostConfiguration) {
+    f.kind = "lost_configuration";
+    f.text = where(f.module) + ": its chip lost its configuration and was set up again";
+    f.remedy = "check the supply of the module: its power dips";
+    return f;
+  }
+  const bool was_away = fault.state == ModuleState::kAbsent || fault.state == ModuleState::kWrongId;
+  if (!was_away || p.states[row] != ModuleState::kOk) return std::nullopt;
+  f.kind = "intermittent_module";
+  f.text = where(f.module) + ": answers now, but did not for some time";
+  f.remedy = "check its joints for a loose contact";
+  return f;
+}
+
 void Diagnosis::look_at_history(const PatchState& p) {
   for (const RememberedFault& fault : p.faults) {
-    const auto row = static_cast<std::size_t>(fault.row);
-    if (row >= p.image.module_count) continue;
-    const int module = p.module(row);
-    const bool ok_now = p.states[row] == ModuleState::kOk;
-    if (fault.state == ModuleState::kLostConfiguration) {
-      add("lost_configuration", module, p.patch, where(module) + ": its chip lost its configuration and was set up again",
-          "check the supply of the module: its power dips");
-    } else if ((fault.state == ModuleState::kAbsent || fault.state == ModuleState::kWrongId) && ok_now) {
-      add("intermittent_module", module, p.patch, where(module) + ": answers now, but did not for some time", "check its joints for a loose contact");
+    if (const auto f = remembered(p, fault)) add(f->kind, f->module, f->patch, f->text, f->remedy);
+  }
+}
+
+std::vector<Finding> Diagnosis::look_at_earlier() const {
+  std::vector<Finding> earlier;
+  for (const PatchState& p : patches_) {
+    for (const RememberedFault& fault : p.earlier) {
+      const auto f = remembered(p, fault);
+      const auto again = [&](const Finding& other) { return other.kind == f->kind && other.module == f->module; };
+      if (f && std::ranges::none_of(findings_, again) && std::ranges::none_of(earlier, again)) earlier.push_back(*f);
     }
   }
+  return earlier;
 }
 
 void Diagnosis::look_at_touches() {

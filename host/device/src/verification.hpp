@@ -18,7 +18,8 @@ struct PatchState {
   std::vector<wire::ModuleState> states;
   std::array<LineReport, layout::kLines> lines{};
   std::array<std::uint32_t, layout::kLines> recoveries{};
-  std::vector<RememberedFault> faults;
+  std::vector<RememberedFault> earlier;  ///< remembered when the verification began
+  std::vector<RememberedFault> faults;   ///< noted while it ran
   TaxelSample now, rest;
 
   [[nodiscard]] Controller controller(Bus& bus) const { return {bus, image.node_address}; }
@@ -71,6 +72,8 @@ class Diagnosis {
   void look_at_absent(const PatchState& p, std::vector<std::size_t> rows);
   void look_at_taxels(const PatchState& p, std::size_t row);
   void look_at_history(const PatchState& p);
+  [[nodiscard]] std::vector<Finding> look_at_earlier() const;
+  [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const RememberedFault& fault) const;
   void look_at_touches();
   [[nodiscard]] std::vector<Place> unexpected(const PatchState& p) const;
   [[nodiscard]] const TouchOutcome* touch_of(int module) const;

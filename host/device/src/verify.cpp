@@ -87,6 +87,14 @@ void wait_until_checked(Bus& bus, const PatchState& p) {
   }
 }
 
+// What is remembered from before is read and deleted: only so it shows when the same comes again.
+void start_patch(Bus& bus, PatchState& p) {
+  wait_until_checked(bus, p);
+  Controller c = p.controller(bus);
+  p.earlier = c.remembered_faults();
+  if (!p.earlier.empty()) c.clear_faults();
+}
+
 void read_patch(Bus& bus, PatchState& p) {
   Controller c = p.controller(bus);
   p.states = c.module_states();
@@ -132,7 +140,7 @@ VerifyResult verify(Bus& bus, const model::Design& design, const VerifyOptions& 
   for (std::size_t k = 0; k < patches.size(); ++k) {
     if (!patches[k].usable) continue;
     report(progress, "asking the modules", static_cast<double>(k) / static_cast<double>(patches.size()));
-    wait_until_checked(bus, patches[k]);
+    start_patch(bus, patches[k]);
     patches[k].lines = patches[k].controller(bus).discover();
   }
   std::vector<TouchOutcome> touches;

@@ -37,6 +37,9 @@ struct VerifyResult {
   int modules = 0;
   int touched = 0;  ///< modules that were pressed
   std::vector<Finding> findings;
+  /// What the controllers remember from before, and is not there now (kinds lost_configuration, intermittent_module). It was
+  /// deleted from their memories, so that what comes again is found again.
+  std::vector<Finding> earlier;
 };
 
 /// Asks the hardware whether it is the design. Throws DeviceError when nothing answers at all or a controller is lost on the way.
