@@ -22,16 +22,16 @@ class Direction {
 
   // value + (gx, gy, gt)·offset ± pad bounds the true separation; `reach` is |gx| half x + |gy| half y.
   // False: the direction is impossible in the whole cell.
-  bool require(double value, double gx, double gy, double gt, double inverse_gt, double reach, double pad) {
+  bool require(double value, const Vec2& g, const Vec2& inverse_g, double gt, double inverse_gt, double reach, double pad) {
     const double spread = reach + std::abs(gt) * half_[2];
     lowest_ = std::min(lowest_, value);
     if (value - spread - pad < frame_.sufficient_mm) certain_ = false;
     const double slack = value + pad - frame_.inset_mm;
     if (slack + spread < 0.0) return false;
     if (slack >= spread) return true;  // clips nothing
-    clip(0, slack + spread - std::abs(gx) * half_[0], gx, gx != 0.0 ? 1.0 / gx : 0.0);
-    clip(1, slack + spread - std::abs(gy) * half_[1], gy, gy != 0.0 ? 1.0 / gy : 0.0);
-    clip(2, slack + reach, gt, inverse_gt);
+    clip(0, slack + spread - std::abs(g.x()) * half_[0], inverse_g.x());
+    clip(1, slack + spread - std::abs(g.y()) * half_[1], inverse_g.y());
+    clip(2, slack + reach, inverse_gt);
     return !box_.empty();
   }
 
@@ -41,10 +41,10 @@ class Direction {
 
  private:
   // What the other axes can give at most is in `rest`; the missing part must come from this axis.
-  void clip(std::size_t axis, double rest, double g, double inverse) {
+  void clip(std::size_t axis, double rest, double inverse) {
     if (inverse == 0.0) return;
     const double limit = -rest * inverse;
-    if (g > 0.0) box_.low[axis] = std::max(box_.low[axis], limit);
+    if (inverse > 0.0) box_.low[axis] = std::max(box_.low[axis], limit);
     else box_.high[axis] = std::min(box_.high[axis], limit);
   }
 
@@ -73,10 +73,10 @@ struct Hull {
 // True: the side separates the tile from the edge in the whole cell.
 bool try_side(const CellFrame& f, std::size_t k, double sign, const std::array<Vec2, 2>& arm, const MovedEdge& e, Hull& hull) {
   Direction d(f);
-  const double nx = sign * f.normal[k].x(), ny = sign * f.normal[k].y();
+  const Vec2 n = sign * f.normal[k], inverse = sign * f.inverse_normal[k];
   for (std::size_t end = 0; end < 2; ++end) {
-    const double value = nx * arm[end].x() + ny * arm[end].y() - kInradius_mm;
-    if (!d.require(value, nx, ny, sign * e.side_turn[k][end], sign * e.inverse_turn[k][end], f.side_reach[k], e.pad_mm[end])) return false;
+    const double value = n.dot(arm[end]) - kInradius_mm;
+    if (!d.require(value, n, inverse, sign * e.side_turn[k][end], sign * e.inverse_turn[k][end], f.side_reach[k], e.pad_mm[end])) return false;
   }
   if (d.certain()) return true;
   hull.include(d);
@@ -85,11 +85,18 @@ bool try_side(const CellFrame& f, std::size_t k, double sign, const std::array<V
 
 // The edge's own line: the whole tile on its left (sign +1) or right (−1).
 bool try_line(const CellFrame& f, double sign, double shape_sign, double distance, double turn, double pad, const MovedEdge& e, Hull& hull) {
+  // The nearest corner settles most pairs.
+  double nearest = 1e300;
+  for (const double corner : e.corner_value) nearest = std::min(nearest, sign * (distance + shape_sign * corner));
+  const double most = e.line_reach + (std::abs(turn) + kCircumradius_mm) * f.box.half[2] + pad;
+  if (nearest + most < f.inset_mm) return false;
+  if (nearest - most >= f.sufficient_mm) return true;
   Direction d(f);
+  const Vec2 g = -sign * e.normal, inverse = -sign * e.inverse_normal;
   for (std::size_t c = 0; c < 3; ++c) {
     const double gt = sign * (turn + shape_sign * e.corner_turn[c]);
     const double value = sign * (distance + shape_sign * e.corner_value[c]);
-    if (!d.require(value, -sign * e.normal.x(), -sign * e.normal.y(), gt, gt != 0.0 ? 1.0 / gt : 0.0, e.line_reach, pad)) return false;
+    if (!d.require(value, g, inverse, gt, gt != 0.0 ? 1.0 / gt : 0.0, e.line_reach, pad)) return false;
   }
   if (d.certain()) return true;
   hull.include(d);
@@ -105,6 +112,7 @@ CellFrame::CellFrame(const MotionBox& b, double radius_mm, double inset, double 
   for (std::size_t k = 0; k < 3; ++k) {
     normal[k] = kUp.normal[k];
     corner[k] = kUp.corner[k] - kUp.center;
+    for (Eigen::Index a = 0; a < 2; ++a) inverse_normal[k][a] = std::abs(normal[k][a]) > 1e-9 ? 1.0 / normal[k][a] : 0.0;
     side_reach[k] = std::abs(normal[k].x()) * b.half[0] + std::abs(normal[k].y()) * b.half[1];
   }
 }
@@ -126,6 +134,8 @@ MovedEdge CellFrame::move(const std::array<Vec2, 2>& edge) const {
   m.inverse_square = square > 0.0 ? 1.0 / square : 0.0;
   const double length = std::sqrt(square);
   m.normal = length > 0.0 ? Vec2(-m.along.y() / length, m.along.x() / length) : Vec2(0, 0);
+  const auto inverse = [](double v) { return v != 0.0 ? 1.0 / v : 0.0; };
+  m.inverse_normal = {inverse(m.normal.x()), inverse(m.normal.y())};
   m.line_reach = std::abs(m.normal.x()) * box.half[0] + std::abs(m.normal.y()) * box.half[1];
   for (std::size_t c = 0; c < 3; ++c) {
     m.corner_value[c] = m.normal.dot(corner[c]);

@@ -29,6 +29,7 @@ struct MovedEdge {
   std::array<std::array<double, 2>, 3> inverse_turn;  ///< 1 / side_turn, 0 where that is 0
   std::array<double, 2> pad_mm;                       ///< curvature and rounding per end
   Vec2 normal;                                        ///< left unit normal (towards the interior); 0 for a point
+  Vec2 inverse_normal;                                ///< 1 / normal per axis, 0 where that is 0
   double line_reach = 0.0;                            ///< |normal.x| half x + |normal.y| half y
   std::array<double, 3> corner_value;                 ///< normal · corner around the tile's centre
   std::array<double, 3> corner_turn;                  ///< turned normal · corner around the tile's centre
@@ -42,7 +43,7 @@ struct CellFrame {
   double cosine = 1.0, sine = 0.0;
   double slide_mm = 0.0;       ///< how far the box translates
   double reach_mm = 0.0;       ///< how far any point of the polygon moves inside the box
-  std::array<Vec2, 3> normal, corner;
+  std::array<Vec2, 3> normal, inverse_normal, corner;
   std::array<double, 3> side_reach;  ///< |n.x| half x + |n.y| half y
 
   CellFrame(const MotionBox& b, double radius_mm, double inset, double sufficient);
