@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <map>
 #include <memory>
-#include <optional>
 
 #include "cell_bounds.hpp"
 
@@ -15,31 +14,80 @@ namespace {
 
 constexpr double kPeriod_rad = 1.0471975511965976;  // the grid repeats after 60°
 
-struct UndecidedTile {
-  Tile tile;
-  TileGeometry geometry;
-  std::vector<int> edges;  // those that may still cut it
+// Undecided tiles, each with the edges that may still cut it; shared by the children of a cell, which filter it.
+struct TileList {
+  struct Entry {
+    Tile tile;
+    Vec2 center;
+    std::uint32_t first = 0, count = 0;  // range in `edges`
+  };
+  std::vector<Entry> tiles;
+  std::vector<int> edges;
 };
 
 struct Cell {
   MotionBox box;
   int certain = 0;
-  std::vector<UndecidedTile> tiles;
-  bool seeded = false;  // a root cell gets its tiles when it is looked at
-  [[nodiscard]] int bound() const { return certain + static_cast<int>(tiles.size()); }
+  int undecided = 0;
+  std::shared_ptr<const TileList> list;  // none: a root cell gets its tiles when it is looked at
+  [[nodiscard]] int bound() const { return certain + undecided; }
 };
 
-double segment_distance(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 d = b - a;
-  const double squared = d.squaredNorm();
-  const double t = squared > 0.0 ? std::clamp((p - a).dot(d) / squared, 0.0, 1.0) : 0.0;
-  return (a + t * d - p).norm();
+double square_distance(const Vec2& p, const MovedEdge& e) {
+  const Vec2 d = p - e.end[0];
+  const double t = std::clamp(d.dot(e.along) * e.inverse_square, 0.0, 1.0);
+  return (d - t * e.along).squaredNorm();
 }
+
+// Clips the cell to where at least `need` of the boxes overlap, one axis after the other. False: nowhere.
+class Contraction {
+ public:
+  bool clip(MotionBox& box, const std::vector<OffsetBox>& boxes, int need) {
+    if (static_cast<int>(boxes.size()) < need) return false;
+    Eigen::Array3d low = -box.half, high = box.half;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<Eigen::Index>(axis);
+      if (!sweep(boxes, axis, box.half[a], need, low[a], high[a])) return false;
+    }
+    box.center += 0.5 * (low + high);
+    box.half = 0.5 * (high - low) * (1.0 + 1e-12) + 1e-15;
+    return true;
+  }
+
+ private:
+  // Coverage is counted in bins; a box covers every bin that it touches, so that the count can only be too high.
+  bool sweep(const std::vector<OffsetBox>& boxes, std::size_t axis, double half, int need, double& low, double& high) {
+    if (!(half > 1e-14)) return true;
+    const double scale = 0.5 * kBins / half;
+    change_.fill(0);
+    for (const OffsetBox& b : boxes) {
+      ++change_[bin((b.low[axis] + half) * scale - 1e-9)];
+      --change_[bin((b.high[axis] + half) * scale + 1e-9) + 1];
+    }
+    int depth = 0, first = -1, last = -1;
+    for (int k = 0; k < kBins; ++k) {
+      depth += change_[static_cast<std::size_t>(k)];
+      if (depth < need) continue;
+      if (first < 0) first = k;
+      last = k;
+    }
+    if (first < 0) return false;
+    if (first > 0) low = first / scale - half;
+    if (last + 1 < kBins) high = (last + 1) / scale - half;
+    return true;
+  }
+
+  static std::size_t bin(double position) { return static_cast<std::size_t>(std::clamp(static_cast<int>(position), 0, kBins - 1)); }
+
+  static constexpr int kBins = 64;
+  std::array<int, kBins + 1> change_{};
+};
 
 class Search {
  public:
   Search(const PreparedPolygon& polygon, const SearchGoal& goal, const ProgressSink& progress)
-      : polygon_(polygon), goal_(goal), progress_(progress), height_(goal.pitch_mm * 0.86602540378443864676) {
+      : polygon_(polygon), goal_(goal), sufficient_(goal.inset_mm - goal.tolerance_mm), progress_(progress),
+        height_(goal.pitch_mm * 0.86602540378443864676) {
     result_.best = goal.known;
     moved_.resize(polygon.edges.size());
     moved_at_.assign(polygon.edges.size(), -1);
@@ -55,10 +103,10 @@ class Search {
         if (std::chrono::steady_clock::now() > goal_.deadline) return result_;
         report(progress_, "placing", -1.0, fmt::format("{} modules, bound {}", result_.best, result_.upper_bound));
       }
-      std::unique_ptr<Cell> cell = std::move(bucket->second.back());
+      Cell cell = std::move(bucket->second.back());
       bucket->second.pop_back();
       if (bucket->second.empty()) open_.erase(bucket);
-      expand(std::move(cell));
+      expand(cell);
     }
     const int open_bound = open_.empty() ? 0 : std::min(open_.begin()->first, area_bound_);
     result_.upper_bound = std::max({result_.best, open_bound, unresolved_bound_});
@@ -66,8 +114,8 @@ class Search {
   }
 
  private:
-  void push(std::unique_ptr<Cell> cell) {
-    const int bound = cell->seeded ? cell->bound() : area_bound_;
+  void push(Cell cell) {
+    const int bound = cell.list ? cell.bound() : area_bound_;
     if (bound > result_.best) open_[bound].push_back(std::move(cell));
   }
 
@@ -78,38 +126,44 @@ class Search {
     // Angles over which the farthest vertex moves by about half a module: short lists from the start.
     const int n = std::clamp(static_cast<int>(std::ceil(kPeriod_rad * polygon_.radius_mm / 24.0)), 1, 4096);
     for (int k = n - 1; k >= 0; --k) {
-      auto cell = std::make_unique<Cell>();
-      cell->box.center = {0.5 * goal_.pitch_mm, 0.5 * height_, kPeriod_rad * (k + 0.5) / n};
-      cell->box.half = {0.5 * goal_.pitch_mm, 0.5 * height_, 0.5 * kPeriod_rad / n * (1.0 + 1e-12)};
+      Cell cell;
+      cell.box.center = {0.5 * goal_.pitch_mm, 0.5 * height_, kPeriod_rad * (k + 0.5) / n};
+      cell.box.half = {0.5 * goal_.pitch_mm, 0.5 * height_, 0.5 * kPeriod_rad / n * (1.0 + 1e-12)};
       push(std::move(cell));
     }
   }
 
-  // How far any point of the polygon can move inside the cell.
-  [[nodiscard]] double reach(const MotionBox& box) const {
-    return std::hypot(box.half[0], box.half[1]) + polygon_.radius_mm * box.half[2];
-  }
+  [[nodiscard]] CellFrame frame(const MotionBox& box) const { return {box, polygon_.radius_mm, goal_.inset_mm, sufficient_}; }
 
   // Tiles near the moved polygon, each with the edges near it.
   void seed(Cell& cell) {
-    const double span = reach(cell.box) + kCircumradius_mm + std::max(0.0, goal_.inset_mm);
+    const CellFrame f = frame(cell.box);
+    const double span = f.reach_mm + kCircumradius_mm + std::max(0.0, goal_.inset_mm) + 1e-6;
     std::map<Tile, std::vector<int>> near;
     Vec2 low = Vec2::Constant(1e300), high = -low;
     for (std::size_t k = 0; k < polygon_.edges.size(); ++k) {
-      const MovedEdge e = move_edge(polygon_.edges[k], cell.box);
+      const MovedEdge e = f.move(polygon_.edges[k]);
       low = low.cwiseMin(e.end[0]);
       high = high.cwiseMax(e.end[0]);
       for_each_tile(e.end[0].cwiseMin(e.end[1]).array() - span, e.end[0].cwiseMax(e.end[1]).array() + span, [&](const Tile& t) {
-        const TileGeometry g = tile_geometry(t, goal_.pitch_mm);
-        if (segment_distance(g.center, e.end[0], e.end[1]) <= span) near[t].push_back(static_cast<int>(k));
+        if (square_distance(center_of(t), e) <= span * span) near[t].push_back(static_cast<int>(k));
       });
     }
-    const Vec2 margin = Vec2::Constant(reach(cell.box));
+    const Vec2 margin = Vec2::Constant(f.reach_mm);
     for_each_tile((low - margin).array(), (high + margin).array(), [&](const Tile& t) {
-      if (!near.contains(t) && center_inside(tile_geometry(t, goal_.pitch_mm).center, cell.box)) ++cell.certain;
+      if (!near.contains(t) && center_inside(center_of(t), f)) ++cell.certain;
     });
-    for (auto& [tile, edges] : near) cell.tiles.push_back({tile, tile_geometry(tile, goal_.pitch_mm), std::move(edges)});
-    cell.seeded = true;
+    auto list = std::make_shared<TileList>();
+    for (const auto& [tile, edges] : near) {
+      list->tiles.push_back({tile, center_of(tile), static_cast<std::uint32_t>(list->edges.size()), static_cast<std::uint32_t>(edges.size())});
+      list->edges.insert(list->edges.end(), edges.begin(), edges.end());
+    }
+    cell.undecided = static_cast<int>(list->tiles.size());
+    cell.list = std::move(list);
+  }
+
+  [[nodiscard]] Vec2 center_of(const Tile& t) const {
+    return {goal_.pitch_mm * (t.i + 0.5 * t.j + (t.up ? 0.5 : 1.0)), height_ * (t.j + (t.up ? 1.0 : 2.0) / 3.0)};
   }
 
   template <class Visit>
@@ -124,77 +178,72 @@ class Search {
     }
   }
 
-  [[nodiscard]] bool center_inside(const Vec2& q, const MotionBox& box) {
-    if (box.center[2] != turned_to_) {
-      turned_to_ = box.center[2];
-      cosine_ = std::cos(turned_to_);
-      sine_ = std::sin(turned_to_);
-    }
-    const Vec2 d = q - Vec2(box.center[0], box.center[1]);
-    return polygon_.contains({cosine_ * d.x() + sine_ * d.y(), -sine_ * d.x() + cosine_ * d.y()});
+  [[nodiscard]] bool center_inside(const Vec2& q, const CellFrame& f) const {
+    const Vec2 d = q - Vec2(f.box.center[0], f.box.center[1]);
+    return polygon_.contains({f.cosine * d.x() + f.sine * d.y(), -f.sine * d.x() + f.cosine * d.y()});
   }
 
-  const MovedEdge& moved(int edge, const MotionBox& box) {
+  const MovedEdge& moved(int edge, const CellFrame& f) {
     const auto k = static_cast<std::size_t>(edge);
     if (moved_at_[k] != stamp_) {
-      moved_[k] = move_edge(polygon_.edges[k], box);
+      moved_[k] = f.move(polygon_.edges[k]);
       moved_at_[k] = stamp_;
     }
     return moved_[k];
   }
 
-  // Decides what can be decided in the cell. Returns the box of offsets in which each remaining tile may hold.
-  std::vector<OffsetBox> filter(Cell& cell, int& inside_now) {
+  // Decides what can be decided in the cell: kept_ and boxes_ hold what stays open and where it may hold.
+  // False as soon as too few tiles are left.
+  bool filter(Cell& cell, int& inside_now) {
     ++stamp_;
-    std::vector<OffsetBox> boxes;
-    std::size_t kept = 0;
-    const double reach_mm = reach(cell.box);
-    for (std::size_t t = 0; t < cell.tiles.size(); ++t) {
-      UndecidedTile& u = cell.tiles[t];
-      OffsetBox feasible{-cell.box.half, cell.box.half};
-      if (!filter_tile(u, cell.box, reach_mm, feasible)) continue;
-      const bool inside = center_inside(u.geometry.center, cell.box);
-      if (u.edges.empty()) {  // no edge can reach it: the same answer in the whole cell
-        if (inside) ++cell.certain;
-        continue;
-      }
-      if (inside && holds_at_center(u, cell.box)) ++inside_now;
-      if (kept != t) cell.tiles[kept] = std::move(u);
-      ++kept;
-      boxes.push_back(feasible);
-    }
-    cell.tiles.resize(kept);
-    return boxes;
-  }
-
-  // False when the tile can hold nowhere in the cell.
-  bool filter_tile(UndecidedTile& u, const MotionBox& box, double reach_mm, OffsetBox& feasible) {
-    std::size_t kept = 0;
-    double nearest = 1e300;
-    for (const int k : u.edges) {
-      const MovedEdge& e = moved(k, box);
-      const double distance = segment_distance(u.geometry.center, e.end[0], e.end[1]);
-      nearest = std::min(nearest, distance);
-      // The inscribed circle must stay free, and an edge beyond the circumscribed one cannot cut.
-      if (distance + reach_mm < kInradius_mm + std::min(0.0, goal_.inset_mm) - 1e-6) return false;
-      if (distance - reach_mm > kCircumradius_mm + std::max(0.0, goal_.inset_mm) + 1e-6) continue;
-      switch (judge(u.geometry, e, box, goal_.inset_mm, feasible)) {
-        case EdgeVerdict::kAlwaysCuts: return false;
-        case EdgeVerdict::kMayCut: u.edges[kept++] = k; break;
-        case EdgeVerdict::kNeverCuts: break;
+    const CellFrame f = frame(cell.box);
+    kept_.tiles.clear();
+    kept_.edges.clear();
+    boxes_.clear();
+    int spare = cell.bound() - result_.best;
+    for (const TileList::Entry& entry : cell.list->tiles) {
+      OffsetBox feasible{{-f.box.half[0], -f.box.half[1], -f.box.half[2]}, {f.box.half[0], f.box.half[1], f.box.half[2]}};
+      bool free_at_center = true;
+      const auto first = static_cast<std::uint32_t>(kept_.edges.size());
+      const bool possible = filter_tile(*cell.list, entry, f, feasible, free_at_center);
+      const auto count = static_cast<std::uint32_t>(kept_.edges.size()) - first;
+      const bool inside = possible && (count == 0 || free_at_center) && center_inside(entry.center, f);
+      if (!possible || (count == 0 && !inside)) {
+        kept_.edges.resize(first);
+        if (--spare <= 0) return false;
+      } else if (count == 0) {  // no edge can reach it: inside in the whole cell
+        ++cell.certain;
+      } else {
+        inside_now += inside ? 1 : 0;
+        kept_.tiles.push_back({entry.tile, entry.center, first, count});
+        boxes_.push_back(feasible);
       }
     }
-    // Outside by more than the polygon can move, and in the first place nearer edges were dropped as harmless.
-    if (kept > 0 && nearest > reach_mm && !center_inside(u.geometry.center, box)) return false;
-    u.edges.resize(kept);
+    cell.undecided = static_cast<int>(kept_.tiles.size());
     return true;
   }
 
-  bool holds_at_center(const UndecidedTile& u, const MotionBox& box) {
-    return std::ranges::all_of(u.edges, [&](int k) {
-      const MovedEdge& e = moved(k, box);
-      return separation(u.geometry, e.end[0], e.end[1]) >= goal_.inset_mm;
-    });
+  // False when the tile can hold nowhere in the cell; else appends the edges that may still cut it to kept_.
+  bool filter_tile(const TileList& list, const TileList::Entry& entry, const CellFrame& f, OffsetBox& feasible, bool& free_at_center) {
+    // The inscribed circle must stay free, and an edge beyond the circumscribed one cannot cut.
+    const double inner = kInradius_mm - 1e-6 - f.reach_mm, outer = kCircumradius_mm + std::max(0.0, goal_.inset_mm) + 1e-6 + f.reach_mm;
+    double nearest = 1e300;
+    const std::size_t first = kept_.edges.size();
+    for (std::uint32_t k = entry.first; k < entry.first + entry.count; ++k) {
+      const MovedEdge& e = moved(list.edges[k], f);
+      const double square = square_distance(entry.center, e);
+      nearest = std::min(nearest, square);
+      if (inner > 0.0 && square < inner * inner) return false;
+      if (square > outer * outer) continue;
+      switch (judge(f, entry.center, entry.tile.up, e, feasible, free_at_center)) {
+        case EdgeVerdict::kAlwaysCuts: return false;
+        case EdgeVerdict::kMayCut: kept_.edges.push_back(list.edges[k]); break;
+        case EdgeVerdict::kNeverCuts: break;
+      }
+    }
+    // No edge passes the centre anywhere in the cell: outside is outside everywhere.
+    const double limit = f.reach_mm + 1e-6;
+    return kept_.edges.size() == first || nearest <= limit * limit || center_inside(entry.center, f);
   }
 
   void note_value(int value, const MotionBox& box) {
@@ -202,91 +251,65 @@ class Search {
     if (value <= result_.best) return;
     // Count again at the very motion that is returned; the filtered lists are only a shortcut.
     const Motion motion{box.center[0], box.center[1], box.center[2]};
-    const int counted = count_inside(polygon_, motion, goal_.inset_mm, goal_.pitch_mm);
+    const int counted = count_inside(polygon_, motion, sufficient_, goal_.pitch_mm);
     if (counted <= result_.best) return;
     result_.best = counted;
     result_.motion = motion;
     result_.found = true;
   }
 
-  // Clips the cell to where at least `need` of the boxes overlap, one axis after the other. False: nowhere.
-  static bool contract(MotionBox& box, const std::vector<OffsetBox>& boxes, int need) {
-    if (static_cast<int>(boxes.size()) < need) return false;
-    Eigen::Array3d low = -box.half, high = box.half;
-    for (int axis = 0; axis < 3; ++axis) {
-      std::vector<std::pair<double, int>> ends;
-      ends.reserve(2 * boxes.size());
-      for (const OffsetBox& b : boxes) {
-        ends.emplace_back(b.low[axis], 0);  // at one place, begins stand before ends
-        ends.emplace_back(b.high[axis], 1);
-      }
-      std::ranges::sort(ends);
-      int depth = 0;
-      double first = 1e300, last = -1e300;
-      for (const auto& [place, is_end] : ends) {
-        if (is_end != 0) {
-          if (depth-- == need) last = place;
-        } else if (++depth == need) {
-          first = std::min(first, place);
-        }
-      }
-      if (first > last) return false;
-      low[axis] = first;
-      high[axis] = last;
-    }
-    box.center += 0.5 * (low + high);
-    box.half = 0.5 * (high - low) * (1.0 + 1e-12) + 1e-15;
-    return true;
-  }
-
-  void expand(std::unique_ptr<Cell> cell) {
-    if (!cell->seeded) seed(*cell);
+  void expand(Cell& cell) {
+    if (!cell.list) seed(cell);
     for (int pass = 0; pass < 8; ++pass) {
       ++result_.cells;
       int inside_now = 0;
-      const std::vector<OffsetBox> boxes = filter(*cell, inside_now);
-      note_value(cell->certain + inside_now, cell->box);
-      if (cell->bound() <= result_.best) return;
-      const double before = size(cell->box);
-      const int need = result_.best + 1 - cell->certain;
-      if (need > 0 && !contract(cell->box, boxes, need)) return;
-      if (size(cell->box) > 0.7 * before) break;
+      if (!filter(cell, inside_now)) return;
+      note_value(cell.certain + inside_now, cell.box);
+      if (cell.bound() <= result_.best) return;
+      const double before = size(cell.box);
+      const int need = result_.best + 1 - cell.certain;
+      if (need > 0 && !contraction_.clip(cell.box, boxes_, need)) return;
+      cell.list = std::make_shared<const TileList>(kept_);
+      if (size(cell.box) > 0.7 * before) break;
     }
-    split(std::move(cell));
+    split(cell);
   }
 
   [[nodiscard]] double size(const MotionBox& box) const {
     return std::max({box.half[0], box.half[1], polygon_.radius_mm * box.half[2]});
   }
 
-  void split(std::unique_ptr<Cell> cell) {
-    const Eigen::Array3d weighted = cell->box.half * Eigen::Array3d(1.0, 1.0, polygon_.radius_mm);
+  void split(Cell& cell) {
+    const Eigen::Array3d weighted = cell.box.half * Eigen::Array3d(1.0, 1.0, polygon_.radius_mm);
     Eigen::Index axis = 0;
     if (weighted.maxCoeff(&axis) < goal_.resolution_mm) {  // near the rounding pad: stays open in the bound
-      unresolved_bound_ = std::max(unresolved_bound_, cell->bound());
+      unresolved_bound_ = std::max(unresolved_bound_, cell.bound());
       return;
     }
-    auto other = std::make_unique<Cell>(*cell);
-    cell->box.half[axis] *= 0.5;
-    other->box.half[axis] *= 0.5;
-    cell->box.center[axis] -= cell->box.half[axis];
-    other->box.center[axis] += other->box.half[axis];
+    Cell other = cell;
+    cell.box.half[axis] *= 0.5;
+    other.box.half[axis] *= 0.5;
+    cell.box.center[axis] -= cell.box.half[axis];
+    other.box.center[axis] += other.box.half[axis];
     push(std::move(other));
     push(std::move(cell));
   }
 
   const PreparedPolygon& polygon_;
   const SearchGoal goal_;
+  const double sufficient_;
   const ProgressSink& progress_;
   const double height_;
   int area_bound_ = 0;
   int unresolved_bound_ = 0;
   SearchResult result_;
-  std::map<int, std::vector<std::unique_ptr<Cell>>, std::greater<>> open_;  // by bound; last in, first out inside
+  std::map<int, std::vector<Cell>, std::greater<>> open_;  // by bound; last in, first out inside
   std::vector<MovedEdge> moved_;
   std::vector<std::int64_t> moved_at_;
   std::int64_t stamp_ = 0;
-  double turned_to_ = 1e300, cosine_ = 0.0, sine_ = 0.0;  // of the last angle that was asked for
+  TileList kept_;
+  std::vector<OffsetBox> boxes_;
+  Contraction contraction_;
 };
 
 }  // namespace

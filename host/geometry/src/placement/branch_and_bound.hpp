@@ -11,7 +11,8 @@ namespace triskin::geometry {
 
 /// What the search looks for and when it may end.
 struct SearchGoal {
-  double inset_mm = 0.0;     ///< a tile counts when its separation from every edge is at least this
+  double inset_mm = 0.0;      ///< the bound holds for tiles whose separation from every edge is at least this
+  double tolerance_mm = 1e-6; ///< a motion's value counts tiles with a separation of at least inset − tolerance
   double pitch_mm = kSide_mm;
   double resolution_mm = 1e-8; ///< cells smaller than this are not split: their bound stays open
   int known = 0;             ///< value that is already known: only better ones are of interest
@@ -23,7 +24,7 @@ struct SearchResult {
   int best = 0;          ///< best value found (≥ known)
   Motion motion;         ///< where, when best > known
   bool found = false;    ///< best > known
-  int upper_bound = 0;   ///< no motion has a higher value at inset 0 (and at goal.inset_mm)
+  int upper_bound = 0;   ///< no motion has a higher value at goal.inset_mm
   std::int64_t cells = 0;
   std::int64_t evaluations = 0;
 };

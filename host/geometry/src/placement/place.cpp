@@ -28,28 +28,73 @@ void require_sane(const PlacementOptions& o) {
   if (!(o.gap_mm >= 0.0 && o.gap_mm <= 100.0)) throw InputError(fmt::format("gap {} mm: must be in 0 … 100", o.gap_mm));
 }
 
-// Of all placements of `modules` tiles the one with the largest inset, by bisection: each step asks the certified search
-// whether that many tiles fit at a larger inset. Ends at 1 µm or 1 %.
+// Makes the best of a motion that holds `modules` tiles: the inset at which they still fit, raised by axis steps.
+class ClearanceAscent {
+ public:
+  ClearanceAscent(const PreparedPolygon& polygon, double pitch_mm, int modules) : polygon_(polygon), pitch_(pitch_mm), modules_(modules) {}
+
+  double climb(Motion& motion, double clearance) {
+    clearance = raise(motion, clearance);
+    for (double step = 1.0; step > 1e-4; step *= 0.5) {
+      for (bool better = true; better;) {
+        better = false;
+        for (int k = 0; k < 18; ++k) {
+          const Motion next = stepped(motion, step, k);
+          if (!holds(next, clearance + 0.1 * step)) continue;
+          motion = next;
+          clearance = raise(motion, clearance + 0.1 * step);
+          better = true;
+        }
+      }
+    }
+    return clearance;
+  }
+
+ private:
+  [[nodiscard]] bool holds(const Motion& m, double inset) const { return count_inside(polygon_, m, inset, pitch_) >= modules_; }
+
+  // Largest inset at this motion, to 0.1 µm.
+  [[nodiscard]] double raise(const Motion& m, double low) const {
+    double high = kInradius_mm;
+    while (high - low > 1e-4) {
+      const double middle = 0.5 * (low + high);
+      (holds(m, middle) ? low : high) = middle;
+    }
+    return low;
+  }
+
+  // The six axis steps and the twelve diagonal ones.
+  [[nodiscard]] Motion stepped(const Motion& m, double step, int k) const {
+    static constexpr std::array<std::array<int, 3>, 9> kSteps{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, -1, 0}, {1, 0, 1}, {1, 0, -1}, {0, 1, 1}, {0, 1, -1}}};
+    const auto& s = kSteps[static_cast<std::size_t>(k / 2)];
+    const double d = k % 2 == 0 ? step : -step;
+    return {m.x + d * s[0], m.y + d * s[1], m.theta + d * s[2] / std::max(1.0, polygon_.radius_mm)};
+  }
+
+  const PreparedPolygon& polygon_;
+  double pitch_;
+  int modules_;
+};
+
+// Of all placements of `modules` tiles one with the largest inset, to 1 µm or 1 %: climbs, then asks the certified search for
+// a placement that is better; when there is none, that is the proof.
 void enlarge_clearance(const PreparedPolygon& polygon, const PlacementOptions& options, PlacementResult& result, Motion& motion,
                        Clock::time_point deadline, const ProgressSink& progress) {
-  double low = -options.tolerance_mm, high = kInradius_mm;
-  double step = 0.05;
-  for (int k = 0; k < 40 && high - low > std::max(1e-3, 0.01 * low) && Clock::now() < deadline; ++k) {
-    const double middle = high < kInradius_mm ? 0.5 * (low + high) : std::min(low + step, 0.5 * (low + high));
-    step *= 2.0;
-    SearchGoal goal{.inset_mm = middle, .pitch_mm = kSide_mm + options.gap_mm, .known = result.modules - 1, .stop_at_first = true,
-                    .deadline = deadline};
+  const double pitch = kSide_mm + options.gap_mm;
+  ClearanceAscent ascent(polygon, pitch, result.modules);
+  double clearance = ascent.climb(motion, -options.tolerance_mm);
+  while (Clock::now() < deadline) {
+    const double more = std::max(1e-3, 0.01 * clearance);
+    const SearchGoal goal{.inset_mm = clearance + more, .tolerance_mm = 0.5 * more, .pitch_mm = pitch, .known = result.modules - 1,
+                          .stop_at_first = true, .deadline = deadline};
     const SearchResult found = branch_and_bound(polygon, goal, progress);
     result.cells += found.cells;
     result.evaluations += found.evaluations;
-    if (found.found) {
-      low = middle;
-      motion = found.motion;
-    } else {
-      high = middle;
-    }
+    if (!found.found) break;
+    motion = found.motion;
+    clearance = ascent.climb(motion, clearance + 0.5 * more);
   }
-  result.clearance_mm = low;
+  result.clearance_mm = clearance;
 }
 
 }  // namespace
@@ -76,7 +121,7 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
     PlacementOptions start_options = options;
     start_options.method = PlacementMethod::kR7;
     const HeuristicResult first = run_heuristic(polygon, start_options, 6);
-    const SearchGoal goal{.inset_mm = -options.tolerance_mm, .pitch_mm = pitch, .known = first.modules, .deadline = deadline};
+    const SearchGoal goal{.inset_mm = 0.0, .tolerance_mm = options.tolerance_mm, .pitch_mm = pitch, .known = first.modules, .deadline = deadline};
     const SearchResult found = branch_and_bound(polygon, goal, progress);
     result.modules = found.best;
     result.upper_bound = found.upper_bound;

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "triskin/cli/command.hpp"
+
+namespace triskin::cli {
+
+struct BenchOptions {
+  bool quick = false;  ///< the whole subject ends within 50 s
+};
+
+/// Measures one subject: an array of rows, one per measured point, with the subject's keys beside "seconds".
+using BenchRows = std::function<nlohmann::json(const BenchOptions&, Output&)>;
+
+/// Each subject's file holds one constant of this type at namespace scope.
+class BenchSubject {
+ public:
+  BenchSubject(const std::string& name, BenchRows rows);
+};
+
+}  // namespace triskin::cli
