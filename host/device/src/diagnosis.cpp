@@ -186,7 +186,8 @@ void Diagnosis::look_at_absent(const PatchState& p, std::vector<std::size_t> row
     const layout::ModuleRow& r = p.image.modules[row];
     const TouchOutcome* touch = touch_of(module);
     told_.insert(module);
-    if (touch != nullptr && touch->answered >= 0 && touch->answered != module) {
+    // A neighbour that feels the rim of the finger is no answer: the chip's own pads would all have moved.
+    if (touch != nullptr && touch->whole && touch->answered != module) {
       add_duplicate(p, row, touch->answered);
       continue;
     }

@@ -72,8 +72,9 @@ std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch
     const Response settled = strongest_anywhere(patch);
     if (settled.strength > best.strength) best = settled;
   }
-  TouchOutcome outcome{module, best.strength >= kModuleChange ? best.module : -1, 0};
-  if (outcome.answered == module && std::popcount(best.changed) >= kMostTaxels) {
+  const bool whole = std::popcount(best.changed) >= kMostTaxels;
+  TouchOutcome outcome{module, best.strength >= kModuleChange ? best.module : -1, whole, 0};
+  if (outcome.answered == module && whole) {
     for (unsigned t = 0; t < layout::kTaxelsPerModule; ++t) {
       if (scene::kMeasuresPressure[t] && (best.changed >> t & 1) == 0) outcome.silent_taxels |= 1U << t;
     }
