@@ -88,7 +88,7 @@ std::array<int, 4> best_wiring(const geometry::ModuleGraph& g, const std::vector
       for (int round = 0; round < n; ++round) {
         for (std::size_t k = 0; k < joints.size(); ++k) {
           if ((chosen >> k & 1) == 0) continue;
-          for (const auto [a, b] : {std::pair(joints[k][0], joints[k][1]), std::pair(joints[k][1], joints[k][0])}) {
+          for (const auto& [a, b] : {std::pair(joints[k][0], joints[k][1]), std::pair(joints[k][1], joints[k][0])}) {
             auto& d = t.depth[static_cast<std::size_t>(b)];
             if (t.depth[static_cast<std::size_t>(a)] < 0 || d >= 0) continue;
             d = t.depth[static_cast<std::size_t>(a)] + 1;
