@@ -182,8 +182,9 @@ Topology::Pass Topology::join_here(std::uint8_t module, std::uint8_t port, std::
 }
 
 std::optional<bool> Topology::brings_module(std::uint8_t module, std::uint8_t port, std::uint8_t left_out) {
+  // Numbers are in the order of the chain: all before this module stay, so that only the branch left out can come in.
   std::uint16_t wanted = 0;
-  for (std::uint8_t m = module; m != kNoModule; m = parent_[m].module) wanted = with(wanted, m);
+  for (std::uint8_t m = 0; m <= module; ++m) wanted = with(wanted, m);
   std::uint8_t child = left_out;
   for (std::uint8_t m = 0; m < graph_.count; ++m) {
     if (m == module || !below(m, module)) continue;
@@ -214,8 +215,9 @@ bool Topology::rebuild(std::uint16_t wanted, bool set_slots) {
       if (set_slots) chain_.set_slot(m, slot_[m]);
       added = with(added, m);
     }
-    if (!chain_.write() || !chain_.settle()) return false;
-    if (added == 0) return chain_.check();
+    if (!chain_.write()) return false;
+    if (added == 0) return chain_.settle() && chain_.check();
+    if (!chain_.measured()) return false;
     in = static_cast<std::uint16_t>(in | added);
   }
 }

@@ -47,6 +47,8 @@ class ChainDriver {
   /// Opens several ports at once, which must lead to new modules; checked by the next write or check().
   void attach(std::uint8_t module, std::uint8_t port, std::uint8_t child);
   bool write();
+  /// The chain has its length. The registers then hold anything: write before the next latch.
+  bool measured() { return measure() == Answer::kUnchanged; }
   /// The chain has its length; every register is written once more.
   bool settle();
   /// Every register holds what was written and the chain has its length.
@@ -104,7 +106,8 @@ class Topology {
   Pass match_end(std::uint8_t module, std::uint8_t port);
   Pass join_here(std::uint8_t module, std::uint8_t port, std::uint8_t far);
   Pass leave(std::uint8_t module, std::uint8_t port);
-  /// Opens the tree above and below `module` without `left_out` and its subtree, then the port: does it bring a module in?
+  /// Opens the tree up to the port of `module` without `left_out` and its subtree (kNoModule: without everything below), then the
+  /// port: does it bring a module in?
   std::optional<bool> brings_module(std::uint8_t module, std::uint8_t port, std::uint8_t left_out);
   bool rebuild(std::uint16_t wanted, bool set_slots);
   [[nodiscard]] bool below(std::uint8_t module, std::uint8_t top) const;
