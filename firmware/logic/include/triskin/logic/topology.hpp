@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "triskin/layout/patch_image.hpp"
+#include "triskin/ports/route_chain.hpp"
+
+namespace triskin::fw {
+
+inline constexpr std::uint8_t kNoModule = 0xFF;
+
+/// Other end of a port.
+struct JointEnd {
+  std::uint8_t module = kNoModule;
+  std::uint8_t port = 0;
+  bool operator==(const JointEnd&) const = default;
+};
+
+/// Modules of a patch and the joints between their ports; module 0 is the entry. Symmetric.
+struct PatchGraph {
+  std::uint8_t count = 0;
+  std::uint8_t cable_port = 0;  ///< of module 0
+  std::array<std::array<JointEnd, 3>, layout::kMaxModules> joint{};
+  bool operator==(const PatchGraph&) const = default;
+};
+
+/// Where a module is read; unchanged when the tree changes.
+struct Slot {
+  std::uint8_t line = 0, address = 0;
+};
+
+/// Writes and measures the chain. Register: bits 0..1 line, 2..3 address, 4..6 ports A..C, 7 marker (always 1).
+class ChainDriver {
+ public:
+  enum class Answer : std::uint8_t { kModule, kRefused, kNothing, kUnchanged, kLost };
+
+  explicit ChainDriver(RouteChain& port) : port_(port) {}
+  /// Closes everything, then lets the entry module in. False: no module answers.
+  bool restart();
+  void set_slot(std::uint8_t module, Slot slot);
+  /// Opens a port that is last in the chain; when a module comes in it gets the number `child`.
+  Answer open(std::uint8_t module, std::uint8_t port, std::uint8_t child);
+  /// Closes a port that was just opened and showed nothing new. False: the chain stays broken (a short).
+  bool close(std::uint8_t module, std::uint8_t port);
+  /// Opens several ports at once, which must lead to new modules; checked by the next write or check().
+  void attach(std::uint8_t module, std::uint8_t port, std::uint8_t child);
+  bool write();
+  /// The chain has its length. The registers then hold anything: write before the next latch.
+  bool measured() { return measure() == Answer::kUnchanged; }
+  /// The chain has its length; every register is written once more.
+  bool settle();
+  /// Every register holds what was written and the chain has its length.
+  bool check();
+  [[nodiscard]] std::uint16_t members() const { return members_; }  ///< bit m: module m is in the chain
+  [[nodiscard]] std::uint8_t stuck_lines() const { return port_.stuck_lines(); }
+
+ private:
+  static constexpr std::size_t kMost = layout::kMaxModules + 3;
+  std::size_t order();
+  bool echo();
+  [[nodiscard]] Answer measure();
+  void clear();
+
+  RouteChain& port_;
+  std::array<std::uint8_t, layout::kMaxModules> config_{};
+  std::array<std::array<std::uint8_t, 3>, layout::kMaxModules> child_{};
+  std::array<std::uint8_t, layout::kMaxModules> order_{};
+  std::size_t length_ = 0;
+  std::uint16_t members_ = 0;
+};
+
+/// Finds all modules and joints of a patch, and keeps it alive around what breaks. Sampling must rest while it works.
+class Topology {
+ public:
+  struct Report {
+    bool complete = false;         ///< false: the chain would not settle; the graph is what was certain
+    std::uint8_t shorts = 0;       ///< ports left closed because opening them broke the chain or held a line
+    std::uint16_t alive = 0;       ///< heal(): bit m: module m of the table is in the tree
+    std::uint8_t max_depth = 0;    ///< of the active tree
+    bool least_depth = true;       ///< false: the tree by which the modules were found was kept
+    std::uint8_t unknown = 0;      ///< heal(): modules found at places that the table does not know; left closed
+  };
+
+  explicit Topology(RouteChain& port) : chain_(port) {}
+
+  /// Depth-first probing, then the far end of every joint that closes a cycle. Ends after at most 64 restarts.
+  Report discover();
+  [[nodiscard]] const PatchGraph& graph() const { return graph_; }
+
+  /// Discovers anew and activates the tree of least depth over what survives. `table`: the joints as designed, module
+  /// numbers and slots as in the table. A module keeps its slot.
+  Report heal(const PatchGraph& table, const std::array<Slot, layout::kMaxModules>& slots);
+  /// Cheap check before and after a sampling cycle; false: samples of the cycle are not to be trusted, heal.
+  bool intact() { return chain_.check(); }
+
+ private:
+  enum class Port : std::uint8_t { kUnknown, kInput, kNothing, kChild, kJoined, kBad };
+  using Exclusions = std::array<std::uint8_t, layout::kMaxModules>;
+
+  enum class Pass : std::uint8_t { kDone, kAgain, kNobody };
+  Pass explore();
+  Pass probe(std::uint8_t module, std::uint8_t port);
+  Pass match();
+  Pass match_end(std::uint8_t module, std::uint8_t port);
+  Pass join_here(std::uint8_t module, std::uint8_t port, std::uint8_t far);
+  Pass leave(std::uint8_t module, std::uint8_t port);
+  /// Opens the tree up to the port of `module` without `left_out` and its subtree (kNoModule: without everything below), then the
+  /// port: does it bring a module in?
+  std::optional<bool> brings_module(std::uint8_t module, std::uint8_t port, std::uint8_t left_out);
+  bool rebuild(std::uint16_t wanted, bool set_slots);
+  [[nodiscard]] bool below(std::uint8_t module, std::uint8_t top) const;
+  [[nodiscard]] bool open_end(std::uint8_t module, std::uint8_t port) const;
+  void join(JointEnd a, JointEnd b);
+  void identify(const PatchGraph& table, Report& report);
+  bool least_depth_tree(Report& report);
+  bool exclude(std::uint8_t module, std::uint8_t port);
+
+  ChainDriver chain_;
+  PatchGraph graph_;
+  std::array<std::array<Port, 3>, layout::kMaxModules> port_{};
+  std::array<JointEnd, layout::kMaxModules> parent_{};  // tree of the discovery; module and its output port
+  std::array<std::uint8_t, layout::kMaxModules> input_{};
+  Exclusions bad_{};                                    // ports by discovery number, which repeats
+  std::uint8_t shorts_ = 0;
+  std::array<std::uint8_t, layout::kMaxModules> table_index_{};
+  std::array<Slot, layout::kMaxModules> slot_{};        // by discovery number
+};
+
+}  // namespace triskin::fw

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <random>
+#include <span>
+#include <vector>
+
+namespace triskin::scene {
+
+/// Switched modules and their joints at bit level: registers, arbiters, constants of broken chains, faults, virtual time.
+class SwitchedPatch {
+ public:
+  struct End {
+    int module = -1;
+    int port = 0;
+  };
+  enum class JointFault : std::uint8_t { kNone, kOpen, kShort };
+  static constexpr double kBit_us = 0.5;     ///< chain clock 2 MHz
+  static constexpr double kSettle_us = 5.0;  ///< ports and arbiters after a latch
+
+  /// `joints[m][p]`: far end of port p, module −1 for none; symmetric. Module 0 is the entry, its cable at `cable_port`.
+  SwitchedPatch(std::vector<std::array<End, 3>> joints, int cable_port, std::uint64_t seed);
+
+  void enable(bool on);
+  /// Bytes most significant bit first; `in` gets as many.
+  void exchange(std::span<const std::uint8_t> out, std::span<std::uint8_t> in);
+  void latch();
+  [[nodiscard]] std::uint8_t stuck_lines() const;
+
+  void set_dead(int module, bool dead);
+  void set_joint(End end, JointFault fault);          ///< both ends
+  void set_stuck_line(int module, int line);          ///< holds `line` down whenever its switches are closed; −1: none
+  void set_stuck_bit(int module, int bit, int value); ///< of the register's outputs; value −1: none
+  void reset_alone(int module);                       ///< register to zero as after a dip of its supply
+  void set_bit_error_rate(double rate) { bit_errors_ = rate; }
+
+  [[nodiscard]] bool reached(int module) const;       ///< the lines of the controller reach the module
+  [[nodiscard]] int line_of(int module) const { return output(module) & 3; }
+  [[nodiscard]] int address_of(int module) const { return output(module) >> 2 & 3; }
+  [[nodiscard]] int depth_of(int module) const;       ///< joints up to the entry; −1 when not reached
+  [[nodiscard]] double time_us() const { return time_us_; }
+
+ private:
+  struct Module {
+    std::uint8_t shift = 0, latched = 0;
+    int grant = 3;
+    bool dead = false;
+    int stuck_line = -1, stuck_bit = -1, stuck_value = 0;
+  };
+  [[nodiscard]] Module& at(int m) { return modules_[static_cast<std::size_t>(m)]; }
+  [[nodiscard]] const Module& at(int m) const { return modules_[static_cast<std::size_t>(m)]; }
+  [[nodiscard]] End end(int m, int p) const { return joints_[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)]; }
+  [[nodiscard]] JointFault fault(int m, int p) const { return faults_[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)]; }
+  [[nodiscard]] std::uint8_t output(int m) const;
+  [[nodiscard]] std::uint8_t opened(int m) const;  ///< EN outputs
+  [[nodiscard]] std::uint8_t raised(int m) const;  ///< EN inputs
+  [[nodiscard]] bool attached_child(int m, int p) const;
+  [[nodiscard]] bool shorted() const;
+  void collect(int m, std::vector<int>& chain) const;
+  void settle();
+
+  std::vector<std::array<End, 3>> joints_;
+  std::vector<std::array<JointFault, 3>> faults_;
+  std::vector<Module> modules_;
+  int cable_port_;
+  bool enabled_ = false;
+  double bit_errors_ = 0.0, time_us_ = 0.0;
+  std::mt19937_64 random_;
+};
+
+}  // namespace triskin::scene

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/scene/switched_patch.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "triskin/sim/port_logic.hpp"
+
+namespace triskin::scene {
+namespace {
+
+// Elements of the data path that are no module.
+constexpr int kConstantZero = -1, kConstantOne = -2;
+
+bool bit(std::uint8_t set, int k) { return ((set >> k) & 1) != 0; }
+
+}  // namespace
+
+SwitchedPatch::SwitchedPatch(std::vector<std::array<End, 3>> joints, int cable_port, std::uint64_t seed)
+    : joints_(std::move(joints)), faults_(joints_.size()), modules_(joints_.size()), cable_port_(cable_port), random_(seed) {}
+
+std::uint8_t SwitchedPatch::output(int m) const {
+  const Module& module = at(m);
+  if (module.stuck_bit < 0) return module.latched;
+  const auto mask = static_cast<std::uint8_t>(1U << module.stuck_bit);
+  return static_cast<std::uint8_t>(module.stuck_value != 0 ? module.latched | mask : module.latched & ~mask);
+}
+
+std::uint8_t SwitchedPatch::opened(int m) const {
+  return at(m).dead ? std::uint8_t{0} : sim::en_out(at(m).grant, static_cast<std::uint8_t>(output(m) >> 4 & 7));
+}
+
+std::uint8_t SwitchedPatch::raised(int m) const {
+  std::uint8_t in = m == 0 && enabled_ ? static_cast<std::uint8_t>(1U << cable_port_) : std::uint8_t{0};
+  for (int p = 0; p < 3; ++p) {
+    const End e = end(m, p);
+    if (e.module >= 0 && fault(m, p) != JointFault::kOpen && bit(opened(e.module), e.port)) in = static_cast<std::uint8_t>(in | 1U << p);
+  }
+  return in;
+}
+
+bool SwitchedPatch::attached_child(int m, int p) const {
+  const End e = end(m, p);
+  return e.module >= 0 && fault(m, p) == JointFault::kNone && !at(e.module).dead && at(e.module).grant == e.port && bit(opened(m), p);
+}
+
+bool SwitchedPatch::shorted() const {
+  for (int m = 0; m < static_cast<int>(modules_.size()); ++m) {
+    if (!reached(m)) continue;
+    for (int p = 0; p < 3; ++p) {
+      if (bit(opened(m), p) && fault(m, p) == JointFault::kShort) return true;
+    }
+  }
+  return false;
+}
+
+int SwitchedPatch::depth_of(int module) const {
+  int depth = 0;
+  for (int m = module;; ++depth) {
+    if (at(m).dead || at(m).grant == sim::kNoGrant || depth > static_cast<int>(modules_.size())) return -1;
+    if (m == 0) return enabled_ && at(0).grant == cable_port_ ? depth : -1;
+    const End above = end(m, at(m).grant);
+    if (above.module < 0 || !attached_child(above.module, above.port)) return -1;
+    m = above.module;
+  }
+}
+
+bool SwitchedPatch::reached(int module) const { return depth_of(module) >= 0; }
+
+void SwitchedPatch::collect(int m, std::vector<int>& chain) const {
+  chain.push_back(m);
+  for (int p = 0; p < 3; ++p) {
+    if (!bit(opened(m), p)) continue;
+    const End e = end(m, p);
+    if (attached_child(m, p)) {
+      collect(e.module, chain);
+    } else {
+      const bool nobody = e.module < 0 || at(e.module).dead || fault(m, p) != JointFault::kNone;
+      chain.push_back(nobody ? kConstantZero : kConstantOne);
+    }
+  }
+}
+
+void SwitchedPatch::exchange(std::span<const std::uint8_t> out, std::span<std::uint8_t> in) {
+  std::vector<int> chain;
+  const bool dead = shorted() || !reached(0);
+  if (!dead) collect(0, chain);
+  std::bernoulli_distribution flip(bit_errors_);
+  for (std::size_t byte = 0; byte < out.size(); ++byte) {
+    in[byte] = 0;
+    for (int k = 7; k >= 0; --k) {
+      time_us_ += kBit_us;
+      if (dead) continue;
+      int carry = out[byte] >> k & 1;
+      for (const int element : chain) {
+        if (element < 0) {
+          carry = element == kConstantOne ? 1 : 0;
+          continue;
+        }
+        Module& m = at(element);
+        const int next = m.shift >> 7;
+        if (bit_errors_ > 0.0 && flip(random_)) carry ^= 1;
+        m.shift = static_cast<std::uint8_t>(m.shift << 1 | carry);
+        carry = next;
+      }
+      in[byte] = static_cast<std::uint8_t>(in[byte] | carry << k);
+    }
+  }
+}
+
+void SwitchedPatch::latch() {
+  time_us_ += kSettle_us;
+  if (shorted() || !reached(0)) return;
+  std::vector<int> chain;
+  collect(0, chain);
+  for (const int element : chain) {
+    if (element >= 0) at(element).latched = at(element).shift;
+  }
+  settle();
+}
+
+void SwitchedPatch::enable(bool on) {
+  enabled_ = on;
+  time_us_ += kSettle_us;
+  settle();
+}
+
+// Gates act in any order; what must not depend on it is tested with many seeds.
+void SwitchedPatch::settle() {
+  std::vector<int> order(modules_.size());
+  std::iota(order.begin(), order.end(), 0);
+  // Two registers with stuck bits could chase each other for ever; hardware would oscillate, the model stops.
+  const std::size_t most = 100 * modules_.size();
+  bool moved = true;
+  for (std::size_t round = 0; moved && round < most; ++round) {
+    moved = false;
+    std::shuffle(order.begin(), order.end(), random_);
+    for (const int k : order) {
+      Module& m = at(k);
+      const sim::PortInputs in{static_cast<std::uint8_t>(output(k) >> 4 & 7), raised(k), m.grant};
+      if (m.dead ? m.grant != sim::kNoGrant : sim::loses_grant(in)) {
+        m.grant = sim::kNoGrant;
+        m.shift = m.latched = 0;
+        moved = true;
+      } else if (!m.dead && sim::may_be_granted(in) != 0) {
+        do m.grant = static_cast<int>(random_() % 3);
+        while (!bit(in.en_in, m.grant));
+        moved = true;
+      }
+    }
+  }
+}
+
+std::uint8_t SwitchedPatch::stuck_lines() const {
+  std::uint8_t stuck = 0;
+  for (int m = 0; m < static_cast<int>(modules_.size()); ++m) {
+    if (at(m).stuck_line >= 0 && reached(m)) stuck = static_cast<std::uint8_t>(stuck | 1U << at(m).stuck_line);
+  }
+  return stuck;
+}
+
+void SwitchedPatch::set_dead(int module, bool dead) {
+  at(module).dead = dead;
+  settle();
+}
+
+void SwitchedPatch::set_joint(End e, JointFault f) {
+  const End other = end(e.module, e.port);
+  faults_[static_cast<std::size_t>(e.module)][static_cast<std::size_t>(e.port)] = f;
+  if (other.module >= 0) faults_[static_cast<std::size_t>(other.module)][static_cast<std::size_t>(other.port)] = f;
+  settle();
+}
+
+void SwitchedPatch::set_stuck_line(int module, int line) { at(module).stuck_line = line; }
+
+void SwitchedPatch::set_stuck_bit(int module, int which, int value) {
+  at(module).stuck_bit = value < 0 ? -1 : which;
+  at(module).stuck_value = value;
+  settle();
+}
+
+void SwitchedPatch::reset_alone(int module) {
+  at(module).shift = at(module).latched = 0;
+  settle();
+}
+
+}  // namespace triskin::scene

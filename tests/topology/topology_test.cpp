@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+
+#include "random_patch.hpp"
+
+namespace triskin::test {
+namespace {
+
+using Fault = SwitchedPatch::JointFault;
+
+std::array<fw::Slot, layout::kMaxModules> slots_of(int modules) {
+  std::array<fw::Slot, layout::kMaxModules> slots{};
+  // Not in order, so that a slot given to the wrong module shows.
+  for (int m = 0; m < modules; ++m) {
+    const int s = (7 * m + 3) % 16;
+    slots[static_cast<std::size_t>(m)] = {static_cast<std::uint8_t>(s % 4), static_cast<std::uint8_t>(s / 4)};
+  }
+  return slots;
+}
+
+struct Failure {
+  int module = -1;              // dead, or with `line` holding a line down
+  int line = -1;
+  SwitchedPatch::End joint{};   // when module < 0
+  Fault fault = Fault::kNone;
+};
+
+void apply(SwitchedPatch& model, const Failure& f) {
+  if (f.module >= 0 && f.line >= 0) model.set_stuck_line(f.module, f.line);
+  else if (f.module >= 0) model.set_dead(f.module, true);
+  else model.set_joint(f.joint, f.fault);
+}
+void repair(SwitchedPatch& model, const Failure& f) {
+  if (f.module >= 0 && f.line >= 0) model.set_stuck_line(f.module, -1);
+  else if (f.module >= 0) model.set_dead(f.module, false);
+  else model.set_joint(f.joint, Fault::kNone);
+}
+
+// Best possible: least number of joints from the entry over what survives, −1 when there is no way.
+std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure>& failures) {
+  const auto dead = [&](int m) { return std::any_of(failures.begin(), failures.end(), [&](const Failure& f) { return f.module == m; }); };
+  const auto cut = [&](int m, int p) {
+    return std::any_of(failures.begin(), failures.end(), [&](const Failure& f) {
+      const auto e = patch.end(m, p);
+      return f.module < 0 && ((f.joint.module == m && f.joint.port == p) || (e.module == f.joint.module && e.port == f.joint.port));
+    });
+  };
+  std::vector<int> depth(patch.joints.size(), -1);
+  if (dead(0)) return depth;
+  depth[0] = 0;
+  for (int round = 0; round < patch.size(); ++round) {
+    for (int m = 0; m < patch.size(); ++m) {
+      for (int p = 0; p < 3; ++p) {
+        const int other = patch.end(m, p).module;
+        if (depth[static_cast<std::size_t>(m)] != round || other < 0 || dead(other) || cut(m, p) || depth[static_cast<std::size_t>(other)] >= 0) continue;
+        depth[static_cast<std::size_t>(other)] = round + 1;
+      }
+    }
+  }
+  return depth;
+}
+
+class Bench {
+ public:
+  Bench(RandomPatch p, std::uint64_t seed) : patch(std::move(p)), model(patch.joints, patch.cable_port, seed), chain(model), topology(chain), table(table_of(patch)), slots(slots_of(patch.size())) {}
+
+  // After healing: exactly the best set is reached, least deep, each module at its own line and address.
+  void expect_best(const std::vector<Failure>& failures) {
+    const double start = model.time_us();
+    const fw::Topology::Report report = topology.heal(table, slots);
+    slowest_us = std::max(slowest_us, model.time_us() - start);
+    const std::vector<int> best = best_depths(patch, failures);
+    if (best[0] < 0) {
+      EXPECT_FALSE(report.complete);
+      EXPECT_EQ(report.alive, 0);
+      return;
+    }
+    ASSERT_TRUE(report.complete);
+    ASSERT_TRUE(report.least_depth);
+    for (int m = 0; m < patch.size(); ++m) {
+      const auto k = static_cast<std::size_t>(m);
+      ASSERT_EQ(model.depth_of(m), best[k]) << "module " << m;
+      ASSERT_EQ((report.alive >> m & 1) != 0, best[k] >= 0) << "module " << m;
+      if (best[k] < 0) continue;
+      ASSERT_EQ(model.line_of(m), slots[k].line);
+      ASSERT_EQ(model.address_of(m), slots[k].address);
+    }
+    EXPECT_TRUE(topology.intact());
+  }
+
+  RandomPatch patch;
+  SwitchedPatch model;
+  ModelledChain chain;
+  fw::Topology topology;
+  fw::PatchGraph table;
+  std::array<fw::Slot, layout::kMaxModules> slots;
+  double slowest_us = 0.0;
+};
+
+std::vector<Failure> single_failures(const RandomPatch& patch) {
+  std::vector<Failure> list;
+  for (int m = 0; m < patch.size(); ++m) {
+    list.push_back({.module = m});
+    if (m > 0) list.push_back({.module = m, .line = m % 4});
+  }
+  for (const auto e : patch.joint_ends()) {
+    list.push_back({.joint = e, .fault = Fault::kOpen});
+    list.push_back({.joint = e, .fault = Fault::kShort});
+  }
+  return list;
+}
+
+TEST(Discovery, finds_every_joint_of_1000_random_patches_within_50_ms) {
+  std::mt19937_64 random(1);
+  double slowest_us = 0.0;
+  int cycles_seen = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    const int modules = 1 + trial % 16;
+    Bench bench(random_patch(modules, static_cast<int>(random() % 5), random), random());
+    const fw::Topology::Report report = bench.topology.discover();
+    ASSERT_TRUE(report.complete) << trial;
+    ASSERT_EQ(report.shorts, 0);
+    ASSERT_TRUE(canonical(bench.topology.graph()) == canonical(bench.table)) << trial;
+    cycles_seen += static_cast<int>(bench.patch.joint_ends().size()) - modules + 1;
+    slowest_us = std::max(slowest_us, bench.model.time_us());
+  }
+  EXPECT_LE(slowest_us, 50'000.0);
+  EXPECT_GE(cycles_seen, 1000);
+  RecordProperty("slowest_us", static_cast<int>(slowest_us));
+  std::printf("slowest discovery: %.1f ms of virtual time, %d cycles in all\n", slowest_us / 1000, cycles_seen);
+}
+
+TEST(Discovery, of_nothing_and_of_one_module) {
+  std::mt19937_64 random(2);
+  Bench one(random_patch(1, 0, random), 1);
+  EXPECT_TRUE(one.topology.discover().complete);
+  EXPECT_EQ(one.topology.graph().count, 1);
+  one.model.set_dead(0, true);
+  EXPECT_FALSE(one.topology.discover().complete);
+  EXPECT_EQ(one.topology.graph().count, 0);
+}
+
+TEST(Healing, every_single_failure_of_200_patches_ends_at_the_best_possible_within_100_ms) {
+  std::mt19937_64 random(3);
+  double slowest_us = 0.0;
+  int failures = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    Bench bench(random_patch(2 + trial % 15, static_cast<int>(random() % 5), random), random());
+    bench.expect_best({});
+    for (const Failure& f : single_failures(bench.patch)) {
+      apply(bench.model, f);
+      ASSERT_NO_FATAL_FAILURE(bench.expect_best({f})) << trial;
+      repair(bench.model, f);
+      ++failures;
+    }
+    ASSERT_NO_FATAL_FAILURE(bench.expect_best({})) << "after repair";
+    slowest_us = std::max(slowest_us, bench.slowest_us);
+  }
+  EXPECT_LE(slowest_us, 100'000.0);
+  std::printf("%d failures, slowest healing: %.1f ms of virtual time\n", failures, slowest_us / 1000);
+}
+
+TEST(Healing, any_two_failures_end_at_the_best_possible) {
+  std::mt19937_64 random(4);
+  for (int trial = 0; trial < 12; ++trial) {
+    Bench bench(random_patch(5 + trial, static_cast<int>(random() % 5), random), random());
+    const auto list = single_failures(bench.patch);
+    for (std::size_t a = 0; a < list.size(); ++a) {
+      for (std::size_t b = a + 1; b < list.size(); ++b) {
+        if (random() % 3 != 0) continue;
+        if (list[a].module == list[b].module && list[a].module >= 0) continue;
+        if (list[a].module < 0 && list[b].module < 0 && list[a].joint.module == list[b].joint.module && list[a].joint.port == list[b].joint.port) continue;
+        apply(bench.model, list[a]);
+        apply(bench.model, list[b]);
+        ASSERT_NO_FATAL_FAILURE(bench.expect_best({list[a], list[b]})) << trial << ' ' << a << ' ' << b;
+        repair(bench.model, list[a]);
+        repair(bench.model, list[b]);
+      }
+    }
+  }
+}
+
+// A failure between two checks is seen by the next check, so that no sample of that cycle counts.
+TEST(Healing, the_check_sees_every_loss_and_a_module_that_resets_alone) {
+  std::mt19937_64 random(5);
+  for (int trial = 0; trial < 100; ++trial) {
+    Bench bench(random_patch(2 + trial % 15, 2, random), random());
+    bench.expect_best({});
+    for (int m = 0; m < bench.patch.size(); ++m) {
+      bench.model.reset_alone(m);
+      EXPECT_FALSE(bench.topology.intact());
+      bench.expect_best({});
+      bench.model.set_dead(m, true);
+      EXPECT_FALSE(bench.topology.intact());
+      bench.model.set_dead(m, false);
+      bench.expect_best({});
+    }
+  }
+}
+
+// While the tree is being changed no two modules that the lines reach hold one slot, but for those that have none yet.
+TEST(Healing, no_two_configured_modules_share_a_slot_at_any_latch) {
+  std::mt19937_64 random(6);
+  for (int trial = 0; trial < 100; ++trial) {
+    Bench bench(random_patch(3 + trial % 14, 3, random), random());
+    bench.chain.watch = [&] {
+      std::map<int, int> users;
+      for (int m = 0; m < bench.patch.size(); ++m) {
+        const int slot = bench.model.line_of(m) * 4 + bench.model.address_of(m);
+        if (bench.model.reached(m) && slot != 0) ++users[slot];
+      }
+      for (const auto& [slot, count] : users) EXPECT_EQ(count, 1) << "slot " << slot;
+    };
+    bench.expect_best({});
+  }
+}
+
+TEST(Faults, stuck_register_bits_end_in_bounded_time_without_a_wrong_map) {
+  std::mt19937_64 random(7);
+  for (int trial = 0; trial < 60; ++trial) {
+    Bench bench(random_patch(2 + trial % 15, 3, random), random());
+    for (int m = 0; m < bench.patch.size(); ++m) {
+      for (const int bit : {4, 5, 6}) {
+        bench.model.set_stuck_bit(m, bit, 0);
+        const double start = bench.model.time_us();
+        const auto report = bench.topology.heal(bench.table, bench.slots);
+        EXPECT_LE(bench.model.time_us() - start, 2'000'000.0);
+        for (int k = 0; k < bench.patch.size(); ++k) {
+          if ((report.alive >> k & 1) == 0) continue;
+          ASSERT_TRUE(bench.model.reached(k)) << "trial " << trial << ": bit " << bit << " of " << m << ", module " << k << " of " << bench.patch.size() << ", table " << report.alive << ", cable " << bench.patch.cable_port;
+          ASSERT_EQ(bench.model.line_of(k), bench.slots[static_cast<std::size_t>(k)].line);
+          ASSERT_EQ(bench.model.address_of(k), bench.slots[static_cast<std::size_t>(k)].address);
+        }
+        bench.model.set_stuck_bit(m, bit, -1);
+      }
+    }
+  }
+}
+
+TEST(Faults, a_marginal_chain_clock_gives_no_wrong_joint) {
+  std::mt19937_64 random(8);
+  int complete = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    Bench bench(random_patch(2 + trial % 15, 3, random), random());
+    bench.model.set_bit_error_rate(2e-5);
+    const auto report = bench.topology.discover();
+    if (!report.complete || report.shorts > 0) continue;
+    ++complete;
+    EXPECT_TRUE(canonical(bench.topology.graph()) == canonical(bench.table)) << trial;
+  }
+  EXPECT_GE(complete, 150);
+}
+
+}  // namespace
+}  // namespace triskin::test
