@@ -47,7 +47,7 @@ class Damage : public testing::Test {
     folder_ = fs::temp_directory_path() / ("check_damage." + std::to_string(::getpid()));
     fs::create_directories(folder_);
     geometry::write_obj(folder_ / "pipe.obj", half_pipe());
-    model::write_design(folder_ / "good.json", model::make_design(folder_ / "pipe.obj", {}));
+    model::write_design(folder_ / "good.json", model::make_design(folder_ / "pipe.obj", {.time_limit_s = 1.0}));
     good_ = new json(json::parse(read_file(folder_ / "good.json")));
   }
   static void TearDownTestSuite() {
@@ -120,7 +120,7 @@ TEST_F(Damage, pieces) {
   expect("piece-flip", [](json& j) { std::swap(j["pieces"][0]["flat"][0][0], j["pieces"][0]["flat"][0][1]); });
   expect("piece-scale", [](json& j) { j["pieces"][0]["max_edge_error_mm"] = 0.5; });
   expect("piece-overlap", [](json& j) { j["pieces"][0]["outline"][0][0] = j["pieces"][0]["outline"][0][0].get<double>() + 50; });
-  expect("piece-placement", [](json& j) { j["pieces"][0]["placement"]["x_mm"] = j["pieces"][0]["placement"]["x_mm"].get<double>() + 13; });
+  expect("piece-placement", [](json& j) { j["pieces"][0]["placement"]["theta_rad"] = j["pieces"][0]["placement"]["theta_rad"].get<double>() + 0.3; });
   expect("piece-placement", [](json& j) { j["pieces"][0]["upper_bound"] = 1; });
   expect("piece-faces", [](json& j) { j["pieces"].push_back(j["pieces"][0]); });
 }

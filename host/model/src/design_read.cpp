@@ -123,13 +123,19 @@ std::array<int, 2> pair_of(const JsonValue& v, std::size_t n_modules) {
   return {index_below(n_modules)(v.at(0)), index_below(n_modules)(v.at(1))};
 }
 
+// A child and its parent; the parent of the second entry is the controller, -1.
+std::array<int, 2> backup_of(const JsonValue& v, std::size_t n_modules) {
+  v.require_size(2);
+  return {index_below(n_modules)(v.at(0)), index_or_none(n_modules)(v.at(1))};
+}
+
 geometry::FailureLoss read_failure(const JsonValue& v, std::size_t n_modules) {
   geometry::FailureLoss f;
   f.node = index_below(n_modules)(v["module"]);
   f.other_node = index_or_none(n_modules)(v["other"]);
   f.lost_strapped = v["lost_strapped"].integer(0, kMaxCount);
   f.lost_rerouted = v["lost_rerouted"].integer(0, kMaxCount);
-  f.backup_tree = list(v["backup"], [&](const JsonValue& b) { return pair_of(b, n_modules); });
+  f.backup_tree = list(v["backup"], [&](const JsonValue& b) { return backup_of(b, n_modules); });
   return f;
 }
 
