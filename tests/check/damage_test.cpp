@@ -47,7 +47,9 @@ class Damage : public testing::Test {
     folder_ = fs::temp_directory_path() / ("check_damage." + std::to_string(::getpid()));
     fs::create_directories(folder_);
     geometry::write_obj(folder_ / "pipe.obj", half_pipe());
-    model::write_design(folder_ / "good.json", model::make_design(folder_ / "pipe.obj", {.time_limit_s = 1.0}));
+    model::DesignOptions options;
+    options.time_limit_s = 1.0;
+    model::write_design(folder_ / "good.json", model::make_design(folder_ / "pipe.obj", options));
     good_ = new json(json::parse(read_file(folder_ / "good.json")));
   }
   static void TearDownTestSuite() {
