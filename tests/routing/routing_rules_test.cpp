@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "shapes.hpp"
 #include "triskin/check/routing_rules.hpp"

@@ -8,8 +8,10 @@
 #include "triskin/geometry/routing.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/model/design.hpp"
 #include "triskin/model/json_value.hpp"
 #include "triskin/model/module_list.hpp"
+#include "triskin/model/route_picture.hpp"
 #include "triskin/model/skingui.hpp"
 
 namespace triskin::cli {
@@ -19,10 +21,12 @@ struct Options {
   std::string modules;
   std::string output;
   std::string module_output;
+  std::string picture;
   std::string checked;  // routes to check instead of solving
   bool skingui = false;
   std::string part;
   bool hops_first = false;
+  double jumpers_mm = 0.0;  // > 0: MODULES is a design
   geometry::RoutingOptions routing;
 };
 
@@ -89,6 +93,29 @@ nlohmann::json result_json(const geometry::RoutingResult& r, const Ids& ids) {
           {"routes", patches_json(r, ids)}};
 }
 
+// A design's modules with their slits, and jumpers over its seams: where they lie in space is known only there.
+geometry::ModuleGraph bridged_graph(const std::string& path, double jumpers_mm, model::ModuleList& list, nlohmann::json& jumpers_json) {
+  const model::Design design = model::read_design(path);
+  std::vector<std::array<std::array<double, 3>, 3>> side_mm;
+  for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
+    const geometry::PlacedModule& m = design.layout.modules[k];
+    list.ids.push_back(static_cast<int>(k));
+    list.tiles.push_back(m.tile);
+    side_mm.emplace_back();
+    for (std::size_t s = 0; s < 3; ++s) {
+      const geometry::Vec3 middle = (m.corner_mm[s] + m.corner_mm[(s + 1) % 3]) / 2.0;
+      side_mm.back()[s] = {middle.x(), middle.y(), middle.z()};
+    }
+  }
+  list.graph = model::graph_of(design.layout);
+  const std::vector<geometry::Jumper> jumpers = geometry::find_jumpers(list.graph, side_mm, jumpers_mm);
+  jumpers_json = nlohmann::json::array();
+  for (const geometry::Jumper& j : jumpers) {
+    jumpers_json.push_back({{"modules", j.node}, {"sides", j.side}, {"length_mm", j.length_mm}});
+  }
+  return geometry::with_jumpers(list.graph, jumpers);
+}
+
 int report_check(const check::DesignReport& report, Output& output) {
   output.result["rules"] = report.rules.size();
   output.result["violations"] = nlohmann::json::array();
@@ -101,8 +128,12 @@ int report_check(const check::DesignReport& report, Output& output) {
 
 int run(const Options& options, Output& output) {
   if (!options.part.empty() && !options.skingui) throw InputError("--part: names a part of a skinGui collection; give --skingui too");
+  if (options.jumpers_mm > 0.0 && (options.skingui || !options.checked.empty())) throw InputError("--jumpers-mm: needs a design file, which alone knows where the sides lie in space");
   model::SkinGuiLayout layout;
-  if (options.skingui) layout = model::read_skingui(options.modules, options.part);
+  nlohmann::json jumpers;
+  geometry::ModuleGraph bridged;
+  if (options.jumpers_mm > 0.0) bridged = bridged_graph(options.modules, options.jumpers_mm, layout.list, jumpers);
+  else if (options.skingui) layout = model::read_skingui(options.modules, options.part);
   else layout.list = model::read_module_list(options.modules);
   const model::ModuleList& list = layout.list;
   if (!options.module_output.empty()) write_file_atomically(options.module_output, model::module_list_json(list).dump() + "\n");
@@ -114,12 +145,21 @@ int run(const Options& options, Output& output) {
   }
   geometry::RoutingOptions routing = options.routing;
   if (options.hops_first) routing.objective = geometry::RouteObjective::kHopsFirst;
-  const geometry::RoutingResult r = geometry::route(list.graph, routing, output.progress());
+  const geometry::RoutingResult r = geometry::route(options.jumpers_mm > 0.0 ? bridged : list.graph, routing, output.progress());
   output.result = result_json(r, list.ids);
+  if (options.jumpers_mm > 0.0) {
+    const geometry::RoutingResult apart = geometry::route(list.graph, routing);
+    output.say(fmt::format("{} jumpers up to {:g} mm: {} controllers instead of {}, lower bound {} instead of {}", jumpers.size(), options.jumpers_mm, r.patches.size(),
+                           apart.patches.size(), r.lower_bound, apart.lower_bound));
+    output.result["patches_without_jumpers"] = apart.patches.size();
+    output.result["lower_bound_without_jumpers"] = apart.lower_bound;
+    output.result["jumpers"] = std::move(jumpers);
+  }
   if (options.skingui) {
     output.result["boards_today"] = layout.boards;
     output.result["boards_apart_today"] = layout.boards_apart;
   }
+  if (!options.picture.empty()) write_file_atomically(options.picture, model::route_svg(list, r));
   if (!options.output.empty()) write_file_atomically(options.output, output.result.dump() + "\n");
   if (options.skingui) output.say(fmt::format("today {} boards, {} of them with triangles that do not hang together", layout.boards, layout.boards_apart));
   output.say(fmt::format("{} modules on {} controllers, lower bound {}{}; {} line hops, depth {}; {:.3f} s", list.ids.size(), r.patches.size(), r.lower_bound,
@@ -138,6 +178,9 @@ void add_options(CLI::App& app, Options& o) {
   app.add_flag("--skingui", o.skingui, "MODULES is a skinGui configuration, or with --part a JSON collection of them");
   app.add_option("--part", o.part, "part of the collection, e.g. torso");
   app.add_option("--write-modules", o.module_output, "write the module list that was read to this file");
+  app.add_option("--jumpers-mm", o.jumpers_mm, "MODULES is a design; sides of different islands that face each other within this may be bridged")
+      ->check(CLI::Range(0.0, 1000.0));
+  app.add_option("--picture", o.picture, "draw the routes to this file (SVG)");
   app.add_option("--seed", o.routing.seed, "of the random trees")->capture_default_str();
   app.add_option("--time-limit-s", o.routing.time_limit_s, "from 10 on, CBC goes on for this long where the bounds do not meet")
       ->check(CLI::Range(0.0, 1e6))

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
-#include <cstdint>
-#include <random>
 #include <vector>
 
+#include "triskin/geometry/random_patch.hpp"
 #include "triskin/geometry/routing.hpp"
 
 namespace triskin::geometry {
@@ -22,15 +21,7 @@ struct LocalGraph {
 /// Connected components of the joints, each sorted.
 [[nodiscard]] std::vector<std::vector<int>> components(const ModuleGraph& graph);
 
-/// Random numbers that are equal on every compiler (the standard's distributions are not).
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  [[nodiscard]] int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
-
- private:
-  std::mt19937_64 engine_;
-};
+using Random = Dice;
 
 /// Nodes of a spanning tree, parents before children; parent[k] belongs to order[k], −1 for the root.
 struct SpanningTree {

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "failures.hpp"
+#include "milp.hpp"
 #include "partition.hpp"
 #include "recombination.hpp"
 #include "triskin/geometry/routing.hpp"
@@ -113,6 +114,23 @@ RoutingResult route(const ModuleGraph& graph, const RoutingOptions& options, con
   RoutingResult result = router.finish();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
+}
+
+PartitionInterval partition_by_milp(const ModuleGraph& graph, int capacity, double time_limit_s) {
+  require_joints(graph);
+  const auto start = std::chrono::steady_clock::now();
+  PartitionInterval interval;
+  bool found_all = true;
+  for (const auto& island : components(graph)) {
+    const LocalGraph g = localize(graph, island);
+    const MilpAnswer answer = divide_by_milp(g, capacity, (g.size() + capacity - 1) / capacity, time_limit_s);
+    interval.lower += answer.lower_bound;
+    interval.upper += answer.parts;
+    found_all = found_all && answer.parts > 0;
+  }
+  if (!found_all) interval.upper = 0;
+  interval.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return interval;
 }
 
 }  // namespace triskin::geometry

@@ -141,4 +141,12 @@ struct Jumper {
 [[nodiscard]] RoutingResult route(const ModuleGraph& graph, const RoutingOptions& options = {},
                                   const ProgressSink& progress = {});
 
+/// Interval of the fewest controllers from the integer programme alone (CBC), island by island: the reference that
+/// `bench routing` measures against. `upper` is 0 when the time limit passed before a partition of each island was found.
+struct PartitionInterval {
+  int lower = 0, upper = 0;
+  double seconds = 0.0;
+};
+[[nodiscard]] PartitionInterval partition_by_milp(const ModuleGraph& graph, int capacity, double time_limit_s);
+
 }  // namespace triskin::geometry
