@@ -221,7 +221,8 @@ const Chain& best_of(const std::vector<Chain>& chains) {
 // Which limits refuse the modules that would still find room, for the report; what fits after all is kept.
 void count_refusals(const Search& search, LatticeNet& net, ModuleLayout& layout) {
   Random random(search.options.seed);
-  Grower grower(search.surface, search.rules, search.samples, search.options.corner_lift_mm, Clock::now() + std::chrono::seconds(1));
+  Grower grower(search.surface, search.rules, search.samples, search.options.corner_lift_mm,
+                Clock::now() + (search.end - search.start) / 20);
   grower.grow(net, {}, random);
   for (std::size_t k = 1; k < kRefusals; ++k) {
     if (grower.refused[k] > 0) layout.refused.emplace_back(name_of(static_cast<Refusal>(k)), grower.refused[k]);

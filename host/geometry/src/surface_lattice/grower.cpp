@@ -99,7 +99,7 @@ bool Grower::try_corner(LatticeNet& net, Side side, int apex) {
 }
 
 bool Grower::keep_or_revert(LatticeNet& net, int triangle) {
-  relaxer_.relax(net, net.triangles[at(triangle)].center, kRelaxRadius_mm, kRelaxSteps);
+  relaxer_.relax(net, triangle, kRelaxRadius_mm, kRelaxSteps);
   Refusal refusal = rules_.judge(net, triangle);
   for (const int t : relaxer_.changed()) {
     if (refusal != Refusal::kNone) break;

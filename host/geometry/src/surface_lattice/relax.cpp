@@ -11,7 +11,9 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr double kDamping = 0.02;
-constexpr double kPair_mm = 42.0;        // centroids nearer than this may come to overlap while sliding
+constexpr int kLook = 3;
+constexpr double kFarOff_mm = 2.2;
+constexpr double kPair_mm = 38.0;        // centroids nearer than this may come to overlap while sliding
 constexpr double kAllowedOverlap_mm = 0.1;
 constexpr double kMoved_mm = 0.01;
 constexpr double kNearBorder_mm = 12.0;
@@ -19,14 +21,27 @@ constexpr double kWantedGap_mm = 2.0;    // corners lift off where the centre wo
 
 }  // namespace
 
-void Relaxer::relax(LatticeNet& net, const Vec3& place, double radius_mm, int steps) {
-  choose(net, place, radius_mm);
+void Relaxer::relax(LatticeNet& net, int triangle, double radius_mm, int steps) {
+  choose(net, net.triangles[at(triangle)].center, radius_mm);
   find_pairs(net);
   for (int k = 0; k < steps; ++k) {
+    if (k == kLook && hopeless(net, triangle)) break;
     adapt_lift(net);
     if (step(net) < kMoved_mm) break;
   }
   settle(net);
+}
+
+// Most tried modules do not fit: what is still far off after a few steps is left to be refused.
+bool Relaxer::hopeless(const LatticeNet& net, int triangle) const {
+  const auto& v = net.triangles[at(triangle)].vertex;
+  for (std::size_t s = 0; s < 3; ++s) {
+    if (std::abs((net.vertices[at(v[s])].point - net.vertices[at(v[(s + 1) % 3])].point).norm() - kSide_mm) > kFarOff_mm) return true;
+  }
+  return std::ranges::any_of(pairs_, [&](const auto& pair) {
+    return (pair[0] == triangle || pair[1] == triangle) &&
+           overlap_of(net.triangles[at(pair[0])], net.triangles[at(pair[1])]).depth_mm > kFarOff_mm;
+  });
 }
 
 void Relaxer::choose(const LatticeNet& net, const Vec3& place, double radius_mm) {
@@ -111,6 +126,7 @@ void Relaxer::add_border(const LatticeNet& net) {
   for (const int t : triangles_) {
     const NetTriangle& triangle = net.triangles[at(t)];
     for (std::size_t s = 0; s < 3; ++s) {
+      if (net.neighbour(t, static_cast<int>(s)) >= 0) continue;
       const Vec3 &a = triangle.rigid[s], &b = triangle.rigid[(s + 1) % 3];
       if (surface_.border_distance(0.5 * (a + b)) > kNearBorder_mm + 0.5 * kSide_mm) continue;
       for (const double x : {0.0, 0.2, 0.4, 0.6, 0.8}) {

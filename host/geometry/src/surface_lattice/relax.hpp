@@ -15,8 +15,8 @@ class Relaxer {
  public:
   Relaxer(const Surface& surface, double corner_lift_mm) : surface_(surface), lift_mm_(corner_lift_mm) {}
 
-  /// Moves the used vertices within `radius_mm` of `place`. Afterwards `changed()` lists the triangles that moved.
-  void relax(LatticeNet& net, const Vec3& place, double radius_mm, int steps);
+  /// Moves the vertices within `radius_mm` of a triangle that was just added. Afterwards `changed()` lists the triangles that moved.
+  void relax(LatticeNet& net, int triangle, double radius_mm, int steps);
   /// Takes back the last relax (triangles added before it stay).
   void undo(LatticeNet& net) const;
   [[nodiscard]] const std::vector<int>& changed() const { return changed_; }
@@ -26,6 +26,7 @@ class Relaxer {
     Vec3 x, y;
   };
   void choose(const LatticeNet& net, const Vec3& place, double radius_mm);
+  [[nodiscard]] bool hopeless(const LatticeNet& net, int triangle) const;
   void find_pairs(const LatticeNet& net);
   double step(LatticeNet& net);
   void add_edges(const LatticeNet& net);

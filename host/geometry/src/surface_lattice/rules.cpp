@@ -66,7 +66,7 @@ Refusal Rules::judge(const LatticeNet& net, int triangle) const {
   if (under.distance_mm > limits_.center_gap_mm) return Refusal::kCenterGap;
   if (surface_.normal_at(under).dot(t.normal) < kOutward) return Refusal::kOutward;
   if (overlaps(net, triangle)) return Refusal::kPenetration;
-  return over_border(t) ? Refusal::kOverrun : Refusal::kNone;
+  return over_border(net, triangle) ? Refusal::kOverrun : Refusal::kNone;
 }
 
 Refusal Rules::judge_joints(const LatticeNet& net, int triangle) const {
@@ -94,10 +94,12 @@ bool Rules::overlaps(const LatticeNet& net, int triangle) const {
   return false;
 }
 
-bool Rules::over_border(const NetTriangle& t) const {
+bool Rules::over_border(const LatticeNet& net, int triangle) const {
+  const NetTriangle& t = net.triangles[at(triangle)];
   if (surface_.border_distance(t.center) > 2.0 * kHeight_mm / 3.0 + kClear_mm) return false;
   for (std::size_t s = 0; s < 3; ++s) {
-    if (side_over_border(t.rigid[s], t.rigid[(s + 1) % 3])) return true;
+    // A notch under a joined side opens under a free one or is met by the probes.
+    if (net.neighbour(triangle, static_cast<int>(s)) < 0 && side_over_border(t.rigid[s], t.rigid[(s + 1) % 3])) return true;
   }
   return std::ranges::any_of(probes_, [&](const Vec3& p) { return covers(t, p); });
 }

@@ -26,7 +26,7 @@ class Rules {
  private:
   [[nodiscard]] Refusal judge_joints(const LatticeNet& net, int triangle) const;
   [[nodiscard]] bool overlaps(const LatticeNet& net, int triangle) const;
-  [[nodiscard]] bool over_border(const NetTriangle& t) const;
+  [[nodiscard]] bool over_border(const LatticeNet& net, int triangle) const;
   [[nodiscard]] bool side_over_border(const Vec3& from, const Vec3& to) const;
 
   const Surface& surface_;

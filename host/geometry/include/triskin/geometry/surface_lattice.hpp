@@ -24,7 +24,7 @@ struct SurfaceLatticeOptions {
 /// islands; then parts are removed and regrown as long as time permits. Every module of the result keeps every limit,
 /// measured by `measure` (map_modules.hpp). Deterministic for seed, threads and iterations when the time suffices.
 /// Empty when no module fits. Throws InputError when an option is out of range.
-[[nodiscard]] ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits, const SurfaceLatticeOptions& options,
+[[nodiscard]] ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits, const SurfaceLatticeOptions& options = {},
                                         const ProgressSink& progress = {});
 
 }  // namespace triskin::geometry
