@@ -107,6 +107,14 @@ TEST_F(Damage, geometry) {
   expect("taxel-pose", [](json& j) { leaf(j)["taxels"][3]["position"][0] = 0.0; });
 }
 
+TEST_F(Damage, limits_are_the_users_choice_but_must_be_limits) {
+  for (const char* limit : {"edge_error_mm", "hinge_gap_mm", "center_gap_mm", "fold_rad", "penetration_mm", "overrun_mm"}) {
+    EXPECT_THAT(broken_by([&](json& j) { j["limits"][limit] = 50.0; }), testing::IsEmpty()) << limit;
+    expect("limits", [&](json& j) { j["limits"][limit] = -1.0; });
+    EXPECT_THROW((void)broken_by([&](json& j) { j["limits"][limit] = std::nan(""); }), InputError) << limit;  // written as null
+  }
+}
+
 TEST_F(Damage, lattice) {
   expect("tile-unique", [](json& j) { for (const char* k : {"i", "j", "up"}) j["modules"][1][k] = j["modules"][0][k]; });
   expect("joint-lattice", [](json& j) { leaf(j)["i"] = leaf(j)["i"].get<int>() + 7; });

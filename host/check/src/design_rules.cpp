@@ -16,6 +16,17 @@ void stated(Findings& f, const char* rule, double says, double is, double tolera
   if (!(std::abs(says - is) <= tolerance)) f.broken(rule, "design", fmt::format("states {:.6g}, is {:.6g}", says, is));
 }
 
+// Limits are the user's choice and say what the design is measured against; one that is no length or angle makes every comparison void.
+void check_limits(const CheckedDesign::Limits& l, DesignReport& report, Findings& f) {
+  f.rule("limits");
+  const std::pair<const char*, double> limits[] = {{"edge_error_mm", l.edge_error}, {"hinge_gap_mm", l.hinge_gap}, {"center_gap_mm", l.center_gap},
+                                                   {"fold_rad", l.fold}, {"penetration_mm", l.penetration}, {"overrun_mm", l.overrun}};
+  for (const auto& [name, value] : limits) {
+    report.limits.emplace_back(name, value);
+    if (!(std::isfinite(value) && value >= 0.0)) f.broken("limits", "design", fmt::format("{} is {:.6g}, not a limit", name, value));
+  }
+}
+
 }  // namespace
 
 void check_report(const CheckedDesign& d, Findings& f) {
@@ -46,6 +57,7 @@ DesignReport check_design(const std::filesystem::path& path) {
   const CheckedDesign design = read_checked_design(path);
   DesignReport report;
   Findings findings(report);
+  check_limits(design.limits, report, findings);
   check_modules(design, findings);
   check_surface(design, findings);
   check_pieces(design, findings);

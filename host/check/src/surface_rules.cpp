@@ -173,7 +173,7 @@ bool pierces(const P3& a, const P3& b, const Triangle3& t) {
 bool cross_in_space(const Triangle3& a, const Triangle3& b, double allowed_mm) {
   const auto shrunk = [&](const Triangle3& t) {
     const P3 c = centroid(t);
-    const double scale = 1.0 - allowed_mm / (kSide * std::sqrt(3.0) / 6.0);
+    const double scale = std::max(0.0, 1.0 - allowed_mm / (kSide * std::sqrt(3.0) / 6.0));  // a limit above the inner radius allows anything
     return Triangle3{P3(c + scale * (t[0] - c)), P3(c + scale * (t[1] - c)), P3(c + scale * (t[2] - c))};
   };
   const Triangle3 p = shrunk(a), q = shrunk(b);

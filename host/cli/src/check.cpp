@@ -16,7 +16,9 @@ int run(const std::string& path, Output& output) {
     violations.push_back({{"rule", v.rule}, {"where", v.where}, {"text", v.text}});
     if (!output.json()) output.say(fmt::format("{}: {}: {}", v.rule, v.where, v.text));
   }
-  output.result = {{"rules", report.rules.size()}, {"rule_names", report.rules}, {"violations", std::move(violations)}};
+  nlohmann::json limits = nlohmann::json::object();
+  for (const auto& [name, value] : report.limits) limits[name] = value;
+  output.result = {{"rules", report.rules.size()}, {"rule_names", report.rules}, {"limits", std::move(limits)}, {"violations", std::move(violations)}};
   output.say(fmt::format("{} rules checked, {} violations", report.rules.size(), report.violations.size()));
   return report.violations.empty() ? 0 : 1;
 }

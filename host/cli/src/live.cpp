@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
 
 #include "triskin/cli/link_options.hpp"
@@ -10,11 +12,14 @@
 namespace triskin::cli {
 namespace {
 
+constexpr int kWalk = -2, kNobody = -1;
+
 struct Options {
   std::string design;
   device::LinkOptions link;
   double seconds = 0.0;
-  int press = -2;
+  int press = kWalk;  // module, kNobody, or kWalk
+  int taxel = -1;
 };
 
 constexpr std::uint64_t kLine_us = 200'000;
@@ -35,25 +40,26 @@ std::string to_line(const device::PressedTaxel& t, double time_s, std::size_t ot
                      t.taxel, t.position_mm.x(), t.position_mm.y(), t.position_mm.z(), t.change_counts, bar, others);
 }
 
-// On a simulated link without a scene nobody would touch the skin: the virtual finger does, one module after another.
+// On a simulated link without a scene nobody would touch the skin: the virtual finger tips on one taxel after another.
 class Demonstrator {
  public:
-  Demonstrator(device::Link& link, int modules, int press, bool scripted) : finger_(link.finger()), modules_(modules), press_(press) {
-    if (scripted && press < 0) finger_ = nullptr;
-  }
+  Demonstrator(device::Link& link, const Options& options, int modules)
+      : finger_(options.link.scene.empty() || options.press >= 0 ? link.finger() : nullptr), options_(options), modules_(modules) {}
   void step(std::uint64_t elapsed_us) {
-    if (finger_ == nullptr || modules_ == 0 || press_ == -1 || elapsed_us < kRest_us) return;
-    const int module = press_ >= 0 ? press_ : static_cast<int>(elapsed_us / kFingerMoves_us) % modules_;
-    if (module == last_) return;
-    finger_->press(module);
-    last_ = module;
+    if (finger_ == nullptr || modules_ == 0 || options_.press == kNobody || elapsed_us < kRest_us) return;
+    const int turn = static_cast<int>(elapsed_us / kFingerMoves_us);
+    if (turn == turn_ || (turn_ >= 0 && options_.press >= 0)) return;
+    turn_ = turn;
+    const int module = options_.press >= 0 ? options_.press : turn % modules_;
+    finger_->press(module, options_.press >= 0 ? options_.taxel : kTaxelsInTurn[static_cast<std::size_t>(turn) % kTaxelsInTurn.size()]);
   }
 
  private:
+  static constexpr std::array<int, 10> kTaxelsInTurn{3, 9, 1, 5, 0, 7, 2, 4, 8, 11};  // those that measure pressure
   device::Finger* finger_;
+  const Options& options_;
   int modules_;
-  int press_;
-  int last_ = -1;
+  int turn_ = -1;
 };
 
 int run(const Options& options, Output& output) {
@@ -64,7 +70,7 @@ int run(const Options& options, Output& output) {
   device::Bus bus(*link);
   device::TouchMap map(design);
   device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { map.add(f); });
-  Demonstrator demonstrator(*link, modules, options.press, !options.link.scene.empty());
+  Demonstrator demonstrator(*link, options, modules);
   const std::uint64_t start_us = bus.now_us();
   const auto end_us = static_cast<std::uint64_t>(options.seconds * 1e6);
   std::vector<device::PressedTaxel> pressed;
@@ -95,7 +101,8 @@ const Registration kLive{{
       add_link_options(app, options->link);
       app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")->check(CLI::Range(0.0, 1e7));
       app.add_option("--press", options->press, "simulated link: the virtual finger presses this module (-1: none; without a scene it walks)")
-          ->check(CLI::Range(-1, 1'000'000));
+          ->check(CLI::Range(kNobody, 1'000'000));
+      app.add_option("--taxel", options->taxel, "with --press: one taxel of the module, with the finger tip")->check(CLI::Range(0, 11));
       return [options](Output& output) { return run(*options, output); };
     },
 }};

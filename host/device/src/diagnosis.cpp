@@ -237,7 +237,10 @@ std::optional<Finding> Diagnosis::remembered(const PatchState& p, const Remember
 
 void Diagnosis::look_at_history(const PatchState& p) {
   for (const RememberedFault& fault : p.faults) {
-    if (const auto f = remembered(p, fault)) add(f->kind, f->module, f->patch, f->text, f->remedy);
+    const auto f = remembered(p, fault);
+    if (!f) continue;
+    add(f->kind, f->module, f->patch, f->text, f->remedy);
+    told_.insert(f->module);
   }
 }
 

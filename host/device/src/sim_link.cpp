@@ -19,9 +19,9 @@ std::optional<wire::CanFrame> SimLink::receive(std::uint64_t until_us) {
 
 std::uint64_t SimLink::answer_us() const { return 2 * wire::kP2_us; }
 
-void SimLink::press(int module) {
+void SimLink::press(int module, int taxel) {
   lift();
-  touch_ = skin_.press_module(module);
+  touch_ = skin_.press_module(module, taxel);
 }
 
 void SimLink::lift() {

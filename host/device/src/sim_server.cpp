@@ -16,6 +16,7 @@
 
 #include "triskin/base/bytes.hpp"
 #include "triskin/host/error.hpp"
+#include "triskin/layout/patch_image.hpp"
 
 namespace triskin::device {
 namespace {
@@ -121,9 +122,14 @@ void SimServer::handle(Client& client, const record::Record& r) {
   if (client.touch != 0) skin_.release(client.touch);
   client.touch = 0;
   if (r.kind == record::kLift) return;
-  const std::uint32_t module = r.contents.size() == 4 ? ByteReader(r.contents).le32() : ~0U;
-  if (module >= skin_.scene().design.layout.modules.size()) throw DeviceError("no such module");
-  client.touch = skin_.press_module(static_cast<int>(module));
+  ByteReader reader(r.contents);
+  const std::uint32_t module = reader.le32();
+  const std::uint8_t taxel = reader.u8();
+  const bool whole = taxel == record::kWholeModule;
+  if (!reader.ok() || module >= skin_.scene().design.layout.modules.size() || (!whole && taxel >= layout::kTaxelsPerModule)) {
+    throw DeviceError("no such module or taxel");
+  }
+  client.touch = skin_.press_module(static_cast<int>(module), whole ? -1 : taxel);
 }
 
 void SimServer::write_client(Client& client) {

@@ -115,9 +115,11 @@ void TcpLink::send(const wire::CanFrame& frame) {
   write_all(bytes);
 }
 
-void TcpLink::press(int module) {
-  std::array<std::uint8_t, 4> contents{};
-  ByteWriter(contents).le32(static_cast<std::uint32_t>(module));
+void TcpLink::press(int module, int taxel) {
+  std::array<std::uint8_t, 5> contents{};
+  ByteWriter w(contents);
+  w.le32(static_cast<std::uint32_t>(module));
+  w.u8(static_cast<std::uint8_t>(taxel < 0 ? record::kWholeModule : taxel));
   std::vector<std::uint8_t> bytes;
   record::put(bytes, record::kPress, contents);
   write_all(bytes);

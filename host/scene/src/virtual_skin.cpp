@@ -172,10 +172,19 @@ bool VirtualSkin::run(std::uint64_t until_us, bool stop_at_frame) {
   return frame_came_;
 }
 
-int VirtualSkin::press_module(int module) {
+int VirtualSkin::press_module(int module, int taxel) {
   int touched = module;
   for (const Fault& f : scene_.faults) {
     if (f.kind == FaultKind::kFingerElsewhere && f.module == module) touched = f.other;
+  }
+  if (taxel >= 0) {
+    const auto k = static_cast<std::size_t>(touched);
+    const int rotation = model::wiring_of(scene_.design)[k].routed.rotation;
+    const auto at = model::taxels_of(scene_.design.layout.modules[k], rotation)[static_cast<std::size_t>(taxel)].position_mm;
+    // Pads are 3.7 mm apart at least, so the tip is on this one only.
+    constexpr double kTipRadius_mm = 3.0;
+    constexpr double kTipForce_n = 1.0;
+    return skin_.press({now_us_, kForever, at, {}, kTipRadius_mm, kTipForce_n});
   }
   // Reaches all pads of a module (the farthest is 11.4 mm from the centre) and little beyond.
   constexpr double kRadius_mm = 12.0;

@@ -74,19 +74,22 @@ Machine::Core::Core(const MachineSetup& setup)
       flash_(*this, *setup.flash, rcc_,
              [this](std::uint32_t address, const std::uint8_t* data, std::size_t size) {
                check(uc_mem_write(uc_, address, data, size), "flash cells");
-               blocks_.clear();
+               std::fill_n(blocks_.begin() + (address - FlashChip::kBase) / 2, size / 2, Block{});
              }),
-      gpio_(*this, rcc_, setup.lines), can_(*this, setup.on_can, setup.trace), can_ram_(*this, can_), ram_(kRamBytes, 0xA5) {
+      gpio_(*this, rcc_, setup.lines),
+      dma_(*this, [this](std::uint32_t address) { return address >= kRamBase && address < kRamBase + kRamBytes ? &ram_[address - kRamBase] : nullptr; }),
+      dma_mux_(*this, dma_), can_(*this, setup.on_can, setup.trace), can_ram_(*this, can_), ram_(kRamBytes, 0xA5), blocks_(FlashChip::kBytes / 2) {
   constexpr std::array<std::array<int, 2>, 4> kIrqs{{{31, 32}, {33, 34}, {92, 93}, {82, 83}}};
   for (std::size_t k = 0; k < 4; ++k) {
-    i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup.lines[k], kIrqs[k][0], kIrqs[k][1], setup.trace);
+    i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup.lines[k], kIrqs[k][0], kIrqs[k][1], dma_, setup.trace);
   }
   windows_ = {{&tim2_, 0x40000000, 0x400, 0x58, 0, "TIM2"},           {&iwdg_, 0x40003000, 0x400, 0, 0, "IWDG"},
               {i2c_[0].get(), 0x40005400, 0x400, 0x58, 21, "I2C1"},   {i2c_[1].get(), 0x40005800, 0x400, 0x58, 22, "I2C2"},
               {&can_, 0x40006400, 0x400, 0x58, 25, "FDCAN"},          {&pwr_, 0x40007000, 0x400, 0x58, 28, "PWR"},
               {i2c_[2].get(), 0x40007800, 0x400, 0x58, 30, "I2C3"},   {i2c_[3].get(), 0x40008400, 0x400, 0x5C, 1, "I2C4"},
               {&can_ram_, 0x4000A400, 0x400, 0x58, 25, "FDCAN RAM"},  {&rcc_, 0x40021000, 0x400, 0, 0, "RCC"},
-              {&flash_, 0x40022000, 0x400, 0x48, 8, "FLASH"}};
+              {&flash_, 0x40022000, 0x400, 0x48, 8, "FLASH"},         {&dma_, 0x40020000, 0x400, 0x48, 0, "DMA1"},
+              {&dma_mux_, 0x40020800, 0x400, 0x48, 2, "DMAMUX"}};
   check(uc_open(UC_ARCH_ARM, static_cast<uc_mode>(UC_MODE_THUMB | UC_MODE_MCLASS), &uc_), "open");
   check(uc_ctl_set_cpu_model(uc_, UC_CPU_ARM_CORTEX_M4), "Cortex-M4");
   map_memory();
@@ -190,9 +193,8 @@ void Machine::Core::bus_write(std::uint32_t address, std::uint32_t value, unsign
 }
 
 // Thumb-2: a first half-word of 0b11101…, 0b11110… or 0b11111… begins a 32-bit instruction.
-Machine::Core::Block& Machine::Core::block_at(std::uint32_t address, std::uint32_t size) {
-  Block& b = blocks_[static_cast<std::uint64_t>(address) << 32 | size];
-  if (b.instructions != 0) return b;
+Machine::Core::Block Machine::Core::decode_block(std::uint32_t address, std::uint32_t size) const {
+  Block b;
   std::vector<std::uint8_t> code(size);
   check(uc_mem_read(uc_, address, code.data(), size), "code");
   for (std::uint32_t k = 0; k + 1 < size; ++b.instructions) {
@@ -205,6 +207,14 @@ Machine::Core::Block& Machine::Core::block_at(std::uint32_t address, std::uint32
     k += wide ? 4 : 2;
   }
   b.instructions = std::max(b.instructions, 1U);
+  b.size = size;
+  return b;
+}
+
+const Machine::Core::Block& Machine::Core::block_at(std::uint32_t address, std::uint32_t size) {
+  const bool in_flash = address >= FlashChip::kBase && address < FlashChip::kBase + FlashChip::kBytes;
+  Block& b = in_flash ? blocks_[(address - FlashChip::kBase) / 2] : elsewhere_;
+  if (!in_flash || b.size != size) b = decode_block(address, size);
   return b;
 }
 

@@ -2,8 +2,7 @@
 #pragma once
 #include <unicorn/unicorn.h>
 
-#include <unordered_map>
-
+#include "dma.hpp"
 #include "fdcan.hpp"
 #include "flash_controller.hpp"
 #include "gpio.hpp"
@@ -40,7 +39,7 @@ class Machine::Core final : public Surroundings {
  private:
   friend struct Hooks;
   struct Block {
-    std::uint32_t instructions = 0;
+    std::uint32_t size = 0, instructions = 0;
     bool floating_point = false;
   };
   struct Window {
@@ -71,7 +70,8 @@ class Machine::Core final : public Surroundings {
   void leave_exception(std::uint32_t code);
   void push_frame(bool extended);
   [[nodiscard]] int mask_priority() const;
-  Block& block_at(std::uint32_t address, std::uint32_t size);
+  const Block& block_at(std::uint32_t address, std::uint32_t size);
+  [[nodiscard]] Block decode_block(std::uint32_t address, std::uint32_t size) const;
 
   [[nodiscard]] std::uint32_t reg(int id) const;
   void reg(int id, std::uint32_t value);
@@ -86,12 +86,15 @@ class Machine::Core final : public Surroundings {
   Iwdg iwdg_;
   FlashController flash_;
   Gpio gpio_;
+  Dma dma_;
+  DmaMux dma_mux_;
   std::array<std::unique_ptr<I2cController>, 4> i2c_;
   Fdcan can_;
   FdcanRam can_ram_;
   std::vector<Window> windows_;
   std::vector<std::uint8_t> ram_;
-  std::unordered_map<std::uint64_t, Block> blocks_;
+  std::vector<Block> blocks_;  ///< by half-word of the flash; code elsewhere is not remembered
+  Block elsewhere_;
   std::vector<CellWrite> cell_writes_;
   std::vector<Time> exception_entry_;
   Time slice_end_ = 0;

@@ -45,7 +45,34 @@ void I2cController::after(Time delay, std::function<void()> action) {
   });
 }
 
+// With DMA on, bytes move without the processor (§41.4.17).
+void I2cController::serve_dma() {
+  constexpr std::uint32_t kTxDma = 1U << 14, kRxDma = 1U << 15;
+  while ((cr1_ & kTxDma) != 0 && (isr_ & kTxIs) != 0) {
+    const auto byte = dma_.fetch(receive_request() + 1);
+    if (!byte) break;
+    load(*byte);
+  }
+  while ((cr1_ & kRxDma) != 0 && (isr_ & kRxNe) != 0 && dma_.wants(receive_request())) dma_.store(receive_request(), take_received());
+}
+
+std::uint8_t I2cController::take_received() {
+  const std::uint8_t value = rx_;
+  isr_ &= ~kRxNe;
+  if (std::exchange(stretched_, false)) deliver();
+  return value;
+}
+
+void I2cController::load(std::uint8_t byte) {
+  tx_ = byte;
+  tx_waits_ = true;
+  isr_ &= ~kTxIs;
+  ++loaded_;
+  if (!shifting_) shift_out();
+}
+
 void I2cController::update_irqs() {
+  serve_dma();
   std::uint32_t flags = 0;
   for (const unsigned k : {1U, 2U, 4U, 5U, 6U}) {
     if ((cr1_ >> k & 1) != 0) flags |= isr_ & (1U << k);
@@ -62,10 +89,8 @@ std::uint32_t I2cController::read(std::uint32_t offset, unsigned) {
     case 0x14: return timeout_;
     case 0x18: return isr_;
     case 0x24: {
-      const std::uint8_t value = rx_;
       if ((isr_ & kRxNe) == 0) around_.violation(fmt::format("I2C{}: RXDR read while empty", line_ + 1));
-      isr_ &= ~kRxNe;
-      if (std::exchange(stretched_, false)) deliver();
+      const std::uint8_t value = take_received();
       update_irqs();
       return value;
     }
@@ -94,17 +119,16 @@ void I2cController::write(std::uint32_t offset, std::uint32_t value, unsigned) {
       if ((timeout_ & 0x8000) != 0 && (value & 0x8000) != 0) around_.violation(fmt::format("I2C{}: TIMEOUTA changed while it counts", line_ + 1));
       timeout_ = value;
       break;
+    case 0x18:  // TXE written as 1 empties the data register
+      if ((value & 1) != 0) tx_waits_ = false;
+      break;
     case 0x1C: isr_ &= ~(value & 0x3F38); break;
     case 0x28:
       if ((isr_ & kTxIs) == 0) {
         around_.violation(fmt::format("I2C{}: TXDR written when it was not empty", line_ + 1));
         break;
       }
-      tx_ = static_cast<std::uint8_t>(value);
-      tx_waits_ = true;
-      isr_ &= ~kTxIs;
-      ++loaded_;
-      if (!shifting_) shift_out();
+      load(static_cast<std::uint8_t>(value));
       break;
     default: around_.violation(fmt::format("I2C{} register {:#x} is not modelled", line_ + 1, offset));
   }
@@ -128,6 +152,7 @@ void I2cController::begin() {
   reading_ = (cr2_ & kReadBit) != 0;
   count_ = cr2_ >> 16 & 255;
   loaded_ = moved_ = 0;
+  if (tx_waits_) around_.violation(fmt::format("I2C{}: start while TXDR still holds a byte of the transfer before", line_ + 1));
   tx_waits_ = shifting_ = stretched_ = false;
   isr_ = (isr_ & ~(kTc | kTxIs | kRxNe)) | kBusy;
   if (!std::exchange(on_bus_, true)) busy_since_ = around_.time().now();

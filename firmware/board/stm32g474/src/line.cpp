@@ -16,17 +16,19 @@ Stm32I2cLine lines[4];
 namespace {
 
 constexpr LinePlace kPlaces[4] = {
-    {0x40005400, {'A', 15}, {'B', 7}, 4, 31, 32},
-    {0x40005800, {'A', 9}, {'A', 8}, 4, 33, 34},
-    {0x40007800, {'C', 8}, {'C', 9}, 8, 92, 93},
-    {0x40008400, {'C', 6}, {'C', 7}, 8, 82, 83},
+    {0, 0x40005400, {'A', 15}, {'B', 7}, 4, 31, 32},
+    {1, 0x40005800, {'A', 9}, {'A', 8}, 4, 33, 34},
+    {2, 0x40007800, {'C', 8}, {'C', 9}, 8, 92, 93},
+    {3, 0x40008400, {'C', 6}, {'C', 7}, 8, 82, 83},
 };
-constexpr std::uint32_t kInterrupts = kTxInterrupt | kRxInterrupt | kNackInterrupt | kStopInterrupt | kCompleteInterrupt | kErrorInterrupt;
+constexpr std::uint32_t kInterrupts = kNackInterrupt | kStopInterrupt | kCompleteInterrupt | kErrorInterrupt;
 constexpr auto kTiming = compute_i2c_timing({});
 static_assert(kTiming.has_value());
-constexpr std::uint64_t kSlack_us = 500;         // above the bytes: clock stretching and interrupt latency
-constexpr std::uint32_t kSclLowTimeout = 82;           // (82 + 1) · 2048 / 170 MHz = 1.0 ms of SCL low
-constexpr std::uint64_t kHalfPulse_us = 5;       // bus clear at 100 kHz
+constexpr std::uint64_t kSlack_us = 500;      // above the bytes: clock stretching and interrupt latency
+constexpr std::uint32_t kSclLowTimeout = 82;  // (82 + 1) · 2048 / 170 MHz = 1.0 ms of SCL low
+constexpr std::uint64_t kHalfPulse_us = 5;    // bus clear at 100 kHz
+
+std::uint32_t address_of(const void* p) { return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(p)); }
 
 void wait_us(std::uint64_t us) {
   const std::uint64_t until = microseconds() + us;
@@ -37,6 +39,7 @@ void wait_us(std::uint64_t us) {
 }  // namespace
 
 void open_lines() {
+  rcc_reg::kAhb1Enr.set(rcc_reg::kDma1 | rcc_reg::kDmaMux);
   rcc_reg::kAhb2Enr.set(rcc_reg::kGpioA | rcc_reg::kGpioB | rcc_reg::kGpioC);
   rcc_reg::kApb1Enr1.set(rcc_reg::kI2c1 | rcc_reg::kI2c2 | rcc_reg::kI2c3);
   rcc_reg::kApb1Enr2.set(rcc_reg::kI2c4);
@@ -46,6 +49,8 @@ void open_lines() {
 
 void Stm32I2cLine::open(const LinePlace& place) {
   place_ = place;
+  receiver().connect(dma_reg::i2c_receive_request(place.index), place.base + kRxdr);
+  sender().connect(dma_reg::i2c_receive_request(place.index) + 1, place.base + kTxdr);
   pins_to_bus();
   enable();
   for (const int irq : {place.event_irq, place.error_irq}) {
@@ -67,7 +72,7 @@ void Stm32I2cLine::enable() {
   reg(kTimingr).write(kTiming->value());  // only while the block is off (§41.9.5)
   reg(kTimeoutr).write(kSclLowTimeout);
   reg(kTimeoutr).write(kSclLowTimeout | kTimeoutEnable);
-  reg(kCr1).write(kEnable | kInterrupts);
+  reg(kCr1).write(kEnable | kInterrupts | kSendByDma | kReceiveByDma);
 }
 
 // Clearing PE is the block's reset; it must stay off for three bus clocks (§41.4.6).
@@ -80,39 +85,35 @@ void Stm32I2cLine::disable() {
 }
 
 void Stm32I2cLine::start(std::uint8_t address, Bytes write, std::span<std::uint8_t> read) {
-  write_ = write;
   read_ = read;
   address_ = address;
-  at_ = 0;
   nack_ = false;
   reading_ = write.empty();
   outcome_ = Outcome::kRunning;
-  const std::uint64_t bytes = write.size() + read.size() + 2;
-  deadline_us_ = microseconds() + bytes * 23 + kSlack_us;
+  deadline_us_ = microseconds() + (write.size() + read.size() + 2) * 23 + kSlack_us;
   active_ = true;
-  const std::uint32_t target = static_cast<std::uint32_t>(address) << 1;
-  if (reading_) {
-    reg(kCr2).write(target | kRead | static_cast<std::uint32_t>(read.size()) << kBytesShift | kAutoEnd | kStart);
-  } else {
-    reg(kCr2).write(target | static_cast<std::uint32_t>(write.size()) << kBytesShift | (read.empty() ? kAutoEnd : 0U) | kStart);
-  }
+  if (reading_) return begin_reading();
+  asm volatile("dmb" ::: "memory");  // what was written to the buffer is there before the DMA looks
+  sender().start(address_of(write.data()), write.size(), true);
+  reg(kCr2).write(static_cast<std::uint32_t>(address) << 1 | static_cast<std::uint32_t>(write.size()) << kBytesShift | (read.empty() ? kAutoEnd : 0U) | kStart);
+}
+
+void Stm32I2cLine::begin_reading() {
+  receiver().start(address_of(read_.data()), read_.size(), false);
+  reg(kCr2).write(static_cast<std::uint32_t>(address_) << 1 | kRead | static_cast<std::uint32_t>(read_.size()) << kBytesShift | kAutoEnd | kStart);
 }
 
 void Stm32I2cLine::on_event() {
   const std::uint32_t status = reg(kIsr).read();
   if ((status & kNack) != 0) {
     reg(kIcr).write(kNack);  // the block sends the stop by itself
+    sender().stop();
+    reg(kIsr).write(kTxFlush);  // a byte that the DMA had put there already would open the next transfer
     nack_ = true;
-  }
-  if ((status & kTxEmpty) != 0 && !nack_) reg(kTxdr).write(at_ < write_.size() ? write_[at_++] : 0xFF);
-  if ((status & kRxFull) != 0) {
-    const auto byte = static_cast<std::uint8_t>(reg(kRxdr).read());
-    if (at_ < read_.size()) read_[at_++] = byte;
   }
   if ((status & kComplete) != 0 && !reading_) {
     reading_ = true;
-    at_ = 0;
-    reg(kCr2).write(static_cast<std::uint32_t>(address_) << 1 | kRead | static_cast<std::uint32_t>(read_.size()) << kBytesShift | kAutoEnd | kStart);
+    begin_reading();
   }
   if ((status & kStopSeen) != 0) {
     reg(kIcr).write(kStopSeen);
@@ -136,13 +137,17 @@ std::optional<Status> Stm32I2cLine::poll() {
     end(Outcome::kStuck);
   }
   active_ = false;
+  const bool whole = (reading_ ? receiver() : sender()).remaining() == 0;
+  receiver().stop();
+  sender().stop();
+  asm volatile("dmb" ::: "memory");  // what the DMA wrote is read after this
   if (outcome_ == Outcome::kStuck) {
     disable();
     enable();
     return Status::kLineStuck;
   }
   if (outcome_ == Outcome::kNack) return Status::kBusError;
-  return at_ == (reading_ ? read_.size() : write_.size()) ? Status::kOk : Status::kBusError;
+  return whole ? Status::kOk : Status::kBusError;
 }
 
 // Bus clear (UM10204 §3.1.16) by hand: up to nine pulses until SDA is free, then a stop. At most 120 µs.

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 
+#include "triskin/board/registers/dma.hpp"
 #include "triskin/board/registers/gpio.hpp"
 #include "triskin/ports/ports.hpp"
 
@@ -9,13 +10,14 @@ namespace triskin::board {
 
 /// Where one I²C line is on the chip (data sheet DS12288, table 13).
 struct LinePlace {
+  unsigned index;
   std::uint32_t base;
   Pin scl, sda;
   std::uint32_t alternate;
   int event_irq, error_irq;
 };
 
-/// I2C1 … I2C4 as masters at 400 kHz. Each byte is moved in an interrupt; poll() looks at the outcome. Every transfer has a
+/// I2C1 … I2C4 as masters at 400 kHz. DMA moves the bytes; an interrupt turns from writing to reading, another ends the transfer. Every transfer has a
 /// deadline made of its bytes, so that a line that hangs without an error flag is also noticed.
 class Stm32I2cLine final : public fw::I2cLine {
  public:
@@ -33,6 +35,9 @@ class Stm32I2cLine final : public fw::I2cLine {
 
  private:
   enum class Outcome : std::uint8_t { kRunning, kDone, kNack, kStuck };
+  [[nodiscard]] dma_reg::Channel sender() const { return dma_reg::Channel(4 + place_.index); }
+  [[nodiscard]] dma_reg::Channel receiver() const { return dma_reg::Channel(place_.index); }
+  void begin_reading();
   [[nodiscard]] Register reg(std::uint32_t offset) const { return Register(place_.base + offset); }
   void enable();
   void disable();
@@ -40,9 +45,7 @@ class Stm32I2cLine final : public fw::I2cLine {
   void pins_to_bus() const;
 
   LinePlace place_{};
-  Bytes write_;
   std::span<std::uint8_t> read_;
-  std::size_t at_ = 0;
   std::uint8_t address_ = 0;
   bool reading_ = false, active_ = false, nack_ = false;
   volatile Outcome outcome_ = Outcome::kRunning;

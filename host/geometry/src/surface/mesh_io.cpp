@@ -8,12 +8,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <cctype>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <map>
 #include <set>
 #include <unordered_map>
 
+#include "isolated.hpp"
+#include "off_reader.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
 
@@ -141,21 +145,77 @@ void require_size(const std::filesystem::path& path, const Mesh& mesh) {
   }
 }
 
+bool is_off(const std::filesystem::path& path, const std::string& bytes) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".off" || bytes.starts_with("OFF") || bytes.starts_with("COFF") || bytes.starts_with("NOFF");
+}
+
+// What the child process hands over: scale, counts, vertices, faces; or a message.
+template <class T>
+void put(std::string& out, const T* values, std::size_t n) {
+  if (n > 0) out.append(reinterpret_cast<const char*>(values), n * sizeof(T));
+}
+
+std::string library_answer(const std::filesystem::path& path) {
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
+  if (scene == nullptr || scene->mRootNode == nullptr) return std::string("!") + importer.GetErrorString();
+  Mesh mesh;
+  collect(*scene, *scene->mRootNode, aiMatrix4x4(), mesh);
+  const double scale = file_scale(*scene);
+  const std::array<std::size_t, 2> counts{mesh.vertices.size(), mesh.faces.size()};
+  std::string out = "m";
+  put(out, &scale, 1);
+  put(out, counts.data(), 2);
+  put(out, mesh.vertices.data(), mesh.vertices.size());
+  put(out, mesh.faces.data(), mesh.faces.size());
+  return out;
+}
+
+// The library crashes, aborts or never returns on some damaged files (seen with 5.2.5: OFF, PLY, OBJ), so it works in a process of
+// its own.
+void read_with_library(const std::filesystem::path& path, std::size_t size, MeshFile& file) {
+  const auto answer = run_isolated([&] { return library_answer(path); }, static_cast<unsigned>(1 + size / 500'000));
+  const auto damaged = [&](const std::string& why) {
+    throw InputError(fmt::format("{}: not a mesh that can be read ({}); give OBJ, STL, PLY, OFF or DAE", path.string(), why));
+  };
+  if (!answer || answer->empty()) return damaged("the file is damaged");
+  if (answer->front() == '!') return damaged(answer->substr(1));
+  const char* at = answer->data() + 1;
+  const auto take = [&](auto* values, std::size_t n) {
+    const std::size_t bytes = n * sizeof(*values);
+    if (bytes > 0) std::memcpy(values, at, bytes);
+    at += bytes;
+  };
+  std::array<std::size_t, 2> counts{};
+  take(&file.report.scale_to_mm, 1);
+  take(counts.data(), 2);
+  file.mesh.vertices.resize(counts[0]);
+  file.mesh.faces.resize(counts[1]);
+  for (Vec3& v : file.mesh.vertices) take(v.data(), 3);
+  take(file.mesh.faces.data(), counts[1]);
+  for (const auto& f : file.mesh.faces) {
+    for (const int v : f) {
+      if (v < 0 || static_cast<std::size_t>(v) >= counts[0]) return damaged("a face names a vertex that does not exist");
+    }
+  }
+}
+
 }  // namespace
 
 MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
   const std::string bytes = read_file(path);  // names the file when it cannot be read
   if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty", path.string()));
-  Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
-  if (scene == nullptr || scene->mRootNode == nullptr) {
-    throw InputError(fmt::format("{}: not a mesh that can be read ({}); give OBJ, STL, PLY, OFF or DAE", path.string(),
-                                 importer.GetErrorString()));
-  }
   MeshFile file;
-  collect(*scene, *scene->mRootNode, aiMatrix4x4(), file.mesh);
+  if (is_off(path, bytes)) {
+    file.mesh = read_off(bytes, path.string());
+    file.report.scale_to_mm = 1.0;
+  } else {
+    read_with_library(path, bytes.size(), file);
+  }
+  if (unit) file.report.scale_to_mm = scale_of(*unit);
   require_finite(path, file.mesh);
-  file.report.scale_to_mm = unit ? scale_of(*unit) : file_scale(*scene);
   for (Vec3& v : file.mesh.vertices) v *= file.report.scale_to_mm;
   weld(file.mesh, file.report);
   drop_bad_faces(file.mesh, file.report);

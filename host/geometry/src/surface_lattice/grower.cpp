@@ -1,319 +1,249 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "grower.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
-#include "layout/rigid.hpp"
-#include "triskin/geometry/map_modules.hpp"
+#include "overlap.hpp"
 
-namespace triskin::geometry {
+namespace triskin::geometry::surface_lattice {
 namespace {
 
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
+constexpr double kSnap_mm = 7.0;           // an apex this near to a corner of the same lattice point joins it
+constexpr double kRelaxRadius_mm = 70.0;
+constexpr int kRelaxSteps = 7;
+constexpr double kCrowded_mm = 6.0;        // overlap that relaxing will not undo
+constexpr double kShort_mm = 6.0;          // an apex that the border holds back by more is not tried
+constexpr double kReach_mm = 45.0;
 
-constexpr double kReach_mm = 62.0;      // modules that a new one may push
-constexpr double kTryJoin_mm = 9.0;     // corners nearer than this are pulled together before the limit decides
-constexpr double kMargin = 0.96;        // of each limit: the final measurement walks the sides more finely
-constexpr int kCoarseSamples = 15;
-constexpr int kSeedTries = 150;
-
-Vec3 centroid(const std::array<Vec3, 3>& t) { return (t[0] + t[1] + t[2]) / 3.0; }
-Vec3 normal(const std::array<Vec3, 3>& t) { return (t[1] - t[0]).cross(t[2] - t[0]).normalized(); }
+NetTriangle loose(const Triangle& corners) {
+  NetTriangle t;
+  t.rigid = fit_rigid(corners);
+  t.center = (t.rigid[0] + t.rigid[1] + t.rigid[2]) / 3.0;
+  t.normal = (t.rigid[1] - t.rigid[0]).cross(t.rigid[2] - t.rigid[0]).normalized();
+  return t;
+}
 
 }  // namespace
 
-Grower::Grower(const Surface& surface, const std::vector<double>& area_sums, const LayoutLimits& limits, std::uint64_t seed)
-    : surface_(surface), area_sums_(area_sums), limits_(limits), random_(seed) {}
-
-void Grower::grow(Deadline deadline) {
-  int failures = 0;
-  while (failures < kSeedTries && std::chrono::steady_clock::now() < deadline) {
-    if (!seed_island(random_point())) {
-      ++failures;
-      continue;
+std::vector<Sample> spread_samples(const Surface& surface, double area_each_mm2, std::uint64_t seed) {
+  std::vector<Sample> samples;
+  Random random(seed);
+  double due = 0.5;
+  const Mesh& mesh = surface.mesh();
+  for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
+    const auto& v = mesh.faces[at(f)];
+    const Vec3 &a = mesh.vertices[at(v[0])], &b = mesh.vertices[at(v[1])], &c = mesh.vertices[at(v[2])];
+    for (due += 0.5 * (b - a).cross(c - a).norm() / area_each_mm2; due >= 1.0; due -= 1.0) {
+      const double r = std::sqrt(random.unit()), s = random.unit();
+      const SurfacePoint p = surface.closest((1 - r) * a + r * (1 - s) * b + r * s * c);
+      samples.push_back({p.position_mm, surface.normal_at(p)});
     }
-    failures = failures / 2;
-    grow_island(deadline);
   }
+  return samples;
 }
 
-Vec3 Grower::random_point() {
-  const double pick = uniform() * area_sums_.back();
-  const int face = static_cast<int>(std::ranges::upper_bound(area_sums_, pick) - area_sums_.begin());
-  const auto& f = surface_.mesh().faces[at(std::min(face, static_cast<int>(area_sums_.size()) - 1))];
-  double u = uniform(), v = uniform();
-  if (u + v > 1.0) {
-    u = 1.0 - u;
-    v = 1.0 - v;
+// The point of the surface 30 mm from both ends of a side, found by turning the height about the side.
+bool Grower::roll(const Vec3& a, const Vec3& b, const Vec3& away, SurfacePoint& apex) const {
+  const Vec3 middle = 0.5 * (a + b), along = (b - a).normalized();
+  Vec3 direction = (away - away.dot(along) * along).normalized();
+  for (int k = 0; k < 5; ++k) {
+    apex = surface_.closest(middle + kHeight_mm * direction);
+    const Vec3 d = apex.position_mm - middle;
+    const Vec3 across_side = d - d.dot(along) * along;
+    if (across_side.norm() < 1.0) return false;
+    direction = across_side.normalized();
   }
-  const auto& p = surface_.mesh().vertices;
-  return (1 - u - v) * p[at(f[0])] + u * p[at(f[1])] + v * p[at(f[2])];
+  return std::abs((apex.position_mm - middle).norm() - kHeight_mm) < kShort_mm;
 }
 
-// A module at the place, at a random angle, when it is free.
-bool Grower::seed_island(const Vec3& middle) {
-  for (const PlacedModule& m : modules_) {
-    if ((centroid(m.corner_mm) - middle).norm() < 9.0) return false;
+bool Grower::try_side(LatticeNet& net, Side side) {
+  const NetTriangle t = net.triangles[at(side.triangle)];
+  const TileSide next = across(t.tile, side.side);
+  if (net.has_tile(t.island, next.tile)) return false;
+  const Vec3 a = net.vertices[at(t.vertex[at(side.side)])].point, b = net.vertices[at(t.vertex[at((side.side + 1) % 3)])].point;
+  const Vec3 far = net.vertices[at(t.vertex[at((side.side + 2) % 3)])].point;
+  SurfacePoint apex;
+  if (!roll(a, b, 0.5 * (a + b) - far, apex)) {
+    ++refused[static_cast<std::size_t>(Refusal::kOverrun)];
+    return false;
   }
-  const Vec3 n = surface_.normal_at(surface_.closest(middle));
-  const Vec3 x = n.unitOrthogonal();
-  const double turn = uniform() * 2 * M_PI;
-  PlacedModule m;
-  m.island = islands_;
-  m.tile = {0, 0, true};
+  const auto label = tile_corner_index(next.tile, (next.side + 2) % 3);
+  // Corners of the same lattice point nearby: joining them closes the ring round a corner.
+  std::vector<std::pair<double, int>> snaps;
+  for (int v = 0; v < static_cast<int>(net.vertices.size()); ++v) {
+    const NetVertex& w = net.vertices[at(v)];
+    if (!w.used || w.i != label[0] || w.j != label[1] || net.triangles[at(w.triangles[0])].island != t.island) continue;
+    const double distance = (w.point - apex.position_mm).norm();
+    if (distance < kSnap_mm) snaps.emplace_back(distance, v);
+  }
+  std::ranges::sort(snaps);
+  for (const auto& [distance, v] : snaps) {
+    if (!crowded(net, {b, a, net.vertices[at(v)].point}, side.triangle) && try_corner(net, side, v)) return true;
+  }
+  if (crowded(net, {b, a, apex.position_mm}, side.triangle)) {
+    ++refused[static_cast<std::size_t>(Refusal::kPenetration)];
+    return false;
+  }
+  return try_corner(net, side, net.add_vertex(apex.position_mm, surface_.normal_at(apex), label[0], label[1]));
+}
+
+bool Grower::try_corner(LatticeNet& net, Side side, int apex) {
+  const NetTriangle& t = net.triangles[at(side.triangle)];
+  const TileSide next = across(t.tile, side.side);
+  std::array<int, 3> v{};
+  v[at(next.side)] = t.vertex[at((side.side + 1) % 3)];
+  v[at((next.side + 1) % 3)] = t.vertex[at(side.side)];
+  v[at((next.side + 2) % 3)] = apex;
+  return keep_or_revert(net, net.add_triangle(t.island, next.tile, v));
+}
+
+bool Grower::keep_or_revert(LatticeNet& net, int triangle) {
+  relaxer_.relax(net, triangle, kRelaxRadius_mm, kRelaxSteps);
+  Refusal refusal = rules_.judge(net, triangle);
+  for (const int t : relaxer_.changed()) {
+    if (refusal != Refusal::kNone) break;
+    if (t != triangle) refusal = rules_.judge(net, t);
+  }
+  if (refusal == Refusal::kNone) return true;
+  ++refused[static_cast<std::size_t>(refusal)];
+  relaxer_.undo(net);
+  net.remove_triangle(triangle);
+  return false;
+}
+
+// Hopeless places are found before the costly relaxing.
+bool Grower::crowded(const LatticeNet& net, const Triangle& corners, int beside) const {
+  const NetTriangle candidate = loose(corners);
+  for (int k = 0; k < static_cast<int>(net.triangles.size()); ++k) {
+    const NetTriangle& t = net.triangles[at(k)];
+    if (k == beside || t.island < 0 || (t.center - candidate.center).squaredNorm() > kReach_mm * kReach_mm) continue;
+    if (overlap_of(candidate, t).depth_mm > kCrowded_mm) return true;
+  }
+  return false;
+}
+
+bool Grower::try_seed(LatticeNet& net, const Triangle& corners) {
+  if (crowded(net, corners, -1)) return false;
+  const int island = net.new_island();
+  const Tile tile;
+  std::array<int, 3> v{};
   for (int k = 0; k < 3; ++k) {
-    const double a = turn + 2 * M_PI * k / 3;
-    m.corner_mm[at(k)] = middle + 17.32 * (std::cos(a) * x + std::sin(a) * n.cross(x));
+    const SurfacePoint c = surface_.closest(corners[at(k)]);
+    const auto label = tile_corner_index(tile, k);
+    v[at(k)] = net.add_vertex(c.position_mm, surface_.normal_at(c), label[0], label[1]);
   }
-  m.corner_mm = fit_rigid(m.corner_mm);
-  modules_.push_back(m);
-  const int id = static_cast<int>(modules_.size()) - 1;
-  relax({id}, 6);
-  if (!holds({id})) {
-    modules_.pop_back();
-    return false;
-  }
-  place_[{islands_, m.tile}] = id;
-  ++islands_;
-  for (int s = 0; s < 3; ++s) open_.push_back({id, s});
-  return true;
+  return keep_or_revert(net, net.add_triangle(island, tile, v));
 }
 
-void Grower::keep(const std::vector<bool>& kept) {
-  std::vector<int> target(modules_.size(), -1);
-  std::vector<PlacedModule> left;
-  for (std::size_t k = 0; k < modules_.size(); ++k) {
-    if (!kept[k]) continue;
-    target[k] = static_cast<int>(left.size());
-    left.push_back(modules_[k]);
-  }
-  for (PlacedModule& m : left) {
-    m.island = -1;
-    for (int& n : m.neighbour) n = n < 0 ? -1 : target[at(n)];
-  }
-  modules_ = std::move(left);
-  // What falls apart becomes islands of its own: their lattices need not fit each other any more.
-  place_.clear();
-  islands_ = 0;
-  for (std::size_t first = 0; first < modules_.size(); ++first) {
-    if (modules_[first].island >= 0) continue;
-    std::vector<int> queue{static_cast<int>(first)};
-    modules_[first].island = islands_;
-    for (std::size_t q = 0; q < queue.size(); ++q) {
-      const PlacedModule& m = modules_[at(queue[q])];
-      place_[{islands_, m.tile}] = queue[q];
-      for (const int n : m.neighbour) {
-        if (n < 0 || modules_[at(n)].island >= 0) continue;
-        modules_[at(n)].island = islands_;
-        queue.push_back(n);
-      }
-    }
-    ++islands_;
-  }
+bool Grower::seed_at_side(LatticeNet& net, Side side) {
+  const NetTriangle& t = net.triangles[at(side.triangle)];
+  const Vec3 a = t.rigid[at(side.side)], b = t.rigid[at((side.side + 1) % 3)], far = t.rigid[at((side.side + 2) % 3)];
+  SurfacePoint apex;
+  if (!roll(a, b, 0.5 * (a + b) - far, apex)) return false;
+  return try_seed(net, {b, a, apex.position_mm});
 }
 
-void Grower::ruin_and_recreate(double radius_mm, double allowed_loss, double island_cost, Deadline deadline) {
-  if (modules_.empty()) return;
-  const auto before = std::tuple(modules_, place_, islands_);
-  const double old_score = score(island_cost);
-  const Vec3 middle = centroid(modules_[random_() % modules_.size()].corner_mm);
-  std::vector<bool> kept(modules_.size());
-  for (std::size_t k = 0; k < kept.size(); ++k) kept[k] = (centroid(modules_[k].corner_mm) - middle).norm() > radius_mm;
-  keep(kept);
-  open_.clear();
-  for (std::size_t k = 0; k < modules_.size(); ++k) {
-    if ((centroid(modules_[k].corner_mm) - middle).norm() > radius_mm + 40.0) continue;
+bool Grower::seed_at_sample(LatticeNet& net, const Sample& sample, Random& random) {
+  const Vec3 x = sample.normal.unitOrthogonal(), y = sample.normal.cross(x);
+  const double turn = 2.0 * M_PI * random.unit();
+  Triangle corners;
+  for (int k = 0; k < 3; ++k) {
+    const double angle = turn + 2.0 * M_PI * k / 3.0;
+    corners[at(k)] = sample.point + 2.0 * kHeight_mm / 3.0 * (std::cos(angle) * x + std::sin(angle) * y);
+  }
+  return try_seed(net, corners);
+}
+
+// One side towards the nearest border and parallel to it.
+bool Grower::seed_at_border(LatticeNet& net, const Sample& sample) {
+  const double reach = surface_.border_distance(sample.point);
+  if (!(reach < 20.0)) return false;
+  constexpr double kProbe_mm = 0.5;
+  const Vec3 x = sample.normal.unitOrthogonal(), y = sample.normal.cross(x);
+  const Vec3 uphill = (surface_.border_distance(sample.point + kProbe_mm * x) - reach) * x + (surface_.border_distance(sample.point + kProbe_mm * y) - reach) * y;
+  if (uphill.norm() < 1e-6) return false;
+  const Vec3 in = uphill.normalized(), along = in.cross(sample.normal);
+  const Vec3 foot = sample.point - (reach - 0.2) * in;
+  return try_seed(net, {Vec3(foot - 15.0 * along), Vec3(foot + 15.0 * along), Vec3(foot + kHeight_mm * in)}) ||
+         try_seed(net, {Vec3(foot + 15.0 * along), Vec3(foot - 15.0 * along), Vec3(foot + kHeight_mm * in)});
+}
+
+std::vector<Grower::Side> Grower::open_sides(const LatticeNet& net, const Ball& ball) const {
+  std::vector<Side> sides;
+  for (int t = 0; t < static_cast<int>(net.triangles.size()); ++t) {
+    if (!net.used(t) || !ball.holds(net.triangles[at(t)].center)) continue;
     for (int s = 0; s < 3; ++s) {
-      if (modules_[k].neighbour[at(s)] < 0) open_.push_back({static_cast<int>(k), s});
+      if (net.neighbour(t, s) < 0) sides.push_back({t, s});
     }
   }
-  std::ranges::shuffle(open_, random_);
-  grow_island(deadline);
-  for (int k = 0; k < 12 && std::chrono::steady_clock::now() < deadline; ++k) {
-    const Vec3 offset = (radius_mm + 15.0) * Vec3(2 * uniform() - 1, 2 * uniform() - 1, 2 * uniform() - 1);
-    if (seed_island(surface_.closest(middle + offset).position_mm)) grow_island(deadline);
-  }
-  if (score(island_cost) < old_score - allowed_loss) std::tie(modules_, place_, islands_) = before;
-  open_.clear();
+  return sides;
 }
 
-int Grower::find(int island, const Tile& tile) const {
-  const auto found = place_.find({island, tile});
-  return found == place_.end() ? -1 : found->second;
-}
+void Grower::grow(LatticeNet& net, const Ball& ball, Random& random) { grow_from(net, open_sides(net, ball), ball, random); }
 
-// How many modules of the island the new one would meet.
-int Grower::closings(const Side& side) const {
-  const PlacedModule& m = modules_[at(side.module)];
-  const Tile tile = across(m.tile, side.side).tile;
-  int n = 0;
-  for (int s = 0; s < 3; ++s) n += find(m.island, across(tile, s).tile) >= 0 ? 1 : 0;
-  return n;
-}
-
-void Grower::grow_island(Deadline deadline) {
-  while (!open_.empty() && std::chrono::steady_clock::now() < deadline) {
-    // Close corners first, then the oldest side: islands stay round, and slits short.
-    std::size_t best = 0;
-    int most = -1;
-    for (std::size_t k = 0; k < open_.size(); ++k) {
-      const int n = closings(open_[k]);
-      if (n > most) {
-        most = n;
-        best = k;
-      }
-    }
-    const Side side = open_[best];
-    open_.erase(open_.begin() + static_cast<std::ptrdiff_t>(best));
-    add_across(side);
-  }
-}
-
-// The module's mirror image across the side, turned about it until its apex lies on the surface.
-std::array<Vec3, 3> Grower::roll(const PlacedModule& from, int side) const {
-  const Vec3 &p = from.corner_mm[at(side)], &q = from.corner_mm[at((side + 1) % 3)], &r = from.corner_mm[at((side + 2) % 3)];
-  const Vec3 middle = (p + q) / 2.0, out = (middle - r).normalized(), n = normal(from.corner_mm);
-  double angle = 0.0;
-  Vec3 apex;
-  for (int k = 0; k < 6; ++k) {
-    apex = middle + kHeight_mm * (std::cos(angle) * out + std::sin(angle) * n);
-    const SurfacePoint c = surface_.closest(apex);
-    const Vec3 tangent = -std::sin(angle) * out + std::cos(angle) * n;
-    angle = std::clamp(angle + (c.position_mm - apex).dot(tangent) / kHeight_mm, -limits_.fold_rad, limits_.fold_rad);
-  }
-  const int t = across(from.tile, side).side;
-  std::array<Vec3, 3> corners;
-  corners[at(t)] = q;
-  corners[at((t + 1) % 3)] = p;
-  corners[at((t + 2) % 3)] = middle + kHeight_mm * (std::cos(angle) * out + std::sin(angle) * n);
-  return corners;
-}
-
-void Grower::join(int a, int side) {
-  const TileSide other = across(modules_[at(a)].tile, side);
-  const int b = find(modules_[at(a)].island, other.tile);
-  modules_[at(a)].neighbour[at(side)] = b;
-  modules_[at(b)].neighbour[at(other.side)] = a;
-}
-
-void Grower::part(int a, int side) {
-  const int b = modules_[at(a)].neighbour[at(side)];
-  modules_[at(a)].neighbour[at(side)] = -1;
-  modules_[at(b)].neighbour[at(across(modules_[at(a)].tile, side).side)] = -1;
-}
-
-bool Grower::add_across(const Side& side) {
-  const PlacedModule from = modules_[at(side.module)];
-  const TileSide target = across(from.tile, side.side);
-  if (from.neighbour[at(side.side)] >= 0 || find(from.island, target.tile) >= 0) return false;
-  const std::vector<PlacedModule> before = modules_;
-  PlacedModule m;
-  m.island = from.island;
-  m.tile = target.tile;
-  m.corner_mm = roll(from, side.side);
-  const int id = static_cast<int>(modules_.size());
-  modules_.push_back(m);
-  place_[{m.island, m.tile}] = id;
-  for (int s = 0; s < 3; ++s) {
-    const TileSide other = across(m.tile, s);
-    const int b = find(m.island, other.tile);
-    if (b < 0) continue;
-    const auto& c = modules_[at(b)].corner_mm;
-    const double gap = std::max((m.corner_mm[at(s)] - c[at((other.side + 1) % 3)]).norm(), (m.corner_mm[at((s + 1) % 3)] - c[at(other.side)]).norm());
-    if (gap < kTryJoin_mm) join(id, s);
-  }
-  const std::vector<int> members = neighbourhood(id);
-  relax(members, 12);
-  for (int round = 0; round < 3 && open_bad_joints(members, id); ++round) relax(members, 8);
-  const bool joined = std::ranges::any_of(modules_[at(id)].neighbour, [](int n) { return n >= 0; });
-  if (!joined || open_bad_joints(members, -1) || !holds(members)) {
-    modules_ = before;
-    place_.erase({m.island, m.tile});
-    return false;
-  }
-  for (int s = 0; s < 3; ++s) {
-    if (modules_[at(id)].neighbour[at(s)] < 0) open_.push_back({id, s});
-  }
-  return true;
-}
-
-std::vector<int> Grower::neighbourhood(int center) const {
-  std::vector<int> members;
-  const Vec3 c = centroid(modules_[at(center)].corner_mm);
-  for (std::size_t k = 0; k < modules_.size(); ++k) {
-    if (modules_[k].island == modules_[at(center)].island && (centroid(modules_[k].corner_mm) - c).norm() < kReach_mm) members.push_back(static_cast<int>(k));
-  }
-  return members;
-}
-
-Vec3 Grower::pulled_corner(const PlacedModule& m, int c) const {
-  Vec3 sum = m.corner_mm[at(c)];
-  int n = 1;
-  for (const int s : {c, (c + 2) % 3}) {
-    if (m.neighbour[at(s)] < 0) continue;
-    const int t = across(m.tile, s).side;
-    sum += modules_[at(m.neighbour[at(s)])].corner_mm[at(s == c ? (t + 1) % 3 : t)];
-    ++n;
-  }
-  return surface_.closest(sum / n).position_mm;
-}
-
-void Grower::relax(const std::vector<int>& members, int steps) {
-  std::vector<std::array<Vec3, 3>> next(members.size());
-  for (int step = 0; step < steps; ++step) {
-    for (std::size_t k = 0; k < members.size(); ++k) {
-      const PlacedModule& m = modules_[at(members[k])];
-      for (int c = 0; c < 3; ++c) next[k][at(c)] = 0.75 * pulled_corner(m, c) + 0.25 * m.corner_mm[at(c)];
-    }
-    for (std::size_t k = 0; k < members.size(); ++k) modules_[at(members[k])].corner_mm = fit_rigid(next[k]);
-  }
-}
-
-// Parts the joints that break a limit: those of `added` alone, or (−1) only reports whether any member has one.
-bool Grower::open_bad_joints(const std::vector<int>& members, int added) {
-  bool any = false;
-  for (const int a : members) {
-    if (added >= 0 && a != added) continue;
-    for (int s = 0; s < 3; ++s) {
-      const int b = modules_[at(a)].neighbour[at(s)];
-      if (b < 0) continue;
-      const auto &p = modules_[at(a)].corner_mm, &q = modules_[at(b)].corner_mm;
-      const int t = across(modules_[at(a)].tile, s).side;
-      const double gap = std::max((p[at(s)] - q[at((t + 1) % 3)]).norm(), (p[at((s + 1) % 3)] - q[at(t)]).norm());
-      const double length = ((p[at((s + 1) % 3)] + q[at(t)]) / 2 - (p[at(s)] + q[at((t + 1) % 3)]) / 2).norm();
-      const double cosine = normal(p).dot(normal(q));
-      if (gap <= kMargin * limits_.hinge_gap_mm && cosine >= std::cos(kMargin * limits_.fold_rad) &&
-          std::abs(length - kSide_mm) <= kMargin * limits_.edge_error_mm) continue;
-      any = true;
-      if (added >= 0) part(a, s);
+// Sides with small keys first: near the start, with noise so that each growth is another one.
+void Grower::grow_from(LatticeNet& net, std::vector<Side> front, const Ball& ball, Random& random) {
+  struct Entry {
+    double key;
+    Side side;
+  };
+  const auto later = [](const Entry& a, const Entry& b) { return a.key > b.key; };
+  std::vector<Entry> heap;
+  const double noise = 60.0 * random.unit();
+  const auto push = [&](Side s, double start) {
+    heap.push_back({start + noise * random.unit(), s});
+    std::ranges::push_heap(heap, later);
+  };
+  for (const Side s : front) push(s, 0.0);
+  while (!heap.empty() && !late()) {
+    std::ranges::pop_heap(heap, later);
+    const Entry entry = heap.back();
+    heap.pop_back();
+    const Side s = entry.side;
+    if (!net.used(s.triangle) || net.neighbour(s.triangle, s.side) >= 0) continue;
+    if (!ball.holds(net.triangles[at(s.triangle)].center) || !try_side(net, s)) continue;
+    const int added = net.neighbour(s.triangle, s.side);
+    for (int k = 0; k < 3; ++k) {
+      if (net.neighbour(added, k) < 0) push({added, k}, entry.key + 10.0);
     }
   }
-  return any;
 }
 
-bool Grower::holds_alone(const PlacedModule& m) const {
-  const Vec3 c = centroid(m.corner_mm);
-  const SurfacePoint hit = surface_.closest(c);
-  if (hit.distance_mm > kMargin * limits_.center_gap_mm || surface_.normal_at(hit).dot(normal(m.corner_mm)) < 0.6) return false;
-  // Far from the border no walk is needed: every point of a module is within its circumradius.
-  if (surface_.border_distance(hit.position_mm) > 25.0) return true;
-  return walk_sides(surface_, m.corner_mm, kCoarseSamples).overrun_mm <= 0.8 * limits_.overrun_mm;
-}
-
-bool Grower::holds(const std::vector<int>& members) const {
-  for (const int k : members) {
-    const PlacedModule& m = modules_[at(k)];
-    if (!holds_alone(m)) return false;
-    const Vec3 c = centroid(m.corner_mm);
-    for (std::size_t o = 0; o < modules_.size(); ++o) {
-      if (static_cast<int>(o) == k || (centroid(modules_[o].corner_mm) - c).squaredNorm() > 45.0 * 45.0) continue;
-      if (penetration_depth(m.corner_mm, modules_[o].corner_mm) > kMargin * limits_.penetration_mm) return false;
-    }
+void Grower::fill(LatticeNet& net, const Ball& ball, Random& random, int attempts) {
+  const auto grow_newest = [&](int before) {
+    if (net.size() == before) return;
+    std::vector<Side> sides = open_sides(net, ball);
+    grow_from(net, std::move(sides), ball, random);
+  };
+  for (const Side s : open_sides(net, ball)) {
+    if (late()) return;
+    if (!net.used(s.triangle) || net.neighbour(s.triangle, s.side) >= 0 || random.unit() < 0.3) continue;
+    const int before = net.size();
+    seed_at_side(net, s);
+    grow_newest(before);
   }
-  return true;
+  std::vector<int> near;
+  for (int k = 0; k < static_cast<int>(samples_.size()); ++k) {
+    if (ball.holds(samples_[at(k)].point) && !covered(net, samples_[at(k)].point)) near.push_back(k);
+  }
+  for (int k = 0; k < attempts && !near.empty() && !late(); ++k) {
+    const Sample& sample = samples_[at(near[at(random.below(static_cast<int>(near.size())))])];
+    if (covered(net, sample.point)) continue;
+    const int before = net.size();
+    if (k % 2 == 0 || !seed_at_border(net, sample)) seed_at_sample(net, sample, random);
+    grow_newest(before);
+  }
 }
 
-}  // namespace triskin::geometry
+bool Grower::covered(const LatticeNet& net, const Vec3& p) const {
+  return std::ranges::any_of(net.triangles, [&](const NetTriangle& t) {
+    if (t.island < 0 || (t.center - p).squaredNorm() > 400.0) return false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (t.normal.cross(t.rigid[(k + 1) % 3] - t.rigid[k]).dot(p - t.rigid[k]) < 0) return false;
+    }
+    return true;
+  });
+}
+
+}  // namespace triskin::geometry::surface_lattice

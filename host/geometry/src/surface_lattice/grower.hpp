@@ -1,60 +1,77 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <chrono>
-#include <map>
+#include <cstdint>
 #include <random>
 #include <vector>
 
-#include "triskin/geometry/module_layout.hpp"
-#include "triskin/geometry/surface.hpp"
+#include "net.hpp"
+#include "relax.hpp"
+#include "rules.hpp"
 
-namespace triskin::geometry {
+namespace triskin::geometry::surface_lattice {
 
-/// Grows one layout. Not thread-safe; the surface is shared.
+/// Numbers that do not depend on the standard library.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  [[nodiscard]] double unit() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
+  [[nodiscard]] int below(int n) { return static_cast<int>(unit() * n); }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// Points spread evenly over a surface, where islands may start.
+struct Sample {
+  Vec3 point, normal;
+};
+[[nodiscard]] std::vector<Sample> spread_samples(const Surface& surface, double area_each_mm2, std::uint64_t seed);
+
+/// Adds modules to a net one by one; each is kept only when it and all that moved for it keep the rules.
 class Grower {
  public:
-  using Deadline = std::chrono::steady_clock::time_point;
-  Grower(const Surface& surface, const std::vector<double>& area_sums, const LayoutLimits& limits, std::uint64_t seed);
+  using Clock = std::chrono::steady_clock;
+  Grower(const Surface& surface, const Rules& rules, const std::vector<Sample>& samples, double corner_lift_mm, Clock::time_point end)
+      : surface_(surface), rules_(rules), samples_(samples), relaxer_(surface, corner_lift_mm), end_(end) {}
 
-  /// Islands until nothing more fits; stops early at the deadline.
-  void grow(Deadline deadline);
-  /// Takes the modules within `radius_mm` of a random one away and grows there anew; undone when the score falls by more than
-  /// `allowed_loss`. Score: modules − island_cost · islands.
-  void ruin_and_recreate(double radius_mm, double allowed_loss, double island_cost, Deadline deadline);
-  [[nodiscard]] double score(double island_cost) const { return static_cast<double>(modules_.size()) - island_cost * islands_; }
-  [[nodiscard]] const std::vector<PlacedModule>& modules() const { return modules_; }
-  [[nodiscard]] int islands() const { return islands_; }
+  /// Where to work: modules whose centre lies in the ball.
+  struct Ball {
+    Vec3 center = Vec3::Zero();
+    double radius_mm = 1e9;
+    [[nodiscard]] bool holds(const Vec3& p) const { return (p - center).squaredNorm() < radius_mm * radius_mm; }
+  };
+  /// Grows the islands that reach into the ball over their open sides, until nothing more fits.
+  void grow(LatticeNet& net, const Ball& ball, Random& random);
+  /// Starts islands on what is uncovered in the ball and grows each.
+  void fill(LatticeNet& net, const Ball& ball, Random& random, int attempts);
+
+  [[nodiscard]] bool covered(const LatticeNet& net, const Vec3& p) const;
+  [[nodiscard]] bool late() const { return Clock::now() > end_; }
+  /// How many times each limit refused a module since the last reset.
+  std::array<int, kRefusals> refused{};
 
  private:
   struct Side {
-    int module, side;
+    int triangle, side;
   };
-  double uniform() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
-  bool seed_island(const Vec3& middle);
-  [[nodiscard]] Vec3 random_point();
-  void keep(const std::vector<bool>& kept);
-  void grow_island(Deadline deadline);
-  bool add_across(const Side& at);
-  [[nodiscard]] std::array<Vec3, 3> roll(const PlacedModule& from, int side) const;
-  [[nodiscard]] int find(int island, const Tile& tile) const;
-  void join(int a, int side);
-  void part(int a, int side);
-  [[nodiscard]] std::vector<int> neighbourhood(int center) const;
-  void relax(const std::vector<int>& members, int steps);
-  [[nodiscard]] Vec3 pulled_corner(const PlacedModule& m, int corner) const;
-  bool open_bad_joints(const std::vector<int>& members, int added);
-  [[nodiscard]] bool holds(const std::vector<int>& members) const;
-  [[nodiscard]] bool holds_alone(const PlacedModule& m) const;
-  [[nodiscard]] int closings(const Side& at) const;
+  [[nodiscard]] bool roll(const Vec3& a, const Vec3& b, const Vec3& away, SurfacePoint& apex) const;
+  bool try_side(LatticeNet& net, Side side);
+  bool try_corner(LatticeNet& net, Side side, int apex);
+  bool try_seed(LatticeNet& net, const Triangle& corners);
+  bool seed_at_side(LatticeNet& net, Side side);
+  bool seed_at_sample(LatticeNet& net, const Sample& sample, Random& random);
+  bool seed_at_border(LatticeNet& net, const Sample& sample);
+  [[nodiscard]] bool crowded(const LatticeNet& net, const Triangle& corners, int beside) const;
+  bool keep_or_revert(LatticeNet& net, int triangle);
+  [[nodiscard]] std::vector<Side> open_sides(const LatticeNet& net, const Ball& ball) const;
+  void grow_from(LatticeNet& net, std::vector<Side> front, const Ball& ball, Random& random);
 
   const Surface& surface_;
-  const std::vector<double>& area_sums_;
-  LayoutLimits limits_;
-  std::mt19937_64 random_;
-  std::vector<PlacedModule> modules_;
-  std::map<std::pair<int, Tile>, int> place_;
-  std::vector<Side> open_;
-  int islands_ = 0;
+  const Rules& rules_;
+  const std::vector<Sample>& samples_;
+  Relaxer relaxer_;
+  Clock::time_point end_;
 };
 
-}  // namespace triskin::geometry
+}  // namespace triskin::geometry::surface_lattice

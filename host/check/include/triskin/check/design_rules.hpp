@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace triskin::check {
@@ -16,6 +17,7 @@ struct Violation {
 struct DesignReport {
   std::vector<std::string> rules;  ///< every rule that was checked
   std::vector<Violation> violations;
+  std::vector<std::pair<std::string, double>> limits;  ///< of the file, name and value: what was measured against
 };
 
 /// Checks every rule of a design file against the mesh that the file holds. Shares no code with the solvers: own reader,

@@ -14,8 +14,9 @@ namespace triskin::device {
 class Finger {
  public:
   virtual ~Finger() = default;
-  /// Presses a module at its centre, wide enough for all of its taxels; takes the finger off the module before it.
-  virtual void press(int module) = 0;
+  /// Presses a module at its centre, wide enough for all of its taxels, or one taxel (0..11) with the tip. Takes the finger off
+  /// from where it was.
+  virtual void press(int module, int taxel = -1) = 0;
   virtual void lift() = 0;
 };
 

@@ -22,7 +22,7 @@ class SimLink final : public Link, private Finger {
   [[nodiscard]] scene::VirtualSkin& skin() { return skin_; }
 
  private:
-  void press(int module) override;
+  void press(int module, int taxel) override;
   void lift() override;
 
   scene::VirtualSkin skin_;

@@ -21,7 +21,8 @@ struct HostPort {
 /// kind, then the contents. Both sides refuse records longer than kMaxBytes.
 namespace record {
 inline constexpr std::uint8_t kCanFrame = 1;  ///< id (4, bit 31: 29 bits, bit 30: FD, bit 29: rate switch), then the data
-inline constexpr std::uint8_t kPress = 2;     ///< module (4): the virtual finger presses it, and nothing else
+inline constexpr std::uint8_t kPress = 2;     ///< module (4), taxel (1) or kWholeModule: the virtual finger presses it, nothing else
+inline constexpr std::uint8_t kWholeModule = 0xFF;
 inline constexpr std::uint8_t kLift = 3;
 inline constexpr std::size_t kMaxBytes = 4096;
 
@@ -57,7 +58,7 @@ class TcpLink final : public Link, private Finger {
   [[nodiscard]] Finger* finger() override { return this; }
 
  private:
-  void press(int module) override;
+  void press(int module, int taxel) override;
   void lift() override;
   void write_all(const std::vector<std::uint8_t>& bytes);
   [[noreturn]] void fail(const std::string& what) const;

@@ -8,19 +8,22 @@
 
 namespace triskin::geometry {
 
+/// How much effort, and what a layout is worth: modules − island_cost · islands + hinge_reward · joints.
 struct SurfaceLatticeOptions {
-  double time_limit_s = 10.0;
-  int chains = 2;               ///< independent searches, one thread each; the best one wins
-  int layouts = 4;              ///< random layouts of a chain, of which it keeps the best
-  int ruins = 1'000'000;        ///< ruin and recreate steps of a chain; with `layouts` the budget that makes a result repeatable
+  double time_limit_s = 20.0;   ///< wall clock; the search stops within about 0.1 s of it
+  int iterations = 0;           ///< > 0: stops after so many ruin-and-recreate steps a chain, as well as at the time limit
   std::uint64_t seed = 1;
-  double island_cost = 0.02;    ///< modules that one more island must bring
+  int threads = 2;              ///< independent chains that exchange the best layout; part of what a result depends on
+  double island_cost = 0.1;     ///< modules an island is worth; 0.02 gives most modules, 0.3 few islands
+  double hinge_reward = 0.01;   ///< modules a joint is worth
+  double corner_lift_mm = 1.5;  ///< how far corners may stand off a convex surface, so that the gap under the centre stays in its limit
 };
 
-/// Grows rigid modules directly on the surface: each open side rolls a new module onto the surface about its hinge, the
-/// neighbourhood relaxes, and the module stays when every limit holds; a joint that does not close becomes a slit. What is left
-/// is filled with further islands. Then balls of modules are taken away and grown anew, with annealing (ruin and recreate).
-/// Same seed and same budget, not cut by the time limit: same result. Metrics are measured (map_modules.hpp). Cost: about 1.5 ms a tried module.
+/// Grows the isometric lattice directly on the surface (docs/surface_lattice.md): triangles are added edge by edge, their
+/// shared corners slide on the surface until every rigid module keeps the limits; what is left is filled with further
+/// islands; then parts are removed and regrown as long as time permits. Every module of the result keeps every limit,
+/// measured by `measure` (map_modules.hpp). Deterministic for seed, threads and iterations when the time suffices.
+/// Empty when no module fits. Throws InputError when an option is out of range.
 [[nodiscard]] ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits, const SurfaceLatticeOptions& options = {},
                                         const ProgressSink& progress = {});
 

@@ -41,8 +41,9 @@ class VirtualSkin {
   /// Runs until a frame for the host has left the bus (true), at the latest until `until_us`.
   bool run_until_frame(std::uint64_t until_us) { return run(until_us, true); }
 
-  /// Puts a finger that is meant for the module on it (fault finger_elsewhere moves it). Returns an id for release.
-  int press_module(int module);
+  /// Puts a finger that is meant for the module on it (fault finger_elsewhere moves it): wide enough for all of its taxels, or a
+  /// finger tip on one taxel (0..11; -1: the whole module). Returns an id for release.
+  int press_module(int module, int taxel = -1);
   void release(int id) { skin_.release(id, now_us_); }
 
   /// Flash of one controller, to cut its power; a controller that lost power is dead until it is powered again.

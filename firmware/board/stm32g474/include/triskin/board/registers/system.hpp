@@ -32,7 +32,7 @@ inline constexpr Register kCr{kBase + 0x00}, kCfgr{kBase + 0x08}, kPllCfgr{kBase
 inline constexpr std::uint32_t kHseOn = bit(16), kHseReady = bit(17), kPllOn = bit(24), kPllReady = bit(25);
 inline constexpr std::uint32_t kSwitchMask = 3, kSwitchHsi = 1, kSwitchHse = 2, kSwitchPll = 3, kStatusShift = 2, kAhbMask = 0xF0, kAhbHalf = 0x80;
 inline constexpr std::uint32_t kPllFromHse = 3, kPllFromHsi = 2, kPllREnable = bit(24);
-inline constexpr std::uint32_t kFlashClock = bit(8), kGpioA = bit(0), kGpioB = bit(1), kGpioC = bit(2);
+inline constexpr std::uint32_t kDma1 = bit(0), kDmaMux = bit(2), kFlashClock = bit(8), kGpioA = bit(0), kGpioB = bit(1), kGpioC = bit(2);
 inline constexpr std::uint32_t kTim2 = bit(0), kI2c1 = bit(21), kI2c2 = bit(22), kUsb = bit(23), kFdcan = bit(25), kPwr = bit(28), kI2c3 = bit(30);  // APB1ENR1
 inline constexpr std::uint32_t kI2c4 = bit(1);                                                        // APB1ENR2
 inline constexpr std::uint32_t kFdcanFromPclk1 = 2U << 24;                                             // CCIPR.FDCANSEL

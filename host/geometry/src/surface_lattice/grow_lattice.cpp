@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <thread>
+
+#include "grower.hpp"
+#include "triskin/geometry/map_modules.hpp"
+#include "triskin/geometry/surface_lattice.hpp"
+#include "triskin/host/error.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+using namespace surface_lattice;
+using Clock = Grower::Clock;
+
+constexpr int kStepsARound = 16;      // between exchanges of the best layout
+constexpr double kHot = 0.6, kCold = 0.05;  // modules a step may lose, at the start and at the end
+constexpr double kSampleArea_mm2 = 50.0;
+constexpr double kFinalMargin = 0.98;
+
+struct Search {
+  const Surface& surface;
+  const Rules& rules;
+  const SurfaceLatticeOptions& options;
+  const std::vector<Sample>& samples;
+  Clock::time_point start, end;
+
+  [[nodiscard]] double value(const LatticeNet& net) const {
+    return net.size() - options.island_cost * net.islands() + options.hinge_reward * net.joints();
+  }
+  [[nodiscard]] double fraction(int steps) const {
+    if (options.iterations > 0) return std::min(1.0, static_cast<double>(steps) / options.iterations);
+    return std::min(1.0, std::chrono::duration<double>(Clock::now() - start) / (end - start));
+  }
+};
+
+// One annealed sequence of ruin and recreate.
+class Chain {
+ public:
+  Chain(const Search& search, std::uint64_t seed)
+      : search_(search), random_(seed), grower_(search.surface, search.rules, search.samples, search.options.corner_lift_mm, search.end) {}
+
+  // The first complete layout.
+  void build() {
+    grower_.fill(now_, {}, random_, static_cast<int>(search_.samples.size()) / 2);
+    now_.separate();
+    value_ = search_.value(now_);
+    best_ = now_;
+    best_value_ = value_;
+  }
+
+  void run(int steps) {
+    for (int k = 0; k < steps && !grower_.late(); ++k, ++steps_) step();
+  }
+
+  void adopt(const LatticeNet& net) {
+    now_ = net;
+    value_ = search_.value(net);
+    if (value_ > best_value_) {
+      best_ = net;
+      best_value_ = value_;
+    }
+  }
+
+  [[nodiscard]] const LatticeNet& best() const { return best_; }
+  [[nodiscard]] double best_value() const { return best_value_; }
+  [[nodiscard]] int steps() const { return steps_; }
+
+ private:
+  void step() {
+    if (now_.size() == 0) return grower_.fill(now_, {}, random_, 10);
+    LatticeNet next = now_;
+    const Grower::Ball ball = ruin(next);
+    next.separate();
+    const Grower::Ball around{ball.center, ball.radius_mm + 40.0};
+    if (random_.unit() < 0.25) grower_.fill(next, around, random_, 3);
+    grower_.grow(next, around, random_);
+    grower_.fill(next, around, random_, 4);
+    if (grower_.late()) return;
+    next.separate();
+    const double value = search_.value(next);
+    const double heat = kHot * std::pow(kCold / kHot, search_.fraction(steps_));
+    if (value < value_ + heat * std::log(std::max(1e-12, random_.unit()))) return;
+    now_ = std::move(next);
+    value_ = value;
+    if (value_ > best_value_ + 1e-9) {
+      best_ = now_;
+      best_value_ = value_;
+    }
+  }
+
+  // Around an uncovered place when one is found quickly, else around any module.
+  [[nodiscard]] Vec3 place_to_ruin(const LatticeNet& net) {
+    for (int k = 0; k < 8 && !search_.samples.empty(); ++k) {
+      const Sample& s = search_.samples[at(random_.below(static_cast<int>(search_.samples.size())))];
+      if (!grower_.covered(net, s.point)) return s.point;
+    }
+    return net.triangles[at(some_triangle(net))].center;
+  }
+
+  [[nodiscard]] int some_triangle(const LatticeNet& net) {
+    for (;;) {
+      const int t = random_.below(static_cast<int>(net.triangles.size()));
+      if (net.used(t)) return t;
+    }
+  }
+
+  Grower::Ball ruin(LatticeNet& net) {
+    if (random_.unit() < 0.15) {
+      if (const auto ball = ruin_island(net)) return *ball;
+    }
+    const Grower::Ball ball{place_to_ruin(net), 20.0 + 45.0 * random_.unit() * random_.unit()};
+    for (int t = 0; t < static_cast<int>(net.triangles.size()); ++t) {
+      if (net.used(t) && ball.holds(net.triangles[at(t)].center)) net.remove_triangle(t);
+    }
+    return ball;
+  }
+
+  // A small island goes as a whole; what stood round it may then close the gap.
+  std::optional<Grower::Ball> ruin_island(LatticeNet& net) {
+    const int island = net.triangles[at(some_triangle(net))].island;
+    std::vector<int> members;
+    for (int t = 0; t < static_cast<int>(net.triangles.size()); ++t) {
+      if (net.triangles[at(t)].island == island) members.push_back(t);
+    }
+    if (members.size() > 8) return std::nullopt;
+    Grower::Ball ball{Vec3::Zero(), 25.0};
+    for (const int t : members) ball.center += net.triangles[at(t)].center / static_cast<double>(members.size());
+    for (const int t : members) {
+      ball.radius_mm = std::max(ball.radius_mm, (net.triangles[at(t)].center - ball.center).norm());
+      net.remove_triangle(t);
+    }
+    return ball;
+  }
+
+  const Search& search_;
+  Random random_;
+  Grower grower_;
+  LatticeNet now_, best_;
+  double value_ = -1e300, best_value_ = -1e300;
+  int steps_ = 0;
+};
+
+ModuleLayout layout_of(const LatticeNet& net) {
+  ModuleLayout layout;
+  layout.method = "surface";
+  layout.islands = net.islands();
+  std::vector<int> index(net.triangles.size(), -1);
+  for (std::size_t t = 0; t < net.triangles.size(); ++t) {
+    if (net.triangles[t].island < 0) continue;
+    index[t] = static_cast<int>(layout.modules.size());
+    PlacedModule m;
+    m.island = net.triangles[t].island;
+    m.tile = net.triangles[t].tile;
+    m.corner_mm = net.triangles[t].rigid;
+    layout.modules.push_back(m);
+  }
+  for (std::size_t t = 0; t < net.triangles.size(); ++t) {
+    for (int s = 0; index[t] >= 0 && s < 3; ++s) {
+      const int n = net.neighbour(static_cast<int>(t), s);
+      if (n >= 0) layout.modules[at(index[t])].neighbour[at(s)] = index[at(n)];
+    }
+  }
+  return layout;
+}
+
+double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
+  double worst = std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm, m.penetration_mm / l.penetration_mm,
+                           m.overrun_mm / l.overrun_mm});
+  for (std::size_t s = 0; s < 3; ++s) worst = std::max({worst, m.hinge_gap_mm[s] / l.hinge_gap_mm, m.fold_rad[s] / l.fold_rad});
+  return worst;
+}
+
+// The finer walk along the sides may find what the search overlooked: such modules go, the worst first.
+ModuleLayout certified(const Surface& surface, LatticeNet net, const LayoutLimits& limits) {
+  for (;;) {
+    net.separate();
+    ModuleLayout layout = layout_of(net);
+    measure(surface, layout);
+    std::vector<int> slots;
+    for (int t = 0; t < static_cast<int>(net.triangles.size()); ++t) {
+      if (net.used(t)) slots.push_back(t);
+    }
+    int worst = -1;
+    double ratio = kFinalMargin;
+    for (int k = 0; k < static_cast<int>(layout.modules.size()); ++k) {
+      const double r = worst_ratio(layout.modules[at(k)], limits);
+      if (r <= ratio) continue;
+      ratio = r;
+      worst = k;
+    }
+    if (worst < 0) return layout;
+    net.remove_triangle(slots[at(worst)]);
+  }
+}
+
+void in_parallel(std::vector<Chain>& chains, const auto& work) {
+  std::vector<std::jthread> threads;
+  for (std::size_t k = 1; k < chains.size(); ++k) threads.emplace_back([&, k] { work(chains[k]); });
+  work(chains[0]);
+}
+
+void check_options(const LayoutLimits& l, const SurfaceLatticeOptions& o) {
+  if (!(o.time_limit_s > 0.0)) throw InputError("lattice: the time limit must be positive");
+  if (o.threads < 1 || o.threads > 256) throw InputError("lattice: the number of threads must be 1 … 256");
+  if (o.iterations < 0) throw InputError("lattice: the number of iterations must not be negative");
+  if (!(o.corner_lift_mm >= 0.0)) throw InputError("lattice: the corner lift must not be negative");
+  for (const double v : {l.edge_error_mm, l.hinge_gap_mm, l.center_gap_mm, l.fold_rad, l.penetration_mm, l.overrun_mm}) {
+    if (!(v > 0.0)) throw InputError("lattice: every limit must be positive");
+  }
+}
+
+const Chain& best_of(const std::vector<Chain>& chains) {
+  return *std::ranges::max_element(chains, [](const Chain& a, const Chain& b) { return a.best_value() < b.best_value(); });
+}
+
+// Which limits refuse the modules that would still find room, for the report; what fits after all is kept.
+void count_refusals(const Search& search, LatticeNet& net, ModuleLayout& layout) {
+  Random random(search.options.seed);
+  Grower grower(search.surface, search.rules, search.samples, search.options.corner_lift_mm,
+                Clock::now() + (search.end - search.start) / 20);
+  grower.grow(net, {}, random);
+  for (std::size_t k = 1; k < kRefusals; ++k) {
+    if (grower.refused[k] > 0) layout.refused.emplace_back(name_of(static_cast<Refusal>(k)), grower.refused[k]);
+  }
+}
+
+}  // namespace
+
+ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits, const SurfaceLatticeOptions& options, const ProgressSink& progress) {
+  check_options(limits, options);
+  const auto start = Clock::now();
+  const auto end = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
+  const Rules rules(surface, limits);
+  const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
+  const Search search{surface, rules, options, samples, start, end};
+  std::vector<Chain> chains;
+  chains.reserve(at(options.threads));
+  for (int k = 0; k < options.threads; ++k) chains.emplace_back(search, options.seed * 1000003 + static_cast<std::uint64_t>(k));
+  in_parallel(chains, [](Chain& c) { c.build(); });
+  for (int round = 1; Clock::now() < end && (options.iterations == 0 || chains[0].steps() < options.iterations); ++round) {
+    const int steps = options.iterations == 0 ? kStepsARound : std::min(kStepsARound, options.iterations - chains[0].steps());
+    in_parallel(chains, [steps](Chain& c) { c.run(steps); });
+    const Chain& best = best_of(chains);
+    report(progress, "lattice", search.fraction(chains[0].steps()), fmt::format("{} modules in {} islands", best.best().size(), best.best().islands()));
+    if (round % 8 != 0) continue;
+    for (Chain& c : chains) {
+      if (&c != &best && c.best_value() < best.best_value() - 0.5) c.adopt(best.best());
+    }
+  }
+  LatticeNet net = best_of(chains).best();
+  ModuleLayout refusals;
+  count_refusals(search, net, refusals);
+  ModuleLayout layout = certified(surface, std::move(net), limits);
+  layout.refused = std::move(refusals.refused);
+  return layout;
+}
+
+}  // namespace triskin::geometry

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every reader of a file, fed with damaged files: a value or an Error that names the file, nothing else, and soon.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <random>
+
+#include "triskin/check/design_rules.hpp"
+#include "triskin/geometry/mesh_io.hpp"
+#include "triskin/geometry/polygon_io.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/host/files.hpp"
+#include "triskin/model/design.hpp"
+#include "triskin/model/module_list.hpp"
+#include "triskin/scene/scene.hpp"
+
+namespace triskin {
+namespace {
+
+namespace fs = std::filesystem;
+using Random = std::mt19937_64;
+
+std::string damage(std::string text, Random& random) {
+  static const std::vector<std::string> kTokens{"1e999", "-1", "nan", "99999999999999999999", "null", "{", "[", "]", "\"", "\xff", "0", "inf", "-0.0", "1e-320", "true", std::string(1, '\0'), "[[[[[[[[[["};
+  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % std::max<std::size_t>(n, 1)); };
+  for (std::size_t k = 1 + below(4); k > 0; --k) {
+    const std::size_t at = below(text.size());
+    switch (random() % 6) {
+      case 0: if (!text.empty()) text[at] = static_cast<char>(random()); break;
+      case 1: text.resize(at); break;
+      case 2: text.insert(at, kTokens[below(kTokens.size())]); break;
+      case 3: text.erase(at, below(20)); break;
+      case 4: text.insert(at, text.substr(below(text.size()), below(60))); break;
+      default: {
+        const std::size_t digit = text.find_first_of("0123456789", at);
+        if (digit != std::string::npos) text.replace(digit, text.find_first_not_of("0123456789.", digit) - digit, kTokens[below(kTokens.size())]);
+      }
+    }
+  }
+  return text;
+}
+
+void fuzz(const std::string& good, const std::string& extension, int runs, const std::function<void(const fs::path&)>& read) {
+  const fs::path path = fs::temp_directory_path() / ("readers_test." + std::to_string(::getpid()) + extension);
+  const auto write = [&](const std::string& text) {
+    fs::remove(path);  // a file that is cut and written again is flushed to the disk
+    std::ofstream(path, std::ios::binary) << text;
+  };
+  write(good);
+  ASSERT_NO_THROW(read(path)) << "the undamaged file";
+  Random random(20261121);
+  int refused = 0;
+  for (int run = 0; run < runs; ++run) {
+    std::string text;
+    if (run % 10 == 0) {
+      for (std::size_t n = random() % 400; n > 0; --n) text.push_back(static_cast<char>(random()));
+    } else {
+      text = damage(good, random);
+    }
+    write(text);
+    const auto start = std::chrono::steady_clock::now();
+    try {
+      read(path);
+    } catch (const Error& e) {
+      ++refused;
+      EXPECT_NE(std::string(e.what()).find(path.filename().string()), std::string::npos) << e.what();
+    } catch (const std::exception& e) {
+      ADD_FAILURE() << extension << " run " << run << ": " << e.what() << "\n" << text.substr(0, 2000);
+    }
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20)) << text.substr(0, 2000);
+  }
+  EXPECT_GT(refused, runs / 10);
+  fs::remove(path);
+}
+
+std::string small_design() {
+  model::Design d;
+  d.name = "two";
+  d.source_file = "two.obj";
+  d.surface.vertices = {{-1, -1, 0}, {50, -1, 0}, {50, 30, 0}, {-1, 30, 0}};
+  d.surface.faces = {{0, 1, 2}, {0, 2, 3}};
+  geometry::PlacedModule up, down;
+  up.tile = {0, 0, true};
+  up.corner_mm = {geometry::Vec3{0, 0, 0}, geometry::Vec3{30, 0, 0}, geometry::Vec3{15, geometry::kHeight_mm, 0}};
+  up.neighbour = {-1, 1, -1};
+  down.tile = {0, 0, false};
+  down.corner_mm = {geometry::Vec3{30, 0, 0}, geometry::Vec3{45, geometry::kHeight_mm, 0}, geometry::Vec3{15, geometry::kHeight_mm, 0}};
+  down.neighbour = {-1, -1, 0};
+  d.layout = {{up, down}, 1, "surface", {{"center_gap_mm", 3}}};
+  geometry::Patch patch;
+  patch.entry = 0;
+  patch.modules = {{0, -1, 0, 0, 0, 0}, {1, 0, 2, 0, 1, 1}};
+  patch.max_depth = 1;
+  patch.line_hops = 1;
+  d.patches = {patch};
+  d.design_id = model::design_id_of(d);
+  const fs::path path = fs::temp_directory_path() / ("readers_test." + std::to_string(::getpid()) + ".good.json");
+  model::write_design(path, d);
+  std::string text = read_file(path);
+  fs::remove(path);
+  return text;
+}
+
+TEST(Readers, design) { fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)model::read_design(p); }); }
+TEST(Readers, checker) { fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)check::check_design(p); }); }
+TEST(Readers, scene) { fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)scene::read_scene(p); }); }
+
+TEST(Readers, module_list) {
+  fuzz(R"({"modules":[{"id":0,"i":3,"j":5,"up":true,"island":0,"border":true},{"id":7,"i":3,"j":5,"up":false}]})", ".json", 1000,
+       [](const fs::path& p) { (void)model::read_module_list(p); });
+}
+
+TEST(Readers, polygons) {
+  const auto read = [](const fs::path& p) { (void)geometry::read_polygon(p); };
+  fuzz(R"({"type":"Polygon","coordinates":[[[0,0],[100,0],[100,80.5],[0,80],[0,0]],[[10,10],[10,20],[20,20],[10,10]]]})", ".geojson", 1000, read);
+  fuzz("POLYGON ((0 0, 100 0, 100 80.5, 0 80, 0 0), (10 10, 10 20, 20 20, 10 10))", ".wkt", 1000, read);
+}
+
+TEST(Readers, meshes) {
+  const auto read = [](const fs::path& p) { (void)geometry::read_mesh(p); };
+  fuzz("v 0 0 0\nv 100 0 0\nv 100 100 5\nv 0 100 0\nf 1 2 3\nf 1 3 4\n", ".obj", 150, read);
+  fuzz("OFF\n4 2 0\n0 0 0\n100 0 0\n100 100 5\n0 100 0\n3 0 1 2\n3 0 2 3\n", ".off", 1500, read);
+  fuzz("solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 100 0 0\nvertex 100 100 5\nendloop\nendfacet\n"
+       "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 100 100 5\nvertex 0 100 0\nendloop\nendfacet\nendsolid s\n", ".stl", 150, read);
+  fuzz("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
+       "property list uchar int vertex_indices\nend_header\n0 0 0\n100 0 0\n100 100 5\n0 100 0\n3 0 1 2\n3 0 2 3\n", ".ply", 20, read);
+}
+
+}  // namespace
+}  // namespace triskin

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/geometry/surface_lattice.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <set>
+
+#include "triskin/geometry/mesh_io.hpp"
+#include "triskin/host/error.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+// A grid of nu × nv cells over the unit square, brought to space.
+Mesh grid_mesh(int nu, int nv, const std::function<Vec3(double, double)>& place) {
+  Mesh m;
+  for (int v = 0; v <= nv; ++v) {
+    for (int u = 0; u <= nu; ++u) m.vertices.push_back(place(static_cast<double>(u) / nu, static_cast<double>(v) / nv));
+  }
+  const auto id = [nu](int u, int v) { return v * (nu + 1) + u; };
+  for (int v = 0; v < nv; ++v) {
+    for (int u = 0; u < nu; ++u) {
+      m.faces.push_back({id(u, v), id(u + 1, v), id(u + 1, v + 1)});
+      m.faces.push_back({id(u, v), id(u + 1, v + 1), id(u, v + 1)});
+    }
+  }
+  return m;
+}
+
+Mesh plane(double width, double height) {
+  return grid_mesh(8, 8, [=](double u, double v) { return Vec3(width * u, height * v, 0.0); });
+}
+
+Mesh half_cylinder(double radius, double length) {
+  return grid_mesh(48, 6, [=](double u, double v) { return Vec3(radius * std::cos(M_PI * u), length * v, radius * std::sin(M_PI * u)); });
+}
+
+Mesh sphere_cap(double radius, double opening) {
+  // Polar rings without a pole vertex would leave a hole: a square patch by gnomonic projection has none.
+  const double t = std::tan(opening / 2.0);
+  return grid_mesh(24, 24, [=](double u, double v) { return Vec3(radius * Vec3(t * (2 * u - 1), t * (2 * v - 1), 1.0).normalized()); });
+}
+
+Mesh turned_outward(Mesh m, const Vec3& inside) {
+  const auto& f = m.faces.front();
+  const Vec3 a = m.vertices[at(f[0])], n = (m.vertices[at(f[1])] - a).cross(m.vertices[at(f[2])] - a);
+  if (n.dot(a - inside) < 0) {
+    for (auto& g : m.faces) std::swap(g[1], g[2]);
+  }
+  return m;
+}
+
+SurfaceLatticeOptions effort(int iterations) {
+  SurfaceLatticeOptions o;
+  o.iterations = iterations;
+  o.time_limit_s = 300.0;
+  return o;
+}
+
+Vec3 normal_of(const PlacedModule& m) { return (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized(); }
+Vec3 center_of(const PlacedModule& m) { return (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0; }
+
+// Clip one triangle by the other in the mean plane: area of overlap, by code that shares nothing with the search.
+double overlap_area(const PlacedModule& a, const PlacedModule& b) {
+  if ((center_of(a) - center_of(b)).norm() > 36.0 || normal_of(a).dot(normal_of(b)) < 0) return 0.0;
+  const Vec3 n = (normal_of(a) + normal_of(b)).normalized(), x = n.unitOrthogonal(), y = n.cross(x);
+  const auto flat = [&](const Vec3& p) { return Vec2(p.dot(x), p.dot(y)); };
+  std::vector<Vec2> poly{flat(a.corner_mm[0]), flat(a.corner_mm[1]), flat(a.corner_mm[2])};
+  for (int s = 0; s < 3; ++s) {
+    const Vec2 p = flat(b.corner_mm[at(s)]), d = flat(b.corner_mm[at((s + 1) % 3)]) - p;
+    const auto side = [&](const Vec2& q) { return d.x() * (q - p).y() - d.y() * (q - p).x(); };
+    std::vector<Vec2> cut;
+    for (std::size_t k = 0; k < poly.size(); ++k) {
+      const Vec2 u = poly[k], v = poly[(k + 1) % poly.size()];
+      if (side(u) >= 0) cut.push_back(u);
+      if ((side(u) < 0) != (side(v) < 0)) cut.push_back(u + (v - u) * (side(u) / (side(u) - side(v))));
+    }
+    poly = cut;
+  }
+  double area = 0.0;
+  for (std::size_t k = 0; k < poly.size(); ++k) {
+    const Vec2 &u = poly[k], &v = poly[(k + 1) % poly.size()];
+    area += 0.5 * (u.x() * v.y() - u.y() * v.x());
+  }
+  return area;
+}
+
+void expect_joints(const ModuleLayout& layout, const LayoutLimits& limits) {
+  std::set<std::pair<int, Tile>> tiles;
+  for (std::size_t k = 0; k < layout.modules.size(); ++k) {
+    const PlacedModule& m = layout.modules[k];
+    EXPECT_TRUE(tiles.emplace(m.island, m.tile).second) << "module " << k << " shares its tile";
+    for (int s = 0; s < 3; ++s) {
+      EXPECT_NEAR((m.corner_mm[at((s + 1) % 3)] - m.corner_mm[at(s)]).norm(), 30.0, 1e-9);
+      if (m.neighbour[at(s)] < 0) continue;
+      const PlacedModule& o = layout.modules[at(m.neighbour[at(s)])];
+      const TileSide there = across(m.tile, s);
+      ASSERT_EQ(o.tile, there.tile);
+      EXPECT_EQ(o.island, m.island);
+      EXPECT_EQ(o.neighbour[at(there.side)], static_cast<int>(k));
+      const double gap = std::max((m.corner_mm[at(s)] - o.corner_mm[at((there.side + 1) % 3)]).norm(),
+                                  (m.corner_mm[at((s + 1) % 3)] - o.corner_mm[at(there.side)]).norm());
+      EXPECT_LE(gap, limits.hinge_gap_mm);
+      EXPECT_LE(std::acos(std::min(1.0, normal_of(m).dot(normal_of(o)))), limits.fold_rad);
+    }
+  }
+}
+
+void expect_valid(const Surface& surface, const ModuleLayout& layout, const LayoutLimits& limits = {}) {
+  EXPECT_EQ(layout.method, "surface");
+  expect_joints(layout, limits);
+  for (std::size_t k = 0; k < layout.modules.size(); ++k) {
+    const PlacedModule& m = layout.modules[k];
+    EXPECT_LE(surface.closest(center_of(m)).distance_mm, limits.center_gap_mm);
+    EXPECT_GT(surface.normal_at(surface.closest(center_of(m))).dot(normal_of(m)), 0.5);
+    EXPECT_LE(m.edge_error_mm, limits.edge_error_mm);
+    // Two modules that overlap by no more than the depth d share less than a strip of d along a side.
+    for (std::size_t o = k + 1; o < layout.modules.size(); ++o) EXPECT_LE(overlap_area(m, layout.modules[o]), 30.0 * limits.penetration_mm);
+  }
+}
+
+TEST(SurfaceLattice, PlaneTakesNoModuleOverItsBorder) {
+  const Surface surface(plane(155.0, 108.0));
+  const ModuleLayout layout = grow_lattice(surface, {}, effort(30));
+  expect_valid(surface, layout);
+  // Four rows of height 26 mm with 9 triangles each fit 150 × 104 mm: 36 of the 42 that the area would allow.
+  EXPECT_GE(layout.modules.size(), 33U);
+  for (const PlacedModule& m : layout.modules) {
+    for (const Vec3& c : m.corner_mm) {
+      EXPECT_GE(std::min({c.x(), c.y(), 155.0 - c.x(), 108.0 - c.y()}), -0.5);
+      EXPECT_NEAR(c.z(), 0.0, 1e-6);
+    }
+  }
+}
+
+TEST(SurfaceLattice, NothingFitsWhereThereIsNoRoom) {
+  EXPECT_TRUE(grow_lattice(Surface(plane(20.0, 20.0)), {}, effort(5)).modules.empty());
+}
+
+TEST(SurfaceLattice, HoleInAModuleIsKeptFree) {
+  // One cell of 6 mm is missing in the middle of a plane: no module may cover its centre.
+  Mesh mesh = grid_mesh(15, 15, [](double u, double v) { return Vec3(90.0 * u, 90.0 * v, 0.0); });
+  const std::size_t cell = 2 * (7 * 15 + 7);
+  mesh.faces.erase(mesh.faces.begin() + static_cast<std::ptrdiff_t>(cell), mesh.faces.begin() + static_cast<std::ptrdiff_t>(cell) + 2);
+  const Surface surface(mesh);
+  const ModuleLayout layout = grow_lattice(surface, {}, effort(10));
+  expect_valid(surface, layout);
+  EXPECT_FALSE(layout.modules.empty());
+  const Vec3 hole(45.0, 45.0, 0.0);
+  for (const PlacedModule& m : layout.modules) {
+    bool inside = true;
+    for (std::size_t s = 0; s < 3; ++s) inside = inside && normal_of(m).cross(m.corner_mm[(s + 1) % 3] - m.corner_mm[s]).dot(hole - m.corner_mm[s]) > 0;
+    EXPECT_FALSE(inside);
+  }
+}
+
+TEST(SurfaceLattice, CylinderIsCoveredAsThePlane) {
+  const Surface surface(turned_outward(half_cylinder(60.0, 108.0), Vec3(0, 54, 0)));
+  const ModuleLayout layout = grow_lattice(surface, {}, effort(30));
+  expect_valid(surface, layout);
+  EXPECT_GE(static_cast<double>(layout.modules.size()) * kModuleArea_mm2, 0.68 * surface.area_mm2());
+  for (const PlacedModule& m : layout.modules) {
+    // a²κ/12 under the centre, plus what the facets of the mesh add.
+    EXPECT_LE(m.center_gap_mm, 30.0 * 30.0 / (12.0 * 60.0) + 0.3);
+  }
+}
+
+class Sphere : public testing::TestWithParam<double> {};
+TEST_P(Sphere, EveryLimitHolds) {
+  const Surface surface(turned_outward(sphere_cap(GetParam(), 1.4), Vec3::Zero()));
+  const ModuleLayout layout = grow_lattice(surface, {}, effort(12));
+  expect_valid(surface, layout);
+  EXPECT_GE(static_cast<double>(layout.modules.size()) * kModuleArea_mm2, 0.5 * surface.area_mm2());
+}
+INSTANTIATE_TEST_SUITE_P(Radii, Sphere, testing::Values(60.0, 100.0, 150.0));
+
+TEST(SurfaceLattice, SameSeedAndBudgetGiveTheSameLayout) {
+  const Surface surface(turned_outward(half_cylinder(50.0, 90.0), Vec3(0, 45, 0)));
+  const ModuleLayout a = grow_lattice(surface, {}, effort(12)), b = grow_lattice(surface, {}, effort(12));
+  ASSERT_EQ(a.modules.size(), b.modules.size());
+  for (std::size_t k = 0; k < a.modules.size(); ++k) {
+    EXPECT_EQ(a.modules[k].tile, b.modules[k].tile);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(a.modules[k].corner_mm[c], b.modules[k].corner_mm[c]);
+  }
+}
+
+TEST(SurfaceLattice, BadOptionsAreNamed) {
+  const Surface surface(plane(60.0, 60.0));
+  SurfaceLatticeOptions o;
+  o.threads = 0;
+  EXPECT_THROW((void)grow_lattice(surface, {}, o), InputError);
+  LayoutLimits limits;
+  limits.penetration_mm = 0.0;
+  EXPECT_THROW((void)grow_lattice(surface, limits, effort(1)), InputError);
+}
+
+TEST(SurfaceLattice, RealCoversKeepEveryLimit) {
+  const std::filesystem::path parts = std::filesystem::path(TRISKIN_DATA) / "parts";
+  if (!std::filesystem::exists(parts)) GTEST_SKIP() << "no folder " << parts;
+  const std::map<std::string, std::size_t> least{{"LH_hipwing_v1", 10}, {"LUA_upperarm_half_v1", 21}, {"RUF_forearm_v2", 46}};
+  for (const auto& [name, count] : least) {
+    const Surface surface(read_mesh(parts / (name + ".obj")).mesh);
+    const ModuleLayout layout = grow_lattice(surface, {}, effort(12));
+    expect_valid(surface, layout);
+    EXPECT_GE(layout.modules.size(), count) << name;
+  }
+}
+
+}  // namespace
+}  // namespace triskin::geometry
