@@ -66,7 +66,9 @@ CanSocket::CanSocket(const std::string& interface) : interface_(interface) {
   try {
     ifreq request{};
     std::copy(interface.begin(), interface.end(), request.ifr_name);
-    if (::ioctl(socket_, SIOCGIFINDEX, &request) != 0) fail("no such interface; \"ip -br link show type can\" lists them", errno);
+    if (::ioctl(socket_, SIOCGIFINDEX, &request) != 0) {
+      throw DeviceError(fmt::format("can:{}: no such interface; \"ip -br link show\" lists them", interface));
+    }
     const int index = request.ifr_ifindex;
     if (::ioctl(socket_, SIOCGIFFLAGS, &request) != 0) fail("cannot ask the interface", errno);
     if ((request.ifr_flags & IFF_UP) == 0) fail("", ENETDOWN);
