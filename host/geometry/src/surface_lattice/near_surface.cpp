@@ -28,7 +28,7 @@ NearSurface::NearSurface(const Surface& surface) : surface_(surface), border_ver
   }
   origin_ = low - Vec3::Constant(kMargin_mm);
   const Vec3 extent = high - low + Vec3::Constant(2.0 * kMargin_mm);
-  const double face_mm = std::sqrt(surface.area_mm2() / std::max<std::size_t>(1, mesh.faces.size()));
+  const double face_mm = std::sqrt(surface.area_mm2() / std::max(1.0, static_cast<double>(mesh.faces.size())));
   size_mm_ = std::max(std::clamp(0.7 * face_mm, kSmallestCell_mm, kLargestCell_mm), std::cbrt(extent.prod() / kMaxCells));
   for (int k = 0; k < 3; ++k) cells_[at(k)] = static_cast<int>(extent[k] / size_mm_) + 1;
   index_.assign(at(cells_[0]) * at(cells_[1]) * at(cells_[2]), -1);
