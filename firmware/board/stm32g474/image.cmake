@@ -21,7 +21,6 @@ function(triskin_image name)
 endfunction()
 
 triskin_image(triskin_loader SCRIPT loader.ld FLASH_CEILING 16384 RAM_CEILING 24576 SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/boot/src/loader.cpp)
-target_include_directories(triskin_loader PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/boot/include)
 foreach(slot a b)
   triskin_image(triskin_app_${slot} SCRIPT slot_${slot}.ld FLASH_CEILING 65536 RAM_CEILING 65536
                 SOURCES ${triskin_board}/src/main.cpp LIBS triskin_fw_app)

@@ -6,6 +6,8 @@
 #include "triskin/cli/command.hpp"
 #include "triskin/geometry/placement.hpp"
 #include "triskin/geometry/polygon_io.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/host/files.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -14,6 +16,7 @@ using geometry::PlacementMethod;
 
 struct Options {
   std::string polygon;
+  std::string proof;
   geometry::PlacementOptions placement;
 };
 
@@ -32,6 +35,7 @@ int run(const Options& options, Output& output) {
   nlohmann::json tiles = nlohmann::json::array();
   for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
   output.result["tiles"] = std::move(tiles);
+  if (!options.proof.empty()) write_file_atomically(options.proof, geometry::proof_text(polygon, r));
   if (!output.json()) {
     output.say(fmt::format("{} modules, upper bound {}{}; clearance {:.4f} mm at tolerance {:g} mm", r.modules, r.upper_bound,
                            r.proved ? " (proved optimal)" : "", r.clearance_mm, r.tolerance_mm));
@@ -57,9 +61,16 @@ const Registration kPlace{{
       app.add_option("--gap-mm", options->placement.gap_mm, "free space between modules")->capture_default_str();
       app.add_option("--time-limit-s", options->placement.time_limit_s, "0: none")->capture_default_str();
       app.add_flag("!--no-clearance", options->placement.largest_clearance, "do not look for the placement with the largest clearance");
+      app.add_option("--proof", options->proof, "write a log that check-proof accepts or rejects (method bnb)");
       app.add_option("--threads", options->placement.threads, "0: all cores; the answer does not depend on it")->check(CLI::Range(0, 1024));
       app.add_option("--seed", options->placement.seed, "for the random heuristics")->capture_default_str();
-      return [options](Output& output) { return run(*options, output); };
+      return [options](Output& output) {
+        options->placement.keep_proof = !options->proof.empty();
+        if (options->placement.keep_proof && options->placement.method != PlacementMethod::kBranchAndBound) {
+          throw InputError("--proof: only --method bnb proves its answer");
+        }
+        return run(*options, output);
+      };
     },
 }};
 

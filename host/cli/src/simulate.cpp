@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "triskin/cli/command.hpp"
-#include "triskin/device/sim_server.hpp"
+#include "triskin/device/skin_server.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -42,10 +42,9 @@ int run(const Options& options, Output& output) {
   if (options.listen.empty()) {
     run_alone(skin, options.seconds < 0.0 ? 1.0 : options.seconds, output.progress());
   } else {
-    const device::HostPort at = device::parse_host_port(options.listen);
-    device::SimServer server(skin, at);
-    output.say(fmt::format("{} controllers, {} modules on sim:{}:{}; end with Ctrl-C", skin.controllers(), modules, at.host, server.port()));
-    server.run(stop_requested, std::max(0.0, options.seconds));
+    const auto server = device::open_server(skin, options.listen);
+    output.say(fmt::format("{} controllers, {} modules on {}; end with Ctrl-C", skin.controllers(), modules, server->link_name()));
+    server->run(stop_requested, std::max(0.0, options.seconds));
   }
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double virtual_s = static_cast<double>(skin.now_us()) * 1e-6;
@@ -63,7 +62,7 @@ const Registration kSimulate{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("SCENE", options->scene, "scene file (docs/scene.md), or a design file")->required();
-      app.add_option("--listen", options->listen, "HOST:PORT to serve in real time; port 0 takes a free one and prints it");
+      app.add_option("--listen", options->listen, "serve in real time: HOST:PORT (port 0 takes a free one and prints it), can:IFACE, or usb (devices in vhci-hcd)");
       app.add_option("--seconds", options->seconds, "how long; default 1 s of virtual time, with --listen until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));
       app.add_flag("--fresh", options->fresh, "boards that were never flashed, kept in memory only");

@@ -114,8 +114,9 @@ Bus::Message Bus::request(std::uint8_t node, Bytes request, Repeat repeat) {
     answer.erase(answer.begin());
     return answer;
   }
-  throw NoAnswer(fmt::format("{}: controller {} does not answer service 0x{:02X}; check its power and the cable, then run the command again",
-                             link_.name(), node, request[0]));
+  const std::string trouble = link_.trouble();
+  throw NoAnswer(fmt::format("{}: controller {} does not answer service 0x{:02X}; check its power and the cable, then run the command again{}",
+                             link_.name(), node, request[0], trouble.empty() ? "" : " (" + trouble + ")"));
 }
 
 std::vector<wire::NodeClaim> Bus::discover() {

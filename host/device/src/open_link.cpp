@@ -3,6 +3,7 @@
 
 #include <charconv>
 
+#include "triskin/device/can_link.hpp"
 #include "triskin/device/link.hpp"
 #include "triskin/device/sim_link.hpp"
 #include "triskin/device/tcp_link.hpp"
@@ -49,6 +50,7 @@ std::unique_ptr<Link> open_link(const LinkOptions& options, const model::Design*
   if (options.link == "sim") return open_sim(options, design);
   if (!options.scene.empty()) throw InputError("--scene belongs to --link sim; give the scene to triskin simulate instead");
   if (options.link.starts_with("sim:")) return std::make_unique<TcpLink>(parse_host_port(options.link.substr(4)));
+  if (options.link.starts_with("can:")) return std::make_unique<CanLink>(options.link.substr(4));
   throw InputError(fmt::format("link \"{}\" is unknown; use {}", options.link, kKnown));
 }
 

@@ -21,8 +21,6 @@
 namespace triskin::device {
 namespace {
 
-constexpr std::uint64_t kStep_us = 1'000;  // longest time between two looks at the sockets
-
 std::uint16_t port_of(int socket) {
   sockaddr_storage address{};
   socklen_t size = sizeof address;
@@ -33,7 +31,7 @@ std::uint16_t port_of(int socket) {
 
 }  // namespace
 
-SimServer::SimServer(scene::VirtualSkin& skin, const HostPort& at) : skin_(skin) {
+SimServer::SimServer(scene::VirtualSkin& skin, const HostPort& at) : SkinServer(skin), name_("sim:" + at.host + ":") {
   const std::string name = fmt::format("{}:{}", at.host, at.port);
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
@@ -64,19 +62,9 @@ SimServer::~SimServer() {
   ::close(listener_);
 }
 
-void SimServer::run(const std::atomic<bool>& stop, double seconds) {
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
-  const std::uint64_t start_us = skin_.now_us();
-  const auto end_us = static_cast<std::uint64_t>(seconds * 1e6);
-  while (!stop) {
-    const auto elapsed_us = static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start).count());
-    if (seconds > 0.0 && elapsed_us >= end_us) break;
-    skin_.run_until(start_us + elapsed_us);
-    for (Client& c : clients_) write_client(c);
-    drop_dead();
-    wait(kStep_us);
-  }
+void SimServer::flush() {
+  for (Client& c : clients_) write_client(c);
+  drop_dead();
 }
 
 void SimServer::wait(std::uint64_t timeout_us) {

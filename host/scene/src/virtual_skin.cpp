@@ -80,6 +80,14 @@ void VirtualSkin::power_cycle(std::size_t patch) {
   power_up(patch);
 }
 
+void VirtualSkin::use_fd(bool fd) {
+  for (std::size_t p = 0; p < nodes_.size(); ++p) {
+    if (nodes_[p].board.can_fd == fd) continue;
+    nodes_[p].board.can_fd = fd;
+    power_cycle(p);
+  }
+}
+
 void VirtualSkin::send(const wire::CanFrame& frame) {
   if (plugged_) pending_.push_back({frame, kHost});
 }

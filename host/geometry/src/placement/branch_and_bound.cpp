@@ -100,7 +100,7 @@ class Search {
       result_.upper_bound = std::max(result_.best, std::min(bucket->first, area_bound_));
       if (bucket->first <= result_.best || (goal_.stop_at_first && result_.found)) break;
       if ((result_.cells & 63) == 0) {
-        if (std::chrono::steady_clock::now() > goal_.deadline) return result_;
+        if (std::chrono::steady_clock::now() > goal_.deadline) break;
         report(progress_, "placing", -1.0, fmt::format("{} modules, bound {}", result_.best, result_.upper_bound));
       }
       Cell cell = std::move(bucket->second.back());
@@ -108,15 +108,32 @@ class Search {
       if (bucket->second.empty()) open_.erase(bucket);
       expand(cell);
     }
+    for (const auto& [bound, cells] : open_) {
+      for (const Cell& cell : cells) close(cell.box);
+    }
     const int open_bound = open_.empty() ? 0 : std::min(open_.begin()->first, area_bound_);
     result_.upper_bound = std::max({result_.best, open_bound, unresolved_bound_});
     return result_;
   }
 
  private:
+  // A cell that the search is done with: part of the proof.
+  void close(const MotionBox& box) { close(box, -box.half, box.half); }
+  void close(const MotionBox& box, const Eigen::Array3d& low, const Eigen::Array3d& high) {
+    if (goal_.cells == nullptr) return;
+    std::array<double, 6> cell{};
+    for (int k = 0; k < 3; ++k) {
+      const auto at = static_cast<std::size_t>(2 * k);
+      cell[at] = box.center[k] + low[k] - 1e-13;
+      cell[at + 1] = box.center[k] + high[k] + 1e-13;
+    }
+    goal_.cells->push_back(cell);
+  }
+
   void push(Cell cell) {
     const int bound = cell.list ? cell.bound() : area_bound_;
     if (bound > result_.best) open_[bound].push_back(std::move(cell));
+    else close(cell.box);
   }
 
   void add_roots() {
@@ -263,16 +280,34 @@ class Search {
     for (int pass = 0; pass < 8; ++pass) {
       ++result_.cells;
       int inside_now = 0;
-      if (!filter(cell, inside_now)) return;
+      if (!filter(cell, inside_now)) return close(cell.box);
       note_value(cell.certain + inside_now, cell.box);
-      if (cell.bound() <= result_.best) return;
+      if (cell.bound() <= result_.best) return close(cell.box);
       const double before = size(cell.box);
       const int need = result_.best + 1 - cell.certain;
-      if (need > 0 && !contraction_.clip(cell.box, boxes_, need)) return;
+      const MotionBox whole = cell.box;
+      if (need > 0 && !contraction_.clip(cell.box, boxes_, need)) return close(whole);
+      close_clipped(whole, cell.box);
       cell.list = std::make_shared<const TileList>(kept_);
       if (size(cell.box) > 0.7 * before) break;
     }
     split(cell);
+  }
+
+  // The slabs that a contraction cut off.
+  void close_clipped(const MotionBox& whole, const MotionBox& clipped) {
+    Eigen::Array3d low = -whole.half, high = whole.half;
+    for (int k = 0; k < 3; ++k) {
+      const double shift = clipped.center[k] - whole.center[k], new_low = shift - clipped.half[k], new_high = shift + clipped.half[k];
+      Eigen::Array3d part = high;
+      part[k] = new_low;
+      if (new_low > low[k] + 1e-13) close(whole, low, part);
+      part = low;
+      part[k] = new_high;
+      if (new_high < high[k] - 1e-13) close(whole, part, high);
+      low[k] = new_low;
+      high[k] = new_high;
+    }
   }
 
   [[nodiscard]] double size(const MotionBox& box) const {
@@ -284,6 +319,7 @@ class Search {
     Eigen::Index axis = 0;
     if (weighted.maxCoeff(&axis) < goal_.resolution_mm) {  // near the rounding pad: stays open in the bound
       unresolved_bound_ = std::max(unresolved_bound_, cell.bound());
+      close(cell.box);
       return;
     }
     Cell other = cell;

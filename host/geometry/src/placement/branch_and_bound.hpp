@@ -16,6 +16,7 @@ struct SearchGoal {
   double pitch_mm = kSide_mm;
   double resolution_mm = 1e-8; ///< cells smaller than this are not split: their bound stays open
   int known = 0;             ///< value that is already known: only better ones are of interest
+  std::vector<std::array<double, 6>>* cells = nullptr;  ///< gets boxes that cover the period, each with a bound of at most upper_bound
   bool stop_at_first = false;  ///< end as soon as anything better than `known` is found
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 };

@@ -121,7 +121,8 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
     PlacementOptions start_options = options;
     start_options.method = PlacementMethod::kR7;
     const HeuristicResult first = run_heuristic(polygon, start_options, 6);
-    const SearchGoal goal{.inset_mm = 0.0, .tolerance_mm = options.tolerance_mm, .pitch_mm = pitch, .known = first.modules, .deadline = deadline};
+    const SearchGoal goal{.inset_mm = 0.0, .tolerance_mm = options.tolerance_mm, .pitch_mm = pitch, .known = first.modules,
+                          .cells = options.keep_proof ? &result.proof.cells : nullptr, .deadline = deadline};
     const SearchResult found = branch_and_bound(polygon, goal, progress);
     result.modules = found.best;
     result.upper_bound = found.upper_bound;
@@ -142,6 +143,9 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   }
   result.tiles = tiles_inside(polygon, motion, result.clearance_mm, pitch);
   result.placement = to_placement(polygon, motion);
+  result.proof.pivot = polygon.first + polygon.center;
+  result.proof.pitch_mm = pitch;
+  result.proof.motion = {motion.x, motion.y, motion.theta};
   require_exact(polygon, motion, result.tiles, options.tolerance_mm, pitch);
   result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return result;

@@ -16,9 +16,11 @@ namespace {
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
-double box_distance_squared(const Eigen::Array3d& low, const Eigen::Array3d& high, const Vec3& q) {
-  const Eigen::Array3d outside = (low - q.array()).max(q.array() - high).max(0.0);
-  return outside.matrix().squaredNorm();
+inline double box_distance_squared(const Eigen::Array3d& low, const Eigen::Array3d& high, const Vec3& q) {
+  const double x = std::max(std::max(low[0] - q[0], q[0] - high[0]), 0.0);
+  const double y = std::max(std::max(low[1] - q[1], q[1] - high[1]), 0.0);
+  const double z = std::max(std::max(low[2] - q[2], q[2] - high[2]), 0.0);
+  return x * x + y * y + z * z;
 }
 
 Vec3 closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -212,6 +214,17 @@ SurfacePoint Surface::closest(const Vec3& query_mm) const {
   });
   best.distance_mm = std::sqrt(best_squared);
   return best;
+}
+
+void Surface::faces_within(const Vec3& query_mm, double distance_mm, std::vector<std::pair<double, int>>& faces) const {
+  double limit = std::nextafter(distance_mm * distance_mm, std::numeric_limits<double>::infinity());
+  nearest(face_tree_, query_mm, limit, [&](int face) {
+    const auto& f = mesh_.faces[at(face)];
+    const Vec3 &a = mesh_.vertices[at(f[0])], &b = mesh_.vertices[at(f[1])], &c = mesh_.vertices[at(f[2])];
+    const Vec3 weights = closest_on_triangle(query_mm, a, b, c);
+    const double squared = (weights[0] * a + weights[1] * b + weights[2] * c - query_mm).squaredNorm();
+    if (squared < limit) faces.emplace_back(squared, face);
+  });
 }
 
 double Surface::border_distance(const Vec3& query_mm) const {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <optional>
 #include <thread>
 
@@ -198,7 +199,7 @@ ModuleLayout certified(const Surface& surface, LatticeNet net, const LayoutLimit
   }
 }
 
-void in_parallel(std::vector<Chain>& chains, const auto& work) {
+void in_parallel(std::deque<Chain>& chains, const auto& work) {
   std::vector<std::jthread> threads;
   for (std::size_t k = 1; k < chains.size(); ++k) threads.emplace_back([&, k] { work(chains[k]); });
   work(chains[0]);
@@ -214,7 +215,7 @@ void check_options(const LayoutLimits& l, const SurfaceLatticeOptions& o) {
   }
 }
 
-const Chain& best_of(const std::vector<Chain>& chains) {
+const Chain& best_of(const std::deque<Chain>& chains) {
   return *std::ranges::max_element(chains, [](const Chain& a, const Chain& b) { return a.best_value() < b.best_value(); });
 }
 
@@ -238,8 +239,7 @@ ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits, co
   const Rules rules(surface, limits);
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
   const Search search{surface, rules, options, samples, start, end};
-  std::vector<Chain> chains;
-  chains.reserve(at(options.threads));
+  std::deque<Chain> chains;
   for (int k = 0; k < options.threads; ++k) chains.emplace_back(search, options.seed * 1000003 + static_cast<std::uint64_t>(k));
   in_parallel(chains, [](Chain& c) { c.build(); });
   for (int round = 1; Clock::now() < end && (options.iterations == 0 || chains[0].steps() < options.iterations); ++round) {

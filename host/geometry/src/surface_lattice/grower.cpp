@@ -44,17 +44,17 @@ std::vector<Sample> spread_samples(const Surface& surface, double area_each_mm2,
 }
 
 // The point of the surface 30 mm from both ends of a side, found by turning the height about the side.
-bool Grower::roll(const Vec3& a, const Vec3& b, const Vec3& away, SurfacePoint& apex) const {
+bool Grower::roll(const Vec3& a, const Vec3& b, const Vec3& away, Foot& apex) {
   const Vec3 middle = 0.5 * (a + b), along = (b - a).normalized();
   Vec3 direction = (away - away.dot(along) * along).normalized();
   for (int k = 0; k < 5; ++k) {
     apex = surface_.closest(middle + kHeight_mm * direction);
-    const Vec3 d = apex.position_mm - middle;
+    const Vec3 d = apex.point - middle;
     const Vec3 across_side = d - d.dot(along) * along;
     if (across_side.norm() < 1.0) return false;
     direction = across_side.normalized();
   }
-  return std::abs((apex.position_mm - middle).norm() - kHeight_mm) < kShort_mm;
+  return std::abs((apex.point - middle).norm() - kHeight_mm) < kShort_mm;
 }
 
 bool Grower::try_side(LatticeNet& net, Side side) {
@@ -63,7 +63,7 @@ bool Grower::try_side(LatticeNet& net, Side side) {
   if (net.has_tile(t.island, next.tile)) return false;
   const Vec3 a = net.vertices[at(t.vertex[at(side.side)])].point, b = net.vertices[at(t.vertex[at((side.side + 1) % 3)])].point;
   const Vec3 far = net.vertices[at(t.vertex[at((side.side + 2) % 3)])].point;
-  SurfacePoint apex;
+  Foot apex;
   if (!roll(a, b, 0.5 * (a + b) - far, apex)) {
     ++refused[static_cast<std::size_t>(Refusal::kOverrun)];
     return false;
@@ -74,18 +74,18 @@ bool Grower::try_side(LatticeNet& net, Side side) {
   for (int v = 0; v < static_cast<int>(net.vertices.size()); ++v) {
     const NetVertex& w = net.vertices[at(v)];
     if (!w.used || w.i != label[0] || w.j != label[1] || net.triangles[at(w.triangles[0])].island != t.island) continue;
-    const double distance = (w.point - apex.position_mm).norm();
+    const double distance = (w.point - apex.point).norm();
     if (distance < kSnap_mm) snaps.emplace_back(distance, v);
   }
   std::ranges::sort(snaps);
   for (const auto& [distance, v] : snaps) {
     if (!crowded(net, {b, a, net.vertices[at(v)].point}, side.triangle) && try_corner(net, side, v)) return true;
   }
-  if (crowded(net, {b, a, apex.position_mm}, side.triangle)) {
+  if (crowded(net, {b, a, apex.point}, side.triangle)) {
     ++refused[static_cast<std::size_t>(Refusal::kPenetration)];
     return false;
   }
-  return try_corner(net, side, net.add_vertex(apex.position_mm, surface_.normal_at(apex), label[0], label[1]));
+  return try_corner(net, side, net.add_vertex(apex.point, apex.normal, label[0], label[1]));
 }
 
 bool Grower::try_corner(LatticeNet& net, Side side, int apex) {
@@ -99,12 +99,8 @@ bool Grower::try_corner(LatticeNet& net, Side side, int apex) {
 }
 
 bool Grower::keep_or_revert(LatticeNet& net, int triangle) {
-  relaxer_.relax(net, triangle, kRelaxRadius_mm, kRelaxSteps);
-  Refusal refusal = rules_.judge(net, triangle);
-  for (const int t : relaxer_.changed()) {
-    if (refusal != Refusal::kNone) break;
-    if (t != triangle) refusal = rules_.judge(net, t);
-  }
+  Refusal refusal = Refusal::kPenetration;
+  if (relaxer_.relax(net, triangle, kRelaxRadius_mm, kRelaxSteps)) refusal = rules_.judge(surface_, net, relaxer_.changed(), relaxer_.pairs());
   if (refusal == Refusal::kNone) return true;
   ++refused[static_cast<std::size_t>(refusal)];
   relaxer_.undo(net);
@@ -129,9 +125,9 @@ bool Grower::try_seed(LatticeNet& net, const Triangle& corners) {
   const Tile tile;
   std::array<int, 3> v{};
   for (int k = 0; k < 3; ++k) {
-    const SurfacePoint c = surface_.closest(corners[at(k)]);
+    const Foot foot = surface_.closest(corners[at(k)]);
     const auto label = tile_corner_index(tile, k);
-    v[at(k)] = net.add_vertex(c.position_mm, surface_.normal_at(c), label[0], label[1]);
+    v[at(k)] = net.add_vertex(foot.point, foot.normal, label[0], label[1]);
   }
   return keep_or_revert(net, net.add_triangle(island, tile, v));
 }
@@ -139,9 +135,9 @@ bool Grower::try_seed(LatticeNet& net, const Triangle& corners) {
 bool Grower::seed_at_side(LatticeNet& net, Side side) {
   const NetTriangle& t = net.triangles[at(side.triangle)];
   const Vec3 a = t.rigid[at(side.side)], b = t.rigid[at((side.side + 1) % 3)], far = t.rigid[at((side.side + 2) % 3)];
-  SurfacePoint apex;
+  Foot apex;
   if (!roll(a, b, 0.5 * (a + b) - far, apex)) return false;
-  return try_seed(net, {b, a, apex.position_mm});
+  return try_seed(net, {b, a, apex.point});
 }
 
 bool Grower::seed_at_sample(LatticeNet& net, const Sample& sample, Random& random) {
@@ -157,11 +153,11 @@ bool Grower::seed_at_sample(LatticeNet& net, const Sample& sample, Random& rando
 
 // One side towards the nearest border and parallel to it.
 bool Grower::seed_at_border(LatticeNet& net, const Sample& sample) {
-  const double reach = surface_.border_distance(sample.point);
+  const double reach = surface_.surface().border_distance(sample.point);
   if (!(reach < 20.0)) return false;
   constexpr double kProbe_mm = 0.5;
   const Vec3 x = sample.normal.unitOrthogonal(), y = sample.normal.cross(x);
-  const Vec3 uphill = (surface_.border_distance(sample.point + kProbe_mm * x) - reach) * x + (surface_.border_distance(sample.point + kProbe_mm * y) - reach) * y;
+  const Vec3 uphill = (surface_.surface().border_distance(sample.point + kProbe_mm * x) - reach) * x + (surface_.surface().border_distance(sample.point + kProbe_mm * y) - reach) * y;
   if (uphill.norm() < 1e-6) return false;
   const Vec3 in = uphill.normalized(), along = in.cross(sample.normal);
   const Vec3 foot = sample.point - (reach - 0.2) * in;

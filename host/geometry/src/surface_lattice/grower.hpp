@@ -33,7 +33,10 @@ class Grower {
  public:
   using Clock = std::chrono::steady_clock;
   Grower(const Surface& surface, const Rules& rules, const std::vector<Sample>& samples, double corner_lift_mm, Clock::time_point end)
-      : surface_(surface), rules_(rules), samples_(samples), relaxer_(surface, corner_lift_mm), end_(end) {}
+      : surface_(surface), rules_(rules), samples_(samples), relaxer_(surface_, corner_lift_mm), end_(end) {}
+
+  Grower(const Grower&) = delete;  // the relaxer refers to the surface cells
+  Grower& operator=(const Grower&) = delete;
 
   /// Where to work: modules whose centre lies in the ball.
   struct Ball {
@@ -55,7 +58,7 @@ class Grower {
   struct Side {
     int triangle, side;
   };
-  [[nodiscard]] bool roll(const Vec3& a, const Vec3& b, const Vec3& away, SurfacePoint& apex) const;
+  bool roll(const Vec3& a, const Vec3& b, const Vec3& away, Foot& apex);
   bool try_side(LatticeNet& net, Side side);
   bool try_corner(LatticeNet& net, Side side, int apex);
   bool try_seed(LatticeNet& net, const Triangle& corners);
@@ -67,10 +70,11 @@ class Grower {
   [[nodiscard]] std::vector<Side> open_sides(const LatticeNet& net, const Ball& ball) const;
   void grow_from(LatticeNet& net, std::vector<Side> front, const Ball& ball, Random& random);
 
-  const Surface& surface_;
+  NearSurface surface_;
   const Rules& rules_;
   const std::vector<Sample>& samples_;
   Relaxer relaxer_;
+  std::vector<int> near_;
   Clock::time_point end_;
 };
 

@@ -3,32 +3,30 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <set>
 
 namespace triskin::geometry::surface_lattice {
+namespace {
+
+const Vec3 kNowhere = Vec3::Constant(1e12);
+
+}  // namespace
 
 // Three points fix the plane; within it the best turn is the mean of the turns of the three corners, weighted by their
-// distance (the planar case of Kabsch's fit, as complex numbers).
+// distance (the planar case of Kabsch's fit, as complex numbers). Corners of the rest pose, from its centre: 2/3 h at
+// −150°, −30° and 90°, so that their conjugates are kRadius · (∓√3/2 + i/2), −i.
 Triangle fit_rigid(const Triangle& target) {
+  constexpr double kRadius = 2.0 * kHeight_mm / 3.0, kCos = 0.86602540378443864676;
   const Vec3 center = (target[0] + target[1] + target[2]) / 3.0;
-  const Vec3 normal = (target[1] - target[0]).cross(target[2] - target[0]).normalized();
-  const Vec3 x = (target[1] - target[0]).normalized(), y = normal.cross(x);
-  constexpr double kRadius = 2.0 * kHeight_mm / 3.0;
-  static const std::array<std::complex<double>, 3> kRest{std::polar(kRadius, -5 * M_PI / 6), std::polar(kRadius, -M_PI / 6),
-                                                         std::polar(kRadius, M_PI / 2)};
-  std::complex<double> turn = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 d = target[k] - center;
-    turn += std::complex<double>(d.dot(x), d.dot(y)) * std::conj(kRest[k]);
-  }
-  turn /= std::abs(turn);
-  Triangle rigid;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::complex<double> z = turn * kRest[k];
-    rigid[k] = center + z.real() * x + z.imag() * y;
-  }
-  return rigid;
+  const Vec3 u = target[1] - target[0];
+  const Vec3 x = u.normalized(), normal = u.cross(target[2] - target[0]).normalized(), y = normal.cross(x);
+  const std::array<Vec3, 3> d{target[0] - center, target[1] - center, target[2] - center};
+  const double x0 = d[0].dot(x), y0 = d[0].dot(y), x1 = d[1].dot(x), y1 = d[1].dot(y), x2 = d[2].dot(x), y2 = d[2].dot(y);
+  double real = kCos * (x1 - x0) - 0.5 * (y0 + y1) + y2;
+  double imaginary = kCos * (y1 - y0) + 0.5 * (x0 + x1) - x2;
+  const double scale = kRadius / std::sqrt(real * real + imaginary * imaginary);
+  const Vec3 right = scale * (real * x + imaginary * y), up = scale * (real * y - imaginary * x);
+  return {Vec3(center - kCos * right - 0.5 * up), Vec3(center + kCos * right - 0.5 * up), Vec3(center + up)};
 }
 
 int LatticeNet::islands() const {
@@ -66,9 +64,22 @@ int LatticeNet::neighbour(int triangle, int side) const {
 }
 
 bool LatticeNet::joined(int a, int b) const {
-  int shared = 0;
-  for (const int v : triangles[at(a)].vertex) shared += static_cast<int>(std::ranges::count(triangles[at(b)].vertex, v));
-  return shared >= 2;
+  const auto &v = triangles[at(a)].vertex, &w = triangles[at(b)].vertex;
+  const auto has = [&w](int corner) { return w[0] == corner || w[1] == corner || w[2] == corner ? 1 : 0; };
+  return has(v[0]) + has(v[1]) + has(v[2]) >= 2;
+}
+
+bool LatticeNet::in_fan(int a, int b) const {
+  const auto &v = triangles[at(a)].vertex, &w = triangles[at(b)].vertex;
+  for (const int corner : v) {
+    if (w[0] != corner && w[1] != corner && w[2] != corner) continue;
+    const NetVertex& shared = vertices[at(corner)];
+    for (int k = 0; k < shared.valence; ++k) {
+      const int t = shared.triangles[at(k)];
+      if (t != a && t != b && joined(t, a) && joined(t, b)) return true;
+    }
+  }
+  return false;
 }
 
 int LatticeNet::add_vertex(const Vec3& point, const Vec3& normal, int i, int j) {
@@ -91,6 +102,7 @@ int LatticeNet::add_triangle(int island, const Tile& tile, const std::array<int,
   int slot = static_cast<int>(triangles.size());
   if (free_triangles_.empty()) {
     triangles.emplace_back();
+    centers_.push_back(kNowhere);
   } else {
     slot = free_triangles_.back();
     free_triangles_.pop_back();
@@ -116,6 +128,7 @@ void LatticeNet::remove_triangle(int triangle) {
     w.used = --w.valence > 0;
   }
   triangles[at(triangle)].island = -1;
+  centers_[at(triangle)] = kNowhere;
   free_triangles_.push_back(triangle);
   --size_;
 }
@@ -124,7 +137,14 @@ void LatticeNet::fit(int triangle) {
   NetTriangle& t = triangles[at(triangle)];
   t.rigid = fit_rigid({vertices[at(t.vertex[0])].point, vertices[at(t.vertex[1])].point, vertices[at(t.vertex[2])].point});
   t.center = (t.rigid[0] + t.rigid[1] + t.rigid[2]) / 3.0;
-  t.normal = (t.rigid[1] - t.rigid[0]).cross(t.rigid[2] - t.rigid[0]).normalized();
+  t.normal = (t.rigid[1] - t.rigid[0]).cross(t.rigid[2] - t.rigid[0]) / (kSide_mm * kHeight_mm);
+  centers_[at(triangle)] = t.center;
+}
+
+void LatticeNet::near(const Vec3& place, double radius_mm, std::vector<int>& found) const {
+  for (std::size_t t = 0; t < centers_.size(); ++t) {
+    if ((centers_[t] - place).squaredNorm() < radius_mm * radius_mm) found.push_back(static_cast<int>(t));
+  }
 }
 
 void LatticeNet::separate() {

@@ -47,9 +47,16 @@ class LatticeNet {
   [[nodiscard]] int joints() const;
   [[nodiscard]] int new_island() { return next_island_++; }
   [[nodiscard]] bool has_tile(int island, const Tile& tile) const;
+  /// Appends the triangles whose centre lies within a radius, in order of their slots.
+  void near(const Vec3& place, double radius_mm, std::vector<int>& found) const;
+  /// As triangles[t].center, packed for scans; far away for unused slots.
+  [[nodiscard]] const Vec3& center(int triangle) const { return centers_[at(triangle)]; }
   /// Triangle joined across a side, or -1.
   [[nodiscard]] int neighbour(int triangle, int side) const;
   [[nodiscard]] bool joined(int a, int b) const;
+
+  /// Both are joined to a third one.
+  [[nodiscard]] bool in_fan(int a, int b) const;
 
   int add_vertex(const Vec3& point, const Vec3& normal, int i, int j);
   int add_triangle(int island, const Tile& tile, const std::array<int, 3>& vertex);
@@ -64,6 +71,7 @@ class LatticeNet {
   void renumber_islands();
   int size_ = 0, next_island_ = 0;
   std::vector<int> free_triangles_;
+  std::vector<Vec3> centers_;
 };
 
 /// The rigid module nearest to three points in the least-squares sense.

@@ -7,7 +7,7 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kReach_mm = 45.0;  // as in measure.cpp: centroids farther apart cannot touch
+constexpr double kApart_mm = 4.0 * kHeight_mm / 3.0;  // two circumradii: centroids farther apart cannot touch
 constexpr double kLayer_mm = 10.0;  // modules farther apart along the normal lie on different sheets
 constexpr double kOpposite = -0.2;
 
@@ -44,23 +44,37 @@ bool passes(const Vec3& from, const Vec3& to, const Triangle& t) {
 
 }  // namespace
 
-Overlap overlap_of(const NetTriangle& a, const NetTriangle& b) {
+Overlap overlap_of(const NetTriangle& a, const NetTriangle& b, int& first_axis) {
   Overlap result;
   const Vec3 between = a.center - b.center;
-  if (between.squaredNorm() > kReach_mm * kReach_mm || a.normal.dot(b.normal) < kOpposite) return result;
+  if (between.squaredNorm() > kApart_mm * kApart_mm || a.normal.dot(b.normal) < kOpposite) return result;
   const Vec3 n = (a.normal + b.normal).normalized();
   if (std::abs(n.dot(between)) > kLayer_mm) return result;
-  result.depth_mm = std::numeric_limits<double>::infinity();
-  for (const Triangle* t : {&a.rigid, &b.rigid}) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 axis = ((*t)[(k + 1) % 3] - (*t)[k]).cross(n).normalized();
-      const Extreme ea = along(a.rigid, axis), eb = along(b.rigid, axis);
-      if (ea.high <= eb.low || eb.high <= ea.low) return {};
-      if (ea.high - eb.low < result.depth_mm) result = {ea.high - eb.low, axis, ea.high_corner, eb.low_corner};
-      if (eb.high - ea.low < result.depth_mm) result = {eb.high - ea.low, -axis, ea.low_corner, eb.high_corner};
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0, side = first_axis; k < 6; ++k, side = side == 5 ? 0 : side + 1) {
+    const Triangle& t = side < 3 ? a.rigid : b.rigid;
+    const Vec3 axis = (t[at((side + 1) % 3)] - t[at(side % 3)]).cross(n);
+    const Extreme ea = along(a.rigid, axis), eb = along(b.rigid, axis);
+    if (ea.high <= eb.low || eb.high <= ea.low) {
+      first_axis = side;
+      return {};
+    }
+    const double length = axis.norm();
+    if (ea.high - eb.low < least * length) {
+      least = (ea.high - eb.low) / length;
+      result = {least, axis / length, ea.high_corner, eb.low_corner};
+    }
+    if (eb.high - ea.low < least * length) {
+      least = (eb.high - ea.low) / length;
+      result = {least, -axis / length, ea.low_corner, eb.high_corner};
     }
   }
   return result;
+}
+
+Overlap overlap_of(const NetTriangle& a, const NetTriangle& b) {
+  int axis = 0;
+  return overlap_of(a, b, axis);
 }
 
 bool pierced(const NetTriangle& a, const NetTriangle& b, double allowed_mm) {

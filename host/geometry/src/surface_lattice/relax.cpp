@@ -1,95 +1,103 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "relax.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-
-#include "overlap.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr double kDamping = 0.02;
-constexpr int kLook = 3;
+constexpr int kLook = 3;                 // step after which hopeless modules are given up
 constexpr double kFarOff_mm = 2.2;
+constexpr double kReach_mm = 2.0 * kHeight_mm / 3.0;  // from a module's centre to its corners
 constexpr double kPair_mm = 38.0;        // centroids nearer than this may come to overlap while sliding
 constexpr double kAllowedOverlap_mm = 0.1;
+constexpr double kSettled_mm = 0.02;
 constexpr double kMoved_mm = 0.01;
 constexpr double kNearBorder_mm = 12.0;
 constexpr double kWantedGap_mm = 2.0;    // corners lift off where the centre would be deeper than this
+constexpr double kLongest_mm = 5.0;      // of one step
 
 }  // namespace
 
-void Relaxer::relax(LatticeNet& net, int triangle, double radius_mm, int steps) {
+bool Relaxer::relax(LatticeNet& net, int triangle, double radius_mm, int steps) {
   choose(net, net.triangles[at(triangle)].center, radius_mm);
   find_pairs(net);
-  for (int k = 0; k < steps; ++k) {
-    if (k == kLook && hopeless(net, triangle)) break;
+  bool hope = true;
+  for (int k = 0; k < steps && hope; ++k) {
     adapt_lift(net);
-    if (step(net) < kMoved_mm) break;
+    if (step(net) < kSettled_mm) break;
+    hope = k + 1 != kLook || !hopeless(net, triangle);
   }
-  settle(net);
+  if (hope) settle(net, triangle);
+  return hope;
 }
 
-// Most tried modules do not fit: what is still far off after a few steps is left to be refused.
-bool Relaxer::hopeless(const LatticeNet& net, int triangle) const {
-  const auto& v = net.triangles[at(triangle)].vertex;
-  for (std::size_t s = 0; s < 3; ++s) {
-    if (std::abs((net.vertices[at(v[s])].point - net.vertices[at(v[(s + 1) % 3])].point).norm() - kSide_mm) > kFarOff_mm) return true;
-  }
-  return std::ranges::any_of(pairs_, [&](const auto& pair) {
-    return (pair[0] == triangle || pair[1] == triangle) &&
-           overlap_of(net.triangles[at(pair[0])], net.triangles[at(pair[1])]).depth_mm > kFarOff_mm;
+// Most tried modules do not fit: what is still far off after a few steps is refused.
+bool Relaxer::hopeless(const LatticeNet& net, int triangle) {
+  return std::ranges::any_of(pairs_, [&](Pair& pair) {
+    return (pair.a == triangle || pair.b == triangle) &&
+           overlap_of(net.triangles[at(pair.a)], net.triangles[at(pair.b)], pair.axis).depth_mm > kFarOff_mm;
   });
 }
 
 void Relaxer::choose(const LatticeNet& net, const Vec3& place, double radius_mm) {
   local_.assign(net.vertices.size(), -1);
+  is_local_.assign(net.triangles.size(), 0);
   moving_.clear();
   triangles_.clear();
-  saved_.clear();
-  for (int v = 0; v < static_cast<int>(net.vertices.size()); ++v) {
-    const NetVertex& w = net.vertices[at(v)];
-    if (!w.used || (w.point - place).squaredNorm() > radius_mm * radius_mm) continue;
-    local_[at(v)] = static_cast<int>(moving_.size());
-    moving_.push_back(v);
-    saved_.push_back(w);
+  near_.clear();
+  net.near(place, radius_mm + 2.0 * kReach_mm + kPair_mm, near_);
+  Vec3 low = place, high = place;
+  for (const int t : near_) {
+    for (const int v : net.triangles[at(t)].vertex) {
+      const NetVertex& w = net.vertices[at(v)];
+      const bool is_moving = local_[at(v)] >= 0;
+      if (!is_moving && (w.point - place).squaredNorm() > radius_mm * radius_mm) continue;
+      if (!is_moving) {
+        local_[at(v)] = 0;
+        moving_.push_back({v, 0.0, Vec3::Zero(), Vec3::Zero(), w.point, w.normal, w.lift_mm});
+        low = low.cwiseMin(w.point);
+        high = high.cwiseMax(w.point);
+      }
+      is_local_[at(t)] = 1;
+    }
+    if (is_local_[at(t)]) triangles_.push_back(t);
   }
-  for (int t = 0; t < static_cast<int>(net.triangles.size()); ++t) {
-    const auto& v = net.triangles[at(t)].vertex;
-    if (net.used(t) && (local_[at(v[0])] >= 0 || local_[at(v[1])] >= 0 || local_[at(v[2])] >= 0)) triangles_.push_back(t);
-  }
+  const Vec3 line = high - low;
+  for (Moving& m : moving_) m.key = line.dot(m.saved_point);
+  std::ranges::sort(moving_, [](const Moving& a, const Moving& b) { return std::pair(a.key, a.vertex) < std::pair(b.key, b.vertex); });
+  for (std::size_t k = 0; k < moving_.size(); ++k) local_[at(moving_[k].vertex)] = static_cast<int>(k);
 }
 
 void Relaxer::find_pairs(const LatticeNet& net) {
   pairs_.clear();
   for (const int a : triangles_) {
-    for (int b = 0; b < static_cast<int>(net.triangles.size()); ++b) {
-      if (!net.used(b) || b == a) continue;
-      if (b < a && std::ranges::binary_search(triangles_, b)) continue;  // found from its own side
-      const NetTriangle &p = net.triangles[at(a)], &q = net.triangles[at(b)];
-      if ((p.center - q.center).squaredNorm() < kPair_mm * kPair_mm && !net.joined(a, b)) pairs_.push_back({a, b});
+    for (const int b : near_) {
+      if (b == a || (b < a && is_local_[at(b)])) continue;  // found from its own side
+      if ((net.center(a) - net.center(b)).squaredNorm() < kPair_mm * kPair_mm && !net.joined(a, b)) {
+        pairs_.push_back({a, b, net.in_fan(a, b)});
+      }
     }
   }
 }
 
 void Relaxer::add_residual(double value, double weight, const std::array<int, 2>& vertex, const std::array<Vec3, 2>& gradient) {
-  std::array<int, 2> base{-1, -1};
-  std::array<Eigen::Vector2d, 2> g;
+  Residual r{value, weight, {-1, -1}, {}};
   for (std::size_t k = 0; k < 2; ++k) {
-    const int local = vertex[k] < 0 ? -1 : local_[at(vertex[k])];
-    if (local < 0) continue;
-    base[k] = 2 * local;
-    g[k] = {gradient[k].dot(frames_[at(local)].x), gradient[k].dot(frames_[at(local)].y)};
+    r.local[k] = vertex[k] < 0 ? -1 : local_[at(vertex[k])];
+    if (r.local[k] < 0) continue;
+    const Moving& m = moving_[at(r.local[k])];
+    r.gradient[k] = {gradient[k].dot(m.x), gradient[k].dot(m.y)};
   }
-  for (std::size_t p = 0; p < 2; ++p) {
-    if (base[p] < 0) continue;
-    right_.segment<2>(base[p]) -= weight * value * g[p];
-    for (std::size_t q = 0; q < 2; ++q) {
-      if (base[q] >= 0) matrix_.block<2, 2>(base[p], base[q]) += weight * g[p] * g[q].transpose();
-    }
+  if (r.local[0] == r.local[1]) return;  // a corner cannot part from itself
+  if (r.local[0] < r.local[1]) {
+    std::swap(r.local[0], r.local[1]);
+    std::swap(r.gradient[0], r.gradient[1]);
   }
+  residuals_.push_back(r);
 }
 
 // Long and short edges weigh more, so that the largest error falls; a module is easier to part than to push together.
@@ -107,129 +115,166 @@ void Relaxer::add_edges(const LatticeNet& net) {
 }
 
 void Relaxer::add_pairs(const LatticeNet& net) {
-  for (const auto& [a, b] : pairs_) {
-    const NetTriangle &p = net.triangles[at(a)], &q = net.triangles[at(b)];
-    const Overlap o = overlap_of(p, q);
+  for (Pair& pair : pairs_) {
+    if (pair.in_fan) continue;
+    const NetTriangle &p = net.triangles[at(pair.a)], &q = net.triangles[at(pair.b)];
+    const Overlap o = overlap_of(p, q, pair.axis);
     if (o.depth_mm <= kAllowedOverlap_mm) continue;
     // The whole module gives way, the touching corner most.
-    const int va = p.vertex[at(o.corner_a)], vb = q.vertex[at(o.corner_b)];
-    add_residual(o.depth_mm - kAllowedOverlap_mm, 3.0, {va, vb}, {o.axis, Vec3(-o.axis)});
+    add_residual(o.depth_mm - kAllowedOverlap_mm, 3.0, {p.vertex[at(o.corner_a)], q.vertex[at(o.corner_b)]}, {o.axis, Vec3(-o.axis)});
   }
 }
 
 // Sides of modules near the border: what stands over it is pushed back through the corners of the side.
 void Relaxer::add_border(const LatticeNet& net) {
-  for (std::size_t k = 0; k < moving_.size(); ++k) {
-    const NetVertex& v = net.vertices[at(moving_[k])];
-    if (v.on_border) add_residual(0.0, 6.0, {moving_[k], -1}, {v.outward, Vec3::Zero()});
+  for (const Moving& m : moving_) {
+    const NetVertex& v = net.vertices[at(m.vertex)];
+    if (v.on_border) add_residual(0.0, 6.0, {m.vertex, -1}, {v.outward, Vec3::Zero()});
   }
   for (const int t : triangles_) {
     const NetTriangle& triangle = net.triangles[at(t)];
+    if (surface_.border_at_least(triangle.center) >= kNearBorder_mm + kReach_mm) continue;
     for (std::size_t s = 0; s < 3; ++s) {
-      if (net.neighbour(t, static_cast<int>(s)) >= 0) continue;
-      const Vec3 &a = triangle.rigid[s], &b = triangle.rigid[(s + 1) % 3];
-      if (surface_.border_distance(0.5 * (a + b)) > kNearBorder_mm + 0.5 * kSide_mm) continue;
-      for (const double x : {0.0, 0.2, 0.4, 0.6, 0.8}) {
-        const Vec3 p = a + x * (b - a);
-        if (surface_.border_distance(p) > kNearBorder_mm) continue;
-        const SurfacePoint c = surface_.closest(p);
-        const Vec3 n = surface_.normal_at(c), off = p - c.position_mm, over = off - off.dot(n) * n;
-        const double depth = over.norm();
-        if (depth < 0.15 || depth > 10.0 || surface_.border_distance(c.position_mm) > 1e-6) continue;
-        const Vec3 out = over / depth;
-        add_residual(depth - 0.15, 2.0, {triangle.vertex[s], triangle.vertex[(s + 1) % 3]}, {Vec3((1 - x) * out), Vec3(x * out)});
-      }
+      if (net.neighbour(t, static_cast<int>(s)) < 0) add_side_at_border(triangle, s);
     }
   }
 }
 
-double Relaxer::step(LatticeNet& net) {
-  const auto size = static_cast<Eigen::Index>(2 * moving_.size());
-  matrix_.setZero(size, size);
-  matrix_.diagonal().setConstant(kDamping);
-  right_.setZero(size);
-  frames_.resize(moving_.size());
-  for (std::size_t k = 0; k < moving_.size(); ++k) {
-    frames_[k].x = net.vertices[at(moving_[k])].normal.unitOrthogonal();
-    frames_[k].y = net.vertices[at(moving_[k])].normal.cross(frames_[k].x);
+void Relaxer::add_side_at_border(const NetTriangle& triangle, std::size_t side) {
+  const Vec3 &a = triangle.rigid[side], &b = triangle.rigid[(side + 1) % 3];
+  for (const double x : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+    const Vec3 p = a + x * (b - a);
+    if (surface_.border_at_least(p) >= kNearBorder_mm) continue;
+    const Foot foot = surface_.closest(p);
+    if (!foot.on_border) continue;
+    const Vec3 off = p - foot.point, over = off - off.dot(foot.normal) * foot.normal;
+    const double depth = over.norm();
+    if (depth < 0.15 || depth > 10.0) continue;
+    const Vec3 out = over / depth;
+    add_residual(depth - 0.15, 2.0, {triangle.vertex[side], triangle.vertex[(side + 1) % 3]}, {Vec3((1 - x) * out), Vec3(x * out)});
   }
+}
+
+void Relaxer::solve() {
+  first_.resize(moving_.size());
+  for (std::size_t k = 0; k < first_.size(); ++k) first_[k] = static_cast<int>(k);
+  for (const Residual& r : residuals_) {
+    if (r.local[1] >= 0) first_[at(r.local[0])] = std::min(first_[at(r.local[0])], r.local[1]);
+  }
+  system_.reset(first_);
+  for (int row = 0; row < static_cast<int>(2 * first_.size()); ++row) system_.add(row, row, kDamping);
+  for (const Residual& r : residuals_) {
+    for (std::size_t p = 0; p < 2; ++p) {
+      if (r.local[p] < 0) continue;
+      const int row = 2 * r.local[p];
+      const double gx = r.weight * r.gradient[p][0], gy = r.weight * r.gradient[p][1];
+      system_.right(row) -= r.value * gx;
+      system_.right(row + 1) -= r.value * gy;
+      for (std::size_t q = p; q < 2; ++q) {  // local[0] > local[1]: the lower half
+        if (r.local[q] < 0) continue;
+        const int column = 2 * r.local[q];
+        system_.add(row, column, gx * r.gradient[q][0]);
+        if (q != p) system_.add(row, column + 1, gx * r.gradient[q][1]);
+        system_.add(row + 1, column, gy * r.gradient[q][0]);
+        system_.add(row + 1, column + 1, gy * r.gradient[q][1]);
+      }
+    }
+  }
+  system_.solve();
+}
+
+double Relaxer::step(LatticeNet& net) {
+  for (Moving& m : moving_) {
+    m.x = net.vertices[at(m.vertex)].normal.unitOrthogonal();
+    m.y = net.vertices[at(m.vertex)].normal.cross(m.x);
+  }
+  residuals_.clear();
   add_edges(net);
   add_pairs(net);
   add_border(net);
-  const Eigen::VectorXd solution = matrix_.ldlt().solve(right_);
+  solve();
   double largest = 0.0;
-  for (int k = 0; k < static_cast<int>(moving_.size()); ++k) {
-    Vec3 by = solution[2 * k] * frames_[at(k)].x + solution[2 * k + 1] * frames_[at(k)].y;
-    const double length = by.norm();
-    if (!(length < 1e3)) by.setZero();
-    if (length > 5.0) by *= 5.0 / length;
-    largest = std::max(largest, std::min(length, 5.0));
-    move(net, k, by);
+  for (std::size_t k = 0; k < moving_.size(); ++k) {
+    const Moving& m = moving_[k];
+    Vec3 by = system_.right(static_cast<int>(2 * k)) * m.x + system_.right(static_cast<int>(2 * k + 1)) * m.y;
+    double length = by.norm();
+    if (!(length < 1e3)) by = Vec3::Zero(), length = 0.0;
+    if (length > kLongest_mm) by *= kLongest_mm / length;
+    largest = std::max(largest, std::min(length, kLongest_mm));
+    move(net, m, by);
   }
   for (const int t : triangles_) net.fit(t);
   return largest;
 }
 
-void Relaxer::move(LatticeNet& net, int local, const Vec3& by) const {
-  NetVertex& v = net.vertices[at(moving_[at(local)])];
+void Relaxer::move(LatticeNet& net, const Moving& moving, const Vec3& by) {
+  NetVertex& v = net.vertices[at(moving.vertex)];
   const Vec3 wanted = v.point - v.lift_mm * v.normal + by;
-  const SurfacePoint c = surface_.closest(wanted);
-  v.normal = surface_.normal_at(c);
-  v.point = c.position_mm + v.lift_mm * v.normal;
-  const Vec3 off = wanted - c.position_mm, over = off - off.dot(v.normal) * v.normal;
-  v.on_border = over.norm() > 1e-3 && surface_.border_distance(c.position_mm) < 1e-6;
-  if (v.on_border) v.outward = over.normalized();
+  const Foot foot = surface_.closest(wanted);
+  v.normal = foot.normal;
+  v.point = foot.point + v.lift_mm * foot.normal;
+  v.on_border = false;
+  if (!foot.on_border) return;
+  const Vec3 off = wanted - foot.point, over = off - off.dot(v.normal) * v.normal;
+  const double length = over.norm();
+  v.on_border = length > 1e-3;
+  if (v.on_border) v.outward = over / length;
 }
 
 // Modules that bridge a strong convex bend dip under it at the centre: their corners stand off a little.
 void Relaxer::adapt_lift(LatticeNet& net) {
   if (lift_mm_ <= 0.0) return;
-  for (std::size_t k = 0; k < moving_.size(); ++k) {
-    NetVertex& v = net.vertices[at(moving_[k])];
+  bool any = false;
+  for (const Moving& m : moving_) {
+    NetVertex& v = net.vertices[at(m.vertex)];
+    if (v.lift_mm == 0.0) continue;
+    any = true;
     v.point -= v.lift_mm * v.normal;
     v.lift_mm = std::max(0.0, v.lift_mm - 0.1);
   }
   for (const int t : triangles_) {
     const NetTriangle& triangle = net.triangles[at(t)];
-    const SurfacePoint c = surface_.closest(triangle.center);
-    const double under = (c.position_mm - triangle.center).dot(triangle.normal);
+    const Foot foot = surface_.closest(triangle.center);
+    if (foot.distance_mm < kWantedGap_mm) continue;
+    const double under = (foot.point - triangle.center).dot(triangle.normal);
     if (under < kWantedGap_mm) continue;
+    any = true;
     for (const int v : triangle.vertex) {
       if (local_[at(v)] < 0) continue;
       double& lift = net.vertices[at(v)].lift_mm;
       lift = std::min(lift_mm_, lift + 0.5 * (under - kWantedGap_mm));
     }
   }
-  for (const int v : moving_) net.vertices[at(v)].point += net.vertices[at(v)].lift_mm * net.vertices[at(v)].normal;
+  if (!any) return;
+  for (const Moving& m : moving_) net.vertices[at(m.vertex)].point += net.vertices[at(m.vertex)].lift_mm * net.vertices[at(m.vertex)].normal;
   for (const int t : triangles_) net.fit(t);
 }
 
 // Corners that hardly moved go back, so that their modules need no new judgement.
-void Relaxer::settle(LatticeNet& net) {
-  std::vector<bool> moved(moving_.size(), false);
-  for (std::size_t k = 0; k < moving_.size(); ++k) {
-    NetVertex& v = net.vertices[at(moving_[k])];
-    moved[k] = (v.point - saved_[k].point).norm() > kMoved_mm;
-    if (!moved[k]) {
-      v.point = saved_[k].point;
-      v.normal = saved_[k].normal;
-      v.lift_mm = saved_[k].lift_mm;
-    }
+void Relaxer::settle(LatticeNet& net, int triangle) {
+  for (Moving& m : moving_) {
+    NetVertex& v = net.vertices[at(m.vertex)];
+    const bool moved = (v.point - m.saved_point).squaredNorm() > kMoved_mm * kMoved_mm;
+    m.key = moved ? 1.0 : 0.0;
+    if (moved) continue;
+    v.point = m.saved_point;
+    v.normal = m.saved_normal;
+    v.lift_mm = m.saved_lift_mm;
   }
   changed_.clear();
   for (const int t : triangles_) {
     net.fit(t);
-    const auto has_moved = [&](int v) { return local_[at(v)] >= 0 && moved[at(local_[at(v)])]; };
-    if (std::ranges::any_of(net.triangles[at(t)].vertex, has_moved)) changed_.push_back(t);
+    const auto has_moved = [&](int v) { return local_[at(v)] >= 0 && moving_[at(local_[at(v)])].key > 0.0; };
+    if (t == triangle || std::ranges::any_of(net.triangles[at(t)].vertex, has_moved)) changed_.push_back(t);
   }
 }
 
 void Relaxer::undo(LatticeNet& net) const {
-  for (std::size_t k = 0; k < moving_.size(); ++k) {
-    NetVertex& v = net.vertices[at(moving_[k])];
-    v.point = saved_[k].point;
-    v.normal = saved_[k].normal;
-    v.lift_mm = saved_[k].lift_mm;
+  for (const Moving& m : moving_) {
+    NetVertex& v = net.vertices[at(m.vertex)];
+    v.point = m.saved_point;
+    v.normal = m.saved_normal;
+    v.lift_mm = m.saved_lift_mm;
   }
   for (const int t : triangles_) net.fit(t);
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <Eigen/Core>
 #include <vector>
 
+#include "envelope.hpp"
+#include "near_surface.hpp"
 #include "net.hpp"
-#include "triskin/geometry/surface.hpp"
+#include "overlap.hpp"
 
 namespace triskin::geometry::surface_lattice {
 
@@ -13,39 +14,54 @@ namespace triskin::geometry::surface_lattice {
 /// object a thread.
 class Relaxer {
  public:
-  Relaxer(const Surface& surface, double corner_lift_mm) : surface_(surface), lift_mm_(corner_lift_mm) {}
+  Relaxer(NearSurface& surface, double corner_lift_mm) : surface_(surface), lift_mm_(corner_lift_mm) {}
 
-  /// Moves the vertices within `radius_mm` of a triangle that was just added. Afterwards `changed()` lists the triangles that moved.
-  void relax(LatticeNet& net, int triangle, double radius_mm, int steps);
+  /// Moves the vertices within `radius_mm` of a triangle that was just added. Afterwards `changed()` lists it and the
+  /// triangles that moved. False: it cannot fit, and the rest of the work was saved.
+  bool relax(LatticeNet& net, int triangle, double radius_mm, int steps);
   /// Takes back the last relax (triangles added before it stay).
   void undo(LatticeNet& net) const;
   [[nodiscard]] const std::vector<int>& changed() const { return changed_; }
+  /// Pairs of triangles, not joined, of which one may have moved and that are near enough to overlap.
+  [[nodiscard]] std::vector<Pair>& pairs() { return pairs_; }
 
  private:
-  struct Frame {
-    Vec3 x, y;
+  struct Moving {
+    int vertex;
+    double key;             // along the line that sorts them
+    Vec3 x, y;              // tangent frame
+    Vec3 saved_point, saved_normal;
+    double saved_lift_mm;
+  };
+  struct Residual {
+    double value, weight;
+    std::array<int, 2> local;   // moving vertices, −1: fixed; the first is never −1
+    std::array<std::array<double, 2>, 2> gradient;
   };
   void choose(const LatticeNet& net, const Vec3& place, double radius_mm);
-  [[nodiscard]] bool hopeless(const LatticeNet& net, int triangle) const;
   void find_pairs(const LatticeNet& net);
+  [[nodiscard]] bool hopeless(const LatticeNet& net, int triangle);
   double step(LatticeNet& net);
   void add_edges(const LatticeNet& net);
   void add_pairs(const LatticeNet& net);
   void add_border(const LatticeNet& net);
+  void add_side_at_border(const NetTriangle& triangle, std::size_t side);
   void add_residual(double value, double weight, const std::array<int, 2>& vertex, const std::array<Vec3, 2>& gradient);
-  void move(LatticeNet& net, int local, const Vec3& by) const;
+  void solve();
+  void move(LatticeNet& net, const Moving& moving, const Vec3& by);
   void adapt_lift(LatticeNet& net);
-  void settle(LatticeNet& net);
+  void settle(LatticeNet& net, int triangle);
 
-  const Surface& surface_;
+  NearSurface& surface_;
   double lift_mm_;
-  std::vector<int> local_;                    // vertex → index among the moving ones, or -1
-  std::vector<int> moving_, triangles_, changed_;
-  std::vector<NetVertex> saved_;
-  std::vector<std::array<int, 2>> pairs_;
-  std::vector<Frame> frames_;
-  Eigen::MatrixXd matrix_;
-  Eigen::VectorXd right_;
+  std::vector<int> local_;                // vertex → index among the moving ones, or -1
+  std::vector<Moving> moving_;
+  std::vector<int> triangles_, near_, changed_;
+  std::vector<char> is_local_;            // triangle → in triangles_
+  std::vector<Pair> pairs_;
+  std::vector<Residual> residuals_;
+  std::vector<int> first_;
+  EnvelopeSystem system_;
 };
 
 }  // namespace triskin::geometry::surface_lattice

@@ -43,7 +43,7 @@ const char* name_of(Refusal refusal) {
   return kNames[static_cast<std::size_t>(refusal)];
 }
 
-Rules::Rules(const Surface& surface, const LayoutLimits& limits) : surface_(surface), limits_(with_margin(limits)) {
+Rules::Rules(const Surface& surface, const LayoutLimits& limits) : limits_(with_margin(limits)), fold_cosine_(std::cos(limits_.fold_rad)) {
   const Mesh& mesh = surface.mesh();
   for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
     for (int s = 0; s < 3; ++s) {
@@ -59,14 +59,21 @@ Rules::Rules(const Surface& surface, const LayoutLimits& limits) : surface_(surf
   }
 }
 
-Refusal Rules::judge(const LatticeNet& net, int triangle) const {
-  const NetTriangle& t = net.triangles[at(triangle)];
-  if (const Refusal r = judge_joints(net, triangle); r != Refusal::kNone) return r;
-  const SurfacePoint under = surface_.closest(t.center);
-  if (under.distance_mm > limits_.center_gap_mm) return Refusal::kCenterGap;
-  if (surface_.normal_at(under).dot(t.normal) < kOutward) return Refusal::kOutward;
-  if (overlaps(net, triangle)) return Refusal::kPenetration;
-  return over_border(net, triangle) ? Refusal::kOverrun : Refusal::kNone;
+Refusal Rules::judge(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles, std::vector<Pair>& pairs) const {
+  for (const int t : triangles) {
+    if (const Refusal r = judge_joints(net, t); r != Refusal::kNone) return r;
+  }
+  for (Pair& pair : pairs) {
+    if (overlap(net.triangles[at(pair.a)], net.triangles[at(pair.b)], pair.axis)) return Refusal::kPenetration;
+  }
+  for (const int t : triangles) {
+    const NetTriangle& triangle = net.triangles[at(t)];
+    const Foot under = surface.closest(triangle.center);
+    if (under.distance_mm > limits_.center_gap_mm) return Refusal::kCenterGap;
+    if (under.normal.dot(triangle.normal) < kOutward) return Refusal::kOutward;
+  }
+  const bool over = std::ranges::any_of(triangles, [&](int t) { return over_border(surface, net, t); });
+  return over ? Refusal::kOverrun : Refusal::kNone;
 }
 
 Refusal Rules::judge_joints(const LatticeNet& net, int triangle) const {
@@ -79,40 +86,40 @@ Refusal Rules::judge_joints(const LatticeNet& net, int triangle) const {
     if (std::max((a - c).norm(), (b - d).norm()) > limits_.hinge_gap_mm) return Refusal::kHingeGap;
     if (std::abs(0.5 * (b + d - a - c).norm() - kSide_mm) > limits_.edge_error_mm) return Refusal::kEdgeError;
     const Vec3& n = net.triangles[at(other)].normal;
-    if (std::atan2(n.cross(t.normal).norm(), n.dot(t.normal)) > limits_.fold_rad) return Refusal::kFold;
+    if (n.dot(t.normal) < fold_cosine_) return Refusal::kFold;
+    int axis = 0;
+    if (overlap_of(t, net.triangles[at(other)], axis).depth_mm > limits_.penetration_mm) return Refusal::kPenetration;
   }
   return Refusal::kNone;
 }
 
-bool Rules::overlaps(const LatticeNet& net, int triangle) const {
-  const NetTriangle& t = net.triangles[at(triangle)];
-  for (int k = 0; k < static_cast<int>(net.triangles.size()); ++k) {
-    const NetTriangle& other = net.triangles[at(k)];
-    if (k == triangle || other.island < 0 || (other.center - t.center).squaredNorm() > 45.0 * 45.0) continue;
-    if (overlap_of(t, other).depth_mm > limits_.penetration_mm || pierced(t, other, limits_.penetration_mm)) return true;
-  }
-  return false;
+// A plane that separates the outlines separates the modules in space too; else both measures have to agree.
+bool Rules::overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const {
+  if ((a.center - b.center).squaredNorm() > 16.0 / 9.0 * kHeight_mm * kHeight_mm) return false;
+  const Overlap o = overlap_of(a, b, axis);
+  return o.depth_mm > limits_.penetration_mm || pierced(a, b, limits_.penetration_mm);
 }
 
-bool Rules::over_border(const LatticeNet& net, int triangle) const {
+bool Rules::over_border(NearSurface& surface, const LatticeNet& net, int triangle) const {
   const NetTriangle& t = net.triangles[at(triangle)];
-  if (surface_.border_distance(t.center) > 2.0 * kHeight_mm / 3.0 + kClear_mm) return false;
+  constexpr double kFar_mm = 2.0 * kHeight_mm / 3.0 + kClear_mm;
+  if (surface.border_at_least(t.center) >= kFar_mm) return false;
   for (std::size_t s = 0; s < 3; ++s) {
     // A notch under a joined side opens under a free one or is met by the probes.
-    if (net.neighbour(triangle, static_cast<int>(s)) < 0 && side_over_border(t.rigid[s], t.rigid[(s + 1) % 3])) return true;
+    if (net.neighbour(triangle, static_cast<int>(s)) < 0 && side_over_border(surface, t.rigid[s], t.rigid[(s + 1) % 3])) return true;
   }
   return std::ranges::any_of(probes_, [&](const Vec3& p) { return covers(t, p); });
 }
 
-bool Rules::side_over_border(const Vec3& from, const Vec3& to) const {
-  const Vec3 d = (to - from).normalized();
+bool Rules::side_over_border(NearSurface& surface, const Vec3& from, const Vec3& to) const {
+  const Vec3 d = (to - from) / kSide_mm;
   for (double x = 0.0; x <= kSide_mm;) {
     const Vec3 p = from + x * d;
-    const double border = surface_.border_distance(p);
-    if (border < kClear_mm && border > limits_.overrun_mm) {
-      const SurfacePoint c = surface_.closest(p);
-      const Vec3 off = p - c.position_mm, n = surface_.normal_at(c);
-      if ((off - off.dot(n) * n).norm() > limits_.overrun_mm && surface_.border_distance(c.position_mm) < 1e-6) return true;
+    const double border = surface.border_at_least(p);
+    if (border < kClear_mm) {
+      const Foot foot = surface.closest(p);
+      const Vec3 off = p - foot.point;
+      if (foot.on_border && (off - off.dot(foot.normal) * foot.normal).norm() > limits_.overrun_mm) return true;
     }
     x += std::max(kStep_mm, border - kClear_mm);
   }

@@ -35,6 +35,8 @@ class Link {
   /// How long a controller may take for its first answer: P2 of the protocol and what the way there costs.
   [[nodiscard]] virtual std::uint64_t answer_us() const = 0;
   [[nodiscard]] virtual std::string name() const = 0;
+  /// What the link itself has noticed (bus errors, unplugged devices), with the remedy; empty: nothing.
+  [[nodiscard]] virtual std::string trouble() const { return {}; }
   [[nodiscard]] virtual Finger* finger() { return nullptr; }
 };
 

@@ -1,26 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <atomic>
-#include <functional>
 #include <vector>
 
+#include "triskin/device/skin_server.hpp"
 #include "triskin/device/tcp_link.hpp"
-#include "triskin/scene/virtual_skin.hpp"
 
 namespace triskin::device {
 
-/// Serves a simulated skin over TCP, in real time: virtual time follows the wall clock. All clients share one bus.
-class SimServer {
+/// Serves a simulated skin over TCP. All clients share one bus; one that sends nonsense is dropped.
+class SimServer final : public SkinServer {
  public:
   /// Listens; port 0 takes a free one. Throws DeviceError when the address cannot be used.
   SimServer(scene::VirtualSkin& skin, const HostPort& at);
-  ~SimServer();
-  SimServer(const SimServer&) = delete;
-  SimServer& operator=(const SimServer&) = delete;
+  ~SimServer() override;
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// Until `stop` is set or `seconds` have passed (0: for ever). A client that sends nonsense is dropped.
-  void run(const std::atomic<bool>& stop, double seconds);
+  [[nodiscard]] std::string link_name() const override { return name_ + std::to_string(port_); }
 
  private:
   struct Client {
@@ -31,14 +26,15 @@ class SimServer {
   };
   static constexpr std::size_t kMaxBacklogBytes = std::size_t{4} * 1024 * 1024;
 
-  void wait(std::uint64_t timeout_us);
+  void flush() override;
+  void wait(std::uint64_t timeout_us) override;
   void accept_client();
   void read_client(Client& client);
   void write_client(Client& client);
   void handle(Client& client, const record::Record& record);
   void drop_dead();
 
-  scene::VirtualSkin& skin_;
+  std::string name_;
   int listener_ = -1;
   std::uint16_t port_ = 0;
   std::vector<Client> clients_;

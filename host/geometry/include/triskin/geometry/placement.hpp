@@ -30,7 +30,16 @@ struct PlacementOptions {
   int threads = 0;                ///< 0: all cores; the answer does not depend on it
   std::uint64_t seed = 1;
   bool connected = false;         ///< count only the largest edge-connected set
+  bool keep_proof = false;        ///< fill PlacementResult::proof (branch and bound only)
   bool largest_clearance = true;  ///< last step: among the optima the placement with the largest clearance
+};
+
+/// What a checker needs to see that no placement is better (docs/placement.md): motions q = R(theta)·(p − pivot) + (x, y).
+struct PlacementProof {
+  Vec2 pivot = Vec2::Zero();
+  double pitch_mm = kSide_mm;
+  std::array<double, 3> motion{};                ///< x, y, theta of the answer
+  std::vector<std::array<double, 6>> cells;      ///< boxes x0, x1, y0, y1, theta0, theta1 that cover one period
 };
 
 struct PlacementResult {
@@ -44,6 +53,7 @@ struct PlacementResult {
   std::int64_t evaluations = 0;
   std::int64_t cells = 0;
   double seconds = 0.0;
+  PlacementProof proof;
 };
 
 /// Places `polygon` on the isometric grid so that as many tiles as possible lie wholly inside.
@@ -54,5 +64,8 @@ struct PlacementResult {
 /// The paper's Algorithm 1 with holes: the tiles that lie in the moved polygon, each allowed to stand over by `tolerance_mm`,
 /// sorted. `polygon` must be normalized (polygon_io.hpp). Cost: O(edges · tiles that they pass).
 [[nodiscard]] std::vector<Tile> tiles_inside(const Polygon& polygon, const Placement& placement, double tolerance_mm, double gap_mm = 0.0);
+
+/// The log of `triskin place --proof` (docs/placement.md) for the polygon that was placed. Cells are there when `keep_proof` was set.
+[[nodiscard]] std::string proof_text(const Polygon& polygon, const PlacementResult& result);
 
 }  // namespace triskin::geometry

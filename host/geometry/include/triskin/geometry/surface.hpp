@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "triskin/geometry/types.hpp"
@@ -38,6 +39,8 @@ class Surface {
 
   /// Closest point; cost O(log n) typical.
   [[nodiscard]] SurfacePoint closest(const Vec3& query_mm) const;
+  /// Appends (squared distance, face) of every face within a distance of a point, in no order.
+  void faces_within(const Vec3& query_mm, double distance_mm, std::vector<std::pair<double, int>>& faces) const;
   /// Distance from a point to the border polyline; infinity when the surface is closed.
   [[nodiscard]] double border_distance(const Vec3& query_mm) const;
 

@@ -53,6 +53,9 @@ class VirtualSkin {
   /// Unplugs the bus from the host's frames, or plugs it back: frames in both directions are lost.
   void plug(bool plugged) { plugged_ = plugged; }
 
+  /// Whether the bus carries FD frames (it does at first). Power-cycles the controllers.
+  void use_fd(bool fd);
+
   /// Frames and bits that went over the bus.
   [[nodiscard]] std::uint64_t bus_frames() const { return bus_frames_; }
   [[nodiscard]] std::uint64_t bus_busy_us() const { return bus_busy_us_; }

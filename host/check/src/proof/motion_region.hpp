@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "interval.hpp"
+#include "proof_log.hpp"
+
+namespace triskin::check {
+
+inline constexpr double kModuleSide_mm = 30.0;
+
+/// Edge of the polygon relative to the pivot.
+struct ProofEdge {
+  std::array<IntervalPoint, 2> end;
+  Interval offset;            ///< left normal (not of unit length) · end
+  double length_mm = 0.0;     ///< upper bound
+};
+
+/// A module near the outline, with its edges as a range of indices.
+struct Candidate {
+  ProofTile tile;
+  IntervalPoint center;
+  std::uint32_t first = 0, count = 0;
+  bool inside = false;  ///< its centre is known to lie inside over the whole region
+};
+struct CandidateList {
+  std::vector<Candidate> tiles;
+  std::vector<std::uint32_t> edges;
+  int certain = 0;  ///< modules that lie inside whatever the motion
+  [[nodiscard]] int bound() const { return certain + static_cast<int>(tiles.size()); }
+};
+
+/// The problem in the checker's own terms.
+class ProofPolygon {
+ public:
+  ProofPolygon(const std::vector<std::array<PlanePoint, 2>>& edges, const PlanePoint& pivot, double pitch_mm);
+
+  [[nodiscard]] const std::vector<ProofEdge>& edges() const { return edges_; }
+  [[nodiscard]] double pitch_mm() const { return pitch_; }
+  [[nodiscard]] double radius_mm() const { return radius_; }
+  [[nodiscard]] IntervalPoint center_of(const ProofTile& tile) const;
+  /// Even-odd test of a point in the polygon's frame, in plain doubles: only for points that are far from every edge.
+  [[nodiscard]] bool contains(double x, double y) const;
+
+ private:
+  std::vector<ProofEdge> edges_;
+  std::vector<std::vector<std::uint32_t>> slabs_;
+  double slab_low_ = 0.0, slab_height_ = 1.0;
+  double pitch_;
+  double radius_ = 0.0;
+};
+
+/// All motions of a box: decides for modules and edges what holds for every one of them.
+class MotionRegion {
+ public:
+  MotionRegion(const ProofPolygon& polygon, const ProofBox& box);
+
+  /// How far a point of the polygon moves inside the region, mm, at most.
+  [[nodiscard]] double reach_mm() const { return reach_; }
+  /// Every module that may lie inside for some motion.
+  [[nodiscard]] CandidateList all() const;
+  /// Drops what cannot lie inside and edges that cannot cut.
+  [[nodiscard]] CandidateList filtered(const CandidateList& list) const;
+  /// For a region of one motion: does the module lie inside when it may stand over by `tolerance_mm`?
+  [[nodiscard]] bool holds(const ProofTile& tile, double tolerance_mm) const;
+
+ private:
+  enum class Verdict { kNever, kMay, kAlways };
+  struct Moved;
+  [[nodiscard]] Moved moved(const ProofEdge& edge) const;
+  [[nodiscard]] Verdict cuts(const IntervalPoint& center, bool up, const ProofEdge& edge, double allowance_mm) const;
+  [[nodiscard]] Verdict side_frees(const IntervalPoint& center, double sign, const Moved& m, double allowance_mm) const;
+  [[nodiscard]] Verdict line_frees(const IntervalPoint& center, double sign, const ProofEdge& edge, const Moved& m, double allowance_mm) const;
+  [[nodiscard]] double distance_mm(const IntervalPoint& center, const ProofEdge& edge) const;
+  [[nodiscard]] bool center_inside(const IntervalPoint& center) const;
+
+  const ProofPolygon& polygon_;
+  double x_, y_, half_x_, half_y_, half_theta_, reach_;
+  double plain_cosine_, plain_sine_;
+  Interval cosine_, sine_, cosine_range_, sine_range_;
+};
+
+}  // namespace triskin::check

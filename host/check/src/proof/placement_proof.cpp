@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/check/placement_proof.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <set>
+
+#include "motion_region.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::check {
+namespace {
+
+constexpr double kSixth_rad = 1.0471975511965979;       // a hair above 60°
+constexpr double kHalfRoot3High = 0.86602540378443871;  // a hair above √3/2
+constexpr double kListReach_mm = 40.0;                  // above it the list of modules would be longer than the work it saves
+constexpr int kDeepest = 26;                            // halvings of one cell of the log
+constexpr double kSpare_mm = 1e-9;                      // rounding of the placement itself, beside its tolerance
+
+struct Rejected {
+  std::string reason;
+};
+
+bool contains(const ProofBox& outer, const ProofBox& inner) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (outer.low[k] > inner.low[k] || outer.high[k] < inner.high[k]) return false;
+  }
+  return true;
+}
+bool overlaps(const ProofBox& a, const ProofBox& b) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (a.low[k] >= b.high[k] || a.high[k] <= b.low[k]) return false;
+  }
+  return true;
+}
+
+class Checker {
+ public:
+  Checker(const ProofLog& log, const ProofPolygon& polygon, std::int64_t& regions) : log_(log), polygon_(polygon), regions_(regions) {
+    limit_ = 200'000 + 100 * static_cast<std::int64_t>(log.cells.size());
+  }
+
+  void run() {
+    const ProofBox period{{0.0, 0.0, 0.0}, {polygon_.pitch_mm(), polygon_.pitch_mm() * kHalfRoot3High, kSixth_rad}};
+    std::vector<std::uint32_t> cells(log_.cells.size());
+    for (std::uint32_t k = 0; k < cells.size(); ++k) cells[k] = k;
+    cover(period, cells, nullptr, 1e300);
+  }
+
+ private:
+  // Splits the region along faces of cells until each part lies in one of them; `list` holds the modules of a region
+  // around it, null as long as that would be too long.
+  void cover(const ProofBox& region, const std::vector<std::uint32_t>& cells, const CandidateList* list, double list_reach) {
+    const double reach = MotionRegion(polygon_, region).reach_mm();
+    const bool in_one = std::ranges::any_of(cells, [&](std::uint32_t c) { return contains(log_.cells[c], region); });
+    CandidateList own;
+    if (!proved_ && reach < kListReach_mm && (in_one || reach < 0.7 * list_reach)) {
+      own = narrowed(region, list);
+      list = &own;
+      list_reach = reach;
+    }
+    const bool proves = !proved_ && list == &own && own.bound() <= log_.upper_bound;
+    if (in_one) {
+      if (!proved_ && !proves) halve(region, list, kDeepest);
+      return;
+    }
+    if (proves) proved_ = true;  // the parts must only be covered
+    for (const auto& [part, inner] : divided(region, cells)) cover(part, inner, list, list_reach);
+    if (proves) proved_ = false;
+  }
+
+  struct Part {
+    ProofBox region;
+    std::vector<std::uint32_t> cells;
+  };
+  [[nodiscard]] std::array<Part, 2> divided(const ProofBox& region, const std::vector<std::uint32_t>& cells) const {
+    const auto [axis, at] = best_face(region, cells);
+    std::array<Part, 2> parts{Part{region, {}}, Part{region, {}}};
+    parts[0].region.high[axis] = at;
+    parts[1].region.low[axis] = at;
+    for (Part& part : parts) {
+      std::ranges::copy_if(cells, std::back_inserter(part.cells), [&](std::uint32_t c) { return overlaps(log_.cells[c], part.region); });
+    }
+    return parts;
+  }
+
+  // Of some faces per axis the one that leaves the fewest cells on its fuller side.
+  [[nodiscard]] std::pair<std::size_t, double> best_face(const ProofBox& region, const std::vector<std::uint32_t>& cells) const {
+    std::size_t best_axis = 0, fewest = cells.size() * 2 + 2;
+    double best = 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::vector<double> faces;
+      for (const std::uint32_t c : cells) {
+        for (const double f : {log_.cells[c].low[axis], log_.cells[c].high[axis]}) {
+          if (f > region.low[axis] && f < region.high[axis]) faces.push_back(f);
+        }
+      }
+      std::ranges::sort(faces);
+      for (std::size_t q = 1; q < 8 && !faces.empty(); ++q) {
+        const double f = faces[faces.size() * q / 8];
+        std::size_t low = 0, high = 0;
+        for (const std::uint32_t c : cells) {
+          low += log_.cells[c].low[axis] < f ? 1 : 0;
+          high += log_.cells[c].high[axis] > f ? 1 : 0;
+        }
+        if (std::max(low, high) >= fewest) continue;
+        fewest = std::max(low, high);
+        best_axis = axis;
+        best = f;
+      }
+    }
+    if (fewest > cells.size() * 2) {
+      throw Rejected{fmt::format("no cell covers x {}, y {}, theta {}", region.low[0], region.low[1], region.low[2])};
+    }
+    return {best_axis, best};
+  }
+
+  CandidateList narrowed(const ProofBox& box, const CandidateList* list) {
+    if (++regions_ > limit_) throw Rejected{"the cells are too coarse: their bound cannot be shown"};
+    const MotionRegion region(polygon_, box);
+    return list != nullptr ? region.filtered(*list) : region.all();
+  }
+
+  // One cell of the log: halved where a bound over the whole of it is too weak.
+  void halve(const ProofBox& box, const CandidateList* list, int deepest) {
+    if (deepest == 0) {
+      throw Rejected{fmt::format("more than {} modules may lie inside near x {}, y {}, theta {}", log_.upper_bound, box.low[0], box.low[1], box.low[2])};
+    }
+    std::array<double, 3> width{};
+    for (std::size_t k = 0; k < 3; ++k) width[k] = (box.high[k] - box.low[k]) * (k == 2 ? polygon_.radius_mm() : 1.0);
+    const auto axis = static_cast<std::size_t>(std::ranges::max_element(width) - width.begin());
+    const double middle = 0.5 * (box.low[axis] + box.high[axis]);
+    for (const bool upper : {false, true}) {
+      ProofBox part = box;
+      (upper ? part.low : part.high)[axis] = middle;
+      if (part.low[axis] > box.high[axis] || part.high[axis] < box.low[axis]) continue;
+      const CandidateList own = narrowed(part, list);
+      if (own.bound() > log_.upper_bound) halve(part, &own, deepest - 1);
+    }
+  }
+
+  const ProofLog& log_;
+  const ProofPolygon& polygon_;
+  std::int64_t& regions_;
+  std::int64_t limit_ = 0;
+  bool proved_ = false;
+};
+
+void require_header(const ProofLog& log, const std::vector<std::array<PlanePoint, 2>>& edges) {
+  if (edges.empty() || edges != edge_set(log.rings)) throw Rejected{"the polygon of the log is not the polygon of the file"};
+  if (!(log.pitch_mm >= kModuleSide_mm && log.pitch_mm <= 1000.0)) throw Rejected{"pitch_mm is out of range"};
+  if (!(log.tolerance_mm > 0.0 && log.tolerance_mm <= 1.0)) throw Rejected{"tolerance_mm is out of range"};
+  if (log.upper_bound < log.modules) throw Rejected{fmt::format("the bound {} is below the {} modules that are claimed", log.upper_bound, log.modules)};
+  for (const ProofBox& c : log.cells) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (c.low[k] > c.high[k] || std::abs(c.low[k]) > 1e6 || std::abs(c.high[k]) > 1e6) throw Rejected{"a cell is not a box"};
+    }
+  }
+}
+
+void require_placement(const ProofLog& log, const ProofPolygon& polygon) {
+  if (static_cast<int>(log.tiles.size()) != log.modules) throw Rejected{"the placement does not list as many modules as it claims"};
+  if (std::set<ProofTile>(log.tiles.begin(), log.tiles.end()).size() != log.tiles.size()) throw Rejected{"the placement lists a module twice"};
+  const MotionRegion here(polygon, {log.motion, log.motion});
+  for (const ProofTile& t : log.tiles) {
+    if (!here.holds(t, log.tolerance_mm + kSpare_mm)) throw Rejected{fmt::format("module ({}, {}, {}) does not lie inside", t.i, t.j, t.up ? "up" : "down")};
+  }
+}
+
+ProofReport judge(const ProofLog& log, const std::vector<Ring>& rings) {
+  const auto start = std::chrono::steady_clock::now();
+  ProofReport report;
+  report.modules = log.modules;
+  report.upper_bound = log.upper_bound;
+  report.cells = static_cast<std::int64_t>(log.cells.size());
+  try {
+    const auto edges = edge_set(rings);
+    require_header(log, edges);
+    const ProofPolygon polygon(edges, log.pivot, log.pitch_mm);
+    if (polygon.radius_mm() > 1e6) throw Rejected{"the pivot lies too far from the polygon"};
+    require_placement(log, polygon);
+    Checker(log, polygon, report.regions).run();
+    report.accepted = true;
+  } catch (const Rejected& r) {
+    report.reason = r.reason;
+  }
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+}  // namespace
+
+ProofReport check_placement_proof_text(const std::string& log, const std::string& polygon) {
+  return judge(read_proof_log(log, "proof"), read_rings(polygon, "polygon"));
+}
+
+ProofReport check_placement_proof(const std::filesystem::path& log, const std::filesystem::path& polygon) {
+  return judge(read_proof_log(read_file(log), log.string()), read_rings(read_file(polygon), polygon.string()));
+}
+
+}  // namespace triskin::check

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "proof_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "triskin/host/error.hpp"
+
+namespace triskin::check {
+namespace {
+
+using nlohmann::json;
+
+[[noreturn]] void fail(const std::string& name, const std::string& what) { throw InputError(name + ": " + what); }
+
+const json& member(const json& object, const char* key, const std::string& name) {
+  if (!object.is_object() || !object.contains(key)) fail(name, fmt::format("\"{}\" is missing", key));
+  return object[key];
+}
+
+double number(const json& value, const char* what, const std::string& name) {
+  if (!value.is_number() || !std::isfinite(value.get<double>())) fail(name, fmt::format("{}: must be a finite number", what));
+  return value.get<double>();
+}
+
+int count(const json& value, const char* what, const std::string& name) {
+  if (!value.is_number_integer() || value.get<std::int64_t>() < 0 || value.get<std::int64_t>() > 100'000'000) {
+    fail(name, fmt::format("{}: must be a whole number from 0 on", what));
+  }
+  return value.get<int>();
+}
+
+const json& list(const json& value, const char* what, const std::string& name) {
+  if (!value.is_array()) fail(name, fmt::format("{}: must be a list", what));
+  return value;
+}
+
+std::vector<Ring> json_rings(const json& rings, const std::string& name) {
+  std::vector<Ring> result;
+  for (const json& points : list(rings, "rings", name)) {
+    Ring ring;
+    for (const json& p : list(points, "ring", name)) {
+      if (!p.is_array() || p.size() < 2) fail(name, "a point must be two numbers");
+      ring.push_back({number(p[0], "x", name), number(p[1], "y", name)});
+    }
+    result.push_back(std::move(ring));
+  }
+  if (result.empty()) fail(name, "has no ring");
+  return result;
+}
+
+// The polygon inside features and collections of one.
+const json& find_polygon(const json& value, const std::string& name) {
+  const std::string type = value.is_object() && value.contains("type") && value["type"].is_string() ? value["type"].get<std::string>() : "";
+  if (type == "Polygon") return member(value, "coordinates", name);
+  if (type == "Feature") return find_polygon(member(value, "geometry", name), name);
+  const char* inner = type == "FeatureCollection" ? "features" : type == "GeometryCollection" ? "geometries" : type == "MultiPolygon" ? "coordinates" : nullptr;
+  if (inner == nullptr) fail(name, "not a GeoJSON polygon");
+  const json& parts = list(member(value, inner, name), inner, name);
+  if (parts.size() != 1) fail(name, "must hold exactly one polygon");
+  return type == "MultiPolygon" ? parts[0] : find_polygon(parts[0], name);
+}
+
+// POLYGON ((x y, …), (…)): numbers between parentheses, commas between points.
+std::vector<Ring> wkt_rings(const std::string& text, const std::string& name) {
+  std::vector<Ring> rings;
+  int depth = 0;
+  std::vector<double> numbers;
+  const auto end_point = [&] {
+    if (numbers.size() != 2) fail(name, "a WKT point must be two numbers");
+    rings.back().push_back({numbers[0], numbers[1]});
+    numbers.clear();
+  };
+  for (const char* at = text.c_str() + text.find('('); *at != '\0';) {
+    if (*at == '(') {
+      if (++depth == 2) rings.emplace_back();
+      ++at;
+    } else if (*at == ')' || (*at == ',' && depth == 2)) {
+      if (depth == 2) end_point();
+      if (*at == ')') --depth;
+      ++at;
+    } else if (std::isspace(static_cast<unsigned char>(*at)) != 0 || *at == ',') {
+      ++at;
+    } else {
+      char* end = nullptr;
+      numbers.push_back(std::strtod(at, &end));
+      if (end == at || depth != 2 || !std::isfinite(numbers.back())) fail(name, "not a WKT polygon");
+      at = end;
+    }
+  }
+  if (depth != 0 || rings.empty()) fail(name, "not a WKT polygon");
+  return rings;
+}
+
+json parse(const std::string& text, const std::string& name) {
+  try {
+    return json::parse(text);
+  } catch (const json::exception& e) {
+    fail(name, fmt::format("not JSON ({})", e.what()));
+  }
+}
+
+}  // namespace
+
+std::vector<Ring> read_rings(const std::string& text, const std::string& name) {
+  const auto first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (first == std::string::npos) fail(name, "the file is empty");
+  if (text[first] == '{') return json_rings(find_polygon(parse(text.substr(first), name), name), name);
+  if (text.find('(') == std::string::npos) fail(name, "neither GeoJSON nor WKT");
+  return wkt_rings(text, name);
+}
+
+ProofLog read_proof_log(const std::string& text, const std::string& name) {
+  const json j = parse(text, name);
+  if (member(j, "format", name) != "triskin-placement-proof") fail(name, "not a placement proof (\"format\")");
+  if (member(j, "version", name) != 1) fail(name, "unknown version of the proof format");
+  ProofLog log;
+  log.rings = json_rings(member(j, "rings", name), name);
+  const json& pivot = list(member(j, "pivot", name), "pivot", name);
+  const json& motion = list(member(j, "motion", name), "motion", name);
+  if (pivot.size() != 2 || motion.size() != 3) fail(name, "\"pivot\" must be two numbers, \"motion\" three");
+  log.pivot = {number(pivot[0], "pivot", name), number(pivot[1], "pivot", name)};
+  for (std::size_t k = 0; k < 3; ++k) log.motion[k] = number(motion[k], "motion", name);
+  log.pitch_mm = number(member(j, "pitch_mm", name), "pitch_mm", name);
+  log.tolerance_mm = number(member(j, "tolerance_mm", name), "tolerance_mm", name);
+  log.modules = count(member(j, "modules", name), "modules", name);
+  log.upper_bound = count(member(j, "upper_bound", name), "upper_bound", name);
+  for (const json& t : list(member(j, "tiles", name), "tiles", name)) {
+    if (!t.is_array() || t.size() != 3 || !t[0].is_number_integer() || !t[1].is_number_integer() || !t[2].is_number_integer()) fail(name, "a tile must be [i, j, up]");
+    log.tiles.push_back({t[0].get<int>(), t[1].get<int>(), t[2].get<int>() != 0});
+  }
+  for (const json& c : list(member(j, "cells", name), "cells", name)) {
+    if (!c.is_array() || c.size() != 6) fail(name, "a cell must be [x0, x1, y0, y1, theta0, theta1]");
+    ProofBox box;
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.low[k] = number(c[2 * k], "cell", name);
+      box.high[k] = number(c[2 * k + 1], "cell", name);
+    }
+    log.cells.push_back(box);
+  }
+  return log;
+}
+
+std::vector<std::array<PlanePoint, 2>> edge_set(const std::vector<Ring>& rings) {
+  std::vector<std::array<PlanePoint, 2>> edges;
+  for (const Ring& ring : rings) {
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+      const auto [a, b] = std::minmax(ring[k], ring[(k + 1) % ring.size()]);
+      if (a != b) edges.push_back({a, b});
+    }
+  }
+  std::ranges::sort(edges);
+  return edges;
+}
+
+}  // namespace triskin::check

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+namespace triskin::check {
+
+using PlanePoint = std::array<double, 2>;
+using Ring = std::vector<PlanePoint>;
+
+/// Box of motions: low and high of x mm, y mm, theta rad.
+struct ProofBox {
+  std::array<double, 3> low{}, high{};
+};
+
+struct ProofTile {
+  int i = 0, j = 0;
+  bool up = true;
+  auto operator<=>(const ProofTile&) const = default;
+};
+
+/// What the log claims.
+struct ProofLog {
+  std::vector<Ring> rings;
+  PlanePoint pivot{};
+  double pitch_mm = 0.0, tolerance_mm = 0.0;
+  int modules = 0, upper_bound = 0;
+  std::array<double, 3> motion{};
+  std::vector<ProofTile> tiles;
+  std::vector<ProofBox> cells;
+};
+
+/// Both throw InputError when the text is not what it should be.
+[[nodiscard]] ProofLog read_proof_log(const std::string& text, const std::string& name);
+/// Rings of a GeoJSON or WKT polygon as they stand in the file.
+[[nodiscard]] std::vector<Ring> read_rings(const std::string& text, const std::string& name);
+
+/// The edges that bound the rings, each with its smaller end first, sorted; points left out. Equal for the same outline
+/// however its rings are turned, numbered and closed.
+[[nodiscard]] std::vector<std::array<PlanePoint, 2>> edge_set(const std::vector<Ring>& rings);
+
+}  // namespace triskin::check

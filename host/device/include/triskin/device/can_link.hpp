@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <chrono>
+
+#include "triskin/device/can_socket.hpp"
+#include "triskin/device/link.hpp"
+
+namespace triskin::device {
+
+/// Controllers on a CAN bus of this computer (SocketCAN). FD frames are used when the interface carries them.
+class CanLink final : public Link {
+ public:
+  /// Throws DeviceError as CanSocket does.
+  explicit CanLink(const std::string& interface);
+
+  void send(const wire::CanFrame& frame) override { socket_.send(frame); }
+  std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
+  [[nodiscard]] std::uint64_t now_us() const override;
+  [[nodiscard]] bool fd() const override { return socket_.fd(); }
+  /// The computer may be busy for much longer than the controller.
+  [[nodiscard]] std::uint64_t answer_us() const override { return 1'000'000; }
+  [[nodiscard]] std::string name() const override { return name_; }
+  [[nodiscard]] std::string trouble() const override { return socket_.trouble(); }
+
+ private:
+  std::string name_;
+  CanSocket socket_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace triskin::device

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "triskin/wire/can_frame.hpp"
+
+namespace triskin::device {
+
+/// A raw SocketCAN socket: classic and FD frames, error frames, bus-off. Used by one thread.
+class CanSocket {
+ public:
+  /// What the controller chip of the interface has reported. Counts since the socket was opened.
+  struct Errors {
+    std::uint64_t frames = 0;  ///< error frames
+    bool bus_off = false;      ///< until the interface says that it was restarted
+    bool passive = false;      ///< error passive or warning level
+    bool unacknowledged = false;  ///< the last frame found nobody who acknowledged it
+  };
+
+  /// Throws DeviceError naming the interface and how to bring it up: no such interface, it is down, no CAN in the kernel.
+  explicit CanSocket(const std::string& interface);
+  ~CanSocket();
+  CanSocket(const CanSocket&) = delete;
+  CanSocket& operator=(const CanSocket&) = delete;
+
+  /// The interface carries FD frames (its MTU is that of FD).
+  [[nodiscard]] bool fd() const { return fd_; }
+  [[nodiscard]] int descriptor() const { return socket_; }
+  /// Only answers of controllers, claims, streams and the loader from now on: other traffic costs nothing.
+  void filter_for_host();
+  /// Waits while the transmit queue is full, up to a second. Throws DeviceError: interface gone or down, bus-off, queue stays full.
+  void send(const wire::CanFrame& frame);
+  /// The next frame that waits, or empty. Error frames are taken into errors(). Throws DeviceError: interface gone or down.
+  std::optional<wire::CanFrame> receive();
+  [[nodiscard]] const Errors& errors() const { return errors_; }
+  /// One sentence on errors(), empty when all is well.
+  [[nodiscard]] std::string trouble() const;
+
+ private:
+  void note_error(std::uint32_t error_class, const std::uint8_t* data);
+  [[noreturn]] void fail(const std::string& what, int error) const;
+
+  std::string interface_;
+  int socket_ = -1;
+  bool fd_ = false;
+  Errors errors_;
+};
+
+}  // namespace triskin::device

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "near_surface.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace triskin::geometry::surface_lattice {
+namespace {
+
+constexpr double kMargin_mm = 12.0;     // queries farther out than this are rare: they ask the tree
+constexpr double kLargestCell_mm = 3.0;
+constexpr double kSmallestCell_mm = 2.0;
+constexpr double kMaxCells = 6e6;
+constexpr std::size_t kMaxCandidates = 24;
+
+std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+}  // namespace
+
+NearSurface::NearSurface(const Surface& surface) : surface_(surface), border_vertex_(surface.mesh().vertices.size(), false) {
+  const Mesh& mesh = surface.mesh();
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  if (!mesh.vertices.empty()) low = high = mesh.vertices.front();
+  for (const Vec3& v : mesh.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  origin_ = low - Vec3::Constant(kMargin_mm);
+  const Vec3 extent = high - low + Vec3::Constant(2.0 * kMargin_mm);
+  const double face_mm = std::sqrt(surface.area_mm2() / std::max(1.0, static_cast<double>(mesh.faces.size())));
+  size_mm_ = std::max(std::clamp(0.7 * face_mm, kSmallestCell_mm, kLargestCell_mm), std::cbrt(extent.prod() / kMaxCells));
+  for (int k = 0; k < 3; ++k) cells_[at(k)] = static_cast<int>(extent[k] / size_mm_) + 1;
+  index_.assign(at(cells_[0]) * at(cells_[1]) * at(cells_[2]), -1);
+  for (const auto& loop : surface.border_loops()) {
+    for (const int v : loop) border_vertex_[at(v)] = true;
+  }
+}
+
+const NearSurface::Cell* NearSurface::cell_at(const Vec3& query_mm) {
+  const Vec3 q = (query_mm - origin_) / size_mm_;
+  if (!(q.minCoeff() >= 0.0)) return nullptr;
+  const std::array<int, 3> c{static_cast<int>(q[0]), static_cast<int>(q[1]), static_cast<int>(q[2])};
+  if (c[0] >= cells_[0] || c[1] >= cells_[1] || c[2] >= cells_[2]) return nullptr;
+  int& index = index_[(at(c[2]) * at(cells_[1]) + at(c[1])) * at(cells_[0]) + at(c[0])];
+  if (index < 0) index = fill(origin_ + size_mm_ * Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5));
+  return &filled_[at(index)];
+}
+
+// The face nearest to a point of the cell is no farther from the middle than the nearest one there plus the cell's diagonal.
+int NearSurface::fill(const Vec3& middle) {
+  const double half = 0.5 * std::sqrt(3.0) * size_mm_;
+  const SurfacePoint nearest = surface_.closest(middle);
+  Cell cell;
+  cell.border_mm = std::max(0.0, surface_.border_distance(middle) - half);
+  if (nearest.distance_mm < kMargin_mm) {
+    std::vector<std::pair<double, int>> faces;
+    surface_.faces_within(middle, nearest.distance_mm + 2.0 * half + 1e-6, faces);
+    if (faces.size() <= kMaxCandidates) {
+      std::ranges::sort(faces);
+      cell.first = static_cast<int>(candidates_.size());
+      cell.count = static_cast<int>(faces.size());
+      for (const auto& [squared, face] : faces) candidates_.push_back(face);
+    }
+  }
+  filled_.push_back(cell);
+  return static_cast<int>(filled_.size()) - 1;
+}
+
+Foot NearSurface::foot_on(int face, const Vec3& weights, const Vec3& point, double squared) const {
+  const auto& f = surface_.mesh().faces[at(face)];
+  Foot foot;
+  foot.point = point;
+  foot.distance_mm = std::sqrt(squared);
+  const Vec3 n = weights[0] * surface_.vertex_normal(f[0]) + weights[1] * surface_.vertex_normal(f[1]) + weights[2] * surface_.vertex_normal(f[2]);
+  const double length = n.norm();
+  foot.normal = length > 1e-9 ? Vec3(n / length) : surface_.face_normal(face);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (weights[static_cast<int>(k)] == 1.0 && border_vertex_[at(f[k])]) foot.on_border = true;
+    if (weights[static_cast<int>((k + 2) % 3)] == 0.0 && surface_.neighbours(face)[k] < 0) foot.on_border = true;
+  }
+  return foot;
+}
+
+Foot NearSurface::closest(const Vec3& query_mm) {
+  const Cell* cell = cell_at(query_mm);
+  if (cell == nullptr || cell->count < 0) {
+    const SurfacePoint p = surface_.closest(query_mm);
+    return foot_on(p.face, p.barycentric, p.position_mm, p.distance_mm * p.distance_mm);
+  }
+  const Mesh& mesh = surface_.mesh();
+  double best_squared = std::numeric_limits<double>::infinity();
+  int best = -1;
+  Vec3 best_weights = Vec3::Zero(), best_point = Vec3::Zero();
+  for (int k = cell->first; k < cell->first + cell->count; ++k) {
+    const int face = candidates_[at(k)];
+    const auto& f = mesh.faces[at(face)];
+    const Vec3& a = mesh.vertices[at(f[0])];
+    const double height = surface_.face_normal(face).dot(query_mm - a);
+    if (height * height >= best_squared) continue;
+    const Vec3 &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];
+    const Vec3 weights = closest_on_triangle(query_mm, a, b, c);
+    const Vec3 p = weights[0] * a + weights[1] * b + weights[2] * c;
+    const double squared = (p - query_mm).squaredNorm();
+    if (squared >= best_squared) continue;
+    best_squared = squared;
+    best = face;
+    best_weights = weights;
+    best_point = p;
+  }
+  return foot_on(best, best_weights, best_point, best_squared);
+}
+
+double NearSurface::border_at_least(const Vec3& query_mm) {
+  const Cell* cell = cell_at(query_mm);
+  return cell != nullptr ? cell->border_mm : surface_.border_distance(query_mm);
+}
+
+}  // namespace triskin::geometry::surface_lattice

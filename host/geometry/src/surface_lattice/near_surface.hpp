@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <vector>
+
+#include "triskin/geometry/surface.hpp"
+
+namespace triskin::geometry::surface_lattice {
+
+/// Foot of a point on the surface.
+struct Foot {
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::UnitZ();  ///< interpolated, as Surface::normal_at
+  double distance_mm = 0.0;
+  bool on_border = false;       ///< the foot lies on a border edge
+};
+
+/// Closest points of a surface, several times faster than Surface::closest and with the same answers: cells of a grid
+/// remember which faces can be nearest to a point in them. Fills itself while it is used: one object a thread.
+class NearSurface {
+ public:
+  explicit NearSurface(const Surface& surface);
+
+  [[nodiscard]] Foot closest(const Vec3& query_mm);
+  /// Lower bound of the distance to the border, a few mm below it.
+  [[nodiscard]] double border_at_least(const Vec3& query_mm);
+  [[nodiscard]] const Surface& surface() const { return surface_; }
+
+ private:
+  struct Cell {
+    int first = 0, count = -1;  ///< candidates; count −1: too many or too far away, ask the tree
+    double border_mm = 0.0;     ///< least distance from a point of the cell to the border
+  };
+  [[nodiscard]] const Cell* cell_at(const Vec3& query_mm);
+  [[nodiscard]] int fill(const Vec3& middle);
+  [[nodiscard]] Foot foot_on(int face, const Vec3& weights, const Vec3& point, double squared) const;
+
+  const Surface& surface_;
+  Vec3 origin_ = Vec3::Zero();
+  double size_mm_ = 5.0;
+  std::array<int, 3> cells_{};
+  std::vector<int> index_;  ///< cell → its entry in `filled_`, −1: not asked for yet
+  std::vector<Cell> filled_;
+  std::vector<int> candidates_;
+  std::vector<bool> border_vertex_;
+};
+
+}  // namespace triskin::geometry::surface_lattice

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/wire/can_frame.hpp"
+
+/// The same frames over USB as over CAN, one in a packet: HID reports of 64 bytes and bulk packets of up to 64. docs/protocol.md, "USB".
+namespace triskin::wire {
+
+inline constexpr std::size_t kUsbPacketBytes = 64;
+/// Longest frame in a packet. ISO-TP on USB uses FD frames of this length.
+inline constexpr std::uint8_t kUsbFrameBytes = 48;
+
+/// Identity of the device: vendor and product of the pid.codes test range, which no product may ship with.
+inline constexpr std::uint16_t kUsbVendor = 0x1209, kUsbProduct = 0x0001, kUsbDfuProduct = 0x0002;
+/// Interfaces and end points.
+inline constexpr std::uint8_t kHidInterface = 0, kBulkInterface = 1, kDfuInterface = 2;
+inline constexpr std::uint8_t kHidIn = 0x81, kHidOut = 0x01, kBulkIn = 0x82, kBulkOut = 0x02;
+
+struct UsbPacket {
+  std::array<std::uint8_t, kUsbPacketBytes> bytes{};
+  std::size_t size = 0;  ///< of a bulk packet; HID sends all 64, the rest 0
+  [[nodiscard]] constexpr Bytes used() const { return Bytes(bytes).first(size); }
+};
+
+/// Bytes of the frame + 1, then the identifier (LE; bit 31: 29 bits, bit 30: FD, bit 29: rate switch), then the bytes. Empty: the frame is
+/// longer than kUsbFrameBytes.
+[[nodiscard]] constexpr std::optional<UsbPacket> to_usb(const CanFrame& f) {
+  if (f.size > kUsbFrameBytes) return std::nullopt;
+  UsbPacket p;
+  ByteWriter w(p.bytes);
+  w.u8(static_cast<std::uint8_t>(f.size + 1));
+  w.le32(f.id | (f.extended ? 1U << 31 : 0) | (f.fd ? 1U << 30 : 0) | (f.bit_rate_switch ? 1U << 29 : 0));
+  w.bytes(f.payload());
+  p.size = w.size();
+  return p;
+}
+
+/// Empty: no frame in the packet (its first byte is 0), or nonsense.
+[[nodiscard]] constexpr std::optional<CanFrame> from_usb(Bytes packet) {
+  ByteReader r(packet);
+  const std::uint8_t size = r.u8();
+  const std::uint32_t id = r.le32();
+  if (!r.ok() || size == 0 || size > kUsbFrameBytes + 1 || packet.size() < 4U + size) return std::nullopt;
+  CanFrame f;
+  f.size = static_cast<std::uint8_t>(size - 1);
+  f.extended = (id >> 31) != 0;
+  f.fd = (id >> 30 & 1) != 0;
+  f.bit_rate_switch = (id >> 29 & 1) != 0;
+  f.id = id & 0x1FFFFFFF;
+  if ((!f.extended && f.id > 0x7FF) || (!f.fd && (f.size > 8 || f.bit_rate_switch))) return std::nullopt;
+  std::copy_n(packet.begin() + 5, f.size, f.data.begin());
+  return f;
+}
+
+}  // namespace triskin::wire

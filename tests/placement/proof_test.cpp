@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The proof log against a checker that shares no code with the solver; logs that were tampered with must be rejected.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "polygons.hpp"
+#include "triskin/check/placement_proof.hpp"
+#include "triskin/geometry/placement.hpp"
+#include "triskin/host/error.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+using nlohmann::json;
+
+std::string geojson(const Polygon& p) {
+  json rings = json::array();
+  const auto add = [&](const std::vector<Vec2>& ring) {
+    json points = json::array();
+    for (const Vec2& v : ring) points.push_back({v.x(), v.y()});
+    points.push_back(points[0]);
+    rings.push_back(points);
+  };
+  add(p.outer);
+  for (const auto& hole : p.holes) add(hole);
+  return json{{"type", "Polygon"}, {"coordinates", rings}}.dump();
+}
+
+PlacementResult proved(const Polygon& p) {
+  PlacementOptions options;
+  options.keep_proof = true;
+  options.largest_clearance = false;
+  return place(p, options);
+}
+
+class ProofTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::mt19937_64 random(41);
+    polygon_ = test::random_polygon(random, 24, 120, 1);
+    file_ = geojson(polygon_);
+    log_ = json::parse(proof_text(polygon_, proved(polygon_)));
+  }
+  [[nodiscard]] check::ProofReport report(const json& log) const { return check::check_placement_proof_text(log.dump(), file_); }
+  void expect_rejected(const json& log, const std::string& reason) const {
+    const auto r = report(log);
+    EXPECT_FALSE(r.accepted);
+    EXPECT_NE(r.reason.find(reason), std::string::npos) << r.reason;
+  }
+
+  Polygon polygon_;
+  std::string file_;
+  json log_;
+};
+
+TEST_F(ProofTest, an_honest_log_is_accepted) {
+  const auto r = report(log_);
+  EXPECT_TRUE(r.accepted) << r.reason;
+  EXPECT_EQ(r.modules, r.upper_bound);
+  EXPECT_GT(r.cells, 100);
+}
+
+TEST_F(ProofTest, a_missing_cell_is_noticed_whichever_it_is) {
+  std::mt19937_64 random(42);
+  for (int k = 0; k < 25; ++k) {
+    json log = log_;
+    log["cells"].erase(static_cast<std::size_t>(random() % log["cells"].size()));
+    expect_rejected(log, "no cell covers");
+  }
+}
+
+TEST_F(ProofTest, a_lowered_bound_is_noticed) {
+  json log = log_;
+  log["upper_bound"] = log["upper_bound"].get<int>() - 1;
+  expect_rejected(log, "below");
+  log["modules"] = log["modules"].get<int>() - 1;
+  expect_rejected(log, "does not list");
+  log["tiles"].erase(0);
+  expect_rejected(log, "may lie inside");  // now only the cells can tell
+}
+
+TEST_F(ProofTest, a_moved_edge_is_noticed_in_either_file) {
+  json log = log_;
+  log["rings"][0][3][0] = log["rings"][0][3][0].get<double>() + 1e-9;
+  expect_rejected(log, "not the polygon of the file");
+  Polygon larger = polygon_;
+  for (Vec2& v : larger.outer) v *= 1.15;  // the same lie in both files
+  log = log_;
+  log["rings"] = json::parse(geojson(larger))["coordinates"];
+  const auto r = check::check_placement_proof_text(log.dump(), geojson(larger));
+  EXPECT_FALSE(r.accepted);
+  EXPECT_NE(r.reason.find("may lie inside"), std::string::npos) << r.reason;
+}
+
+TEST_F(ProofTest, a_shrunk_cell_a_shifted_placement_and_a_doubled_module_are_noticed) {
+  json log = log_;
+  log["cells"][5][1] = 0.5 * (log["cells"][5][0].get<double>() + log["cells"][5][1].get<double>());
+  expect_rejected(log, "no cell covers");
+  log = log_;
+  log["motion"][0] = log["motion"][0].get<double>() + 20.0;
+  expect_rejected(log, "does not lie inside");
+  log = log_;
+  log["tiles"][1] = log["tiles"][0];
+  expect_rejected(log, "twice");
+}
+
+TEST_F(ProofTest, what_is_no_log_is_an_input_error) {
+  json log = log_;
+  log.erase("pivot");
+  EXPECT_THROW((void)report(log), InputError);
+  EXPECT_THROW((void)check::check_placement_proof_text("{", file_), InputError);
+  EXPECT_THROW((void)check::check_placement_proof_text(log_.dump(), ""), InputError);
+  EXPECT_THROW((void)check::check_placement_proof_text(log_.dump(), "POLYGON ((0 0, x 1))"), InputError);
+}
+
+TEST(Proof, holds_when_nothing_fits_and_for_an_exact_union_of_tiles) {
+  Polygon strip;
+  strip.outer = {{0, 0}, {300, 0}, {300, 20}, {0, 20}};
+  Polygon triangle;
+  triangle.outer = {{0, 0}, {90, 0}, {45, 3 * kHeight_mm}};
+  for (const Polygon& p : {strip, triangle, test::moved(triangle, 0.3, {1e6, -1e6})}) {
+    const auto r = check::check_placement_proof_text(proof_text(p, proved(p)), geojson(p));
+    EXPECT_TRUE(r.accepted) << r.reason;
+  }
+}
+
+}  // namespace
+}  // namespace triskin::geometry

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the cases in the test machine share: programs under test, simulated controllers, a log that is shown with the verdict."""
+import contextlib
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import time
+
+TRISKIN = ""
+DESIGN = "/tmp/plate.json"  # in this machine's own tmpfs
+MODULES, PATCHES = 0, 0
+log = []
+_running = []
+
+
+def run(*command, timeout=60, status=0, text=None):
+    """Runs a program to its end, checks its exit status (None: any), returns what it wrote to both outputs."""
+    command = [str(c) for c in command]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, input=text, stdin=subprocess.DEVNULL if text is None else None)
+    log.append(f"$ {' '.join(command)}\n{done.stdout}{done.stderr}")
+    assert status is None or done.returncode == status, f"{command[0]}: status {done.returncode}, expected {status}"
+    return done.stdout + done.stderr
+
+
+def triskin(*arguments, timeout=60, status=0):
+    """Runs triskin with --json and returns the object."""
+    command = [TRISKIN, *map(str, arguments), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, stdin=subprocess.DEVNULL)
+    log.append(f"$ triskin {' '.join(map(str, arguments))}\n{done.stdout[:4000]}{done.stderr[-2000:]}")
+    assert done.returncode == status, f"triskin {arguments[0]}: status {done.returncode}, expected {status}: {done.stderr[-500:]}"
+    return json.loads(done.stdout) if done.stdout.strip().startswith("{") else {"error": done.stderr}
+
+
+def start(*command, wait_for=None, timeout=30):
+    """Starts a program in the background; waits until its output holds `wait_for`."""
+    out = open(f"/tmp/output{len(_running)}_{time.monotonic_ns()}", "w+")
+    process = subprocess.Popen([str(c) for c in command], stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT)
+    process.output_path = pathlib.Path(out.name)
+    _running.append(process)
+    end = time.monotonic() + timeout
+    while wait_for is not None and wait_for not in process.output_path.read_text():
+        assert process.poll() is None, f"{command[0]} ended: {process.output_path.read_text()}"
+        assert time.monotonic() < end, f"{command[0]} does not say \"{wait_for}\": {process.output_path.read_text()}"
+        time.sleep(0.02)
+    return process
+
+
+def stop(process):
+    if process.poll() is None:
+        process.send_signal(signal.SIGTERM)
+        try:
+            process.wait(10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+    if process in _running:
+        _running.remove(process)
+        log.append(f"[{process.args[0]}]\n{process.output_path.read_text()[-3000:]}")
+
+
+def stop_all():
+    for process in list(_running):
+        stop(process)
+
+
+@contextlib.contextmanager
+def controllers(link, scene=DESIGN, fresh=True):
+    """Simulated controllers on a link of this kernel."""
+    process = start(TRISKIN, "simulate", scene, "--listen", link, *(["--fresh"] if fresh else []), wait_for="end with Ctrl-C")
+    try:
+        yield process
+    finally:
+        stop(process)
+
+
+def prepare(design_file):
+    """The design that all cases use: two controllers."""
+    global MODULES, PATCHES
+    os.chdir("/tmp")
+    pathlib.Path(DESIGN).write_bytes(pathlib.Path(design_file).read_bytes())
+    design = json.loads(pathlib.Path(DESIGN).read_text())
+    MODULES, PATCHES = len(design["modules"]), len(design["patches"])
