@@ -21,10 +21,10 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-// Two thirds of a cylinder, radius 60 mm, 200 mm long: it unfolds without error and holds several islands and patches.
+// Two thirds of a cylinder, radius 60 mm, 120 mm long: it unfolds without error and holds several islands and patches.
 geometry::Mesh half_pipe() {
   geometry::Mesh mesh;
-  constexpr int kAlong = 20, kAround = 24;
+  constexpr int kAlong = 12, kAround = 24;
   for (int a = 0; a <= kAlong; ++a) {
     for (int r = 0; r <= kAround; ++r) {
       const double angle = 4.0 * r / kAround;
