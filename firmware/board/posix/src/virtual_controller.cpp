@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "triskin/app/application.hpp"
+#include "triskin/logic/usb_device.hpp"
 
 namespace triskin::sim {
 namespace {
@@ -112,10 +113,12 @@ class Controller final : public VirtualController {
  public:
   explicit Controller(const VirtualBoard& board)
       : board_(board), lines_{{{*board.lines[0], clock_}, {*board.lines[1], clock_}, {*board.lines[2], clock_}, {*board.lines[3], clock_}}},
-        can_(board_), flash_(*board.flash),
-        application_({{&lines_[0], &lines_[1], &lines_[2], &lines_[3]}, &clock_, &can_, &flash_, board.unique_id}) {}
+        can_(board_), usb_(board.unique_id), flash_(*board.flash),
+        application_({{&lines_[0], &lines_[1], &lines_[2], &lines_[3]}, &clock_, &can_, &flash_, board.unique_id, &usb_}) {}
 
   void receive(const wire::CanFrame& frame) override { can_.queue.push_back(frame); }
+
+  [[nodiscard]] wire::UsbFunction& usb() override { return usb_; }
 
   void run_until(std::uint64_t now_us) override {
     while (next_event_us() <= now_us) {
@@ -126,7 +129,7 @@ class Controller final : public VirtualController {
   }
 
   [[nodiscard]] std::uint64_t next_event_us() const override {
-    if (!can_.queue.empty()) return clock_.now;
+    if (!can_.queue.empty() || usb_.frame_waits()) return clock_.now;
     std::uint64_t next = application_.next_event_us();
     for (const VirtualI2cLine& line : lines_) next = std::min(next, line.done_us());
     return next;
@@ -137,6 +140,7 @@ class Controller final : public VirtualController {
   VirtualClock clock_;
   std::array<VirtualI2cLine, 4> lines_;
   VirtualCan can_;
+  fw::UsbDevice usb_;
   VirtualFlash flash_;
   fw::Application application_;
 };

@@ -8,6 +8,7 @@
 #include "triskin/sim/flash_model.hpp"
 #include "triskin/sim/i2c_bus.hpp"
 #include "triskin/wire/can_frame.hpp"
+#include "triskin/wire/usb_function.hpp"
 
 namespace triskin::sim {
 
@@ -27,6 +28,8 @@ class VirtualController {
   virtual ~VirtualController() = default;
   /// A frame arrives. It is handled by the next run_until.
   virtual void receive(const wire::CanFrame& frame) = 0;
+  /// Its USB device, to be attached to a bus.
+  [[nodiscard]] virtual wire::UsbFunction& usb() = 0;
   /// Runs the application until virtual time `now_us` (monotonic). May throw PowerLost from the flash model.
   virtual void run_until(std::uint64_t now_us) = 0;
   /// Earliest virtual time at which the application has something to do; ≤ now when it is busy.

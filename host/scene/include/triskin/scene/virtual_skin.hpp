@@ -56,6 +56,10 @@ class VirtualSkin {
   /// Whether the bus carries FD frames (it does at first). Power-cycles the controllers.
   void use_fd(bool fd);
 
+  /// The USB device of a controller that has power; wake() after something was put into it.
+  [[nodiscard]] wire::UsbFunction& usb(std::size_t patch) { return nodes_.at(patch).controller->usb(); }
+  void wake(std::size_t patch) { nodes_.at(patch).run_again_us = now_us_; }
+
   /// Frames and bits that went over the bus.
   [[nodiscard]] std::uint64_t bus_frames() const { return bus_frames_; }
   [[nodiscard]] std::uint64_t bus_busy_us() const { return bus_busy_us_; }
