@@ -20,7 +20,7 @@ wire::IsoTp make_link(std::uint8_t node, std::uint8_t frame_bytes) {
 
 Application::Application(const Ports& ports)
     : ports_(ports), tables_(*ports.flash), server_(*this, tables_), faults_(*ports.flash),
-      channels_{{{ports.can, make_link(1, 8)}, {ports.usb, make_link(1, 8)}}}, asking_(ports.can), stream_port_(ports.can) {
+      channels_{{{ports.can, make_link(1, 8)}, {ports.usb, make_link(1, 8)}}}, asking_(ports.can), stream_port_(ports.can), route_(ports.chain) {
   restart();
 }
 
@@ -37,11 +37,37 @@ void Application::restart() {
 
 void Application::restart_sampling() {
   samples_ = {};
+  published_ = {};
+  route_.begin(tables_.has_table() ? &tables_.table() : nullptr);
   lines_done_ = 0;
   const layout::PatchImage table = tables_.has_table() ? tables_.table() : layout::PatchImage{};
   for (std::size_t l = 0; l < lines_.size(); ++l) {
     lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l), table, samples_, now_us());
   }
+}
+
+// Switched modules: a look at the chain now and then; a new tree when it is due. Transfers that a doubt falls on end unused.
+void Application::keep_route() {
+  for (std::uint8_t l = 0; l < layout::kLines; ++l) route_.line_state(l, lines_[l].stuck());
+  if (!quiet_ && route_.check_due(now_us()) && !route_.check(now_us())) distrust();
+  if (!quiet_ && !route_.due(now_us())) return;
+  quiet_ = true;
+  bool idle = true;
+  for (LineSampler& l : lines_) idle = l.rest() && idle;
+  if (!idle) return;
+  distrust();
+  if (route_.due(now_us())) route_.heal(*ports_.clock);
+  for (LineSampler& l : lines_) l.resume(now_us());
+  quiet_ = false;
+}
+
+// What was read since the last good look at the chain may come from another module.
+void Application::distrust() {
+  for (auto* samples : {&samples_, &published_}) {
+    for (ModuleSample& s : *samples) s.valid = 0;
+  }
+  lines_done_ = 0;
+  quiet_ = true;
 }
 
 void Application::step() {
@@ -50,12 +76,14 @@ void Application::step() {
     (void)c.link.tick(now_us());
   }
   server_.tick();
+  keep_route();
   for (std::size_t l = 0; l < lines_.size(); ++l) {
     if (lines_[l].step(now_us())) lines_done_ = static_cast<std::uint8_t>(lines_done_ | 1U << l);
     else if (lines_[l].next_event_us() != UINT64_MAX && lines_[l].next_event_us() > now_us() + LineSampler::kPeriod_us) {
       lines_done_ = static_cast<std::uint8_t>(lines_done_ | 1U << l);  // left alone: nobody waits for it
     }
   }
+  if (quiet_) keep_route();
   end_cycle();
   send_pending();
   const bool answered = std::ranges::none_of(channels(), [&](const Channel& c) { return c.port == asking_ && (c.link.sending() || c.held); });
@@ -69,7 +97,7 @@ void Application::step() {
 }
 
 std::uint64_t Application::next_event_us() const {
-  std::uint64_t next = UINT64_MAX;
+  std::uint64_t next = route_.next_event_us();
   for (const Channel& c : channels()) next = std::min(next, c.link.next_event_us());
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us());
   return next;
@@ -145,11 +173,16 @@ void Application::end_cycle() {
     if (empty) lines_done_ = static_cast<std::uint8_t>(lines_done_ | 1U << l);
   }
   if (lines_done_ != kAllLines || !tables_.has_table()) return;
+  if (route_.switched() && !route_.check(now_us())) return distrust();
   lines_done_ = 0;
   ++sample_count_;
+  published_ = samples_;
+  bool silent = true;
   for (std::size_t k = 0; k < tables_.table().module_count; ++k) {
+    silent = silent && samples_[k].state == ModuleState::kAbsent;
     faults_.note(k, samples_[k].state, {static_cast<std::uint32_t>(now_us() / 1000), sample_count_});
   }
+  if (silent) route_.nothing_answers(now_us());
   queue_sample();
 }
 
@@ -206,9 +239,13 @@ void Application::write_live(ByteWriter& out) const {
   out.le32(sample_count_);
   out.le64(now_us());
   for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) {
-    out.le16(samples_[k].valid);
-    for (const std::uint16_t raw : samples_[k].raw) out.le16(raw);
+    out.le16(shown(k).valid);
+    for (const std::uint16_t raw : shown(k).raw) out.le16(raw);
   }
+}
+
+void Application::write_states(ByteWriter& out) const {
+  for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) out.u8(static_cast<std::uint8_t>(shown(k).state));
 }
 
 bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
@@ -226,9 +263,9 @@ bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
       out.le32(crc32(tables_.active_bytes()));
       out.u8(tables_.has_table() ? tables_.table().module_count : 0);
       return true;
-    case wire::did::kModuleStates:
-      for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) out.u8(static_cast<std::uint8_t>(samples_[k].state));
-      return tables_.has_table();
+    case wire::did::kModuleStates: write_states(out); return tables_.has_table();
+    case wire::did::kTopology: wire::encode(route_.found(), out); return true;
+    case wire::did::kRoute: wire::encode(route_.route(), tables_.has_table() ? tables_.table().module_count : std::uint8_t{0}, out); return true;
     case wire::did::kStatistics: {
       std::uint32_t errors = 0, recoveries = 0;
       for (const LineSampler& l : lines_) {
@@ -276,6 +313,7 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
     case wire::routine::kCalibrate:
       for (ModuleSample& s : samples_) s.has_baseline = false;  // the next reading becomes the baseline
       return Status::kOk;
+    case wire::routine::kReroute: route_.request(); return Status::kOk;
     case wire::routine::kActivate: {
       const Status s = tables_.activate(tables_.node_address());
       if (s != Status::kOk) return s;
@@ -291,7 +329,11 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
 Status Application::routine_result(std::uint16_t routine, ByteWriter& out) {
   if (routine == wire::routine::kSelfTest) {
     out.u8(std::ranges::all_of(lines_, [](const LineSampler& l) { return l.checked(); }) ? 1 : 0);
-    for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) out.u8(static_cast<std::uint8_t>(samples_[k].state));
+    write_states(out);
+    return Status::kOk;
+  }
+  if (routine == wire::routine::kReroute) {
+    out.u8(route_.route().busy ? 0 : 1);
     return Status::kOk;
   }
   if (routine != wire::routine::kDiscover) return Status::kOutOfRange;

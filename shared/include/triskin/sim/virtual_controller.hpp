@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 
+#include "triskin/sim/chain_model.hpp"
 #include "triskin/sim/flash_model.hpp"
 #include "triskin/sim/i2c_bus.hpp"
 #include "triskin/wire/can_frame.hpp"
@@ -19,6 +20,7 @@ struct VirtualBoard {
   std::array<std::uint8_t, 12> unique_id{};
   std::function<void(const wire::CanFrame&)> send;  ///< frame leaves the controller
   bool can_fd = true;                  ///< the bus carries FD frames
+  ChainModel* chain = nullptr;         ///< of switched modules; null: the board has no chain
 };
 
 /// The patch controller's application on virtual ports: the same logic that runs on the microcontroller.

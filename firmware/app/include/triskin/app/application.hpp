@@ -7,6 +7,7 @@
 
 #include "triskin/logic/fault_memory.hpp"
 #include "triskin/logic/icub_board.hpp"
+#include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
 #include "triskin/logic/table_store.hpp"
 #include "triskin/logic/uds_server.hpp"
@@ -53,6 +54,8 @@ class Application final : private UdsHost {
 
   void restart();
   void restart_sampling();
+  void keep_route();
+  void distrust();
   [[nodiscard]] std::span<Channel> channels() { return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1); }
   [[nodiscard]] std::span<const Channel> channels() const { return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1); }
   void handle_frame(Channel& channel, const wire::CanFrame& frame);
@@ -65,6 +68,9 @@ class Application final : private UdsHost {
   void queue_sample();
   void write_hello(ByteWriter& out) const;
   void write_live(ByteWriter& out) const;
+  void write_states(ByteWriter& out) const;
+  /// What counts. With switched modules that is what was read before the last good look at the chain.
+  [[nodiscard]] const ModuleSample& shown(std::size_t row) const { return route_.switched() ? published_[row] : samples_[row]; }
 
   const Ports ports_;
   TableStore tables_;
@@ -75,6 +81,9 @@ class Application final : private UdsHost {
   CanPort* stream_port_;    // who wanted the stream
   std::array<LineSampler, layout::kLines> lines_;
   std::array<ModuleSample, layout::kMaxModules> samples_{};
+  std::array<ModuleSample, layout::kMaxModules> published_{};
+  RouteKeeper route_;
+  bool quiet_ = false;  ///< sampling comes to rest
   std::uint8_t lines_done_ = 0;
   std::uint32_t sample_count_ = 0;
   wire::StreamMode stream_ = wire::StreamMode::kOff;

@@ -8,6 +8,7 @@
 
 #include "triskin/base/bytes.hpp"
 #include "triskin/base/status.hpp"
+#include "triskin/ports/route_chain.hpp"
 #include "triskin/wire/can_frame.hpp"
 
 /// What the application sees of a board. Implemented in board/, wired once in app/. No call blocks.
@@ -62,7 +63,8 @@ struct Ports {
   CanPort* can;
   FlashArea* flash;
   std::array<std::uint8_t, 12> unique_id;
-  CanPort* usb = nullptr;  ///< null: a board without
+  CanPort* usb = nullptr;       ///< null: a board without
+  RouteChain* chain = nullptr;  ///< of switched modules; null on a board without
 };
 
 }  // namespace triskin::fw
