@@ -40,6 +40,7 @@ Topology::Report Topology::discover() {
 Topology::Pass Topology::explore() {
   graph_ = {};
   input_.fill(kNoModule);
+  inputs_.fill(0);
   parent_.fill({});
   for (auto& p : port_) p.fill(Port::kUnknown);
   if (!chain_.restart()) return Pass::kNobody;
@@ -91,20 +92,40 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
     return Pass::kDone;
   }
   if (answer != before) answer = ChainDriver::Answer::kLost;
-  // Only one port is the input; the enable of another one that does nothing is broken.
-  if (answer == ChainDriver::Answer::kUnchanged && input_[module] != kNoModule) answer = ChainDriver::Answer::kLost;
   switch (answer) {
     case ChainDriver::Answer::kRefused: port_[module][port] = Port::kJoined; break;
     case ChainDriver::Answer::kNothing: port_[module][port] = Port::kNothing; break;
-    case ChainDriver::Answer::kUnchanged:
-      port_[module][port] = Port::kInput;
-      input_[module] = port;
-      if (module == 0) graph_.cable_port = port;
-      else join(parent_[module], {module, port});
-      break;
+    case ChainDriver::Answer::kUnchanged: note_input(module, port); break;
     default: port_[module][port] = Port::kBad;
   }
   return Pass::kDone;
+}
+
+// Only one port is the input. A second one whose enable does nothing is broken, and which of the two it is cannot be seen: the joint
+// to the parent stays out of the graph until the table resolves it.
+void Topology::note_input(std::uint8_t module, std::uint8_t port) {
+  inputs_[module] = static_cast<std::uint8_t>(inputs_[module] | (1U << port));
+  if (input_[module] == kNoModule) {
+    port_[module][port] = Port::kInput;
+    input_[module] = port;
+    if (module == 0) graph_.cable_port = port;
+    else join(parent_[module], {module, port});
+    return;
+  }
+  port_[module][port] = Port::kBad;
+  if (module == 0) return;
+  graph_.joint[module][input_[module]] = {};
+  graph_.joint[parent_[module].module][parent_[module].port] = {};
+}
+
+// Below a module that is known: behind its port is what the table says, if one of the possible input ports fits.
+void Topology::resolve_inputs(const PatchGraph& table, std::uint8_t module) {
+  for (std::uint8_t c = 1; c < graph_.count; ++c) {
+    const std::uint8_t port = parent_[c].port;
+    if (parent_[c].module != module || graph_.joint[module][port].module != kNoModule) continue;
+    const JointEnd expected = table.joint[table_index_[module]][port];
+    if (expected.module < table.count && has(inputs_[c], expected.port)) join({module, port}, {c, expected.port});
+  }
 }
 
 bool Topology::below(std::uint8_t module, std::uint8_t top) const {
@@ -275,7 +296,8 @@ bool Topology::in_table(const PatchGraph& table, std::uint8_t module, std::uint8
 // Modules have no name: they are what lies behind the same ports as in the table.
 void Topology::identify(const PatchGraph& table, Report& report) {
   report.unknown = graph_.count;
-  if (table.count == 0 || graph_.cable_port != table.cable_port) return;
+  if (table.count == 0 || !has(inputs_[0], table.cable_port)) return;
+  graph_.cable_port = table.cable_port;
   std::array<std::uint8_t, layout::kMaxModules> queue{};
   std::size_t n = 0;
   std::uint16_t used = 1;
@@ -283,6 +305,7 @@ void Topology::identify(const PatchGraph& table, Report& report) {
   queue[n++] = 0;
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint8_t m = queue[k];
+    resolve_inputs(table, m);
     for (std::uint8_t p = 0; p < 3; ++p) {
       const JointEnd found = graph_.joint[m][p], expected = table.joint[table_index_[m]][p];
       if (found.module == kNoModule || table_index_[found.module] != kNoModule) continue;

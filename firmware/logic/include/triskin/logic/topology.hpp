@@ -130,6 +130,8 @@ class Topology {
   [[nodiscard]] bool below(std::uint8_t module, std::uint8_t top) const;
   [[nodiscard]] bool open_end(std::uint8_t module, std::uint8_t port) const;
   void join(JointEnd a, JointEnd b);
+  void note_input(std::uint8_t module, std::uint8_t port);
+  void resolve_inputs(const PatchGraph& table, std::uint8_t module);
   void identify(const PatchGraph& table, Report& report);
   [[nodiscard]] bool in_table(const PatchGraph& table, std::uint8_t module, std::uint8_t port) const;
   [[nodiscard]] bool lines_free() const { return (chain_.stuck_lines() & ~held_lines_) == 0; }
@@ -143,7 +145,8 @@ class Topology {
   PatchGraph graph_;
   std::array<std::array<Port, 3>, layout::kMaxModules> port_{};
   std::array<JointEnd, layout::kMaxModules> parent_{};  // tree of the discovery; module and its output port
-  std::array<std::uint8_t, layout::kMaxModules> input_{};
+  std::array<std::uint8_t, layout::kMaxModules> input_{};   // first port whose enable does nothing
+  std::array<std::uint8_t, layout::kMaxModules> inputs_{};  // bit p: all of them; more than one: an enable is broken
   Exclusions bad_{};                                    // ports by discovery number, which repeats
   std::uint8_t shorts_ = 0;
   std::uint8_t held_lines_ = 0;                         // low already with the entry module alone

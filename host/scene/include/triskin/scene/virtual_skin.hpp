@@ -30,6 +30,7 @@ class VirtualSkin {
   [[nodiscard]] std::uint64_t now_us() const { return now_us_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] Skin& skin() { return skin_; }
+  [[nodiscard]] SwitchedHardware& switched() { return switched_; }
   [[nodiscard]] std::size_t controllers() const { return nodes_.size(); }
 
   /// Every frame that a controller sends, at the time at which it has left the bus.
@@ -86,6 +87,7 @@ class VirtualSkin {
   [[nodiscard]] std::uint64_t frame_us(const wire::CanFrame& frame) const;
 
   Scene scene_;
+  SwitchedHardware switched_;
   Skin skin_;
   std::vector<Node> nodes_;
   OnFrame on_frame_;
