@@ -21,10 +21,12 @@ std::unique_ptr<Link> open_sim(const LinkOptions& options, const model::Design* 
     if (design == nullptr) throw InputError("link sim: give the scene or the design to simulate with --scene FILE");
     scene::Scene scene;
     scene.design = *design;
+    scene.switched = options.switched;
     const auto folder = scene::state_folder_of(scene.design);
     return std::make_unique<SimLink>(std::move(scene), folder);
   }
   scene::Scene scene = scene::read_scene(options.scene);
+  scene.switched = scene.switched || options.switched;
   if (design != nullptr && scene.design.design_id != design->design_id) {
     throw InputError(fmt::format("{}: its design is {:016x}, the one given is {:016x}; use a scene of this design", options.scene,
                                  scene.design.design_id, design->design_id));

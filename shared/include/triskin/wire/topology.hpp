@@ -114,7 +114,7 @@ constexpr void encode(const ActiveRoute& a, std::uint8_t rows, ByteWriter& out) 
   if (!r.ok() || (bytes.size() - kHead) % 2 != 0 || bytes.size() > kHead + std::size_t{2} * layout::kMaxModules) return false;
   a.parent.fill(kNoRow);
   a.parent_port.fill(layout::kCable);
-  for (std::size_t k = 0; !r.rest().empty(); ++k) {
+  for (std::size_t k = 0; k < layout::kMaxModules && !r.rest().empty(); ++k) {
     a.parent[k] = r.u8();
     a.parent_port[k] = r.u8();
   }

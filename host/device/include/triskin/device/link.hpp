@@ -46,6 +46,7 @@ class Link {
 struct LinkOptions {
   std::string link = "sim";
   std::string scene;  ///< scene file for `sim`; empty: the design, with nothing wrong
+  bool switched = false;  ///< `sim` without a scene file has switched modules
 };
 
 /// Opens `sim`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`. The design is what `sim` simulates when
