@@ -65,12 +65,12 @@ std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure
 
 class Bench {
  public:
-  Bench(RandomPatch p, std::uint64_t seed) : patch(std::move(p)), model(patch.joints, patch.cable_port, seed), chain(model), topology(chain), table(table_of(patch)), slots(slots_of(patch.size())) {}
+  Bench(RandomPatch p, std::uint64_t seed) : patch(std::move(p)), model(patch.joints, patch.cable_port, seed), chain(model), topology(chain), table{table_of(patch), slots_of(patch.size()), {}} {}
 
   // After healing: exactly the best set is reached, least deep, each module at its own line and address.
   void expect_best(const std::vector<Failure>& failures) {
     const double start = model.time_us();
-    const fw::Topology::Report report = topology.heal(table, slots);
+    const fw::Topology::Report report = topology.heal(table);
     slowest_us = std::max(slowest_us, model.time_us() - start);
     const std::vector<int> best = best_depths(patch, failures);
     if (best[0] < 0) {
@@ -85,8 +85,8 @@ class Bench {
       ASSERT_EQ(model.depth_of(m), best[k]) << "module " << m;
       ASSERT_EQ((report.alive >> m & 1) != 0, best[k] >= 0) << "module " << m;
       if (best[k] < 0) continue;
-      ASSERT_EQ(model.line_of(m), slots[k].line);
-      ASSERT_EQ(model.address_of(m), slots[k].address);
+      ASSERT_EQ(model.line_of(m), table.slots[k].line);
+      ASSERT_EQ(model.address_of(m), table.slots[k].address);
     }
     EXPECT_TRUE(topology.intact());
   }
@@ -95,8 +95,7 @@ class Bench {
   SwitchedPatch model;
   ModelledChain chain;
   fw::Topology topology;
-  fw::PatchGraph table;
-  std::array<fw::Slot, layout::kMaxModules> slots;
+  fw::Topology::Table table;
   double slowest_us = 0.0;
 };
 
@@ -123,7 +122,7 @@ TEST(Discovery, finds_every_joint_of_1000_random_patches_within_50_ms) {
     const fw::Topology::Report report = bench.topology.discover();
     ASSERT_TRUE(report.complete) << trial;
     ASSERT_EQ(report.shorts, 0);
-    ASSERT_TRUE(canonical(bench.topology.graph()) == canonical(bench.table)) << trial;
+    ASSERT_TRUE(canonical(bench.topology.graph()) == canonical(bench.table.graph)) << trial;
     cycles_seen += static_cast<int>(bench.patch.joint_ends().size()) - modules + 1;
     slowest_us = std::max(slowest_us, bench.model.time_us());
   }
@@ -226,13 +225,13 @@ TEST(Faults, stuck_register_bits_end_in_bounded_time_without_a_wrong_map) {
       for (const int bit : {4, 5, 6}) {
         bench.model.set_stuck_bit(m, bit, 0);
         const double start = bench.model.time_us();
-        const auto report = bench.topology.heal(bench.table, bench.slots);
+        const auto report = bench.topology.heal(bench.table);
         EXPECT_LE(bench.model.time_us() - start, 2'000'000.0);
         for (int k = 0; k < bench.patch.size(); ++k) {
           if ((report.alive >> k & 1) == 0) continue;
           ASSERT_TRUE(bench.model.reached(k)) << "trial " << trial << ": bit " << bit << " of " << m << ", module " << k << " of " << bench.patch.size() << ", table " << report.alive << ", cable " << bench.patch.cable_port;
-          ASSERT_EQ(bench.model.line_of(k), bench.slots[static_cast<std::size_t>(k)].line);
-          ASSERT_EQ(bench.model.address_of(k), bench.slots[static_cast<std::size_t>(k)].address);
+          ASSERT_EQ(bench.model.line_of(k), bench.table.slots[static_cast<std::size_t>(k)].line);
+          ASSERT_EQ(bench.model.address_of(k), bench.table.slots[static_cast<std::size_t>(k)].address);
         }
         bench.model.set_stuck_bit(m, bit, -1);
       }
@@ -249,7 +248,7 @@ TEST(Faults, a_marginal_chain_clock_gives_no_wrong_joint) {
     const auto report = bench.topology.discover();
     if (!report.complete || report.shorts > 0) continue;
     ++complete;
-    EXPECT_TRUE(canonical(bench.topology.graph()) == canonical(bench.table)) << trial;
+    EXPECT_TRUE(canonical(bench.topology.graph()) == canonical(bench.table.graph)) << trial;
   }
   EXPECT_GE(complete, 150);
 }

@@ -12,14 +12,15 @@ namespace {
 
 constexpr std::uint8_t kAllLines = (1U << layout::kLines) - 1;
 
-wire::IsoTp make_link(std::uint8_t node, bool fd) {
-  return {wire::physical_id(wire::kTesterAddress, node), wire::physical_id(node, wire::kTesterAddress), static_cast<std::uint8_t>(fd ? 64 : 8)};
+wire::IsoTp make_link(std::uint8_t node, std::uint8_t frame_bytes) {
+  return {wire::physical_id(wire::kTesterAddress, node), wire::physical_id(node, wire::kTesterAddress), frame_bytes};
 }
 
 }  // namespace
 
 Application::Application(const Ports& ports)
-    : ports_(ports), tables_(*ports.flash), server_(*this, tables_), faults_(*ports.flash), link_(make_link(1, ports.can->fd())) {
+    : ports_(ports), tables_(*ports.flash), server_(*this, tables_), faults_(*ports.flash),
+      channels_{{{ports.can, make_link(1, 8)}, {ports.usb, make_link(1, 8)}}}, asking_(ports.can), stream_port_(ports.can), route_(ports.chain) {
   restart();
 }
 
@@ -27,13 +28,17 @@ Application::Application(const Ports& ports)
 void Application::restart() {
   tables_.load();
   faults_.load();
-  link_ = make_link(tables_.node_address(), ports_.can->fd());
-  held_.reset();
+  for (Channel& c : channels()) {
+    c.link = make_link(tables_.node_address(), c.port->frame_bytes());
+    c.held.reset();
+  }
   restart_sampling();
 }
 
 void Application::restart_sampling() {
   samples_ = {};
+  published_ = {};
+  route_.begin(tables_.has_table() ? &tables_.table() : nullptr);
   lines_done_ = 0;
   const layout::PatchImage table = tables_.has_table() ? tables_.table() : layout::PatchImage{};
   for (std::size_t l = 0; l < lines_.size(); ++l) {
@@ -41,19 +46,48 @@ void Application::restart_sampling() {
   }
 }
 
+// Switched modules: a look at the chain now and then; a new tree when it is due. Transfers that a doubt falls on end unused.
+void Application::keep_route() {
+  for (std::uint8_t l = 0; l < layout::kLines; ++l) route_.line_state(l, lines_[l].stuck());
+  if (!quiet_ && route_.check_due(now_us()) && !route_.check(now_us())) distrust();
+  if (!quiet_ && !route_.due(now_us())) return;
+  quiet_ = true;
+  bool idle = true;
+  for (LineSampler& l : lines_) idle = l.rest() && idle;
+  if (!idle) return;
+  distrust();
+  if (route_.due(now_us())) route_.heal(*ports_.clock);
+  for (LineSampler& l : lines_) l.resume(now_us());
+  quiet_ = false;
+}
+
+// What was read since the last good look at the chain may come from another module.
+void Application::distrust() {
+  for (auto* samples : {&samples_, &published_}) {
+    for (ModuleSample& s : *samples) s.valid = 0;
+  }
+  lines_done_ = 0;
+  quiet_ = true;
+}
+
 void Application::step() {
-  while (const auto frame = ports_.can->receive()) handle_frame(*frame);
-  (void)link_.tick(now_us());
+  for (Channel& c : channels()) {
+    while (const auto frame = c.port->receive()) handle_frame(c, *frame);
+    (void)c.link.tick(now_us());
+  }
   server_.tick();
+  keep_route();
   for (std::size_t l = 0; l < lines_.size(); ++l) {
     if (lines_[l].step(now_us())) lines_done_ = static_cast<std::uint8_t>(lines_done_ | 1U << l);
     else if (lines_[l].next_event_us() != UINT64_MAX && lines_[l].next_event_us() > now_us() + LineSampler::kPeriod_us) {
       lines_done_ = static_cast<std::uint8_t>(lines_done_ | 1U << l);  // left alone: nobody waits for it
     }
   }
+  if (quiet_) keep_route();
   end_cycle();
   send_pending();
-  if (reset_requested_ && !link_.sending() && !held_) {
+  const bool answered = std::ranges::none_of(channels(), [&](const Channel& c) { return c.port == asking_ && (c.link.sending() || c.held); });
+  if (reset_requested_ && answered) {
     reset_requested_ = false;
     stream_ = StreamMode::kOff;
     server_.restart();
@@ -63,62 +97,73 @@ void Application::step() {
 }
 
 std::uint64_t Application::next_event_us() const {
-  std::uint64_t next = link_.next_event_us();
+  std::uint64_t next = route_.next_event_us();
+  for (const Channel& c : channels()) next = std::min(next, c.link.next_event_us());
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us());
   return next;
 }
 
-void Application::handle_frame(const wire::CanFrame& frame) {
-  if (!frame.extended) return handle_icub_frame(frame);
-  if (handle_claim_frame(frame)) return;
-  const bool functional = frame.id == wire::kFunctionalId;
-  if (!functional && frame.id != link_.rx_id()) return;
-  if (functional) {  // single frames only (ISO 15765-4)
-    wire::IsoTp single(0, wire::kFunctionalId, 8);
-    if (single.receive(frame, now_us()) != wire::IsoTp::Event::kReceived || link_.sending()) return;
-    const Bytes response = server_.handle(single.message(), true);
-    if (!response.empty()) (void)link_.send(response, now_us());
+void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
+  if (!frame.extended) {
+    if (c.port == ports_.can) handle_icub_frame(frame);
     return;
   }
-  link_.set_frame_bytes(frame.fd ? 64 : 8);
-  if (link_.receive(frame, now_us()) != wire::IsoTp::Event::kReceived) return;
-  const Bytes response = server_.handle(link_.message(), false);
-  if (!response.empty()) (void)link_.send(response, now_us());
+  if (handle_claim_frame(c, frame)) return;
+  const bool functional = frame.id == wire::kFunctionalId;
+  if (!functional && frame.id != c.link.rx_id()) return;
+  if (functional) {  // single frames only (ISO 15765-4)
+    wire::IsoTp single(0, wire::kFunctionalId, 8);
+    if (single.receive(frame, now_us()) == wire::IsoTp::Event::kReceived && !c.link.sending()) answer(c, single.message(), true);
+    return;
+  }
+  c.link.set_frame_bytes(frame.fd ? c.port->frame_bytes() : 8);
+  if (c.link.receive(frame, now_us()) == wire::IsoTp::Event::kReceived) answer(c, c.link.message(), false);
+}
+
+void Application::answer(Channel& c, Bytes request, bool functional) {
+  asking_ = c.port;
+  const Bytes response = server_.handle(request, functional);
+  if (!response.empty()) (void)c.link.send(response, now_us());
 }
 
 void Application::handle_icub_frame(const wire::CanFrame& frame) {
   const IcubBoard::Reaction reaction = icub_.handle(frame, tables_.node_address(), kFirmwareVersion);
   if (reaction.reply) icub_reply_ = reaction.reply;
   if (!reaction.transmit) return;
+  stream_port_ = ports_.can;
   if (*reaction.transmit) stream_ = StreamMode::kIcub;
   else if (stream_ == StreamMode::kIcub) stream_ = StreamMode::kOff;
 }
 
 // Discovery and assignment by unique id: works while several fresh boards share the default address.
-bool Application::handle_claim_frame(const wire::CanFrame& frame) {
+bool Application::handle_claim_frame(Channel& c, const wire::CanFrame& frame) {
   if (frame.id == wire::kWhoIsThereId) {
-    claim_ = wire::encode_claim({ports_.unique_id, tables_.node_address(), tables_.has_table()});
-    claim_at_ = 0;
+    c.claim = wire::encode_claim({ports_.unique_id, tables_.node_address(), tables_.has_table()});
+    c.claim_at = 0;
     return true;
   }
   if (frame.id != wire::kAssignId) return false;
-  const auto wanted = assignment_.add(frame);
+  const auto wanted = c.assignment.add(frame);
   if (!wanted || wanted->unique_id != ports_.unique_id) return true;
   if (wanted->b != wire::assignment_key(wanted->unique_id, wanted->a)) return true;
   if (wanted->a != tables_.node_address() && tables_.set_node_address(wanted->a) == Status::kOk) restart();
   return true;
 }
 
+void Application::send_pending(Channel& c, std::uint64_t now_us) {
+  while (c.claim_at < c.claim.size() && c.port->send(c.claim[c.claim_at])) ++c.claim_at;
+  while (true) {  // a frame that finds the queue full is kept: ISO-TP has counted it already
+    if (!c.held) c.held = c.link.transmit(now_us);
+    if (!c.held || !c.port->send(*c.held)) return;
+    c.held.reset();
+  }
+}
+
 void Application::send_pending() {
   if (icub_reply_ && ports_.can->send(*icub_reply_)) icub_reply_.reset();
-  while (claim_at_ < claim_.size() && ports_.can->send(claim_[claim_at_])) ++claim_at_;
-  while (true) {  // a frame that finds the queue full is kept: ISO-TP has counted it already
-    if (!held_) held_ = link_.transmit(now_us());
-    if (!held_) break;
-    if (!ports_.can->send(*held_)) return;
-    held_.reset();
-  }
-  while (outgoing_at_ < outgoing_count_ && ports_.can->send(outgoing_[outgoing_at_])) ++outgoing_at_;
+  for (Channel& c : channels()) send_pending(c, now_us());
+  const bool held = std::ranges::any_of(channels(), [&](const Channel& c) { return c.port == stream_port_ && c.held; });
+  while (!held && outgoing_at_ < outgoing_count_ && stream_port_->send(outgoing_[outgoing_at_])) ++outgoing_at_;
 }
 
 // A sample of the patch is complete when every line has been through its modules once.
@@ -128,11 +173,16 @@ void Application::end_cycle() {
     if (empty) lines_done_ = static_cast<std::uint8_t>(lines_done_ | 1U << l);
   }
   if (lines_done_ != kAllLines || !tables_.has_table()) return;
+  if (route_.switched() && !route_.check(now_us())) return distrust();
   lines_done_ = 0;
   ++sample_count_;
+  published_ = samples_;
+  bool silent = true;
   for (std::size_t k = 0; k < tables_.table().module_count; ++k) {
+    silent = silent && samples_[k].state == ModuleState::kAbsent;
     faults_.note(k, samples_[k].state, {static_cast<std::uint32_t>(now_us() / 1000), sample_count_});
   }
+  if (silent) route_.nothing_answers(now_us());
   queue_sample();
 }
 
@@ -189,9 +239,13 @@ void Application::write_live(ByteWriter& out) const {
   out.le32(sample_count_);
   out.le64(now_us());
   for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) {
-    out.le16(samples_[k].valid);
-    for (const std::uint16_t raw : samples_[k].raw) out.le16(raw);
+    out.le16(shown(k).valid);
+    for (const std::uint16_t raw : shown(k).raw) out.le16(raw);
   }
+}
+
+void Application::write_states(ByteWriter& out) const {
+  for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) out.u8(static_cast<std::uint8_t>(shown(k).state));
 }
 
 bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
@@ -209,9 +263,9 @@ bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
       out.le32(crc32(tables_.active_bytes()));
       out.u8(tables_.has_table() ? tables_.table().module_count : 0);
       return true;
-    case wire::did::kModuleStates:
-      for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) out.u8(static_cast<std::uint8_t>(samples_[k].state));
-      return tables_.has_table();
+    case wire::did::kModuleStates: write_states(out); return tables_.has_table();
+    case wire::did::kTopology: wire::encode(route_.found(), out); return true;
+    case wire::did::kRoute: wire::encode(route_.route(), tables_.has_table() ? tables_.table().module_count : std::uint8_t{0}, out); return true;
     case wire::did::kStatistics: {
       std::uint32_t errors = 0, recoveries = 0;
       for (const LineSampler& l : lines_) {
@@ -241,7 +295,9 @@ Status Application::write_identifier(std::uint16_t did, Bytes value) {
     return s;
   }
   if (did != wire::did::kStream || value[0] > static_cast<std::uint8_t>(StreamMode::kFull)) return Status::kOutOfRange;
-  if (value[0] == static_cast<std::uint8_t>(StreamMode::kFull) && !ports_.can->fd()) return Status::kOutOfRange;
+  if (value[0] == static_cast<std::uint8_t>(StreamMode::kFull) && !asking_->fd()) return Status::kOutOfRange;
+  stream_port_ = asking_;
+  outgoing_at_ = outgoing_count_ = 0;
   stream_ = static_cast<StreamMode>(value[0]);
   return Status::kOk;
 }
@@ -257,6 +313,7 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
     case wire::routine::kCalibrate:
       for (ModuleSample& s : samples_) s.has_baseline = false;  // the next reading becomes the baseline
       return Status::kOk;
+    case wire::routine::kReroute: route_.request(); return Status::kOk;
     case wire::routine::kActivate: {
       const Status s = tables_.activate(tables_.node_address());
       if (s != Status::kOk) return s;
@@ -272,7 +329,11 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
 Status Application::routine_result(std::uint16_t routine, ByteWriter& out) {
   if (routine == wire::routine::kSelfTest) {
     out.u8(std::ranges::all_of(lines_, [](const LineSampler& l) { return l.checked(); }) ? 1 : 0);
-    for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) out.u8(static_cast<std::uint8_t>(samples_[k].state));
+    write_states(out);
+    return Status::kOk;
+  }
+  if (routine == wire::routine::kReroute) {
+    out.u8(route_.route().busy ? 0 : 1);
     return Status::kOk;
   }
   if (routine != wire::routine::kDiscover) return Status::kOutOfRange;

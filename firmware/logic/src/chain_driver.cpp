@@ -38,6 +38,11 @@ bool ChainDriver::restart() {
   return false;
 }
 
+void ChainDriver::silence() {
+  clear();
+  port_.enable(false);
+}
+
 // Own register, then the segments of ports A, B, C.
 std::size_t ChainDriver::order() {
   length_ = 0;

@@ -45,20 +45,43 @@ void LineSampler::request_check() {
   }
 }
 
+bool LineSampler::rest() {
+  resting_ = true;
+  return job_ == Job::kIdle;
+}
+
+void LineSampler::resume(std::uint64_t now_us) {
+  resting_ = false;
+  stuck_ = false;
+  recoveries_in_row_ = 0;
+  verify_all_ = true;
+  next_cycle_us_ = now_us;
+  for (std::size_t k = 0; k < slot_count_; ++k) {
+    slots_[k].ready_us = slots_[k].phase == Phase::kFind ? 0 : slots_[k].ready_us;
+    samples_[slots_[k].module].state = ModuleState::kUnknown;
+  }
+}
+
 bool LineSampler::checked() const {
   return std::all_of(slots_.begin(), slots_.begin() + static_cast<std::ptrdiff_t>(slot_count_),
                      [&](const Slot& s) { return samples_[s.module].state != ModuleState::kUnknown; });
 }
 
-std::uint64_t LineSampler::next_event_us() const { return job_ == Job::kIdle ? next_cycle_us_ : UINT64_MAX; }
+std::uint64_t LineSampler::next_event_us() const { return job_ == Job::kIdle && !resting_ ? next_cycle_us_ : UINT64_MAX; }
 
 std::uint8_t LineSampler::chip_address() const {
   return static_cast<std::uint8_t>(layout::kFirstCdcAddress + (job_ == Job::kScan ? scan_address_ : slots_[slot_].address));
 }
 
 bool LineSampler::step(std::uint64_t now_us) {
-  if (job_ == Job::kIdle) return now_us >= next_cycle_us_ && start_cycle(now_us);
+  if (job_ == Job::kIdle) return !resting_ && now_us >= next_cycle_us_ && start_cycle(now_us);
   const std::optional<Status> done = line_->poll();
+  if (done.has_value() && resting_) {  // what it brought is read again
+    scan_requested_ = scan_requested_ || job_ == Job::kScan;
+    if (job_ == Job::kConfigure || job_ == Job::kIdentify) slots_[slot_].phase = Phase::kFind;
+    job_ = Job::kIdle;
+    return false;
+  }
   return done.has_value() && finish(*done, now_us);
 }
 
@@ -83,6 +106,7 @@ bool LineSampler::start_slot(std::uint64_t now_us) {
   while (slot_ < slot_count_ && now_us < slots_[slot_].ready_us) ++slot_;
   if (slot_ == slot_count_) {
     job_ = Job::kIdle;
+    verify_all_ = false;
     return true;
   }
   Slot& slot = slots_[slot_];
@@ -90,7 +114,7 @@ bool LineSampler::start_slot(std::uint64_t now_us) {
   if (slot.phase == Phase::kFind) {
     job_ = Job::kIdentify;
     chip_.begin_identify(*line_, chip_address());
-  } else if (slot.phase == Phase::kRun && cycle_ % kVerifyEvery == 0) {
+  } else if (slot.phase == Phase::kRun && (verify_all_ || cycle_ % kVerifyEvery == 0)) {
     job_ = Job::kVerify;
     chip_.begin_verify(*line_, chip_address());
   } else {

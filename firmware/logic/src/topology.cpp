@@ -40,9 +40,11 @@ Topology::Report Topology::discover() {
 Topology::Pass Topology::explore() {
   graph_ = {};
   input_.fill(kNoModule);
+  inputs_.fill(0);
   parent_.fill({});
   for (auto& p : port_) p.fill(Port::kUnknown);
   if (!chain_.restart()) return Pass::kNobody;
+  held_lines_ = chain_.stuck_lines();  // nothing can be left out that would free these
   graph_.count = 1;
   std::array<std::uint8_t, layout::kMaxModules> next{};
   std::uint8_t m = 0;
@@ -80,7 +82,7 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
   }
   if (answer == ChainDriver::Answer::kModule) {
     // A module that holds a line down, or the seventeenth, stays outside.
-    if (full || chain_.stuck_lines() != 0) {
+    if (full || !lines_free()) {
       exclude(module, port);
       return Pass::kAgain;
     }
@@ -90,20 +92,40 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
     return Pass::kDone;
   }
   if (answer != before) answer = ChainDriver::Answer::kLost;
-  // Only one port is the input; the enable of another one that does nothing is broken.
-  if (answer == ChainDriver::Answer::kUnchanged && input_[module] != kNoModule) answer = ChainDriver::Answer::kLost;
   switch (answer) {
     case ChainDriver::Answer::kRefused: port_[module][port] = Port::kJoined; break;
     case ChainDriver::Answer::kNothing: port_[module][port] = Port::kNothing; break;
-    case ChainDriver::Answer::kUnchanged:
-      port_[module][port] = Port::kInput;
-      input_[module] = port;
-      if (module == 0) graph_.cable_port = port;
-      else join(parent_[module], {module, port});
-      break;
+    case ChainDriver::Answer::kUnchanged: note_input(module, port); break;
     default: port_[module][port] = Port::kBad;
   }
   return Pass::kDone;
+}
+
+// Only one port is the input. A second one whose enable does nothing is broken, and which of the two it is cannot be seen: the joint
+// to the parent stays out of the graph until the table resolves it.
+void Topology::note_input(std::uint8_t module, std::uint8_t port) {
+  inputs_[module] = static_cast<std::uint8_t>(inputs_[module] | (1U << port));
+  if (input_[module] == kNoModule) {
+    port_[module][port] = Port::kInput;
+    input_[module] = port;
+    if (module == 0) graph_.cable_port = port;
+    else join(parent_[module], {module, port});
+    return;
+  }
+  port_[module][port] = Port::kBad;
+  if (module == 0) return;
+  graph_.joint[module][input_[module]] = {};
+  graph_.joint[parent_[module].module][parent_[module].port] = {};
+}
+
+// Below a module that is known: behind its port is what the table says, if one of the possible input ports fits.
+void Topology::resolve_inputs(const PatchGraph& table, std::uint8_t module) {
+  for (std::uint8_t c = 1; c < graph_.count; ++c) {
+    const std::uint8_t port = parent_[c].port;
+    if (parent_[c].module != module || graph_.joint[module][port].module != kNoModule) continue;
+    const JointEnd expected = table.joint[table_index_[module]][port];
+    if (expected.module < table.count && has(inputs_[c], expected.port)) join({module, port}, {c, expected.port});
+  }
 }
 
 bool Topology::below(std::uint8_t module, std::uint8_t top) const {
@@ -222,69 +244,157 @@ bool Topology::rebuild(std::uint16_t wanted, bool set_slots) {
   }
 }
 
-Topology::Report Topology::heal(const PatchGraph& table, const std::array<Slot, layout::kMaxModules>& slots) {
-  Report report = discover();
-  if (!report.complete) return report;
-  identify(table, report);
-  for (std::uint8_t m = 0; m < graph_.count; ++m) {
-    if (table_index_[m] != kNoModule) slot_[m] = slots[table_index_[m]];
+Topology::Table Topology::table_of(const layout::PatchImage& image) {
+  Table table;
+  table.graph.count = image.module_count;
+  const bool given = layout::has_joints(image);
+  const auto row = [](std::uint8_t k) { return static_cast<std::size_t>(k); };
+  for (std::uint8_t k = 0; k < image.module_count; ++k) {
+    const layout::ModuleRow& m = image.modules[k];
+    table.slots[k] = {m.line, m.address};
+    for (std::uint8_t p = 0; p < 3 && given; ++p) {
+      if (m.joints[p] != 0) table.graph.joint[k][p] = {static_cast<std::uint8_t>(layout::joint_row(m.joints[p])), layout::joint_port(m.joints[p])};
+    }
+    if (k == 0) continue;
+    table.parent[k] = {m.parent, m.parent_port};
+    if (given) continue;
+    table.graph.joint[k][0] = table.parent[k];
+    table.graph.joint[row(m.parent)][m.parent_port] = {k, 0};
   }
-  report.complete = least_depth_tree(report);
+  return table;
+}
+
+Topology::Report Topology::heal(const Table& table) {
+  Report report = discover();
+  table_index_.fill(kNoModule);
+  if (report.complete) {
+    identify(table.graph, report);
+    for (std::uint8_t m = 0; m < graph_.count; ++m) {
+      if (table_index_[m] != kNoModule) slot_[m] = table.slots[table_index_[m]];
+    }
+    report.complete = activate(table, report);
+  }
   if (!report.complete) {
-    (void)chain_.restart();  // nothing of a half-open tree may answer
+    chain_.silence();  // nothing of a half-open tree may answer
     return report;
   }
   for (std::uint8_t m = 0; m < graph_.count; ++m) {
-    if (has(chain_.members(), m) && table_index_[m] != kNoModule) report.alive = with(report.alive, table_index_[m]);
+    if (!has(chain_.members(), m)) parent_[m] = {};
+    else if (table_index_[m] != kNoModule) report.alive = with(report.alive, table_index_[m]);
   }
+  report.max_depth = depth();
   return report;
+}
+
+bool Topology::in_table(const PatchGraph& table, std::uint8_t module, std::uint8_t port) const {
+  const JointEnd found = graph_.joint[module][port];
+  if (found.module == kNoModule || table_index_[module] == kNoModule) return false;
+  const JointEnd expected = table.joint[table_index_[module]][port];
+  return expected.module < table.count && expected.port == found.port && table_index_[found.module] == expected.module;
 }
 
 // Modules have no name: they are what lies behind the same ports as in the table.
 void Topology::identify(const PatchGraph& table, Report& report) {
-  table_index_.fill(kNoModule);
-  if (table.count == 0 || graph_.cable_port != table.cable_port) {
-    report.unknown = graph_.count;
-    return;
-  }
+  report.unknown = graph_.count;
+  if (table.count == 0 || !has(inputs_[0], table.cable_port)) return;
+  graph_.cable_port = table.cable_port;
+  std::array<std::uint8_t, layout::kMaxModules> queue{};
+  std::size_t n = 0;
   std::uint16_t used = 1;
   table_index_[0] = 0;
-  for (std::uint8_t m = 1; m < graph_.count; ++m) {
-    const std::uint8_t above = table_index_[parent_[m].module];
-    const JointEnd expected = above == kNoModule ? JointEnd{} : table.joint[above][parent_[m].port];
-    if (expected.module >= table.count || expected.port != input_[m] || has(used, expected.module)) {
-      ++report.unknown;
-      continue;
+  queue[n++] = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::uint8_t m = queue[k];
+    resolve_inputs(table, m);
+    for (std::uint8_t p = 0; p < 3; ++p) {
+      const JointEnd found = graph_.joint[m][p], expected = table.joint[table_index_[m]][p];
+      if (found.module == kNoModule || table_index_[found.module] != kNoModule) continue;
+      if (expected.module >= table.count || expected.port != found.port || has(used, expected.module)) continue;
+      table_index_[found.module] = expected.module;
+      used = with(used, expected.module);
+      queue[n++] = found.module;
     }
-    table_index_[m] = expected.module;
-    used = with(used, expected.module);
   }
+  report.unknown = static_cast<std::uint8_t>(graph_.count - n);
 }
 
-bool Topology::least_depth_tree(Report& report) {
-  const auto as_found = parent_;
-  std::array<std::uint8_t, layout::kMaxModules> queue{}, depth{};
+// False: a module or a joint of the table's tree is missing.
+bool Topology::table_tree(const Table& table) {
+  std::array<std::uint8_t, layout::kMaxModules> number{};
+  number.fill(kNoModule);
+  for (std::uint8_t m = 0; m < graph_.count; ++m) {
+    if (table_index_[m] != kNoModule) number[table_index_[m]] = m;
+  }
+  for (std::uint8_t row = 1; row < table.graph.count; ++row) {
+    const JointEnd above = table.parent[row];
+    if (above.module >= table.graph.count || number[row] == kNoModule || number[above.module] == kNoModule) return false;
+    if (graph_.joint[number[above.module]][above.port].module != number[row]) return false;
+    parent_[number[row]] = {number[above.module], above.port};
+  }
+  return number[0] != kNoModule;
+}
+
+// False: no module of the table is there.
+bool Topology::least_depth_tree(const Table& table) {
+  std::array<std::uint8_t, layout::kMaxModules> queue{};
   std::size_t n = 0;
-  std::uint16_t wanted = 0;
   if (table_index_[0] == kNoModule) return false;
+  std::uint16_t wanted = 1;
   queue[n++] = 0;
-  wanted = 1;
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint8_t m = queue[k];
     for (std::uint8_t p = 0; p < 3; ++p) {
       const std::uint8_t other = graph_.joint[m][p].module;
-      if (other == kNoModule || has(wanted, other) || table_index_[other] == kNoModule) continue;
+      if (!in_table(table.graph, m, p) || has(wanted, other)) continue;
       wanted = with(wanted, other);
       parent_[other] = {m, p};
-      depth[other] = static_cast<std::uint8_t>(depth[m] + 1);
-      report.max_depth = depth[other];
       queue[n++] = other;
     }
   }
-  if (rebuild(wanted, true) && chain_.stuck_lines() == 0) return true;
+  for (std::uint8_t m = 1; m < graph_.count; ++m) {
+    if (!has(wanted, m)) parent_[m] = {};
+  }
+  return true;
+}
+
+bool Topology::activate(const Table& table, Report& report) {
+  const auto as_found = parent_;
+  constexpr std::uint16_t kAll = 0xFFFF;
+  const auto up = [&] { return rebuild(kAll, true) && lines_free(); };
+  std::uint8_t least = kNoModule;
+  if (!least_depth_tree(table)) return false;
+  least = depth();
+  const auto shallow = parent_;
+  if (table_tree(table) && up()) {
+    report.as_table = true;
+    report.least_depth = depth() == least;
+    return true;
+  }
+  parent_ = shallow;
+  if (up()) {
+    report.least_depth = true;
+    return true;
+  }
   parent_ = as_found;  // every one of these joints has just carried a module
-  report.least_depth = false;
-  return rebuild(wanted, true) && chain_.stuck_lines() == 0;
+  for (std::uint8_t m = 1; m < graph_.count; ++m) {
+    if (table_index_[m] == kNoModule) parent_[m] = {};
+  }
+  return up();
+}
+
+// Of the tree in parent_.
+std::uint8_t Topology::depth() const {
+  std::uint8_t deepest = 0;
+  for (std::uint8_t m = 1; m < graph_.count; ++m) {
+    std::uint8_t d = 0;
+    std::uint8_t at = m;
+    while (at != 0 && at != kNoModule && d < layout::kMaxModules) {
+      at = parent_[at].module;
+      ++d;
+    }
+    if (at == 0) deepest = d > deepest ? d : deepest;
+  }
+  return deepest;
 }
 
 }  // namespace triskin::fw

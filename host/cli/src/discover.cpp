@@ -3,12 +3,21 @@
 
 #include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "topology_report.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/device/controller.hpp"
 
 namespace triskin::cli {
 namespace {
+
+struct Options {
+  device::LinkOptions link;
+  bool topology = false;
+  std::vector<std::string> designs;
+};
 
 nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim) {
   device::Controller c(bus, claim.node_address);
@@ -37,14 +46,24 @@ nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim) {
   return j;
 }
 
-int run(const device::LinkOptions& options, Output& output) {
-  const auto link = device::open_link(options, nullptr);
+nlohmann::json ask_topology(device::Bus& bus, const wire::NodeClaim& claim, const std::vector<NamedDesign>& designs, const Output& output) {
+  device::Controller c(bus, claim.node_address);
+  const device::ActiveTable table = c.active_table();
+  return report_topology(c, designs, table.design_id, table.present ? claim.node_address - 1 : -1, output);
+}
+
+int run(const Options& options, Output& output) {
+  std::vector<NamedDesign> designs;
+  for (const std::string& file : options.designs) designs.emplace_back(file, model::read_design(file));
+  const bool simulated = options.link.scene.empty() && !designs.empty();
+  const auto link = device::open_link(options.link, simulated ? &designs[0].second : nullptr);
   device::Bus bus(*link);
   const auto claims = bus.discover();
   if (claims.empty()) throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", link->name()));
   std::map<int, int> users;
   for (const auto& c : claims) ++users[c.node_address];
   nlohmann::json controllers = nlohmann::json::array();
+  bool bad = false;
   for (const auto& claim : claims) {
     // Several controllers at one address would all answer: they can be told apart, but not asked.
     const bool unique = users[claim.node_address] == 1;
@@ -56,17 +75,23 @@ int run(const device::LinkOptions& options, Output& output) {
     output.say(fmt::format("controller {}  node address {}{}  {}{}", device::to_text(claim.unique_id), claim.node_address,
                            unique ? "" : " (shared)", claim.has_table ? "flashed" : "not flashed",
                            unique ? fmt::format("  {} chips", j["chips"].size()) : std::string()));
+    if (options.topology && unique) {
+      j["topology"] = ask_topology(bus, claim, designs, output);
+      bad = bad || differs(j["topology"]);
+    }
     controllers.push_back(std::move(j));
   }
   output.result = {{"controllers", std::move(controllers)}};
-  return 0;
+  return bad ? 1 : 0;
 }
 
 const Registration kDiscover{{
     "discover", "list the controllers on a link and what answers on their lines", "triskin discover --link sim --scene forearm.json",
     [](CLI::App& app) -> Run {
-      auto options = std::make_shared<device::LinkOptions>();
-      add_link_options(app, *options);
+      auto options = std::make_shared<Options>();
+      add_link_options(app, options->link);
+      app.add_flag("--topology", options->topology, "let controllers of switched modules find their modules and joints; interrupts sampling for up to 60 ms");
+      app.add_option("--design", options->designs, "design files that the topology is compared with; also recognizes patches that were never flashed");
       return [options](Output& output) { return run(*options, output); };
     },
 }};

@@ -15,6 +15,7 @@ struct Options {
   std::string design;
   device::LinkOptions link;
   device::FlashOptions flash;
+  std::string route = "normal";
 };
 
 std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
@@ -24,8 +25,9 @@ std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
   return fmt::format("{} bytes written and read back{}", p.bytes, address);
 }
 
-int run(const Options& options, Output& output) {
+int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
+  options.flash.route = device::parse_route(options.route);
   const model::Design design = model::read_design(options.design);
   const auto link = device::open_link(options.link, &design);
   device::Bus bus(*link);
@@ -38,7 +40,7 @@ int run(const Options& options, Output& output) {
     output.say(fmt::format("patch {:3}  controller {}  {}", p.patch, p.serial, what_happened(p, options.flash.dry_run)));
   }
   output.result = {{"controllers", r.patches.size()}, {"bytes", r.bytes},     {"seconds", seconds},
-                   {"skipped", r.skipped},            {"link_s", r.link_s},   {"dry_run", options.flash.dry_run},
+                   {"skipped", r.skipped},            {"link_s", r.link_s},   {"dry_run", options.flash.dry_run},  {"route", options.route},
                    {"patches", std::move(patches)}};
   output.say(fmt::format("{} controllers, {} bytes written, {} skipped as equal; {:.2f} s", r.patches.size(), r.bytes, r.skipped, seconds));
   return 0;
@@ -51,6 +53,8 @@ const Registration kFlash{{
       app.add_option("DESIGN", options->design, "design file")->required();
       add_link_options(app, options->link);
       app.add_flag("--dry-run", options->flash.dry_run, "say what would change, write nothing");
+      app.add_option("--route", options->route, "normal; backup:MODULE or backup:MODULE-MODULE: the tree prepared for the failure of a module or of a joint")
+          ->capture_default_str();
       app.add_flag("--force", options->flash.force, "write tables that are equal, too");
       return [options](Output& output) { return run(*options, output); };
     },

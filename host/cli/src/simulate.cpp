@@ -18,7 +18,7 @@ struct Options {
   std::string scene;
   std::string listen;
   double seconds = -1.0;
-  bool fresh = false;
+  bool fresh = false, switched = false;
 };
 
 // Without a client time is only a number: as fast as the computer is.
@@ -33,6 +33,7 @@ void run_alone(scene::VirtualSkin& skin, double seconds, const ProgressSink& pro
 
 int run(const Options& options, Output& output) {
   scene::Scene scene = scene::read_scene(options.scene);
+  scene.switched = scene.switched || options.switched;
   const auto folder = options.fresh ? std::filesystem::path{} : scene::state_folder_of(scene.design);
   const std::size_t modules = scene.design.layout.modules.size();
   scene::VirtualSkin skin(std::move(scene), folder);
@@ -50,7 +51,7 @@ int run(const Options& options, Output& output) {
   const double virtual_s = static_cast<double>(skin.now_us()) * 1e-6;
   const double factor = wall_s > 0.0 ? virtual_s / wall_s : 0.0;
   output.result = {{"controllers", skin.controllers()}, {"modules", modules},       {"real_time_factor", factor},
-                   {"virtual_s", virtual_s},            {"seconds", wall_s},        {"bus_frames", skin.bus_frames()}};
+                   {"switched", skin.scene().switched}, {"virtual_s", virtual_s},            {"seconds", wall_s},        {"bus_frames", skin.bus_frames()}};
   output.say(fmt::format("{} controllers, {} modules: {:.3f} s of virtual time in {:.3f} s, {:.1f} times real time", skin.controllers(),
                          modules, virtual_s, wall_s, factor));
   return 0;
@@ -65,6 +66,7 @@ const Registration kSimulate{{
       app.add_option("--listen", options->listen, "serve in real time: HOST:PORT (port 0 takes a free one and prints it), can:IFACE, or usb (devices in vhci-hcd)");
       app.add_option("--seconds", options->seconds, "how long; default 1 s of virtual time, with --listen until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));
+      app.add_flag("--switched", options->switched, "switched modules, which the controllers route; a scene says it by its key \"hardware\"");
       app.add_flag("--fresh", options->fresh, "boards that were never flashed, kept in memory only");
       return [options](Output& output) { return run(*options, output); };
     },

@@ -33,6 +33,24 @@ const char* reason(std::uint8_t code) {
   }
 }
 
+// A positive answer repeats what was asked for; a late one to an earlier request of the same service must not be taken for this one.
+bool answers(Bytes answer, Bytes request) {
+  if (answer[0] != request[0] + wire::service::kPositive) return false;
+  std::size_t repeated = 1;
+  switch (request[0]) {
+    case wire::service::kRead:
+    case wire::service::kWrite: repeated = 2; break;
+    case wire::service::kRoutine: repeated = 3; break;
+    case wire::service::kClearFaults:
+    case wire::service::kDownload:
+    case wire::service::kUpload:
+    case wire::service::kTransferExit: repeated = 0; break;
+    default: break;  // sub-function or block counter
+  }
+  return answer.size() > repeated && request.size() > repeated &&
+         std::ranges::equal(answer.subspan(1, repeated), request.subspan(1, repeated));
+}
+
 bool is_answer_id(const wire::CanFrame& frame) {
   return frame.extended && (frame.id & 0x1FFF0000U) == wire::kPhysicalBase;
 }
@@ -43,7 +61,7 @@ IsoTp& Bus::connection(std::uint8_t node) {
   auto& found = connections_[node];
   if (!found) {
     found = std::make_unique<IsoTp>(wire::physical_id(node, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, node),
-                                    static_cast<std::uint8_t>(link_.fd() ? 64 : 8));
+                                    link_.frame_bytes());
   }
   return *found;
 }
@@ -96,7 +114,7 @@ Bus::Message Bus::exchange(std::uint8_t node, Bytes request) {
       }
       return {answer.begin(), answer.end()};
     }
-    if (answer[0] == request[0] + wire::service::kPositive) return {answer.begin(), answer.end()};
+    if (answers(answer, request)) return {answer.begin(), answer.end()};
     // An answer to something else, of another tester or of an earlier request: wait on.
   }
 }

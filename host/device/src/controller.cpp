@@ -187,6 +187,32 @@ std::array<LineReport, layout::kLines> Controller::discover() {
   throw DeviceError(fmt::format("{}: controller {} does not finish its look at the lines; power-cycle it", bus_.link().name(), node_));
 }
 
+void Controller::reroute() {
+  const auto id = wire::routine::kReroute;
+  (void)bus_.request(node_, request_of({wire::service::kRoutine, 0x01, high(id), low(id)}), Repeat::kSafe);
+  constexpr int kPolls = 100;
+  constexpr std::uint64_t kPollEvery_us = 20'000;
+  for (int poll = 0; poll < kPolls; ++poll) {
+    bus_.listen(bus_.now_us() + kPollEvery_us);
+    const Message m = bus_.request(node_, request_of({wire::service::kRoutine, 0x03, high(id), low(id)}), Repeat::kSafe);
+    if (m.size() != 4) nonsense("route");
+    if (m[3] != 0) return;
+  }
+  throw DeviceError(fmt::format("{}: controller {} does not finish its look at the chain; power-cycle it", bus_.link().name(), node_));
+}
+
+wire::FoundTopology Controller::topology() {
+  wire::FoundTopology t;
+  if (!wire::decode(read(wire::did::kTopology), t)) nonsense("topology");
+  return t;
+}
+
+wire::ActiveRoute Controller::route() {
+  wire::ActiveRoute a;
+  if (!wire::decode(read(wire::did::kRoute), a)) nonsense("route");
+  return a;
+}
+
 std::array<std::uint32_t, layout::kLines> Controller::recoveries() {
   const Message m = read(wire::did::kLineStates);
   ByteReader r(m);

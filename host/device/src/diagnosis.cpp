@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "triskin/device/topology.hpp"
 #include "verification.hpp"
 
 namespace triskin::device {
@@ -20,6 +21,10 @@ void Diagnosis::run(VerifyResult& result) {
       for (std::size_t row = 0; row < p.image.module_count; ++row) bad_.insert(p.module(row));
       continue;
     }
+    for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {  // a backup table leaves some out
+      if (std::ranges::none_of(p.image.rows(), [&](const auto& row) { return row.module_id == m.node; })) bad_.insert(m.node);
+    }
+    look_at_topology(p);
     look_at_lines(p);
     look_at_modules(p);
     look_at_history(p);
@@ -55,6 +60,39 @@ const TouchOutcome* Diagnosis::touch_of(int module) const {
   return found == touches_.end() ? nullptr : &*found;
 }
 
+// Switched modules: what the chain shows says more than a silent chip.
+void Diagnosis::look_at_topology(const PatchState& p) {
+  if (!p.topology.switched) return;
+  const TopologyMatch match = match_topology(p.topology, design_, p.patch);
+  if (match.another_patch()) {
+    for (const TopologyMatch& other : identify_patch(p.topology, design_)) {
+      if (other.another_patch() || other.patch == p.patch) continue;
+      add("wrong_patch", -1, p.patch, fmt::format("patch {}: its controller hangs on the modules of patch {}", p.patch, other.patch),
+          "exchange the cables of the controllers, or flash them again by their unique ids");
+      break;
+    }
+    if (findings_.empty() || findings_.back().kind != "wrong_patch") {
+      add("wrong_patch", -1, p.patch, fmt::format("patch {}: the {} modules found are not this patch", p.patch, p.topology.count), "compare the patch with the assembly sheet");
+    }
+    for (std::size_t row = 0; row < p.image.module_count; ++row) {
+      told_.insert(p.module(row));
+      bad_.insert(p.module(row));
+    }
+    return;
+  }
+  for (const TopologyDifference& d : match.differences) {
+    const bool left_out = d.kind == "missing_module" && std::ranges::none_of(p.image.rows(), [&](const auto& row) { return row.module_id == d.module; });
+    if (left_out) continue;
+    const bool joint = d.kind == "missing_joint" || d.kind == "extra_joint";  // its modules may be read all the same
+    Finding& f = add(d.kind, joint ? -1 : d.module, p.patch, fmt::format("patch {}: {}", p.patch, d.text), d.remedy);
+    f.module = d.module;
+    f.other = d.other;
+    if (joint) continue;
+    told_.insert(d.module);
+    if (d.other >= 0) told_.insert(d.other);
+  }
+}
+
 void Diagnosis::look_at_lines(const PatchState& p) {
   for (int l = 0; l < layout::kLines; ++l) {
     const auto k = static_cast<std::size_t>(l);
@@ -83,7 +121,8 @@ void Diagnosis::look_at_modules(const PatchState& p) {
     const int module = p.module(row);
     switch (p.states[row]) {
       case ModuleState::kAbsent:
-        absent.push_back(row);
+        if (p.topology.switched && told_.contains(module)) bad_.insert(module);
+        else absent.push_back(row);
         break;
       case ModuleState::kWrongId:
         told_.insert(module);

@@ -129,7 +129,12 @@ FlashResult::Patch flash_one(Bus& bus, const Board& board, Bytes image, const Fl
 FlashResult flash(Bus& bus, const model::Design& design, const FlashOptions& options, const ProgressSink& progress) {
   const std::uint64_t start_us = bus.now_us();
   std::vector<std::vector<std::uint8_t>> images;
-  for (std::size_t p = 0; p < design.patches.size(); ++p) images.push_back(bytes_of(image_of(design, static_cast<int>(p))));
+  const RouteChoice& route = options.route;
+  if (route.module >= 0 && std::ranges::none_of(design.patches, [&](const auto& p) { return concerns(p, route); })) {
+    throw InputError(route.other < 0 ? fmt::format("the design has no module {} in a patch", route.module)
+                                     : fmt::format("modules {} and {} are not in one patch of the design", route.module, route.other));
+  }
+  for (std::size_t p = 0; p < design.patches.size(); ++p) images.push_back(bytes_of(image_of(design, static_cast<int>(p), route)));
   report(progress, "finding controllers", 0.0);
   std::vector<Board> boards = match_boards(bus, design);
   if (!options.dry_run) assign_addresses(bus, boards, design.patches.size());

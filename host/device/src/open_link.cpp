@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "triskin/device/can_link.hpp"
 #include "triskin/device/link.hpp"
 #include "triskin/device/sim_link.hpp"
 #include "triskin/device/tcp_link.hpp"
+#include "triskin/device/usb_link.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::device {
@@ -19,16 +21,31 @@ std::unique_ptr<Link> open_sim(const LinkOptions& options, const model::Design* 
     if (design == nullptr) throw InputError("link sim: give the scene or the design to simulate with --scene FILE");
     scene::Scene scene;
     scene.design = *design;
+    scene.switched = options.switched;
     const auto folder = scene::state_folder_of(scene.design);
     return std::make_unique<SimLink>(std::move(scene), folder);
   }
   scene::Scene scene = scene::read_scene(options.scene);
+  scene.switched = scene.switched || options.switched;
   if (design != nullptr && scene.design.design_id != design->design_id) {
     throw InputError(fmt::format("{}: its design is {:016x}, the one given is {:016x}; use a scene of this design", options.scene,
                                  scene.design.design_id, design->design_id));
   }
   const auto folder = scene::state_folder_of(scene.design);
   return std::make_unique<SimLink>(std::move(scene), folder);
+}
+
+// Empty: neither hid nor usb.
+std::unique_ptr<Link> open_usb(const std::string& link) {
+  const std::size_t colon = link.find(':');
+  const std::string kind = link.substr(0, colon);
+  if (kind != "hid" && kind != "usb") return nullptr;
+  std::string serial = colon == std::string::npos ? "" : link.substr(colon + 1);
+  std::ranges::transform(serial, serial.begin(), [](char c) { return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c; });
+  if (colon != std::string::npos && (serial.empty() || serial.find_first_not_of("0123456789ABCDEF") != std::string::npos)) {
+    throw InputError(fmt::format("link {}: a serial number has 24 hexadecimal digits, as triskin discover shows them", link));
+  }
+  return std::make_unique<UsbLink>(kind == "hid" ? make_hid_driver() : make_bulk_driver(), serial);
 }
 
 }  // namespace
@@ -51,6 +68,7 @@ std::unique_ptr<Link> open_link(const LinkOptions& options, const model::Design*
   if (!options.scene.empty()) throw InputError("--scene belongs to --link sim; give the scene to triskin simulate instead");
   if (options.link.starts_with("sim:")) return std::make_unique<TcpLink>(parse_host_port(options.link.substr(4)));
   if (options.link.starts_with("can:")) return std::make_unique<CanLink>(options.link.substr(4));
+  if (auto usb = open_usb(options.link)) return usb;
   throw InputError(fmt::format("link \"{}\" is unknown; use {}", options.link, kKnown));
 }
 

@@ -6,6 +6,7 @@
 
 #include "triskin/device/can_server.hpp"
 #include "triskin/device/sim_server.hpp"
+#include "triskin/device/usb_server.hpp"
 
 namespace triskin::device {
 
@@ -29,6 +30,7 @@ void SkinServer::run(const std::atomic<bool>& stop, double seconds) {
 
 std::unique_ptr<SkinServer> open_server(scene::VirtualSkin& skin, const std::string& at) {
   if (at.starts_with("can:")) return std::make_unique<CanServer>(skin, at.substr(4));
+  if (at == "usb") return std::make_unique<UsbServer>(skin);
   return std::make_unique<SimServer>(skin, parse_host_port(at));
 }
 

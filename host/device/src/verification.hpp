@@ -21,6 +21,8 @@ struct PatchState {
   std::vector<RememberedFault> earlier;  ///< remembered when the verification began
   std::vector<RememberedFault> faults;   ///< noted while it ran
   TaxelSample now, rest;
+  wire::FoundTopology topology;  ///< of switched modules
+  wire::ActiveRoute route;
 
   [[nodiscard]] Controller controller(Bus& bus) const { return {bus, image.node_address}; }
   [[nodiscard]] int module(std::size_t row) const { return image.modules[row].module_id; }
@@ -72,6 +74,7 @@ class Diagnosis {
   void look_at_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled);
   void look_at_absent(const PatchState& p, std::vector<std::size_t> rows);
   void look_at_taxels(const PatchState& p, std::size_t row);
+  void look_at_topology(const PatchState& p);
   void look_at_history(const PatchState& p);
   [[nodiscard]] std::vector<Finding> look_at_earlier() const;
   [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const RememberedFault& fault) const;

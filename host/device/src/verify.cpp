@@ -34,7 +34,7 @@ class ControllerCheck {
     if (claims_.empty()) throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.link().name()));
   }
 
-  bool check(const PatchState& p, std::vector<Finding>& findings) {
+  bool check(PatchState& p, std::vector<Finding>& findings) {
     const int node = p.image.node_address;
     const auto claim = std::ranges::find_if(claims_, [&](const auto& c) { return c.node_address == node; });
     if (claim == claims_.end() || !claim->has_table || users_[node] > 1) {
@@ -46,6 +46,7 @@ class ControllerCheck {
     const ActiveTable active = c.active_table();
     const std::vector<std::uint8_t> expected = bytes_of(p.image);
     if (active.design_id == design_.design_id && active.crc == crc32(expected)) return true;
+    if (active.design_id == design_.design_id && runs_on_backup(p, active.crc, findings)) return true;
     findings.push_back(controller_finding(
         "wrong_table", p.patch,
         fmt::format("patch {}: controller {} holds another table (design {:016x}, this is {:016x})", p.patch, node, active.design_id,
@@ -55,6 +56,24 @@ class ControllerCheck {
   }
 
  private:
+  // A table that the design prepared for a failure is right as well; what it leaves out is told.
+  bool runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings) {
+    for (const geometry::FailureLoss& f : design_.patches[static_cast<std::size_t>(p.patch)].failures) {
+      const RouteChoice choice{f.node, f.other_node};
+      if (f.node == design_.patches[static_cast<std::size_t>(p.patch)].entry && f.other_node < 0) continue;
+      const layout::PatchImage image = image_of(design_, p.patch, choice);
+      if (crc32(bytes_of(image)) != crc) continue;
+      const std::string what = choice.other < 0 ? fmt::format("module {}", choice.module) : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
+      findings.push_back(controller_finding("backup_route", p.patch,
+                                            fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} modules are read", p.patch, what,
+                                                        image.module_count, p.image.module_count),
+                                            "repair it, then run triskin flash without --route"));
+      p.image = image;
+      return true;
+    }
+    return false;
+  }
+
   Finding missing(int patch, int node) {
     if (users_[node] > 1 && without_table_ == 0) {
       return controller_finding("duplicate_controller", patch, fmt::format("patch {}: {} controllers share node address {}", patch, users_[node], node),
@@ -93,6 +112,14 @@ void start_patch(Bus& bus, PatchState& p) {
   Controller c = p.controller(bus);
   p.earlier = c.remembered_faults();
   if (!p.earlier.empty()) c.clear_faults();
+}
+
+// Switched modules are found anew before anything is asked of them.
+void look_at_chain(Bus& bus, PatchState& p) {
+  Controller c = p.controller(bus);
+  c.reroute();
+  p.topology = c.topology();
+  p.route = c.route();
 }
 
 void read_patch(Bus& bus, PatchState& p) {
@@ -140,6 +167,7 @@ VerifyResult verify(Bus& bus, const model::Design& design, const VerifyOptions& 
   for (std::size_t k = 0; k < patches.size(); ++k) {
     if (!patches[k].usable) continue;
     report(progress, "asking the modules", static_cast<double>(k) / static_cast<double>(patches.size()));
+    look_at_chain(bus, patches[k]);
     start_patch(bus, patches[k]);
     patches[k].lines = patches[k].controller(bus).discover();
   }

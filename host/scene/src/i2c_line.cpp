@@ -13,7 +13,8 @@ bool I2cLineModel::start(std::uint8_t address_byte, std::uint64_t now_us) {
   if (!usable()) return false;
   ++bytes_;
   for (const Chip& c : chips_) {
-    if (c.address != address_byte >> 1) continue;
+    const int address = c.address_now ? c.address_now() : c.address;
+    if (address != address_byte >> 1) continue;
     c.chip->select((address_byte & 1) != 0, now_us);
     selected_.push_back(c.chip);
   }
@@ -42,8 +43,8 @@ void I2cLineModel::stop(std::uint64_t now_us) {
   selected_.clear();
 }
 
-bool I2cLineModel::scl() const { return !scl_.on || now_us_ < scl_.at_us; }
-bool I2cLineModel::sda() const { return !sda_.on || now_us_ < sda_.at_us; }
+bool I2cLineModel::scl() const { return !(held_ && held_()) && (!scl_.on || now_us_ < scl_.at_us); }
+bool I2cLineModel::sda() const { return !(held_ && held_()) && (!sda_.on || now_us_ < sda_.at_us); }
 
 void I2cLineModel::pulse_scl(std::uint64_t now_us) {
   now_us_ = now_us;

@@ -23,7 +23,13 @@ constexpr std::pair<FaultKind, const char*> kKinds[] = {
     {FaultKind::kSwappedChips, "swapped_chips"},     {FaultKind::kStuckLine, "stuck_line"},
     {FaultKind::kWrongId, "wrong_id"},               {FaultKind::kLostConfiguration, "lost_configuration"},
     {FaultKind::kSaturatedTaxel, "saturated_taxel"}, {FaultKind::kFrozenTaxel, "frozen_taxel"},
-    {FaultKind::kFingerElsewhere, "finger_elsewhere"}};
+    {FaultKind::kFingerElsewhere, "finger_elsewhere"}, {FaultKind::kRotatedModule, "rotated_module"},
+    {FaultKind::kDeadModule, "dead_module"},         {FaultKind::kHeldLine, "held_line"},
+    {FaultKind::kStuckBit, "stuck_bit"},             {FaultKind::kModuleReset, "module_reset"},
+    {FaultKind::kOpenJoint, "open_joint"},           {FaultKind::kShortedJoint, "shorted_joint"},
+    {FaultKind::kExtraJoint, "extra_joint"},         {FaultKind::kSwappedPatches, "swapped_patches"}};
+
+bool needs_switched(FaultKind kind) { return kind >= FaultKind::kDeadModule; }
 
 bool has(const JsonValue& v, const char* key) { return v.raw().is_object() && v.raw().contains(key); }
 
@@ -55,7 +61,7 @@ geometry::Vec3 point(const JsonValue& v) {
 
 class Reader {
  public:
-  Reader(const model::Design& design) : design_(design), wiring_(model::wiring_of(design)) {}
+  explicit Reader(const Scene& scene) : design_(scene.design), switched_(scene.switched), wiring_(model::wiring_of(scene.design)) {}
 
   [[nodiscard]] int module(const JsonValue& v) const { return below(v, design_.layout.modules.size()); }
 
@@ -81,7 +87,10 @@ class Reader {
     const auto* const found = std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return text == k.second; });
     if (found == std::end(kKinds)) kind.fail("\"" + text + "\" is no kind of fault; docs/scene.md lists them");
     f.kind = found->first;
-    read_keys(v, f);
+    if (needs_switched(f.kind) && !switched_) kind.fail("\"" + text + "\" needs \"hardware\": \"switched\" in the scene");
+    if (f.kind == FaultKind::kMovedChip && switched_) kind.fail("\"moved_chip\" is a fault of straps; switched modules have none");
+    if (f.kind >= FaultKind::kRotatedModule) read_switched_keys(v, f);
+    else read_keys(v, f);
     return f;
   }
 
@@ -130,9 +139,38 @@ class Reader {
         only_keys(v, {"kind", "module", "taxel"});
         f.taxel = v["taxel"].integer(0, 11);
         break;
+      default:
+        break;
     }
     f.module = module(v["module"]);
     if (f.other == f.module) v["other"].fail("must be another module");
+  }
+
+  void read_switched_keys(const JsonValue& v, Fault& f) const {
+    if (f.kind == FaultKind::kSwappedPatches) {
+      only_keys(v, {"kind", "patch", "other"});
+      f.patch = below(v["patch"], design_.patches.size());
+      f.other = below(v["other"], design_.patches.size());
+      if (f.other == f.patch) v["other"].fail("must be another patch");
+      return;
+    }
+    only_keys(v, {"kind", "module", "other", "line", "bit", "value", "steps", "at_s", "until_s"});
+    f.module = module(v["module"]);
+    if (f.kind == FaultKind::kRotatedModule) f.value = has(v, "steps") ? v["steps"].integer(1, 2) : 1;
+    if (f.kind == FaultKind::kHeldLine) f.line = v["line"].integer(0, 3);
+    if (f.kind == FaultKind::kStuckBit) {
+      f.bit = v["bit"].integer(0, 7);
+      f.value = v["value"].integer(0, 1);
+    }
+    if (f.kind == FaultKind::kOpenJoint || f.kind == FaultKind::kShortedJoint || f.kind == FaultKind::kExtraJoint) {
+      f.other = module(v["other"]);
+      if (f.other == f.module) v["other"].fail("must be another module");
+      const bool neighbours = std::ranges::count(design_.layout.modules[static_cast<std::size_t>(f.module)].neighbour, f.other) > 0;
+      if (!neighbours && f.kind != FaultKind::kExtraJoint) v["other"].fail("has no joint with \"module\"");
+    }
+    if (has(v, "at_s")) f.from_us = time_us(v["at_s"]);
+    if (has(v, "until_s")) f.until_us = time_us(v["until_s"]);
+    if (f.until_us <= f.from_us) v["until_s"].fail("must be later than \"at_s\"");
   }
 
   void read_stuck_line(const JsonValue& v, Fault& f) const {
@@ -149,12 +187,14 @@ class Reader {
   }
 
   const model::Design& design_;
+  bool switched_;
   std::vector<model::ModuleWiring> wiring_;
 };
 
 Effects read_effects(const JsonValue& v) {
-  only_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "bus_bit_rate", "bus_data_bit_rate"});
+  only_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "bus_bit_rate", "bus_data_bit_rate", "chain_bit_error_rate"});
   Effects e;
+  if (has(v, "chain_bit_error_rate")) e.chain_bit_error_rate = number_in(v["chain_bit_error_rate"], 0.0, 0.5);
   if (has(v, "noise_counts")) e.noise_counts = number_in(v["noise_counts"], 0.0, 1e4);
   if (has(v, "drift_counts_per_s")) e.drift_counts_per_s = number_in(v["drift_counts_per_s"], -1e4, 1e4);
   if (has(v, "taxel_spread_counts")) e.taxel_spread_counts = number_in(v["taxel_spread_counts"], 0.0, 1e4);
@@ -170,7 +210,7 @@ void read_head(const JsonValue& v) {
   if (v["format"].text() != "triskin-scene") v["format"].fail("must be \"triskin-scene\" (or give a design file)");
   const int version = v["version"].integer(0, 1'000'000);
   if (version != kVersion) v["version"].fail(fmt::format("is {}, this program reads {}", version, kVersion));
-  only_keys(v, {"format", "version", "design", "seed", "contacts", "faults", "effects"});
+  only_keys(v, {"format", "version", "design", "hardware", "seed", "contacts", "faults", "effects"});
 }
 
 }  // namespace
@@ -178,6 +218,19 @@ void read_head(const JsonValue& v) {
 const char* name_of(FaultKind kind) {
   const auto* const found = std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return kind == k.first; });
   return found == std::end(kKinds) ? "unknown" : found->second;
+}
+
+int real_rotation(const Scene& scene, int module) {
+  const auto wiring = model::wiring_of(scene.design);
+  const auto designed = [&](int m) { return wiring.at(static_cast<std::size_t>(m)).routed.rotation; };
+  int rotation = designed(module);
+  for (const Fault& f : scene.faults) {
+    if (f.kind == FaultKind::kRotatedModule && f.module == module) rotation = (rotation + f.value) % 3;
+    if (f.kind != FaultKind::kSwappedChips || !scene.switched) continue;
+    if (f.module == module) rotation = designed(f.other);
+    if (f.other == module) rotation = designed(f.module);
+  }
+  return rotation;
 }
 
 geometry::Vec3 center_of(const model::Design& design, int module) {
@@ -198,7 +251,12 @@ Scene read_scene(const std::filesystem::path& path) {
   const std::filesystem::path design = v["design"].text();
   scene.design = model::read_design(design.is_absolute() ? design : path.parent_path() / design);
   if (has(v, "seed")) scene.seed = v["seed"].unsigned_integer();
-  const Reader reader(scene.design);
+  if (has(v, "hardware")) {
+    const std::string hardware = v["hardware"].text();
+    if (hardware != "switched" && hardware != "strapped") v["hardware"].fail("must be \"strapped\" or \"switched\"");
+    scene.switched = hardware == "switched";
+  }
+  const Reader reader(scene);
   if (has(v, "contacts")) {
     const JsonValue list = v["contacts"];
     for (std::size_t k = 0; k < list.size(); ++k) scene.contacts.push_back(reader.contact(list.at(k)));

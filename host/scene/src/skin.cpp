@@ -89,16 +89,15 @@ void ModuleSkin::remove(int touch_id) {
   std::erase_if(touches_, [&](const Touch* t) { return t->id == touch_id; });
 }
 
-Skin::Skin(const Scene& scene) : lines_(scene.design.patches.size()) {
-  const auto wiring = model::wiring_of(scene.design);
-  for (std::size_t m = 0; m < wiring.size(); ++m) modules_.emplace_back(scene, static_cast<int>(m), wiring[m].routed.rotation);
-  place_chips(scene);
+Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design.patches.size()) {
+  for (int m = 0; m < static_cast<int>(scene.design.layout.modules.size()); ++m) modules_.emplace_back(scene, m, real_rotation(scene, m));
+  place_chips(scene, switched);
   for (const Fault& fault : scene.faults) apply(fault);
   for (const Contact& contact : scene.contacts) press(contact);
 }
 
 // Where each chip is soldered, after the faults that move chips; then the chips that are there are attached.
-void Skin::place_chips(const Scene& scene) {
+void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
   struct Place {
     int patch, line, address;
     std::uint16_t device_id = Ad7147::kDeviceId;
@@ -125,7 +124,19 @@ void Skin::place_chips(const Scene& scene) {
     const Place& place = places[m];
     chips_.push_back(std::make_unique<Ad7147>(modules_[m], place.device_id));
     if (!place.present) continue;
-    line(place.patch, place.line).attach(*chips_.back(), static_cast<std::uint8_t>(kFirstCdcAddress + place.address));
+    if (switched != nullptr && switched->present()) attach(*chips_.back(), static_cast<int>(m), place.patch, *switched);
+    else line(place.patch, place.line).attach(*chips_.back(), static_cast<std::uint8_t>(kFirstCdcAddress + place.address));
+  }
+}
+
+// A switched module's chip is on any line, at any address: what its register says, while its ports lead to the controller.
+void Skin::attach(Ad7147& chip, int module, int patch, SwitchedHardware& switched) {
+  const SwitchedPatch& chain = switched.patch(patch);
+  const int row = switched.row_of(module);
+  for (int l = 0; l < 4; ++l) {
+    I2cLineModel& model = line(patch, l);
+    model.attach(chip, [&chain, row, l] { return chain.reached(row) && chain.line_of(row) == l ? kFirstCdcAddress + chain.address_of(row) : -1; });
+    if (row == 0) model.hold_while([&chain, l] { return (chain.stuck_lines() >> l & 1) != 0; });
   }
 }
 
@@ -149,6 +160,7 @@ void Skin::apply(const Fault& f) {
     case FaultKind::kSwappedChips:
     case FaultKind::kWrongId:
     case FaultKind::kFingerElsewhere:
+    default:
       break;  // done where chips are placed, or where the finger is
   }
 }

@@ -81,7 +81,7 @@ void SwitchedPatch::collect(int m, std::vector<int>& chain) const {
   }
 }
 
-void SwitchedPatch::exchange(std::span<const std::uint8_t> out, std::span<std::uint8_t> in) {
+void SwitchedPatch::exchange(Bytes out, std::span<std::uint8_t> in) {
   std::vector<int> chain;
   const bool dead = shorted() || !reached(0);
   if (!dead) collect(0, chain);
@@ -89,7 +89,7 @@ void SwitchedPatch::exchange(std::span<const std::uint8_t> out, std::span<std::u
   for (std::size_t byte = 0; byte < out.size(); ++byte) {
     in[byte] = 0;
     for (int k = 7; k >= 0; --k) {
-      time_us_ += kBit_us;
+      time_us_ += kBit_ns * 1e-3;
       if (dead) continue;
       int carry = out[byte] >> k & 1;
       for (const int element : chain) {
@@ -109,7 +109,7 @@ void SwitchedPatch::exchange(std::span<const std::uint8_t> out, std::span<std::u
 }
 
 void SwitchedPatch::latch() {
-  time_us_ += kSettle_us;
+  time_us_ += kSettle_ns * 1e-3;
   if (shorted() || !reached(0)) return;
   std::vector<int> chain;
   collect(0, chain);
@@ -121,7 +121,7 @@ void SwitchedPatch::latch() {
 
 void SwitchedPatch::enable(bool on) {
   enabled_ = on;
-  time_us_ += kSettle_us;
+  time_us_ += kSettle_ns * 1e-3;
   settle();
 }
 

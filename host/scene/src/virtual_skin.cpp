@@ -24,6 +24,16 @@ std::array<std::uint8_t, 12> unique_id_of(std::uint64_t design_id, std::size_t p
   return id;
 }
 
+// The patch that a controller's cable really leads to.
+int plugged_patch(const Scene& scene, int patch) {
+  for (const Fault& f : scene.faults) {
+    if (f.kind != FaultKind::kSwappedPatches) continue;
+    if (f.patch == patch) return f.other;
+    if (f.other == patch) return f.patch;
+  }
+  return patch;
+}
+
 }  // namespace
 
 std::filesystem::path state_folder_of(const model::Design& design) {
@@ -40,7 +50,7 @@ std::filesystem::path state_folder_of(const model::Design& design) {
 }
 
 VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
-    : scene_(std::move(scene)), skin_(scene_), nodes_(scene_.design.patches.size()) {
+    : scene_(std::move(scene)), switched_(scene_), skin_(scene_, &switched_), nodes_(scene_.design.patches.size()) {
   if (!state_folder.empty()) {
     std::error_code error;
     std::filesystem::create_directories(state_folder, error);
@@ -54,7 +64,9 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
     node.flash = state_folder.empty()
                      ? std::make_unique<FlashMemory>(kFlashBytes)
                      : std::make_unique<FlashMemory>(kFlashBytes, state_folder / fmt::format("controller_{}.flash", p + 1));
-    for (int l = 0; l < 4; ++l) node.board.lines[static_cast<std::size_t>(l)] = &skin_.line(static_cast<int>(p), l);
+    const int plugged = plugged_patch(scene_, static_cast<int>(p));
+    for (int l = 0; l < 4; ++l) node.board.lines[static_cast<std::size_t>(l)] = &skin_.line(plugged, l);
+    if (switched_.present()) node.board.chain = &switched_.patch(plugged);
     node.board.flash = node.flash.get();
     node.board.unique_id = unique_id_of(scene_.design.design_id, p);
     node.board.send = [this, p](const wire::CanFrame& frame) { pending_.push_back({frame, p}); };
@@ -158,7 +170,7 @@ void VirtualSkin::run_controllers() {
 }
 
 std::uint64_t VirtualSkin::next_event_us() const {
-  std::uint64_t next = on_wire_.empty() ? kNeverUs : wire_free_us_;
+  std::uint64_t next = std::min(on_wire_.empty() ? kNeverUs : wire_free_us_, switched_.next_event_us());
   for (const Node& node : nodes_) {
     if (node.controller != nullptr) next = std::min(next, node.run_again_us);
   }
@@ -168,6 +180,7 @@ std::uint64_t VirtualSkin::next_event_us() const {
 bool VirtualSkin::run(std::uint64_t until_us, bool stop_at_frame) {
   frame_came_ = false;
   while (true) {
+    switched_.advance(now_us_);
     run_controllers();
     const bool moved = advance_bus();
     if (frame_came_ && stop_at_frame) return true;

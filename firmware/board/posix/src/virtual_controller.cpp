@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "triskin/app/application.hpp"
+#include "triskin/logic/usb_device.hpp"
 
 namespace triskin::sim {
 namespace {
@@ -18,6 +19,15 @@ class VirtualClock final : public fw::Clock {
  public:
   std::uint64_t now = 0;
   [[nodiscard]] std::uint64_t now_us() const override { return now; }
+  // For work that the processor waits for.
+  void spend(std::uint64_t ns) {
+    rest_ns_ += ns;
+    now += rest_ns_ / 1000;
+    rest_ns_ %= 1000;
+  }
+
+ private:
+  std::uint64_t rest_ns_ = 0;
 };
 
 // Moves the bytes at once, and reports the end when the bus would have needed the time.
@@ -94,6 +104,28 @@ class VirtualCan final : public fw::CanPort {
   const VirtualBoard& board_;
 };
 
+class VirtualChain final : public fw::RouteChain {
+ public:
+  VirtualChain(ChainModel* model, VirtualClock& clock) : model_(model), clock_(clock) {}
+  void enable(bool on) override {
+    model_->enable(on);
+    clock_.spend(ChainModel::kSettle_ns);
+  }
+  void exchange(Bytes out, std::span<std::uint8_t> in) override {
+    model_->exchange(out, in);
+    clock_.spend(out.size() * 8 * ChainModel::kBit_ns);
+  }
+  void latch() override {
+    model_->latch();
+    clock_.spend(ChainModel::kSettle_ns);
+  }
+  [[nodiscard]] std::uint8_t stuck_lines() override { return model_->stuck_lines(); }
+
+ private:
+  ChainModel* model_;
+  VirtualClock& clock_;
+};
+
 class VirtualFlash final : public fw::FlashArea {
  public:
   explicit VirtualFlash(FlashModel& model) : model_(model) {}
@@ -112,10 +144,13 @@ class Controller final : public VirtualController {
  public:
   explicit Controller(const VirtualBoard& board)
       : board_(board), lines_{{{*board.lines[0], clock_}, {*board.lines[1], clock_}, {*board.lines[2], clock_}, {*board.lines[3], clock_}}},
-        can_(board_), flash_(*board.flash),
-        application_({{&lines_[0], &lines_[1], &lines_[2], &lines_[3]}, &clock_, &can_, &flash_, board.unique_id}) {}
+        can_(board_), usb_(board.unique_id), flash_(*board.flash), chain_(board.chain, clock_),
+        application_({{&lines_[0], &lines_[1], &lines_[2], &lines_[3]}, &clock_, &can_, &flash_, board.unique_id, &usb_,
+                      board.chain == nullptr ? nullptr : &chain_}) {}
 
   void receive(const wire::CanFrame& frame) override { can_.queue.push_back(frame); }
+
+  [[nodiscard]] wire::UsbFunction& usb() override { return usb_; }
 
   void run_until(std::uint64_t now_us) override {
     while (next_event_us() <= now_us) {
@@ -126,7 +161,7 @@ class Controller final : public VirtualController {
   }
 
   [[nodiscard]] std::uint64_t next_event_us() const override {
-    if (!can_.queue.empty()) return clock_.now;
+    if (!can_.queue.empty() || usb_.frame_waits()) return clock_.now;
     std::uint64_t next = application_.next_event_us();
     for (const VirtualI2cLine& line : lines_) next = std::min(next, line.done_us());
     return next;
@@ -137,7 +172,9 @@ class Controller final : public VirtualController {
   VirtualClock clock_;
   std::array<VirtualI2cLine, 4> lines_;
   VirtualCan can_;
+  fw::UsbDevice usb_;
   VirtualFlash flash_;
+  VirtualChain chain_;
   fw::Application application_;
 };
 

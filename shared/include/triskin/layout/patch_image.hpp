@@ -33,6 +33,7 @@ struct ModuleRow {
   std::uint8_t parent = kNoParent; ///< index of the parent's row, lower than this row's index; kNoParent at the entry
   std::uint8_t parent_port = kCable;  ///< output port of the parent (0..2) that this module hangs on; kCable at the entry
   std::uint8_t kept_joints = 0;    ///< bit p: port p carries the lines; other joints are cut
+  std::array<std::uint8_t, 3> joints{};  ///< far end of each port (joint_to), also of joints that the tree leaves out; 0: none
   bool operator==(const ModuleRow&) const = default;
 };
 
@@ -45,8 +46,49 @@ struct PatchImage {
   bool operator==(const PatchImage&) const = default;
 };
 
+/// Far end of a port in one byte: port of a row.
+[[nodiscard]] constexpr std::uint8_t joint_to(std::size_t row, std::size_t port) { return static_cast<std::uint8_t>(1 + 3 * row + port); }
+[[nodiscard]] constexpr std::size_t joint_row(std::uint8_t joint) { return (joint - 1U) / 3U; }
+[[nodiscard]] constexpr std::uint8_t joint_port(std::uint8_t joint) { return static_cast<std::uint8_t>((joint - 1U) % 3U); }
+/// Tables for strapped modules may leave all joints out: nothing can be switched there.
+[[nodiscard]] constexpr bool has_joints(const PatchImage& image) {
+  for (const ModuleRow& m : image.rows()) {
+    for (const std::uint8_t j : m.joints) {
+      if (j != 0) return true;
+    }
+  }
+  return false;
+}
+
+/// Port of a row that faces its parent, at the entry the cable. Without joints it is port A.
+[[nodiscard]] constexpr std::uint8_t input_port(const PatchImage& image, std::size_t row) {
+  const ModuleRow& m = image.modules[row];
+  if (row == 0 || !has_joints(image) || m.parent >= image.module_count || m.parent_port > 2) return 0;
+  const std::uint8_t j = image.modules[m.parent].joints[m.parent_port];
+  return j == 0 ? std::uint8_t{0} : joint_port(j);
+}
+
+/// Every joint has two ends, no end at the cable; every module hangs on a joint.
+[[nodiscard]] constexpr Status check_joints(const PatchImage& image) {
+  if (!has_joints(image)) return Status::kOk;
+  if (image.modules[0].joints[0] != 0) return Status::kBadTree;
+  for (std::size_t k = 0; k < image.module_count; ++k) {
+    for (std::size_t p = 0; p < 3; ++p) {
+      const std::uint8_t j = image.modules[k].joints[p];
+      if (j == 0) continue;
+      if (j > joint_to(image.module_count - 1U, 2)) return Status::kOutOfRange;
+      if (joint_row(j) == k || image.modules[joint_row(j)].joints[joint_port(j)] != joint_to(k, p)) return Status::kBadTree;
+    }
+    if (k == 0) continue;
+    const ModuleRow& m = image.modules[k];
+    const std::uint8_t j = image.modules[m.parent].joints[m.parent_port];
+    if (j == 0 || joint_row(j) != k) return Status::kBadTree;
+  }
+  return Status::kOk;
+}
+
 /// Limits and tree: ranges, unique (line, address) and module id, one entry that is row 0, parents before children, no
-/// port of a parent used twice, the input port (A) only towards the parent.
+/// port of a parent used twice, its input port never; joints (check_joints).
 [[nodiscard]] constexpr Status check(const PatchImage& image) {
   if (image.module_count < 1 || image.module_count > kMaxModules) return Status::kOutOfRange;
   if (image.node_address < 1 || image.node_address > 126) return Status::kOutOfRange;
@@ -64,12 +106,12 @@ struct PatchImage {
     if ((k == 0) != (m.parent == kNoParent) || (k == 0) != (m.parent_port == kCable)) return Status::kBadTree;
     if (k == 0) continue;
     if (m.parent >= k) return Status::kBadTree;
-    if (m.parent_port < 1 || m.parent_port > 2) return Status::kBadTree;  // port A is the parent's own input
+    if (m.parent_port > 2 || m.parent_port == input_port(image, m.parent)) return Status::kBadTree;
     const auto bit = static_cast<std::uint8_t>(1U << m.parent_port);
     if ((used_ports[m.parent] & bit) != 0) return Status::kBadTree;
     used_ports[m.parent] = static_cast<std::uint8_t>(used_ports[m.parent] | bit);
   }
-  return Status::kOk;
+  return check_joints(image);
 }
 
 /// Header: magic, layout version, header bytes, total bytes, node address, module count, design id, 8 reserved zeros, CRC-32
@@ -96,7 +138,8 @@ struct PatchImage {
     w.u8(m.parent);
     w.u8(m.parent_port);
     w.u8(m.kept_joints);
-    w.le32(0);
+    w.bytes(m.joints);
+    w.u8(0);
   }
   const std::uint32_t crc = crc32(out.first(total));
   ByteWriter(out.subspan(28, 4)).le32(crc);
@@ -133,7 +176,8 @@ struct PatchImage {
     m.parent = r.u8();
     m.parent_port = r.u8();
     m.kept_joints = r.u8();
-    if (r.le32() != 0) return std::unexpected(Status::kOutOfRange);
+    for (std::uint8_t& j : m.joints) j = r.u8();
+    if (r.u8() != 0) return std::unexpected(Status::kOutOfRange);
   }
   if (const Status s = check(image); s != Status::kOk) return std::unexpected(s);
   return image;

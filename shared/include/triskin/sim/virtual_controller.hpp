@@ -5,9 +5,11 @@
 #include <functional>
 #include <memory>
 
+#include "triskin/sim/chain_model.hpp"
 #include "triskin/sim/flash_model.hpp"
 #include "triskin/sim/i2c_bus.hpp"
 #include "triskin/wire/can_frame.hpp"
+#include "triskin/wire/usb_function.hpp"
 
 namespace triskin::sim {
 
@@ -18,6 +20,7 @@ struct VirtualBoard {
   std::array<std::uint8_t, 12> unique_id{};
   std::function<void(const wire::CanFrame&)> send;  ///< frame leaves the controller
   bool can_fd = true;                  ///< the bus carries FD frames
+  ChainModel* chain = nullptr;         ///< of switched modules; null: the board has no chain
 };
 
 /// The patch controller's application on virtual ports: the same logic that runs on the microcontroller.
@@ -27,6 +30,8 @@ class VirtualController {
   virtual ~VirtualController() = default;
   /// A frame arrives. It is handled by the next run_until.
   virtual void receive(const wire::CanFrame& frame) = 0;
+  /// Its USB device, to be attached to a bus.
+  [[nodiscard]] virtual wire::UsbFunction& usb() = 0;
   /// Runs the application until virtual time `now_us` (monotonic). May throw PowerLost from the flash model.
   virtual void run_until(std::uint64_t now_us) = 0;
   /// Earliest virtual time at which the application has something to do; ≤ now when it is busy.

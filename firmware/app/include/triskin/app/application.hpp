@@ -3,9 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "triskin/logic/fault_memory.hpp"
 #include "triskin/logic/icub_board.hpp"
+#include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
 #include "triskin/logic/table_store.hpp"
 #include "triskin/logic/uds_server.hpp"
@@ -39,25 +41,49 @@ class Application final : private UdsHost {
   void request_reset() override { reset_requested_ = true; }
   [[nodiscard]] std::uint64_t now_us() const override { return ports_.clock->now_us(); }
 
+  /// A way to a host: a port and the one connection that a tester has over it.
+  struct Channel {
+    CanPort* port;
+    wire::IsoTp link;
+    std::optional<wire::CanFrame> held{};  // sent by link, not yet taken by the port
+    std::array<wire::CanFrame, wire::kClaimFrames> claim{};
+    std::size_t claim_at = wire::kClaimFrames;  // next frame of claim to send
+    wire::IdFrames assignment{};
+  };
+  static constexpr std::size_t kCan = 0;
+
   void restart();
   void restart_sampling();
-  void handle_frame(const wire::CanFrame& frame);
+  void keep_route();
+  void distrust();
+  [[nodiscard]] std::span<Channel> channels() { return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1); }
+  [[nodiscard]] std::span<const Channel> channels() const { return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1); }
+  void handle_frame(Channel& channel, const wire::CanFrame& frame);
+  void answer(Channel& channel, Bytes request, bool functional);
   void handle_icub_frame(const wire::CanFrame& frame);
-  bool handle_claim_frame(const wire::CanFrame& frame);
+  bool handle_claim_frame(Channel& channel, const wire::CanFrame& frame);
   void send_pending();
+  static void send_pending(Channel& channel, std::uint64_t now_us);
   void end_cycle();
   void queue_sample();
   void write_hello(ByteWriter& out) const;
   void write_live(ByteWriter& out) const;
+  void write_states(ByteWriter& out) const;
+  /// What counts. With switched modules that is what was read before the last good look at the chain.
+  [[nodiscard]] const ModuleSample& shown(std::size_t row) const { return route_.switched() ? published_[row] : samples_[row]; }
 
   const Ports ports_;
   TableStore tables_;
   UdsServer server_;
   FaultMemory faults_;
-  wire::IsoTp link_;
-  std::optional<wire::CanFrame> held_;  ///< sent by link_, not yet taken by the port
+  std::array<Channel, 2> channels_;  // CAN, USB
+  CanPort* asking_;         // whose request is being answered
+  CanPort* stream_port_;    // who wanted the stream
   std::array<LineSampler, layout::kLines> lines_;
   std::array<ModuleSample, layout::kMaxModules> samples_{};
+  std::array<ModuleSample, layout::kMaxModules> published_{};
+  RouteKeeper route_;
+  bool quiet_ = false;  ///< sampling comes to rest
   std::uint8_t lines_done_ = 0;
   std::uint32_t sample_count_ = 0;
   wire::StreamMode stream_ = wire::StreamMode::kOff;
@@ -67,9 +93,6 @@ class Application final : private UdsHost {
   bool reset_requested_ = false;
   IcubBoard icub_;
   std::optional<wire::CanFrame> icub_reply_;
-  wire::IdFrames assignment_;
-  std::array<wire::CanFrame, wire::kClaimFrames> claim_{};
-  std::size_t claim_at_ = wire::kClaimFrames;  // next frame of claim_ to send
 };
 
 }  // namespace triskin::fw

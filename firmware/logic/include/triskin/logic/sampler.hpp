@@ -56,6 +56,10 @@ class LineSampler {
   void request_check();
   /// Every chip of the table has been through its checks, or cannot be.
   [[nodiscard]] bool checked() const;
+  /// Starts nothing new until resume(). True: no transfer is under way.
+  bool rest();
+  /// Goes on after rest(): chips that were read before are read again at once when they still hold their configuration.
+  void resume(std::uint64_t now_us);
   /// Advances. True when a cycle over all modules of the line has ended in this step.
   bool step(std::uint64_t now_us);
   [[nodiscard]] const LineScan& scan() const { return scan_; }
@@ -105,7 +109,7 @@ class LineSampler {
   Job job_ = Job::kIdle;
   int configure_step_ = 0;
   std::uint8_t scan_address_ = 0;
-  bool scan_requested_ = false, stuck_ = false;
+  bool scan_requested_ = false, stuck_ = false, resting_ = false, verify_all_ = false;
   LineScan scan_;
   std::uint64_t next_cycle_us_ = 0;
   std::uint32_t cycle_ = 0, recoveries_ = 0, bus_errors_ = 0;

@@ -55,6 +55,8 @@ class ChainDriver {
   bool check();
   [[nodiscard]] std::uint16_t members() const { return members_; }  ///< bit m: module m is in the chain
   [[nodiscard]] std::uint8_t stuck_lines() const { return port_.stuck_lines(); }
+  /// EN low: no module is reached.
+  void silence();
 
  private:
   static constexpr std::size_t kMost = layout::kMaxModules + 3;
@@ -79,9 +81,18 @@ class Topology {
     std::uint8_t shorts = 0;       ///< ports left closed because opening them broke the chain or held a line
     std::uint16_t alive = 0;       ///< heal(): bit m: module m of the table is in the tree
     std::uint8_t max_depth = 0;    ///< of the active tree
-    bool least_depth = true;       ///< false: the tree by which the modules were found was kept
+    bool least_depth = false;      ///< heal(): no tree over the joints that were found is less deep
+    bool as_table = false;         ///< heal(): the table's tree is up
     std::uint8_t unknown = 0;      ///< heal(): modules found at places that the table does not know; left closed
   };
+
+  /// What the table says: joints, slots and tree, by row.
+  struct Table {
+    PatchGraph graph;
+    std::array<Slot, layout::kMaxModules> slots{};
+    std::array<JointEnd, layout::kMaxModules> parent{};  ///< row and output port; no module: least depth is what counts
+  };
+  [[nodiscard]] static Table table_of(const layout::PatchImage& image);
 
   explicit Topology(RouteChain& port) : chain_(port) {}
 
@@ -89,11 +100,17 @@ class Topology {
   Report discover();
   [[nodiscard]] const PatchGraph& graph() const { return graph_; }
 
-  /// Discovers anew and activates the tree of least depth over what survives. `table`: the joints as designed, module
-  /// numbers and slots as in the table. A module keeps its slot.
-  Report heal(const PatchGraph& table, const std::array<Slot, layout::kMaxModules>& slots);
+  /// Discovers anew and activates the table's tree where all of it is there, else the tree of least depth over the joints of the
+  /// table that survive. A module keeps its slot. Where no tree comes up, no module is reached.
+  Report heal(const Table& table);
   /// Cheap check before and after a sampling cycle; false: samples of the cycle are not to be trusted, heal.
   bool intact() { return chain_.check(); }
+  /// After intact() failed: writes the registers again. True: that was all; the same modules are in the tree.
+  bool refresh() { return chain_.check() && chain_.settle() && chain_.check(); }
+  /// Row of a module of graph() after heal(), kNoModule when the table does not know it.
+  [[nodiscard]] std::uint8_t row_of(std::uint8_t module) const { return table_index_[module]; }
+  /// Module of graph() and its output port on which a module of graph() hangs in the active tree.
+  [[nodiscard]] JointEnd parent_of(std::uint8_t module) const { return parent_[module]; }
 
  private:
   enum class Port : std::uint8_t { kUnknown, kInput, kNothing, kChild, kJoined, kBad };
@@ -113,17 +130,26 @@ class Topology {
   [[nodiscard]] bool below(std::uint8_t module, std::uint8_t top) const;
   [[nodiscard]] bool open_end(std::uint8_t module, std::uint8_t port) const;
   void join(JointEnd a, JointEnd b);
+  void note_input(std::uint8_t module, std::uint8_t port);
+  void resolve_inputs(const PatchGraph& table, std::uint8_t module);
   void identify(const PatchGraph& table, Report& report);
-  bool least_depth_tree(Report& report);
+  [[nodiscard]] bool in_table(const PatchGraph& table, std::uint8_t module, std::uint8_t port) const;
+  [[nodiscard]] bool lines_free() const { return (chain_.stuck_lines() & ~held_lines_) == 0; }
+  bool table_tree(const Table& table);
+  bool least_depth_tree(const Table& table);
+  bool activate(const Table& table, Report& report);
+  [[nodiscard]] std::uint8_t depth() const;
   bool exclude(std::uint8_t module, std::uint8_t port);
 
   ChainDriver chain_;
   PatchGraph graph_;
   std::array<std::array<Port, 3>, layout::kMaxModules> port_{};
   std::array<JointEnd, layout::kMaxModules> parent_{};  // tree of the discovery; module and its output port
-  std::array<std::uint8_t, layout::kMaxModules> input_{};
+  std::array<std::uint8_t, layout::kMaxModules> input_{};   // first port whose enable does nothing
+  std::array<std::uint8_t, layout::kMaxModules> inputs_{};  // bit p: all of them; more than one: an enable is broken
   Exclusions bad_{};                                    // ports by discovery number, which repeats
   std::uint8_t shorts_ = 0;
+  std::uint8_t held_lines_ = 0;                         // low already with the entry module alone
   std::array<std::uint8_t, layout::kMaxModules> table_index_{};
   std::array<Slot, layout::kMaxModules> slot_{};        // by discovery number
 };

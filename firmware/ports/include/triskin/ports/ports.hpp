@@ -8,6 +8,7 @@
 
 #include "triskin/base/bytes.hpp"
 #include "triskin/base/status.hpp"
+#include "triskin/ports/route_chain.hpp"
 #include "triskin/wire/can_frame.hpp"
 
 /// What the application sees of a board. Implemented in board/, wired once in app/. No call blocks.
@@ -31,10 +32,13 @@ class Clock {
   [[nodiscard]] virtual std::uint64_t now_us() const = 0;  ///< since power-up, monotonic
 };
 
+/// Frames to and from hosts: a CAN bus, or USB with the same frames in its packets.
 class CanPort {
  public:
   virtual ~CanPort() = default;
   [[nodiscard]] virtual bool fd() const = 0;
+  /// Longest frame, bytes.
+  [[nodiscard]] virtual std::uint8_t frame_bytes() const { return fd() ? 64 : 8; }
   /// False: the queue is full; try again later.
   virtual bool send(const wire::CanFrame& frame) = 0;
   virtual std::optional<wire::CanFrame> receive() = 0;
@@ -59,6 +63,8 @@ struct Ports {
   CanPort* can;
   FlashArea* flash;
   std::array<std::uint8_t, 12> unique_id;
+  CanPort* usb = nullptr;       ///< null: a board without
+  RouteChain* chain = nullptr;  ///< of switched modules; null on a board without
 };
 
 }  // namespace triskin::fw

@@ -7,6 +7,7 @@
 
 #include "triskin/device/bus.hpp"
 #include "triskin/layout/patch_image.hpp"
+#include "triskin/wire/topology.hpp"
 #include "triskin/wire/uds.hpp"
 
 namespace triskin::device {
@@ -68,6 +69,10 @@ class Controller {
   std::vector<wire::ModuleState> module_states();
   /// Asks all lines what answers; takes about two sample periods.
   std::array<LineReport, layout::kLines> discover();
+  /// Lets the controller look for modules and joints anew and route its patch; sampling rests up to 60 ms meanwhile.
+  void reroute();
+  wire::FoundTopology topology();
+  wire::ActiveRoute route();
   std::array<std::uint32_t, layout::kLines> recoveries();
   std::vector<RememberedFault> remembered_faults();
   void clear_faults();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "triskin/device/bus.hpp"
+#include "triskin/device/patch_table.hpp"
 #include "triskin/host/progress.hpp"
 #include "triskin/model/design.hpp"
 
@@ -12,6 +13,7 @@ namespace triskin::device {
 struct FlashOptions {
   bool dry_run = false;  ///< say what would change, write nothing
   bool force = false;    ///< write equal tables too
+  RouteChoice route;     ///< the patch of this failure gets the tree that the design prepared for it
 };
 
 struct FlashResult {

@@ -30,8 +30,10 @@ class Link {
   virtual std::optional<wire::CanFrame> receive(std::uint64_t until_us) = 0;
   /// Time of the link, µs: monotonic; virtual in the in-process simulation, where waiting costs nothing.
   [[nodiscard]] virtual std::uint64_t now_us() const = 0;
-  /// Frames of 64 bytes may be sent.
+  /// FD frames may be sent.
   [[nodiscard]] virtual bool fd() const = 0;
+  /// Longest frame that may be sent, bytes.
+  [[nodiscard]] virtual std::uint8_t frame_bytes() const { return fd() ? 64 : 8; }
   /// How long a controller may take for its first answer: P2 of the protocol and what the way there costs.
   [[nodiscard]] virtual std::uint64_t answer_us() const = 0;
   [[nodiscard]] virtual std::string name() const = 0;
@@ -44,6 +46,7 @@ class Link {
 struct LinkOptions {
   std::string link = "sim";
   std::string scene;  ///< scene file for `sim`; empty: the design, with nothing wrong
+  bool switched = false;  ///< `sim` without a scene file has switched modules
 };
 
 /// Opens `sim`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`. The design is what `sim` simulates when

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "triskin/scene/ad7147.hpp"
@@ -16,6 +18,10 @@ class I2cLineModel final : public sim::I2cBus {
 
   /// `chip` must outlive the line. `address` is the 7-bit address.
   void attach(Ad7147& chip, std::uint8_t address) { chips_.push_back({&chip, address}); }
+  /// A chip whose place changes: `address_now` gives its address, −1 while it is not on this line.
+  void attach(Ad7147& chip, std::function<int()> address_now) { chips_.push_back({&chip, 0, std::move(address_now)}); }
+  /// Both signals are low while `held` says so.
+  void hold_while(std::function<bool()> held) { held_ = std::move(held); }
   /// From `at_us` the signal is held low. SDA is let go after `frees_after_pulses` pulses on SCL, 0: never.
   void hold_low(Signal signal, std::uint64_t at_us, int frees_after_pulses);
 
@@ -34,6 +40,7 @@ class I2cLineModel final : public sim::I2cBus {
   struct Chip {
     Ad7147* chip;
     std::uint8_t address;
+    std::function<int()> address_now = {};
   };
   struct Hold {
     bool on = false;
@@ -44,6 +51,7 @@ class I2cLineModel final : public sim::I2cBus {
 
   std::vector<Chip> chips_;
   std::vector<Ad7147*> selected_;
+  std::function<bool()> held_;
   Hold sda_, scl_;
   std::uint64_t now_us_ = 0;
   std::uint64_t bytes_ = 0;

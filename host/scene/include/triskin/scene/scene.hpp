@@ -33,16 +33,25 @@ enum class FaultKind {
   kSaturatedTaxel,     ///< module, taxel
   kFrozenTaxel,        ///< module, taxel
   kFingerElsewhere,    ///< module, other: a finger meant for the module lands on the other
+  kRotatedModule,      ///< module, value: turned by 120° once or twice
+  kDeadModule,         ///< module: its logic has no power; this kind and those below need switched modules
+  kHeldLine,           ///< module, line: holds it low while its ports are closed
+  kStuckBit,           ///< module, bit, value: of its register's outputs
+  kModuleReset,        ///< module: its register is cleared at from_us
+  kOpenJoint,          ///< module, other
+  kShortedJoint,       ///< module, other
+  kExtraJoint,         ///< module, other: of one patch; first free port of each
+  kSwappedPatches,     ///< patch, other: each controller is plugged into the other's patch
 };
 [[nodiscard]] const char* name_of(FaultKind kind);
 
 struct Fault {
   FaultKind kind = FaultKind::kRemovedChip;
   int module = -1, other = -1, patch = -1, line = -1, address = -1, taxel = -1;
-  int value = 0;
+  int value = 0, bit = -1;
   bool stuck_scl = false;
   int frees_after_pulses = 0;
-  std::uint64_t from_us = 0;
+  std::uint64_t from_us = 0, until_us = kForever;
   std::uint64_t every_us = 0;
 };
 
@@ -53,10 +62,12 @@ struct Effects {
   double taxel_spread_counts = 0.0;     ///< half range of the resting values
   std::uint64_t bus_bit_rate = 0;       ///< 0: frames take no time
   std::uint64_t bus_data_bit_rate = 0;  ///< of FD frames with rate switch; 0: as bus_bit_rate
+  double chain_bit_error_rate = 0.0;    ///< of the route chain: probability that a bit flips in one module
 };
 
 struct Scene {
   model::Design design;
+  bool switched = false;  ///< modules that the controller routes (docs/switched_module.md); false: strapped
   std::uint64_t seed = 1;
   std::vector<Contact> contacts;
   std::vector<Fault> faults;
@@ -66,6 +77,9 @@ struct Scene {
 /// Reads a scene file, or a design file (then nothing touches the skin and nothing is wrong). Throws InputError naming
 /// file and key: wrong types or ranges, unknown keys or kinds, a module that the design does not have.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
+
+/// How a module is really turned: the design's rotation, and what the faults make of it.
+[[nodiscard]] int real_rotation(const Scene& scene, int module);
 
 /// Centre of a module on its outer side, mm.
 [[nodiscard]] geometry::Vec3 center_of(const model::Design& design, int module);

@@ -10,6 +10,7 @@
 #include "triskin/scene/ad7147.hpp"
 #include "triskin/scene/i2c_line.hpp"
 #include "triskin/scene/scene.hpp"
+#include "triskin/scene/switched_hardware.hpp"
 
 namespace triskin::scene {
 
@@ -54,7 +55,8 @@ class ModuleSkin final : public CapacitanceSource {
 /// All modules of a scene on the lines of their controllers. Not thread-safe.
 class Skin {
  public:
-  explicit Skin(const Scene& scene);
+  /// `switched` outlives the skin; its chips sit where the registers of its modules put them.
+  explicit Skin(const Scene& scene, SwitchedHardware* switched = nullptr);
   Skin(const Skin&) = delete;
   Skin& operator=(const Skin&) = delete;
 
@@ -67,7 +69,8 @@ class Skin {
   [[nodiscard]] std::size_t modules() const { return modules_.size(); }
 
  private:
-  void place_chips(const Scene& scene);
+  void place_chips(const Scene& scene, SwitchedHardware* switched);
+  void attach(Ad7147& chip, int module, int patch, SwitchedHardware& switched);
   void apply(const Fault& fault);
   void forget(std::uint64_t before_us);
 

@@ -6,27 +6,26 @@
 #include <span>
 #include <vector>
 
+#include "triskin/sim/chain_model.hpp"
+
 namespace triskin::scene {
 
 /// Switched modules and their joints at bit level: registers, arbiters, constants of broken chains, faults, virtual time.
-class SwitchedPatch {
+class SwitchedPatch final : public sim::ChainModel {
  public:
   struct End {
     int module = -1;
     int port = 0;
   };
   enum class JointFault : std::uint8_t { kNone, kOpen, kShort };
-  static constexpr double kBit_us = 0.5;     ///< chain clock 2 MHz
-  static constexpr double kSettle_us = 5.0;  ///< ports and arbiters after a latch
 
   /// `joints[m][p]`: far end of port p, module −1 for none; symmetric. Module 0 is the entry, its cable at `cable_port`.
   SwitchedPatch(std::vector<std::array<End, 3>> joints, int cable_port, std::uint64_t seed);
 
-  void enable(bool on);
-  /// Bytes most significant bit first; `in` gets as many.
-  void exchange(std::span<const std::uint8_t> out, std::span<std::uint8_t> in);
-  void latch();
-  [[nodiscard]] std::uint8_t stuck_lines() const;
+  void enable(bool on) override;
+  void exchange(Bytes out, std::span<std::uint8_t> in) override;
+  void latch() override;
+  [[nodiscard]] std::uint8_t stuck_lines() const override;
 
   void set_dead(int module, bool dead);
   void set_joint(End end, JointFault fault);          ///< both ends

@@ -30,6 +30,7 @@ class VirtualSkin {
   [[nodiscard]] std::uint64_t now_us() const { return now_us_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] Skin& skin() { return skin_; }
+  [[nodiscard]] SwitchedHardware& switched() { return switched_; }
   [[nodiscard]] std::size_t controllers() const { return nodes_.size(); }
 
   /// Every frame that a controller sends, at the time at which it has left the bus.
@@ -55,6 +56,10 @@ class VirtualSkin {
 
   /// Whether the bus carries FD frames (it does at first). Power-cycles the controllers.
   void use_fd(bool fd);
+
+  /// The USB device of a controller that has power; wake() after something was put into it.
+  [[nodiscard]] wire::UsbFunction& usb(std::size_t patch) { return nodes_.at(patch).controller->usb(); }
+  void wake(std::size_t patch) { nodes_.at(patch).run_again_us = now_us_; }
 
   /// Frames and bits that went over the bus.
   [[nodiscard]] std::uint64_t bus_frames() const { return bus_frames_; }
@@ -82,6 +87,7 @@ class VirtualSkin {
   [[nodiscard]] std::uint64_t frame_us(const wire::CanFrame& frame) const;
 
   Scene scene_;
+  SwitchedHardware switched_;
   Skin skin_;
   std::vector<Node> nodes_;
   OnFrame on_frame_;

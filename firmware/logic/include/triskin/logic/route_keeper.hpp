@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "triskin/logic/topology.hpp"
+#include "triskin/ports/ports.hpp"
+#include "triskin/wire/topology.hpp"
+
+namespace triskin::fw {
+
+/// Keeps a patch of switched modules routed. Heals after power-up and a new table, when the chain does not give back what was written,
+/// when a line is held low, on command, and, while modules of the table are missing, after pauses that grow. Without a chain,
+/// or when nobody answers on it, the modules are strapped: nothing is done.
+class RouteKeeper {
+ public:
+  static constexpr std::uint64_t kCheckEvery_us = 5'000;  ///< 64 µs each with 16 modules
+  static constexpr std::uint64_t kFirstPause_us = 2'000'000, kLongestPause_us = 64'000'000;
+
+  explicit RouteKeeper(RouteChain* chain) : topology_(chain == nullptr ? absent_ : *chain), present_(chain != nullptr) {}
+
+  /// After power-up or a new table (null: none). A healing is due.
+  void begin(const layout::PatchImage* table);
+  /// On command: a healing is due now, and pauses begin anew.
+  void request();
+  /// A line stays low, or is free again. A held one makes a healing due, once: what could not be freed is left alone.
+  void line_state(std::uint8_t line, bool held);
+  /// No module of the table answers: perhaps a switched patch that has power only now. Looked at after a pause.
+  void nothing_answers(std::uint64_t now_us);
+  /// Sampling must come to rest, then heal() be called.
+  [[nodiscard]] bool due(std::uint64_t now_us) const { return present_ && now_us >= heal_at_us_; }
+  /// Takes up to about 60 ms with 16 modules.
+  void heal(const Clock& clock);
+  /// Somebody answers on the chain.
+  [[nodiscard]] bool switched() const { return route_.switched; }
+  /// Looks at the chain. False: what was read since the last look does not count; a healing may be due then.
+  bool check(std::uint64_t now_us);
+  [[nodiscard]] bool check_due(std::uint64_t now_us) const { return switched() && now_us >= check_at_us_; }
+  [[nodiscard]] std::uint64_t next_event_us() const;
+
+  [[nodiscard]] const wire::ActiveRoute& route() const { return route_; }
+  [[nodiscard]] wire::FoundTopology found() const;
+
+ private:
+  class NoChain final : public RouteChain {
+   public:
+    void enable(bool) override {}
+    void exchange(Bytes, std::span<std::uint8_t> in) override {
+      for (std::uint8_t& b : in) b = 0;
+    }
+    void latch() override {}
+    [[nodiscard]] std::uint8_t stuck_lines() override { return 0; }
+  };
+  void note(const Topology::Report& report);
+  void plan_next(std::uint64_t now_us);
+
+  NoChain absent_;
+  Topology topology_;
+  bool present_;
+  Topology::Table table_;
+  wire::ActiveRoute route_;
+  bool complete_discovery_ = false;
+  std::uint8_t held_lines_ = 0;  // told already
+  std::uint64_t heal_at_us_ = UINT64_MAX, check_at_us_ = 0;
+  std::uint64_t pause_us_ = kFirstPause_us;
+};
+
+}  // namespace triskin::fw

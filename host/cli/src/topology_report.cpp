@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "topology_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "triskin/device/topology.hpp"
+
+namespace triskin::cli {
+namespace {
+
+using nlohmann::json;
+
+json adjacency(const wire::FoundTopology& found) {
+  json rows = json::array();
+  for (std::size_t m = 0; m < found.count; ++m) {
+    json ports = json::array();
+    for (const std::uint8_t j : found.joints[m]) {
+      if (j == 0) ports.push_back(nullptr);
+      else ports.push_back({{"module", layout::joint_row(j)}, {"port", layout::joint_port(j)}});
+    }
+    rows.push_back(std::move(ports));
+  }
+  return rows;
+}
+
+int joints_in(const wire::FoundTopology& found) {
+  int ends = 0;
+  for (const auto& row : found.joints) ends += static_cast<int>(std::ranges::count_if(row, [](std::uint8_t j) { return j != 0; }));
+  return ends / 2;
+}
+
+json route_json(const wire::ActiveRoute& a) {
+  json rows = json::array();
+  for (std::size_t r = 0; r < layout::kMaxModules; ++r) {
+    if ((a.alive >> r & 1) != 0) rows.push_back({{"row", r}, {"parent", a.parent[r] == wire::kNoRow ? json(nullptr) : json(a.parent[r])}, {"parent_port", a.parent_port[r]}});
+  }
+  return {{"active", a.complete}, {"as_table", a.as_table}, {"least_depth", a.least_depth}, {"max_depth", a.max_depth}, {"shorts", a.shorts},
+          {"unknown_modules", a.unknown}, {"looks", a.heals}, {"repairs", a.repairs}, {"seconds", a.last_us * 1e-6}, {"rows", std::move(rows)}};
+}
+
+json match_json(const device::TopologyMatch& match, const std::string& file) {
+  json differences = json::array();
+  for (const auto& d : match.differences) {
+    json j = {{"kind", d.kind}, {"text", d.text}, {"remedy", d.remedy}};
+    j["module"] = d.module >= 0 ? json(d.module) : json(nullptr);
+    if (d.other >= 0) j["other"] = d.other;
+    if (d.steps > 0) j["degrees"] = 120 * d.steps;
+    differences.push_back(std::move(j));
+  }
+  return {{"design", file}, {"patch", match.patch}, {"modules", match.module_of}, {"joints", match.agreeing_joints}, {"differences", std::move(differences)}};
+}
+
+// Best patches over all designs, by differences.
+std::vector<std::pair<std::size_t, device::TopologyMatch>> recognize(const wire::FoundTopology& found, const std::vector<NamedDesign>& designs) {
+  std::vector<std::pair<std::size_t, device::TopologyMatch>> best;
+  for (std::size_t d = 0; d < designs.size(); ++d) {
+    for (auto& match : device::identify_patch(found, designs[d].second)) best.emplace_back(d, std::move(match));
+  }
+  std::size_t fewest = ~std::size_t{0};
+  for (const auto& [d, m] : best) fewest = std::min(fewest, m.differences.size());
+  std::erase_if(best, [&](const auto& b) { return b.second.differences.size() > fewest; });
+  return best;
+}
+
+void say_found(const wire::FoundTopology& found, const wire::ActiveRoute& route, const Output& output) {
+  output.say(fmt::format("  {} modules, {} joints, cable at port {}, {:.1f} ms{}", found.count, joints_in(found), "ABC"[found.cable_port], route.last_us * 1e-3,
+                         found.complete ? "" : "; the chain would not settle, there may be more"));
+  for (std::size_t m = 0; m < found.count; ++m) {
+    std::string line = fmt::format("    {:2}", m);
+    for (std::size_t p = 0; p < 3; ++p) {
+      const std::uint8_t j = found.joints[m][p];
+      line += j == 0 ? fmt::format("  {} -", "ABC"[p]) : fmt::format("  {} {}.{}", "ABC"[p], layout::joint_row(j), "ABC"[layout::joint_port(j)]);
+    }
+    output.say(line);
+  }
+}
+
+void say_match(const json& match, const Output& output) {
+  const json& differences = match["differences"];
+  output.say(fmt::format("  {} patch {}: {}", match["design"].get<std::string>(), match["patch"].get<int>(),
+                         differences.empty() ? "every port and rotation as designed" : fmt::format("{} differences", differences.size())));
+  for (const json& d : differences) output.say(fmt::format("    {}: {}\n      {}", d["kind"].get<std::string>(), d["text"].get<std::string>(), d["remedy"].get<std::string>()));
+}
+
+}  // namespace
+
+json report_topology(device::Controller& controller, const std::vector<NamedDesign>& designs, std::uint64_t expected_design, int expected_patch,
+                     const Output& output) {
+  controller.reroute();
+  const wire::FoundTopology found = controller.topology();
+  const wire::ActiveRoute route = controller.route();
+  json j = {{"switched", found.switched}};
+  if (!found.switched) {
+    output.say("  nobody answers on the route chain: strapped modules, or no power");
+    return j;
+  }
+  j.update({{"complete", found.complete}, {"modules", found.count}, {"joints", joints_in(found)}, {"cable_port", found.cable_port},
+            {"adjacency", adjacency(found)}, {"route", route_json(route)}});
+  say_found(found, route, output);
+  const auto named = std::ranges::find(designs, expected_design, [](const NamedDesign& d) { return d.second.design_id; });
+  const bool expected = named != designs.end() && expected_patch >= 0 && expected_patch < static_cast<int>(named->second.patches.size());
+  if (expected) {
+    const auto match = device::match_topology(found, named->second, expected_patch);
+    j["match"] = match_json(match, named->first);
+    j["another_patch"] = match.another_patch();
+    say_match(j["match"], output);
+    if (match.differences.empty()) return j;
+  }
+  json recognized = json::array();
+  for (const auto& [d, match] : recognize(found, designs)) {
+    if (match.another_patch()) continue;
+    recognized.push_back(match_json(match, designs[d].first));
+    if (expected && match.patch == expected_patch && designs[d].second.design_id == expected_design) continue;
+    output.say(expected ? "  it could rather be:" : "  recognized:");
+    say_match(recognized.back(), output);
+  }
+  if (!designs.empty() && recognized.empty()) output.say("  no patch of the given designs");
+  j["recognized"] = std::move(recognized);
+  return j;
+}
+
+bool differs(const json& topology) {
+  if (topology.contains("match")) return !topology["match"]["differences"].empty();
+  if (!topology.contains("recognized")) return false;
+  const json& list = topology["recognized"];
+  return list.empty() || !list[0]["differences"].empty();
+}
+
+}  // namespace triskin::cli

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/device/usb_server.hpp"
+
+#include <poll.h>
+
+namespace triskin::device {
+
+UsbServer::UsbServer(scene::VirtualSkin& skin) : SkinServer(skin), devices_(skin.controllers()) {
+  for (std::size_t k = 0; k < devices_.size(); ++k) plug(k);
+}
+
+UsbServer::~UsbServer() = default;
+
+void UsbServer::plug(std::size_t controller) {
+  devices_[controller].reset();
+  devices_[controller] = std::make_unique<VhciDevice>(skin_.usb(controller), ++plugged_ + 1);
+}
+
+void UsbServer::flush() {
+  for (std::size_t k = 0; k < devices_.size(); ++k) {
+    devices_[k]->write();
+    if (skin_.usb(k).wants_to_reconnect() || !devices_[k]->alive()) plug(k);
+  }
+}
+
+void UsbServer::wait(std::uint64_t timeout_us) {
+  std::vector<pollfd> sockets;
+  for (const auto& d : devices_) sockets.push_back({d->descriptor(), POLLIN, 0});
+  const timespec timeout{0, static_cast<long>(timeout_us * 1000)};
+  if (::ppoll(sockets.data(), sockets.size(), &timeout, nullptr) <= 0) return;
+  for (std::size_t k = 0; k < devices_.size(); ++k) {
+    if (sockets[k].revents == 0 || !devices_[k]->read()) continue;
+    skin_.wake(k);
+    devices_[k]->write();
+  }
+}
+
+}  // namespace triskin::device

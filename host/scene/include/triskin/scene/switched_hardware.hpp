@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "triskin/scene/scene.hpp"
+#include "triskin/scene/switched_patch.hpp"
+
+namespace triskin::scene {
+
+/// The switched modules of a scene: one chain a patch, as assembled, and what breaks when. Without patches where the scene has strapped
+/// modules. Not thread-safe.
+class SwitchedHardware {
+ public:
+  explicit SwitchedHardware(const Scene& scene);
+
+  [[nodiscard]] bool present() const { return !patches_.empty(); }
+  [[nodiscard]] SwitchedPatch& patch(int patch) { return patches_.at(static_cast<std::size_t>(patch)); }
+  /// Row of a module in its patch.
+  [[nodiscard]] int row_of(int module) const { return row_.at(static_cast<std::size_t>(module)); }
+
+  /// Lets happen what is due.
+  void advance(std::uint64_t now_us);
+  [[nodiscard]] std::uint64_t next_event_us() const { return next_ < events_.size() ? events_[next_].at_us : kForever; }
+
+ private:
+  struct Event {
+    std::uint64_t at_us = 0;
+    Fault fault;
+    bool begins = true;
+  };
+  void add_patch(const Scene& scene, int patch);
+  void apply(const Fault& fault, bool begins);
+
+  std::deque<SwitchedPatch> patches_;
+  std::vector<std::vector<std::array<SwitchedPatch::End, 3>>> joints_;
+  std::vector<int> patch_, row_;  // by module
+  std::vector<Event> events_;     // by time
+  std::size_t next_ = 0;
+};
+
+}  // namespace triskin::scene

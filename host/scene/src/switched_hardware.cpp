@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/scene/switched_hardware.hpp"
+
+#include <algorithm>
+
+#include "triskin/model/patch_joints.hpp"
+
+namespace triskin::scene {
+namespace {
+
+using Joints = std::vector<std::array<SwitchedPatch::End, 3>>;
+
+// A joint that the design does not have: first free port of each module.
+void add_joint(Joints& joints, int cable_port, int a, int b) {
+  const auto free_port = [&](int m) {
+    for (int p = 0; p < 3; ++p) {
+      if (joints[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)].module < 0 && !(m == 0 && p == cable_port)) return p;
+    }
+    return -1;
+  };
+  const int p = free_port(a), q = free_port(b);
+  if (p < 0 || q < 0) return;
+  joints[static_cast<std::size_t>(a)][static_cast<std::size_t>(p)] = {b, q};
+  joints[static_cast<std::size_t>(b)][static_cast<std::size_t>(q)] = {a, p};
+}
+
+}  // namespace
+
+SwitchedHardware::SwitchedHardware(const Scene& scene) : patch_(scene.design.layout.modules.size(), -1), row_(patch_.size(), -1) {
+  if (!scene.switched) return;
+  for (std::size_t p = 0; p < scene.design.patches.size(); ++p) add_patch(scene, static_cast<int>(p));
+  for (const Fault& f : scene.faults) {
+    events_.push_back({f.from_us, f, true});
+    if (f.until_us != kForever) events_.push_back({f.until_us, f, false});
+  }
+  std::ranges::stable_sort(events_, {}, &Event::at_us);
+  for (SwitchedPatch& p : patches_) p.set_bit_error_rate(scene.effects.chain_bit_error_rate);
+}
+
+void SwitchedHardware::add_patch(const Scene& scene, int patch) {
+  const auto& routed = scene.design.patches[static_cast<std::size_t>(patch)].modules;
+  std::vector<int> rotations;
+  for (std::size_t k = 0; k < routed.size(); ++k) {
+    patch_[static_cast<std::size_t>(routed[k].node)] = patch;
+    row_[static_cast<std::size_t>(routed[k].node)] = static_cast<int>(k);
+    rotations.push_back(real_rotation(scene, routed[k].node));
+  }
+  Joints joints;
+  for (const auto& ends : model::joints_of(scene.design, patch, rotations)) {
+    auto& row = joints.emplace_back();
+    for (std::size_t p = 0; p < 3; ++p) row[p] = {ends[p].row, ends[p].port};
+  }
+  const int cable_port = (routed[0].rotation + 3 - rotations[0]) % 3;
+  for (const Fault& f : scene.faults) {
+    if (f.kind != FaultKind::kExtraJoint || patch_[static_cast<std::size_t>(f.module)] != patch) continue;
+    if (patch_[static_cast<std::size_t>(f.other)] == patch) add_joint(joints, cable_port, row_of(f.module), row_of(f.other));
+  }
+  joints_.push_back(joints);
+  patches_.emplace_back(std::move(joints), cable_port, scene.seed + static_cast<std::uint64_t>(patch));
+}
+
+void SwitchedHardware::advance(std::uint64_t now_us) {
+  for (; next_ < events_.size() && events_[next_].at_us <= now_us; ++next_) apply(events_[next_].fault, events_[next_].begins);
+}
+
+void SwitchedHardware::apply(const Fault& f, bool begins) {
+  if (f.module < 0 || patch_[static_cast<std::size_t>(f.module)] < 0) return;
+  const int patch = patch_[static_cast<std::size_t>(f.module)], row = row_of(f.module);
+  SwitchedPatch& p = patches_[static_cast<std::size_t>(patch)];
+  const auto joint = [&](SwitchedPatch::JointFault kind) {
+    const auto& ends = joints_[static_cast<std::size_t>(patch)][static_cast<std::size_t>(row)];
+    for (int port = 0; port < 3; ++port) {
+      const int other = ends[static_cast<std::size_t>(port)].module;
+      if (other >= 0 && patch_[static_cast<std::size_t>(f.other)] == patch && other == row_of(f.other)) {
+        p.set_joint({row, port}, begins ? kind : SwitchedPatch::JointFault::kNone);
+      }
+    }
+  };
+  switch (f.kind) {
+    case FaultKind::kDeadModule: p.set_dead(row, begins); break;
+    case FaultKind::kHeldLine: p.set_stuck_line(row, begins ? f.line : -1); break;
+    case FaultKind::kStuckBit: p.set_stuck_bit(row, f.bit, begins ? f.value : -1); break;
+    case FaultKind::kModuleReset: p.reset_alone(row); break;
+    case FaultKind::kOpenJoint: joint(SwitchedPatch::JointFault::kOpen); break;
+    case FaultKind::kShortedJoint: joint(SwitchedPatch::JointFault::kShort); break;
+    default: break;  // not in the chain, or done when the patch was assembled
+  }
+}
+
+}  // namespace triskin::scene

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <span>
+
+#include "triskin/base/bytes.hpp"
+
+namespace triskin::sim {
+
+/// The scan chain of switched modules as its master sees it. Implemented by the virtual hardware (host/scene), driven by
+/// board/posix. Times are what the real chain needs: the caller lets them pass.
+class ChainModel {
+ public:
+  static constexpr std::uint32_t kBit_ns = 500;     ///< chain clock 2 MHz
+  static constexpr std::uint32_t kSettle_ns = 5000; ///< ports and arbiters after a latch or a change of EN
+  virtual ~ChainModel() = default;
+  virtual void enable(bool on) = 0;
+  /// Bytes most significant bit first; `in` gets as many.
+  virtual void exchange(Bytes out, std::span<std::uint8_t> in) = 0;
+  virtual void latch() = 0;
+  /// Bit l: SDA or SCL of line l is low while nobody drives it.
+  [[nodiscard]] virtual std::uint8_t stuck_lines() const = 0;
+};
+
+}  // namespace triskin::sim
