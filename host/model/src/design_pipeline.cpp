@@ -19,6 +19,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr double kPiecesShare = 0.12;   // of the time; what the growth has left after it
+constexpr double kRoutingShare = 0.1, kRoutingMost_s = 0.8;
+
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Large pieces first; each may use what its share of the area leaves of the time.
@@ -31,7 +34,7 @@ std::vector<geometry::PlacedPiece> place_pieces(Design& design, const geometry::
     const double area = geometry::polygon_area(piece.outline);
     geometry::PlacementOptions p;
     p.seed = options.seed;
-    p.time_limit_s = std::max(0.1, 0.7 * (0.25 * options.time_limit_s - seconds_since(start)) * area / std::max(area_left, 1.0));
+    p.time_limit_s = std::max(0.1, 0.7 * (kPiecesShare * options.time_limit_s - seconds_since(start)) * area / std::max(area_left, 1.0));
     area_left -= area;
     geometry::PlacementResult result;
     result.proved = true;  // a piece smaller than a module holds none
@@ -57,7 +60,7 @@ void fill_report(Design& design, const geometry::Surface& surface) {
 
 }  // namespace
 
-Design make_design(const std::filesystem::path& mesh, const DesignOptions& options, const ProgressSink& progress) {
+Design make_design(const std::filesystem::path& mesh, const DesignOptions& options, const ProgressSink& progress, MethodComparison* comparison) {
   const auto start = Clock::now();
   Design design;
   design.name = mesh.stem().string();
@@ -76,9 +79,14 @@ Design make_design(const std::filesystem::path& mesh, const DesignOptions& optio
   design.layout = geometry::map_modules(surface, placed, options.limits);
   geometry::SurfaceLatticeOptions lattice;
   lattice.seed = options.seed;
-  lattice.time_limit_s = std::max(0.1, 0.9 * options.time_limit_s - seconds_since(start));
+  lattice.iterations = options.iterations;
+  lattice.threads = options.threads;
+  lattice.island_cost = options.island_cost;
+  const double routing_s = std::min(kRoutingShare * options.time_limit_s, kRoutingMost_s);
+  lattice.time_limit_s = std::max(0.1, options.time_limit_s - routing_s - seconds_since(start));
   geometry::ModuleLayout grown = geometry::grow_lattice(surface, options.limits, lattice, progress);
-  if (grown.modules.size() > design.layout.modules.size()) design.layout = std::move(grown);
+  if (comparison != nullptr) *comparison = {static_cast<int>(design.layout.modules.size()), static_cast<int>(grown.modules.size())};
+  if (geometry::layout_value(grown, lattice) > geometry::layout_value(design.layout, lattice)) design.layout = std::move(grown);
   geometry::RoutingOptions routing;
   routing.seed = options.seed;
   geometry::RoutingResult routes = geometry::route(graph_of(design.layout), routing, progress);

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/geometry/extract.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
 #include <set>
 
+#include "extract_steps.hpp"
 #include "triskin/geometry/lattice.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/host/error.hpp"
@@ -52,6 +55,7 @@ class Extractor {
     neighbour_.assign(mesh_.faces.size(), {-1, -1, -1});
     for (const auto& [edge, sides] : edges) {
       if (sides.size() < 2) continue;
+      report_.crowded_edges += sides.size() > 2 ? 1 : 0;
       std::pair<std::size_t, std::size_t> best{0, 1};
       double flattest = -2.0;
       for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -135,7 +139,8 @@ class Extractor {
       keep_[k] = areas_[k] >= kModuleArea_mm2;
       report_.removed_components += keep_[k] ? 0 : 1;
     }
-    if (std::ranges::count(keep_, true) == 0) {
+    report_.components = static_cast<int>(std::ranges::count(keep_, true));
+    if (report_.components == 0) {
       throw InputError("surface: no connected part is as large as one module (3.9 cm²); check the mesh and its unit (--unit)");
     }
   }
@@ -201,11 +206,87 @@ class Extractor {
   ExtractReport report_;
 };
 
+constexpr double kShattered = 0.6;  // share of the area that the largest part should have
+
+double largest_share(const Mesh& mesh) {
+  const Surface surface(mesh);
+  std::vector<bool> seen(mesh.faces.size(), false);
+  double largest = 0.0;
+  for (std::size_t first = 0; first < seen.size(); ++first) {
+    if (seen[first]) continue;
+    Mesh part{mesh.vertices, {}};
+    std::vector<int> queue{static_cast<int>(first)};
+    seen[first] = true;
+    for (std::size_t q = 0; q < queue.size(); ++q) {
+      part.faces.push_back(mesh.faces[at(queue[q])]);
+      for (const int n : surface.neighbours(queue[q])) {
+        if (n < 0 || seen[at(n)]) continue;
+        seen[at(n)] = true;
+        queue.push_back(n);
+      }
+    }
+    largest = std::max(largest, area_of(part));
+  }
+  return largest / area_of(mesh);
+}
+
+bool crosses_itself(const Mesh& mesh) {
+  try {
+    require_no_self_intersection(mesh, "surface");
+    return false;
+  } catch (const InputError&) {
+    return true;
+  }
+}
+
+// What the earlier steps counted stays in the report.
+void repair_again(Extraction& e, const Mesh& mesh, const char* step) {
+  if (mesh.faces.empty()) throw InputError(fmt::format("surface: {} leaves nothing", step));
+  const ExtractReport before = e.report;
+  e = Extractor(mesh).run();
+  e.report.removed_components += before.removed_components;
+  e.report.removed_faces += before.removed_faces;
+  e.report.flipped_faces += before.flipped_faces;
+  e.report.crowded_edges = before.crowded_edges;
+  e.report.outer = before.outer;
+  e.report.wrapped = before.wrapped;
+}
+
 }  // namespace
 
 Extraction extract(const Mesh& mesh, const ProgressSink& progress) {
   report(progress, "extracting", 0.0);
   return Extractor(mesh).run();
+}
+
+Extraction extract(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
+  using When = ExtractOptions::When;
+  Extraction e = extract(mesh, progress);
+  const bool messy = e.report.components > 1 || e.report.crowded_edges > 0;
+  const auto drop_hidden = [&] {
+    report(progress, "looking for the outside", 0.3);
+    const std::size_t before = e.surface.faces.size();
+    e.report.outer = true;
+    repair_again(e, outer_faces(e.surface, options.sky_fraction), "dropping the faces that see little of the sky");
+    e.report.removed_faces += static_cast<int>(before - e.surface.faces.size());
+  };
+  if (options.outer == When::kAlways || (options.outer == When::kWhenNeeded && messy)) drop_hidden();
+  const bool bad = options.wrap == When::kWhenNeeded && messy && (largest_share(e.surface) < kShattered || crosses_itself(e.surface));
+  if (options.wrap == When::kAlways || bad) {
+    report(progress, "wrapping", 0.6);
+    e.report.wrapped = true;
+    repair_again(e, wrapped(mesh, options.wrap_alpha_mm, options.wrap_offset_mm), "wrapping");
+    if (options.outer != When::kNever) drop_hidden();
+  }
+  if (!options.spheres.empty() || !options.boxes.empty() || options.keep_out) {
+    report(progress, "keeping out", 0.9);
+    const double before_mm2 = area_of(e.surface);
+    const Mesh kept = without_keep_outs(e.surface, options);
+    const double after_mm2 = area_of(kept);
+    repair_again(e, kept, "taking the keep-outs away");
+    e.report.kept_out_mm2 = before_mm2 - after_mm2;
+  }
+  return e;
 }
 
 }  // namespace triskin::geometry

@@ -18,7 +18,8 @@ namespace {
 using namespace surface_lattice;
 using Clock = Grower::Clock;
 
-constexpr int kStepsARound = 16;      // between exchanges of the best layout
+constexpr int kStepsARound = 32;      // of each chain, between reports
+constexpr int kRoundsAnExchange = 4;  // of the best layout
 constexpr double kHot = 0.6, kCold = 0.05;  // modules a step may lose, at the start and at the end
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kFinalMargin = 0.98;
@@ -222,8 +223,7 @@ const Chain& best_of(const std::deque<Chain>& chains) {
 // Which limits refuse the modules that would still find room, for the report; what fits after all is kept.
 void count_refusals(const Search& search, LatticeNet& net, ModuleLayout& layout) {
   Random random(search.options.seed);
-  Grower grower(search.surface, search.rules, search.samples, search.options.corner_lift_mm,
-                Clock::now() + (search.end - search.start) / 20);
+  Grower grower(search.surface, search.rules, search.samples, search.options.corner_lift_mm, Clock::time_point::max());
   grower.grow(net, {}, random);
   for (std::size_t k = 1; k < kRefusals; ++k) {
     if (grower.refused[k] > 0) layout.refused.emplace_back(name_of(static_cast<Refusal>(k)), grower.refused[k]);
@@ -231,6 +231,12 @@ void count_refusals(const Search& search, LatticeNet& net, ModuleLayout& layout)
 }
 
 }  // namespace
+
+double layout_value(const ModuleLayout& layout, const SurfaceLatticeOptions& options) {
+  double sides = 0.0;
+  for (const PlacedModule& m : layout.modules) sides += static_cast<double>(std::ranges::count_if(m.neighbour, [](int n) { return n >= 0; }));
+  return static_cast<double>(layout.modules.size()) - options.island_cost * layout.islands + 0.5 * options.hinge_reward * sides;
+}
 
 ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits, const SurfaceLatticeOptions& options, const ProgressSink& progress) {
   check_options(limits, options);
@@ -247,7 +253,7 @@ ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits, co
     in_parallel(chains, [steps](Chain& c) { c.run(steps); });
     const Chain& best = best_of(chains);
     report(progress, "lattice", search.fraction(chains[0].steps()), fmt::format("{} modules in {} islands", best.best().size(), best.best().islands()));
-    if (round % 8 != 0) continue;
+    if (round % kRoundsAnExchange != 0) continue;
     for (Chain& c : chains) {
       if (&c != &best && c.best_value() < best.best_value() - 0.5) c.adopt(best.best());
     }

@@ -10,8 +10,8 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr double kSnap_mm = 7.0;           // an apex this near to a corner of the same lattice point joins it
-constexpr double kRelaxRadius_mm = 70.0;
-constexpr int kRelaxSteps = 7;
+constexpr double kRelaxRadius_mm = 60.0;
+constexpr int kRelaxSteps = 5;
 constexpr double kCrowded_mm = 6.0;        // overlap that relaxing will not undo
 constexpr double kShort_mm = 6.0;          // an apex that the border holds back by more is not tried
 constexpr double kReach_mm = 45.0;

@@ -19,6 +19,9 @@ struct SurfaceLatticeOptions {
   double corner_lift_mm = 1.5;  ///< how far corners may stand off a convex surface, so that the gap under the centre stays in its limit
 };
 
+/// modules − island_cost · islands + hinge_reward · joints.
+[[nodiscard]] double layout_value(const ModuleLayout& layout, const SurfaceLatticeOptions& options);
+
 /// Grows the isometric lattice directly on the surface (docs/surface_lattice.md): triangles are added edge by edge, their
 /// shared corners slide on the surface until every rigid module keeps the limits; what is left is filled with further
 /// islands; then parts are removed and regrown as long as time permits. Every module of the result keeps every limit,

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Simple_cartesian.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "extract_steps.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+using Kernel = CGAL::Simple_cartesian<double>;
+using Triangles = std::vector<Kernel::Triangle_3>;
+using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>>>;
+
+constexpr int kRays = 64;
+constexpr double kStart_mm = 0.05;   // above the face
+constexpr int kEvenPasses = 4;
+
+std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+Kernel::Point_3 point(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
+
+// Malley's method over a Fibonacci spiral: even points of the disc, raised to the half sphere, are cosine weighted.
+std::array<Vec3, kRays> directions() {
+  std::array<Vec3, kRays> result;
+  constexpr double kGoldenAngle = 2.399963229728653;
+  for (int k = 0; k < kRays; ++k) {
+    const double squared = (k + 0.5) / kRays, angle = kGoldenAngle * k;
+    result[at(k)] = Vec3(std::sqrt(squared) * std::cos(angle), std::sqrt(squared) * std::sin(angle), std::sqrt(1.0 - squared));
+  }
+  return result;
+}
+
+std::array<Vec3, 3> corners_of(const Mesh& mesh, std::size_t face) {
+  const auto& f = mesh.faces[face];
+  return {mesh.vertices[at(f[0])], mesh.vertices[at(f[1])], mesh.vertices[at(f[2])]};
+}
+
+Vec3 cross_of(const Mesh& mesh, std::size_t face) {
+  const auto c = corners_of(mesh, face);
+  return (c[1] - c[0]).cross(c[2] - c[0]);
+}
+
+double share_free(const Tree& tree, const Vec3& from, const Vec3& up) {
+  static const auto kDirections = directions();
+  const Vec3 x = up.unitOrthogonal(), y = up.cross(x), start = from + kStart_mm * up;
+  int free = 0;
+  for (const Vec3& d : kDirections) {
+    const Vec3 ray = d.x() * x + d.y() * y + d.z() * up;
+    free += tree.do_intersect(Kernel::Ray_3(point(start), Kernel::Vector_3(ray.x(), ray.y(), ray.z()))) ? 0 : 1;
+  }
+  return static_cast<double>(free) / kRays;
+}
+
+std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh) {
+  std::map<std::pair<int, int>, std::pair<int, int>> open;
+  std::vector<std::array<int, 3>> neighbour(mesh.faces.size(), {-1, -1, -1});
+  for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
+    for (int s = 0; s < 3; ++s) {
+      const int a = mesh.faces[at(f)][at(s)], b = mesh.faces[at(f)][at((s + 1) % 3)];
+      open[{a, b}] = {f, s};
+      const auto twin = open.find({b, a});
+      if (twin == open.end()) continue;
+      neighbour[at(f)][at(s)] = twin->second.first;
+      neighbour[at(twin->second.first)][at(twin->second.second)] = f;
+    }
+  }
+  return neighbour;
+}
+
+// Whole parts may be stored inside out: what sees more with its back is turned.
+void turn_parts(Mesh& mesh, std::vector<Sky>& sky, const std::vector<std::array<int, 3>>& neighbour) {
+  std::vector<bool> seen(mesh.faces.size(), false);
+  for (std::size_t first = 0; first < mesh.faces.size(); ++first) {
+    if (seen[first]) continue;
+    std::vector<int> part{static_cast<int>(first)};
+    seen[first] = true;
+    double front = 0.0, back = 0.0;
+    for (std::size_t q = 0; q < part.size(); ++q) {
+      const double area = cross_of(mesh, at(part[q])).norm();
+      front += area * sky[at(part[q])].front;
+      back += area * sky[at(part[q])].back;
+      for (const int n : neighbour[at(part[q])]) {
+        if (n < 0 || seen[at(n)]) continue;
+        seen[at(n)] = true;
+        part.push_back(n);
+      }
+    }
+    if (back <= front) continue;
+    for (const int f : part) {
+      std::swap(mesh.faces[at(f)][1], mesh.faces[at(f)][2]);
+      std::swap(sky[at(f)].front, sky[at(f)].back);
+    }
+  }
+}
+
+}  // namespace
+
+double area_of(const Mesh& mesh) {
+  double area = 0.0;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) area += 0.5 * cross_of(mesh, f).norm();
+  return area;
+}
+
+std::vector<Sky> sky_of(const Mesh& mesh) {
+  Triangles triangles;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    const auto c = corners_of(mesh, f);
+    triangles.emplace_back(point(c[0]), point(c[1]), point(c[2]));
+  }
+  Tree tree(triangles.cbegin(), triangles.cend());
+  tree.build();
+  std::vector<Sky> sky(mesh.faces.size());
+  tbb::parallel_for(std::size_t{0}, mesh.faces.size(), [&](std::size_t f) {
+    const auto c = corners_of(mesh, f);
+    const Vec3 normal = cross_of(mesh, f).normalized(), middle = (c[0] + c[1] + c[2]) / 3.0;
+    if (!(normal.squaredNorm() > 0.5)) return;
+    sky[f] = {share_free(tree, middle, normal), share_free(tree, middle, -normal)};
+  });
+  return sky;
+}
+
+Mesh outer_faces(const Mesh& mesh, double sky_fraction) {
+  Mesh result = mesh;
+  std::vector<Sky> sky = sky_of(mesh);
+  const auto neighbour = neighbours_of(mesh);
+  turn_parts(result, sky, neighbour);
+  std::vector<bool> kept(mesh.faces.size());
+  for (std::size_t f = 0; f < kept.size(); ++f) kept[f] = sky[f].front >= sky_fraction;
+  for (int pass = 0; pass < kEvenPasses; ++pass) {
+    const std::vector<bool> before = kept;
+    for (std::size_t f = 0; f < kept.size(); ++f) {
+      const auto same = std::ranges::count_if(neighbour[f], [&](int n) { return n >= 0 && before[at(n)] == before[f]; });
+      const auto other = std::ranges::count_if(neighbour[f], [&](int n) { return n >= 0 && before[at(n)] != before[f]; });
+      if (other > same && other >= 2) kept[f] = !before[f];
+    }
+  }
+  std::vector<std::array<int, 3>> faces;
+  for (std::size_t f = 0; f < kept.size(); ++f) {
+    if (kept[f]) faces.push_back(result.faces[f]);
+  }
+  result.faces = std::move(faces);
+  return result;
+}
+
+}  // namespace triskin::geometry
