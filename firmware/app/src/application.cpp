@@ -97,7 +97,7 @@ void Application::step() {
 }
 
 std::uint64_t Application::next_event_us() const {
-  std::uint64_t next = route_.next_event_us();
+  std::uint64_t next = quiet_ ? UINT64_MAX : route_.next_event_us();  // quiet: the lines report their own ends
   for (const Channel& c : channels()) next = std::min(next, c.link.next_event_us());
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us());
   return next;

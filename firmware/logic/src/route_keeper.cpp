@@ -87,8 +87,7 @@ void RouteKeeper::plan_next(std::uint64_t now_us) {
 
 bool RouteKeeper::check(std::uint64_t now_us) {
   check_at_us_ = now_us + kCheckEvery_us;
-  if (!route_.switched || table_.graph.count == 0) return true;
-  if (!route_.complete) return false;
+  if (!route_.complete) return true;  // strapped, or EN is low and nobody is reached
   if (topology_.intact()) return true;
   // A flipped bit, or a leaf that was reset alone, needs no new tree.
   if (topology_.refresh()) {

@@ -57,7 +57,12 @@ void LineSampler::resume(std::uint64_t now_us) {
   verify_all_ = true;
   next_cycle_us_ = now_us;
   for (std::size_t k = 0; k < slot_count_; ++k) {
-    slots_[k].ready_us = slots_[k].phase == Phase::kFind ? 0 : slots_[k].ready_us;
+    Slot& slot = slots_[k];
+    if (slot.phase == Phase::kFind) slot.ready_us = 0;
+    if (slot.phase == Phase::kFind && slot.lost_us != 0 && now_us - slot.lost_us < kRecent_us) {  // the old route was to blame
+      slot.phase = Phase::kRun;
+      slot.single = true;
+    }
     samples_[slots_[k].module].state = ModuleState::kUnknown;
   }
 }
@@ -155,6 +160,7 @@ bool LineSampler::finish_scan_step(Status status, std::uint64_t now_us) {
 bool LineSampler::finish_job(Status status, std::uint64_t now_us) {
   if (status != Status::kOk) {
     ++bus_errors_;
+    lose(slots_[slot_], now_us);
     slots_[slot_].single = false;  // who comes back may be another, or two
     return give_up(ModuleState::kAbsent, now_us);
   }
@@ -176,6 +182,10 @@ bool LineSampler::give_up(ModuleState state, std::uint64_t now_us) {
   samples_[slot.module].valid = 0;
   samples_[slot.module].state = state;
   return next_slot(now_us);
+}
+
+void LineSampler::lose(Slot& slot, std::uint64_t now_us) {
+  if (slot.phase == Phase::kRun) slot.lost_us = now_us;
 }
 
 void LineSampler::configure(Phase phase) {
@@ -300,6 +310,7 @@ void LineSampler::handle_stuck(std::uint64_t now_us) {
   job_ = Job::kIdle;
   ++bus_errors_;
   for (std::size_t k = 0; k < slot_count_; ++k) {
+    lose(slots_[k], now_us);
     slots_[k].phase = Phase::kFind;
     samples_[slots_[k].module].valid = 0;
     samples_[slots_[k].module].state = ModuleState::kLineStuck;

@@ -64,19 +64,16 @@ const TouchOutcome* Diagnosis::touch_of(int module) const {
 void Diagnosis::look_at_topology(const PatchState& p) {
   if (!p.topology.switched) return;
   const TopologyMatch match = match_topology(p.topology, design_, p.patch);
-  if (match.another_patch()) {
-    for (const TopologyMatch& other : identify_patch(p.topology, design_)) {
-      if (other.another_patch() || other.patch == p.patch) continue;
-      add("wrong_patch", -1, p.patch, fmt::format("patch {}: its controller hangs on the modules of patch {}", p.patch, other.patch),
-          "exchange the cables of the controllers, or flash them again by their unique ids");
-      break;
-    }
-    if (findings_.empty() || findings_.back().kind != "wrong_patch") {
-      add("wrong_patch", -1, p.patch, fmt::format("patch {}: the {} modules found are not this patch", p.patch, p.topology.count), "compare the patch with the assembly sheet");
-    }
-    for (std::size_t row = 0; row < p.image.module_count; ++row) {
-      told_.insert(p.module(row));
-      bad_.insert(p.module(row));
+  const TopologyMatch best = identify_patch(p.topology, design_).front();
+  const bool other = best.patch != p.patch && best.differences.size() + 2 < match.differences.size();
+  if (other || match.another_patch()) {
+    add("wrong_patch", -1, p.patch,
+        other && !best.another_patch() ? fmt::format("patch {}: its controller hangs on the modules of patch {}", p.patch, best.patch)
+                                       : fmt::format("patch {}: the {} modules found are not this patch", p.patch, p.topology.count),
+        "exchange the cables of the controllers, or compare the patch with the assembly sheet");
+    for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
+      told_.insert(m.node);
+      bad_.insert(m.node);
     }
     return;
   }

@@ -40,6 +40,7 @@ class LineSampler {
   static constexpr std::uint64_t kSettle_us = ad7147::kSequence_us * 5ULL / 4;
   static constexpr int kMaxRecoveries = 3;
   static constexpr std::uint64_t kStuckPause_us = 1'000'000, kDuplicatePause_us = 1'000'000;
+  static constexpr std::uint64_t kRecent_us = 100'000;  ///< a chip lost so shortly before a new route is taken up where it was
   static constexpr std::uint32_t kVerifyEvery = 16;  ///< cycles between two looks at a chip's configuration
   static constexpr std::uint32_t kMinDeficit = 32;   ///< mean counts missing that two chips at one address are suspected at
   static constexpr int kMinSuspicions = 3;           ///< in a row: a release between the two readings looks the same once
@@ -79,6 +80,7 @@ class LineSampler {
     bool verified = false;        ///< configuration seen in this cycle
     std::uint8_t suspicions = 0;
     std::uint64_t ready_us = 0;   ///< nothing to do before
+    std::uint64_t lost_us = 0;    ///< when it was read last and then gave no answer
     ad7147::Results mirrored{}, last{};
     std::array<std::uint8_t, ad7147::kStages> still{};  ///< lively readings without a change
   };
@@ -98,6 +100,7 @@ class LineSampler {
   [[nodiscard]] std::uint16_t find_frozen(const ad7147::Results& raw);
   bool give_up(wire::ModuleState state, std::uint64_t now_us);
   bool next_slot(std::uint64_t now_us);
+  static void lose(Slot& slot, std::uint64_t now_us);
   void handle_stuck(std::uint64_t now_us);
   [[nodiscard]] std::uint8_t chip_address() const;
 

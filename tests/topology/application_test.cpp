@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The whole controller on switched modules: samples around a failure, found through the frames that it sends.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "random_design.hpp"
+#include "triskin/device/bus.hpp"
+#include "triskin/device/controller.hpp"
+#include "triskin/device/flash.hpp"
+#include "triskin/device/sim_link.hpp"
+#include "triskin/model/patch_joints.hpp"
+#include "triskin/wire/taxel_frames.hpp"
+
+namespace triskin::test {
+namespace {
+
+using scene::FaultKind;
+
+scene::Scene switched_scene(const model::Design& design) {
+  scene::Scene s;
+  s.design = design;
+  s.switched = true;
+  s.effects.taxel_spread_counts = 3000;  // every taxel of every module rests somewhere else
+  return s;
+}
+
+// Flashed, streaming; knows what every taxel must read.
+class Bench {
+ public:
+  explicit Bench(const model::Design& design) : Bench(switched_scene(design)) {}
+  explicit Bench(const scene::Scene& s) : link_(s), bus_(link_), controller_(bus_, 1), rows_(s.design.patches[0].modules.size()) {
+    device::flash(bus_, link_.skin().scene().design);
+    bus_.listen(bus_.now_us() + 400'000);
+    const device::TaxelSample sample = controller_.taxels();
+    for (const auto& m : sample.modules) {
+      EXPECT_EQ(m.valid, 0xFFF);
+      expected_.push_back(m.raw);
+    }
+    controller_.set_stream(wire::StreamMode::kFull);
+    bus_.on_stream([this](const wire::CanFrame& f) { frame(f); });
+  }
+
+  void listen_us(std::uint64_t us) { bus_.listen(bus_.now_us() + us); }
+  /// From now on times count.
+  void mark() {
+    from_us_ = bus_.now_us();
+  }
+  /// Time after mark() until a sample came in which exactly these modules were valid; −1: none came.
+  std::int64_t until_exactly(std::uint32_t rows, std::uint64_t limit_us) {
+    wanted_ = rows;
+    reached_us_ = 0;
+    const std::uint64_t end = bus_.now_us() + limit_us;
+    while (reached_us_ == 0 && bus_.now_us() < end) bus_.listen(std::min(end, bus_.now_us() + 1000));
+    return reached_us_ == 0 ? -1 : static_cast<std::int64_t>(reached_us_ - from_us_);
+  }
+  [[nodiscard]] scene::SwitchedPatch& hardware() { return link_.skin().switched().patch(0); }
+  [[nodiscard]] device::Controller& controller() { return controller_; }
+  [[nodiscard]] std::uint32_t all() const { return (1U << rows_) - 1; }
+  int wrong = 0;
+
+ private:
+  void frame(const wire::CanFrame& f) {
+    const auto sample = wire::decode_full(f);
+    if (!sample || sample->module >= rows_) return;
+    if (sample->sample != sample_) {
+      sample_ = sample->sample;
+      valid_ = 0;
+      seen_ = 0;
+    }
+    ++seen_;
+    for (std::size_t t = 0; t < sample->value.size(); ++t) {
+      if ((sample->valid >> t & 1) != 0 && sample->value[t] != expected_[sample->module][t]) ++wrong;
+    }
+    if (sample->valid == 0xFFF) valid_ |= 1U << sample->module;
+    if (seen_ == rows_ && valid_ == wanted_ && reached_us_ == 0 && sample->device_time_us > from_us_) reached_us_ = sample->device_time_us;
+  }
+
+  device::SimLink link_;
+  device::Bus bus_;
+  device::Controller controller_;
+  std::size_t rows_;
+  std::vector<std::array<std::uint16_t, 12>> expected_;
+  std::uint64_t from_us_ = 0, reached_us_ = 0;
+  std::uint32_t sample_ = 0, valid_ = 0, wanted_ = ~0U;
+  std::size_t seen_ = 0;
+};
+
+struct Failure {
+  int row = -1, line = -1;             // dead, or holding a line
+  int a = -1, port = -1, b = -1;       // joint
+  bool shorted = false;
+  void apply(scene::SwitchedPatch& p, bool on) const {
+    using Joint = scene::SwitchedPatch::JointFault;
+    if (row >= 0 && line >= 0) p.set_stuck_line(row, on ? line : -1);
+    else if (row >= 0) p.set_dead(row, on);
+    else p.set_joint({a, port}, !on ? Joint::kNone : shorted ? Joint::kShort : Joint::kOpen);
+  }
+};
+
+std::vector<Failure> failures_of(const model::Design& design) {
+  std::vector<Failure> list;
+  const auto ends = model::joints_of(design, 0);
+  for (int m = 0; m < static_cast<int>(ends.size()); ++m) {
+    list.push_back({.row = m});
+    if (m > 0) list.push_back({.row = m, .line = design.patches[0].modules[static_cast<std::size_t>(m)].line});
+    for (int p = 0; p < 3; ++p) {
+      const int b = ends[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)].row;
+      if (b <= m) continue;
+      list.push_back({.a = m, .port = p, .b = b});
+      list.push_back({.a = m, .port = p, .b = b, .shorted = true});
+    }
+  }
+  return list;
+}
+
+// Rows that any tree over what survives can reach.
+std::uint32_t best(const model::Design& design, const std::vector<Failure>& failures) {
+  const auto ends = model::joints_of(design, 0);
+  const auto dead = [&](int m) { return std::ranges::any_of(failures, [&](const Failure& f) { return f.row == m; }); };
+  const auto cut = [&](int a, int b) { return std::ranges::any_of(failures, [&](const Failure& f) { return f.row < 0 && std::minmax(f.a, f.b) == std::minmax(a, b); }); };
+  if (dead(0)) return 0;
+  std::uint32_t reached = 1;
+  for (std::size_t round = 0; round < ends.size(); ++round) {
+    for (int m = 0; m < static_cast<int>(ends.size()); ++m) {
+      if ((reached >> m & 1) == 0) continue;
+      for (const auto& e : ends[static_cast<std::size_t>(m)]) {
+        if (e.row >= 0 && !dead(e.row) && !cut(m, e.row)) reached |= 1U << e.row;
+      }
+    }
+  }
+  return reached;
+}
+
+TEST(Application, every_single_failure_leaves_the_best_set_within_100_ms_and_no_wrong_value) {
+  std::mt19937_64 random(21);
+  std::int64_t slowest_us = 0;
+  int failures = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const model::Design design = random_design(2 + trial % 15, random);
+    Bench bench(design);
+    for (const Failure& f : failures_of(design)) {
+      bench.listen_us(7'000 + random() % 37'000);  // at any moment of a cycle
+      bench.mark();
+      f.apply(bench.hardware(), true);
+      const std::uint32_t wanted = best(design, {f});
+      if (wanted != 0) {
+        const std::int64_t took_us = bench.until_exactly(wanted, 400'000);
+        ASSERT_GE(took_us, 0) << "trial " << trial << " row " << f.row << " line " << f.line << " joint " << f.a << '-' << f.b << " short " << f.shorted;
+        if (took_us > 100'000) ADD_FAILURE() << took_us << " us: trial " << trial << " row " << f.row << " line " << f.line << " joint " << f.a << '-' << f.b << " short " << f.shorted;
+        slowest_us = std::max(slowest_us, took_us);
+      } else {
+        bench.listen_us(150'000);
+        EXPECT_EQ(bench.controller().route().alive, 0);
+      }
+      ++failures;
+      f.apply(bench.hardware(), false);
+      bench.controller().reroute();  // it returns on command
+      bench.mark();
+      ASSERT_GE(bench.until_exactly(bench.all(), 400'000), 0) << "after repair, trial " << trial;
+      ASSERT_EQ(bench.wrong, 0) << "trial " << trial << " row " << f.row << " joint " << f.a << '-' << f.b;
+    }
+  }
+  EXPECT_LE(slowest_us, 100'000);
+  std::printf("%d failures, slowest return of samples: %.1f ms of virtual time\n", failures, static_cast<double>(slowest_us) / 1000);
+}
+
+TEST(Application, two_failures_at_once_end_honestly) {
+  std::mt19937_64 random(22);
+  for (int trial = 0; trial < 20; ++trial) {
+    const model::Design design = random_design(4 + trial % 13, random);
+    const auto list = failures_of(design);
+    Bench bench(design);
+    for (int pair = 0; pair < 60; ++pair) {
+      const Failure a = list[random() % list.size()], b = list[random() % list.size()];
+      if ((a.row >= 0 && a.row == b.row) || (a.row < 0 && b.row < 0 && a.a == b.a && a.b == b.b)) continue;
+      bench.listen_us(random() % 40'000);
+      a.apply(bench.hardware(), true);
+      b.apply(bench.hardware(), true);
+      bench.listen_us(400'000);
+      const wire::ActiveRoute route = bench.controller().route();
+      EXPECT_EQ(route.alive, best(design, {a, b})) << trial << ' ' << pair;
+      const device::TaxelSample s = bench.controller().taxels();
+      for (std::size_t m = 0; m < s.modules.size(); ++m) EXPECT_EQ(s.modules[m].valid == 0xFFF, (route.alive >> m & 1) != 0) << trial << ' ' << pair << ' ' << m;
+      a.apply(bench.hardware(), false);
+      b.apply(bench.hardware(), false);
+      bench.controller().reroute();
+      bench.listen_us(200'000);
+      ASSERT_EQ(bench.controller().route().alive, bench.all());
+    }
+    EXPECT_EQ(bench.wrong, 0);
+  }
+}
+
+TEST(Application, a_module_that_resets_alone_and_a_marginal_clock_give_no_wrong_value) {
+  std::mt19937_64 random(23);
+  const model::Design design = random_design(14, random);
+  Bench bench(design);
+  for (int k = 0; k < 40; ++k) {
+    bench.listen_us(random() % 60'000);
+    bench.hardware().reset_alone(static_cast<int>(random() % 14));
+    bench.mark();
+    ASSERT_GE(bench.until_exactly(bench.all(), 400'000), 0) << k;
+  }
+  bench.hardware().set_bit_error_rate(1e-5);
+  bench.listen_us(3'000'000);
+  bench.hardware().set_bit_error_rate(0);
+  bench.controller().reroute();
+  bench.mark();
+  EXPECT_GE(bench.until_exactly(bench.all(), 400'000), 0);
+  EXPECT_EQ(bench.wrong, 0);
+}
+
+TEST(Application, what_comes_back_is_taken_back_by_itself) {
+  std::mt19937_64 random(24);
+  Bench bench(random_design(8, random));
+  bench.hardware().set_dead(5, true);
+  bench.listen_us(200'000);
+  bench.hardware().set_dead(5, false);
+  bench.mark();
+  const std::int64_t took_us = bench.until_exactly(bench.all(), 5'000'000);
+  EXPECT_GE(took_us, 0);
+  EXPECT_LE(took_us, 2'200'000);
+}
+
+// The same tables on strapped modules, with and without a chain port on the board.
+TEST(Application, strapped_modules_are_read_as_before) {
+  std::mt19937_64 random(25);
+  const model::Design design = random_design(16, random);
+  scene::Scene strapped = switched_scene(design);
+  strapped.switched = false;
+  Bench bench(strapped);
+  bench.mark();
+  EXPECT_GE(bench.until_exactly(bench.all(), 100'000), 0);
+  EXPECT_FALSE(bench.controller().route().switched);
+  EXPECT_EQ(bench.controller().topology().count, 0);
+
+  // Both boards: one without a chain, one with a chain on which nobody answers.
+  scene::SwitchedPatch nobody(std::vector<std::array<scene::SwitchedPatch::End, 3>>(1), 0, 1);
+  nobody.set_dead(0, true);
+  std::array<std::vector<wire::CanFrame>, 2> frames;
+  for (std::size_t k = 0; k < 2; ++k) {
+    scene::Skin skin(strapped);
+    scene::FlashMemory flash(std::size_t{64} * 1024);
+    sim::VirtualBoard board;
+    for (int l = 0; l < 4; ++l) board.lines[static_cast<std::size_t>(l)] = &skin.line(0, l);
+    board.flash = &flash;
+    board.send = [&, k](const wire::CanFrame& f) { frames[k].push_back(f); };
+    if (k == 1) board.chain = &nobody;
+    const auto controller = sim::make_virtual_controller(board);
+    wire::CanFrame ask;
+    ask.extended = true;
+    ask.id = wire::kWhoIsThereId;
+    controller->receive(ask);
+    controller->run_until(1'000'000);
+  }
+  EXPECT_EQ(frames[0].size(), frames[1].size());
+  EXPECT_FALSE(frames[0].empty());
+}
+
+}  // namespace
+}  // namespace triskin::test

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is found on the chain, laid over the design: every difference named.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "random_design.hpp"
+#include "triskin/device/bus.hpp"
+#include "triskin/device/controller.hpp"
+#include "triskin/device/flash.hpp"
+#include "triskin/device/sim_link.hpp"
+#include "triskin/device/topology.hpp"
+#include "triskin/device/verify.hpp"
+
+namespace triskin::test {
+namespace {
+
+using scene::FaultKind;
+
+scene::Fault fault(FaultKind kind, int module, int other = -1, int value = 0) {
+  scene::Fault f;
+  f.kind = kind;
+  f.module = module;
+  f.other = other;
+  f.value = value;
+  return f;
+}
+
+scene::Scene assembled(const model::Design& design, std::vector<scene::Fault> faults) {
+  scene::Scene s;
+  s.design = design;
+  s.switched = true;
+  s.faults = std::move(faults);
+  return s;
+}
+
+wire::FoundTopology found_on(const model::Design& design, std::vector<scene::Fault> faults = {}) {
+  device::SimLink link(assembled(design, std::move(faults)));
+  device::Bus bus(link);
+  device::Controller controller(bus, 1);
+  controller.reroute();
+  return controller.topology();
+}
+
+device::VerifyResult verified(const model::Design& design, std::vector<scene::Fault> faults) {
+  device::SimLink link(assembled(design, std::move(faults)));
+  device::Bus bus(link);
+  device::flash(bus, design);
+  return device::verify(bus, design, {});
+}
+
+const device::TopologyDifference& only(const device::TopologyMatch& m) {
+  static const device::TopologyDifference kNone;
+  EXPECT_EQ(m.differences.size(), 1U);
+  for (const auto& d : m.differences) EXPECT_FALSE(d.text.empty() || d.remedy.empty());
+  return m.differences.empty() ? kNone : m.differences[0];
+}
+
+// A joint whose loss parts nobody from the entry, between modules that are not the entry; −1 when there is none.
+std::pair<int, int> spare_joint(const model::Design& design) {
+  const geometry::Patch& patch = design.patches[0];
+  for (const auto& m : patch.modules) {
+    for (const int other : design.layout.modules[static_cast<std::size_t>(m.node)].neighbour) {
+      if (other < 0 || m.node == patch.entry || other == patch.entry) continue;
+      const bool bridge = std::ranges::any_of(patch.bridges, [&](const auto& b) { return std::minmax(b[0], b[1]) == std::minmax(m.node, other); });
+      if (!bridge) return {m.node, other};
+    }
+  }
+  return {-1, -1};
+}
+
+TEST(Match, a_patch_as_designed_has_no_differences_and_every_module_its_place) {
+  std::mt19937_64 random(31);
+  for (int trial = 0; trial < 40; ++trial) {
+    const model::Design design = random_design(2 + trial % 15, random);
+    const auto match = device::match_topology(found_on(design), design, 0);
+    EXPECT_TRUE(match.differences.empty()) << trial << ' ' << match.differences[0].text;
+    EXPECT_EQ(std::set<int>(match.module_of.begin(), match.module_of.end()).size(), design.layout.modules.size());
+  }
+}
+
+TEST(Match, names_a_missing_joint_an_absent_module_and_a_turned_one) {
+  std::mt19937_64 random(32);
+  int joints = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const model::Design design = random_design(10 + trial % 7, random);
+    const geometry::Patch& patch = design.patches[0];
+    if (const auto [a, b] = spare_joint(design); a >= 0) {
+      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kOpenJoint, a, b)}), design, 0);
+      const auto& d = only(match);
+      EXPECT_EQ(d.kind, "missing_joint");
+      EXPECT_EQ(std::minmax(d.module, d.other), std::minmax(a, b));
+      ++joints;
+    }
+    const int leaf = patch.modules.back().node;
+    if (std::ranges::count(patch.articulation, leaf) == 0) {
+      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kDeadModule, leaf)}), design, 0);
+      const auto& gone = only(match);
+      EXPECT_EQ(gone.kind, "missing_module");
+      EXPECT_EQ(gone.module, leaf);
+    }
+    const int turned = patch.modules[1 + random() % (patch.modules.size() - 1)].node;
+    const int steps = 1 + static_cast<int>(random() % 2);
+    const auto match = device::match_topology(found_on(design, {fault(FaultKind::kRotatedModule, turned, -1, steps)}), design, 0);
+    const auto& d = only(match);
+    EXPECT_EQ(d.kind, "rotated_module");
+    EXPECT_EQ(d.module, turned);
+    EXPECT_EQ(d.steps, steps);
+  }
+  EXPECT_GE(joints, 10);
+}
+
+TEST(Match, names_exchanged_modules_and_an_extra_joint) {
+  std::mt19937_64 random(33);
+  int exchanges = 0, extras = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const model::Design design = random_design(12, random);
+    const auto& modules = design.patches[0].modules;
+    const auto &a = modules[1 + random() % 11], &b = modules[1 + random() % 11];
+    if (a.rotation != b.rotation) {
+      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kSwappedChips, a.node, b.node)}), design, 0);
+      const auto& d = only(match);
+      EXPECT_EQ(d.kind, "swapped_modules");
+      EXPECT_EQ(std::minmax(d.module, d.other), std::minmax(a.node, b.node));
+      ++exchanges;
+    }
+    // Two border modules that are no neighbours, joined by a wire.
+    const auto free_sides = [&](int node) { return std::ranges::count(design.layout.modules[static_cast<std::size_t>(node)].neighbour, -1); };
+    const auto& neighbour = design.layout.modules[static_cast<std::size_t>(a.node)].neighbour;
+    if (a.node != b.node && free_sides(a.node) > 0 && free_sides(b.node) > 0 && std::ranges::count(neighbour, b.node) == 0) {
+      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kExtraJoint, a.node, b.node)}), design, 0);
+      const auto& d = only(match);
+      EXPECT_EQ(d.kind, "extra_joint");
+      EXPECT_EQ(std::minmax(d.module, d.other), std::minmax(a.node, b.node));
+      ++extras;
+    }
+  }
+  EXPECT_GE(exchanges, 20);
+  EXPECT_GE(extras, 10);
+}
+
+TEST(Match, recognizes_a_patch_without_a_table_among_many_designs) {
+  std::mt19937_64 random(34);
+  std::vector<model::Design> designs;
+  for (int k = 0; k < 12; ++k) designs.push_back(random_design(10 + k % 5, random));
+  for (std::size_t k = 0; k < designs.size(); ++k) {
+    const wire::FoundTopology found = found_on(designs[k]);
+    EXPECT_TRUE(found.complete);
+    for (std::size_t other = 0; other < designs.size(); ++other) {
+      const auto match = device::identify_patch(found, designs[other]);
+      ASSERT_FALSE(match.empty());
+      EXPECT_EQ(match[0].differences.empty(), other == k) << k << " as " << other;
+    }
+  }
+}
+
+TEST(Verify, of_switched_modules_says_what_the_chain_shows) {
+  std::mt19937_64 random(35);
+  const model::Design design = random_design(13, random);
+  EXPECT_TRUE(verified(design, {}).findings.empty());
+  const int turned = design.patches[0].modules.back().node;
+  auto r = verified(design, {fault(FaultKind::kRotatedModule, turned, -1, 1)});
+  ASSERT_EQ(r.findings.size(), 1U);
+  EXPECT_EQ(r.findings[0].kind, "rotated_module");
+  EXPECT_EQ(r.findings[0].module, turned);
+  const auto [a, b] = spare_joint(design);
+  ASSERT_GE(a, 0);
+  r = verified(design, {fault(FaultKind::kOpenJoint, a, b)});
+  ASSERT_EQ(r.findings.size(), 1U);
+  EXPECT_EQ(r.findings[0].kind, "missing_joint");
+  EXPECT_EQ(r.modules_ok, 13);
+  r = verified(design, {fault(FaultKind::kDeadModule, turned)});
+  ASSERT_EQ(r.findings.size(), 1U);
+  EXPECT_EQ(r.findings[0].kind, "missing_module");
+  EXPECT_EQ(r.modules_ok, 12);
+}
+
+TEST(Verify, names_controllers_that_are_plugged_into_each_others_patch) {
+  std::mt19937_64 random(36);
+  const model::Design design = random_design(28, random);
+  ASSERT_EQ(design.patches.size(), 2U);
+  scene::Fault exchanged;
+  exchanged.kind = FaultKind::kSwappedPatches;
+  exchanged.patch = 0;
+  exchanged.other = 1;
+  const auto r = verified(design, {exchanged});
+  ASSERT_GE(r.findings.size(), 2U);
+  for (const auto& f : r.findings) EXPECT_EQ(f.kind, "wrong_patch") << f.text;
+  EXPECT_EQ(r.modules_ok, 0);
+}
+
+TEST(Flash, a_prepared_route_leaves_the_failed_module_out_and_is_no_wrong_table) {
+  std::mt19937_64 random(37);
+  const model::Design design = random_design(12, random);
+  const geometry::Patch& patch = design.patches[0];
+  const auto failed = std::ranges::find_if(patch.failures, [&](const auto& f) { return f.other_node < 0 && f.node != patch.entry && f.lost_rerouted == 1; });
+  ASSERT_NE(failed, patch.failures.end());
+  device::SimLink link(assembled(design, {fault(FaultKind::kDeadModule, failed->node)}));
+  device::Bus bus(link);
+  device::FlashOptions options;
+  options.route = {failed->node, -1};
+  device::flash(bus, design, options);
+  bus.listen(bus.now_us() + 500'000);
+  device::Controller controller(bus, 1);
+  const wire::ActiveRoute route = controller.route();
+  EXPECT_TRUE(route.complete && route.as_table);
+  EXPECT_EQ(route.alive, 0x7FF);
+  const auto r = device::verify(bus, design, {});
+  ASSERT_EQ(r.findings.size(), 1U);
+  EXPECT_EQ(r.findings[0].kind, "backup_route");
+  EXPECT_EQ(r.modules_ok, 11);
+  EXPECT_EQ(device::parse_route("backup:4-7"), (device::RouteChoice{4, 7}));
+  EXPECT_THROW((void)device::parse_route("backup:x"), InputError);
+  EXPECT_THROW((void)device::parse_route("backup:4-4"), InputError);
+  options.route = {999, -1};
+  EXPECT_THROW(device::flash(bus, design, options), InputError);
+}
+
+}  // namespace
+}  // namespace triskin::test

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the host predicted for a failure, and what the controller makes of it, must agree.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "random_design.hpp"
+#include "random_patch.hpp"
+#include "triskin/device/patch_table.hpp"
+#include "triskin/device/topology.hpp"
+#include "triskin/model/patch_joints.hpp"
+
+namespace triskin::test {
+namespace {
+
+SwitchedPatch model_of(const model::Design& design, std::uint64_t seed) {
+  std::vector<std::array<SwitchedPatch::End, 3>> joints;
+  for (const auto& ends : model::joints_of(design, 0)) {
+    auto& row = joints.emplace_back();
+    for (std::size_t p = 0; p < 3; ++p) row[p] = {ends[p].row, ends[p].port};
+  }
+  return {std::move(joints), 0, seed};
+}
+
+int row_of(const geometry::Patch& patch, int node) {
+  return static_cast<int>(std::ranges::find(patch.modules, node, &geometry::RoutedModule::node) - patch.modules.begin());
+}
+
+void break_it(SwitchedPatch& model, const model::Design& design, const geometry::FailureLoss& f, bool broken) {
+  const geometry::Patch& patch = design.patches[0];
+  if (f.other_node < 0) return model.set_dead(row_of(patch, f.node), broken);
+  const int a = row_of(patch, f.node), b = row_of(patch, f.other_node);
+  const auto ends = model::joints_of(design, 0);
+  for (int p = 0; p < 3; ++p) {
+    if (ends[static_cast<std::size_t>(a)][static_cast<std::size_t>(p)].row != b) continue;
+    model.set_joint({a, p}, broken ? SwitchedPatch::JointFault::kOpen : SwitchedPatch::JointFault::kNone);
+  }
+}
+
+TEST(Prediction, every_failure_of_a_design_costs_what_the_host_said) {
+  std::mt19937_64 random(11);
+  int failures = 0, backups = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const model::Design design = random_design(2 + trial % 15, random);
+    ASSERT_EQ(design.patches.size(), 1U);
+    const geometry::Patch& patch = design.patches[0];
+    SwitchedPatch model = model_of(design, random());
+    ModelledChain chain(model);
+    fw::Topology topology(chain);
+    const layout::PatchImage normal = device::image_of(design, 0);
+    const auto healthy = topology.heal(fw::Topology::table_of(normal));
+    ASSERT_TRUE(healthy.complete && healthy.as_table && healthy.least_depth) << trial;
+    ASSERT_EQ(healthy.max_depth, patch.max_depth);
+    for (const geometry::FailureLoss& f : patch.failures) {
+      ++failures;
+      break_it(model, design, f, true);
+      const auto report = topology.heal(fw::Topology::table_of(normal));
+      const int n = static_cast<int>(patch.modules.size());
+      EXPECT_EQ(std::popcount(report.alive), n - f.lost_rerouted) << trial << " module " << f.node << " other " << f.other_node;
+      if (f.lost_rerouted < n) {
+        const layout::PatchImage backup = device::image_of(design, 0, {f.node, f.other_node});
+        ASSERT_EQ(backup.module_count, n - f.lost_rerouted) << trial << " module " << f.node << " other " << f.other_node;
+        const auto prepared = topology.heal(fw::Topology::table_of(backup));
+        EXPECT_TRUE(prepared.complete && prepared.as_table) << trial << " module " << f.node << " other " << f.other_node;
+        EXPECT_EQ(std::popcount(prepared.alive), backup.module_count);
+        // The controller's own tree is never deeper than the prepared one.
+        EXPECT_LE(report.max_depth, prepared.max_depth);
+        ++backups;
+      }
+      break_it(model, design, f, false);
+    }
+  }
+  EXPECT_GE(failures, 800);
+  std::printf("%d failures, %d prepared trees\n", failures, backups);
+}
+
+TEST(Tables, of_random_designs_hold_every_joint_and_survive_the_round_trip) {
+  std::mt19937_64 random(12);
+  for (int trial = 0; trial < 200; ++trial) {
+    const model::Design design = random_design(1 + trial % 16, random);
+    const layout::PatchImage image = device::image_of(design, 0);
+    EXPECT_EQ(layout::check(image), Status::kOk);
+    const auto bytes = device::bytes_of(image);
+    const auto back = layout::decode(bytes);
+    ASSERT_TRUE(back);
+    EXPECT_EQ(*back, image);
+    if (image.module_count < 2) continue;
+    layout::PatchImage damaged = image;  // a joint with one end
+    auto& joints = damaged.modules[1].joints;
+    *std::ranges::find_if(joints, [](std::uint8_t j) { return j != 0; }) = 0;
+    EXPECT_EQ(layout::check(damaged), Status::kBadTree);
+    damaged = image;
+    damaged.modules[1].joints[0] = 49;
+    EXPECT_NE(layout::check(damaged), Status::kOk);
+  }
+}
+
+}  // namespace
+}  // namespace triskin::test
