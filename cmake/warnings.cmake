@@ -9,6 +9,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND TRISKIN_SANITIZE)
   target_compile_options(triskin_options INTERFACE -Wno-null-dereference -Wno-maybe-uninitialized
                          -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict)
 endif()
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  # libstdc++ 12's own stable_sort calls what it declares deprecated.
+  target_compile_options(triskin_options INTERFACE -Wno-deprecated-declarations)
+endif()
 if(TRISKIN_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
