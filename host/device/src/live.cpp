@@ -12,7 +12,7 @@
 namespace triskin::device {
 
 Stream::Stream(Bus& bus, const model::Design& design, OnFrame handler) : bus_(bus), handler_(std::move(handler)) {
-  if (!bus.link().fd()) throw InputError(fmt::format("{}: carries classic frames only, and the full stream needs CAN FD; use --protocol icub", bus.link().name()));
+  if (!bus.link().fd()) throw InputError(fmt::format("{}: carries classic frames only, and the full stream needs CAN FD; bring the interface up with fd on", bus.link().name()));
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     const layout::PatchImage image = image_of(design, static_cast<int>(p));
     Controller c(bus, image.node_address);

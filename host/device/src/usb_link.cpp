@@ -14,7 +14,7 @@ UsbLink::UsbLink(std::unique_ptr<UsbDriver> driver, const std::string& serial)
     : driver_(std::move(driver)), serial_(serial), name_(driver_->name() + (serial.empty() ? "" : ":" + serial)) {
   look();
   if (devices_.empty()) {
-    throw DeviceError(fmt::format("{}: no Triskin controller{} on USB; check cable and power, and the udev rule of docs/wires.md", name_,
+    throw DeviceError(fmt::format("{}: no Triskin controller{} on USB; check cable and power, and the udev rule of docs/device.md", name_,
                                   serial.empty() ? "" : " with this serial number"));
   }
 }
