@@ -27,7 +27,9 @@ struct Hooks {
 
   static void block(uc_engine* uc, std::uint64_t address, std::uint32_t size, void* user) {
     Machine::Core& c = core(user);
-    const bool stop = c.nvic_.poked || c.reset_wanted_ || c.nmi_ || !c.cell_writes_.empty() || c.time_.take_changed() || c.time_.now() >= c.slice_end_;
+    // An interrupt that waits behind PRIMASK is taken as soon as that falls.
+    const bool unmasked = c.waits_behind_mask_ && (c.reg(UC_ARM_REG_PRIMASK) & 1) == 0;
+    const bool stop = c.one_block_ ? std::exchange(c.block_begun_, true) : (unmasked || c.nvic_.poked || c.reset_wanted_ || c.nmi_ || !c.cell_writes_.empty() || c.time_.take_changed() || c.time_.now() >= c.slice_end_);
     if (stop) {
       c.stopped_before_block_ = true;
       uc_emu_stop(uc);
@@ -146,12 +148,19 @@ std::uint32_t Machine::Core::reg(int id) const {
 }
 void Machine::Core::reg(int id, std::uint32_t value) { uc_reg_write(uc_, id, &value); }
 
-std::uint32_t Machine::Core::load(std::uint32_t address) const {
+// RAM and flash are memory of ours that Unicorn maps: no need to ask it, which is slow.
+std::uint8_t* Machine::Core::memory_at(std::uint32_t address) {
+  if (address >= kRamBase && address + 4 <= kRamBase + kRamBytes) return &ram_[address - kRamBase];
+  if (address >= FlashChip::kBase && address + 4 <= FlashChip::kBase + FlashChip::kBytes) return &setup_.flash->bytes[address - FlashChip::kBase];
+  throw DeviceError(fmt::format("modelled machine: stack or vector at {:#x}, where no memory is", address));
+}
+
+std::uint32_t Machine::Core::load(std::uint32_t address) {
   std::uint32_t value = 0;
-  check(uc_mem_read(uc_, address, &value, 4), "load");
+  std::memcpy(&value, memory_at(address), sizeof value);
   return value;
 }
-void Machine::Core::store(std::uint32_t address, std::uint32_t value) { check(uc_mem_write(uc_, address, &value, 4), "store"); }
+void Machine::Core::store(std::uint32_t address, std::uint32_t value) { std::memcpy(memory_at(address), &value, sizeof value); }
 
 void Machine::Core::violation(std::string what) { violations_.push_back({time_.now_us(), fmt::format("{} (code near {:#x})", what, last_block_pc_)}); }
 
@@ -228,6 +237,7 @@ void Machine::Core::run_until(Time until) {
     }
     if (std::exchange(nmi_, false)) nvic_.pend(Nvic::kNmi);
     nvic_.poked = false;
+    finish_it_block();
     take_exception();
     const Time next = std::min(time_.next(), until);
     if (sleeping_) {
@@ -236,6 +246,18 @@ void Machine::Core::run_until(Time until) {
       continue;
     }
     execute(next);
+  }
+}
+
+// A translated block ends at each kilobyte, also inside an IT block. Unicorn cannot put ITSTATE away and back, so no exception is taken there
+// but after the next block: a delay of some instructions.
+void Machine::Core::finish_it_block() {
+  constexpr std::uint32_t kItState = 0x0600FC00;
+  while (!sleeping_ && (reg(UC_ARM_REG_XPSR) & kItState) != 0) {
+    one_block_ = true;
+    block_begun_ = false;
+    execute(kNever);
+    one_block_ = false;
   }
 }
 

@@ -21,7 +21,7 @@ class Machine::Core final : public Surroundings {
 
   void run_until(Time until);
   void receive(const wire::CanFrame& frame) { can_.from_bus(frame); }
-  [[nodiscard]] std::uint32_t load(std::uint32_t address) const;
+  [[nodiscard]] std::uint32_t load(std::uint32_t address);
 
   Scheduler& time() override { return time_; }
   void set_irq(int irq, bool level) override { nvic_.set_level(irq, level); }
@@ -63,6 +63,7 @@ class Machine::Core final : public Surroundings {
   bool gate_open(const Window& w);
 
   void execute(Time until);
+  void finish_it_block();
   void after_execution(uc_err error);
   void apply_flash_writes();
   void take_exception();
@@ -76,6 +77,7 @@ class Machine::Core final : public Surroundings {
   [[nodiscard]] std::uint32_t reg(int id) const;
   void reg(int id, std::uint32_t value);
   void store(std::uint32_t address, std::uint32_t value);
+  [[nodiscard]] std::uint8_t* memory_at(std::uint32_t address);
 
   uc_engine* uc_ = nullptr;
   Scheduler time_;
@@ -98,7 +100,7 @@ class Machine::Core final : public Surroundings {
   std::vector<CellWrite> cell_writes_;
   std::vector<Time> exception_entry_;
   Time slice_end_ = 0;
-  bool stopped_before_block_ = false, sleeping_ = false, reset_wanted_ = false, fp_active_ = false, nmi_ = false;
+  bool stopped_before_block_ = false, one_block_ = false, block_begun_ = false, waits_behind_mask_ = false, sleeping_ = false, reset_wanted_ = false, fp_active_ = false, nmi_ = false;
   std::uint32_t interrupt_code_ = ~0U, last_block_pc_ = 0;
 };
 

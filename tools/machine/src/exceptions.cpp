@@ -23,12 +23,15 @@ int Machine::Core::mask_priority() const {
 // A pending interrupt ends a sleep even when PRIMASK keeps it from being taken.
 void Machine::Core::take_exception() {
   const int e = nvic_.next();
+  waits_behind_mask_ = false;
   if (e == 0) return;
   if (sleeping_ && nvic_.priority(e) < nvic_.running_priority()) {
     sleeping_ = false;
     if (setup_.trace != nullptr) setup_.trace->sleeping(false, time_.now());
   }
-  if (!sleeping_ && nvic_.priority(e) < mask_priority()) enter_exception(e);
+  if (sleeping_) return;
+  if (nvic_.priority(e) < mask_priority()) enter_exception(e);
+  else waits_behind_mask_ = nvic_.priority(e) < nvic_.running_priority();
 }
 
 void Machine::Core::push_frame(bool extended) {
