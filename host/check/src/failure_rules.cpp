@@ -8,9 +8,6 @@
 namespace triskin::check {
 namespace {
 
-using Edge = std::pair<int, int>;
-Edge edge(int a, int b) { return std::minmax(a, b); }
-
 class FailureRules {
  public:
   FailureRules(const ModuleMap& modules, const RouteDocument& routes, std::size_t patch, const RoutingLimits& limits, RoutingFindings& f)

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the routing rules read: own structures, filled from the two documents.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "triskin/check/routing_rules.hpp"
 
 namespace triskin::check {
+
+/// A joint between two modules, the lesser id first.
+using Edge = std::pair<int, int>;
+[[nodiscard]] inline Edge edge(int a, int b) { return std::minmax(a, b); }
 
 struct ListedModule {
   std::array<int, 3> beside{-1, -1, -1};  ///< id across each side

@@ -11,9 +11,6 @@
 namespace triskin::check {
 namespace {
 
-using Edge = std::pair<int, int>;
-Edge edge(int a, int b) { return std::minmax(a, b); }
-
 class TreeRules {
  public:
   TreeRules(const ModuleMap& modules, const RoutePatch& patch, const std::string& name, const RoutingLimits& limits, RoutingFindings& f)

@@ -148,7 +148,10 @@ int run(const Options& options, Output& output) {
   const geometry::RoutingResult r = geometry::route(options.jumpers_mm > 0.0 ? bridged : list.graph, routing, output.progress());
   output.result = result_json(r, list.ids);
   if (options.jumpers_mm > 0.0) {
-    const geometry::RoutingResult apart = geometry::route(list.graph, routing);
+    geometry::RoutingOptions count_only = routing;
+    count_only.failure_analysis = false;
+    count_only.recombinations = 0;
+    const geometry::RoutingResult apart = geometry::route(list.graph, count_only);
     output.say(fmt::format("{} jumpers up to {:g} mm: {} controllers instead of {}, lower bound {} instead of {}", jumpers.size(), options.jumpers_mm, r.patches.size(),
                            apart.patches.size(), r.lower_bound, apart.lower_bound));
     output.result["patches_without_jumpers"] = apart.patches.size();

@@ -165,41 +165,30 @@ std::vector<wire::ModuleState> Controller::module_states() {
   return states;
 }
 
-std::array<LineReport, layout::kLines> Controller::discover() {
-  const auto id = wire::routine::kDiscover;
+Controller::Message Controller::run_routine(std::uint16_t id, std::size_t bytes, std::uint64_t poll_every_us, int polls, const char* what) {
   (void)bus_.request(node_, request_of({wire::service::kRoutine, 0x01, high(id), low(id)}), Repeat::kSafe);
-  constexpr int kPolls = 40;
-  constexpr std::uint64_t kPollEvery_us = 25'000;
-  for (int poll = 0; poll < kPolls; ++poll) {
-    bus_.listen(bus_.now_us() + kPollEvery_us);
-    const Message m = bus_.request(node_, request_of({wire::service::kRoutine, 0x03, high(id), low(id)}), Repeat::kSafe);
-    if (m.size() != 3 + 1 + 3 * layout::kLines) nonsense("lines");
-    if (m[3] == 0) continue;
-    std::array<LineReport, layout::kLines> lines;
-    ByteReader r(Bytes(m).subspan(4));
-    for (LineReport& l : lines) {
-      l.stuck = r.u8() != 0;
-      l.answers = r.u8();
-      l.wrong_id = r.u8();
-    }
-    return lines;
+  for (int poll = 0; poll < polls; ++poll) {
+    bus_.listen(bus_.now_us() + poll_every_us);
+    Message m = bus_.request(node_, request_of({wire::service::kRoutine, 0x03, high(id), low(id)}), Repeat::kSafe);
+    if (m.size() != 4 + bytes) nonsense(what);
+    if (m[3] != 0) return m;
   }
-  throw DeviceError(fmt::format("{}: controller {} does not finish its look at the lines; power-cycle it", bus_.link().name(), node_));
+  throw DeviceError(fmt::format("{}: controller {} does not finish its look at the {}; power-cycle it", bus_.link().name(), node_, what));
 }
 
-void Controller::reroute() {
-  const auto id = wire::routine::kReroute;
-  (void)bus_.request(node_, request_of({wire::service::kRoutine, 0x01, high(id), low(id)}), Repeat::kSafe);
-  constexpr int kPolls = 100;
-  constexpr std::uint64_t kPollEvery_us = 20'000;
-  for (int poll = 0; poll < kPolls; ++poll) {
-    bus_.listen(bus_.now_us() + kPollEvery_us);
-    const Message m = bus_.request(node_, request_of({wire::service::kRoutine, 0x03, high(id), low(id)}), Repeat::kSafe);
-    if (m.size() != 4) nonsense("route");
-    if (m[3] != 0) return;
+std::array<LineReport, layout::kLines> Controller::discover() {
+  const Message m = run_routine(wire::routine::kDiscover, std::size_t{3} * layout::kLines, 25'000, 40, "lines");
+  std::array<LineReport, layout::kLines> lines;
+  ByteReader r(Bytes(m).subspan(4));
+  for (LineReport& l : lines) {
+    l.stuck = r.u8() != 0;
+    l.answers = r.u8();
+    l.wrong_id = r.u8();
   }
-  throw DeviceError(fmt::format("{}: controller {} does not finish its look at the chain; power-cycle it", bus_.link().name(), node_));
+  return lines;
 }
+
+void Controller::reroute() { (void)run_routine(wire::routine::kReroute, 0, 20'000, 100, "chain"); }
 
 wire::FoundTopology Controller::topology() {
   wire::FoundTopology t;
