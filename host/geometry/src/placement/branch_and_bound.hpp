@@ -13,7 +13,6 @@ namespace triskin::geometry {
 struct SearchGoal {
   double inset_mm = 0.0;      ///< the bound holds for tiles whose separation from every edge is at least this
   double tolerance_mm = 1e-6; ///< a motion's value counts tiles with a separation of at least inset − tolerance
-  double pitch_mm = kSide_mm;
   double resolution_mm = 1e-8; ///< cells smaller than this are not split: their bound stays open
   int known = 0;             ///< value that is already known: only better ones are of interest
   std::vector<std::array<double, 6>>* cells = nullptr;  ///< gets boxes that cover the period, each with a bound of at most upper_bound
@@ -32,7 +31,7 @@ struct SearchResult {
 
 /// Branch and bound over (x, y, theta): cells keep the undecided tiles, each with the edges that may still cut it.
 /// Bounds are first order with curvature and rounding pads; contraction clips a cell to where enough tiles can hold.
-[[nodiscard]] SearchResult branch_and_bound(const PreparedPolygon& polygon, const SearchGoal& goal,
+[[nodiscard]] SearchResult branch_and_bound(const PreparedPolygon& polygon, const TileGrid& grid, const SearchGoal& goal,
                                             const ProgressSink& progress = {});
 
 }  // namespace triskin::geometry
