@@ -14,6 +14,8 @@
 namespace triskin::geometry {
 namespace {
 
+constexpr std::size_t kMostAsGood = 64;
+
 struct Cell {
   MotionBox box;
   int certain = 0;
@@ -97,14 +99,16 @@ class Search {
 
   void note_value(int value) {
     ++result_.evaluations;
+    const Motion motion{frame_.center[0], frame_.center[1], frame_.center[2]};
+    if (value == result_.best && result_.as_good.size() < kMostAsGood) result_.as_good.push_back(motion);
     if (value <= result_.best) return;
     // Count again at the very motion that is returned; the filtered lists are only a shortcut.
-    const Motion motion{frame_.center[0], frame_.center[1], frame_.center[2]};
     const int counted = evaluator_.count(motion, goal_.inset_mm - goal_.tolerance_mm);
     if (counted <= result_.best) return;
     result_.best = counted;
     result_.motion = motion;
     result_.found = true;
+    result_.as_good.clear();
   }
 
   void expand(Cell& cell) {
@@ -141,7 +145,7 @@ class Search {
   [[nodiscard]] double size(const MotionBox& box) const { return std::max({box.half(0), box.half(1), polygon_.radius_mm * box.half(2)}); }
 
   void split(Cell& cell) {
-    const std::array<double, 3> weighted{cell.box.half(0), cell.box.half(1), (getenv("TW")?atof(getenv("TW")):1.0)*polygon_.radius_mm * cell.box.half(2)};
+    const std::array<double, 3> weighted{cell.box.half(0), cell.box.half(1), polygon_.radius_mm * cell.box.half(2)};
     const auto axis = static_cast<std::size_t>(std::ranges::max_element(weighted) - weighted.begin());
     if (weighted[axis] < goal_.resolution_mm) {  // near the rounding pad: stays open in the bound
       unresolved_bound_ = std::max(unresolved_bound_, cell.bound());

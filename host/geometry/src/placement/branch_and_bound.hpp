@@ -25,6 +25,7 @@ struct SearchResult {
   Motion motion;         ///< where, when best > known
   bool found = false;    ///< best > known
   int upper_bound = 0;   ///< no motion has a higher value at goal.inset_mm
+  std::vector<Motion> as_good;  ///< some motions that seem to reach `best` (not counted again)
   std::int64_t cells = 0;
   std::int64_t evaluations = 0;
 };

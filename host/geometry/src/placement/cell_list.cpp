@@ -30,60 +30,40 @@ CellFilter::Fate CellFilter::circles(const CellFrame& f, const OpenTile& tile, s
   return Fate::kOpen;
 }
 
-const DirectionBlock& CellFilter::block_of(const CellFrame& frame, const CellList& from, std::size_t direction) {
-  const std::size_t number = direction / kLanes;
+const PairBlock& CellFilter::block_of(const CellFrame& frame, const CellList& from, std::size_t pair) {
+  const std::size_t number = pair / kLanes;
   if (number != block_number_) {
     const std::size_t first = number * kLanes;
-    judge_directions(polygon_, grid_, frame, from.tiles.data(), from.directions.data() + first, std::min(kLanes, from.directions.size() - first), block_);
+    judge_pairs(polygon_, grid_, frame, from.tiles.data(), from.pairs.data() + first, std::min(kLanes, from.pairs.size() - first), block_);
     block_number_ = number;
   }
   return block_;
 }
 
 CellFilter::Fate CellFilter::judge_tile(const CellFrame& f, const CellList& from, OpenTile& tile, CellList& kept, Box& box, bool& free_at_center) {
-  const std::size_t end = tile.first + tile.count, kept_first = kept.directions.size();
+  const std::size_t end = tile.first + tile.count, kept_first = kept.pairs.size();
   const auto kept_tile = static_cast<std::uint32_t>(kept.tiles.size());
+  const double sure = f.sufficient_mm + f.pad_mm;
   double nearest = 1e300;
-  for (std::size_t at = tile.first; at < end;) {
-    const std::uint32_t edge = from.directions[at].edge();
-    if (use_circles_ || !tile.inside) {
-      const Fate fate = circles(f, tile, edge, nearest);
+  for (std::size_t at = tile.first; at < end; ++at) {
+    if (!tile.inside) {
+      const Fate fate = circles(f, tile, from.pairs[at].edge, nearest);
       if (fate == Fate::kDead) return fate;
-      if (fate == Fate::kDecided) {
-        while (at < end && from.directions[at].edge() == edge) ++at;
-        continue;
-      }
+      if (fate == Fate::kDecided) continue;
     }
-    Box hull{{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
-    const std::size_t group = kept.directions.size();
-    bool certain = false, free_now = false;
-    for (; at < end && from.directions[at].edge() == edge; ++at) {
-      if (certain) continue;
-      const DirectionBlock& block = block_of(f, from, at);
-      const std::size_t lane = at % kLanes;
-      certain = block.surest[lane] >= f.sufficient_mm + f.pad_mm;
-      if (!(block.room[lane] >= 0.0)) continue;
-      free_now = free_now || block.value[lane] >= f.sufficient_mm;
-      for (std::size_t k = 0; k < 3; ++k) {
-        hull.low[k] = std::min(hull.low[k], block.low[k][lane]);
-        hull.high[k] = std::max(hull.high[k], block.high[k][lane]);
-      }
-      kept.directions.push_back({kept_tile, from.directions[at].code});
-    }
-    if (certain) {
-      kept.directions.resize(group);
-      continue;
-    }
-    if (kept.directions.size() == group) return Fate::kDead;
-    free_at_center = free_at_center && free_now;
+    const PairBlock& block = block_of(f, from, at);
+    const std::size_t lane = at % kLanes;
+    if (block.surest[lane] >= sure) continue;
     for (std::size_t k = 0; k < 3; ++k) {
-      box.low[k] = std::max(box.low[k], hull.low[k]);
-      box.high[k] = std::min(box.high[k], hull.high[k]);
+      box.low[k] = std::max(box.low[k], block.low[k][lane]);
+      box.high[k] = std::min(box.high[k], block.high[k][lane]);
       if (box.low[k] > box.high[k]) return Fate::kDead;
     }
+    free_at_center = free_at_center && block.value[lane] >= f.sufficient_mm;
+    kept.pairs.push_back({kept_tile, from.pairs[at].edge});
   }
   // Where no edge that can cut the tile passes its centre, inside and outside are the same in the whole cell.
-  const bool decided = kept.directions.size() == kept_first;
+  const bool decided = kept.pairs.size() == kept_first;
   if (!tile.inside && (decided || nearest > f.reach_mm + kSlack_mm)) {
     if (!center_inside(f, tile.center)) return Fate::kDead;
     tile.inside = true;
@@ -95,17 +75,16 @@ CellFilter::Outcome CellFilter::filter(const CellFrame& f, const CellList& from,
   kept.clear();
   boxes.clear();
   block_number_ = kNoBlock;
-  use_circles_ = getenv("CIRC") != nullptr;
   Outcome outcome;
   int left = static_cast<int>(from.tiles.size());
   for (OpenTile tile : from.tiles) {
     Box box{{-f.half[0], -f.half[1], -f.half[2]}, {f.half[0], f.half[1], f.half[2]}};
     bool free_at_center = true;
-    const std::size_t kept_first = kept.directions.size();
+    const std::size_t kept_first = kept.pairs.size();
     const Fate fate = judge_tile(f, from, tile, kept, box, free_at_center);
     if (fate == Fate::kOpen) {
       tile.first = static_cast<std::uint32_t>(kept_first);
-      tile.count = static_cast<std::uint32_t>(kept.directions.size() - kept_first);
+      tile.count = static_cast<std::uint32_t>(kept.pairs.size() - kept_first);
       kept.tiles.push_back(tile);
       for (std::size_t k = 0; k < 3; ++k) {
         boxes.low[k].push_back(box.low[k]);
@@ -114,7 +93,7 @@ CellFilter::Outcome CellFilter::filter(const CellFrame& f, const CellList& from,
       if (free_at_center && (tile.inside || center_inside(f, tile.center))) ++outcome.free_at_center;
       continue;
     }
-    kept.directions.resize(kept_first);
+    kept.pairs.resize(kept_first);
     if (fate == Fate::kDecided) ++outcome.certain;
     else if (--left < least) return outcome;
   }
@@ -141,14 +120,11 @@ int CellFilter::seed(const CellFrame& f, CellList& to) {
   std::ranges::sort(near);
   for (std::size_t n = 0; n < near.size(); ++n) {
     if (n == 0 || near[n].first != near[n - 1].first) {
-      to.tiles.push_back({grid_.center(near[n].first), near[n].first, false, static_cast<std::uint32_t>(to.directions.size()), 0});
+      to.tiles.push_back({grid_.center(near[n].first), near[n].first, false, static_cast<std::uint32_t>(to.pairs.size()), 0});
     }
     const auto tile = static_cast<std::uint32_t>(to.tiles.size() - 1);
-    const auto add = [&](std::uint32_t way) { to.directions.push_back({tile, near[n].second * 16 + way}); };
-    add(kLeft);
-    add(kRight);
-    for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(grid_.corners); ++k) add(k);
-    to.tiles.back().count = static_cast<std::uint32_t>(to.directions.size()) - to.tiles.back().first;
+    to.pairs.push_back({tile, near[n].second});
+    ++to.tiles.back().count;
   }
   int certain = 0;
   const auto known = [&](const Tile& t) { return std::ranges::binary_search(to.tiles, t, {}, &OpenTile::tile); };

@@ -2,17 +2,17 @@
 #pragma once
 #include <vector>
 
-#include "direction_kernel.hpp"
+#include "pair_kernel.hpp"
 
 namespace triskin::geometry {
 
-/// Undecided tiles of a cell with the directions that may still free them; shared by the children, which filter it.
+/// Undecided tiles of a cell with the edges that may still cut them; shared by the children, which filter it.
 struct CellList {
   std::vector<OpenTile> tiles;
-  std::vector<Direction> directions;
+  std::vector<Pair> pairs;
   void clear() {
     tiles.clear();
-    directions.clear();
+    pairs.clear();
   }
 };
 
@@ -38,7 +38,7 @@ class CellFilter {
   /// Tiles of `from` that stay undecided go to `kept` and `boxes`. Ends early when fewer than `least` can hold.
   Outcome filter(const CellFrame& frame, const CellList& from, int least, CellList& kept, OffsetBoxes& boxes);
 
-  /// All tiles near the moved polygon with all directions; returns how many lie inside whatever the motion.
+  /// All tiles near the moved polygon with all edges near them; returns how many lie inside whatever the motion.
   int seed(const CellFrame& frame, CellList& to);
 
  private:
@@ -48,14 +48,13 @@ class CellFilter {
   };
   Fate judge_tile(const CellFrame& frame, const CellList& from, OpenTile& tile, CellList& kept, Box& box, bool& free_at_center);
   Fate circles(const CellFrame& frame, const OpenTile& tile, std::uint32_t edge, double& nearest) const;
-  const DirectionBlock& block_of(const CellFrame& frame, const CellList& from, std::size_t direction);
+  const PairBlock& block_of(const CellFrame& frame, const CellList& from, std::size_t pair);
   [[nodiscard]] bool center_inside(const CellFrame& frame, const Vec2& center) const;
 
   const PreparedPolygon& polygon_;
   const TileGrid& grid_;
-  DirectionBlock block_;
+  PairBlock block_;
   std::size_t block_number_ = 0;
-  bool use_circles_ = false;
 };
 
 }  // namespace triskin::geometry

@@ -102,7 +102,7 @@ int Evaluator::count(const Motion& motion, double inset_mm) {
   for (std::size_t r = 0; r < marks_.size(); r += static_cast<std::size_t>(columns_)) {
     std::uint8_t inside = 0;
     for (std::size_t k = r; k < r + static_cast<std::size_t>(columns_); ++k) {
-      inside ^= marks_[k] & kFlip;
+      inside = static_cast<std::uint8_t>(inside ^ (marks_[k] & kFlip));
       n += marks_[k] < kCut ? inside : 0;
     }
   }
@@ -117,7 +117,7 @@ std::vector<Tile> Evaluator::tiles(const Motion& motion, double inset_mm) {
       const std::uint8_t* marks = row(j, up);
       std::uint8_t inside = 0;
       for (int k = 0; k < columns_; ++k) {
-        inside ^= marks[k] & kFlip;
+        inside = static_cast<std::uint8_t>(inside ^ (marks[k] & kFlip));
         if (marks[k] < kCut && inside != 0) found.push_back({first_column(j) + k, j, up != 0});
       }
     }

@@ -16,6 +16,7 @@ namespace triskin::geometry {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+constexpr double kMostTiles = 1e6;
 
 Clock::time_point deadline_after(double seconds) {
   if (seconds <= 0.0) return Clock::time_point::max();
@@ -26,6 +27,7 @@ void require_sane(const PlacementOptions& o) {
   if (!(o.tolerance_mm >= 1e-8 && o.tolerance_mm <= 1.0)) {
     throw InputError(fmt::format("tolerance {} mm: must be in 1e-8 … 1 (the rounding pad is 1e-9)", o.tolerance_mm));
   }
+  if (o.keep_proof && o.shape != TileShape::kTriangle) throw InputError("proof: there is one only for triangular modules");
   if (!(o.gap_mm >= 0.0 && o.gap_mm <= 100.0)) throw InputError(fmt::format("gap {} mm: must be in 0 … 100", o.gap_mm));
 }
 
@@ -35,7 +37,21 @@ class ClearanceAscent {
   ClearanceAscent(const PreparedPolygon& polygon, const TileGrid& grid, int modules)
       : polygon_(polygon), evaluator_(polygon, grid), inradius_(grid.inradius_mm), modules_(modules) {}
 
+  /// The `n` motions with the largest clearance.
+  std::vector<Motion> most_promising(std::vector<Motion> motions, std::size_t n) {
+    std::vector<std::pair<double, std::size_t>> order;
+    constexpr double least = -1e-2;
+    for (std::size_t k = motions.size(); k-- > 0;) {
+      if (holds(motions[k], least)) order.emplace_back(raise(motions[k], least), k);
+    }
+    std::ranges::sort(order, std::greater<>());
+    std::vector<Motion> best;
+    for (std::size_t k = 0; k < std::min(n, order.size()); ++k) best.push_back(motions[order[k].second]);
+    return best;
+  }
+
   double climb(Motion& motion, double clearance) {
+    if (!holds(motion, clearance)) return -inradius_;
     clearance = raise(motion, clearance);
     for (double step = 1.0; step > 1e-4; step *= 0.5) {
       for (bool better = true; better;) {
@@ -79,20 +95,33 @@ class ClearanceAscent {
   int modules_;
 };
 
-// Of all placements of `modules` tiles one with the largest inset, to 1 µm or 1 %: climbs, then asks the certified search for
-// a placement that is better; when there is none, that is the proof.
-void enlarge_clearance(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, PlacementResult& result, Motion& motion,
-                       Clock::time_point deadline, const ProgressSink& progress) {
+// Of all placements of `modules` tiles one with the largest inset, to 5 µm or 2 %: climbs from the best of those that the
+// search has seen, then asks the search for a better one; when there is none, that is the proof.
+void enlarge_clearance(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, std::vector<Motion> starts,
+                       PlacementResult& result, Motion& motion, Clock::time_point deadline, const ProgressSink& progress) {
   ClearanceAscent ascent(polygon, grid, result.modules);
-  double clearance = ascent.climb(motion, -options.tolerance_mm);
+  double clearance = -options.tolerance_mm;
+  starts.push_back(motion);
+  for (const Motion& start : ascent.most_promising(std::move(starts), 3)) {
+    Motion at = start;
+    const double reached = ascent.climb(at, -options.tolerance_mm);
+    if (reached > clearance) {
+      clearance = reached;
+      motion = at;
+    }
+  }
+  result.clearance_bound_mm = grid.inradius_mm;
   while (Clock::now() < deadline) {
-    const double more = std::max(1e-3, 0.01 * clearance);
+    const double more = std::max(5e-3, 0.02 * clearance);
     const SearchGoal goal{.inset_mm = clearance + more, .tolerance_mm = 0.5 * more, .known = result.modules - 1,
                           .stop_at_first = true, .deadline = deadline};
     const SearchResult found = branch_and_bound(polygon, grid, goal, progress);
     result.cells += found.cells;
     result.evaluations += found.evaluations;
-    if (!found.found) break;
+    if (!found.found) {
+      if (found.upper_bound < result.modules) result.clearance_bound_mm = clearance + more;
+      break;
+    }
     motion = found.motion;
     clearance = ascent.climb(motion, clearance + 0.5 * more);
   }
@@ -116,6 +145,9 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   const auto deadline = deadline_after(options.time_limit_s);
   const PreparedPolygon polygon = prepare(normalize_polygon(input, "polygon"));
   const TileGrid grid = tile_grid(options.shape, options.gap_mm);
+  if (polygon_area(input) > kMostTiles * grid.area_mm2) {
+    throw InputError(fmt::format("polygon: {:.4g} m² would take more than {:.0g} modules; are the coordinates in mm?", 1e-6 * polygon_area(input), kMostTiles));
+  }
   PlacementResult result;
   result.tolerance_mm = options.tolerance_mm;
   Motion motion;
@@ -134,7 +166,10 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
     result.evaluations = found.evaluations + first.evaluations;
     result.clearance_mm = -options.tolerance_mm;
     motion = found.found ? found.motion : first.motion;
-    if (options.largest_clearance && result.modules > 0) enlarge_clearance(polygon, grid, options, result, motion, deadline, progress);
+    result.search_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    if (options.largest_clearance && result.modules > 0) {
+      enlarge_clearance(polygon, grid, options, found.as_good, result, motion, deadline, progress);
+    }
   } else {
     const HeuristicResult found = run_heuristic(polygon, grid, options);
     result.modules = found.modules;

@@ -8,22 +8,18 @@
 
 namespace triskin::geometry {
 
-/// One way in which one edge may leave one tile alone: 0 … 5 the edge lies beyond that side of the tile; 8, 9 the tile
-/// lies left or right of the edge's line. Records of one tile and edge stand together.
-struct Direction {
+/// A tile and an edge that may cut it. The pairs of one tile stand together.
+struct Pair {
   std::uint32_t tile = 0;
-  std::uint32_t code = 0;  ///< edge · 16 + way
-  [[nodiscard]] std::uint32_t edge() const { return code >> 4; }
-  [[nodiscard]] std::uint32_t way() const { return code & 15u; }
+  std::uint32_t edge = 0;
 };
-inline constexpr std::uint32_t kLeft = 8, kRight = 9;
 
 /// A tile that is not decided in a cell.
 struct OpenTile {
   Vec2 center;
   Tile tile;
   bool inside = false;                 ///< its centre lies inside the polygon in the whole cell
-  std::uint32_t first = 0, count = 0;  ///< its directions
+  std::uint32_t first = 0, count = 0;  ///< its pairs
 };
 
 /// Box of motions by its centre and half widths (x mm, y mm, theta rad).
@@ -48,18 +44,18 @@ struct CellFrame {
 };
 
 inline constexpr std::size_t kLanes = 8;
-/// What the kernel finds for a block of directions.
-struct DirectionBlock {
-  /// Offsets from the cell's centre at which the direction may hold, each axis with the other two at their best.
+/// What the kernel finds for a block of pairs. The edge leaves the tile alone where it lies beyond a side of the tile, or
+/// where the tile lies on one side of the edge's line: these are the directions.
+struct PairBlock {
+  /// Offsets from the cell's centre outside which every direction fails; low > high: the edge always cuts the tile.
   alignas(64) std::array<std::array<double, kLanes>, 3> low, high;
-  alignas(64) std::array<double, kLanes> room;    ///< negative: the direction holds nowhere in the cell
-  alignas(64) std::array<double, kLanes> surest;  ///< at least sufficient + pad: it holds in the whole cell
+  alignas(64) std::array<double, kLanes> surest;  ///< at least sufficient + pad: one direction holds in the whole cell
   alignas(64) std::array<double, kLanes> value;   ///< separation at the centre
 };
 
-/// Judges kLanes directions at once. The fastest instruction set of the processor is chosen at the first call; all give
+/// Judges up to kLanes pairs at once. The widest instruction set of the processor is chosen at the first call; all give
 /// the same bits, since all do the same IEEE operations.
-void judge_directions(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& frame, const OpenTile* tiles,
-                      const Direction* directions, std::size_t count, DirectionBlock& result);
+void judge_pairs(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& frame, const OpenTile* tiles, const Pair* pairs,
+                 std::size_t count, PairBlock& result);
 
 }  // namespace triskin::geometry
