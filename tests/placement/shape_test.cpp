@@ -38,16 +38,18 @@ TEST(Shapes, a_gap_between_squares_widens_the_pitch_by_itself) {
 TEST(Shapes, a_row_of_hexagons_is_as_long_as_their_widths) {
   const double width = 30.0 * std::sqrt(3.0);
   EXPECT_EQ(best(rectangle(3 * width + 0.01, 60.01), TileShape::kHexagon).modules, 3);
-  EXPECT_EQ(best(rectangle(3 * width + 0.01, 59.9), TileShape::kHexagon).modules, 0);
+  // Too low for that: turned by 30°, every second column still fits (60 + 90 mm long, 52 mm high).
+  EXPECT_EQ(best(rectangle(3 * width + 0.01, 59.9), TileShape::kHexagon).modules, 2);
+  EXPECT_EQ(best(rectangle(3 * width + 0.01, 51.9), TileShape::kHexagon).modules, 0);
 }
 
 TEST(Shapes, facing_triangles_stand_apart_by_the_gap) {
-  // Two triangles on a rhombus: apart by the gap across their common side.
-  const double gap = 1.0, grow = gap / std::sqrt(3.0);
+  // Up and down triangle across a common side, moved apart by 2 mm along its normal (√3, 1) mm: fills this rhombus.
+  const double grow = 2.0 / std::sqrt(3.0), height = kHeight_mm + 1.0;
   Polygon rhombus;
-  rhombus.outer = {{0, 0}, {30 + 2 * grow, 0}, {45 + 3 * grow, kHeight_mm + gap + 1e-3}, {15 + grow, kHeight_mm + gap + 1e-3}};
-  EXPECT_LE(best(rhombus, TileShape::kTriangle, 2.0).modules, 1);
-  EXPECT_EQ(best(rhombus, TileShape::kTriangle, 0.0).modules, 2);
+  rhombus.outer = {{0, 0}, {30 + grow, 0}, {30 + grow + height / std::sqrt(3.0), height}, {height / std::sqrt(3.0), height}};
+  EXPECT_EQ(best(rhombus, TileShape::kTriangle, 1.99).modules, 2);
+  EXPECT_EQ(best(rhombus, TileShape::kTriangle, 2.1).modules, 1);
 }
 
 TEST(Shapes, bad_wishes_are_errors) {
