@@ -1,95 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CGAL/AABB_traits.h>
-#include <CGAL/AABB_tree.h>
-#include <CGAL/AABB_triangle_primitive.h>
-#include <CGAL/Simple_cartesian.h>
 #include <fmt/format.h>
 
 #include <cmath>
 #include <limits>
-#include <map>
 
-#include "checked_design.hpp"
+#include "surface_index.hpp"
 
 namespace triskin::check {
 namespace {
 
-using Kernel = CGAL::Simple_cartesian<double>;
-using Triangles = std::vector<Kernel::Triangle_3>;
-using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
-
 // Stated and measured numbers may differ by how finely the sides are walked and by how normals are interpolated.
 constexpr double kStated_mm = 0.05;
-constexpr int kSamples = 60;
-
-Kernel::Point_3 to_cgal(const P3& p) { return {p.x(), p.y(), p.z()}; }
-P3 from_cgal(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
-
-class SurfaceIndex {
- public:
-  struct Hit {
-    P3 point;
-    std::size_t face;
-    P3 normal;  // interpolated from the corners
-    bool on_border;
-  };
-
-  explicit SurfaceIndex(const CheckedDesign& d) : design_(d), normals_(d.vertices.size(), P3::Zero()) {
-    std::map<std::pair<int, int>, int> edges;
-    for (const auto& f : d.faces) {
-      const Triangle3 t = triangle(f);
-      triangles_.emplace_back(to_cgal(t[0]), to_cgal(t[1]), to_cgal(t[2]));
-      for (std::size_t k = 0; k < 3; ++k) {
-        const P3 u = (t[(k + 1) % 3] - t[k]).normalized(), v = (t[(k + 2) % 3] - t[k]).normalized();
-        normals_[static_cast<std::size_t>(f[k])] += std::atan2(u.cross(v).norm(), u.dot(v)) * unit_normal(t);
-        ++edges[std::minmax(f[k], f[(k + 1) % 3])];
-      }
-    }
-    for (P3& n : normals_) n.normalize();
-    for (const auto& [edge, count] : edges) {
-      if (count != 1) continue;
-      border_.push_back({d.vertices[static_cast<std::size_t>(edge.first)], d.vertices[static_cast<std::size_t>(edge.second)]});
-    }
-    tree_.insert(triangles_.cbegin(), triangles_.cend());
-    tree_.build();
-    tree_.accelerate_distance_queries();
-  }
-
-  [[nodiscard]] Hit closest(const P3& p) const {
-    const auto [point, primitive] = tree_.closest_point_and_primitive(to_cgal(p));
-    Hit h{from_cgal(point), static_cast<std::size_t>(primitive - triangles_.cbegin()), P3::Zero(), false};
-    const auto& f = design_.faces[h.face];
-    const Triangle3 t = triangle(f);
-    const P3 n = (t[1] - t[0]).cross(t[2] - t[0]);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double weight = (t[(k + 2) % 3] - t[(k + 1) % 3]).cross(h.point - t[(k + 1) % 3]).dot(n) / n.squaredNorm();
-      h.normal += weight * normals_[static_cast<std::size_t>(f[k])];
-    }
-    h.normal.normalize();
-    h.on_border = border_distance(h.point) < 1e-6;
-    return h;
-  }
-
- private:
-  [[nodiscard]] Triangle3 triangle(const std::array<int, 3>& f) const {
-    return {design_.vertices[static_cast<std::size_t>(f[0])], design_.vertices[static_cast<std::size_t>(f[1])], design_.vertices[static_cast<std::size_t>(f[2])]};
-  }
-  [[nodiscard]] double border_distance(const P3& p) const {
-    double best = std::numeric_limits<double>::infinity();
-    for (const auto& [a, b] : border_) {
-      const P3 d = b - a;
-      best = std::min(best, (a + std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0) * d - p).norm());
-    }
-    return best;
-  }
-
-  const CheckedDesign& design_;
-  std::vector<P3> normals_;
-  Triangles triangles_;
-  Tree tree_;
-  std::vector<std::array<P3, 2>> border_;
-};
+constexpr int kSamples = 60;  // of a side, for the stated depth
 
 void against_limit(Findings& f, const char* rule, std::size_t module, double measured, double limit, double stated) {
   if (!(measured <= limit)) f.broken(rule, module_name(module), fmt::format("{:.3f} mm, limit {} mm", measured, limit));
@@ -106,17 +28,16 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
     against_limit(f, "center-gap", k, (hit.point - c).norm(), d.limits.center_gap, m.center_gap);
     const double cosine = hit.normal.dot(unit_normal(m.corner));
     if (!(cosine > 0.5)) f.broken("outward", module_name(k), fmt::format("its normal is {:.0f}° off the surface's", std::acos(cosine) * 180 / M_PI));
-    double overrun = 0.0, depth = 0.0;
+    double depth = 0.0;
     for (std::size_t s = 0; s < 3; ++s) {
       for (int q = 0; q < kSamples; ++q) {
         const P3 p = m.corner[s] + (m.corner[(s + 1) % 3] - m.corner[s]) * (q / static_cast<double>(kSamples));
         const auto h = surface.closest(p);
         const P3 off = p - h.point;
         depth = std::max(depth, -off.dot(h.normal));
-        if (h.on_border) overrun = std::max(overrun, (off - off.dot(h.normal) * h.normal).norm());
       }
     }
-    against_limit(f, "overrun", k, overrun, d.limits.overrun, m.overrun);
+    against_limit(f, "overrun", k, overrun_of(m.corner, surface), d.limits.overrun, m.overrun);
     if (!(std::abs(depth - m.edge_depth) <= 0.1)) f.broken("edge-depth", module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", m.edge_depth, depth));
   }
 }

@@ -23,15 +23,15 @@ using geometry::Surface;
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// z = 15 mm · sin(x / 60 mm) · sin(y / 60 mm): domes and saddles, principal radii of 240 mm and more, as large as wanted.
+// z = 25 mm · sin(x / 45 mm) · sin(y / 45 mm): domes and saddles, principal radii of 81 mm and more, as large as wanted.
 Mesh wavy_sheet(double area_cm2, int faces) {
   const int cells = std::max(2, static_cast<int>(std::lround(std::sqrt(faces / 2.0))));
-  const double side_mm = 10.0 * std::sqrt(area_cm2 / 1.03);
+  const double side_mm = 10.0 * std::sqrt(area_cm2 / 1.075);
   Mesh m;
   for (int v = 0; v <= cells; ++v) {
     for (int u = 0; u <= cells; ++u) {
       const double x = side_mm * u / cells, y = side_mm * v / cells;
-      m.vertices.emplace_back(x, y, 15.0 * std::sin(x / 60.0) * std::sin(y / 60.0));
+      m.vertices.emplace_back(x, y, 25.0 * std::sin(x / 45.0) * std::sin(y / 45.0));
     }
   }
   const auto id = [cells](int u, int v) { return v * (cells + 1) + u; };

@@ -20,6 +20,8 @@ using Clock = Grower::Clock;
 
 constexpr int kStepsARound = 32;      // of each chain, between reports
 constexpr int kRoundsAnExchange = 4;  // of the best layout
+constexpr int kStarts = 12, kStepsAStart = 30;
+constexpr double kStartsShare = 0.08;  // of the time
 constexpr double kHot = 0.6, kCold = 0.05;  // modules a step may lose, at the start and at the end
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kFinalMargin = 0.98;
@@ -46,13 +48,21 @@ class Chain {
   Chain(const Search& search, std::uint64_t seed)
       : search_(search), random_(seed), grower_(search.surface, search.rules, search.samples, search.options.corner_lift_mm, search.end) {}
 
-  // The first complete layout.
+  // Complete layouts from several starts: where the first module lies and how it is turned decides more than later steps mend.
   void build() {
-    grower_.fill(now_, {}, random_, static_cast<int>(search_.samples.size()) / 2);
-    now_.separate();
-    value_ = search_.value(now_);
-    best_ = now_;
-    best_value_ = value_;
+    const int starts = search_.options.iterations > 0 ? std::min(kStarts, 1 + search_.options.iterations / kStepsAStart) : kStarts;
+    for (int k = 0; k < starts; ++k) {
+      if (k > 0 && search_.options.iterations == 0 && search_.fraction(0) > kStartsShare) break;
+      LatticeNet net;
+      grower_.fill(net, {}, random_, static_cast<int>(search_.samples.size()) / 2);
+      net.separate();
+      if (k == 0 || search_.value(net) > best_value_) {
+        best_ = std::move(net);
+        best_value_ = search_.value(best_);
+      }
+    }
+    now_ = best_;
+    value_ = best_value_;
   }
 
   void run(int steps) {

@@ -227,7 +227,7 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Random& random, int attempt
     const Sample& sample = samples_[at(near[at(random.below(static_cast<int>(near.size())))])];
     if (covered(net, sample.point)) continue;
     const int before = net.size();
-    if (k % 2 == 0 || !seed_at_border(net, sample)) seed_at_sample(net, sample, random);
+    if (random.unit() < 0.5 || !seed_at_border(net, sample)) seed_at_sample(net, sample, random);
     grow_newest(before);
   }
 }

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "surface_index.hpp"
+
+namespace triskin::check {
+namespace {
+
+constexpr double kTouch_mm = 1e-7;     // distances to surface and border that count as equal
+constexpr double kSmallest_mm = 1e-3;  // parts of a module are not divided below this radius
+
+// A border edge seen from a point.
+struct Sight {
+  double along;   // of the foot: 0 at a, 1 at b, clamped
+  P3 off;         // from the foot to the point
+  P3 normal;      // of the surface at the foot, unit
+};
+
+Sight look(const BorderEdge& e, const P3& p) {
+  const P3 d = e.b - e.a;
+  const double s = std::clamp((p - e.a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+  return {s, p - e.a - s * d, ((1 - s) * e.normal_a + s * e.normal_b).normalized()};
+}
+
+double across(const P3& off, const P3& normal) { return off.cross(normal).norm(); }
+
+// Branch and bound over parts of one module.
+class Search {
+ public:
+  explicit Search(const SurfaceIndex& surface) : surface_(surface) {}
+
+  double run(const Triangle3& module) {
+    const P3 c = centroid(module);
+    const double reach = surface_.distance(c) + 2.0 * (module[0] - c).norm();
+    std::vector<const BorderEdge*> near;
+    for (const BorderEdge& e : surface_.border()) {
+      if (look(e, c).off.norm() <= reach) near.push_back(&e);
+    }
+    if (near.empty()) return 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {  // where the largest value is mostly found: the search then ends sooner
+      visit(module[k], surface_.distance(module[k]), near);
+      const P3 middle = (module[k] + module[(k + 1) % 3]) / 2;
+      visit(middle, surface_.distance(middle), near);
+    }
+    divide(module, near);
+    return best_;
+  }
+
+ private:
+  void visit(const P3& p, double to_surface, const std::vector<const BorderEdge*>& near) {
+    double nearest = std::numeric_limits<double>::infinity();
+    double over = 0.0;
+    for (const BorderEdge* e : near) {
+      const Sight s = look(*e, p);
+      if (s.off.norm() >= nearest) continue;
+      nearest = s.off.norm();
+      over = across(s.off, s.normal);
+    }
+    if (nearest <= to_surface + kTouch_mm) best_ = std::max(best_, over);
+  }
+
+  // No point within the part exceeds this while the edge is the nearest of the surface. The foot slides no farther than the
+  // point, the distance to a point or a line is convex, and the normal turns by at most `turn` a mm.
+  static double bound(const BorderEdge& e, const Triangle3& part, const P3& middle, double radius) {
+    const double length = (e.b - e.a).norm(), slack = radius / length;
+    const Sight s = look(e, middle);
+    const bool inside = s.along > slack && s.along < 1.0 - slack;
+    if (inside && s.off.dot(e.out) < -radius) return 0.0;  // the face of the edge is nearer
+    const double turn = (e.normal_b - e.normal_a).norm() / (length * std::max(0.1, (e.normal_a + e.normal_b).norm() / 2));
+    const double turned = turn * radius * (s.off.norm() + radius);
+    const Sight ends[3] = {look(e, part[0]), look(e, part[1]), look(e, part[2])};
+    const auto all_at = [&](double end) { return std::ranges::all_of(ends, [end](const Sight& q) { return q.along == end; }); };
+    if (!inside && !all_at(0.0) && !all_at(1.0)) return across(s.off, s.normal) + radius + turned;
+    double most = 0.0;
+    for (const Sight& q : ends) most = std::max(most, across(q.off, s.normal));
+    return most + turned;
+  }
+
+  void divide(const Triangle3& part, const std::vector<const BorderEdge*>& candidates) {
+    const P3 m = centroid(part);
+    const double radius = std::max({(part[0] - m).norm(), (part[1] - m).norm(), (part[2] - m).norm()});
+    const double to_surface = surface_.distance(m);
+    std::vector<const BorderEdge*> near;  // all that may be nearest to a point of the part
+    for (const BorderEdge* e : candidates) {
+      if (look(*e, m).off.norm() <= to_surface + 2.0 * radius) near.push_back(e);
+    }
+    if (near.empty()) return;
+    visit(m, to_surface, near);
+    const bool more = std::ranges::any_of(near, [&](const BorderEdge* e) { return bound(*e, part, m, radius) > best_ + kOverrunStep_mm; });
+    if (!more || radius < kSmallest_mm) return;
+    const P3 ab = (part[0] + part[1]) / 2, bc = (part[1] + part[2]) / 2, ca = (part[2] + part[0]) / 2;
+    divide({part[0], ab, ca}, near);
+    divide({part[1], bc, ab}, near);
+    divide({part[2], ca, bc}, near);
+    divide({ab, bc, ca}, near);
+  }
+
+  const SurfaceIndex& surface_;
+  double best_ = 0.0;
+};
+
+}  // namespace
+
+double overrun_of(const Triangle3& module, const SurfaceIndex& surface) { return Search(surface).run(module); }
+
+}  // namespace triskin::check

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Simple_cartesian.h>
+
+#include "checked_design.hpp"
+
+namespace triskin::check {
+
+/// An edge of the surface that has one face.
+struct BorderEdge {
+  P3 a, b;
+  P3 normal_a, normal_b;  ///< of the surface at its ends, unit
+  P3 out;                 ///< unit, across the edge in the plane of its face, away from the face
+};
+
+/// Closest points of the mesh of a design. Immutable; refers to the design.
+class SurfaceIndex {
+ public:
+  struct Hit {
+    P3 point;
+    P3 normal;  ///< interpolated from the corners of the face, unit
+  };
+
+  explicit SurfaceIndex(const CheckedDesign& design);
+  [[nodiscard]] Hit closest(const P3& p) const;
+  [[nodiscard]] double distance(const P3& p) const;
+  [[nodiscard]] const std::vector<BorderEdge>& border() const { return border_; }
+
+ private:
+  using Kernel = CGAL::Simple_cartesian<double>;
+  using Triangles = std::vector<Kernel::Triangle_3>;
+  using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
+
+  [[nodiscard]] Triangle3 triangle(const std::array<int, 3>& face) const;
+  void find_border();
+
+  const CheckedDesign& design_;
+  std::vector<P3> normals_;
+  Triangles triangles_;
+  CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>> tree_;
+  std::vector<BorderEdge> border_;
+};
+
+/// How far a module stands over the border, mm: the largest distance across the normal from a point of its whole area (sides,
+/// corners and inside, so holes count too) to the point of the border that is nearest to it, among the points to which no other
+/// part of the surface is nearer. By branch and bound with bounds that hold for every point of a part of the module: the value
+/// is attained, and no point exceeds it by more than kOverrunStep_mm. Cost: a few hundred closest points where the border is near.
+inline constexpr double kOverrunStep_mm = 0.002;
+[[nodiscard]] double overrun_of(const Triangle3& module, const SurfaceIndex& surface);
+
+}  // namespace triskin::check
