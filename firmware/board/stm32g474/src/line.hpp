@@ -29,6 +29,8 @@ class Stm32I2cLine final : public fw::I2cLine {
   [[nodiscard]] std::uint64_t deadline_us() const { return active_ ? deadline_us_ : UINT64_MAX; }
   /// The outcome stands and waits for poll().
   [[nodiscard]] bool finished() const { return active_ && outcome_ != Outcome::kRunning; }
+  /// SDA or SCL is low; asked while no transfer is under way.
+  [[nodiscard]] bool low() const { return !Gpio(place_.scl).level() || !Gpio(place_.sda).level(); }
   /// From the interrupt handlers.
   void on_event();
   void on_error();

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "can.hpp"
+#include "chain.hpp"
 #include "line.hpp"
 #include "slot.hpp"
 #include "triskin/app/application.hpp"
@@ -99,6 +100,7 @@ int main() {
   start_watchdog();
   open_lines();
   can.open();
-  static triskin::fw::Application application({{&lines[0], &lines[1], &lines[2], &lines[3]}, &system_clock, &can, &table_flash, unique_id()});
+  route_chain.open();
+  static triskin::fw::Application application({{&lines[0], &lines[1], &lines[2], &lines[3]}, &system_clock, &can, &table_flash, unique_id(), nullptr, &route_chain});
   run(application);
 }
