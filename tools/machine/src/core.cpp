@@ -78,7 +78,9 @@ Machine::Core::Core(const MachineSetup& setup)
                check(uc_mem_write(uc_, address, data, size), "flash cells");
                std::fill_n(blocks_.begin() + (address - FlashChip::kBase) / 2, size / 2, Block{});
              }),
-      gpio_(*this, rcc_, setup.lines),
+      chain_(setup.chain), gpio_(*this, rcc_, setup.lines, chain_),
+      spi_(*this, [this](std::uint8_t byte) { return chain_.exchange(byte); },
+           [this] { return gpio_.alternate(1, 13, 5) && gpio_.alternate(1, 14, 5) && gpio_.alternate(1, 15, 5); }),
       dma_(*this, [this](std::uint32_t address) { return address >= kRamBase && address < kRamBase + kRamBytes ? &ram_[address - kRamBase] : nullptr; }),
       dma_mux_(*this, dma_), can_(*this, setup.on_can, setup.trace), can_ram_(*this, can_), ram_(kRamBytes, 0xA5), blocks_(FlashChip::kBytes / 2) {
   constexpr std::array<std::array<int, 2>, 4> kIrqs{{{31, 32}, {33, 34}, {92, 93}, {82, 83}}};
@@ -86,6 +88,7 @@ Machine::Core::Core(const MachineSetup& setup)
     i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup.lines[k], kIrqs[k][0], kIrqs[k][1], dma_, setup.trace);
   }
   windows_ = {{&tim2_, 0x40000000, 0x400, 0x58, 0, "TIM2"},           {&iwdg_, 0x40003000, 0x400, 0, 0, "IWDG"},
+              {&spi_, 0x40003800, 0x400, 0x58, 14, "SPI2"},
               {i2c_[0].get(), 0x40005400, 0x400, 0x58, 21, "I2C1"},   {i2c_[1].get(), 0x40005800, 0x400, 0x58, 22, "I2C2"},
               {&can_, 0x40006400, 0x400, 0x58, 25, "FDCAN"},          {&pwr_, 0x40007000, 0x400, 0x58, 28, "PWR"},
               {i2c_[2].get(), 0x40007800, 0x400, 0x58, 30, "I2C3"},   {i2c_[3].get(), 0x40008400, 0x400, 0x5C, 1, "I2C4"},

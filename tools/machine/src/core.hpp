@@ -8,6 +8,7 @@
 #include "gpio.hpp"
 #include "i2c_controller.hpp"
 #include "nvic.hpp"
+#include "spi_controller.hpp"
 #include "system_blocks.hpp"
 #include "triskin/machine/machine.hpp"
 
@@ -87,7 +88,9 @@ class Machine::Core final : public Surroundings {
   Tim2 tim2_;
   Iwdg iwdg_;
   FlashController flash_;
+  RouteChainPins chain_;
   Gpio gpio_;
+  SpiController spi_;
   Dma dma_;
   DmaMux dma_mux_;
   std::array<std::unique_ptr<I2cController>, 4> i2c_;

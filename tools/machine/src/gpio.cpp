@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace triskin::machine {
 namespace {
 
@@ -13,7 +15,26 @@ constexpr std::array<LinePins, 4> kLines{{{0, 15, 1, 7}, {0, 9, 0, 8}, {2, 8, 2,
 
 }  // namespace
 
-void Gpio::reset() { ports_ = {}; }
+// Pins float at a reset; the pull-downs of the patch end EN and latch.
+void Gpio::reset() {
+  ports_ = {};
+  follow_chain();
+}
+
+bool Gpio::drives_high(unsigned port, unsigned pin) const {
+  const Port& p = ports_[port];
+  return (p.moder >> (2 * pin) & 3) == 1 && (p.odr >> pin & 1) == 1;
+}
+
+bool Gpio::alternate(unsigned port, unsigned pin, unsigned function) const {
+  const Port& p = ports_[port];
+  return (p.moder >> (2 * pin) & 3) == 2 && ((pin < 8 ? p.afrl : p.afrh) >> (4 * (pin % 8)) & 15) == function;
+}
+
+void Gpio::follow_chain() {
+  if (const bool enabled = drives_high(1, 12); enabled != std::exchange(chain_enabled_, enabled)) chain_.enable(enabled);
+  if (const bool high = drives_high(1, 11); !std::exchange(latch_high_, high) && high) chain_.latch();
+}
 
 bool Gpio::drives_low(unsigned port, unsigned pin) const {
   const Port& p = ports_[port];
@@ -84,6 +105,7 @@ void Gpio::write(std::uint32_t offset, std::uint32_t value, unsigned) {
     default: around_.violation(fmt::format("GPIO register {:#x} is not modelled", offset % 0x400));
   }
   follow_lines(before);
+  follow_chain();
 }
 
 }  // namespace triskin::machine

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 
+#include "route_chain_pins.hpp"
 #include "system_blocks.hpp"
 #include "triskin/machine/peripheral.hpp"
 #include "triskin/sim/i2c_bus.hpp"
@@ -9,13 +10,16 @@
 namespace triskin::machine {
 
 /// Ports A, B, C (RM0440 §9.4): modes, alternate functions, levels. The pins of the four I²C lines are tied to their buses,
-/// so that pulses made by hand reach the chips.
+/// so that pulses made by hand reach the chips; PB12 and PB11 are EN and latch of the route chain.
 class Gpio final : public Peripheral {
  public:
-  Gpio(Surroundings& around, Rcc& rcc, const std::array<sim::I2cBus*, 4>& buses) : Peripheral(around), rcc_(rcc), buses_(buses) { reset(); }
+  Gpio(Surroundings& around, Rcc& rcc, const std::array<sim::I2cBus*, 4>& buses, RouteChainPins& chain)
+      : Peripheral(around), rcc_(rcc), buses_(buses), chain_(chain) {}
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
+  /// The pin is at an alternate function; port 0 is A.
+  [[nodiscard]] bool alternate(unsigned port, unsigned pin, unsigned function) const;
 
  private:
   struct Port {
@@ -23,10 +27,14 @@ class Gpio final : public Peripheral {
   };
   [[nodiscard]] bool drives_low(unsigned port, unsigned pin) const;
   [[nodiscard]] std::uint32_t levels(unsigned port) const;
+  [[nodiscard]] bool drives_high(unsigned port, unsigned pin) const;
   void follow_lines(const std::array<Port, 3>& before);
+  void follow_chain();
 
   Rcc& rcc_;
   std::array<sim::I2cBus*, 4> buses_;
+  RouteChainPins& chain_;
+  bool chain_enabled_ = false, latch_high_ = false;
   std::array<Port, 3> ports_;
 };
 

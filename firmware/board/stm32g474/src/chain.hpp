@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "triskin/board/registers/gpio.hpp"
 #include "triskin/ports/route_chain.hpp"
 
 namespace triskin::board {
 
-/// The route chain on five pins, paced by the processor: below 2 MHz, as long as the switches of sixteen modules are fast enough for it.
-/// The returned data have a pull-down: without switched modules everything reads 0.
+/// The route chain at SPI2, mode 0: the modules take data with the rising edge, and what they return is read at the next one. The clock is
+/// PCLK / 64 = 2.66 MHz. The returned data have a pull-down: without switched modules everything reads 0.
 class Stm32RouteChain final : public fw::RouteChain {
  public:
   void open();

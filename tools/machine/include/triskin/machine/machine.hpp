@@ -10,6 +10,7 @@
 #include "triskin/machine/flash_chip.hpp"
 #include "triskin/machine/peripheral.hpp"
 #include "triskin/machine/vcd.hpp"
+#include "triskin/sim/chain_model.hpp"
 #include "triskin/sim/i2c_bus.hpp"
 #include "triskin/wire/can_frame.hpp"
 
@@ -23,6 +24,7 @@ struct MachineSetup {
   std::function<void(const wire::CanFrame&, std::uint64_t now_us)> on_can;  ///< a frame has left the controller
   VcdTrace* trace = nullptr;     ///< may be null
   bool crystal_works = true;
+  sim::ChainModel* chain = nullptr;  ///< of switched modules; may be null
 };
 
 /// Counted since power-up.

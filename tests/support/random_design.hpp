@@ -8,6 +8,7 @@
 #include "triskin/geometry/routing.hpp"
 #include "triskin/model/design.hpp"
 #include "triskin/model/module_list.hpp"
+#include "triskin/model/patch_joints.hpp"
 
 namespace triskin::test {
 
@@ -43,6 +44,21 @@ inline model::Design random_design(int modules, std::mt19937_64& random) {
   d.patches = geometry::route(model::graph_of(d.layout)).patches;
   d.design_id = model::design_id_of(d);
   return d;
+}
+
+/// Rows of patch 0 that any tree over its joints can reach without one module: flood fill from the entry.
+inline std::uint32_t rows_that_survive(const model::Design& design, int dead_row) {
+  const model::PortEnds ends = model::joints_of(design, 0);
+  std::uint32_t reached = dead_row == 0 ? 0 : 1;
+  for (std::size_t round = 0; round < ends.size(); ++round) {
+    for (std::size_t m = 0; m < ends.size(); ++m) {
+      if ((reached >> m & 1) == 0) continue;
+      for (const model::PortEnd& e : ends[m]) {
+        if (e.row >= 0 && e.row != dead_row) reached |= 1U << e.row;
+      }
+    }
+  }
+  return reached;
 }
 
 }  // namespace triskin::test

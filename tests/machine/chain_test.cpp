@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Switched modules at the unmodified image: the chain at SPI2, EN and latch at pins, converters where the registers put them.
+#include <bit>
+
+#include "support/random_design.hpp"
+#include "bench.hpp"
+#include "triskin/device/patch_table.hpp"
+#include "triskin/model/patch_joints.hpp"
+#include "triskin/scene/skin.hpp"
+#include "triskin/wire/topology.hpp"
+
+namespace triskin::machine {
+namespace {
+
+constexpr std::size_t kLiveHead = 12, kLiveModule = 26;  // sample and time; validity and twelve values
+
+class SwitchedBench : public Bench {
+ protected:
+  /// Powers a controller whose flash holds the table of the design, on the switched modules of the design.
+  void power_up_on(const model::Design& design) {
+    scene_.design = design;
+    scene_.switched = true;
+    scene_.effects.taxel_spread_counts = 3000;
+    hardware_ = std::make_unique<scene::SwitchedHardware>(scene_);
+    skin_ = std::make_unique<scene::Skin>(scene_, hardware_.get());
+    layout::PatchImage table = device::image_of(design, 0);
+    table.node_address = 1;
+    store_table(table);
+    MachineSetup setup;
+    for (int l = 0; l < 4; ++l) setup.lines[static_cast<std::size_t>(l)] = &skin_->line(0, l);
+    setup.flash = &flash;
+    setup.on_can = [this](const wire::CanFrame& f, std::uint64_t) { frames.push_back(f); };
+    setup.chain = &chain();
+    machine = std::make_unique<Machine>(setup);
+    run_for(600'000);
+  }
+  [[nodiscard]] scene::SwitchedPatch& chain() { return hardware_->patch(0); }
+  [[nodiscard]] wire::ActiveRoute route() {
+    wire::ActiveRoute r;
+    EXPECT_TRUE(wire::decode(answer(wire::did::kRoute), r));
+    return r;
+  }
+  [[nodiscard]] wire::FoundTopology topology() {
+    wire::FoundTopology t;
+    EXPECT_TRUE(wire::decode(answer(wire::did::kTopology), t));
+    return t;
+  }
+  /// Modules all of whose taxels are valid, a bit a row.
+  [[nodiscard]] std::uint32_t read_rows() {
+    const std::vector<std::uint8_t> taxels = answer(wire::did::kLiveTaxels);
+    std::uint32_t valid = 0;
+    for (std::size_t m = 0, at = kLiveHead; m < scene_.design.patches[0].modules.size(); ++m, at += kLiveModule) {
+      if ((taxels.at(at) | taxels.at(at + 1) << 8) == 0x0FFF) valid |= 1U << m;
+    }
+    return valid;
+  }
+
+ private:
+  std::vector<std::uint8_t> answer(std::uint16_t identifier) {
+    const auto r = request({0x22, static_cast<std::uint8_t>(identifier >> 8), static_cast<std::uint8_t>(identifier)});
+    EXPECT_GT(r.size(), 3U);
+    return r.size() > 3 ? std::vector<std::uint8_t>(r.begin() + 3, r.end()) : std::vector<std::uint8_t>(64);
+  }
+  scene::Scene scene_;
+  std::unique_ptr<scene::SwitchedHardware> hardware_;
+  std::unique_ptr<scene::Skin> skin_;
+};
+
+std::uint32_t all_of(const model::Design& d) { return (1U << d.patches[0].modules.size()) - 1; }
+
+TEST_F(SwitchedBench, the_image_finds_every_joint_and_reads_every_module) {
+  std::mt19937_64 random(31);
+  const model::Design design = test::random_design(16, random);
+  power_up_on(design);
+  const wire::FoundTopology found = topology();
+  EXPECT_TRUE(found.switched);
+  EXPECT_TRUE(found.complete);
+  ASSERT_EQ(found.count, 16);
+  const model::PortEnds joints = model::joints_of(design, 0);
+  for (std::size_t n = 0; n < 16; ++n) {
+    const std::size_t row = found.row[n];
+    ASSERT_LT(row, 16U);
+    for (std::size_t p = 0; p < 3; ++p) {
+      const model::PortEnd& real = joints[row][p];
+      const std::uint8_t joint = found.joints[n][p];
+      ASSERT_EQ(joint != 0, real.row >= 0) << "row " << row << " port " << p;
+      if (joint == 0) continue;
+      EXPECT_EQ(found.row[layout::joint_row(joint)], real.row) << "row " << row << " port " << p;
+      EXPECT_EQ(layout::joint_port(joint), real.port) << "row " << row << " port " << p;
+    }
+  }
+  EXPECT_EQ(route().alive, all_of(design));
+  EXPECT_EQ(read_rows(), all_of(design));
+  expect_no_violation();
+}
+
+TEST_F(SwitchedBench, forty_random_patches_are_found_within_50_ms) {
+  std::mt19937_64 random(33);
+  std::uint32_t slowest_us = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const model::Design design = test::random_design(1 + trial % 16, random);
+    power_up_on(design);
+    EXPECT_EQ(topology().count, design.patches[0].modules.size()) << trial;
+    EXPECT_EQ(read_rows(), all_of(design)) << trial;
+    slowest_us = std::max(slowest_us, route().last_us);
+    expect_no_violation();
+  }
+  EXPECT_GT(slowest_us, 1'000U);
+  EXPECT_LE(slowest_us, 50'000U);
+  std::printf("slowest way from power-up to a tree: %.1f ms of virtual time\n", slowest_us / 1000.0);
+}
+
+// At any moment of a cycle: samples of the others are back within 100 ms.
+TEST_F(SwitchedBench, every_dead_module_is_left_out_within_100_ms) {
+  std::mt19937_64 random(34);
+  for (int trial = 0; trial < 3; ++trial) {
+    const model::Design design = test::random_design(16, random);
+    power_up_on(design);
+    for (int dead = 1; dead < 16; ++dead) {
+      run_for(random() % 37'000);
+      chain().set_dead(dead, true);
+      run_for(100'000);
+      const std::uint32_t rows = read_rows();
+      EXPECT_EQ(rows, test::rows_that_survive(design, dead)) << "trial " << trial << " module " << dead;
+      chain().set_dead(dead, false);
+      EXPECT_EQ(request({0x31, 0x01, 0x02, 0x04}).at(0), 0x71);
+      run_for(300'000);
+      ASSERT_EQ(read_rows(), all_of(design)) << "trial " << trial << " module " << dead << " is back";
+    }
+    expect_no_violation();
+  }
+}
+
+TEST_F(SwitchedBench, a_dead_module_is_left_out_and_comes_back_on_command) {
+  std::mt19937_64 random(32);
+  const model::Design design = test::random_design(12, random);
+  power_up_on(design);
+  ASSERT_EQ(route().alive, all_of(design));
+  chain().set_dead(7, true);
+  run_for(150'000);
+  const wire::ActiveRoute healed = route();
+  EXPECT_EQ(healed.alive >> 7 & 1, 0U);
+  EXPECT_GE(std::popcount(static_cast<unsigned>(healed.alive)), 6);
+  run_for(60'000);
+  EXPECT_EQ(read_rows(), healed.alive);
+  chain().set_dead(7, false);
+  EXPECT_EQ(request({0x31, 0x01, 0x02, 0x04}).at(0), 0x71);
+  run_for(150'000);
+  EXPECT_EQ(route().alive, all_of(design));
+  EXPECT_EQ(read_rows(), all_of(design));
+  expect_no_violation();
+}
+
+}  // namespace
+}  // namespace triskin::machine
