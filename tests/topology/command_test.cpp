@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a technician types: flash, discover --topology, flash --route and verify on switched modules, as processes.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "support/random_design.hpp"
+#include "triskin/model/patch_joints.hpp"
+
+namespace triskin::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Commands : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("topology_commands." + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    std::mt19937_64 random(41);
+    design_ = random_design(12, random);
+    model::write_design(folder_ / "patch.json", design_);
+    model::write_design(folder_ / "other.json", random_design(12, random));
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void scene(const json& faults) const {
+    std::ofstream(folder_ / "scene.json") << json{{"format", "triskin-scene"}, {"version", 1}, {"design", "patch.json"}, {"hardware", "switched"}, {"faults", faults}}.dump();
+  }
+  /// The simulated boards keep their flash in this folder between commands.
+  json run(const std::string& command, int expected_status) const {
+    const std::string line = "cd '" + folder_.string() + "' && XDG_STATE_HOME='" + folder_.string() + "' " + TRISKIN_PROGRAM + " " + command + " --link sim --json 2>messages";
+    std::FILE* p = ::popen(line.c_str(), "r");
+    std::string text;
+    for (int c = std::fgetc(p); c != EOF; c = std::fgetc(p)) text += static_cast<char>(c);
+    EXPECT_EQ(WEXITSTATUS(::pclose(p)), expected_status) << command << '\n' << text;
+    return json::parse(text, nullptr, false);
+  }
+  static std::vector<std::string> kinds(const json& list) {
+    std::vector<std::string> out;
+    for (const json& d : list) out.push_back(d["kind"]);
+    return out;
+  }
+  fs::path folder_;
+  model::Design design_;
+};
+
+TEST_F(Commands, a_patch_without_a_table_is_recognized_among_designs) {
+  scene(json::array());
+  const json found = run("discover --topology --scene scene.json --design other.json --design patch.json", 0);
+  const json& topology = found["controllers"][0]["topology"];
+  EXPECT_EQ(topology["modules"], 12);
+  EXPECT_EQ(topology["adjacency"].size(), 12U);
+  ASSERT_GE(topology["recognized"].size(), 1U);
+  EXPECT_EQ(topology["recognized"][0]["design"], "patch.json");
+  EXPECT_TRUE(topology["recognized"][0]["differences"].empty());
+  const json stranger = run("discover --topology --scene scene.json --design other.json", 1);
+  for (const json& r : stranger["controllers"][0]["topology"]["recognized"]) EXPECT_FALSE(r["differences"].empty());
+}
+
+TEST_F(Commands, flash_verify_and_discover_agree_on_sound_hardware) {
+  scene(json::array());
+  EXPECT_EQ(run("flash patch.json --scene scene.json", 0)["controllers"], 1);
+  const json found = run("discover --topology --scene scene.json --design patch.json", 0);
+  const json& topology = found["controllers"][0]["topology"];
+  EXPECT_TRUE(topology["match"]["differences"].empty());
+  std::size_t joints = 0;
+  for (const auto& ends : model::joints_of(design_, 0)) {
+    for (const auto& e : ends) joints += e.row >= 0 ? 1 : 0;
+  }
+  EXPECT_EQ(topology["joints"], joints / 2);
+  const json verified = run("verify patch.json --scene scene.json --watch-s 0", 0);
+  EXPECT_EQ(verified["modules_ok"], 12);
+  EXPECT_TRUE(verified["findings"].empty());
+}
+
+TEST_F(Commands, a_turned_module_is_named_and_fails_the_command) {
+  scene(json::array());
+  run("flash patch.json --scene scene.json", 0);
+  const int module = design_.patches[0].modules[5].node;
+  scene({{{"kind", "rotated_module"}, {"module", module}, {"steps", 1}}});
+  const json found = run("discover --topology --scene scene.json --design patch.json", 1);
+  EXPECT_EQ(kinds(found["controllers"][0]["topology"]["match"]["differences"]), std::vector<std::string>{"rotated_module"});
+  const auto findings = kinds(run("verify patch.json --scene scene.json --watch-s 0 --no-touch", 1)["findings"]);
+  EXPECT_NE(std::ranges::find(findings, "rotated_module"), findings.end());
+}
+
+// A module dies: verify names it; the route prepared for that is flashed, says so, and the normal one comes back by flashing again.
+TEST_F(Commands, the_route_prepared_for_a_failure_is_flashed_and_taken_back) {
+  scene(json::array());
+  run("flash patch.json --scene scene.json", 0);
+  const int module = design_.patches[0].modules[7].node;
+  const std::string id = std::to_string(module);
+  scene({{{"kind", "dead_module"}, {"module", module}}});
+  const auto named = run("verify patch.json --scene scene.json --watch-s 0 --no-touch", 1)["findings"];
+  EXPECT_TRUE(std::ranges::any_of(named, [&](const json& f) { return f.value("module", -1) == module; })) << named;
+  EXPECT_EQ(run("flash patch.json --scene scene.json --route backup:" + id, 0)["route"], "backup:" + id);
+  const auto kinds_now = kinds(run("verify patch.json --scene scene.json --watch-s 0 --no-touch", 1)["findings"]);
+  EXPECT_NE(std::ranges::find(kinds_now, "backup_route"), kinds_now.end());
+  scene(json::array());
+  run("flash patch.json --scene scene.json", 0);
+  EXPECT_TRUE(run("verify patch.json --scene scene.json --watch-s 0", 0)["findings"].empty());
+  for (const char* nonsense : {"backup", "backup:99", "backup:x", "sideways"}) run(std::string("flash patch.json --scene scene.json --route ") + nonsense, 2);
+}
+
+TEST_F(Commands, strapped_modules_have_nothing_to_discover) {
+  const json found = run("discover --topology --design patch.json", 0);
+  EXPECT_FALSE(found["controllers"][0]["topology"]["switched"]);
+}
+
+}  // namespace
+}  // namespace triskin::test
