@@ -78,3 +78,13 @@ def test_tshark_decodes_a_flash_session():
     text = run(*TSHARK, "-r", "/tmp/flash.log", "-Y", "uds || iso15765", timeout=120)
     assert "Malformed" not in text and "Request download" in text.replace("Download", "download"), text[:3000]
     assert pathlib.Path("/tmp/flash.log").stat().st_size > 1000
+
+
+def test_bus_off_ends_a_command_with_the_remedy():
+    with controllers("can:vcan1"):
+        triskin("flash", DESIGN, "--link", "can:vcan1")
+        watching = start(bench.TRISKIN, "verify", DESIGN, "--link", "can:vcan1", "--no-touch", "--watch-s", "60")
+        time.sleep(2)
+        run("cansend", "vcan1", "20000040#0000000000000000")  # the error frame of a controller chip that leaves the bus
+        watching.wait(20)
+        assert watching.returncode == 3 and "type can restart" in watching.output_path.read_text(), watching.output_path.read_text()

@@ -86,18 +86,29 @@ void Application::step() {
   if (quiet_) keep_route();
   end_cycle();
   send_pending();
+  reset_when_answered();
+}
+
+// The answer goes out first, also through the queue of the port.
+void Application::reset_when_answered() {
+  constexpr std::uint64_t kQueue_us = 5'000;
   const bool answered = std::ranges::none_of(channels(), [&](const Channel& c) { return c.port == asking_ && (c.link.sending() || c.held); });
-  if (reset_requested_ && answered) {
-    reset_requested_ = false;
-    stream_ = StreamMode::kOff;
-    server_.restart();
-    icub_ = {};
-    restart();
+  if (!reset_requested_ || !answered) return;
+  if (through_loader_ && ports_.restart != nullptr) {
+    if (reset_at_us_ == UINT64_MAX) reset_at_us_ = now_us() + kQueue_us;
+    if (now_us() < reset_at_us_) return;
+    ports_.restart->restart();
   }
+  reset_at_us_ = UINT64_MAX;
+  reset_requested_ = through_loader_ = false;
+  stream_ = StreamMode::kOff;
+  server_.restart();
+  icub_ = {};
+  restart();
 }
 
 std::uint64_t Application::next_event_us() const {
-  std::uint64_t next = quiet_ ? UINT64_MAX : route_.next_event_us();  // quiet: the lines report their own ends
+  std::uint64_t next = std::min(reset_at_us_, quiet_ ? UINT64_MAX : route_.next_event_us());  // quiet: the lines report their own ends
   for (const Channel& c : channels()) next = std::min(next, c.link.next_event_us());
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us());
   return next;
@@ -282,6 +293,7 @@ bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
         out.le32(l.recoveries());
       }
       return true;
+    case wire::did::kImageState: return ports_.restart != nullptr && ports_.restart->describe(out);
     case wire::did::kLiveTaxels: write_live(out); return true;
     default: return false;
   }

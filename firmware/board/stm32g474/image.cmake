@@ -1,10 +1,10 @@
 # The images: the loader, and the application linked for each of the two slots. Ceilings fail the build.
 set(triskin_board ${CMAKE_CURRENT_SOURCE_DIR}/board/stm32g474)
 
-add_library(triskin_fw_board STATIC ${triskin_board}/src/clock.cpp ${triskin_board}/src/flash.cpp ${triskin_board}/src/slot.cpp
+add_library(triskin_fw_board STATIC ${triskin_board}/src/clock.cpp ${triskin_board}/src/flash.cpp ${triskin_board}/src/flash_area.cpp
             ${triskin_board}/src/can.cpp ${triskin_board}/src/line.cpp ${triskin_board}/src/chain.cpp)
 target_include_directories(triskin_fw_board PUBLIC ${triskin_board}/include ${triskin_board}/src)
-target_link_libraries(triskin_fw_board PUBLIC triskin_fw_ports)
+target_link_libraries(triskin_fw_board PUBLIC triskin_fw_boot)
 add_dependencies(triskin_fw_board triskin_layering)
 
 # triskin_image(name SCRIPT file FLASH_CEILING bytes RAM_CEILING bytes SOURCES files LIBS targets)
@@ -20,8 +20,15 @@ function(triskin_image name)
     VERBATIM)
 endfunction()
 
-triskin_image(triskin_loader SCRIPT loader.ld FLASH_CEILING 16384 RAM_CEILING 24576 SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/boot/src/loader.cpp)
+triskin_image(triskin_loader SCRIPT loader.ld FLASH_CEILING 16384 RAM_CEILING 24576 SOURCES ${triskin_board}/src/loader_main.cpp)
 foreach(slot a b)
   triskin_image(triskin_app_${slot} SCRIPT slot_${slot}.ld FLASH_CEILING 65536 RAM_CEILING 65536
                 SOURCES ${triskin_board}/src/main.cpp LIBS triskin_fw_app)
 endforeach()
+
+# What triskin flash --firmware and dfu-util write.
+add_custom_target(triskin_firmware_package ALL
+  COMMAND ${CMAKE_OBJCOPY} -O binary $<TARGET_FILE:triskin_app_a> triskin_app_a.bin
+  COMMAND ${CMAKE_OBJCOPY} -O binary $<TARGET_FILE:triskin_app_b> triskin_app_b.bin
+  COMMAND ${Python3_EXECUTABLE} ${CMAKE_SOURCE_DIR}/tools/make_firmware_package triskin_app_a.bin triskin_app_b.bin triskin_firmware.tsf ${PROJECT_VERSION}
+  DEPENDS triskin_app_a triskin_app_b WORKING_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY} VERBATIM)

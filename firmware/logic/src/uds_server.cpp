@@ -138,7 +138,8 @@ std::uint8_t UdsServer::security(Bytes request, Out& out) {
   if (request[1] == 0x01) {
     if (request.size() != 2) return nrc::kWrongLength;
     if (wrong_keys_ >= kMaxWrongKeys) return nrc::kAttemptsExceeded;
-    seed_ = static_cast<std::uint32_t>(host_.now_us()) * 2654435761U + ++seed_count_;
+    // The same seed until a key was tried: a tester whose answer was lost asks again, and either answer is right.
+    if (seed_ == 0) seed_ = static_cast<std::uint32_t>(host_.now_us()) * 2654435761U + ++seed_count_;
     if (seed_ == 0) seed_ = 1;
     out.u8(0x01);
     out.be32(unlocked_ ? 0 : seed_);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/device/firmware_update.hpp"
 #include "triskin/device/flash.hpp"
 
 #include <fmt/format.h>
 
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include "triskin/cli/link_options.hpp"
 
@@ -16,7 +18,22 @@ struct Options {
   device::LinkOptions link;
   device::FlashOptions flash;
   std::string route = "normal";
+  std::string firmware;
 };
+
+// Controllers have addresses of their own by now: the tables were written before.
+nlohmann::json update_all(device::Bus& bus, const device::FirmwarePackage& package, const Options& options, Output& output) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const wire::NodeClaim& claim : bus.discover()) {
+    const device::FirmwareResult r = device::update_firmware(bus, claim, package, options.flash, output.progress());
+    rows.push_back({{"serial", r.serial}, {"equal", r.equal}, {"slot", r.slot}, {"bytes", r.bytes}});
+    output.say(fmt::format("controller {}  firmware {}", r.serial,
+                           r.bytes != 0 ? fmt::format("{} bytes written, slot {} runs", r.bytes, r.slot == 0 ? 'A' : 'B')
+                           : r.equal   ? std::string("equal, skipped")
+                                       : std::string("would be written")));
+  }
+  return rows;
+}
 
 std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
   const std::string address = p.new_address ? fmt::format(", node address {} -> {}", p.old_address, p.patch + 1) : "";
@@ -29,9 +46,18 @@ int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   options.flash.route = device::parse_route(options.route);
   const model::Design design = model::read_design(options.design);
+  std::optional<device::FirmwarePackage> firmware;
+  if (!options.firmware.empty()) {
+    if (options.link.link.starts_with("hid") || options.link.link.starts_with("usb")) {
+      throw InputError("--firmware goes over CAN; over USB: dfu-util -D FILE (docs/wires.md)");
+    }
+    firmware = device::read_firmware(options.firmware);
+  }
   const auto link = device::open_link(options.link, &design);
   device::Bus bus(*link);
   const device::FlashResult r = device::flash(bus, design, options.flash, output.progress());
+  nlohmann::json updated = nlohmann::json::array();
+  if (firmware) updated = update_all(bus, *firmware, options, output);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   nlohmann::json patches = nlohmann::json::array();
   for (const auto& p : r.patches) {
@@ -41,7 +67,7 @@ int run(Options options, Output& output) {
   }
   output.result = {{"controllers", r.patches.size()}, {"bytes", r.bytes},     {"seconds", seconds},
                    {"skipped", r.skipped},            {"link_s", r.link_s},   {"dry_run", options.flash.dry_run},  {"route", options.route},
-                   {"patches", std::move(patches)}};
+                   {"patches", std::move(patches)},    {"firmware", std::move(updated)}};
   output.say(fmt::format("{} controllers, {} bytes written, {} skipped as equal; {:.2f} s", r.patches.size(), r.bytes, r.skipped, seconds));
   return 0;
 }
@@ -52,6 +78,7 @@ const Registration kFlash{{
       auto options = std::make_shared<Options>();
       app.add_option("DESIGN", options->design, "design file")->required();
       add_link_options(app, options->link);
+      app.add_option("--firmware", options->firmware, "firmware package for every controller on the link, over CAN")->check(CLI::ExistingFile);
       app.add_flag("--dry-run", options->flash.dry_run, "say what would change, write nothing");
       app.add_option("--route", options->route, "normal; backup:MODULE or backup:MODULE-MODULE: the tree prepared for the failure of a module or of a joint")
           ->capture_default_str();

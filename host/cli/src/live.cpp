@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/device/live.hpp"
+#include "triskin/host/error.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 
+#include "live_icub.hpp"
 #include "triskin/cli/link_options.hpp"
 
 namespace triskin::cli {
@@ -16,6 +19,7 @@ constexpr int kWalk = -2, kNobody = -1;
 
 struct Options {
   std::string design;
+  std::string protocol = "triskin";
   device::LinkOptions link;
   double seconds = 0.0;
   int press = kWalk;  // module, kNobody, or kWalk
@@ -62,7 +66,15 @@ class Demonstrator {
   int turn_ = -1;
 };
 
+int run_icub(const Options& options, Output& output) {
+  std::optional<model::Design> design;  // only the simulation needs one
+  if (!options.design.empty()) design = model::read_design(options.design);
+  return live_icub(options.link, design ? &*design : nullptr, options.seconds, output);
+}
+
 int run(const Options& options, Output& output) {
+  if (options.protocol == "icub") return run_icub(options, output);
+  if (options.design.empty()) throw InputError("live: give the design file; only --protocol icub works without");
   const model::Design design = model::read_design(options.design);
   const int modules = static_cast<int>(design.layout.modules.size());
   if (options.press >= modules) throw InputError(fmt::format("--press {}: the design has modules 0 … {}", options.press, modules - 1));
@@ -97,7 +109,9 @@ const Registration kLive{{
     "live", "taxels under pressure on the terminal, each at its place on the surface", "triskin live forearm.json --link sim --seconds 2",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("DESIGN", options->design, "design file")->required();
+      app.add_option("DESIGN", options->design, "design file; may be left out with --protocol icub");
+      app.add_option("--protocol", options->protocol, "triskin: full stream; icub: what MTB4 skin boards send, 8 bits a taxel")
+          ->check(CLI::IsMember({"triskin", "icub"}));
       add_link_options(app, options->link);
       app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")->check(CLI::Range(0.0, 1e7));
       app.add_option("--press", options->press, "simulated link: the virtual finger presses this module (-1: none; without a scene it walks)")

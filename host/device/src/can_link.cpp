@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "triskin/host/error.hpp"
+
 namespace triskin::device {
 
 CanLink::CanLink(const std::string& interface) : name_("can:" + interface), socket_(interface) { socket_.filter_for_host(); }
@@ -16,6 +18,7 @@ std::uint64_t CanLink::now_us() const {
 std::optional<wire::CanFrame> CanLink::receive(std::uint64_t until_us) {
   while (true) {
     if (auto frame = socket_.receive()) return frame;
+    if (socket_.errors().bus_off) throw DeviceError(socket_.trouble());
     const std::uint64_t now = now_us();
     if (now >= until_us) return std::nullopt;
     const std::uint64_t left_us = std::min<std::uint64_t>(until_us - now, 1'000'000);

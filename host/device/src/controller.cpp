@@ -201,6 +201,25 @@ wire::ActiveRoute Controller::route() {
   if (!wire::decode(read(wire::did::kRoute), a)) nonsense("route");
   return a;
 }
+std::optional<ImageState> Controller::image_state() {
+  try {
+    const Message m = read(wire::did::kImageState);
+    ByteReader r(m);
+    ImageState s;
+    s.slot = r.u8();
+    s.confirmed = r.u8() != 0;
+    s.sequence = r.le32();
+    s.size_bytes = r.le32();
+    s.record_crc = r.le32();
+    if (!r.ok()) nonsense("firmware");
+    return s;
+  } catch (const Refused& e) {
+    if (e.code() != wire::nrc::kOutOfRange) throw;
+    return std::nullopt;
+  }
+}
+
+void Controller::reset() { (void)bus_.request(node_, request_of({wire::service::kReset, 0x01}), Repeat::kNever); }
 
 std::array<std::uint32_t, layout::kLines> Controller::recoveries() {
   const Message m = read(wire::did::kLineStates);

@@ -5,7 +5,7 @@
 
 namespace triskin::device {
 
-UsbServer::UsbServer(scene::VirtualSkin& skin) : SkinServer(skin), devices_(skin.controllers()) {
+UsbServer::UsbServer(scene::VirtualSkin& skin) : SkinServer(skin), sessions_(skin.controllers()), devices_(skin.controllers()) {
   for (std::size_t k = 0; k < devices_.size(); ++k) plug(k);
 }
 
@@ -13,13 +13,14 @@ UsbServer::~UsbServer() = default;
 
 void UsbServer::plug(std::size_t controller) {
   devices_[controller].reset();
+  sessions_[controller] = skin_.usb_session(controller);
   devices_[controller] = std::make_unique<VhciDevice>(skin_.usb(controller), ++plugged_ + 1);
 }
 
 void UsbServer::flush() {
   for (std::size_t k = 0; k < devices_.size(); ++k) {
+    if (sessions_[k] != skin_.usb_session(k) || !devices_[k]->alive()) plug(k);
     devices_[k]->write();
-    if (skin_.usb(k).wants_to_reconnect() || !devices_[k]->alive()) plug(k);
   }
 }
 

@@ -75,10 +75,7 @@ VhciDevice::VhciDevice(wire::UsbFunction& function, int number) : function_(func
   socket_ = pair[0];
 }
 
-VhciDevice::~VhciDevice() {
-  ::close(socket_);
-  function_.reset();
-}
+VhciDevice::~VhciDevice() { ::close(socket_); }
 
 bool VhciDevice::read() {
   std::array<std::uint8_t, 16'384> chunk{};

@@ -67,7 +67,11 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
     const int plugged = plugged_patch(scene_, static_cast<int>(p));
     for (int l = 0; l < 4; ++l) node.board.lines[static_cast<std::size_t>(l)] = &skin_.line(plugged, l);
     if (switched_.present()) node.board.chain = &switched_.patch(plugged);
+    node.slots = state_folder.empty()
+                     ? std::make_unique<FlashMemory>(sim::kSlotsBytes)
+                     : std::make_unique<FlashMemory>(sim::kSlotsBytes, state_folder / fmt::format("controller_{}.firmware", p + 1));
     node.board.flash = node.flash.get();
+    node.board.slots = node.slots.get();
     node.board.unique_id = unique_id_of(scene_.design.design_id, p);
     node.board.send = [this, p](const wire::CanFrame& frame) { pending_.push_back({frame, p}); };
     power_up(p);

@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "triskin/app/application.hpp"
+#include "triskin/boot/dfu_device.hpp"
+#include "triskin/boot/loader.hpp"
 #include "triskin/logic/usb_device.hpp"
 
 namespace triskin::sim {
@@ -126,56 +128,136 @@ class VirtualChain final : public fw::RouteChain {
   VirtualClock& clock_;
 };
 
+// A part of a flash memory.
 class VirtualFlash final : public fw::FlashArea {
  public:
-  explicit VirtualFlash(FlashModel& model) : model_(model) {}
-  [[nodiscard]] std::size_t size_bytes() const override { return model_.size_bytes(); }
-  [[nodiscard]] std::size_t page_bytes() const override { return model_.page_bytes(); }
-  [[nodiscard]] std::size_t program_bytes() const override { return model_.program_bytes(); }
-  bool erase_page(std::size_t offset) override { return model_.erase_page(offset); }
-  bool program(std::size_t offset, Bytes bytes) override { return model_.program(offset, bytes); }
-  [[nodiscard]] Bytes bytes() const override { return model_.bytes(); }
+  VirtualFlash(FlashModel* model, std::size_t offset, std::size_t size) : model_(model), offset_(offset), size_(size) {}
+  explicit VirtualFlash(FlashModel& model) : VirtualFlash(&model, 0, model.size_bytes()) {}
+  [[nodiscard]] std::size_t size_bytes() const override { return size_; }
+  [[nodiscard]] std::size_t page_bytes() const override { return model_->page_bytes(); }
+  [[nodiscard]] std::size_t program_bytes() const override { return model_->program_bytes(); }
+  bool erase_page(std::size_t offset) override { return offset < size_ && model_->erase_page(offset_ + offset); }
+  bool program(std::size_t offset, Bytes bytes) override { return offset + bytes.size() <= size_ && model_->program(offset_ + offset, bytes); }
+  [[nodiscard]] Bytes bytes() const override { return Bytes(model_->bytes()).subspan(offset_, size_); }
 
  private:
-  FlashModel& model_;
+  FlashModel* model_;
+  std::size_t offset_, size_;
 };
 
-class Controller final : public VirtualController {
+// Where the slots of the microcontroller stand: images are linked for these addresses.
+constexpr std::array<std::uint32_t, 2> kSlotOrigins{0x08004000, 0x08040000};
+
+class Controller final : public VirtualController, private fw::Restart {
  public:
   explicit Controller(const VirtualBoard& board)
       : board_(board), lines_{{{*board.lines[0], clock_}, {*board.lines[1], clock_}, {*board.lines[2], clock_}, {*board.lines[3], clock_}}},
-        can_(board_), usb_(board.unique_id), flash_(*board.flash), chain_(board.chain, clock_),
-        application_({{&lines_[0], &lines_[1], &lines_[2], &lines_[3]}, &clock_, &can_, &flash_, board.unique_id, &usb_,
-                      board.chain == nullptr ? nullptr : &chain_}) {}
+        can_(board_), flash_(*board.flash), chain_(board.chain, clock_),
+        slot_areas_{{{board.slots, 0, kSlotsBytes / 2}, {board.slots, kSlotsBytes / 2, kSlotsBytes / 2}}},
+        slots_({&slot_areas_[0], &slot_areas_[1]}, kSlotOrigins) {
+    start_application();
+  }
 
   void receive(const wire::CanFrame& frame) override { can_.queue.push_back(frame); }
+  [[nodiscard]] wire::UsbFunction& usb() override {
+    if (dfu_) return *dfu_;
+    return *usb_;
+  }
 
-  [[nodiscard]] wire::UsbFunction& usb() override { return usb_; }
+  [[nodiscard]] int usb_session() const override { return usb_session_; }
 
   void run_until(std::uint64_t now_us) override {
     while (next_event_us() <= now_us) {
       clock_.now = std::max(clock_.now, next_event_us());
-      application_.step();
+      step();
     }
     clock_.now = std::max(clock_.now, now_us);
+    if (dfu_) dfu_->tick(clock_.now);
   }
 
   [[nodiscard]] std::uint64_t next_event_us() const override {
-    if (!can_.queue.empty() || usb_.frame_waits()) return clock_.now;
-    std::uint64_t next = application_.next_event_us();
+    if (!can_.queue.empty()) return clock_.now;
+    if (dfu_) return dfu_->wants_to_reconnect() ? clock_.now : dfu_->next_event_us();
+    if (loader_) return loader_end_us();
+    if (usb_->frame_waits() || wants_dfu()) return clock_.now;
+    std::uint64_t next = std::min(application_->next_event_us(), confirm_at_us_);
     for (const VirtualI2cLine& line : lines_) next = std::min(next, line.done_us());
     return next;
   }
 
  private:
+  void step() {
+    if (dfu_) return step_dfu();
+    if (loader_) return step_loader();
+    application_->step();
+    if (clock_.now >= confirm_at_us_) {
+      slots_.confirm(running_slot_);
+      confirm_at_us_ = UINT64_MAX;
+    }
+    if (!wants_dfu()) return;
+    application_.reset();
+    ++usb_session_;
+    can_.queue.clear();
+    dfu_.emplace(slots_, board_.unique_id);
+    dfu_->tick(clock_.now);
+  }
+  [[nodiscard]] std::uint64_t loader_end_us() const { return std::max(window_end_us_, loader_->stays_until_us()); }
+  [[nodiscard]] bool wants_dfu() const { return usb_->wants_to_reconnect() && board_.slots != nullptr; }
+  void step_dfu() {
+    can_.queue.clear();  // it is not on the CAN bus meanwhile
+    dfu_->tick(clock_.now);
+    if (!dfu_->wants_to_reconnect()) return;
+    dfu_.reset();
+    start_application();
+  }
+  void step_loader() {
+    bool start = false;
+    while (const auto frame = can_.receive()) start |= loader_->handle(*frame, clock_.now);
+    if (start || clock_.now >= loader_end_us()) start_application();
+  }
+
+  // As the loader does: an application that never confirms itself is started three times only.
+  void start_application() {
+    loader_.reset();
+    running_slot_ = board_.slots != nullptr ? slots_.choose() : -1;
+    confirm_at_us_ = UINT64_MAX;
+    if (running_slot_ >= 0 && !slots_.inspect(running_slot_).confirmed) {
+      (void)slots_.note_start(running_slot_);
+      confirm_at_us_ = clock_.now + kConfirmAfter_us;
+    }
+    ++usb_session_;
+    usb_.emplace(board_.unique_id);
+    application_.emplace(fw::Ports{{&lines_[0], &lines_[1], &lines_[2], &lines_[3]}, &clock_, &can_, &flash_, board_.unique_id, &*usb_,
+                                   board_.chain != nullptr ? &chain_ : nullptr, board_.slots != nullptr ? this : nullptr});
+  }
+
+  // fw::Restart
+  void restart() override {
+    loader_.emplace(slots_, can_, board_.unique_id);
+    window_end_us_ = clock_.now + boot::kWindow_us;
+  }
+  bool describe(ByteWriter& out) override {
+    if (running_slot_ < 0) return false;
+    boot::write_image_state(out, running_slot_, slots_.inspect(running_slot_));
+    return true;
+  }
+
+  static constexpr std::uint64_t kConfirmAfter_us = 2'000'000;
+
   VirtualBoard board_;
   VirtualClock clock_;
   std::array<VirtualI2cLine, 4> lines_;
   VirtualCan can_;
-  fw::UsbDevice usb_;
   VirtualFlash flash_;
   VirtualChain chain_;
-  fw::Application application_;
+  std::array<VirtualFlash, 2> slot_areas_;
+  boot::SlotStore slots_;
+  std::optional<fw::UsbDevice> usb_;
+  std::optional<fw::Application> application_;
+  std::optional<boot::Loader> loader_;
+  std::optional<boot::DfuDevice> dfu_;
+  std::uint64_t window_end_us_ = 0, confirm_at_us_ = UINT64_MAX;
+  int running_slot_ = -1, usb_session_ = 0;
 };
 
 }  // namespace

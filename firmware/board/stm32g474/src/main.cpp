@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The application on this board: ports, the loop, the measurements.
 #include <algorithm>
-#include <cstring>
 
 #include "can.hpp"
 #include "chain.hpp"
+#include "flash_area.hpp"
 #include "line.hpp"
-#include "slot.hpp"
 #include "triskin/app/application.hpp"
 #include "triskin/board/board.hpp"
 #include "triskin/board/budget.hpp"
@@ -27,28 +26,19 @@ class Stm32Clock final : public fw::Clock {
   [[nodiscard]] std::uint64_t now_us() const override { return microseconds(); }
 };
 
-class TableFlash final : public fw::FlashArea {
+class Stm32Restart final : public fw::Restart {
  public:
-  [[nodiscard]] std::size_t size_bytes() const override { return flash_map::kTablesBytes; }
-  [[nodiscard]] std::size_t page_bytes() const override { return flash_map::kPageBytes; }
-  [[nodiscard]] std::size_t program_bytes() const override { return flash_map::kUnitBytes; }
-  [[nodiscard]] bool erase_page(std::size_t offset) override {
-    return offset < size_bytes() && erase_flash_page(flash_map::kTables + static_cast<std::uint32_t>(offset));
-  }
-  [[nodiscard]] bool program(std::size_t offset, Bytes bytes) override {
-    if (bytes.size() % flash_map::kUnitBytes != 0 || offset + bytes.size() > size_bytes()) return false;
-    for (std::size_t at = 0; at < bytes.size(); at += flash_map::kUnitBytes) {
-      std::uint32_t words[2];
-      std::memcpy(words, bytes.data() + at, sizeof words);
-      if (!program_flash_unit(flash_map::kTables + static_cast<std::uint32_t>(offset + at), words[0], words[1])) return false;
-    }
+  void restart() override { core_reg::reset(); }
+  bool describe(ByteWriter& out) override {
+    const int slot = running_slot();
+    if (slot < 0) return false;
+    boot::write_image_state(out, slot, application_slots.inspect(slot));
     return true;
   }
-  [[nodiscard]] Bytes bytes() const override { return {reinterpret_cast<const std::uint8_t*>(flash_map::kTables), flash_map::kTablesBytes}; }
 };
 
 Stm32Clock system_clock;
-TableFlash table_flash;
+Stm32Restart stm32_restart;
 
 std::uint32_t untouched_stack() {
   const std::uint32_t* p = &triskin_stack_bottom;
@@ -76,7 +66,7 @@ void sleep_until(std::uint64_t at_us) {
     application.step();
     feed_watchdog();
     if (!confirmed && start > kConfirmAfter_us) {
-      confirm_running_slot();
+      if (const int slot = running_slot(); slot >= 0) application_slots.confirm(slot);
       confirmed = true;
     }
     std::uint64_t next = std::min(application.next_event_us(), start + kLongestSleep_us);
@@ -101,6 +91,6 @@ int main() {
   open_lines();
   can.open();
   route_chain.open();
-  static triskin::fw::Application application({{&lines[0], &lines[1], &lines[2], &lines[3]}, &system_clock, &can, &table_flash, unique_id(), nullptr, &route_chain});
+  static triskin::fw::Application application({{&lines[0], &lines[1], &lines[2], &lines[3]}, &system_clock, &can, &table_flash, unique_id(), nullptr, &route_chain, &stm32_restart});
   run(application);
 }

@@ -39,6 +39,7 @@ inline constexpr std::uint16_t kStream = 0xFD05;       ///< StreamMode, 1 byte
 inline constexpr std::uint16_t kLineStates = 0xFD06;   ///< per line: stuck, recoveries
 inline constexpr std::uint16_t kTopology = 0xFD07;     ///< modules and joints as found (wire/topology.hpp)
 inline constexpr std::uint16_t kRoute = 0xFD08;        ///< what the route keeper did, and the tree that is active
+inline constexpr std::uint16_t kImageState = 0xFD09;   ///< slot that runs, confirmed, sequence, bytes, CRC of its record
 inline constexpr std::uint16_t kLiveTaxels = 0xFD10;   ///< per module: validity, 12 × 16 bit
 inline constexpr std::uint16_t kFreezeTime = 0xFD21, kFreezeSample = 0xFD22;  ///< of a fault: ms since power-up, sample; 32 bit
 }  // namespace did

@@ -38,7 +38,7 @@ class Application final : private UdsHost {
   Status clear_faults() override { return faults_.clear() ? Status::kOk : Status::kFlashFailed; }
   void read_faults(std::uint8_t mask, ByteWriter& out) override { faults_.report(mask, out); }
   bool read_fault(std::uint32_t dtc, ByteWriter& out) override;
-  void request_reset() override { reset_requested_ = true; }
+  void request_reset() override { reset_requested_ = through_loader_ = true; }
   [[nodiscard]] std::uint64_t now_us() const override { return ports_.clock->now_us(); }
 
   /// A way to a host: a port and the one connection that a tester has over it.
@@ -53,6 +53,7 @@ class Application final : private UdsHost {
   static constexpr std::size_t kCan = 0;
 
   void restart();
+  void reset_when_answered();
   void restart_sampling();
   void keep_route();
   void distrust();
@@ -90,7 +91,8 @@ class Application final : private UdsHost {
   std::array<wire::CanFrame, 2 * layout::kMaxModules> outgoing_{};
   std::size_t outgoing_count_ = 0, outgoing_at_ = 0;
   std::uint32_t lost_frames_ = 0;
-  bool reset_requested_ = false;
+  bool reset_requested_ = false, through_loader_ = false;
+  std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;
   std::optional<wire::CanFrame> icub_reply_;
 };

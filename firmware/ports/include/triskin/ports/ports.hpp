@@ -56,6 +56,16 @@ class FlashArea {
   [[nodiscard]] virtual Bytes bytes() const = 0;
 };
 
+/// The way back to the loader, which then starts an application. Absent where there is none.
+class Restart {
+ public:
+  virtual ~Restart() = default;
+  /// May return when the board needs some time; the application does nothing more.
+  virtual void restart() = 0;
+  /// Slot that runs (1), confirmed (1), sequence (4), bytes (4), CRC of its record (4). False: not started from a slot.
+  virtual bool describe(ByteWriter& out) = 0;
+};
+
 /// Everything a board gives to the application.
 struct Ports {
   std::array<I2cLine*, 4> lines;
@@ -65,6 +75,7 @@ struct Ports {
   std::array<std::uint8_t, 12> unique_id;
   CanPort* usb = nullptr;       ///< null: a board without
   RouteChain* chain = nullptr;  ///< of switched modules; null on a board without
+  Restart* restart = nullptr;   ///< null: a reset only starts the application anew
 };
 
 }  // namespace triskin::fw

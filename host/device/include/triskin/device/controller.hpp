@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,13 @@ struct RememberedFault {
   bool present = false;
 };
 
+/// The firmware that runs, as its slot says.
+struct ImageState {
+  int slot = -1;
+  bool confirmed = false;
+  std::uint32_t sequence = 0, size_bytes = 0, record_crc = 0;
+};
+
 struct TaxelSample {
   std::uint32_t sample = 0;
   std::uint64_t device_time_us = 0;
@@ -65,6 +73,11 @@ class Controller {
   std::vector<std::uint8_t> read_table(std::size_t size_bytes);
   /// Programming session, security access, download, check, activation. `steps` is called after each block.
   void write_table(Bytes image, const std::function<void(double fraction)>& steps);
+
+  /// Empty: not started from a slot.
+  std::optional<ImageState> image_state();
+  /// Through the loader; the answer comes first.
+  void reset();
 
   std::vector<wire::ModuleState> module_states();
   /// Asks all lines what answers; takes about two sample periods.

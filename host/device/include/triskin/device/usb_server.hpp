@@ -59,6 +59,7 @@ class UsbServer final : public SkinServer {
   void wait(std::uint64_t timeout_us) override;
   void plug(std::size_t controller);
 
+  std::vector<int> sessions_;  // of what is plugged in: a controller may come back as another device
   std::vector<std::unique_ptr<VhciDevice>> devices_;
   int plugged_ = 0;  // how often: each time gets a number of its own
 };

@@ -49,6 +49,8 @@ class VirtualSkin {
 
   /// Flash of one controller, to cut its power; a controller that lost power is dead until it is powered again.
   [[nodiscard]] FlashMemory& flash(std::size_t patch) { return *nodes_[patch].flash; }
+  /// The application slots of one controller.
+  [[nodiscard]] FlashMemory& slots(std::size_t patch) { return *nodes_[patch].slots; }
   [[nodiscard]] bool alive(std::size_t patch) const { return nodes_[patch].controller != nullptr; }
   void power_cycle(std::size_t patch);
   /// Unplugs the bus from the host's frames, or plugs it back: frames in both directions are lost.
@@ -59,6 +61,7 @@ class VirtualSkin {
 
   /// The USB device of a controller that has power; wake() after something was put into it.
   [[nodiscard]] wire::UsbFunction& usb(std::size_t patch) { return nodes_.at(patch).controller->usb(); }
+  [[nodiscard]] int usb_session(std::size_t patch) const { return nodes_.at(patch).controller->usb_session(); }
   void wake(std::size_t patch) { nodes_.at(patch).run_again_us = now_us_; }
 
   /// Frames and bits that went over the bus.
@@ -67,7 +70,7 @@ class VirtualSkin {
 
  private:
   struct Node {
-    std::unique_ptr<FlashMemory> flash;
+    std::unique_ptr<FlashMemory> flash, slots;
     sim::VirtualBoard board;
     std::unique_ptr<sim::VirtualController> controller;
     std::uint64_t run_again_us = 0;

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Starts the newest application that has proved itself or still may; takes a new one over CAN.
+#include <algorithm>
+
+#include "can.hpp"
+#include "flash_area.hpp"
+#include "triskin/board/board.hpp"
+#include "triskin/board/flash_map.hpp"
+#include "triskin/board/registers/system.hpp"
+#include "triskin/boot/loader.hpp"
+
+namespace triskin::board {
+namespace {
+
+constexpr std::uint64_t kLook_us = 10'000;
+
+[[noreturn]] void start(int slot) {
+  const std::uint32_t vectors = flash_map::kSlots[slot];
+  const auto* table = reinterpret_cast<const std::uint32_t*>(vectors);
+  asm volatile("cpsid i" ::: "memory");
+  core_reg::kVtor.write(vectors);
+  asm volatile("msr msp, %0\n bx %1" ::"r"(table[0]), "r"(table[1]));
+  __builtin_unreachable();
+}
+
+void start_newest() {
+  const int slot = application_slots.choose();
+  if (slot < 0) return;
+  if (!application_slots.inspect(slot).confirmed && !application_slots.note_start(slot)) return;
+  start_watchdog();  // a new application that hangs comes back here
+  core_reg::reset_peripherals();
+  start(slot);
+}
+
+}  // namespace
+}  // namespace triskin::board
+
+int main() {
+  using namespace triskin::board;
+  start_clocks();
+  start_microseconds();
+  can.open();
+  triskin::boot::Loader loader(application_slots, can, unique_id());
+  const std::uint64_t window_end = microseconds() + triskin::boot::kWindow_us;
+  for (;;) {
+    while (const auto frame = can.receive()) {
+      if (loader.handle(*frame, microseconds())) start_newest();
+    }
+    const std::uint64_t end = std::max(window_end, loader.stays_until_us());
+    if (microseconds() >= end) start_newest();
+    feed_watchdog();
+    asm volatile("cpsid i" ::: "memory");
+    if (!can.frame_waits()) {
+      wake_at(std::min(end, microseconds() + kLook_us));
+      asm volatile("dsb\n wfi" ::: "memory");
+    }
+    asm volatile("cpsie i\n isb" ::: "memory");
+  }
+}

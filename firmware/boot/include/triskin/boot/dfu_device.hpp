@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "triskin/boot/firmware_package.hpp"
+#include "triskin/boot/slot_store.hpp"
+#include "triskin/logic/usb_control.hpp"
+
+namespace triskin::boot {
+
+/// The controller in DFU mode (DFU 1.1, manifestation tolerant): takes a firmware package and stores the image for the slot that is not
+/// in use. A package that ends early, or is damaged, is refused; the slot in use is never touched.
+class DfuDevice final : public wire::UsbFunction {
+ public:
+  static constexpr std::uint64_t kLeave_us = 3'000'000;  ///< silence after which it goes back to the application
+
+  DfuDevice(SlotStore& slots, const std::array<std::uint8_t, 12>& unique_id) : slots_(slots), control_(unique_id, true) {}
+
+  void reset() override { control_.reset(); }
+  std::optional<Bytes> control(const wire::UsbSetup& setup, Bytes out) override;
+  void out(std::uint8_t, Bytes) override {}
+  Bytes in(std::uint8_t) override { return {}; }
+  [[nodiscard]] bool wants_to_reconnect() const override { return leave_; }
+
+  /// Time goes on. A device that was asked to leave, or that a host has said nothing to for kLeave_us, wants to reconnect.
+  void tick(std::uint64_t now_us);
+  [[nodiscard]] std::uint64_t next_event_us() const { return leave_ ? UINT64_MAX : last_us_ + kLeave_us; }
+
+ private:
+  enum class State : std::uint8_t { kIdle = 2, kDownloadSync = 3, kDownloadIdle = 5, kManifestSync = 6, kError = 10 };
+  enum class Error : std::uint8_t { kNone = 0, kTarget = 1, kFile = 2, kWrite = 3, kErase = 4, kNotDone = 9, kFirmware = 10, kStalled = 15 };
+
+  std::optional<Bytes> download(const wire::UsbSetup& setup, Bytes data);
+  std::optional<Bytes> fail(Error error);
+  Error take(Bytes data);
+  Error begin(Bytes head);
+  Error manifest();
+  Bytes status();
+
+  SlotStore& slots_;
+  fw::UsbControl control_;
+  State state_ = State::kIdle;
+  Error error_ = Error::kNone;
+  PackageHead head_;
+  int slot_ = -1;
+  std::uint32_t at_ = 0;  // bytes of the package that came
+  std::array<std::uint8_t, 6> reply_{};
+  std::uint64_t last_us_ = 0;
+  bool heard_ = true, leave_ = false;
+};
+
+}  // namespace triskin::boot

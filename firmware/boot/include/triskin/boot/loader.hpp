@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "triskin/boot/loader_protocol.hpp"
+#include "triskin/boot/slot_store.hpp"
+
+namespace triskin::boot {
+
+/// The loader's side of an update over CAN (loader_protocol.hpp). The board starts applications.
+class Loader {
+ public:
+  Loader(SlotStore& slots, fw::CanPort& can, const std::array<std::uint8_t, 12>& unique_id) : slots_(slots), can_(can), id_crc_(crc32(unique_id)) {}
+  static constexpr std::uint64_t kPatience_us = 5'000'000;
+
+  /// True: start the newest slot now.
+  bool handle(const wire::CanFrame& frame, std::uint64_t now_us);
+  /// A host has said hello and something since: wait for it, until then.
+  [[nodiscard]] std::uint64_t stays_until_us() const { return stays_until_us_; }
+
+ private:
+  void reply(Command command, Status status, Bytes more = {});
+  void hello();
+  Status erase(int slot);
+  void store(Bytes data);
+  Status commit(ByteReader& r);
+
+  SlotStore& slots_;
+  fw::CanPort& can_;
+  std::uint32_t id_crc_;
+  std::uint64_t stays_until_us_ = 0;
+  bool selected_ = false;
+  int slot_ = -1;
+  std::uint32_t offset_ = 0;
+  Status status_ = Status::kEmpty;
+};
+
+}  // namespace triskin::boot

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/base/status.hpp"
+#include "triskin/ports/ports.hpp"
+
+namespace triskin::boot {
+
+inline constexpr int kMaxStarts = 3;  ///< of an application that does not confirm itself
+
+struct SlotState {
+  bool valid = false;      ///< committed, CRC right, vectors point into the slot
+  bool confirmed = false;  ///< the application ran and said so
+  int starts = 0;
+  std::uint32_t sequence = 0, size_bytes = 0;
+  std::uint32_t record_crc = 0;  ///< slot_crc() of what was committed
+  [[nodiscard]] bool startable() const { return valid && (confirmed || starts < kMaxStarts); }
+};
+
+/// For Restart::describe().
+inline void write_image_state(ByteWriter& out, int slot, const SlotState& state) {
+  out.u8(static_cast<std::uint8_t>(slot));
+  out.u8(state.confirmed ? 1 : 0);
+  out.le32(state.sequence);
+  out.le32(state.size_bytes);
+  out.le32(state.record_crc);
+}
+
+/// The two application slots. Each ends with a page of records that are only ever added to (docs/firmware_board.md):
+/// commit (sequence, size, CRC), up to three starts, confirmation. A cut of power leaves the slot as it was or as it shall be.
+class SlotStore {
+ public:
+  /// `origins`: where the flash of each slot stands in the address space, for which its image is linked.
+  constexpr SlotStore(std::array<fw::FlashArea*, 2> slots, std::array<std::uint32_t, 2> origins) : slots_(slots), origins_(origins) {}
+
+  /// Cost: one CRC over the image.
+  [[nodiscard]] SlotState inspect(int slot) const;
+  /// The newest startable slot; -1 when there is none.
+  [[nodiscard]] int choose() const;
+  /// Before an unconfirmed application starts. False: no record could be written.
+  bool note_start(int slot);
+  /// Erases the records first, so that the slot does not count from the first moment.
+  [[nodiscard]] Status erase(int slot);
+  /// One unit of the image. kNoSpace, kFlashFailed.
+  [[nodiscard]] Status program(int slot, std::uint32_t offset, Bytes unit);
+  /// Writes the commit record after looking at what the flash holds. kOutOfRange, kWrongTarget (vectors), kBadCrc, kFlashFailed.
+  [[nodiscard]] Status commit(int slot, std::uint32_t size_bytes, std::uint32_t crc);
+  /// The application that runs from a slot says that it works. Does nothing when it has done so before.
+  void confirm(int slot);
+
+ private:
+  [[nodiscard]] std::size_t records(int slot) const { return area(slot).size_bytes() - area(slot).page_bytes(); }
+  [[nodiscard]] fw::FlashArea& area(int slot) const { return *slots_[static_cast<std::size_t>(slot)]; }
+  [[nodiscard]] std::uint32_t word(int slot, std::size_t at) const { return ByteReader(area(slot).bytes().subspan(at, 4)).le32(); }
+  [[nodiscard]] bool unit_used(int slot, std::size_t at) const { return word(slot, at) != 0xFFFFFFFF || word(slot, at + 4) != 0xFFFFFFFF; }
+  [[nodiscard]] bool vectors_fit(int slot, std::uint32_t size_bytes) const;
+  [[nodiscard]] bool marked(int slot, std::size_t first, std::size_t count) const;
+  bool add_mark(int slot, std::size_t first, std::size_t count);
+
+  std::array<fw::FlashArea*, 2> slots_;
+  std::array<std::uint32_t, 2> origins_;
+};
+
+}  // namespace triskin::boot

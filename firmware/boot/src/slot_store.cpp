@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "triskin/boot/slot_store.hpp"
+
+#include "triskin/boot/firmware_package.hpp"
+
+namespace triskin::boot {
+namespace {
+
+constexpr std::size_t kUnitBytes = 8;
+constexpr std::size_t kStartUnit = 2, kConfirmUnit = kStartUnit + kMaxStarts, kConfirmUnits = 3;
+constexpr std::uint32_t kSmallest = 512;
+constexpr std::uint32_t kRamBase = 0x20000000, kRamEnd = 0x20020000;
+
+}  // namespace
+
+bool SlotStore::vectors_fit(int slot, std::uint32_t size_bytes) const {
+  const std::uint32_t origin = origins_[static_cast<std::size_t>(slot)], stack = word(slot, 0), entry = word(slot, 4) & ~1U;
+  return stack > kRamBase && stack <= kRamEnd && entry > origin && entry < origin + size_bytes;
+}
+
+bool SlotStore::marked(int slot, std::size_t first, std::size_t count) const {
+  for (std::size_t k = 0; k < count; ++k) {
+    if (unit_used(slot, first + k * kUnitBytes)) return true;
+  }
+  return false;
+}
+
+// The first free one of `count` units gets programmed; a unit that was torn looks free but is refused: the next one then.
+bool SlotStore::add_mark(int slot, std::size_t first, std::size_t count) {
+  static constexpr std::array<std::uint8_t, kUnitBytes> kMark{};
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t at = first + k * kUnitBytes;
+    if (!unit_used(slot, at) && area(slot).program(at, kMark)) return true;
+  }
+  return false;
+}
+
+SlotState SlotStore::inspect(int slot) const {
+  SlotState s;
+  const std::size_t at = records(slot);
+  if (word(slot, at) != kCommitMagic) return s;
+  s.sequence = word(slot, at + 4);
+  s.size_bytes = word(slot, at + 8);
+  s.record_crc = word(slot, at + 12);
+  if (s.size_bytes < kSmallest || s.size_bytes > records(slot)) return s;
+  s.valid = vectors_fit(slot, s.size_bytes) && s.record_crc == slot_crc(s.sequence, area(slot).bytes().first(s.size_bytes));
+  for (std::size_t k = 0; k < kMaxStarts; ++k) s.starts += unit_used(slot, at + (kStartUnit + k) * kUnitBytes) ? 1 : 0;
+  s.confirmed = marked(slot, at + kConfirmUnit * kUnitBytes, kConfirmUnits);
+  return s;
+}
+
+int SlotStore::choose() const {
+  int best = -1;
+  std::uint32_t sequence = 0;
+  for (int slot = 0; slot < 2; ++slot) {
+    const SlotState s = inspect(slot);
+    if (!s.startable() || (best >= 0 && s.sequence <= sequence)) continue;
+    best = slot;
+    sequence = s.sequence;
+  }
+  return best;
+}
+
+bool SlotStore::note_start(int slot) { return add_mark(slot, records(slot) + kStartUnit * kUnitBytes, kMaxStarts); }
+
+Status SlotStore::erase(int slot) {
+  if (!area(slot).erase_page(records(slot))) return Status::kFlashFailed;
+  for (std::size_t at = 0; at < records(slot); at += area(slot).page_bytes()) {
+    if (!area(slot).erase_page(at)) return Status::kFlashFailed;
+  }
+  return Status::kOk;
+}
+
+Status SlotStore::program(int slot, std::uint32_t offset, Bytes unit) {
+  if (offset + unit.size() > records(slot)) return Status::kNoSpace;
+  return area(slot).program(offset, unit) ? Status::kOk : Status::kFlashFailed;
+}
+
+Status SlotStore::commit(int slot, std::uint32_t size_bytes, std::uint32_t crc) {
+  if (size_bytes < kSmallest || size_bytes > records(slot)) return Status::kOutOfRange;
+  if (!vectors_fit(slot, size_bytes)) return Status::kWrongTarget;
+  const Bytes image = area(slot).bytes().first(size_bytes);
+  if (crc32(image) != crc) return Status::kBadCrc;
+  const SlotState other = inspect(1 - slot);
+  const std::uint32_t sequence = other.valid ? other.sequence + 1 : 1;
+  std::array<std::uint8_t, 2 * kUnitBytes> record{};
+  ByteWriter w(record);
+  w.le32(kCommitMagic);
+  w.le32(sequence);
+  w.le32(size_bytes);
+  w.le32(slot_crc(sequence, image));
+  // Magic and sequence first: the record counts only with the CRC of the second unit.
+  const bool ok = area(slot).program(records(slot), Bytes(record).first(kUnitBytes)) &&
+                  area(slot).program(records(slot) + kUnitBytes, Bytes(record).subspan(kUnitBytes));
+  return ok && inspect(slot).valid ? Status::kOk : Status::kFlashFailed;
+}
+
+void SlotStore::confirm(int slot) {
+  const std::size_t first = records(slot) + kConfirmUnit * kUnitBytes;
+  // No CRC here: it would hold up the loop for 6 ms, and the loader has just looked.
+  if (!marked(slot, first, kConfirmUnits)) (void)add_mark(slot, first, kConfirmUnits);
+}
+
+}  // namespace triskin::boot

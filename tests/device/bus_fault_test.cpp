@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Flashing over a bus that loses, doubles, reorders and delays frames, that is unplugged, or that has another tester on it: no wrong table
+// is ever active, the error says what happened, and running it again completes the work.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "faulty_link.hpp"
+#include "fixture.hpp"
+#include "triskin/device/controller.hpp"
+#include "triskin/device/patch_table.hpp"
+#include "triskin/wire/uds.hpp"
+
+namespace triskin::device {
+namespace {
+
+model::Design other_wiring(const model::Design& d) {
+  model::Design other = d;
+  std::swap(other.patches[0].modules[1].address, other.patches[0].modules[2].address);
+  other.design_id = model::design_id_of(other);
+  return other;
+}
+
+// What is active, asked over the undisturbed bus.
+std::vector<std::uint8_t> active(Bench& bench, std::size_t bytes) {
+  bench.bus().listen(bench.bus().now_us() + 2'000'000);  // what was under way has timed out
+  Controller c(bench.bus(), 1);
+  return c.active_table().present ? c.read_table(bytes) : std::vector<std::uint8_t>{};
+}
+
+class Wires : public testing::TestWithParam<bool> {};  // FD or classic
+
+TEST_P(Wires, unplugged_after_any_frame_of_a_flash_then_plugged_in_and_repeated) {
+  int failed = 0;
+  for (std::uint64_t n = 0;; ++n) {
+    Bench bench(16);
+    const model::Design old_design = other_wiring(bench.design());
+    (void)flash(bench.bus(), old_design);
+    const auto old_image = bytes_of(image_of(old_design, 0)), new_image = bytes_of(image_of(bench.design(), 0));
+    FaultyLink wire(bench.bus().link(), GetParam(), {}, 1);
+    wire.frames_left = n;
+    Bus bus(wire);
+    bool completed = true;
+    try {
+      (void)flash(bus, bench.design());
+    } catch (const DeviceError& e) {
+      completed = false;
+      ++failed;
+      EXPECT_NE(std::string(e.what()).find("answer"), std::string::npos) << e.what();
+    }
+    const auto now = active(bench, new_image.size());
+    ASSERT_TRUE(now == old_image || now == new_image) << "frame " << n;
+    wire.frames_left.reset();
+    (void)flash(bus, bench.design());
+    ASSERT_EQ(active(bench, new_image.size()), new_image) << "frame " << n;
+    if (completed) break;
+  }
+  EXPECT_GT(failed, GetParam() ? 40 : 100);
+}
+
+TEST_P(Wires, frames_lost_doubled_reordered_and_delayed) {
+  int failed = 0;
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    Bench bench(16);
+    const model::Design old_design = other_wiring(bench.design());
+    (void)flash(bench.bus(), old_design);
+    const auto old_image = bytes_of(image_of(old_design, 0)), new_image = bytes_of(image_of(bench.design(), 0));
+    const unsigned rate = 1 + seed % 3;
+    FaultyLink wire(bench.bus().link(), GetParam(), {rate, rate, rate, rate}, seed);
+    Bus bus(wire);
+    bool completed = false;
+    for (int attempt = 0; attempt < 30 && !completed; ++attempt) {
+      try {
+        completed = flash(bus, bench.design()).patches.size() == 1;
+      } catch (const DeviceError& e) {
+        ++failed;
+        EXPECT_GT(std::string(e.what()).size(), 30U) << e.what();
+      }
+      const auto now = active(bench, new_image.size());
+      ASSERT_TRUE(now == old_image || now == new_image) << "seed " << seed;
+    }
+    ASSERT_TRUE(completed) << "seed " << seed;
+    ASSERT_EQ(active(bench, new_image.size()), new_image) << "seed " << seed;
+  }
+  EXPECT_GT(failed, 0);  // else the disturbance was none
+}
+
+TEST_P(Wires, another_tester_asks_in_between) {
+  Bench bench(16);
+  FaultyLink wire(bench.bus().link(), GetParam(), {}, 1);
+  int asked = 0;
+  wire.after_send = [&] {
+    if (wire.frames % 7 != 0) return;
+    wire::CanFrame f;
+    f.id = wire::physical_id(1, wire::kTesterAddress);
+    f.extended = true;
+    f.size = 8;
+    f.data = {3, 0x22, 0xFD, asked++ % 2 == 0 ? std::uint8_t{0x01} : std::uint8_t{0x05}};
+    bench.bus().link().send(f);
+  };
+  Bus bus(wire);
+  bool completed = false;
+  for (int attempt = 0; attempt < 20 && !completed; ++attempt) {
+    try {
+      completed = flash(bus, bench.design()).patches.size() == 1;
+    } catch (const DeviceError&) {
+    }
+  }
+  EXPECT_TRUE(completed);
+  EXPECT_GT(asked, 3);
+  const auto image = bytes_of(image_of(bench.design(), 0));
+  EXPECT_EQ(active(bench, image.size()), image);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, Wires, testing::Bool(), [](const auto& p) { return p.param ? "fd" : "classic"; });
+
+TEST(BusTime, a_table_of_sixteen_modules_takes_less_than_a_tenth_of_a_second) {
+  scene::Scene scene;
+  scene.design = strip(16);
+  scene.effects.bus_bit_rate = 1'000'000;
+  SimLink sim(std::move(scene));
+  FaultyLink classic(sim, false, {}, 1);  // without faults: only classic frames
+  Bus bus(classic);
+  const std::uint64_t start_us = sim.skin().bus_busy_us();
+  const FlashResult r = flash(bus, sim.skin().scene().design);
+  const std::uint64_t busy_us = sim.skin().bus_busy_us() - start_us;
+  EXPECT_EQ(r.bytes, 32 + 16 * 12U);
+  EXPECT_LT(busy_us, 100'000U);
+  RecordProperty("bus_time_us", static_cast<int>(busy_us));
+  std::printf("bus time of a table of 16 modules, written and read back, 1 Mbit/s classic: %.1f ms, %llu frames\n", static_cast<double>(busy_us) * 1e-3,
+              static_cast<unsigned long long>(classic.frames));
+}
+
+}  // namespace
+}  // namespace triskin::device

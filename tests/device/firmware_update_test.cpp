@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// New firmware over CAN: the free slot is written, started and confirmed; an interrupted update leaves the old application.
+#include "triskin/device/firmware_update.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "faulty_link.hpp"
+#include "fixture.hpp"
+#include "triskin/device/controller.hpp"
+
+namespace triskin::device {
+namespace {
+
+constexpr std::array<std::uint32_t, 2> kOrigins{0x08004000, 0x08040000};
+
+// Two images of `size` bytes with vectors that fit their slots.
+std::vector<std::uint8_t> package(std::uint32_t size, std::uint8_t fill) {
+  std::vector<std::uint8_t> bytes(boot::kPackageHeadBytes + std::size_t{2} * size, fill);
+  const auto put = [&](std::size_t at, std::uint32_t v) {
+    for (std::size_t k = 0; k < 4; ++k) bytes[at + k] = static_cast<std::uint8_t>(v >> (8 * k));
+  };
+  for (std::size_t slot = 0; slot < 2; ++slot) {
+    const std::size_t at = boot::kPackageHeadBytes + slot * size;
+    put(at, 0x20010000);
+    put(at + 4, kOrigins[slot] + 0x201);
+    put(12 + 4 * slot, size);
+    put(20 + 4 * slot, crc32(Bytes(bytes).subspan(at, size)));
+  }
+  std::ranges::copy(boot::kPackageMagic, bytes.begin());
+  bytes[4] = 1;
+  bytes[5] = 0;
+  bytes[6] = boot::kPackageHeadBytes;
+  bytes[7] = 0;
+  put(8, 0x00020000);
+  put(28, crc32(Bytes(bytes).first(28)));
+  return bytes;
+}
+
+FirmwarePackage make(std::uint32_t size, std::uint8_t fill) {
+  FirmwarePackage p;
+  p.bytes = package(size, fill);
+  p.head = boot::decode_package_head(p.bytes).value();
+  return p;
+}
+
+wire::NodeClaim only(Bench& bench) { return bench.bus().discover().at(0); }
+
+TEST(FirmwareUpdate, goes_to_one_slot_after_the_other_and_is_skipped_when_equal) {
+  Bench bench(6);
+  bench.flash();
+  const FirmwarePackage first = make(4096, 1), second = make(4096, 2);
+  EXPECT_EQ(update_firmware(bench.bus(), only(bench), first).slot, 0);
+  EXPECT_TRUE(update_firmware(bench.bus(), only(bench), first).equal);
+  EXPECT_EQ(update_firmware(bench.bus(), only(bench), second).slot, 1);
+  EXPECT_EQ(update_firmware(bench.bus(), only(bench), first).slot, 0);
+  FlashOptions dry;
+  dry.dry_run = true;
+  const auto planned = update_firmware(bench.bus(), only(bench), second, dry);
+  EXPECT_FALSE(planned.equal);
+  EXPECT_EQ(planned.bytes, 0U);
+  EXPECT_TRUE(bench.verify(false).findings.empty());  // the tables are where they were
+  bench.bus().listen(bench.bus().now_us() + 2'100'000);
+  EXPECT_TRUE(Controller(bench.bus(), 1).image_state().value().confirmed);
+}
+
+TEST(FirmwareUpdate, power_cut_in_any_operation_leaves_a_controller_that_answers) {
+  const FirmwarePackage old_one = make(1024, 1), new_one = make(1024, 2);
+  constexpr std::uint64_t kErases = 120, kUnits = 1024 / 8 + 2;
+  int old_runs = 0, new_runs = 0;
+  for (std::uint64_t operation = 0; operation < kErases + kUnits; operation += operation < kErases ? 17 : 3) {
+    Bench bench(6);
+    bench.flash();
+    (void)update_firmware(bench.bus(), only(bench), old_one);
+    bench.bus().listen(bench.bus().now_us() + 2'100'000);
+    bench.skin().slots(0).cut_power_after(operation, scene::FlashMemory::Tear::kHalf);
+    EXPECT_THROW((void)update_firmware(bench.bus(), only(bench), new_one), DeviceError) << operation;
+    ASSERT_FALSE(bench.skin().alive(0));
+    bench.skin().power_cycle(0);
+    const auto state = Controller(bench.bus(), 1).image_state();
+    ASSERT_TRUE(state) << operation;
+    const bool is_old = state->record_crc == boot::slot_crc(state->sequence, old_one.image(state->slot));
+    const bool is_new = state->record_crc == boot::slot_crc(state->sequence, new_one.image(state->slot));
+    ASSERT_TRUE(is_old != is_new) << operation;
+    ++(is_old ? old_runs : new_runs);
+    EXPECT_TRUE(bench.verify(false).findings.empty()) << operation;
+    const auto again = update_firmware(bench.bus(), only(bench), new_one);  // and the work can be completed
+    EXPECT_TRUE(again.slot == 1 || again.equal) << operation;
+  }
+  EXPECT_GT(old_runs, 10);
+}
+
+TEST(FirmwareUpdate, unplugged_in_the_middle_the_controller_comes_back_by_itself) {
+  const FirmwarePackage old_one = make(1024, 1), new_one = make(1024, 2);
+  for (std::uint64_t frames = 0; frames < 160; frames += 9) {
+    Bench bench(6);
+    bench.flash();
+    (void)update_firmware(bench.bus(), only(bench), old_one);
+    FaultyLink wire(bench.bus().link(), false, {}, 1);
+    wire.frames_left = frames;
+    Bus bus(wire);
+    const wire::NodeClaim claim = only(bench);
+    try {
+      (void)update_firmware(bus, claim, new_one);
+    } catch (const DeviceError&) {
+    }
+    bench.bus().listen(bench.bus().now_us() + 6'000'000);
+    ASSERT_EQ(bench.bus().discover().size(), 1U) << frames;
+    EXPECT_EQ(Controller(bench.bus(), 1).image_state().has_value(), true) << frames;
+    wire.frames_left.reset();
+    EXPECT_NE(update_firmware(bus, claim, new_one).slot, -1) << frames;
+  }
+}
+
+TEST(FirmwareUpdate, damaged_packages_are_refused_with_the_reason) {
+  const std::string file = testing::TempDir() + "package" + std::to_string(::getpid()) + ".tsf";
+  const auto write = [&](const std::vector<std::uint8_t>& bytes) {
+    std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  };
+  auto bytes = package(1024, 7);
+  write(bytes);
+  EXPECT_EQ(read_firmware(file).head.size_bytes[1], 1024U);
+  for (std::size_t at = 0; at < bytes.size(); at += at < 32 ? 1 : 97) {
+    auto damaged = bytes;
+    damaged[at] ^= 0x10;
+    write(damaged);
+    EXPECT_THROW((void)read_firmware(file), InputError) << at;
+  }
+  for (const std::size_t size : {std::size_t{0}, std::size_t{31}, std::size_t{32}, bytes.size() - 1}) {
+    write({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
+    EXPECT_THROW((void)read_firmware(file), InputError) << size;
+  }
+  std::remove(file.c_str());
+  EXPECT_THROW((void)read_firmware(file), InputError);
+}
+
+TEST(BusTime, a_hundred_kilobytes_of_firmware_take_less_than_four_seconds) {
+  scene::Scene scene;
+  scene.design = strip(16);
+  scene.effects.bus_bit_rate = 1'000'000;
+  SimLink sim(std::move(scene));
+  Bus bus(sim);
+  const FirmwarePackage p = make(100 * 1024, 5);
+  const std::uint64_t busy_us = sim.skin().bus_busy_us(), start_us = sim.now_us();
+  EXPECT_EQ(update_firmware(bus, bus.discover().at(0), p).bytes, 100U * 1024);
+  const double busy_s = static_cast<double>(sim.skin().bus_busy_us() - busy_us) * 1e-6, all_s = static_cast<double>(sim.now_us() - start_us) * 1e-6;
+  EXPECT_LT(all_s, 4.0);
+  std::printf("100 kB of firmware over 1 Mbit/s classic CAN: %.2f s of bus time, %.2f s in all\n", busy_s, all_s);
+}
+
+}  // namespace
+}  // namespace triskin::device

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""New firmware: dfu-util over USB, triskin over CAN."""
+import os
+import pathlib
+import struct
+import sys
+import time
+
+import bench
+from bench import DESIGN, controllers, run, triskin
+from case_usb import wait_for_devices
+
+MAKE_PACKAGE = pathlib.Path(__file__).parents[2] / "tools/make_firmware_package"
+
+
+def make_package(path, fill, size=20_000):
+    """Images that would start: stack and entry fit their slots."""
+    for name, origin in (("a", 0x08004000), ("b", 0x08040000)):
+        pathlib.Path(f"/tmp/{name}.bin").write_bytes(struct.pack("<II", 0x20010000, origin + 0x201) + bytes([fill]) * (size - 8))
+    run(sys.executable, MAKE_PACKAGE, "/tmp/a.bin", "/tmp/b.bin", path)
+
+
+def test_firmware_over_can():
+    make_package("/tmp/first.tsf", 1)
+    make_package("/tmp/second.tsf", 2)
+    with controllers("can:vcan1"):
+        triskin("flash", DESIGN, "--link", "can:vcan1")
+        first = triskin("flash", DESIGN, "--link", "can:vcan1", "--firmware", "/tmp/first.tsf", timeout=120)
+        assert [f["slot"] for f in first["firmware"]] == [0] * bench.PATCHES and first["skipped"] == bench.PATCHES, first
+        again = triskin("flash", DESIGN, "--link", "can:vcan1", "--firmware", "/tmp/first.tsf")
+        assert all(f["equal"] and f["bytes"] == 0 for f in again["firmware"]), again
+        second = triskin("flash", DESIGN, "--link", "can:vcan1", "--firmware", "/tmp/second.tsf", timeout=120)
+        assert [f["slot"] for f in second["firmware"]] == [1] * bench.PATCHES, second
+        assert triskin("verify", DESIGN, "--link", "can:vcan1", "--no-touch", "--watch-s", "0")["findings"] == []
+    os.truncate("/tmp/second.tsf", 30_000)
+    assert "cut off" in triskin("flash", DESIGN, "--link", "can:vcan1", "--firmware", "/tmp/second.tsf", status=2)["error"]
+
+
+def test_dfu_util_updates_the_firmware():
+    make_package("/tmp/first.tsf", 3)
+    run("dfu-suffix", "-v", "1209", "-p", "0002", "-d", "ffff", "-a", "/tmp/first.tsf")
+    with controllers("usb"):
+        wait_for_devices(bench.PATCHES)
+        triskin("flash", DESIGN, "--link", "usb")
+        serial = triskin("discover", "--link", "usb")["controllers"][0]["serial"]
+        assert "1209:0001" in run("dfu-util", "-l")
+        text = run("dfu-util", "-d", "1209:0001,1209:0002", "-S", serial, "-D", "/tmp/first.tsf", "-R", timeout=120, status=None)
+        assert "Download done" in text and "state(2) = dfuIDLE, status(0)" in text, text
+        wait_for_devices(bench.PATCHES)
+        time.sleep(1)
+        assert triskin("verify", DESIGN, "--link", "usb", "--no-touch", "--watch-s", "0")["findings"] == []
+        # A package that is no package: refused, and the controller comes back as it was.
+        pathlib.Path("/tmp/nonsense.tsf").write_bytes(bytes(5000))
+        text = run("dfu-util", "-d", "1209:0001,1209:0002", "-S", serial, "-D", "/tmp/nonsense.tsf", "-R", timeout=120, status=None)
+        assert "Download done" not in text, text
+        wait_for_devices(bench.PATCHES)
+        time.sleep(1)
+        assert triskin("verify", DESIGN, "--link", "usb", "--no-touch", "--watch-s", "0")["findings"] == []
