@@ -105,7 +105,7 @@ TEST_F(Usb, RequestsThroughHidAndBulk) {
   const Message answer{0x62, 0xF1, 0x90, 'T', 'R', 'I', 'S', 'K', 'I', 'N', '1'};
   EXPECT_EQ(ask(wire::kHidOut, wire::kHidIn, {0x22, 0xF1, 0x90}), answer);
   EXPECT_EQ(ask(wire::kBulkOut, wire::kBulkIn, {0x22, 0xF1, 0x90}), answer);
-  EXPECT_EQ(ask(wire::kBulkOut, wire::kBulkIn, {0x22, 0xFD, 0x00, 0xFD, 0x04, 0xFD, 0x06, 0xF1, 0x8C}).size(), 1 + 4 * 2 + 24 + 16 + 20 + 12U);
+  EXPECT_EQ(ask(wire::kBulkOut, wire::kBulkIn, {0x22, 0xFD, 0x00, 0xFD, 0x04, 0xFD, 0x06, 0xF1, 0x8C}).size(), 1 + 4 * 2 + 23 + 16 + 20 + 12U);
   EXPECT_TRUE(usb().in(wire::kHidIn).empty());
 }
 

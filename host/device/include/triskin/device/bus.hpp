@@ -63,7 +63,7 @@ class Bus {
   [[nodiscard]] std::uint64_t now_us() const { return link_.now_us(); }
 
  private:
-  static constexpr int kRepeats = 3;
+  static constexpr int kRepeats = 5;
   static constexpr std::uint64_t kClaimWindow_us = 60'000;
 
   wire::IsoTp& connection(std::uint8_t node);

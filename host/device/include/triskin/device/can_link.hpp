@@ -18,7 +18,7 @@ class CanLink final : public Link {
   [[nodiscard]] std::uint64_t now_us() const override;
   [[nodiscard]] bool fd() const override { return socket_.fd(); }
   /// The computer may be busy for much longer than the controller.
-  [[nodiscard]] std::uint64_t answer_us() const override { return 2'000'000; }
+  [[nodiscard]] std::uint64_t answer_us() const override { return 1'000'000; }
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] std::string trouble() const override { return socket_.trouble(); }
 

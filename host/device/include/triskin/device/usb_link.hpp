@@ -53,7 +53,7 @@ class UsbLink final : public Link {
   [[nodiscard]] std::uint64_t now_us() const override;
   [[nodiscard]] bool fd() const override { return true; }
   [[nodiscard]] std::uint8_t frame_bytes() const override { return wire::kUsbFrameBytes; }
-  [[nodiscard]] std::uint64_t answer_us() const override { return 2'000'000; }
+  [[nodiscard]] std::uint64_t answer_us() const override { return 1'000'000; }
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] std::string trouble() const override;
 
