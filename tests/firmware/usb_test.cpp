@@ -133,7 +133,7 @@ TEST_F(Usb, DfuRefusesWhatIsNoPackageAndComesBack) {
   ASSERT_TRUE(usb().control({0x21, 4, 0, 0, 0}, {}));
   EXPECT_EQ(status()[4], 2);
   run(1000);
-  run(3'100'000);
+  run(15'100'000);
   EXPECT_EQ(get(0x80, 6, 0x0100, 0)[10], 1);
 }
 
@@ -155,8 +155,7 @@ TEST_F(Usb, NonsenseNeverStopsIt) {
     }
     run(10'000);
   }
-  run(3'100'000);  // out of DFU mode, if it was in it
-  run(3'100'000);
+  run(15'100'000);  // out of DFU mode, if it was in it
   ASSERT_TRUE(usb().control({0x00, 9, 1, 0, 0}, {}));
   EXPECT_EQ(ask(wire::kHidOut, wire::kHidIn, {0x3E, 0x00}), (Message{0x7E, 0x00}));
 }

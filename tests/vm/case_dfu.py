@@ -53,6 +53,6 @@ def test_dfu_util_updates_the_firmware():
         pathlib.Path("/tmp/nonsense.tsf").write_bytes(bytes(5000))
         text = run("dfu-util", "-d", "1209:0001,1209:0002", "-S", serial, "-D", "/tmp/nonsense.tsf", "-R", timeout=120, status=None)
         assert "Download done" not in text, text
-        wait_for_devices(bench.PATCHES)
+        wait_for_devices(bench.PATCHES, timeout=40)  # it gives the host up after 15 s
         time.sleep(1)
         assert triskin("verify", DESIGN, "--link", "usb", "--no-touch", "--watch-s", "0")["findings"] == []

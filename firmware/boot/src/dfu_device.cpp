@@ -63,6 +63,7 @@ std::optional<Bytes> DfuDevice::download(const wire::UsbSetup& s, Bytes data) {
 DfuDevice::Error DfuDevice::begin(Bytes head) {
   const auto decoded = decode_package_head(head);
   if (!decoded) return Error::kFile;
+  committed_ = false;
   head_ = *decoded;
   slot_ = slots_.choose() == 0 ? 1 : 0;
   return slots_.erase(slot_) == Status::kOk ? Error::kNone : Error::kErase;
@@ -98,7 +99,8 @@ Bytes DfuDevice::status() {
   if (state_ == State::kDownloadSync) state_ = State::kDownloadIdle;
   else if (state_ == State::kManifestSync) {
     error_ = manifest();
-    state_ = error_ == Error::kNone ? State::kIdle : State::kError;
+    committed_ = error_ == Error::kNone;
+    state_ = committed_ ? State::kIdle : State::kError;
     at_ = 0;
   }
   reply_ = {static_cast<std::uint8_t>(error_), kPoll_ms, 0, 0, static_cast<std::uint8_t>(state_), 0};
@@ -108,7 +110,7 @@ Bytes DfuDevice::status() {
 void DfuDevice::tick(std::uint64_t now_us) {
   if (heard_) last_us_ = now_us;
   heard_ = false;
-  if (now_us >= last_us_ + kLeave_us) leave_ = true;
+  if (now_us >= last_us_ + patience_us()) leave_ = true;
 }
 
 }  // namespace triskin::boot

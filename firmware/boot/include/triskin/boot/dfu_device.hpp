@@ -13,7 +13,8 @@ namespace triskin::boot {
 /// in use. A package that ends early, or is damaged, is refused; the slot in use is never touched.
 class DfuDevice final : public wire::UsbFunction {
  public:
-  static constexpr std::uint64_t kLeave_us = 3'000'000;  ///< silence after which it goes back to the application
+  /// Silence after which it goes back to the application: dfu-util waits 5 s before its first request.
+  static constexpr std::uint64_t kPatience_us = 15'000'000, kAfterCommit_us = 3'000'000;
 
   DfuDevice(SlotStore& slots, const std::array<std::uint8_t, 12>& unique_id) : slots_(slots), control_(unique_id, true) {}
 
@@ -23,14 +24,15 @@ class DfuDevice final : public wire::UsbFunction {
   Bytes in(std::uint8_t) override { return {}; }
   [[nodiscard]] bool wants_to_reconnect() const override { return leave_; }
 
-  /// Time goes on. A device that was asked to leave, or that a host has said nothing to for kLeave_us, wants to reconnect.
+  /// Time goes on. A device that was asked to leave, or that a host has been silent to, wants to reconnect.
   void tick(std::uint64_t now_us);
-  [[nodiscard]] std::uint64_t next_event_us() const { return leave_ ? UINT64_MAX : last_us_ + kLeave_us; }
+  [[nodiscard]] std::uint64_t next_event_us() const { return leave_ ? UINT64_MAX : last_us_ + patience_us(); }
 
  private:
   enum class State : std::uint8_t { kIdle = 2, kDownloadSync = 3, kDownloadIdle = 5, kManifestSync = 6, kError = 10 };
   enum class Error : std::uint8_t { kNone = 0, kTarget = 1, kFile = 2, kWrite = 3, kErase = 4, kNotDone = 9, kFirmware = 10, kStalled = 15 };
 
+  [[nodiscard]] std::uint64_t patience_us() const { return committed_ ? kAfterCommit_us : kPatience_us; }
   std::optional<Bytes> download(const wire::UsbSetup& setup, Bytes data);
   std::optional<Bytes> fail(Error error);
   Error take(Bytes data);
@@ -47,7 +49,7 @@ class DfuDevice final : public wire::UsbFunction {
   std::uint32_t at_ = 0;  // bytes of the package that came
   std::array<std::uint8_t, 6> reply_{};
   std::uint64_t last_us_ = 0;
-  bool heard_ = true, leave_ = false;
+  bool heard_ = true, leave_ = false, committed_ = false;
 };
 
 }  // namespace triskin::boot

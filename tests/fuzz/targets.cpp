@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "targets.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <vector>
+
+#include "triskin/boot/dfu_device.hpp"
+#include "triskin/boot/firmware_package.hpp"
+#include "triskin/device/tcp_link.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/layout/patch_image.hpp"
+#include "triskin/logic/icub_board.hpp"
+#include "triskin/logic/table_store.hpp"
+#include "triskin/logic/uds_server.hpp"
+#include "triskin/logic/usb_device.hpp"
+#include "triskin/wire/iso_tp.hpp"
+#include "triskin/wire/node_claim.hpp"
+#include "triskin/wire/taxel_frames.hpp"
+#include "triskin/wire/usb_packet.hpp"
+
+namespace triskin::fuzz {
+namespace {
+
+void require(bool rule) {
+  if (!rule) std::abort();
+}
+
+// Erased memory of any size; every operation is allowed.
+class Memory final : public fw::FlashArea {
+ public:
+  explicit Memory(std::size_t size) : bytes_(size, 0xFF) {}
+  [[nodiscard]] std::size_t size_bytes() const override { return bytes_.size(); }
+  [[nodiscard]] std::size_t page_bytes() const override { return 2048; }
+  [[nodiscard]] std::size_t program_bytes() const override { return 8; }
+  bool erase_page(std::size_t offset) override {
+    require(offset % 2048 == 0 && offset + 2048 <= bytes_.size());
+    std::fill_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), 2048, std::uint8_t{0xFF});
+    return true;
+  }
+  bool program(std::size_t offset, Bytes in) override {
+    require(offset % 8 == 0 && in.size() % 8 == 0 && offset + in.size() <= bytes_.size());
+    std::copy(in.begin(), in.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(offset));
+    return true;
+  }
+  [[nodiscard]] Bytes bytes() const override { return bytes_; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+// The input as a list of pieces: one byte of length before each.
+template <typename F>
+void each_piece(Bytes input, F&& f) {
+  while (!input.empty()) {
+    const std::size_t n = std::min<std::size_t>(input[0], input.size() - 1);
+    f(input.subspan(1, n));
+    input = input.subspan(1 + n);
+  }
+}
+
+wire::CanFrame frame_of(Bytes piece, std::uint32_t id, bool extended) {
+  wire::CanFrame f;
+  f.id = id;
+  f.extended = extended;
+  f.size = static_cast<std::uint8_t>(std::min<std::size_t>(piece.size(), 64));
+  f.fd = f.size > 8;
+  std::copy_n(piece.begin(), f.size, f.data.begin());
+  return f;
+}
+
+void iso_tp(Bytes input) {
+  wire::IsoTp link(1, 2, 8);
+  std::uint64_t now_us = 0;
+  const std::array<std::uint8_t, 40> message{};
+  each_piece(input, [&](Bytes piece) {
+    if (link.receive(frame_of(piece, 2, true), now_us) == wire::IsoTp::Event::kReceived) require(!link.message().empty() && link.message().size() <= wire::IsoTp::kCapacity);
+    if (piece.size() == 1) (void)link.send(message, now_us);
+    for (int k = 0; k < 200 && link.transmit(now_us); ++k) {
+    }
+    now_us += piece.empty() ? 1'100'000 : 500;
+    (void)link.tick(now_us);
+  });
+}
+
+class Host final : public fw::UdsHost {
+ public:
+  bool read_identifier(std::uint16_t did, ByteWriter& out) override {
+    out.be16(did);
+    return did % 2 == 0;
+  }
+  Status write_identifier(std::uint16_t, Bytes) override { return Status::kOk; }
+  Status start_routine(std::uint16_t, Bytes, ByteWriter&) override { return Status::kOk; }
+  Status routine_result(std::uint16_t, ByteWriter&) override { return Status::kOk; }
+  Status clear_faults() override { return Status::kOk; }
+  void read_faults(std::uint8_t, ByteWriter&) override {}
+  bool read_fault(std::uint32_t, ByteWriter&) override { return false; }
+  void request_reset() override {}
+  [[nodiscard]] std::uint64_t now_us() const override { return now; }
+  std::uint64_t now = 0;
+};
+
+void uds_server(Bytes input) {
+  Host host;
+  Memory flash(16384);
+  fw::TableStore tables(flash);
+  tables.load();
+  fw::UdsServer server(host, tables);
+  each_piece(input, [&](Bytes piece) {
+    if (piece.empty()) return;
+    host.now += 1000;
+    const Bytes answer = server.handle(piece, piece.size() % 5 == 0);
+    require(answer.size() <= fw::UdsServer::kMaxResponse);
+    if (answer.empty()) return;
+    require((answer.size() == 3 && answer[0] == 0x7F && answer[1] == piece[0]) || answer[0] == static_cast<std::uint8_t>(piece[0] + 0x40));
+  });
+}
+
+void usb_packet(Bytes input) {
+  const auto frame = wire::from_usb(input);
+  if (!frame) return;
+  const auto packet = wire::to_usb(*frame);
+  require(packet && wire::from_usb(packet->used()) == frame);
+}
+
+template <typename Device>
+void control_transfers(Device& device, Bytes input) {
+  each_piece(input, [&](Bytes piece) {
+    if (piece.size() < 8) {
+      device.out(static_cast<std::uint8_t>(piece.size() % 4), piece);
+      (void)device.in(static_cast<std::uint8_t>(0x80 | piece.size() % 4));
+      return;
+    }
+    ByteReader r(piece);
+    wire::UsbSetup s;
+    s.type = r.u8();
+    s.request = r.u8();
+    s.value = r.le16();
+    s.index = r.le16();
+    s.length = r.le16();
+    (void)device.control(s, r.rest());
+  });
+}
+
+void usb_control(Bytes input) {
+  fw::UsbDevice device({1, 2, 3});
+  control_transfers(device, input);
+  while (device.receive()) {
+  }
+}
+
+void dfu(Bytes input) {
+  Memory a(8192), b(8192);
+  boot::SlotStore slots({&a, &b}, {0x08004000, 0x08040000});
+  boot::DfuDevice device(slots, {1, 2, 3});
+  control_transfers(device, input);
+  device.tick(1);
+}
+
+void icub(Bytes input) {
+  fw::IcubBoard board;
+  each_piece(input, [&](Bytes piece) {
+    if (piece.size() < 2) return;
+    const auto id = static_cast<std::uint32_t>(piece[0]) << 4 | 1U;
+    (void)board.handle(frame_of(piece.subspan(1, std::min<std::size_t>(piece.size() - 1, 8)), id & 0x7FF, false), 1, 0);
+    for (std::size_t k = 0; k < 16; ++k) (void)board.value(k, piece[0], piece[1]);
+  });
+}
+
+void patch_image(Bytes input) {
+  const auto image = layout::decode(input);
+  if (!image) return;
+  std::array<std::uint8_t, layout::kMaxImageBytes> bytes{};
+  const auto size = layout::encode(*image, bytes);
+  require(size && *size == input.size());
+}
+
+void taxel_frames(Bytes input) {
+  if (input.size() < 4) return;
+  const std::uint32_t id = ByteReader(input).le32() & 0x1FFFFFFF;
+  const wire::CanFrame f = frame_of(input.subspan(4), id, (id >> 28) != 0);
+  if (const auto full = wire::decode_full(f)) require(wire::decode_full(wire::encode_full(*full)) == full);
+  if (const auto taxels = wire::decode_icub(f, f)) (void)wire::encode_icub(*taxels);
+  wire::CanFrame second = f;
+  second.data[0] = wire::kIcubSecond;
+  if (const auto taxels = wire::decode_icub(f, second)) {
+    const auto again = wire::encode_icub(*taxels);
+    require(wire::decode_icub(again[0], again[1]) == taxels);
+  }
+}
+
+void node_claim(Bytes input) {
+  wire::IdFrames frames;
+  each_piece(input, [&](Bytes piece) { (void)frames.add(frame_of(piece, wire::kAssignId, true)); });
+}
+
+void firmware_package(Bytes input) {
+  const auto head = boot::decode_package_head(input);
+  if (head) require(head->total() <= boot::kPackageHeadBytes + 2 * boot::kMostImageBytes && head->offset(1) > head->offset(0));
+}
+
+void record(Bytes input) {
+  std::vector<std::uint8_t> in(input.begin(), input.end());
+  try {
+    while (const auto r = device::record::take(in)) (void)device::record::frame_of(*r);
+  } catch (const DeviceError&) {
+    return;  // refused
+  }
+}
+
+constexpr std::array<Target, 11> kTargets{{{"iso_tp", iso_tp},
+                                           {"uds_server", uds_server},
+                                           {"usb_packet", usb_packet},
+                                           {"usb_control", usb_control},
+                                           {"dfu", dfu},
+                                           {"icub", icub},
+                                           {"patch_image", patch_image},
+                                           {"taxel_frames", taxel_frames},
+                                           {"node_claim", node_claim},
+                                           {"firmware_package", firmware_package},
+                                           {"record", record}}};
+
+}  // namespace
+
+std::span<const Target> targets() { return kTargets; }
+
+Target find_target(std::string_view name) {
+  const auto found = std::ranges::find(kTargets, name, &Target::name);
+  require(found != kTargets.end());
+  return *found;
+}
+
+}  // namespace triskin::fuzz

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <span>
+#include <string_view>
+
+#include "triskin/base/bytes.hpp"
+
+namespace triskin::fuzz {
+
+/// One decoder and what must hold for any input: no crash, and what it accepts survives a round trip. A broken rule calls std::abort.
+struct Target {
+  std::string_view name;
+  void (*run)(Bytes input);
+};
+[[nodiscard]] std::span<const Target> targets();
+[[nodiscard]] Target find_target(std::string_view name);
+
+}  // namespace triskin::fuzz
