@@ -55,4 +55,4 @@ def main(source: pathlib.Path, build: pathlib.Path, work: pathlib.Path, timeout_
 if __name__ == "__main__":
     if len(sys.argv) not in (4, 5):
         sys.exit(__doc__)
-    sys.exit(main(*(pathlib.Path(a).resolve() for a in sys.argv[1:4]), int(sys.argv[4]) if len(sys.argv) == 5 else 420))
+    sys.exit(main(*(pathlib.Path(a).resolve() for a in sys.argv[1:4]), int(sys.argv[4]) if len(sys.argv) == 5 else 600))
