@@ -167,8 +167,7 @@ struct PatchImage {
   const std::uint32_t crc = crc32(bytes.subspan(32, total - 32), crc32(kZeros, crc32(bytes.first(28))));
   if (crc != stated) return std::unexpected(Status::kBadCrc);
   if (reserved != 0) return std::unexpected(Status::kOutOfRange);
-  for (std::size_t k = 0; k < image.module_count; ++k) {
-    ModuleRow& m = image.modules[k];
+  for (ModuleRow& m : std::span(image.modules).first(image.module_count)) {
     m.module_id = r.le16();
     m.line = r.u8();
     m.address = r.u8();
