@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "support/strip_design.hpp"
 #include "triskin/device/bus.hpp"
 #include "triskin/device/flash.hpp"
 #include "triskin/device/sim_link.hpp"
@@ -12,43 +13,7 @@
 
 namespace triskin::device {
 
-/// A strip of `count` modules as in tests/scene: line k / 4, address k % 4 within a patch.
-inline model::Design strip(int count, int per_patch = 16) {
-  using geometry::kHeight_mm;
-  using geometry::Vec3;
-  model::Design d;
-  d.name = "strip";
-  d.source_file = "strip.obj";
-  d.surface.vertices = {{-1, -1, 0}, {1000, -1, 0}, {1000, 30, 0}, {-1, 30, 0}};
-  d.surface.faces = {{0, 1, 2}, {0, 2, 3}};
-  d.layout.islands = 1;
-  d.layout.method = "surface";
-  for (int k = 0; k < count; ++k) {
-    const double x = 30.0 * (k / 2);
-    const int next = k + 1 < count ? k + 1 : -1;
-    geometry::PlacedModule m;
-    m.tile = {k / 2, 0, k % 2 == 0};
-    if (m.tile.up) {
-      m.corner_mm = {Vec3{x, 0, 0}, Vec3{x + 30, 0, 0}, Vec3{x + 15, kHeight_mm, 0}};
-      m.neighbour = {-1, next, k - 1};
-    } else {
-      m.corner_mm = {Vec3{x + 30, 0, 0}, Vec3{x + 45, kHeight_mm, 0}, Vec3{x + 15, kHeight_mm, 0}};
-      m.neighbour = {next, -1, k - 1};
-    }
-    d.layout.modules.push_back(m);
-  }
-  for (int first = 0; first < count; first += per_patch) {
-    geometry::Patch patch;
-    patch.entry = first;
-    for (int k = first; k < std::min(count, first + per_patch); ++k) {
-      const int n = k - first;
-      patch.modules.push_back({k, n == 0 ? -1 : k - 1, 2, n / 4, n % 4, n});
-    }
-    d.patches.push_back(patch);
-  }
-  d.design_id = model::design_id_of(d);
-  return d;
-}
+using test::strip;
 
 /// A simulated strip on an in-process link; `restart` power-cycles everything with other faults and the same flash files.
 class Bench {

@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <fstream>
 
-#include "small_design.hpp"
+#include "support/strip_design.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/scene/scene.hpp"
 
 namespace triskin::scene {
 namespace {
+
+using test::strip;
 
 namespace fs = std::filesystem;
 

@@ -5,11 +5,13 @@
 
 #include <cmath>
 
-#include "small_design.hpp"
+#include "support/strip_design.hpp"
 #include "triskin/scene/bus_time.hpp"
 
 namespace triskin::scene {
 namespace {
+
+using test::strip;
 
 Scene scene_of(int modules) {
   Scene scene;

@@ -2,7 +2,7 @@
 #pragma once
 #include "triskin/model/design.hpp"
 
-namespace triskin::scene {
+namespace triskin::test {
 
 /// A straight strip of `count` modules on the plane z = 0, divided into patches of `per_patch`; in a patch module k has
 /// line k / 4 and address k % 4, and hangs on module k - 1.
@@ -45,4 +45,4 @@ inline model::Design strip(int count, int per_patch = 16) {
   return d;
 }
 
-}  // namespace triskin::scene
+}  // namespace triskin::test
