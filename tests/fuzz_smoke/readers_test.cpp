@@ -8,6 +8,7 @@
 #include <functional>
 #include <random>
 
+#include "support/strip_design.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/geometry/polygon_io.hpp"
@@ -77,28 +78,8 @@ void fuzz(const std::string& good, const std::string& extension, int runs, const
 }
 
 std::string small_design() {
-  model::Design d;
-  d.name = "two";
-  d.source_file = "two.obj";
-  d.surface.vertices = {{-1, -1, 0}, {50, -1, 0}, {50, 30, 0}, {-1, 30, 0}};
-  d.surface.faces = {{0, 1, 2}, {0, 2, 3}};
-  geometry::PlacedModule up, down;
-  up.tile = {0, 0, true};
-  up.corner_mm = {geometry::Vec3{0, 0, 0}, geometry::Vec3{30, 0, 0}, geometry::Vec3{15, geometry::kHeight_mm, 0}};
-  up.neighbour = {-1, 1, -1};
-  down.tile = {0, 0, false};
-  down.corner_mm = {geometry::Vec3{30, 0, 0}, geometry::Vec3{45, geometry::kHeight_mm, 0}, geometry::Vec3{15, geometry::kHeight_mm, 0}};
-  down.neighbour = {-1, -1, 0};
-  d.layout = {{up, down}, 1, "surface", {{"center_gap_mm", 3}}};
-  geometry::Patch patch;
-  patch.entry = 0;
-  patch.modules = {{0, -1, 0, 0, 0, 0}, {1, 0, 2, 0, 1, 1}};
-  patch.max_depth = 1;
-  patch.line_hops = 1;
-  d.patches = {patch};
-  d.design_id = model::design_id_of(d);
   const fs::path path = fs::temp_directory_path() / ("readers_test." + std::to_string(::getpid()) + ".good.json");
-  model::write_design(path, d);
+  model::write_design(path, test::strip(2));
   std::string text = read_file(path);
   fs::remove(path);
   return text;
