@@ -20,6 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kPiecesShare = 0.12;   // of the time; what the growth has left after it
+constexpr double kPieceLeast_s = 0.1;   // a piece gets, or what a short limit has for it
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 0.8;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -34,7 +35,7 @@ std::vector<geometry::PlacedPiece> place_pieces(Design& design, const geometry::
     const double area = geometry::polygon_area(piece.outline);
     geometry::PlacementOptions p;
     p.seed = options.seed;
-    p.time_limit_s = std::max(0.1, 0.7 * (kPiecesShare * options.time_limit_s - seconds_since(start)) * area / std::max(area_left, 1.0));
+    p.time_limit_s = std::max(std::min(kPieceLeast_s, 0.005 * options.time_limit_s), 0.7 * (kPiecesShare * options.time_limit_s - seconds_since(start)) * area / std::max(area_left, 1.0));
     area_left -= area;
     geometry::PlacementResult result;
     result.proved = true;  // a piece smaller than a module holds none

@@ -16,6 +16,8 @@ class Keeper {
   Keeper(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout) : surface_(surface), limits_(limits), layout_(layout) {}
 
   void run() {
+    for (PlacedModule& m : layout_.modules) measure_on_surface(surface_, m);  // nothing moves from here on
+    give_up_turned();
     give_up_bad();
     number_islands();
     for (const auto& [limit, count] : refused_) layout_.refused.emplace_back(limit, count);
@@ -38,10 +40,6 @@ class Keeper {
 
   // How far over its limit, 1 = at the limit; the name of the limit that is broken most.
   [[nodiscard]] std::pair<double, const char*> worst(const PlacedModule& m) const {
-    // Thin shells have two sheets: a module whose nearest sheet is the other one would be measured against that.
-    const Vec3 middle = (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
-    const Vec3 normal = (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
-    if (surface_.normal_at(surface_.closest(middle)).dot(normal) < 0.6) return {100.0, "outward"};
     return std::max({std::pair{m.edge_error_mm / limits_.edge_error_mm, "edge_error_mm"},
                      std::pair{m.center_gap_mm / limits_.center_gap_mm, "center_gap_mm"},
                      std::pair{m.penetration_mm / limits_.penetration_mm, "penetration_mm"},
@@ -49,10 +47,22 @@ class Keeper {
                     [](const auto& a, const auto& b) { return a.first < b.first; });
   }
 
+  // Thin shells have two sheets: a module whose nearest sheet is the other one would be measured against that.
+  void give_up_turned() {
+    std::vector<bool> bad;
+    for (const PlacedModule& m : layout_.modules) {
+      const Vec3 middle = (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
+      const Vec3 normal = (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
+      bad.push_back(surface_.normal_at(surface_.closest(middle)).dot(normal) < 0.6);
+    }
+    if (const auto count = static_cast<int>(std::ranges::count(bad, true)); count > 0) refused_["outward"] += count;
+    remove(bad);
+  }
+
   // First joints (they become slits), then modules; a margin of 2 % keeps another measurement from disagreeing.
   void give_up_bad() {
     for (;;) {
-      measure(surface_, layout_);
+      measure_between(layout_);
       if (open_bad_joints()) continue;
       double highest = 0.98;
       int which = -1;

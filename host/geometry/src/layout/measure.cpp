@@ -50,6 +50,18 @@ double smallest_radius(const Surface& surface, const std::array<Vec3, 3>& corner
   return largest_turn > 1e-6 ? (corners[0] - middle).norm() / largest_turn : 0.0;
 }
 
+void measure_joint(const std::vector<PlacedModule>& modules, PlacedModule& m, int s) {
+  m.hinge_gap_mm[at(s)] = m.fold_rad[at(s)] = 0.0;
+  if (m.neighbour[at(s)] < 0) return;
+  const PlacedModule& other = modules[at(m.neighbour[at(s)])];
+  const int t = across(m.tile, s).side;
+  const Vec3 &a = m.corner_mm[at(s)], &b = m.corner_mm[at((s + 1) % 3)], &c = other.corner_mm[at((t + 1) % 3)], &d = other.corner_mm[at(t)];
+  m.hinge_gap_mm[at(s)] = std::max((a - c).norm(), (b - d).norm());
+  m.fold_rad[at(s)] = angle_between(normal_of(m.corner_mm), normal_of(other.corner_mm));
+  // The net's edge runs between the mean places of its ends, which two rigid sides share.
+  m.edge_error_mm = std::max(m.edge_error_mm, std::abs((0.5 * (b + d) - 0.5 * (a + c)).norm() - kSide_mm));
+}
+
 }  // namespace
 
 double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
@@ -66,30 +78,20 @@ double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>
   return planar_depth(flat(a), flat(b));
 }
 
-void measure(const Surface& surface, ModuleLayout& layout) {
+void measure_on_surface(const Surface& surface, PlacedModule& m) {
+  m.center_gap_mm = surface.closest(centroid_of(m.corner_mm)).distance_mm;
+  const SideMetrics sides = walk_sides(surface, m.corner_mm, kSideSamples);
+  m.edge_depth_mm = sides.depth_mm;
+  m.overrun_mm = std::max(sides.overrun_mm, overrun_inside(surface, m.corner_mm));
+  m.bend_radius_mm = smallest_radius(surface, m.corner_mm);
+}
+
+void measure_between(ModuleLayout& layout) {
   auto& modules = layout.modules;
   for (PlacedModule& m : modules) {
     m.penetration_mm = 0.0;
     m.edge_error_mm = 0.0;
-    m.center_gap_mm = surface.closest(centroid_of(m.corner_mm)).distance_mm;
-    const SideMetrics sides = walk_sides(surface, m.corner_mm, kSideSamples);
-    m.edge_depth_mm = sides.depth_mm;
-    m.overrun_mm = sides.overrun_mm;
-    m.bend_radius_mm = smallest_radius(surface, m.corner_mm);
-    for (int s = 0; s < 3; ++s) {
-      m.hinge_gap_mm[at(s)] = m.fold_rad[at(s)] = 0.0;
-      if (m.neighbour[at(s)] < 0) continue;
-      const PlacedModule& other = modules[at(m.neighbour[at(s)])];
-      const int t = across(m.tile, s).side;
-      const double gap = std::max((m.corner_mm[at(s)] - other.corner_mm[at((t + 1) % 3)]).norm(),
-                                  (m.corner_mm[at((s + 1) % 3)] - other.corner_mm[at(t)]).norm());
-      m.hinge_gap_mm[at(s)] = gap;
-      m.fold_rad[at(s)] = angle_between(normal_of(m.corner_mm), normal_of(other.corner_mm));
-      // The net's edge runs between the mean places of its ends, which two rigid sides share.
-      const Vec3 p = 0.5 * (m.corner_mm[at(s)] + other.corner_mm[at((t + 1) % 3)]);
-      const Vec3 q = 0.5 * (m.corner_mm[at((s + 1) % 3)] + other.corner_mm[at(t)]);
-      m.edge_error_mm = std::max(m.edge_error_mm, std::abs((q - p).norm() - kSide_mm));
-    }
+    for (int s = 0; s < 3; ++s) measure_joint(modules, m, s);
   }
   for (std::size_t a = 0; a < modules.size(); ++a) {
     for (std::size_t b = a + 1; b < modules.size(); ++b) {
@@ -98,6 +100,11 @@ void measure(const Surface& surface, ModuleLayout& layout) {
       modules[b].penetration_mm = std::max(modules[b].penetration_mm, depth);
     }
   }
+}
+
+void measure(const Surface& surface, ModuleLayout& layout) {
+  for (PlacedModule& m : layout.modules) measure_on_surface(surface, m);
+  measure_between(layout);
 }
 
 }  // namespace triskin::geometry

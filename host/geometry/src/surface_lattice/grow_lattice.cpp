@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <map>
 #include <optional>
 #include <thread>
 
@@ -157,7 +158,8 @@ class Chain {
   int steps_ = 0;
 };
 
-ModuleLayout layout_of(const LatticeNet& net) {
+// Module k is the triangle in slot slots[k] of the net.
+ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& slots) {
   ModuleLayout layout;
   layout.method = "surface";
   layout.islands = net.islands();
@@ -165,6 +167,7 @@ ModuleLayout layout_of(const LatticeNet& net) {
   for (std::size_t t = 0; t < net.triangles.size(); ++t) {
     if (net.triangles[t].island < 0) continue;
     index[t] = static_cast<int>(layout.modules.size());
+    slots.push_back(static_cast<int>(t));
     PlacedModule m;
     m.island = net.triangles[t].island;
     m.tile = net.triangles[t].tile;
@@ -189,24 +192,24 @@ double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
 
 // The finer walk along the sides may find what the search overlooked: such modules go, the worst first.
 ModuleLayout certified(const Surface& surface, LatticeNet net, const LayoutLimits& limits) {
+  std::map<int, PlacedModule> measured;  // by slot: corners stay, so what depends on the surface does too
   for (;;) {
     net.separate();
-    ModuleLayout layout = layout_of(net);
-    measure(surface, layout);
     std::vector<int> slots;
-    for (int t = 0; t < static_cast<int>(net.triangles.size()); ++t) {
-      if (net.used(t)) slots.push_back(t);
+    ModuleLayout layout = layout_of(net, slots);
+    for (std::size_t k = 0; k < slots.size(); ++k) {
+      PlacedModule& m = layout.modules[k];
+      const auto [known, is_new] = measured.try_emplace(slots[k], m);
+      if (is_new) measure_on_surface(surface, known->second);
+      m.center_gap_mm = known->second.center_gap_mm;
+      m.edge_depth_mm = known->second.edge_depth_mm;
+      m.overrun_mm = known->second.overrun_mm;
+      m.bend_radius_mm = known->second.bend_radius_mm;
     }
-    int worst = -1;
-    double ratio = kFinalMargin;
-    for (int k = 0; k < static_cast<int>(layout.modules.size()); ++k) {
-      const double r = worst_ratio(layout.modules[at(k)], limits);
-      if (r <= ratio) continue;
-      ratio = r;
-      worst = k;
-    }
-    if (worst < 0) return layout;
-    net.remove_triangle(slots[at(worst)]);
+    measure_between(layout);
+    const auto worst = std::ranges::max_element(layout.modules, {}, [&](const PlacedModule& m) { return worst_ratio(m, limits); });
+    if (worst == layout.modules.end() || worst_ratio(*worst, limits) <= kFinalMargin) return layout;
+    net.remove_triangle(slots[static_cast<std::size_t>(worst - layout.modules.begin())]);
   }
 }
 

@@ -23,9 +23,15 @@ struct PlacedPiece {
 /// layout.refused). Numbers the islands anew by what stays joined.
 void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout);
 
-/// Measures every metric of every module of the layout. Sides are walked every 0.5 mm. Cost: ~200 closest-point
-/// queries a module and near pairs for penetration.
+/// Measures every metric of every module of the layout: both of the following.
 void measure(const Surface& surface, ModuleLayout& layout);
+
+/// What depends on the surface alone: gap under the centre, depth, overrun, bend radius. Sides are walked every 0.5 mm, finer
+/// round the largest overrun; border that runs under the module is met from within. Cost: ~200 closest-point queries.
+void measure_on_surface(const Surface& surface, PlacedModule& module);
+
+/// What depends on the other modules: joints and penetration. Cost: n² / 2 distances.
+void measure_between(ModuleLayout& layout);
 
 /// Depth of overlap of two modules in the plane of their mean normal, 0 when apart or not lying over each other, mm.
 [[nodiscard]] double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);
