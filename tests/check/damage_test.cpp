@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -48,7 +49,8 @@ class Damage : public testing::Test {
     fs::create_directories(folder_);
     geometry::write_obj(folder_ / "pipe.obj", half_pipe());
     model::DesignOptions options;
-    options.time_limit_s = 1.0;
+    options.iterations = 40;
+    options.time_limit_s = 60.0;
     model::write_design(folder_ / "good.json", model::make_design(folder_ / "pipe.obj", options));
     good_ = new json(json::parse(read_file(folder_ / "good.json")));
   }
@@ -105,6 +107,58 @@ TEST_F(Damage, geometry) {
   expect("report-maxima", [](json& j) { j["report"]["max_center_gap_mm"] = 0.0; });
   expect("report-bound", [](json& j) { j["report"]["upper_bound"] = 1; });
   expect("taxel-pose", [](json& j) { leaf(j)["taxels"][3]["position"][0] = 0.0; });
+}
+
+// Faces that a module covers vanish: a hole that none of its sides meets.
+TEST_F(Damage, a_hole_under_the_middle_of_a_module) {
+  const auto middle = [](const json& points, const auto& index) {
+    std::array<double, 3> c{};
+    for (const auto& k : index) {
+      for (std::size_t axis = 0; axis < 3; ++axis) c[axis] += points[k][axis].template get<double>() / 3.0;
+    }
+    return c;
+  };
+  for (const std::size_t module : {std::size_t{0}, std::size_t{7}, std::size_t{15}}) {
+    const std::vector<std::string> broken = broken_by([&](json& j) {
+      const auto c = middle(j["modules"][module]["corners"], std::array<std::size_t, 3>{0, 1, 2});
+      const json all = j["surface"]["faces"];
+      std::size_t nearest = 0;
+      double least = 1e300;
+      for (std::size_t f = 0; f < all.size(); ++f) {
+        const auto m = middle(j["surface"]["vertices"], all[f].get<std::array<std::size_t, 3>>());
+        const double d = std::hypot(m[0] - c[0], m[1] - c[1], m[2] - c[2]);
+        if (d >= least) continue;
+        least = d;
+        nearest = f;
+      }
+      j["surface"]["faces"].erase(nearest);
+      j["pieces"] = json::array();
+    });
+    EXPECT_THAT(broken, testing::Contains("overrun")) << module;
+  }
+}
+
+// On the straight end of the pipe the overrun is as far as the module was pushed over it: its neighbours in the text say so.
+TEST_F(Damage, overrun_is_measured_to_a_hundredth) {
+  for (const double past_mm : {0.6, 1.25, 3.0}) {
+    json j = *good_;
+    double top = -1e300;
+    for (const json& c : leaf(j)["corners"]) top = std::max(top, c[2].get<double>());
+    shift(leaf(j), 0, 0, 120.0 + past_mm - top);
+    std::ofstream(folder_ / "over.json") << j.dump();
+    bool found = false;
+    for (const Violation& v : check_design(folder_ / "over.json").violations) {
+      if (v.rule != "overrun" || v.text.find("limit") == std::string::npos) continue;
+      EXPECT_NEAR(std::stod(v.text), past_mm, 0.01);
+      found = true;
+    }
+    EXPECT_TRUE(found) << past_mm;
+  }
+}
+
+TEST_F(Damage, what_flashing_relies_on) {
+  expect("design-id", [](json& j) { j["design_id"] = "0123456789abcdef"; });
+  expect("bend-radius", [](json& j) { leaf(j)["bend_radius_mm"] = 5.0; });
 }
 
 TEST_F(Damage, limits_are_the_users_choice_but_must_be_limits) {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -22,7 +23,7 @@ struct CheckedDesign {
     bool up;
     Triangle3 corner;
     std::array<int, 3> neighbour;
-    double edge_error, center_gap, edge_depth, penetration, overrun;
+    double edge_error, center_gap, edge_depth, penetration, overrun, bend_radius;
     std::array<double, 3> hinge_gap, fold;
     int patch, line, address, rotation, parent, depth;
     std::array<P3, 12> taxel, taxel_normal;
@@ -55,6 +56,7 @@ struct CheckedDesign {
   double area_cm2, coverage, max_edge_error, max_hinge_gap, max_center_gap;
   int upper_bound, patches_lower_bound;
   std::string method;
+  std::uint64_t design_id;
 };
 
 [[nodiscard]] CheckedDesign read_checked_design(const std::filesystem::path& path);
@@ -74,7 +76,7 @@ void check_modules(const CheckedDesign& design, Findings& findings);   ///< latt
 void check_surface(const CheckedDesign& design, Findings& findings);   ///< gaps, border, overlap, orientation
 void check_pieces(const CheckedDesign& design, Findings& findings);    ///< nets and placements on the plane
 void check_patches(const CheckedDesign& design, Findings& findings);   ///< wiring
-void check_report(const CheckedDesign& design, Findings& findings);    ///< the numbers that the file states
+void check_report(const CheckedDesign& design, Findings& findings);    ///< the numbers and the id that the file states
 
 inline constexpr double kSide = 30.0;
 [[nodiscard]] inline std::string module_name(std::size_t k) { return "module " + std::to_string(k); }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "checked_design.hpp"
@@ -27,9 +28,45 @@ void check_limits(const CheckedDesign::Limits& l, DesignReport& report, Findings
   }
 }
 
+// FNV-1a of 64 bits over little-endian words, as docs/design_file.md defines the id.
+class Fnv {
+ public:
+  void add(std::int64_t word) {
+    for (int k = 0; k < 8; ++k) value_ = (value_ ^ (static_cast<std::uint64_t>(word) >> (8 * k) & 0xFF)) * 0x100000001B3U;
+  }
+  [[nodiscard]] std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xCBF29CE484222325U;
+};
+
+// A controller whose id matches is not flashed again: an id that belongs to other modules would leave it as it is.
+void check_id(const CheckedDesign& d, Findings& f) {
+  f.rule("design-id");
+  Fnv fnv;
+  for (const auto& m : d.modules) {
+    for (const int word : {m.island, m.i, m.j, m.up ? 1 : 0}) fnv.add(word);
+    for (const P3& c : m.corner) {
+      for (int axis = 0; axis < 3; ++axis) fnv.add(std::llround(std::clamp(c[axis], -1e9, 1e9) * 1000.0));
+    }
+    for (const int n : m.neighbour) fnv.add(n);
+  }
+  for (const auto& p : d.patches) {
+    fnv.add(p.entry);
+    for (const int k : p.modules) {
+      const auto& m = d.modules[static_cast<std::size_t>(k)];
+      for (const int word : {k, m.parent, m.rotation, m.line, m.address}) fnv.add(word);
+    }
+  }
+  if (fnv.value() != d.design_id) {
+    f.broken("design-id", "design", fmt::format("states {:016x}, its modules and wiring have {:016x}: the file was changed", d.design_id, fnv.value()));
+  }
+}
+
 }  // namespace
 
 void check_report(const CheckedDesign& d, Findings& f) {
+  check_id(d, f);
   for (const char* rule : {"report-area", "report-coverage", "report-maxima", "report-bound"}) f.rule(rule);
   double area = 0.0;
   for (const auto& face : d.faces) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <charconv>
+
 #include "checked_design.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
@@ -42,6 +44,7 @@ CheckedDesign::Module read_module(const json& j, int n) {
   m.edge_depth = j.at("edge_depth_mm").get<double>();
   m.penetration = j.at("penetration_mm").get<double>();
   m.overrun = j.at("overrun_mm").get<double>();
+  m.bend_radius = j.at("bend_radius_mm").get<double>();
   m.hinge_gap = three(j.at("hinge_gap_mm"));
   m.fold = three(j.at("fold_rad"));
   m.patch = j.at("patch").get<int>();
@@ -88,6 +91,13 @@ CheckedDesign::Patch read_patch(const json& j, int n) {
   return p;
 }
 
+std::uint64_t hex_id(const std::string& text) {
+  std::uint64_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id, 16);
+  if (error != std::errc{} || end != text.data() + text.size()) throw InputError(fmt::format("design_id \"{}\" is not 16 hexadecimal digits", text));
+  return id;
+}
+
 CheckedDesign read_all(const json& j) {
   CheckedDesign d{};
   if (j.at("format") != "triskin-design" || j.at("version") != 1) throw InputError("not a design file of version 1; make the design again");
@@ -102,6 +112,7 @@ CheckedDesign read_all(const json& j) {
   d.limits = {l.at("edge_error_mm"), l.at("hinge_gap_mm"), l.at("center_gap_mm"), l.at("fold_rad"), l.at("penetration_mm"), l.at("overrun_mm")};
   d.islands = j.at("islands").get<int>();
   d.method = j.at("method").get<std::string>();
+  d.design_id = hex_id(j.at("design_id").get<std::string>());
   const int n = static_cast<int>(j.at("modules").size());
   for (const json& m : j.at("modules")) {
     bounded(m.at("id").get<int>(), static_cast<int>(d.modules.size()), static_cast<int>(d.modules.size()), "module id");

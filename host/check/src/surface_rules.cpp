@@ -18,8 +18,21 @@ void against_limit(Findings& f, const char* rule, std::size_t module, double mea
   if (!(std::abs(measured - stated) <= kStated_mm)) f.broken(rule, module_name(module), fmt::format("stated {:.3f} mm, measured {:.3f} mm", stated, measured));
 }
 
+// How much the normal turns between the middle and a corner; the radius is the distance divided by that.
+void check_bend(const CheckedDesign::Module& m, std::size_t k, const SurfaceIndex& surface, const P3& normal, Findings& f) {
+  double turn = 0.0;
+  for (const P3& corner : m.corner) {
+    const P3 there = surface.closest(corner).normal;
+    turn = std::max(turn, std::atan2(normal.cross(there).norm(), normal.dot(there)));
+  }
+  const double stated = m.bend_radius > 0.0 ? (m.corner[0] - centroid(m.corner)).norm() / m.bend_radius : 0.0;
+  if (!(std::abs(turn - stated) <= 1e-3)) {
+    f.broken("bend-radius", module_name(k), fmt::format("states {:.1f} mm, a turn of {:.4f} rad; measured {:.4f} rad", m.bend_radius, stated, turn));
+  }
+}
+
 void check_against_surface(const CheckedDesign& d, Findings& f) {
-  for (const char* rule : {"center-gap", "overrun", "edge-depth", "outward"}) f.rule(rule);
+  for (const char* rule : {"center-gap", "overrun", "edge-depth", "outward", "bend-radius"}) f.rule(rule);
   const SurfaceIndex surface(d);
   for (std::size_t k = 0; k < d.modules.size(); ++k) {
     const auto& m = d.modules[k];
@@ -28,6 +41,7 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
     against_limit(f, "center-gap", k, (hit.point - c).norm(), d.limits.center_gap, m.center_gap);
     const double cosine = hit.normal.dot(unit_normal(m.corner));
     if (!(cosine > 0.5)) f.broken("outward", module_name(k), fmt::format("its normal is {:.0f}° off the surface's", std::acos(cosine) * 180 / M_PI));
+    check_bend(m, k, surface, hit.normal, f);
     double depth = 0.0;
     for (std::size_t s = 0; s < 3; ++s) {
       for (int q = 0; q < kSamples; ++q) {

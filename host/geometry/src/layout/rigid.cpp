@@ -57,9 +57,10 @@ bool covers(const std::array<Vec3, 3>& corners, const Vec3& p) {
 // From a point of the border outwards, as long as it goes away from the border and stays under the module.
 double march_out(const Surface& surface, const std::array<Vec3, 3>& corners, const Vec3& p, const Vec3& out) {
   constexpr double kStep_mm = 0.2;
+  const Vec3 n = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
   double best = 0.0;
   for (Vec3 q = p + kStep_mm * out; covers(corners, q); q += kStep_mm * out) {
-    const double over = standing_at(surface, q).over_mm;
+    const double over = standing_at(surface, q - n.dot(q - corners[0]) * n).over_mm;
     if (over <= best) break;
     best = over;
   }
