@@ -82,7 +82,7 @@ void measure_on_surface(const Surface& surface, PlacedModule& m) {
   m.center_gap_mm = surface.closest(centroid_of(m.corner_mm)).distance_mm;
   const SideMetrics sides = walk_sides(surface, m.corner_mm, kSideSamples);
   m.edge_depth_mm = sides.depth_mm;
-  m.overrun_mm = std::max(sides.overrun_mm, overrun_inside(surface, m.corner_mm));
+  m.overrun_mm = overrun_of_area(surface, m.corner_mm, sides.overrun_mm);
   m.bend_radius_mm = smallest_radius(surface, m.corner_mm);
 }
 

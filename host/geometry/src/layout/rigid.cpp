@@ -23,48 +23,44 @@ std::array<Vec3, 3> fit_rigid(const std::array<Vec3, 3>& target) {
 
 namespace {
 
-struct Standing {
-  double over_mm, depth_mm;
-};
-Standing standing_at(const Surface& surface, const Vec3& p) {
+// Tangential distance to the border where that is the nearest of the surface, else a negative number.
+double standing_over(const Surface& surface, const Vec3& p) {
   const SurfacePoint c = surface.closest(p);
+  if (surface.border_distance(c.position_mm) >= 1e-6) return -1.0;
   const Vec3 d = p - c.position_mm, n = surface.normal_at(c);
-  const bool border = surface.border_distance(c.position_mm) < 1e-6;
-  return {border ? (d - d.dot(n) * n).norm() : 0.0, -d.dot(n)};
+  return (d - d.dot(n) * n).norm();
 }
 
-// Between the steps beside the largest value: a notch of the border may be narrower than a step.
-double refined(const Surface& surface, const Vec3& from, const Vec3& to) {
-  double low = 0.0, high = 1.0, best = 0.0;
-  for (int k = 0; k < 12; ++k) {
-    const double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
-    const double at_a = standing_at(surface, from + a * (to - from)).over_mm, at_b = standing_at(surface, from + b * (to - from)).over_mm;
-    best = std::max({best, at_a, at_b});
-    (at_a < at_b ? low : high) = at_a < at_b ? a : b;
+// Largest overrun on a stretch of a side. Both distances change by no more than the way along the side: a stretch whose middle is
+// that much nearer to the surface than to its border has none. Where the stretch leaves the surface it is divided finely, because
+// normals between vertices turn there at once; farther out the overrun changes slowly.
+void walk_over_border(const Surface& surface, const Vec3& from, const Vec3& to, double& best) {
+  constexpr double kFine_mm = 0.01, kPlateau_mm = 0.1;
+  const Vec3 middle = 0.5 * (from + to);
+  const double length = (to - from).norm();
+  if (surface.border_distance(middle) - surface.closest(middle).distance_mm > length) return;
+  const double over = standing_over(surface, middle);
+  best = std::max(best, over);
+  if (over >= 0.0 && (length < kPlateau_mm || over + length < best)) {
+    if (standing_over(surface, from) >= 0.0 && standing_over(surface, to) >= 0.0) return;
   }
-  return best;
+  if (length < kFine_mm) return;
+  walk_over_border(surface, from, middle, best);
+  walk_over_border(surface, middle, to, best);
 }
 
-bool covers(const std::array<Vec3, 3>& corners, const Vec3& p) {
-  const Vec3 n = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
-  if (std::abs(n.dot(p - corners[0])) > 10.0) return false;
-  for (std::size_t s = 0; s < 3; ++s) {
-    if (n.cross(corners[(s + 1) % 3] - corners[s]).dot(p - corners[s]) < 0.0) return false;
+// The same over the area: notches and holes of the border under the module. Points of the part lie within `radius` of its middle.
+void search_over_border(const Surface& surface, const std::array<Vec3, 3>& part, double radius, double& best) {
+  constexpr double kFine_mm = 0.12;
+  const Vec3 middle = (part[0] + part[1] + part[2]) / 3.0;
+  if (surface.border_distance(middle) - surface.closest(middle).distance_mm > 2.0 * radius) return;
+  const double over = standing_over(surface, middle);
+  best = std::max(best, over);
+  if (radius < kFine_mm || (over >= 0.0 && over + 2.0 * radius < best)) return;
+  const Vec3 ab = 0.5 * (part[0] + part[1]), bc = 0.5 * (part[1] + part[2]), ca = 0.5 * (part[2] + part[0]);
+  for (const auto& quarter : {std::array{part[0], ab, ca}, std::array{part[1], bc, ab}, std::array{part[2], ca, bc}, std::array{ab, bc, ca}}) {
+    search_over_border(surface, quarter, 0.5 * radius, best);
   }
-  return true;
-}
-
-// From a point of the border outwards, as long as it goes away from the border and stays under the module.
-double march_out(const Surface& surface, const std::array<Vec3, 3>& corners, const Vec3& p, const Vec3& out) {
-  constexpr double kStep_mm = 0.2;
-  const Vec3 n = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
-  double best = 0.0;
-  for (Vec3 q = p + kStep_mm * out; covers(corners, q); q += kStep_mm * out) {
-    const double over = standing_at(surface, q - n.dot(q - corners[0]) * n).over_mm;
-    if (over <= best) break;
-    best = over;
-  }
-  return best;
 }
 
 }  // namespace
@@ -72,41 +68,21 @@ double march_out(const Surface& surface, const std::array<Vec3, 3>& corners, con
 SideMetrics walk_sides(const Surface& surface, const std::array<Vec3, 3>& corners, int samples) {
   SideMetrics m;
   for (std::size_t s = 0; s < 3; ++s) {
-    const Vec3 d = (corners[(s + 1) % 3] - corners[s]) / samples;
-    double over = 0.0;
-    int where = 0;
+    m.overrun_mm = std::max(m.overrun_mm, standing_over(surface, corners[s]));
     for (int k = 0; k < samples; ++k) {
-      const Standing here = standing_at(surface, corners[s] + k * d);
-      m.depth_mm = std::max(m.depth_mm, here.depth_mm);
-      if (here.over_mm <= over) continue;
-      over = here.over_mm;
-      where = k;
+      const Vec3 p = corners[s] + (corners[(s + 1) % 3] - corners[s]) * (static_cast<double>(k) / samples);
+      const SurfacePoint c = surface.closest(p);
+      m.depth_mm = std::max(m.depth_mm, (c.position_mm - p).dot(surface.normal_at(c)));
     }
-    if (over > 0.0) over = std::max(over, refined(surface, corners[s] + std::max(0, where - 1) * d, corners[s] + (where + 1) * d));
-    m.overrun_mm = std::max(m.overrun_mm, over);
   }
+  for (std::size_t s = 0; s < 3; ++s) walk_over_border(surface, corners[s], corners[(s + 1) % 3], m.overrun_mm);
   return m;
 }
 
-double overrun_inside(const Surface& surface, const std::array<Vec3, 3>& corners) {
+double overrun_of_area(const Surface& surface, const std::array<Vec3, 3>& corners, double known_mm) {
   const Vec3 c = (corners[0] + corners[1] + corners[2]) / 3.0;
-  const auto& v = surface.mesh().vertices;
-  double most = 0.0;
-  for (const auto& loop : surface.border_loops()) {
-    for (std::size_t k = 0; k < loop.size(); ++k) {
-      const int i = loop[k], j = loop[(k + 1) % loop.size()];
-      const Vec3 &a = v[static_cast<std::size_t>(i)], &b = v[static_cast<std::size_t>(j)];
-      const double length = (b - a).norm();
-      if ((0.5 * (a + b) - c).norm() > 0.5 * length + 20.0) continue;
-      const Vec3 out = (b - a).cross(surface.vertex_normal(i) + surface.vertex_normal(j)).normalized();
-      const int parts = static_cast<int>(std::ceil(length));
-      for (int q = 0; q < parts; ++q) {
-        const Vec3 p = a + (b - a) * ((q + 0.5) / parts);
-        if (covers(corners, p)) most = std::max(most, march_out(surface, corners, p, out));
-      }
-    }
-  }
-  return most;
+  search_over_border(surface, corners, (corners[0] - c).norm(), known_mm);
+  return known_mm;
 }
 
 }  // namespace triskin::geometry

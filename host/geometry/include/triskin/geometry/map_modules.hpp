@@ -26,8 +26,8 @@ void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayou
 /// Measures every metric of every module of the layout: both of the following.
 void measure(const Surface& surface, ModuleLayout& layout);
 
-/// What depends on the surface alone: gap under the centre, depth, overrun, bend radius. Sides are walked every 0.5 mm, finer
-/// round the largest overrun; border that runs under the module is met from within. Cost: ~200 closest-point queries.
+/// What depends on the surface alone: gap under the centre, depth, overrun, bend radius. Sides are walked every 0.5 mm for
+/// the depth, by bisection where they leave the surface; its area is searched for border under it. Cost: ~200 closest-point queries.
 void measure_on_surface(const Surface& surface, PlacedModule& module);
 
 /// What depends on the other modules: joints and penetration. Cost: n² / 2 distances.
