@@ -17,7 +17,7 @@ bool bit(std::uint8_t set, int k) { return ((set >> k) & 1) != 0; }
 }  // namespace
 
 SwitchedPatch::SwitchedPatch(std::vector<std::array<End, 3>> joints, int cable_port, std::uint64_t seed)
-    : joints_(std::move(joints)), faults_(joints_.size()), modules_(joints_.size()), cable_port_(cable_port), random_(seed) {}
+    : joints_(std::move(joints)), faults_(joints_.size()), modules_(joints_.size()), cable_port_(cable_port), random_(seed), flips_(~seed) {}
 
 std::uint8_t SwitchedPatch::output(int m) const {
   const Module& module = at(m);
@@ -82,30 +82,44 @@ void SwitchedPatch::collect(int m, std::vector<int>& chain) const {
 }
 
 void SwitchedPatch::exchange(Bytes out, std::span<std::uint8_t> in) {
+  time_us_ += static_cast<double>(8 * out.size()) * kBit_ns * 1e-3;
   std::vector<int> chain;
-  const bool dead = shorted() || !reached(0);
-  if (!dead) collect(0, chain);
-  std::bernoulli_distribution flip(bit_errors_);
-  for (std::size_t byte = 0; byte < out.size(); ++byte) {
-    in[byte] = 0;
-    for (int k = 7; k >= 0; --k) {
-      time_us_ += kBit_ns * 1e-3;
-      if (dead) continue;
-      int carry = out[byte] >> k & 1;
-      for (const int element : chain) {
-        if (element < 0) {
-          carry = element == kConstantOne ? 1 : 0;
-          continue;
-        }
-        Module& m = at(element);
-        const int next = m.shift >> 7;
-        if (bit_errors_ > 0.0 && flip(random_)) carry ^= 1;
-        m.shift = static_cast<std::uint8_t>(m.shift << 1 | carry);
-        carry = next;
-      }
-      in[byte] = static_cast<std::uint8_t>(in[byte] | carry << k);
-    }
+  if (shorted() || !reached(0)) {
+    std::fill_n(in.begin(), out.size(), std::uint8_t{0});
+    return;
   }
+  collect(0, chain);
+  for (std::size_t k = 0; k < out.size(); ++k) in[k] = bit_errors_ > 0.0 ? shift_bits(chain, out[k]) : shift_byte(chain, out[k]);
+}
+
+// Every register is one byte long: after eight clocks each has what the one before it had.
+std::uint8_t SwitchedPatch::shift_byte(const std::vector<int>& chain, std::uint8_t carry) {
+  for (const int element : chain) {
+    if (element >= 0) std::swap(carry, at(element).shift);
+    else carry = element == kConstantOne ? 0xFF : 0;
+  }
+  return carry;
+}
+
+std::uint8_t SwitchedPatch::shift_bits(const std::vector<int>& chain, std::uint8_t out) {
+  std::bernoulli_distribution flip(bit_errors_);
+  std::uint8_t in = 0;
+  for (int k = 7; k >= 0; --k) {
+    int carry = out >> k & 1;
+    for (const int element : chain) {
+      if (element < 0) {
+        carry = element == kConstantOne ? 1 : 0;
+        continue;
+      }
+      Module& m = at(element);
+      const int next = m.shift >> 7;
+      if (flip(flips_)) carry ^= 1;
+      m.shift = static_cast<std::uint8_t>(m.shift << 1 | carry);
+      carry = next;
+    }
+    in = static_cast<std::uint8_t>(in | carry << k);
+  }
+  return in;
 }
 
 void SwitchedPatch::latch() {

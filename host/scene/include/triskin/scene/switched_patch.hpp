@@ -10,7 +10,8 @@
 
 namespace triskin::scene {
 
-/// Switched modules and their joints at bit level: registers, arbiters, constants of broken chains, faults, virtual time.
+/// Switched modules and their joints: registers, arbiters, constants of broken chains, faults, virtual time. The chain moves whole bytes, which
+/// is exact because every register is one byte long, and single bits only while they can flip.
 class SwitchedPatch final : public sim::ChainModel {
  public:
   struct End {
@@ -32,7 +33,7 @@ class SwitchedPatch final : public sim::ChainModel {
   void set_stuck_line(int module, int line);          ///< holds `line` down whenever its switches are closed; −1: none
   void set_stuck_bit(int module, int bit, int value); ///< of the register's outputs; value −1: none
   void reset_alone(int module);                       ///< register to zero as after a dip of its supply
-  void set_bit_error_rate(double rate) { bit_errors_ = rate; }
+  void set_bit_error_rate(double rate) { bit_errors_ = rate; }  ///< probability that a bit flips in one module
 
   [[nodiscard]] bool reached(int module) const;       ///< the lines of the controller reach the module
   [[nodiscard]] int line_of(int module) const { return output(module) & 3; }
@@ -57,6 +58,8 @@ class SwitchedPatch final : public sim::ChainModel {
   [[nodiscard]] bool attached_child(int m, int p) const;
   [[nodiscard]] bool shorted() const;
   void collect(int m, std::vector<int>& chain) const;
+  std::uint8_t shift_byte(const std::vector<int>& chain, std::uint8_t carry);
+  std::uint8_t shift_bits(const std::vector<int>& chain, std::uint8_t out);
   void settle();
 
   std::vector<std::array<End, 3>> joints_;
@@ -65,7 +68,7 @@ class SwitchedPatch final : public sim::ChainModel {
   int cable_port_;
   bool enabled_ = false;
   double bit_errors_ = 0.0, time_us_ = 0.0;
-  std::mt19937_64 random_;
+  std::mt19937_64 random_, flips_;
 };
 
 }  // namespace triskin::scene
