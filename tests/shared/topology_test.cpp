@@ -18,6 +18,7 @@ FoundTopology found_of(const Vector& v, std::uint8_t flags) {
   FoundTopology t;
   t.switched = (flags & 1) != 0;
   t.complete = (flags & 2) != 0;
+  t.second_cable = (flags & 4) != 0;
   t.cable_port = static_cast<std::uint8_t>(v.number("cable"));
   for (const std::uint64_t row : test::numbers(v.one("rows"), 10)) t.row.at(t.count++) = static_cast<std::uint8_t>(row);
   std::istringstream joints(v.one("joints"));
@@ -42,6 +43,7 @@ ActiveRoute route_of(const Vector& v, Bytes bytes) {
   a.complete = has("complete");
   a.as_table = has("as_table");
   a.least_depth = has("least_depth");
+  a.second_cable = has("second_cable");
   a.shorts = bytes[1];
   a.unknown = bytes[2];
   a.max_depth = bytes[3];
@@ -98,8 +100,8 @@ TEST(TopologyVectors, encode_and_decode_as_the_file_says) {
       ++refused;
     }
   }
-  EXPECT_EQ(found, 3);
-  EXPECT_EQ(route, 2);
+  EXPECT_EQ(found, 4);
+  EXPECT_EQ(route, 3);
   EXPECT_EQ(refused, 7);
 }
 

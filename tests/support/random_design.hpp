@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
+#include <bit>
 #include <map>
 #include <random>
 #include <vector>
@@ -46,19 +48,43 @@ inline model::Design random_design(int modules, std::mt19937_64& random) {
   return d;
 }
 
-/// Rows of patch 0 that any tree over its joints can reach without one module: flood fill from the entry.
-inline std::uint32_t rows_that_survive(const model::Design& design, int dead_row) {
-  const model::PortEnds ends = model::joints_of(design, 0);
-  std::uint32_t reached = dead_row == 0 ? 0 : 1;
+/// What is broken in patch 0, by row.
+struct Broken {
+  std::vector<int> dead;
+  std::vector<std::pair<int, int>> cut;
+};
+
+/// Rows that can be reached from one: flood fill over the joints that survive, a bit a row.
+inline std::uint32_t reached_from(int start, const model::PortEnds& ends, const Broken& broken) {
+  const auto dead = [&](int m) { return std::ranges::find(broken.dead, m) != broken.dead.end(); };
+  const auto cut = [&](int a, int b) { return std::ranges::any_of(broken.cut, [&](const auto& c) { return std::minmax(c.first, c.second) == std::minmax(a, b); }); };
+  std::uint32_t reached = dead(start) ? 0 : 1U << start;
   for (std::size_t round = 0; round < ends.size(); ++round) {
-    for (std::size_t m = 0; m < ends.size(); ++m) {
+    for (int m = 0; m < static_cast<int>(ends.size()); ++m) {
       if ((reached >> m & 1) == 0) continue;
-      for (const model::PortEnd& e : ends[m]) {
-        if (e.row >= 0 && e.row != dead_row) reached |= 1U << e.row;
+      for (const model::PortEnd& e : ends[static_cast<std::size_t>(m)]) {
+        if (e.row >= 0 && !dead(e.row) && !cut(m, e.row)) reached |= 1U << e.row;
       }
     }
   }
   return reached;
+}
+
+/// Row with the second cable; -1: none.
+inline int second_entry_row(const model::Design& design) {
+  const geometry::Patch& patch = design.patches[0];
+  const auto found = std::ranges::find(patch.modules, patch.second_entry, &geometry::RoutedModule::node);
+  return patch.second_entry < 0 || found == patch.modules.end() ? -1 : static_cast<int>(found - patch.modules.begin());
+}
+
+/// Rows that the controller can read over one of its cables: the first, unless it reaches nobody, or less than half of the patch and
+/// not more than the second.
+inline std::uint32_t rows_that_survive(const model::Design& design, const Broken& broken) {
+  const model::PortEnds ends = model::joints_of(design, 0);
+  const int second_row = second_entry_row(design);
+  const std::uint32_t first = reached_from(0, ends, broken), second = second_row < 0 ? 0 : reached_from(second_row, ends, broken);
+  const auto little = 2 * static_cast<std::size_t>(std::popcount(first)) < ends.size();
+  return first == 0 || (little && std::popcount(second) >= std::popcount(first)) ? second : first;
 }
 
 }  // namespace triskin::test

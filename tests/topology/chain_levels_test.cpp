@@ -19,8 +19,8 @@ TEST(ChainLevels, bytes_and_bits_give_the_same) {
     const RandomPatch patch = random_patch(1 + trial % 16, trial % 5, random);
     SwitchedPatch bytes(patch.joints, patch.cable_port, 7), bits(patch.joints, patch.cable_port, 7);
     bits.set_bit_error_rate(kNever);
-    bytes.enable(true);
-    bits.enable(true);
+    bytes.enable(1);
+    bits.enable(1);
     for (int step = 0; step < 60; ++step) {
       std::array<std::uint8_t, 19> out{}, a{}, b{};
       const std::size_t n = 1 + random() % out.size();
@@ -46,7 +46,7 @@ TEST(ChainLevels, flipped_bits_are_as_many_as_asked_for) {
   RandomPatch patch;
   patch.joints.resize(1);
   SwitchedPatch model(patch.joints, 0, 3);
-  model.enable(true);
+  model.enable(1);
   model.set_bit_error_rate(0.01);
   std::array<std::uint8_t, 19> zeros{}, in{};
   int flipped = 0;

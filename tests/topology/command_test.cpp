@@ -108,6 +108,22 @@ TEST_F(Commands, the_route_prepared_for_a_failure_is_flashed_and_taken_back) {
   for (const char* nonsense : {"backup", "backup:99", "backup:x", "sideways"}) run(std::string("flash patch.json --scene scene.json --route ") + nonsense, 2);
 }
 
+// The entry dies: the second cable reads the rest, and the commands say so.
+TEST_F(Commands, a_dead_entry_is_told_with_the_second_cable) {
+  ASSERT_GE(second_entry_row(design_), 1);
+  scene(json::array());
+  run("flash patch.json --scene scene.json", 0);
+  scene({{{"kind", "dead_module"}, {"module", design_.patches[0].entry}}});
+  const json found = run("discover --topology --scene scene.json --design patch.json", 1);
+  const json& topology = found["controllers"][0]["topology"];
+  EXPECT_EQ(topology["route"]["second_cable"], true);
+  const auto named = kinds(topology["match"]["differences"]);
+  EXPECT_NE(std::ranges::find(named, "second_cable"), named.end());
+  EXPECT_NE(std::ranges::find(named, "missing_module"), named.end());
+  const json verified = run("verify patch.json --scene scene.json --watch-s 0 --no-touch", 1);
+  EXPECT_EQ(verified["modules_ok"], std::popcount(rows_that_survive(design_, {{0}, {}})));
+}
+
 TEST_F(Commands, strapped_modules_have_nothing_to_discover) {
   const json found = run("discover --topology --design patch.json", 0);
   EXPECT_FALSE(found["controllers"][0]["topology"]["switched"]);

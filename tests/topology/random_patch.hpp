@@ -74,7 +74,7 @@ inline RandomPatch random_patch(int modules, int cycles, std::mt19937_64& random
 class ModelledChain final : public fw::RouteChain {
  public:
   explicit ModelledChain(SwitchedPatch& patch) : patch_(patch) {}
-  void enable(bool on) override { patch_.enable(on); }
+  void enable(std::uint8_t cables) override { patch_.enable(cables); }
   void exchange(Bytes out, std::span<std::uint8_t> in) override {
     ++exchanges;
     patch_.exchange(out, in);

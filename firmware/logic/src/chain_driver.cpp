@@ -24,10 +24,10 @@ void ChainDriver::clear() {
   length_ = 0;
 }
 
-bool ChainDriver::restart() {
+bool ChainDriver::restart(std::uint8_t cable) {
   clear();
-  port_.enable(false);
-  port_.enable(true);
+  port_.enable(0);
+  port_.enable(static_cast<std::uint8_t>(1U << cable));
   // One register deep: what is shifted in comes back eight bits later.
   for (int k = 0; k < kTries; ++k) {
     if (measure() != Answer::kModule) continue;
@@ -40,7 +40,7 @@ bool ChainDriver::restart() {
 
 void ChainDriver::silence() {
   clear();
-  port_.enable(false);
+  port_.enable(0);
 }
 
 // Own register, then the segments of ports A, B, C.

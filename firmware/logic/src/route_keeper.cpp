@@ -47,6 +47,7 @@ void RouteKeeper::heal(const Clock& clock) {
   route_.repairs = repairs;
   route_.switched = topology_.graph().count > 0 || was_switched;  // a patch that has gone silent is still a switched one
   complete_discovery_ = report.complete;
+  second_cable_ = report.second_cable;
   if (has_table) note(report);
   route_.last_us = static_cast<std::uint32_t>(clock.now_us() - start_us);
   plan_next(clock.now_us());
@@ -56,6 +57,7 @@ void RouteKeeper::note(const Topology::Report& report) {
   route_.complete = report.complete;
   route_.as_table = report.as_table;
   route_.least_depth = report.least_depth;
+  route_.second_cable = report.second_cable;
   route_.shorts = report.shorts;
   route_.unknown = report.unknown;
   route_.max_depth = report.max_depth;
@@ -109,6 +111,7 @@ wire::FoundTopology RouteKeeper::found() const {
   const PatchGraph& g = topology_.graph();
   t.switched = route_.switched;
   t.complete = complete_discovery_;
+  t.second_cable = second_cable_;
   t.count = g.count;
   t.cable_port = g.cable_port;
   for (std::uint8_t m = 0; m < g.count; ++m) {

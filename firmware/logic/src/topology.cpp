@@ -34,6 +34,7 @@ Topology::Report Topology::discover() {
     break;
   }
   report.shorts = shorts_;
+  report.second_cable = cable_ == 1;
   return report;
 }
 
@@ -43,7 +44,11 @@ Topology::Pass Topology::explore() {
   inputs_.fill(0);
   parent_.fill({});
   for (auto& p : port_) p.fill(Port::kUnknown);
-  if (!chain_.restart()) return Pass::kNobody;
+  cable_ = first_tried_;
+  if (!chain_.restart(cable_)) {
+    cable_ ^= 1U;
+    if (!chain_.restart(cable_)) return Pass::kNobody;
+  }
   held_lines_ = chain_.stuck_lines();  // nothing can be left out that would free these
   graph_.count = 1;
   std::array<std::uint8_t, layout::kMaxModules> next{};
@@ -226,7 +231,7 @@ std::optional<bool> Topology::brings_module(std::uint8_t module, std::uint8_t po
 
 // Opens the tree level by level, one latch a level.
 bool Topology::rebuild(std::uint16_t wanted, bool set_slots) {
-  if (!chain_.restart()) return false;
+  if (!chain_.restart(cable_)) return false;
   if (set_slots) chain_.set_slot(0, slot_[0]);
   std::uint16_t in = 1;
   for (;;) {
@@ -247,6 +252,7 @@ bool Topology::rebuild(std::uint16_t wanted, bool set_slots) {
 Topology::Table Topology::table_of(const layout::PatchImage& image) {
   Table table;
   table.graph.count = image.module_count;
+  if (image.second_entry != 0) table.second_entry = {static_cast<std::uint8_t>(layout::joint_row(image.second_entry)), layout::joint_port(image.second_entry)};
   const bool given = layout::has_joints(image);
   const auto row = [](std::uint8_t k) { return static_cast<std::size_t>(k); };
   for (std::uint8_t k = 0; k < image.module_count; ++k) {
@@ -265,10 +271,15 @@ Topology::Table Topology::table_of(const layout::PatchImage& image) {
 }
 
 Topology::Report Topology::heal(const Table& table) {
-  Report report = discover();
-  table_index_.fill(kNoModule);
+  Report report = find(table);
+  if (more_behind_second(table, report)) {
+    const std::uint8_t unknown = report.unknown, count = graph_.count;
+    first_tried_ = 1;
+    report = find(table);
+    first_tried_ = 0;
+    if (graph_.count - report.unknown < count - unknown) report = find(table);
+  }
   if (report.complete) {
-    identify(table.graph, report);
     for (std::uint8_t m = 0; m < graph_.count; ++m) {
       if (table_index_[m] != kNoModule) slot_[m] = table.slots[table_index_[m]];
     }
@@ -286,6 +297,21 @@ Topology::Report Topology::heal(const Table& table) {
   return report;
 }
 
+Topology::Report Topology::find(const Table& table) {
+  Report report = discover();
+  table_index_.fill(kNoModule);
+  if (report.complete) identify(table, report);
+  return report;
+}
+
+bool Topology::more_behind_second(const Table& table, const Report& report) const {
+  if (!report.complete || report.second_cable || table.second_entry.module >= table.graph.count) return false;
+  for (std::uint8_t m = 0; m < graph_.count; ++m) {
+    if (table_index_[m] == table.second_entry.module) return false;
+  }
+  return 2 * (graph_.count - report.unknown) < table.graph.count;
+}
+
 bool Topology::in_table(const PatchGraph& table, std::uint8_t module, std::uint8_t port) const {
   const JointEnd found = graph_.joint[module][port];
   if (found.module == kNoModule || table_index_[module] == kNoModule) return false;
@@ -294,14 +320,16 @@ bool Topology::in_table(const PatchGraph& table, std::uint8_t module, std::uint8
 }
 
 // Modules have no name: they are what lies behind the same ports as in the table.
-void Topology::identify(const PatchGraph& table, Report& report) {
+void Topology::identify(const Table& whole, Report& report) {
+  const PatchGraph& table = whole.graph;
+  const JointEnd cable = report.second_cable ? whole.second_entry : JointEnd{0, table.cable_port};
   report.unknown = graph_.count;
-  if (table.count == 0 || !has(inputs_[0], table.cable_port)) return;
-  graph_.cable_port = table.cable_port;
+  if (cable.module >= table.count || !has(inputs_[0], cable.port)) return;
+  graph_.cable_port = cable.port;
   std::array<std::uint8_t, layout::kMaxModules> queue{};
   std::size_t n = 0;
-  std::uint16_t used = 1;
-  table_index_[0] = 0;
+  auto used = with(0, cable.module);
+  table_index_[0] = cable.module;
   queue[n++] = 0;
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint8_t m = queue[k];
@@ -320,6 +348,7 @@ void Topology::identify(const PatchGraph& table, Report& report) {
 
 // False: a module or a joint of the table's tree is missing.
 bool Topology::table_tree(const Table& table) {
+  if (cable_ != 0) return false;
   std::array<std::uint8_t, layout::kMaxModules> number{};
   number.fill(kNoModule);
   for (std::uint8_t m = 0; m < graph_.count; ++m) {

@@ -39,7 +39,7 @@ struct CheckedDesign {
     bool proved;
   };
   struct Patch {
-    int node_address, entry, line_hops, max_depth;
+    int node_address, entry, second_entry, second_entry_side, line_hops, max_depth;
     std::vector<int> modules;
     std::vector<std::array<int, 2>> cut_joints;
   };

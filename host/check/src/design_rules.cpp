@@ -53,6 +53,8 @@ void check_id(const CheckedDesign& d, Findings& f) {
   }
   for (const auto& p : d.patches) {
     fnv.add(p.entry);
+    fnv.add(p.second_entry);
+    fnv.add(p.second_entry_side);
     for (const int k : p.modules) {
       const auto& m = d.modules[static_cast<std::size_t>(k)];
       for (const int word : {k, m.parent, m.rotation, m.line, m.address}) fnv.add(word);

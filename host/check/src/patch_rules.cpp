@@ -22,6 +22,7 @@ class PatchChecker {
     addresses();
     tree();
     joints();
+    second_entry();
     totals();
   }
 
@@ -105,6 +106,19 @@ class PatchChecker {
     const int behind_cable = e.neighbour[static_cast<std::size_t>(e.rotation)];
     if (behind_cable >= 0 && members_.contains(behind_cable) && module(behind_cable).parent == p_.entry) {
       broken("entry-cable", fmt::format("the cable enters module {} where module {} hangs", p_.entry, behind_cable));
+    }
+  }
+
+  // The second cable goes to a side without joint of the patch that is not the first one's.
+  void second_entry() {
+    if (p_.second_entry < 0) return;
+    if (!members_.contains(p_.second_entry)) return broken("second-entry", fmt::format("second entry {} is not in the patch", p_.second_entry));
+    const int beyond = module(p_.second_entry).neighbour[static_cast<std::size_t>(p_.second_entry_side)];
+    if (beyond >= 0 && members_.contains(beyond)) {
+      broken("second-entry", fmt::format("the second cable enters module {} where module {} is joined", p_.second_entry, beyond));
+    }
+    if (p_.second_entry == p_.entry && p_.second_entry_side == module(p_.entry).rotation) {
+      broken("second-entry", fmt::format("both cables enter module {} at side {}", p_.entry, p_.second_entry_side));
     }
   }
 

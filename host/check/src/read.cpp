@@ -82,6 +82,8 @@ CheckedDesign::Patch read_patch(const json& j, int n) {
   CheckedDesign::Patch p{};
   p.node_address = j.at("node_address").get<int>();
   p.entry = bounded(j.at("entry").get<int>(), 0, n - 1, "entry");
+  p.second_entry = bounded(j.at("second_entry").get<int>(), -1, n - 1, "second_entry");
+  p.second_entry_side = bounded(j.at("second_entry_side").get<int>(), p.second_entry < 0 ? -1 : 0, p.second_entry < 0 ? -1 : 2, "second_entry_side");
   p.line_hops = j.at("line_hops").get<int>();
   p.max_depth = j.at("max_depth").get<int>();
   p.modules = all(j.at("modules"), [&](const json& m) { return bounded(m.get<int>(), 0, n - 1, "module of a patch"); });

@@ -36,7 +36,7 @@ json route_json(const wire::ActiveRoute& a) {
   for (std::size_t r = 0; r < layout::kMaxModules; ++r) {
     if ((a.alive >> r & 1) != 0) rows.push_back({{"row", r}, {"parent", a.parent[r] == wire::kNoRow ? json(nullptr) : json(a.parent[r])}, {"parent_port", a.parent_port[r]}});
   }
-  return {{"active", a.complete}, {"as_table", a.as_table}, {"least_depth", a.least_depth}, {"max_depth", a.max_depth}, {"shorts", a.shorts},
+  return {{"active", a.complete}, {"as_table", a.as_table}, {"least_depth", a.least_depth}, {"second_cable", a.second_cable}, {"max_depth", a.max_depth}, {"shorts", a.shorts},
           {"unknown_modules", a.unknown}, {"looks", a.heals}, {"repairs", a.repairs}, {"seconds", a.last_us * 1e-6}, {"rows", std::move(rows)}};
 }
 
@@ -65,7 +65,7 @@ std::vector<std::pair<std::size_t, device::TopologyMatch>> recognize(const wire:
 }
 
 void say_found(const wire::FoundTopology& found, const wire::ActiveRoute& route, const Output& output) {
-  output.say(fmt::format("  {} modules, {} joints, cable at port {}, {:.1f} ms{}", found.count, joints_in(found), "ABC"[found.cable_port], route.last_us * 1e-3,
+  output.say(fmt::format("  {} modules, {} joints, {} at port {}, {:.1f} ms{}", found.count, joints_in(found), found.second_cable ? "second cable" : "cable", "ABC"[found.cable_port], route.last_us * 1e-3,
                          found.complete ? "" : "; the chain would not settle, there may be more"));
   for (std::size_t m = 0; m < found.count; ++m) {
     std::string line = fmt::format("    {:2}", m);

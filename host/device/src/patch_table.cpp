@@ -65,6 +65,14 @@ Tree tree_after(const geometry::Patch& patch, const RouteChoice& choice) {
   return tree;
 }
 
+// Port with the second cable, by row; 0 where there is none or its module has failed.
+std::uint8_t second_entry_of(const geometry::Patch& patch, const Tree& tree) {
+  const auto found = std::ranges::find(tree.modules, patch.second_entry, &geometry::RoutedModule::node);
+  if (patch.second_entry < 0 || found == tree.modules.end()) return 0;
+  const int port = (patch.second_entry_side + 3 - found->rotation) % 3;
+  return layout::joint_to(static_cast<std::size_t>(found - tree.modules.begin()), static_cast<std::size_t>(port));
+}
+
 }  // namespace
 
 RouteChoice parse_route(const std::string& text) {
@@ -130,6 +138,7 @@ layout::PatchImage image_of(const model::Design& design, int patch_index, const 
     row.kept_joints = static_cast<std::uint8_t>(row.kept_joints | 1U << layout::joint_port(*port));
     above.kept_joints = static_cast<std::uint8_t>(above.kept_joints | 1U << row.parent_port);
   }
+  image.second_entry = second_entry_of(patch, tree);
   if (const Status s = layout::check(image); s != Status::kOk) {
     refuse(s == Status::kDuplicate ? "two modules have one line and address" : "a joint leaves by the input port or is used twice");
   }

@@ -22,7 +22,8 @@ struct Side {
 class Overlay {
  public:
   Overlay(const wire::FoundTopology& found, const model::Design& design, int patch)
-      : found_(found), modules_(design.patches[static_cast<std::size_t>(patch)].modules) {
+      : found_(found), modules_(design.patches[static_cast<std::size_t>(patch)].modules),
+        second_entry_(design.patches[static_cast<std::size_t>(patch)].second_entry), second_side_(design.patches[static_cast<std::size_t>(patch)].second_entry_side) {
     // Joints by tile side: rotations of zero make a port its side.
     const std::vector<int> upright(modules_.size(), 0);
     sides_ = model::joints_of(design, patch, upright);
@@ -85,6 +86,11 @@ class Overlay {
 
   void look_at_entry(int entry_row) {
     const int cable_side = side_of(0, found_.cable_port);
+    if (found_.second_cable && node(entry_row) == second_entry_ && cable_side == second_side_) {
+      add("second_cable", node(0), node(entry_row), fmt::format("the patch is read over its second cable, at module {}; over the first, at module {}, too little answers", node(entry_row), node(0)),
+          "check the first cable and its module");
+      return;
+    }
     if (entry_row == 0 && cable_side == designed_rotation(0)) return;
     add("wrong_entry", node(0), node(entry_row),
         fmt::format("the cable is plugged into side {} of module {}, the design has it at side {} of module {}", cable_side, node(entry_row),
@@ -170,6 +176,7 @@ class Overlay {
 
   const wire::FoundTopology& found_;
   const std::vector<geometry::RoutedModule>& modules_;
+  int second_entry_, second_side_;
   model::PortEnds sides_;
   std::vector<int> row_, rotation_;  // by found number
   TopologyMatch result_;

@@ -82,6 +82,8 @@ std::uint64_t design_id_of(const Design& design) {
   }
   for (const geometry::Patch& patch : design.patches) {
     hash.add(patch.entry);
+    hash.add(patch.second_entry);
+    hash.add(patch.second_entry_side);
     for (const geometry::RoutedModule& m : patch.modules) {
       for (const int field : {m.node, m.parent, m.rotation, m.line, m.address}) hash.add(field);
     }

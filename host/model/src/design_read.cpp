@@ -145,6 +145,8 @@ geometry::Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& 
   if (v["node_address"].integer(0, kMaxCount) != static_cast<int>(id) + 1) v["node_address"].fail("must be id + 1");
   geometry::Patch patch;
   patch.entry = index_below(n)(v["entry"]);
+  patch.second_entry = index_or_none(n)(v["second_entry"]);
+  patch.second_entry_side = v["second_entry_side"].integer(patch.second_entry < 0 ? -1 : 0, patch.second_entry < 0 ? -1 : 2);
   for (const int node : list(v["modules"], index_below(n))) {
     patch.modules.push_back(read_routed(modules.at(static_cast<std::size_t>(node)), node, n));
   }

@@ -93,6 +93,8 @@ json patch_json(const geometry::Patch& p, int id) {
   return {{"id", id},
           {"node_address", id + 1},
           {"entry", p.entry},
+          {"second_entry", p.second_entry},
+          {"second_entry_side", p.second_entry_side},
           {"modules", std::move(modules)},
           {"cut_joints", p.cut_joints},
           {"line_hops", p.line_hops},

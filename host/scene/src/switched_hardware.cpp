@@ -57,6 +57,15 @@ void SwitchedHardware::add_patch(const Scene& scene, int patch) {
   }
   joints_.push_back(joints);
   patches_.emplace_back(std::move(joints), cable_port, scene.seed + static_cast<std::uint64_t>(patch));
+  plug_second_cable(scene.design.patches[static_cast<std::size_t>(patch)], rotations);
+}
+
+// Where the design has it, unless a wrong joint took its port.
+void SwitchedHardware::plug_second_cable(const geometry::Patch& designed, const std::vector<int>& rotations) {
+  if (designed.second_entry < 0) return;
+  const auto row = static_cast<std::size_t>(row_of(designed.second_entry));
+  const int port = (designed.second_entry_side + 3 - rotations[row]) % 3;
+  if (joints_.back()[row][static_cast<std::size_t>(port)].module < 0) patches_.back().set_second_cable({static_cast<int>(row), port});
 }
 
 void SwitchedHardware::advance(std::uint64_t now_us) {

@@ -17,7 +17,7 @@ bool bit(std::uint8_t set, int k) { return ((set >> k) & 1) != 0; }
 }  // namespace
 
 SwitchedPatch::SwitchedPatch(std::vector<std::array<End, 3>> joints, int cable_port, std::uint64_t seed)
-    : joints_(std::move(joints)), faults_(joints_.size()), modules_(joints_.size()), cable_port_(cable_port), random_(seed), flips_(~seed) {}
+    : joints_(std::move(joints)), faults_(joints_.size()), modules_(joints_.size()), cables_{{{0, cable_port}, {}}}, random_(seed), flips_(~seed) {}
 
 std::uint8_t SwitchedPatch::output(int m) const {
   const Module& module = at(m);
@@ -31,12 +31,20 @@ std::uint8_t SwitchedPatch::opened(int m) const {
 }
 
 std::uint8_t SwitchedPatch::raised(int m) const {
-  std::uint8_t in = m == 0 && enabled_ ? static_cast<std::uint8_t>(1U << cable_port_) : std::uint8_t{0};
+  std::uint8_t in = 0;
   for (int p = 0; p < 3; ++p) {
+    if (at_cable(m, p)) in = static_cast<std::uint8_t>(in | 1U << p);
     const End e = end(m, p);
     if (e.module >= 0 && fault(m, p) != JointFault::kOpen && bit(opened(e.module), e.port)) in = static_cast<std::uint8_t>(in | 1U << p);
   }
   return in;
+}
+
+bool SwitchedPatch::at_cable(int m, int port) const {
+  for (std::size_t c = 0; c < cables_.size(); ++c) {
+    if ((enabled_ >> c & 1) != 0 && cables_[c].module == m && cables_[c].port == port) return true;
+  }
+  return false;
 }
 
 bool SwitchedPatch::attached_child(int m, int p) const {
@@ -58,7 +66,7 @@ int SwitchedPatch::depth_of(int module) const {
   int depth = 0;
   for (int m = module;; ++depth) {
     if (at(m).dead || at(m).grant == sim::kNoGrant || depth > static_cast<int>(modules_.size())) return -1;
-    if (m == 0) return enabled_ && at(0).grant == cable_port_ ? depth : -1;
+    if (at_cable(m, at(m).grant)) return depth;
     const End above = end(m, at(m).grant);
     if (above.module < 0 || !attached_child(above.module, above.port)) return -1;
     m = above.module;
@@ -81,15 +89,25 @@ void SwitchedPatch::collect(int m, std::vector<int>& chain) const {
   }
 }
 
+// One for each cable that a module holds as its parent.
+std::vector<std::vector<int>> SwitchedPatch::chains() const {
+  std::vector<std::vector<int>> list;
+  if (shorted()) return list;
+  for (const End& c : cables_) {
+    if (c.module < 0 || at(c.module).dead || at(c.module).grant != c.port || !at_cable(c.module, c.port)) continue;
+    collect(c.module, list.emplace_back());
+  }
+  return list;
+}
+
 void SwitchedPatch::exchange(Bytes out, std::span<std::uint8_t> in) {
   time_us_ += static_cast<double>(8 * out.size()) * kBit_ns * 1e-3;
-  std::vector<int> chain;
-  if (shorted() || !reached(0)) {
-    std::fill_n(in.begin(), out.size(), std::uint8_t{0});
-    return;
+  std::fill_n(in.begin(), out.size(), std::uint8_t{0});
+  for (const std::vector<int>& chain : chains()) {
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      in[k] = static_cast<std::uint8_t>(in[k] | (bit_errors_ > 0.0 ? shift_bits(chain, out[k]) : shift_byte(chain, out[k])));
+    }
   }
-  collect(0, chain);
-  for (std::size_t k = 0; k < out.size(); ++k) in[k] = bit_errors_ > 0.0 ? shift_bits(chain, out[k]) : shift_byte(chain, out[k]);
 }
 
 // Every register is one byte long: after eight clocks each has what the one before it had.
@@ -124,17 +142,16 @@ std::uint8_t SwitchedPatch::shift_bits(const std::vector<int>& chain, std::uint8
 
 void SwitchedPatch::latch() {
   time_us_ += kSettle_ns * 1e-3;
-  if (shorted() || !reached(0)) return;
-  std::vector<int> chain;
-  collect(0, chain);
-  for (const int element : chain) {
-    if (element >= 0) at(element).latched = at(element).shift;
+  for (const std::vector<int>& chain : chains()) {
+    for (const int element : chain) {
+      if (element >= 0) at(element).latched = at(element).shift;
+    }
   }
   settle();
 }
 
-void SwitchedPatch::enable(bool on) {
-  enabled_ = on;
+void SwitchedPatch::enable(std::uint8_t cables) {
+  enabled_ = cables;
   time_us_ += kSettle_ns * 1e-3;
   settle();
 }

@@ -32,7 +32,8 @@ bool Gpio::alternate(unsigned port, unsigned pin, unsigned function) const {
 }
 
 void Gpio::follow_chain() {
-  if (const bool enabled = drives_high(1, 12); enabled != std::exchange(chain_enabled_, enabled)) chain_.enable(enabled);
+  const auto cables = static_cast<std::uint8_t>((drives_high(1, 12) ? 1 : 0) | (drives_high(1, 10) ? 2 : 0));
+  if (cables != std::exchange(cables_, cables)) chain_.enable(cables);
   if (const bool high = drives_high(1, 11); !std::exchange(latch_high_, high) && high) chain_.latch();
 }
 

@@ -10,7 +10,7 @@
 namespace triskin::machine {
 
 /// Ports A, B, C (RM0440 §9.4): modes, alternate functions, levels. The pins of the four I²C lines are tied to their buses,
-/// so that pulses made by hand reach the chips; PB12 and PB11 are EN and latch of the route chain.
+/// so that pulses made by hand reach the chips; PB12, PB10 and PB11 are EN and latch of the route chain.
 class Gpio final : public Peripheral {
  public:
   Gpio(Surroundings& around, Rcc& rcc, const std::array<sim::I2cBus*, 4>& buses, RouteChainPins& chain)
@@ -34,7 +34,8 @@ class Gpio final : public Peripheral {
   Rcc& rcc_;
   std::array<sim::I2cBus*, 4> buses_;
   RouteChainPins& chain_;
-  bool chain_enabled_ = false, latch_high_ = false;
+  std::uint8_t cables_ = 0;
+  bool latch_high_ = false;
   std::array<Port, 3> ports_;
 };
 

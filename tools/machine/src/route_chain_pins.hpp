@@ -4,13 +4,13 @@
 
 namespace triskin::machine {
 
-/// The scan chain at the pins of the controller: EN at PB12, latch at PB11, clock and data at SPI2. Without modules the returned data are 0,
+/// The scan chain at the pins of the controller: EN of the two cables at PB12 and PB10, latch at PB11, clock and data at SPI2. Without modules the returned data are 0,
 /// by their pull-down.
 class RouteChainPins {
  public:
   explicit RouteChainPins(sim::ChainModel* chain) : chain_(chain) {}
-  void enable(bool on) {
-    if (chain_ != nullptr) chain_->enable(on);
+  void enable(std::uint8_t cables) {
+    if (chain_ != nullptr) chain_->enable(cables);
   }
   void latch() {
     if (chain_ != nullptr) chain_->latch();

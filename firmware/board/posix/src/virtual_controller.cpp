@@ -109,8 +109,8 @@ class VirtualCan final : public fw::CanPort {
 class VirtualChain final : public fw::RouteChain {
  public:
   VirtualChain(ChainModel* model, VirtualClock& clock) : model_(model), clock_(clock) {}
-  void enable(bool on) override {
-    model_->enable(on);
+  void enable(std::uint8_t cables) override {
+    model_->enable(cables);
     clock_.spend(ChainModel::kSettle_ns);
   }
   void exchange(Bytes out, std::span<std::uint8_t> in) override {

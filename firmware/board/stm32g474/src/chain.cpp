@@ -9,7 +9,7 @@
 namespace triskin::board {
 namespace {
 
-constexpr Gpio kEnable{{'B', 12}}, kClock{{'B', 13}}, kDataIn{{'B', 14}}, kDataOut{{'B', 15}}, kLatch{{'B', 11}};
+constexpr Gpio kEnable{{'B', 12}}, kEnable2{{'B', 10}}, kClock{{'B', 13}}, kDataIn{{'B', 14}}, kDataOut{{'B', 15}}, kLatch{{'B', 11}};
 constexpr std::uint32_t kSpi2Function = 5;  // DS12288, table 13
 constexpr std::uint64_t kSettle_us = 5;
 
@@ -26,7 +26,7 @@ Stm32RouteChain route_chain;
 void Stm32RouteChain::open() {
   rcc_reg::kAhb2Enr.set(rcc_reg::kGpioB);
   rcc_reg::kApb1Enr1.set(rcc_reg::kSpi2);
-  for (const Gpio& pin : {kEnable, kLatch}) {
+  for (const Gpio& pin : {kEnable, kEnable2, kLatch}) {
     pin.drive(false);
     pin.mode(PinMode::kOutput);
   }
@@ -41,8 +41,9 @@ void Stm32RouteChain::open() {
   spi_reg::kCr1.write(control | spi_reg::kEnable);
 }
 
-void Stm32RouteChain::enable(bool on) {
-  kEnable.drive(on);
+void Stm32RouteChain::enable(std::uint8_t cables) {
+  kEnable.drive((cables & 1) != 0);
+  kEnable2.drive((cables & 2) != 0);
   settle();
 }
 

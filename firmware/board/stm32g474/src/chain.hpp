@@ -9,7 +9,7 @@ namespace triskin::board {
 class Stm32RouteChain final : public fw::RouteChain {
  public:
   void open();
-  void enable(bool on) override;
+  void enable(std::uint8_t cables) override;
   void exchange(Bytes out, std::span<std::uint8_t> in) override;
   void latch() override;
   [[nodiscard]] std::uint8_t stuck_lines() override;

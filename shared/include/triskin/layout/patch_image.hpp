@@ -41,6 +41,7 @@ struct PatchImage {
   std::uint64_t design_id = 0;
   std::uint8_t node_address = 1;   ///< 1..126: the controller that this image is for
   std::uint8_t module_count = 0;   ///< 1..16
+  std::uint8_t second_entry = 0;   ///< port with the second cable (joint_to), 0: none; switched modules only
   std::array<ModuleRow, kMaxModules> modules{};
   [[nodiscard]] constexpr std::span<const ModuleRow> rows() const { return {modules.data(), module_count}; }
   bool operator==(const PatchImage&) const = default;
@@ -68,8 +69,13 @@ struct PatchImage {
   return j == 0 ? std::uint8_t{0} : joint_port(j);
 }
 
-/// Every joint has two ends, no end at the cable; every module hangs on a joint.
+/// Every joint has two ends, no end at a cable; every module hangs on a joint.
 [[nodiscard]] constexpr Status check_joints(const PatchImage& image) {
+  if (image.second_entry != 0) {
+    if (image.second_entry > joint_to(image.module_count - 1U, 2)) return Status::kOutOfRange;
+    if (image.second_entry == joint_to(0, 0) || !has_joints(image)) return Status::kBadTree;
+    if (image.modules[joint_row(image.second_entry)].joints[joint_port(image.second_entry)] != 0) return Status::kBadTree;
+  }
   if (!has_joints(image)) return Status::kOk;
   if (image.modules[0].joints[0] != 0) return Status::kBadTree;
   for (std::size_t k = 0; k < image.module_count; ++k) {
@@ -114,7 +120,7 @@ struct PatchImage {
   return check_joints(image);
 }
 
-/// Header: magic, layout version, header bytes, total bytes, node address, module count, design id, 8 reserved zeros, CRC-32
+/// Header: magic, layout version, header bytes, total bytes, node address, module count, design id, second entry, 7 reserved zeros, CRC-32
 /// of everything else. Returns the bytes written. Errors: what check() says; kNoSpace.
 [[nodiscard]] constexpr Result<std::size_t> encode(const PatchImage& image, std::span<std::uint8_t> out) {
   if (const Status s = check(image); s != Status::kOk) return std::unexpected(s);
@@ -128,7 +134,8 @@ struct PatchImage {
   w.u8(image.node_address);
   w.u8(image.module_count);
   w.le64(image.design_id);
-  w.le64(0);
+  w.u8(image.second_entry);
+  w.bytes(std::array<std::uint8_t, 7>{});
   w.le32(0);  // CRC, below
   for (const ModuleRow& m : image.rows()) {
     w.le16(m.module_id);
@@ -161,7 +168,9 @@ struct PatchImage {
   if (header != kHeaderBytes || total != kHeaderBytes + image.module_count * kRowBytes) return std::unexpected(Status::kBadLength);
   if (bytes.size() < total) return std::unexpected(Status::kTooShort);
   image.design_id = r.le64();
-  const std::uint64_t reserved = r.le64();
+  image.second_entry = r.u8();
+  std::uint8_t reserved = 0;
+  for (int k = 0; k < 7; ++k) reserved = static_cast<std::uint8_t>(reserved | r.u8());
   const std::uint32_t stated = r.le32();
   constexpr std::array<std::uint8_t, 4> kZeros{};
   const std::uint32_t crc = crc32(bytes.subspan(32, total - 32), crc32(kZeros, crc32(bytes.first(28))));

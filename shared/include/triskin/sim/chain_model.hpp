@@ -14,7 +14,8 @@ class ChainModel {
   static constexpr std::uint32_t kBit_ns = 500;     ///< chain clock 2 MHz
   static constexpr std::uint32_t kSettle_ns = 5000; ///< ports and arbiters after a latch or a change of EN
   virtual ~ChainModel() = default;
-  virtual void enable(bool on) = 0;
+  /// EN of the cables: bit 0 to the entry module, bit 1 to the second entry.
+  virtual void enable(std::uint8_t cables) = 0;
   /// Bytes most significant bit first; `in` gets as many.
   virtual void exchange(Bytes out, std::span<std::uint8_t> in) = 0;
   virtual void latch() = 0;

@@ -15,6 +15,7 @@ inline constexpr std::uint8_t kNoRow = 0xFF;
 struct FoundTopology {
   bool switched = false;       ///< false: nobody answers on the chain; strapped modules, or no power
   bool complete = false;       ///< false: the chain would not settle; what is here is certain, more may be there
+  bool second_cable = false;   ///< module 0 is the second entry: nobody, or too few, answered at the first
   std::uint8_t count = 0;
   std::uint8_t cable_port = 0; ///< of module 0
   std::array<std::array<std::uint8_t, 3>, layout::kMaxModules> joints{};  ///< layout::joint_to of the far end, 0: none
@@ -29,6 +30,7 @@ struct ActiveRoute {
   bool complete = false;       ///< a tree is up
   bool as_table = false;       ///< it is the table's
   bool least_depth = false;    ///< no tree over the joints found is less deep
+  bool second_cable = false;   ///< the tree hangs on the second entry
   std::uint8_t shorts = 0;     ///< ports left closed because opening them broke the chain or held a line
   std::uint8_t unknown = 0;    ///< modules found that the table does not know; left closed
   std::uint8_t max_depth = 0;
@@ -43,7 +45,7 @@ struct ActiveRoute {
 
 /// Flags, count, cable port, then per module three far ends and the row.
 constexpr void encode(const FoundTopology& t, ByteWriter& out) {
-  out.u8(static_cast<std::uint8_t>((t.switched ? 1 : 0) | (t.complete ? 2 : 0)));
+  out.u8(static_cast<std::uint8_t>((t.switched ? 1 : 0) | (t.complete ? 2 : 0) | (t.second_cable ? 4 : 0)));
   out.u8(t.count);
   out.u8(t.cable_port);
   for (std::size_t m = 0; m < t.count; ++m) {
@@ -59,6 +61,7 @@ constexpr void encode(const FoundTopology& t, ByteWriter& out) {
   const std::uint8_t flags = r.u8();
   t.switched = (flags & 1) != 0;
   t.complete = (flags & 2) != 0;
+  t.second_cable = (flags & 4) != 0;
   t.count = r.u8();
   t.cable_port = r.u8();
   if (t.count > layout::kMaxModules || t.cable_port > 2 || bytes.size() != 3U + 4U * t.count) return false;
@@ -80,7 +83,8 @@ constexpr void encode(const FoundTopology& t, ByteWriter& out) {
 }
 
 constexpr void encode(const ActiveRoute& a, std::uint8_t rows, ByteWriter& out) {
-  out.u8(static_cast<std::uint8_t>((a.switched ? 1 : 0) | (a.busy ? 2 : 0) | (a.complete ? 4 : 0) | (a.as_table ? 8 : 0) | (a.least_depth ? 16 : 0)));
+  out.u8(static_cast<std::uint8_t>((a.switched ? 1 : 0) | (a.busy ? 2 : 0) | (a.complete ? 4 : 0) | (a.as_table ? 8 : 0) | (a.least_depth ? 16 : 0) |
+                                   (a.second_cable ? 32 : 0)));
   out.u8(a.shorts);
   out.u8(a.unknown);
   out.u8(a.max_depth);
@@ -104,6 +108,7 @@ constexpr void encode(const ActiveRoute& a, std::uint8_t rows, ByteWriter& out) 
   a.complete = (flags & 4) != 0;
   a.as_table = (flags & 8) != 0;
   a.least_depth = (flags & 16) != 0;
+  a.second_cable = (flags & 32) != 0;
   a.shorts = r.u8();
   a.unknown = r.u8();
   a.max_depth = r.u8();

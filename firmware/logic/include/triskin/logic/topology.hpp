@@ -18,7 +18,7 @@ struct JointEnd {
   bool operator==(const JointEnd&) const = default;
 };
 
-/// Modules of a patch and the joints between their ports; module 0 is the entry. Symmetric.
+/// Modules of a patch and the joints between their ports; module 0 has the cable. Symmetric.
 struct PatchGraph {
   std::uint8_t count = 0;
   std::uint8_t cable_port = 0;  ///< of module 0
@@ -37,8 +37,9 @@ class ChainDriver {
   enum class Answer : std::uint8_t { kModule, kRefused, kNothing, kUnchanged, kLost };
 
   explicit ChainDriver(RouteChain& port) : port_(port) {}
-  /// Closes everything, then lets the entry module in. False: no module answers.
-  bool restart();
+  static constexpr std::uint8_t kCables = 2;
+  /// Closes everything, then lets the module at a cable (0, 1) in. False: no module answers.
+  bool restart(std::uint8_t cable);
   void set_slot(std::uint8_t module, Slot slot);
   /// Opens a port that is last in the chain; when a module comes in it gets the number `child`.
   Answer open(std::uint8_t module, std::uint8_t port, std::uint8_t child);
@@ -83,6 +84,7 @@ class Topology {
     std::uint8_t max_depth = 0;    ///< of the active tree
     bool least_depth = false;      ///< heal(): no tree over the joints that were found is less deep
     bool as_table = false;         ///< heal(): the table's tree is up
+    bool second_cable = false;     ///< module 0 is the one at the second cable
     std::uint8_t unknown = 0;      ///< heal(): modules found at places that the table does not know; left closed
   };
 
@@ -91,6 +93,7 @@ class Topology {
     PatchGraph graph;
     std::array<Slot, layout::kMaxModules> slots{};
     std::array<JointEnd, layout::kMaxModules> parent{};  ///< row and output port; no module: least depth is what counts
+    JointEnd second_entry{};  ///< row and port with the second cable; no module: none
   };
   [[nodiscard]] static Table table_of(const layout::PatchImage& image);
 
@@ -101,7 +104,8 @@ class Topology {
   [[nodiscard]] const PatchGraph& graph() const { return graph_; }
 
   /// Discovers anew and activates the table's tree where all of it is there, else the tree of least depth over the joints of the
-  /// table that survive. A module keeps its slot. Where no tree comes up, no module is reached.
+  /// table that survive. A module keeps its slot. Where no tree comes up, no module is reached. The second cable serves when nobody answers at
+  /// the first, or less than half of the table does and more is behind the second.
   Report heal(const Table& table);
   /// Cheap check before and after a sampling cycle; false: samples of the cycle are not to be trusted, heal.
   bool intact() { return chain_.check(); }
@@ -118,6 +122,8 @@ class Topology {
 
   enum class Pass : std::uint8_t { kDone, kAgain, kNobody };
   Pass explore();
+  Report find(const Table& table);
+  [[nodiscard]] bool more_behind_second(const Table& table, const Report& report) const;
   Pass probe(std::uint8_t module, std::uint8_t port);
   Pass match();
   Pass match_end(std::uint8_t module, std::uint8_t port);
@@ -132,7 +138,7 @@ class Topology {
   void join(JointEnd a, JointEnd b);
   void note_input(std::uint8_t module, std::uint8_t port);
   void resolve_inputs(const PatchGraph& table, std::uint8_t module);
-  void identify(const PatchGraph& table, Report& report);
+  void identify(const Table& table, Report& report);
   [[nodiscard]] bool in_table(const PatchGraph& table, std::uint8_t module, std::uint8_t port) const;
   [[nodiscard]] bool lines_free() const { return (chain_.stuck_lines() & ~held_lines_) == 0; }
   bool table_tree(const Table& table);
@@ -149,6 +155,7 @@ class Topology {
   std::array<std::uint8_t, layout::kMaxModules> inputs_{};  // bit p: all of them; more than one: an enable is broken
   Exclusions bad_{};                                    // ports by discovery number, which repeats
   std::uint8_t shorts_ = 0;
+  std::uint8_t first_tried_ = 0, cable_ = 0;            // cables: where explore() begins, and where it got in
   std::uint8_t held_lines_ = 0;                         // low already with the entry module alone
   std::array<std::uint8_t, layout::kMaxModules> table_index_{};
   std::array<Slot, layout::kMaxModules> slot_{};        // by discovery number

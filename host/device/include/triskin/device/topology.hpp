@@ -9,7 +9,7 @@
 namespace triskin::device {
 
 /// One way in which the modules and joints that were found differ from a patch of a design. Kinds: missing_module, missing_joint,
-/// extra_joint, extra_module, rotated_module, swapped_modules, wrong_entry (docs/switched_module.md).
+/// extra_joint, extra_module, rotated_module, swapped_modules, wrong_entry, second_cable (docs/switched_module.md).
 struct TopologyDifference {
   std::string kind;
   int module = -1;  ///< of the design

@@ -23,11 +23,13 @@ class SwitchedPatch final : public sim::ChainModel {
   /// `joints[m][p]`: far end of port p, module −1 for none; symmetric. Module 0 is the entry, its cable at `cable_port`.
   SwitchedPatch(std::vector<std::array<End, 3>> joints, int cable_port, std::uint64_t seed);
 
-  void enable(bool on) override;
+  void enable(std::uint8_t cables) override;
   void exchange(Bytes out, std::span<std::uint8_t> in) override;
   void latch() override;
   [[nodiscard]] std::uint8_t stuck_lines() const override;
 
+  /// A second cable, at a port without joint.
+  void set_second_cable(End end) { cables_[1] = end; }
   void set_dead(int module, bool dead);
   void set_joint(End end, JointFault fault);          ///< both ends
   void set_stuck_line(int module, int line);          ///< holds `line` down whenever its switches are closed; −1: none
@@ -38,7 +40,7 @@ class SwitchedPatch final : public sim::ChainModel {
   [[nodiscard]] bool reached(int module) const;       ///< the lines of the controller reach the module
   [[nodiscard]] int line_of(int module) const { return output(module) & 3; }
   [[nodiscard]] int address_of(int module) const { return output(module) >> 2 & 3; }
-  [[nodiscard]] int depth_of(int module) const;       ///< joints up to the entry; −1 when not reached
+  [[nodiscard]] int depth_of(int module) const;       ///< joints up to the cable; −1 when not reached
   [[nodiscard]] double time_us() const { return time_us_; }
 
  private:
@@ -55,8 +57,10 @@ class SwitchedPatch final : public sim::ChainModel {
   [[nodiscard]] std::uint8_t output(int m) const;
   [[nodiscard]] std::uint8_t opened(int m) const;  ///< EN outputs
   [[nodiscard]] std::uint8_t raised(int m) const;  ///< EN inputs
+  [[nodiscard]] bool at_cable(int m, int port) const;  ///< one whose EN is high
   [[nodiscard]] bool attached_child(int m, int p) const;
   [[nodiscard]] bool shorted() const;
+  [[nodiscard]] std::vector<std::vector<int>> chains() const;
   void collect(int m, std::vector<int>& chain) const;
   std::uint8_t shift_byte(const std::vector<int>& chain, std::uint8_t carry);
   std::uint8_t shift_bits(const std::vector<int>& chain, std::uint8_t out);
@@ -65,8 +69,8 @@ class SwitchedPatch final : public sim::ChainModel {
   std::vector<std::array<End, 3>> joints_;
   std::vector<std::array<JointFault, 3>> faults_;
   std::vector<Module> modules_;
-  int cable_port_;
-  bool enabled_ = false;
+  std::array<End, 2> cables_;
+  std::uint8_t enabled_ = 0;  // bit c: EN of cable c
   double bit_errors_ = 0.0, time_us_ = 0.0;
   std::mt19937_64 random_, flips_;
 };
