@@ -208,6 +208,10 @@ TEST_F(Damage, wiring) {
   expect("every-module-wired", [](json& j) { j["patches"].erase(0); });
   expect("patch-node", [](json& j) { j["patches"][0]["node_address"] = 5; });
   expect("entry", [](json& j) { j["patches"][0]["entry"] = j["patches"][1]["entry"]; });
+  expect("second-entry", [](json& j) {  // both cables at one side
+    j["patches"][0]["second_entry"] = j["patches"][0]["entry"];
+    j["patches"][0]["second_entry_side"] = entry(j)["rotation"];
+  });
   expect("patches-bound", [](json& j) { j["report"]["patches_lower_bound"] = 99; });
   expect("patch-size", [](json& j) {
     for (const json& m : j["patches"][1]["modules"]) j["patches"][0]["modules"].push_back(m);

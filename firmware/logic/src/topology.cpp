@@ -26,10 +26,16 @@ Topology::Report Topology::discover() {
   Report report;
   bad_.fill(0);
   shorts_ = 0;
+  bool asked_again = false;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     Pass result = explore();
     if (result == Pass::kDone) result = match();
     if (result == Pass::kAgain) continue;
+    // An end without a partner: a broken enable, or a flipped bit.
+    if (result == Pass::kDone && !asked_again && (ends_left_ > 0 || open_ends() > 1)) {
+      asked_again = true;
+      continue;
+    }
     report.complete = result == Pass::kDone;
     break;
   }
@@ -40,6 +46,7 @@ Topology::Report Topology::discover() {
 
 Topology::Pass Topology::explore() {
   graph_ = {};
+  ends_left_ = 0;
   input_.fill(kNoModule);
   inputs_.fill(0);
   parent_.fill({});
@@ -144,6 +151,14 @@ bool Topology::open_end(std::uint8_t module, std::uint8_t port) const {
   return port_[module][port] == Port::kJoined && graph_.joint[module][port].module == kNoModule;
 }
 
+int Topology::open_ends() const {
+  int ends = 0;
+  for (std::uint8_t m = 0; m < graph_.count; ++m) {
+    for (std::uint8_t p = 0; p < 3; ++p) ends += open_end(m, p) ? 1 : 0;
+  }
+  return ends;
+}
+
 // Depth first, a joint that closes a cycle leads from a module to one above it. The upper end knows from its own side whether
 // there is somebody below: with the branch below closed, its port brings a module in.
 Topology::Pass Topology::match() {
@@ -189,6 +204,7 @@ Topology::Pass Topology::match_end(std::uint8_t module, std::uint8_t port) {
 }
 
 Topology::Pass Topology::leave(std::uint8_t module, std::uint8_t port) {
+  ++ends_left_;
   port_[module][port] = Port::kBad;
   return Pass::kDone;
 }

@@ -135,6 +135,7 @@ class Topology {
   bool rebuild(std::uint16_t wanted, bool set_slots);
   [[nodiscard]] bool below(std::uint8_t module, std::uint8_t top) const;
   [[nodiscard]] bool open_end(std::uint8_t module, std::uint8_t port) const;
+  [[nodiscard]] int open_ends() const;
   void join(JointEnd a, JointEnd b);
   void note_input(std::uint8_t module, std::uint8_t port);
   void resolve_inputs(const PatchGraph& table, std::uint8_t module);
@@ -154,7 +155,7 @@ class Topology {
   std::array<std::uint8_t, layout::kMaxModules> input_{};   // first port whose enable does nothing
   std::array<std::uint8_t, layout::kMaxModules> inputs_{};  // bit p: all of them; more than one: an enable is broken
   Exclusions bad_{};                                    // ports by discovery number, which repeats
-  std::uint8_t shorts_ = 0;
+  std::uint8_t shorts_ = 0, ends_left_ = 0;
   std::uint8_t first_tried_ = 0, cable_ = 0;            // cables: where explore() begins, and where it got in
   std::uint8_t held_lines_ = 0;                         // low already with the entry module alone
   std::array<std::uint8_t, layout::kMaxModules> table_index_{};
