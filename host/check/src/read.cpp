@@ -150,7 +150,7 @@ CheckedDesign read_checked_design(const std::filesystem::path& path) {
   try {
     return read_all(json::parse(text));
   } catch (const json::exception& e) {
-    throw InputError(fmt::format("{}: not a design file ({})", path.string(), e.what()));
+    throw InputError(fmt::format("{}: not a design file of this version ({}); make it again with triskin design", path.string(), e.what()));
   } catch (const InputError& e) {
     throw InputError(fmt::format("{}: {}", path.string(), e.what()));
   }
