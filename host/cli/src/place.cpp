@@ -27,10 +27,12 @@ int run(const Options& options, Output& output) {
                    {"upper_bound", r.upper_bound},
                    {"proved", r.proved},
                    {"clearance_mm", r.clearance_mm},
+                   {"clearance_bound_mm", r.clearance_bound_mm},
                    {"tolerance_mm", r.tolerance_mm},
                    {"placement", {{"x_mm", r.placement.x_mm}, {"y_mm", r.placement.y_mm}, {"theta_rad", r.placement.theta_rad}}},
                    {"evaluations", r.evaluations},
                    {"cells", r.cells},
+                   {"search_seconds", r.search_seconds},
                    {"seconds", r.seconds}};
   nlohmann::json tiles = nlohmann::json::array();
   for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
@@ -58,7 +60,11 @@ const Registration kPlace{{
       app.add_option("--method", options->placement.method, "bnb (certified) or one of the paper's r1 … r7")
           ->transform(CLI::CheckedTransformer(kMethods, CLI::ignore_case));
       app.add_option("--tolerance-mm", options->placement.tolerance_mm, "a module may stand over by this much")->capture_default_str();
-      app.add_option("--gap-mm", options->placement.gap_mm, "free space between modules")->capture_default_str();
+      static const std::map<std::string, geometry::TileShape> kShapes{
+          {"triangle", geometry::TileShape::kTriangle}, {"square", geometry::TileShape::kSquare}, {"hexagon", geometry::TileShape::kHexagon}};
+      app.add_option("--shape", options->placement.shape, "modules with sides of 30 mm: triangle, square or hexagon")
+          ->transform(CLI::CheckedTransformer(kShapes, CLI::ignore_case));
+      app.add_option("--gap-mm", options->placement.gap_mm, "free space between facing sides of modules")->capture_default_str();
       app.add_option("--time-limit-s", options->placement.time_limit_s, "0: none")->capture_default_str();
       app.add_flag("!--no-clearance", options->placement.largest_clearance, "do not look for the placement with the largest clearance");
       app.add_option("--proof", options->proof, "write a log that check-proof accepts or rejects (method bnb)");

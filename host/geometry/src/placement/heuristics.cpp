@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "heuristics.hpp"
 
+#include "evaluator.hpp"
+
 #include <chrono>
 #include <random>
 
 namespace triskin::geometry {
 namespace {
 
-constexpr double kSixth_rad = 1.0471975511965976;
 using Clock = std::chrono::steady_clock;
 
 class Heuristic {
  public:
-  Heuristic(const PreparedPolygon& polygon, const PlacementOptions& options, int descents)
-      : polygon_(polygon), options_(options), descents_(descents), pitch_(kSide_mm + options.gap_mm), height_(pitch_ * 0.86602540378443864676) {
+  Heuristic(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, int descents)
+      : polygon_(polygon), options_(options), evaluator_(polygon, grid), descents_(descents), period_(grid.period_rad), pitch_(grid.row_step_mm), height_(grid.row_height_mm) {
     if (options.time_limit_s > 0) {
       deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
     }
@@ -36,7 +37,7 @@ class Heuristic {
   // Algorithm 2: keep the best.
   int try_motion(const Motion& m) {
     ++best_.evaluations;
-    const int n = count_inside(polygon_, m, -options_.tolerance_mm, pitch_);
+    const int n = evaluator_.count(m, -options_.tolerance_mm);
     if (n > best_.modules) {
       best_.modules = n;
       best_.motion = m;
@@ -69,7 +70,7 @@ class Heuristic {
 
   // Algorithm 3.
   void angles_and_translations(int n_angles, double step_mm) {
-    for (int k = 0; k < n_angles && !out_of_time(); ++k) translations(kSixth_rad * k / n_angles, step_mm);
+    for (int k = 0; k < n_angles && !out_of_time(); ++k) translations(period_ * k / n_angles, step_mm);
   }
 
   void edge_angles_and_translations(double step_mm) {
@@ -82,7 +83,7 @@ class Heuristic {
   Motion random_motion() {
     const auto unit = [&] { return static_cast<double>(random_() >> 11) * 0x1p-53; };
     const double x = unit() * pitch_, y = unit() * height_;
-    return {x, y, unit() * kSixth_rad};
+    return {x, y, unit() * period_};
   }
 
   void random_placements(int n) {
@@ -109,8 +110,9 @@ class Heuristic {
 
   const PreparedPolygon& polygon_;
   const PlacementOptions& options_;
+  Evaluator evaluator_;
   const int descents_;
-  const double pitch_, height_;
+  const double period_, pitch_, height_;
   Clock::time_point deadline_ = Clock::time_point::max();
   std::mt19937_64 random_{options_.seed};
   HeuristicResult best_;
@@ -118,8 +120,8 @@ class Heuristic {
 
 }  // namespace
 
-HeuristicResult run_heuristic(const PreparedPolygon& polygon, const PlacementOptions& options, int descents) {
-  return Heuristic(polygon, options, descents).run();
+HeuristicResult run_heuristic(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, int descents) {
+  return Heuristic(polygon, grid, options, descents).run();
 }
 
 }  // namespace triskin::geometry

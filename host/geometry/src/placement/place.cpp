@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "branch_and_bound.hpp"
+#include "evaluator.hpp"
 #include "exact_recheck.hpp"
 #include "heuristics.hpp"
 #include "triskin/geometry/placement.hpp"
@@ -15,6 +16,7 @@ namespace triskin::geometry {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+constexpr double kMostTiles = 1e6;
 
 Clock::time_point deadline_after(double seconds) {
   if (seconds <= 0.0) return Clock::time_point::max();
@@ -25,15 +27,31 @@ void require_sane(const PlacementOptions& o) {
   if (!(o.tolerance_mm >= 1e-8 && o.tolerance_mm <= 1.0)) {
     throw InputError(fmt::format("tolerance {} mm: must be in 1e-8 … 1 (the rounding pad is 1e-9)", o.tolerance_mm));
   }
+  if (o.keep_proof && o.shape != TileShape::kTriangle) throw InputError("proof: there is one only for triangular modules");
   if (!(o.gap_mm >= 0.0 && o.gap_mm <= 100.0)) throw InputError(fmt::format("gap {} mm: must be in 0 … 100", o.gap_mm));
 }
 
 // Makes the best of a motion that holds `modules` tiles: the inset at which they still fit, raised by axis steps.
 class ClearanceAscent {
  public:
-  ClearanceAscent(const PreparedPolygon& polygon, double pitch_mm, int modules) : polygon_(polygon), pitch_(pitch_mm), modules_(modules) {}
+  ClearanceAscent(const PreparedPolygon& polygon, const TileGrid& grid, int modules)
+      : polygon_(polygon), evaluator_(polygon, grid), inradius_(grid.inradius_mm), modules_(modules) {}
+
+  /// The `n` motions with the largest clearance.
+  std::vector<Motion> most_promising(std::vector<Motion> motions, std::size_t n) {
+    std::vector<std::pair<double, std::size_t>> order;
+    constexpr double least = -1e-2;
+    for (std::size_t k = motions.size(); k-- > 0;) {
+      if (holds(motions[k], least)) order.emplace_back(raise(motions[k], least), k);
+    }
+    std::ranges::sort(order, std::greater<>());
+    std::vector<Motion> best;
+    for (std::size_t k = 0; k < std::min(n, order.size()); ++k) best.push_back(motions[order[k].second]);
+    return best;
+  }
 
   double climb(Motion& motion, double clearance) {
+    if (!holds(motion, clearance)) return -inradius_;
     clearance = raise(motion, clearance);
     for (double step = 1.0; step > 1e-4; step *= 0.5) {
       for (bool better = true; better;) {
@@ -51,11 +69,11 @@ class ClearanceAscent {
   }
 
  private:
-  [[nodiscard]] bool holds(const Motion& m, double inset) const { return count_inside(polygon_, m, inset, pitch_) >= modules_; }
+  bool holds(const Motion& m, double inset) { return evaluator_.count(m, inset) >= modules_; }
 
   // Largest inset at this motion, to 0.1 µm.
-  [[nodiscard]] double raise(const Motion& m, double low) const {
-    double high = kInradius_mm;
+  double raise(const Motion& m, double low) {
+    double high = inradius_;
     while (high - low > 1e-4) {
       const double middle = 0.5 * (low + high);
       (holds(m, middle) ? low : high) = middle;
@@ -72,27 +90,45 @@ class ClearanceAscent {
   }
 
   const PreparedPolygon& polygon_;
-  double pitch_;
+  Evaluator evaluator_;
+  double inradius_;
   int modules_;
 };
 
-// Of all placements of `modules` tiles one with the largest inset, to 1 µm or 1 %: climbs, then asks the certified search for
-// a placement that is better; when there is none, that is the proof.
-void enlarge_clearance(const PreparedPolygon& polygon, const PlacementOptions& options, PlacementResult& result, Motion& motion,
-                       Clock::time_point deadline, const ProgressSink& progress) {
-  const double pitch = kSide_mm + options.gap_mm;
-  ClearanceAscent ascent(polygon, pitch, result.modules);
-  double clearance = ascent.climb(motion, -options.tolerance_mm);
-  while (Clock::now() < deadline) {
-    const double more = std::max(1e-3, 0.01 * clearance);
-    const SearchGoal goal{.inset_mm = clearance + more, .tolerance_mm = 0.5 * more, .pitch_mm = pitch, .known = result.modules - 1,
-                          .stop_at_first = true, .deadline = deadline};
-    const SearchResult found = branch_and_bound(polygon, goal, progress);
+// Of all placements of `modules` tiles one with the largest inset, to 5 µm or 2 %: climbs from the best of those that the
+// search has seen, then asks the search for a better one; when there is none, that is the proof.
+void enlarge_clearance(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, std::vector<Motion> starts,
+                       PlacementResult& result, Motion& motion, Clock::time_point deadline, const ProgressSink& progress) {
+  ClearanceAscent ascent(polygon, grid, result.modules);
+  double clearance = -options.tolerance_mm;
+  starts.push_back(motion);
+  for (const Motion& start : ascent.most_promising(std::move(starts), 3)) {
+    Motion at = start;
+    const double reached = ascent.climb(at, -options.tolerance_mm);
+    if (reached > clearance) {
+      clearance = reached;
+      motion = at;
+    }
+  }
+  result.clearance_bound_mm = grid.inradius_mm;
+  const auto more = [&] { return std::max(5e-3, 0.02 * clearance); };
+  for (bool open = true; open && Clock::now() < deadline;) {
+    const SearchGoal goal{.inset_mm = clearance + more(), .tolerance_mm = 0.5 * more(), .known = result.modules - 1,
+                          .raise = [&](const Motion& found) {
+                            Motion at = found;
+                            const double reached = ascent.climb(at, clearance + 0.5 * more());
+                            if (reached > clearance) {
+                              clearance = reached;
+                              motion = at;
+                            }
+                            return std::array{clearance + more(), 0.5 * more()};
+                          },
+                          .last_inset_mm = std::min(2.0 * clearance + 0.1, grid.inradius_mm), .threads = options.threads, .deadline = deadline};
+    const SearchResult found = branch_and_bound(polygon, grid, goal, progress);
     result.cells += found.cells;
     result.evaluations += found.evaluations;
-    if (!found.found) break;
-    motion = found.motion;
-    clearance = ascent.climb(motion, clearance + 0.5 * more);
+    open = clearance + more() > goal.last_inset_mm;
+    if (!open && found.upper_bound < result.modules) result.clearance_bound_mm = clearance + more();
   }
   result.clearance_mm = clearance;
 }
@@ -104,7 +140,8 @@ std::vector<Tile> tiles_inside(const Polygon& polygon, const Placement& placemen
   const double c = std::cos(placement.theta_rad), s = std::sin(placement.theta_rad);
   const Vec2 o = p.first + p.center;
   const Motion motion{placement.x_mm + c * o.x() - s * o.y(), placement.y_mm + s * o.x() + c * o.y(), placement.theta_rad};
-  return tiles_inside(p, motion, -tolerance_mm, kSide_mm + gap_mm);
+  const TileGrid grid = tile_grid(TileShape::kTriangle, gap_mm);
+  return Evaluator(p, grid).tiles(motion, -tolerance_mm);
 }
 
 PlacementResult place(const Polygon& input, const PlacementOptions& options, const ProgressSink& progress) {
@@ -112,7 +149,10 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   const auto start = Clock::now();
   const auto deadline = deadline_after(options.time_limit_s);
   const PreparedPolygon polygon = prepare(normalize_polygon(input, "polygon"));
-  const double pitch = kSide_mm + options.gap_mm;
+  const TileGrid grid = tile_grid(options.shape, options.gap_mm);
+  if (polygon_area(input) > kMostTiles * grid.area_mm2) {
+    throw InputError(fmt::format("polygon: {:.4g} m² would take more than {:.0g} modules; are the coordinates in mm?", 1e-6 * polygon_area(input), kMostTiles));
+  }
   PlacementResult result;
   result.tolerance_mm = options.tolerance_mm;
   Motion motion;
@@ -120,10 +160,10 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
     // A few descents give a value to beat: the search then opens only cells that promise more.
     PlacementOptions start_options = options;
     start_options.method = PlacementMethod::kR7;
-    const HeuristicResult first = run_heuristic(polygon, start_options, 6);
-    const SearchGoal goal{.inset_mm = 0.0, .tolerance_mm = options.tolerance_mm, .pitch_mm = pitch, .known = first.modules,
-                          .cells = options.keep_proof ? &result.proof.cells : nullptr, .deadline = deadline};
-    const SearchResult found = branch_and_bound(polygon, goal, progress);
+    const HeuristicResult first = run_heuristic(polygon, grid, start_options, 6);
+    const SearchGoal goal{.inset_mm = 0.0, .tolerance_mm = options.tolerance_mm, .known = first.modules,
+                          .cells = options.keep_proof ? &result.proof.cells : nullptr, .raise = {}, .threads = options.threads, .deadline = deadline};
+    const SearchResult found = branch_and_bound(polygon, grid, goal, progress);
     result.modules = found.best;
     result.upper_bound = found.upper_bound;
     result.proved = found.best == found.upper_bound;
@@ -131,22 +171,25 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
     result.evaluations = found.evaluations + first.evaluations;
     result.clearance_mm = -options.tolerance_mm;
     motion = found.found ? found.motion : first.motion;
-    if (options.largest_clearance && result.modules > 0) enlarge_clearance(polygon, options, result, motion, deadline, progress);
+    result.search_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    if (options.largest_clearance && result.modules > 0) {
+      enlarge_clearance(polygon, grid, options, found.as_good, result, motion, deadline, progress);
+    }
   } else {
-    const HeuristicResult found = run_heuristic(polygon, options);
+    const HeuristicResult found = run_heuristic(polygon, grid, options);
     result.modules = found.modules;
     result.evaluations = found.evaluations;
-    result.upper_bound = static_cast<int>(std::floor(polygon_area(input) / kModuleArea_mm2 * (1.0 + 1e-6) + 1e-3));
+    result.upper_bound = static_cast<int>(std::floor(polygon_area(input) / grid.area_mm2 * (1.0 + 1e-6) + 1e-3));
     result.proved = result.modules == result.upper_bound;
     result.clearance_mm = -options.tolerance_mm;
     motion = found.motion;
   }
-  result.tiles = tiles_inside(polygon, motion, result.clearance_mm, pitch);
+  result.tiles = Evaluator(polygon, grid).tiles(motion, result.clearance_mm);
   result.placement = to_placement(polygon, motion);
   result.proof.pivot = polygon.first + polygon.center;
-  result.proof.pitch_mm = pitch;
+  result.proof.pitch_mm = grid.row_step_mm;
   result.proof.motion = {motion.x, motion.y, motion.theta};
-  require_exact(polygon, motion, result.tiles, options.tolerance_mm, pitch);
+  require_exact(polygon, motion, result.tiles, options.tolerance_mm, grid);
   result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return result;
 }

@@ -25,7 +25,7 @@ struct PlacementOptions {
   PlacementMethod method = PlacementMethod::kBranchAndBound;
   TileShape shape = TileShape::kTriangle;
   double tolerance_mm = 1e-6;     ///< ε: a tile counts when it lies in P inset by ε (docs/placement.md)
-  double gap_mm = 0.0;            ///< free space between modules: pitch = side + gap
+  double gap_mm = 0.0;            ///< free space between facing sides of modules
   double time_limit_s = 60.0;     ///< ≤ 0: none
   int threads = 0;                ///< 0: all cores; the answer does not depend on it
   std::uint64_t seed = 1;
@@ -47,11 +47,13 @@ struct PlacementResult {
   int upper_bound = 0;
   bool proved = false;
   double clearance_mm = 0.0;      ///< inset at which `modules` tiles still fit
+  double clearance_bound_mm = 0.0; ///< no placement of `modules` tiles has a larger clearance (method bnb; the inradius when not proved)
   double tolerance_mm = 0.0;
   Placement placement;
   std::vector<Tile> tiles;        ///< grid triangles wholly inside, sorted
   std::int64_t evaluations = 0;
   std::int64_t cells = 0;
+  double search_seconds = 0.0;    ///< of that until value and bound stood
   double seconds = 0.0;
   PlacementProof proof;
 };

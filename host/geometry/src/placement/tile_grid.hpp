@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+
+#include "triskin/geometry/placement.hpp"
+
+namespace triskin::geometry {
+
+/// Where modules may lie and what they look like: convex tiles on a lattice with rows along x. Triangles come in two
+/// kinds, up and down, mirror images of each other; squares and hexagons only as "up".
+struct TileGrid {
+  int corners = 3;
+  int kinds = 2;
+  double row_step_mm = 0.0;                ///< x step inside a row; the lattice repeats after it
+  double row_height_mm = 0.0;              ///< y step from row to row
+  double row_shift_mm = 0.0;               ///< x shift from row to row
+  double period_rad = 0.0;                 ///< the lattice is its own image after this turn
+  double inradius_mm = 0.0, circumradius_mm = 0.0, area_mm2 = 0.0;
+  std::array<Vec2, 2> origin;              ///< centre of tile (0, 0): [1] up, [0] down
+  std::array<Vec2, 6> corner, normal;      ///< of the up tile around its centre, counter-clockwise; normals outward
+
+  [[nodiscard]] Vec2 center(const Tile& t) const {
+    const Vec2& o = origin[t.up ? 1 : 0];
+    return {o.x() + row_step_mm * t.i + row_shift_mm * t.j, o.y() + row_height_mm * t.j};
+  }
+
+  /// Calls visit(tile) for every tile whose centre may lie in the box, and for some around it.
+  template <class Visit>
+  void for_each_near(const Vec2& low, const Vec2& high, Visit visit) const {
+    const int last_row = static_cast<int>(std::floor(high.y() / row_height_mm));
+    for (int j = static_cast<int>(std::floor(low.y() / row_height_mm)) - 1; j <= last_row; ++j) {
+      const int last = static_cast<int>(std::floor((high.x() - row_shift_mm * j) / row_step_mm));
+      for (int i = static_cast<int>(std::floor((low.x() - row_shift_mm * j) / row_step_mm)) - 1; i <= last; ++i) {
+        for (int up = 2 - kinds; up < 2; ++up) visit(Tile{i, j, up != 0});
+      }
+    }
+  }
+};
+
+/// Modules with sides of 30 mm; `gap_mm` is the free space between facing sides.
+[[nodiscard]] TileGrid tile_grid(TileShape shape, double gap_mm);
+
+}  // namespace triskin::geometry
