@@ -106,6 +106,33 @@ TEST(Place, clearance_is_positive_for_a_generic_polygon_and_holds) {
   EXPECT_EQ(tiles_inside(p, r.placement, -0.9 * r.clearance_mm).size(), static_cast<std::size_t>(r.modules));
 }
 
+TEST(Place, the_search_is_the_same_for_any_number_of_threads) {
+  std::mt19937_64 random(19);
+  for (int k = 0; k < 4; ++k) {
+    const Polygon p = test::random_polygon(random, 30, 200, k % 2);
+    PlacementOptions options;
+    options.threads = 1;
+    const PlacementResult one = place(p, options);
+    options.threads = 3;
+    const PlacementResult three = place(p, options);
+    EXPECT_EQ(three.modules, one.modules);
+    EXPECT_EQ(three.upper_bound, one.upper_bound);
+    EXPECT_EQ(three.cells, one.cells);
+    EXPECT_EQ(three.clearance_mm, one.clearance_mm);
+    EXPECT_EQ(three.placement.x_mm, one.placement.x_mm);
+    EXPECT_EQ(three.placement.theta_rad, one.placement.theta_rad);
+  }
+}
+
+TEST(Place, clearance_and_its_bound_are_close) {
+  std::mt19937_64 random(23);
+  for (int k = 0; k < 5; ++k) {
+    const PlacementResult r = place(test::random_polygon(random, 24, 100, 0));
+    EXPECT_GE(r.clearance_bound_mm, r.clearance_mm);
+    EXPECT_LE(r.clearance_bound_mm, r.clearance_mm + std::max(5e-3, 0.02 * r.clearance_mm) + 1e-9);
+  }
+}
+
 TEST(Place, a_gap_between_modules_costs_modules) {
   PlacementOptions options;
   options.gap_mm = 2.0;

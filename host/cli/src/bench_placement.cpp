@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Speed against error of the placement: vertices, area, ε; and the ratio to R4 with the paper's Algorithm 1 in CGAL.
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <random>
@@ -20,12 +21,19 @@ using Random = std::mt19937_64;
 double uniform(Random& random, double low, double high) { return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53; }
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// Star-shaped outline; the seed is the row's own, so that each row can be repeated alone.
-Polygon outline(int vertices, double area_cm2) {
+// Star-shaped outlines: each radius by itself, or a few waves; the seed is the row's own, so that each row can be repeated alone.
+Polygon outline(bool rough, int vertices, double area_cm2) {
   Random random(static_cast<std::uint64_t>(vertices) * 100003u + static_cast<std::uint64_t>(area_cm2));
+  std::array<double, 6> size{}, phase{};
+  for (std::size_t k = 0; k < size.size(); ++k) {
+    size[k] = uniform(random, 0.0, 0.3) / static_cast<double>(k + 1);
+    phase[k] = uniform(random, 0.0, 2.0 * M_PI);
+  }
   Polygon p;
   for (int k = 0; k < vertices; ++k) {
-    const double angle = 2.0 * M_PI * k / vertices, r = uniform(random, 0.75, 1.25);
+    const double angle = 2.0 * M_PI * k / vertices;
+    double r = rough ? uniform(random, 0.75, 1.25) : 1.0;
+    for (std::size_t w = 0; !rough && w < size.size(); ++w) r += size[w] * std::cos(static_cast<double>(w + 1) * angle + phase[w]);
     p.outer.emplace_back(r * std::cos(angle), r * std::sin(angle));
   }
   const double scale = std::sqrt(area_cm2 * 100.0 / geometry::polygon_area(p));
@@ -44,22 +52,22 @@ double mean_seconds(int sample, Evaluate evaluate) {
   return since(start) / sample;
 }
 
-nlohmann::json measure(const char* series, int vertices, double area_cm2, double tolerance_mm, double limit_s) {
-  const Polygon p = outline(vertices, area_cm2);
+nlohmann::json measure(const char* series, bool rough, int vertices, double area_cm2, double tolerance_mm, double limit_s, bool clearance) {
+  const Polygon p = outline(rough, vertices, area_cm2);
   geometry::PlacementOptions options;
   options.tolerance_mm = tolerance_mm;
   options.time_limit_s = limit_s;
   options.threads = 1;
-  options.largest_clearance = false;
+  options.largest_clearance = clearance;
   const geometry::PlacementResult r = geometry::place(p, options);
-  return {{"series", series}, {"vertices", vertices}, {"area_cm2", area_cm2}, {"tolerance_mm", tolerance_mm},
+  return {{"series", series}, {"outline", rough ? "rough" : "smooth"}, {"vertices", vertices}, {"area_cm2", area_cm2}, {"tolerance_mm", tolerance_mm},
           {"modules", r.modules}, {"upper_bound", r.upper_bound}, {"gap", r.upper_bound - r.modules},
           {"proved", r.proved}, {"cells", r.cells}, {"seconds", r.seconds}};
 }
 
 // R4 with CGAL takes minutes to hours: its time is the mean of a sample of its placements times their number.
 void add_baseline(nlohmann::json& row, int sample) {
-  const Polygon p = outline(row["vertices"], row["area_cm2"]);
+  const Polygon p = outline(row["outline"] == "rough", row["vertices"], row["area_cm2"]);
   const double cgal_s = mean_seconds(sample, [&](const Placement& at) { return geometry::paper_algorithm1(p, at, false); });
   const double exact_s = mean_seconds(std::max(3, sample / 10), [&](const Placement& at) { return geometry::paper_algorithm1(p, at, true); });
   const double own_s = mean_seconds(20 * sample, [&](const Placement& at) { return geometry::tiles_inside(p, at, 0.0).size(); });
@@ -68,22 +76,28 @@ void add_baseline(nlohmann::json& row, int sample) {
   row["cgal_exact_evaluation_s"] = exact_s;
   row["evaluation_s"] = own_s;
   row["r4_cgal_s"] = r4_s;
+  row["r4_cgal_exact_s"] = exact_s * geometry::r4_evaluations();
   row["r4_cgal_extrapolated_from"] = sample;
+  row["ratio_to_r4_cgal_exact"] = exact_s * geometry::r4_evaluations() / row["seconds"].get<double>();
   row["ratio_to_r4_cgal"] = r4_s / row["seconds"].get<double>();
 }
 
 nlohmann::json placement_rows(const BenchOptions& options, Output& output) {
   nlohmann::json rows = nlohmann::json::array();
   const auto sink = output.progress();
-  const auto add = [&](const char* series, int vertices, double area_cm2, double tolerance_mm = 1e-6) {
+  const double limit_s = options.quick ? 4.0 : 120.0;
+  const auto add = [&](const char* series, bool rough, int vertices, double area_cm2, double tolerance_mm = 1e-6, bool clearance = false) {
     report(sink, "bench placement", -1.0, series);
-    rows.push_back(measure(series, vertices, area_cm2, tolerance_mm, options.quick ? 6.0 : 120.0));
+    rows.push_back(measure(series, rough, vertices, area_cm2, tolerance_mm, limit_s, clearance));
   };
-  add("baseline", 80, 757);
-  add_baseline(rows.back(), options.quick ? 40 : 400);
-  for (const int n : options.quick ? std::vector{20, 40, 80, 200} : std::vector{20, 40, 80, 200, 500, 1000, 2000, 5000}) add("vertices", n, 757);
-  for (const double a : options.quick ? std::vector{57., 300., 1050., 2000.} : std::vector{57., 300., 1050., 3000., 10000., 50000.}) add("area", 80, a);
-  for (const double e : {1e-2, 1e-4, 1e-6, 1e-8}) add("tolerance", 40, 300, e);
+  for (const bool rough : {false, true}) {
+    add("baseline", rough, 80, 757);
+    add_baseline(rows.back(), options.quick ? 40 : 400);
+    add("clearance", rough, 80, 757, 1e-6, true);
+    for (const int n : options.quick ? std::vector{20, 80, 200} : std::vector{20, 40, 80, 200, 500, 1000, 2000, 5000}) add("vertices", rough, n, 757);
+    for (const double a : options.quick ? std::vector{57., 300., 1050.} : std::vector{57., 300., 1050., 3000., 10000., 50000.}) add("area", rough, 80, a);
+  }
+  for (const double e : {1e-2, 1e-4, 1e-6, 1e-8}) add("tolerance", true, 40, 300, e);
   return rows;
 }
 

@@ -10,6 +10,7 @@ constexpr int kMostPasses = 4;
 constexpr double kWorthAnotherPass = 0.7;
 constexpr int kMostPartsOfSlice = 4, kMostPartsOfCube = 8;  // in one child
 constexpr int kFewParts = 128;           // open parts of a slice that is not split in theta
+constexpr int kManyParts = 512;          // so many that half the angle will not do
 constexpr double kThinnestSlice_mm = 2.5;  // how far the farthest vertex moves inside a slice
 constexpr int kWellFilled = 2;  // one of so many parts open: a box is not divided further
 
@@ -89,7 +90,7 @@ void CellExpander::look_at_slice(Cell& cell) {
   if (open.count == 0) return close(cell.box);
   cell.bound = std::min(cell.bound, cell.certain + open.most);
   try_middle(cell, open);
-  if (open.count > kFewParts && 2.0 * polygon_.radius_mm * cell.box.half(2) > kThinnestSlice_mm) split_slice(cell);
+  if (open.count > kFewParts && 2.0 * polygon_.radius_mm * cell.box.half(2) > kThinnestSlice_mm) split_slice(cell, open.count > kManyParts ? 4 : 2);
   else divide_slice(cell, {0, 0, 0}, parts_);
 }
 
@@ -104,11 +105,14 @@ void CellExpander::try_middle(const Cell& cell, const OpenParts& open) {
   }
 }
 
-void CellExpander::split_slice(const Cell& cell) {
-  Cell first = cell, second = cell;
-  first.box.high[2] = second.box.low[2] = cell.box.center(2);
-  result_->children.push_back(std::move(second));
-  result_->children.push_back(std::move(first));
+void CellExpander::split_slice(const Cell& cell, int pieces) {
+  const double step = (cell.box.high[2] - cell.box.low[2]) / pieces;
+  for (int k = pieces - 1; k >= 0; --k) {
+    Cell piece = cell;
+    if (k > 0) piece.box.low[2] = cell.box.low[2] + step * k;
+    if (k + 1 < pieces) piece.box.high[2] = cell.box.low[2] + step * (k + 1);
+    result_->children.push_back(std::move(piece));
+  }
 }
 
 std::size_t CellExpander::longest_axis(const MotionBox& box, const Index& parts) const {

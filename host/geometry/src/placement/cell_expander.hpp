@@ -56,7 +56,7 @@ class CellExpander {
   void look_ahead(Cell& cell, const CellList& list);
   struct OpenParts;
   void try_middle(const Cell& cell, const OpenParts& open);
-  void split_slice(const Cell& cell);
+  void split_slice(const Cell& cell, int pieces);
   [[nodiscard]] OpenParts open_parts(const Cell& cell, const std::array<int, 3>& low, const std::array<int, 3>& high) const;
   void divide_slice(const Cell& cell, const std::array<int, 3>& low, const std::array<int, 3>& high);
   void add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open);

@@ -25,7 +25,9 @@ void SliceRaster::set_window(const CellFrame& f) {
   step_y_ = grid_.row_height_mm / kSteps;
   const auto [low_x, high_x] = std::ranges::minmax(f.x);
   const auto [low_y, high_y] = std::ranges::minmax(f.y);
-  const double room = 3.0 * (grid_.row_step_mm + grid_.row_height_mm);
+  // The figures of touched tiles reach a little farther than a tile; every tile that has a sample there is seen whole.
+  const double change = f.certain_mm + f.pad_mm + f.reach_mm - std::hypot(f.half[0], f.half[1]) + 4.0 * grid_.circumradius_mm * f.half[2] + step_x_ + step_y_;
+  const double room = grid_.circumradius_mm * (1.5 + std::max(0.0, change) / grid_.inradius_mm) + std::max(grid_.row_step_mm, grid_.row_height_mm);
   first_column_ = static_cast<int>(std::ceil((high_x + room) / step_x_));
   first_row_ = static_cast<int>(std::ceil((high_y + room) / step_y_));
   shift_steps_ = static_cast<int>(std::lround(grid_.row_shift_mm / step_x_));
