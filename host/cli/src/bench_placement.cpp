@@ -85,7 +85,7 @@ void add_baseline(nlohmann::json& row, int sample) {
 nlohmann::json placement_rows(const BenchOptions& options, Output& output) {
   nlohmann::json rows = nlohmann::json::array();
   const auto sink = output.progress();
-  const double limit_s = options.quick ? 4.0 : 120.0;
+  const double limit_s = options.quick ? 4.0 : 60.0;
   const auto add = [&](const char* series, bool rough, int vertices, double area_cm2, double tolerance_mm = 1e-6, bool clearance = false) {
     report(sink, "bench placement", -1.0, series);
     rows.push_back(measure(series, rough, vertices, area_cm2, tolerance_mm, limit_s, clearance));

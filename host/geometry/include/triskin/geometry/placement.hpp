@@ -29,7 +29,6 @@ struct PlacementOptions {
   double time_limit_s = 60.0;     ///< ≤ 0: none
   int threads = 0;                ///< 0: all cores; the answer does not depend on it
   std::uint64_t seed = 1;
-  bool connected = false;         ///< count only the largest edge-connected set
   bool keep_proof = false;        ///< fill PlacementResult::proof (branch and bound only)
   bool largest_clearance = true;  ///< last step: among the optima the placement with the largest clearance
 };
