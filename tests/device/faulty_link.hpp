@@ -22,6 +22,8 @@ class FaultyLink final : public Link {
   /// Called after each frame that the host has sent: another tester on the bus.
   std::function<void()> after_send;
   std::uint64_t frames = 0;
+  /// What reconnect() does: throws until somebody has plugged the cable in.
+  std::function<void(FaultyLink&)> on_reconnect;
 
   void send(const wire::CanFrame& frame) override {
     mangle(frame, out_);
@@ -45,6 +47,9 @@ class FaultyLink final : public Link {
   [[nodiscard]] bool fd() const override { return fd_; }
   [[nodiscard]] std::uint64_t answer_us() const override { return inner_.answer_us(); }
   [[nodiscard]] std::string name() const override { return "faulty"; }
+  void reconnect() override {
+    if (on_reconnect) on_reconnect(*this);
+  }
 
  private:
   struct Held {

@@ -8,6 +8,7 @@
 
 #include "triskin/boot/dfu_device.hpp"
 #include "triskin/boot/firmware_package.hpp"
+#include "triskin/boot/loader.hpp"
 #include "triskin/device/tcp_link.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/layout/patch_image.hpp"
@@ -158,6 +159,30 @@ void dfu(Bytes input) {
   device.tick(1);
 }
 
+class Wire final : public fw::CanPort {
+ public:
+  [[nodiscard]] bool fd() const override { return false; }
+  std::optional<wire::CanFrame> receive() override { return std::nullopt; }
+  bool send(const wire::CanFrame& f) override {
+    require(f.extended && f.id == boot::kReplyId && f.size >= 2 && f.size <= 8);
+    return true;
+  }
+};
+
+// The first byte of a piece says whether it is a command or data of the image.
+void loader(Bytes input) {
+  Memory a(8192), b(8192);
+  boot::SlotStore slots({&a, &b}, {0x08004000, 0x08040000});
+  Wire can;
+  boot::Loader device(slots, can, {1, 2, 3});
+  std::uint64_t now_us = 0;
+  each_piece(input, [&](Bytes piece) {
+    if (piece.empty()) return;
+    const Bytes bytes = piece.subspan(1, std::min<std::size_t>(piece.size() - 1, 8));
+    (void)device.handle(frame_of(bytes, piece[0] % 2 == 0 ? boot::kRequestId : boot::kDataId, true), now_us += 1000);
+  });
+}
+
 void icub(Bytes input) {
   fw::IcubBoard board;
   each_piece(input, [&](Bytes piece) {
@@ -209,11 +234,12 @@ void record(Bytes input) {
   }
 }
 
-constexpr std::array<Target, 11> kTargets{{{"iso_tp", iso_tp},
+constexpr std::array<Target, 12> kTargets{{{"iso_tp", iso_tp},
                                            {"uds_server", uds_server},
                                            {"usb_packet", usb_packet},
                                            {"usb_control", usb_control},
                                            {"dfu", dfu},
+                                           {"loader", loader},
                                            {"icub", icub},
                                            {"patch_image", patch_image},
                                            {"taxel_frames", taxel_frames},

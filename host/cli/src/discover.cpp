@@ -81,7 +81,8 @@ int run(const Options& options, Output& output) {
     }
     controllers.push_back(std::move(j));
   }
-  output.result = {{"controllers", std::move(controllers)}};
+  const bool kernel = link->open_channel(wire::physical_id(0, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 0)) != nullptr;
+  output.result = {{"controllers", std::move(controllers)}, {"iso_tp", kernel ? "kernel" : "program"}};
   return bad ? 1 : 0;
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstdio>
 #include <memory>
 #include <optional>
 
@@ -24,8 +25,11 @@ struct Options {
 // Controllers have addresses of their own by now: the tables were written before.
 nlohmann::json update_all(device::Bus& bus, const device::FirmwarePackage& package, const Options& options, Output& output) {
   nlohmann::json rows = nlohmann::json::array();
+  const ProgressSink bars = output.progress();
   for (const wire::NodeClaim& claim : bus.discover()) {
-    const device::FirmwareResult r = device::update_firmware(bus, claim, package, options.flash, output.progress());
+    const int part = static_cast<int>(rows.size());
+    const ProgressSink bar = [&](const Progress& p) { report(bars, p.stage, p.fraction, p.detail, part); };
+    const device::FirmwareResult r = device::update_firmware(bus, claim, package, options.flash, bar);
     rows.push_back({{"serial", r.serial}, {"equal", r.equal}, {"slot", r.slot}, {"bytes", r.bytes}});
     output.say(fmt::format("controller {}  firmware {}", r.serial,
                            r.bytes != 0 ? fmt::format("{} bytes written, slot {} runs", r.bytes, r.slot == 0 ? 'A' : 'B')
@@ -55,6 +59,7 @@ int run(Options options, Output& output) {
   }
   const auto link = device::open_link(options.link, &design);
   device::Bus bus(*link);
+  options.flash.say = [&](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
   const device::FlashResult r = device::flash(bus, design, options.flash, output.progress());
   nlohmann::json updated = nlohmann::json::array();
   if (firmware) updated = update_all(bus, *firmware, options, output);
@@ -76,9 +81,16 @@ const Registration kFlash{{
     "flash", "write the tables of a design into its controllers, and read them back", "triskin flash forearm.json --link sim",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
+      options->flash.wait_s = 20.0;
       app.add_option("DESIGN", options->design, "design file")->required();
       add_link_options(app, options->link);
-      app.add_option("--firmware", options->firmware, "firmware package for every controller on the link, over CAN")->check(CLI::ExistingFile);
+      app.add_option("--firmware", options->firmware, "firmware package for every controller on the link, over CAN, one after the other")->check(CLI::ExistingFile);
+      app.add_option("--wait-s", options->flash.wait_s, "how long to wait for a cable that was pulled meanwhile, and then go on; 0: end at once")
+          ->check(CLI::Range(0.0, 86400.0))
+          ->capture_default_str();
+      app.add_option("--per-wire", options->flash.per_wire, "controllers served at once on one CAN bus; on different wires all are")
+          ->check(CLI::Range(1, 126))
+          ->capture_default_str();
       app.add_flag("--dry-run", options->flash.dry_run, "say what would change, write nothing");
       app.add_option("--route", options->route, "normal; backup:MODULE or backup:MODULE-MODULE: the tree prepared for the failure of a module or of a joint")
           ->capture_default_str();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/device/live.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/host/interrupt.hpp"
 
 #include <fmt/format.h>
 
@@ -87,10 +87,14 @@ int run(const Options& options, Output& output) {
   const auto end_us = static_cast<std::uint64_t>(options.seconds * 1e6);
   std::vector<device::PressedTaxel> pressed;
   int lines = 0;
-  while (options.seconds <= 0.0 || bus.now_us() - start_us < end_us) {
+  while ((options.seconds <= 0.0 || bus.now_us() - start_us < end_us) && !interrupt_request()) {
     demonstrator.step(bus.now_us() - start_us);
     const std::uint64_t next_us = bus.now_us() + kLine_us;
-    stream.run_until(options.seconds > 0.0 ? std::min(next_us, start_us + end_us) : next_us);
+    try {
+      stream.run_until(options.seconds > 0.0 ? std::min(next_us, start_us + end_us) : next_us);
+    } catch (const Cancelled&) {
+      break;  // Ctrl-C is the usual end
+    }
     const auto now = map.pressed();
     if (!now.empty()) {
       pressed = now;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "triskin/device/icub_stream.hpp"
+#include "triskin/host/interrupt.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -31,9 +32,13 @@ int live_icub(const device::LinkOptions& link_options, const model::Design* desi
     boards.push_back({{"address", b.address}, {"type", b.type}});
   }
   const std::uint64_t start_us = bus.now_us(), end_us = start_us + static_cast<std::uint64_t>(seconds * 1e6);
-  while (seconds <= 0.0 || bus.now_us() < end_us) {
+  while ((seconds <= 0.0 || bus.now_us() < end_us) && !interrupt_request()) {
     const std::uint64_t next_us = bus.now_us() + kLine_us;
-    stream.run_until(seconds > 0.0 ? std::min(next_us, end_us) : next_us);
+    try {
+      stream.run_until(seconds > 0.0 ? std::min(next_us, end_us) : next_us);
+    } catch (const Cancelled&) {
+      break;  // Ctrl-C is the usual end
+    }
     for (const auto& [place, taxels] : now) output.say(to_line(taxels));
   }
   nlohmann::json triangles = nlohmann::json::array();

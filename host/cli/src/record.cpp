@@ -6,6 +6,7 @@
 #include "triskin/cli/link_options.hpp"
 #include "triskin/device/live.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/host/interrupt.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -39,8 +40,12 @@ int run(const Options& options, Output& output) {
     device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { add_row(csv, f); });
     const ProgressSink progress = output.progress();
     const std::uint64_t end_us = start_us + static_cast<std::uint64_t>(options.seconds * 1e6);
-    while (bus.now_us() < end_us) {
-      stream.run_until(std::min(end_us, bus.now_us() + kSlice_us));
+    while (bus.now_us() < end_us && !interrupt_request()) {
+      try {
+        stream.run_until(std::min(end_us, bus.now_us() + kSlice_us));
+      } catch (const Cancelled&) {
+        break;  // Ctrl-C: what came until now is written
+      }
       report(progress, "recording", static_cast<double>(bus.now_us() - start_us) / static_cast<double>(end_us - start_us));
     }
     samples = stream.frames();

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <memory>
 
 #include "triskin/cli/command.hpp"
 #include "triskin/device/skin_server.hpp"
+#include "triskin/host/interrupt.hpp"
 
 namespace triskin::cli {
 namespace {
-
-std::atomic<bool> stop_requested = false;
 
 struct Options {
   std::string scene;
@@ -25,7 +22,7 @@ struct Options {
 void run_alone(scene::VirtualSkin& skin, double seconds, const ProgressSink& progress) {
   constexpr std::uint64_t kStep_us = 100'000;
   const auto end_us = static_cast<std::uint64_t>(seconds * 1e6);
-  while (skin.now_us() < end_us && !stop_requested) {
+  while (skin.now_us() < end_us && !interrupt_request()) {
     skin.run_until(std::min(end_us, skin.now_us() + kStep_us));
     report(progress, "simulating", static_cast<double>(skin.now_us()) / static_cast<double>(end_us));
   }
@@ -37,15 +34,14 @@ int run(const Options& options, Output& output) {
   const auto folder = options.fresh ? std::filesystem::path{} : scene::state_folder_of(scene.design);
   const std::size_t modules = scene.design.layout.modules.size();
   scene::VirtualSkin skin(std::move(scene), folder);
-  std::signal(SIGINT, [](int) { stop_requested = true; });
-  std::signal(SIGTERM, [](int) { stop_requested = true; });
+  catch_interrupts();
   const auto start = std::chrono::steady_clock::now();
   if (options.listen.empty()) {
     run_alone(skin, options.seconds < 0.0 ? 1.0 : options.seconds, output.progress());
   } else {
     const auto server = device::open_server(skin, options.listen);
     output.say(fmt::format("{} controllers, {} modules on {}; end with Ctrl-C", skin.controllers(), modules, server->link_name()));
-    server->run(stop_requested, std::max(0.0, options.seconds));
+    server->run(interrupt_request(), std::max(0.0, options.seconds));
   }
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double virtual_s = static_cast<double>(skin.now_us()) * 1e-6;

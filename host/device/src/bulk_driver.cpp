@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 
 #include "triskin/device/usb_link.hpp"
 #include "triskin/host/error.hpp"
@@ -52,8 +53,11 @@ class BulkDriver final : public UsbDriver {
     if (const int error = ::libusb_init(&context_); error != 0) {
       throw DeviceError(fmt::format("usb: this computer has no USB ({})", ::libusb_error_name(error)));
     }
+    constexpr int kEvents = LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT;
+    if (::libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) == 0) return;  // then the link looks by itself every now and then
+    (void)::libusb_hotplug_register_callback(context_, kEvents, 0, wire::kUsbVendor, wire::kUsbProduct, LIBUSB_HOTPLUG_MATCH_ANY, note_change, this, nullptr);
   }
-  ~BulkDriver() override { ::libusb_exit(context_); }
+  ~BulkDriver() override { ::libusb_exit(context_); }  // and with it the callback
   BulkDriver(const BulkDriver&) = delete;
   BulkDriver& operator=(const BulkDriver&) = delete;
 
@@ -73,14 +77,24 @@ class BulkDriver final : public UsbDriver {
     if (pipes.empty() && places.empty() && !refused.empty()) throw DeviceError("usb: " + refused);
     return pipes;
   }
+  [[nodiscard]] bool changed() override {
+    timeval no_time{};
+    (void)::libusb_handle_events_timeout_completed(context_, &no_time, nullptr);
+    return changed_.exchange(false);
+  }
   [[nodiscard]] std::string name() const override { return "usb"; }
 
  private:
+  // Comes in whichever thread handles libusb's events.
+  static int LIBUSB_CALL note_change(libusb_context*, libusb_device*, libusb_hotplug_event, void* driver) {
+    static_cast<BulkDriver*>(driver)->changed_ = true;
+    return 0;
+  }
   static std::unique_ptr<UsbPipe> open_one(libusb_device* device, const libusb_device_descriptor& d, const std::string& serial,
                                            const std::string& place, std::string& refused) {
     libusb_device_handle* handle = nullptr;
     if (const int error = ::libusb_open(device, &handle); error != 0) {
-      refused = fmt::format("the controller at {} may not be opened ({}); install the udev rule of docs/device.md", place, ::libusb_error_name(error));
+      refused = fmt::format("the controller at {} may not be opened ({}); install the udev rule of docs/wires.md", place, ::libusb_error_name(error));
       return nullptr;
     }
     std::array<unsigned char, 64> text{};
@@ -96,6 +110,7 @@ class BulkDriver final : public UsbDriver {
   }
 
   libusb_context* context_ = nullptr;
+  std::atomic<bool> changed_ = false;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "triskin/host/interrupt.hpp"
 #include "triskin/wire/uds.hpp"
 
 namespace triskin::device {
@@ -77,7 +78,7 @@ IsoTp::Event Bus::receive_for(IsoTp& c, std::uint64_t deadline_us) {
     const std::uint64_t now_us = link_.now_us();
     if (const IsoTp::Event event = c.tick(now_us); event == IsoTp::Event::kFailed) return event;
     if (now_us >= deadline_us) return IsoTp::Event::kNone;
-    const auto frame = link_.receive(std::min(deadline_us, std::max(c.next_event_us(), now_us)));
+    const auto frame = receive(std::min(deadline_us, std::max(c.next_event_us(), now_us)));
     if (!frame) continue;
     if (frame->extended && frame->id == c.rx_id()) {
       const IsoTp::Event event = c.receive(*frame, link_.now_us());
@@ -97,24 +98,62 @@ void Bus::drain(std::uint8_t node) {
   while (const auto frame = link_.receive(link_.now_us())) {
     if (!is_answer_id(*frame) && on_stream_) on_stream_(*frame);
   }
+  const auto channel = channels_.find(node);
+  Message late;
+  while (channel != channels_.end() && channel->second && channel->second->take(late) != MessageChannel::Arrival::kNothing) {
+  }
+}
+
+bool Bus::start(std::uint8_t node, Bytes request) {
+  auto& channel = channels_[node];
+  if (!channel) channel = link_.open_channel(wire::physical_id(node, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, node));
+  if (channel) return channel->send(request);
+  if (connection(node).send(request, link_.now_us()) != Status::kOk) throw DeviceError("request longer than a transfer can be");
+  return true;
+}
+
+Bus::Message Bus::next_of_channel(MessageChannel& channel, std::uint64_t deadline_us) {
+  Message message;
+  while (true) {
+    switch (channel.take(message)) {
+      case MessageChannel::Arrival::kMessage: return message;
+      case MessageChannel::Arrival::kFailed: return {};
+      case MessageChannel::Arrival::kNothing: break;
+    }
+    if (link_.now_us() >= deadline_us) return {};
+    const auto frame = receive(deadline_us);
+    if (frame && !is_answer_id(*frame) && on_stream_) on_stream_(*frame);
+  }
+}
+
+Bus::Message Bus::next_message(std::uint8_t node, std::uint64_t deadline_us) {
+  if (const auto& channel = channels_[node]) return next_of_channel(*channel, deadline_us);
+  IsoTp& c = connection(node);
+  if (receive_for(c, deadline_us) != IsoTp::Event::kReceived) return {};
+  return {c.message().begin(), c.message().end()};
 }
 
 Bus::Message Bus::exchange(std::uint8_t node, Bytes request) {
   drain(node);
-  IsoTp& c = connection(node);
-  if (c.send(request, link_.now_us()) != Status::kOk) throw DeviceError("request longer than a transfer can be");
   std::uint64_t deadline_us = link_.now_us() + link_.answer_us();
+  if (!start(node, request)) {  // the system has not got rid of the last one
+    channels_.erase(node);
+    return {};
+  }
   while (true) {
-    if (receive_for(c, deadline_us) != IsoTp::Event::kReceived) return {};
-    const Bytes answer = c.message();
+    Message answer = next_message(node, deadline_us);
+    if (answer.empty()) {
+      channels_.erase(node);
+      return {};
+    }
     if (answer.size() == 3 && answer[0] == wire::service::kNegative && answer[1] == request[0]) {
       if (answer[2] == wire::nrc::kPending) {
         deadline_us = link_.now_us() + wire::kP2Star_us;
         continue;
       }
-      return {answer.begin(), answer.end()};
+      return answer;
     }
-    if (answers(answer, request)) return {answer.begin(), answer.end()};
+    if (answers(answer, request)) return answer;
     // An answer to something else, of another tester or of an earlier request: wait on.
   }
 }
@@ -145,7 +184,7 @@ std::vector<wire::NodeClaim> Bus::discover() {
     link_.send(wire::who_is_there());
     const std::uint64_t until_us = link_.now_us() + kClaimWindow_us;
     while (link_.now_us() < until_us) {
-      const auto frame = link_.receive(until_us);
+      const auto frame = receive(until_us);
       if (!frame || !wire::is_claim(*frame)) continue;
       const auto joined = partial[frame->id].add(*frame);
       if (joined && wire::claim_id(joined->unique_id) == frame->id) {
@@ -162,9 +201,20 @@ void Bus::assign(const wire::UniqueId& id, std::uint8_t node_address) {
   for (const wire::CanFrame& frame : wire::encode_assignment(id, node_address)) link_.send(frame);
 }
 
+std::optional<wire::CanFrame> Bus::receive(std::uint64_t until_us) {
+  if (held_ == 0 && interrupt_request()) throw Cancelled(link_.name() + ": ended on request");
+  return link_.receive(std::min(until_us, link_.now_us() + kLook_us));
+}
+
+void Bus::reconnect() {
+  connections_.clear();
+  channels_.clear();
+  link_.reconnect();
+}
+
 void Bus::listen(std::uint64_t until_us) {
   while (link_.now_us() < until_us) {
-    const auto frame = link_.receive(until_us);
+    const auto frame = receive(until_us);
     if (frame && !is_answer_id(*frame) && on_stream_) on_stream_(*frame);
   }
 }

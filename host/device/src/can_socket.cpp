@@ -19,7 +19,7 @@
 #include <thread>
 
 #include "triskin/boot/loader_protocol.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/device/link.hpp"
 #include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 #include "triskin/wire/uds.hpp"
@@ -67,7 +67,7 @@ CanSocket::CanSocket(const std::string& interface) : interface_(interface) {
     ifreq request{};
     std::copy(interface.begin(), interface.end(), request.ifr_name);
     if (::ioctl(socket_, SIOCGIFINDEX, &request) != 0) {
-      throw DeviceError(fmt::format("can:{}: no such interface; \"ip -br link show\" lists them", interface));
+      throw Unreachable(fmt::format("can:{}: no such interface; \"ip -br link show\" lists them", interface));
     }
     const int index = request.ifr_ifindex;
     if (::ioctl(socket_, SIOCGIFFLAGS, &request) != 0) fail("cannot ask the interface", errno);
@@ -92,11 +92,12 @@ CanSocket::CanSocket(const std::string& interface) : interface_(interface) {
 
 CanSocket::~CanSocket() { ::close(socket_); }
 
-void CanSocket::fail(const std::string& what, int error) const {
+void CanSocket::fail(const std::string& what, int error) {
+  alive_ = false;
   if (error == ENETDOWN || error == ENETUNREACH) {
-    throw DeviceError(fmt::format("can:{0}: the interface is down; bring it up: ip link set {0} up type can bitrate 1000000", interface_));
+    throw Unreachable(fmt::format("can:{0}: the interface is down; bring it up: ip link set {0} up type can bitrate 1000000", interface_));
   }
-  if (error == ENODEV || error == ENXIO) throw DeviceError(fmt::format("can:{}: the interface is gone; plug the adapter in again", interface_));
+  if (error == ENODEV || error == ENXIO) throw Unreachable(fmt::format("can:{}: the interface is gone; plug the adapter in again", interface_));
   throw DeviceError(fmt::format("can:{}: {} ({})", interface_, what, std::strerror(error)));
 }
 
@@ -116,7 +117,7 @@ void CanSocket::filter_for_host() {
 
 void CanSocket::send(const wire::CanFrame& frame) {
   if (frame.fd && !fd_) throw DeviceError(fmt::format("can:{}: the interface does not carry FD frames", interface_));
-  if (errors_.bus_off) throw DeviceError(trouble());
+  if (errors_.bus_off) throw Unreachable(trouble());
   const canfd_frame k = to_kernel(frame);
   const std::size_t size = frame.fd ? CANFD_MTU : CAN_MTU;
   const auto start = std::chrono::steady_clock::now();
@@ -125,7 +126,7 @@ void CanSocket::send(const wire::CanFrame& frame) {
     if (error == EINTR) continue;
     if (error != ENOBUFS && error != EAGAIN) fail("cannot send", error);
     if (std::chrono::steady_clock::now() - start > kQueueFull) {
-      throw DeviceError(fmt::format("can:{}: frames do not leave: nobody acknowledges them; check cable, termination and bit rate", interface_));
+      throw Unreachable(fmt::format("can:{}: frames do not leave: nobody acknowledges them; check cable, termination and bit rate", interface_));
     }
     // SocketCAN does not say when a full device queue has room again (poll tells of the socket's buffer only).
     std::this_thread::sleep_for(kQueueLook);

@@ -149,6 +149,7 @@ void Controller::write_table(Bytes image, const std::function<void(double)>& ste
     (void)bus_.request(node_, request_of({wire::service::kTransfer, block}, part), Repeat::kSafe);
     if (steps) steps(static_cast<double>(at + part.size()) / static_cast<double>(image.size()));
   }
+  const Bus::Uninterrupted guard(bus_);  // so that it is known which table is active
   (void)bus_.request(node_, request_of({wire::service::kTransferExit}), Repeat::kNever);
   const auto id = wire::routine::kActivate;
   const Message m = bus_.request(node_, request_of({wire::service::kRoutine, 0x01, high(id), low(id)}), Repeat::kNever);

@@ -8,6 +8,7 @@
 
 #include "triskin/boot/loader_protocol.hpp"
 #include "triskin/device/controller.hpp"
+#include "triskin/host/interrupt.hpp"
 
 namespace triskin::device {
 namespace {
@@ -21,7 +22,7 @@ constexpr std::uint64_t kStart_us = 200'000;  // loader's window and the applica
 // The loader of one controller. Frames are not acknowledged one by one: after each 32 the loader says how many it has.
 class LoaderSession {
  public:
-  LoaderSession(Bus& bus, const wire::UniqueId& id) : link_(bus.link()), id_crc_(crc32(id)), name_(to_text(id)) {}
+  LoaderSession(Bus& bus, const wire::UniqueId& id) : bus_(bus), link_(bus.link()), id_crc_(crc32(id)), name_(to_text(id)) {}
 
   // Both slots' states: bit 0 valid, 1 confirmed, 2 startable; slot 1 in bits 3–5.
   std::uint8_t enter() {
@@ -76,7 +77,7 @@ class LoaderSession {
   std::optional<std::vector<std::uint8_t>> wait(Command command, std::uint64_t timeout_us) {
     const std::uint64_t end_us = link_.now_us() + timeout_us;
     do {
-      const auto f = link_.receive(end_us);
+      const auto f = bus_.receive(end_us);
       if (f && f->extended && f->id == boot::kReplyId && f->size >= 2 && f->data[0] == static_cast<std::uint8_t>(command)) {
         return std::vector<std::uint8_t>(f->data.begin(), f->data.begin() + f->size);
       }
@@ -92,10 +93,28 @@ class LoaderSession {
     throw DeviceError(fmt::format("{}: controller {} {}", link_.name(), name_, what));
   }
 
+  Bus& bus_;
   Link& link_;
   std::uint32_t id_crc_;
   std::string name_;
 };
+
+// The slot that was written. Ended on request, the controller goes on with the application that it has.
+int write_free_slot(LoaderSession& loader, const std::optional<ImageState>& before, const FirmwarePackage& package, const std::function<void(double)>& steps) {
+  try {
+    const std::uint8_t states = loader.enter();
+    // The slot that runs cannot be written; the loader refuses it. Slot 0 is free when slot 1 runs, or when nothing does.
+    const int running = before ? before->slot : (states & 4) != 0 ? 0 : 1;
+    const int slot = running == 0 ? 1 : 0;
+    loader.erase(slot);
+    loader.write(package.image(slot), steps);
+    loader.commit(package.image(slot));
+    return slot;
+  } catch (const Cancelled& e) {
+    loader.boot();
+    throw Cancelled(std::string(e.what()) + "; the old firmware stays and starts again");
+  }
+}
 
 bool runs(const std::optional<ImageState>& state, const FirmwarePackage& package) {
   if (!state || state->slot < 0 || state->slot > 1) return false;
@@ -131,17 +150,10 @@ FirmwareResult update_firmware(Bus& bus, const wire::NodeClaim& who, const Firmw
   result.equal = runs(before, package);
   if (before) result.slot = before->slot;
   if (options.dry_run || (result.equal && !options.force)) return result;
-  report(progress, "entering the loader", 0.0);
+  report(progress, "entering the loader", 0.0, result.serial);
   controller.reset();
   LoaderSession loader(bus, who.unique_id);
-  const std::uint8_t states = loader.enter();
-  // The slot that runs cannot be written; the loader refuses it. Slot 0 is free when slot 1 runs, or when nothing does.
-  const int running = before ? before->slot : (states & 4) != 0 ? 0 : 1;
-  const int slot = running == 0 ? 1 : 0;
-  const Bytes image = package.image(slot);
-  loader.erase(slot);
-  loader.write(image, [&](double fraction) { report(progress, "writing firmware", fraction); });
-  loader.commit(image);
+  const int slot = write_free_slot(loader, before, package, [&](double fraction) { report(progress, "writing firmware", fraction, result.serial); });
   loader.boot();
   bus.listen(bus.now_us() + kStart_us);
   const auto after = controller.image_state();
@@ -149,7 +161,7 @@ FirmwareResult update_firmware(Bus& bus, const wire::NodeClaim& who, const Firmw
     throw DeviceError(fmt::format("{}: controller {} has not started the new firmware; the old one runs", bus.link().name(), result.serial));
   }
   result.slot = slot;
-  result.bytes = image.size();
+  result.bytes = package.image(slot).size();
   return result;
 }
 

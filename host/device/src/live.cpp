@@ -31,6 +31,7 @@ Stream::Stream(Bus& bus, const model::Design& design, OnFrame handler) : bus_(bu
 
 Stream::~Stream() {
   bus_.on_stream({});
+  const Bus::Uninterrupted guard(bus_);
   for (const auto& [address, node] : nodes_) {
     try {
       Controller(bus_, address).set_stream(wire::StreamMode::kOff);

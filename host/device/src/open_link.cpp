@@ -3,18 +3,20 @@
 
 #include <algorithm>
 #include <charconv>
+#include <ranges>
 
 #include "triskin/device/can_link.hpp"
+#include "triskin/device/combined_link.hpp"
 #include "triskin/device/link.hpp"
 #include "triskin/device/sim_link.hpp"
 #include "triskin/device/tcp_link.hpp"
 #include "triskin/device/usb_link.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/host/interrupt.hpp"
 
 namespace triskin::device {
 namespace {
 
-constexpr const char* kKnown = "sim, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]";
+constexpr const char* kKnown = "sim, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]; several of the last three joined by commas";
 
 std::unique_ptr<Link> open_sim(const LinkOptions& options, const model::Design* design) {
   if (options.scene.empty()) {
@@ -63,12 +65,33 @@ HostPort parse_host_port(const std::string& text) {
   throw InputError(fmt::format("\"{}\" is no HOST:PORT, for example 127.0.0.1:7000", text));
 }
 
+namespace {
+
+// Empty: no real wire.
+std::unique_ptr<Link> open_wire(const std::string& link) {
+  if (link.starts_with("can:")) return std::make_unique<CanLink>(link.substr(4));
+  return open_usb(link);
+}
+
+std::unique_ptr<Link> open_several(const std::string& text) {
+  std::vector<std::unique_ptr<Link>> links;
+  for (const auto part : std::views::split(text, ',')) {
+    const std::string link(part.begin(), part.end());
+    links.push_back(open_wire(link));
+    if (!links.back()) throw InputError(fmt::format("link \"{}\" cannot be one of several; use can:IFACE, hid[:SERIAL] or usb[:SERIAL]", link));
+  }
+  return std::make_unique<CombinedLink>(std::move(links));
+}
+
+}  // namespace
+
 std::unique_ptr<Link> open_link(const LinkOptions& options, const model::Design* design) {
+  catch_interrupts();
   if (options.link == "sim") return open_sim(options, design);
   if (!options.scene.empty()) throw InputError("--scene belongs to --link sim; give the scene to triskin simulate instead");
   if (options.link.starts_with("sim:")) return std::make_unique<TcpLink>(parse_host_port(options.link.substr(4)));
-  if (options.link.starts_with("can:")) return std::make_unique<CanLink>(options.link.substr(4));
-  if (auto usb = open_usb(options.link)) return usb;
+  if (options.link.find(',') != std::string::npos) return open_several(options.link);
+  if (auto wire = open_wire(options.link)) return wire;
   throw InputError(fmt::format("link \"{}\" is unknown; use {}", options.link, kKnown));
 }
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 
-#include "triskin/host/error.hpp"
 
 namespace triskin::device {
 
@@ -14,10 +13,12 @@ UsbLink::UsbLink(std::unique_ptr<UsbDriver> driver, const std::string& serial)
     : driver_(std::move(driver)), serial_(serial), name_(driver_->name() + (serial.empty() ? "" : ":" + serial)) {
   look();
   if (devices_.empty()) {
-    throw DeviceError(fmt::format("{}: no Triskin controller{} on USB; check cable and power, and the udev rule of docs/device.md", name_,
-                                  serial.empty() ? "" : " with this serial number"));
+    fail(fmt::format("no Triskin controller{} on USB; check cable and power, and the udev rule of docs/wires.md",
+                     serial.empty() ? "" : " with this serial number"));
   }
 }
+
+void UsbLink::fail(const std::string& what) const { throw Unreachable(fmt::format("{}: {}", name_, what)); }
 
 UsbLink::~UsbLink() {
   for (auto& d : devices_) d->reader.request_stop();
@@ -34,6 +35,7 @@ void UsbLink::look() {
   for (auto& pipe : driver_->open(serial_, places)) {
     auto device = std::make_unique<Device>();
     device->pipe = std::move(pipe);
+    device->wire = ++wires_;
     {
       const std::lock_guard lock(mutex_);
       std::erase(lost_, device->pipe->serial());
@@ -56,6 +58,7 @@ void UsbLink::read_all(Device& device, const std::stop_token& stop) {
         if (!frame) continue;
         const std::lock_guard lock(mutex_);
         frames_.push_back(*frame);
+        nodes_.heard(*frame, device.wire);
         came_.notify_one();
       }
     }
@@ -77,14 +80,34 @@ void UsbLink::remove_gone() {
     return d->gone;
   });
   if (devices_.empty()) look();  // it may have come back under another address
-  if (devices_.empty()) throw DeviceError(fmt::format("{}: {}", name_, trouble()));
+}
+
+void UsbLink::reconnect() {
+  remove_gone();
+  look();
+  if (devices_.empty()) fail(trouble());
+}
+
+int UsbLink::wire_of(std::uint8_t node) const {
+  const std::lock_guard lock(mutex_);
+  return nodes_.wire_of(node).value_or(0);
 }
 
 void UsbLink::send(const wire::CanFrame& frame) {
   remove_gone();
+  if (devices_.empty()) fail(trouble());
   const auto packet = wire::to_usb(frame);
   if (!packet) throw DeviceError(fmt::format("{}: a frame of {} bytes does not fit a USB packet", name_, frame.size));
+  const auto target = NodeMap::target_of(frame);
+  std::optional<int> only;
+  {
+    const std::lock_guard lock(mutex_);
+    if (target) only = nodes_.wire_of(*target);
+    nodes_.sent(frame);
+  }
+  if (only && std::ranges::none_of(devices_, [&](const auto& d) { return d->wire == *only; })) fail(trouble());
   for (auto& d : devices_) {
+    if (only && d->wire != *only) continue;
     try {
       d->pipe->write(*packet);
     } catch (const DeviceError&) {
@@ -96,21 +119,25 @@ void UsbLink::send(const wire::CanFrame& frame) {
   remove_gone();
 }
 
+// The next frame that came in, or none after a slice of the time or when a device has gone.
+std::optional<wire::CanFrame> UsbLink::next_frame(std::uint64_t until_us) {
+  std::unique_lock lock(mutex_);
+  const auto until = std::min(start_ + std::chrono::microseconds(until_us), std::chrono::steady_clock::now() + kSlice);
+  const auto ready = [&] { return !frames_.empty() || std::ranges::any_of(devices_, [](const auto& d) { return d->gone; }); };
+  (void)came_.wait_until(lock, until, ready);
+  if (frames_.empty()) return std::nullopt;
+  const wire::CanFrame frame = frames_.front();
+  frames_.pop_front();
+  return frame;
+}
+
 std::optional<wire::CanFrame> UsbLink::receive(std::uint64_t until_us) {
   while (true) {
-    {
-      std::unique_lock lock(mutex_);
-      const auto until = start_ + std::chrono::microseconds(std::min<std::uint64_t>(until_us, now_us() + 1'000'000));
-      const auto ready = [&] { return !frames_.empty() || std::ranges::any_of(devices_, [](const auto& d) { return d->gone; }); };
-      (void)came_.wait_until(lock, until, ready);
-      if (!frames_.empty()) {
-        const wire::CanFrame frame = frames_.front();
-        frames_.pop_front();
-        return frame;
-      }
-    }
+    if (const auto frame = next_frame(std::min<std::uint64_t>(until_us, now_us() + 1'000'000))) return frame;
     remove_gone();
-    if (serial_.empty() && std::chrono::steady_clock::now() - last_look_ > kLook) look();
+    const bool told = driver_->changed();
+    if (told || (serial_.empty() && std::chrono::steady_clock::now() - last_look_ > kLook)) look();
+    if (devices_.empty()) fail(trouble());
     if (now_us() >= until_us) return std::nullopt;
   }
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "triskin/device/conversations.hpp"
 #include "verification.hpp"
 
 namespace triskin::device {
@@ -133,6 +134,17 @@ void read_patch(Bus& bus, PatchState& p) {
   }
 }
 
+// Patches on different wires side by side.
+void ask_all(Bus& bus, std::vector<PatchState>& patches, const std::function<void(Bus&, PatchState&)>& ask) {
+  std::vector<Conversation> conversations;
+  for (PatchState& p : patches) {
+    if (p.usable) conversations.push_back({p.image.node_address, [&](Bus& own) { ask(own, p); }});
+  }
+  for (const std::exception_ptr& e : converse(bus.link(), conversations)) {
+    if (e) std::rethrow_exception(e);
+  }
+}
+
 std::vector<TouchOutcome> touch_all(Bus& bus, std::vector<PatchState>& patches, const VerifyOptions& options, const ProgressSink& progress) {
   std::vector<TouchOutcome> outcomes;
   TouchTest test(bus, patches);
@@ -164,20 +176,18 @@ VerifyResult verify(Bus& bus, const model::Design& design, const VerifyOptions& 
     patches[k].image = image_of(design, static_cast<int>(k));
     patches[k].usable = controllers.check(patches[k], result.findings);
   }
-  for (std::size_t k = 0; k < patches.size(); ++k) {
-    if (!patches[k].usable) continue;
-    report(progress, "asking the modules", static_cast<double>(k) / static_cast<double>(patches.size()));
-    look_at_chain(bus, patches[k]);
-    start_patch(bus, patches[k]);
-    patches[k].lines = patches[k].controller(bus).discover();
-  }
+  ask_all(bus, patches, [&](Bus& own, PatchState& p) {
+    report(progress, "asking the modules", 0.0, fmt::format("patch {}", p.patch), p.patch);
+    look_at_chain(own, p);
+    start_patch(own, p);
+    p.lines = p.controller(own).discover();
+    report(progress, "asked", 1.0, fmt::format("patch {}", p.patch), p.patch);
+  });
   std::vector<TouchOutcome> touches;
   if (options.touch) touches = touch_all(bus, patches, options, progress);
   const auto watch_us = static_cast<std::uint64_t>(std::max(0.0, options.watch_s) * 1e6);
   if (std::ranges::any_of(patches, &PatchState::usable)) bus.listen(start_us + watch_us);
-  for (PatchState& p : patches) {
-    if (p.usable) read_patch(bus, p);
-  }
+  ask_all(bus, patches, read_patch);
   result.touched = static_cast<int>(touches.size());
   Diagnosis(design, patches, std::move(touches)).run(result);
   return result;

@@ -10,13 +10,14 @@ struct Progress {
   std::string stage;
   double fraction = -1.0;
   std::string detail;
+  int part = -1;  ///< of several pieces of work that go on side by side; -1: there is only one
 };
 
 /// Called from the thread that runs the work; must not throw. An empty function is allowed.
 using ProgressSink = std::function<void(const Progress&)>;
 
-inline void report(const ProgressSink& sink, std::string stage, double fraction, std::string detail = {}) {
-  if (sink) sink(Progress{std::move(stage), fraction, std::move(detail)});
+inline void report(const ProgressSink& sink, std::string stage, double fraction, std::string detail = {}, int part = -1) {
+  if (sink) sink(Progress{std::move(stage), fraction, std::move(detail), part});
 }
 
 }  // namespace triskin

@@ -30,21 +30,23 @@ class CanSocket {
   [[nodiscard]] int descriptor() const { return socket_; }
   /// Only answers of controllers, claims, streams and the loader from now on: other traffic costs nothing.
   void filter_for_host();
-  /// Waits while the transmit queue is full, up to a second. Throws DeviceError: interface gone or down, bus-off, queue stays full.
+  /// Waits while the transmit queue is full, up to a second. Throws Unreachable: interface gone or down, bus-off, queue stays full.
   void send(const wire::CanFrame& frame);
-  /// The next frame that waits, or empty. Error frames are taken into errors(). Throws DeviceError: interface gone or down.
+  /// The next frame that waits, or empty. Error frames are taken into errors(). Throws Unreachable: interface gone or down.
   std::optional<wire::CanFrame> receive();
   [[nodiscard]] const Errors& errors() const { return errors_; }
+  /// The interface was there and up when it was last used.
+  [[nodiscard]] bool alive() const { return alive_; }
   /// One sentence on errors(), empty when all is well.
   [[nodiscard]] std::string trouble() const;
 
  private:
   void note_error(std::uint32_t error_class, const std::uint8_t* data);
-  [[noreturn]] void fail(const std::string& what, int error) const;
+  [[noreturn]] void fail(const std::string& what, int error);
 
   std::string interface_;
   int socket_ = -1;
-  bool fd_ = false;
+  bool fd_ = false, alive_ = true;
   Errors errors_;
 };
 

@@ -29,7 +29,7 @@ struct FirmwareResult {
 
 /// Puts the firmware into the free slot of one controller over CAN, by its loader (docs/firmware_board.md), starts it and reads back what runs.
 /// Whatever happens in between, the old application stays and starts again. Throws DeviceError: no answer of application or loader, flash
-/// refused, the new application was not started.
+/// refused, the new application was not started; Cancelled when the process was asked to end.
 FirmwareResult update_firmware(Bus& bus, const wire::NodeClaim& controller, const FirmwarePackage& package, const FlashOptions& options = {},
                                const ProgressSink& progress = {});
 

@@ -4,7 +4,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "triskin/base/bytes.hpp"
+#include "triskin/host/error.hpp"
 #include "triskin/scene/scene.hpp"
 #include "triskin/wire/can_frame.hpp"
 
@@ -20,13 +23,30 @@ class Finger {
   virtual void lift() = 0;
 };
 
+/// The way to a controller is cut: what it was doing can go on when the way is there again.
+class Unreachable : public DeviceError {
+ public:
+  using DeviceError::DeviceError;
+};
+
+/// Whole messages to and from one address, where the operating system takes ISO-TP upon itself. Used by the link's thread.
+class MessageChannel {
+ public:
+  enum class Arrival { kNothing, kMessage, kFailed };
+  virtual ~MessageChannel() = default;
+  /// Starts to send; false: refused, or the last message is still under way.
+  [[nodiscard]] virtual bool send(Bytes message) = 0;
+  /// Does not wait. kFailed: a message was given up on the way, in either direction.
+  [[nodiscard]] virtual Arrival take(std::vector<std::uint8_t>& message) = 0;
+};
+
 /// Frames to and from patch controllers, whatever carries them: CAN, USB, or the simulation. Used by one thread.
 class Link {
  public:
   virtual ~Link() = default;
-  /// Throws DeviceError naming the link and the cause when the link is dead.
+  /// Throws Unreachable naming the link and the cause when the link is dead.
   virtual void send(const wire::CanFrame& frame) = 0;
-  /// Waits for a frame until `until_us` of the link's clock; empty: none came. Throws DeviceError as send does.
+  /// Waits for a frame until `until_us` of the link's clock; empty: none came, or a channel has something. Throws as send does.
   virtual std::optional<wire::CanFrame> receive(std::uint64_t until_us) = 0;
   /// Time of the link, µs: monotonic; virtual in the in-process simulation, where waiting costs nothing.
   [[nodiscard]] virtual std::uint64_t now_us() const = 0;
@@ -40,6 +60,18 @@ class Link {
   /// What the link itself has noticed (bus errors, unplugged devices), with the remedy; empty: nothing.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
   [[nodiscard]] virtual Finger* finger() { return nullptr; }
+  /// A connection whose segments the system takes care of; null: there is none, and frames must do.
+  [[nodiscard]] virtual std::unique_ptr<MessageChannel> open_channel(std::uint32_t tx_id, std::uint32_t rx_id) {
+    (void)tx_id, (void)rx_id;
+    return nullptr;
+  }
+  /// Wire that leads to a node: controllers on one CAN bus share one, each USB device has its own. 0 while it is not known.
+  [[nodiscard]] virtual int wire_of(std::uint8_t node) const {
+    (void)node;
+    return 0;
+  }
+  /// Tries to revive a link that was cut. Throws DeviceError when it still is.
+  virtual void reconnect() {}
 };
 
 /// What `--link` and `--scene` name.
@@ -49,8 +81,9 @@ struct LinkOptions {
   bool switched = false;  ///< `sim` without a scene file has switched modules
 };
 
-/// Opens `sim`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`. The design is what `sim` simulates when
-/// there is no scene; null where a command has none. Throws InputError (unknown link, no design or scene for `sim`, a scene of
+/// Opens `sim`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last three, joined by commas. The design is what `sim` simulates when
+/// there is no scene; null where a command has none. From now on Ctrl-C is a request
+/// (catch_interrupts()). Throws InputError (unknown link, no design or scene for `sim`, a scene of
 /// another design), DeviceError (cannot connect).
 [[nodiscard]] std::unique_ptr<Link> open_link(const LinkOptions& options, const model::Design* design);
 

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <atomic>
+#include <string>
+
+#include "triskin/host/error.hpp"
+
+namespace triskin {
+
+/// The person asked to end (Ctrl-C). What was begun was brought to an end that does no harm; the message says what was done.
+class Cancelled : public Error {
+ public:
+  using Error::Error;
+  [[nodiscard]] int exit_status() const override { return 3; }
+};
+
+/// From now on the first SIGINT or SIGTERM only sets interrupt_request(); a second one ends the process at once.
+void catch_interrupts();
+/// Set when the process was asked to end. Long work looks at it where it can stop without harm. Lock-free; tests may set it.
+[[nodiscard]] std::atomic<bool>& interrupt_request();
+
+}  // namespace triskin

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A flash that somebody ends with Ctrl-C, and one that waits for a cable that was pulled.
+#include <gtest/gtest.h>
+
+#include "faulty_link.hpp"
+#include "fixture.hpp"
+#include "triskin/device/controller.hpp"
+#include "triskin/device/firmware_update.hpp"
+#include "triskin/device/patch_table.hpp"
+#include "triskin/host/interrupt.hpp"
+
+namespace triskin::device {
+namespace {
+
+model::Design other_wiring(const model::Design& d) {
+  model::Design other = d;
+  for (auto& patch : other.patches) std::swap(patch.modules[1].address, patch.modules[2].address);
+  other.design_id = model::design_id_of(other);
+  return other;
+}
+
+std::vector<std::uint8_t> active(Bench& bench, int patch) {
+  bench.bus().listen(bench.bus().now_us() + 1'500'000);  // what was under way has timed out
+  Controller c(bench.bus(), static_cast<std::uint8_t>(patch + 1));
+  return c.read_table(bytes_of(image_of(bench.design(), patch)).size());
+}
+
+TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_the_message_says_which) {
+  int cancelled = 0, with_one_done = 0;
+  for (std::uint64_t n = 1;; n += 3) {
+    Bench bench(12, 6);
+    const model::Design old_design = other_wiring(bench.design());
+    (void)flash(bench.bus(), old_design);
+    FaultyLink wire(bench.bus().link(), false, {}, 1);
+    wire.after_send = [&] {
+      if (wire.frames >= n) interrupt_request() = true;
+    };
+    Bus bus(wire);
+    std::string said;
+    try {
+      (void)flash(bus, bench.design());
+    } catch (const Cancelled& e) {
+      said = e.what();
+    }
+    const bool too_late = !interrupt_request();
+    interrupt_request() = false;
+    if (too_late) break;
+    int now_new = 0;
+    for (int p = 0; p < 2; ++p) {
+      const auto now = active(bench, p), fresh = bytes_of(image_of(bench.design(), p)), old = bytes_of(image_of(old_design, p));
+      ASSERT_TRUE(now == fresh || now == old) << "patch " << p << " at frame " << n;
+      now_new += now == fresh ? 1 : 0;
+    }
+    if (!said.empty()) {
+      ++cancelled;
+      const std::string expected = now_new == 1 ? "1 of 2 controllers have their table (patches 0)" : now_new == 2 ? "2 of 2" : "";
+      EXPECT_NE(said.find(expected), std::string::npos) << "frame " << n << ": " << said;
+      with_one_done += now_new == 1 ? 1 : 0;
+    }
+    EXPECT_EQ(bench.flash().patches.size(), 2U);  // and the work can be completed
+    for (int p = 0; p < 2; ++p) ASSERT_EQ(active(bench, p), bytes_of(image_of(bench.design(), p))) << n;
+  }
+  EXPECT_GT(cancelled, 30);
+  EXPECT_GT(with_one_done, 5);
+}
+
+TEST(Unplugged, a_flash_that_waits_goes_on_by_itself) {
+  for (std::uint64_t n = 20; n < 160; n += 13) {
+    Bench bench(12, 6);
+    FaultyLink wire(bench.bus().link(), false, {}, 1);
+    wire.frames_left = n;
+    int looks = 0;
+    wire.on_reconnect = [&](FaultyLink& w) {
+      if (++looks == 1) throw Unreachable("still away");
+      w.frames_left.reset();
+    };
+    FlashOptions options;
+    options.wait_s = 20.0;
+    std::vector<std::string> said;
+    options.say = [&](const std::string& text) { said.push_back(text); };
+    Bus bus(wire);
+    const FlashResult r = flash(bus, bench.design(), options);
+    ASSERT_EQ(r.patches.size(), 2U);
+    for (int p = 0; p < 2; ++p) EXPECT_EQ(active(bench, p), bytes_of(image_of(bench.design(), p))) << n;
+    EXPECT_EQ(r.bytes + static_cast<std::size_t>(r.skipped) * 104, 2U * 104) << n;  // what was written before the cut counts as written
+    ASSERT_EQ(said.size(), 2U) << n;
+    EXPECT_NE(said[0].find("waiting 20 s for the cable"), std::string::npos) << said[0];
+    EXPECT_NE(said[1].find("going on"), std::string::npos) << said[1];
+  }
+}
+
+TEST(Unplugged, nobody_comes_back_and_the_error_says_what_was_done) {
+  Bench bench(12, 6);
+  FaultyLink wire(bench.bus().link(), false, {}, 1);
+  wire.frames_left = 110;
+  FlashOptions options;
+  options.wait_s = 3.0;
+  Bus bus(wire);
+  try {
+    (void)flash(bus, bench.design(), options);
+    FAIL() << "completed without a cable";
+  } catch (const Unreachable& e) {
+    EXPECT_NE(std::string(e.what()).find("1 of 2 controllers have their table (patches 0), the others their old one"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace triskin::device

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Many controllers: addresses without collisions, conversations side by side, several links as one.
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <set>
+
+#include "faulty_link.hpp"
+#include "fixture.hpp"
+#include "triskin/device/combined_link.hpp"
+#include "triskin/device/controller.hpp"
+#include "triskin/device/conversations.hpp"
+#include "triskin/device/patch_table.hpp"
+
+namespace triskin::device {
+namespace {
+
+// A simulation whose controllers seem to have a wire each, as USB devices do, and where a frame of the host is on its way for a while.
+class Star final : public Link {
+ public:
+  Star(Link& inner, bool one_wire = false) : inner_(inner), one_wire_(one_wire) {}
+  void send(const wire::CanFrame& frame) override { out_.emplace_back(now_us() + kWay_us, frame); }
+  std::optional<wire::CanFrame> receive(std::uint64_t until_us) override {
+    while (true) {
+      for (; !out_.empty() && out_.front().first <= now_us(); out_.pop_front()) inner_.send(out_.front().second);
+      if (auto frame = inner_.receive(out_.empty() ? until_us : std::min(until_us, out_.front().first))) return frame;
+      if (now_us() >= until_us) return std::nullopt;
+    }
+  }
+  [[nodiscard]] std::uint64_t now_us() const override { return inner_.now_us(); }
+  [[nodiscard]] bool fd() const override { return inner_.fd(); }
+  [[nodiscard]] std::uint64_t answer_us() const override { return inner_.answer_us(); }
+  [[nodiscard]] std::string name() const override { return "star"; }
+  [[nodiscard]] int wire_of(std::uint8_t node) const override { return one_wire_ ? 0 : node; }
+
+ private:
+  static constexpr std::uint64_t kWay_us = 2'000;
+  Link& inner_;
+  const bool one_wire_;
+  std::deque<std::pair<std::uint64_t, wire::CanFrame>> out_;
+};
+
+void expect_tables(Bench& bench) {
+  std::set<int> addresses;
+  for (const auto& c : bench.bus().discover()) addresses.insert(c.node_address);
+  EXPECT_EQ(addresses.size(), bench.design().patches.size());
+  for (std::size_t p = 0; p < bench.design().patches.size(); ++p) {
+    const auto image = bytes_of(image_of(bench.design(), static_cast<int>(p)));
+    EXPECT_EQ(Controller(bench.bus(), static_cast<std::uint8_t>(p + 1)).read_table(image.size()), image) << p;
+  }
+}
+
+TEST(Addresses, sixteen_fresh_boards_with_one_default_address_get_one_each) {
+  Bench bench(32, 2);
+  const auto fresh = bench.bus().discover();
+  ASSERT_EQ(fresh.size(), 16U);
+  std::set<std::uint32_t> ids;
+  for (const auto& c : fresh) {
+    EXPECT_EQ(c.node_address, 1);
+    ids.insert(wire::claim_id(c.unique_id));
+  }
+  EXPECT_EQ(ids.size(), 16U);  // so that their claims do not collide on the bus
+  EXPECT_EQ(bench.flash().patches.size(), 16U);
+  expect_tables(bench);
+  EXPECT_EQ(bench.flash().skipped, 16);
+}
+
+TEST(Addresses, sixteen_fresh_boards_on_a_bus_that_loses_and_delays_frames) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    Bench bench(32, 2);
+    FaultyLink wire(bench.bus().link(), false, {1, 1, 1, 0}, seed);
+    Bus bus(wire);
+    bool completed = false;
+    for (int attempt = 0; attempt < 60 && !completed; ++attempt) {
+      try {
+        completed = flash(bus, bench.design()).patches.size() == 16;
+      } catch (const DeviceError&) {
+      }
+    }
+    ASSERT_TRUE(completed) << "seed " << seed;
+    bench.bus().listen(bench.bus().now_us() + 1'500'000);
+    expect_tables(bench);
+  }
+}
+
+TEST(SideBySide, controllers_on_wires_of_their_own_are_flashed_at_the_same_time) {
+  Bench one_by_one(32, 2), together(32, 2);
+  Star line(one_by_one.bus().link(), true), star(together.bus().link());
+  Bus line_bus(line), bus(star);
+  const double slow_s = flash(line_bus, one_by_one.design()).link_s, fast_s = flash(bus, together.design()).link_s;
+  expect_tables(together);
+  EXPECT_LT(fast_s, 0.5 * slow_s);
+  const VerifyOptions ask_only{};
+  EXPECT_TRUE(verify(bus, together.design(), ask_only).findings.empty());
+  std::printf("16 controllers: %.3f s one after the other, %.3f s side by side (virtual time)\n", slow_s, fast_s);
+}
+
+TEST(SideBySide, the_order_is_the_same_every_time) {
+  const auto run = [] {
+    Bench bench(32, 2);
+    Star star(bench.bus().link());
+    FaultyLink wire(star, false, {1, 1, 1, 1}, 5);
+    Bus bus(wire);
+    try {
+      (void)flash(bus, bench.design());
+    } catch (const DeviceError& e) {
+      return std::pair(wire.frames, std::string(e.what()));
+    }
+    return std::pair(wire.frames, std::string());
+  };
+  EXPECT_EQ(run(), run());
+}
+
+TEST(SideBySide, one_that_fails_does_not_keep_the_others_from_their_tables) {
+  Bench bench(12, 4);
+  (void)bench.flash();  // so that all have their addresses
+  model::Design other = bench.design();
+  for (auto& p : other.patches) std::swap(p.modules[1].address, p.modules[2].address);
+  other.design_id = model::design_id_of(other);
+  (void)flash(bench.bus(), other);
+  Star star(bench.bus().link());
+  bench.skin().flash(1).cut_power_after(3, scene::FlashMemory::Tear::kHalf);
+  Bus bus(star);
+  try {
+    (void)flash(bus, bench.design());
+    FAIL() << "a dead controller was flashed";
+  } catch (const DeviceError& e) {
+    EXPECT_NE(std::string(e.what()).find("controller 2 does not answer"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("2 of 3 controllers have their table (patches 0, 2)"), std::string::npos) << e.what();
+  }
+}
+
+TEST(SideBySide, outcomes_stand_where_their_conversations_stood) {
+  Bench bench(12, 4);
+  bench.flash();
+  std::vector<int> began;
+  std::vector<Conversation> talks;
+  for (std::uint8_t node = 1; node <= 3; ++node) {
+    talks.push_back({node, [&began, node](Bus& bus) {
+                       began.push_back(node);
+                       (void)Controller(bus, node).hello();
+                       if (node == 2) throw DeviceError("two");
+                     }});
+  }
+  const auto outcomes = converse(bench.bus().link(), talks);
+  EXPECT_EQ(began, (std::vector<int>{1, 2, 3}));
+  ASSERT_EQ(outcomes.size(), 3U);
+  EXPECT_FALSE(outcomes[0]);
+  EXPECT_FALSE(outcomes[2]);
+  EXPECT_THROW(std::rethrow_exception(outcomes[1]), DeviceError);
+  EXPECT_TRUE(converse(bench.bus().link(), {}).empty());
+}
+
+std::unique_ptr<SimLink> simulated(int modules) {
+  scene::Scene scene;
+  scene.design = strip(modules);
+  return std::make_unique<SimLink>(std::move(scene));
+}
+
+TEST(CombinedLink, a_design_goes_to_controllers_on_two_links) {
+  auto first = simulated(8), second = simulated(6);
+  Bus first_bus(*first), second_bus(*second);
+  std::vector<std::unique_ptr<Link>> links;
+  SimLink &a = *first, &b = *second;
+  links.push_back(std::move(first));
+  links.push_back(std::move(second));
+  CombinedLink both(std::move(links));
+  Bus bus(both);
+  const model::Design design = strip(12, 6);
+  const FlashResult r = flash(bus, design);
+  EXPECT_EQ(r.patches.size(), 2U);
+  EXPECT_NE(both.wire_of(1), both.wire_of(2));
+  EXPECT_EQ(both.name(), "sim,sim");
+  std::set<int> nodes;
+  for (SimLink* link : {&a, &b}) {
+    Bus own(*link);
+    const auto claims = own.discover();
+    ASSERT_EQ(claims.size(), 1U);
+    EXPECT_EQ(Controller(own, claims[0].node_address).active_table().design_id, design.design_id);
+    nodes.insert(claims[0].node_address);
+  }
+  EXPECT_EQ(nodes, (std::set<int>{1, 2}));
+}
+
+TEST(NodeMap, learns_from_claims_and_answers_and_forgets_when_addresses_change) {
+  NodeMap map;
+  const wire::UniqueId first{1}, second{2};
+  const auto hear = [&](const wire::UniqueId& id, std::uint8_t node, int wire) {
+    for (const auto& f : wire::encode_claim({id, node, false})) map.heard(f, wire);
+  };
+  hear(first, 1, 10);
+  EXPECT_EQ(map.wire_of(1), 10);
+  hear(second, 1, 11);
+  EXPECT_FALSE(map.wire_of(1));  // two fresh boards
+  map.sent(wire::encode_assignment(second, 2)[0]);
+  EXPECT_FALSE(map.wire_of(1));
+  wire::CanFrame answer;
+  answer.extended = true;
+  answer.id = wire::physical_id(wire::kTesterAddress, 2);
+  map.heard(answer, 11);
+  EXPECT_EQ(map.wire_of(2), 11);
+  wire::CanFrame request;
+  request.extended = true;
+  request.id = wire::physical_id(2, wire::kTesterAddress);
+  EXPECT_EQ(NodeMap::target_of(request), 2);
+  EXPECT_FALSE(NodeMap::target_of(answer));
+  map.sent(wire::who_is_there());
+  EXPECT_FALSE(map.wire_of(2));
+}
+
+}  // namespace
+}  // namespace triskin::device
