@@ -16,8 +16,10 @@ from case_usb import wait_for_devices
 def test_ctrl_c_ends_live_and_stops_the_stream():
     with controllers("can:vcan0"):
         triskin("flash", DESIGN, "--link", "can:vcan0")
+        seen = subprocess.Popen(["candump", "-n", "20", "vcan0,18F00000:1FFF0000"], stdout=subprocess.DEVNULL)
+        time.sleep(0.5)
         live = start(bench.TRISKIN, "live", DESIGN, "--link", "can:vcan0", "--json")
-        time.sleep(3)
+        seen.wait(30)  # the stream runs
         live.send_signal(signal.SIGINT)
         live.wait(20)
         text = live.output_path.read_text()
