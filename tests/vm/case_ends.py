@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Commands that are ended by Ctrl-C, and cables that are pulled while a flash runs."""
 import json
-import os
-import pathlib
 import signal
 import subprocess
 import time
@@ -58,24 +56,10 @@ def wait_for_frames(process, count):
         seen.wait()
 
 
-def wait_for_open_device(process, delay_s):
-    def opened():
-        try:
-            return any(os.readlink(entry).startswith("/dev/bus/usb") for entry in pathlib.Path(f"/proc/{process.pid}/fd").iterdir())
-        except OSError:  # closed meanwhile
-            return False
-
-    while process.poll() is None and not opened():
-        time.sleep(0.01)
-    time.sleep(delay_s)
-
-
 def pull_and_plug(link, moments, wait_for_moment):
     """Controllers vanish while they are flashed, and come back as fresh boards: the same command completes."""
     for moment in moments:  # one of them falls into the flash
         with controllers(link) as skin:
-            if link == "usb":
-                wait_for_devices(bench.PATCHES)
             process = start(bench.TRISKIN, "flash", DESIGN, "--link", link, "--wait-s", "60")
             wait_for_moment(process, moment)
             skin.kill()
@@ -98,10 +82,6 @@ def pull_and_plug(link, moments, wait_for_moment):
 
 def test_a_flash_waits_for_a_can_cable_and_goes_on():
     pull_and_plug("can:vcan1", (40, 30, 50, 60, 25, 80), wait_for_frames)
-
-
-def test_a_flash_waits_for_a_usb_cable_and_goes_on():
-    pull_and_plug("usb", (0.5, 0.8, 0.35, 1.1, 0.65, 1.4, 1.8), wait_for_open_device)
 
 
 def test_without_iso_tp_in_the_kernel_the_program_does_it():
