@@ -6,9 +6,7 @@ import subprocess
 import time
 
 import bench
-from bench import DESIGN, controllers, run, start, stop, triskin
-from case_can import flash_verify_live
-from case_usb import wait_for_devices
+from bench import DESIGN, controllers, start, stop, triskin
 
 
 def test_ctrl_c_ends_live_and_stops_the_stream():
@@ -82,29 +80,3 @@ def pull_and_plug(link, moments, wait_for_moment):
 
 def test_a_flash_waits_for_a_can_cable_and_goes_on():
     pull_and_plug("can:vcan1", (40, 30, 50, 60, 25, 80), wait_for_frames)
-
-
-def test_without_iso_tp_in_the_kernel_the_program_does_it():
-    with controllers("can:vcan1"):
-        assert triskin("discover", "--link", "can:vcan1")["iso_tp"] == "kernel"
-    loader = "/proc/sys/kernel/modprobe"
-    before = open(loader).read()
-    run("rmmod", "can_isotp")
-    try:
-        open(loader, "w").write("/bin/false")
-        with controllers("can:vcan1"):
-            assert triskin("discover", "--link", "can:vcan1")["iso_tp"] == "program"
-            flash_verify_live("can:vcan1")
-    finally:
-        open(loader, "w").write(before)
-
-
-def test_one_command_serves_controllers_on_two_links():
-    with controllers("usb"):
-        wait_for_devices(bench.PATCHES)
-        serials = [c["serial"] for c in triskin("discover", "--link", "usb")["controllers"]]
-        link = ",".join(f"usb:{serial}" for serial in serials)
-        done = triskin("flash", DESIGN, "--link", link)
-        assert done["controllers"] == bench.PATCHES and sorted(p["serial"] for p in done["patches"]) == sorted(serials), done
-        assert triskin("verify", DESIGN, "--link", link, "--no-touch", "--watch-s", "0")["findings"] == []
-        assert "cannot be one of several" in triskin("discover", "--link", "sim,usb", status=2)["error"]
