@@ -120,7 +120,20 @@ TEST(Unfold, a_cap_is_cut_where_the_least_error_passes_the_limit) {
     const Surface s(cap(radius, rho));
     const Net within = unfold(s, {.edge_error_mm = 1.15 * least});
     EXPECT_EQ(within.pieces.size(), 1U) << radius;
-    EXPECT_GT(unfold(s, {.edge_error_mm = 0.85 * least}).pieces.size(), 1U) << radius;
+    EXPECT_GT(unfold(s, {.edge_error_mm = 0.85 * least, .darts = 0}).pieces.size(), 1U) << radius;
+  }
+}
+
+// A dart to the middle lets a cap open into a cone: it stays one piece at an error that it would be divided for.
+TEST(Unfold, a_dart_saves_a_division) {
+  for (const double radius : {50.0, 100.0, 150.0}) {
+    const double rho = 0.35 * radius, least = 30.0 * rho * rho / (12 * radius * radius);
+    const Surface s(cap(radius, rho));
+    const Net net = unfold(s, {.edge_error_mm = 0.85 * least});
+    ASSERT_EQ(net.pieces.size(), 1U) << radius;
+    EXPECT_LE(net.pieces[0].max_edge_error_mm, 0.85 * least);
+    EXPECT_EQ(net.pieces[0].faces.size(), s.mesh().faces.size());
+    EXPECT_GT(unfold(s, {.edge_error_mm = 0.85 * least, .darts = 0}).pieces.size(), 1U);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "mesh_options.hpp"
+#include "net_picture.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/geometry/extract.hpp"
 #include "triskin/host/files.hpp"
@@ -18,7 +19,7 @@ namespace {
 using nlohmann::json;
 
 struct Options {
-  std::string surface, output;
+  std::string surface, output, picture, seams, uncut;
   UnitOption unit;
   geometry::UnfoldingOptions unfolding;
 };
@@ -41,12 +42,15 @@ json net_json(const geometry::Net& net) {
   return {{"format", "triskin-net"}, {"version", 1}, {"pieces", std::move(pieces)}};
 }
 
-int run(const Options& options, Output& output) {
+int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   const geometry::MeshFile file = geometry::read_mesh(options.surface, options.unit.unit);
   const geometry::Surface surface(geometry::extract(file.mesh).surface);
+  if (!options.seams.empty()) options.unfolding.seams = edges_along(surface, geometry::read_seams(options.seams, options.unit.unit), options.seams);
+  if (!options.uncut.empty()) options.unfolding.uncut = edges_along(surface, geometry::read_seams(options.uncut, options.unit.unit), options.uncut);
   const geometry::Net net = geometry::unfold(surface, options.unfolding, output.progress());
   write_file_atomically(options.output, net_json(net).dump() + "\n");
+  if (!options.picture.empty()) write_file_atomically(options.picture, net_svg(surface, net, options.unfolding.edge_error_mm));
   double max_mm = 0.0, squares = 0.0, faces = 0.0;
   for (const auto& p : net.pieces) {
     const auto n = static_cast<double>(p.faces.size());
@@ -69,6 +73,10 @@ const Registration kUnfold{{
       app.add_option("SURFACE", options->surface, "OBJ, STL, PLY, OFF or DAE")->required();
       app.add_option("-o,--output", options->output, "net (JSON, docs/unfolding.md)")->required();
       app.add_option("--edge-error-mm", options->unfolding.edge_error_mm, "largest edge error on 30 mm")->check(CLI::Range(1e-6, 30.0))->capture_default_str();
+      app.add_option("--seams", options->seams, "OBJ with polylines (v, l): cut the surface open along them");
+      app.add_option("--no-seams", options->uncut, "OBJ with polylines (v, l): never cut there");
+      app.add_option("--darts", options->unfolding.darts, "most cuts into a piece before it is divided instead")->check(CLI::Range(0, 100))->capture_default_str();
+      app.add_option("--picture", options->picture, "also an SVG: pieces, triangles coloured by their edge error");
       options->unit.add_to(app);
       return [options](Output& output) { return run(*options, output); };
     },

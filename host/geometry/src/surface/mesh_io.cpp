@@ -27,11 +27,6 @@ namespace {
 constexpr double kSmallestPart_mm = 20.0;
 constexpr double kLargestPart_mm = 5000.0;
 
-double scale_of(LengthUnit unit) {
-  if (unit == LengthUnit::kMetre) return 1000.0;
-  return unit == LengthUnit::kCentimetre ? 10.0 : 1.0;
-}
-
 // COLLADA states its unit; assimp hands it over as a scene or root property. Other formats have none.
 double file_scale(const aiScene& scene) {
   double metres = 0.0;
@@ -203,6 +198,11 @@ void read_with_library(const std::filesystem::path& path, std::size_t size, Mesh
 }
 
 }  // namespace
+
+double scale_of(LengthUnit unit) {
+  if (unit == LengthUnit::kMetre) return 1000.0;
+  return unit == LengthUnit::kCentimetre ? 10.0 : 1.0;
+}
 
 MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
   const std::string bytes = read_file(path);  // names the file when it cannot be read

@@ -26,7 +26,8 @@ std::array<Vec2, 3> own_plane(const Surface& s, int face) {
 }
 
 // Makes local vertices and splits a vertex whose faces in the chart are joined only by that point.
-FlatChart make_chart(const Surface& s, const std::vector<int>& faces) {
+FlatChart make_chart(const CutSurface& cut, const std::vector<int>& faces) {
+  const Surface& s = cut.surface();
   FlatChart c;
   c.faces = faces;
   c.local_faces.assign(faces.size(), {-1, -1, -1});
@@ -45,7 +46,7 @@ FlatChart make_chart(const Surface& s, const std::vector<int>& faces) {
         for (int side = 0; side < 3; ++side) {
           if (corners[at(side)] == vertex) c.local_faces[local_of.at(fan[f])][at(side)] = id;
           const bool touches = corners[at(side)] == vertex || corners[at((side + 1) % 3)] == vertex;
-          const int next = s.neighbours(fan[f])[at(side)];
+          const int next = cut.neighbour(fan[f], side);
           if (touches && next >= 0 && local_of.contains(next) && seen.insert(next).second) fan.push_back(next);
         }
       }
@@ -63,7 +64,8 @@ int middle_face(const Surface& s, const std::vector<int>& faces) {
 }
 
 // Unfolds breadth first across edges; a vertex keeps the first place that it gets.
-void unfold_start(const Surface& s, FlatChart& c) {
+void unfold_start(const CutSurface& cut, FlatChart& c) {
+  const Surface& s = cut.surface();
   std::map<int, int> local_of;
   for (std::size_t k = 0; k < c.faces.size(); ++k) local_of[c.faces[k]] = static_cast<int>(k);
   std::vector<bool> placed(c.vertices.size(), false), done(c.faces.size(), false);
@@ -92,7 +94,8 @@ void unfold_start(const Surface& s, FlatChart& c) {
       c.flat[at(local[at(k)])] = origin + Vec2(cosine * d.x() - sine * d.y(), sine * d.x() + cosine * d.y());
       placed[at(local[at(k)])] = true;
     }
-    for (const int next : s.neighbours(c.faces[at(queue[q])])) {
+    for (int k = 0; k < 3; ++k) {
+      const int next = cut.neighbour(c.faces[at(queue[q])], k);
       const auto found = local_of.find(next);
       if (next < 0 || found == local_of.end() || done[at(found->second)]) continue;
       done[at(found->second)] = true;
@@ -214,20 +217,22 @@ void even_out(FlatChart& c, Solver& solver, double limit_mm) {
 
 }  // namespace
 
-FlatChart flatten(const Surface& surface, const std::vector<int>& faces, int iterations, double limit_mm) {
+FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm) {
   constexpr int kLook = 10;                         // steps between two looks at the error
   constexpr double kHopeless = 6.0, kNear = 2.5;    // times the limit
-  FlatChart chart = make_chart(surface, faces);
-  unfold_start(surface, chart);
+  const Surface& surface = cut.surface();
+  FlatChart chart = make_chart(cut, faces);
+  unfold_start(cut, chart);
   if (faces.size() < 2) return chart;
   Solver solver;
   prepare_solver(surface, chart, solver);
   factorize(chart, std::vector<double>(faces.size(), 1.0), solver);
-  double error = 0.0;
-  for (int k = 1; k <= iterations; ++k) {
+  double error = 0.0, before = 1e300;
+  // An open dart swings slowly to its place: as long as that pays, a few times the steps.
+  for (int k = 1; k <= iterations || (k <= 5 * iterations && error < 0.98 * before); ++k) {
     step(chart, solver);
     if (k % kLook != 0 && k != iterations) continue;
-    const double before = error;
+    before = error;
     error = std::ranges::max(face_errors(chart, solver));
     if (k > kLook && (error > kHopeless * limit_mm || std::abs(error - before) < 1e-3 * error || error < 1e-9)) break;
   }

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "triskin/geometry/surface.hpp"
+#include "cut_surface.hpp"
 
 namespace triskin::geometry {
 
@@ -14,13 +14,13 @@ struct FlatChart {
   std::vector<Vec2> flat;                      ///< mm
 };
 
-/// Lays the faces flat, each as rigid as possible: starts from an unfolding along the shortest dual paths from the
+/// Lays the faces, joined where nothing is cut, flat, each as rigid as possible: starts from an unfolding along the shortest dual paths from the
 /// middle face, then alternates best rotations and one prefactored sparse solve (Sorkine and Alexa, 2007; Liu et al., 2008).
 /// The sum of squares leaves its largest error at the border (on a spherical cap a·K·ρ²/8); where that is over
 /// `limit_mm` but near it, faces are weighted by their error (Lawson, 1961) until the largest error is evened out
 /// (a·K·ρ²/12). Stops early when the limit is out of reach. Cost: `iterations` sparse solves, and some 40 more with
 /// 8 factorizations when weighting.
-[[nodiscard]] FlatChart flatten(const Surface& surface, const std::vector<int>& faces, int iterations, double limit_mm);
+[[nodiscard]] FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm);
 
 /// Largest and root mean square |flat − surface| length of an edge, scaled to an edge of 30 mm.
 struct EdgeError {

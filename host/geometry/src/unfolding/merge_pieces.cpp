@@ -16,8 +16,8 @@ std::size_t at(int k) { return static_cast<std::size_t>(k); }
 // A joined piece gets a new number, so what the queue holds of its parts is out of date and each pair is tried once.
 class Merger {
  public:
-  Merger(const Surface& surface, std::vector<Piece>& pieces, const TryPiece& try_piece, const ProgressSink& progress)
-      : surface_(surface), pieces_(pieces), try_piece_(try_piece), progress_(progress), seams_(pieces.size()) {
+  Merger(const CutSurface& cut, std::vector<Piece>& pieces, const TryPiece& try_piece, const ProgressSink& progress)
+      : cut_(cut), surface_(cut.surface()), pieces_(pieces), try_piece_(try_piece), progress_(progress), seams_(pieces.size()) {
     for (Piece& p : pieces) alive_.emplace_back(std::move(p));
   }
 
@@ -53,7 +53,7 @@ class Merger {
     for (std::size_t f = 0; f < piece_of.size(); ++f) {
       const auto& c = surface_.mesh().faces[f];
       for (int s = 0; s < 3; ++s) {
-        const int n = surface_.neighbours(static_cast<int>(f))[at(s)];
+        const int n = cut_.neighbour(static_cast<int>(f), s);
         if (n < 0 || piece_of[at(n)] == piece_of[f]) continue;
         seams_[at(piece_of[f])][piece_of[at(n)]] += (surface_.mesh().vertices[at(c[at((s + 1) % 3)])] - surface_.mesh().vertices[at(c[at(s)])]).norm();
       }
@@ -82,6 +82,7 @@ class Merger {
     }
   }
 
+  const CutSurface& cut_;
   const Surface& surface_;
   std::vector<Piece>& pieces_;
   const TryPiece& try_piece_;
@@ -93,8 +94,8 @@ class Merger {
 
 }  // namespace
 
-void merge_pieces(const Surface& surface, std::vector<Piece>& pieces, const TryPiece& try_piece, const ProgressSink& progress) {
-  Merger(surface, pieces, try_piece, progress).run();
+void merge_pieces(const CutSurface& cut, std::vector<Piece>& pieces, const TryPiece& try_piece, const ProgressSink& progress) {
+  Merger(cut, pieces, try_piece, progress).run();
 }
 
 }  // namespace triskin::geometry

@@ -9,6 +9,8 @@
 namespace triskin::geometry {
 
 enum class LengthUnit { kMillimetre, kCentimetre, kMetre };
+/// mm of one unit.
+[[nodiscard]] double scale_of(LengthUnit unit);
 
 /// What reading did to the file's triangles, for the report.
 struct MeshReadReport {

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Copies of real covers — turned, mirrored, in metres, numbered anew, meshed anew — give the same number of modules within 3 %.
+#include <CGAL/Polygon_mesh_processing/remesh.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/Surface_mesh.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <random>
+
+#include "shapes.hpp"
+#include "triskin/geometry/extract.hpp"
+#include "triskin/geometry/mesh_io.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+namespace fs = std::filesystem;
+
+Mesh turned(Mesh m) {
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  for (Vec3& v : m.vertices) v = turn * v + Vec3(500, -20, 7);
+  return m;
+}
+
+Mesh mirrored(Mesh m) {
+  for (Vec3& v : m.vertices) v.x() = -v.x();
+  for (auto& f : m.faces) std::swap(f[1], f[2]);
+  return m;
+}
+
+// Written in metres and read with the unit, as a user would.
+Mesh in_metres(Mesh m) {
+  for (Vec3& v : m.vertices) v /= 1000.0;
+  const fs::path file = fs::temp_directory_path() / ("copies." + std::to_string(::getpid()) + ".obj");
+  write_obj(file, m);
+  Mesh read = read_mesh(file, LengthUnit::kMetre).mesh;
+  fs::remove(file);
+  return read;
+}
+
+Mesh numbered_anew(const Mesh& m) {
+  constexpr unsigned kSeed = 5;
+  std::mt19937 random(kSeed);
+  std::vector<int> to(m.vertices.size());
+  for (std::size_t k = 0; k < to.size(); ++k) to[k] = static_cast<int>(k);
+  std::ranges::shuffle(to, random);
+  Mesh out{std::vector<Vec3>(m.vertices.size()), m.faces};
+  for (std::size_t k = 0; k < to.size(); ++k) out.vertices[at(to[k])] = m.vertices[k];
+  for (auto& f : out.faces) {
+    for (int& v : f) v = to[at(v)];
+    std::ranges::rotate(f, f.begin() + 1);
+  }
+  std::ranges::shuffle(out.faces, random);
+  return out;
+}
+
+// Every face becomes four; the shape stays.
+Mesh divided(const Mesh& m) {
+  Mesh out{m.vertices, {}};
+  std::map<std::pair<int, int>, int> middle;
+  const auto between = [&](int a, int b) {
+    const auto [it, is_new] = middle.try_emplace(std::minmax(a, b), static_cast<int>(out.vertices.size()));
+    if (is_new) out.vertices.push_back(0.5 * (m.vertices[at(a)] + m.vertices[at(b)]));
+    return it->second;
+  };
+  for (const auto& [a, b, c] : m.faces) {
+    const int ab = between(a, b), bc = between(b, c), ca = between(c, a);
+    out.faces.insert(out.faces.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
+  }
+  return out;
+}
+
+// Isotropic triangles of 6 mm; the border stays.
+Mesh meshed_anew(const Mesh& m) {
+  using Cgal = CGAL::Surface_mesh<CGAL::Simple_cartesian<double>::Point_3>;
+  Cgal mesh;
+  std::vector<Cgal::Vertex_index> vertex;
+  for (const Vec3& v : m.vertices) vertex.push_back(mesh.add_vertex({v.x(), v.y(), v.z()}));
+  for (const auto& f : m.faces) mesh.add_face(vertex[at(f[0])], vertex[at(f[1])], vertex[at(f[2])]);
+  std::vector<Cgal::Edge_index> border;
+  for (const auto e : mesh.edges()) {
+    if (mesh.is_border(e)) border.push_back(e);
+  }
+  namespace pmp = CGAL::Polygon_mesh_processing;
+  pmp::split_long_edges(border, 6.0, mesh);
+  pmp::isotropic_remeshing(mesh.faces(), 6.0, mesh, CGAL::parameters::number_of_iterations(3).protect_constraints(true));
+  mesh.collect_garbage();
+  Mesh out;
+  for (const auto v : mesh.vertices()) out.vertices.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
+  for (const auto f : mesh.faces()) {
+    std::array<int, 3> face{};
+    std::size_t k = 0;
+    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) face[k++] = static_cast<int>(v.idx());
+    out.faces.push_back(face);
+  }
+  return out;
+}
+
+class Copies : public testing::TestWithParam<std::pair<const char*, int>> {};
+
+TEST_P(Copies, give_the_same_count_within_three_percent) {
+  const auto& [part, iterations] = GetParam();
+  const fs::path file = fs::path(TRISKIN_DATA) / "parts" / (std::string(part) + ".obj");
+  ASSERT_TRUE(fs::exists(file)) << file << ": the real covers are missing";
+  const Mesh original = read_mesh(file).mesh;
+  const auto count = [iterations](const Mesh& m) { return grow_lattice(Surface(extract(m).surface), {}, effort(iterations)).modules.size(); };
+  const std::size_t expected = count(original);
+  const std::map<std::string, Mesh> copies{{"turned", turned(original)},         {"mirrored", mirrored(original)}, {"in metres", in_metres(original)},
+                                           {"numbered anew", numbered_anew(original)}, {"divided", divided(original)},   {"meshed anew", meshed_anew(original)}};
+  for (const auto& [name, mesh] : copies) {
+    const std::size_t found = count(mesh);
+    std::printf("%s, %s: %zu of %zu\n", part, name.c_str(), found, expected);
+    // 3 %, or the one module by which whole numbers differ at least.
+    const double allowed = std::max(1.0, 0.03 * static_cast<double>(expected));
+    EXPECT_LE(std::abs(static_cast<double>(found) - static_cast<double>(expected)), allowed) << name;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Covers, Copies,
+                         testing::Values(std::pair{"LH_hipwing_v1", 300}, std::pair{"LUA_upperarm_half_v1", 400}, std::pair{"RUF_forearm_v2", 400}, std::pair{"HIP_v1", 400},
+                                         std::pair{"UT_torso_v1", 300}, std::pair{"LT_root_v2", 300}),
+                         [](const auto& p) { return std::string(p.param.first); });
+
+}  // namespace
+}  // namespace triskin::geometry
