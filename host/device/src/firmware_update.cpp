@@ -15,7 +15,8 @@ namespace {
 
 using boot::Command;
 
-constexpr std::uint64_t kHelloEvery_us = 4'000, kEnter_us = 3'000'000;
+constexpr std::uint64_t kHelloEvery_us = 4'000, kEnter_us = 500'000;
+constexpr int kResets = 6;  // the loader's window may pass before a busy host gets a word in
 constexpr std::uint64_t kReply_us = 2'000'000, kErase_us = 8'000'000;
 constexpr std::uint64_t kStart_us = 200'000;  // loader's window and the application's first steps
 
@@ -25,7 +26,18 @@ class LoaderSession {
   LoaderSession(Bus& bus, const wire::UniqueId& id) : bus_(bus), link_(bus.link()), id_crc_(crc32(id)), name_(to_text(id)) {}
 
   // Both slots' states: bit 0 valid, 1 confirmed, 2 startable; slot 1 in bits 3–5.
-  std::uint8_t enter() {
+  std::uint8_t enter(Controller& controller) {
+    for (int k = 0; k < kResets; ++k) {
+      if (const auto states = enter_after_reset(controller)) return *states;
+    }
+    fail("does not come up in its loader; check its power, then run the command again");
+  }
+  std::optional<std::uint8_t> enter_after_reset(Controller& controller) {
+    try {
+      controller.reset();
+    } catch (const DeviceError&) {
+      // it may stand in its loader already
+    }
     const std::uint64_t end_us = link_.now_us() + kEnter_us;
     while (link_.now_us() < end_us) {
       send(Command::kHello);
@@ -36,7 +48,7 @@ class LoaderSession {
       if (!wait(Command::kSelect, kReply_us)) fail("does not answer in its loader");
       return (*reply)[2];
     }
-    fail("does not come up in its loader; check its power, then run the command again");
+    return std::nullopt;
   }
   void erase(int slot) {
     send(Command::kErase, static_cast<std::uint64_t>(slot), 1);
@@ -100,9 +112,9 @@ class LoaderSession {
 };
 
 // The slot that was written. Ended on request, the controller goes on with the application that it has.
-int write_free_slot(LoaderSession& loader, const std::optional<ImageState>& before, const FirmwarePackage& package, const std::function<void(double)>& steps) {
+int write_free_slot(LoaderSession& loader, const std::optional<ImageState>& before, Controller& controller, const FirmwarePackage& package, const std::function<void(double)>& steps) {
   try {
-    const std::uint8_t states = loader.enter();
+    const std::uint8_t states = loader.enter(controller);
     // The slot that runs cannot be written; the loader refuses it. Slot 0 is free when slot 1 runs, or when nothing does.
     const int running = before ? before->slot : (states & 4) != 0 ? 0 : 1;
     const int slot = running == 0 ? 1 : 0;
@@ -151,9 +163,8 @@ FirmwareResult update_firmware(Bus& bus, const wire::NodeClaim& who, const Firmw
   if (before) result.slot = before->slot;
   if (options.dry_run || (result.equal && !options.force)) return result;
   report(progress, "entering the loader", 0.0, result.serial);
-  controller.reset();
   LoaderSession loader(bus, who.unique_id);
-  const int slot = write_free_slot(loader, before, package, [&](double fraction) { report(progress, "writing firmware", fraction, result.serial); });
+  const int slot = write_free_slot(loader, before, controller, package, [&](double fraction) { report(progress, "writing firmware", fraction, result.serial); });
   loader.boot();
   bus.listen(bus.now_us() + kStart_us);
   const auto after = controller.image_state();
