@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "../vectors/vector_file.hpp"
+#include "vectors/vector_file.hpp"
 #include "bench.hpp"
 
 namespace triskin::test {

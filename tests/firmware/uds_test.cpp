@@ -2,7 +2,7 @@
 // The conversation of tests/vectors/uds.txt over CAN with the whole application, and what does not fit into it.
 #include <gtest/gtest.h>
 
-#include "../vectors/vector_file.hpp"
+#include "vectors/vector_file.hpp"
 #include "bench.hpp"
 
 namespace triskin::test {

@@ -2,7 +2,7 @@
 // The frames of tests/vectors/frames.txt, which docs/protocol.md shows.
 #include <gtest/gtest.h>
 
-#include "../vectors/vector_file.hpp"
+#include "vectors/frame_text.hpp"
 #include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/usb_packet.hpp"
 
@@ -10,20 +10,8 @@ namespace triskin::wire {
 namespace {
 
 using test::hex_bytes;
+using test::frame_of;
 using test::Vector;
-
-CanFrame frame_of(const std::string& text) {
-  std::istringstream in(text);
-  std::string kind, id, rest;
-  in >> kind >> id;
-  std::getline(in, rest);
-  CanFrame f;
-  f.id = static_cast<std::uint32_t>(std::stoul(id, nullptr, 16));
-  f.extended = kind != "S";
-  f.fd = f.bit_rate_switch = kind == "F";
-  for (const std::uint8_t b : hex_bytes(rest)) f.data.at(f.size++) = b;
-  return f;
-}
 
 UniqueId unique_id_of(const Vector& v) {
   UniqueId id{};

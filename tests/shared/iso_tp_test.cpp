@@ -6,7 +6,7 @@
 #include <deque>
 #include <numeric>
 
-#include "../vectors/vector_file.hpp"
+#include "vectors/vector_file.hpp"
 #include "triskin/wire/uds.hpp"
 
 namespace triskin::wire {

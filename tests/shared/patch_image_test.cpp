@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-#include "../vectors/vector_file.hpp"
+#include "vectors/vector_file.hpp"
 
 namespace triskin {
 namespace {

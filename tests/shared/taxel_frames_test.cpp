@@ -3,25 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include "../vectors/vector_file.hpp"
+#include "vectors/frame_text.hpp"
 
 namespace triskin::wire {
 namespace {
 
+using test::frame_of;
 using test::Vector;
-
-CanFrame frame_of(const std::string& text) {
-  std::istringstream in(text);
-  std::string kind, id, rest;
-  in >> kind >> id;
-  std::getline(in, rest);
-  CanFrame f;
-  f.id = static_cast<std::uint32_t>(std::stoul(id, nullptr, 16));
-  f.extended = kind != "S";
-  f.fd = f.bit_rate_switch = kind == "F";
-  for (const std::uint8_t b : test::hex_bytes(rest)) f.data.at(f.size++) = b;
-  return f;
-}
 
 IcubTaxels icub_of(const Vector& v) {
   IcubTaxels t;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "../support/random_design.hpp"
+#include "support/random_design.hpp"
 #include "triskin/device/bus.hpp"
 #include "triskin/device/controller.hpp"
 #include "triskin/device/flash.hpp"

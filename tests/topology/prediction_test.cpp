@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "../support/random_design.hpp"
+#include "support/random_design.hpp"
 #include "random_patch.hpp"
 #include "triskin/device/patch_table.hpp"
 #include "triskin/device/topology.hpp"
