@@ -133,14 +133,7 @@ void control_transfers(Device& device, Bytes input) {
       (void)device.in(static_cast<std::uint8_t>(0x80 | piece.size() % 4));
       return;
     }
-    ByteReader r(piece);
-    wire::UsbSetup s;
-    s.type = r.u8();
-    s.request = r.u8();
-    s.value = r.le16();
-    s.index = r.le16();
-    s.length = r.le16();
-    (void)device.control(s, r.rest());
+    (void)device.control(wire::setup_of(piece), piece.subspan(8));
   });
 }
 

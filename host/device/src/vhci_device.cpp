@@ -46,17 +46,6 @@ std::pair<std::filesystem::path, int> free_port() {
                         : "usb: the kernel has no virtual USB host controller; load it: modprobe vhci-hcd");
 }
 
-wire::UsbSetup setup_of(Bytes b) {
-  ByteReader r(b);
-  wire::UsbSetup s;
-  s.type = r.u8();
-  s.request = r.u8();
-  s.value = r.le16();
-  s.index = r.le16();
-  s.length = r.le16();
-  return s;
-}
-
 }  // namespace
 
 VhciDevice::VhciDevice(wire::UsbFunction& function, int number) : function_(function) {
@@ -126,7 +115,7 @@ void VhciDevice::submit(Bytes head, Bytes data) {
   (void)r.be32();
   const std::size_t length = r.be32();
   if (endpoint == 0) {
-    const wire::UsbSetup setup = setup_of(head.subspan(40));
+    const wire::UsbSetup setup = wire::setup_of(head.subspan(40));
     const auto answer = function_.control(setup, data);
     if (!answer) return reply(number, -EPIPE, {}, 0);
     const Bytes sent = in ? answer->first(std::min({answer->size(), length, std::size_t{setup.length}})) : Bytes{};

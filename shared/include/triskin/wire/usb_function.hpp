@@ -15,6 +15,18 @@ struct UsbSetup {
   [[nodiscard]] constexpr bool to_host() const { return (type & 0x80) != 0; }
 };
 
+/// The setup stage at the head of `bytes`, which holds at least eight.
+inline UsbSetup setup_of(Bytes bytes) {
+  ByteReader r(bytes);
+  UsbSetup s;
+  s.type = r.u8();
+  s.request = r.u8();
+  s.value = r.le16();
+  s.index = r.le16();
+  s.length = r.le16();
+  return s;
+}
+
 /// A USB device seen from the bus: what a device controller, or a simulated one, hands over. Full speed, no heap, does not block.
 /// SET_ADDRESS is the business of the caller.
 class UsbFunction {
