@@ -47,7 +47,6 @@ void RouteKeeper::heal(const Clock& clock) {
   route_.repairs = repairs;
   route_.switched = topology_.graph().count > 0 || was_switched;  // a patch that has gone silent is still a switched one
   complete_discovery_ = report.complete;
-  second_cable_ = report.second_cable;
   if (has_table) note(report);
   route_.last_us = static_cast<std::uint32_t>(clock.now_us() - start_us);
   plan_next(clock.now_us());
@@ -111,7 +110,7 @@ wire::FoundTopology RouteKeeper::found() const {
   const PatchGraph& g = topology_.graph();
   t.switched = route_.switched;
   t.complete = complete_discovery_;
-  t.second_cable = second_cable_;
+  t.second_cable = topology_.second_cable();
   t.count = g.count;
   t.cable_port = g.cable_port;
   for (std::uint8_t m = 0; m < g.count; ++m) {

@@ -40,7 +40,7 @@ Topology::Report Topology::discover() {
     break;
   }
   report.shorts = shorts_;
-  report.second_cable = cable_ == 1;
+  report.second_cable = second_cable();
   return report;
 }
 

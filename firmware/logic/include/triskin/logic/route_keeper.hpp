@@ -58,7 +58,7 @@ class RouteKeeper {
   bool present_;
   Topology::Table table_;
   wire::ActiveRoute route_;
-  bool complete_discovery_ = false, second_cable_ = false;
+  bool complete_discovery_ = false;
   std::uint8_t held_lines_ = 0;  // told already
   std::uint64_t heal_at_us_ = UINT64_MAX, check_at_us_ = 0;
   std::uint64_t pause_us_ = kFirstPause_us;

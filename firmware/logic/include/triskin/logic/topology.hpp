@@ -37,7 +37,6 @@ class ChainDriver {
   enum class Answer : std::uint8_t { kModule, kRefused, kNothing, kUnchanged, kLost };
 
   explicit ChainDriver(RouteChain& port) : port_(port) {}
-  static constexpr std::uint8_t kCables = 2;
   /// Closes everything, then lets the module at a cable (0, 1) in. False: no module answers.
   bool restart(std::uint8_t cable);
   void set_slot(std::uint8_t module, Slot slot);
@@ -102,6 +101,8 @@ class Topology {
   /// Depth-first probing, then the far end of every joint that closes a cycle. Ends after at most 64 restarts.
   Report discover();
   [[nodiscard]] const PatchGraph& graph() const { return graph_; }
+  /// Module 0 of graph() is the one at the second cable.
+  [[nodiscard]] bool second_cable() const { return cable_ == 1; }
 
   /// Discovers anew and activates the table's tree where all of it is there, else the tree of least depth over the joints of the
   /// table that survive. A module keeps its slot. Where no tree comes up, no module is reached. The second cable serves when nobody answers at
