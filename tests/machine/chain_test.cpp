@@ -2,8 +2,8 @@
 // Switched modules at the unmodified image: the chain at SPI2, EN and latch at pins, converters where the registers put them.
 #include <bit>
 
-#include "support/random_design.hpp"
 #include "bench.hpp"
+#include "support/random_design.hpp"
 #include "triskin/device/patch_table.hpp"
 #include "triskin/model/patch_joints.hpp"
 #include "triskin/scene/skin.hpp"

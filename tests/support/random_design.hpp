@@ -6,9 +6,9 @@
 #include <random>
 #include <vector>
 
+#include "support/flat_design.hpp"
 #include "triskin/geometry/lattice.hpp"
 #include "triskin/geometry/routing.hpp"
-#include "triskin/model/design.hpp"
 #include "triskin/model/module_list.hpp"
 #include "triskin/model/patch_joints.hpp"
 
@@ -24,13 +24,7 @@ inline model::Design random_design(int modules, std::mt19937_64& random) {
     const Tile next = geometry::across(tiles[from], static_cast<int>(random() % 3)).tile;
     if (number.try_emplace(next, static_cast<int>(tiles.size())).second) tiles.push_back(next);
   }
-  model::Design d;
-  d.name = "random";
-  d.source_file = "random.obj";
-  d.surface.vertices = {{-2000, -2000, 0}, {2000, -2000, 0}, {2000, 2000, 0}, {-2000, 2000, 0}};
-  d.surface.faces = {{0, 1, 2}, {0, 2, 3}};
-  d.layout.islands = 1;
-  d.layout.method = "surface";
+  model::Design d = flat_design("random", {-2000, -2000}, {2000, 2000});
   for (const Tile& t : tiles) {
     geometry::PlacedModule m;
     m.tile = t;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "triskin/model/design.hpp"
+#include "support/flat_design.hpp"
 
 namespace triskin::test {
 
@@ -9,13 +9,7 @@ namespace triskin::test {
 inline model::Design strip(int count, int per_patch = 16) {
   using geometry::kHeight_mm;
   using geometry::Vec3;
-  model::Design d;
-  d.name = "strip";
-  d.source_file = "strip.obj";
-  d.surface.vertices = {{-1, -1, 0}, {1000, -1, 0}, {1000, 30, 0}, {-1, 30, 0}};
-  d.surface.faces = {{0, 1, 2}, {0, 2, 3}};
-  d.layout.islands = 1;
-  d.layout.method = "surface";
+  model::Design d = flat_design("strip", {-1, -1}, {1000, 30});
   for (int k = 0; k < count; ++k) {
     const double x = 30.0 * (k / 2);
     geometry::PlacedModule m;
