@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "vector_unit.hpp"
+
 namespace triskin::geometry {
 namespace {
 
@@ -88,24 +90,12 @@ struct Truth {
 
 using Count = void (*)(const Lookahead::Sharp*, std::size_t, PartWord*, std::int32_t*);
 
-#define TRISKIN_COUNT(name, target)                                                                        \
-  target void name(const Lookahead::Sharp* h, std::size_t n, PartWord* words, std::int32_t* counts) { \
-    count(h, n, words, counts);                                                                            \
+#define TRISKIN_COUNT(unit, target) \
+  target void count_##unit(const Lookahead::Sharp* h, std::size_t n, PartWord* words, std::int32_t* counts) { \
+    count(h, n, words, counts); \
   }
-TRISKIN_COUNT(count_plain, )
-#if defined(__x86_64__)
-TRISKIN_COUNT(count_avx2, [[gnu::target("avx2")]])
-TRISKIN_COUNT(count_avx512, [[gnu::target("avx512f,avx512dq,avx512vl")]])
-#endif
+TRISKIN_FOR_VECTOR_UNITS(TRISKIN_COUNT)
 #undef TRISKIN_COUNT
-
-Count fastest() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) return count_avx512;
-  if (__builtin_cpu_supports("avx2")) return count_avx2;
-#endif
-  return count_plain;
-}
 
 Lookahead::Sharp sharpen(const HalfSpace& h, const PartsView& view) {
   const double x = h.x * view.half[0], y = h.y * view.half[1], theta = h.theta * view.half[2];
@@ -127,7 +117,7 @@ void Lookahead::run(const PartsView& view, std::span<const HalfSpace> halves, st
     tiles += (h.ends & HalfSpace::kEndTile) != 0 ? 1 : 0;
   }
   words.resize(tiles);
-  static const Count kCount = fastest();
+  static const Count kCount = fastest(count_plain, count_avx2, count_avx512);
   kCount(sharp_.data(), tiles, words.data(), counts_.data());
 }
 

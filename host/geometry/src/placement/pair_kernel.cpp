@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "vector_unit.hpp"
+
 namespace triskin::geometry {
 namespace {
 
@@ -184,27 +186,14 @@ template <int J>
 
 using Judge = void (*)(const PreparedPolygon&, const TileGrid&, const CellFrame&, const OpenTile*, const Pair*, std::size_t, PairBlock&);
 
-#define TRISKIN_JUDGE(name, target)                                                                                                      \
-  template <int J>                                                                                                                       \
-  target void name(const PreparedPolygon& p, const TileGrid& g, const CellFrame& f, const OpenTile* t, const Pair* d, std::size_t n, \
-                   PairBlock& r) {                                                                                                  \
-    judge<J>(p, g, f, t, d, n, r);                                                                                                       \
+#define TRISKIN_JUDGE(unit, target) \
+  template <int J> \
+  target void judge_##unit(const PreparedPolygon& p, const TileGrid& g, const CellFrame& f, const OpenTile* t, const Pair* d, std::size_t n, \
+                   PairBlock& r) { \
+    judge<J>(p, g, f, t, d, n, r); \
   }
-TRISKIN_JUDGE(judge_plain, )
-#if defined(__x86_64__)
-TRISKIN_JUDGE(judge_avx2, [[gnu::target("avx2")]])
-TRISKIN_JUDGE(judge_avx512, [[gnu::target("avx512f,avx512dq,avx512vl")]])
-#endif
+TRISKIN_FOR_VECTOR_UNITS(TRISKIN_JUDGE)
 #undef TRISKIN_JUDGE
-
-template <int J>
-Judge fastest() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) return judge_avx512<J>;
-  if (__builtin_cpu_supports("avx2")) return judge_avx2<J>;
-#endif
-  return judge_plain<J>;
-}
 
 }  // namespace
 
@@ -237,7 +226,9 @@ void CellFrame::set(const PreparedPolygon& polygon, const TileGrid& grid, const 
 
 void judge_pairs(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& frame, const OpenTile* tiles,
                       const Pair* pairs, std::size_t count, PairBlock& result) {
-  static const Judge kThree = fastest<3>(), kFour = fastest<4>(), kSix = fastest<6>();
+  static const Judge kThree = fastest<Judge>(judge_plain<3>, judge_avx2<3>, judge_avx512<3>);
+  static const Judge kFour = fastest<Judge>(judge_plain<4>, judge_avx2<4>, judge_avx512<4>);
+  static const Judge kSix = fastest<Judge>(judge_plain<6>, judge_avx2<6>, judge_avx512<6>);
   (grid.corners == 3 ? kThree : grid.corners == 4 ? kFour : kSix)(polygon, grid, frame, tiles, pairs, count, result);
 }
 

@@ -3,6 +3,8 @@
 
 #include <cstring>
 
+#include "vector_unit.hpp"
+
 namespace triskin::geometry {
 namespace {
 
@@ -34,22 +36,10 @@ using Whole = std::int32_t __attribute__((vector_size(4 * kLanes)));
 
 using Spans = void (*)(const BoundLines&, int, int, std::int32_t*, std::int32_t*);
 
-#define TRISKIN_SPANS(name, target) \
-  target void name(const BoundLines& l, int rows, int room, std::int32_t* begin, std::int32_t* end) { spans(l, rows, room, begin, end); }
-TRISKIN_SPANS(spans_plain, )
-#if defined(__x86_64__)
-TRISKIN_SPANS(spans_avx2, [[gnu::target("avx2")]])
-TRISKIN_SPANS(spans_avx512, [[gnu::target("avx512f,avx512dq,avx512vl")]])
-#endif
+#define TRISKIN_SPANS(unit, target) \
+  target void spans_##unit(const BoundLines& l, int rows, int room, std::int32_t* begin, std::int32_t* end) { spans(l, rows, room, begin, end); }
+TRISKIN_FOR_VECTOR_UNITS(TRISKIN_SPANS)
 #undef TRISKIN_SPANS
-
-Spans fastest() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) return spans_avx512;
-  if (__builtin_cpu_supports("avx2")) return spans_avx2;
-#endif
-  return spans_plain;
-}
 
 }  // namespace
 
@@ -57,7 +47,7 @@ void row_spans(const BoundLines& lines, int rows, int room, std::vector<std::int
   const auto size = static_cast<std::size_t>((rows + kLanes - 1) / kLanes * kLanes);
   begin.resize(size);
   end.resize(size);
-  static const Spans kSpans = fastest();
+  static const Spans kSpans = fastest(spans_plain, spans_avx2, spans_avx512);
   kSpans(lines, rows, room, begin.data(), end.data());
 }
 
