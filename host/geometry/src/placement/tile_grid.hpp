@@ -23,18 +23,6 @@ struct TileGrid {
     const Vec2& o = origin[t.up ? 1 : 0];
     return {o.x() + row_step_mm * t.i + row_shift_mm * t.j, o.y() + row_height_mm * t.j};
   }
-
-  /// Calls visit(tile) for every tile whose centre may lie in the box, and for some around it.
-  template <class Visit>
-  void for_each_near(const Vec2& low, const Vec2& high, Visit visit) const {
-    const int last_row = static_cast<int>(std::floor(high.y() / row_height_mm));
-    for (int j = static_cast<int>(std::floor(low.y() / row_height_mm)) - 1; j <= last_row; ++j) {
-      const int last = static_cast<int>(std::floor((high.x() - row_shift_mm * j) / row_step_mm));
-      for (int i = static_cast<int>(std::floor((low.x() - row_shift_mm * j) / row_step_mm)) - 1; i <= last; ++i) {
-        for (int up = 2 - kinds; up < 2; ++up) visit(Tile{i, j, up != 0});
-      }
-    }
-  }
 };
 
 /// Modules with sides of 30 mm; `gap_mm` is the free space between facing sides.

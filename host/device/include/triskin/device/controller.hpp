@@ -90,7 +90,6 @@ class Controller {
   std::vector<RememberedFault> remembered_faults();
   void clear_faults();
   TaxelSample taxels();
-  std::uint32_t sample_count() { return taxels().sample; }
   void set_stream(wire::StreamMode mode);
 
  private:

@@ -34,7 +34,6 @@ class FlashMemory final : public sim::FlashModel {
   };
   /// Power fails in the operation after the next `operations` ones: it throws sim::PowerLost. One shot.
   void cut_power_after(std::uint64_t operations, Tear tear);
-  void never_cut_power() { cut_at_ = kNever; }
   [[nodiscard]] std::uint64_t operations() const { return operations_; }
 
   [[nodiscard]] std::size_t size_bytes() const override { return bytes_.size(); }
