@@ -58,10 +58,12 @@ class Search {
   void add_roots() {
     double twice_area = 0.0;
     for (const auto& [a, b] : polygon_.edges) twice_area += a.x() * b.y() - a.y() * b.x();
-    area_bound_ = static_cast<int>(std::floor(0.5 * twice_area / grid_.area_mm2 * (1.0 + 1e-6) + 1e-3));
+    // A tile that may stand over still has what lies deeper than that inside.
+    const double kept = 1.0 + std::min(0.0, goal_.inset_mm) / grid_.inradius_mm;
+    area_bound_ = static_cast<int>(std::floor(0.5 * twice_area / (kept * kept * grid_.area_mm2) * (1.0 + 1e-6) + 1e-3));
     // Slices of all translations: constraints are all but linear in x and y, so that a slice can be cut finely at once.
     const double period = grid_.period_rad * (1.0 + 1e-12);
-    const int n = std::clamp(static_cast<int>(std::ceil(period * polygon_.radius_mm / kSlice_mm)), 1, 1 << 16);
+    const int n = std::clamp(static_cast<int>(std::ceil(period * polygon_.radius_mm / (kept * kSlice_mm))), 1, 1 << 16);
     for (int k = n - 1; k >= 0; --k) {
       Cell cell;
       cell.box.high = {grid_.row_step_mm, grid_.row_height_mm * (1.0 + 1e-12), period * (k + 1) / n};

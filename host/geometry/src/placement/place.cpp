@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "branch_and_bound.hpp"
+#include "clearance.hpp"
 #include "evaluator.hpp"
 #include "exact_recheck.hpp"
 #include "heuristics.hpp"
@@ -17,6 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr double kMostTiles = 1e6;
+constexpr double kMostDeficit = 0.8;  // of the inradius: what is left of a module beyond that is not worth the search
 
 Clock::time_point deadline_after(double seconds) {
   if (seconds <= 0.0) return Clock::time_point::max();
@@ -31,106 +33,33 @@ void require_sane(const PlacementOptions& o) {
   if (!(o.gap_mm >= 0.0 && o.gap_mm <= 100.0)) throw InputError(fmt::format("gap {} mm: must be in 0 … 100", o.gap_mm));
 }
 
-// Makes the best of a motion that holds `modules` tiles: the inset at which they still fit, raised by axis steps.
-class ClearanceAscent {
- public:
-  ClearanceAscent(const PreparedPolygon& polygon, const TileGrid& grid, int modules)
-      : polygon_(polygon), evaluator_(polygon, grid), inradius_(grid.inradius_mm), modules_(modules) {}
-
-  /// The `n` motions with the largest clearance.
-  std::vector<Motion> most_promising(std::vector<Motion> motions, std::size_t n) {
-    std::vector<std::pair<double, std::size_t>> order;
-    constexpr double least = -1e-2;
-    for (std::size_t k = motions.size(); k-- > 0;) {
-      if (holds(motions[k], least)) order.emplace_back(raise(motions[k], least), k);
-    }
-    std::ranges::sort(order, std::greater<>());
-    std::vector<Motion> best;
-    for (std::size_t k = 0; k < std::min(n, order.size()); ++k) best.push_back(motions[order[k].second]);
-    return best;
-  }
-
-  double climb(Motion& motion, double clearance) {
-    if (!holds(motion, clearance)) return -inradius_;
-    clearance = raise(motion, clearance);
-    for (double step = 1.0; step > 1e-4; step *= 0.5) {
-      for (bool better = true; better;) {
-        better = false;
-        for (int k = 0; k < 18; ++k) {
-          const Motion next = stepped(motion, step, k);
-          if (!holds(next, clearance + 0.1 * step)) continue;
-          motion = next;
-          clearance = raise(motion, clearance + 0.1 * step);
-          better = true;
-        }
-      }
-    }
-    return clearance;
-  }
-
- private:
-  bool holds(const Motion& m, double inset) { return evaluator_.count(m, inset) >= modules_; }
-
-  // Largest inset at this motion, to 0.1 µm.
-  double raise(const Motion& m, double low) {
-    double high = inradius_;
-    while (high - low > 1e-4) {
-      const double middle = 0.5 * (low + high);
-      (holds(m, middle) ? low : high) = middle;
-    }
-    return low;
-  }
-
-  // The six axis steps and the twelve diagonal ones.
-  [[nodiscard]] Motion stepped(const Motion& m, double step, int k) const {
-    static constexpr std::array<std::array<int, 3>, 9> kSteps{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, -1, 0}, {1, 0, 1}, {1, 0, -1}, {0, 1, 1}, {0, 1, -1}}};
-    const auto& s = kSteps[static_cast<std::size_t>(k / 2)];
-    const double d = k % 2 == 0 ? step : -step;
-    return {m.x + d * s[0], m.y + d * s[1], m.theta + d * s[2] / std::max(1.0, polygon_.radius_mm)};
-  }
-
-  const PreparedPolygon& polygon_;
-  Evaluator evaluator_;
-  double inradius_;
-  int modules_;
-};
-
-// Of all placements of `modules` tiles one with the largest inset, to 5 µm or 2 %: climbs from the best of those that the
-// search has seen, then asks the search for a better one; when there is none, that is the proof.
+// Of all placements of `modules` tiles one with the largest inset.
 void enlarge_clearance(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, std::vector<Motion> starts,
                        PlacementResult& result, Motion& motion, Clock::time_point deadline, const ProgressSink& progress) {
-  ClearanceAscent ascent(polygon, grid, result.modules);
-  double clearance = -options.tolerance_mm;
   starts.push_back(motion);
-  for (const Motion& start : ascent.most_promising(std::move(starts), 3)) {
-    Motion at = start;
-    const double reached = ascent.climb(at, -options.tolerance_mm);
-    if (reached > clearance) {
-      clearance = reached;
-      motion = at;
-    }
-  }
-  result.clearance_bound_mm = grid.inradius_mm;
-  const auto more = [&] { return std::max(5e-3, 0.02 * clearance); };
-  for (bool open = true; open && Clock::now() < deadline;) {
-    const SearchGoal goal{.inset_mm = clearance + more(), .tolerance_mm = 0.5 * more(), .known = result.modules - 1,
-                          .raise = [&](const Motion& found) {
-                            Motion at = found;
-                            const double reached = ascent.climb(at, clearance + 0.5 * more());
-                            if (reached > clearance) {
-                              clearance = reached;
-                              motion = at;
-                            }
-                            return std::array{clearance + more(), 0.5 * more()};
-                          },
-                          .last_inset_mm = std::min(2.0 * clearance + 0.1, grid.inradius_mm), .threads = options.threads, .deadline = deadline};
-    const SearchResult found = branch_and_bound(polygon, grid, goal, progress);
-    result.cells += found.cells;
-    result.evaluations += found.evaluations;
-    open = clearance + more() > goal.last_inset_mm;
-    if (!open && found.upper_bound < result.modules) result.clearance_bound_mm = clearance + more();
-  }
-  result.clearance_mm = clearance;
+  const Clearance c = largest_clearance(polygon, grid, {.modules = result.modules, .least_inset_mm = -options.tolerance_mm, .most_inset_mm = grid.inradius_mm,
+                                                        .starts = std::move(starts), .threads = options.threads, .deadline = deadline}, progress);
+  result.cells += c.cells;
+  result.evaluations += c.evaluations;
+  result.clearance_bound_mm = c.bound_mm;
+  if (!c.found) return;
+  result.clearance_mm = c.inset_mm;
+  motion = c.motion;
+}
+
+// How far sides have to give way until one module more fits somewhere.
+void find_deficit(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, std::vector<Motion> starts,
+                  PlacementResult& result, const Motion& motion, Clock::time_point deadline, const ProgressSink& progress) {
+  starts.push_back(motion);
+  const double least = -kMostDeficit * grid.inradius_mm;
+  const Clearance c = largest_clearance(polygon, grid, {.modules = result.modules + 1, .least_inset_mm = least, .most_inset_mm = 0.0,
+                                                        .starts = std::move(starts), .threads = options.threads, .deadline = deadline}, progress);
+  result.cells += c.cells;
+  result.evaluations += c.evaluations;
+  result.deficit_bound_mm = -c.bound_mm;
+  if (!c.found) return;
+  result.deficit_mm = -c.inset_mm;
+  result.deficit_placement = to_placement(polygon, c.motion);
 }
 
 }  // namespace
@@ -172,9 +101,8 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
     result.clearance_mm = -options.tolerance_mm;
     motion = found.found ? found.motion : first.motion;
     result.search_seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    if (options.largest_clearance && result.modules > 0) {
-      enlarge_clearance(polygon, grid, options, found.as_good, result, motion, deadline, progress);
-    }
+    if (options.largest_clearance && result.modules > 0) enlarge_clearance(polygon, grid, options, found.as_good, result, motion, deadline, progress);
+    if (options.deficit) find_deficit(polygon, grid, options, found.as_good, result, motion, deadline, progress);
   } else {
     const HeuristicResult found = run_heuristic(polygon, grid, options);
     result.modules = found.modules;

@@ -30,7 +30,8 @@ struct PlacementOptions {
   int threads = 0;                ///< 0: all cores; the answer does not depend on it
   std::uint64_t seed = 1;
   bool keep_proof = false;        ///< fill PlacementResult::proof (branch and bound only)
-  bool largest_clearance = true;  ///< last step: among the optima the placement with the largest clearance
+  bool largest_clearance = true;  ///< among the optima the placement with the largest clearance (branch and bound only)
+  bool deficit = false;           ///< how far sides must give way for one module more (branch and bound only)
 };
 
 /// What a checker needs to see that no placement is better (docs/placement.md): motions q = R(theta)·(p − pivot) + (x, y).
@@ -47,6 +48,11 @@ struct PlacementResult {
   bool proved = false;
   double clearance_mm = 0.0;      ///< inset at which `modules` tiles still fit
   double clearance_bound_mm = 0.0; ///< no placement of `modules` tiles has a larger clearance (method bnb; the inradius when not proved)
+  /// With every side of every module drawn in by deficit_mm one module more fits somewhere (empty: not even with 0.8 inradius, or
+  /// not asked for); with less than deficit_bound_mm, in the separations of docs/placement.md, none does.
+  std::optional<double> deficit_mm;
+  double deficit_bound_mm = 0.0;
+  Placement deficit_placement;    ///< where one module more would fit
   double tolerance_mm = 0.0;
   Placement placement;
   std::vector<Tile> tiles;        ///< grid triangles wholly inside, sorted
