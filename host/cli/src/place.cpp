@@ -17,6 +17,7 @@ using geometry::PlacementMethod;
 struct Options {
   std::string polygon;
   std::string proof;
+  std::string weights;
   geometry::PlacementOptions placement;
 };
 
@@ -37,6 +38,10 @@ int run(const Options& options, Output& output) {
   nlohmann::json tiles = nlohmann::json::array();
   for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
   output.result["tiles"] = std::move(tiles);
+  if (options.placement.weights) {
+    output.result["weight"] = r.weight;
+    output.result["weight_bound"] = r.weight_bound;
+  }
   if (options.placement.deficit) {
     output.result["deficit_mm"] = r.deficit_mm ? nlohmann::json(*r.deficit_mm) : nlohmann::json();
     output.result["deficit_bound_mm"] = r.deficit_bound_mm;
@@ -47,6 +52,7 @@ int run(const Options& options, Output& output) {
                            r.proved ? " (proved optimal)" : "", r.clearance_mm, r.tolerance_mm));
     output.say(fmt::format("placement x {:.6f} mm, y {:.6f} mm, theta {:.9f} rad; {} cells, {:.3f} s", r.placement.x_mm,
                            r.placement.y_mm, r.placement.theta_rad, r.cells, r.seconds));
+    if (options.placement.weights) output.say(fmt::format("weight {:.6g}, none above {:.6g}", r.weight, r.weight_bound));
     if (r.deficit_mm) output.say(fmt::format("one module more would fit if every side gave way by {:.4f} mm, not by less than {:.4f} mm", *r.deficit_mm, r.deficit_bound_mm));
   }
   return 0;
@@ -72,6 +78,8 @@ const Registration kPlace{{
       app.add_option("--gap-mm", options->placement.gap_mm, "free space between facing sides of modules")->capture_default_str();
       app.add_option("--time-limit-s", options->placement.time_limit_s, "0: none")->capture_default_str();
       app.add_flag("!--no-clearance", options->placement.largest_clearance, "do not look for the placement with the largest clearance");
+      app.add_flag("--connected", options->placement.connected, "the most modules that hang together by sides (method bnb)");
+      app.add_option("--weights", options->weights, "JSON raster of what a module is worth by its place (docs/placement.md): the largest sum, not number (method bnb)");
       app.add_flag("--deficit", options->placement.deficit, "also how far the sides of modules must give way for one module more (method bnb)");
       app.add_option("--proof", options->proof, "write a log that check-proof accepts or rejects (method bnb)");
       app.add_option("--threads", options->placement.threads, "0: all cores; the answer does not depend on it")->check(CLI::Range(0, 1024));
@@ -80,6 +88,7 @@ const Registration kPlace{{
         options->placement.keep_proof = !options->proof.empty();
         const bool exact = options->placement.method == PlacementMethod::kBranchAndBound;
         if (options->placement.keep_proof && !exact) throw InputError("--proof: only --method bnb proves its answer");
+        if (!options->weights.empty()) options->placement.weights = std::make_shared<const geometry::WeightMap>(geometry::read_weight_map(options->weights));
         if (options->placement.deficit && !exact) throw InputError("--deficit: only --method bnb can tell");
         return run(*options, output);
       };

@@ -82,7 +82,7 @@ CellFilter::Fate CellFilter::judge_tile(const CellFrame& f, const CellList& from
 }
 
 CellFilter::Outcome CellFilter::filter(const CellFrame& f, const CellList& from, int least, CellList& kept, OffsetBoxes& boxes,
-                                       std::vector<HalfSpace>& halves) {
+                                       std::vector<HalfSpace>& halves, std::vector<OpenTile>* certain) {
   kept.clear();
   boxes.clear();
   halves.clear();
@@ -109,8 +109,12 @@ CellFilter::Outcome CellFilter::filter(const CellFrame& f, const CellList& from,
     }
     kept.pairs.resize(kept_first);
     halves.resize(halves_first);
-    if (fate == Fate::kDecided) ++outcome.certain;
-    else if (--left < least) return outcome;
+    if (fate == Fate::kDecided) {
+      ++outcome.certain;
+      if (certain != nullptr) certain->push_back(tile);
+    } else if (--left < least) {
+      return outcome;
+    }
   }
   outcome.alive = true;
   return outcome;

@@ -37,9 +37,9 @@ class CellFilter {
     bool alive = false;     ///< false: fewer than `least` tiles can hold; then the rest was not looked at
   };
   /// Tiles of `from` that stay undecided go to `kept` and `boxes`. Ends early when fewer than `least` can hold.
-  /// What restricts them inside the cell goes to `halves`.
+  /// What restricts them inside the cell goes to `halves`; the certain ones themselves are added to `certain`, when it is given.
   Outcome filter(const CellFrame& frame, const CellList& from, int least, CellList& kept, OffsetBoxes& boxes,
-                 std::vector<HalfSpace>& halves);
+                 std::vector<HalfSpace>& halves, std::vector<OpenTile>* certain = nullptr);
 
  private:
   enum class Fate { kDead, kDecided, kOpen };

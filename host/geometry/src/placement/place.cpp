@@ -6,12 +6,14 @@
 
 #include "branch_and_bound.hpp"
 #include "clearance.hpp"
+#include "connected_tiles.hpp"
 #include "evaluator.hpp"
 #include "exact_recheck.hpp"
 #include "heuristics.hpp"
 #include "triskin/geometry/placement.hpp"
 #include "triskin/geometry/polygon_io.hpp"
 #include "triskin/host/error.hpp"
+#include "weighted_tiles.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -30,37 +32,105 @@ void require_sane(const PlacementOptions& o) {
     throw InputError(fmt::format("tolerance {} mm: must be in 1e-8 … 1 (the rounding pad is 1e-9)", o.tolerance_mm));
   }
   if (o.keep_proof && o.shape != TileShape::kTriangle) throw InputError("proof: there is one only for triangular modules");
+  if ((o.connected || o.weights) && o.method != PlacementMethod::kBranchAndBound) throw InputError("connected modules and weights: only method bnb can do them");
+  if (o.connected && o.weights) throw InputError("connected modules and weights: one aim at a time");
+  if ((o.connected || o.weights) && (o.keep_proof || o.deficit)) throw InputError("connected modules and weights: there is no proof file and no deficit for them");
   if (!(o.gap_mm >= 0.0 && o.gap_mm <= 100.0)) throw InputError(fmt::format("gap {} mm: must be in 0 … 100", o.gap_mm));
 }
 
-// Of all placements of `modules` tiles one with the largest inset.
-void enlarge_clearance(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, std::vector<Motion> starts,
-                       PlacementResult& result, Motion& motion, Clock::time_point deadline, const ProgressSink& progress) {
-  starts.push_back(motion);
-  const Clearance c = largest_clearance(polygon, grid, {.modules = result.modules, .least_inset_mm = -options.tolerance_mm, .most_inset_mm = grid.inradius_mm,
-                                                        .starts = std::move(starts), .threads = options.threads, .deadline = deadline}, progress);
-  result.cells += c.cells;
-  result.evaluations += c.evaluations;
-  result.clearance_bound_mm = c.bound_mm;
-  if (!c.found) return;
-  result.clearance_mm = c.inset_mm;
-  motion = c.motion;
-}
+// One call of place().
+struct Placing {
+  const PreparedPolygon& polygon;
+  const TileGrid& grid;
+  const PlacementOptions& options;
+  const ProgressSink& progress;
+  Clock::time_point start, deadline;
+  double area_mm2;  // of the polygon
+  PlacementResult result;
+  Motion motion;
+  std::vector<Motion> as_good;  // other motions that seem to hold as many tiles
 
-// How far sides have to give way until one module more fits somewhere.
-void find_deficit(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, std::vector<Motion> starts,
-                  PlacementResult& result, const Motion& motion, Clock::time_point deadline, const ProgressSink& progress) {
-  starts.push_back(motion);
-  const double least = -kMostDeficit * grid.inradius_mm;
-  const Clearance c = largest_clearance(polygon, grid, {.modules = result.modules + 1, .least_inset_mm = least, .most_inset_mm = 0.0,
-                                                        .starts = std::move(starts), .threads = options.threads, .deadline = deadline}, progress);
-  result.cells += c.cells;
-  result.evaluations += c.evaluations;
-  result.deficit_bound_mm = -c.bound_mm;
-  if (!c.found) return;
-  result.deficit_mm = -c.inset_mm;
-  result.deficit_placement = to_placement(polygon, c.motion);
-}
+  void certify_count() {
+    // A few descents give a value to beat: the search then opens only cells that promise more.
+    PlacementOptions start_options = options;
+    start_options.method = PlacementMethod::kR7;
+    const HeuristicResult first = run_heuristic(polygon, grid, start_options, 6);
+    const SearchGoal goal{.inset_mm = 0.0, .tolerance_mm = options.tolerance_mm, .known = first.modules,
+                          .cells = options.keep_proof ? &result.proof.cells : nullptr, .raise = {}, .threads = options.threads, .deadline = deadline};
+    SearchResult found = branch_and_bound(polygon, grid, goal, progress);
+    result.modules = found.best;
+    result.upper_bound = found.upper_bound;
+    result.proved = found.best == found.upper_bound;
+    result.cells = found.cells;
+    result.evaluations = found.evaluations + first.evaluations;
+    motion = found.found ? found.motion : first.motion;
+    as_good = std::move(found.as_good);
+    as_good.push_back(motion);
+    result.search_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  }
+
+  void refine() {
+    std::vector<Motion> starts = as_good;
+    if (options.largest_clearance && result.modules > 0) enlarge_clearance();
+    if (options.deficit) find_deficit(std::move(starts));
+  }
+
+  [[nodiscard]] Clearance clearance_of(int modules, double least_mm, double most_mm, std::vector<Motion> starts) {
+    const Clearance c = largest_clearance(polygon, grid, {.modules = modules, .least_inset_mm = least_mm, .most_inset_mm = most_mm, .starts = std::move(starts),
+                                                          .threads = options.threads, .deadline = deadline}, progress);
+    result.cells += c.cells;
+    result.evaluations += c.evaluations;
+    return c;
+  }
+
+  // Of all placements of `modules` tiles one with the largest inset.
+  void enlarge_clearance() {
+    const Clearance c = clearance_of(result.modules, -options.tolerance_mm, grid.inradius_mm, std::move(as_good));
+    result.clearance_bound_mm = c.bound_mm;
+    if (!c.found) return;
+    result.clearance_mm = c.inset_mm;
+    motion = c.motion;
+  }
+
+  // How far sides have to give way until one module more fits somewhere.
+  void find_deficit(std::vector<Motion> starts) {
+    const Clearance c = clearance_of(result.modules + 1, -kMostDeficit * grid.inradius_mm, 0.0, std::move(starts));
+    result.deficit_bound_mm = -c.bound_mm;
+    if (!c.found) return;
+    result.deficit_mm = -c.inset_mm;
+    result.deficit_placement = to_placement(polygon, c.motion);
+  }
+
+  // The placement of the most tiles is where the search for another aim begins, their number a bound.
+  void certify_objective() {
+    std::unique_ptr<Objective> objective;
+    if (options.weights) objective = std::make_unique<WeightedTiles>(polygon, grid, *options.weights);
+    else objective = std::make_unique<ConnectedTiles>(grid);
+    const double most = options.weights ? result.upper_bound * options.weights->most() : result.upper_bound;
+    const ObjectiveResult found = search_objective(polygon, grid, *objective, options.tolerance_mm, motion, most, deadline, progress);
+    motion = found.motion;
+    result.cells += found.cells;
+    result.proved = found.proved;
+    if (options.weights) {
+      result.weight = found.value;
+      result.weight_bound = found.bound;
+      result.modules = Evaluator(polygon, grid).count(motion, -options.tolerance_mm);
+    } else {
+      result.modules = static_cast<int>(found.value);
+      result.upper_bound = static_cast<int>(found.bound);
+    }
+    result.search_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  }
+
+  void by_heuristic() {
+    const HeuristicResult found = run_heuristic(polygon, grid, options);
+    result.modules = found.modules;
+    result.evaluations = found.evaluations;
+    result.upper_bound = static_cast<int>(std::floor(area_mm2 / grid.area_mm2 * (1.0 + 1e-6) + 1e-3));
+    result.proved = result.modules == result.upper_bound;
+    motion = found.motion;
+  }
+};
 
 }  // namespace
 
@@ -76,48 +146,29 @@ std::vector<Tile> tiles_inside(const Polygon& polygon, const Placement& placemen
 PlacementResult place(const Polygon& input, const PlacementOptions& options, const ProgressSink& progress) {
   require_sane(options);
   const auto start = Clock::now();
-  const auto deadline = deadline_after(options.time_limit_s);
   const PreparedPolygon polygon = prepare(normalize_polygon(input, "polygon"));
   const TileGrid grid = tile_grid(options.shape, options.gap_mm);
   if (polygon_area(input) > kMostTiles * grid.area_mm2) {
     throw InputError(fmt::format("polygon: {:.4g} m² would take more than {:.0g} modules; are the coordinates in mm?", 1e-6 * polygon_area(input), kMostTiles));
   }
-  PlacementResult result;
+  Placing placing{polygon, grid, options, progress, start, deadline_after(options.time_limit_s), polygon_area(input), {}, {}, {}};
+  PlacementResult& result = placing.result;
   result.tolerance_mm = options.tolerance_mm;
-  Motion motion;
+  result.clearance_mm = -options.tolerance_mm;
   if (options.method == PlacementMethod::kBranchAndBound) {
-    // A few descents give a value to beat: the search then opens only cells that promise more.
-    PlacementOptions start_options = options;
-    start_options.method = PlacementMethod::kR7;
-    const HeuristicResult first = run_heuristic(polygon, grid, start_options, 6);
-    const SearchGoal goal{.inset_mm = 0.0, .tolerance_mm = options.tolerance_mm, .known = first.modules,
-                          .cells = options.keep_proof ? &result.proof.cells : nullptr, .raise = {}, .threads = options.threads, .deadline = deadline};
-    const SearchResult found = branch_and_bound(polygon, grid, goal, progress);
-    result.modules = found.best;
-    result.upper_bound = found.upper_bound;
-    result.proved = found.best == found.upper_bound;
-    result.cells = found.cells;
-    result.evaluations = found.evaluations + first.evaluations;
-    result.clearance_mm = -options.tolerance_mm;
-    motion = found.found ? found.motion : first.motion;
-    result.search_seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    if (options.largest_clearance && result.modules > 0) enlarge_clearance(polygon, grid, options, found.as_good, result, motion, deadline, progress);
-    if (options.deficit) find_deficit(polygon, grid, options, found.as_good, result, motion, deadline, progress);
+    placing.certify_count();
+    if (options.connected || options.weights) placing.certify_objective();
+    else placing.refine();
   } else {
-    const HeuristicResult found = run_heuristic(polygon, grid, options);
-    result.modules = found.modules;
-    result.evaluations = found.evaluations;
-    result.upper_bound = static_cast<int>(std::floor(polygon_area(input) / grid.area_mm2 * (1.0 + 1e-6) + 1e-3));
-    result.proved = result.modules == result.upper_bound;
-    result.clearance_mm = -options.tolerance_mm;
-    motion = found.motion;
+    placing.by_heuristic();
   }
-  result.tiles = Evaluator(polygon, grid).tiles(motion, result.clearance_mm);
-  result.placement = to_placement(polygon, motion);
+  result.tiles = Evaluator(polygon, grid).tiles(placing.motion, result.clearance_mm);
+  if (options.connected) result.tiles = largest_component(grid, result.tiles);
+  result.placement = to_placement(polygon, placing.motion);
   result.proof.pivot = polygon.first + polygon.center;
   result.proof.pitch_mm = grid.row_step_mm;
-  result.proof.motion = {motion.x, motion.y, motion.theta};
-  require_exact(polygon, motion, result.tiles, options.tolerance_mm, grid);
+  result.proof.motion = {placing.motion.x, placing.motion.y, placing.motion.theta};
+  require_exact(polygon, placing.motion, result.tiles, options.tolerance_mm, grid);
   result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return result;
 }

@@ -60,6 +60,13 @@ TileGrid hexagons(double gap_mm) {
 
 }  // namespace
 
+std::array<Tile, 6> neighbours(const TileGrid& grid, const Tile& t) {
+  if (grid.corners == 3) return {across(t, 0).tile, across(t, 1).tile, across(t, 2).tile};
+  const auto at = [&](int i, int j) { return Tile{t.i + i, t.j + j, true}; };
+  if (grid.corners == 4) return {at(1, 0), at(-1, 0), at(0, 1), at(0, -1)};
+  return {at(1, 0), at(-1, 0), at(0, 1), at(0, -1), at(1, -1), at(-1, 1)};
+}
+
 TileGrid tile_grid(TileShape shape, double gap_mm) {
   switch (shape) {
     case TileShape::kSquare: return squares(gap_mm);

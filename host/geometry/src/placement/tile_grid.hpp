@@ -25,6 +25,9 @@ struct TileGrid {
   }
 };
 
+/// The tiles that share a side with `t`: as many as a tile has corners, the rest of the array is unused.
+[[nodiscard]] std::array<Tile, 6> neighbours(const TileGrid& grid, const Tile& t);
+
 /// Modules with sides of 30 mm; `gap_mm` is the free space between facing sides.
 [[nodiscard]] TileGrid tile_grid(TileShape shape, double gap_mm);
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "triskin/geometry/lattice.hpp"
 #include "triskin/geometry/types.hpp"
+#include "triskin/geometry/weight_map.hpp"
 #include "triskin/host/progress.hpp"
 
 namespace triskin::geometry {
@@ -31,6 +33,10 @@ struct PlacementOptions {
   std::uint64_t seed = 1;
   bool keep_proof = false;        ///< fill PlacementResult::proof (branch and bound only)
   bool largest_clearance = true;  ///< among the optima the placement with the largest clearance (branch and bound only)
+  /// What is made as large as possible (branch and bound only): the number of tiles; of tiles that hang together by sides; or the sum of
+  /// the weights of all tiles. The last two search on from the answer of the first, and leave clearance and deficit out.
+  bool connected = false;
+  std::shared_ptr<const WeightMap> weights;
   bool deficit = false;           ///< how far sides must give way for one module more (branch and bound only)
 };
 
@@ -53,6 +59,8 @@ struct PlacementResult {
   std::optional<double> deficit_mm;
   double deficit_bound_mm = 0.0;
   Placement deficit_placement;    ///< where one module more would fit
+  double weight = 0.0;            ///< with weights: their sum, to 1e-5 of it as large as any
+  double weight_bound = 0.0;      ///< no placement has more
   double tolerance_mm = 0.0;
   Placement placement;
   std::vector<Tile> tiles;        ///< grid triangles wholly inside, sorted
