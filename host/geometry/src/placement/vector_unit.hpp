@@ -3,16 +3,10 @@
 
 namespace triskin::geometry {
 
-/// The widest vector unit of this machine that a kernel is built for.
+/// The widest vector unit of this machine that a kernel is built for, or the narrower one that the environment variable
+/// TRISKIN_VECTOR_UNIT (plain, avx2, avx512) asks for. All give the same answers. Read once.
 enum class VectorUnit { kPlain, kAvx2, kAvx512 };
-
-inline VectorUnit vector_unit() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) return VectorUnit::kAvx512;
-  if (__builtin_cpu_supports("avx2")) return VectorUnit::kAvx2;
-#endif
-  return VectorUnit::kPlain;
-}
+[[nodiscard]] VectorUnit vector_unit();
 
 /// That of three builds of one function which suits this machine: plain, AVX2, AVX-512.
 template <typename Function>
