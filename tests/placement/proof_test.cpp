@@ -27,8 +27,10 @@ std::string geojson(const Polygon& p) {
   return json{{"type", "Polygon"}, {"coordinates", rings}}.dump();
 }
 
-PlacementResult proved(const Polygon& p) {
+PlacementResult proved(const Polygon& p, TileShape shape = TileShape::kTriangle, double gap_mm = 0.0) {
   PlacementOptions options;
+  options.shape = shape;
+  options.gap_mm = gap_mm;
   options.keep_proof = true;
   options.largest_clearance = false;
   return place(p, options);
@@ -53,6 +55,28 @@ class ProofTest : public testing::Test {
   std::string file_;
   json log_;
 };
+
+TEST_F(ProofTest, squares_and_hexagons_are_proved_too) {
+  std::mt19937_64 random(43);
+  for (const TileShape shape : {TileShape::kSquare, TileShape::kHexagon}) {
+    for (const double gap_mm : {0.0, 1.5}) {
+      const Polygon p = test::random_polygon(random, 12, 200, 0);
+      const PlacementResult best = proved(p, shape, gap_mm);
+      EXPECT_GT(best.modules, 0);
+      json log = json::parse(proof_text(p, best));
+      const auto check = [&] { return check::check_placement_proof_text(log.dump(), geojson(p)); };
+      EXPECT_TRUE(check().accepted) << check().reason;
+      log["upper_bound"] = log["modules"] = best.modules - 1;
+      log["tiles"].erase(0);
+      EXPECT_FALSE(check().accepted);
+      log = json::parse(proof_text(p, best));
+      log["shape"] = shape == TileShape::kSquare ? "hexagon" : "square";
+      EXPECT_FALSE(check().accepted);
+      log["shape"] = "circle";
+      EXPECT_NE(check().reason.find("must be triangle, square or hexagon"), std::string::npos);
+    }
+  }
+}
 
 TEST_F(ProofTest, an_honest_log_is_accepted) {
   const auto r = report(log_);

@@ -55,7 +55,7 @@ TEST(Shapes, facing_triangles_stand_apart_by_the_gap) {
 TEST(Shapes, bad_wishes_are_errors) {
   PlacementOptions options;
   options.shape = TileShape::kSquare;
-  options.keep_proof = true;
+  options.gap_mm = -1.0;
   EXPECT_THROW((void)place(rectangle(100, 100), options), InputError);
   EXPECT_THROW((void)place(rectangle(1e6, 1e6), {}), InputError);
 }

@@ -6,22 +6,15 @@
 namespace triskin::check {
 namespace {
 
-// √3/2 lies between these two neighbours.
-const Interval kHalfRoot3{0.86602540378443859, 0.86602540378443871};
-const Interval kInradius = Interval(kModuleSide_mm) * kHalfRoot3 * Interval(1.0 / 3.0 - 1e-16, 1.0 / 3.0 + 1e-16);
-constexpr double kInradiusLow_mm = 8.66, kCircumradiusHigh_mm = 17.321;
 constexpr double kSlack_mm = 1e-6;  // far above the rounding of plain doubles at 1e6 mm
-
-// Outward unit normals and corners of the up module around its centre; the down module is its mirror image in the centre.
-const std::array<IntervalPoint, 3> kNormal{IntervalPoint{0.0, -1.0}, {kHalfRoot3, 0.5}, {-kHalfRoot3, 0.5}};
-const std::array<IntervalPoint, 3> kCorner{IntervalPoint{-0.5 * kModuleSide_mm, -kInradius}, {0.5 * kModuleSide_mm, -kInradius}, {0.0, kInradius + kInradius}};
 
 IntervalPoint scaled(const IntervalPoint& p, double sign) { return sign > 0.0 ? p : IntervalPoint{-p.x, -p.y}; }
 double middle(const Interval& i) { return 0.5 * (i.low + i.high); }
 
 }  // namespace
 
-ProofPolygon::ProofPolygon(const std::vector<std::array<PlanePoint, 2>>& edges, const PlanePoint& pivot, double pitch_mm) : pitch_(pitch_mm) {
+ProofPolygon::ProofPolygon(const std::vector<std::array<PlanePoint, 2>>& edges, const PlanePoint& pivot, const ProofModule& module, double pitch_mm)
+    : module_(module), pitch_(pitch_mm) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const auto& [a, b] : edges) {
     ProofEdge e;
@@ -46,12 +39,6 @@ ProofPolygon::ProofPolygon(const std::vector<std::array<PlanePoint, 2>>& edges, 
     const auto [y0, y1] = std::minmax({middle(edges_[k].end[0].y), middle(edges_[k].end[1].y)});
     for (std::size_t s = slab(y0); s <= slab(y1); ++s) slabs_[s].push_back(static_cast<std::uint32_t>(k));
   }
-}
-
-IntervalPoint ProofPolygon::center_of(const ProofTile& t) const {
-  const Interval third = Interval(1.0 / 3.0 - 1e-16, 1.0 / 3.0 + 1e-16);
-  const Interval row = Interval(t.j) + (t.up ? third : third + third);
-  return {Interval(pitch_) * Interval(t.i + 0.5 * t.j + (t.up ? 0.5 : 1.0)), Interval(pitch_) * kHalfRoot3 * row};
 }
 
 bool ProofPolygon::contains(double x, double y) const {
@@ -107,11 +94,11 @@ MotionRegion::Moved MotionRegion::moved(const ProofEdge& edge) const {
 // Does one of the module's sides separate it from the edge: always, for some motions, never?
 MotionRegion::Verdict MotionRegion::side_frees(const IntervalPoint& center, double sign, const Moved& m, double allowance_mm) const {
   Verdict best = Verdict::kNever;
-  for (const IntervalPoint& up_normal : kNormal) {
+  for (const IntervalPoint& up_normal : polygon_.module().normal) {
     const IntervalPoint n = scaled(up_normal, sign);
     bool possible = true, certain = true;
     for (std::size_t e = 0; e < 2 && possible; ++e) {
-      const Interval value = dot(n, m.end[e] - center) - kInradius + Interval(allowance_mm);
+      const Interval value = dot(n, m.end[e] - center) - polygon_.module().inradius + Interval(allowance_mm);
       const double spread = (n.x.magnitude() * half_x_ + n.y.magnitude() * half_y_ + dot(n, m.end_turn[e]).magnitude() * half_theta_) * (1.0 + 1e-14);
       possible = value.high + spread >= 0.0;
       certain = certain && value.low - spread >= 0.0;
@@ -126,7 +113,7 @@ MotionRegion::Verdict MotionRegion::side_frees(const IntervalPoint& center, doub
 MotionRegion::Verdict MotionRegion::line_frees(const IntervalPoint& center, double sign, const ProofEdge& edge, const Moved& m, double allowance_mm) const {
   bool left = true, right = true, always_left = true, always_right = true;
   const Interval allowance = Interval(allowance_mm) * Interval(edge.length_mm);
-  for (const IntervalPoint& up_corner : kCorner) {
+  for (const IntervalPoint& up_corner : polygon_.module().corner) {
     const IntervalPoint arm = center + scaled(up_corner, sign) - IntervalPoint{x_, y_};
     const IntervalPoint wide_arm = arm + IntervalPoint{Interval(-half_x_, half_x_), Interval(-half_y_, half_y_)};
     const Interval value = dot(m.normal, arm) - edge.offset;
@@ -168,13 +155,13 @@ bool MotionRegion::center_inside(const IntervalPoint& center) const {
 CandidateList MotionRegion::all() const {
   CandidateList list;
   for (std::uint32_t k = 0; k < polygon_.edges().size(); ++k) list.edges.push_back(k);
-  const double span = polygon_.radius_mm() + reach_ + kCircumradiusHigh_mm + 1.0;
-  const double pitch = polygon_.pitch_mm(), height = pitch * 0.8660254;
+  const double span = polygon_.radius_mm() + reach_ + polygon_.module().circumradius_high_mm + 1.0;
+  const double pitch = polygon_.pitch_mm(), height = pitch * polygon_.module().row_height.low, shift = polygon_.module().row_shift;
   for (int j = static_cast<int>(std::floor((y_ - span) / height)) - 1; j * height <= y_ + span; ++j) {
     const int first = static_cast<int>(std::floor((x_ - span) / pitch - 0.5 * j)) - 2;
-    for (int i = first; pitch * (i + 0.5 * j) <= x_ + span; ++i) {
-      for (const bool up : {true, false}) {
-        const ProofTile tile{i, j, up};
+    for (int i = first; pitch * (i + shift * j) <= x_ + span; ++i) {
+      for (int down = 0; down <= (polygon_.module().has_down ? 1 : 0); ++down) {
+        const ProofTile tile{i, j, down == 0};
         list.tiles.push_back({tile, polygon_.center_of(tile), 0, static_cast<std::uint32_t>(list.edges.size()), false});
       }
     }
@@ -185,7 +172,7 @@ CandidateList MotionRegion::all() const {
 CandidateList MotionRegion::filtered(const CandidateList& list) const {
   CandidateList kept;
   kept.certain = list.certain;
-  const double inner = kInradiusLow_mm - reach_ - kSlack_mm, outer = kCircumradiusHigh_mm + reach_ + kSlack_mm;
+  const double inner = polygon_.module().inradius_low_mm - reach_ - kSlack_mm, outer = polygon_.module().circumradius_high_mm + reach_ + kSlack_mm;
   for (Candidate tile : list.tiles) {
     const auto first = static_cast<std::uint32_t>(kept.edges.size());
     double nearest = std::numeric_limits<double>::infinity();
@@ -217,8 +204,8 @@ bool MotionRegion::holds(const ProofTile& tile, double tolerance_mm) const {
   const IntervalPoint center = polygon_.center_of(tile);
   for (const ProofEdge& edge : polygon_.edges()) {
     const double distance = distance_mm(center, edge);
-    if (distance > kCircumradiusHigh_mm + kSlack_mm) continue;
-    if (distance < kInradiusLow_mm - tolerance_mm - 0.01 || cuts(center, tile.up, edge, tolerance_mm) != Verdict::kNever) return false;
+    if (distance > polygon_.module().circumradius_high_mm + kSlack_mm) continue;
+    if (distance < polygon_.module().inradius_low_mm - tolerance_mm - 0.01 || cuts(center, tile.up, edge, tolerance_mm) != Verdict::kNever) return false;
   }
   return center_inside(center);
 }

@@ -2,12 +2,9 @@
 #pragma once
 #include <vector>
 
-#include "interval.hpp"
-#include "proof_log.hpp"
+#include "proof_module.hpp"
 
 namespace triskin::check {
-
-inline constexpr double kModuleSide_mm = 30.0;
 
 /// Edge of the polygon relative to the pivot.
 struct ProofEdge {
@@ -33,12 +30,13 @@ struct CandidateList {
 /// The problem in the checker's own terms.
 class ProofPolygon {
  public:
-  ProofPolygon(const std::vector<std::array<PlanePoint, 2>>& edges, const PlanePoint& pivot, double pitch_mm);
+  ProofPolygon(const std::vector<std::array<PlanePoint, 2>>& edges, const PlanePoint& pivot, const ProofModule& module, double pitch_mm);
 
   [[nodiscard]] const std::vector<ProofEdge>& edges() const { return edges_; }
+  [[nodiscard]] const ProofModule& module() const { return module_; }
   [[nodiscard]] double pitch_mm() const { return pitch_; }
   [[nodiscard]] double radius_mm() const { return radius_; }
-  [[nodiscard]] IntervalPoint center_of(const ProofTile& tile) const;
+  [[nodiscard]] IntervalPoint center_of(const ProofTile& tile) const { return module_.center(tile, pitch_); }
   /// Even-odd test of a point in the polygon's frame, in plain doubles: only for points that are far from every edge.
   [[nodiscard]] bool contains(double x, double y) const;
 
@@ -46,6 +44,7 @@ class ProofPolygon {
   std::vector<ProofEdge> edges_;
   std::vector<std::vector<std::uint32_t>> slabs_;
   double slab_low_ = 0.0, slab_height_ = 1.0;
+  const ProofModule& module_;
   double pitch_;
   double radius_ = 0.0;
 };

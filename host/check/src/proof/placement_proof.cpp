@@ -12,8 +12,6 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kSixth_rad = 1.0471975511965979;       // a hair above 60°
-constexpr double kHalfRoot3High = 0.86602540378443871;  // a hair above √3/2
 constexpr double kListReach_mm = 40.0;                  // above it the list of modules would be longer than the work it saves
 constexpr int kDeepest = 26;                            // halvings of one cell of the log
 constexpr double kSpare_mm = 1e-9;                      // rounding of the placement itself, beside its tolerance
@@ -42,7 +40,7 @@ class Checker {
   }
 
   void run() {
-    const ProofBox period{{0.0, 0.0, 0.0}, {polygon_.pitch_mm(), polygon_.pitch_mm() * kHalfRoot3High, kSixth_rad}};
+    const ProofBox period{{0.0, 0.0, 0.0}, {polygon_.pitch_mm(), polygon_.pitch_mm() * polygon_.module().row_height.high, polygon_.module().period_high_rad}};
     std::vector<std::uint32_t> cells(log_.cells.size());
     for (std::uint32_t k = 0; k < cells.size(); ++k) cells[k] = k;
     cover(period, cells, nullptr, 1e300);
@@ -147,9 +145,11 @@ class Checker {
   bool proved_ = false;
 };
 
-void require_header(const ProofLog& log, const std::vector<std::array<PlanePoint, 2>>& edges) {
+const ProofModule& require_header(const ProofLog& log, const std::vector<std::array<PlanePoint, 2>>& edges) {
   if (edges.empty() || edges != edge_set(log.rings)) throw Rejected{"the polygon of the log is not the polygon of the file"};
-  if (!(log.pitch_mm >= kModuleSide_mm && log.pitch_mm <= 1000.0)) throw Rejected{"pitch_mm is out of range"};
+  const ProofModule* module = proof_module(log.shape);
+  if (module == nullptr) throw Rejected{"\"shape\" must be triangle, square or hexagon"};
+  if (!(log.pitch_mm >= module->least_pitch_mm && log.pitch_mm <= 1000.0)) throw Rejected{"pitch_mm is out of range"};
   if (!(log.tolerance_mm > 0.0 && log.tolerance_mm <= 1.0)) throw Rejected{"tolerance_mm is out of range"};
   if (log.upper_bound < log.modules) throw Rejected{fmt::format("the bound {} is below the {} modules that are claimed", log.upper_bound, log.modules)};
   for (const ProofBox& c : log.cells) {
@@ -157,6 +157,7 @@ void require_header(const ProofLog& log, const std::vector<std::array<PlanePoint
       if (c.low[k] > c.high[k] || std::abs(c.low[k]) > 1e6 || std::abs(c.high[k]) > 1e6) throw Rejected{"a cell is not a box"};
     }
   }
+  return *module;
 }
 
 void require_placement(const ProofLog& log, const ProofPolygon& polygon) {
@@ -164,6 +165,7 @@ void require_placement(const ProofLog& log, const ProofPolygon& polygon) {
   if (std::set<ProofTile>(log.tiles.begin(), log.tiles.end()).size() != log.tiles.size()) throw Rejected{"the placement lists a module twice"};
   const MotionRegion here(polygon, {log.motion, log.motion});
   for (const ProofTile& t : log.tiles) {
+    if (!t.up && !polygon.module().has_down) throw Rejected{"modules of this shape are never down"};
     if (!here.holds(t, log.tolerance_mm + kSpare_mm)) throw Rejected{fmt::format("module ({}, {}, {}) does not lie inside", t.i, t.j, t.up ? "up" : "down")};
   }
 }
@@ -176,8 +178,8 @@ ProofReport judge(const ProofLog& log, const std::vector<Ring>& rings) {
   report.cells = static_cast<std::int64_t>(log.cells.size());
   try {
     const auto edges = edge_set(rings);
-    require_header(log, edges);
-    const ProofPolygon polygon(edges, log.pivot, log.pitch_mm);
+    const ProofModule& module = require_header(log, edges);
+    const ProofPolygon polygon(edges, log.pivot, module, log.pitch_mm);
     if (polygon.radius_mm() > 1e6) throw Rejected{"the pivot lies too far from the polygon"};
     require_placement(log, polygon);
     Checker(log, polygon, report.regions).run();

@@ -23,6 +23,7 @@ struct ProofTile {
 /// What the log claims.
 struct ProofLog {
   std::vector<Ring> rings;
+  std::string shape = "triangle";
   PlanePoint pivot{};
   double pitch_mm = 0.0, tolerance_mm = 0.0;
   int modules = 0, upper_bound = 0;

@@ -31,7 +31,6 @@ void require_sane(const PlacementOptions& o) {
   if (!(o.tolerance_mm >= 1e-8 && o.tolerance_mm <= 1.0)) {
     throw InputError(fmt::format("tolerance {} mm: must be in 1e-8 … 1 (the rounding pad is 1e-9)", o.tolerance_mm));
   }
-  if (o.keep_proof && o.shape != TileShape::kTriangle) throw InputError("proof: there is one only for triangular modules");
   if ((o.connected || o.weights) && o.method != PlacementMethod::kBranchAndBound) throw InputError("connected modules and weights: only method bnb can do them");
   if (o.connected && o.weights) throw InputError("connected modules and weights: one aim at a time");
   if ((o.connected || o.weights) && (o.keep_proof || o.deficit)) throw InputError("connected modules and weights: there is no proof file and no deficit for them");
@@ -165,6 +164,7 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   result.tiles = Evaluator(polygon, grid).tiles(placing.motion, result.clearance_mm);
   if (options.connected) result.tiles = largest_component(grid, result.tiles);
   result.placement = to_placement(polygon, placing.motion);
+  result.proof.shape = options.shape == TileShape::kTriangle ? "triangle" : options.shape == TileShape::kSquare ? "square" : "hexagon";
   result.proof.pivot = polygon.first + polygon.center;
   result.proof.pitch_mm = grid.row_step_mm;
   result.proof.motion = {placing.motion.x, placing.motion.y, placing.motion.theta};

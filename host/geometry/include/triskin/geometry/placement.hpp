@@ -42,6 +42,7 @@ struct PlacementOptions {
 
 /// What a checker needs to see that no placement is better (docs/placement.md): motions q = R(theta)·(p − pivot) + (x, y).
 struct PlacementProof {
+  std::string shape = "triangle";                ///< or "square", "hexagon"
   Vec2 pivot = Vec2::Zero();
   double pitch_mm = kSide_mm;
   std::array<double, 3> motion{};                ///< x, y, theta of the answer
