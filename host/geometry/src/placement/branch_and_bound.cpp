@@ -41,6 +41,14 @@ class Search {
     }
     const int open_bound = open_.empty() ? 0 : open_.begin()->first;
     result_.upper_bound = std::max({result_.best, open_bound, unresolved_bound_});
+    for (const auto& [bound, box] : tied_slices_) {
+      if (bound >= result_.best) result_.tied_slices.push_back(box);
+    }
+    for (const auto& [bound, cells] : open_) {
+      for (const Cell& cell : cells) {
+        if (!cell.list) result_.tied_slices.push_back(cell.box);
+      }
+    }
     return std::move(result_);
   }
 
@@ -51,8 +59,9 @@ class Search {
 
   void push(Cell cell) {
     cell.bound = std::min(cell.bound, area_bound_);
-    if (cell.bound > result_.best) open_[cell.bound].push_back(std::move(cell));
-    else close(cell.box);
+    if (cell.bound > result_.best) return open_[cell.bound].push_back(std::move(cell));
+    if (!cell.list) tied_slices_.emplace_back(cell.bound, cell.box);
+    close(cell.box);
   }
 
   void add_roots() {
@@ -62,8 +71,15 @@ class Search {
     const double kept = 1.0 + std::min(0.0, goal_.inset_mm) / grid_.inradius_mm;
     area_bound_ = static_cast<int>(std::floor(0.5 * twice_area / (kept * kept * grid_.area_mm2) * (1.0 + 1e-6) + 1e-3));
     // Slices of all translations: constraints are all but linear in x and y, so that a slice can be cut finely at once.
+    if (goal_.slices != nullptr) {
+      for (const MotionBox& box : *goal_.slices) push({.box = box, .certain = 0, .bound = area_bound_, .list = {}});
+      return;
+    }
     const double period = grid_.period_rad * (1.0 + 1e-12);
-    const int n = std::clamp(static_cast<int>(std::ceil(period * polygon_.radius_mm / (kept * kSlice_mm))), 1, 1 << 16);
+    // Inside a part no centre may move by as much as the inset leaves of the inradius.
+    const double part = 0.5 * std::hypot(grid_.row_step_mm, grid_.row_height_mm) / SliceRaster::kSteps;
+    const double width = std::min(kept * kSlice_mm, 2.0 * (0.9 * kept * grid_.inradius_mm - part));
+    const int n = std::clamp(static_cast<int>(std::ceil(period * polygon_.radius_mm / width)), 1, 1 << 16);
     for (int k = n - 1; k >= 0; --k) {
       Cell cell;
       cell.box.high = {grid_.row_step_mm, grid_.row_height_mm * (1.0 + 1e-12), period * (k + 1) / n};
@@ -104,6 +120,7 @@ class Search {
     for (const Motion& m : e.as_good) {
       if (e.best == result_.best && result_.as_good.size() < kMostAsGood) result_.as_good.push_back(m);
     }
+    tied_slices_.insert(tied_slices_.end(), e.tied_slices.begin(), e.tied_slices.end());
     for (const MotionBox& box : e.closed) close(box);
     for (Cell& cell : e.children) push(std::move(cell));
   }
@@ -130,6 +147,7 @@ class Search {
   int area_bound_ = 0;
   int unresolved_bound_ = 0;
   SearchResult result_;
+  std::vector<std::pair<int, MotionBox>> tied_slices_;
   std::map<int, std::vector<Cell>, std::greater<>> open_;
   std::vector<Cell> batch_;
   std::vector<Expansion> expansions_;

@@ -22,6 +22,8 @@ struct SearchGoal {
   /// (not less than before) and the tolerance to go on with. Above last_inset_mm the search ends.
   std::function<std::array<double, 2>(const Motion&)> raise;
   double last_inset_mm = 0.0;
+  /// Set: only these slices are searched, SearchResult::tied_slices of a search for more tiles than known.
+  const std::vector<MotionBox>* slices = nullptr;
   int threads = 0;           ///< 0: all cores; no answer depends on it
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 };
@@ -31,6 +33,7 @@ struct SearchResult {
   Motion motion;         ///< where, when best > known
   bool found = false;    ///< best > known
   int upper_bound = 0;   ///< no motion has a higher value at goal.inset_mm (with `raise`: at the last inset)
+  std::vector<MotionBox> tied_slices;  ///< outside them no motion has `best` tiles
   std::vector<Motion> as_good;  ///< some motions that seem to reach `best` (not counted again)
   std::int64_t cells = 0;
   std::int64_t evaluations = 0;

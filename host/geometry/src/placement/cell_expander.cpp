@@ -8,9 +8,8 @@ namespace {
 
 constexpr int kMostPasses = 4;
 constexpr double kWorthAnotherPass = 0.7;
-constexpr int kMostPartsOfSlice = 4, kMostPartsOfCube = 8;  // in one child
-constexpr int kFewParts = 128;           // open parts of a slice that is not split in theta
-constexpr int kManyParts = 512;          // so many that half the angle will not do
+constexpr int kMostPartsOfSlice = 8, kMostPartsOfCube = 8;  // in one child
+constexpr int kFewParts = 180;           // open parts of a slice that is not split in theta
 constexpr double kThinnestSlice_mm = 2.5;  // how far the farthest vertex moves inside a slice
 constexpr int kWellFilled = 2;  // one of so many parts open: a box is not divided further
 
@@ -87,11 +86,25 @@ void CellExpander::look_at_slice(Cell& cell) {
   cell.certain = raster_.certain();
   parts_ = {SliceRaster::kSteps, SliceRaster::kSteps, 1};
   const OpenParts open = open_parts(cell, {0, 0, 0}, parts_);
+  if (open.count > 0) {
+    cell.bound = std::min(cell.bound, cell.certain + open.most);
+    try_middle(cell, open);
+    if (open.count > kFewParts && 2.0 * polygon_.radius_mm * cell.box.half(2) > kThinnestSlice_mm) return split_slice(cell);
+  }
+  note_tie(cell);
   if (open.count == 0) return close(cell.box);
-  cell.bound = std::min(cell.bound, cell.certain + open.most);
-  try_middle(cell, open);
-  if (open.count > kFewParts && 2.0 * polygon_.radius_mm * cell.box.half(2) > kThinnestSlice_mm) split_slice(cell, open.count > kManyParts ? 4 : 2);
-  else divide_slice(cell, {0, 0, 0}, parts_);
+  chosen_.clear();
+  for (std::uint32_t k = 0; k < raster_.border().size(); ++k) chosen_.push_back(k);
+  divide_slice(cell, {0, 0, 0}, parts_, 0, 0);
+}
+
+// A slice that is not split and may hold as many tiles as the best: a search for ties begins with it.
+void CellExpander::note_tie(const Cell& cell) {
+  int most = 0;
+  for (int y = 0; y < parts_[1]; ++y) {
+    for (int x = 0; x < parts_[0]; ++x) most = std::max(most, raster_.count(x, y));
+  }
+  if (cell.certain + most >= best_) result_->tied_slices.emplace_back(cell.certain + most, cell.box);
 }
 
 // The middle of the part with the highest bound: a good value early closes many slices.
@@ -105,14 +118,12 @@ void CellExpander::try_middle(const Cell& cell, const OpenParts& open) {
   }
 }
 
-void CellExpander::split_slice(const Cell& cell, int pieces) {
-  const double step = (cell.box.high[2] - cell.box.low[2]) / pieces;
-  for (int k = pieces - 1; k >= 0; --k) {
-    Cell piece = cell;
-    if (k > 0) piece.box.low[2] = cell.box.low[2] + step * k;
-    if (k + 1 < pieces) piece.box.high[2] = cell.box.low[2] + step * (k + 1);
-    result_->children.push_back(std::move(piece));
-  }
+void CellExpander::split_slice(const Cell& cell) {
+  const double middle = cell.box.center(2);
+  Cell lower = cell, upper = cell;
+  lower.box.high[2] = upper.box.low[2] = middle;
+  result_->children.push_back(std::move(upper));
+  result_->children.push_back(std::move(lower));
 }
 
 std::size_t CellExpander::longest_axis(const MotionBox& box, const Index& parts) const {
@@ -124,54 +135,80 @@ std::size_t CellExpander::longest_axis(const MotionBox& box, const Index& parts)
   return axis;
 }
 
-// Children: small boxes around open parts, of which at least half are open.
-void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index& high) {
+// Children: small boxes around open parts, of which at least half are open. chosen_[first_chosen …) may be undecided among
+// the parts, `certain` more tiles than in the slice are certain there.
+void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index& high, std::size_t first_chosen, int certain) {
   const OpenParts open = open_parts(cell, low, high);
   const MotionBox whole = part_box(cell.box, parts_, low, high);
   if (open.count == 0) return close(whole);
   const MotionBox box = part_box(cell.box, parts_, open.low, open.high);
   close_clipped(whole, box);
-  if (open.well_filled(kMostPartsOfSlice)) return add_slice_child(cell, box, open);
-  const std::size_t axis = longest_axis(box, open.size());
-  Index first_high = open.high, second_low = open.low;
-  first_high[axis] = second_low[axis] = open.low[axis] + open.size()[axis] / 2;
-  divide_slice(cell, second_low, open.high);
-  divide_slice(cell, open.low, first_high);
+  const std::size_t last_chosen = chosen_.size();
+  certain += choose_border(open.low, open.high, first_chosen, last_chosen);
+  if (open.well_filled(kMostPartsOfSlice)) {
+    add_slice_child(cell, box, open, last_chosen, certain);
+  } else {
+    const std::size_t axis = longest_axis(box, open.size());
+    Index first_high = open.high, second_low = open.low;
+    first_high[axis] = second_low[axis] = open.low[axis] + open.size()[axis] / 2;
+    divide_slice(cell, second_low, open.high, last_chosen, certain);
+    divide_slice(cell, open.low, first_high, last_chosen, certain);
+  }
+  chosen_.resize(last_chosen);
 }
 
-void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open) {
-  Cell child{.box = box, .certain = cell.certain, .bound = std::min(cell.bound, cell.certain + open.most), .list = {}};
+// As choose, of the border tiles of a slice.
+int CellExpander::choose_border(const Index& low, const Index& high, std::size_t first, std::size_t last) {
+  const auto lanes = static_cast<std::uint32_t>((1U << high[0]) - (1U << low[0]));
+  int certain = 0;
+  for (std::size_t n = first; n < last; ++n) {
+    const SliceRaster::Border& border = raster_.border()[chosen_[n]];
+    std::uint32_t may = 0, must_not = 0;
+    for (int y = low[1]; y < high[1]; ++y) {
+      may |= border.may[static_cast<std::size_t>(y)];
+      must_not |= ~border.must[static_cast<std::size_t>(y)];
+    }
+    if ((must_not & lanes) == 0) ++certain;
+    else if ((may & lanes) != 0) chosen_.push_back(chosen_[n]);
+  }
+  return certain;
+}
+
+void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open, std::size_t first_chosen, int certain) {
   auto list = std::make_shared<CellList>();
-  const std::uint64_t one = 1;
-  const auto lanes = static_cast<std::uint32_t>((one << open.high[0]) - (one << open.low[0]));
+  list->tiles.reserve(chosen_.size() - first_chosen);
+  const auto lanes = static_cast<std::uint32_t>((1U << open.high[0]) - (1U << open.low[0]));
   const Vec2 shift(box.center(0), box.center(1));
   const double c = std::cos(box.center(2)), s = std::sin(box.center(2));
   const double reach = std::hypot(box.half(0), box.half(1)) + (polygon_.radius_mm + 4.0 * grid_.circumradius_mm) * box.half(2) +
                        grid_.circumradius_mm + std::max(0.0, frame_.certain_mm);
-  for (const SliceRaster::Border& border : raster_.border()) {
-    std::uint32_t may = 0, may_not = 0, must_not = 0;
-    for (int y = open.low[1]; y < open.high[1]; ++y) {
-      const auto row = static_cast<std::size_t>(y);
-      may |= border.may[row] & lanes;
-      may_not |= ~border.may[row] & lanes;
-      must_not |= ~border.must[row] & lanes;
-    }
-    if (must_not == 0) ++child.certain;
-    if (may == 0 || must_not == 0) continue;
+  for (std::size_t n = first_chosen; n < chosen_.size(); ++n) {
+    const SliceRaster::Border& border = raster_.border()[chosen_[n]];
+    std::uint32_t may_not = 0;
+    for (int y = open.low[1]; y < open.high[1]; ++y) may_not |= ~border.may[static_cast<std::size_t>(y)] & lanes;
     const Vec2 center = grid_.center(border.tile), p = center - shift;
     // Where a tile may hold its centre is inside at the middle of the part, and so wherever in the part it holds.
     OpenTile tile{center, border.tile, may_not == 0, static_cast<std::uint32_t>(list->pairs.size()), 0};
-    const auto number = static_cast<std::uint32_t>(list->tiles.size());
-    if (reach <= edges_.reach_mm()) {
-      for (const std::uint32_t edge : edges_.near({c * p.x() + s * p.y(), -s * p.x() + c * p.y()})) list->pairs.push_back({number, edge});
-    } else {
-      for (std::uint32_t edge = 0; edge < polygon_.x.size(); ++edge) list->pairs.push_back({number, edge});
-    }
+    add_pairs({c * p.x() + s * p.y(), -s * p.x() + c * p.y()}, reach, static_cast<std::uint32_t>(list->tiles.size()), list->pairs);
     tile.count = static_cast<std::uint32_t>(list->pairs.size()) - tile.first;
     list->tiles.push_back(tile);
   }
-  child.list = std::move(list);
-  result_->children.push_back(std::move(child));
+  result_->children.push_back({box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), std::move(list)});
+}
+
+// The edges that come within reach of a point of the polygon's frame.
+void CellExpander::add_pairs(const Vec2& p, double reach_mm, std::uint32_t tile, std::vector<Pair>& pairs) const {
+  if (reach_mm > edges_.reach_mm()) {
+    for (std::uint32_t edge = 0; edge < polygon_.x.size(); ++edge) pairs.push_back({tile, edge});
+    return;
+  }
+  const double far = (reach_mm + 1e-6) * (reach_mm + 1e-6);
+  for (const std::uint32_t edge : edges_.near(p)) {
+    const auto& [a, b] = polygon_.edges[edge];
+    const Vec2 d = b - a, q = p - a;
+    const double square = d.squaredNorm(), t = square > 0.0 ? std::clamp(q.dot(d) / square, 0.0, 1.0) : 0.0;
+    if ((q - t * d).squaredNorm() <= far) pairs.push_back({tile, edge});
+  }
 }
 
 void CellExpander::look(Cell& cell) {

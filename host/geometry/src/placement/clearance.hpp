@@ -3,6 +3,7 @@
 #include <chrono>
 #include <vector>
 
+#include "pair_kernel.hpp"
 #include "tile_polygon.hpp"
 #include "triskin/host/progress.hpp"
 
@@ -14,6 +15,7 @@ struct ClearanceGoal {
   double least_inset_mm = 0.0;  ///< from here on it counts; above −0.8 inradius
   double most_inset_mm = 0.0;   ///< more is not looked for
   std::vector<Motion> starts;   ///< motions to climb from
+  const std::vector<MotionBox>* slices = nullptr;  ///< set: elsewhere so many tiles fit with no inset from 0 on
   int threads = 0;              ///< 0: all cores; the answer does not depend on it
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 };

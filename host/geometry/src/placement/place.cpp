@@ -48,12 +48,13 @@ struct Placing {
   PlacementResult result;
   Motion motion;
   std::vector<Motion> as_good;  // other motions that seem to hold as many tiles
+  std::vector<MotionBox> tied_slices;  // elsewhere fewer hold
 
   void certify_count() {
     // A few descents give a value to beat: the search then opens only cells that promise more.
     PlacementOptions start_options = options;
     start_options.method = PlacementMethod::kR7;
-    const HeuristicResult first = run_heuristic(polygon, grid, start_options, 6);
+    const HeuristicResult first = run_heuristic(polygon, grid, start_options, 2);
     const SearchGoal goal{.inset_mm = 0.0, .tolerance_mm = options.tolerance_mm, .known = first.modules,
                           .cells = options.keep_proof ? &result.proof.cells : nullptr, .raise = {}, .threads = options.threads, .deadline = deadline};
     SearchResult found = branch_and_bound(polygon, grid, goal, progress);
@@ -63,6 +64,7 @@ struct Placing {
     result.cells = found.cells;
     result.evaluations = found.evaluations + first.evaluations;
     motion = found.found ? found.motion : first.motion;
+    tied_slices = std::move(found.tied_slices);
     as_good = std::move(found.as_good);
     as_good.push_back(motion);
     result.search_seconds = std::chrono::duration<double>(Clock::now() - start).count();
@@ -74,9 +76,9 @@ struct Placing {
     if (options.deficit) find_deficit(std::move(starts));
   }
 
-  [[nodiscard]] Clearance clearance_of(int modules, double least_mm, double most_mm, std::vector<Motion> starts) {
+  [[nodiscard]] Clearance clearance_of(int modules, double least_mm, double most_mm, std::vector<Motion> starts, const std::vector<MotionBox>* slices) {
     const Clearance c = largest_clearance(polygon, grid, {.modules = modules, .least_inset_mm = least_mm, .most_inset_mm = most_mm, .starts = std::move(starts),
-                                                          .threads = options.threads, .deadline = deadline}, progress);
+                                                          .slices = slices, .threads = options.threads, .deadline = deadline}, progress);
     result.cells += c.cells;
     result.evaluations += c.evaluations;
     return c;
@@ -84,7 +86,7 @@ struct Placing {
 
   // Of all placements of `modules` tiles one with the largest inset.
   void enlarge_clearance() {
-    const Clearance c = clearance_of(result.modules, -options.tolerance_mm, grid.inradius_mm, std::move(as_good));
+    const Clearance c = clearance_of(result.modules, -options.tolerance_mm, grid.inradius_mm, std::move(as_good), &tied_slices);
     result.clearance_bound_mm = c.bound_mm;
     if (!c.found) return;
     result.clearance_mm = c.inset_mm;
@@ -93,7 +95,7 @@ struct Placing {
 
   // How far sides have to give way until one module more fits somewhere.
   void find_deficit(std::vector<Motion> starts) {
-    const Clearance c = clearance_of(result.modules + 1, -kMostDeficit * grid.inradius_mm, 0.0, std::move(starts));
+    const Clearance c = clearance_of(result.modules + 1, -kMostDeficit * grid.inradius_mm, 0.0, std::move(starts), nullptr);
     result.deficit_bound_mm = -c.bound_mm;
     if (!c.found) return;
     result.deficit_mm = -c.inset_mm;
@@ -150,7 +152,7 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   if (polygon_area(input) > kMostTiles * grid.area_mm2) {
     throw InputError(fmt::format("polygon: {:.4g} m² would take more than {:.0g} modules; are the coordinates in mm?", 1e-6 * polygon_area(input), kMostTiles));
   }
-  Placing placing{polygon, grid, options, progress, start, deadline_after(options.time_limit_s), polygon_area(input), {}, {}, {}};
+  Placing placing{polygon, grid, options, progress, start, deadline_after(options.time_limit_s), polygon_area(input), {}, {}, {}, {}};
   PlacementResult& result = placing.result;
   result.tolerance_mm = options.tolerance_mm;
   result.clearance_mm = -options.tolerance_mm;

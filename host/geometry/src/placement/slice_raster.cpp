@@ -55,21 +55,25 @@ void SliceRaster::scan(const CellFrame& frame) {
   }
 }
 
-// Parity of the crossings to the right of each sample.
-void SliceRaster::scan_inside(const CellFrame& f, Kind& kind) const {
+// Parity of the crossings to the right of each sample. Each vertex belongs to one row, so that every row is crossed evenly
+// often; where along the row matters little, for whatever lies near the outline is cut.
+void SliceRaster::scan_inside(const CellFrame& f, Kind& kind) {
   auto& bits = kind.bits[kInside];
+  row_of_.clear();
+  for (const double y : f.y) row_of_.push_back(static_cast<int>(std::ceil((kind.first.y() - y) / step_y_)) + first_row_);
   for (std::size_t k = 0; k < f.x.size(); ++k) {
-    const std::size_t next = polygon_.next[k];
-    const double xa = f.x[k], ya = f.y[k], xb = f.x[next], yb = f.y[next];
-    const double slope = ya != yb ? (xb - xa) / (yb - ya) : 0.0;
+    const std::size_t next = polygon_.next[k], top = row_of_[k] < row_of_[next] ? k : next, bottom = top == k ? next : k;
+    if (row_of_[top] == row_of_[bottom]) continue;
     // Row r samples the height first + step·(first_row − r).
-    const int last = static_cast<int>(std::ceil((kind.first.y() - std::min(ya, yb)) / step_y_)) + first_row_ + 1;
-    for (int r = static_cast<int>(std::floor((kind.first.y() - std::max(ya, yb)) / step_y_)) + first_row_ - 1; r <= last; ++r) {
-      const double y = kind.first.y() + step_y_ * (first_row_ - r);
-      if ((ya > y) == (yb > y)) continue;
-      const double x = xa + (y - ya) * slope;
-      const auto column = static_cast<std::size_t>(static_cast<int>(std::floor((kind.first.x() - x) / step_x_)) + first_column_ + 1);
-      bits[static_cast<std::size_t>(r) * words_ + column / 64] ^= std::uint64_t{1} << (column % 64);
+    const double slope = (f.x[bottom] - f.x[top]) / (f.y[bottom] - f.y[top]);
+    const double height = kind.first.y() + step_y_ * (first_row_ - row_of_[top]);
+    const double x = f.x[top] + (height - f.y[top]) * slope;
+    const double step = step_y_ * slope / step_x_;
+    double at = (kind.first.x() - x) / step_x_ + first_column_ + 1;
+    std::uint64_t* row = bits.data() + static_cast<std::size_t>(row_of_[top]) * words_;
+    for (int r = row_of_[top]; r < row_of_[bottom]; ++r, at += step, row += words_) {
+      const auto column = static_cast<std::uint32_t>(static_cast<int>(at));
+      row[column / 64] ^= std::uint64_t{1} << (column % 64);
     }
   }
   for (std::size_t r = 0; r < bits.size(); r += words_) {
@@ -171,7 +175,7 @@ void SliceRaster::fill_row(std::uint64_t* words, std::int32_t begin, std::int32_
 std::uint32_t SliceRaster::bits_at(const std::vector<std::uint64_t>& bits, int row, int column) const {
   const std::uint64_t* word = bits.data() + static_cast<std::size_t>(row) * words_ + static_cast<std::size_t>(column) / 64;
   const std::size_t shift = static_cast<std::size_t>(column) % 64;
-  return static_cast<std::uint32_t>((word[0] >> shift) | (shift > 32 ? word[1] << (64 - shift) : 0));
+  return static_cast<std::uint32_t>((word[0] >> shift) | (shift > 64 - kSteps ? word[1] << (64 - shift) : 0)) & kFull;
 }
 
 // Tile by tile: outside or cut in all parts, certain in all, or a border tile.
@@ -197,7 +201,7 @@ void SliceRaster::collect(bool up) {
 
 void SliceRaster::collect_near(const Tile& tile, const Kind& kind, int row, int column) {
   Border border{tile, {}, {}};
-  std::uint32_t any = 0, all = ~std::uint32_t{0};
+  std::uint32_t any = 0, all = kFull;
   for (int k = 0; k < kSteps; ++k) {
     const auto at = static_cast<std::size_t>(k);
     const std::uint32_t inside = bits_at(kind.bits[kInside], row + k, column);
@@ -208,7 +212,7 @@ void SliceRaster::collect_near(const Tile& tile, const Kind& kind, int row, int 
     any |= border.may[at];
     all &= border.must[at];
   }
-  if (all == ~std::uint32_t{0}) ++certain_;
+  if (all == kFull) ++certain_;
   else if (any != 0) {
     add_to_counts(border.may);
     border_.push_back(border);

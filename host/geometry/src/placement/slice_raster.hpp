@@ -7,14 +7,15 @@
 
 namespace triskin::geometry {
 
-/// All translations of one lattice cell at a small range of angles, cut into 32 × 32 parts. The centres of all tiles at the
+/// All translations of one lattice cell at a small range of angles, cut into 16 × 16 parts. The centres of all tiles at the
 /// middles of all parts sample the plane regularly: one scan of the polygon decides for every tile in every part whether it
 /// may hold and whether it must. The centres of the tiles that an edge cuts fill a convex polygon, one half plane a
 /// direction: shrunk by what moves inside a part they are surely cut, grown by it perhaps.
 /// Keeps its memory: one object a thread.
 class SliceRaster {
  public:
-  static constexpr int kSteps = 32;
+    static constexpr int kSteps = 16;
+  static constexpr auto kFull = static_cast<std::uint32_t>((std::uint64_t{1} << kSteps) - 1);
   using Rows = std::array<std::uint32_t, kSteps>;  ///< row: part in y; bit: part in x
 
   /// A tile that does not do the same in all parts.
@@ -41,7 +42,7 @@ class SliceRaster {
     std::array<std::vector<std::uint64_t>, kLayers> bits;
   };
   void set_window(const CellFrame& frame);
-  void scan_inside(const CellFrame& frame, Kind& kind) const;
+  void scan_inside(const CellFrame& frame, Kind& kind);
   void scan_edge(const CellFrame& frame, std::size_t edge, double sign, Kind& kind);
   struct HalfPlane {
     Vec2 normal;  // normal·c ≤ limit
@@ -63,6 +64,7 @@ class SliceRaster {
   std::array<Kind, 2> kinds_;
   std::vector<HalfPlane> cut_, touched_;
   BoundLines lines_;
+  std::vector<int> row_of_;  // of each vertex: the first row of samples that is not above it
   std::vector<std::int32_t> begin_, end_;
   std::vector<std::uint64_t> near_;
   std::vector<Border> border_;
