@@ -9,8 +9,6 @@ namespace {
 constexpr int kMostPasses = 4;
 constexpr double kWorthAnotherPass = 0.7;
 constexpr int kMostPartsOfSlice = 8, kMostPartsOfCube = 8;  // in one child
-constexpr int kFewParts = 180;           // open parts of a slice that is not split in theta
-constexpr double kThinnestSlice_mm = 2.5;  // how far the farthest vertex moves inside a slice
 constexpr int kWellFilled = 2;  // one of so many parts open: a box is not divided further
 
 using Index = std::array<int, 3>;
@@ -89,7 +87,6 @@ void CellExpander::look_at_slice(Cell& cell) {
   if (open.count > 0) {
     cell.bound = std::min(cell.bound, cell.certain + open.most);
     try_middle(cell, open);
-    if (open.count > kFewParts && 2.0 * polygon_.radius_mm * cell.box.half(2) > kThinnestSlice_mm) return split_slice(cell);
   }
   note_tie(cell);
   if (open.count == 0) return close(cell.box);
@@ -98,7 +95,7 @@ void CellExpander::look_at_slice(Cell& cell) {
   divide_slice(cell, {0, 0, 0}, parts_, 0, 0);
 }
 
-// A slice that is not split and may hold as many tiles as the best: a search for ties begins with it.
+// A slice that may hold as many tiles as the best: a search for ties begins with it.
 void CellExpander::note_tie(const Cell& cell) {
   int most = 0;
   for (int y = 0; y < parts_[1]; ++y) {
@@ -116,14 +113,6 @@ void CellExpander::try_middle(const Cell& cell, const OpenParts& open) {
       return try_motion({part.center(0), part.center(1), part.center(2)});
     }
   }
-}
-
-void CellExpander::split_slice(const Cell& cell) {
-  const double middle = cell.box.center(2);
-  Cell lower = cell, upper = cell;
-  lower.box.high[2] = upper.box.low[2] = middle;
-  result_->children.push_back(std::move(upper));
-  result_->children.push_back(std::move(lower));
 }
 
 std::size_t CellExpander::longest_axis(const MotionBox& box, const Index& parts) const {

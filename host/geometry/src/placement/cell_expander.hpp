@@ -32,7 +32,7 @@ struct Expansion {
   std::vector<MotionBox> closed;     ///< with the children they cover the cell; only when asked for
   std::vector<Motion> as_good;       ///< seem to reach the best value (not counted again)
   std::vector<std::pair<int, Motion>> better;  ///< counted, rising values
-  std::vector<std::pair<int, MotionBox>> tied_slices;  ///< slices that were not split and may hold `best` tiles or more, with their bound
+  std::vector<std::pair<int, MotionBox>> tied_slices;  ///< slices that may hold `best` tiles or more, with their bound
   int best = 0;                      ///< to which as_good refers
   int unresolved_bound = 0;          ///< of parts that are too small to be split
   int passes = 0;
@@ -57,7 +57,6 @@ class CellExpander {
   void look_ahead(Cell& cell, const CellList& list);
   struct OpenParts;
   void try_middle(const Cell& cell, const OpenParts& open);
-  void split_slice(const Cell& cell);
   void note_tie(const Cell& cell);
   [[nodiscard]] OpenParts open_parts(const Cell& cell, const std::array<int, 3>& low, const std::array<int, 3>& high) const;
   void divide_slice(const Cell& cell, const std::array<int, 3>& low, const std::array<int, 3>& high, std::size_t first_chosen, int certain);
