@@ -140,6 +140,47 @@ TEST(SurfaceLattice, SameSeedAndBudgetGiveTheSameLayout) {
   }
 }
 
+// Moved by more than rounding, mirrored and numbered from the other end: the search takes the same way, and what it finds is carried back.
+TEST(SurfaceLattice, MovedAndMirroredCopyGetsTheSameLayout) {
+  const auto place = [](double u, double v) { return Vec3(140.0 * u, 90.0 * v + 12.0 * u * u, 20.0 * u * v + 9.0 * v * v); };
+  const Mesh mesh = grid_mesh(9, 7, place);
+  Mesh copy = mesh;
+  for (Vec3& v : copy.vertices) v = Vec3(40.0 - v.y(), v.z() + 300.0, v.x() - 7.0);  // determinant −1
+  for (auto& f : copy.faces) std::swap(f[1], f[2]);
+  std::ranges::reverse(copy.faces);
+  const Surface first(mesh), second(copy);
+  const ModuleLayout a = grow_lattice(first, {}, effort(12)), b = grow_lattice(second, {}, effort(12));
+  expect_valid(first, a);
+  expect_valid(second, b);
+  ASSERT_GT(a.modules.size(), 10U);
+  ASSERT_EQ(a.modules.size(), b.modules.size());
+  EXPECT_EQ(a.islands, b.islands);
+  for (std::size_t k = 0; k < a.modules.size(); ++k) {
+    const Vec3 c = center_of(a.modules[k]);
+    EXPECT_LT((center_of(b.modules[k]) - Vec3(40.0 - c.y(), c.z() + 300.0, c.x() - 7.0)).norm(), 1e-6);
+  }
+}
+
+TEST(SurfaceLattice, DearControllersLeaveFewSmallIslands) {
+  const auto cone = [](double u, double v) {
+    const double slant = 60.0 + 120.0 * v, angle = 2.5 * u;
+    return Vec3(slant * 0.8 * std::cos(angle), slant * 0.8 * std::sin(angle), -0.6 * slant);
+  };
+  const Surface surface(grid_mesh(30, 12, cone));
+  SurfaceLatticeOptions cheap = effort(60), dear = effort(60);
+  cheap.island_cost = cheap.controller_cost = 0.0;
+  dear.controller_cost = 3.0;
+  const ModuleLayout many = grow_lattice(surface, {}, cheap), few = grow_lattice(surface, {}, dear);
+  EXPECT_LE(few.islands, many.islands);
+  // By hand: islands of 17 and 3 modules need 2 + 1 controllers.
+  ModuleLayout layout;
+  layout.islands = 2;
+  layout.modules.resize(20);
+  for (std::size_t k = 17; k < 20; ++k) layout.modules[k].island = 1;
+  EXPECT_DOUBLE_EQ(layout_value(layout, dear), 20.0 - 2 * dear.island_cost - 3 * 3.0);
+  EXPECT_DOUBLE_EQ(layout_value(layout, cheap), 20.0);
+}
+
 TEST(SurfaceLattice, BadOptionsAreNamed) {
   const Surface surface(plane(60.0, 60.0));
   SurfaceLatticeOptions o;

@@ -66,7 +66,9 @@ const Registration kDesign{{
       app.add_option("--fold-rad", l.fold_rad, "limit of the angle at a joint")->check(CLI::Range(0.01, 3.0))->capture_default_str();
       app.add_option("--penetration-mm", l.penetration_mm, "limit of two modules' overlap")->check(CLI::Range(0.01, 10.0))->capture_default_str();
       app.add_option("--overrun-mm", l.overrun_mm, "limit over the border")->check(CLI::Range(0.01, 10.0))->capture_default_str();
-      app.add_option("--island-cost", options->design.island_cost, "modules that an island is worth: 0.02 most modules, 0.5 few islands")
+      app.add_option("--island-cost", options->design.island_cost, "modules that an island is worth beside its controllers: 0 most modules, 0.5 few islands")
+          ->check(CLI::Range(0.0, 16.0))->capture_default_str();
+      app.add_option("--controller-cost", options->design.controller_cost, "modules that a controller is worth (an island needs one for every 16 modules)")
           ->check(CLI::Range(0.0, 16.0))->capture_default_str();
       app.add_option("--threads", options->design.threads, "chains of the growth; part of what a result depends on")
           ->check(CLI::Range(1, 256))->capture_default_str();

@@ -83,6 +83,7 @@ Design make_design(const std::filesystem::path& mesh, const DesignOptions& optio
   lattice.iterations = options.iterations;
   lattice.threads = options.threads;
   lattice.island_cost = options.island_cost;
+  lattice.controller_cost = options.controller_cost;
   const double routing_s = std::min(kRoutingShare * options.time_limit_s, kRoutingMost_s);
   lattice.time_limit_s = std::max(0.1, options.time_limit_s - routing_s - seconds_since(start));
   geometry::ModuleLayout grown = geometry::grow_lattice(surface, options.limits, lattice, progress);

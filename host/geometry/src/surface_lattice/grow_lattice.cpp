@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include "canonical.hpp"
 #include "grower.hpp"
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
@@ -22,10 +23,19 @@ using Clock = Grower::Clock;
 constexpr int kStepsARound = 32;      // of each chain, between reports
 constexpr int kRoundsAnExchange = 4;  // of the best layout
 constexpr int kStarts = 12, kStepsAStart = 30;
-constexpr double kStartsShare = 0.08;  // of the time
+constexpr double kStartsShare = 0.08, kRaceShare = 0.08;  // of the time: all starts, each round between the better ones
+constexpr double kRaceHeat = 0.1;
+constexpr int kStepsAModule = 40, kMostRuns = 20;  // of one annealing
 constexpr double kHot = 0.6, kCold = 0.05;  // modules a step may lose, at the start and at the end
+constexpr int kModulesAController = 16;
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kFinalMargin = 0.98;
+
+double cost_of_islands(const std::vector<int>& sizes, const SurfaceLatticeOptions& options) {
+  double cost = 0.0;
+  for (const int size : sizes) cost += options.island_cost + options.controller_cost * ((size + kModulesAController - 1) / kModulesAController);
+  return cost;
+}
 
 struct Search {
   const Surface& surface;
@@ -35,7 +45,7 @@ struct Search {
   Clock::time_point start, end;
 
   [[nodiscard]] double value(const LatticeNet& net) const {
-    return net.size() - options.island_cost * net.islands() + options.hinge_reward * net.joints();
+    return net.size() - cost_of_islands(net.island_sizes(), options) + options.hinge_reward * net.joints();
   }
   [[nodiscard]] double fraction(int steps) const {
     if (options.iterations > 0) return std::min(1.0, static_cast<double>(steps) / options.iterations);
@@ -49,21 +59,31 @@ class Chain {
   Chain(const Search& search, std::uint64_t seed)
       : search_(search), random_(seed), grower_(search.surface, search.rules, search.samples, search.options.corner_lift_mm, search.end) {}
 
-  // Complete layouts from several starts: where the first module lies and how it is turned decides more than later steps mend.
+  // Complete layouts from several starts: where the first module lies and how it is turned decides more than later steps mend. The
+  // better half is improved for a while, and again its better half, until one is left.
   void build() {
-    const int starts = search_.options.iterations > 0 ? std::min(kStarts, 1 + search_.options.iterations / kStepsAStart) : kStarts;
-    for (int k = 0; k < starts; ++k) {
-      if (k > 0 && search_.options.iterations == 0 && search_.fraction(0) > kStartsShare) break;
+    const int iterations = search_.options.iterations;
+    const int most = iterations > 0 ? std::min(kStarts, 1 + iterations / kStepsAStart) : kStarts;
+    std::vector<Start> starts;
+    for (int k = 0; k < most; ++k) {
+      if (k > 0 && iterations == 0 && search_.fraction(0) > kStartsShare) break;
       LatticeNet net;
       grower_.fill(net, {}, random_, static_cast<int>(search_.samples.size()) / 2);
       net.separate();
-      if (k == 0 || search_.value(net) > best_value_) {
-        best_ = std::move(net);
-        best_value_ = search_.value(best_);
-      }
+      const double value = search_.value(net);
+      starts.push_back({std::move(net), value});
     }
-    now_ = best_;
-    value_ = best_value_;
+    const double before = search_.fraction(steps_);
+    double until = before;
+    for (std::size_t left = (starts.size() + 1) / 2; left > 1; left = (left + 1) / 2) {
+      keep_best(starts, left);
+      for (std::size_t k = 0; k < left; ++k) improve(starts[k], until += kRaceShare / static_cast<double>(left));
+    }
+    keep_best(starts, 1);
+    now_ = best_ = starts.front().net;
+    value_ = best_value_ = starts.front().value;
+    heat_ = 0.0;
+    plan_runs(search_.fraction(steps_) - before);
   }
 
   void run(int steps) {
@@ -82,9 +102,52 @@ class Chain {
   [[nodiscard]] const LatticeNet& best() const { return best_; }
   [[nodiscard]] double best_value() const { return best_value_; }
   [[nodiscard]] int steps() const { return steps_; }
+  /// In the last of its annealings: what others found may be taken over.
+  [[nodiscard]] bool in_last_run() const { return run_ == runs_ - 1; }
 
  private:
+  struct Start {
+    LatticeNet net;
+    double value;
+  };
+
+  static void keep_best(std::vector<Start>& starts, std::size_t count) {
+    std::ranges::stable_sort(starts, std::greater{}, &Start::value);
+    starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(count), starts.end());
+  }
+
+  void improve(Start& start, double until) {
+    now_ = best_ = start.net;
+    value_ = best_value_ = start.value;
+    heat_ = kRaceHeat;
+    while (search_.fraction(steps_) < until && !grower_.late()) run(1);
+    start = {best_, best_value_};
+  }
+
+  // A small part takes few steps to anneal: it is annealed several times, each time from another start.
+  void plan_runs(double fraction_raced) {
+    begun_at_ = search_.fraction(steps_);
+    if (steps_ == 0 || best_.size() == 0 || begun_at_ >= 1.0) return;
+    const double steps_left = search_.options.iterations > 0 ? search_.options.iterations - steps_ : steps_ / std::max(1e-6, fraction_raced) * (1.0 - begun_at_);
+    runs_ = std::clamp(static_cast<int>(steps_left / (kStepsAModule * best_.size())), 1, kMostRuns);
+  }
+
+  // How far the run that goes on has come, 0 … 1; begins the next one when it is due.
+  double fraction_of_run() {
+    const double runs = runs_ * std::clamp((search_.fraction(steps_) - begun_at_) / (1.0 - begun_at_ + 1e-9), 0.0, 1.0);
+    const int run = std::min(static_cast<int>(runs), runs_ - 1);
+    if (run != run_) {
+      run_ = run;
+      now_ = LatticeNet();
+      grower_.fill(now_, {}, random_, static_cast<int>(search_.samples.size()) / 2);
+      now_.separate();
+      value_ = search_.value(now_);
+    }
+    return runs - run;
+  }
+
   void step() {
+    const double heat = heat_ > 0.0 ? heat_ : kHot * std::pow(kCold / kHot, fraction_of_run());
     if (now_.size() == 0) return grower_.fill(now_, {}, random_, 10);
     LatticeNet next = now_;
     const Grower::Ball ball = ruin(next);
@@ -96,7 +159,6 @@ class Chain {
     if (grower_.late()) return;
     next.separate();
     const double value = search_.value(next);
-    const double heat = kHot * std::pow(kCold / kHot, search_.fraction(steps_));
     if (value < value_ + heat * std::log(std::max(1e-12, random_.unit()))) return;
     now_ = std::move(next);
     value_ = value;
@@ -155,6 +217,9 @@ class Chain {
   Grower grower_;
   LatticeNet now_, best_;
   double value_ = -1e300, best_value_ = -1e300;
+  double heat_ = 0.0;  // > 0: instead of the schedule
+  double begun_at_ = 0.0;
+  int runs_ = 1, run_ = 0;
   int steps_ = 0;
 };
 
@@ -191,12 +256,13 @@ double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
 }
 
 // The finer walk along the sides may find what the search overlooked: such modules go, the worst first.
-ModuleLayout certified(const Surface& surface, LatticeNet net, const LayoutLimits& limits) {
+ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, LatticeNet net, const LayoutLimits& limits) {
   std::map<int, PlacedModule> measured;  // by slot: corners stay, so what depends on the surface does too
   for (;;) {
     net.separate();
     std::vector<int> slots;
     ModuleLayout layout = layout_of(net, slots);
+    copy.carry_back(layout);
     for (std::size_t k = 0; k < slots.size(); ++k) {
       PlacedModule& m = layout.modules[k];
       const auto [known, is_new] = measured.try_emplace(slots[k], m);
@@ -223,6 +289,9 @@ void check_options(const LayoutLimits& l, const SurfaceLatticeOptions& o) {
   if (!(o.time_limit_s > 0.0)) throw InputError("lattice: the time limit must be positive");
   if (o.threads < 1 || o.threads > 256) throw InputError("lattice: the number of threads must be 1 … 256");
   if (o.iterations < 0) throw InputError("lattice: the number of iterations must not be negative");
+  for (const double cost : {o.island_cost, o.controller_cost, o.hinge_reward}) {
+    if (!(cost >= 0.0 && cost <= 16.0)) throw InputError("lattice: the cost of an island or controller and the reward of a joint must be 0 … 16 modules");
+  }
   if (!(o.corner_lift_mm >= 0.0)) throw InputError("lattice: the corner lift must not be negative");
   for (const double v : {l.edge_error_mm, l.hinge_gap_mm, l.center_gap_mm, l.fold_rad, l.penetration_mm, l.overrun_mm}) {
     if (!(v > 0.0)) throw InputError("lattice: every limit must be positive");
@@ -248,12 +317,16 @@ void count_refusals(const Search& search, LatticeNet& net, ModuleLayout& layout)
 double layout_value(const ModuleLayout& layout, const SurfaceLatticeOptions& options) {
   double sides = 0.0;
   for (const PlacedModule& m : layout.modules) sides += static_cast<double>(std::ranges::count_if(m.neighbour, [](int n) { return n >= 0; }));
-  return static_cast<double>(layout.modules.size()) - options.island_cost * layout.islands + 0.5 * options.hinge_reward * sides;
+  std::vector<int> sizes(at(layout.islands));
+  for (const PlacedModule& m : layout.modules) ++sizes[at(m.island)];
+  return static_cast<double>(layout.modules.size()) - cost_of_islands(sizes, options) + 0.5 * options.hinge_reward * sides;
 }
 
-ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits, const SurfaceLatticeOptions& options, const ProgressSink& progress) {
+ModuleLayout grow_lattice(const Surface& original, const LayoutLimits& limits, const SurfaceLatticeOptions& options, const ProgressSink& progress) {
   check_options(limits, options);
   const auto start = Clock::now();
+  const CanonicalCopy copy(original.mesh());
+  const Surface surface(copy.mesh());
   const auto end = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
   const Rules rules(surface, limits);
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
@@ -268,13 +341,13 @@ ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits, co
     report(progress, "lattice", search.fraction(chains[0].steps()), fmt::format("{} modules in {} islands", best.best().size(), best.best().islands()));
     if (round % kRoundsAnExchange != 0) continue;
     for (Chain& c : chains) {
-      if (&c != &best && c.best_value() < best.best_value() - 0.5) c.adopt(best.best());
+      if (&c != &best && c.in_last_run() && c.best_value() < best.best_value() - 0.5) c.adopt(best.best());
     }
   }
   LatticeNet net = best_of(chains).best();
   ModuleLayout refusals;
   count_refusals(search, net, refusals);
-  ModuleLayout layout = certified(surface, std::move(net), limits);
+  ModuleLayout layout = certified(original, copy, std::move(net), limits);
   layout.refused = std::move(refusals.refused);
   return layout;
 }

@@ -15,6 +15,7 @@ constexpr int kRelaxSteps = 5;
 constexpr double kCrowded_mm = 6.0;        // overlap that relaxing will not undo
 constexpr double kShort_mm = 6.0;          // an apex that the border holds back by more is not tried
 constexpr double kReach_mm = 45.0;
+constexpr double kSurroundings_mm = 45.0;  // farther modules hardly decide whether one more fits
 
 NetTriangle loose(const Triangle& corners) {
   NetTriangle t;
@@ -198,12 +199,30 @@ void Grower::grow_from(LatticeNet& net, std::vector<Side> front, const Ball& bal
     heap.pop_back();
     const Side s = entry.side;
     if (!net.used(s.triangle) || net.neighbour(s.triangle, s.side) >= 0) continue;
-    if (!ball.holds(net.triangles[at(s.triangle)].center) || !try_side(net, s)) continue;
+    if (!ball.holds(net.triangles[at(s.triangle)].center)) continue;
+    const std::uint64_t surroundings = surroundings_of(net, s);
+    std::uint64_t& last_failed = last_failure(failed_join_, s);
+    if (last_failed == surroundings) continue;
+    if (!try_side(net, s)) {
+      last_failed = surroundings;
+      continue;
+    }
     const int added = net.neighbour(s.triangle, s.side);
     for (int k = 0; k < 3; ++k) {
       if (net.neighbour(added, k) < 0) push({added, k}, entry.key + 10.0);
     }
   }
+}
+
+// Of the place where a module at a side would come to lie.
+std::uint64_t Grower::surroundings_of(const LatticeNet& net, Side side) const {
+  const NetTriangle& t = net.triangles[at(side.triangle)];
+  return net.signature(t.rigid[at(side.side)] + t.rigid[at((side.side + 1) % 3)] - t.center, kSurroundings_mm);
+}
+
+std::uint64_t& Grower::last_failure(std::vector<std::array<std::uint64_t, 3>>& failures, Side side) {
+  if (failures.size() <= at(side.triangle)) failures.resize(at(side.triangle) + 1);
+  return failures[at(side.triangle)][at(side.side)];
 }
 
 void Grower::fill(LatticeNet& net, const Ball& ball, Random& random, int attempts) {
@@ -215,8 +234,11 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Random& random, int attempt
   for (const Side s : open_sides(net, ball)) {
     if (late()) return;
     if (!net.used(s.triangle) || net.neighbour(s.triangle, s.side) >= 0 || random.unit() < 0.3) continue;
+    const std::uint64_t surroundings = surroundings_of(net, s);
+    std::uint64_t& last_failed = last_failure(failed_seed_, s);
+    if (last_failed == surroundings) continue;
     const int before = net.size();
-    seed_at_side(net, s);
+    if (!seed_at_side(net, s)) last_failed = surroundings;
     grow_newest(before);
   }
   std::vector<int> near;

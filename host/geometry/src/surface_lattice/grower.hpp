@@ -68,6 +68,8 @@ class Grower {
   [[nodiscard]] bool crowded(const LatticeNet& net, const Triangle& corners, int beside) const;
   bool keep_or_revert(LatticeNet& net, int triangle);
   [[nodiscard]] std::vector<Side> open_sides(const LatticeNet& net, const Ball& ball) const;
+  [[nodiscard]] std::uint64_t surroundings_of(const LatticeNet& net, Side side) const;
+  [[nodiscard]] std::uint64_t& last_failure(std::vector<std::array<std::uint64_t, 3>>& failures, Side side);
   void grow_from(LatticeNet& net, std::vector<Side> front, const Ball& ball, Random& random);
 
   NearSurface surface_;
@@ -75,6 +77,8 @@ class Grower {
   const std::vector<Sample>& samples_;
   Relaxer relaxer_;
   std::vector<int> near_;
+  // For each side what stood round it when a module was refused there: while nothing changed it is not tried again.
+  std::vector<std::array<std::uint64_t, 3>> failed_join_, failed_seed_;
   Clock::time_point end_;
 };
 

@@ -35,6 +35,9 @@ NearSurface::NearSurface(const Surface& surface) : surface_(surface), border_ver
   for (const auto& loop : surface.border_loops()) {
     for (const int v : loop) border_vertex_[at(v)] = true;
   }
+  for (const auto& f : mesh.faces) {
+    border_face_.push_back(border_vertex_[at(f[0])] || border_vertex_[at(f[1])] || border_vertex_[at(f[2])]);
+  }
 }
 
 const NearSurface::Cell* NearSurface::cell_at(const Vec3& query_mm) {
@@ -52,7 +55,10 @@ int NearSurface::fill(const Vec3& middle) {
   const double half = 0.5 * std::sqrt(3.0) * size_mm_;
   const SurfacePoint nearest = surface_.closest(middle);
   Cell cell;
-  cell.border_mm = std::max(0.0, surface_.border_distance(middle) - half);
+  cell.middle = middle;
+  const double border_mm = surface_.border_distance(middle);
+  cell.border_mm = std::max(0.0, border_mm - half);
+  cell.may_be_over = border_mm - half <= nearest.distance_mm + half;
   if (nearest.distance_mm < kMargin_mm) {
     std::vector<std::pair<double, int>> faces;
     surface_.faces_within(middle, nearest.distance_mm + 2.0 * half + 1e-6, faces);
@@ -60,7 +66,9 @@ int NearSurface::fill(const Vec3& middle) {
       std::ranges::sort(faces);
       cell.first = static_cast<int>(candidates_.size());
       cell.count = static_cast<int>(faces.size());
-      for (const auto& [squared, face] : faces) candidates_.push_back(face);
+      const auto at_border = [this](const auto& entry) { return border_face_[at(entry.second)]; };
+      cell.may_be_over = cell.may_be_over && std::ranges::any_of(faces, at_border);
+      for (const auto& [squared, face] : faces) candidates_.push_back({face, std::sqrt(squared)});
     }
   }
   filled_.push_back(cell);
@@ -90,10 +98,13 @@ Foot NearSurface::closest(const Vec3& query_mm) {
   }
   const Mesh& mesh = surface_.mesh();
   double best_squared = std::numeric_limits<double>::infinity();
+  const double off_middle_mm = (query_mm - cell->middle).norm();
   int best = -1;
   Vec3 best_weights = Vec3::Zero(), best_point = Vec3::Zero();
   for (int k = cell->first; k < cell->first + cell->count; ++k) {
-    const int face = candidates_[at(k)];
+    const auto [face, middle_mm] = candidates_[at(k)];
+    const double at_least = middle_mm - off_middle_mm;
+    if (at_least > 0.0 && at_least * at_least > best_squared) break;  // sorted: so are all that follow
     const auto& f = mesh.faces[at(face)];
     const Vec3& a = mesh.vertices[at(f[0])];
     const double height = surface_.face_normal(face).dot(query_mm - a);
@@ -109,6 +120,11 @@ Foot NearSurface::closest(const Vec3& query_mm) {
     best_point = p;
   }
   return foot_on(best, best_weights, best_point, best_squared);
+}
+
+bool NearSurface::may_be_over_border(const Vec3& query_mm) {
+  const Cell* cell = cell_at(query_mm);
+  return cell == nullptr || cell->may_be_over;
 }
 
 double NearSurface::border_at_least(const Vec3& query_mm) {

@@ -24,12 +24,16 @@ class NearSurface {
   [[nodiscard]] Foot closest(const Vec3& query_mm);
   /// Lower bound of the distance to the border, a few mm below it.
   [[nodiscard]] double border_at_least(const Vec3& query_mm);
+  /// False only where the foot of a point surely does not lie on the border.
+  [[nodiscard]] bool may_be_over_border(const Vec3& query_mm);
   [[nodiscard]] const Surface& surface() const { return surface_; }
 
  private:
   struct Cell {
     int first = 0, count = -1;  ///< candidates; count −1: too many or too far away, ask the tree
     double border_mm = 0.0;     ///< least distance from a point of the cell to the border
+    bool may_be_over = true;    ///< a foot may lie on the border
+    Vec3 middle = Vec3::Zero();
   };
   [[nodiscard]] const Cell* cell_at(const Vec3& query_mm);
   [[nodiscard]] int fill(const Vec3& middle);
@@ -41,8 +45,12 @@ class NearSurface {
   std::array<int, 3> cells_{};
   std::vector<int> index_;  ///< cell → its entry in `filled_`, −1: not asked for yet
   std::vector<Cell> filled_;
-  std::vector<int> candidates_;
-  std::vector<bool> border_vertex_;
+  struct Candidate {
+    int face;
+    double distance_mm;  ///< from the middle of the cell
+  };
+  std::vector<Candidate> candidates_;
+  std::vector<bool> border_vertex_, border_face_;
 };
 
 }  // namespace triskin::geometry::surface_lattice

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace triskin::geometry::surface_lattice {
 namespace {
@@ -29,12 +28,15 @@ Triangle fit_rigid(const Triangle& target) {
   return {Vec3(center - kCos * right - 0.5 * up), Vec3(center + kCos * right - 0.5 * up), Vec3(center + up)};
 }
 
-int LatticeNet::islands() const {
-  std::set<int> seen;
+std::vector<int> LatticeNet::island_sizes() const {
+  std::vector<int> size;
   for (const NetTriangle& t : triangles) {
-    if (t.island >= 0) seen.insert(t.island);
+    if (t.island < 0) continue;
+    if (size.size() <= at(t.island)) size.resize(at(t.island) + 1);
+    ++size[at(t.island)];
   }
-  return static_cast<int>(seen.size());
+  std::erase(size, 0);
+  return size;
 }
 
 int LatticeNet::joints() const {
@@ -145,6 +147,19 @@ void LatticeNet::near(const Vec3& place, double radius_mm, std::vector<int>& fou
   for (std::size_t t = 0; t < centers_.size(); ++t) {
     if ((centers_[t] - place).squaredNorm() < radius_mm * radius_mm) found.push_back(static_cast<int>(t));
   }
+}
+
+std::uint64_t LatticeNet::signature(const Vec3& place, double radius_mm) const {
+  constexpr double kCell_mm = 0.2;
+  std::uint64_t sum = 0;
+  for (std::size_t t = 0; t < centers_.size(); ++t) {
+    const Vec3& c = centers_[t];
+    if ((c - place).squaredNorm() >= radius_mm * radius_mm) continue;
+    std::uint64_t h = t + 1;
+    for (int k = 0; k < 3; ++k) h = (h ^ static_cast<std::uint64_t>(std::llround(c[k] / kCell_mm))) * 0x9E3779B97F4A7C15ULL;
+    sum += h ^ (h >> 29);  // in any order
+  }
+  return sum;
 }
 
 void LatticeNet::separate() {

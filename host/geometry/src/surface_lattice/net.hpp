@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "triskin/geometry/lattice.hpp"
@@ -43,12 +44,15 @@ class LatticeNet {
 
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] bool used(int triangle) const { return triangles[at(triangle)].island >= 0; }
-  [[nodiscard]] int islands() const;
+  [[nodiscard]] int islands() const { return static_cast<int>(island_sizes().size()); }
+  [[nodiscard]] std::vector<int> island_sizes() const;
   [[nodiscard]] int joints() const;
   [[nodiscard]] int new_island() { return next_island_++; }
   [[nodiscard]] bool has_tile(int island, const Tile& tile) const;
   /// Appends the triangles whose centre lies within a radius, in order of their slots.
   void near(const Vec3& place, double radius_mm, std::vector<int>& found) const;
+  /// Number that changes when a triangle whose centre lies within a radius comes, goes, or moves by about 0.2 mm.
+  [[nodiscard]] std::uint64_t signature(const Vec3& place, double radius_mm) const;
   /// As triangles[t].center, packed for scans; far away for unused slots.
   [[nodiscard]] const Vec3& center(int triangle) const { return centers_[at(triangle)]; }
   /// Triangle joined across a side, or -1.

@@ -11,27 +11,6 @@ constexpr double kApart_mm = 4.0 * kHeight_mm / 3.0;  // two circumradii: centro
 constexpr double kLayer_mm = 10.0;  // modules farther apart along the normal lie on different sheets
 constexpr double kOpposite = -0.2;
 
-struct Extreme {
-  double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
-  int low_corner = 0, high_corner = 0;
-};
-
-Extreme along(const Triangle& t, const Vec3& axis) {
-  Extreme e;
-  for (int k = 0; k < 3; ++k) {
-    const double d = axis.dot(t[at(k)]);
-    if (d < e.low) {
-      e.low = d;
-      e.low_corner = k;
-    }
-    if (d > e.high) {
-      e.high = d;
-      e.high_corner = k;
-    }
-  }
-  return e;
-}
-
 // Segment through the inside of a triangle (Möller and Trumbore, 1997).
 bool passes(const Vec3& from, const Vec3& to, const Triangle& t) {
   const Vec3 d = to - from, u = t[1] - t[0], v = t[2] - t[0], p = d.cross(v);
@@ -44,30 +23,34 @@ bool passes(const Vec3& from, const Vec3& to, const Triangle& t) {
 
 }  // namespace
 
+// Two convex outlines are apart when all of one lies beyond a side of the other, and the least motion that parts them is
+// normal to a side: only outward directions have to be tried. Nothing is normalized before it is known that they overlap.
 Overlap overlap_of(const NetTriangle& a, const NetTriangle& b, int& first_axis) {
   Overlap result;
   const Vec3 between = a.center - b.center;
   if (between.squaredNorm() > kApart_mm * kApart_mm || a.normal.dot(b.normal) < kOpposite) return result;
-  const Vec3 n = (a.normal + b.normal).normalized();
-  if (std::abs(n.dot(between)) > kLayer_mm) return result;
+  const Vec3 n = a.normal + b.normal;
+  const double layer = n.dot(between);
+  if (layer * layer > kLayer_mm * kLayer_mm * n.squaredNorm()) return result;
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0, side = first_axis; k < 6; ++k, side = side == 5 ? 0 : side + 1) {
-    const Triangle& t = side < 3 ? a.rigid : b.rigid;
-    const Vec3 axis = (t[at((side + 1) % 3)] - t[at(side % 3)]).cross(n);
-    const Extreme ea = along(a.rigid, axis), eb = along(b.rigid, axis);
-    if (ea.high <= eb.low || eb.high <= ea.low) {
+    const bool of_a = side < 3;
+    const int from = of_a ? side : side - 3, to = from == 2 ? 0 : from + 1;
+    const Triangle &t = of_a ? a.rigid : b.rigid, &other = of_a ? b.rigid : a.rigid;
+    const Vec3 along = t[at(to)] - t[at(from)], out = along.cross(n);
+    const std::array<double, 3> d{out.dot(other[0]), out.dot(other[1]), out.dot(other[2])};
+    const int deepest = d[0] < d[1] ? (d[0] < d[2] ? 0 : 2) : (d[1] < d[2] ? 1 : 2);
+    const double inside = out.dot(t[at(from)]) - d[at(deepest)];
+    if (inside <= 0.0) {
       first_axis = side;
       return {};
     }
-    const double length = axis.norm();
-    if (ea.high - eb.low < least * length) {
-      least = (ea.high - eb.low) / length;
-      result = {least, axis / length, ea.high_corner, eb.low_corner};
-    }
-    if (eb.high - ea.low < least * length) {
-      least = (eb.high - ea.low) / length;
-      result = {least, -axis / length, ea.low_corner, eb.high_corner};
-    }
+    const double length = out.norm();
+    if (inside >= least * length) continue;
+    least = inside / length;
+    const bool near_end = (2.0 * other[at(deepest)] - t[at(from)] - t[at(to)]).dot(along) > 0.0;
+    const int corner = near_end ? to : from;
+    result = of_a ? Overlap{least, out / length, corner, deepest} : Overlap{least, -out / length, deepest, corner};
   }
   return result;
 }

@@ -9,8 +9,9 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr double kDamping = 0.02;
-constexpr int kLook = 3;                 // step after which hopeless modules are given up
-constexpr double kFarOff_mm = 2.2;
+// Overlap left after each step that is given up: of the modules that fit in the end, one in two hundred had
+// more; of those that do not, a third have.
+constexpr std::array kFarOff_mm{3.0, 2.4, 1.8, 1.2};
 constexpr double kReach_mm = 2.0 * kHeight_mm / 3.0;  // from a module's centre to its corners
 constexpr double kPair_mm = 38.0;        // centroids nearer than this may come to overlap while sliding
 constexpr double kAllowedOverlap_mm = 0.1;
@@ -29,17 +30,16 @@ bool Relaxer::relax(LatticeNet& net, int triangle, double radius_mm, int steps) 
   for (int k = 0; k < steps && hope; ++k) {
     adapt_lift(net);
     if (step(net) < kSettled_mm) break;
-    hope = k + 1 != kLook || !hopeless(net, triangle);
+    hope = at(k) >= kFarOff_mm.size() || !overlaps(net, triangle, kFarOff_mm[at(k)]);
   }
   if (hope) settle(net, triangle);
   return hope;
 }
 
-// Most tried modules do not fit: what is still far off after a few steps is refused.
-bool Relaxer::hopeless(const LatticeNet& net, int triangle) {
+bool Relaxer::overlaps(const LatticeNet& net, int triangle, double depth_mm) {
   return std::ranges::any_of(pairs_, [&](Pair& pair) {
     return (pair.a == triangle || pair.b == triangle) &&
-           overlap_of(net.triangles[at(pair.a)], net.triangles[at(pair.b)], pair.axis).depth_mm > kFarOff_mm;
+           overlap_of(net.triangles[at(pair.a)], net.triangles[at(pair.b)], pair.axis).depth_mm > depth_mm;
   });
 }
 
@@ -144,7 +144,7 @@ void Relaxer::add_side_at_border(const NetTriangle& triangle, std::size_t side) 
   const Vec3 &a = triangle.rigid[side], &b = triangle.rigid[(side + 1) % 3];
   for (const double x : {0.0, 0.2, 0.4, 0.6, 0.8}) {
     const Vec3 p = a + x * (b - a);
-    if (surface_.border_at_least(p) >= kNearBorder_mm) continue;
+    if (!surface_.may_be_over_border(p)) continue;
     const Foot foot = surface_.closest(p);
     if (!foot.on_border) continue;
     const Vec3 off = p - foot.point, over = off - off.dot(foot.normal) * foot.normal;

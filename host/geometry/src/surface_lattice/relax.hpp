@@ -40,7 +40,7 @@ class Relaxer {
   };
   void choose(const LatticeNet& net, const Vec3& place, double radius_mm);
   void find_pairs(const LatticeNet& net);
-  [[nodiscard]] bool hopeless(const LatticeNet& net, int triangle);
+  [[nodiscard]] bool overlaps(const LatticeNet& net, int triangle, double depth_mm);
   double step(LatticeNet& net);
   void add_edges(const LatticeNet& net);
   void add_pairs(const LatticeNet& net);

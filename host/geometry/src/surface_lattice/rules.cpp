@@ -116,7 +116,7 @@ bool Rules::side_over_border(NearSurface& surface, const Vec3& from, const Vec3&
   for (double x = 0.0; x <= kSide_mm;) {
     const Vec3 p = from + x * d;
     const double border = surface.border_at_least(p);
-    if (border < kClear_mm) {
+    if (border < kClear_mm && surface.may_be_over_border(p)) {
       const Foot foot = surface.closest(p);
       const Vec3 off = p - foot.point;
       if (foot.on_border && (off - off.dot(foot.normal) * foot.normal).norm() > limits_.overrun_mm) return true;

@@ -8,18 +8,19 @@
 
 namespace triskin::geometry {
 
-/// How much effort, and what a layout is worth: modules − island_cost · islands + hinge_reward · joints.
+/// How much effort, and what a layout is worth (`layout_value`).
 struct SurfaceLatticeOptions {
   double time_limit_s = 20.0;   ///< wall clock; the search stops within about 0.1 s of it
   int iterations = 0;           ///< > 0: stops after so many ruin-and-recreate steps a chain, as well as at the time limit
   std::uint64_t seed = 1;
   int threads = 2;              ///< independent chains that exchange the best layout; part of what a result depends on
-  double island_cost = 0.1;     ///< modules an island is worth; 0.02 gives most modules, 0.3 few islands
+  double island_cost = 0.05;    ///< modules an island is worth (its cable); with controller_cost 0.02 in all gives most modules, 0.3 few islands
+  double controller_cost = 0.05;  ///< modules a controller is worth: an island of n modules needs n / 16 at least, rounded up
   double hinge_reward = 0.01;   ///< modules a joint is worth
   double corner_lift_mm = 1.5;  ///< how far corners may stand off a convex surface, so that the gap under the centre stays in its limit
 };
 
-/// modules − island_cost · islands + hinge_reward · joints.
+/// modules − island_cost · islands − controller_cost · controllers + hinge_reward · joints.
 [[nodiscard]] double layout_value(const ModuleLayout& layout, const SurfaceLatticeOptions& options);
 
 /// Grows the isometric lattice directly on the surface (docs/surface_lattice.md): triangles are added edge by edge, their

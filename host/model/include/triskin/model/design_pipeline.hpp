@@ -16,7 +16,8 @@ struct DesignOptions {
   geometry::LayoutLimits limits;
   int iterations = 0;        ///< > 0: the growth ends after so many steps: repeatable whatever the machine's load
   int threads = 2;
-  double island_cost = 0.1;  ///< modules that an island (its controllers and cables) is worth
+  double island_cost = 0.05;      ///< modules that an island (its cable) is worth
+  double controller_cost = 0.05;  ///< modules that a controller is worth
 };
 
 /// Modules that each way of covering the surface gave.
