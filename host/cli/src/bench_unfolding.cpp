@@ -17,6 +17,7 @@
 namespace triskin::cli {
 namespace {
 
+namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using geometry::Mesh;
 using geometry::Surface;
@@ -64,7 +65,26 @@ class Rows {
     over_island_cost(sheet);
     over_faces();
     over_area();
-    against_nets();
+    if (const char* data = std::getenv("TRISKIN_DATA"); data != nullptr && !quick_) {
+      over_time("UT_torso_v1", Surface(geometry::read_mesh(fs::path(data) / "parts/UT_torso_v1.obj").mesh));
+    }
+    return std::move(rows_);
+  }
+
+  // The real covers, in the folder that TRISKIN_DATA names, against the nets that another program made of them.
+  nlohmann::json run_nets() {
+    const char* data = std::getenv("TRISKIN_DATA");
+    if (data == nullptr) throw InputError("bench nets: the variable TRISKIN_DATA must name the folder with parts/ and blender/");
+    for (const char* part : {"LH_hipwing_v1", "LUA_upperarm_half_v1", "RFA_forearm_v1", "SHANK_front_v25", "RUF_forearm_v2", "UA_upperarm_v1",
+                             "HIP_v1", "ROOT_v25", "UL_upperleg_v1", "UT_torso_v1", "LT_root_v2", "HEAD_v1"}) {
+      const fs::path mesh = fs::path(data) / "parts" / (std::string(part) + ".obj"), net = net_of(data, part);
+      if (!fs::exists(net)) throw InputError("bench nets: " + net.string() + ": no such file");
+      geometry::SurfaceLatticeOptions o;
+      o.time_limit_s = quick_ ? 1.5 : 20.0;
+      auto& row = grow("nets", part, Surface(geometry::read_mesh(mesh).mesh), {}, o);
+      row["modules_on_net"] = modules_on(net, o.time_limit_s);
+      row["ratio"] = row["modules"].get<double>() / std::max(1, row["modules_on_net"].get<int>());
+    }
     return std::move(rows_);
   }
 
@@ -136,48 +156,42 @@ class Rows {
     }
   }
 
-  // The real covers, where TRISKIN_DATA names their folder: what the certified placement finds on another program's net.
-  void against_nets() {
-    const char* data = std::getenv("TRISKIN_DATA");
-    if (data == nullptr) return;
-    for (const char* part : {"HIP_v1", "UT_torso_v1", "LT_root_v2", "LH_hipwing_v1", "LUA_upperarm_half_v1", "RUF_forearm_v2"}) {
-      const std::filesystem::path mesh = std::filesystem::path(data) / "parts" / (std::string(part) + ".obj");
-      const std::filesystem::path net = std::filesystem::path(data) / "blender" / (std::string(part) + ".json");
-      if (!std::filesystem::exists(mesh) || !std::filesystem::exists(net)) continue;
-      const Surface surface(geometry::read_mesh(mesh).mesh);
-      geometry::SurfaceLatticeOptions o;
-      o.time_limit_s = quick_ ? 1.0 : 20.0;
-      auto& row = grow("nets", part, surface, {}, o);
-      row["modules_on_net"] = modules_on(net);
-      if (quick_) break;
-      over_time(part, surface);
-    }
-  }
+  [[nodiscard]] static fs::path net_of(const fs::path& data, const std::string& part) { return data / "blender" / (part + ".json"); }
 
-  [[nodiscard]] int modules_on(const std::filesystem::path& net) const {
+  // What the certified placement finds on another program's net; all islands together get the time that the growth has.
+  [[nodiscard]] int modules_on(const fs::path& net, double limit_s) const {
     std::ifstream file(net);
-    const nlohmann::json json = nlohmann::json::parse(file);
-    int modules = 0;
-    for (const auto& island : json.at("islands")) {
-      geometry::Polygon p;
-      for (const auto& ring : island.at("rings")) {
-        std::vector<geometry::Vec2> points;
-        for (const auto& q : ring) points.emplace_back(q.at(0).get<double>(), q.at(1).get<double>());
-        (p.outer.empty() ? p.outer : p.holes.emplace_back()) = std::move(points);
-      }
+    std::vector<geometry::Polygon> islands;
+    double area = 0.0;
+    for (const auto& island : nlohmann::json::parse(file).at("islands")) {
       try {
-        geometry::PlacementOptions o;
-        o.time_limit_s = quick_ ? 1.0 : 20.0;
-        o.largest_clearance = false;
-        modules += geometry::place(geometry::normalize_polygon(std::move(p), part_name(net)), o).modules;
+        islands.push_back(geometry::normalize_polygon(polygon_of(island), net.stem().string()));
+        area += geometry::polygon_area(islands.back());
       } catch (const InputError&) {
         continue;  // an island whose outline touches itself holds nothing that could be built
       }
     }
+    int modules = 0;
+    for (const auto& island : islands) {
+      const double share = geometry::polygon_area(island) / area;
+      if (share * area < geometry::kModuleArea_mm2) continue;
+      geometry::PlacementOptions o;
+      o.time_limit_s = std::max(0.2, limit_s * share);
+      o.largest_clearance = false;
+      modules += geometry::place(island, o).modules;
+    }
     return modules;
   }
 
-  [[nodiscard]] static std::string part_name(const std::filesystem::path& net) { return net.stem().string(); }
+  [[nodiscard]] static geometry::Polygon polygon_of(const nlohmann::json& island) {
+    geometry::Polygon p;
+    for (const auto& ring : island.at("rings")) {
+      std::vector<geometry::Vec2> points;
+      for (const auto& q : ring) points.emplace_back(q.at(0).get<double>(), q.at(1).get<double>());
+      (p.outer.empty() ? p.outer : p.holes.emplace_back()) = std::move(points);
+    }
+    return p;
+  }
 
   bool quick_;
   ProgressSink sink_;
@@ -186,7 +200,10 @@ class Rows {
 
 nlohmann::json unfolding_rows(const BenchOptions& options, Output& output) { return Rows(options, output).run(); }
 
+nlohmann::json net_rows(const BenchOptions& options, Output& output) { return Rows(options, output).run_nets(); }
+
 const BenchSubject kUnfolding("unfolding", unfolding_rows);
+const BenchSubject kNets("nets", net_rows);
 
 }  // namespace
 }  // namespace triskin::cli
