@@ -70,6 +70,15 @@ TEST(Stability, scaled_polygons) {
   expect_value(triangle(1e-6), 0, "a nanometre");
 }
 
+// A hexagon of 24 tiles has the radius 60 mm; in a disc that is smaller by a hair six of its corners do not fit.
+TEST(Stability, a_disc_that_misses_a_pattern_by_a_hair) {
+  for (const double missing_mm : {0.3, 0.03, 0.003}) {
+    Polygon disc;
+    for (int k = 0; k < 361; ++k) disc.outer.push_back((60.0 - missing_mm) * Vec2(std::cos(2 * M_PI * k / 361), std::sin(2 * M_PI * k / 361)));
+    expect_value(disc, 18, "disc");
+  }
+}
+
 TEST(Stability, near_vertices_follow_the_tolerance) {
   Polygon p = triangle(60);
   p.outer[2].y() -= 1e-7;  // a hair too low for the upper tile

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Speed against error of the placement: vertices, area, ε; and the ratio to R4 with the paper's Algorithm 1 in CGAL.
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -17,6 +18,8 @@ using geometry::Placement;
 using geometry::Polygon;
 using Clock = std::chrono::steady_clock;
 using Random = std::mt19937_64;
+constexpr int kMostRuns = 5;
+constexpr double kRepeatedFor_s = 0.5;
 
 double uniform(Random& random, double low, double high) { return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53; }
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -59,10 +62,17 @@ nlohmann::json measure(const char* series, bool rough, int vertices, double area
   options.time_limit_s = limit_s;
   options.threads = 1;
   options.largest_clearance = clearance;
-  const geometry::PlacementResult r = geometry::place(p, options);
+  // The least of some runs: the others measure what else the machine does.
+  geometry::PlacementResult r = geometry::place(p, options);
+  double seconds = r.seconds, total = r.seconds;
+  for (int k = 1; k < kMostRuns && total < kRepeatedFor_s; ++k) {
+    r = geometry::place(p, options);
+    seconds = std::min(seconds, r.seconds);
+    total += r.seconds;
+  }
   return {{"series", series}, {"outline", rough ? "rough" : "smooth"}, {"vertices", vertices}, {"area_cm2", area_cm2}, {"tolerance_mm", tolerance_mm},
           {"modules", r.modules}, {"upper_bound", r.upper_bound}, {"gap", r.upper_bound - r.modules},
-          {"proved", r.proved}, {"cells", r.cells}, {"seconds", r.seconds}};
+          {"proved", r.proved}, {"cells", r.cells}, {"seconds", seconds}};
 }
 
 // R4 with CGAL takes minutes to hours: its time is the mean of a sample of its placements times their number.

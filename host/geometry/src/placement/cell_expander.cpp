@@ -194,9 +194,11 @@ void CellExpander::add_pairs(const Vec2& p, double reach_mm, std::uint32_t tile,
   const double far = (reach_mm + 1e-6) * (reach_mm + 1e-6);
   for (const std::uint32_t edge : edges_.near(p)) {
     const auto& [a, b] = polygon_.edges[edge];
-    const Vec2 d = b - a, q = p - a;
-    const double square = d.squaredNorm(), t = square > 0.0 ? std::clamp(q.dot(d) / square, 0.0, 1.0) : 0.0;
-    if ((q - t * d).squaredNorm() <= far) pairs.push_back({tile, edge});
+    const double dx = b.x() - a.x(), dy = b.y() - a.y(), qx = p.x() - a.x(), qy = p.y() - a.y();
+    const double square = dx * dx + dy * dy, along = qx * dx + qy * dy, across = qx * dy - qy * dx;
+    const double end_x = p.x() - b.x(), end_y = p.y() - b.y();
+    const bool near = along <= 0.0 ? qx * qx + qy * qy <= far : along >= square ? end_x * end_x + end_y * end_y <= far : across * across <= far * square;
+    if (near) pairs.push_back({tile, edge});
   }
 }
 
