@@ -163,7 +163,8 @@ class Rows {
     std::ifstream file(net);
     std::vector<geometry::Polygon> islands;
     double area = 0.0;
-    for (const auto& island : nlohmann::json::parse(file).at("islands")) {
+    const nlohmann::json json = nlohmann::json::parse(file);
+    for (const auto& island : json.at("islands")) {
       try {
         islands.push_back(geometry::normalize_polygon(polygon_of(island), net.stem().string()));
         area += geometry::polygon_area(islands.back());
@@ -171,6 +172,7 @@ class Rows {
         continue;  // an island whose outline touches itself holds nothing that could be built
       }
     }
+    if (islands.empty()) throw InputError(net.string() + ": no island has an outline that does not cross itself");
     int modules = 0;
     for (const auto& island : islands) {
       const double share = geometry::polygon_area(island) / area;
