@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 namespace triskin::geometry {
 namespace {
@@ -80,6 +82,34 @@ TEST(Shapes, EveryLimitHoldsAndMostIsCovered) {
     SCOPED_TRACE(shape.name);
     expect_limits(layout);
     EXPECT_GE(static_cast<double>(layout.modules.size()) * kModuleArea_mm2, 0.6 * surface.area_mm2());
+  }
+}
+
+// Corners at the distance ρ from the centre, ρ² = a² / 3, 120° apart: whatever the turn, the mean height of a quadratic surface under them is
+// ρ² (κ1 + κ2) / 4. The sum of the principal curvatures at a point of each shape, from its formula.
+double curvature_of(const std::string& shape, const Vec3& p) {
+  const double r = std::hypot(p.x(), p.y());
+  if (shape == "cone") return 0.6 / r;  // a side (0.8, −0.6) has the normal (0.6, 0.8)
+  if (shape == "torus") {
+    const double cosine = std::cos(std::atan2(p.z(), r - 130.0));
+    return 1.0 / 60.0 + cosine / (130.0 + 60.0 * cosine);
+  }
+  const double zx = p.x() / 150.0, zy = -p.y() / 150.0;
+  return ((1.0 + zy * zy) - (1.0 + zx * zx)) / 150.0 / std::pow(1.0 + zx * zx + zy * zy, 1.5);
+}
+
+TEST(Shapes, CentreGapFollowsTheCurvatureAtEachModule) {
+  for (const Shape& shape : shapes()) {
+    const Surface surface(shape.mesh);
+    SurfaceLatticeOptions o = effort(6);
+    o.corner_lift_mm = 0.0;
+    const ModuleLayout layout = grow_lattice(surface, {}, o);
+    SCOPED_TRACE(shape.name);
+    ASSERT_GE(layout.modules.size(), 10U);
+    for (const PlacedModule& m : layout.modules) {
+      const Vec3 foot = surface.closest(center_of(m)).position_mm;
+      EXPECT_NEAR(m.center_gap_mm, 30.0 * 30.0 * std::abs(curvature_of(shape.name, foot)) / 12.0, 0.4);
+    }
   }
 }
 
