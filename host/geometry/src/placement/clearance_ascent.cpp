@@ -2,6 +2,7 @@
 #include "clearance_ascent.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 namespace triskin::geometry {
 namespace {
@@ -47,7 +48,7 @@ double ClearanceAscent::choose_tiles(const Motion& motion, double inset_mm) {
   if (found.size() == modules_) return least;
   std::vector<std::size_t> order(tiles_.size());
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return separation_[a] > separation_[b]; });
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return std::pair(-separation_[a], a) < std::pair(-separation_[b], b); });
   std::vector<OpenTile> kept;
   for (std::size_t k = 0; k < modules_; ++k) kept.push_back(tiles_[order[k]]);
   tiles_ = std::move(kept);
@@ -106,7 +107,7 @@ void ClearanceAscent::collect_rows(std::size_t pair, std::size_t lane) {
 
 bool ClearanceAscent::step(double radius_mm, std::array<double, 4>& move) {
   auto& rows = program_.rows;
-  std::ranges::stable_sort(rows, {}, &LinearRow<4>::limit);
+  std::ranges::sort(rows, [](const LinearRow<4>& a, const LinearRow<4>& b) { return std::tie(a.limit, a.weight) < std::tie(b.limit, b.weight); });
   const double r = radius_mm, high = grid_.inradius_mm;
   // What stays behind the first row by more than the step can change never binds.
   const double limit = rows.empty() ? high : rows.front().limit + 6.0 * r + 1.0;
