@@ -21,6 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kPiecesShare = 0.12;   // of the time; what the growth has left after it
 constexpr double kPieceLeast_s = 0.1;   // a piece gets, or what a short limit has for it
+constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;  // up to which the limit binds
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 0.8;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -85,7 +86,8 @@ Design make_design(const std::filesystem::path& mesh, const DesignOptions& optio
   lattice.island_cost = options.island_cost;
   lattice.controller_cost = options.controller_cost;
   const double routing_s = std::min(kRoutingShare * options.time_limit_s, kRoutingMost_s);
-  lattice.time_limit_s = std::max(0.1, options.time_limit_s - routing_s - seconds_since(start));
+  // The pieces of a fine mesh may take longer than the whole limit on a busy machine: the growth keeps its share all the same.
+  lattice.time_limit_s = std::max({0.1, kGrowthShare * (options.time_limit_s - kShortLimit_s), options.time_limit_s - routing_s - seconds_since(start)});
   geometry::ModuleLayout grown = geometry::grow_lattice(surface, options.limits, lattice, progress);
   if (comparison != nullptr) *comparison = {static_cast<int>(design.layout.modules.size()), static_cast<int>(grown.modules.size())};
   if (geometry::layout_value(grown, lattice) > geometry::layout_value(design.layout, lattice)) design.layout = std::move(grown);
