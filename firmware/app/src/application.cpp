@@ -10,8 +10,6 @@ using wire::StreamMode;
 
 namespace {
 
-constexpr std::uint8_t kAllLines = (1U << layout::kLines) - 1;
-
 wire::IsoTp make_link(std::uint8_t node, std::uint8_t frame_bytes) {
   return {wire::physical_id(wire::kTesterAddress, node), wire::physical_id(node, wire::kTesterAddress), frame_bytes};
 }
@@ -36,13 +34,14 @@ void Application::restart() {
 }
 
 void Application::restart_sampling() {
-  samples_ = {};
-  published_ = {};
+  for (auto* samples : {&samples_, &published_}) {
+    for (ModuleSample& s : *samples) s = ModuleSample{};
+  }
   route_.begin(tables_.has_table() ? &tables_.table() : nullptr);
-  lines_done_ = 0;
+  next_tick_us_ = now_us() + ad7147::sequence_us(sampling_.decimation);
   const layout::PatchImage table = tables_.has_table() ? tables_.table() : layout::PatchImage{};
   for (std::size_t l = 0; l < lines_.size(); ++l) {
-    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l), table, samples_, now_us());
+    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l), table, samples_, sampling_, now_us());
   }
 }
 
@@ -64,9 +63,11 @@ void Application::keep_route() {
 // What was read since the last good look at the chain may come from another module.
 void Application::distrust() {
   for (auto* samples : {&samples_, &published_}) {
-    for (ModuleSample& s : *samples) s.valid = 0;
+    for (ModuleSample& s : *samples) {
+      s.valid = 0;
+      s.fresh = false;
+    }
   }
-  lines_done_ = 0;
   quiet_ = true;
 }
 
@@ -77,14 +78,10 @@ void Application::step() {
   }
   server_.tick();
   keep_route();
-  for (std::size_t l = 0; l < lines_.size(); ++l) {
-    if (lines_[l].step(now_us())) lines_done_ = static_cast<std::uint8_t>(lines_done_ | 1U << l);
-    else if (lines_[l].next_event_us() != UINT64_MAX && lines_[l].next_event_us() > now_us() + LineSampler::kPeriod_us) {
-      lines_done_ = static_cast<std::uint8_t>(lines_done_ | 1U << l);  // left alone: nobody waits for it
-    }
-  }
+  for (LineSampler& line : lines_) line.step(now_us());
   if (quiet_) keep_route();
-  end_cycle();
+  if (now_us() >= next_tick_us_) tick();
+  take_samples();
   send_pending();
   reset_when_answered();
 }
@@ -102,15 +99,17 @@ void Application::reset_when_answered() {
   reset_at_us_ = UINT64_MAX;
   reset_requested_ = through_loader_ = false;
   stream_ = StreamMode::kOff;
+  sampling_ = {};
+  output_ = wire::TaxelOutput::kRaw;
   server_.restart();
   icub_ = {};
   restart();
 }
 
 std::uint64_t Application::next_event_us() const {
-  std::uint64_t next = std::min(reset_at_us_, quiet_ ? UINT64_MAX : route_.next_event_us());  // quiet: the lines report their own ends
+  std::uint64_t next = std::min({next_tick_us_, reset_at_us_, quiet_ ? UINT64_MAX : route_.next_event_us()});  // quiet: the lines report their own ends
   for (const Channel& c : channels()) next = std::min(next, c.link.next_event_us());
-  for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us());
+  for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now_us()));
   return next;
 }
 
@@ -174,50 +173,76 @@ void Application::send_pending() {
   if (icub_reply_ && ports_.can->send(*icub_reply_)) icub_reply_.reset();
   for (Channel& c : channels()) send_pending(c, now_us());
   const bool held = std::ranges::any_of(channels(), [&](const Channel& c) { return c.port == stream_port_ && c.held; });
-  while (!held && outgoing_at_ < outgoing_count_ && stream_port_->send(outgoing_[outgoing_at_])) ++outgoing_at_;
+  while (!held && outgoing_tail_ != outgoing_head_ && stream_port_->send(outgoing_[outgoing_tail_])) outgoing_tail_ = (outgoing_tail_ + 1) % outgoing_.size();
 }
 
-// A sample of the patch is complete when every line has been through its modules once.
-void Application::end_cycle() {
-  for (std::size_t l = 0; l < lines_.size(); ++l) {
-    const bool empty = !tables_.has_table() || std::ranges::none_of(tables_.table().rows(), [&](const auto& r) { return r.line == l; });
-    if (empty) lines_done_ = static_cast<std::uint8_t>(lines_done_ | 1U << l);
+bool Application::frames_wait() const {
+  const bool channel_waits = std::ranges::any_of(channels(), [](const Channel& c) { return c.held || c.claim_at < c.claim.size(); });
+  return channel_waits || icub_reply_ || outgoing_tail_ != outgoing_head_;
+}
+
+// Each reading is sent on as soon as it stands: the converters have clocks of their own.
+void Application::take_samples() {
+  const bool any = std::ranges::any_of(samples_, &ModuleSample::fresh);
+  if (any && route_.switched() && !route_.check(now_us())) return distrust();
+  for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) {
+    ModuleSample& s = samples_[k];
+    if (!s.fresh) continue;
+    s.fresh = false;
+    published_[k] = s;
+    faults_.note(k, s.state, {static_cast<std::uint32_t>(now_us() / 1000), s.number});
+    if (stream_ == StreamMode::kFull && !server_.transferring()) queue_full(k);
   }
-  if (lines_done_ != kAllLines || !tables_.has_table()) return;
-  if (route_.switched() && !route_.check(now_us())) return distrust();
-  lines_done_ = 0;
+}
+
+// Once a nominal sequence. A module without data says so as often as it would have had some.
+void Application::tick() {
+  const std::uint32_t sequence_us = ad7147::sequence_us(sampling_.decimation);
+  next_tick_us_ = std::max(next_tick_us_ + sequence_us, now_us());
+  if (!tables_.has_table()) return;
   ++sample_count_;
-  published_ = samples_;
-  bool silent = true;
   for (std::size_t k = 0; k < tables_.table().module_count; ++k) {
-    silent = silent && samples_[k].state == ModuleState::kAbsent;
-    faults_.note(k, samples_[k].state, {static_cast<std::uint32_t>(now_us() / 1000), sample_count_});
+    ModuleSample& s = samples_[k];
+    if (s.valid != 0 || now_us() - s.time_us < sequence_us) continue;
+    ++s.number;
+    s.time_us = now_us();
+    s.fresh = true;
   }
+  const bool silent = std::ranges::all_of(std::span(samples_).first(tables_.table().module_count), [](const ModuleSample& s) { return s.state == ModuleState::kAbsent; });
   if (silent) route_.nothing_answers(now_us());
-  queue_sample();
+  if (stream_ == StreamMode::kIcub && !server_.transferring() && icub_.due(now_us())) queue_icub();
 }
 
-void Application::queue_sample() {
-  if (stream_ == StreamMode::kOff || server_.transferring()) return;
-  if (stream_ == StreamMode::kIcub && !icub_.due(now_us())) return;
-  lost_frames_ += static_cast<std::uint32_t>(outgoing_count_ - outgoing_at_);
-  outgoing_count_ = outgoing_at_ = 0;
+// Frames that belong together; all or none. What finds no room is counted: the bus is slower than the stream.
+template <class... Frames>
+void Application::queue(const Frames&... frames) {
+  const std::size_t used = (outgoing_head_ + outgoing_.size() - outgoing_tail_) % outgoing_.size();
+  if (used + sizeof...(frames) >= outgoing_.size()) {
+    lost_frames_ += sizeof...(frames);
+    return;
+  }
+  ((outgoing_[outgoing_head_] = frames, outgoing_head_ = (outgoing_head_ + 1) % outgoing_.size()), ...);
+}
+
+void Application::queue_full(std::size_t module) {
+  const ModuleSample& s = samples_[module];
+  const auto& value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output();
+  queue(wire::encode_full({tables_.node_address(), static_cast<std::uint8_t>(module), s.number, s.time_us, s.valid, static_cast<std::uint8_t>(s.state), value}));
+}
+
+void Application::queue_icub() {
   for (std::size_t k = 0; k < tables_.table().module_count; ++k) {
     const ModuleSample& s = samples_[k];
-    if (stream_ == StreamMode::kFull) {
-      outgoing_[outgoing_count_++] = wire::encode_full({tables_.node_address(), static_cast<std::uint8_t>(k), sample_count_, now_us(),
-                                                        s.valid, static_cast<std::uint8_t>(s.state), s.raw});
-      continue;
-    }
     if (!icub_.enabled(k)) continue;
     wire::IcubTaxels t;
     t.board = tables_.node_address() & 0xF;
     t.module = static_cast<std::uint8_t>(k);
-    for (std::size_t x = 0; x < t.value.size(); ++x) t.value[x] = icub_.value(k, s.raw[x], s.baseline[x]);
+    for (std::size_t x = 0; x < t.value.size(); ++x) t.value[x] = icub_.value(k, s.compensation.change(x));
     t.out_of_range = s.state == ModuleState::kSaturated ? static_cast<std::uint16_t>(~s.valid & 0xFFF) : 0;
     t.no_acknowledge = s.state == ModuleState::kAbsent || s.state == ModuleState::kLineStuck;
     t.not_connected = s.state == ModuleState::kUnknown || s.state == ModuleState::kWrongId;
-    for (const wire::CanFrame& f : wire::encode_icub(t)) outgoing_[outgoing_count_++] = f;
+    const auto frames = wire::encode_icub(t);
+    queue(frames[0], frames[1]);
   }
 }
 
@@ -287,6 +312,9 @@ bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
       return true;
     }
     case wire::did::kStream: out.u8(static_cast<std::uint8_t>(stream_)); return true;
+    case wire::did::kSampling:
+      for (const auto byte : {static_cast<std::uint8_t>(sampling_.decimation), sampling_.every, static_cast<std::uint8_t>(output_)}) out.u8(byte);
+      return true;
     case wire::did::kLineStates:
       for (const LineSampler& l : lines_) {
         out.u8(l.stuck() ? 1 : 0);
@@ -299,7 +327,20 @@ bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
   }
 }
 
+// Takes effect at once: every converter is configured anew.
+Status Application::set_sampling(Bytes value) {
+  if (value.size() != 3 || value[0] > static_cast<std::uint8_t>(wire::Decimation::k64) || value[1] == 0) return Status::kOutOfRange;
+  if (value[2] > static_cast<std::uint8_t>(wire::TaxelOutput::kCompensated)) return Status::kOutOfRange;
+  output_ = static_cast<wire::TaxelOutput>(value[2]);
+  const Sampling wanted{static_cast<wire::Decimation>(value[0]), value[1]};
+  if (wanted == sampling_) return Status::kOk;
+  sampling_ = wanted;
+  restart_sampling();
+  return Status::kOk;
+}
+
 Status Application::write_identifier(std::uint16_t did, Bytes value) {
+  if (did == wire::did::kSampling) return set_sampling(value);
   if (value.size() != 1) return Status::kOutOfRange;
   if (did == wire::did::kNodeAddress) {
     const Status s = tables_.set_node_address(value[0]);
@@ -309,7 +350,7 @@ Status Application::write_identifier(std::uint16_t did, Bytes value) {
   if (did != wire::did::kStream || value[0] > static_cast<std::uint8_t>(StreamMode::kFull)) return Status::kOutOfRange;
   if (value[0] == static_cast<std::uint8_t>(StreamMode::kFull) && !asking_->fd()) return Status::kOutOfRange;
   stream_port_ = asking_;
-  outgoing_at_ = outgoing_count_ = 0;
+  outgoing_head_ = outgoing_tail_ = 0;
   stream_ = static_cast<StreamMode>(value[0]);
   return Status::kOk;
 }
@@ -323,7 +364,7 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
       for (LineSampler& l : lines_) l.request_check();
       return Status::kOk;
     case wire::routine::kCalibrate:
-      for (ModuleSample& s : samples_) s.has_baseline = false;  // the next reading becomes the baseline
+      for (ModuleSample& s : samples_) s.compensation.restart();  // the next reading becomes the baseline
       return Status::kOk;
     case wire::routine::kReroute: route_.request(); return Status::kOk;
     case wire::routine::kActivate: {

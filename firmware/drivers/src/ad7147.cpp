@@ -47,15 +47,28 @@ void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, Pola
     w.be16(0x0000);  // ambient compensation off: the controller compensates itself
     w.be16(0x0000);
     w.be16(0x0000);
-    w.be16(0x0000);  // no interrupts
+    w.be16(0x0000);  // no threshold interrupts
     w.be16(0x0000);
-    w.be16(0x0000);
+    w.be16(ad7147::kAllStages);  // the status tells of complete stages; the pin goes nowhere
   } else {
-    w.be16(ad7147::kPowerControl);
-    w.be16(ad7147::kFullPower);
+    return begin_restart(line, address);
   }
   line.start(address, w.written(), {});
 }
+
+void Ad7147::begin_restart(I2cLine& line, std::uint8_t address) {
+  ByteWriter w(out_);
+  w.be16(ad7147::kPowerControl);
+  w.be16(power_);
+  line.start(address, w.written(), {});
+}
+
+void Ad7147::begin_status(I2cLine& line, std::uint8_t address) {
+  write_register(ad7147::kStageComplete);
+  line.start(address, std::span(out_).first(2), std::span(in_).first(2));
+}
+
+std::uint16_t Ad7147::status() const { return big16(in_); }
 
 void Ad7147::begin_verify(I2cLine& line, std::uint8_t address) {
   write_register(ad7147::kPowerControl);
@@ -63,7 +76,7 @@ void Ad7147::begin_verify(I2cLine& line, std::uint8_t address) {
 }
 
 bool Ad7147::configuration_holds() const {
-  return big16(in_) == ad7147::kFullPower && big16(std::span(in_).subspan(2)) == ad7147::kAllStages;
+  return big16(in_) == power_ && big16(std::span(in_).subspan(2)) == ad7147::kAllStages;
 }
 
 void Ad7147::begin_read(I2cLine& line, std::uint8_t address) {

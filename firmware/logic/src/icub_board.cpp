@@ -53,9 +53,8 @@ void IcubBoard::set_triangles(const CanFrame& frame) {
   }
 }
 
-std::uint8_t IcubBoard::value(std::size_t triangle, std::uint16_t raw, std::uint16_t baseline) const {
-  const int change = (static_cast<int>(raw) - static_cast<int>(baseline)) / (1 << shift_[triangle]);
-  return static_cast<std::uint8_t>(std::clamp(resting_ + change, 0, 255));
+std::uint8_t IcubBoard::value(std::size_t triangle, int change) const {
+  return static_cast<std::uint8_t>(std::clamp(resting_ + change / (1 << shift_[triangle]), 0, 255));
 }
 
 bool IcubBoard::due(std::uint64_t now_us) {

@@ -2,6 +2,7 @@
 #include "triskin/logic/sampler.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace triskin::fw {
 
@@ -14,34 +15,36 @@ constexpr bool in_range(std::uint16_t raw) { return raw != 0 && raw != 0xFFFF; }
 }  // namespace
 
 void LineSampler::begin(I2cLine& line, std::uint8_t line_index, const layout::PatchImage& table, std::span<ModuleSample> samples,
-                        std::uint64_t now_us) {
+                        const Sampling& sampling, std::uint64_t now_us) {
   const bool busy = job_ != Job::kIdle && line_ == &line;
   *this = LineSampler{};
   if (busy) job_ = Job::kDrain;  // a transfer of before must end first
   line_ = &line;
   samples_ = samples;
+  sampling_ = sampling;
+  chip_.set_decimation(sampling.decimation);
   for (std::size_t k = 0; k < table.module_count; ++k) {
     const layout::ModuleRow& row = table.modules[k];
     if (row.line != line_index) continue;
     Slot& slot = slots_[slot_count_++];
     slot.module = static_cast<std::uint8_t>(k);
     slot.address = row.address;
+    slot.ready_us = now_us;
   }
-  next_cycle_us_ = now_us;
 }
 
 void LineSampler::request_scan() {
   scan_ = {};
   scan_requested_ = true;
-  if (job_ == Job::kIdle) next_cycle_us_ = 0;  // also a line that is left alone
+  paused_until_us_ = 0;  // also a line that is left alone
 }
 
 void LineSampler::request_check() {
-  for (std::size_t k = 0; k < slot_count_; ++k) {
-    slots_[k].phase = Phase::kFind;
-    slots_[k].single = false;
-    slots_[k].ready_us = 0;
-    samples_[slots_[k].module].state = ModuleState::kUnknown;
+  for (Slot& slot : slots()) {
+    slot.phase = Phase::kFind;
+    slot.single = false;
+    slot.ready_us = 0;
+    samples_[slot.module].state = ModuleState::kUnknown;
   }
 }
 
@@ -51,54 +54,71 @@ bool LineSampler::rest() {
 }
 
 void LineSampler::resume(std::uint64_t now_us) {
-  resting_ = false;
-  stuck_ = false;
+  resting_ = stuck_ = false;
   recoveries_in_row_ = 0;
-  verify_all_ = true;
-  next_cycle_us_ = now_us;
-  for (std::size_t k = 0; k < slot_count_; ++k) {
-    Slot& slot = slots_[k];
+  paused_until_us_ = 0;
+  for (Slot& slot : slots()) {
     if (slot.phase == Phase::kFind) slot.ready_us = 0;
     if (slot.phase == Phase::kFind && slot.lost_us != 0 && now_us - slot.lost_us < kRecent_us) {  // the old route was to blame
       slot.phase = Phase::kRun;
       slot.single = true;
     }
-    samples_[slots_[k].module].state = ModuleState::kUnknown;
+    slot.recheck = true;
+    slot.cleared = slot.clear_wanted = false;
+    samples_[slot.module].state = ModuleState::kUnknown;
   }
 }
 
-bool LineSampler::checked() const {
-  return std::all_of(slots_.begin(), slots_.begin() + static_cast<std::ptrdiff_t>(slot_count_),
-                     [&](const Slot& s) { return samples_[s.module].state != ModuleState::kUnknown; });
+void LineSampler::lose(Slot& slot, std::uint64_t now_us) {
+  if (slot.phase == Phase::kRun) slot.lost_us = now_us;
 }
 
-std::uint64_t LineSampler::next_event_us() const { return job_ == Job::kIdle && !resting_ ? next_cycle_us_ : UINT64_MAX; }
+bool LineSampler::checked() const {
+  return std::ranges::all_of(slots(), [&](const Slot& s) { return samples_[s.module].state != ModuleState::kUnknown; });
+}
+
+std::uint64_t LineSampler::next_event_us(std::uint64_t now_us) const {
+  if (job_ != Job::kIdle || resting_) return UINT64_MAX;
+  if (paused_until_us_ != 0) return paused_until_us_;
+  if (scan_requested_) return now_us;
+  const std::uint64_t reading = next_reading_us();
+  std::uint64_t next = reading;
+  for (const Slot& slot : slots()) {
+    const std::uint64_t other = other_due_us(slot);
+    if (other == UINT64_MAX) continue;
+    const std::uint64_t start = std::max(other, now_us);
+    if (start + kGap_us <= reading) next = std::min(next, start);
+  }
+  return next;
+}
 
 std::uint8_t LineSampler::chip_address() const {
   return static_cast<std::uint8_t>(layout::kFirstCdcAddress + (job_ == Job::kScan ? scan_address_ : slots_[slot_].address));
 }
 
-bool LineSampler::step(std::uint64_t now_us) {
-  if (job_ == Job::kIdle) return !resting_ && now_us >= next_cycle_us_ && start_cycle(now_us);
-  const std::optional<Status> done = line_->poll();
-  if (done.has_value() && resting_) {  // what it brought is read again
-    scan_requested_ = scan_requested_ || job_ == Job::kScan;
-    if (job_ == Job::kConfigure || job_ == Job::kIdentify) slots_[slot_].phase = Phase::kFind;
-    job_ = Job::kIdle;
-    return false;
+void LineSampler::step(std::uint64_t now_us) {
+  if (job_ != Job::kIdle) {
+    const std::optional<Status> done = line_->poll();
+    if (!done) return;
+    if (!resting_) {
+      finish(*done, now_us);
+    } else {  // what it brought is asked for again
+      scan_requested_ = scan_requested_ || job_ == Job::kScan;
+      Slot& slot = slots_[slot_];
+      if (job_ != Job::kScan && job_ != Job::kDrain && slot.phase != Phase::kRun) slot.phase = Phase::kFind;
+      job_ = Job::kIdle;
+    }
   }
-  return done.has_value() && finish(*done, now_us);
-}
-
-bool LineSampler::start_cycle(std::uint64_t now_us) {
-  next_cycle_us_ = now_us + kPeriod_us;
-  ++cycle_;
-  slot_ = 0;
-  if (!scan_requested_) return start_slot(now_us);
-  scan_requested_ = false;
-  scan_address_ = 0;
-  start_scan_step();
-  return false;
+  if (job_ != Job::kIdle || resting_) return;
+  if (now_us < paused_until_us_) return;
+  paused_until_us_ = 0;
+  if (scan_requested_) {
+    scan_requested_ = false;
+    scan_address_ = 0;
+    start_scan_step();
+  } else {
+    choose(now_us);
+  }
 }
 
 void LineSampler::start_scan_step() {
@@ -106,170 +126,317 @@ void LineSampler::start_scan_step() {
   chip_.begin_identify(*line_, chip_address());
 }
 
-// What the next chip needs that can be done now: to be found, its configuration looked at, or read. True: nothing is left.
-bool LineSampler::start_slot(std::uint64_t now_us) {
-  while (slot_ < slot_count_ && now_us < slots_[slot_].ready_us) ++slot_;
-  if (slot_ == slot_count_) {
-    job_ = Job::kIdle;
-    verify_all_ = false;
-    return true;
+// When a chip must be read, or looked at before that.
+std::uint64_t LineSampler::reading_due_us(const Slot& slot) const {
+  if (!slot.reading()) return UINT64_MAX;
+  return look_fits(slot) ? slot.clock.look_us() : slot.clock.read_us();
+}
+
+// The end can be looked at when no other chip has to be read about the same time; a clock that is not known yet goes first.
+bool LineSampler::look_fits(const Slot& slot) const {
+  if (!slot.cleared || !slot.clock.locked()) return slot.cleared;
+  const std::uint64_t end = slot.clock.end_us();
+  return std::ranges::none_of(slots(), [&](const Slot& other) {
+    if (&other == &slot || !other.reading()) return false;
+    const std::uint64_t other_end = end_near(slot, other);
+    return (other_end > end ? other_end - end : end - other_end) < kBurst_us + kGap_us;
+  });
+}
+
+// What can be done between readings: finding and configuring, checking the configuration, clearing the status for a look.
+std::uint64_t LineSampler::other_due_us(const Slot& slot) const {
+  if (slot.phase == Phase::kFind) return slot.ready_us;
+  if (slot.phase == Phase::kConfigure || slot.verify_wanted) return 0;
+  if (slot.restart_wanted) return slot.ready_us;
+  constexpr std::uint64_t kAfterEnd_us = 500;  // surely after the end of the sequence before
+  return slot.clear_wanted ? slot.clock.end_us() - slot.clock.period_us() + kAfterEnd_us : UINT64_MAX;
+}
+
+std::uint64_t LineSampler::next_reading_us() const {
+  std::uint64_t next = UINT64_MAX;
+  for (const Slot& slot : slots()) next = std::min(next, reading_due_us(slot));
+  return next;
+}
+
+// Of the readings that are due, the one whose sequence ends first; something else only when no reading falls due before its end.
+void LineSampler::choose(std::uint64_t now_us) {
+  std::uint64_t first_end_us = UINT64_MAX;
+  for (std::size_t k = 0; k < slot_count_; ++k) {
+    skip_missed(slots_[k], now_us);
+    if (reading_due_us(slots_[k]) > now_us || slots_[k].clock.end_us() >= first_end_us) continue;
+    first_end_us = slots_[k].clock.end_us();
+    slot_ = k;
   }
+  if (first_end_us != UINT64_MAX) return start_reading(now_us);
+  if (now_us + kGap_us > next_reading_us()) return;
+  for (std::size_t k = 0; k < slot_count_; ++k) {
+    if (other_due_us(slots_[k]) > now_us) continue;
+    slot_ = k;
+    return start_other(now_us);
+  }
+}
+
+// A sequence whose results cannot be read whole any more is lost; its number is left out.
+void LineSampler::skip_missed(Slot& slot, std::uint64_t now_us) {
+  if (!slot.reading()) return;
+  while (now_us > slot.clock.last_start_us()) {
+    slot.clock.next(slot.clock.locked() ? sampling_.every : 1);
+    slot.cleared = false;
+    if (slot.phase != Phase::kRun) continue;
+    ++samples_[slot.module].number;
+    ++lost_;
+  }
+}
+
+void LineSampler::start_reading(std::uint64_t now_us) {
   Slot& slot = slots_[slot_];
-  slot.verified = false;
+  job_start_us_ = now_us;
+  if (look_fits(slot)) {
+    job_ = Job::kLook;
+    return chip_.begin_status(*line_, chip_address());
+  }
+  slot.cleared = false;  // no time for a look
+  job_ = Job::kRead;
+  chip_.begin_read(*line_, chip_address());
+}
+
+void LineSampler::start_other(std::uint64_t now_us) {
+  Slot& slot = slots_[slot_];
+  job_start_us_ = now_us;
   if (slot.phase == Phase::kFind) {
     job_ = Job::kIdentify;
     chip_.begin_identify(*line_, chip_address());
-  } else if (slot.phase == Phase::kRun && (verify_all_ || cycle_ % kVerifyEvery == 0)) {
-    job_ = Job::kVerify;
-    chip_.begin_verify(*line_, chip_address());
+  } else if (slot.phase == Phase::kConfigure) {
+    job_ = Job::kConfigure;
+    const auto polarity = slot.next_phase == Phase::kMirror ? Ad7147::Polarity::kPositive : Ad7147::Polarity::kNegative;
+    chip_.begin_configure(*line_, chip_address(), slot.step, polarity);
+  } else if (slot.verify_wanted) {
+    verify();
+  } else if (slot.restart_wanted) {
+    restart_sequence(now_us);
   } else {
-    job_ = Job::kRead;
-    chip_.begin_read(*line_, chip_address());
+    job_ = Job::kClear;
+    chip_.begin_status(*line_, chip_address());
   }
-  return false;
 }
 
-bool LineSampler::finish(Status status, std::uint64_t now_us) {
+void LineSampler::finish(Status status, std::uint64_t now_us) {
   if (job_ == Job::kDrain) {
     job_ = Job::kIdle;
-    return false;
+    return;
   }
-  if (status == Status::kLineStuck) {
-    handle_stuck(now_us);
-    return true;  // the cycle has ended, without data
-  }
+  if (status == Status::kLineStuck) return handle_stuck(now_us);
   recoveries_in_row_ = 0;
   stuck_ = false;
-  return job_ == Job::kScan ? finish_scan_step(status, now_us) : finish_job(status, now_us);
+  if (job_ == Job::kScan) return finish_scan_step(status);
+  if (status == Status::kOk) return finish_job(now_us);
+  ++bus_errors_;
+  lose(slots_[slot_], now_us);
+  slots_[slot_].single = false;  // who comes back may be another, or two
+  give_up(ModuleState::kAbsent, now_us);
 }
 
-bool LineSampler::finish_scan_step(Status status, std::uint64_t now_us) {
+void LineSampler::finish_scan_step(Status status) {
   const auto bit = static_cast<std::uint8_t>(1U << scan_address_);
   if (status == Status::kOk) {
     scan_.answers |= bit;
     if (chip_.finish_identify() != Status::kOk) scan_.wrong_id |= bit;
   }
-  if (++scan_address_ < layout::kAddressesPerLine) {
-    start_scan_step();
-    return false;
-  }
+  if (++scan_address_ < layout::kAddressesPerLine) return start_scan_step();
   scan_.done = true;
-  return start_slot(now_us);
+  job_ = Job::kIdle;
 }
 
-bool LineSampler::finish_job(Status status, std::uint64_t now_us) {
-  if (status != Status::kOk) {
-    ++bus_errors_;
-    lose(slots_[slot_], now_us);
-    slots_[slot_].single = false;  // who comes back may be another, or two
-    return give_up(ModuleState::kAbsent, now_us);
-  }
-  switch (job_) {
-    case Job::kIdentify:
-      if (chip_.finish_identify() != Status::kOk) return give_up(ModuleState::kWrongId, now_us);
-      configure(slots_[slot_].single ? Phase::kMeasure : Phase::kMirror);
-      return false;
+// Ends a job of the present chip: another one begins, or the line is idle.
+void LineSampler::finish_job(std::uint64_t now_us) {
+  const Job job = job_;
+  job_ = Job::kIdle;
+  switch (job) {
+    case Job::kIdentify: return finish_identify(now_us);
     case Job::kConfigure: return finish_configure(now_us);
-    case Job::kVerify: return finish_verify(now_us);
-    default: return finish_read(now_us);
+    case Job::kVerify: return finish_verify();
+    case Job::kRead: return finish_read(now_us);
+    case Job::kClear:
+      slots_[slot_].cleared = slots_[slot_].phase != Phase::kFind;
+      slots_[slot_].clear_wanted = false;
+      return;
+    case Job::kLook: return finish_look(now_us);
+    case Job::kRestart:
+      slots_[slot_].clock.restart(now_us);
+      slots_[slot_].restart_wanted = slots_[slot_].cleared = false;
+      return;
+    default: return;
   }
 }
 
 // The module has no data until it has been found again.
-bool LineSampler::give_up(ModuleState state, std::uint64_t now_us) {
+void LineSampler::give_up(ModuleState state, std::uint64_t now_us) {
   Slot& slot = slots_[slot_];
+  job_ = Job::kIdle;
   slot.phase = Phase::kFind;
+  slot.cleared = slot.clear_wanted = slot.verify_wanted = slot.restart_wanted = slot.lost = false;
+  slot.ready_us = job_start_us_ + sequence_us();
   samples_[slot.module].valid = 0;
   samples_[slot.module].state = state;
-  return next_slot(now_us);
+  publish(now_us);
 }
 
-void LineSampler::lose(Slot& slot, std::uint64_t now_us) {
-  if (slot.phase == Phase::kRun) slot.lost_us = now_us;
+void LineSampler::publish(std::uint64_t time_us) {
+  ModuleSample& sample = samples_[slots_[slot_].module];
+  ++sample.number;
+  sample.time_us = time_us;
+  sample.fresh = true;
 }
 
-void LineSampler::configure(Phase phase) {
-  slots_[slot_].phase = phase;
-  job_ = Job::kConfigure;
-  configure_step_ = 0;
-  const auto polarity = phase == Phase::kMirror ? Ad7147::Polarity::kPositive : Ad7147::Polarity::kNegative;
-  chip_.begin_configure(*line_, chip_address(), configure_step_, polarity);
+void LineSampler::finish_identify(std::uint64_t now_us) {
+  if (chip_.finish_identify() != Status::kOk) return give_up(ModuleState::kWrongId, now_us);
+  if (slots_[slot_].lost) return give_up(ModuleState::kLostConfiguration, now_us);
+  configure(slots_[slot_].single ? Phase::kMeasure : Phase::kMirror);
 }
 
-bool LineSampler::finish_configure(std::uint64_t now_us) {
+// Step by step, between the readings of the line's other chips.
+void LineSampler::configure(Phase next) {
   Slot& slot = slots_[slot_];
-  if (++configure_step_ < Ad7147::kConfigurationSteps) {
-    const auto polarity = slot.phase == Phase::kMirror ? Ad7147::Polarity::kPositive : Ad7147::Polarity::kNegative;
-    chip_.begin_configure(*line_, chip_address(), configure_step_, polarity);
-    return false;
-  }
-  slot.ready_us = now_us + kSettle_us;
+  slot.phase = Phase::kConfigure;
+  slot.next_phase = next;
+  slot.step = 0;
+  slot.cleared = slot.clear_wanted = slot.verify_wanted = slot.restart_wanted = false;
+}
+
+void LineSampler::finish_configure(std::uint64_t now_us) {
+  Slot& slot = slots_[slot_];
+  if (slot.phase != Phase::kConfigure || ++slot.step < Ad7147::kConfigurationSteps) return;  // or a new check was asked for meanwhile
+  slot.phase = slot.next_phase;
+  slot.clock.start(now_us, sequence_us());
+  slot.unverified = 0;
   slot.still = {};
-  return next_slot(now_us);
 }
 
-bool LineSampler::finish_verify(std::uint64_t now_us) {
-  if (!chip_.configuration_holds()) return give_up(ModuleState::kLostConfiguration, now_us);  // a power dip
-  slots_[slot_].verified = true;
-  job_ = Job::kRead;
-  chip_.begin_read(*line_, chip_address());
-  return false;
-}
-
-bool LineSampler::finish_read(std::uint64_t now_us) {
+void LineSampler::finish_read(std::uint64_t now_us) {
   Slot& slot = slots_[slot_];
-  if (slot.phase == Phase::kFind) return next_slot(now_us);  // a new check was asked for meanwhile
+  if (slot.phase == Phase::kFind) return;  // a new check was asked for meanwhile
+  results_ = chip_.results();
   if (slot.phase == Phase::kMirror) {
-    slot.mirrored = chip_.results();
-    configure(Phase::kMeasure);
-    return false;
+    slot.mirrored = results_;
+    return configure(Phase::kMeasure);
   }
-  if (slot.phase == Phase::kMeasure) {
-    if (!slot.single && !check_single(now_us)) return next_slot(now_us);
-    if (job_ == Job::kConfigure) return false;  // the check is done once more
-    slot.phase = Phase::kRun;
-  }
-  const bool extreme = !std::ranges::all_of(chip_.results(), in_range);
-  if (extreme && !slot.verified) {  // a chip without configuration reads like this too: look before calling it saturated
-    job_ = Job::kVerify;
-    chip_.begin_verify(*line_, chip_address());
-    return false;
-  }
-  store_results();
-  return next_slot(now_us);
+  if (slot.phase == Phase::kMeasure && !slot.single) check_single(now_us);
+  if (slot.phase == Phase::kConfigure || slot.phase == Phase::kFind) return;  // the check is done once more, or failed
+  slot.phase = Phase::kRun;
+  // A chip without configuration reads like one at the end of its range: look before calling it saturated.
+  if (std::exchange(slot.recheck, false) || !std::ranges::all_of(results_, in_range)) return verify();
+  slot.verify_wanted = ++slot.unverified >= kVerifyEvery;
+  finish_sequence();
 }
 
-// Compares the results of both inputs. False: two chips answer. Starts the check again as long as that is only suspected.
-bool LineSampler::check_single(std::uint64_t now_us) {
+void LineSampler::verify() {
+  job_ = Job::kVerify;
+  chip_.begin_verify(*line_, chip_address());
+}
+
+void LineSampler::finish_verify() {
   Slot& slot = slots_[slot_];
-  const ad7147::Results measured = chip_.results();
+  if (slot.phase == Phase::kFind) return;
+  if (!chip_.configuration_holds()) {  // a power dip, or another chip was put in its place
+    slot.lost = true;
+    job_ = Job::kIdentify;
+    return chip_.begin_identify(*line_, chip_address());
+  }
+  slot.unverified = 0;
+  if (!std::exchange(slot.verify_wanted, false)) finish_sequence();
+}
+
+// The results stand. When the next ones could not be read in their window, or the prediction is doubtful, the chip begins anew a little
+// later: no results are lost by that, and the new beginning is known exactly.
+void LineSampler::finish_sequence() {
+  Slot& slot = slots_[slot_];
+  store_results();
+  publish(slot.clock.end_us());
+  slot.clock.next(slot.clock.locked() ? sampling_.every : 1);
+  slot.clear_wanted = slot.clock.look_wanted();
+  slot.restart_wanted = would_miss(slot) || slot.clock.uncertain();
+  if (!slot.restart_wanted) return;
+  slot.clear_wanted = false;
+  slot.put_off = 0;
+  slot.ready_us = 0;
+}
+
+// When that would only move the crowd, it waits a little.
+void LineSampler::restart_sequence(std::uint64_t now_us) {
+  Slot& slot = slots_[slot_];
+  const SequenceClock before = slot.clock;
+  constexpr std::uint64_t kTransfer_us = 150, kLater_us = 500;
+  slot.clock.restart(now_us + kTransfer_us);
+  const bool crowd = std::ranges::any_of(slots(), [&](const Slot& s) { return s.reading() && would_miss(s); });
+  if (crowd && ++slot.put_off < 12) {
+    slot.clock = before;
+    slot.ready_us = now_us + kLater_us;
+    return;
+  }
+  job_ = Job::kRestart;
+  chip_.begin_restart(*line_, chip_address());
+}
+
+void LineSampler::finish_look(std::uint64_t now_us) {
+  Slot& slot = slots_[slot_];
+  slot.cleared = false;
+  constexpr unsigned kMiddleStages = 0x3F0;  // complete in any case, on a chip that converts
+  if ((chip_.status() & kMiddleStages) != kMiddleStages) {
+    slot.clock.look_in_vain();
+  } else {
+    slot.clock.looked(job_start_us_ + SequenceClock::kStatusRead_us, (chip_.status() >> (ad7147::kStages - 1) & 1) != 0);
+  }
+  if (slot.phase == Phase::kRun || slot.phase == Phase::kMeasure) choose(now_us);
+}
+
+// The end of another chip's sequence that is nearest to the end of this one's.
+std::uint64_t LineSampler::end_near(const Slot& slot, const Slot& other) {
+  const std::uint64_t end = slot.clock.end_us(), period = other.clock.period_us();
+  std::uint64_t other_end = other.clock.end_us();
+  while (other_end + period / 2 < end) other_end += period;
+  while (other_end > end + period / 2) other_end -= period;
+  return other_end;
+}
+
+// Whether the readings before it, in the order in which the sequences end, leave this chip's next one too late.
+bool LineSampler::would_miss(const Slot& slot) const {
+  const std::uint64_t end = slot.clock.end_us(), early = end - slot.clock.read_us();
+  std::array<std::uint64_t, layout::kAddressesPerLine> ends{};  // 0: not before it
+  std::size_t count = 0;
+  for (const Slot& other : slots()) {
+    if (&other == &slot || !other.reading()) continue;
+    if (const std::uint64_t e = end_near(slot, other); e <= end) ends[count++] = e;
+  }
+  std::ranges::sort(ends);
+  std::uint64_t free_us = 0;
+  for (const std::uint64_t e : ends) free_us = e == 0 ? 0 : std::max(free_us, e - early) + kBurst_us;
+  return free_us > slot.clock.last_start_us();
+}
+
+// Compares the results of both inputs. Starts the check again as long as two chips are only suspected.
+void LineSampler::check_single(std::uint64_t now_us) {
+  Slot& slot = slots_[slot_];
   std::int64_t deficit = 0;
   int compared = 0;
-  for (std::size_t t = 0; t < measured.size(); ++t) {
-    if (!in_range(measured[t]) || !in_range(slot.mirrored[t])) continue;
-    deficit += 2 * static_cast<std::int64_t>(ad7147::kMidScale) - measured[t] - slot.mirrored[t];
+  for (std::size_t t = 0; t < results_.size(); ++t) {
+    if (!in_range(results_[t]) || !in_range(slot.mirrored[t])) continue;
+    deficit += 2 * static_cast<std::int64_t>(ad7147::kMidScale) - results_[t] - slot.mirrored[t];
     ++compared;
   }
   if (deficit <= static_cast<std::int64_t>(kMinDeficit) * compared) {
     slot.suspicions = 0;
     slot.single = true;
-    return true;
+    return;
   }
-  if (++slot.suspicions < kMinSuspicions) {
-    configure(Phase::kMirror);
-    return true;
-  }
+  if (++slot.suspicions < kMinSuspicions) return configure(Phase::kMirror);
   slot.suspicions = kMinSuspicions - 1;  // seen again in a second: one more look is enough
-  slot.phase = Phase::kFind;
+  give_up(ModuleState::kDuplicate, now_us);
   slot.ready_us = now_us + kDuplicatePause_us;
-  samples_[slot.module].valid = 0;
-  samples_[slot.module].state = ModuleState::kDuplicate;
-  return false;
 }
 
 void LineSampler::store_results() {
   ModuleSample& sample = samples_[slots_[slot_].module];
-  sample.raw = chip_.results();
+  sample.raw = results_;
   std::uint16_t inside = 0;
   for (std::size_t t = 0; t < sample.raw.size(); ++t) {
     if (in_range(sample.raw[t])) inside = static_cast<std::uint16_t>(inside | 1U << t);
@@ -277,10 +444,7 @@ void LineSampler::store_results() {
   const std::uint16_t frozen = find_frozen(sample.raw) & inside;
   sample.valid = static_cast<std::uint16_t>(inside & ~frozen);
   sample.state = inside != ad7147::kAllStages ? ModuleState::kSaturated : frozen != 0 ? ModuleState::kFrozen : ModuleState::kOk;
-  if (!sample.has_baseline) {
-    sample.baseline = sample.raw;
-    sample.has_baseline = true;
-  }
+  sample.compensation.add(sample.raw, sample.valid);
 }
 
 // A live converter has noise: a taxel that keeps one value while most others of its chip change is frozen. Readings in which
@@ -300,21 +464,10 @@ std::uint16_t LineSampler::find_frozen(const ad7147::Results& raw) {
   return frozen;
 }
 
-bool LineSampler::next_slot(std::uint64_t now_us) {
-  ++slot_;
-  return start_slot(now_us);
-}
-
 void LineSampler::handle_stuck(std::uint64_t now_us) {
   const bool scanning = job_ == Job::kScan;
   job_ = Job::kIdle;
   ++bus_errors_;
-  for (std::size_t k = 0; k < slot_count_; ++k) {
-    lose(slots_[k], now_us);
-    slots_[k].phase = Phase::kFind;
-    samples_[slots_[k].module].valid = 0;
-    samples_[slots_[k].module].state = ModuleState::kLineStuck;
-  }
   stuck_ = true;
   if (recoveries_in_row_ < kMaxRecoveries) {
     ++recoveries_in_row_;
@@ -322,8 +475,14 @@ void LineSampler::handle_stuck(std::uint64_t now_us) {
     stuck_ = line_->recover() != Status::kOk;
   } else {
     recoveries_in_row_ = 0;
-    next_cycle_us_ = now_us + kStuckPause_us;
+    paused_until_us_ = now_us + kStuckPause_us;
   }
+  for (slot_ = 0; slot_ < slot_count_; ++slot_) {
+    lose(slots_[slot_], now_us);
+    give_up(ModuleState::kLineStuck, now_us);
+    slots_[slot_].ready_us = stuck_ ? now_us + sequence_us() : now_us;
+  }
+  slot_ = 0;
   if (!scanning) return;
   if (!stuck_) {
     request_scan();  // the line is free again: what it answered until now is incomplete

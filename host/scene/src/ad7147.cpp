@@ -117,25 +117,41 @@ int Ad7147::stages_on() const { return std::min(kStages, ((setup_[kPwrControl] >
 
 bool Ad7147::converting() const { return (power_mode(setup_[kPwrControl]) & 1) == 0; }
 
-std::uint64_t Ad7147::stage_us() const { return kSequenceUs[(setup_[kPwrControl] >> 8) & 3] / kStages; }
-
-std::uint64_t Ad7147::sequence_us() const {
-  return kSequenceUs[(setup_[kPwrControl] >> 8) & 3] * static_cast<std::uint64_t>(stages_on()) / kStages;
+std::uint64_t Ad7147::stage_ns() const {
+  const auto nominal_ns = static_cast<std::int64_t>(kSequenceUs[(setup_[kPwrControl] >> 8) & 3]) * 1000;
+  return static_cast<std::uint64_t>((nominal_ns + nominal_ns / 1000 * clock_ppm_ / 1000) / kStages);
 }
 
-std::uint64_t Ad7147::period_us() const {
+std::uint64_t Ad7147::sequence_us() const { return (stage_ns() * static_cast<std::uint64_t>(stages_on()) + 500) / 1000; }
+
+std::uint64_t Ad7147::period_ns() const {
   const bool low_power = power_mode(setup_[kPwrControl]) == 2;
-  return sequence_us() + (low_power ? kLowPowerDelayUs[(setup_[kPwrControl] >> 2) & 3] : 0);
+  const std::uint64_t delay_us = low_power ? kLowPowerDelayUs[(setup_[kPwrControl] >> 2) & 3] : 0;
+  return stage_ns() * static_cast<std::uint64_t>(stages_on()) + delay_us * 1000;
 }
 
-std::uint64_t Ad7147::last_conversion_us(int stage, std::uint64_t now_us) const {
-  if (!converting() || stage >= stages_on()) return kNever;
-  const std::uint64_t first = restart_us_ + stage_us() * static_cast<std::uint64_t>(stage + 1);
-  if (now_us < first) return kNever;
-  return first + (now_us - first) / period_us() * period_us();
+Ad7147::Conversion Ad7147::last_conversion(int stage, std::uint64_t now_us) const {
+  if (!converting() || stage >= stages_on() || now_us < restart_us_) return {};
+  const std::uint64_t since_ns = (now_us - restart_us_) * 1000, first_ns = stage_ns() * static_cast<std::uint64_t>(stage + 1);
+  if (since_ns < first_ns) return {};
+  const std::uint64_t number = (since_ns - first_ns) / period_ns();
+  return {restart_us_ + (first_ns + number * period_ns()) / 1000, number};
 }
 
-std::uint16_t Ad7147::convert(int stage, std::uint64_t at_us) const {
+// Peak to peak is 6.6 standard deviations. The sum of four uniform numbers is close enough to a bell.
+double Ad7147::noise(int stage, std::uint64_t number) const {
+  if (noise_seed_ == 0) return 0.0;
+  constexpr double kPeakToPeak[] = {3.0, 7.0, 12.0, 12.0};
+  std::uint64_t x = noise_seed_ ^ (number * 16 + static_cast<std::uint64_t>(stage));
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EB;
+  x ^= x >> 31;
+  double sum = 0.0;
+  for (int k = 0; k < 4; ++k) sum += static_cast<double>(x >> (16 * k) & 0xFFFF) / 65536.0 - 0.5;
+  return sum * std::sqrt(3.0) * kPeakToPeak[(setup_[kPwrControl] >> 8) & 3] / 6.6;
+}
+
+std::uint16_t Ad7147::convert(int stage, const Conversion& conversion) const {
   const std::uint16_t* setup = &stage_[static_cast<std::size_t>(stage * kRegistersPerStage)];
   double value = kMidScale;
   bool connected = false;
@@ -143,23 +159,23 @@ std::uint16_t Ad7147::convert(int stage, std::uint64_t at_us) const {
     const int to = connection(setup, pin);
     if (to != 1 && to != 2) continue;
     connected = true;
-    value += (to == 1 ? -1.0 : 1.0) * source_->counts(pin, at_us);
+    value += (to == 1 ? -1.0 : 1.0) * source_->counts(pin, conversion.at_us);
   }
   if (!connected) return kMidScale;
-  value += afe_counts(setup[2]);
+  value += afe_counts(setup[2]) + noise(stage, conversion.number);
   return static_cast<std::uint16_t>(std::clamp(std::lround(value), 0L, 0xFFFFL));
 }
 
 std::uint16_t Ad7147::result(int stage, std::uint64_t now_us) const {
-  const std::uint64_t at_us = last_conversion_us(stage, now_us);
-  return at_us == kNever ? latched_[static_cast<std::size_t>(stage)] : convert(stage, at_us);
+  const Conversion last = last_conversion(stage, now_us);
+  return last.at_us == kNever ? latched_[static_cast<std::size_t>(stage)] : convert(stage, last);
 }
 
 std::uint16_t Ad7147::complete_status(std::uint64_t now_us) {
   int status = 0;
   for (int s = 0; s < kStages; ++s) {
-    const std::uint64_t at_us = last_conversion_us(s, now_us);
-    if (at_us != kNever && at_us > status_read_us_) status |= 1 << s;
+    const Conversion last = last_conversion(s, now_us);
+    if (last.at_us != kNever && last.at_us > status_read_us_) status |= 1 << s;
   }
   status_read_us_ = now_us;
   return static_cast<std::uint16_t>(status);

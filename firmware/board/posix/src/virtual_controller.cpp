@@ -14,7 +14,7 @@ namespace triskin::sim {
 namespace {
 
 constexpr std::uint64_t kByte_ns = 22'500;      // nine bits at 400 kHz
-constexpr std::uint64_t kStartStop_us = 5;      // start and stop conditions
+constexpr std::uint64_t kBit_ns = 2'500;         // start, repeated start, stop
 constexpr std::uint64_t kStuckTimeout_us = 1'000;
 
 class VirtualClock final : public fw::Clock {
@@ -32,15 +32,15 @@ class VirtualClock final : public fw::Clock {
   std::uint64_t rest_ns_ = 0;
 };
 
-// Moves the bytes at once, and reports the end when the bus would have needed the time.
+// Moves the bytes at once, each with the time at which the bus would have ended it, and reports the end when that has come.
 class VirtualI2cLine final : public fw::I2cLine {
  public:
   VirtualI2cLine(I2cBus& bus, const VirtualClock& clock) : bus_(bus), clock_(clock) {}
 
   void start(std::uint8_t address, Bytes write, std::span<std::uint8_t> read) override {
-    bytes_ = 0;
+    spent_ns_ = 0;
     status_ = transfer(address, write, read);
-    done_us_ = clock_.now + kStartStop_us + (bytes_ * kByte_ns + 999) / 1000 + (status_ == Status::kLineStuck ? kStuckTimeout_us : 0);
+    done_us_ = at_us() + (status_ == Status::kLineStuck ? kStuckTimeout_us : 0);
     busy_ = true;
   }
   std::optional<Status> poll() override {
@@ -61,29 +61,29 @@ class VirtualI2cLine final : public fw::I2cLine {
     const auto shifted = static_cast<std::uint8_t>(address << 1);
     Status status = Status::kOk;
     if (!write.empty()) {
-      status = step(bus_.start(shifted, clock_.now));
-      for (std::size_t k = 0; k < write.size() && status == Status::kOk; ++k) status = step(bus_.write(write[k], clock_.now));
+      status = address_byte(shifted);
+      for (std::size_t k = 0; k < write.size() && status == Status::kOk; ++k) status = acknowledged(bus_.write(write[k], after(kByte_ns)));
     }
     if (!read.empty() && status == Status::kOk) {
-      status = step(bus_.start(static_cast<std::uint8_t>(shifted | 1), clock_.now));
-      for (std::size_t k = 0; k < read.size() && status == Status::kOk; ++k) {
-        read[k] = bus_.read(k + 1 < read.size(), clock_.now);
-        ++bytes_;
-      }
+      status = address_byte(static_cast<std::uint8_t>(shifted | 1));
+      for (std::size_t k = 0; k < read.size() && status == Status::kOk; ++k) read[k] = bus_.read(k + 1 < read.size(), after(kByte_ns));
     }
-    bus_.stop(clock_.now);
+    bus_.stop(after(kBit_ns));
     return bus_.sda() && bus_.scl() ? status : Status::kLineStuck;
   }
-  Status step(bool acknowledged) {
-    ++bytes_;
-    return acknowledged ? Status::kOk : Status::kBusError;
+  Status address_byte(std::uint8_t byte) { return acknowledged(bus_.start(byte, after(kBit_ns + kByte_ns))); }
+  static Status acknowledged(bool yes) { return yes ? Status::kOk : Status::kBusError; }
+  std::uint64_t at_us() const { return clock_.now + (spent_ns_ + 999) / 1000; }
+  std::uint64_t after(std::uint64_t ns) {
+    spent_ns_ += ns;
+    return at_us();
   }
 
   I2cBus& bus_;
   const VirtualClock& clock_;
   bool busy_ = false;
   Status status_ = Status::kOk;
-  std::uint64_t bytes_ = 0, done_us_ = 0;
+  std::uint64_t spent_ns_ = 0, done_us_ = 0;
 };
 
 class VirtualCan final : public fw::CanPort {

@@ -46,17 +46,27 @@ std::uint32_t untouched_stack() {
   return static_cast<std::uint32_t>(p - &triskin_stack_bottom) * 4;
 }
 
-// Sleeps until an interrupt. Interrupts stay off between the decision and WFI, which wakes all the same: none is slept through.
-void sleep_until(std::uint64_t at_us) {
-  asm volatile("cpsid i" ::: "memory");
-  const bool work = can.frame_waits() || std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); });
-  if (!work && microseconds() < at_us) {
+bool work_waits(const fw::Application& application) {
+  return can.frame_waits() || (application.frames_wait() && can.has_room()) || std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); });
+}
+
+// Sleeps until something is to be done; interrupts that only move data on do not end it. They stay off between the decision and WFI,
+// which wakes all the same: none is slept through.
+void sleep_until(std::uint64_t at_us, const fw::Application& application) {
+  bool armed = false;
+  for (;;) {
+    asm volatile("cpsid i" ::: "memory");
     const std::uint64_t before = microseconds();
-    wake_at(at_us);
-    asm volatile("dsb\n wfi" ::: "memory");
-    triskin_budget.idle_us += microseconds() - before;
+    const bool sleep = !work_waits(application) && before < at_us;
+    if (sleep) {
+      if (!armed) wake_at(at_us);
+      armed = true;
+      asm volatile("dsb\n wfi" ::: "memory");
+      triskin_budget.idle_us += microseconds() - before;
+    }
+    asm volatile("cpsie i\n isb" ::: "memory");
+    if (!sleep) return;
   }
-  asm volatile("cpsie i\n isb" ::: "memory");
 }
 
 [[noreturn]] void run(fw::Application& application) {
@@ -74,7 +84,7 @@ void sleep_until(std::uint64_t at_us) {
     ++triskin_budget.loops;
     if (triskin_budget.loops % 1024 == 0) triskin_budget.stack_free_bytes = untouched_stack();
     triskin_budget.worst_loop_us = std::max(triskin_budget.worst_loop_us, static_cast<std::uint32_t>(microseconds() - start));
-    sleep_until(next);
+    sleep_until(next, application);
   }
 }
 

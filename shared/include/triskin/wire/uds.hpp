@@ -40,6 +40,7 @@ inline constexpr std::uint16_t kLineStates = 0xFD06;   ///< per line: stuck, rec
 inline constexpr std::uint16_t kTopology = 0xFD07;     ///< modules and joints as found (wire/topology.hpp)
 inline constexpr std::uint16_t kRoute = 0xFD08;        ///< what the route keeper did, and the tree that is active
 inline constexpr std::uint16_t kImageState = 0xFD09;   ///< slot that runs, confirmed, sequence, bytes, CRC of its record
+inline constexpr std::uint16_t kSampling = 0xFD09;     ///< Decimation, every n-th sequence, TaxelOutput; 1 byte each; reset by power-up
 inline constexpr std::uint16_t kLiveTaxels = 0xFD10;   ///< per module: validity, 12 × 16 bit
 inline constexpr std::uint16_t kFreezeTime = 0xFD21, kFreezeSample = 0xFD22;  ///< of a fault: ms since power-up, sample; 32 bit
 }  // namespace did
@@ -56,6 +57,15 @@ inline constexpr std::uint16_t kMaxBlockBytes = 66;  ///< 0x36 with counter: 64 
 
 /// What the controller sends by itself.
 enum class StreamMode : std::uint8_t { kOff = 0, kIcub = 1, kFull = 2 };
+
+/// Readings that the converter adds up for one result: more of them, less noise and fewer samples. As in its power control.
+enum class Decimation : std::uint8_t { k256 = 0, k128 = 1, k64 = 2 };
+
+/// What a taxel's 16 bits are.
+enum class TaxelOutput : std::uint8_t {
+  kRaw = 0,          ///< the converter's result
+  kCompensated = 1,  ///< 0x8000 at rest; baseline and temperature taken away
+};
 
 /// What is known about a module of the table. The numbers are part of the wire version.
 enum class ModuleState : std::uint8_t {

@@ -29,6 +29,8 @@ class Application final : private UdsHost {
   void step();
   /// Earliest time at which step() has work, not counting frames and line transfers, whose ends the board reports.
   [[nodiscard]] std::uint64_t next_event_us() const;
+  /// Frames wait for room in the CAN port: step() again when there is some.
+  [[nodiscard]] bool frames_wait() const;
 
  private:
   bool read_identifier(std::uint16_t did, ByteWriter& out) override;
@@ -65,8 +67,13 @@ class Application final : private UdsHost {
   bool handle_claim_frame(Channel& channel, const wire::CanFrame& frame);
   void send_pending();
   static void send_pending(Channel& channel, std::uint64_t now_us);
-  void end_cycle();
-  void queue_sample();
+  void take_samples();
+  void tick();
+  void queue_full(std::size_t module);
+  void queue_icub();
+  Status set_sampling(Bytes value);
+  template <class... Frames>
+  void queue(const Frames&... frames);
   void write_hello(ByteWriter& out) const;
   void write_live(ByteWriter& out) const;
   void write_states(ByteWriter& out) const;
@@ -85,11 +92,13 @@ class Application final : private UdsHost {
   std::array<ModuleSample, layout::kMaxModules> published_{};
   RouteKeeper route_;
   bool quiet_ = false;  ///< sampling comes to rest
-  std::uint8_t lines_done_ = 0;
+  Sampling sampling_;
+  wire::TaxelOutput output_ = wire::TaxelOutput::kRaw;
+  std::uint64_t next_tick_us_ = 0;
   std::uint32_t sample_count_ = 0;
   wire::StreamMode stream_ = wire::StreamMode::kOff;
-  std::array<wire::CanFrame, 2 * layout::kMaxModules> outgoing_{};
-  std::size_t outgoing_count_ = 0, outgoing_at_ = 0;
+  std::array<wire::CanFrame, 3 * layout::kMaxModules> outgoing_{};  // a ring
+  std::size_t outgoing_head_ = 0, outgoing_tail_ = 0;
   std::uint32_t lost_frames_ = 0;
   bool reset_requested_ = false, through_loader_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;

@@ -7,21 +7,26 @@
 
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/ports/ports.hpp"
+#include "triskin/wire/uds.hpp"
 
 namespace triskin::fw {
 
 /// Registers of the AD7147 (data sheet rev. E, tables 14–36): 16-bit addresses and values, big-endian.
 namespace ad7147 {
 inline constexpr std::uint16_t kPowerControl = 0x000, kStageCalibration = 0x001, kAmbientControl = 0x002, kInterruptEnable = 0x005,
-                               kResult = 0x00B, kDeviceId = 0x017, kStage = 0x080;
-inline constexpr std::uint16_t kFullPower = 0x00B0;        ///< twelve stages, decimation 256
+                               kStageComplete = 0x00A, kResult = 0x00B, kDeviceId = 0x017, kStage = 0x080;
+/// Full power, twelve stages; bits 8 and 9 choose the decimation.
+[[nodiscard]] constexpr std::uint16_t power_control(wire::Decimation d) { return static_cast<std::uint16_t>(0x00B0 | static_cast<unsigned>(d) << 8); }
 inline constexpr std::uint16_t kAllStages = 0x0FFF;
 inline constexpr std::uint16_t kId = 0x1470, kIdMask = 0xFFF0;  ///< low nibble: revision
 inline constexpr int kStages = 12;
 using Results = std::array<std::uint16_t, kStages>;
 inline constexpr std::uint16_t kStageStride = 8;
-/// Conversion time of twelve stages at decimation 256 (data sheet table 11), µs.
-inline constexpr std::uint32_t kSequence_us = 36'900;
+/// Conversion time of twelve stages (data sheet table 11), µs.
+[[nodiscard]] constexpr std::uint32_t sequence_us(wire::Decimation d) {
+  constexpr std::array<std::uint32_t, 3> kTimes{36'900, 18'400, 9'200};
+  return kTimes[static_cast<std::size_t>(d)];
+}
 inline constexpr std::uint32_t kMidScale = 0x8000;
 }  // namespace ad7147
 
@@ -39,6 +44,15 @@ class Ad7147 {
   static constexpr int kConfigurationSteps = ad7147::kStages + 2;
   void begin_configure(I2cLine& line, std::uint8_t address, int step, Polarity polarity);
 
+  /// The decimation that begin_configure and begin_restart write.
+  void set_decimation(wire::Decimation d) { power_ = ad7147::power_control(d); }
+  /// Writes power control alone: the sequence begins anew, the results stay.
+  void begin_restart(I2cLine& line, std::uint8_t address);
+
+  /// Reads and so clears the stage-complete status: bit s is set when stage s has been converted since the last reading.
+  void begin_status(I2cLine& line, std::uint8_t address);
+  [[nodiscard]] std::uint16_t status() const;
+
   /// Reads back what a power dip would clear: power control and calibration enables.
   void begin_verify(I2cLine& line, std::uint8_t address);
   [[nodiscard]] bool configuration_holds() const;
@@ -49,6 +63,7 @@ class Ad7147 {
 
  private:
   void write_register(std::uint16_t reg);
+  std::uint16_t power_ = ad7147::power_control(wire::Decimation::k256);
   std::array<std::uint8_t, 2 + 2 * 8> out_{};
   std::array<std::uint8_t, 2 * ad7147::kStages> in_{};
 };

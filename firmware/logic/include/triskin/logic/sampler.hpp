@@ -5,18 +5,29 @@
 
 #include "triskin/drivers/ad7147.hpp"
 #include "triskin/layout/patch_image.hpp"
+#include "triskin/logic/compensation.hpp"
+#include "triskin/logic/sequence_clock.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/uds.hpp"
 
 namespace triskin::fw {
 
+/// How the converters of a patch are run.
+struct Sampling {
+  wire::Decimation decimation = wire::Decimation::k256;
+  std::uint8_t every = 1;  ///< 1..255: each n-th sequence is read
+  bool operator==(const Sampling&) const = default;
+};
+
 /// What is known about one module of the table.
 struct ModuleSample {
   wire::ModuleState state = wire::ModuleState::kUnknown;
   std::array<std::uint16_t, layout::kTaxelsPerModule> raw{};
-  std::array<std::uint16_t, layout::kTaxelsPerModule> baseline{};
-  std::uint16_t valid = 0;        ///< bit t: taxel t was read in the last cycle, is inside its range and not frozen
-  bool has_baseline = false;
+  std::uint16_t valid = 0;        ///< bit t: taxel t was read in the last sequence, is inside its range and not frozen
+  std::uint32_t number = 0;       ///< counts the sequences that were to be read: one left out is a lost sample
+  std::uint64_t time_us = 0;      ///< end of the sequence
+  bool fresh = false;             ///< set by the sampler with each reading or failure, cleared by who sends it on
+  Compensation compensation;
 };
 
 /// What answers on a line, whether the table knows it or not.
@@ -27,7 +38,9 @@ struct LineScan {
   bool done = false;
 };
 
-/// Drives one line: finds, configures, checks and reads its chips one after the other. step() never waits.
+/// Drives one line: finds, configures, checks and reads its chips. step() never waits. Each chip is read once a sequence, in the
+/// window in which its twelve results belong together (SequenceClock): nothing is torn, repeated or left out. When three chips of a line
+/// come to end at the same time, so that one could not be read in its window, one begins its next sequence anew a little later.
 /// A stuck line is recovered at most three times in a row, then left alone for a second; the other lines do not notice.
 ///
 /// Two chips at one address answer together and nobody sees it on the bus: their data are a wired AND. So a chip that was found
@@ -35,22 +48,21 @@ struct LineScan {
 /// chips that differ by d counts is smaller by d at least, because x AND y = (x + y − (x XOR y)) / 2 and x XOR y ≥ |x − y|.
 class LineSampler {
  public:
-  static constexpr std::uint32_t kPeriod_us = ad7147::kSequence_us;
-  /// From the start of a sequence until its results stand: the chip's oscillator may be slow.
-  static constexpr std::uint64_t kSettle_us = ad7147::kSequence_us * 5ULL / 4;
   static constexpr int kMaxRecoveries = 3;
   static constexpr std::uint64_t kStuckPause_us = 1'000'000, kDuplicatePause_us = 1'000'000;
-  static constexpr std::uint64_t kRecent_us = 100'000;  ///< a chip lost so shortly before a new route is taken up where it was
-  static constexpr std::uint32_t kVerifyEvery = 16;  ///< cycles between two looks at a chip's configuration
+  static constexpr std::uint32_t kVerifyEvery = 16;  ///< readings between two looks at a chip's configuration
   static constexpr std::uint32_t kMinDeficit = 32;   ///< mean counts missing that two chips at one address are suspected at
+  static constexpr std::uint64_t kRecent_us = 100'000;  ///< a chip lost so shortly before a new route is taken up where it was
   static constexpr int kMinSuspicions = 3;           ///< in a row: a release between the two readings looks the same once
   static constexpr std::uint8_t kFrozenReadings = 32;  ///< lively readings without a change
+  static constexpr std::uint64_t kBurst_us = 800;  ///< on the line, and until the next transfer can begin
+  static constexpr std::uint64_t kGap_us = 500;  ///< longest transfer beside a reading: begun only when no reading falls due meanwhile
   static constexpr int kLively = 6;                  ///< taxels that must change for a reading to be lively
 
   /// Forgets everything and starts anew with the modules of this line. `samples` has one entry a row of the table and outlives
   /// the sampler.
   void begin(I2cLine& line, std::uint8_t line_index, const layout::PatchImage& table, std::span<ModuleSample> samples,
-             std::uint64_t now_us);
+             const Sampling& sampling, std::uint64_t now_us);
   /// Also without a table: reports what answers at the four addresses.
   void request_scan();
   /// Finds, configures and checks every chip of the line again.
@@ -59,63 +71,89 @@ class LineSampler {
   [[nodiscard]] bool checked() const;
   /// Starts nothing new until resume(). True: no transfer is under way.
   bool rest();
-  /// Goes on after rest(): chips that were read before are read again at once when they still hold their configuration.
+  /// Goes on after rest(): chips that were read before go on when they still hold their configuration.
   void resume(std::uint64_t now_us);
-  /// Advances. True when a cycle over all modules of the line has ended in this step.
-  bool step(std::uint64_t now_us);
+  /// Does what is due.
+  void step(std::uint64_t now_us);
   [[nodiscard]] const LineScan& scan() const { return scan_; }
   [[nodiscard]] bool stuck() const { return stuck_; }
   [[nodiscard]] std::uint32_t recoveries() const { return recoveries_; }
   [[nodiscard]] std::uint32_t bus_errors() const { return bus_errors_; }
-  /// When step() has something to do; max while a transfer is under way (the line reports its own end).
-  [[nodiscard]] std::uint64_t next_event_us() const;
+  [[nodiscard]] std::uint32_t lost_sequences() const { return lost_; }  ///< came and went unread
+  /// When step() has something to do after `now_us`; max while a transfer is under way (the line reports its own end).
+  [[nodiscard]] std::uint64_t next_event_us(std::uint64_t now_us) const;
 
  private:
-  enum class Job : std::uint8_t { kIdle, kDrain, kScan, kIdentify, kConfigure, kVerify, kRead };
-  enum class Phase : std::uint8_t { kFind, kMirror, kMeasure, kRun };
+  enum class Job : std::uint8_t { kIdle, kDrain, kScan, kIdentify, kConfigure, kRead, kVerify, kClear, kLook, kRestart };
+  enum class Phase : std::uint8_t { kFind, kConfigure, kMirror, kMeasure, kRun };
   struct Slot {
     std::uint8_t module = 0, address = 0;
-    Phase phase = Phase::kFind;
+    Phase phase = Phase::kFind, next_phase = Phase::kFind;  ///< next: after the configuration
+    std::uint8_t step = 0;        ///< of the configuration
     bool single = false;          ///< found to be one chip since it was last absent
-    bool verified = false;        ///< configuration seen in this cycle
-    std::uint8_t suspicions = 0;
-    std::uint64_t ready_us = 0;   ///< nothing to do before
+    bool lost = false;            ///< its configuration is; who answers there is asked for
+    bool clear_wanted = false, verify_wanted = false, restart_wanted = false;
+    bool cleared = false;         ///< the status was cleared for a look at the end of this sequence
+    std::uint8_t suspicions = 0, unverified = 0;  ///< readings since the configuration was seen
+    bool recheck = false;         ///< the next reading counts only when the configuration holds
     std::uint64_t lost_us = 0;    ///< when it was read last and then gave no answer
+    std::uint8_t put_off = 0;     ///< times that a new beginning was
+    std::uint64_t ready_us = 0;   ///< when to look for the chip again, or to begin its sequence anew
+    SequenceClock clock;
     ad7147::Results mirrored{}, last{};
     std::array<std::uint8_t, ad7147::kStages> still{};  ///< lively readings without a change
+    [[nodiscard]] bool reading() const { return phase != Phase::kFind && phase != Phase::kConfigure; }  ///< once a sequence
   };
 
-  bool start_cycle(std::uint64_t now_us);
-  bool start_slot(std::uint64_t now_us);
+  void choose(std::uint64_t now_us);
+  [[nodiscard]] std::uint64_t reading_due_us(const Slot& slot) const;
+  [[nodiscard]] std::uint64_t other_due_us(const Slot& slot) const;
+  [[nodiscard]] std::uint64_t next_reading_us() const;
+  void skip_missed(Slot& slot, std::uint64_t now_us);
+  void start_reading(std::uint64_t now_us);
+  void start_other(std::uint64_t now_us);
   void start_scan_step();
-  bool finish(Status status, std::uint64_t now_us);
-  bool finish_scan_step(Status status, std::uint64_t now_us);
-  bool finish_job(Status status, std::uint64_t now_us);
-  bool finish_configure(std::uint64_t now_us);
-  bool finish_verify(std::uint64_t now_us);
-  bool finish_read(std::uint64_t now_us);
-  bool check_single(std::uint64_t now_us);
-  void configure(Phase phase);
+  void finish(Status status, std::uint64_t now_us);
+  void finish_scan_step(Status status);
+  void finish_job(std::uint64_t now_us);
+  void finish_identify(std::uint64_t now_us);
+  void finish_configure(std::uint64_t now_us);
+  void finish_verify();
+  void finish_read(std::uint64_t now_us);
+  void finish_look(std::uint64_t now_us);
+  void finish_sequence();
+  void check_single(std::uint64_t now_us);
+  void configure(Phase next);
+  void verify();
+  void restart_sequence();
   void store_results();
+  void publish(std::uint64_t time_us);
+  [[nodiscard]] static std::uint64_t end_near(const Slot& slot, const Slot& other);
+  [[nodiscard]] bool look_fits(const Slot& slot) const;
+  [[nodiscard]] bool would_miss(const Slot& slot) const;
+  void restart_sequence(std::uint64_t now_us);
   [[nodiscard]] std::uint16_t find_frozen(const ad7147::Results& raw);
-  bool give_up(wire::ModuleState state, std::uint64_t now_us);
-  bool next_slot(std::uint64_t now_us);
+  void give_up(wire::ModuleState state, std::uint64_t now_us);
   static void lose(Slot& slot, std::uint64_t now_us);
   void handle_stuck(std::uint64_t now_us);
   [[nodiscard]] std::uint8_t chip_address() const;
+  [[nodiscard]] std::uint32_t sequence_us() const { return ad7147::sequence_us(sampling_.decimation); }
+  [[nodiscard]] std::span<Slot> slots() { return {slots_.data(), slot_count_}; }
+  [[nodiscard]] std::span<const Slot> slots() const { return {slots_.data(), slot_count_}; }
 
   I2cLine* line_ = nullptr;
   std::span<ModuleSample> samples_;
+  Sampling sampling_;
   std::array<Slot, layout::kAddressesPerLine> slots_{};
   std::size_t slot_count_ = 0, slot_ = 0;
   Ad7147 chip_;
+  ad7147::Results results_{};
   Job job_ = Job::kIdle;
-  int configure_step_ = 0;
   std::uint8_t scan_address_ = 0;
-  bool scan_requested_ = false, stuck_ = false, resting_ = false, verify_all_ = false;
+  bool scan_requested_ = false, stuck_ = false, resting_ = false;
   LineScan scan_;
-  std::uint64_t next_cycle_us_ = 0;
-  std::uint32_t cycle_ = 0, recoveries_ = 0, bus_errors_ = 0;
+  std::uint64_t paused_until_us_ = 0, job_start_us_ = 0;
+  std::uint32_t recoveries_ = 0, bus_errors_ = 0, lost_ = 0;
   int recoveries_in_row_ = 0;
 };
 

@@ -31,6 +31,12 @@ class Ad7147 {
   /// then hold their reset values.
   void schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us);
 
+  /// The oscillator runs slow by so many millionths (negative: fast); the data sheet allows 40,000.
+  void set_clock_error(int ppm) { clock_ppm_ = ppm; }
+  /// Adds the converter's own noise: 12, 7 or 3 counts peak to peak at decimation 64, 128, 256 (data sheet, table 1). Equal
+  /// seeds give equal noise for equal numbers of conversions since the sequence was started.
+  void set_noise(std::uint64_t seed) { noise_seed_ = seed; }
+
   // Bus side: what an I²C slave sees between start and stop.
   void select(bool read, std::uint64_t now_us);
   void write_byte(std::uint8_t byte, std::uint64_t now_us);
@@ -51,13 +57,18 @@ class Ad7147 {
   void reset(std::uint64_t now_us);
   void apply_power_dips(std::uint64_t now_us);
   void latch_results(std::uint64_t now_us);
-  [[nodiscard]] std::uint64_t stage_us() const;
-  [[nodiscard]] std::uint64_t period_us() const;
+  [[nodiscard]] std::uint64_t stage_ns() const;
+  [[nodiscard]] std::uint64_t period_ns() const;
   [[nodiscard]] int stages_on() const;
   [[nodiscard]] bool converting() const;
-  /// Time at which the latest conversion of `stage` up to now ended; kNever if there was none since the restart.
-  [[nodiscard]] std::uint64_t last_conversion_us(int stage, std::uint64_t now_us) const;
-  [[nodiscard]] std::uint16_t convert(int stage, std::uint64_t at_us) const;
+  struct Conversion {
+    std::uint64_t at_us = kNever;  ///< when it ended; kNever: there was none since the restart
+    std::uint64_t number = 0;      ///< since the restart
+  };
+  /// The latest conversion of `stage` up to now.
+  [[nodiscard]] Conversion last_conversion(int stage, std::uint64_t now_us) const;
+  [[nodiscard]] std::uint16_t convert(int stage, const Conversion& conversion) const;
+  [[nodiscard]] double noise(int stage, std::uint64_t number) const;
   [[nodiscard]] std::uint16_t result(int stage, std::uint64_t now_us) const;
   [[nodiscard]] std::uint16_t complete_status(std::uint64_t now_us);
 
@@ -66,6 +77,8 @@ class Ad7147 {
   std::array<std::uint16_t, kSetupRegisters> setup_{};
   std::array<std::uint16_t, kStageRegisters> stage_{};
   std::array<std::uint16_t, kStages> latched_{};  // results from before the last restart of the sequence
+  int clock_ppm_ = 0;
+  std::uint64_t noise_seed_ = 0;  // 0: none
   std::uint64_t restart_us_ = 0;
   std::uint64_t status_read_us_ = 0;
   std::uint64_t next_dip_us_ = kNever;

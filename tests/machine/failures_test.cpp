@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Each failure of a strapped module, on each of sixteen: named right, and the others go on at their rate. On board/posix one at a time, in the
+// machine one on each line at once.
+#include <algorithm>
+
+#include "sampling_bench.hpp"
+
+namespace triskin::machine {
+namespace {
+
+using wire::ModuleState;
+constexpr std::uint64_t kSequence_us = 9'200;
+
+enum class Failure { kAbsent, kMoved, kWrongId, kDip, kSaturated, kFrozen };
+constexpr std::array kAll{Failure::kAbsent, Failure::kMoved, Failure::kWrongId, Failure::kDip, Failure::kSaturated, Failure::kFrozen};
+
+class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
+ protected:
+  void begin() {
+    on_posix = GetParam();
+    start(16, {wire::Decimation::k64, 1});
+    run_for(300'000);
+  }
+  static constexpr ModuleState name_of(Failure f) {
+    constexpr std::array kNames{ModuleState::kAbsent, ModuleState::kAbsent, ModuleState::kWrongId, ModuleState::kLostConfiguration, ModuleState::kSaturated, ModuleState::kFrozen};
+    return kNames[static_cast<std::size_t>(f)];
+  }
+  void inject(Failure f, int m) {
+    SkinModule& module = module_at(m);
+    switch (f) {
+      case Failure::kAbsent: module.present = false; return;
+      case Failure::kMoved: module.address = static_cast<std::uint8_t>((module.address + 1) % 4); return;  // strapped as its neighbour is
+      case Failure::kWrongId: SkinLine::exchange(module, 0x1240, m); return;
+      case Failure::kDip: line_of(m).dip(module, now_us()); return;
+      case Failure::kSaturated: module.source.level[7] += 60'000; return;
+      case Failure::kFrozen: line_of(m).freeze(module, 2, now_us()); return;
+    }
+  }
+  void repair(Failure f, int m) {
+    SkinModule& module = module_at(m);
+    module.present = true;
+    module.frozen = 0;
+    if (f == Failure::kMoved) module.address = static_cast<std::uint8_t>(m / 4);
+    if (f == Failure::kWrongId) SkinLine::exchange(module, scene::Ad7147::kDeviceId, m);
+    if (f == Failure::kSaturated) module.source.level[7] -= 60'000;
+  }
+  // Two modules at one address are told apart when they are looked for.
+  void self_test() { ASSERT_EQ(request({0x31, 0x01, 0x02, 0x02}).at(0), 0x71); }
+
+  void expect_named(Failure f, const std::vector<int>& broken, std::uint64_t took_us) {
+    std::vector<int> doubled;  // the places that a moved module came to
+    for (const int m : broken) {
+      if (f == Failure::kMoved) doubled.push_back((m + 4) % 16);
+    }
+    const auto by_module = samples();
+    for (const auto& [m, list] : by_module) {
+      const bool is_broken = std::ranges::count(broken, m) > 0, is_doubled = std::ranges::count(doubled, m) > 0;
+      const ModuleState expected = is_doubled ? ModuleState::kDuplicate : is_broken ? name_of(f) : ModuleState::kOk;
+      const auto named = std::ranges::count(list, static_cast<std::uint8_t>(expected), &wire::FullTaxels::state);
+      if (is_broken || is_doubled) {
+        EXPECT_GE(named, 1) << "failure " << static_cast<int>(f) << " of module " << m;
+        for (const auto& t : list) {
+          const bool fine = t.state == static_cast<std::uint8_t>(expected) || t.state == static_cast<std::uint8_t>(ModuleState::kOk) || t.state == 0;
+          EXPECT_TRUE(fine) << "failure " << static_cast<int>(f) << " of module " << m << " called " << static_cast<int>(t.state);
+        }
+      } else {
+        EXPECT_GE(static_cast<double>(named), 0.95 * static_cast<double>(took_us / kSequence_us)) << "failure " << static_cast<int>(f) << " elsewhere, module " << m;
+        EXPECT_EQ(named, static_cast<long>(list.size())) << "failure " << static_cast<int>(f) << " elsewhere, module " << m;
+      }
+    }
+    EXPECT_EQ(by_module.size(), 16U);
+  }
+
+  void one(Failure f, const std::vector<int>& broken) {
+    for (const int m : broken) inject(f, m);
+    if (f == Failure::kMoved) self_test();
+    if (f == Failure::kMoved) run_for(250'000);  // all sixteen are looked for anew
+    frames.clear();
+    const std::uint64_t window_us = f == Failure::kFrozen || f == Failure::kMoved ? 600'000 : 400'000;
+    run_for(window_us);
+    expect_named(f, broken, window_us);
+    for (const int m : broken) repair(f, m);
+    if (f == Failure::kMoved) self_test();
+    run_for(f == Failure::kMoved ? 1'800'000 : 300'000);
+    frames.clear();
+    run_for(50'000);
+    for (const auto& [m, list] : samples()) EXPECT_EQ(list.back().state, static_cast<std::uint8_t>(ModuleState::kOk)) << "after failure " << static_cast<int>(f) << ", module " << m;
+  }
+};
+
+TEST_P(Failures, EachOnEachOfSixteenModulesIsNamedAndTheOthersGoOn) {
+  begin();
+  for (const Failure f : kAll) {
+    for (int m = 0; on_posix && m < 16; ++m) one(f, {m});
+    for (int turn = 0; !on_posix && turn < 4; ++turn) {
+      std::vector<int> broken;
+      for (int line = 0; line < 4; ++line) broken.push_back(line + 4 * ((line + turn) % 4));
+      one(f, broken);
+    }
+  }
+  if (!on_posix) expect_no_violation();
+}
+
+// The line's four modules share the name; the other lines do not notice.
+TEST_P(Failures, EachStuckLineIsNamedAndTheOthersGoOn) {
+  begin();
+  for (int line = 0; line < 4; ++line) {
+    for (const bool scl : {false, true}) {
+      SkinLine& l = lines[static_cast<std::size_t>(line)];
+      (scl ? l.scl_held : l.sda_held) = true;
+      run_for(50'000);
+      frames.clear();
+      constexpr std::uint64_t kWindow_us = 500'000;
+      run_for(kWindow_us);
+      for (const auto& [m, list] : samples()) {
+        const ModuleState expected = m % 4 == line ? ModuleState::kLineStuck : ModuleState::kOk;
+        for (const auto& t : list) EXPECT_EQ(t.state, static_cast<std::uint8_t>(expected)) << m;
+        EXPECT_GE(static_cast<double>(list.size()), 0.95 * static_cast<double>(kWindow_us / kSequence_us)) << m;
+      }
+      EXPECT_EQ(samples().size(), 16U);
+      (scl ? l.scl_held : l.sda_held) = false;
+      run_for(1'500'000);
+      frames.clear();
+      run_for(50'000);
+      for (const auto& [m, list] : samples()) EXPECT_EQ(list.back().state, static_cast<std::uint8_t>(ModuleState::kOk)) << m;
+    }
+  }
+  if (!on_posix) expect_no_violation();
+}
+
+TEST_P(Failures, LineHeldByAChipIsFreedByPulses) {
+  begin();
+  lines[1].frees_after_pulses = lines[1].pulses + 5;
+  lines[1].sda_held = true;
+  run_for(400'000);
+  frames.clear();
+  run_for(50'000);
+  EXPECT_EQ(samples().at(1).back().valid, 0xFFF);
+  EXPECT_FALSE(lines[1].sda_held);
+}
+
+INSTANTIATE_TEST_SUITE_P(Boards, Failures, ::testing::Bool(), [](const auto& tested) { return std::string(tested.param ? "posix" : "machine"); });
+
+}  // namespace
+}  // namespace triskin::machine

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "triskin/scene/ad7147.hpp"
+#include "triskin/sim/i2c_bus.hpp"
+
+namespace triskin::machine {
+
+/// What the twelve pads of a test module feel: a level each, in converter counts; with `ramp` all fall by one count in 200 µs besides,
+/// so that a reading tells when it was converted.
+struct PadSource final : scene::CapacitanceSource {
+  static constexpr double kRamp_us = 200.0;
+  static constexpr int kRampCounts = 8192;
+  std::array<double, 13> level{};
+  double drift_per_s = 0.0;
+  bool ramp = false;
+  [[nodiscard]] double counts(int cin, std::uint64_t at_us) const override;
+};
+
+/// One module: a converter of host/scene (register level, stage by stage, noise and oscillator error of the data sheet) and its faults.
+struct SkinModule {
+  PadSource source;
+  std::unique_ptr<scene::Ad7147> chip;
+  std::uint8_t address = 0;  ///< strapped, 0..3
+  bool present = true;
+  std::uint16_t frozen = 0;  ///< bit t: taxel t keeps `frozen_value`
+  std::array<std::uint16_t, 12> frozen_value{};
+};
+
+/// A burst of twelve results on the line, by the clock of the bus.
+struct Burst {
+  std::uint8_t address = 0;
+  std::uint64_t start_us = 0, stop_us = 0;
+};
+
+/// One line with modules, as the controller's pins see it. Everything that happens on it is counted.
+class SkinLine final : public sim::I2cBus {
+ public:
+  std::vector<std::unique_ptr<SkinModule>> modules;
+  bool sda_held = false, scl_held = false;
+  int frees_after_pulses = 0;  ///< 0: never
+  int pulses = 0, stops = 0;
+  std::uint64_t bytes = 0;
+  std::uint64_t origin_us = 0;        ///< subtracted from the caller's time
+  std::uint64_t first_start_us = 0;   ///< in the caller's time; 0: none yet
+  std::vector<Burst> bursts;
+
+  SkinModule& add(std::uint8_t address, int index, std::uint16_t device_id = scene::Ad7147::kDeviceId);
+  /// Another chip is put in its place: registers at their reset values.
+  static void exchange(SkinModule& m, std::uint16_t device_id, int index);
+  void dip(SkinModule& m, std::uint64_t now_us) { m.chip->write_register(0, 1U << 10, now_us - origin_us); }
+  void freeze(SkinModule& m, int taxel, std::uint64_t now_us);
+
+  bool start(std::uint8_t address_byte, std::uint64_t now_us) override;
+  bool write(std::uint8_t byte, std::uint64_t now_us) override;
+  std::uint8_t read(bool acknowledge, std::uint64_t now_us) override;
+  void stop(std::uint64_t now_us) override;
+  [[nodiscard]] bool scl() const override { return !scl_held; }
+  [[nodiscard]] bool sda() const override { return !sda_held; }
+  void pulse_scl(std::uint64_t now_us) override;
+
+ private:
+  std::vector<SkinModule*> selected_;
+  std::uint8_t address_ = 0;
+  std::uint16_t register_ = 0;
+  int position_ = 0, transaction_bytes_ = 0;
+  bool in_transaction_ = false;
+  std::uint64_t started_us_ = 0;
+};
+
+}  // namespace triskin::machine
