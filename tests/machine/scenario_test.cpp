@@ -33,10 +33,11 @@ std::vector<Event> read_script(const std::filesystem::path& path) {
   return events;
 }
 
-/// What a module said while its state was the same.
+/// Frames of a module that say the same but for their number and time.
 struct Stretch {
-  std::uint8_t state = 0;
-  std::vector<wire::FullTaxels> frames;
+  wire::FullTaxels first;
+  std::size_t count = 0;
+  [[nodiscard]] bool says_as(const wire::FullTaxels& t) const { return first.state == t.state && first.valid == t.valid && first.value == t.value; }
 };
 
 struct Outcome {
@@ -44,8 +45,12 @@ struct Outcome {
   std::vector<std::uint8_t> faults;
 };
 
+// The converters are quiet here: which sequence a reading falls into depends on the microseconds that code takes, and their noise with it.
 class Scenario : public Sampling, public ::testing::WithParamInterface<const char*> {
  protected:
+  void hush() {
+    for (int m = 0; m < 16; ++m) module_at(m).chip->set_noise(0);
+  }
   void obey(const Event& e) {
     const int n = std::stoi(e.words[1]);
     const std::string& verb = e.words[2];
@@ -55,7 +60,7 @@ class Scenario : public Sampling, public ::testing::WithParamInterface<const cha
     SkinModule& m = module_at(n);
     if (verb == "absent") m.present = false;
     else if (verb == "present") m.present = true;
-    else if (verb == "id") SkinLine::exchange(m, static_cast<std::uint16_t>(std::stoi(argument, nullptr, 16)), n);
+    else if (verb == "id") SkinLine::exchange(m, static_cast<std::uint16_t>(std::stoi(argument, nullptr, 16)), n), hush();
     else if (verb == "dip") line_of(n).dip(m, now_us());
     else if (verb == "saturate") m.source.level[std::stoul(argument)] += 60'000;
     else if (verb == "relax") m.source.level[std::stoul(argument)] -= 60'000;
@@ -70,6 +75,7 @@ class Scenario : public Sampling, public ::testing::WithParamInterface<const cha
 
   Outcome play(bool posix_board) {
     on_posix = posix_board;
+    hush();
     for (auto& line : lines) line.first_start_us = 0;
     frames.clear();
     store_table(patch(16));
@@ -89,8 +95,8 @@ class Scenario : public Sampling, public ::testing::WithParamInterface<const cha
     for (const auto& [m, list] : samples()) {
       std::vector<Stretch>& runs = outcome.modules[static_cast<std::size_t>(m)];
       for (const auto& t : list) {
-        if (runs.empty() || runs.back().state != t.state) runs.push_back({t.state, {}});
-        runs.back().frames.push_back(t);
+        if (runs.empty() || !runs.back().says_as(t)) runs.push_back({t, 0});
+        ++runs.back().count;
       }
     }
     outcome.faults = request({0x19, 0x02, 0xFF});
@@ -113,15 +119,12 @@ TEST_P(Scenario, GivesEqualFramesAndFaultsOnBothBoards) {
   for (std::size_t m = 0; m < 16; ++m) {
     const auto& a = image.modules[m];
     const auto& b = posix_board.modules[m];
-    ASSERT_EQ(a.size(), b.size()) << "module " << m << " went through other states";
+    ASSERT_EQ(a.size(), b.size()) << "module " << m << " said other things";
     for (std::size_t r = 0; r < a.size(); ++r) {
-      EXPECT_EQ(a[r].state, b[r].state) << "module " << m;
-      const std::size_t na = a[r].frames.size(), nb = b[r].frames.size();
-      EXPECT_LE(na > nb ? na - nb : nb - na, 1U) << "module " << m << ", state " << int{a[r].state};  // an event between the two
-      for (std::size_t k = 0; k < std::min(na, nb); ++k, ++compared) {
-        EXPECT_EQ(a[r].frames[k].valid, b[r].frames[k].valid);
-        ASSERT_EQ(a[r].frames[k].value, b[r].frames[k].value) << "module " << m << ", state " << int{a[r].state} << ", frame " << k;
-      }
+      EXPECT_TRUE(a[r].says_as(b[r].first)) << "module " << m << ", state " << int{a[r].first.state} << " and " << int{b[r].first.state};
+      const std::size_t na = a[r].count, nb = b[r].count;
+      EXPECT_LE(na > nb ? na - nb : nb - na, 1U) << "module " << m << ", state " << int{a[r].first.state};  // an event falls between two readings
+      compared += std::min(na, nb);
     }
   }
   EXPECT_GE(compared, 16U * 200);

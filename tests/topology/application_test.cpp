@@ -47,10 +47,11 @@ class Bench {
   void mark() {
     from_us_ = bus_.now_us();
   }
-  /// Time after mark() until a sample came in which exactly these modules were valid; −1: none came.
+  /// Time after mark() until the newest samples of all modules, each taken since, were valid for exactly these; −1: that did not come.
   std::int64_t until_exactly(std::uint32_t rows, std::uint64_t limit_us) {
     wanted_ = rows;
     reached_us_ = 0;
+    valid_ = seen_ = 0;
     const std::uint64_t end = bus_.now_us() + limit_us;
     while (reached_us_ == 0 && bus_.now_us() < end) bus_.listen(std::min(end, bus_.now_us() + 1000));
     return reached_us_ == 0 ? -1 : static_cast<std::int64_t>(reached_us_ - from_us_);
@@ -64,17 +65,14 @@ class Bench {
   void frame(const wire::CanFrame& f) {
     const auto sample = wire::decode_full(f);
     if (!sample || sample->module >= rows_) return;
-    if (sample->sample != sample_) {
-      sample_ = sample->sample;
-      valid_ = 0;
-      seen_ = 0;
-    }
-    ++seen_;
     for (std::size_t t = 0; t < sample->value.size(); ++t) {
       if ((sample->valid >> t & 1) != 0 && sample->value[t] != expected_[sample->module][t]) ++wrong;
     }
-    if (sample->valid == 0xFFF) valid_ |= 1U << sample->module;
-    if (seen_ == rows_ && valid_ == wanted_ && reached_us_ == 0 && sample->device_time_us > from_us_) reached_us_ = sample->device_time_us;
+    if (sample->device_time_us <= from_us_) return;
+    const std::uint32_t bit = 1U << sample->module;
+    seen_ |= bit;
+    valid_ = sample->valid == 0xFFF ? valid_ | bit : valid_ & ~bit;
+    if (seen_ == all() && valid_ == wanted_ && reached_us_ == 0) reached_us_ = sample->device_time_us;
   }
 
   device::SimLink link_;
@@ -83,8 +81,7 @@ class Bench {
   std::size_t rows_;
   std::vector<std::array<std::uint16_t, 12>> expected_;
   std::uint64_t from_us_ = 0, reached_us_ = 0;
-  std::uint32_t sample_ = 0, valid_ = 0, wanted_ = ~0U;
-  std::size_t seen_ = 0;
+  std::uint32_t valid_ = 0, seen_ = 0, wanted_ = ~0U;  // bit: row
 };
 
 struct Failure {

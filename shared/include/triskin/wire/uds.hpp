@@ -40,7 +40,7 @@ inline constexpr std::uint16_t kLineStates = 0xFD06;   ///< per line: stuck, rec
 inline constexpr std::uint16_t kTopology = 0xFD07;     ///< modules and joints as found (wire/topology.hpp)
 inline constexpr std::uint16_t kRoute = 0xFD08;        ///< what the route keeper did, and the tree that is active
 inline constexpr std::uint16_t kImageState = 0xFD09;   ///< slot that runs, confirmed, sequence, bytes, CRC of its record
-inline constexpr std::uint16_t kSampling = 0xFD09;     ///< Decimation, every n-th sequence, TaxelOutput; 1 byte each; reset by power-up
+inline constexpr std::uint16_t kSampling = 0xFD0A;     ///< Decimation, every n-th sequence, TaxelOutput; 1 byte each; reset by power-up
 inline constexpr std::uint16_t kLiveTaxels = 0xFD10;   ///< per module: validity, 12 × 16 bit
 inline constexpr std::uint16_t kFreezeTime = 0xFD21, kFreezeSample = 0xFD22;  ///< of a fault: ms since power-up, sample; 32 bit
 }  // namespace did
