@@ -62,18 +62,21 @@ TEST_P(Whole, SixteenModulesOnTheirOwnClocksLoseNothing) {
   run_for(kRun_us);
   const auto by_module = samples();
   ASSERT_EQ(by_module.size(), 16U);
+  double least = 1.0;
   for (const auto& [m, list] : by_module) {
     expect_whole(m, list);
     const double expected = static_cast<double>(kRun_us) / static_cast<double>(module_at(m).chip->sequence_us());
+    least = std::min(least, static_cast<double>(list.size()) / expected);
     EXPECT_GE(static_cast<double>(list.size()), rate * expected - 1) << m;
     EXPECT_LE(static_cast<double>(list.size()), expected + 1) << m;
   }
+  std::printf("samples of the slowest module: %.1f %% of its sequences\n", 100 * least);
   if (!on_posix) expect_no_violation();
 }
 
 // Chips of one batch, and the widest that the data sheet allows: the ends of those meet again and again, and one sequence begins anew then.
-INSTANTIATE_TEST_SUITE_P(Decimations, Whole, ::testing::Values(std::tuple{Decimation::k64, 0.05, 0.985}, std::tuple{Decimation::k64, 1.0, 0.95},
-                                                               std::tuple{Decimation::k128, 1.0, 0.97}, std::tuple{Decimation::k256, 1.0, 0.98}));
+INSTANTIATE_TEST_SUITE_P(Decimations, Whole, ::testing::Values(std::tuple{Decimation::k64, 0.05, 0.99}, std::tuple{Decimation::k64, 1.0, 0.98},
+                                                               std::tuple{Decimation::k128, 1.0, 0.985}, std::tuple{Decimation::k256, 1.0, 0.985}));
 
 TEST_F(Sampling, EachThirdSequenceOnly) {
   start(16, {Decimation::k64, 3});

@@ -135,12 +135,7 @@ std::uint64_t LineSampler::reading_due_us(const Slot& slot) const {
 // The end can be looked at when no other chip has to be read about the same time; a clock that is not known yet goes first.
 bool LineSampler::look_fits(const Slot& slot) const {
   if (!slot.cleared || !slot.clock.locked()) return slot.cleared;
-  const std::uint64_t end = slot.clock.end_us();
-  return std::ranges::none_of(slots(), [&](const Slot& other) {
-    if (&other == &slot || !other.reading()) return false;
-    const std::uint64_t other_end = end_near(slot, other);
-    return (other_end > end ? other_end - end : end - other_end) < kBurst_us + kGap_us;
-  });
+  return std::ranges::none_of(slots(), [&](const Slot& other) { return &other != &slot && other.reading() && end_distance(slot, other) < kBurst_us + kGap_us; });
 }
 
 // What can be done between readings: finding and configuring, checking the configuration, clearing the status for a look.
@@ -263,6 +258,7 @@ void LineSampler::finish_job(std::uint64_t now_us) {
     case Job::kLook: return finish_look(now_us);
     case Job::kRestart:
       slots_[slot_].clock.restart(now_us);
+      if (slots_[slot_].clock.locked()) slots_[slot_].clock.next(sampling_.every - 1U);
       slots_[slot_].restart_wanted = slots_[slot_].cleared = false;
       return;
     default: return;
@@ -361,14 +357,16 @@ void LineSampler::finish_sequence() {
   slot.ready_us = 0;
 }
 
-// When that would only move the crowd, it waits a little.
+// Waits a little for a moment that is far from the ends of the line's other chips: their clocks differ, and ends that are near meet again soon.
 void LineSampler::restart_sequence(std::uint64_t now_us) {
   Slot& slot = slots_[slot_];
   const SequenceClock before = slot.clock;
-  constexpr std::uint64_t kTransfer_us = 150, kLater_us = 500;
+  constexpr std::uint64_t kTransfer_us = 150, kLater_us = 400, kClear_us = 1'100;
+  constexpr std::uint8_t kPatient = 10, kLast = 20;
   slot.clock.restart(now_us + kTransfer_us);
+  const bool near = std::ranges::any_of(slots(), [&](const Slot& s) { return &s != &slot && s.reading() && end_distance(slot, s) < kClear_us; });
   const bool crowd = std::ranges::any_of(slots(), [&](const Slot& s) { return s.reading() && would_miss(s); });
-  if (crowd && ++slot.put_off < 12) {
+  if (++slot.put_off < (crowd ? kLast : near ? kPatient : 0)) {
     slot.clock = before;
     slot.ready_us = now_us + kLater_us;
     return;
@@ -396,6 +394,11 @@ std::uint64_t LineSampler::end_near(const Slot& slot, const Slot& other) {
   while (other_end + period / 2 < end) other_end += period;
   while (other_end > end + period / 2) other_end -= period;
   return other_end;
+}
+
+std::uint64_t LineSampler::end_distance(const Slot& slot, const Slot& other) {
+  const std::uint64_t end = slot.clock.end_us(), other_end = end_near(slot, other);
+  return other_end > end ? other_end - end : end - other_end;
 }
 
 // Whether the readings before it, in the order in which the sequences end, leave this chip's next one too late.

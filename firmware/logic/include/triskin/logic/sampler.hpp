@@ -129,6 +129,7 @@ class LineSampler {
   void store_results();
   void publish(std::uint64_t time_us);
   [[nodiscard]] static std::uint64_t end_near(const Slot& slot, const Slot& other);
+  [[nodiscard]] static std::uint64_t end_distance(const Slot& slot, const Slot& other);
   [[nodiscard]] bool look_fits(const Slot& slot) const;
   [[nodiscard]] bool would_miss(const Slot& slot) const;
   void restart_sequence(std::uint64_t now_us);
