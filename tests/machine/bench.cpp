@@ -31,7 +31,7 @@ layout::PatchImage patch(int modules) {
   return image;
 }
 
-void Bench::power_up() {
+void Bench::power_up(bool will_be_cut) {
   std::array<std::uint8_t, 12> id{};
   for (std::size_t k = 0; k < id.size(); ++k) id[k] = static_cast<std::uint8_t>(0x10 + k);
   if (on_posix) {
@@ -46,6 +46,7 @@ void Bench::power_up() {
   setup.on_can = [this](const wire::CanFrame& f, std::uint64_t) { frames.push_back(f); };
   setup.trace = trace;
   setup.crystal_works = crystal_works;
+  setup.will_be_cut = will_be_cut;
   machine = std::make_unique<Machine>(setup);
 }
 
@@ -69,10 +70,10 @@ void Bench::store_table(const layout::PatchImage& image, std::uint32_t sequence)
   flash.store(0x0807C000 + 2048 - 16, {commit.begin(), commit.end()});
 }
 
-std::vector<std::uint8_t> Bench::request(const std::vector<std::uint8_t>& bytes) {
+std::vector<std::uint8_t> Bench::request(const std::vector<std::uint8_t>& bytes, std::uint64_t patience_us) {
   wire::IsoTp tester(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1), 64);
   EXPECT_EQ(tester.send(bytes, now_us()), Status::kOk);
-  const std::uint64_t until = now_us() + 200'000;
+  const std::uint64_t until = now_us() + patience_us;
   std::size_t seen = frames.size();
   while (now_us() < until) {
     (void)tester.tick(now_us());

@@ -35,7 +35,7 @@ class Bench : public ::testing::Test {
     application = read_elf(firmware("triskin_app_a.elf"));
     flash.store_application(application, 0x3C000, 1);
   }
-  void power_up();
+  void power_up(bool will_be_cut = false);
   [[nodiscard]] SkinLine& line_of(int module) { return lines[static_cast<std::size_t>(module % 4)]; }
   [[nodiscard]] SkinModule& module_at(int module) { return *line_of(module).modules[static_cast<std::size_t>(module / 4)]; }
   /// Extended session and security access.
@@ -45,8 +45,8 @@ class Bench : public ::testing::Test {
   void deliver(const wire::CanFrame& frame) { on_posix ? posix->receive(frame) : machine->receive(frame); }
   /// Puts a table into flash as if it had been activated.
   void store_table(const layout::PatchImage& image, std::uint32_t sequence = 1);
-  /// One UDS request over ISO-TP; the response, empty after 200 ms of silence.
-  std::vector<std::uint8_t> request(const std::vector<std::uint8_t>& bytes);
+  /// One UDS request over ISO-TP; the response, empty after so much silence.
+  std::vector<std::uint8_t> request(const std::vector<std::uint8_t>& bytes, std::uint64_t patience_us = 200'000);
   /// Loader frames.
   void send(std::uint32_t id, std::span<const std::uint8_t> data);
   [[nodiscard]] std::uint32_t budget(std::uint32_t offset) const { return machine->read_word(application.symbols.at("triskin_budget") + offset); }

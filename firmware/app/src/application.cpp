@@ -177,8 +177,8 @@ void Application::send_pending() {
 }
 
 bool Application::frames_wait() const {
-  const bool channel_waits = std::ranges::any_of(channels(), [](const Channel& c) { return c.held || c.claim_at < c.claim.size(); });
-  return channel_waits || icub_reply_ || outgoing_tail_ != outgoing_head_;
+  const bool channel_waits = std::ranges::any_of(channels(), [](const Channel& c) { return (c.held || c.claim_at < c.claim.size()) && c.port->has_room(); });
+  return channel_waits || (icub_reply_ && ports_.can->has_room()) || (outgoing_tail_ != outgoing_head_ && stream_port_->has_room());
 }
 
 // Each reading is sent on as soon as it stands: the converters have clocks of their own.

@@ -41,19 +41,21 @@ struct Hooks {
       c.fp_active_ = true;
     }
     c.counts_.instructions += b.instructions;
-    c.time_.advance(b.instructions * (kSecond / c.rcc_.sysclk_hz()));
+    c.time_.advance(b.instructions * c.cycle_);
     c.last_block_pc_ = static_cast<std::uint32_t>(address);
   }
   static void interrupt(uc_engine* uc, std::uint32_t number, void* user) {
     core(user).interrupt_code_ = number;
     uc_emu_stop(uc);
   }
-  static void flash_write(uc_engine*, uc_mem_type, std::uint64_t address, int size, std::int64_t value, void* user) {
+  static bool flash_write(uc_engine*, uc_mem_type, std::uint64_t address, int size, std::int64_t value, void* user) {
     Machine::Core& c = core(user);
     std::uint32_t old = 0;
     std::memcpy(&old, c.setup_.flash->bytes.data() + (address - FlashChip::kBase), static_cast<std::size_t>(size));
     c.cell_writes_.push_back({static_cast<std::uint32_t>(address), static_cast<std::uint32_t>(value), old, static_cast<unsigned>(size)});
+    return true;
   }
+  static void watched_read(uc_engine*, uc_mem_type, std::uint64_t, int, std::int64_t, void*) {}
   static void torn_read(uc_engine*, uc_mem_type, std::uint64_t address, int, std::int64_t, void* user) {
     core(user).flash_.torn_read(static_cast<std::uint32_t>((address - FlashChip::kBase) / FlashChip::kUnit));
   }
@@ -74,15 +76,12 @@ struct Hooks {
 Machine::Core::Core(const MachineSetup& setup)
     : setup_(setup), nvic_(*this), rcc_(*this, setup.crystal_works), pwr_(*this, rcc_), tim2_(*this), iwdg_(*this),
       flash_(*this, *setup.flash, rcc_,
-             [this](std::uint32_t address, const std::uint8_t* data, std::size_t size) {
-               check(uc_mem_write(uc_, address, data, size), "flash cells");
-               std::fill_n(blocks_.begin() + (address - FlashChip::kBase) / 2, size / 2, Block{});
-             }),
+             [this](std::uint32_t address, std::uint32_t size) { cells_changed(address, size); }),
       chain_(setup.chain), gpio_(*this, rcc_, setup.lines, chain_),
       spi_(*this, [this](std::uint8_t byte) { return chain_.exchange(byte); },
            [this] { return gpio_.alternate(1, 13, 5) && gpio_.alternate(1, 14, 5) && gpio_.alternate(1, 15, 5); }),
       dma_(*this, [this](std::uint32_t address) { return address >= kRamBase && address < kRamBase + kRamBytes ? &ram_[address - kRamBase] : nullptr; }),
-      dma_mux_(*this, dma_), can_(*this, setup.on_can, setup.trace), can_ram_(*this, can_), ram_(kRamBytes, 0xA5), blocks_(FlashChip::kBytes / 2) {
+      dma_mux_(*this, dma_), usb_(*this, [this] { return rcc_.clock_48_ready(); }), usb_memory_(*this, usb_), crs_(*this), can_(*this, setup.on_can, setup.trace), can_ram_(*this, can_), ram_(kRamBytes, 0xA5), blocks_(FlashChip::kBytes / 2) {
   constexpr std::array<std::array<int, 2>, 4> kIrqs{{{31, 32}, {33, 34}, {92, 93}, {82, 83}}};
   for (std::size_t k = 0; k < 4; ++k) {
     i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup.lines[k], kIrqs[k][0], kIrqs[k][1], dma_, setup.trace);
@@ -90,6 +89,8 @@ Machine::Core::Core(const MachineSetup& setup)
   windows_ = {{&tim2_, 0x40000000, 0x400, 0x58, 0, "TIM2"},           {&iwdg_, 0x40003000, 0x400, 0, 0, "IWDG"},
               {&spi_, 0x40003800, 0x400, 0x58, 14, "SPI2"},
               {i2c_[0].get(), 0x40005400, 0x400, 0x58, 21, "I2C1"},   {i2c_[1].get(), 0x40005800, 0x400, 0x58, 22, "I2C2"},
+              {&crs_, 0x40002000, 0x400, 0x58, 8, "CRS"},             {&usb_, 0x40005C00, 0x400, 0x58, 23, "USB"},
+              {&usb_memory_, 0x40006000, 0x400, 0x58, 23, "USB packet memory"},
               {&can_, 0x40006400, 0x400, 0x58, 25, "FDCAN"},          {&pwr_, 0x40007000, 0x400, 0x58, 28, "PWR"},
               {i2c_[2].get(), 0x40007800, 0x400, 0x58, 30, "I2C3"},   {i2c_[3].get(), 0x40008400, 0x400, 0x5C, 1, "I2C4"},
               {&can_ram_, 0x4000A400, 0x400, 0x58, 25, "FDCAN RAM"},  {&rcc_, 0x40021000, 0x400, 0, 0, "RCC"},
@@ -107,8 +108,8 @@ Machine::Core::~Core() {
 }
 
 void Machine::Core::map_memory() {
-  check(uc_mem_map_ptr(uc_, FlashChip::kBase, FlashChip::kBytes, UC_PROT_ALL, setup_.flash->bytes.data()), "map flash");
-  check(uc_mem_map_ptr(uc_, kRamBase, kRamBytes, UC_PROT_ALL, ram_.data()), "map RAM");
+  check(uc_mem_map_ptr(uc_, FlashChip::kBase, FlashChip::kBytes, UC_PROT_READ | UC_PROT_EXEC, setup_.flash->bytes.data()), "map flash");
+  check(uc_mem_map_ptr(uc_, kRamBase, kRamBytes, UC_PROT_READ | UC_PROT_WRITE, ram_.data()), "map RAM");
   check(uc_mem_map(uc_, kSystemMemory, 0x1000, UC_PROT_READ), "map system memory");
   check(uc_mem_write(uc_, 0x1FFF7590, setup_.unique_id.data(), setup_.unique_id.size()), "unique id");
   check(uc_mmio_map(uc_, kPeripherals, kPeripheralBytes, Hooks::read, this, Hooks::write, this), "map peripherals");
@@ -116,15 +117,49 @@ void Machine::Core::map_memory() {
   check(uc_mmio_map(uc_, kScs, 0x1000, Hooks::read_scs, this, Hooks::write_scs, this), "map SCS");
 }
 
+// A hook on all stores would slow every one of them; the flash is not writable to Unicorn, and it asks.
 void Machine::Core::add_hooks() {
   uc_hook h = 0;
   check(uc_hook_add(uc_, &h, UC_HOOK_BLOCK, reinterpret_cast<void*>(&Hooks::block), this, 1, 0), "block hook");
   check(uc_hook_add(uc_, &h, UC_HOOK_INTR, reinterpret_cast<void*>(&Hooks::interrupt), this, 1, 0), "interrupt hook");
-  check(uc_hook_add(uc_, &h, UC_HOOK_MEM_WRITE, reinterpret_cast<void*>(&Hooks::flash_write), this, FlashChip::kBase, FlashChip::kBase + FlashChip::kBytes - 1), "flash hook");
+  check(uc_hook_add(uc_, &h, UC_HOOK_MEM_WRITE_PROT, reinterpret_cast<void*>(&Hooks::flash_write), this, FlashChip::kBase, FlashChip::kBase + FlashChip::kBytes - 1), "flash hook");
+  // Code that was translated without any such hook would never call one.
+  if (setup_.will_be_cut) check(uc_hook_add(uc_, &h, UC_HOOK_MEM_READ, reinterpret_cast<void*>(&Hooks::watched_read), this, kSystemMemory, kSystemMemory), "read hook");
+  watch_torn_units();
+}
+
+void Machine::Core::watch_torn_units() {
+  for (const uc_hook h : torn_hooks_) check(uc_hook_del(uc_, h), "ECC hook");
+  torn_hooks_.clear();
   for (const std::uint32_t unit : setup_.flash->torn) {
     const std::uint64_t first = FlashChip::kBase + unit * FlashChip::kUnit;
+    uc_hook h = 0;
     check(uc_hook_add(uc_, &h, UC_HOOK_MEM_READ, reinterpret_cast<void*>(&Hooks::torn_read), this, first, first + FlashChip::kUnit - 1), "ECC hook");
+    torn_hooks_.push_back(h);
   }
+}
+
+// Unicorn forgets what it translated from memory that is written through it.
+void Machine::Core::cells_changed(std::uint32_t address, std::uint32_t size) {
+  const auto first = setup_.flash->bytes.begin() + (address - FlashChip::kBase);
+  const std::vector<std::uint8_t> cells(first, first + size);
+  check(uc_mem_write(uc_, address, cells.data(), size), "flash cells");
+  std::fill_n(blocks_.begin() + (address - FlashChip::kBase) / 2, size / 2, Block{});
+}
+
+void Machine::Core::power_cycle(const FlashChip& cells) {
+  FlashChip& chip = *setup_.flash;
+  for (std::uint32_t at = 0; at < FlashChip::kBytes; at += FlashChip::kPage) {
+    if (std::equal(cells.bytes.begin() + at, cells.bytes.begin() + at + FlashChip::kPage, chip.bytes.begin() + at)) continue;
+    std::copy_n(cells.bytes.begin() + at, FlashChip::kPage, chip.bytes.begin() + at);
+    cells_changed(FlashChip::kBase + at, FlashChip::kPage);
+  }
+  chip.used = cells.used;
+  chip.torn = cells.torn;
+  watch_torn_units();
+  std::ranges::fill(ram_, std::uint8_t{0xA5});
+  rcc_.note_reset(1U << 27);
+  reset_core();
 }
 
 // RAM keeps what it holds; everything else starts anew.
@@ -197,6 +232,7 @@ void Machine::Core::bus_write(std::uint32_t address, std::uint32_t value, unsign
   Window* w = window_of(address);
   if (w == nullptr || !gate_open(*w)) return;
   w->block->write(address - w->base, value, size);
+  if (w->block == &rcc_) cycle_ = kSecond / rcc_.sysclk_hz();
   if (w->block == &rcc_ && address - w->base == 0x38) {  // APB1RSTR1
     for (Window& o : windows_) {
       if (o.enable_offset == 0x58 && (value >> o.enable_bit & 1) != 0) o.block->reset();
@@ -266,6 +302,7 @@ void Machine::Core::finish_it_block() {
 
 void Machine::Core::execute(Time until) {
   slice_end_ = until;
+  cycle_ = kSecond / rcc_.sysclk_hz();
   stopped_before_block_ = false;
   interrupt_code_ = ~0U;
   (void)time_.take_changed();

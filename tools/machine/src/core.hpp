@@ -11,6 +11,7 @@
 #include "spi_controller.hpp"
 #include "system_blocks.hpp"
 #include "triskin/machine/machine.hpp"
+#include "usb_controller.hpp"
 
 namespace triskin::machine {
 
@@ -21,7 +22,9 @@ class Machine::Core final : public Surroundings {
   ~Core() override;
 
   void run_until(Time until);
+  void power_cycle(const FlashChip& cells);
   void receive(const wire::CanFrame& frame) { can_.from_bus(frame); }
+  [[nodiscard]] UsbWire& usb() { return usb_; }
   [[nodiscard]] std::uint32_t load(std::uint32_t address);
 
   Scheduler& time() override { return time_; }
@@ -57,6 +60,8 @@ class Machine::Core final : public Surroundings {
 
   void map_memory();
   void add_hooks();
+  void watch_torn_units();
+  void cells_changed(std::uint32_t address, std::uint32_t size);
   void reset_core();
   std::uint32_t bus_read(std::uint32_t address, unsigned size);
   void bus_write(std::uint32_t address, std::uint32_t value, unsigned size);
@@ -81,6 +86,7 @@ class Machine::Core final : public Surroundings {
   [[nodiscard]] std::uint8_t* memory_at(std::uint32_t address);
 
   uc_engine* uc_ = nullptr;
+  std::vector<uc_hook> torn_hooks_;
   Scheduler time_;
   Nvic nvic_;
   Rcc rcc_;
@@ -94,6 +100,9 @@ class Machine::Core final : public Surroundings {
   Dma dma_;
   DmaMux dma_mux_;
   std::array<std::unique_ptr<I2cController>, 4> i2c_;
+  UsbController usb_;
+  UsbMemory usb_memory_;
+  Crs crs_;
   Fdcan can_;
   FdcanRam can_ram_;
   std::vector<Window> windows_;
@@ -102,7 +111,7 @@ class Machine::Core final : public Surroundings {
   Block elsewhere_;
   std::vector<CellWrite> cell_writes_;
   std::vector<Time> exception_entry_;
-  Time slice_end_ = 0;
+  Time slice_end_ = 0, cycle_ = 0;
   bool stopped_before_block_ = false, one_block_ = false, block_begun_ = false, waits_behind_mask_ = false, sleeping_ = false, reset_wanted_ = false, fp_active_ = false, nmi_ = false;
   std::uint32_t interrupt_code_ = ~0U, last_block_pc_ = 0;
 };

@@ -79,6 +79,23 @@ void FlashChip::store(const ElfImage& image) {
   for (const auto& [address, data] : image.segments) store(address, data);
 }
 
+void FlashChip::apply(const FlashOperation& operation, bool is_torn) {
+  if (operation.erase) {
+    const std::uint32_t first = operation.index * kPage, size = is_torn ? kPage / 2 : kPage;
+    std::fill_n(bytes.begin() + first, size, std::uint8_t{0xFF});
+    for (std::uint32_t unit = first / kUnit; unit < (first + size) / kUnit; ++unit) {
+      used[unit] = false;
+      torn.erase(unit);
+    }
+    return;
+  }
+  constexpr std::uint64_t kNotFallen = 0xAAAAAAAAAAAAAAAA;
+  const std::uint64_t value = is_torn ? operation.value | kNotFallen : operation.value;
+  std::memcpy(&bytes[operation.index * kUnit], &value, sizeof value);
+  used[operation.index] = true;
+  if (is_torn) torn.insert(operation.index);
+}
+
 // The records of docs/firmware_board.md: commit, three starts, confirmation.
 void FlashChip::store_application(const ElfImage& image, std::uint32_t slot_bytes, std::uint32_t sequence) {
   store(image);

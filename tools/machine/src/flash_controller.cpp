@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstring>
 #include <utility>
 
 namespace triskin::machine {
@@ -85,11 +83,14 @@ void FlashController::write_control(std::uint32_t value) {
 }
 
 // Counts the operation; when power fails in it, half of it has happened.
-void FlashController::begin(Time duration, std::function<void(bool torn)> effect) {
+void FlashController::begin(Time duration, const FlashOperation& operation) {
   sr_ |= kBusy;
   const bool cut = chip_.operations++ == chip_.cut_at;
-  around_.time().after(cut ? duration / 2 : duration, [this, cut, effect = std::move(effect), g = generation_] {
-    effect(cut);
+  if (chip_.log != nullptr) chip_.log->push_back(operation);
+  around_.time().after(cut ? duration / 2 : duration, [this, cut, operation, g = generation_] {
+    chip_.apply(operation, cut);
+    const std::uint32_t size = operation.erase ? FlashChip::kPage : FlashChip::kUnit;
+    changed_(FlashChip::kBase + operation.index * size, size);
     power_lost_ = power_lost_ || cut;
     if (g != generation_) return;
     sr_ = (sr_ & ~kBusy) | 1;
@@ -97,17 +98,7 @@ void FlashController::begin(Time duration, std::function<void(bool torn)> effect
 }
 
 void FlashController::start_erase() {
-  const std::uint32_t page = (cr_ >> 3 & 127) + ((cr_ >> 11 & 1) != 0 ? 128 : 0);
-  begin(kEraseTime, [this, page](bool torn) {
-    const std::uint32_t size = torn ? FlashChip::kPage / 2 : FlashChip::kPage;
-    const std::vector<std::uint8_t> ones(size, 0xFF);
-    store_(FlashChip::kBase + page * FlashChip::kPage, ones.data(), size);
-    for (std::uint32_t k = 0; k < size / FlashChip::kUnit; ++k) {
-      const std::uint32_t unit = page * (FlashChip::kPage / FlashChip::kUnit) + k;
-      chip_.used[unit] = false;
-      chip_.torn.erase(unit);
-    }
-  });
+  begin(kEraseTime, {true, (cr_ >> 3 & 127) + ((cr_ >> 11 & 1) != 0 ? 128 : 0), 0});
 }
 
 void FlashController::cell_write(std::uint32_t address, std::uint32_t value, unsigned size) {
@@ -144,23 +135,12 @@ void FlashController::cell_write(std::uint32_t address, std::uint32_t value, uns
 
 // Erased units only; all zeros may be written over anything (§3.3.8).
 void FlashController::program_unit() {
-  const std::uint32_t offset = half_address_ - FlashChip::kBase, unit = offset / FlashChip::kUnit;
+  const std::uint32_t unit = (half_address_ - FlashChip::kBase) / FlashChip::kUnit;
   if (chip_.used[unit] && (words_[0] | words_[1]) != 0) {
     error(kProgError, "flash unit programmed twice");
     return;
   }
-  const std::uint64_t both = words_[0] | static_cast<std::uint64_t>(words_[1]) << 32;
-  begin(kProgramTime, [this, offset, unit, both](bool torn) {
-    std::uint64_t value = both;
-    if (torn) {
-      value |= 0xAAAAAAAAAAAAAAAA;  // half of the bits have not fallen yet
-      chip_.torn.insert(unit);
-    }
-    std::uint8_t data[8];
-    std::memcpy(data, &value, sizeof data);
-    store_(FlashChip::kBase + offset, data, sizeof data);
-    chip_.used[unit] = true;
-  });
+  begin(kProgramTime, {false, unit, words_[0] | static_cast<std::uint64_t>(words_[1]) << 32});
 }
 
 void FlashController::torn_read(std::uint32_t unit) {

@@ -12,11 +12,11 @@ namespace triskin::machine {
 class FlashController final : public Peripheral {
  public:
   static constexpr Time kProgramTime = 82 * kMicrosecond, kEraseTime = 22'000 * kMicrosecond;
-  /// `store` puts bytes into the memory that the core sees.
-  using Store = std::function<void(std::uint32_t address, const std::uint8_t* data, std::size_t size)>;
+  /// Cells have changed that the core may have read code from.
+  using Changed = std::function<void(std::uint32_t address, std::uint32_t size)>;
 
-  FlashController(Surroundings& around, FlashChip& chip, Rcc& rcc, Store store)
-      : Peripheral(around), chip_(chip), rcc_(rcc), store_(std::move(store)) {
+  FlashController(Surroundings& around, FlashChip& chip, Rcc& rcc, Changed changed)
+      : Peripheral(around), chip_(chip), rcc_(rcc), changed_(std::move(changed)) {
     reset();
   }
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
@@ -34,12 +34,12 @@ class FlashController final : public Peripheral {
   void write_control(std::uint32_t value);
   void start_erase();
   void program_unit();
-  void begin(Time duration, std::function<void(bool torn)> effect);
+  void begin(Time duration, const FlashOperation& operation);
   void error(std::uint32_t flag, const char* what);
 
   FlashChip& chip_;
   Rcc& rcc_;
-  Store store_;
+  Changed changed_;
   std::uint32_t acr_ = 0, sr_ = 0, cr_ = 0, eccr_ = 0;
   int keys_ = 0;
   bool locked_out_ = false, power_lost_ = false;

@@ -6,8 +6,8 @@
 namespace triskin::machine {
 namespace {
 
-constexpr Time kCrystalStart = 2000 * kMicrosecond, kPllStart = 40 * kMicrosecond;
-constexpr std::uint32_t kCr = 0x00, kCfgr = 0x08, kPllCfgr = 0x0C, kCsr = 0x94;
+constexpr Time kCrystalStart = 2000 * kMicrosecond, kPllStart = 40 * kMicrosecond, kHsi48Start = 6 * kMicrosecond;
+constexpr std::uint32_t kCr = 0x00, kCfgr = 0x08, kPllCfgr = 0x0C, kCsr = 0x94, kCrrcr = 0x98;
 constexpr std::uint64_t kCrystal_hz = 8'000'000, kHsi_hz = 16'000'000;
 
 }  // namespace
@@ -82,6 +82,13 @@ void Rcc::write(std::uint32_t offset, std::uint32_t value, unsigned) {
       return;
     case kCsr:
       if ((value >> 23 & 1) != 0) csr_flags_ = 0;
+      return;
+    case kCrrcr:
+      regs_[kCrrcr / 4] = (value & 1) == 0 ? 0 : (regs_[kCrrcr / 4] & 2) | 1;
+      if ((value & 1) == 0) return;
+      around_.time().after(kHsi48Start, [this, g = generation_] {
+        if (g == generation_ && (regs_[kCrrcr / 4] & 1) != 0) regs_[kCrrcr / 4] |= 2;
+      });
       return;
     default: regs_[offset / 4 & 63] = value;
   }

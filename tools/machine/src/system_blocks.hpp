@@ -17,6 +17,8 @@ class Rcc final : public Peripheral {
   [[nodiscard]] std::uint64_t sysclk_hz() const { return sysclk_hz_; }
   /// Is the clock of a peripheral on? `offset` of its enable register.
   [[nodiscard]] bool enabled(std::uint32_t offset, unsigned bit) const { return (regs_[offset / 4] >> bit & 1) != 0; }
+  /// HSI48 runs and is what USB gets (CRRCR, CCIPR.CLK48SEL).
+  [[nodiscard]] bool clock_48_ready() const { return (regs_[0x98 / 4] & 2) != 0 && (regs_[0x88 / 4] >> 26 & 3) == 0; }
   void note_reset(std::uint32_t cause) { csr_flags_ |= cause; }
   void set_wait_states(std::uint32_t states) { wait_states_ = states; }
   void set_boost(bool boost) { boost_ = boost; }

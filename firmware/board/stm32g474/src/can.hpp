@@ -14,7 +14,7 @@ class Stm32CanPort final : public fw::CanPort {
   bool send(const wire::CanFrame& frame) override;
   std::optional<wire::CanFrame> receive() override;
   [[nodiscard]] bool frame_waits() const { return received_.head != received_.tail; }
-  [[nodiscard]] bool has_room() const { return !waiting_.full(); }
+  [[nodiscard]] bool has_room() const override { return !waiting_.full(); }
   void on_interrupt();
 
  private:

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts the newest application that has proved itself or still may; takes a new one over CAN.
+// Starts the newest application that has proved itself or still may; takes a new one over CAN, and as a DFU device over USB when the
+// application asked for that or there is none.
 #include <algorithm>
+#include <optional>
 
 #include "can.hpp"
 #include "flash_area.hpp"
 #include "triskin/board/board.hpp"
 #include "triskin/board/flash_map.hpp"
 #include "triskin/board/registers/system.hpp"
+#include "triskin/boot/dfu_device.hpp"
 #include "triskin/boot/loader.hpp"
+#include "usb.hpp"
 
 namespace triskin::board {
 namespace {
@@ -32,6 +36,23 @@ void start_newest() {
   start(slot);
 }
 
+// Back to the application; without one the loader begins anew, and so does a host that has not given up.
+[[noreturn]] void leave_dfu() {
+  usb.close();
+  start_newest();
+  core_reg::reset();
+}
+
+// Interrupts stay off between the decision and WFI, which wakes all the same.
+void sleep_until(std::uint64_t at_us) {
+  asm volatile("cpsid i" ::: "memory");
+  if (!can.frame_waits() && !usb.work_waits()) {
+    wake_at(std::min(at_us, microseconds() + kLook_us));
+    asm volatile("dsb\n wfi" ::: "memory");
+  }
+  asm volatile("cpsie i\n isb" ::: "memory");
+}
+
 }  // namespace
 }  // namespace triskin::board
 
@@ -41,19 +62,27 @@ int main() {
   start_microseconds();
   can.open();
   triskin::boot::Loader loader(application_slots, can, unique_id());
+  static std::optional<triskin::boot::DfuDevice> dfu;
+  if (take_dfu_request() || application_slots.choose() < 0) {
+    dfu.emplace(application_slots, unique_id());
+    dfu->tick(microseconds());
+    usb.open(*dfu, false);
+  }
   const std::uint64_t window_end = microseconds() + triskin::boot::kWindow_us;
   for (;;) {
     while (const auto frame = can.receive()) {
       if (loader.handle(*frame, microseconds())) start_newest();
     }
-    const std::uint64_t end = std::max(window_end, loader.stays_until_us());
-    if (microseconds() >= end) start_newest();
-    feed_watchdog();
-    asm volatile("cpsid i" ::: "memory");
-    if (!can.frame_waits()) {
-      wake_at(std::min(end, microseconds() + kLook_us));
-      asm volatile("dsb\n wfi" ::: "memory");
+    usb.serve();
+    std::uint64_t end = std::max(window_end, loader.stays_until_us());
+    if (dfu) {
+      dfu->tick(microseconds());
+      end = std::max(end, dfu->next_event_us());
+      if (dfu->wants_to_reconnect() && usb.idle()) leave_dfu();
+    } else if (microseconds() >= end) {
+      start_newest();
     }
-    asm volatile("cpsie i\n isb" ::: "memory");
+    feed_watchdog();
+    sleep_until(end);
   }
 }

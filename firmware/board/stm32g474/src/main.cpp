@@ -11,6 +11,8 @@
 #include "triskin/board/budget.hpp"
 #include "triskin/board/flash_map.hpp"
 #include "triskin/board/registers/system.hpp"
+#include "triskin/logic/usb_device.hpp"
+#include "usb.hpp"
 
 extern "C" std::uint32_t triskin_stack_bottom, triskin_stack_top;
 
@@ -47,7 +49,7 @@ std::uint32_t untouched_stack() {
 }
 
 bool work_waits(const fw::Application& application) {
-  return can.frame_waits() || (application.frames_wait() && can.has_room()) || std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); });
+  return can.frame_waits() || usb.work_waits() || application.frames_wait() || std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); });
 }
 
 // Sleeps until something is to be done; interrupts that only move data on do not end it. They stay off between the decision and WFI,
@@ -69,11 +71,21 @@ void sleep_until(std::uint64_t at_us, const fw::Application& application) {
   }
 }
 
-[[noreturn]] void run(fw::Application& application) {
+// The loader goes on as a DFU device.
+[[noreturn]] void enter_dfu() {
+  usb.close();
+  request_dfu();
+  core_reg::reset();
+}
+
+[[noreturn]] void run(fw::Application& application, fw::UsbDevice& device) {
   bool confirmed = false;
   for (;;) {
     const std::uint64_t start = microseconds();
+    usb.serve();
     application.step();
+    usb.send();
+    if (device.wants_to_reconnect() && usb.idle()) enter_dfu();
     feed_watchdog();
     if (!confirmed && start > kConfirmAfter_us) {
       if (const int slot = running_slot(); slot >= 0) application_slots.confirm(slot);
@@ -101,6 +113,8 @@ int main() {
   open_lines();
   can.open();
   route_chain.open();
-  static triskin::fw::Application application({{&lines[0], &lines[1], &lines[2], &lines[3]}, &system_clock, &can, &table_flash, unique_id(), nullptr, &route_chain, &stm32_restart});
-  run(application);
+  static triskin::fw::UsbDevice device(unique_id());
+  usb.open(device, true);
+  static triskin::fw::Application application({{&lines[0], &lines[1], &lines[2], &lines[3]}, &system_clock, &can, &table_flash, unique_id(), &device, &route_chain, &stm32_restart});
+  run(application, device);
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "triskin/board/board.hpp"
 #include "triskin/board/budget.hpp"
@@ -52,7 +53,7 @@ namespace {
 
 using Handler = void (*)();
 constexpr int kInterrupts = 102;  // RM0440 table 97
-constexpr std::uint32_t kFailureMark = 0xFA11ED00;
+constexpr std::uint32_t kFailureMark = 0xFA11ED00, kDfuMark = 0xDF0DF0DF;
 constexpr std::uint32_t kStackPaint = 0x5AFE5AFE;
 
 struct Vectors {
@@ -88,6 +89,9 @@ extern "C" {
 [[gnu::section(".vectors")]] extern const Vectors triskin_vectors;
 constinit const Vectors triskin_vectors = make_vectors();
 }
+
+void request_dfu() { triskin_last_failure[3] = kDfuMark; }
+bool take_dfu_request() { return std::exchange(triskin_last_failure[3], 0U) == kDfuMark; }
 
 void fail(std::uint32_t reason) {
   triskin_last_failure[0] = kFailureMark;

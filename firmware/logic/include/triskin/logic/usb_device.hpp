@@ -26,6 +26,7 @@ class UsbDevice final : public wire::UsbFunction, public CanPort {
   [[nodiscard]] bool fd() const override { return true; }
   [[nodiscard]] std::uint8_t frame_bytes() const override { return wire::kUsbFrameBytes; }
   bool send(const wire::CanFrame& frame) override;
+  [[nodiscard]] bool has_room() const override { return !waiting_.full() || !control_.configured() || endpoint_ == 0; }
   std::optional<wire::CanFrame> receive() override;
   [[nodiscard]] bool frame_waits() const { return received_.count != 0; }
 

@@ -41,6 +41,7 @@ class CanPort {
   [[nodiscard]] virtual std::uint8_t frame_bytes() const { return fd() ? 64 : 8; }
   /// False: the queue is full; try again later.
   virtual bool send(const wire::CanFrame& frame) = 0;
+  [[nodiscard]] virtual bool has_room() const { return true; }  ///< send() would take a frame
   virtual std::optional<wire::CanFrame> receive() = 0;
 };
 

@@ -27,6 +27,10 @@ void feed_watchdog();  ///< harmless before the start
 [[nodiscard]] bool erase_flash_page(std::uint32_t address);
 [[nodiscard]] bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t high);
 
+/// Asks the loader to become a DFU device after the next reset; the loader takes the request once.
+void request_dfu();
+[[nodiscard]] bool take_dfu_request();
+
 /// Stops with a reason that survives the reset.
 [[noreturn]] void fail(std::uint32_t reason);
 

@@ -33,7 +33,7 @@ inline constexpr std::uint32_t kHseOn = bit(16), kHseReady = bit(17), kPllOn = b
 inline constexpr std::uint32_t kSwitchMask = 3, kSwitchHsi = 1, kSwitchHse = 2, kSwitchPll = 3, kStatusShift = 2, kAhbMask = 0xF0, kAhbHalf = 0x80;
 inline constexpr std::uint32_t kPllFromHse = 3, kPllFromHsi = 2, kPllREnable = bit(24);
 inline constexpr std::uint32_t kDma1 = bit(0), kDmaMux = bit(2), kFlashClock = bit(8), kGpioA = bit(0), kGpioB = bit(1), kGpioC = bit(2);
-inline constexpr std::uint32_t kTim2 = bit(0), kSpi2 = bit(14), kI2c1 = bit(21), kI2c2 = bit(22), kUsb = bit(23), kFdcan = bit(25), kPwr = bit(28), kI2c3 = bit(30);  // APB1ENR1
+inline constexpr std::uint32_t kTim2 = bit(0), kCrs = bit(8), kSpi2 = bit(14), kI2c1 = bit(21), kI2c2 = bit(22), kUsb = bit(23), kFdcan = bit(25), kPwr = bit(28), kI2c3 = bit(30);  // APB1ENR1
 inline constexpr std::uint32_t kI2c4 = bit(1);                                                        // APB1ENR2
 inline constexpr std::uint32_t kFdcanFromPclk1 = 2U << 24;                                             // CCIPR.FDCANSEL
 inline constexpr std::uint32_t kHsi48On = bit(0), kHsi48Ready = bit(1);
@@ -73,7 +73,7 @@ inline void reset_peripherals() {
   for (std::uint32_t k = 0; k < 4; ++k) Register(0xE000E180U + 4 * k).write(0xFFFFFFFF);
   for (std::uint32_t k = 0; k < 4; ++k) Register(0xE000E280U + 4 * k).write(0xFFFFFFFF);
   const Register reset_register{0x40021038};
-  reset_register.write(bit(0) | bit(14) | bit(25));  // TIM2, SPI2, FDCAN
+  reset_register.write(bit(0) | bit(14) | bit(23) | bit(25));  // TIM2, SPI2, USB, FDCAN
   reset_register.write(0);
 }
 [[noreturn]] inline void reset() {

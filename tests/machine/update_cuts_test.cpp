@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Power fails in the middle of each flash operation of an update, from the first erase to the confirmation. What is left in the cells is all that a
+// controller has after that, so the update runs once, its operations are written down, and for each of them a machine boots from the cells as
+// that operation tore them.
+#include <algorithm>
+
+#include "update_bench.hpp"
+
+namespace triskin::machine {
+namespace {
+
+constexpr int kShards = 4;
+
+class UpdateCuts : public Update, public ::testing::WithParamInterface<int> {
+ protected:
+  // Until a controller answers what runs on it; empty after 300 ms.
+  std::vector<std::uint8_t> boot_and_ask() {
+    machine->power_cycle(torn_cells);
+    frames.clear();
+    run_for(25'000);
+    for (int k = 0; k < 3; ++k) {
+      const auto state = request({0x22, 0xFD, 0x09}, 30'000);
+      if (!state.empty()) return state;
+    }
+    return {};
+  }
+  FlashChip torn_cells;
+};
+
+TEST_P(UpdateCuts, EachLeavesTheOldOrTheNewApplicationAndItBoots) {
+  const FlashChip before = flash;
+  std::vector<FlashOperation> operations;
+  flash.log = &operations;
+  enter_loader();
+  ASSERT_EQ(erase(1), 0);
+  ASSERT_EQ(write_image(), 0);
+  ASSERT_EQ(commit(), 0);
+  const std::size_t committed = operations.size();
+  boot();
+  run_for(2'500'000);
+  const auto updated = request({0x22, 0xFD, 0x09});
+  ASSERT_GE(updated.size(), 3U + 14);
+  ASSERT_EQ(updated[3], 1) << "slot";
+  ASSERT_EQ(updated[4], 1) << "confirmed";
+  ASSERT_GT(operations.size(), committed) << "its start and its confirmation are written";
+  flash.log = nullptr;
+
+  FlashChip cells = before;
+  cells.log = nullptr;
+  power_up(true);
+  torn_cells = before;
+  const auto old = boot_and_ask();
+  ASSERT_EQ(old.size(), updated.size());
+  int new_ones = 0, cuts = 0;
+  for (std::size_t k = 0; k < operations.size(); ++k) {
+    if (static_cast<int>(k % kShards) == GetParam()) {
+      torn_cells = cells;
+      torn_cells.apply(operations[k], true);
+      const auto state = boot_and_ask();
+      ASSERT_EQ(state.size(), old.size()) << "cut in operation " << k << ": it does not boot";
+      const bool is_new = state[3] == 1;
+      // Slot, sequence, size and CRC of one or the other.
+      EXPECT_TRUE(std::equal(state.begin() + 5, state.end(), (is_new ? updated : old).begin() + 5)) << "cut in operation " << k;
+      EXPECT_EQ(is_new, k >= committed) << "cut in operation " << k;
+      EXPECT_EQ(machine->vector_table(), is_new ? kSlotB : kSlotA) << "cut in operation " << k;
+      new_ones += is_new ? 1 : 0;
+      ++cuts;
+    }
+    cells.apply(operations[k], false);
+  }
+  EXPECT_EQ(cells.bytes, flash.bytes) << "the log is not what happened";
+  expect_no_violation();
+  std::printf("%d of %zu operations cut: %d old, %d new application\n", cuts, operations.size(), cuts - new_ones, new_ones);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shards, UpdateCuts, ::testing::Range(0, kShards));
+
+}  // namespace
+}  // namespace triskin::machine

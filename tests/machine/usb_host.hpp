@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/machine/machine.hpp"
+#include "triskin/wire/usb_function.hpp"
+
+namespace triskin::machine {
+
+/// A host at the other end of the machine's cable: transfers of packets of 64 bytes with data toggles, retries and time-outs, in virtual time.
+class UsbHost {
+ public:
+  explicit UsbHost(Machine& machine) : machine_(machine) {}
+
+  /// Waits up to a second for a device, resets the bus, gives the address. False: nobody there.
+  bool connect(std::uint8_t address);
+  /// Empty: refused, or silent for five seconds.
+  std::optional<std::vector<std::uint8_t>> control(const wire::UsbSetup& setup, Bytes data = {});
+  /// False: not taken within 100 ms.
+  bool out(std::uint8_t endpoint, Bytes packet);
+  /// Empty: nothing within `wait_us`.
+  std::vector<std::uint8_t> in(std::uint8_t endpoint, std::uint64_t wait_us);
+  /// As if the acknowledgement of the last packet had been lost: it is sent again.
+  bool repeat_out(std::uint8_t endpoint, Bytes packet);
+
+  [[nodiscard]] UsbWire& wire() { return machine_.usb(); }
+  int toggle_errors = 0;  ///< packets of the device with the wrong data toggle
+
+ private:
+  UsbReply spend(UsbReply reply, std::size_t bytes);
+  UsbReply send(std::uint8_t endpoint, bool data1, Bytes packet, std::uint64_t patience_us);
+  UsbIn receive(std::uint8_t endpoint, std::uint64_t patience_us);
+  bool begin(const wire::UsbSetup& setup);
+  std::optional<std::vector<std::uint8_t>> data_in(std::uint16_t length);
+
+  Machine& machine_;
+  std::uint8_t address_ = 0;
+  std::map<std::uint8_t, bool> toggle_;  // by end point with direction
+};
+
+}  // namespace triskin::machine

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace triskin::machine {
+
+/// What a host gets from the device for a token. kNone: nothing came back.
+enum class UsbReply { kNone, kNak, kStall, kAck };
+
+struct UsbIn {
+  UsbReply reply = UsbReply::kNone;  ///< kAck: data came and the host acknowledges them
+  bool data1 = false;
+  std::vector<std::uint8_t> bytes;
+};
+
+/// The device's end of the USB cable. A transaction happens at the present time and takes none: the host's side spends it.
+class UsbWire {
+ public:
+  virtual ~UsbWire() = default;
+  /// Pull-up on D+.
+  [[nodiscard]] virtual bool attached() const = 0;
+  virtual void bus_reset() = 0;
+  /// Nothing on the bus for 3 ms, and activity after that.
+  virtual void bus_suspend(bool suspended) = 0;
+  virtual UsbReply setup(std::uint8_t address, std::span<const std::uint8_t, 8> bytes) = 0;
+  virtual UsbReply out(std::uint8_t address, std::uint8_t endpoint, bool data1, std::span<const std::uint8_t> bytes) = 0;
+  virtual UsbIn in(std::uint8_t address, std::uint8_t endpoint) = 0;
+};
+
+}  // namespace triskin::machine
