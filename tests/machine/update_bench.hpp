@@ -38,7 +38,7 @@ class Update : public Bench {
   [[gnu::noinline]] void enter_loader() {
     power_up();
     run_for(8'000);
-    const auto hello = command(std::array{static_cast<std::uint8_t>(Command::kHello)}, 20'000);
+    const auto hello = command(std::array{static_cast<std::uint8_t>(Command::kHello)}, 50'000);
     ASSERT_EQ(hello.size(), 7U);
     ASSERT_EQ(hello[2] >> 6, boot::kProtocol);
     const auto selected = command(std::array{static_cast<std::uint8_t>(Command::kSelect), hello[3], hello[4], hello[5], hello[6]}, 20'000);

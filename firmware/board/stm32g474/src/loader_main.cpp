@@ -63,15 +63,16 @@ int main() {
   can.open();
   triskin::boot::Loader loader(application_slots, can, unique_id());
   static std::optional<triskin::boot::DfuDevice> dfu;
-  if (take_dfu_request() || application_slots.choose() < 0) {
-    dfu.emplace(application_slots, unique_id());
-    dfu->tick(microseconds());
-    usb.open(*dfu, false);
-  }
+  bool dfu_wanted = take_dfu_request();
   const std::uint64_t window_end = microseconds() + triskin::boot::kWindow_us;
   for (;;) {
     while (const auto frame = can.receive()) {
       if (loader.handle(*frame, microseconds())) start_newest();
+    }
+    if (dfu_wanted && !dfu) {
+      dfu.emplace(application_slots, unique_id());
+      dfu->tick(microseconds());
+      usb.open(*dfu, false);
     }
     usb.serve();
     std::uint64_t end = std::max(window_end, loader.stays_until_us());
@@ -81,6 +82,7 @@ int main() {
       if (dfu->wants_to_reconnect() && usb.idle()) leave_dfu();
     } else if (microseconds() >= end) {
       start_newest();
+      dfu_wanted = true;  // there is none
     }
     feed_watchdog();
     sleep_until(end);
