@@ -361,8 +361,9 @@ void LineSampler::finish_sequence() {
 void LineSampler::restart_sequence(std::uint64_t now_us) {
   Slot& slot = slots_[slot_];
   const SequenceClock before = slot.clock;
-  constexpr std::uint64_t kTransfer_us = 150, kLater_us = 400, kClear_us = 1'100;
-  constexpr std::uint8_t kPatient = 10, kLast = 20;
+  constexpr std::uint64_t kTransfer_us = 150, kLater_us = 400;
+  constexpr std::uint64_t kClear_us = kBurst_us + kGap_us + 100;  // nearer than that there is no room for looks at its end
+  constexpr std::uint8_t kPatient = 16, kLast = 22;
   slot.clock.restart(now_us + kTransfer_us);
   const bool near = std::ranges::any_of(slots(), [&](const Slot& s) { return &s != &slot && s.reading() && end_distance(slot, s) < kClear_us; });
   const bool crowd = std::ranges::any_of(slots(), [&](const Slot& s) { return s.reading() && would_miss(s); });
