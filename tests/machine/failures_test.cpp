@@ -19,7 +19,7 @@ class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
   void begin() {
     on_posix = GetParam();
     start(16, {wire::Decimation::k64, 1});
-    run_for(300'000);
+    run_for(1'500'000);  // every chip's clock is known, and they have moved apart
   }
   static constexpr ModuleState name_of(Failure f) {
     constexpr std::array kNames{ModuleState::kAbsent, ModuleState::kAbsent, ModuleState::kWrongId, ModuleState::kLostConfiguration, ModuleState::kSaturated, ModuleState::kFrozen};

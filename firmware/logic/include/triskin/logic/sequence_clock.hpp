@@ -42,7 +42,7 @@ class SequenceClock {
   /// Goes on to the sequence after the present one, `count` times.
   void next(std::uint32_t count = 1);
   /// Looks contradict the prediction again and again, or there was no time for one: start the sequence anew.
-  [[nodiscard]] bool uncertain() const { return contradictions_ >= kMaxContradictions || since_look_ >= 4 * look_every_ + 4; }
+  [[nodiscard]] bool uncertain() const { return contradictions_ >= kMaxContradictions || since_look_ >= 2 * look_every_ + 4; }
 
  private:
   static constexpr unsigned kFraction = 8;  // bits after the point of a microsecond
