@@ -11,7 +11,7 @@
 namespace triskin::test {
 
 /// An AD7147 as far as the data sheet binds the firmware: registers, device id, results of the connected inputs. Written for these
-/// tests alone, apart from the chips of host/scene. Results change at the end of a sequence, 36.9 ms after power control is written.
+/// tests alone, apart from the chips of host/scene. Stage after stage ends; a sequence takes 36.9 ms from the writing of power control.
 struct ChipDouble {
   static constexpr std::uint64_t kSequence_us = 36'900;
   std::uint8_t address = 0x2C;
@@ -28,24 +28,35 @@ struct ChipDouble {
 
   [[nodiscard]] std::uint16_t read(std::uint16_t reg, std::uint64_t now_us) {
     if (reg == 0x017) return device_id;
+    if (reg == 0x00A) return status(now_us);
     if (reg >= 0x00B && reg <= 0x016) return result(reg - 0x00B, now_us);
     return registers[reg];
   }
   void write(std::uint16_t reg, std::uint16_t value, std::uint64_t now_us) {
     registers[reg] = value;
     if (reg != 0) return;
-    started_us = now_us;
+    started_us = status_us_ = now_us;
     ++configurations;
   }
 
  private:
+  std::uint64_t status_us_ = 0;
+
+  // How often a stage has ended since the start; the status tells of those since it was read.
+  [[nodiscard]] std::uint64_t ends(unsigned stage, std::uint64_t at_us) const { return (at_us - started_us + kSequence_us * (11 - stage) / 12) / kSequence_us; }
+  std::uint16_t status(std::uint64_t now_us) {
+    unsigned bits = 0;
+    for (unsigned s = 0; s < 12 && registers[0] == 0x00B0; ++s) bits |= (ends(s, now_us) > ends(s, status_us_) ? 1U : 0U) << s;
+    status_us_ = now_us;
+    return static_cast<std::uint16_t>(bits);
+  }
   std::uint16_t result(int stage, std::uint64_t now_us) {
-    if (registers[0] != 0x00B0 || now_us < started_us + kSequence_us) return 0;
+    const auto sequence = registers[0] == 0x00B0 ? ends(static_cast<unsigned>(stage), now_us) : 0;
+    if (sequence == 0) return 0;
     const auto base = static_cast<std::uint16_t>(0x080 + 8 * stage);
     const unsigned both = registers[base] | static_cast<unsigned>(registers[static_cast<std::uint16_t>(base + 1)]) << 14;
     const unsigned connection = both >> (2 * stage) & 3;
     if (connection != 1 && connection != 2) return 0x8000;
-    const auto sequence = (now_us - started_us) / kSequence_us;
     const int wobble = (frozen >> stage & 1) != 0 ? 0 : static_cast<int>((sequence * 7 + static_cast<unsigned>(stage) * 5) % 11) * noise / 10;
     const int value = 0x8000 + (connection == 2 ? 1 : -1) * (counts[static_cast<std::size_t>(stage)] + wobble);
     return static_cast<std::uint16_t>(std::min(0xFFFF, std::max(0, value)));
@@ -85,9 +96,11 @@ class LineDouble final : public sim::I2cBus {
     return !selected_.empty() && !stuck();
   }
   std::uint8_t read(bool /*acknowledge*/, std::uint64_t now_us) override {
-    unsigned value = 0xFFFF;
-    for (ChipDouble* c : selected_) value &= c->read(register_, now_us);
-    const auto byte = static_cast<std::uint8_t>(high_next_ ? value >> 8 : value);
+    if (high_next_) {
+      outgoing_ = 0xFFFF;
+      for (ChipDouble* c : selected_) outgoing_ &= c->read(register_, now_us);
+    }
+    const auto byte = static_cast<std::uint8_t>(high_next_ ? outgoing_ >> 8 : outgoing_);
     if (!high_next_) ++register_;
     high_next_ = !high_next_;
     return byte;
@@ -104,6 +117,7 @@ class LineDouble final : public sim::I2cBus {
   [[nodiscard]] bool stuck() const { return sda_low || scl_low; }
   std::vector<ChipDouble*> selected_;
   std::uint16_t register_ = 0;
+  unsigned outgoing_ = 0;  ///< a register is sampled as its high byte goes out
   std::uint8_t high_ = 0;
   int written_ = 0;
   bool reading_ = false, high_next_ = true;

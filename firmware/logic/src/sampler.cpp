@@ -10,6 +10,8 @@ using wire::ModuleState;
 
 namespace {
 
+constexpr std::uint64_t kAfterStatus_us = 25;  // from the sampling of the status, as its first byte is read, to the end of the transfer
+
 constexpr bool in_range(std::uint16_t raw) { return raw != 0 && raw != 0xFFFF; }
 
 }  // namespace
@@ -64,7 +66,8 @@ void LineSampler::resume(std::uint64_t now_us) {
       slot.single = true;
     }
     slot.recheck = true;
-    slot.cleared = slot.clear_wanted = false;
+    slot.clear_wanted = false;
+    slot.status_us = 0;
     samples_[slot.module].state = ModuleState::kUnknown;
   }
 }
@@ -87,7 +90,7 @@ std::uint64_t LineSampler::next_event_us(std::uint64_t now_us) const {
     const std::uint64_t other = other_due_us(slot);
     if (other == UINT64_MAX) continue;
     const std::uint64_t start = std::max(other, now_us);
-    if (start + kGap_us <= reading) next = std::min(next, start);
+    if (start + other_length_us(slot) <= reading) next = std::min(next, start);
   }
   return next;
 }
@@ -126,25 +129,36 @@ void LineSampler::start_scan_step() {
   chip_.begin_identify(*line_, chip_address());
 }
 
-// When a chip must be read, or looked at before that.
-std::uint64_t LineSampler::reading_due_us(const Slot& slot) const {
-  if (!slot.reading()) return UINT64_MAX;
-  return look_fits(slot) ? slot.clock.look_us() : slot.clock.read_us();
-}
+std::uint64_t LineSampler::reading_due_us(const Slot& slot) const { return slot.reading() ? slot.clock.read_us() : UINT64_MAX; }
 
-// The end can be looked at when no other chip has to be read about the same time; a clock that is not known yet goes first.
-bool LineSampler::look_fits(const Slot& slot) const {
-  if (!slot.cleared || !slot.clock.locked()) return slot.cleared;
-  return std::ranges::none_of(slots(), [&](const Slot& other) { return &other != &slot && other.reading() && end_distance(slot, other) < kBurst_us + kGap_us; });
-}
-
-// What can be done between readings: finding and configuring, checking the configuration, clearing the status for a look.
-std::uint64_t LineSampler::other_due_us(const Slot& slot) const {
+// What can be done between readings: finding and configuring, checking the configuration, reading the status for the clock's sake.
+std::uint64_t LineSampler::other_due_us(const Slot& slot) {
   if (slot.phase == Phase::kFind) return slot.ready_us;
   if (slot.phase == Phase::kConfigure || slot.verify_wanted) return 0;
   if (slot.restart_wanted) return slot.ready_us;
-  constexpr std::uint64_t kAfterEnd_us = 500;  // surely after the end of the sequence before
-  return slot.clear_wanted ? slot.clock.end_us() - slot.clock.period_us() + kAfterEnd_us : UINT64_MAX;
+  if (slot.clear_wanted) return slot.clock.began_us();
+  return slot.status_us != 0 ? look_start_us(slot) : UINT64_MAX;
+}
+
+// The status is sampled when its high byte is read: five bytes after the start.
+std::uint64_t LineSampler::look_start_us(const Slot& slot) {
+  constexpr std::uint64_t kSampled_us = 120;
+  return slot.clock.stage_end_us(slot.look_stage) - kSampled_us;
+}
+
+// The next stage whose end can be looked at: the one before it ends after the present reading of the status, too, and proves that the chip converts.
+void LineSampler::plan_look(Slot& slot) {
+  constexpr std::uint64_t kApart_us = 50;
+  while (++slot.look_stage < ad7147::kStages) {
+    if (slot.clock.stage_end_us(slot.look_stage - 1) > slot.status_us + slot.clock.doubt_us() / 2 + kApart_us) return;
+  }
+  slot.status_us = 0;
+}
+
+// A look that came too late would tell little: the next stage does as well.
+void LineSampler::drop_late_look(Slot& slot, std::uint64_t now_us) {
+  const std::uint64_t late_us = 30 + slot.clock.doubt_us() / 8;
+  while (slot.status_us != 0 && now_us > look_start_us(slot) + late_us) plan_look(slot);
 }
 
 std::uint64_t LineSampler::next_reading_us() const {
@@ -158,14 +172,15 @@ void LineSampler::choose(std::uint64_t now_us) {
   std::uint64_t first_end_us = UINT64_MAX;
   for (std::size_t k = 0; k < slot_count_; ++k) {
     skip_missed(slots_[k], now_us);
+    drop_late_look(slots_[k], now_us);
     if (reading_due_us(slots_[k]) > now_us || slots_[k].clock.end_us() >= first_end_us) continue;
     first_end_us = slots_[k].clock.end_us();
     slot_ = k;
   }
   if (first_end_us != UINT64_MAX) return start_reading(now_us);
-  if (now_us + kGap_us > next_reading_us()) return;
+  const std::uint64_t reading_us = next_reading_us();
   for (std::size_t k = 0; k < slot_count_; ++k) {
-    if (other_due_us(slots_[k]) > now_us) continue;
+    if (other_due_us(slots_[k]) > now_us || now_us + other_length_us(slots_[k]) > reading_us) continue;
     slot_ = k;
     return start_other(now_us);
   }
@@ -175,22 +190,32 @@ void LineSampler::choose(std::uint64_t now_us) {
 void LineSampler::skip_missed(Slot& slot, std::uint64_t now_us) {
   if (!slot.reading()) return;
   while (now_us > slot.clock.last_start_us()) {
-    slot.clock.next(slot.clock.locked() ? sampling_.every : 1);
-    slot.cleared = false;
-    if (slot.phase != Phase::kRun) continue;
-    ++samples_[slot.module].number;
-    ++lost_;
+    slot.status_us = 0;
+    if (slot.to_pass == 0) {
+      slot.to_pass = sampling_.every;
+      if (slot.phase == Phase::kRun) {
+        ++samples_[slot.module].number;
+        ++lost_;
+      }
+    }
+    advance(slot);
   }
+  if (slot.restart_wanted || !slot.clock.uncertain()) return;  // it is read no more as the window has gone
+  slot.restart_wanted = true;
+  slot.clear_wanted = false;
+  slot.ready_us = now_us;
+}
+
+// On to the sequence that is to be sampled, or one before it when the period is not known that well.
+void LineSampler::advance(Slot& slot) {
+  slot.passed = slot.clock.may_pass(std::max(slot.to_pass, std::uint32_t{1}));
+  slot.to_pass -= std::min(slot.to_pass, slot.passed);
+  slot.clock.next(slot.passed);
 }
 
 void LineSampler::start_reading(std::uint64_t now_us) {
-  Slot& slot = slots_[slot_];
   job_start_us_ = now_us;
-  if (look_fits(slot)) {
-    job_ = Job::kLook;
-    return chip_.begin_status(*line_, chip_address());
-  }
-  slot.cleared = false;  // no time for a look
+  slots_[slot_].status_us = 0;
   job_ = Job::kRead;
   chip_.begin_read(*line_, chip_address());
 }
@@ -208,9 +233,10 @@ void LineSampler::start_other(std::uint64_t now_us) {
   } else if (slot.verify_wanted) {
     verify();
   } else if (slot.restart_wanted) {
-    restart_sequence(now_us);
+    job_ = Job::kRestart;
+    chip_.begin_restart(*line_, chip_address());
   } else {
-    job_ = Job::kClear;
+    job_ = slot.clear_wanted ? Job::kClear : Job::kLook;
     chip_.begin_status(*line_, chip_address());
   }
 }
@@ -248,19 +274,12 @@ void LineSampler::finish_job(std::uint64_t now_us) {
   job_ = Job::kIdle;
   switch (job) {
     case Job::kIdentify: return finish_identify(now_us);
-    case Job::kConfigure: return finish_configure(now_us);
-    case Job::kVerify: return finish_verify();
+    case Job::kConfigure: return finish_configure();
+    case Job::kVerify: return finish_verify(now_us);
     case Job::kRead: return finish_read(now_us);
-    case Job::kClear:
-      slots_[slot_].cleared = slots_[slot_].phase != Phase::kFind;
-      slots_[slot_].clear_wanted = false;
-      return;
-    case Job::kLook: return finish_look(now_us);
-    case Job::kRestart:
-      slots_[slot_].clock.restart(now_us);
-      if (slots_[slot_].clock.locked()) slots_[slot_].clock.next(sampling_.every - 1U);
-      slots_[slot_].restart_wanted = slots_[slot_].cleared = false;
-      return;
+    case Job::kClear: return finish_clear();
+    case Job::kLook: return finish_look();
+    case Job::kRestart: return finish_restart();
     default: return;
   }
 }
@@ -270,7 +289,8 @@ void LineSampler::give_up(ModuleState state, std::uint64_t now_us) {
   Slot& slot = slots_[slot_];
   job_ = Job::kIdle;
   slot.phase = Phase::kFind;
-  slot.cleared = slot.clear_wanted = slot.verify_wanted = slot.restart_wanted = slot.lost = false;
+  slot.clear_wanted = slot.verify_wanted = slot.restart_wanted = slot.lost = false;
+  slot.status_us = 0;
   slot.ready_us = job_start_us_ + sequence_us();
   samples_[slot.module].valid = 0;
   samples_[slot.module].state = state;
@@ -296,14 +316,18 @@ void LineSampler::configure(Phase next) {
   slot.phase = Phase::kConfigure;
   slot.next_phase = next;
   slot.step = 0;
-  slot.cleared = slot.clear_wanted = slot.verify_wanted = slot.restart_wanted = false;
+  slot.clear_wanted = slot.verify_wanted = slot.restart_wanted = false;
+  slot.status_us = 0;
 }
 
-void LineSampler::finish_configure(std::uint64_t now_us) {
+void LineSampler::finish_configure() {
   Slot& slot = slots_[slot_];
   if (slot.phase != Phase::kConfigure || ++slot.step < Ad7147::kConfigurationSteps) return;  // or a new check was asked for meanwhile
   slot.phase = slot.next_phase;
-  slot.clock.start(now_us, sequence_us());
+  slot.clock.start(line_->ended_us(), sequence_us());
+  slot.clear_wanted = true;
+  slot.to_pass = 0;
+  slot.passed = 1;
   slot.unverified = 0;
   slot.still = {};
 }
@@ -322,7 +346,7 @@ void LineSampler::finish_read(std::uint64_t now_us) {
   // A chip without configuration reads like one at the end of its range: look before calling it saturated.
   if (std::exchange(slot.recheck, false) || !std::ranges::all_of(results_, in_range)) return verify();
   slot.verify_wanted = ++slot.unverified >= kVerifyEvery;
-  finish_sequence();
+  finish_sequence(now_us);
 }
 
 void LineSampler::verify() {
@@ -330,7 +354,7 @@ void LineSampler::verify() {
   chip_.begin_verify(*line_, chip_address());
 }
 
-void LineSampler::finish_verify() {
+void LineSampler::finish_verify(std::uint64_t now_us) {
   Slot& slot = slots_[slot_];
   if (slot.phase == Phase::kFind) return;
   if (!chip_.configuration_holds()) {  // a power dip, or another chip was put in its place
@@ -339,53 +363,79 @@ void LineSampler::finish_verify() {
     return chip_.begin_identify(*line_, chip_address());
   }
   slot.unverified = 0;
-  if (!std::exchange(slot.verify_wanted, false)) finish_sequence();
+  if (!std::exchange(slot.verify_wanted, false)) finish_sequence(now_us);
 }
 
 // The results stand. When the next ones could not be read in their window, or the prediction is doubtful, the chip begins anew a little
 // later: no results are lost by that, and the new beginning is known exactly.
-void LineSampler::finish_sequence() {
+void LineSampler::finish_sequence(std::uint64_t now_us) {
   Slot& slot = slots_[slot_];
-  store_results();
-  publish(slot.clock.end_us());
-  slot.clock.next(slot.clock.locked() ? sampling_.every : 1);
+  if (slot.to_pass == 0) {
+    store_results();
+    publish(slot.clock.end_us());
+    slot.to_pass = sampling_.every;
+  }
+  advance(slot);
   slot.clear_wanted = slot.clock.look_wanted();
   slot.restart_wanted = would_miss(slot) || slot.clock.uncertain();
   if (!slot.restart_wanted) return;
   slot.clear_wanted = false;
-  slot.put_off = 0;
-  slot.ready_us = 0;
+  slot.ready_us = restart_moment_us(slot, now_us);
 }
 
-// Waits a little for a moment that is far from the ends of the line's other chips: their clocks differ, and ends that are near meet again soon.
-void LineSampler::restart_sequence(std::uint64_t now_us) {
+// The next moment, within a sequence, from which this chip's end is far from those of the line's other chips: their clocks differ, and ends that
+// are near meet again soon. Where there is no such moment, the one that is farthest.
+std::uint64_t LineSampler::restart_moment_us(const Slot& slot, std::uint64_t now_us) const {
+  constexpr std::uint64_t kApart_us = 200, kFar_us = 2 * kBurst_us;
+  std::uint64_t best_us = now_us, best_distance_us = 0;
+  Slot tried = slot;
+  for (std::uint64_t at_us = now_us; at_us < now_us + slot.clock.period_us(); at_us += kApart_us) {
+    tried.clock.restart(at_us);
+    std::uint64_t distance_us = kFar_us;
+    for (const Slot& other : slots()) {
+      if (&other != &slot && other.reading()) distance_us = std::min(distance_us, end_distance(tried, other));
+    }
+    if (distance_us <= best_distance_us) continue;
+    best_us = at_us;
+    best_distance_us = distance_us;
+    if (distance_us == kFar_us) break;
+  }
+  return best_us;
+}
+
+void LineSampler::finish_restart() {
   Slot& slot = slots_[slot_];
-  const SequenceClock before = slot.clock;
-  constexpr std::uint64_t kTransfer_us = 150, kLater_us = 400;
-  constexpr std::uint64_t kClear_us = kBurst_us + kGap_us + 100;  // nearer than that there is no room for looks at its end
-  constexpr std::uint8_t kPatient = 16, kLast = 22;
-  slot.clock.restart(now_us + kTransfer_us);
-  const bool near = std::ranges::any_of(slots(), [&](const Slot& s) { return &s != &slot && s.reading() && end_distance(slot, s) < kClear_us; });
-  const bool crowd = std::ranges::any_of(slots(), [&](const Slot& s) { return s.reading() && would_miss(s); });
-  if (++slot.put_off < (crowd ? kLast : near ? kPatient : 0)) {
-    slot.clock = before;
-    slot.ready_us = now_us + kLater_us;
+  slot.restart_wanted = false;
+  slot.status_us = 0;
+  if (!slot.reading()) return;  // a new check was asked for meanwhile
+  slot.clock.restart(line_->ended_us());
+  slot.to_pass += slot.passed - 1;
+  if (slot.to_pass > 0) advance(slot);
+  slot.clear_wanted = slot.clock.look_wanted();
+}
+
+void LineSampler::finish_clear() {
+  Slot& slot = slots_[slot_];
+  slot.clear_wanted = false;
+  if (!slot.reading()) return;
+  slot.status_us = line_->ended_us() - kAfterStatus_us;
+  slot.look_stage = 0;
+  plan_look(slot);
+}
+
+void LineSampler::finish_look() {
+  Slot& slot = slots_[slot_];
+  if (!slot.reading() || slot.status_us == 0) return;
+  slot.status_us = line_->ended_us() - kAfterStatus_us;
+  const int stage = slot.look_stage;
+  const unsigned before_and_this = chip_.status() >> (stage - 1) & 3U;
+  if ((before_and_this & 1U) == 0) {  // it does not convert, which reading back its configuration finds
+    slot.status_us = 0;
     return;
   }
-  job_ = Job::kRestart;
-  chip_.begin_restart(*line_, chip_address());
-}
-
-void LineSampler::finish_look(std::uint64_t now_us) {
-  Slot& slot = slots_[slot_];
-  slot.cleared = false;
-  constexpr unsigned kMiddleStages = 0x3F0;  // complete in any case, on a chip that converts
-  if ((chip_.status() & kMiddleStages) != kMiddleStages) {
-    slot.clock.look_in_vain();
-  } else {
-    slot.clock.looked(job_start_us_ + SequenceClock::kStatusRead_us, (chip_.status() >> (ad7147::kStages - 1) & 1) != 0);
-  }
-  if (slot.phase == Phase::kRun || slot.phase == Phase::kMeasure) choose(now_us);
+  slot.clock.looked(slot.status_us, stage, (before_and_this & 2U) != 0);
+  if (slot.clock.look_wanted()) return plan_look(slot);
+  slot.status_us = 0;
 }
 
 // The end of another chip's sequence that is nearest to the end of this one's.
@@ -404,7 +454,7 @@ std::uint64_t LineSampler::end_distance(const Slot& slot, const Slot& other) {
 
 // Whether the readings before it, in the order in which the sequences end, leave this chip's next one too late.
 bool LineSampler::would_miss(const Slot& slot) const {
-  const std::uint64_t end = slot.clock.end_us(), early = end - slot.clock.read_us();
+  const std::uint64_t end = slot.clock.end_us(), early = end - std::min(end, slot.clock.read_us());
   std::array<std::uint64_t, layout::kAddressesPerLine> ends{};  // 0: not before it
   std::size_t count = 0;
   for (const Slot& other : slots()) {

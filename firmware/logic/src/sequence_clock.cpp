@@ -6,83 +6,101 @@
 namespace triskin::fw {
 
 void SequenceClock::start(std::uint64_t at_us, std::uint32_t nominal_us) {
+  nominal_us_ = nominal_us;
   const std::uint64_t nominal = std::uint64_t{nominal_us} << kFraction;
-  least_ = nominal * (100 - kTolerance_percent) / 100;
-  most_ = nominal * (100 + kTolerance_percent) / 100;
-  period_ = nominal;
-  stage_us_ = nominal_us / 12;
-  locked_ = false;
-  since_look_ = 0;
-  look_every_ = 1;
-  agreements_ = 0;
-  restart(at_us);
+  shortest_ = nominal * (100 - kTolerance_percent) / 100;
+  longest_ = nominal * (100 + kTolerance_percent) / 100;
+  begin(at_us);
 }
 
 void SequenceClock::restart(std::uint64_t at_us) {
-  start_ = (at_us - kLate_us) << kFraction;
-  end_ = start_ + period_;
-  sequences_ = 1;
-  since_look_ = 0;
+  if (contradictions_ >= kMaxContradictions) return start(at_us, nominal_us_);
+  begin(at_us);
+}
+
+void SequenceClock::begin(std::uint64_t at_us) {
+  const std::uint64_t at = at_us << kFraction;
+  anchor_first_ = at - kSlack;
+  anchor_last_ = at + kSlack;
+  since_anchor_ = 1;
+  first_ = anchor_first_ + shortest_;
+  last_ = anchor_last_ + longest_;
   contradictions_ = 0;
 }
 
-std::uint64_t SequenceClock::read_us() const {
-  constexpr std::uint64_t kEarly_us = 360;
-  if (locked_) return end_us() - kEarly_us;
-  return end_us() + (stage_us_ - kFirstResult_us) / 2 - kLastResult_us / 2;  // the middle of the window
+// By how much the period may have changed in so many sequences.
+std::uint64_t SequenceClock::wander(std::uint64_t sequences) const {
+  const std::uint64_t period = period_us();
+  return ((period * kWander_ppm_per_s * (sequences * period) / 1'000'000) << kFraction) / 1'000'000;
 }
 
-std::uint64_t SequenceClock::look_us() const {
-  const std::int64_t offset_us = !locked_ ? 0 : before_ ? -kFence_us : kFence_us;
-  return end_us() + static_cast<std::uint64_t>(offset_us) - kStatusRead_us;
+std::uint32_t SequenceClock::may_pass(std::uint32_t most) const {
+  std::uint32_t count = most;
+  while (count > 1 && (longest_ - shortest_ + 2 * wander(count)) * count > kMostGrowth_us << kFraction) count /= 2;
+  return count;
 }
 
-void SequenceClock::looked(std::uint64_t at_us, bool ended) {
-  since_look_ = 0;
-  if (locked_) fence(at_us, ended);
-  else narrow(at_us, ended);
+std::uint64_t SequenceClock::stage_end_us(int stage) const {
+  const std::uint64_t before = (shortest_ + longest_) / 2 * static_cast<std::uint64_t>(kStages - 1 - stage) / kStages;
+  return ((first_ + last_) / 2 - before) >> kFraction;
 }
 
-// The start is known: end n lies n periods after it.
-void SequenceClock::narrow(std::uint64_t at_us, bool ended) {
-  const std::uint64_t since = (at_us << kFraction) - start_, slack = kSlack_us << kFraction;
-  if (ended) most_ = std::min(most_, (since + slack) / sequences_);
-  else least_ = std::max(least_, (since - slack) / sequences_);
-  if (least_ > most_) {  // the slack was too small: both have moved past each other
-    const std::uint64_t middle = (least_ + most_) / 2;
-    least_ = middle - slack / sequences_;
-    most_ = middle + slack / sequences_;
-  }
-  period_ = (least_ + most_) / 2;
-  end_ = start_ + sequences_ * period_;
-  locked_ = sequences_ >= kLockAfter;
-}
-
-void SequenceClock::fence(std::uint64_t at_us, bool ended) {
+void SequenceClock::looked(std::uint64_t at_us, int stage, bool ended) {
+  const auto left = static_cast<std::uint64_t>(kStages - 1 - stage);
   const std::uint64_t at = at_us << kFraction;
-  if (ended == (at >= end_)) {
-    before_ = !before_;
-    contradictions_ = 0;
-    if (++agreements_ < kAgreements) return;
-    agreements_ = 0;
-    look_every_ = std::min(2 * look_every_, kMostSeldom);
+  const std::uint64_t latest = at + left * longest_ / kStages + kSlack, earliest = at + left * shortest_ / kStages - kSlack;
+  if (ended && latest < first_) return contradict(latest);
+  if (!ended && earliest > last_) return contradict(earliest);
+  if (ended) last_ = std::min(last_, latest);
+  else first_ = std::max(first_, earliest);
+  contradictions_ = 0;
+  measure_period();
+}
+
+// What was known is wrong: the end is near this, and the period is not where it was.
+void SequenceClock::contradict(std::uint64_t end) {
+  ++contradictions_;
+  first_ = end - 2 * kSlack;
+  last_ = end + 2 * kSlack;
+  anchor_first_ = first_;
+  anchor_last_ = last_;
+  since_anchor_ = 0;
+  const std::uint64_t wider = longest_ / 1000;
+  shortest_ -= wider;
+  longest_ += wider;
+}
+
+void SequenceClock::measure_period() {
+  if (since_anchor_ == 0) return;
+  const std::uint64_t changed = wander(since_anchor_);
+  const std::uint64_t longest = (last_ - anchor_first_) / since_anchor_ + changed, shortest = (first_ - anchor_last_) / since_anchor_ - changed;
+  if (longest < shortest_ || shortest > longest_) {
+    shortest_ = shortest;
+    longest_ = longest;
     return;
   }
-  ++contradictions_;
-  agreements_ = 0;
-  constexpr std::uint64_t kStep = std::uint64_t{20} << kFraction;
-  const std::uint64_t corrected = ended ? at - kStep : at + kStep;
-  const auto error = static_cast<std::int64_t>(corrected) - static_cast<std::int64_t>(end_);
-  constexpr std::int64_t kMost = 4 << kFraction;
-  period_ = static_cast<std::uint64_t>(static_cast<std::int64_t>(period_) + std::clamp(error / (4 * static_cast<std::int64_t>(look_every_)), -kMost, kMost));
-  end_ = corrected;
-  look_every_ = std::max(look_every_ / 2, std::uint32_t{1});
+  longest_ = std::min(longest_, longest);
+  shortest_ = std::max(shortest_, shortest);
 }
 
 void SequenceClock::next(std::uint32_t count) {
-  end_ += count * period_;
-  sequences_ += count;
-  since_look_ += count;
+  if (since_anchor_ >= kAnchorFor) {
+    anchor_first_ = first_;
+    anchor_last_ = last_;
+    since_anchor_ = 0;
+  }
+  const std::uint64_t changed = wander(count);
+  shortest_ -= changed;
+  longest_ += changed;
+  first_ += count * shortest_;
+  last_ += count * longest_;
+  since_anchor_ += count;
+}
+
+bool SequenceClock::uncertain() const {
+  if (contradictions_ >= kMaxContradictions) return true;
+  constexpr std::uint64_t kRoom_us = 600;  // two bursts fit into it, nearly
+  return last_start_us() < read_us() + kRoom_us && 2 * (longest_ - shortest_ + 2 * kSlack) < last_ - first_;
 }
 
 }  // namespace triskin::fw

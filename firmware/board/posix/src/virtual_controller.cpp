@@ -48,6 +48,7 @@ class VirtualI2cLine final : public fw::I2cLine {
     busy_ = false;
     return status_;
   }
+  [[nodiscard]] std::uint64_t ended_us() const override { return done_us_; }
   Status recover() override {
     for (int pulse = 0; pulse < 9 && !bus_.sda(); ++pulse) bus_.pulse_scl(clock_.now);
     bus_.stop(clock_.now);

@@ -127,7 +127,9 @@ void Stm32I2cLine::on_error() {
 }
 
 void Stm32I2cLine::end(Outcome outcome) {
-  if (outcome_ == Outcome::kRunning) outcome_ = outcome;
+  if (outcome_ != Outcome::kRunning) return;
+  ended_us_ = microseconds();
+  outcome_ = outcome;
 }
 
 std::optional<Status> Stm32I2cLine::poll() {

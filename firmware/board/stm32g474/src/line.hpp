@@ -24,6 +24,7 @@ class Stm32I2cLine final : public fw::I2cLine {
   void open(const LinePlace& place);
   void start(std::uint8_t address, Bytes write, std::span<std::uint8_t> read) override;
   std::optional<Status> poll() override;
+  [[nodiscard]] std::uint64_t ended_us() const override { return ended_us_; }
   Status recover() override;
   /// When poll() must be called although no interrupt came; max when nothing is under way.
   [[nodiscard]] std::uint64_t deadline_us() const { return active_ ? deadline_us_ : UINT64_MAX; }
@@ -51,7 +52,7 @@ class Stm32I2cLine final : public fw::I2cLine {
   std::uint8_t address_ = 0;
   bool reading_ = false, active_ = false, nack_ = false;
   volatile Outcome outcome_ = Outcome::kRunning;
-  std::uint64_t deadline_us_ = 0;
+  std::uint64_t deadline_us_ = 0, ended_us_ = 0;
 };
 
 extern Stm32I2cLine lines[4];

@@ -56,7 +56,7 @@ class LineSampler {
   static constexpr int kMinSuspicions = 3;           ///< in a row: a release between the two readings looks the same once
   static constexpr std::uint8_t kFrozenReadings = 32;  ///< lively readings without a change
   static constexpr std::uint64_t kBurst_us = 800;  ///< on the line, and until the next transfer can begin
-  static constexpr std::uint64_t kGap_us = 500;  ///< longest transfer beside a reading: begun only when no reading falls due meanwhile
+  static constexpr std::uint64_t kStep_us = 500, kShort_us = 250;  ///< a step of the configuration; other transfers beside a reading: begun only when no reading falls due meanwhile
   static constexpr int kLively = 6;                  ///< taxels that must change for a reading to be lively
 
   /// Forgets everything and starts anew with the modules of this line. `samples` has one entry a row of the table and outlives
@@ -93,11 +93,13 @@ class LineSampler {
     bool single = false;          ///< found to be one chip since it was last absent
     bool lost = false;            ///< its configuration is; who answers there is asked for
     bool clear_wanted = false, verify_wanted = false, restart_wanted = false;
-    bool cleared = false;         ///< the status was cleared for a look at the end of this sequence
+    std::uint64_t status_us = 0;  ///< when the status was read, and so cleared, in this sequence; 0: not yet
+    int look_stage = 0;           ///< whose end is looked at next
     std::uint8_t suspicions = 0, unverified = 0;  ///< readings since the configuration was seen
     bool recheck = false;         ///< the next reading counts only when the configuration holds
+    std::uint32_t to_pass = 0;    ///< sequences until the one that is to be sampled: 0, the present one
+    std::uint32_t passed = 0;     ///< sequences that the clock went on by
     std::uint64_t lost_us = 0;    ///< when it was read last and then gave no answer
-    std::uint8_t put_off = 0;     ///< times that a new beginning was
     std::uint64_t ready_us = 0;   ///< when to look for the chip again, or to begin its sequence anew
     SequenceClock clock;
     ad7147::Results mirrored{}, last{};
@@ -107,7 +109,8 @@ class LineSampler {
 
   void choose(std::uint64_t now_us);
   [[nodiscard]] std::uint64_t reading_due_us(const Slot& slot) const;
-  [[nodiscard]] std::uint64_t other_due_us(const Slot& slot) const;
+  [[nodiscard]] static std::uint64_t other_due_us(const Slot& slot);
+  [[nodiscard]] static std::uint64_t other_length_us(const Slot& slot) { return slot.phase == Phase::kConfigure ? kStep_us : kShort_us; }
   [[nodiscard]] std::uint64_t next_reading_us() const;
   void skip_missed(Slot& slot, std::uint64_t now_us);
   void start_reading(std::uint64_t now_us);
@@ -117,22 +120,26 @@ class LineSampler {
   void finish_scan_step(Status status);
   void finish_job(std::uint64_t now_us);
   void finish_identify(std::uint64_t now_us);
-  void finish_configure(std::uint64_t now_us);
-  void finish_verify();
+  void finish_configure();
+  void finish_verify(std::uint64_t now_us);
   void finish_read(std::uint64_t now_us);
-  void finish_look(std::uint64_t now_us);
-  void finish_sequence();
+  void finish_clear();
+  void finish_look();
+  [[nodiscard]] static std::uint64_t look_start_us(const Slot& slot);
+  static void plan_look(Slot& slot);
+  static void drop_late_look(Slot& slot, std::uint64_t now_us);
+  void finish_sequence(std::uint64_t now_us);
+  void finish_restart();
   void check_single(std::uint64_t now_us);
   void configure(Phase next);
   void verify();
-  void restart_sequence();
   void store_results();
   void publish(std::uint64_t time_us);
   [[nodiscard]] static std::uint64_t end_near(const Slot& slot, const Slot& other);
   [[nodiscard]] static std::uint64_t end_distance(const Slot& slot, const Slot& other);
-  [[nodiscard]] bool look_fits(const Slot& slot) const;
   [[nodiscard]] bool would_miss(const Slot& slot) const;
-  void restart_sequence(std::uint64_t now_us);
+  [[nodiscard]] std::uint64_t restart_moment_us(const Slot& slot, std::uint64_t now_us) const;
+  static void advance(Slot& slot);
   [[nodiscard]] std::uint16_t find_frozen(const ad7147::Results& raw);
   void give_up(wire::ModuleState state, std::uint64_t now_us);
   static void lose(Slot& slot, std::uint64_t now_us);

@@ -4,65 +4,69 @@
 
 namespace triskin::fw {
 
-/// When one converter's sequence of twelve stages ends. The chip runs on its own oscillator (± 4 %) and tells nobody, so the end is
-/// predicted: from the moment at which power control was written, and from looks at the stage-complete status. A look says
-/// only whether the present sequence had ended at a time. While the period is not known well, each look halves the interval that it lies in;
-/// later, looks just before and just after the predicted end fence it in, the more seldom the better they agree. Pure: time comes as an argument.
+/// When one converter's sequence of twelve stages ends. The chip runs on its own oscillator (± 4 %) and tells nobody. What is known for
+/// certain is kept: an interval in which the present sequence ends, and one in which the period lies. It begins with the moment at which power
+/// control was written. A look at the stage-complete status says whether a stage had ended at a time and cuts the first interval; its growth
+/// since an earlier one cuts the second. All stages last equally long, so any of them will do. Pure: time comes as an argument.
 ///
 /// A burst of twelve results is whole when the last result is read after the end of the sequence and the first one before stage 0
-/// of the next is complete: that is the window of read_us() … last_start_us().
+/// of the next is complete, wherever in the interval the end is: that is the window of read_us() … last_start_us().
 class SequenceClock {
  public:
-  static constexpr std::uint32_t kTolerance_percent = 4;      ///< of the oscillator (AD7147 data sheet, table 1)
-  static constexpr std::uint64_t kFirstResult_us = 135;       ///< from the start of a burst to its first result: six bytes
-  static constexpr std::uint64_t kLastResult_us = 585;        ///< … to the high byte of its last one: 26 bytes
-  static constexpr std::uint64_t kStatusRead_us = 115;        ///< from the start of reading the status to the chip's sampling of it
+  static constexpr std::uint32_t kTolerance_percent = 4;  ///< of the oscillator (AD7147 data sheet, table 1)
+  static constexpr std::uint64_t kFirstResult_us = 135;   ///< from the start of a burst to its first result: six bytes
+  static constexpr std::uint64_t kLastResult_us = 585;    ///< … to the high byte of its last one: 26 bytes
+  static constexpr int kStages = 12;
 
   /// The sequence was started anew at `at_us`; nothing is known about the oscillator.
   void start(std::uint64_t at_us, std::uint32_t nominal_us);
-  /// The same, of a chip whose oscillator is known from before.
+  /// The same, of a chip whose oscillator is known from before; unless looks contradicted that.
   void restart(std::uint64_t at_us);
 
-  [[nodiscard]] std::uint64_t end_us() const { return end_ >> kFraction; }
-  [[nodiscard]] std::uint64_t period_us() const { return period_ >> kFraction; }
-  /// The period is known well enough.
-  [[nodiscard]] bool locked() const { return locked_; }
-  /// Best and last moment to start the burst for the present sequence. Early when locked: two chips that end together fit into it.
-  [[nodiscard]] std::uint64_t read_us() const;
-  [[nodiscard]] std::uint64_t last_start_us() const { return end_us() + stage_us_ - kFirstResult_us - kMargin_us; }
+  /// Middle of the interval in which the present sequence ends.
+  [[nodiscard]] std::uint64_t end_us() const { return (first_ + last_) / 2 >> kFraction; }
+  [[nodiscard]] std::uint64_t period_us() const { return (shortest_ + longest_) / 2 >> kFraction; }
+  /// Length of the interval in which the present sequence ends.
+  [[nodiscard]] std::uint64_t doubt_us() const { return (last_ - first_) >> kFraction; }
+  /// How many sequences, 1 to `most`, may pass without a look: the period is known that well.
+  [[nodiscard]] std::uint32_t may_pass(std::uint32_t most) const;
+  /// First and last moment to start the burst for the present sequence.
+  [[nodiscard]] std::uint64_t read_us() const { return (last_ >> kFraction) + kMargin_us - kLastResult_us; }
+  [[nodiscard]] std::uint64_t last_start_us() const { return (first_ >> kFraction) + stage_us() - kFirstResult_us - kMargin_us; }
 
-  /// The end of the present sequence shall be looked at. The status must be cleared (read) after the end of the one before.
-  [[nodiscard]] bool look_wanted() const { return !locked_ || since_look_ >= look_every_; }
-  /// When to start reading the status.
-  [[nodiscard]] std::uint64_t look_us() const;
-  /// The status, sampled at `at_us`, said whether the present sequence had ended.
-  void looked(std::uint64_t at_us, bool ended);
-  /// The status said nothing: the chip may have been started anew, which others find out.
-  void look_in_vain() { since_look_ = 0; }
+  /// The end of the present sequence is not known well enough.
+  [[nodiscard]] bool look_wanted() const { return doubt_us() > kWanted_us; }
+  /// The sequence before the present one has ended for certain.
+  [[nodiscard]] std::uint64_t began_us() const { return (last_ - shortest_) >> kFraction; }
+  /// When `stage` (0..11) of the present sequence ends, as well as is known: the status tells most at that time.
+  [[nodiscard]] std::uint64_t stage_end_us(int stage) const;
+  /// The status, sampled at `at_us`, said whether `stage` of the present sequence had ended.
+  void looked(std::uint64_t at_us, int stage, bool ended);
   /// Goes on to the sequence after the present one, `count` times.
   void next(std::uint32_t count = 1);
-  /// Looks contradict the prediction again and again, or there was no time for one: start the sequence anew.
-  [[nodiscard]] bool uncertain() const { return contradictions_ >= kMaxContradictions || since_look_ >= 2 * look_every_ + 4; }
+  /// Looks contradict what was known again and again, or there was no time for one, so that a new start would tell more.
+  [[nodiscard]] bool uncertain() const;
 
  private:
-  static constexpr unsigned kFraction = 8;  // bits after the point of a microsecond
-  static constexpr std::uint64_t kMargin_us = 150;  // error of the prediction
-  static constexpr std::int64_t kFence_us = 40;      // looks that far before and after the predicted end
-  static constexpr std::uint64_t kLate_us = 45, kSlack_us = 60;  // the start is noticed that late, more or less
-  static constexpr std::uint32_t kMostSeldom = 8;    // sequences between two looks, once several have agreed
-  static constexpr int kAgreements = 4;
-  static constexpr std::uint32_t kLockAfter = 8;
-  static constexpr int kMaxContradictions = 12;
+  static constexpr unsigned kFraction = 16;                     // bits after the point of a microsecond
+  static constexpr std::uint64_t kMargin_us = 25;               // between what is known and the first and last burst
+  static constexpr std::uint64_t kSlack = 25ULL << kFraction;   // error of the time of a start or a look
+  static constexpr std::uint64_t kWanted_us = 120, kMostGrowth_us = 300;
+  static constexpr std::uint64_t kWander_ppm_per_s = 80;        // an oscillator that warms up
+  static constexpr std::uint32_t kAnchorFor = 64;               // sequences over which the period is measured
+  static constexpr int kMaxContradictions = 4;
 
-  void narrow(std::uint64_t at_us, bool ended);
-  void fence(std::uint64_t at_us, bool ended);
+  [[nodiscard]] std::uint64_t stage_us() const { return shortest_ / kStages >> kFraction; }
+  [[nodiscard]] std::uint64_t wander(std::uint64_t sequences) const;
+  void begin(std::uint64_t at_us);
+  void contradict(std::uint64_t end);
+  void measure_period();
 
-  std::uint64_t start_ = 0, end_ = 0, period_ = 0, least_ = 0, most_ = 0;  // with fraction
-  std::uint64_t stage_us_ = 0;
-  std::uint32_t sequences_ = 1;  // since the start, counting the present one
-  std::uint32_t since_look_ = 0, look_every_ = 1;
-  bool locked_ = false, before_ = false;
-  int contradictions_ = 0, agreements_ = 0;
+  std::uint64_t first_ = 0, last_ = 0;              // the present sequence ends between these
+  std::uint64_t shortest_ = 0, longest_ = 0;        // the period lies between these
+  std::uint64_t anchor_first_ = 0, anchor_last_ = 0;  // an earlier end, or the start
+  std::uint32_t since_anchor_ = 0, nominal_us_ = 0;
+  int contradictions_ = 0;
 };
 
 }  // namespace triskin::fw
