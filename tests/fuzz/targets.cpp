@@ -182,7 +182,7 @@ void icub(Bytes input) {
     if (piece.size() < 2) return;
     const auto id = static_cast<std::uint32_t>(piece[0]) << 4 | 1U;
     (void)board.handle(frame_of(piece.subspan(1, std::min<std::size_t>(piece.size() - 1, 8)), id & 0x7FF, false), 1, 0);
-    for (std::size_t k = 0; k < 16; ++k) (void)board.value(k, piece[0], piece[1]);
+    for (std::size_t k = 0; k < 16; ++k) (void)board.value(k, static_cast<int>(piece[0] << 8 | piece[1]) - 0x8000);
   });
 }
 

@@ -2,6 +2,7 @@
 #include "triskin/app/application.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace triskin::fw {
 
@@ -195,7 +196,7 @@ void Application::take_samples() {
   }
 }
 
-// Once a nominal sequence. A module without data says so as often as it would have had some; a tick comes a little early or late.
+// Once a nominal sequence. A module without data says so as often as it would have had some.
 void Application::tick() {
   const std::uint32_t sequence_us = ad7147::sequence_us(sampling_.decimation);
   next_tick_us_ = std::max(next_tick_us_ + sequence_us, now_us());
@@ -203,7 +204,7 @@ void Application::tick() {
   ++sample_count_;
   for (std::size_t k = 0; k < tables_.table().module_count; ++k) {
     ModuleSample& s = samples_[k];
-    if (s.valid != 0 || now_us() - s.time_us < sequence_us - sequence_us / 4) continue;
+    if (std::exchange(s.renewed, false) || s.valid != 0) continue;
     ++s.number;
     s.time_us = now_us();
     s.fresh = true;

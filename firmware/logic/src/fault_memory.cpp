@@ -58,6 +58,7 @@ void FaultMemory::load() {
     used_ = 1;
   }
   if (used_ != 0) replay(page_);
+  else (void)start_page();  // now, as nothing is sampled yet: erasing holds everything up
 }
 
 void FaultMemory::replay(std::size_t page) {

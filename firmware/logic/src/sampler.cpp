@@ -301,7 +301,7 @@ void LineSampler::publish(std::uint64_t time_us) {
   ModuleSample& sample = samples_[slots_[slot_].module];
   ++sample.number;
   sample.time_us = time_us;
-  sample.fresh = true;
+  sample.fresh = sample.renewed = true;
 }
 
 void LineSampler::finish_identify(std::uint64_t now_us) {
