@@ -2,7 +2,6 @@
 #include "triskin/app/application.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace triskin::fw {
 
@@ -194,6 +193,9 @@ void Application::take_samples() {
     faults_.note(k, s.state, {static_cast<std::uint32_t>(now_us() / 1000), s.number});
     if (stream_ == StreamMode::kFull && !server_.transferring()) queue_full(k);
   }
+  if (!any || !tables_.has_table()) return;
+  const bool silent = std::ranges::all_of(std::span(samples_).first(tables_.table().module_count), [](const ModuleSample& s) { return s.state == ModuleState::kAbsent; });
+  if (silent) route_.nothing_answers(now_us());
 }
 
 // Once a nominal sequence. A module without data says so as often as it would have had some.
@@ -204,13 +206,12 @@ void Application::tick() {
   ++sample_count_;
   for (std::size_t k = 0; k < tables_.table().module_count; ++k) {
     ModuleSample& s = samples_[k];
-    if (std::exchange(s.renewed, false) || s.valid != 0) continue;
+    if (s.valid != 0 || ++s.unheard < 2) continue;  // one tick may just miss what the sampler says itself
+    s.unheard = 1;
     ++s.number;
     s.time_us = now_us();
     s.fresh = true;
   }
-  const bool silent = std::ranges::all_of(std::span(samples_).first(tables_.table().module_count), [](const ModuleSample& s) { return s.state == ModuleState::kAbsent; });
-  if (silent) route_.nothing_answers(now_us());
   if (stream_ == StreamMode::kIcub && !server_.transferring() && icub_.due(now_us())) queue_icub();
 }
 

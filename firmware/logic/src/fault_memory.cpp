@@ -58,7 +58,6 @@ void FaultMemory::load() {
     used_ = 1;
   }
   if (used_ != 0) replay(page_);
-  else (void)start_page();  // now, as nothing is sampled yet: erasing holds everything up
 }
 
 void FaultMemory::replay(std::size_t page) {
@@ -116,7 +115,8 @@ bool FaultMemory::append(std::size_t module, std::size_t state) {
 bool FaultMemory::start_page() {
   if (!stored()) return false;
   const std::size_t next = 1 - page_;
-  if (!flash_.erase_page(page_offset(next))) return false;
+  const bool blank = used_ == 0 && erased(flash_.bytes().subspan(page_offset(next), flash_.page_bytes()));
+  if (!blank && !flash_.erase_page(page_offset(next))) return false;  // a page of a new board needs none: erasing holds up the loop
   std::size_t at = 1;
   for (std::size_t m = 0; m < entries_.size(); ++m) {
     for (std::size_t s = kFirstFault; s < kStates; ++s) {

@@ -291,7 +291,8 @@ void LineSampler::give_up(ModuleState state, std::uint64_t now_us) {
   slot.phase = Phase::kFind;
   slot.clear_wanted = slot.verify_wanted = slot.restart_wanted = slot.lost = false;
   slot.status_us = 0;
-  slot.ready_us = job_start_us_ + sequence_us();
+  slot.ready_us += sequence_us();  // in step, however long each attempt waited for the line
+  if (slot.ready_us <= now_us) slot.ready_us = job_start_us_ + sequence_us();
   samples_[slot.module].valid = 0;
   samples_[slot.module].state = state;
   publish(now_us);
@@ -301,7 +302,8 @@ void LineSampler::publish(std::uint64_t time_us) {
   ModuleSample& sample = samples_[slots_[slot_].module];
   ++sample.number;
   sample.time_us = time_us;
-  sample.fresh = sample.renewed = true;
+  sample.fresh = true;
+  sample.unheard = 0;
 }
 
 void LineSampler::finish_identify(std::uint64_t now_us) {

@@ -27,7 +27,7 @@ struct ModuleSample {
   std::uint32_t number = 0;       ///< counts the sequences that were to be read: one left out is a lost sample
   std::uint64_t time_us = 0;      ///< end of the sequence
   bool fresh = false;             ///< set by the sampler with each reading or failure, cleared by who sends it on
-  bool renewed = false;           ///< set with `fresh`, cleared once a nominal sequence
+  std::uint8_t unheard = 0;       ///< nominal sequences since the sampler said something
   Compensation compensation;
 };
 
