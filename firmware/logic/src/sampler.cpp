@@ -252,6 +252,13 @@ void LineSampler::finish(Status status, std::uint64_t now_us) {
   if (job_ == Job::kScan) return finish_scan_step(status);
   if (status == Status::kOk) return finish_job(now_us);
   ++bus_errors_;
+  if (const Job job = job_; job == Job::kClear || job == Job::kLook || job == Job::kRestart) {  // the reading will tell
+    Slot& slot = slots_[slot_];
+    slot.clear_wanted = slot.restart_wanted = false;
+    slot.status_us = 0;
+    job_ = Job::kIdle;
+    return;
+  }
   lose(slots_[slot_], now_us);
   slots_[slot_].single = false;  // who comes back may be another, or two
   give_up(ModuleState::kAbsent, now_us);
