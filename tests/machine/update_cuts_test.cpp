@@ -44,6 +44,7 @@ TEST_P(UpdateCuts, EachLeavesTheOldOrTheNewApplicationAndItBoots) {
   ASSERT_EQ(updated[4], 1) << "confirmed";
   ASSERT_GT(operations.size(), committed) << "its start and its confirmation are written";
   flash.log = nullptr;
+  const FlashChip after = flash;  // the machine goes on in the same chip
 
   FlashChip cells = before;
   cells.log = nullptr;
@@ -68,7 +69,7 @@ TEST_P(UpdateCuts, EachLeavesTheOldOrTheNewApplicationAndItBoots) {
     }
     cells.apply(operations[k], false);
   }
-  EXPECT_EQ(cells.bytes, flash.bytes) << "the log is not what happened";
+  EXPECT_TRUE(cells.bytes == after.bytes) << "the log is not what happened";
   expect_no_violation();
   std::printf("%d of %zu operations cut: %d old, %d new application\n", cuts, operations.size(), cuts - new_ones, new_ones);
 }
