@@ -55,13 +55,30 @@ double mean_seconds(int sample, Evaluate evaluate) {
   return since(start) / sample;
 }
 
-nlohmann::json measure(const char* series, bool rough, int vertices, double area_cm2, double tolerance_mm, double limit_s, bool clearance) {
-  const Polygon p = outline(rough, vertices, area_cm2);
+geometry::PlacementOptions count_only(double limit_s) {
   geometry::PlacementOptions options;
-  options.tolerance_mm = tolerance_mm;
   options.time_limit_s = limit_s;
   options.threads = 1;
-  options.largest_clearance = clearance;
+  options.largest_clearance = false;
+  return options;
+}
+
+// A hill of contact likelihood in the middle, as wide as the outline.
+geometry::WeightMap hill(double area_cm2) {
+  constexpr int kPoints = 33;
+  const double width = std::sqrt(100.0 * area_cm2), step = 2.0 * width / (kPoints - 1);
+  std::vector<std::vector<double>> rows(kPoints, std::vector<double>(kPoints));
+  for (int r = 0; r < kPoints; ++r) {
+    for (int c = 0; c < kPoints; ++c) {
+      const double x = (step * c - width) / width, y = (step * r - width) / width;
+      rows[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)] = std::exp(-2.0 * (x * x + y * y));
+    }
+  }
+  return {{-width, -width}, step, rows};
+}
+
+nlohmann::json measure(const char* series, bool rough, int vertices, double area_cm2, const geometry::PlacementOptions& options) {
+  const Polygon p = outline(rough, vertices, area_cm2);
   // The least of some runs: the others measure what else the machine does.
   geometry::PlacementResult r = geometry::place(p, options);
   double seconds = r.seconds, total = r.seconds;
@@ -70,8 +87,10 @@ nlohmann::json measure(const char* series, bool rough, int vertices, double area
     seconds = std::min(seconds, r.seconds);
     total += r.seconds;
   }
-  return {{"series", series}, {"outline", rough ? "rough" : "smooth"}, {"vertices", vertices}, {"area_cm2", area_cm2}, {"tolerance_mm", tolerance_mm},
-          {"modules", r.modules}, {"upper_bound", r.upper_bound}, {"gap", r.upper_bound - r.modules},
+  // Of weights the gap is relative.
+  const double gap = options.weights ? r.weight_bound / r.weight - 1.0 : r.upper_bound - r.modules;
+  return {{"series", series}, {"outline", rough ? "rough" : "smooth"}, {"vertices", vertices}, {"area_cm2", area_cm2}, {"tolerance_mm", options.tolerance_mm},
+          {"modules", r.modules}, {"upper_bound", r.upper_bound}, {"gap", gap},
           {"proved", r.proved}, {"cells", r.cells}, {"seconds", seconds}};
 }
 
@@ -80,11 +99,14 @@ void add_baseline(nlohmann::json& row, int sample) {
   const Polygon p = outline(row["outline"] == "rough", row["vertices"], row["area_cm2"]);
   const double cgal_s = mean_seconds(sample, [&](const Placement& at) { return geometry::paper_algorithm1(p, at, false); });
   const double exact_s = mean_seconds(std::max(3, sample / 10), [&](const Placement& at) { return geometry::paper_algorithm1(p, at, true); });
-  const double own_s = mean_seconds(20 * sample, [&](const Placement& at) { return geometry::tiles_inside(p, at, 0.0).size(); });
+  geometry::PlacementOptions r4;
+  r4.method = geometry::PlacementMethod::kR4;
+  const geometry::PlacementResult own = geometry::place(p, r4);
   const double r4_s = cgal_s * geometry::r4_evaluations();
   row["cgal_evaluation_s"] = cgal_s;
   row["cgal_exact_evaluation_s"] = exact_s;
-  row["evaluation_s"] = own_s;
+  row["evaluation_s"] = own.seconds / static_cast<double>(own.evaluations);
+  row["r4_modules"] = own.modules;
   row["r4_cgal_s"] = r4_s;
   row["r4_cgal_exact_s"] = exact_s * geometry::r4_evaluations();
   row["r4_cgal_extrapolated_from"] = sample;
@@ -95,19 +117,30 @@ void add_baseline(nlohmann::json& row, int sample) {
 nlohmann::json placement_rows(const BenchOptions& options, Output& output) {
   nlohmann::json rows = nlohmann::json::array();
   const auto sink = output.progress();
-  const double limit_s = options.quick ? 4.0 : 60.0;
-  const auto add = [&](const char* series, bool rough, int vertices, double area_cm2, double tolerance_mm = 1e-6, bool clearance = false) {
+  const geometry::PlacementOptions count = count_only(options.quick ? 4.0 : 60.0);
+  const auto add = [&](const char* series, bool rough, int vertices, double area_cm2, const geometry::PlacementOptions& wanted) {
     report(sink, "bench placement", -1.0, series);
-    rows.push_back(measure(series, rough, vertices, area_cm2, tolerance_mm, limit_s, clearance));
+    rows.push_back(measure(series, rough, vertices, area_cm2, wanted));
+  };
+  const auto with = [&](auto&& change) {
+    geometry::PlacementOptions wanted = count;
+    change(wanted);
+    return wanted;
   };
   for (const bool rough : {false, true}) {
-    add("baseline", rough, 80, 757);
+    add("baseline", rough, 80, 757, count);
     add_baseline(rows.back(), options.quick ? 40 : 400);
-    add("clearance", rough, 80, 757, 1e-6, true);
-    for (const int n : options.quick ? std::vector{20, 80, 200} : std::vector{20, 40, 80, 200, 500, 1000, 2000, 5000}) add("vertices", rough, n, 757);
-    for (const double a : options.quick ? std::vector{57., 300., 1050.} : std::vector{57., 300., 1050., 3000., 10000., 50000.}) add("area", rough, 80, a);
+    // What else can be asked for; the baseline, which asks for none of it, pays for none of it.
+    add("clearance", rough, 80, 757, with([](auto& o) { o.largest_clearance = true; }));
+    add("deficit", rough, 80, 757, with([](auto& o) { o.deficit = true; }));
+    add("connected", rough, 80, 757, with([](auto& o) { o.connected = true; }));
+    add("weights", rough, 80, 757, with([](auto& o) { o.weights = std::make_shared<const geometry::WeightMap>(hill(757)); }));
+    add("hexagons", rough, 80, 757, with([](auto& o) { o.shape = geometry::TileShape::kHexagon; }));
+    add("gap 2 mm", rough, 80, 757, with([](auto& o) { o.gap_mm = 2.0; }));
+    for (const int n : options.quick ? std::vector{20, 80, 200} : std::vector{20, 40, 80, 200, 500, 1000, 2000, 5000}) add("vertices", rough, n, 757, count);
+    for (const double a : options.quick ? std::vector{57., 300., 1050.} : std::vector{57., 300., 1050., 3000., 10000., 50000.}) add("area", rough, 80, a, count);
   }
-  for (const double e : {1e-2, 1e-4, 1e-6, 1e-8}) add("tolerance", true, 40, 300, e);
+  for (const double e : {1e-2, 1e-4, 1e-6, 1e-8}) add("tolerance", true, 40, 300, with([e](auto& o) { o.tolerance_mm = e; }));
   return rows;
 }
 
