@@ -123,6 +123,9 @@ TEST_F(Sampling, TraceShowsTheBytesOfAReading) {
   VcdTrace vcd;
   trace = &vcd;
   start(1);
+  const std::string file = ::testing::TempDir() + "triskin_reading.vcd";
+  vcd.write(file);
+  std::printf("lines, CAN and exceptions of the first readings: %s\n", file.c_str());
   const std::string text = vcd.text();
   EXPECT_NE(text.find("$var wire 1 ! scl1 $end"), std::string::npos);
   EXPECT_NE(text.find("$timescale 1 ns $end"), std::string::npos);
