@@ -132,6 +132,27 @@ TEST(WireLink, records_survive_the_way_and_truncated_ones_wait) {
   EXPECT_TRUE(part.empty());
 }
 
+// The first sample still tells of a finger that has gone: neither it nor the rest that follows is a touch.
+TEST(LiveStream, a_finger_that_has_just_gone_is_not_taken_for_rest) {
+  const model::Design design = strip(1);
+  TouchMap map(design);
+  ModuleFrame frame;
+  frame.valid = 0xFFF;
+  frame.raw.fill(30'000);
+  frame.raw[3] = 40'000;
+  map.add(frame);
+  EXPECT_TRUE(map.pressed().empty());
+  frame.raw[3] = 30'000;
+  map.add(frame);
+  map.add(frame);
+  EXPECT_TRUE(map.pressed().empty());
+  frame.raw[5] = 33'000;
+  map.add(frame);
+  ASSERT_EQ(map.pressed().size(), 1U);
+  EXPECT_EQ(map.pressed()[0].taxel, 5);
+  EXPECT_EQ(map.pressed()[0].change_counts, 3'000);
+}
+
 TEST(LiveStream, finds_the_pressed_taxel_at_its_place_and_loses_nothing) {
   Bench bench(20, 8);
   bench.flash();

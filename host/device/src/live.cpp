@@ -61,11 +61,14 @@ void TouchMap::add(const ModuleFrame& frame) {
   Module& m = modules_[static_cast<std::size_t>(frame.module)];
   for (std::size_t t = 0; t < frame.raw.size(); ++t) {
     const bool valid = (frame.valid >> t & 1) != 0;
-    if (valid && (m.known >> t & 1) == 0) {
-      m.rest[t] = frame.raw[t];
-      m.known = static_cast<std::uint16_t>(m.known | 1U << t);
+    if (valid && m.seen[t] < kRestSamples) {
+      m.first[t][m.seen[t]++] = frame.raw[t];
+      if (m.seen[t] == kRestSamples) {
+        std::ranges::sort(m.first[t]);
+        m.rest[t] = m.first[t][kRestSamples / 2];
+      }
     }
-    m.now[t] = valid ? frame.raw[t] : m.rest[t];  // an invalid taxel is unknown, not pressed
+    m.now[t] = valid && m.seen[t] == kRestSamples ? frame.raw[t] : m.rest[t];  // an invalid or new taxel is unknown, not pressed
   }
 }
 

@@ -62,11 +62,12 @@ struct PressedTaxel {
   geometry::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};
 };
 
-/// Keeps the resting value of every taxel and says which ones are pressed. The rest is the first valid sample of the
-/// taxel: nothing should touch the skin then.
+/// Keeps the resting value of every taxel and says which ones are pressed. The rest is the median of the first three valid samples of
+/// the taxel: nothing should touch the skin then, but one sample may still tell of a finger that has just gone.
 class TouchMap {
  public:
   static constexpr double kPressed_counts = 200.0;
+  static constexpr std::size_t kRestSamples = 3;
   explicit TouchMap(const model::Design& design)
       : design_(design), wiring_(model::wiring_of(design)), modules_(design.layout.modules.size()) {}
   void add(const ModuleFrame& frame);
@@ -75,7 +76,8 @@ class TouchMap {
 
  private:
   struct Module {
-    std::uint16_t known = 0;  // bit t: has a resting value
+    std::array<std::uint8_t, layout::kTaxelsPerModule> seen{};  // valid samples, up to kRestSamples
+    std::array<std::array<double, kRestSamples>, layout::kTaxelsPerModule> first{};
     std::array<double, layout::kTaxelsPerModule> rest{}, now{};
   };
   const model::Design& design_;
