@@ -12,7 +12,7 @@
 namespace triskin::machine {
 namespace {
 
-constexpr std::uint32_t kRamBase = 0x20000000, kRamBytes = 128 * 1024, kSystemMemory = 0x1FFF7000;
+constexpr std::uint32_t kRamBase = 0x20000000, kRamBytes = 128 * 1024, kSystemMemory = 0x1FFF7000, kNoMansLand = 0xD0000000;
 constexpr std::uint32_t kPeripherals = 0x40000000, kPeripheralBytes = 0x80000, kGpioBase = 0x48000000, kScs = 0xE000E000;
 
 void check(uc_err error, const char* what) {
@@ -109,6 +109,9 @@ Machine::Core::~Core() {
 
 void Machine::Core::map_memory() {
   check(uc_mem_map_ptr(uc_, FlashChip::kBase, FlashChip::kBytes, UC_PROT_READ | UC_PROT_EXEC, setup_.flash->bytes.data()), "map flash");
+  // At each store Unicorn 2.0 looks through the translated code of the memory around it, some MB in the order of mapping. Memory that
+  // nobody may touch keeps the RAM out of the flash's surroundings: a store costs a third less.
+  check(uc_mem_map(uc_, kNoMansLand, 8U << 20, UC_PROT_NONE), "map no man's land");
   check(uc_mem_map_ptr(uc_, kRamBase, kRamBytes, UC_PROT_READ | UC_PROT_WRITE, ram_.data()), "map RAM");
   check(uc_mem_map(uc_, kSystemMemory, 0x1000, UC_PROT_READ), "map system memory");
   check(uc_mem_write(uc_, 0x1FFF7590, setup_.unique_id.data(), setup_.unique_id.size()), "unique id");

@@ -55,10 +55,10 @@ class LineSampler {
   static constexpr std::uint32_t kMinDeficit = 32;   ///< mean counts missing that two chips at one address are suspected at
   static constexpr std::uint64_t kRecent_us = 100'000;  ///< a chip lost so shortly before a new route is taken up where it was
   static constexpr int kMinSuspicions = 3;           ///< in a row: a release between the two readings looks the same once
-  static constexpr std::uint8_t kFrozenReadings = 32;  ///< lively readings without a change
+  static constexpr std::uint16_t kFrozenChanges = 288;  ///< changes of its chip's other taxels during which a live one has changed too
   static constexpr std::uint64_t kBurst_us = 800;  ///< on the line, and until the next transfer can begin
   static constexpr std::uint64_t kStep_us = 500, kShort_us = 250;  ///< a step of the configuration; other transfers beside a reading: begun only when no reading falls due meanwhile
-  static constexpr int kLively = 6;                  ///< taxels that must change for a reading to be lively
+  static constexpr int kLively = 4;                  ///< changed taxels of a chip below which a reading says nothing: a finger on a quiet skin
 
   /// Forgets everything and starts anew with the modules of this line. `samples` has one entry a row of the table and outlives
   /// the sampler.
@@ -104,7 +104,7 @@ class LineSampler {
     std::uint64_t ready_us = 0;   ///< when to look for the chip again, or to begin its sequence anew
     SequenceClock clock;
     ad7147::Results mirrored{}, last{};
-    std::array<std::uint8_t, ad7147::kStages> still{};  ///< lively readings without a change
+    std::array<std::uint16_t, ad7147::kStages> still{};  ///< changes of the other taxels since this one changed
     [[nodiscard]] bool reading() const { return phase != Phase::kFind && phase != Phase::kConfigure; }  ///< once a sequence
   };
 
