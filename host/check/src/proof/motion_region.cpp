@@ -158,7 +158,7 @@ CandidateList MotionRegion::all() const {
   const double span = polygon_.radius_mm() + reach_ + polygon_.module().circumradius_high_mm + 1.0;
   const double pitch = polygon_.pitch_mm(), height = pitch * polygon_.module().row_height.low, shift = polygon_.module().row_shift;
   for (int j = static_cast<int>(std::floor((y_ - span) / height)) - 1; j * height <= y_ + span; ++j) {
-    const int first = static_cast<int>(std::floor((x_ - span) / pitch - 0.5 * j)) - 2;
+    const int first = static_cast<int>(std::floor((x_ - span) / pitch - shift * j)) - 2;
     for (int i = first; pitch * (i + shift * j) <= x_ + span; ++i) {
       for (int down = 0; down <= (polygon_.module().has_down ? 1 : 0); ++down) {
         const ProofTile tile{i, j, down == 0};
