@@ -41,8 +41,7 @@ std::uint32_t SequenceClock::may_pass(std::uint32_t most) const {
 }
 
 std::uint64_t SequenceClock::stage_end_us(int stage) const {
-  const std::uint64_t before = (shortest_ + longest_) / 2 * static_cast<std::uint64_t>(kStages - 1 - stage) / kStages;
-  return ((first_ + last_) / 2 - before) >> kFraction;
+  return end_us() - static_cast<std::uint32_t>(period_us()) * static_cast<std::uint32_t>(kStages - 1 - stage) / kStages;
 }
 
 void SequenceClock::looked(std::uint64_t at_us, int stage, bool ended) {

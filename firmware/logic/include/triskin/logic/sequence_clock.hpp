@@ -56,7 +56,8 @@ class SequenceClock {
   static constexpr std::uint32_t kAnchorFor = 64;               // sequences over which the period is measured
   static constexpr int kMaxContradictions = 4;
 
-  [[nodiscard]] std::uint64_t stage_us() const { return shortest_ / kStages >> kFraction; }
+  // Of 32 bits: the loop asks for it all the time, and the core divides no wider ones.
+  [[nodiscard]] std::uint32_t stage_us() const { return static_cast<std::uint32_t>(shortest_ >> kFraction) / kStages; }
   [[nodiscard]] std::uint64_t wander(std::uint64_t sequences) const;
   void begin(std::uint64_t at_us);
   void contradict(std::uint64_t end);
