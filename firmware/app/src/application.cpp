@@ -78,7 +78,8 @@ void Application::step() {
   }
   server_.tick();
   keep_route();
-  for (LineSampler& line : lines_) line.step(now_us());
+  const std::uint64_t now = now_us();
+  for (LineSampler& line : lines_) line.step(now);
   if (quiet_) keep_route();
   if (now_us() >= next_tick_us_) tick();
   take_samples();
@@ -109,7 +110,8 @@ void Application::reset_when_answered() {
 std::uint64_t Application::next_event_us() const {
   std::uint64_t next = std::min({next_tick_us_, reset_at_us_, quiet_ ? UINT64_MAX : route_.next_event_us()});  // quiet: the lines report their own ends
   for (const Channel& c : channels()) next = std::min(next, c.link.next_event_us());
-  for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now_us()));
+  const std::uint64_t now = now_us();
+  for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now));
   return next;
 }
 

@@ -39,6 +39,7 @@ void LineSampler::request_scan() {
   scan_ = {};
   scan_requested_ = true;
   paused_until_us_ = 0;  // also a line that is left alone
+  idle_until_us_ = 0;
 }
 
 void LineSampler::request_check() {
@@ -48,17 +49,19 @@ void LineSampler::request_check() {
     slot.ready_us = 0;
     samples_[slot.module].state = ModuleState::kUnknown;
   }
+  idle_until_us_ = 0;
 }
 
 bool LineSampler::rest() {
   resting_ = true;
+  idle_until_us_ = 0;
   return job_ == Job::kIdle;
 }
 
 void LineSampler::resume(std::uint64_t now_us) {
   resting_ = stuck_ = false;
   recoveries_in_row_ = 0;
-  paused_until_us_ = 0;
+  paused_until_us_ = idle_until_us_ = 0;
   for (Slot& slot : slots()) {
     if (slot.phase == Phase::kFind) slot.ready_us = 0;
     if (slot.phase == Phase::kFind && slot.lost_us != 0 && now_us - slot.lost_us < kRecent_us) {  // the old route was to blame
@@ -82,8 +85,11 @@ bool LineSampler::checked() const {
 
 std::uint64_t LineSampler::next_event_us(std::uint64_t now_us) const {
   if (job_ != Job::kIdle || resting_) return UINT64_MAX;
-  if (paused_until_us_ != 0) return paused_until_us_;
-  if (scan_requested_) return now_us;
+  return idle_until_us_ == 0 ? now_us : idle_until_us_;
+}
+
+// When choose() does something, or drops a look, if nothing is begun before.
+std::uint64_t LineSampler::next_choice_us(std::uint64_t now_us) const {
   const std::uint64_t reading = next_reading_us();
   std::uint64_t next = reading;
   for (const Slot& slot : slots()) {
@@ -91,6 +97,7 @@ std::uint64_t LineSampler::next_event_us(std::uint64_t now_us) const {
     if (other == UINT64_MAX) continue;
     const std::uint64_t start = std::max(other, now_us);
     if (start + other_length_us(slot) <= reading) next = std::min(next, start);
+    else if (slot.status_us != 0) next = std::min(next, last_look_us(slot) + 1);
   }
   return next;
 }
@@ -100,6 +107,7 @@ std::uint8_t LineSampler::chip_address() const {
 }
 
 void LineSampler::step(std::uint64_t now_us) {
+  if (job_ == Job::kIdle && now_us < idle_until_us_) return;
   if (job_ != Job::kIdle) {
     const std::optional<Status> done = line_->poll();
     if (!done) return;
@@ -113,6 +121,7 @@ void LineSampler::step(std::uint64_t now_us) {
     }
   }
   if (job_ != Job::kIdle || resting_) return;
+  idle_until_us_ = paused_until_us_;
   if (now_us < paused_until_us_) return;
   paused_until_us_ = 0;
   if (scan_requested_) {
@@ -121,6 +130,7 @@ void LineSampler::step(std::uint64_t now_us) {
     start_scan_step();
   } else {
     choose(now_us);
+    if (job_ == Job::kIdle) idle_until_us_ = next_choice_us(now_us);
   }
 }
 
@@ -157,9 +167,10 @@ void LineSampler::plan_look(Slot& slot) {
 
 // A look that came too late would tell little: the next stage does as well.
 void LineSampler::drop_late_look(Slot& slot, std::uint64_t now_us) {
-  const std::uint64_t late_us = 30 + slot.clock.doubt_us() / 8;
-  while (slot.status_us != 0 && now_us > look_start_us(slot) + late_us) plan_look(slot);
+  while (slot.status_us != 0 && now_us > last_look_us(slot)) plan_look(slot);
 }
+
+std::uint64_t LineSampler::last_look_us(const Slot& slot) { return look_start_us(slot) + 30 + slot.clock.doubt_us() / 8; }
 
 std::uint64_t LineSampler::next_reading_us() const {
   std::uint64_t next = UINT64_MAX;

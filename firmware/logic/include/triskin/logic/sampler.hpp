@@ -126,7 +126,9 @@ class LineSampler {
   void finish_read(std::uint64_t now_us);
   void finish_clear();
   void finish_look();
+  [[nodiscard]] std::uint64_t next_choice_us(std::uint64_t now_us) const;
   [[nodiscard]] static std::uint64_t look_start_us(const Slot& slot);
+  [[nodiscard]] static std::uint64_t last_look_us(const Slot& slot);
   static void plan_look(Slot& slot);
   static void drop_late_look(Slot& slot, std::uint64_t now_us);
   void finish_sequence(std::uint64_t now_us);
@@ -162,6 +164,7 @@ class LineSampler {
   bool scan_requested_ = false, stuck_ = false, resting_ = false;
   LineScan scan_;
   std::uint64_t paused_until_us_ = 0, job_start_us_ = 0;
+  std::uint64_t idle_until_us_ = 0;  // choose() would do nothing before; 0: it was not asked since something changed
   std::uint32_t recoveries_ = 0, bus_errors_ = 0, lost_ = 0;
   int recoveries_in_row_ = 0;
 };
