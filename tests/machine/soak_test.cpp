@@ -14,10 +14,10 @@ using wire::ModuleState;
 
 class Soak : public Bench, public ::testing::WithParamInterface<bool> {
  protected:
-  /// Minutes of virtual time: an hour on board/posix, one minute of the image in the machine, or TRISKIN_SOAK_MINUTES.
+  /// Minutes of virtual time: an hour on board/posix, five minutes of the image in the machine, or TRISKIN_SOAK_MINUTES.
   int minutes() const {
     const char* wanted = std::getenv("TRISKIN_SOAK_MINUTES");
-    return wanted == nullptr ? (on_posix ? 60 : 1) : std::max(1, std::atoi(wanted));
+    return wanted == nullptr ? (on_posix ? 60 : 5) : std::max(1, std::atoi(wanted));
   }
   // One failure of 1.5 s, then time to recover. The record must hold it, with the time of its first moment, and nothing else.
   void one_fault(std::mt19937& random) {

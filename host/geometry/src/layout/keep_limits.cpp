@@ -4,12 +4,11 @@
 #include <map>
 #include <string>
 
+#include "index.hpp"
 #include "triskin/geometry/map_modules.hpp"
 
 namespace triskin::geometry {
 namespace {
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 class Keeper {
  public:

@@ -8,12 +8,11 @@
 #include <optional>
 #include <set>
 
+#include "index.hpp"
 #include "rigid.hpp"
 
 namespace triskin::geometry {
 namespace {
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 // Point of the flat piece → point of the surface.
 class PieceMap {

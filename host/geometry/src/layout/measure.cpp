@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "index.hpp"
 #include "rigid.hpp"
 #include "triskin/geometry/map_modules.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 constexpr double kNear_mm = 45.0;     // centroids farther apart than two circumradii and some height cannot touch
 constexpr double kLayer_mm = 10.0;    // modules this far apart along the normal lie on different sheets
 constexpr int kSideSamples = 60;  // every 0.5 mm, as the definition of the metrics says (docs/design_file.md)

@@ -3,12 +3,11 @@
 #include <array>
 #include <vector>
 
+#include "index.hpp"
 #include "triskin/geometry/random_patch.hpp"
 #include "triskin/geometry/routing.hpp"
 
 namespace triskin::geometry {
-
-[[nodiscard]] constexpr std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 /// A set of nodes of a module graph under local numbers 0 … n−1, with the joints among them.
 struct LocalGraph {

@@ -9,14 +9,13 @@
 #include <set>
 
 #include "extract_steps.hpp"
+#include "index.hpp"
 #include "triskin/geometry/lattice.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::geometry {
 namespace {
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 struct Side {
   int face, side;

@@ -6,14 +6,13 @@
 #include <optional>
 
 #include "extract_steps.hpp"
+#include "index.hpp"
 #include "triskin/geometry/surface.hpp"
 
 namespace triskin::geometry {
 namespace {
 
 constexpr double kFinest_mm = 1.5;
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 // Signed distance to the union of the keep-outs, negative inside; no steeper than 1.
 class KeepOuts {

@@ -11,6 +11,7 @@
 #include <map>
 
 #include "extract_steps.hpp"
+#include "index.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -22,8 +23,6 @@ using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primi
 constexpr int kRays = 64;
 constexpr double kStart_mm = 0.05;   // above the face
 constexpr int kEvenPasses = 4;
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 Kernel::Point_3 point(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 

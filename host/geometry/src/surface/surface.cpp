@@ -9,12 +9,11 @@
 #include <map>
 #include <numeric>
 
+#include "index.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::geometry {
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 inline double box_distance_squared(const Eigen::Array3d& low, const Eigen::Array3d& high, const Vec3& q) {
   const double x = std::max(std::max(low[0] - q[0], q[0] - high[0]), 0.0);

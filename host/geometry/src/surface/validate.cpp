@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 
+#include "index.hpp"
 #include "triskin/geometry/extract.hpp"
 #include "triskin/host/error.hpp"
 
@@ -15,8 +16,6 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 std::string place(const Vec3& p) { return fmt::format("({:.2f}, {:.2f}, {:.2f}) mm", p.x(), p.y(), p.z()); }
 

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "index.hpp"
+
 namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr double kGridsAMm = 256.0;
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 struct Face {
   Vec3 a, b, c;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "index.hpp"
+
 namespace triskin::geometry::surface_lattice {
 namespace {
 
@@ -13,8 +15,6 @@ constexpr double kLargestCell_mm = 3.0;
 constexpr double kSmallestCell_mm = 2.0;
 constexpr double kMaxCells = 6e6;
 constexpr std::size_t kMaxCandidates = 24;
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 }  // namespace
 

@@ -4,14 +4,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "index.hpp"
 #include "triskin/geometry/lattice.hpp"
 #include "triskin/geometry/types.hpp"
 
 namespace triskin::geometry::surface_lattice {
 
 using Triangle = std::array<Vec3, 3>;
-
-[[nodiscard]] constexpr std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 /// Corner of the net, shared by all triangles joined at it. Its lattice index (i, j) counts within its island.
 struct NetVertex {

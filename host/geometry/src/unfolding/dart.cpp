@@ -5,10 +5,10 @@
 #include <map>
 #include <queue>
 
+#include "index.hpp"
+
 namespace triskin::geometry {
 namespace {
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 struct Reached {
   double distance = 1e300;

@@ -9,12 +9,11 @@
 #include <map>
 #include <set>
 
+#include "index.hpp"
 #include "triskin/geometry/lattice.hpp"
 
 namespace triskin::geometry {
 namespace {
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 const Vec3& corner(const Surface& s, int face, int k) { return s.mesh().vertices[at(s.mesh().faces[at(face)][at(k)])]; }
 

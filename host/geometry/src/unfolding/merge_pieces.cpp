@@ -8,10 +8,10 @@
 #include <string>
 #include <tuple>
 
+#include "index.hpp"
+
 namespace triskin::geometry {
 namespace {
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 // A joined piece gets a new number, so what the queue holds of its parts is out of date and each pair is tried once.
 class Merger {

@@ -10,13 +10,12 @@
 #include <queue>
 #include <sstream>
 
+#include "index.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
 
 namespace triskin::geometry {
 namespace {
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 Vec3 read_point(std::istringstream& words, const std::string& where) {
   Vec3 p = Vec3::Zero();

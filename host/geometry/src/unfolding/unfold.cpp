@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "index.hpp"
 #include "triskin/geometry/unfolding.hpp"
 
 #include <fmt/format.h>
@@ -20,8 +21,6 @@
 
 namespace triskin::geometry {
 namespace {
-
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 class Unfolder {
  public:
