@@ -6,6 +6,7 @@
 #include "bench.hpp"
 #include "failure.hpp"
 #include "triskin/board/budget.hpp"
+#include "triskin/boot/loader_protocol.hpp"
 
 namespace triskin::machine {
 namespace {
@@ -74,7 +75,7 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
     return reply[10] | reply[11] << 8 | reply[12] << 16 | static_cast<std::uint64_t>(reply[13]) << 24;
   }
   static constexpr std::uint8_t kConfirmedOnly = 0x08;
-  static constexpr std::uint64_t kBoot_us = 30'000;  ///< at most, from power-up until the application's clock starts
+  static constexpr std::uint64_t kBoot_us = boot::kWindow_us + 12'000;  ///< at most, until the application's clock starts: the loader's window, its check of the image, clocks
   std::set<std::pair<int, int>> different;
   int faults = 0;
 };

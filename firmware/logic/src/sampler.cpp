@@ -349,7 +349,7 @@ void LineSampler::finish_configure() {
   slot.to_pass = 0;
   slot.passed = 1;
   slot.unverified = 0;
-  slot.still = {};
+  slot.frozen.restart();
 }
 
 void LineSampler::finish_read(std::uint64_t now_us) {
@@ -515,28 +515,10 @@ void LineSampler::store_results() {
   for (std::size_t t = 0; t < sample.raw.size(); ++t) {
     if (in_range(sample.raw[t])) inside = static_cast<std::uint16_t>(inside | 1U << t);
   }
-  const std::uint16_t frozen = find_frozen(sample.raw) & inside;
+  const std::uint16_t frozen = slots_[slot_].frozen.add(sample.raw) & inside;
   sample.valid = static_cast<std::uint16_t>(inside & ~frozen);
   sample.state = inside != ad7147::kAllStages ? ModuleState::kSaturated : frozen != 0 ? ModuleState::kFrozen : ModuleState::kOk;
   sample.compensation.add(sample.raw, sample.valid);
-}
-
-// A live converter has noise: a taxel that keeps one value while the others of its chip change and change is frozen. At decimation 256 a
-// live one repeats its value with a probability of 0.57 and the others change five times a reading: 288 changes are some 65 readings,
-// 1e-16; at 64 they are 29 readings.
-std::uint16_t LineSampler::find_frozen(const ad7147::Results& raw) {
-  Slot& slot = slots_[slot_];
-  int changed = 0;
-  for (std::size_t t = 0; t < raw.size(); ++t) changed += raw[t] != slot.last[t] ? 1 : 0;
-  std::uint16_t frozen = 0;
-  for (std::size_t t = 0; t < raw.size(); ++t) {
-    std::uint16_t& still = slot.still[t];
-    if (raw[t] != slot.last[t]) still = 0;
-    else if (changed >= kLively && still < kFrozenChanges) still = static_cast<std::uint16_t>(still + changed);
-    if (still >= kFrozenChanges) frozen = static_cast<std::uint16_t>(frozen | 1U << t);
-  }
-  slot.last = raw;
-  return frozen;
 }
 
 void LineSampler::handle_stuck(std::uint64_t now_us) {

@@ -6,6 +6,7 @@
 #include "triskin/drivers/ad7147.hpp"
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/logic/compensation.hpp"
+#include "triskin/logic/frozen_taxels.hpp"
 #include "triskin/logic/sequence_clock.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/uds.hpp"
@@ -55,10 +56,8 @@ class LineSampler {
   static constexpr std::uint32_t kMinDeficit = 32;   ///< mean counts missing that two chips at one address are suspected at
   static constexpr std::uint64_t kRecent_us = 100'000;  ///< a chip lost so shortly before a new route is taken up where it was
   static constexpr int kMinSuspicions = 3;           ///< in a row: a release between the two readings looks the same once
-  static constexpr std::uint16_t kFrozenChanges = 288;  ///< changes of its chip's other taxels during which a live one has changed too
   static constexpr std::uint64_t kBurst_us = 800;  ///< on the line, and until the next transfer can begin
   static constexpr std::uint64_t kStep_us = 500, kShort_us = 250;  ///< a step of the configuration; other transfers beside a reading: begun only when no reading falls due meanwhile
-  static constexpr int kLively = 4;                  ///< changed taxels of a chip below which a reading says nothing: a finger on a quiet skin
 
   /// Forgets everything and starts anew with the modules of this line. `samples` has one entry a row of the table and outlives
   /// the sampler.
@@ -103,8 +102,8 @@ class LineSampler {
     std::uint64_t lost_us = 0;    ///< when it was read last and then gave no answer
     std::uint64_t ready_us = 0;   ///< when to look for the chip again, or to begin its sequence anew
     SequenceClock clock;
-    ad7147::Results mirrored{}, last{};
-    std::array<std::uint16_t, ad7147::kStages> still{};  ///< changes of the other taxels since this one changed
+    ad7147::Results mirrored{};
+    FrozenTaxels frozen;
     [[nodiscard]] bool reading() const { return phase != Phase::kFind && phase != Phase::kConfigure; }  ///< once a sequence
   };
 
@@ -143,7 +142,6 @@ class LineSampler {
   [[nodiscard]] bool would_miss(const Slot& slot) const;
   [[nodiscard]] std::uint64_t restart_moment_us(const Slot& slot, std::uint64_t now_us) const;
   static void advance(Slot& slot);
-  [[nodiscard]] std::uint16_t find_frozen(const ad7147::Results& raw);
   void give_up(wire::ModuleState state, std::uint64_t now_us);
   static void lose(Slot& slot, std::uint64_t now_us);
   void handle_stuck(std::uint64_t now_us);

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/logic/frozen_taxels.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace triskin::fw {
+namespace {
+
+using Taxels = FrozenTaxels::Taxels;
+
+/// A chip whose first `changing` taxels change at every reading while the others stay.
+struct Chip {
+  FrozenTaxels taxels;
+  int number = 0;
+  std::uint16_t read(int readings, std::size_t changing) {
+    std::uint16_t frozen = 0;
+    for (const int end = number + readings; number < end; ++number) {
+      Taxels raw{};
+      for (std::size_t t = 0; t < raw.size(); ++t) raw[t] = static_cast<std::uint16_t>(20'000 + (t < changing ? number % 2 : 0));
+      frozen = taxels.add(raw);
+    }
+    return frozen;
+  }
+};
+
+// The first reading differs from the zeros before it in all taxels. After it 26 readings are 286 changes, 27 are 297.
+TEST(FrozenTaxels, ByHand) {
+  Chip one;
+  EXPECT_EQ(one.read(1 + 26, 11), 0);
+  EXPECT_EQ(one.read(1, 11), 1U << 11);
+  EXPECT_EQ(one.read(2, 12), 0);  // it moves again
+  Chip eight;
+  EXPECT_EQ(eight.read(1 + 71, 4), 0);  // 284
+  EXPECT_EQ(eight.read(1, 4), 0xFF0);
+}
+
+TEST(FrozenTaxels, ANewConfigurationForgets) {
+  Chip chip;
+  ASSERT_NE(chip.read(40, 11), 0);
+  chip.taxels.restart();
+  EXPECT_EQ(chip.read(20, 11), 0);
+}
+
+TEST(FrozenTaxels, AFingerOnAQuietSkinSaysNothing) {
+  Chip chip;
+  EXPECT_EQ(chip.read(10'000, 3), 0);
+}
+
+// Resting values at the worst place, on a step of the converter; one taxel of twelve is frozen. A million readings of each noise.
+TEST(FrozenTaxels, LiveOnesAreNeverFrozenAndAFrozenOneIsFound) {
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  for (const auto& [peak_to_peak, most_readings] : {std::pair{12.0, 50}, {7.0, 60}, {3.0, 120}}) {
+    FrozenTaxels f;
+    int first = 0, wrong = 0;
+    constexpr int kReadings = 1'000'000;
+    for (int k = 1; k <= kReadings; ++k) {
+      Taxels raw{};
+      for (std::size_t t = 0; t < raw.size(); ++t) raw[t] = static_cast<std::uint16_t>(std::lround(20'000.0 + (t == 5 ? 0.0 : peak_to_peak / 6.6 * normal(random))));
+      const std::uint16_t frozen = f.add(raw);
+      wrong += (frozen & ~(1U << 5)) != 0 ? 1 : 0;
+      if (first == 0 && frozen != 0) first = k;
+    }
+    EXPECT_EQ(wrong, 0) << peak_to_peak;
+    EXPECT_GT(first, 25) << peak_to_peak;
+    EXPECT_LT(first, most_readings) << peak_to_peak;
+  }
+}
+
+}  // namespace
+}  // namespace triskin::fw
