@@ -12,6 +12,9 @@ endif()
 if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   # libstdc++ 12's own stable_sort calls what it declares deprecated.
   target_compile_options(triskin_options INTERFACE -Wno-deprecated-declarations)
+  # CGAL 5.5 has templates that nobody instantiates and that name a member that is not there (boost/graph/iterator.h); clang 19 looks at once.
+  target_compile_options(triskin_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-fdelayed-template-parsing>
+                         $<$<COMPILE_LANGUAGE:CXX>:-Wno-delayed-template-parsing-in-cxx20>)
 endif()
 if(TRISKIN_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)

@@ -5,6 +5,7 @@
 
 #include "bench.hpp"
 #include "failure.hpp"
+#include "triskin/base/bytes.hpp"
 #include "triskin/board/budget.hpp"
 #include "triskin/boot/loader_protocol.hpp"
 
@@ -72,7 +73,7 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
       ADD_FAILURE() << "no freeze data";
       return 0;
     }
-    return reply[10] | reply[11] << 8 | reply[12] << 16 | static_cast<std::uint64_t>(reply[13]) << 24;
+    return ByteReader(Bytes(reply).subspan(10)).le32();
   }
   static constexpr std::uint8_t kConfirmedOnly = 0x08;
   static constexpr std::uint64_t kBoot_us = boot::kWindow_us + 12'000;  ///< at most, until the application's clock starts: the loader's window, its check of the image, clocks

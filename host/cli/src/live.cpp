@@ -86,7 +86,6 @@ int run(const Options& options, Output& output) {
   const std::uint64_t start_us = bus.now_us();
   const auto end_us = static_cast<std::uint64_t>(options.seconds * 1e6);
   std::vector<device::PressedTaxel> pressed;
-  int lines = 0;
   while ((options.seconds <= 0.0 || bus.now_us() - start_us < end_us) && !interrupt_request()) {
     demonstrator.step(bus.now_us() - start_us);
     const std::uint64_t next_us = bus.now_us() + kLine_us;
@@ -99,7 +98,6 @@ int run(const Options& options, Output& output) {
     if (!now.empty()) {
       pressed = now;
       output.say(to_line(now.front(), static_cast<double>(bus.now_us() - start_us) * 1e-6, now.size() - 1));
-      ++lines;
     }
   }
   nlohmann::json list = nlohmann::json::array();
