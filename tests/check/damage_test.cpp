@@ -156,6 +156,39 @@ TEST_F(Damage, overrun_is_measured_to_a_hundredth) {
   }
 }
 
+// A corner high above the pipe that passes its straight end stands over it at once by as much as the interpolated normal leans: no number is
+// wrong there. A fifth of a facet from its edge that is 0.3 facets of 1/6 rad.
+TEST_F(Damage, a_module_that_just_reaches_the_border_may_state_either_number) {
+  constexpr double kFacet_rad = 4.0 / 24, kRadius_mm = 63.0;
+  const auto with = [&](double past_mm, double stated_mm) {
+    const auto broken = broken_by([&](json& j) {
+      json& m = leaf(j);
+      json& top = *std::ranges::max_element(m["corners"], {}, [](const json& c) { return c[2].get<double>(); });
+      const double x = top[0], y = top[1], from = std::atan2(y, x), to = (std::floor((from < 0 ? from + 2 * M_PI : from) / kFacet_rad) + 0.2) * kFacet_rad;
+      const double dx = kRadius_mm * std::cos(to) - (x * std::cos(to - from) - y * std::sin(to - from));
+      const double dy = kRadius_mm * std::sin(to) - (x * std::sin(to - from) + y * std::cos(to - from)), dz = 120.0 + past_mm - top[2].get<double>();
+      for (json& c : m["corners"]) {
+        const double cx = c[0], cy = c[1];
+        c[0] = cx * std::cos(to - from) - cy * std::sin(to - from);
+        c[1] = cx * std::sin(to - from) + cy * std::cos(to - from);
+      }
+      shift(m, dx, dy, dz);
+      m["overrun_mm"] = stated_mm;
+    });
+    return std::ranges::count(broken, "overrun") != 0;
+  };
+  const double height_mm = kRadius_mm * std::cos(0.3 * kFacet_rad) - 60.0 * std::cos(0.5 * kFacet_rad), leaning_mm = height_mm * std::sin(0.3 * kFacet_rad);
+  ASSERT_GT(leaning_mm, 0.1);
+  for (const double past_mm : {-0.0004, 0.0004}) {
+    EXPECT_FALSE(with(past_mm, 0.0)) << past_mm;
+    EXPECT_FALSE(with(past_mm, leaning_mm)) << past_mm;
+    EXPECT_TRUE(with(past_mm, leaning_mm + 0.1)) << past_mm;
+  }
+  EXPECT_TRUE(with(0.1, 0.0));
+  EXPECT_FALSE(with(0.1, std::hypot(0.1, leaning_mm)));
+  EXPECT_TRUE(with(-0.1, leaning_mm));
+}
+
 TEST_F(Damage, what_flashing_relies_on) {
   expect("design-id", [](json& j) { j["design_id"] = "0123456789abcdef"; });
   expect("bend-radius", [](json& j) { leaf(j)["bend_radius_mm"] = 5.0; });

@@ -26,10 +26,10 @@ Sight look(const BorderEdge& e, const P3& p) {
 
 double across(const P3& off, const P3& normal) { return off.cross(normal).norm(); }
 
-// Branch and bound over parts of one module.
+// Branch and bound over parts of one module; points count that are past the border by `past_mm`, or lack no more than its negative.
 class Search {
  public:
-  explicit Search(const SurfaceIndex& surface) : surface_(surface) {}
+  Search(const SurfaceIndex& surface, double past_mm) : surface_(surface), past_mm_(past_mm), lack_mm_(std::max(0.0, -past_mm)) {}
 
   double run(const Triangle3& module) {
     const P3 c = centroid(module);
@@ -50,24 +50,27 @@ class Search {
 
  private:
   void visit(const P3& p, double to_surface, const std::vector<const BorderEdge*>& near) {
-    double nearest = std::numeric_limits<double>::infinity();
-    double over = 0.0;
+    double nearest = std::numeric_limits<double>::infinity(), over = 0.0, past = 0.0;
     for (const BorderEdge* e : near) {
       const Sight s = look(*e, p);
-      if (s.off.norm() >= nearest) continue;
-      nearest = s.off.norm();
+      const double distance = s.off.norm(), out = s.off.dot(e->out);
+      if (distance > nearest + kTouch_mm) continue;
+      past = std::abs(distance - nearest) <= kTouch_mm ? std::max(past, out) : out;  // at a corner two edges are nearest
+      if (distance >= nearest) continue;
+      nearest = distance;
       over = across(s.off, s.normal);
     }
-    if (nearest <= to_surface + kTouch_mm) best_ = std::max(best_, over);
+    const double touch = std::hypot(to_surface, lack_mm_) - to_surface + kTouch_mm;
+    if (nearest <= to_surface + touch && past >= past_mm_) best_ = std::max(best_, over);
   }
 
   // No point within the part exceeds this while the edge is the nearest of the surface. The foot slides no farther than the
   // point, the distance to a point or a line is convex, and the normal turns by at most `turn` a mm.
-  static double bound(const BorderEdge& e, const Triangle3& part, const P3& middle, double radius) {
+  [[nodiscard]] double bound(const BorderEdge& e, const Triangle3& part, const P3& middle, double radius) const {
     const double length = (e.b - e.a).norm(), slack = radius / length;
     const Sight s = look(e, middle);
     const bool inside = s.along > slack && s.along < 1.0 - slack;
-    if (inside && s.off.dot(e.out) < -radius) return 0.0;  // the face of the edge is nearer
+    if (inside && s.off.dot(e.out) < past_mm_ - radius) return 0.0;  // the face of the edge is nearer, or too near
     const double turn = (e.normal_b - e.normal_a).norm() / (length * std::max(0.1, (e.normal_a + e.normal_b).norm() / 2));
     const double turned = turn * radius * (s.off.norm() + radius);
     const Sight ends[3] = {look(e, part[0]), look(e, part[1]), look(e, part[2])};
@@ -84,7 +87,7 @@ class Search {
     const double to_surface = surface_.distance(m);
     std::vector<const BorderEdge*> near;  // all that may be nearest to a point of the part
     for (const BorderEdge* e : candidates) {
-      if (look(*e, m).off.norm() <= to_surface + 2.0 * radius) near.push_back(e);
+      if (look(*e, m).off.norm() <= to_surface + 2.0 * radius + lack_mm_) near.push_back(e);
     }
     if (near.empty()) return;
     visit(m, to_surface, near);
@@ -98,11 +101,12 @@ class Search {
   }
 
   const SurfaceIndex& surface_;
+  double past_mm_, lack_mm_;
   double best_ = 0.0;
 };
 
 }  // namespace
 
-double overrun_of(const Triangle3& module, const SurfaceIndex& surface) { return Search(surface).run(module); }
+double overrun_of(const Triangle3& module, const SurfaceIndex& surface, double past_mm) { return Search(surface, past_mm).run(module); }
 
 }  // namespace triskin::check

@@ -31,6 +31,14 @@ void check_bend(const CheckedDesign::Module& m, std::size_t k, const SurfaceInde
   }
 }
 
+void check_overrun(const CheckedDesign& d, std::size_t k, const SurfaceIndex& surface, Findings& f) {
+  const auto& m = d.modules[k];
+  double measured = overrun_of(m.corner, surface, kPast_mm);
+  if (!(measured <= d.limits.overrun)) f.broken("overrun", module_name(k), fmt::format("{:.3f} mm, limit {} mm", measured, d.limits.overrun));
+  if (m.overrun > measured + kStated_mm) measured = std::min(m.overrun, overrun_of(m.corner, surface, -kPast_mm));
+  if (!(std::abs(measured - m.overrun) <= kStated_mm)) f.broken("overrun", module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", m.overrun, measured));
+}
+
 void check_against_surface(const CheckedDesign& d, Findings& f) {
   for (const char* rule : {"center-gap", "overrun", "edge-depth", "outward", "bend-radius"}) f.rule(rule);
   const SurfaceIndex surface(d);
@@ -51,7 +59,7 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
         depth = std::max(depth, -off.dot(h.normal));
       }
     }
-    against_limit(f, "overrun", k, overrun_of(m.corner, surface), d.limits.overrun, m.overrun);
+    check_overrun(d, k, surface, f);
     if (!(std::abs(depth - m.edge_depth) <= 0.1)) f.broken("edge-depth", module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", m.edge_depth, depth));
   }
 }

@@ -23,43 +23,57 @@ std::array<Vec3, 3> fit_rigid(const std::array<Vec3, 3>& target) {
 
 namespace {
 
-// Tangential distance to the border where that is the nearest of the surface, else a negative number.
-double standing_over(const Surface& surface, const Vec3& p) {
-  const SurfacePoint c = surface.closest(p);
-  if (surface.border_distance(c.position_mm) >= 1e-6) return -1.0;
-  const Vec3 d = p - c.position_mm, n = surface.normal_at(c);
-  return (d - d.dot(n) * n).norm();
+constexpr double kStep_mm = 0.02;                         // the largest overrun is found to this
+constexpr double kFineSide_mm = 5e-4, kFineArea_mm = 4e-3;  // parts that reach no farther are not divided
+
+/// A point of a module over surface and border.
+struct Stand {
+  SurfacePoint foot;
+  double to_border_mm;
+  double across_mm;  ///< from the nearest point of the border, across the normal there
+  /// The border is the nearest of the surface: the point stands over it by across_mm.
+  [[nodiscard]] bool over() const { return to_border_mm <= foot.distance_mm + 1e-7; }
+};
+
+Stand stand(const Surface& surface, const Vec3& p) {
+  const SurfacePoint border = surface.closest_on_border(p);
+  if (border.face < 0) return {surface.closest(p), border.distance_mm, 0.0};
+  const Vec3 off = p - border.position_mm, n = surface.normal_at(border);
+  return {surface.closest(p), border.distance_mm, (off - off.dot(n) * n).norm()};
 }
 
-// Largest overrun on a stretch of a side. Both distances change by no more than the way along the side: a stretch whose middle is
-// that much nearer to the surface than to its border has none. Where the stretch leaves the surface it is divided finely, because
-// normals between vertices turn there at once; farther out the overrun changes slowly.
+double overrun_at(const Surface& surface, const Vec3& p) {
+  const Stand s = stand(surface, p);
+  return s.over() ? s.across_mm : 0.0;
+}
+
+// Whether a part of the module, all within `reach` of a point, may stand over the border by more than is known. Both distances change by no more than
+// the way of the point, and the foot on the surface by little more. A point that just leaves the surface may at once stand over the border by as much
+// as the normals of vertices are turned from the face's: such slivers are looked for. Three: the normal turns along the border, too.
+bool may_exceed(const Surface& surface, const Stand& s, double reach, double known_mm) {
+  if (s.to_border_mm - s.foot.distance_mm > 2.0 * reach || s.across_mm + 3.0 * reach <= known_mm + kStep_mm) return false;
+  return s.over() || surface.border_distance(s.foot.position_mm) <= 4.0 * reach;
+}
+
 void walk_over_border(const Surface& surface, const Vec3& from, const Vec3& to, double& best) {
-  constexpr double kFine_mm = 0.01, kPlateau_mm = 0.1;
   const Vec3 middle = 0.5 * (from + to);
-  const double length = (to - from).norm();
-  if (surface.border_distance(middle) - surface.closest(middle).distance_mm > length) return;
-  const double over = standing_over(surface, middle);
-  best = std::max(best, over);
-  if (over >= 0.0 && (length < kPlateau_mm || over + length < best)) {
-    if (standing_over(surface, from) >= 0.0 && standing_over(surface, to) >= 0.0) return;
-  }
-  if (length < kFine_mm) return;
+  const double reach = 0.5 * (to - from).norm();
+  const Stand s = stand(surface, middle);
+  if (s.over()) best = std::max(best, s.across_mm);
+  if (reach < kFineSide_mm || !may_exceed(surface, s, reach, best)) return;
   walk_over_border(surface, from, middle, best);
   walk_over_border(surface, middle, to, best);
 }
 
-// The same over the area: notches and holes of the border under the module. Points of the part lie within `radius` of its middle.
-void search_over_border(const Surface& surface, const std::array<Vec3, 3>& part, double radius, double& best) {
-  constexpr double kFine_mm = 0.12;
+// The same over the area: notches and holes of the border under the module.
+void search_over_border(const Surface& surface, const std::array<Vec3, 3>& part, double reach, double& best) {
   const Vec3 middle = (part[0] + part[1] + part[2]) / 3.0;
-  if (surface.border_distance(middle) - surface.closest(middle).distance_mm > 2.0 * radius) return;
-  const double over = standing_over(surface, middle);
-  best = std::max(best, over);
-  if (radius < kFine_mm || (over >= 0.0 && over + 2.0 * radius < best)) return;
+  const Stand s = stand(surface, middle);
+  if (s.over()) best = std::max(best, s.across_mm);
+  if (reach < kFineArea_mm || !may_exceed(surface, s, reach, best)) return;
   const Vec3 ab = 0.5 * (part[0] + part[1]), bc = 0.5 * (part[1] + part[2]), ca = 0.5 * (part[2] + part[0]);
   for (const auto& quarter : {std::array{part[0], ab, ca}, std::array{part[1], bc, ab}, std::array{part[2], ca, bc}, std::array{ab, bc, ca}}) {
-    search_over_border(surface, quarter, 0.5 * radius, best);
+    search_over_border(surface, quarter, 0.5 * reach, best);
   }
 }
 
@@ -68,7 +82,7 @@ void search_over_border(const Surface& surface, const std::array<Vec3, 3>& part,
 SideMetrics walk_sides(const Surface& surface, const std::array<Vec3, 3>& corners, int samples) {
   SideMetrics m;
   for (std::size_t s = 0; s < 3; ++s) {
-    m.overrun_mm = std::max(m.overrun_mm, standing_over(surface, corners[s]));
+    m.overrun_mm = std::max(m.overrun_mm, overrun_at(surface, corners[s]));
     for (int k = 0; k < samples; ++k) {
       const Vec3 p = corners[s] + (corners[(s + 1) % 3] - corners[s]) * (static_cast<double>(k) / samples);
       const SurfacePoint c = surface.closest(p);

@@ -22,11 +22,11 @@ inline double box_distance_squared(const Eigen::Array3d& low, const Eigen::Array
   return x * x + y * y + z * z;
 }
 
-Vec3 closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+// 0: at a … 1: at b.
+double closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
   const double length_squared = d.squaredNorm();
-  const double t = length_squared > 0.0 ? std::clamp((p - a).dot(d) / length_squared, 0.0, 1.0) : 0.0;
-  return a + t * d;
+  return length_squared > 0.0 ? std::clamp((p - a).dot(d) / length_squared, 0.0, 1.0) : 0.0;
 }
 
 }  // namespace
@@ -113,7 +113,7 @@ void Surface::find_loops() {
     for (int s = 0; s < 3; ++s) {
       if (neighbour_[f][at(s)] >= 0) continue;
       const std::array edge{mesh_.faces[f][at(s)], mesh_.faces[f][at((s + 1) % 3)]};
-      border_edges_.push_back(edge);
+      border_sides_.push_back({static_cast<int>(f), s});
       next.emplace(edge[0], edge[1]);
     }
   }
@@ -190,8 +190,9 @@ void Surface::build_trees() {
   }
   face_tree_ = build_tree(boxes);
   boxes.clear();
-  for (const auto& e : border_edges_) {
-    const auto a = mesh_.vertices[at(e[0])].array(), b = mesh_.vertices[at(e[1])].array();
+  for (const auto& [face, side] : border_sides_) {
+    const auto& f = mesh_.faces[at(face)];
+    const auto a = mesh_.vertices[at(f[at(side)])].array(), b = mesh_.vertices[at(f[at((side + 1) % 3)])].array();
     boxes.push_back({Eigen::Array3d(a.min(b)), Eigen::Array3d(a.max(b))});
   }
   border_tree_ = build_tree(boxes);
@@ -226,15 +227,27 @@ void Surface::faces_within(const Vec3& query_mm, double distance_mm, std::vector
   });
 }
 
-double Surface::border_distance(const Vec3& query_mm) const {
+SurfacePoint Surface::closest_on_border(const Vec3& query_mm) const {
+  SurfacePoint best;
   double best_squared = std::numeric_limits<double>::infinity();
-  nearest(border_tree_, query_mm, best_squared, [&](int edge) {
-    const auto& e = border_edges_[at(edge)];
-    const Vec3 p = closest_on_segment(query_mm, mesh_.vertices[at(e[0])], mesh_.vertices[at(e[1])]);
-    best_squared = std::min(best_squared, (p - query_mm).squaredNorm());
+  nearest(border_tree_, query_mm, best_squared, [&](int item) {
+    const auto [face, side] = border_sides_[at(item)];
+    const auto& f = mesh_.faces[at(face)];
+    const Vec3 &a = mesh_.vertices[at(f[at(side)])], &b = mesh_.vertices[at(f[at((side + 1) % 3)])];
+    const double t = closest_on_segment(query_mm, a, b);
+    const Vec3 p = a + t * (b - a);
+    const double squared = (p - query_mm).squaredNorm();
+    if (squared >= best_squared) return;
+    best_squared = squared;
+    best = {p, face, Vec3::Zero(), 0.0};
+    best.barycentric[side] = 1.0 - t;
+    best.barycentric[(side + 1) % 3] = t;
   });
-  return std::sqrt(best_squared);
+  best.distance_mm = std::sqrt(best_squared);
+  return best;
 }
+
+double Surface::border_distance(const Vec3& query_mm) const { return closest_on_border(query_mm).distance_mm; }
 
 Vec3 Surface::normal_at(const SurfacePoint& point) const {
   const auto& f = mesh_.faces[at(point.face)];

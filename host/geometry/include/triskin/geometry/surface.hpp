@@ -41,7 +41,9 @@ class Surface {
   [[nodiscard]] SurfacePoint closest(const Vec3& query_mm) const;
   /// Appends (squared distance, face) of every face within a distance of a point, in no order.
   void faces_within(const Vec3& query_mm, double distance_mm, std::vector<std::pair<double, int>>& faces) const;
-  /// Distance from a point to the border polyline; infinity when the surface is closed.
+  /// Closest point of the border polyline; `face` -1 and distance infinity when the surface is closed.
+  [[nodiscard]] SurfacePoint closest_on_border(const Vec3& query_mm) const;
+  /// Its distance alone.
   [[nodiscard]] double border_distance(const Vec3& query_mm) const;
 
  private:
@@ -68,7 +70,7 @@ class Surface {
   std::vector<std::array<int, 3>> neighbour_;
   std::vector<Vec3> face_normal_, vertex_normal_;
   std::vector<std::vector<int>> loops_;
-  std::vector<std::array<int, 2>> border_edges_;
+  std::vector<std::array<int, 2>> border_sides_;  // face, side
   double area_mm2_ = 0.0;
   Tree face_tree_, border_tree_;
 };
