@@ -96,6 +96,8 @@ void Bench::unlock() {
   ASSERT_EQ(request({0x27, 0x02, static_cast<std::uint8_t>(k >> 24), static_cast<std::uint8_t>(k >> 16), static_cast<std::uint8_t>(k >> 8), static_cast<std::uint8_t>(k)}).at(0), 0x67);
 }
 
+void Bench::self_test() { ASSERT_EQ(request({0x31, 0x01, 0x02, 0x02}).at(0), 0x71); }
+
 void Bench::send(std::uint32_t id, std::span<const std::uint8_t> data) {
   wire::CanFrame f;
   f.id = id;

@@ -47,6 +47,8 @@ class Bench : public ::testing::Test {
   void store_table(const layout::PatchImage& image, std::uint32_t sequence = 1);
   /// One UDS request over ISO-TP; the response, empty after so much silence.
   std::vector<std::uint8_t> request(const std::vector<std::uint8_t>& bytes, std::uint64_t patience_us = 200'000);
+  /// All modules are looked for anew: two at one address are told apart then.
+  void self_test();
   /// Loader frames.
   void send(std::uint32_t id, std::span<const std::uint8_t> data);
   [[nodiscard]] std::uint32_t budget(std::uint32_t offset) const { return machine->read_word(application.symbols.at("triskin_budget") + offset); }

@@ -19,8 +19,6 @@ class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
     start(16, {wire::Decimation::k64, 1});
     run_for(1'500'000);  // every chip's clock is known, and they have moved apart
   }
-  // Two modules at one address are told apart when they are looked for.
-  void self_test() { ASSERT_EQ(request({0x31, 0x01, 0x02, 0x02}).at(0), 0x71); }
 
   void expect_named(Failure f, const std::vector<int>& broken, std::uint64_t took_us) {
     std::vector<int> doubled;  // the places that a moved module came to

@@ -13,8 +13,11 @@ namespace {
 constexpr double kStated_mm = 0.05;
 constexpr int kSamples = 60;  // of a side, for the stated depth
 
-void against_limit(Findings& f, const char* rule, std::size_t module, double measured, double limit, double stated) {
+void within_limit(Findings& f, const char* rule, std::size_t module, double measured, double limit) {
   if (!(measured <= limit)) f.broken(rule, module_name(module), fmt::format("{:.3f} mm, limit {} mm", measured, limit));
+}
+
+void as_stated(Findings& f, const char* rule, std::size_t module, double measured, double stated) {
   if (!(std::abs(measured - stated) <= kStated_mm)) f.broken(rule, module_name(module), fmt::format("stated {:.3f} mm, measured {:.3f} mm", stated, measured));
 }
 
@@ -34,9 +37,9 @@ void check_bend(const CheckedDesign::Module& m, std::size_t k, const SurfaceInde
 void check_overrun(const CheckedDesign& d, std::size_t k, const SurfaceIndex& surface, Findings& f) {
   const auto& m = d.modules[k];
   double measured = overrun_of(m.corner, surface, kPast_mm);
-  if (!(measured <= d.limits.overrun)) f.broken("overrun", module_name(k), fmt::format("{:.3f} mm, limit {} mm", measured, d.limits.overrun));
+  within_limit(f, "overrun", k, measured, d.limits.overrun);
   if (m.overrun > measured + kStated_mm) measured = std::min(m.overrun, overrun_of(m.corner, surface, -kPast_mm));
-  if (!(std::abs(measured - m.overrun) <= kStated_mm)) f.broken("overrun", module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", m.overrun, measured));
+  as_stated(f, "overrun", k, measured, m.overrun);
 }
 
 void check_against_surface(const CheckedDesign& d, Findings& f) {
@@ -46,7 +49,9 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
     const auto& m = d.modules[k];
     const P3 c = centroid(m.corner);
     const auto hit = surface.closest(c);
-    against_limit(f, "center-gap", k, (hit.point - c).norm(), d.limits.center_gap, m.center_gap);
+    const double gap = (hit.point - c).norm();
+    within_limit(f, "center-gap", k, gap, d.limits.center_gap);
+    as_stated(f, "center-gap", k, gap, m.center_gap);
     const double cosine = hit.normal.dot(unit_normal(m.corner));
     if (!(cosine > 0.5)) f.broken("outward", module_name(k), fmt::format("its normal is {:.0f}° off the surface's", std::acos(cosine) * 180 / M_PI));
     check_bend(m, k, surface, hit.normal, f);
@@ -142,11 +147,7 @@ void check_overlap(const CheckedDesign& d, Findings& f) {
       }
     }
   }
-  for (std::size_t k = 0; k < worst.size(); ++k) {
-    if (!(std::abs(worst[k] - d.modules[k].penetration) <= kStated_mm)) {
-      f.broken("penetration", module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", d.modules[k].penetration, worst[k]));
-    }
-  }
+  for (std::size_t k = 0; k < worst.size(); ++k) as_stated(f, "penetration", k, worst[k], d.modules[k].penetration);
 }
 
 }  // namespace

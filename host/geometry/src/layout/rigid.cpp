@@ -42,9 +42,10 @@ Stand stand(const Surface& surface, const Vec3& p) {
   return {surface.closest(p), border.distance_mm, (off - off.dot(n) * n).norm()};
 }
 
-double overrun_at(const Surface& surface, const Vec3& p) {
+Stand visit(const Surface& surface, const Vec3& p, double& best) {
   const Stand s = stand(surface, p);
-  return s.over() ? s.across_mm : 0.0;
+  if (s.over()) best = std::max(best, s.across_mm);
+  return s;
 }
 
 // Whether a part of the module, all within `reach` of a point, may stand over the border by more than is known. Both distances change by no more than
@@ -58,8 +59,7 @@ bool may_exceed(const Surface& surface, const Stand& s, double reach, double kno
 void walk_over_border(const Surface& surface, const Vec3& from, const Vec3& to, double& best) {
   const Vec3 middle = 0.5 * (from + to);
   const double reach = 0.5 * (to - from).norm();
-  const Stand s = stand(surface, middle);
-  if (s.over()) best = std::max(best, s.across_mm);
+  const Stand s = visit(surface, middle, best);
   if (reach < kFineSide_mm || !may_exceed(surface, s, reach, best)) return;
   walk_over_border(surface, from, middle, best);
   walk_over_border(surface, middle, to, best);
@@ -68,8 +68,7 @@ void walk_over_border(const Surface& surface, const Vec3& from, const Vec3& to, 
 // The same over the area: notches and holes of the border under the module.
 void search_over_border(const Surface& surface, const std::array<Vec3, 3>& part, double reach, double& best) {
   const Vec3 middle = (part[0] + part[1] + part[2]) / 3.0;
-  const Stand s = stand(surface, middle);
-  if (s.over()) best = std::max(best, s.across_mm);
+  const Stand s = visit(surface, middle, best);
   if (reach < kFineArea_mm || !may_exceed(surface, s, reach, best)) return;
   const Vec3 ab = 0.5 * (part[0] + part[1]), bc = 0.5 * (part[1] + part[2]), ca = 0.5 * (part[2] + part[0]);
   for (const auto& quarter : {std::array{part[0], ab, ca}, std::array{part[1], bc, ab}, std::array{part[2], ca, bc}, std::array{ab, bc, ca}}) {
@@ -82,7 +81,7 @@ void search_over_border(const Surface& surface, const std::array<Vec3, 3>& part,
 SideMetrics walk_sides(const Surface& surface, const std::array<Vec3, 3>& corners, int samples) {
   SideMetrics m;
   for (std::size_t s = 0; s < 3; ++s) {
-    m.overrun_mm = std::max(m.overrun_mm, overrun_at(surface, corners[s]));
+    visit(surface, corners[s], m.overrun_mm);
     for (int k = 0; k < samples; ++k) {
       const Vec3 p = corners[s] + (corners[(s + 1) % 3] - corners[s]) * (static_cast<double>(k) / samples);
       const SurfacePoint c = surface.closest(p);

@@ -19,7 +19,7 @@ class FrozenTaxels {
 
   /// The chip was configured anew.
   void restart() { still_ = {}; }
-  /// One reading. Bit t of the result: taxel t is frozen. Cost: about 15 instructions a taxel.
+  /// One reading. Bit t of the result: taxel t is frozen. Cost: about 300 instructions.
   [[nodiscard]] std::uint16_t add(const Taxels& raw);
 
  private:
