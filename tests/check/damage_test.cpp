@@ -85,8 +85,12 @@ void shift(json& module, double dx, double dy, double dz) {
   }
 }
 
-json& leaf(json& j) { return j["modules"][j["patches"][0]["modules"].back().get<std::size_t>()]; }
-json& entry(json& j) { return j["modules"][j["patches"][0]["entry"].get<std::size_t>()]; }
+json& leaf(json& j) {
+  return j["modules"][j["patches"][0]["modules"].back().get<std::size_t>()];
+}
+json& entry(json& j) {
+  return j["modules"][j["patches"][0]["entry"].get<std::size_t>()];
+}
 
 TEST_F(Damage, the_design_itself_is_accepted) {
   const DesignReport report = check_design(folder_ / "good.json");
@@ -97,11 +101,17 @@ TEST_F(Damage, the_design_itself_is_accepted) {
 
 TEST_F(Damage, geometry) {
   expect("hinge-gap", [](json& j) { shift(leaf(j), 0, 0, 3); });
-  expect("center-gap", [](json& j) { for (json& m : j["modules"]) shift(m, 6, 0, 0); });
+  expect("center-gap", [](json& j) {
+    for (json& m : j["modules"]) shift(m, 6, 0, 0);
+  });
   expect("rigid", [](json& j) { leaf(j)["corners"][0][2] = leaf(j)["corners"][0][2].get<double>() + 0.01; });
   expect("penetration", [](json& j) { shift(leaf(j), 0, 0, 2); });
-  expect("overrun", [](json& j) { for (json& m : j["modules"]) shift(m, 0, 0, 40); });
-  expect("outward", [](json& j) { for (json& m : j["modules"]) std::swap(m["corners"][1], m["corners"][2]); });
+  expect("overrun", [](json& j) {
+    for (json& m : j["modules"]) shift(m, 0, 0, 40);
+  });
+  expect("outward", [](json& j) {
+    for (json& m : j["modules"]) std::swap(m["corners"][1], m["corners"][2]);
+  });
   expect("report-coverage", [](json& j) { j["report"]["coverage"] = 0.99; });
   expect("report-area", [](json& j) { j["report"]["area_cm2"] = 1.0; });
   expect("report-maxima", [](json& j) { j["report"]["max_center_gap_mm"] = 0.0; });
@@ -138,7 +148,8 @@ TEST_F(Damage, a_hole_under_the_middle_of_a_module) {
   }
 }
 
-// On the straight end of the pipe the overrun is as far as the module was pushed over it: its neighbours in the text say so.
+// On the straight end of the pipe the overrun is as far as the module was pushed over it: its neighbours in the text
+// say so.
 TEST_F(Damage, overrun_is_measured_to_a_hundredth) {
   for (const double past_mm : {0.6, 1.25, 3.0}) {
     json j = *good_;
@@ -156,17 +167,19 @@ TEST_F(Damage, overrun_is_measured_to_a_hundredth) {
   }
 }
 
-// A corner high above the pipe that passes its straight end stands over it at once by as much as the interpolated normal leans: no number is
-// wrong there. A fifth of a facet from its edge that is 0.3 facets of 1/6 rad.
+// A corner high above the pipe that passes its straight end stands over it at once by as much as the interpolated
+// normal leans: no number is wrong there. A fifth of a facet from its edge that is 0.3 facets of 1/6 rad.
 TEST_F(Damage, a_module_that_just_reaches_the_border_may_state_either_number) {
   constexpr double kFacet_rad = 4.0 / 24, kRadius_mm = 63.0;
   const auto with = [&](double past_mm, double stated_mm) {
     const auto broken = broken_by([&](json& j) {
       json& m = leaf(j);
       json& top = *std::ranges::max_element(m["corners"], {}, [](const json& c) { return c[2].get<double>(); });
-      const double x = top[0], y = top[1], from = std::atan2(y, x), to = (std::floor((from < 0 ? from + 2 * M_PI : from) / kFacet_rad) + 0.2) * kFacet_rad;
+      const double x = top[0], y = top[1], from = std::atan2(y, x),
+                   to = (std::floor((from < 0 ? from + 2 * M_PI : from) / kFacet_rad) + 0.2) * kFacet_rad;
       const double dx = kRadius_mm * std::cos(to) - (x * std::cos(to - from) - y * std::sin(to - from));
-      const double dy = kRadius_mm * std::sin(to) - (x * std::sin(to - from) + y * std::cos(to - from)), dz = 120.0 + past_mm - top[2].get<double>();
+      const double dy = kRadius_mm * std::sin(to) - (x * std::sin(to - from) + y * std::cos(to - from)),
+                   dz = 120.0 + past_mm - top[2].get<double>();
       for (json& c : m["corners"]) {
         const double cx = c[0], cy = c[1];
         c[0] = cx * std::cos(to - from) - cy * std::sin(to - from);
@@ -177,7 +190,8 @@ TEST_F(Damage, a_module_that_just_reaches_the_border_may_state_either_number) {
     });
     return std::ranges::count(broken, "overrun") != 0;
   };
-  const double height_mm = kRadius_mm * std::cos(0.3 * kFacet_rad) - 60.0 * std::cos(0.5 * kFacet_rad), leaning_mm = height_mm * std::sin(0.3 * kFacet_rad);
+  const double height_mm = kRadius_mm * std::cos(0.3 * kFacet_rad) - 60.0 * std::cos(0.5 * kFacet_rad),
+               leaning_mm = height_mm * std::sin(0.3 * kFacet_rad);
   ASSERT_GT(leaning_mm, 0.1);
   for (const double past_mm : {-0.0004, 0.0004}) {
     EXPECT_FALSE(with(past_mm, 0.0)) << past_mm;
@@ -195,15 +209,19 @@ TEST_F(Damage, what_flashing_relies_on) {
 }
 
 TEST_F(Damage, limits_are_the_users_choice_but_must_be_limits) {
-  for (const char* limit : {"edge_error_mm", "hinge_gap_mm", "center_gap_mm", "fold_rad", "penetration_mm", "overrun_mm"}) {
+  for (const char* limit :
+       {"edge_error_mm", "hinge_gap_mm", "center_gap_mm", "fold_rad", "penetration_mm", "overrun_mm"}) {
     EXPECT_THAT(broken_by([&](json& j) { j["limits"][limit] = 50.0; }), testing::IsEmpty()) << limit;
     expect("limits", [&](json& j) { j["limits"][limit] = -1.0; });
-    EXPECT_THROW((void)broken_by([&](json& j) { j["limits"][limit] = std::nan(""); }), InputError) << limit;  // written as null
+    EXPECT_THROW((void)broken_by([&](json& j) { j["limits"][limit] = std::nan(""); }), InputError)
+        << limit;  // written as null
   }
 }
 
 TEST_F(Damage, lattice) {
-  expect("tile-unique", [](json& j) { for (const char* k : {"i", "j", "up"}) j["modules"][1][k] = j["modules"][0][k]; });
+  expect("tile-unique", [](json& j) {
+    for (const char* k : {"i", "j", "up"}) j["modules"][1][k] = j["modules"][0][k];
+  });
   expect("joint-lattice", [](json& j) { leaf(j)["i"] = leaf(j)["i"].get<int>() + 7; });
   expect("joint-symmetric", [](json& j) {
     json& m = leaf(j);
@@ -216,15 +234,22 @@ TEST_F(Damage, lattice) {
 TEST_F(Damage, pieces) {
   expect("piece-flip", [](json& j) { std::swap(j["pieces"][0]["flat"][0][0], j["pieces"][0]["flat"][0][1]); });
   expect("piece-scale", [](json& j) { j["pieces"][0]["max_edge_error_mm"] = 0.5; });
-  expect("piece-overlap", [](json& j) { j["pieces"][0]["outline"][0][0] = j["pieces"][0]["outline"][0][0].get<double>() + 50; });
-  expect("piece-placement", [](json& j) { j["pieces"][0]["placement"]["theta_rad"] = j["pieces"][0]["placement"]["theta_rad"].get<double>() + 0.3; });
+  expect("piece-overlap",
+         [](json& j) { j["pieces"][0]["outline"][0][0] = j["pieces"][0]["outline"][0][0].get<double>() + 50; });
+  expect("piece-placement", [](json& j) {
+    j["pieces"][0]["placement"]["theta_rad"] = j["pieces"][0]["placement"]["theta_rad"].get<double>() + 0.3;
+  });
   expect("piece-placement", [](json& j) { j["pieces"][0]["upper_bound"] = 1; });
   expect("piece-faces", [](json& j) { j["pieces"].push_back(j["pieces"][0]); });
 }
 
 TEST_F(Damage, wiring) {
-  expect("address-unique", [](json& j) { for (const char* k : {"line", "address"}) leaf(j)[k] = entry(j)[k]; });
-  expect("line-load", [](json& j) { for (json& m : j["modules"]) m["line"] = 0; });
+  expect("address-unique", [](json& j) {
+    for (const char* k : {"line", "address"}) leaf(j)[k] = entry(j)[k];
+  });
+  expect("line-load", [](json& j) {
+    for (json& m : j["modules"]) m["line"] = 0;
+  });
   expect("address-range", [](json& j) { leaf(j)["address"] = 4; });
   expect("rotation", [](json& j) { leaf(j)["rotation"] = (leaf(j)["rotation"].get<int>() + 1) % 3; });
   expect("one-entry", [](json& j) { leaf(j)["parent"] = -1; });
@@ -232,7 +257,8 @@ TEST_F(Damage, wiring) {
     const auto second = j["patches"][1]["entry"];
     leaf(j)["parent"] = second;
   });
-  expect("parent-first", [](json& j) { std::reverse(j["patches"][0]["modules"].begin(), j["patches"][0]["modules"].end()); });
+  expect("parent-first",
+         [](json& j) { std::reverse(j["patches"][0]["modules"].begin(), j["patches"][0]["modules"].end()); });
   expect("depth", [](json& j) { leaf(j)["depth"] = 15; });
   expect("max-depth", [](json& j) { j["patches"][0]["max_depth"] = 0; });
   expect("line-hops", [](json& j) { j["patches"][0]["line_hops"] = 0; });

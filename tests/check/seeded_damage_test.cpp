@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Real covers: the design is accepted; every kind of damage, on many modules, is found. Damaged modules stay whole (taxels move
-// with their corners, the id of the design is not counted), so that what is found is the geometry.
+// Real covers: the design is accepted; every kind of damage, on many modules, is found. Damaged modules stay whole
+// (taxels move with their corners, the id of the design is not counted), so that what is found is the geometry.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -25,8 +25,12 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 
-Vec3 vec(const json& j) { return {j[0].get<double>(), j[1].get<double>(), j[2].get<double>()}; }
-json list(const Vec3& v) { return json::array({v.x(), v.y(), v.z()}); }
+Vec3 vec(const json& j) {
+  return {j[0].get<double>(), j[1].get<double>(), j[2].get<double>()};
+}
+json list(const Vec3& v) {
+  return json::array({v.x(), v.y(), v.z()});
+}
 
 struct Frame {
   Vec3 center, normal;
@@ -37,7 +41,8 @@ struct Frame {
   }
 };
 
-void transform(json& m, const std::function<Vec3(const Vec3&)>& place, const Eigen::Matrix3d& turn = Eigen::Matrix3d::Identity()) {
+void transform(json& m, const std::function<Vec3(const Vec3&)>& place,
+               const Eigen::Matrix3d& turn = Eigen::Matrix3d::Identity()) {
   for (json& c : m["corners"]) c = list(place(vec(c)));
   for (json& t : m["taxels"]) {
     t["position"] = list(place(vec(t["position"])));
@@ -59,7 +64,7 @@ bool joined(const json& m) {
 
 struct Kind {
   const char* name;
-  Names rules;  // any of them
+  Names rules;                                                  // any of them
   std::function<bool(json& design, std::size_t module)> apply;  // false: makes no damage of this kind on this module
 };
 
@@ -86,22 +91,30 @@ std::vector<Kind> kinds(const geometry::Surface& surface) {
     return best;
   };
   return {
-      {"moved 2 mm in its plane", {"hinge-gap", "edge-error"}, [=](json& d, std::size_t k) {
+      {"moved 2 mm in its plane",
+       {"hinge-gap", "edge-error"},
+       [=](json& d, std::size_t k) {
          const Frame f(module(d, k));
          move(module(d, k), 2.0 * (f.corner[1] - f.corner[0]).normalized());
          return joined(module(d, k));
        }},
-      {"rotated 3° in its plane", {"hinge-gap", "edge-error"}, [=](json& d, std::size_t k) {
+      {"rotated 3° in its plane",
+       {"hinge-gap", "edge-error"},
+       [=](json& d, std::size_t k) {
          turn(module(d, k), Frame(module(d, k)).normal, 3.0);
          return joined(module(d, k));
        }},
-      {"doubled", {"tile-unique", "penetration"}, [=](json& d, std::size_t k) {
+      {"doubled",
+       {"tile-unique", "penetration"},
+       [=](json& d, std::size_t k) {
          json copy = module(d, k);
          copy["id"] = d["modules"].size();
          d["modules"].push_back(copy);
          return true;
        }},
-      {"doubled on a tile of its own", {"penetration", "every-module-wired"}, [=](json& d, std::size_t k) {
+      {"doubled on a tile of its own",
+       {"penetration", "every-module-wired"},
+       [=](json& d, std::size_t k) {
          json copy = module(d, k);
          copy["id"] = d["modules"].size();
          copy["i"] = 1000;
@@ -109,7 +122,9 @@ std::vector<Kind> kinds(const geometry::Surface& surface) {
          d["modules"].push_back(copy);
          return true;
        }},
-      {"over the border", {"overrun"}, [=](json& d, std::size_t k) {
+      {"over the border",
+       {"overrun"},
+       [=](json& d, std::size_t k) {
          const Vec3 way = border_way(module(d, k));
          const Frame f(module(d, k));
          const Vec3 flat = way - way.dot(f.normal) * f.normal;
@@ -117,7 +132,9 @@ std::vector<Kind> kinds(const geometry::Surface& surface) {
          move(module(d, k), std::max(4.0, flat.norm() - 5.0) * flat.normalized());
          return true;
        }},
-      {"through a neighbour", {"penetration", "pierced"}, [=](json& d, std::size_t k) {
+      {"through a neighbour",
+       {"penetration", "pierced"},
+       [=](json& d, std::size_t k) {
          if (!joined(module(d, k))) return false;
          const Frame f(module(d, k)), other(module(d, neighbour(module(d, k))));
          const Vec3 across = (other.center - f.center).normalized();
@@ -125,25 +142,35 @@ std::vector<Kind> kinds(const geometry::Surface& surface) {
          turn(module(d, k), f.normal.cross(across), 35.0);
          return true;
        }},
-      {"off the lattice", {"joint-lattice", "tile-unique"}, [=](json& d, std::size_t k) {
+      {"off the lattice",
+       {"joint-lattice", "tile-unique"},
+       [=](json& d, std::size_t k) {
          module(d, k)["i"] = module(d, k)["i"].get<int>() + 1;
          return joined(module(d, k));
        }},
-      {"4 mm above its place", {"center-gap", "hinge-gap"}, [=](json& d, std::size_t k) {
+      {"4 mm above its place",
+       {"center-gap", "hinge-gap"},
+       [=](json& d, std::size_t k) {
          move(module(d, k), 4.0 * Frame(module(d, k)).normal);
          return true;
        }},
-      {"upside down", {"outward", "hinge-gap", "fold"}, [=](json& d, std::size_t k) {
+      {"upside down",
+       {"outward", "hinge-gap", "fold"},
+       [=](json& d, std::size_t k) {
          const Frame f(module(d, k));
          turn(module(d, k), f.corner[1] - f.corner[0], 180.0);
          return true;
        }},
-      {"1 % too large", {"rigid"}, [=](json& d, std::size_t k) {
+      {"1 % too large",
+       {"rigid"},
+       [=](json& d, std::size_t k) {
          const Vec3 c = Frame(module(d, k)).center;
          transform(module(d, k), [&](const Vec3& p) { return Vec3(c + 1.01 * (p - c)); });
          return true;
        }},
-      {"joined to a module elsewhere", {"joint-lattice", "joint-symmetric"}, [=](json& d, std::size_t k) {
+      {"joined to a module elsewhere",
+       {"joint-lattice", "joint-symmetric"},
+       [=](json& d, std::size_t k) {
          const std::size_t n = d["modules"].size();
          for (json& side : module(d, k)["neighbours"]) {
            if (side.get<int>() < 0) continue;
@@ -152,16 +179,22 @@ std::vector<Kind> kinds(const geometry::Surface& surface) {
          }
          return false;
        }},
-      {"in another island", {"joint-island", "island-connected"}, [=](json& d, std::size_t k) {
+      {"in another island",
+       {"joint-island", "island-connected"},
+       [=](json& d, std::size_t k) {
          module(d, k)["island"] = module(d, k)["island"].get<int>() + 1;
          return joined(module(d, k));
        }},
-      {"a taxel 1 mm off", {"taxel-pose"}, [=](json& d, std::size_t k) {
+      {"a taxel 1 mm off",
+       {"taxel-pose"},
+       [=](json& d, std::size_t k) {
          json& p = module(d, k)["taxels"][7]["position"];
          p = list(vec(p) + Vec3(0, 1, 0));
          return true;
        }},
-      {"a flattering centre gap", {"center-gap"}, [=](json& d, std::size_t k) {
+      {"a flattering centre gap",
+       {"center-gap"},
+       [=](json& d, std::size_t k) {
          double& gap = module(d, k)["center_gap_mm"].get_ref<double&>();
          const bool lie = gap > 0.2;
          gap = 0.0;
@@ -180,7 +213,8 @@ TEST_P(SeededDamage, is_found_on_every_module_that_is_tried) {
   options.iterations = 20;
   options.time_limit_s = 60.0;
   const model::Design design = model::make_design(mesh, options);
-  const fs::path file = fs::temp_directory_path() / ("seeded_damage." + std::string(part) + "." + std::to_string(::getpid()) + ".json");
+  const fs::path file =
+      fs::temp_directory_path() / ("seeded_damage." + std::string(part) + "." + std::to_string(::getpid()) + ".json");
   model::write_design(file, design);
   const json good = json::parse(read_file(file));
   for (const Violation& v : check_design(file).violations) ADD_FAILURE() << v.rule << " " << v.where << " " << v.text;
@@ -205,16 +239,21 @@ TEST_P(SeededDamage, is_found_on_every_module_that_is_tried) {
         found = found || kind.rules.contains(v.rule);
         seen.insert(v.rule);
       }
-      EXPECT_TRUE(found) << part << ", module " << k << ", seed " << kSeed << ": " << kind.name << " broke " << json(seen);
-      EXPECT_TRUE(std::string(kind.name) == "a taxel 1 mm off" || std::string(kind.name) == "a flattering centre gap" || seen.contains("design-id"));
+      EXPECT_TRUE(found) << part << ", module " << k << ", seed " << kSeed << ": " << kind.name << " broke "
+                         << json(seen);
+      EXPECT_TRUE(std::string(kind.name) == "a taxel 1 mm off" || std::string(kind.name) == "a flattering centre gap" ||
+                  seen.contains("design-id"));
     }
     EXPECT_GE(done, std::min<std::size_t>(modules_each, 2)) << kind.name;
   }
   fs::remove(file);
 }
-INSTANTIATE_TEST_SUITE_P(Small, SeededDamage, testing::Values(std::pair{"LH_hipwing_v1", std::size_t{4}}), [](const auto& p) { return std::string(p.param.first); });
+INSTANTIATE_TEST_SUITE_P(Small, SeededDamage, testing::Values(std::pair{"LH_hipwing_v1", std::size_t{4}}),
+                         [](const auto& p) { return std::string(p.param.first); });
 INSTANTIATE_TEST_SUITE_P(Covers, SeededDamage,
-                         testing::Values(std::pair{"RUF_forearm_v2", std::size_t{4}}, std::pair{"HIP_v1", std::size_t{4}}, std::pair{"LUA_upperarm_half_v1", std::size_t{4}},
+                         testing::Values(std::pair{"RUF_forearm_v2", std::size_t{4}},
+                                         std::pair{"HIP_v1", std::size_t{4}},
+                                         std::pair{"LUA_upperarm_half_v1", std::size_t{4}},
                                          std::pair{"UT_torso_v1", std::size_t{4}}),
                          [](const auto& p) { return std::string(p.param.first); });
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flashing over a bus that loses, doubles, reorders and delays frames, that is unplugged, or that has another tester on it: no wrong table
-// is ever active, the error says what happened, and running it again completes the work.
+// Flashing over a bus that loses, doubles, reorders and delays frames, that is unplugged, or that has another tester on
+// it: no wrong table is ever active, the error says what happened, and running it again completes the work.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -129,8 +129,8 @@ TEST(BusTime, a_table_of_sixteen_modules_takes_less_than_a_tenth_of_a_second) {
   EXPECT_EQ(r.bytes, 32 + 16 * 12U);
   EXPECT_LT(busy_us, 100'000U);
   RecordProperty("bus_time_us", static_cast<int>(busy_us));
-  std::printf("bus time of a table of 16 modules, written and read back, 1 Mbit/s classic: %.1f ms, %llu frames\n", static_cast<double>(busy_us) * 1e-3,
-              static_cast<unsigned long long>(classic.frames));
+  std::printf("bus time of a table of 16 modules, written and read back, 1 Mbit/s classic: %.1f ms, %llu frames\n",
+              static_cast<double>(busy_us) * 1e-3, static_cast<unsigned long long>(classic.frames));
 }
 
 }  // namespace

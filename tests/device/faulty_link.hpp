@@ -9,7 +9,8 @@
 
 namespace triskin::device {
 
-/// A link that loses, doubles, delays and so reorders frames in both directions, or is unplugged after a number of frames.
+/// A link that loses, doubles, delays and so reorders frames in both directions, or is unplugged after a number of
+/// frames.
 class FaultyLink final : public Link {
  public:
   struct Rates {  // per frame, in percent
@@ -75,8 +76,10 @@ class FaultyLink final : public Link {
     if (hit(rates_.drop)) return;
     if (hit(rates_.duplicate)) to.push_back({now_us(), frame});
     std::uint64_t at_us = now_us();
-    if (hit(rates_.reorder)) at_us += random_() % kReorder_us;
-    else if (hit(rates_.delay)) at_us += random_() % kDelay_us;
+    if (hit(rates_.reorder))
+      at_us += random_() % kReorder_us;
+    else if (hit(rates_.delay))
+      at_us += random_() % kDelay_us;
     to.push_back({at_us, frame});
   }
   std::optional<wire::CanFrame> take(std::vector<Held>& from) {

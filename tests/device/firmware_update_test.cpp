@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// New firmware over CAN: the free slot is written, started and confirmed; an interrupted update leaves the old application.
+// New firmware over CAN: the free slot is written, started and confirmed; an interrupted update leaves the old
+// application.
 #include "triskin/device/firmware_update.hpp"
 
 #include <gtest/gtest.h>
@@ -47,7 +48,9 @@ FirmwarePackage make(std::uint32_t size, std::uint8_t fill) {
   return p;
 }
 
-wire::NodeClaim only(Bench& bench) { return bench.bus().discover().at(0); }
+wire::NodeClaim only(Bench& bench) {
+  return bench.bus().discover().at(0);
+}
 
 TEST(FirmwareUpdate, goes_to_one_slot_after_the_other_and_is_skipped_when_equal) {
   Bench bench(6);
@@ -118,7 +121,8 @@ TEST(FirmwareUpdate, unplugged_in_the_middle_the_controller_comes_back_by_itself
 TEST(FirmwareUpdate, damaged_packages_are_refused_with_the_reason) {
   const std::string file = testing::TempDir() + "package" + std::to_string(::getpid()) + ".tsf";
   const auto write = [&](const std::vector<std::uint8_t>& bytes) {
-    std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   };
   auto bytes = package(1024, 7);
   write(bytes);
@@ -146,7 +150,8 @@ TEST(BusTime, a_hundred_kilobytes_of_firmware_take_less_than_four_seconds) {
   const FirmwarePackage p = make(100 * 1024, 5);
   const std::uint64_t busy_us = sim.skin().bus_busy_us(), start_us = sim.now_us();
   EXPECT_EQ(update_firmware(bus, bus.discover().at(0), p).bytes, 100U * 1024);
-  const double busy_s = static_cast<double>(sim.skin().bus_busy_us() - busy_us) * 1e-6, all_s = static_cast<double>(sim.now_us() - start_us) * 1e-6;
+  const double busy_s = static_cast<double>(sim.skin().bus_busy_us() - busy_us) * 1e-6,
+               all_s = static_cast<double>(sim.now_us() - start_us) * 1e-6;
   EXPECT_LT(all_s, 4.0);
   std::printf("100 kB of firmware over 1 Mbit/s classic CAN: %.2f s of bus time, %.2f s in all\n", busy_s, all_s);
 }

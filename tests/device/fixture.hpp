@@ -15,7 +15,8 @@ namespace triskin::device {
 
 using test::strip;
 
-/// A simulated strip on an in-process link; `restart` power-cycles everything with other faults and the same flash files.
+/// A simulated strip on an in-process link; `restart` power-cycles everything with other faults and the same flash
+/// files.
 class Bench {
  public:
   explicit Bench(int modules, int per_patch = 16, std::vector<scene::Fault> faults = {}) {

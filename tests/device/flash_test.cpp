@@ -14,7 +14,8 @@ TEST(PatchTable, row_fields_follow_the_design) {
   const layout::PatchImage image = image_of(strip(6), 0);
   EXPECT_EQ(image.module_count, 6);
   EXPECT_EQ(image.node_address, 1);
-  // Module 1 hangs on module 0, whose side 1 faces it; module 0 is turned by 2, so that side is its port (1 - 2) mod 3 = 2.
+  // Module 1 hangs on module 0, whose side 1 faces it; module 0 is turned by 2, so that side is its port (1 - 2) mod 3
+  // = 2.
   EXPECT_EQ(image.modules[1].parent, 0);
   EXPECT_EQ(image.modules[1].parent_port, 2);
   EXPECT_EQ(image.modules[0].kept_joints, 0b101);
@@ -93,7 +94,8 @@ TEST(Flash, an_unplugged_cable_is_a_device_error) {
   EXPECT_EQ(bench.flash().skipped, 1);
 }
 
-// The old table is that of another wiring of the same modules; power fails in every flash operation of writing the new one.
+// The old table is that of another wiring of the same modules; power fails in every flash operation of writing the new
+// one.
 class PowerCut : public testing::TestWithParam<scene::FlashMemory::Tear> {};
 
 TEST_P(PowerCut, leaves_the_old_or_the_new_table_and_flashing_again_completes) {
@@ -126,7 +128,8 @@ TEST_P(PowerCut, leaves_the_old_or_the_new_table_and_flashing_again_completes) {
   EXPECT_EQ(cuts, 1 + 104 / 8 + 16 / 8);
 }
 
-INSTANTIATE_TEST_SUITE_P(Tears, PowerCut, testing::Values(scene::FlashMemory::Tear::kBefore, scene::FlashMemory::Tear::kHalf));
+INSTANTIATE_TEST_SUITE_P(Tears, PowerCut,
+                         testing::Values(scene::FlashMemory::Tear::kBefore, scene::FlashMemory::Tear::kHalf));
 
 TEST(FirstFlash, a_cut_in_any_operation_of_a_fresh_board_can_be_repaired) {
   for (std::uint64_t operation = 0;; ++operation) {

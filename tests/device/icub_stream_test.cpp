@@ -34,7 +34,8 @@ TEST(IcubStream, reads_our_controllers_as_skin_boards) {
   EXPECT_EQ((pressed[{1, 3}].value), (rest[{1, 3}].value));
 }
 
-// A board as the iCub has it, written down from its documentation: answers the discovery and sends what it is told to send.
+// A board as the iCub has it, written down from its documentation: answers the discovery and sends what it is told to
+// send.
 class Mtb4 final : public Link {
  public:
   void send(const wire::CanFrame& f) override {

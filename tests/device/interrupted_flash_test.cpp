@@ -47,13 +47,16 @@ TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_t
     if (too_late) break;
     int now_new = 0;
     for (int p = 0; p < 2; ++p) {
-      const auto now = active(bench, p), fresh = bytes_of(image_of(bench.design(), p)), old = bytes_of(image_of(old_design, p));
+      const auto now = active(bench, p), fresh = bytes_of(image_of(bench.design(), p)),
+                 old = bytes_of(image_of(old_design, p));
       ASSERT_TRUE(now == fresh || now == old) << "patch " << p << " at frame " << n;
       now_new += now == fresh ? 1 : 0;
     }
     if (!said.empty()) {
       ++cancelled;
-      const std::string expected = now_new == 1 ? "1 of 2 controllers have their table (patches 0)" : now_new == 2 ? "2 of 2" : "";
+      const std::string expected = now_new == 1   ? "1 of 2 controllers have their table (patches 0)"
+                                   : now_new == 2 ? "2 of 2"
+                                                  : "";
       EXPECT_NE(said.find(expected), std::string::npos) << "frame " << n << ": " << said;
       with_one_done += now_new == 1 ? 1 : 0;
     }
@@ -82,7 +85,8 @@ TEST(Unplugged, a_flash_that_waits_goes_on_by_itself) {
     const FlashResult r = flash(bus, bench.design(), options);
     ASSERT_EQ(r.patches.size(), 2U);
     for (int p = 0; p < 2; ++p) EXPECT_EQ(active(bench, p), bytes_of(image_of(bench.design(), p))) << n;
-    EXPECT_EQ(r.bytes + static_cast<std::size_t>(r.skipped) * 104, 2U * 104) << n;  // what was written before the cut counts as written
+    EXPECT_EQ(r.bytes + static_cast<std::size_t>(r.skipped) * 104, 2U * 104)
+        << n;  // what was written before the cut counts as written
     ASSERT_EQ(said.size(), 2U) << n;
     EXPECT_NE(said[0].find("waiting 20 s for the cable"), std::string::npos) << said[0];
     EXPECT_NE(said[1].find("going on"), std::string::npos) << said[1];
@@ -100,7 +104,9 @@ TEST(Unplugged, nobody_comes_back_and_the_error_says_what_was_done) {
     (void)flash(bus, bench.design(), options);
     FAIL() << "completed without a cable";
   } catch (const Unreachable& e) {
-    EXPECT_NE(std::string(e.what()).find("1 of 2 controllers have their table (patches 0), the others their old one"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("1 of 2 controllers have their table (patches 0), the others their old one"),
+              std::string::npos)
+        << e.what();
   }
 }
 

@@ -15,7 +15,8 @@
 namespace triskin::device {
 namespace {
 
-// A simulation whose controllers seem to have a wire each, as USB devices do, and where a frame of the host is on its way for a while.
+// A simulation whose controllers seem to have a wire each, as USB devices do, and where a frame of the host is on its
+// way for a while.
 class Star final : public Link {
  public:
   Star(Link& inner, bool one_wire = false) : inner_(inner), one_wire_(one_wire) {}
@@ -126,7 +127,8 @@ TEST(SideBySide, one_that_fails_does_not_keep_the_others_from_their_tables) {
     FAIL() << "a dead controller was flashed";
   } catch (const DeviceError& e) {
     EXPECT_NE(std::string(e.what()).find("controller 2 does not answer"), std::string::npos) << e.what();
-    EXPECT_NE(std::string(e.what()).find("2 of 3 controllers have their table (patches 0, 2)"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("2 of 3 controllers have their table (patches 0, 2)"), std::string::npos)
+        << e.what();
   }
 }
 

@@ -29,7 +29,8 @@ class Pipe final : public UsbPipe {
     ASSERT_TRUE(frame);
     board_.got.push_back(*frame);
     if (frame->id == wire::kWhoIsThereId) {
-      for (const auto& f : wire::encode_claim({wire::UniqueId{board_.node}, board_.node, false})) board_.out.push_back(*wire::to_usb(f));
+      for (const auto& f : wire::encode_claim({wire::UniqueId{board_.node}, board_.node, false}))
+        board_.out.push_back(*wire::to_usb(f));
     } else if (frame->id == wire::physical_id(board_.node, wire::kTesterAddress)) {
       wire::CanFrame answer = *frame;
       answer.id = wire::physical_id(wire::kTesterAddress, board_.node);
@@ -84,11 +85,13 @@ struct Plugs {
 class Driver final : public UsbDriver {
  public:
   explicit Driver(Plugs& plugs) : plugs_(plugs) {}
-  std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial, const std::vector<std::string>& places) override {
+  std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial,
+                                             const std::vector<std::string>& places) override {
     std::vector<std::unique_ptr<UsbPipe>> pipes;
     for (Board& b : plugs_.boards) {
       const std::lock_guard lock(b.mutex);
-      if (b.plugged && (serial.empty() || serial == b.serial) && std::ranges::find(places, b.place) == places.end()) pipes.push_back(std::make_unique<Pipe>(b));
+      if (b.plugged && (serial.empty() || serial == b.serial) && std::ranges::find(places, b.place) == places.end())
+        pipes.push_back(std::make_unique<Pipe>(b));
     }
     return pipes;
   }

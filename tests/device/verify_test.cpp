@@ -18,7 +18,8 @@ VerifyResult verify_with(std::vector<scene::Fault> faults, int modules = 6, int 
 }
 
 void expect_one(const VerifyResult& r, const char* kind, int module, int other = -1) {
-  ASSERT_EQ(r.findings.size(), 1U) << (r.findings.empty() ? "none" : r.findings[0].text + " | " + r.findings.back().text);
+  ASSERT_EQ(r.findings.size(), 1U) << (r.findings.empty() ? "none"
+                                                          : r.findings[0].text + " | " + r.findings.back().text);
   const Finding& f = r.findings[0];
   EXPECT_EQ(f.kind, kind) << f.text;
   EXPECT_EQ(f.module, module) << f.text;
@@ -166,7 +167,8 @@ TEST(Verify, names_saturated_and_frozen_taxels) {
 TEST(Verify, tells_several_faults_apart) {
   scene::Fault saturated = fault(FaultKind::kSaturatedTaxel, 1);
   saturated.taxel = 0;
-  const VerifyResult r = verify_with({fault(FaultKind::kRemovedChip, 0), saturated, fault(FaultKind::kSwappedChips, 2, 4)});
+  const VerifyResult r =
+      verify_with({fault(FaultKind::kRemovedChip, 0), saturated, fault(FaultKind::kSwappedChips, 2, 4)});
   ASSERT_EQ(r.findings.size(), 3U);
   EXPECT_EQ(r.findings[0].kind, "saturated_taxel");
   EXPECT_EQ(r.findings[1].kind, "absent_module");

@@ -55,7 +55,8 @@ class Served : public testing::Test {
     port_ = static_cast<std::uint16_t>(std::stoi(line.substr(at + 10)));
   }
   nlohmann::json run(const std::string& command, int expected_status) const {
-    const std::string line = std::string(TRISKIN_PROGRAM) + " " + command + " --link sim:127.0.0.1:" + std::to_string(port_) + " --json 2>&1";
+    const std::string line = std::string(TRISKIN_PROGRAM) + " " + command +
+                             " --link sim:127.0.0.1:" + std::to_string(port_) + " --json 2>&1";
     std::FILE* p = ::popen(line.c_str(), "r");
     std::string text;
     for (int c = std::fgetc(p); c != EOF; c = std::fgetc(p)) text += static_cast<char>(c);
@@ -90,8 +91,11 @@ TEST_F(Served, flash_verify_and_live_work_over_tcp) {
 TEST_F(Served, a_client_that_talks_nonsense_is_dropped_and_the_others_are_not) {
   TcpLink good({"127.0.0.1", port_});
   Bus bus(good);
-  for (const std::vector<std::uint8_t>& nonsense :
-       {std::vector<std::uint8_t>{0xFF, 0xFF, 0xFF, 0xFF, 1}, {0, 0, 0, 0}, {2, 0, 0, 0, 9, 9}, {3, 0, 0, 0, 1, 2, 3}, {6, 0, 0, 0, 2, 0xFF, 0, 0, 0, 0}}) {
+  for (const std::vector<std::uint8_t>& nonsense : {std::vector<std::uint8_t>{0xFF, 0xFF, 0xFF, 0xFF, 1},
+                                                    {0, 0, 0, 0},
+                                                    {2, 0, 0, 0, 9, 9},
+                                                    {3, 0, 0, 0, 1, 2, 3},
+                                                    {6, 0, 0, 0, 2, 0xFF, 0, 0, 0, 0}}) {
     const std::string path = "/dev/tcp/127.0.0.1/" + std::to_string(port_);
     std::string bytes;
     for (const std::uint8_t b : nonsense) {
@@ -99,8 +103,10 @@ TEST_F(Served, a_client_that_talks_nonsense_is_dropped_and_the_others_are_not) {
       std::snprintf(text.data(), text.size(), "\\x%02x", b);
       bytes += text.data();
     }
-    const std::string command = "bash -c 'exec 3<>" + path + "; printf \"" + bytes + "\" >&3; timeout 5 cat <&3 >/dev/null'";
-    EXPECT_EQ(std::system(command.c_str()), 0) << bytes;  // the server has closed the connection, so cat ends before its timeout
+    const std::string command =
+        "bash -c 'exec 3<>" + path + "; printf \"" + bytes + "\" >&3; timeout 5 cat <&3 >/dev/null'";
+    EXPECT_EQ(std::system(command.c_str()), 0)
+        << bytes;  // the server has closed the connection, so cat ends before its timeout
   }
   EXPECT_EQ(bus.discover().size(), 2U);
 }
@@ -167,7 +173,8 @@ TEST(LiveStream, finds_the_pressed_taxel_at_its_place_and_loses_nothing) {
     ASSERT_EQ(pressed.size(), 1U);
     EXPECT_EQ(pressed[0].module, module);
     EXPECT_EQ(pressed[0].taxel, taxel);
-    const auto expected = model::taxels_of(bench.design().layout.modules[static_cast<std::size_t>(module)], 2)[static_cast<std::size_t>(taxel)];
+    const auto expected = model::taxels_of(bench.design().layout.modules[static_cast<std::size_t>(module)],
+                                           2)[static_cast<std::size_t>(taxel)];
     EXPECT_NEAR((pressed[0].position_mm - expected.position_mm).norm(), 0.0, 1e-9);
   }
   EXPECT_EQ(stream.lost(), 0U);

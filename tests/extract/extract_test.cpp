@@ -21,11 +21,15 @@ Mesh welded(const Mesh& m) {
   std::map<std::array<long, 3>, int> seen;
   std::vector<int> index;
   for (const Vec3& v : m.vertices) {
-    const auto [at, is_new] = seen.try_emplace({std::lround(1e3 * v.x()), std::lround(1e3 * v.y()), std::lround(1e3 * v.z())}, static_cast<int>(result.vertices.size()));
+    const auto [at, is_new] =
+        seen.try_emplace({std::lround(1e3 * v.x()), std::lround(1e3 * v.y()), std::lround(1e3 * v.z())},
+                         static_cast<int>(result.vertices.size()));
     if (is_new) result.vertices.push_back(v);
     index.push_back(at->second);
   }
-  for (const auto& f : m.faces) result.faces.push_back({index[static_cast<std::size_t>(f[0])], index[static_cast<std::size_t>(f[1])], index[static_cast<std::size_t>(f[2])]});
+  for (const auto& f : m.faces)
+    result.faces.push_back({index[static_cast<std::size_t>(f[0])], index[static_cast<std::size_t>(f[1])],
+                            index[static_cast<std::size_t>(f[2])]});
   return result;
 }
 
@@ -38,7 +42,9 @@ Mesh cube(const Vec3& middle, double side, int n = 4) {
       const Vec3 out = sign * axes[k], u = axes[(k + 1) % 3], v = out.cross(u);
       const int base = static_cast<int>(m.vertices.size());
       for (int j = 0; j <= n; ++j) {
-        for (int i = 0; i <= n; ++i) m.vertices.push_back(middle + side * (0.5 * out + (static_cast<double>(i) / n - 0.5) * u + (static_cast<double>(j) / n - 0.5) * v));
+        for (int i = 0; i <= n; ++i)
+          m.vertices.push_back(middle + side * (0.5 * out + (static_cast<double>(i) / n - 0.5) * u +
+                                                (static_cast<double>(j) / n - 0.5) * v));
       }
       for (int j = 0; j < n; ++j) {
         for (int i = 0; i < n; ++i) {
@@ -79,9 +85,13 @@ Mesh square(double side, int n) {
   return m;
 }
 
-double area(const Mesh& m) { return Surface(m).area_mm2(); }
+double area(const Mesh& m) {
+  return Surface(m).area_mm2();
+}
 
-double least_distance(const Mesh& m, const Vec3& p) { return Surface(m).closest(p).distance_mm; }
+double least_distance(const Mesh& m, const Vec3& p) {
+  return Surface(m).closest(p).distance_mm;
+}
 
 TEST(Extract, HiddenShellGoesAndTheOuterOneIsTurnedOutward) {
   const Mesh raw = both(inside_out(cube(Vec3::Zero(), 100.0)), cube(Vec3::Zero(), 60.0));
@@ -124,7 +134,8 @@ TEST(Extract, KeepOutBoxAndMeshAgree) {
   ExtractOptions box, mesh;
   box.boxes.push_back({Vec3(30, 30, -10), Vec3(60, 60, 20)});
   mesh.keep_out = cube(Vec3(45, 45, 5), 30.0);
-  const double by_box = extract(square(100.0, 5), box).report.kept_out_mm2, by_mesh = extract(square(100.0, 5), mesh).report.kept_out_mm2;
+  const double by_box = extract(square(100.0, 5), box).report.kept_out_mm2,
+               by_mesh = extract(square(100.0, 5), mesh).report.kept_out_mm2;
   EXPECT_GE(by_box, 900.0);
   EXPECT_LE(by_box, 36.0 * 36.0);
   EXPECT_NEAR(by_mesh, by_box, 1.5 * 1.5);  // a face that just touches may fall either way

@@ -45,7 +45,8 @@ class Bench {
 
   /// Sends a request and waits up to 200 ms for the answer; empty: there was none.
   Message ask(const Message& request, std::uint8_t frame_bytes = 8) {
-    wire::IsoTp link(wire::physical_id(node, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, node), frame_bytes);
+    wire::IsoTp link(wire::physical_id(node, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, node),
+                     frame_bytes);
     EXPECT_EQ(link.send(request, now_us), Status::kOk);
     for (int tick = 0; tick < 2000; ++tick) {
       while (const auto f = link.transmit(now_us)) controller->receive(*f);
@@ -80,11 +81,13 @@ class Bench {
     std::array<std::uint8_t, layout::kMaxImageBytes> bytes{};
     const std::size_t size = layout::encode(image, bytes).value();
     unlock();
-    EXPECT_EQ(ask({0x34, 0x00, 0x44, 0, 1, 0, 0, 0, 0, 0, static_cast<std::uint8_t>(size)}), (Message{0x74, 0x20, 0, 66}));
+    EXPECT_EQ(ask({0x34, 0x00, 0x44, 0, 1, 0, 0, 0, 0, 0, static_cast<std::uint8_t>(size)}),
+              (Message{0x74, 0x20, 0, 66}));
     std::uint8_t block = 0;
     for (std::size_t at = 0; at < size; at += 64) {
       Message m{0x36, ++block};
-      m.insert(m.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(at + 64, size)));
+      m.insert(m.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at),
+               bytes.begin() + static_cast<std::ptrdiff_t>(std::min(at + 64, size)));
       EXPECT_EQ(ask(m), (Message{0x76, block}));
     }
     EXPECT_EQ(ask({0x37}), (Message{0x77}));
@@ -106,8 +109,10 @@ class Bench {
     while (!arrived_.empty()) {
       const wire::CanFrame f = arrived_.front();
       arrived_.pop_front();
-      if (link != nullptr && f.id == link->rx_id()) received |= link->receive(f, now_us) == wire::IsoTp::Event::kReceived;
-      else stream.push_back(f);
+      if (link != nullptr && f.id == link->rx_id())
+        received |= link->receive(f, now_us) == wire::IsoTp::Event::kReceived;
+      else
+        stream.push_back(f);
     }
     return received;
   }
@@ -122,8 +127,13 @@ inline layout::PatchImage six_modules(std::uint8_t node = 1) {
   image.module_count = 6;
   for (std::uint8_t k = 0; k < 6; ++k) {
     const auto small = [](int x) { return static_cast<std::uint8_t>(x); };
-    image.modules[k] = {small(10 + k), small(k / 2), small(k % 2), 0, k == 0 ? layout::kNoParent : small(k - 1),
-                        k == 0 ? layout::kCable : std::uint8_t{1}, 3};
+    image.modules[k] = {small(10 + k),
+                        small(k / 2),
+                        small(k % 2),
+                        0,
+                        k == 0 ? layout::kNoParent : small(k - 1),
+                        k == 0 ? layout::kCable : std::uint8_t{1},
+                        3};
   }
   return image;
 }

@@ -11,7 +11,9 @@ namespace triskin::fw {
 namespace {
 
 using Taxels = Compensation::Taxels;
-constexpr bool is_pad(std::size_t t) { return t == 6 || t == 10; }
+constexpr bool is_pad(std::size_t t) {
+  return t == 6 || t == 10;
+}
 
 // The formula of compensation.hpp in real numbers, from its text.
 struct Reference {

@@ -10,8 +10,8 @@
 
 namespace triskin::test {
 
-/// Flash with the rules of the silicon, as a port (fw::FlashArea) or as a model (sim::FlashModel). Power can fail in any operation,
-/// which is an erase or one program unit; `tear` says how much of it is done then.
+/// Flash with the rules of the silicon, as a port (fw::FlashArea) or as a model (sim::FlashModel). Power can fail in
+/// any operation, which is an erase or one program unit; `tear` says how much of it is done then.
 template <class Interface>
 class FlashDouble final : public Interface {
  public:
@@ -51,7 +51,8 @@ class FlashDouble final : public Interface {
       if (written_[(offset + k) / kUnit]) return false;
       const bool cut = power_fails();
       const std::size_t n = !cut || tear_ == Tear::kAll ? kUnit : tear_ == Tear::kHalf ? kUnit / 2 : 0;
-      std::copy_n(in.begin() + static_cast<std::ptrdiff_t>(k), n, bytes_.begin() + static_cast<std::ptrdiff_t>(offset + k));
+      std::copy_n(in.begin() + static_cast<std::ptrdiff_t>(k), n,
+                  bytes_.begin() + static_cast<std::ptrdiff_t>(offset + k));
       if (n > 0) written_[(offset + k) / kUnit] = true;
       if (cut) throw sim::PowerLost("program");
     }

@@ -19,7 +19,8 @@ struct Chip {
     std::uint16_t frozen = 0;
     for (const int end = number + readings; number < end; ++number) {
       Taxels raw{};
-      for (std::size_t t = 0; t < raw.size(); ++t) raw[t] = static_cast<std::uint16_t>(20'000 + (t < changing ? number % 2 : 0));
+      for (std::size_t t = 0; t < raw.size(); ++t)
+        raw[t] = static_cast<std::uint16_t>(20'000 + (t < changing ? number % 2 : 0));
       frozen = taxels.add(raw);
     }
     return frozen;
@@ -49,7 +50,8 @@ TEST(FrozenTaxels, AFingerOnAQuietSkinSaysNothing) {
   EXPECT_EQ(chip.read(10'000, 3), 0);
 }
 
-// Resting values at the worst place, on a step of the converter; one taxel of twelve is frozen. A million readings of each noise.
+// Resting values at the worst place, on a step of the converter; one taxel of twelve is frozen. A million readings of
+// each noise.
 TEST(FrozenTaxels, LiveOnesAreNeverFrozenAndAFrozenOneIsFound) {
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal;
@@ -59,7 +61,9 @@ TEST(FrozenTaxels, LiveOnesAreNeverFrozenAndAFrozenOneIsFound) {
     constexpr int kReadings = 1'000'000;
     for (int k = 1; k <= kReadings; ++k) {
       Taxels raw{};
-      for (std::size_t t = 0; t < raw.size(); ++t) raw[t] = static_cast<std::uint16_t>(std::lround(20'000.0 + (t == 5 ? 0.0 : peak_to_peak / 6.6 * normal(random))));
+      for (std::size_t t = 0; t < raw.size(); ++t)
+        raw[t] =
+            static_cast<std::uint16_t>(std::lround(20'000.0 + (t == 5 ? 0.0 : peak_to_peak / 6.6 * normal(random))));
       const std::uint16_t frozen = f.add(raw);
       wrong += (frozen & ~(1U << 5)) != 0 ? 1 : 0;
       if (first == 0 && frozen != 0) first = k;

@@ -14,7 +14,8 @@ struct Traffic {
   std::uint8_t byte() { return static_cast<std::uint8_t>(random()); }
 
   wire::CanFrame frame() {
-    constexpr std::array<std::uint32_t, 6> kExtended{0x18DA01F1, 0x18DA01F1, 0x18DB33F1, 0x18E0FFF1, 0x18E1FFF1, 0x18DAF101};
+    constexpr std::array<std::uint32_t, 6> kExtended{0x18DA01F1, 0x18DA01F1, 0x18DB33F1,
+                                                     0x18E0FFF1, 0x18E1FFF1, 0x18DAF101};
     constexpr std::array<std::uint32_t, 4> kStandard{0x201, 0x701, 0x70F, 0x412};
     wire::CanFrame f;
     f.extended = random() % 4 != 0;
@@ -28,7 +29,8 @@ struct Traffic {
 
   // A service that exists, with random parameters; not the security access, which random bytes could not pass anyway.
   Message request() {
-    constexpr std::array<std::uint8_t, 12> kServices{0x10, 0x11, 0x14, 0x19, 0x22, 0x2E, 0x31, 0x34, 0x35, 0x36, 0x37, 0x3E};
+    constexpr std::array<std::uint8_t, 12> kServices{0x10, 0x11, 0x14, 0x19, 0x22, 0x2E,
+                                                     0x31, 0x34, 0x35, 0x36, 0x37, 0x3E};
     constexpr std::array<std::uint8_t, 8> kLikely{0x00, 0x01, 0x02, 0x03, 0x05, 0x44, 0xFD, 0xF1};
     Message m{kServices[random() % kServices.size()]};
     const std::size_t size = random() % (random() % 8 == 0 ? 300 : 14);
@@ -37,7 +39,9 @@ struct Traffic {
   }
 };
 
-Message table_of(Bench& bench) { return bench.ask({0x22, 0xFD, 0x02}); }
+Message table_of(Bench& bench) {
+  return bench.ask({0x22, 0xFD, 0x02});
+}
 
 TEST(Fuzz, RandomFramesLeaveTheTableAndTheAnswers) {
   Bench bench;
@@ -101,7 +105,8 @@ TEST(Fuzz, UnlockedItRefusesDamagedTables) {
     std::uint8_t block = 0;
     for (std::size_t at = 0; at < size; at += 64) {
       Message m{0x36, ++block};
-      m.insert(m.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(at + 64, size)));
+      m.insert(m.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at),
+               bytes.begin() + static_cast<std::ptrdiff_t>(std::min(at + 64, size)));
       ASSERT_EQ(bench.ask(m), (Message{0x76, block}));
     }
     ASSERT_EQ(bench.ask({0x37}), (Message{0x77}));

@@ -3,8 +3,8 @@
 
 #include <set>
 
-#include "vectors/vector_file.hpp"
 #include "bench.hpp"
+#include "vectors/vector_file.hpp"
 
 namespace triskin::test {
 namespace {
@@ -92,7 +92,8 @@ TEST_F(Icub, RestValueShiftAndPeriodAreObeyed) {
 }
 
 TEST_F(Icub, NonsenseChangesNothing) {
-  for (const char* text : {"201 07", "201 4D 01", "201 50 05 04 06 00 00 22", "201 50 00 10 06 00 00 22", "202 07 00", "301 07 00", "201 99"}) {
+  for (const char* text : {"201 07", "201 4D 01", "201 50 05 04 06 00 00 22", "201 50 00 10 06 00 00 22", "202 07 00",
+                           "301 07 00", "201 99"}) {
     tell(text);
     EXPECT_TRUE(bench.stream.empty()) << text;
   }

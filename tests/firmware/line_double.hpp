@@ -10,8 +10,9 @@
 
 namespace triskin::test {
 
-/// An AD7147 as far as the data sheet binds the firmware: registers, device id, results of the connected inputs. Written for these
-/// tests alone, apart from the chips of host/scene. Stage after stage ends; a sequence takes 36.9 ms from the writing of power control.
+/// An AD7147 as far as the data sheet binds the firmware: registers, device id, results of the connected inputs.
+/// Written for these tests alone, apart from the chips of host/scene. Stage after stage ends; a sequence takes 36.9 ms
+/// from the writing of power control.
 struct ChipDouble {
   static constexpr std::uint64_t kSequence_us = 36'900;
   std::uint8_t address = 0x2C;
@@ -43,10 +44,13 @@ struct ChipDouble {
   std::uint64_t status_us_ = 0;
 
   // How often a stage has ended since the start; the status tells of those since it was read.
-  [[nodiscard]] std::uint64_t ends(unsigned stage, std::uint64_t at_us) const { return (at_us - started_us + kSequence_us * (11 - stage) / 12) / kSequence_us; }
+  [[nodiscard]] std::uint64_t ends(unsigned stage, std::uint64_t at_us) const {
+    return (at_us - started_us + kSequence_us * (11 - stage) / 12) / kSequence_us;
+  }
   std::uint16_t status(std::uint64_t now_us) {
     unsigned bits = 0;
-    for (unsigned s = 0; s < 12 && registers[0] == 0x00B0; ++s) bits |= (ends(s, now_us) > ends(s, status_us_) ? 1U : 0U) << s;
+    for (unsigned s = 0; s < 12 && registers[0] == 0x00B0; ++s)
+      bits |= (ends(s, now_us) > ends(s, status_us_) ? 1U : 0U) << s;
     status_us_ = now_us;
     return static_cast<std::uint16_t>(bits);
   }
@@ -54,10 +58,13 @@ struct ChipDouble {
     const auto sequence = registers[0] == 0x00B0 ? ends(static_cast<unsigned>(stage), now_us) : 0;
     if (sequence == 0) return 0;
     const auto base = static_cast<std::uint16_t>(0x080 + 8 * stage);
-    const unsigned both = registers[base] | static_cast<unsigned>(registers[static_cast<std::uint16_t>(base + 1)]) << 14;
+    const unsigned both = registers[base] | static_cast<unsigned>(registers[static_cast<std::uint16_t>(base + 1)])
+                                                << 14;
     const unsigned connection = both >> (2 * stage) & 3;
     if (connection != 1 && connection != 2) return 0x8000;
-    const int wobble = (frozen >> stage & 1) != 0 ? 0 : static_cast<int>((sequence * 7 + static_cast<unsigned>(stage) * 5) % 11) * noise / 10;
+    const int wobble = (frozen >> stage & 1) != 0
+                           ? 0
+                           : static_cast<int>((sequence * 7 + static_cast<unsigned>(stage) * 5) % 11) * noise / 10;
     const int value = 0x8000 + (connection == 2 ? 1 : -1) * (counts[static_cast<std::size_t>(stage)] + wobble);
     return static_cast<std::uint16_t>(std::min(0xFFFF, std::max(0, value)));
   }

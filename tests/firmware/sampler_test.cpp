@@ -11,7 +11,9 @@ using wire::ModuleState;
 
 struct Faults : testing::Test {
   Bench bench;
-  ChipDouble& chip(int k) { return bench.lines[static_cast<std::size_t>(k / 2)].chips.at(static_cast<std::size_t>(k % 2)); }
+  ChipDouble& chip(int k) {
+    return bench.lines[static_cast<std::size_t>(k / 2)].chips.at(static_cast<std::size_t>(k % 2));
+  }
 
   void start() {
     bench.power_up();
@@ -35,7 +37,7 @@ struct Faults : testing::Test {
 TEST_F(Faults, NoneOnAHealthySkin) {
   start();
   expect_all_ok_but({}, ModuleState::kOk);
-  EXPECT_EQ(statistic(1), 0U);  // bus errors
+  EXPECT_EQ(statistic(1), 0U);           // bus errors
   EXPECT_EQ(chip(0).configurations, 2);  // mirrored once, then for good
   const Message dtcs = bench.ask({0x19, 0x02, 0xFF});
   EXPECT_EQ(dtcs, (Message{0x59, 0x02, 0x09}));  // and none was seen on the way
@@ -69,7 +71,8 @@ TEST_F(Faults, ModuleAtAnotherAddressIsFoundByDiscovery) {
   expect_all_ok_but({2}, ModuleState::kAbsent);
   ASSERT_EQ(bench.ask({0x31, 0x01, 0x02, 0x01}), (Message{0x71, 0x01, 0x02, 0x01}));
   bench.run(100'000);
-  EXPECT_EQ(bench.ask({0x31, 0x03, 0x02, 0x01}), (Message{0x71, 0x03, 0x02, 0x01, 1, 0, 0b0011, 0, 0, 0b1010, 0, 0, 0b0011, 0, 0, 0, 0}));
+  EXPECT_EQ(bench.ask({0x31, 0x03, 0x02, 0x01}),
+            (Message{0x71, 0x03, 0x02, 0x01, 1, 0, 0b0011, 0, 0, 0b1010, 0, 0, 0b0011, 0, 0, 0, 0}));
 }
 
 TEST_F(Faults, DiscoveryWorksWithoutATable) {
@@ -77,7 +80,8 @@ TEST_F(Faults, DiscoveryWorksWithoutATable) {
   chip(5).device_id = 0x1234;
   ASSERT_EQ(bench.ask({0x31, 0x01, 0x02, 0x01}).at(0), 0x71);
   bench.run(100'000);
-  EXPECT_EQ(bench.ask({0x31, 0x03, 0x02, 0x01}), (Message{0x71, 0x03, 0x02, 0x01, 1, 0, 3, 0, 0, 3, 0, 0, 3, 2, 0, 0, 0}));
+  EXPECT_EQ(bench.ask({0x31, 0x03, 0x02, 0x01}),
+            (Message{0x71, 0x03, 0x02, 0x01, 1, 0, 3, 0, 0, 3, 0, 0, 3, 2, 0, 0, 0}));
 }
 
 TEST_F(Faults, WrongDeviceId) {
@@ -181,7 +185,8 @@ TEST_F(Faults, DiscoveryNamesAStuckLine) {
   bench.lines[3].sda_low = true;
   bench.ask({0x31, 0x01, 0x02, 0x01});
   bench.run(1'500'000);
-  EXPECT_EQ(bench.ask({0x31, 0x03, 0x02, 0x01}), (Message{0x71, 0x03, 0x02, 0x01, 1, 0, 3, 0, 0, 3, 0, 0, 3, 0, 1, 0, 0}));
+  EXPECT_EQ(bench.ask({0x31, 0x03, 0x02, 0x01}),
+            (Message{0x71, 0x03, 0x02, 0x01, 1, 0, 3, 0, 0, 3, 0, 0, 3, 0, 1, 0, 0}));
 }
 
 TEST_F(Faults, SelfTestFindsEveryChipAnew) {

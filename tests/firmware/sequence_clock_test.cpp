@@ -9,12 +9,15 @@
 namespace triskin::fw {
 namespace {
 
-// A chip whose sequences last `period_us` each, changing by `wander` of itself in a second, and a controller whose stamps are wrong by up to 20 µs.
+// A chip whose sequences last `period_us` each, changing by `wander` of itself in a second, and a controller whose
+// stamps are wrong by up to 20 µs.
 struct Chip {
   double period_us, wander_per_s = 0.0, end_us = 0.0;
   SequenceClock clock{};
   std::mt19937 random{7};
-  [[nodiscard]] double uniform(double least, double most) { return std::uniform_real_distribution<double>(least, most)(random); }
+  [[nodiscard]] double uniform(double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(random);
+  }
   void start(double at_us, std::uint32_t nominal_us) {
     end_us = at_us + period_us;
     clock.start(static_cast<std::uint64_t>(at_us + uniform(-20.0, 20.0)), nominal_us);
@@ -30,7 +33,8 @@ struct Chip {
   void look() {
     for (int stage = 2; stage < 12 && clock.look_wanted(); stage += 3) {
       const auto at = static_cast<std::uint64_t>(static_cast<double>(clock.stage_end_us(stage)) + uniform(0.0, 60.0));
-      clock.looked(at, stage, static_cast<double>(at) + uniform(-20.0, 20.0) >= end_us - (11 - stage) * period_us / 12.0);
+      clock.looked(at, stage,
+                   static_cast<double>(at) + uniform(-20.0, 20.0) >= end_us - (11 - stage) * period_us / 12.0);
     }
   }
   // A burst anywhere in the window reads twelve results of one sequence.
@@ -49,7 +53,8 @@ TEST(SequenceClock, EveryWindowIsWholeWithEveryOscillator) {
       chip.start(1'000'000, nominal);
       for (int n = 1; n < 20'000; ++n, chip.next()) {
         ASSERT_TRUE(chip.whole()) << n << " of " << nominal << " us, " << ppm << " ppm";
-        ASSERT_LT(chip.clock.read_us() + (n == 1 ? 300 : 500), chip.clock.last_start_us()) << n << " of " << nominal << " us, " << ppm << " ppm";
+        ASSERT_LT(chip.clock.read_us() + (n == 1 ? 300 : 500), chip.clock.last_start_us())
+            << n << " of " << nominal << " us, " << ppm << " ppm";
         chip.look();
         ASSERT_FALSE(chip.clock.uncertain());
         if (n >= 8) {

@@ -19,8 +19,13 @@ layout::PatchImage table(std::uint64_t design, std::uint8_t modules, std::uint8_
   image.module_count = modules;
   for (std::uint8_t k = 0; k < modules; ++k) {
     const auto small = [](int x) { return static_cast<std::uint8_t>(x); };
-    image.modules[k] = {k, small(k / 4), small(k % 4), 0, k == 0 ? layout::kNoParent : small((k - 1) / 2),
-                        k == 0 ? layout::kCable : small(k % 2 == 1 ? 1 : 2), 7};
+    image.modules[k] = {k,
+                        small(k / 4),
+                        small(k % 4),
+                        0,
+                        k == 0 ? layout::kNoParent : small((k - 1) / 2),
+                        k == 0 ? layout::kCable : small(k % 2 == 1 ? 1 : 2),
+                        7};
   }
   return image;
 }
@@ -113,10 +118,12 @@ TEST(TableStore, APowerCutLeavesTheOldOrTheNewTable) {
         flash.never_cut();
         TableStore after(flash);
         after.load();
-        SCOPED_TRACE(testing::Message() << "history " << history << ", cut " << cuts << ", tear " << static_cast<int>(tear));
+        SCOPED_TRACE(testing::Message() << "history " << history << ", cut " << cuts << ", tear "
+                                        << static_cast<int>(tear));
         const bool is_new = after.has_table() && after.table() == table(99, 16);
-        const bool is_old = history == 0 ? !after.has_table()
-                                         : after.has_table() && after.table() == table(static_cast<std::uint64_t>(history), 8);
+        const bool is_old = history == 0
+                                ? !after.has_table()
+                                : after.has_table() && after.table() == table(static_cast<std::uint64_t>(history), 8);
         EXPECT_TRUE(is_new || is_old);
         EXPECT_TRUE(is_new || !completed);
         EXPECT_EQ(flash_table(after, next), Status::kOk);  // running it again completes the work
@@ -192,7 +199,8 @@ TEST(FaultMemory, ALooseContactWritesOnce) {
   faults.load();
   faults.note(0, wire::ModuleState::kAbsent, {});
   const int operations = flash.operations();
-  for (std::uint32_t k = 0; k < 1000; ++k) faults.note(0, k % 2 == 0 ? wire::ModuleState::kOk : wire::ModuleState::kAbsent, {k, k});
+  for (std::uint32_t k = 0; k < 1000; ++k)
+    faults.note(0, k % 2 == 0 ? wire::ModuleState::kOk : wire::ModuleState::kAbsent, {k, k});
   EXPECT_EQ(flash.operations(), operations);
 }
 

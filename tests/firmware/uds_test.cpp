@@ -2,8 +2,8 @@
 // The conversation of tests/vectors/uds.txt over CAN with the whole application, and what does not fit into it.
 #include <gtest/gtest.h>
 
-#include "vectors/vector_file.hpp"
 #include "bench.hpp"
+#include "vectors/vector_file.hpp"
 
 namespace triskin::test {
 namespace {
@@ -48,8 +48,12 @@ void converse(std::uint8_t frame_bytes) {
   }
 }
 
-TEST(UdsVectors, ClassicCan) { converse(8); }
-TEST(UdsVectors, CanFd) { converse(64); }
+TEST(UdsVectors, ClassicCan) {
+  converse(8);
+}
+TEST(UdsVectors, CanFd) {
+  converse(64);
+}
 
 TEST(Uds, ThreeWrongKeysLockUntilReset) {
   Bench bench;

@@ -20,20 +20,27 @@ class Usb : public testing::Test {
     ASSERT_TRUE(usb().control({0x00, 9, 1, 0, 0}, {}));
   }
   std::unique_ptr<sim::VirtualController> make() {
-    auto c = sim::make_virtual_controller({{&lines_[0], &lines_[1], &lines_[2], &lines_[3]}, &flash_, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, [](const wire::CanFrame&) {},
-                                           true, nullptr, &slots_});
+    auto c = sim::make_virtual_controller({{&lines_[0], &lines_[1], &lines_[2], &lines_[3]},
+                                           &flash_,
+                                           {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12},
+                                           [](const wire::CanFrame&) {},
+                                           true,
+                                           nullptr,
+                                           &slots_});
     c->run_until(now_us_);
     return c;
   }
   wire::UsbFunction& usb() { return controller_->usb(); }
   void run(std::uint64_t us) { controller_->run_until(now_us_ += us); }
   Message get(std::uint8_t type, std::uint8_t request, int value, int index) {
-    const auto answer = usb().control({type, request, static_cast<std::uint16_t>(value), static_cast<std::uint16_t>(index), 1024}, {});
+    const auto answer =
+        usb().control({type, request, static_cast<std::uint16_t>(value), static_cast<std::uint16_t>(index), 1024}, {});
     return answer ? Message(answer->begin(), answer->end()) : Message{};
   }
   // One request and its answer through an interface.
   Message ask(std::uint8_t out, std::uint8_t in, const Message& request) {
-    wire::IsoTp link(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1), wire::kUsbFrameBytes);
+    wire::IsoTp link(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1),
+                     wire::kUsbFrameBytes);
     EXPECT_EQ(link.send(request, now_us_), Status::kOk);
     for (int k = 0; k < 200; ++k) {
       while (const auto f = link.transmit(now_us_)) {
@@ -42,7 +49,8 @@ class Usb : public testing::Test {
       }
       run(500);
       for (Bytes p = usb().in(in); !p.empty(); p = usb().in(in)) {
-        if (const auto f = wire::from_usb(p); f && link.receive(*f, now_us_) == wire::IsoTp::Event::kReceived) return {link.message().begin(), link.message().end()};
+        if (const auto f = wire::from_usb(p); f && link.receive(*f, now_us_) == wire::IsoTp::Event::kReceived)
+          return {link.message().begin(), link.message().end()};
       }
     }
     return {};
@@ -105,7 +113,8 @@ TEST_F(Usb, RequestsThroughHidAndBulk) {
   const Message answer{0x62, 0xF1, 0x90, 'T', 'R', 'I', 'S', 'K', 'I', 'N', '1'};
   EXPECT_EQ(ask(wire::kHidOut, wire::kHidIn, {0x22, 0xF1, 0x90}), answer);
   EXPECT_EQ(ask(wire::kBulkOut, wire::kBulkIn, {0x22, 0xF1, 0x90}), answer);
-  EXPECT_EQ(ask(wire::kBulkOut, wire::kBulkIn, {0x22, 0xFD, 0x00, 0xFD, 0x04, 0xFD, 0x06, 0xF1, 0x8C}).size(), 1 + 4 * 2 + 23 + 16 + 20 + 12U);
+  EXPECT_EQ(ask(wire::kBulkOut, wire::kBulkIn, {0x22, 0xFD, 0x00, 0xFD, 0x04, 0xFD, 0x06, 0xF1, 0x8C}).size(),
+            1 + 4 * 2 + 23 + 16 + 20 + 12U);
   EXPECT_TRUE(usb().in(wire::kHidIn).empty());
 }
 
@@ -116,7 +125,8 @@ TEST_F(Usb, WorkedBytesOfTheProtocolPage) {
   f.size = 8;
   f.data = {3, 0x22, 0xF1, 0x90, 0xCC, 0xCC, 0xCC, 0xCC};
   const auto packet = wire::to_usb(f).value();
-  EXPECT_EQ(Message(packet.used().begin(), packet.used().end()), (Message{0x09, 0xF1, 0x01, 0xDA, 0x98, 3, 0x22, 0xF1, 0x90, 0xCC, 0xCC, 0xCC, 0xCC}));
+  EXPECT_EQ(Message(packet.used().begin(), packet.used().end()),
+            (Message{0x09, 0xF1, 0x01, 0xDA, 0x98, 3, 0x22, 0xF1, 0x90, 0xCC, 0xCC, 0xCC, 0xCC}));
   EXPECT_EQ(wire::from_usb(packet.used()), f);
 }
 
@@ -145,8 +155,10 @@ TEST_F(Usb, NonsenseNeverStopsIt) {
     for (int k = 0; k < 500; ++k) {
       Message data(random() % 80);
       for (auto& b : data) b = static_cast<std::uint8_t>(random());
-      const UsbSetup setup{kTypes[random() % kTypes.size()], static_cast<std::uint8_t>(random() % 14), static_cast<std::uint16_t>(random() % 4 == 0 ? random() : random() % 3 << 8),
-                           static_cast<std::uint16_t>(random() % 4), static_cast<std::uint16_t>(random() % 2 == 0 ? data.size() : random() % 2048)};
+      const UsbSetup setup{kTypes[random() % kTypes.size()], static_cast<std::uint8_t>(random() % 14),
+                           static_cast<std::uint16_t>(random() % 4 == 0 ? random() : random() % 3 << 8),
+                           static_cast<std::uint16_t>(random() % 4),
+                           static_cast<std::uint16_t>(random() % 2 == 0 ? data.size() : random() % 2048)};
       (void)usb().control(setup, data);
       usb().out(static_cast<std::uint8_t>(random() % 4), data);
       (void)usb().in(static_cast<std::uint8_t>(0x80 | random() % 4));

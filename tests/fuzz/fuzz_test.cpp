@@ -18,7 +18,9 @@ using Input = std::vector<std::uint8_t>;
 
 std::vector<Input> corpus_of(std::string_view target) {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(TRISKIN_SOURCE) / "tests/fuzz/corpus" / target)) files.push_back(entry.path());
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(TRISKIN_SOURCE) / "tests/fuzz/corpus" / target))
+    files.push_back(entry.path());
   std::ranges::sort(files);
   std::vector<Input> inputs;
   for (const auto& file : files) {
@@ -35,14 +37,25 @@ Input mutate(const std::vector<Input>& corpus, std::mt19937& random) {
     const std::size_t at = x.empty() ? 0 : random() % x.size();
     const auto place = x.begin() + static_cast<std::ptrdiff_t>(at);
     switch (x.empty() ? 3 : random() % 6) {
-      case 0: x[at] ^= static_cast<std::uint8_t>(1U << random() % 8); break;
-      case 1: x[at] = kTelling[random() % kTelling.size()]; break;
-      case 2: x.erase(place, place + static_cast<std::ptrdiff_t>(std::min<std::size_t>(1 + random() % 4, x.size() - at))); break;
-      case 3: x.insert(place, 1 + random() % 4, static_cast<std::uint8_t>(random())); break;
-      case 4: x.resize(at); break;
+      case 0:
+        x[at] ^= static_cast<std::uint8_t>(1U << random() % 8);
+        break;
+      case 1:
+        x[at] = kTelling[random() % kTelling.size()];
+        break;
+      case 2:
+        x.erase(place, place + static_cast<std::ptrdiff_t>(std::min<std::size_t>(1 + random() % 4, x.size() - at)));
+        break;
+      case 3:
+        x.insert(place, 1 + random() % 4, static_cast<std::uint8_t>(random()));
+        break;
+      case 4:
+        x.resize(at);
+        break;
       default: {
         const Input& other = corpus[random() % corpus.size()];
-        if (!other.empty()) x.insert(x.end(), other.begin() + static_cast<std::ptrdiff_t>(random() % other.size()), other.end());
+        if (!other.empty())
+          x.insert(x.end(), other.begin() + static_cast<std::ptrdiff_t>(random() % other.size()), other.end());
       }
     }
   }
@@ -61,7 +74,8 @@ TEST_P(Fuzz, CorpusAndMutations) {
   for (int k = 0; k < kRounds; ++k) GetParam().run(mutate(corpus, random));
 }
 
-INSTANTIATE_TEST_SUITE_P(Decoders, Fuzz, testing::ValuesIn(targets().begin(), targets().end()), [](const auto& p) { return std::string(p.param.name); });
+INSTANTIATE_TEST_SUITE_P(Decoders, Fuzz, testing::ValuesIn(targets().begin(), targets().end()),
+                         [](const auto& p) { return std::string(p.param.name); });
 
 }  // namespace
 }  // namespace triskin::fuzz

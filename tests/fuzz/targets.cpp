@@ -76,7 +76,8 @@ void iso_tp(Bytes input) {
   std::uint64_t now_us = 0;
   const std::array<std::uint8_t, 40> message{};
   each_piece(input, [&](Bytes piece) {
-    if (link.receive(frame_of(piece, 2, true), now_us) == wire::IsoTp::Event::kReceived) require(!link.message().empty() && link.message().size() <= wire::IsoTp::kCapacity);
+    if (link.receive(frame_of(piece, 2, true), now_us) == wire::IsoTp::Event::kReceived)
+      require(!link.message().empty() && link.message().size() <= wire::IsoTp::kCapacity);
     if (piece.size() == 1) (void)link.send(message, now_us);
     for (int k = 0; k < 200 && link.transmit(now_us); ++k) {
     }
@@ -114,7 +115,8 @@ void uds_server(Bytes input) {
     const Bytes answer = server.handle(piece, piece.size() % 5 == 0);
     require(answer.size() <= fw::UdsServer::kMaxResponse);
     if (answer.empty()) return;
-    require((answer.size() == 3 && answer[0] == 0x7F && answer[1] == piece[0]) || answer[0] == static_cast<std::uint8_t>(piece[0] + 0x40));
+    require((answer.size() == 3 && answer[0] == 0x7F && answer[1] == piece[0]) ||
+            answer[0] == static_cast<std::uint8_t>(piece[0] + 0x40));
   });
 }
 
@@ -191,7 +193,8 @@ void patch_image(Bytes input) {
   if (!image) return;
   std::array<std::uint8_t, layout::kMaxImageBytes> bytes{};
   const auto size = layout::encode(*image, bytes);
-  require(size && *size <= input.size() && std::ranges::equal(Bytes(bytes).first(*size), input.first(*size)));  // a slot is longer
+  require(size && *size <= input.size() &&
+          std::ranges::equal(Bytes(bytes).first(*size), input.first(*size)));  // a slot is longer
 }
 
 void taxel_frames(Bytes input) {
@@ -215,7 +218,8 @@ void node_claim(Bytes input) {
 
 void firmware_package(Bytes input) {
   const auto head = boot::decode_package_head(input);
-  if (head) require(head->total() <= boot::kPackageHeadBytes + 2 * boot::kMostImageBytes && head->offset(1) > head->offset(0));
+  if (head)
+    require(head->total() <= boot::kPackageHeadBytes + 2 * boot::kMostImageBytes && head->offset(1) > head->offset(0));
 }
 
 void record(Bytes input) {
@@ -242,7 +246,9 @@ constexpr std::array<Target, 12> kTargets{{{"iso_tp", iso_tp},
 
 }  // namespace
 
-std::span<const Target> targets() { return kTargets; }
+std::span<const Target> targets() {
+  return kTargets;
+}
 
 Target find_target(std::string_view name) {
   const auto found = std::ranges::find(kTargets, name, &Target::name);

@@ -7,7 +7,8 @@
 
 namespace triskin::fuzz {
 
-/// One decoder and what must hold for any input: no crash, and what it accepts survives a round trip. A broken rule calls std::abort.
+/// One decoder and what must hold for any input: no crash, and what it accepts survives a round trip. A broken rule
+/// calls std::abort.
 struct Target {
   std::string_view name;
   void (*run)(Bytes input);

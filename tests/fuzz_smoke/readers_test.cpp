@@ -25,26 +25,40 @@ namespace fs = std::filesystem;
 using Random = std::mt19937_64;
 
 std::string damage(std::string text, Random& random) {
-  static const std::vector<std::string> kTokens{"1e999", "-1", "nan", "99999999999999999999", "null", "{", "[", "]", "\"", "\xff", "0", "inf", "-0.0", "1e-320", "true", std::string(1, '\0'), "[[[[[[[[[["};
+  static const std::vector<std::string> kTokens{
+      "1e999", "-1",     "nan",  "99999999999999999999", "null",      "{", "[", "]", "\"", "\xff", "0", "inf",
+      "-0.0",  "1e-320", "true", std::string(1, '\0'),   "[[[[[[[[[["};
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % std::max<std::size_t>(n, 1)); };
   for (std::size_t k = 1 + below(4); k > 0; --k) {
     const std::size_t at = below(text.size());
     switch (random() % 6) {
-      case 0: if (!text.empty()) text[at] = static_cast<char>(random()); break;
-      case 1: text.resize(at); break;
-      case 2: text.insert(at, kTokens[below(kTokens.size())]); break;
-      case 3: text.erase(at, below(20)); break;
-      case 4: text.insert(at, text.substr(below(text.size()), below(60))); break;
+      case 0:
+        if (!text.empty()) text[at] = static_cast<char>(random());
+        break;
+      case 1:
+        text.resize(at);
+        break;
+      case 2:
+        text.insert(at, kTokens[below(kTokens.size())]);
+        break;
+      case 3:
+        text.erase(at, below(20));
+        break;
+      case 4:
+        text.insert(at, text.substr(below(text.size()), below(60)));
+        break;
       default: {
         const std::size_t digit = text.find_first_of("0123456789", at);
-        if (digit != std::string::npos) text.replace(digit, text.find_first_not_of("0123456789.", digit) - digit, kTokens[below(kTokens.size())]);
+        if (digit != std::string::npos)
+          text.replace(digit, text.find_first_not_of("0123456789.", digit) - digit, kTokens[below(kTokens.size())]);
       }
     }
   }
   return text;
 }
 
-void fuzz(const std::string& good, const std::string& extension, int runs, const std::function<void(const fs::path&)>& read) {
+void fuzz(const std::string& good, const std::string& extension, int runs,
+          const std::function<void(const fs::path&)>& read) {
   const fs::path path = fs::temp_directory_path() / ("readers_test." + std::to_string(::getpid()) + extension);
   const auto write = [&](const std::string& text) {
     fs::remove(path);  // a file that is cut and written again is flushed to the disk
@@ -85,18 +99,26 @@ std::string small_design() {
   return text;
 }
 
-TEST(Readers, design) { fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)model::read_design(p); }); }
-TEST(Readers, checker) { fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)check::check_design(p); }); }
-TEST(Readers, scene) { fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)scene::read_scene(p); }); }
+TEST(Readers, design) {
+  fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)model::read_design(p); });
+}
+TEST(Readers, checker) {
+  fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)check::check_design(p); });
+}
+TEST(Readers, scene) {
+  fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)scene::read_scene(p); });
+}
 
 TEST(Readers, module_list) {
-  fuzz(R"({"modules":[{"id":0,"i":3,"j":5,"up":true,"island":0,"border":true},{"id":7,"i":3,"j":5,"up":false}]})", ".json", 1000,
-       [](const fs::path& p) { (void)model::read_module_list(p); });
+  fuzz(R"({"modules":[{"id":0,"i":3,"j":5,"up":true,"island":0,"border":true},{"id":7,"i":3,"j":5,"up":false}]})",
+       ".json", 1000, [](const fs::path& p) { (void)model::read_module_list(p); });
 }
 
 TEST(Readers, polygons) {
   const auto read = [](const fs::path& p) { (void)geometry::read_polygon(p); };
-  fuzz(R"({"type":"Polygon","coordinates":[[[0,0],[100,0],[100,80.5],[0,80],[0,0]],[[10,10],[10,20],[20,20],[10,10]]]})", ".geojson", 1000, read);
+  fuzz(
+      R"({"type":"Polygon","coordinates":[[[0,0],[100,0],[100,80.5],[0,80],[0,0]],[[10,10],[10,20],[20,20],[10,10]]]})",
+      ".geojson", 1000, read);
   fuzz("POLYGON ((0 0, 100 0, 100 80.5, 0 80, 0 0), (10 10, 10 20, 20 20, 10 10))", ".wkt", 1000, read);
 }
 
@@ -104,10 +126,14 @@ TEST(Readers, meshes) {
   const auto read = [](const fs::path& p) { (void)geometry::read_mesh(p); };
   fuzz("v 0 0 0\nv 100 0 0\nv 100 100 5\nv 0 100 0\nf 1 2 3\nf 1 3 4\n", ".obj", 150, read);
   fuzz("OFF\n4 2 0\n0 0 0\n100 0 0\n100 100 5\n0 100 0\n3 0 1 2\n3 0 2 3\n", ".off", 1500, read);
-  fuzz("solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 100 0 0\nvertex 100 100 5\nendloop\nendfacet\n"
-       "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 100 100 5\nvertex 0 100 0\nendloop\nendfacet\nendsolid s\n", ".stl", 150, read);
-  fuzz("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
-       "property list uchar int vertex_indices\nend_header\n0 0 0\n100 0 0\n100 100 5\n0 100 0\n3 0 1 2\n3 0 2 3\n", ".ply", 20, read);
+  fuzz(
+      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 100 0 0\nvertex 100 100 5\nendloop\nendfacet\n"
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 100 100 5\nvertex 0 100 0\nendloop\nendfacet\nendsolid s\n",
+      ".stl", 150, read);
+  fuzz(
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
+      "property list uchar int vertex_indices\nend_header\n0 0 0\n100 0 0\n100 100 5\n0 100 0\n3 0 1 2\n3 0 2 3\n",
+      ".ply", 20, read);
 }
 
 }  // namespace

@@ -36,7 +36,9 @@ class Layering : public testing::Test {
   fs::path root_;
 };
 
-TEST_F(Layering, accepts_this_tree) { EXPECT_EQ(run_check(TRISKIN_SOURCE), 0); }
+TEST_F(Layering, accepts_this_tree) {
+  EXPECT_EQ(run_check(TRISKIN_SOURCE), 0);
+}
 
 TEST_F(Layering, accepts_an_allowed_include) {
   EXPECT_EQ(with_file("firmware/logic/src/a.cpp", "#include \"triskin/drivers/ad7147.hpp\""), 0);

@@ -35,7 +35,11 @@ void Bench::power_up(bool will_be_cut) {
   std::array<std::uint8_t, 12> id{};
   for (std::size_t k = 0; k < id.size(); ++k) id[k] = static_cast<std::uint8_t>(0x10 + k);
   if (on_posix) {
-    posix = sim::make_virtual_controller({{&lines[0], &lines[1], &lines[2], &lines[3]}, &tables, id, [this](const wire::CanFrame& f) { frames.push_back(f); }, true});
+    posix = sim::make_virtual_controller({{&lines[0], &lines[1], &lines[2], &lines[3]},
+                                          &tables,
+                                          id,
+                                          [this](const wire::CanFrame& f) { frames.push_back(f); },
+                                          true});
     posix_us = 0;
     return;
   }
@@ -93,10 +97,15 @@ void Bench::unlock() {
   const auto seed = request({0x27, 0x01});
   ASSERT_EQ(seed.size(), 6U);
   const std::uint32_t k = wire::security_key(ByteReader(Bytes(seed).subspan(2)).be32());
-  ASSERT_EQ(request({0x27, 0x02, static_cast<std::uint8_t>(k >> 24), static_cast<std::uint8_t>(k >> 16), static_cast<std::uint8_t>(k >> 8), static_cast<std::uint8_t>(k)}).at(0), 0x67);
+  ASSERT_EQ(request({0x27, 0x02, static_cast<std::uint8_t>(k >> 24), static_cast<std::uint8_t>(k >> 16),
+                     static_cast<std::uint8_t>(k >> 8), static_cast<std::uint8_t>(k)})
+                .at(0),
+            0x67);
 }
 
-void Bench::self_test() { ASSERT_EQ(request({0x31, 0x01, 0x02, 0x02}).at(0), 0x71); }
+void Bench::self_test() {
+  ASSERT_EQ(request({0x31, 0x01, 0x02, 0x02}).at(0), 0x71);
+}
 
 void Bench::send(std::uint32_t id, std::span<const std::uint8_t> data) {
   wire::CanFrame f;

@@ -16,7 +16,9 @@
 
 namespace triskin::machine {
 
-[[nodiscard]] inline std::filesystem::path firmware(const char* name) { return std::filesystem::path(TRISKIN_FIRMWARE) / name; }
+[[nodiscard]] inline std::filesystem::path firmware(const char* name) {
+  return std::filesystem::path(TRISKIN_FIRMWARE) / name;
+}
 
 /// The image filled up to blocks of 32 frames with eight bytes, as the loader acknowledges them.
 [[nodiscard]] std::vector<std::uint8_t> whole_blocks(const ElfImage& image);
@@ -29,7 +31,8 @@ namespace triskin::machine {
 class Bench : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(firmware("triskin_app_a.elf"))) GTEST_SKIP() << "no firmware image: install gcc-arm-none-eabi and build again";
+    if (!std::filesystem::exists(firmware("triskin_app_a.elf")))
+      GTEST_SKIP() << "no firmware image: install gcc-arm-none-eabi and build again";
     for (int k = 0; k < 16; ++k) lines[static_cast<std::size_t>(k % 4)].add(static_cast<std::uint8_t>(k / 4), k);
     flash.store(read_elf(firmware("triskin_loader.elf")));
     application = read_elf(firmware("triskin_app_a.elf"));
@@ -37,7 +40,9 @@ class Bench : public ::testing::Test {
   }
   void power_up(bool will_be_cut = false);
   [[nodiscard]] SkinLine& line_of(int module) { return lines[static_cast<std::size_t>(module % 4)]; }
-  [[nodiscard]] SkinModule& module_at(int module) { return *line_of(module).modules[static_cast<std::size_t>(module / 4)]; }
+  [[nodiscard]] SkinModule& module_at(int module) {
+    return *line_of(module).modules[static_cast<std::size_t>(module / 4)];
+  }
   /// Extended session and security access.
   void unlock();
   [[nodiscard]] std::uint64_t now_us() const { return on_posix ? posix_us : machine->now_us(); }
@@ -51,7 +56,9 @@ class Bench : public ::testing::Test {
   void self_test();
   /// Loader frames.
   void send(std::uint32_t id, std::span<const std::uint8_t> data);
-  [[nodiscard]] std::uint32_t budget(std::uint32_t offset) const { return machine->read_word(application.symbols.at("triskin_budget") + offset); }
+  [[nodiscard]] std::uint32_t budget(std::uint32_t offset) const {
+    return machine->read_word(application.symbols.at("triskin_budget") + offset);
+  }
   void expect_no_violation() const {
     for (const Violation& v : machine->violations()) ADD_FAILURE() << v.at_us << " us: " << v.what;
   }

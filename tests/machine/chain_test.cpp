@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Switched modules at the unmodified image: the chain at SPI2, EN and latch at pins, converters where the registers put them.
+// Switched modules at the unmodified image: the chain at SPI2, EN and latch at pins, converters where the registers put
+// them.
 #include <bit>
 
 #include "bench.hpp"
@@ -66,7 +67,9 @@ class SwitchedBench : public Bench {
   std::unique_ptr<scene::Skin> skin_;
 };
 
-std::uint32_t all_of(const model::Design& d) { return (1U << d.patches[0].modules.size()) - 1; }
+std::uint32_t all_of(const model::Design& d) {
+  return (1U << d.patches[0].modules.size()) - 1;
+}
 
 TEST_F(SwitchedBench, the_image_finds_every_joint_and_reads_every_module) {
   std::mt19937_64 random(31);

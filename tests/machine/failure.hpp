@@ -10,14 +10,18 @@ namespace triskin::machine {
 /// The failures that a strapped module can have (shared/design/hardware.md), as a bench makes them.
 enum class Failure { kAbsent, kMoved, kWrongId, kDip, kSaturated, kFrozen, kSda, kScl };
 
-inline constexpr std::array kAllFailures{Failure::kAbsent, Failure::kMoved, Failure::kWrongId, Failure::kDip, Failure::kSaturated, Failure::kFrozen, Failure::kSda, Failure::kScl};
+inline constexpr std::array kAllFailures{Failure::kAbsent,    Failure::kMoved,  Failure::kWrongId, Failure::kDip,
+                                         Failure::kSaturated, Failure::kFrozen, Failure::kSda,     Failure::kScl};
 
 /// What the controller calls the module that fails; the one that a moved module meets is called duplicate.
 [[nodiscard]] wire::ModuleState state_of(Failure failure);
 
-[[nodiscard]] constexpr bool holds_line(Failure failure) { return failure == Failure::kSda || failure == Failure::kScl; }
+[[nodiscard]] constexpr bool holds_line(Failure failure) {
+  return failure == Failure::kSda || failure == Failure::kScl;
+}
 
-/// Module `m` of a bench with sixteen (line m % 4, address m / 4) fails on its line. A moved one is strapped as the next is.
+/// Module `m` of a bench with sixteen (line m % 4, address m / 4) fails on its line. A moved one is strapped as the
+/// next is.
 void inject(Failure failure, SkinLine& line, int m, std::uint64_t now_us);
 /// As it was before. A dip needs no repair: the chip waits to be configured.
 void repair(Failure failure, SkinLine& line, int m);

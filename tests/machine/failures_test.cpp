@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Each failure of a strapped module, on each of sixteen: named right, and the others go on at their rate. On board/posix one at a time, in the
-// machine one on each line at once.
+// Each failure of a strapped module, on each of sixteen: named right, and the others go on at their rate. On
+// board/posix one at a time, in the machine one on each line at once.
 #include <algorithm>
 
 #include "failure.hpp"
@@ -33,12 +33,16 @@ class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
       if (is_broken || is_doubled) {
         EXPECT_GE(named, 1) << "failure " << static_cast<int>(f) << " of module " << m;
         for (const auto& t : list) {
-          const bool fine = t.state == static_cast<std::uint8_t>(expected) || t.state == static_cast<std::uint8_t>(ModuleState::kOk) || t.state == 0;
-          EXPECT_TRUE(fine) << "failure " << static_cast<int>(f) << " of module " << m << " called " << static_cast<int>(t.state);
+          const bool fine = t.state == static_cast<std::uint8_t>(expected) ||
+                            t.state == static_cast<std::uint8_t>(ModuleState::kOk) || t.state == 0;
+          EXPECT_TRUE(fine) << "failure " << static_cast<int>(f) << " of module " << m << " called "
+                            << static_cast<int>(t.state);
         }
       } else {
-        EXPECT_GE(static_cast<double>(named), 0.95 * static_cast<double>(took_us / kSequence_us)) << "failure " << static_cast<int>(f) << " elsewhere, module " << m;
-        EXPECT_EQ(named, static_cast<long>(list.size())) << "failure " << static_cast<int>(f) << " elsewhere, module " << m;
+        EXPECT_GE(static_cast<double>(named), 0.95 * static_cast<double>(took_us / kSequence_us))
+            << "failure " << static_cast<int>(f) << " elsewhere, module " << m;
+        EXPECT_EQ(named, static_cast<long>(list.size()))
+            << "failure " << static_cast<int>(f) << " elsewhere, module " << m;
       }
     }
     EXPECT_EQ(by_module.size(), 16U);
@@ -57,7 +61,9 @@ class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
     run_for(f == Failure::kMoved ? 1'800'000 : 300'000);
     frames.clear();
     run_for(50'000);
-    for (const auto& [m, list] : samples()) EXPECT_EQ(list.back().state, static_cast<std::uint8_t>(ModuleState::kOk)) << "after failure " << static_cast<int>(f) << ", module " << m;
+    for (const auto& [m, list] : samples())
+      EXPECT_EQ(list.back().state, static_cast<std::uint8_t>(ModuleState::kOk))
+          << "after failure " << static_cast<int>(f) << ", module " << m;
   }
 };
 
@@ -95,7 +101,8 @@ TEST_P(Failures, EachStuckLineIsNamedAndTheOthersGoOn) {
       run_for(1'500'000);
       frames.clear();
       run_for(50'000);
-      for (const auto& [m, list] : samples()) EXPECT_EQ(list.back().state, static_cast<std::uint8_t>(ModuleState::kOk)) << m;
+      for (const auto& [m, list] : samples())
+        EXPECT_EQ(list.back().state, static_cast<std::uint8_t>(ModuleState::kOk)) << m;
     }
   }
   if (!on_posix) expect_no_violation();
@@ -112,7 +119,8 @@ TEST_P(Failures, LineHeldByAChipIsFreedByPulses) {
   EXPECT_FALSE(lines[1].sda_held);
 }
 
-INSTANTIATE_TEST_SUITE_P(Boards, Failures, ::testing::Bool(), [](const auto& tested) { return std::string(tested.param ? "posix" : "machine"); });
+INSTANTIATE_TEST_SUITE_P(Boards, Failures, ::testing::Bool(),
+                         [](const auto& tested) { return std::string(tested.param ? "posix" : "machine"); });
 
 }  // namespace
 }  // namespace triskin::machine

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <gtest/gtest.h>
-
 #include "triskin/board/i2c_timing.hpp"
+
+#include <gtest/gtest.h>
 
 namespace triskin::board {
 namespace {
 
-// By hand for 170 MHz (5.882 ns). Data set-up needs 400 ns in at most 16 units, so a unit is at least 25 ns: prescaler 4, 29.41 ns, 14
-// units. Both edges' synchronization is 2 · (50 + 2 · 5.882) = 123.5 ns; 2376.5 ns remain for low and high: 81 units. Low needs 45
-// (1300 ns), high 21 (600 ns); the spare 15 are shared 10 : 5.
+// By hand for 170 MHz (5.882 ns). Data set-up needs 400 ns in at most 16 units, so a unit is at least 25 ns: prescaler
+// 4, 29.41 ns, 14 units. Both edges' synchronization is 2 · (50 + 2 · 5.882) = 123.5 ns; 2376.5 ns remain for low and
+// high: 81 units. Low needs 45 (1300 ns), high 21 (600 ns); the spare 15 are shared 10 : 5.
 TEST(I2cTiming, WorkedByHandAt170MHz) {
   const auto t = compute_i2c_timing({});
   ASSERT_TRUE(t.has_value());

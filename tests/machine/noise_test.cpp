@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sample rate against noise: the table of docs/firmware_board.md, which tools/make_noise_table writes from what is printed here.
+// Sample rate against noise: the table of docs/firmware_board.md, which tools/make_noise_table writes from what is
+// printed here.
 #include <algorithm>
 #include <cmath>
 
@@ -46,12 +47,15 @@ TEST_F(Noise, FallsAsTheRateDoes) {
     int factor;
     double sequence_ms, peak_to_peak;
   };
-  for (const Row& row : {Row{wire::Decimation::k64, 64, 9.2, 12}, Row{wire::Decimation::k128, 128, 18.4, 7}, Row{wire::Decimation::k256, 256, 36.9, 3}}) {
+  for (const Row& row : {Row{wire::Decimation::k64, 64, 9.2, 12}, Row{wire::Decimation::k128, 128, 18.4, 7},
+                         Row{wire::Decimation::k256, 256, 36.9, 3}}) {
     const Measured m = measure(row.decimation);
     EXPECT_NEAR(m.samples_per_s, 1000 / row.sequence_ms, 0.02 * 1000 / row.sequence_ms);
     EXPECT_LE(m.peak_to_peak_counts, row.peak_to_peak + 1);
-    EXPECT_NEAR(m.rms_counts, std::sqrt(std::pow(row.peak_to_peak / 6.6, 2) + 1.0 / 12), 0.15 * row.peak_to_peak / 6.6 + 0.05);  // and rounding
-    std::printf("| %d | %.1f | %.1f | %.2f | %d |\n", row.factor, row.sequence_ms, m.samples_per_s, m.rms_counts, m.peak_to_peak_counts);
+    EXPECT_NEAR(m.rms_counts, std::sqrt(std::pow(row.peak_to_peak / 6.6, 2) + 1.0 / 12),
+                0.15 * row.peak_to_peak / 6.6 + 0.05);  // and rounding
+    std::printf("| %d | %.1f | %.1f | %.2f | %d |\n", row.factor, row.sequence_ms, m.samples_per_s, m.rms_counts,
+                m.peak_to_peak_counts);
   }
   expect_no_violation();
 }

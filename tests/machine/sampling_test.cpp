@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sampling_bench.hpp"
-
 #include <algorithm>
 #include <cmath>
 
+#include "sampling_bench.hpp"
 #include "triskin/board/budget.hpp"
 
 namespace triskin::machine {
@@ -12,7 +11,8 @@ namespace {
 using wire::Decimation;
 
 // Oscillators anywhere inside the data sheet's ± 4 %, each module's its own.
-constexpr std::array<int, 16> kClock_ppm{-40'000, 40'000, 0, 12'000, -3'000, 25'000, -31'000, 7'000, 39'000, -15'000, 500, -39'500, 18'000, -500, 33'000, -22'000};
+constexpr std::array<int, 16> kClock_ppm{-40'000, 40'000,  0,   12'000,  -3'000, 25'000, -31'000, 7'000,
+                                         39'000,  -15'000, 500, -39'500, 18'000, -500,   33'000,  -22'000};
 
 // Decimation; part of the spread below; rate that must be reached.
 class Whole : public Sampling, public ::testing::WithParamInterface<std::tuple<Decimation, double, double>> {
@@ -40,10 +40,12 @@ class Whole : public Sampling, public ::testing::WithParamInterface<std::tuple<D
     for (std::size_t k = 0; k < list.size(); ++k) {
       ASSERT_EQ(list[k].valid, 0xFFF) << "module " << m;
       for (std::size_t t = 1; t < 12; ++t) {
-        ASSERT_NEAR(gap(converted(m, t, list[k]), converted(m, 0, list[k])), static_cast<double>(t) * stage, kNoise + 9) << "torn: module " << m << " sample " << list[k].sample;
+        ASSERT_NEAR(gap(converted(m, t, list[k]), converted(m, 0, list[k])), static_cast<double>(t) * stage, kNoise + 9)
+            << "torn: module " << m << " sample " << list[k].sample;
       }
       if (k == 0) continue;
-      ASSERT_EQ(list[k].sample, list[k - 1].sample + 1) << "lost: module " << m << ", sample " << k << " of " << list.size();
+      ASSERT_EQ(list[k].sample, list[k - 1].sample + 1)
+          << "lost: module " << m << ", sample " << k << " of " << list.size();
       // A sequence that began anew comes later, never earlier.
       const double passed = gap(converted(m, 0, list[k]), converted(m, 0, list[k - 1]));
       ASSERT_GE(passed, 12 * stage - kNoise - 9) << "repeated: module " << m << " sample " << list[k].sample;
@@ -74,9 +76,13 @@ TEST_P(Whole, SixteenModulesOnTheirOwnClocksLoseNothing) {
   if (!on_posix) expect_no_violation();
 }
 
-// Chips of one batch, and the widest that the data sheet allows: the ends of those meet again and again, and one sequence begins anew then.
-INSTANTIATE_TEST_SUITE_P(Decimations, Whole, ::testing::Values(std::tuple{Decimation::k64, 0.05, 0.99}, std::tuple{Decimation::k64, 1.0, 0.98},
-                                                               std::tuple{Decimation::k128, 1.0, 0.985}, std::tuple{Decimation::k256, 1.0, 0.985}));
+// Chips of one batch, and the widest that the data sheet allows: the ends of those meet again and again, and one
+// sequence begins anew then.
+INSTANTIATE_TEST_SUITE_P(Decimations, Whole,
+                         ::testing::Values(std::tuple{Decimation::k64, 0.05, 0.99},
+                                           std::tuple{Decimation::k64, 1.0, 0.98},
+                                           std::tuple{Decimation::k128, 1.0, 0.985},
+                                           std::tuple{Decimation::k256, 1.0, 0.985}));
 
 TEST_F(Sampling, EachThirdSequenceOnly) {
   start(16, {Decimation::k64, 3});
@@ -103,7 +109,8 @@ TEST_F(Sampling, FullReadTakesNoMoreThanTheBusLimitAllows) {
     worst_us = std::max(worst_us, full_us);
   }
   EXPECT_LE(worst_us, 1.05 * limit_us);
-  std::printf("full read of 16 modules: %.0f us of bus time, the limit is %.0f us, ratio %.4f\n", worst_us, limit_us, worst_us / limit_us);
+  std::printf("full read of 16 modules: %.0f us of bus time, the limit is %.0f us, ratio %.4f\n", worst_us, limit_us,
+              worst_us / limit_us);
 }
 
 TEST_F(Sampling, StaysInsideItsBudgetsAtTheShortSequence) {
@@ -115,8 +122,10 @@ TEST_F(Sampling, StaysInsideItsBudgetsAtTheShortSequence) {
   EXPECT_EQ(budget(offsetof(board::Budget, can_lost)), 0U);
   const double idle = static_cast<double>(machine->counts().idle_us) / static_cast<double>(machine->now_us());
   EXPECT_GE(idle, 0.5);
-  std::printf("worst interrupt %u us (machine: %.1f us), worst loop %u us, free stack %u bytes, idle %.1f %%\n", budget(offsetof(board::Budget, worst_interrupt_us)),
-              static_cast<double>(machine->counts().worst_interrupt) / 1e6, budget(offsetof(board::Budget, worst_loop_us)), budget(offsetof(board::Budget, stack_free_bytes)), 100 * idle);
+  std::printf(
+      "worst interrupt %u us (machine: %.1f us), worst loop %u us, free stack %u bytes, idle %.1f %%\n",
+      budget(offsetof(board::Budget, worst_interrupt_us)), static_cast<double>(machine->counts().worst_interrupt) / 1e6,
+      budget(offsetof(board::Budget, worst_loop_us)), budget(offsetof(board::Budget, stack_free_bytes)), 100 * idle);
 }
 
 TEST_F(Sampling, TraceShowsTheBytesOfAReading) {

@@ -37,7 +37,9 @@ std::vector<Event> read_script(const std::filesystem::path& path) {
 struct Stretch {
   wire::FullTaxels first;
   std::size_t count = 0;
-  [[nodiscard]] bool says_as(const wire::FullTaxels& t) const { return first.state == t.state && first.valid == t.valid && first.value == t.value; }
+  [[nodiscard]] bool says_as(const wire::FullTaxels& t) const {
+    return first.state == t.state && first.valid == t.valid && first.value == t.value;
+  }
 };
 
 struct Outcome {
@@ -45,7 +47,8 @@ struct Outcome {
   std::vector<std::uint8_t> faults;
 };
 
-// The converters are quiet here: which sequence a reading falls into depends on the microseconds that code takes, and their noise with it.
+// The converters are quiet here: which sequence a reading falls into depends on the microseconds that code takes, and
+// their noise with it.
 class Scenario : public Sampling, public ::testing::WithParamInterface<const char*> {
  protected:
   void hush() {
@@ -58,14 +61,22 @@ class Scenario : public Sampling, public ::testing::WithParamInterface<const cha
     const int number = e.words.size() > 4 ? std::stoi(e.words[4]) : 0;
     if (e.words[0] == "line") return obey_line(lines[static_cast<std::size_t>(n)], verb, argument, number);
     SkinModule& m = module_at(n);
-    if (verb == "absent") m.present = false;
-    else if (verb == "present") m.present = true;
-    else if (verb == "id") SkinLine::exchange(m, static_cast<std::uint16_t>(std::stoi(argument, nullptr, 16)), n), hush();
-    else if (verb == "dip") line_of(n).dip(m, now_us());
-    else if (verb == "saturate") m.source.level[std::stoul(argument)] += 60'000;
-    else if (verb == "relax") m.source.level[std::stoul(argument)] -= 60'000;
-    else if (verb == "touch") m.source.level[std::stoul(argument)] = 8000.0 - 97.0 * n - 31.0 * std::stod(argument) + number;
-    else ADD_FAILURE() << "no such verb: " << verb;
+    if (verb == "absent")
+      m.present = false;
+    else if (verb == "present")
+      m.present = true;
+    else if (verb == "id")
+      SkinLine::exchange(m, static_cast<std::uint16_t>(std::stoi(argument, nullptr, 16)), n), hush();
+    else if (verb == "dip")
+      line_of(n).dip(m, now_us());
+    else if (verb == "saturate")
+      m.source.level[std::stoul(argument)] += 60'000;
+    else if (verb == "relax")
+      m.source.level[std::stoul(argument)] -= 60'000;
+    else if (verb == "touch")
+      m.source.level[std::stoul(argument)] = 8000.0 - 97.0 * n - 31.0 * std::stod(argument) + number;
+    else
+      ADD_FAILURE() << "no such verb: " << verb;
   }
   static void obey_line(SkinLine& line, const std::string& wire, const std::string& level, int pulses) {
     bool& held = wire == "sda" ? line.sda_held : line.scl_held;
@@ -121,9 +132,11 @@ TEST_P(Scenario, GivesEqualFramesAndFaultsOnBothBoards) {
     const auto& b = posix_board.modules[m];
     ASSERT_EQ(a.size(), b.size()) << "module " << m << " said other things";
     for (std::size_t r = 0; r < a.size(); ++r) {
-      EXPECT_TRUE(a[r].says_as(b[r].first)) << "module " << m << ", state " << int{a[r].first.state} << " and " << int{b[r].first.state};
+      EXPECT_TRUE(a[r].says_as(b[r].first))
+          << "module " << m << ", state " << int{a[r].first.state} << " and " << int{b[r].first.state};
       const std::size_t na = a[r].count, nb = b[r].count;
-      EXPECT_LE(na > nb ? na - nb : nb - na, 1U) << "module " << m << ", state " << int{a[r].first.state};  // an event falls between two readings
+      EXPECT_LE(na > nb ? na - nb : nb - na, 1U)
+          << "module " << m << ", state " << int{a[r].first.state};  // an event falls between two readings
       compared += std::min(na, nb);
     }
   }

@@ -33,7 +33,8 @@ void SkinLine::exchange(SkinModule& m, std::uint16_t device_id, int index) {
 
 void SkinLine::freeze(SkinModule& m, int taxel, std::uint64_t now_us) {
   m.frozen = static_cast<std::uint16_t>(m.frozen | 1U << taxel);
-  m.frozen_value[static_cast<std::size_t>(taxel)] = m.chip->read_register(static_cast<std::uint16_t>(kFirstResult + taxel), now_us - origin_us);
+  m.frozen_value[static_cast<std::size_t>(taxel)] =
+      m.chip->read_register(static_cast<std::uint16_t>(kFirstResult + taxel), now_us - origin_us);
 }
 
 bool SkinLine::start(std::uint8_t address_byte, std::uint64_t now_us) {

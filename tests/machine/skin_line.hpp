@@ -10,8 +10,8 @@
 
 namespace triskin::machine {
 
-/// What the twelve pads of a test module feel: a level each, in converter counts; with `ramp` all fall by one count in 200 µs besides,
-/// so that a reading tells when it was converted.
+/// What the twelve pads of a test module feel: a level each, in converter counts; with `ramp` all fall by one count in
+/// 200 µs besides, so that a reading tells when it was converted.
 struct PadSource final : scene::CapacitanceSource {
   static constexpr double kRamp_us = 200.0;
   static constexpr int kRampCounts = 8192;
@@ -21,7 +21,8 @@ struct PadSource final : scene::CapacitanceSource {
   [[nodiscard]] double counts(int cin, std::uint64_t at_us) const override;
 };
 
-/// One module: a converter of host/scene (register level, stage by stage, noise and oscillator error of the data sheet) and its faults.
+/// One module: a converter of host/scene (register level, stage by stage, noise and oscillator error of the data sheet)
+/// and its faults.
 struct SkinModule {
   PadSource source;
   std::unique_ptr<scene::Ad7147> chip;
@@ -45,8 +46,8 @@ class SkinLine final : public sim::I2cBus {
   int frees_after_pulses = 0;  ///< 0: never
   int pulses = 0, stops = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t origin_us = 0;        ///< subtracted from the caller's time
-  std::uint64_t first_start_us = 0;   ///< in the caller's time; 0: none yet
+  std::uint64_t origin_us = 0;       ///< subtracted from the caller's time
+  std::uint64_t first_start_us = 0;  ///< in the caller's time; 0: none yet
   std::vector<Burst> bursts;
 
   SkinModule& add(std::uint8_t address, int index, std::uint16_t device_id = scene::Ad7147::kDeviceId);

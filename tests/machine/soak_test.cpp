@@ -16,29 +16,35 @@ using wire::ModuleState;
 
 class Soak : public Bench, public ::testing::WithParamInterface<bool> {
  protected:
-  /// Minutes of virtual time: an hour on board/posix, five minutes of the image in the machine, or TRISKIN_SOAK_MINUTES.
+  /// Minutes of virtual time: an hour on board/posix, five minutes of the image in the machine, or
+  /// TRISKIN_SOAK_MINUTES.
   int minutes() const {
     const char* wanted = std::getenv("TRISKIN_SOAK_MINUTES");
     return wanted == nullptr ? (on_posix ? 60 : 5) : std::max(1, std::atoi(wanted));
   }
-  // One failure of 1.5 s, then time to recover. The record must hold it, with the time of its first moment, and nothing else.
+  // One failure of 1.5 s, then time to recover. The record must hold it, with the time of its first moment, and nothing
+  // else.
   void one_fault(std::mt19937& random) {
     const Failure failure = kAllFailures[random() % kAllFailures.size()];
     const auto m = static_cast<int>(random() % 16);
     const std::uint64_t from_us = now_us();
     inject(failure, line_of(m), m, from_us);
     if (failure == Failure::kMoved) self_test();
-    run_for((failure == Failure::kFrozen ? 4'500'000 : 1'500'000) + random() % 100'000);  // 65 readings say that a taxel is frozen
+    run_for((failure == Failure::kFrozen ? 4'500'000 : 1'500'000) +
+            random() % 100'000);  // 65 readings say that a taxel is frozen
     const std::uint64_t to_us = now_us();
     repair(failure, line_of(m), m);
     if (failure == Failure::kMoved) self_test();
     run_for(2'300'000);
     const auto expected = expected_record(failure, m);
     const auto record = recorded();
-    EXPECT_EQ(record, expected) << "failure " << static_cast<int>(failure) << " of module " << m << " at " << from_us << " us";
+    EXPECT_EQ(record, expected) << "failure " << static_cast<int>(failure) << " of module " << m << " at " << from_us
+                                << " us";
     for (const auto& [state, module] : record) {
       const std::uint64_t first_us = first_ms(state, module) * 1000;
-      EXPECT_TRUE(first_us + kBoot_us >= from_us && first_us <= to_us) << "state " << state << " of module " << module << " noted at " << first_us << " us, was there from " << from_us << " to " << to_us;
+      EXPECT_TRUE(first_us + kBoot_us >= from_us && first_us <= to_us)
+          << "state " << state << " of module " << module << " noted at " << first_us << " us, was there from "
+          << from_us << " to " << to_us;
     }
     ASSERT_EQ(request({0x14, 0xFF, 0xFF, 0xFF}), std::vector<std::uint8_t>{0x54});
     different.insert(record.begin(), record.end());
@@ -64,7 +70,8 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
   }
   /// When a fault was first seen, since power-up.
   std::uint64_t first_ms(int state, int module) {
-    const auto reply = request({0x19, 0x04, static_cast<std::uint8_t>(0x90 | state), 0, static_cast<std::uint8_t>(module), 0x01});
+    const auto reply =
+        request({0x19, 0x04, static_cast<std::uint8_t>(0x90 | state), 0, static_cast<std::uint8_t>(module), 0x01});
     if (reply.size() < 14) {
       ADD_FAILURE() << "no freeze data";
       return 0;
@@ -72,7 +79,9 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
     return ByteReader(Bytes(reply).subspan(10)).le32();
   }
   static constexpr std::uint8_t kConfirmedOnly = 0x08;
-  static constexpr std::uint64_t kBoot_us = boot::kWindow_us + 12'000;  ///< at most, until the application's clock starts: the loader's window, its check of the image, clocks
+  static constexpr std::uint64_t kBoot_us =
+      boot::kWindow_us +
+      12'000;  ///< at most, until the application's clock starts: the loader's window, its check of the image, clocks
   std::set<std::pair<int, int>> different;
   int faults = 0;
 };
@@ -96,16 +105,19 @@ TEST_P(Soak, RandomFaultsLeaveNoStuckStateAndAreAllInTheRecord) {
   ASSERT_EQ(states.size(), 3U + 16);
   for (std::size_t m = 0; m < 16; ++m) EXPECT_EQ(states[3 + m], static_cast<std::uint8_t>(ModuleState::kOk)) << m;
   EXPECT_GE(different.size(), 8U);
-  std::printf("%d minutes of virtual time, %d faults, each in the record with its time; %zu different entries\n", minutes(), faults, different.size());
+  std::printf("%d minutes of virtual time, %d faults, each in the record with its time; %zu different entries\n",
+              minutes(), faults, different.size());
   if (on_posix) return;
   EXPECT_GE(budget(offsetof(board::Budget, stack_free_bytes)) + 64, stack_free);
   EXPECT_EQ(machine->counts().resets, 0);
-  std::printf("free stack %u then %u bytes, worst loop %u us, idle %.1f %%\n", stack_free, budget(offsetof(board::Budget, stack_free_bytes)), budget(offsetof(board::Budget, worst_loop_us)),
+  std::printf("free stack %u then %u bytes, worst loop %u us, idle %.1f %%\n", stack_free,
+              budget(offsetof(board::Budget, stack_free_bytes)), budget(offsetof(board::Budget, worst_loop_us)),
               100.0 * static_cast<double>(machine->counts().idle_us) / static_cast<double>(now_us()));
   expect_no_violation();
 }
 
-INSTANTIATE_TEST_SUITE_P(Boards, Soak, ::testing::Bool(), [](const auto& tested) { return std::string(tested.param ? "posix" : "machine"); });
+INSTANTIATE_TEST_SUITE_P(Boards, Soak, ::testing::Bool(),
+                         [](const auto& tested) { return std::string(tested.param ? "posix" : "machine"); });
 
 }  // namespace
 }  // namespace triskin::machine

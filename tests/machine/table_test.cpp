@@ -23,7 +23,8 @@ class Table : public Bench {
     std::uint32_t s = 0;
     for (std::size_t k = 2; k < 6; ++k) s = s << 8 | seed[k];
     const std::uint32_t key = wire::security_key(s);
-    (void)request({0x27, 0x02, static_cast<std::uint8_t>(key >> 24), static_cast<std::uint8_t>(key >> 16), static_cast<std::uint8_t>(key >> 8), static_cast<std::uint8_t>(key)});
+    (void)request({0x27, 0x02, static_cast<std::uint8_t>(key >> 24), static_cast<std::uint8_t>(key >> 16),
+                   static_cast<std::uint8_t>(key >> 8), static_cast<std::uint8_t>(key)});
     const auto size = static_cast<std::uint8_t>(bytes.size());
     if (request({0x34, 0x00, 0x44, 0x00, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, size}).at(0) != 0x74) return false;
     std::uint8_t block = 0;
@@ -74,7 +75,7 @@ TEST_F(Table, PowerCutInEachFlashOperationLeavesTheOldOrTheNewTable) {
     flash.cut_at = ~std::uint64_t{0};
     power_up();
     run_for(100'000);
-    EXPECT_EQ(modules(), 4) << "cut in operation " << cut;  // the last one, too, is torn: its CRC is wrong
+    EXPECT_EQ(modules(), 4) << "cut in operation " << cut;             // the last one, too, is torn: its CRC is wrong
     ASSERT_TRUE(flash_table(patch(6))) << "cut in operation " << cut;  // and the slot can be used again
     EXPECT_EQ(modules(), 6) << cut;
     expect_no_violation();

@@ -18,17 +18,20 @@ class TablesFlash final : public sim::FlashModel {
   bool erase_page(std::size_t offset) override {
     if (offset % FlashChip::kPage != 0 || offset >= kBytes) return false;
     std::fill_n(begin() + static_cast<std::ptrdiff_t>(offset), FlashChip::kPage, std::uint8_t{0xFF});
-    std::fill_n(chip_.used.begin() + static_cast<std::ptrdiff_t>((kOffset + offset) / FlashChip::kUnit), FlashChip::kPage / FlashChip::kUnit, false);
+    std::fill_n(chip_.used.begin() + static_cast<std::ptrdiff_t>((kOffset + offset) / FlashChip::kUnit),
+                FlashChip::kPage / FlashChip::kUnit, false);
     ++chip_.operations;
     return true;
   }
   bool program(std::size_t offset, std::span<const std::uint8_t> bytes) override {
-    if (offset % FlashChip::kUnit != 0 || bytes.size() % FlashChip::kUnit != 0 || offset + bytes.size() > kBytes) return false;
+    if (offset % FlashChip::kUnit != 0 || bytes.size() % FlashChip::kUnit != 0 || offset + bytes.size() > kBytes)
+      return false;
     for (std::size_t k = 0; k < bytes.size(); k += FlashChip::kUnit) {
       const std::size_t unit = (kOffset + offset + k) / FlashChip::kUnit;
       if (chip_.used[unit]) return false;
       chip_.used[unit] = true;
-      std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(k), FlashChip::kUnit, begin() + static_cast<std::ptrdiff_t>(offset + k));
+      std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(k), FlashChip::kUnit,
+                  begin() + static_cast<std::ptrdiff_t>(offset + k));
       ++chip_.operations;
     }
     return true;

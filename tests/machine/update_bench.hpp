@@ -30,7 +30,8 @@ class Update : public Bench {
       run_for(1000);
       for (std::size_t k = seen; k < frames.size(); ++k) {
         const auto& f = frames[k];
-        if (f.id == boot::kReplyId && f.data[0] == code) return std::vector<std::uint8_t>(f.data.begin(), f.data.begin() + f.size);
+        if (f.id == boot::kReplyId && f.data[0] == code)
+          return std::vector<std::uint8_t>(f.data.begin(), f.data.begin() + f.size);
       }
     }
     return {};
@@ -41,7 +42,8 @@ class Update : public Bench {
     const auto hello = command(std::array{static_cast<std::uint8_t>(Command::kHello)}, 50'000);
     ASSERT_EQ(hello.size(), 7U);
     ASSERT_EQ(hello[2] >> 6, boot::kProtocol);
-    const auto selected = command(std::array{static_cast<std::uint8_t>(Command::kSelect), hello[3], hello[4], hello[5], hello[6]}, 20'000);
+    const auto selected = command(
+        std::array{static_cast<std::uint8_t>(Command::kSelect), hello[3], hello[4], hello[5], hello[6]}, 20'000);
     ASSERT_FALSE(selected.empty());
   }
   // Sends the image; the status of the last block.
@@ -50,19 +52,24 @@ class Update : public Bench {
     for (std::size_t at = 0; at < next.size(); at += 8) {
       send(boot::kDataId, Bytes(next).subspan(at, 8));
       run_for(250);
-      if (frames.back().id == boot::kReplyId && frames.back().data[0] == static_cast<std::uint8_t>(Command::kData)) status = frames.back().data[1];
+      if (frames.back().id == boot::kReplyId && frames.back().data[0] == static_cast<std::uint8_t>(Command::kData))
+        status = frames.back().data[1];
     }
     return status;
   }
   [[gnu::noinline]] int commit() {
     const std::uint32_t crc = crc32(next);
     const auto size = static_cast<std::uint32_t>(next.size());
-    const auto reply = command(std::array{static_cast<std::uint8_t>(Command::kCommit), static_cast<std::uint8_t>(size), static_cast<std::uint8_t>(size >> 8), static_cast<std::uint8_t>(size >> 16),
-                                static_cast<std::uint8_t>(crc), static_cast<std::uint8_t>(crc >> 8), static_cast<std::uint8_t>(crc >> 16), static_cast<std::uint8_t>(crc >> 24)}, 100'000);
+    const auto reply = command(std::array{static_cast<std::uint8_t>(Command::kCommit), static_cast<std::uint8_t>(size),
+                                          static_cast<std::uint8_t>(size >> 8), static_cast<std::uint8_t>(size >> 16),
+                                          static_cast<std::uint8_t>(crc), static_cast<std::uint8_t>(crc >> 8),
+                                          static_cast<std::uint8_t>(crc >> 16), static_cast<std::uint8_t>(crc >> 24)},
+                               100'000);
     return reply.empty() ? -1 : reply[1];
   }
   [[gnu::noinline]] int erase(int slot) {
-    const auto reply = command(std::array{static_cast<std::uint8_t>(Command::kErase), static_cast<std::uint8_t>(slot)}, 4'000'000);
+    const auto reply =
+        command(std::array{static_cast<std::uint8_t>(Command::kErase), static_cast<std::uint8_t>(slot)}, 4'000'000);
     return reply.empty() ? -1 : reply[1];
   }
   void boot() {

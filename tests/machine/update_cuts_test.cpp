@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Power fails in the middle of each flash operation of an update, from the first erase to the confirmation. What is left in the cells is all that a
-// controller has after that, so the update runs once, its operations are written down, and for each of them a machine boots from the cells as
-// that operation tore them.
+// Power fails in the middle of each flash operation of an update, from the first erase to the confirmation. What is
+// left in the cells is all that a controller has after that, so the update runs once, its operations are written down,
+// and for each of them a machine boots from the cells as that operation tore them.
 #include <algorithm>
 
 #include "update_bench.hpp"
@@ -61,7 +61,8 @@ TEST_P(UpdateCuts, EachLeavesTheOldOrTheNewApplicationAndItBoots) {
       ASSERT_EQ(state.size(), old.size()) << "cut in operation " << k << ": it does not boot";
       const bool is_new = state[3] == 1;
       // Slot, sequence, size and CRC of one or the other.
-      EXPECT_TRUE(std::equal(state.begin() + 5, state.end(), (is_new ? updated : old).begin() + 5)) << "cut in operation " << k;
+      EXPECT_TRUE(std::equal(state.begin() + 5, state.end(), (is_new ? updated : old).begin() + 5))
+          << "cut in operation " << k;
       EXPECT_EQ(is_new, k >= committed) << "cut in operation " << k;
       EXPECT_EQ(machine->vector_table(), is_new ? kSlotB : kSlotA) << "cut in operation " << k;
       new_ones += is_new ? 1 : 0;
@@ -71,7 +72,8 @@ TEST_P(UpdateCuts, EachLeavesTheOldOrTheNewApplicationAndItBoots) {
   }
   EXPECT_TRUE(cells.bytes == after.bytes) << "the log is not what happened";
   expect_no_violation();
-  std::printf("%d of %zu operations cut: %d old, %d new application\n", cuts, operations.size(), cuts - new_ones, new_ones);
+  std::printf("%d of %zu operations cut: %d old, %d new application\n", cuts, operations.size(), cuts - new_ones,
+              new_ones);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shards, UpdateCuts, ::testing::Range(0, kShards));

@@ -32,7 +32,8 @@ UsbReply UsbHost::spend(UsbReply reply, std::size_t bytes) {
 UsbReply UsbHost::send(std::uint8_t endpoint, bool data1, Bytes packet, std::uint64_t patience_us) {
   const std::uint64_t until = machine_.now_us() + patience_us;
   UsbReply reply = UsbReply::kNak;
-  while (reply == UsbReply::kNak && machine_.now_us() < until) reply = spend(wire().out(address_, endpoint, data1, packet), packet.size());
+  while (reply == UsbReply::kNak && machine_.now_us() < until)
+    reply = spend(wire().out(address_, endpoint, data1, packet), packet.size());
   return reply;
 }
 
@@ -73,7 +74,8 @@ std::optional<std::vector<std::uint8_t>> UsbHost::control(const wire::UsbSetup& 
   if (setup.to_host()) return data_in(setup.length);
   bool data1 = true;
   for (std::size_t at = 0; at < data.size(); at += kPacket, data1 = !data1) {
-    if (send(0, data1, data.subspan(at, std::min(kPacket, data.size() - at)), kControl_us) != UsbReply::kAck) return std::nullopt;
+    if (send(0, data1, data.subspan(at, std::min(kPacket, data.size() - at)), kControl_us) != UsbReply::kAck)
+      return std::nullopt;
   }
   const UsbIn status = receive(0, kControl_us);
   if (status.reply != UsbReply::kAck || !status.bytes.empty()) return std::nullopt;
@@ -83,7 +85,8 @@ std::optional<std::vector<std::uint8_t>> UsbHost::control(const wire::UsbSetup& 
 }
 
 bool UsbHost::connect(std::uint8_t address) {
-  for (const std::uint64_t until = machine_.now_us() + 1'000'000; !wire().attached(); machine_.run_until(machine_.now_us() + 1000)) {
+  for (const std::uint64_t until = machine_.now_us() + 1'000'000; !wire().attached();
+       machine_.run_until(machine_.now_us() + 1000)) {
     if (machine_.now_us() >= until) return false;
   }
   address_ = 0;
@@ -103,7 +106,9 @@ bool UsbHost::out(std::uint8_t endpoint, Bytes packet) {
   return true;
 }
 
-bool UsbHost::repeat_out(std::uint8_t endpoint, Bytes packet) { return send(endpoint, !toggle_[endpoint], packet, 100'000) == UsbReply::kAck; }
+bool UsbHost::repeat_out(std::uint8_t endpoint, Bytes packet) {
+  return send(endpoint, !toggle_[endpoint], packet, 100'000) == UsbReply::kAck;
+}
 
 std::vector<std::uint8_t> UsbHost::in(std::uint8_t endpoint, std::uint64_t wait_us) {
   const UsbIn in = receive(endpoint & 0xF, wait_us);

@@ -11,7 +11,8 @@
 
 namespace triskin::machine {
 
-/// A host at the other end of the machine's cable: transfers of packets of 64 bytes with data toggles, retries and time-outs, in virtual time.
+/// A host at the other end of the machine's cable: transfers of packets of 64 bytes with data toggles, retries and
+/// time-outs, in virtual time.
 class UsbHost {
  public:
   explicit UsbHost(Machine& machine) : machine_(machine) {}

@@ -24,8 +24,10 @@ class Usb : public Sampling {
     ASSERT_TRUE(host->connect(9));
   }
   void configure() { ASSERT_TRUE(host->control({0x00, 9, 1, 0, 0})); }
-  std::vector<std::uint8_t> descriptor(std::uint8_t kind, std::uint8_t index, std::uint16_t length, std::uint8_t type = 0x80) {
-    return host->control({type, 6, static_cast<std::uint16_t>(kind << 8 | index), 0, length}).value_or(std::vector<std::uint8_t>{});
+  std::vector<std::uint8_t> descriptor(std::uint8_t kind, std::uint8_t index, std::uint16_t length,
+                                       std::uint8_t type = 0x80) {
+    return host->control({type, 6, static_cast<std::uint16_t>(kind << 8 | index), 0, length})
+        .value_or(std::vector<std::uint8_t>{});
   }
   std::string text(std::uint8_t index) {
     const auto d = descriptor(kString, index, 255);
@@ -39,7 +41,8 @@ class Usb : public Sampling {
   }
   // One request over ISO-TP; what it was answered by, empty after 200 ms. Frames of the stream go into `frames`.
   std::vector<std::uint8_t> ask(bool hid, const std::vector<std::uint8_t>& bytes) {
-    wire::IsoTp tester(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1), wire::kUsbFrameBytes);
+    wire::IsoTp tester(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1),
+                       wire::kUsbFrameBytes);
     EXPECT_EQ(tester.send(bytes, now_us()), Status::kOk);
     for (const std::uint64_t until = now_us() + 200'000; now_us() < until;) {
       (void)tester.tick(now_us());
@@ -91,7 +94,8 @@ TEST_F(Usb, EnumeratesAsHidBulkAndDfu) {
 TEST_F(Usb, ReadsAnIdentifierOverHidAndOverBulk) {
   store_table(patch(16));
   plug_in();
-  EXPECT_FALSE(host->out(wire::kBulkOut, std::array<std::uint8_t, 1>{}) && !ask(false, {0x22, 0xFD, 0x00}).empty()) << "not configured yet";
+  EXPECT_FALSE(host->out(wire::kBulkOut, std::array<std::uint8_t, 1>{}) && !ask(false, {0x22, 0xFD, 0x00}).empty())
+      << "not configured yet";
   configure();
   const auto hid = ask(true, {0x22, 0xFD, 0x00}), bulk = ask(false, {0x22, 0xFD, 0x00});
   EXPECT_EQ(hid, request({0x22, 0xFD, 0x00})) << "over CAN";
@@ -107,7 +111,8 @@ TEST_F(Usb, ReadsAnIdentifierOverHidAndOverBulk) {
 TEST_F(Usb, RepeatedPacketCountsOnce) {
   plug_in();
   configure();
-  wire::IsoTp tester(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1), wire::kUsbFrameBytes);
+  wire::IsoTp tester(wire::physical_id(1, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 1),
+                     wire::kUsbFrameBytes);
   ASSERT_EQ(tester.send(std::array<std::uint8_t, 3>{0x22, 0xFD, 0x01}, now_us()), Status::kOk);
   const wire::UsbPacket packet = wire::to_usb(tester.transmit(now_us()).value()).value();
   ASSERT_TRUE(host->out(wire::kBulkOut, packet.used()));
@@ -124,7 +129,8 @@ TEST_F(Usb, SurvivesBusResetSuspendAndNonsense) {
     ASSERT_TRUE(host->out(wire::kBulkOut, std::vector<std::uint8_t>(64, static_cast<std::uint8_t>(0x55 + round))));
     ASSERT_TRUE(host->out(wire::kHidOut, std::vector<std::uint8_t>(64, 0xFF)));
     EXPECT_FALSE(host->control({0x41, 0x77, 1, 2, 6}, std::array<std::uint8_t, 6>{}));
-    EXPECT_FALSE(host->control({0x21, 1, 0, 2, 2000}, std::vector<std::uint8_t>(2000, 1))) << "longer than any data stage";
+    EXPECT_FALSE(host->control({0x21, 1, 0, 2, 2000}, std::vector<std::uint8_t>(2000, 1)))
+        << "longer than any data stage";
     host->wire().bus_suspend(true);
     run_for(20'000);
     host->wire().bus_suspend(false);
@@ -146,7 +152,10 @@ TEST_F(Usb, FullStreamOverBulkLosesNothing) {
   const auto seed = ask(false, {0x27, 0x01});
   ASSERT_EQ(seed.size(), 6U);
   const std::uint32_t key = wire::security_key(ByteReader(Bytes(seed).subspan(2)).be32());
-  ASSERT_EQ(ask(false, {0x27, 0x02, static_cast<std::uint8_t>(key >> 24), static_cast<std::uint8_t>(key >> 16), static_cast<std::uint8_t>(key >> 8), static_cast<std::uint8_t>(key)}).at(0), 0x67);
+  ASSERT_EQ(ask(false, {0x27, 0x02, static_cast<std::uint8_t>(key >> 24), static_cast<std::uint8_t>(key >> 16),
+                        static_cast<std::uint8_t>(key >> 8), static_cast<std::uint8_t>(key)})
+                .at(0),
+            0x67);
   ASSERT_EQ(ask(false, {0x2E, 0xFD, 0x0A, static_cast<std::uint8_t>(wire::Decimation::k64), 1, 0}).at(0), 0x6E);
   ASSERT_EQ(ask(false, {0x2E, 0xFD, 0x05, 0x02}).at(0), 0x6E);
   const auto listen = [&](std::uint64_t us) {
@@ -190,7 +199,9 @@ class Dfu : public Usb {
   bool download(Bytes file) {
     for (std::size_t at = 0, block = 0; at < file.size(); at += 1024, ++block) {
       const Bytes part = file.subspan(at, std::min<std::size_t>(1024, file.size() - at));
-      if (!host->control({0x21, 1, static_cast<std::uint16_t>(block), 0, static_cast<std::uint16_t>(part.size())}, part)) return false;
+      if (!host->control({0x21, 1, static_cast<std::uint16_t>(block), 0, static_cast<std::uint16_t>(part.size())},
+                         part))
+        return false;
       if (status() != std::array<int, 2>{0, kDownloadIdle}) return false;
     }
     return host->control({0x21, 1, 0, 0, 0}).has_value();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Algorithm 1 against brute force in exact arithmetic, tile by tile; and the paper's three-sides test where it is wrong.
+// Algorithm 1 against brute force in exact arithmetic, tile by tile; and the paper's three-sides test where it is
+// wrong.
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Polygon_2.h>
 #include <gtest/gtest.h>
@@ -42,7 +43,8 @@ bool tile_inside(const ExactPolygon& p, const Tile& tile) {
   }
   const Exact::Triangle_2 triangle(t[0], t[1], t[2]);
   const auto touches = [&](const CGAL::Polygon_2<Exact>& ring) {
-    return std::any_of(ring.edges_begin(), ring.edges_end(), [&](const auto& e) { return CGAL::do_intersect(triangle, e); });
+    return std::any_of(ring.edges_begin(), ring.edges_end(),
+                       [&](const auto& e) { return CGAL::do_intersect(triangle, e); });
   };
   const Point center = CGAL::centroid(t[0], t[1], t[2]);
   if (touches(p.outer) || !p.outer.has_on_bounded_side(center)) return false;
@@ -71,7 +73,8 @@ TEST(Algorithm1, equals_brute_force_on_2000_placements_of_10_polygons_with_holes
   for (int polygon = 0; polygon < 10; ++polygon) {
     const Polygon p = test::random_polygon(random, 8 + 4 * polygon, 40.0 + 12.0 * polygon, polygon % 4);
     for (int k = 0; k < 200; ++k) {
-      const Placement at{test::uniform(random, -100, 100), test::uniform(random, -100, 100), test::uniform(random, -4, 4)};
+      const Placement at{test::uniform(random, -100, 100), test::uniform(random, -100, 100),
+                         test::uniform(random, -4, 4)};
       const auto tiles = tiles_inside(p, at, 0.0);
       ASSERT_EQ(tiles, brute_force(exact(p, at))) << "seed " << kSeed << " polygon " << polygon << " placement " << k;
       with_modules += tiles.empty() ? 0 : 1;

@@ -53,7 +53,8 @@ TEST(Deficit, one_more_fits_there_and_random_motions_find_none_below_the_bound) 
     EXPECT_GE(r.deficit_bound_mm, *r.deficit_mm - std::max(5e-3, kWidth * *r.deficit_mm) - 1e-9);
     EXPECT_GT(tiles_inside(p, r.deficit_placement, *r.deficit_mm + 1e-6).size(), static_cast<std::size_t>(r.modules));
     for (int n = 0; n < 3000; ++n) {
-      const Placement at{test::uniform(random, 0, kSide_mm), test::uniform(random, 0, kHeight_mm), test::uniform(random, 0, M_PI / 3)};
+      const Placement at{test::uniform(random, 0, kSide_mm), test::uniform(random, 0, kHeight_mm),
+                         test::uniform(random, 0, M_PI / 3)};
       EXPECT_LE(tiles_inside(p, at, r.deficit_bound_mm - 1e-9).size(), static_cast<std::size_t>(r.modules));
     }
   }

@@ -77,9 +77,21 @@ double weight_at(const Polygon& p, const WeightMap& map, const Placement& at, do
   return sum;
 }
 
-// Two rooms of 100 mm × 90 mm joined by a corridor of 16 mm, through which no module fits: each room is a problem of its own.
+// Two rooms of 100 mm × 90 mm joined by a corridor of 16 mm, through which no module fits: each room is a problem of
+// its own.
 TEST(Connected, a_narrow_corridor_divides) {
-  const Polygon both = polygon_of({{0, 0}, {100, 0}, {100, 42}, {160, 42}, {160, 0}, {260, 0}, {260, 90}, {160, 90}, {160, 58}, {100, 58}, {100, 90}, {0, 90}});
+  const Polygon both = polygon_of({{0, 0},
+                                   {100, 0},
+                                   {100, 42},
+                                   {160, 42},
+                                   {160, 0},
+                                   {260, 0},
+                                   {260, 90},
+                                   {160, 90},
+                                   {160, 58},
+                                   {100, 58},
+                                   {100, 90},
+                                   {0, 90}});
   const PlacementResult one = connected(both), all = place(both);
   EXPECT_TRUE(one.proved);
   EXPECT_TRUE(hang_together(one.tiles));
@@ -91,7 +103,8 @@ TEST(Connected, a_narrow_corridor_divides) {
   EXPECT_LT(one.modules, all.modules);
 }
 
-// Where the best placement hangs together the aim changes nothing; it never gives more, and no random motion has a larger component.
+// Where the best placement hangs together the aim changes nothing; it never gives more, and no random motion has a
+// larger component.
 TEST(Connected, never_more_than_the_count_and_never_beaten) {
   std::mt19937_64 random(51);
   for (int k = 0; k < 5; ++k) {
@@ -106,7 +119,8 @@ TEST(Connected, never_more_than_the_count_and_never_beaten) {
       EXPECT_EQ(one.modules, all.modules);
     }
     for (int n = 0; n < 2000; ++n) {
-      const Placement at{test::uniform(random, 0, kSide_mm), test::uniform(random, 0, kHeight_mm), test::uniform(random, 0, M_PI / 3)};
+      const Placement at{test::uniform(random, 0, kSide_mm), test::uniform(random, 0, kHeight_mm),
+                         test::uniform(random, 0, M_PI / 3)};
       const auto inside = tiles_inside(p, at, 0.0);
       if (static_cast<int>(inside.size()) > one.modules) {
         EXPECT_FALSE(hang_together(inside));
@@ -145,7 +159,8 @@ TEST(Weights, found_where_the_hill_is_and_not_beaten) {
     EXPECT_LE(r.weight_bound, r.weight * (1.0 + 1.1e-5));
     EXPECT_GE(r.weight, weight_at(p, map, place(p).placement, 0.0) - 1e-9);
     for (int n = 0; n < 3000; ++n) {
-      const Placement at{test::uniform(random, 0, kSide_mm), test::uniform(random, 0, kHeight_mm), test::uniform(random, 0, M_PI / 3)};
+      const Placement at{test::uniform(random, 0, kSide_mm), test::uniform(random, 0, kHeight_mm),
+                         test::uniform(random, 0, M_PI / 3)};
       EXPECT_LE(weight_at(p, map, at, 0.0), r.weight_bound);
     }
   }
@@ -154,8 +169,10 @@ TEST(Weights, found_where_the_hill_is_and_not_beaten) {
 TEST(Weights, move_with_the_polygon) {
   std::mt19937_64 random(54);
   const Polygon p = test::random_polygon(random, 12, 40, 0);
-  const PlacementResult here = weighted(p, hill({20, 0}, 60)), there = weighted(test::moved(p, 0.0, {100, -60}), hill({120, -60}, 60));
-  EXPECT_NEAR(there.weight, here.weight, 3e-5 * here.weight);  // hills sampled on different rasters, each answer to 1e-5
+  const PlacementResult here = weighted(p, hill({20, 0}, 60)),
+                        there = weighted(test::moved(p, 0.0, {100, -60}), hill({120, -60}, 60));
+  EXPECT_NEAR(there.weight, here.weight,
+              3e-5 * here.weight);  // hills sampled on different rasters, each answer to 1e-5
 }
 
 TEST(WeightMap, keeps_planes_and_its_bounds) {
@@ -180,11 +197,13 @@ TEST(WeightMap, keeps_planes_and_its_bounds) {
   }
 }
 
-// Two triangles of a square with weights 0, 10, 20, 10 at its corners: the plane (x + y) · 0.1; beyond the square as at its nearest point.
+// Two triangles of a square with weights 0, 10, 20, 10 at its corners: the plane (x + y) · 0.1; beyond the square as
+// at its nearest point.
 TEST(WeightMap, from_a_flat_mesh_with_a_weight_at_each_vertex) {
   const std::vector<WeightMap::Vertex> vertices{{{0, 0}, 0}, {{100, 0}, 10}, {{100, 100}, 20}, {{0, 100}, 10}};
   const WeightMap map = WeightMap::of_mesh(vertices, {{0, 1, 2}, {0, 2, 3}}, 5.0);
-  for (const Vec2& at : {Vec2(50, 50), Vec2(20, 70), Vec2(81, 33)}) EXPECT_NEAR(map.at(at).value, 0.1 * (at.x() + at.y()), 1e-9);
+  for (const Vec2& at : {Vec2(50, 50), Vec2(20, 70), Vec2(81, 33)})
+    EXPECT_NEAR(map.at(at).value, 0.1 * (at.x() + at.y()), 1e-9);
   EXPECT_NEAR(map.at({50, -300}).value, 5.0, 0.1);
 }
 
@@ -197,18 +216,23 @@ TEST(WeightInput, names_row_column_and_remedy) {
     }
     return "no error";
   };
-  EXPECT_THAT(message([] { WeightMap({0, 0}, 10, {{1, 2}, {3}}); }), testing::HasSubstr("row 1 has 1 values, row 0 has 2"));
-  EXPECT_THAT(message([] { WeightMap({0, 0}, 10, {{1, 2}, {3, -1}}); }), testing::HasSubstr("row 1, column 1: -1 must be in 0"));
+  EXPECT_THAT(message([] { WeightMap({0, 0}, 10, {{1, 2}, {3}}); }),
+              testing::HasSubstr("row 1 has 1 values, row 0 has 2"));
+  EXPECT_THAT(message([] { WeightMap({0, 0}, 10, {{1, 2}, {3, -1}}); }),
+              testing::HasSubstr("row 1, column 1: -1 must be in 0"));
   EXPECT_THAT(message([] { WeightMap({0, 0}, 0, {{1}}); }), testing::HasSubstr("step 0 mm must be positive"));
   EXPECT_THAT(message([] { WeightMap({0, 0}, 1, {}); }), testing::HasSubstr("at least one row"));
-  EXPECT_THAT(message([] { (void)WeightMap::of_mesh({{{0, 0}, 1}, {{1, 0}, 1}, {{0, 1}, 1}}, {{0, 1, 3}}, 5); }), testing::HasSubstr("face 0: there is no vertex 3"));
+  EXPECT_THAT(message([] { (void)WeightMap::of_mesh({{{0, 0}, 1}, {{1, 0}, 1}, {{0, 1}, 1}}, {{0, 1, 3}}, 5); }),
+              testing::HasSubstr("face 0: there is no vertex 3"));
   PlacementOptions options;
   options.connected = true;
   options.method = PlacementMethod::kR4;
-  EXPECT_THAT(message([&] { (void)place(polygon_of({{0, 0}, {90, 0}, {0, 90}}), options); }), testing::HasSubstr("only method bnb"));
+  EXPECT_THAT(message([&] { (void)place(polygon_of({{0, 0}, {90, 0}, {0, 90}}), options); }),
+              testing::HasSubstr("only method bnb"));
   const auto file = std::filesystem::temp_directory_path() / "triskin_weights_test.json";
   std::ofstream(file) << R"({"origin_mm": [0, 0], "rows": [[1]]})";
-  EXPECT_THAT(message([&] { (void)read_weight_map(file); }), testing::AllOf(testing::HasSubstr(file.string()), testing::HasSubstr("step_mm")));
+  EXPECT_THAT(message([&] { (void)read_weight_map(file); }),
+              testing::AllOf(testing::HasSubstr(file.string()), testing::HasSubstr("step_mm")));
   std::filesystem::remove(file);
 }
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/geometry/placement.hpp"
-
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"
+#include "triskin/geometry/placement.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::geometry {
@@ -72,7 +71,8 @@ TEST(Place, no_heuristic_beats_the_certified_value_and_none_exceeds_its_bound) {
     const Polygon p = test::random_polygon(random, 16, 90, k % 2);
     const PlacementResult best = certified(p);
     ASSERT_TRUE(best.proved);
-    for (const auto method : {PlacementMethod::kR1, PlacementMethod::kR2, PlacementMethod::kR3, PlacementMethod::kR5, PlacementMethod::kR6, PlacementMethod::kR7}) {
+    for (const auto method : {PlacementMethod::kR1, PlacementMethod::kR2, PlacementMethod::kR3, PlacementMethod::kR5,
+                              PlacementMethod::kR6, PlacementMethod::kR7}) {
       PlacementOptions options;
       options.method = method;
       const PlacementResult r = place(p, options);
@@ -150,7 +150,9 @@ TEST(PlaceInput, names_ring_and_vertex) {
     }
     return "";
   };
-  const auto has = [](const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; };
+  const auto has = [](const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+  };
   EXPECT_EQ(message("POLYGON ((0 0, 10 0, 5 9, 0 0))"), "");
   EXPECT_TRUE(has(message("POLYGON ((0 0, 10 0, 5 9))"), "outer ring"));
   EXPECT_TRUE(has(message("POLYGON ((0 0, 10 0, 5 9, 1 1))"), "vertex 3: the ring is open"));

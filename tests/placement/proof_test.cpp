@@ -44,7 +44,9 @@ class ProofTest : public testing::Test {
     file_ = geojson(polygon_);
     log_ = json::parse(proof_text(polygon_, proved(polygon_)));
   }
-  [[nodiscard]] check::ProofReport report(const json& log) const { return check::check_placement_proof_text(log.dump(), file_); }
+  [[nodiscard]] check::ProofReport report(const json& log) const {
+    return check::check_placement_proof_text(log.dump(), file_);
+  }
   void expect_rejected(const json& log, const std::string& reason) const {
     const auto r = report(log);
     EXPECT_FALSE(r.accepted);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// 500 random polygons a run: proved, not beaten by a heuristic, the same after a rigid motion and renumbering, proof accepted.
+// 500 random polygons a run: proved, not beaten by a heuristic, the same after a rigid motion and renumbering, proof
+// accepted.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -43,12 +44,15 @@ TEST_P(RandomPolygons, certified_value_holds_against_everything_else) {
   for (int k = 0; k < 50; ++k) {
     const int vertices = 5 + static_cast<int>(random() % 12);
     const double area_cm2 = test::uniform(random, 8, 60);
-    const Polygon p = test::random_polygon(random, vertices, area_cm2, vertices > 8 && area_cm2 > 45 ? 1 : 0);  // else a hole may not fit
-    SCOPED_TRACE(testing::Message() << "seed " << kSeed + static_cast<std::uint64_t>(GetParam()) << " polygon " << k << " " << wkt(p));
+    const Polygon p = test::random_polygon(random, vertices, area_cm2,
+                                           vertices > 8 && area_cm2 > 45 ? 1 : 0);  // else a hole may not fit
+    SCOPED_TRACE(testing::Message() << "seed " << kSeed + static_cast<std::uint64_t>(GetParam()) << " polygon " << k
+                                    << " " << wkt(p));
     const PlacementResult best = run(p, PlacementMethod::kBranchAndBound, true);
     ASSERT_TRUE(best.proved);
     ASSERT_EQ(tiles_inside(p, best.placement, 2e-6).size(), static_cast<std::size_t>(best.modules));
-    for (const auto method : {PlacementMethod::kR1, PlacementMethod::kR2, PlacementMethod::kR3, PlacementMethod::kR4, PlacementMethod::kR5, PlacementMethod::kR6, PlacementMethod::kR7}) {
+    for (const auto method : {PlacementMethod::kR1, PlacementMethod::kR2, PlacementMethod::kR3, PlacementMethod::kR4,
+                              PlacementMethod::kR5, PlacementMethod::kR6, PlacementMethod::kR7}) {
       ASSERT_LE(run(p, method).modules, best.upper_bound);
     }
     Polygon other = test::moved(p, test::uniform(random, -3, 3), {test::uniform(random, -500, 500), 77}, k % 2 == 0);

@@ -47,7 +47,8 @@ TEST(Shapes, facing_triangles_stand_apart_by_the_gap) {
   // Up and down triangle across a common side, moved apart by 2 mm along its normal (√3, 1) mm: fills this rhombus.
   const double grow = 2.0 / std::sqrt(3.0), height = kHeight_mm + 1.0;
   Polygon rhombus;
-  rhombus.outer = {{0, 0}, {30 + grow, 0}, {30 + grow + height / std::sqrt(3.0), height}, {height / std::sqrt(3.0), height}};
+  rhombus.outer = {
+      {0, 0}, {30 + grow, 0}, {30 + grow + height / std::sqrt(3.0), height}, {height / std::sqrt(3.0), height}};
   EXPECT_EQ(best(rhombus, TileShape::kTriangle, 1.99).modules, 2);
   EXPECT_EQ(best(rhombus, TileShape::kTriangle, 2.1).modules, 1);
 }

@@ -34,7 +34,8 @@ TEST(Stability, unions_of_tiles_far_away_turned_by_a_hair_mirrored_and_at_every_
     expect_value(test::moved(triangle(120), angle, {1e6, -1e6}), 16, "far away", 1e-6);
     expect_value(test::moved(triangle(120), angle, {3, 4}, true), 16, "mirrored");
   }
-  for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-8}) expect_value(test::moved(triangle(90), 0.7, {1, 2}), 9, "tolerance", tolerance);
+  for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-8})
+    expect_value(test::moved(triangle(90), 0.7, {1, 2}), 9, "tolerance", tolerance);
 }
 
 TEST(Stability, collinear_and_repeated_vertices_change_nothing) {
@@ -56,7 +57,14 @@ TEST(Stability, a_needle_costs_what_it_touches_and_a_crack_cuts) {
   expect_value(needle, 4, "needle outwards");
   Polygon crack;  // a strip of two rows, cut by a crack of zero width along its middle
   crack.outer = {{0, 0}, {90.001, 0}, {90.001, 52}, {45, 52}, {45, 1}, {45, 52}, {0, 52}};
-  const int whole = certified(test::moved([] { Polygon p; p.outer = {{0, 0}, {90.001, 0}, {90.001, 52}, {0, 52}}; return p; }(), 0, {0, 0})).modules;
+  const int whole = certified(test::moved(
+                                  [] {
+                                    Polygon p;
+                                    p.outer = {{0, 0}, {90.001, 0}, {90.001, 52}, {0, 52}};
+                                    return p;
+                                  }(),
+                                  0, {0, 0}))
+                        .modules;
   EXPECT_LT(certified(crack).modules, whole);
 }
 
@@ -74,7 +82,8 @@ TEST(Stability, scaled_polygons) {
 TEST(Stability, a_disc_that_misses_a_pattern_by_a_hair) {
   for (const double missing_mm : {0.3, 0.03, 0.003}) {
     Polygon disc;
-    for (int k = 0; k < 361; ++k) disc.outer.push_back((60.0 - missing_mm) * Vec2(std::cos(2 * M_PI * k / 361), std::sin(2 * M_PI * k / 361)));
+    for (int k = 0; k < 361; ++k)
+      disc.outer.push_back((60.0 - missing_mm) * Vec2(std::cos(2 * M_PI * k / 361), std::sin(2 * M_PI * k / 361)));
     expect_value(disc, 18, "disc");
   }
 }

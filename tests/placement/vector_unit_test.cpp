@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The kernels for AVX-512, AVX2 and plain processors give the same answers to the last bit, and take the same way to them.
+// The kernels for AVX-512, AVX2 and plain processors give the same answers to the last bit, and take the same way to
+// them.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -15,7 +16,8 @@ namespace triskin {
 namespace {
 
 nlohmann::json answer(const std::string& unit, const std::filesystem::path& outline, const std::string& options) {
-  const std::string command = "TRISKIN_VECTOR_UNIT=" + unit + " " + TRISKIN_PROGRAM + " place " + outline.string() + " --json " + options;
+  const std::string command =
+      "TRISKIN_VECTOR_UNIT=" + unit + " " + TRISKIN_PROGRAM + " place " + outline.string() + " --json " + options;
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
   std::string text;
   std::array<char, 4096> buffer;
@@ -41,7 +43,8 @@ TEST(VectorUnits, agree_bit_for_bit) {
     add(p.outer);
     for (const auto& hole : p.holes) add(hole);
     std::ofstream(file) << nlohmann::json{{"type", "Polygon"}, {"coordinates", rings}};
-    for (const std::string options : {"--deficit", "--method r4", "--method r7", "--shape hexagon", "--shape square --gap-mm 1"}) {
+    for (const std::string options :
+         {"--deficit", "--method r4", "--method r7", "--shape hexagon", "--shape square --gap-mm 1"}) {
       const nlohmann::json plain = answer("plain", file, options);
       EXPECT_GT(plain.at("evaluations").get<int>(), 0);
       EXPECT_EQ(answer("avx2", file, options), plain) << options;

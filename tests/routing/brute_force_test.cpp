@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Small patches, solved by trying everything: partitions by subsets, trees by subsets of joints, lines by all assignments.
+// Small patches, solved by trying everything: partitions by subsets, trees by subsets of joints, lines by all
+// assignments.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -54,7 +55,8 @@ int fewest_hops(const SmallTree& t) {
     if (on_one > kAddresses || static_cast<int>(n) - on_one > kAddresses) continue;
     std::vector<unsigned> used(n, 0);
     for (std::size_t v = 0; v < n; ++v) {
-      for (int u = static_cast<int>(v); u >= 0; u = t.parent[static_cast<std::size_t>(u)]) used[static_cast<std::size_t>(u)] |= 1U << (code >> v & 1);
+      for (int u = static_cast<int>(v); u >= 0; u = t.parent[static_cast<std::size_t>(u)])
+        used[static_cast<std::size_t>(u)] |= 1U << (code >> v & 1);
     }
     int hops = 0;
     for (std::size_t v = 0; v < n; ++v) hops += t.parent[v] >= 0 ? std::popcount(used[v]) : 0;
@@ -69,7 +71,10 @@ std::array<int, 4> best_wiring(const geometry::ModuleGraph& g, const std::vector
   const auto index = [&](int node) { return static_cast<int>(std::ranges::find(part, node) - part.begin()); };
   const int n = static_cast<int>(part.size());
   bool has_border = false;
-  const auto border = [&](int v) { return std::ranges::any_of(g.nodes[static_cast<std::size_t>(part[static_cast<std::size_t>(v)])].neighbour, [](int w) { return w < 0; }); };
+  const auto border = [&](int v) {
+    return std::ranges::any_of(g.nodes[static_cast<std::size_t>(part[static_cast<std::size_t>(v)])].neighbour,
+                               [](int w) { return w < 0; });
+  };
   for (int v = 0; v < n; ++v) {
     has_border = has_border || border(v);
     for (const int w : g.nodes[static_cast<std::size_t>(part[static_cast<std::size_t>(v)])].neighbour) {
@@ -81,7 +86,8 @@ std::array<int, 4> best_wiring(const geometry::ModuleGraph& g, const std::vector
     if (std::popcount(chosen) != n - 1) continue;
     for (int root = 0; root < n; ++root) {
       int degree = 0;
-      for (std::size_t k = 0; k < joints.size(); ++k) degree += (chosen >> k & 1) != 0 && (joints[k][0] == root || joints[k][1] == root) ? 1 : 0;
+      for (std::size_t k = 0; k < joints.size(); ++k)
+        degree += (chosen >> k & 1) != 0 && (joints[k][0] == root || joints[k][1] == root) ? 1 : 0;
       if (degree > 2 || (has_border && !border(root))) continue;
       SmallTree t{std::vector<int>(static_cast<std::size_t>(n), -1), std::vector<int>(static_cast<std::size_t>(n), -1)};
       t.depth[static_cast<std::size_t>(root)] = 0;
@@ -100,7 +106,8 @@ std::array<int, 4> best_wiring(const geometry::ModuleGraph& g, const std::vector
       int sum = 0;
       for (const int d : t.depth) sum += d;
       const int hops = fewest_hops(t);
-      best = std::min(best, {has_border ? 0 : 1, hops_first ? hops : sum, hops_first ? sum : hops, std::ranges::max(t.depth)});
+      best = std::min(
+          best, {has_border ? 0 : 1, hops_first ? hops : sum, hops_first ? sum : hops, std::ranges::max(t.depth)});
     }
   }
   return best;
@@ -122,7 +129,8 @@ void compare(const Listed& patch, bool hops_first) {
       part.push_back(m.node);
       sum += m.depth;
     }
-    const std::array<int, 4> key{p.border_entry ? 0 : 1, hops_first ? p.line_hops : sum, hops_first ? sum : p.line_hops, p.max_depth};
+    const std::array<int, 4> key{p.border_entry ? 0 : 1, hops_first ? p.line_hops : sum, hops_first ? sum : p.line_hops,
+                                 p.max_depth};
     EXPECT_EQ(key, best_wiring(patch.graph, part, hops_first));
   }
 }
@@ -132,7 +140,8 @@ TEST(RoutingBruteForce, agrees_on_five_hundred_patches) {
   for (int k = 0; k < 500; ++k) {
     SCOPED_TRACE(k);
     const int n = 1 + k % 14;
-    compare(random_patch(kShapes[static_cast<std::size_t>(k / 14 % 4)], n, 1000 + static_cast<std::uint64_t>(k)), k % 2 == 1);
+    compare(random_patch(kShapes[static_cast<std::size_t>(k / 14 % 4)], n, 1000 + static_cast<std::uint64_t>(k)),
+            k % 2 == 1);
     if (HasFatalFailure()) return;
   }
 }

@@ -21,9 +21,11 @@ TEST(Partition, four_hundred_patches_are_proved) {
   for (int k = 0; k < 400; ++k) {
     SCOPED_TRACE(k);
     Dice dice(static_cast<std::uint64_t>(k));
-    const Listed patch = random_patch(kShapes[static_cast<std::size_t>(k % 3)], 38 + dice.below(203), static_cast<std::uint64_t>(k));
+    const Listed patch =
+        random_patch(kShapes[static_cast<std::size_t>(k % 3)], 38 + dice.below(203), static_cast<std::uint64_t>(k));
     const geometry::RoutingResult r = geometry::route(patch.graph);
-    EXPECT_TRUE(r.proved) << patch.tiles.size() << " modules: " << r.patches.size() << " patches, bound " << r.lower_bound;
+    EXPECT_TRUE(r.proved) << patch.tiles.size() << " modules: " << r.patches.size() << " patches, bound "
+                          << r.lower_bound;
     slowest = std::max(slowest, r.seconds);
   }
   RecordProperty("slowest_ms", static_cast<int>(slowest * 1000));
@@ -95,8 +97,8 @@ TEST(Partition, same_seed_same_result) {
 TEST(Routing, mean_loss_of_compact_patches) {
   for (const int n : {142, 232}) {
     const geometry::RoutingResult r = geometry::route(random_patch(Shape::kCompact, n, 1).graph);
-    std::printf("%d modules: extra loss %.3f, one entry %.3f, strapped %.3f, %d without border, %.3f s\n", n, r.mean_loss, r.mean_loss_one_entry,
-                r.mean_loss_strapped, r.patches_without_border, r.seconds);
+    std::printf("%d modules: extra loss %.3f, one entry %.3f, strapped %.3f, %d without border, %.3f s\n", n,
+                r.mean_loss, r.mean_loss_one_entry, r.mean_loss_strapped, r.patches_without_border, r.seconds);
     EXPECT_LE(r.mean_loss, 0.35);
     EXPECT_LE(r.mean_loss, r.mean_loss_one_entry);
     EXPECT_LE(r.mean_loss_one_entry, r.mean_loss_strapped);
@@ -163,12 +165,16 @@ TEST(Jumpers, join_facing_sides_of_two_islands_and_save_a_controller) {
       geometry::ModuleGraph::Node node = one.graph.nodes[k];
       for (int& w : node.neighbour) w = w < 0 ? -1 : w + 2 * island;
       node.island = island;
-      const auto place = [&](const geometry::Vec2& p) { return std::array{p.x() * 30.0 + island * 35.0, p.y() * 30.0, 0.0}; };
+      const auto place = [&](const geometry::Vec2& p) {
+        return std::array{p.x() * 30.0 + island * 35.0, p.y() * 30.0, 0.0};
+      };
       node.center_mm = place(center(one.tiles[k]));
       std::array<std::array<double, 3>, 3> mid{};
       for (int s = 0; s < 3; ++s) {
-        const auto a = geometry::tile_corner_index(one.tiles[k], s), b = geometry::tile_corner_index(one.tiles[k], (s + 1) % 3);
-        mid[static_cast<std::size_t>(s)] = place((geometry::grid_point(a[0], a[1], 1.0) + geometry::grid_point(b[0], b[1], 1.0)) / 2.0);
+        const auto a = geometry::tile_corner_index(one.tiles[k], s),
+                   b = geometry::tile_corner_index(one.tiles[k], (s + 1) % 3);
+        mid[static_cast<std::size_t>(s)] =
+            place((geometry::grid_point(a[0], a[1], 1.0) + geometry::grid_point(b[0], b[1], 1.0)) / 2.0);
       }
       graph.nodes.push_back(node);
       sides.push_back(mid);

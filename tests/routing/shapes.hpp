@@ -14,7 +14,9 @@ using Tiles = std::set<Tile>;
 using Shape = geometry::PatchShape;
 using Listed = geometry::LatticePatch;
 
-inline Listed listed(const Tiles& tiles) { return geometry::lattice_patch(tiles); }
+inline Listed listed(const Tiles& tiles) {
+  return geometry::lattice_patch(tiles);
+}
 
 inline geometry::Vec2 center(const Tile& t) {
   geometry::Vec2 sum{0, 0};

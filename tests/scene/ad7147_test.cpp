@@ -23,7 +23,8 @@ void connect_all(Ad7147& chip) {
   for (int s = 0; s < 12; ++s) {
     const auto base = static_cast<std::uint16_t>(0x080 + 8 * s);
     chip.write_register(base, s < 7 ? static_cast<std::uint16_t>(1 << (2 * s)) : std::uint16_t{0}, 0);
-    chip.write_register(static_cast<std::uint16_t>(base + 1), s < 7 ? std::uint16_t{0} : static_cast<std::uint16_t>(1 << (2 * (s - 7))), 0);
+    chip.write_register(static_cast<std::uint16_t>(base + 1),
+                        s < 7 ? std::uint16_t{0} : static_cast<std::uint16_t>(1 << (2 * (s - 7))), 0);
   }
   chip.write_register(0x000, kFullPower12Stages, 0);
 }
@@ -129,7 +130,8 @@ class Line : public testing::Test {
 TEST_F(Line, transfers_are_big_endian_and_the_address_increments) {
   line_.attach(first_, 0x2D);
   EXPECT_TRUE(line_.start(0x2D << 1, 0));
-  for (const int byte : {0x00, 0x80, 0x12, 0x34, 0x56, 0x78}) EXPECT_TRUE(line_.write(static_cast<std::uint8_t>(byte), 0));
+  for (const int byte : {0x00, 0x80, 0x12, 0x34, 0x56, 0x78})
+    EXPECT_TRUE(line_.write(static_cast<std::uint8_t>(byte), 0));
   line_.stop(0);
   EXPECT_EQ(read(0x2D, 0x080), 0x1234);
   EXPECT_EQ(read(0x2D, 0x081), 0x5678);

@@ -52,7 +52,8 @@ TEST_F(SceneFile, a_design_file_is_a_scene_without_anything_wrong) {
 TEST_F(SceneFile, reads_contacts_faults_and_effects) {
   const Scene s = with(R"("seed":7,
     "contacts":[{"at_s":0.5,"until_s":1,"module":2,"taxel":3,"force_n":3},{"position_mm":[1,2,3],"radius_mm":4}],
-    "faults":[{"kind":"swapped_chips","module":1,"other":2},{"kind":"stuck_line","patch":0,"line":3,"signal":"scl","at_s":2},
+    "faults":[{"kind":"swapped_chips","module":1,"other":2},{"kind":"stuck_line","patch":0,"line":3,"signal":"scl",
+     "at_s":2},
               {"kind":"lost_configuration","module":4,"at_s":0.25,"every_s":2}],
     "effects":{"noise_counts":3,"bus_bit_rate":1000000})");
   EXPECT_EQ(s.seed, 7U);
@@ -104,7 +105,8 @@ TEST_F(SceneFile, refuses_what_is_no_scene) {
   for (const std::string& text :
        {std::string(), std::string("[]"), std::string("{"), std::string("null"), std::string("\xff\xfe"),
         std::string(R"({"format":"triskin-scene","version":2,"design":"d.json"})"),
-        std::string(R"({"format":"triskin-scene","version":1})"), std::string(R"({"format":"x","version":1,"design":"d.json"})"),
+        std::string(R"({"format":"triskin-scene","version":1})"),
+        std::string(R"({"format":"x","version":1,"design":"d.json"})"),
         std::string(R"({"format":"triskin-scene","version":1,"design":"none.json"})"),
         std::string(R"({"format":"triskin-scene","version":1,"design":"."})"), std::string(1'000'000, '[')}) {
     EXPECT_THROW((void)read(text), InputError) << text.substr(0, 60);

@@ -65,7 +65,7 @@ TEST(SkinModel, noise_is_seeded_and_has_the_deviation_asked_for) {
     sum += x;
     sum2 += x * x;
   }
-  EXPECT_NEAR(sum / kSamples, 0.0, 0.15);                       // four standard errors
+  EXPECT_NEAR(sum / kSamples, 0.0, 0.15);  // four standard errors
   EXPECT_NEAR(std::sqrt(sum2 / kSamples), 5.0, 0.1);
   EXPECT_EQ(equal, 0);
 }
@@ -96,8 +96,8 @@ TEST(SkinModel, chips_sit_where_the_design_and_the_faults_put_them) {
   EXPECT_TRUE(answers(skin, 0, 1));
 }
 
-// Worked from ISO 11898-1: extended classic frame with 8 bytes: 1 + 32 + 6 + 64 + 15 = 118 bits may be stuffed, 29 stuff bits
-// at most, 13 more bits from the CRC delimiter to the interframe space.
+// Worked from ISO 11898-1: extended classic frame with 8 bytes: 1 + 32 + 6 + 64 + 15 = 118 bits may be stuffed, 29
+// stuff bits at most, 13 more bits from the CRC delimiter to the interframe space.
 TEST(BusTime, classic_frames_have_the_worst_case_length) {
   wire::CanFrame frame;
   frame.extended = true;

@@ -2,15 +2,15 @@
 // The frames of tests/vectors/frames.txt, which docs/protocol.md shows.
 #include <gtest/gtest.h>
 
-#include "vectors/frame_text.hpp"
 #include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/usb_packet.hpp"
+#include "vectors/frame_text.hpp"
 
 namespace triskin::wire {
 namespace {
 
-using test::hex_bytes;
 using test::frame_of;
+using test::hex_bytes;
 using test::Vector;
 
 UniqueId unique_id_of(const Vector& v) {

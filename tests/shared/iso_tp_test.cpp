@@ -6,8 +6,8 @@
 #include <deque>
 #include <numeric>
 
-#include "vectors/vector_file.hpp"
 #include "triskin/wire/uds.hpp"
+#include "vectors/vector_file.hpp"
 
 namespace triskin::wire {
 namespace {
@@ -18,8 +18,12 @@ using Message = std::vector<std::uint8_t>;
 constexpr std::uint32_t kToNode = physical_id(5, kTesterAddress), kToTester = physical_id(kTesterAddress, 5);
 static_assert(kToNode == 0x18DA05F1 && kToTester == 0x18DAF105);
 
-IsoTp tester(std::uint8_t bytes = 8) { return {kToNode, kToTester, bytes}; }
-IsoTp node(std::uint8_t bytes = 8) { return {kToTester, kToNode, bytes}; }
+IsoTp tester(std::uint8_t bytes = 8) {
+  return {kToNode, kToTester, bytes};
+}
+IsoTp node(std::uint8_t bytes = 8) {
+  return {kToTester, kToNode, bytes};
+}
 
 Message counting(std::size_t size) {
   Message m(size);
@@ -27,7 +31,9 @@ Message counting(std::size_t size) {
   return m;
 }
 
-Message received(const IsoTp& end) { return {end.message().begin(), end.message().end()}; }
+Message received(const IsoTp& end) {
+  return {end.message().begin(), end.message().end()};
+}
 
 CanFrame frame(std::initializer_list<std::uint8_t> bytes) {
   CanFrame f;
@@ -52,8 +58,10 @@ TEST(IsoTpVectors, FramesAsTheFileSays) {
       EXPECT_EQ(sent->id, key == ">" ? kToNode : kToTester);
       EXPECT_EQ(sent->fd, bytes == 64);
       EXPECT_EQ(Message(sent->payload().begin(), sent->payload().end()), test::hex_bytes(value));
-      if (key == ">") last = b.receive(*sent, 0);
-      else EXPECT_EQ(a.receive(*sent, 0), Event::kNone);
+      if (key == ">")
+        last = b.receive(*sent, 0);
+      else
+        EXPECT_EQ(a.receive(*sent, 0), Event::kNone);
     }
     EXPECT_EQ(last, Event::kReceived);
     EXPECT_EQ(received(b), message);
@@ -123,12 +131,12 @@ TEST(IsoTp, DuplicatedAndReorderedFramesEndTheMessage) {
                  two = frame({0x22, 13, 14, 15, 16, 17, 18, 19});
   EXPECT_EQ(b.receive(first, 0), Event::kNone);
   EXPECT_EQ(b.receive(one, 0), Event::kNone);
-  EXPECT_EQ(b.receive(one, 0), Event::kFailed);   // duplicated
-  EXPECT_EQ(b.receive(two, 0), Event::kNone);     // belongs to nothing any more
+  EXPECT_EQ(b.receive(one, 0), Event::kFailed);  // duplicated
+  EXPECT_EQ(b.receive(two, 0), Event::kNone);    // belongs to nothing any more
   EXPECT_EQ(b.receive(first, 0), Event::kNone);
-  EXPECT_EQ(b.receive(two, 0), Event::kFailed);   // reordered
+  EXPECT_EQ(b.receive(two, 0), Event::kFailed);  // reordered
   EXPECT_EQ(b.receive(first, 0), Event::kNone);
-  EXPECT_EQ(b.receive(first, 0), Event::kNone);   // a first frame starts over
+  EXPECT_EQ(b.receive(first, 0), Event::kNone);  // a first frame starts over
   EXPECT_EQ(b.receive(one, 0), Event::kNone);
   EXPECT_EQ(b.receive(two, 0), Event::kReceived);
   EXPECT_EQ(received(b), counting(20));
@@ -150,13 +158,13 @@ TEST(IsoTp, ShortFramesAreAcceptedOnlyAtTheEnd) {
 TEST(IsoTp, NonsenseIsIgnored) {
   IsoTp b = node();
   EXPECT_EQ(b.receive(frame({}), 0), Event::kNone);
-  EXPECT_EQ(b.receive(frame({0x00}), 0), Event::kNone);                             // length 0
-  EXPECT_EQ(b.receive(frame({0x05, 1, 2}), 0), Event::kNone);                       // says 5, has 2
-  EXPECT_EQ(b.receive(frame({0x10, 7, 0, 1, 2, 3, 4, 5}), 0), Event::kNone);        // 7 bytes are a single frame
-  EXPECT_EQ(b.receive(frame({0x10, 20, 0, 1}), 0), Event::kNone);                   // first frame cut off
-  EXPECT_EQ(b.receive(frame({0x21, 6, 7, 8, 9, 10, 11, 12}), 0), Event::kNone);     // nothing under way
-  EXPECT_EQ(b.receive(frame({0x30, 0, 0}), 0), Event::kNone);                       // not sending
-  EXPECT_EQ(b.receive(frame({0x40, 1, 2, 3}), 0), Event::kNone);                    // no such frame
+  EXPECT_EQ(b.receive(frame({0x00}), 0), Event::kNone);                          // length 0
+  EXPECT_EQ(b.receive(frame({0x05, 1, 2}), 0), Event::kNone);                    // says 5, has 2
+  EXPECT_EQ(b.receive(frame({0x10, 7, 0, 1, 2, 3, 4, 5}), 0), Event::kNone);     // 7 bytes are a single frame
+  EXPECT_EQ(b.receive(frame({0x10, 20, 0, 1}), 0), Event::kNone);                // first frame cut off
+  EXPECT_EQ(b.receive(frame({0x21, 6, 7, 8, 9, 10, 11, 12}), 0), Event::kNone);  // nothing under way
+  EXPECT_EQ(b.receive(frame({0x30, 0, 0}), 0), Event::kNone);                    // not sending
+  EXPECT_EQ(b.receive(frame({0x40, 1, 2, 3}), 0), Event::kNone);                 // no such frame
   EXPECT_FALSE(b.transmit(0));
 }
 
@@ -177,13 +185,13 @@ TEST(IsoTp, BlockSizeAndGapAreKept) {
   IsoTp a = tester();
   ASSERT_EQ(a.send(counting(6 + 5 * 7), 0), Status::kOk);
   ASSERT_TRUE(a.transmit(0));
-  EXPECT_FALSE(a.transmit(0));  // waits for flow control
+  EXPECT_FALSE(a.transmit(0));                                      // waits for flow control
   EXPECT_EQ(a.receive(frame({0x30, 2, 0xF3}), 100), Event::kNone);  // two frames, 300 µs apart
   EXPECT_TRUE(a.transmit(100));
   EXPECT_FALSE(a.transmit(399));
   EXPECT_EQ(a.next_event_us(), 400U);
   EXPECT_TRUE(a.transmit(400));
-  EXPECT_FALSE(a.transmit(10'000));  // block is full
+  EXPECT_FALSE(a.transmit(10'000));                                  // block is full
   EXPECT_EQ(a.receive(frame({0x30, 0, 20}), 10'000), Event::kNone);  // the rest, 20 ms apart
   EXPECT_TRUE(a.transmit(10'000));
   EXPECT_FALSE(a.transmit(29'999));

@@ -17,9 +17,15 @@ using layout::PatchImage;
 using test::Vector;
 
 const std::map<std::string, Status> kStatusNames = {
-    {"ok", Status::kOk},                   {"too_short", Status::kTooShort},    {"bad_magic", Status::kBadMagic},
-    {"bad_version", Status::kBadVersion},  {"bad_length", Status::kBadLength},  {"bad_crc", Status::kBadCrc},
-    {"out_of_range", Status::kOutOfRange}, {"duplicate", Status::kDuplicate},   {"bad_tree", Status::kBadTree},
+    {"ok", Status::kOk},
+    {"too_short", Status::kTooShort},
+    {"bad_magic", Status::kBadMagic},
+    {"bad_version", Status::kBadVersion},
+    {"bad_length", Status::kBadLength},
+    {"bad_crc", Status::kBadCrc},
+    {"out_of_range", Status::kOutOfRange},
+    {"duplicate", Status::kDuplicate},
+    {"bad_tree", Status::kBadTree},
 };
 
 std::vector<std::uint8_t> bytes_of(const Vector& v) {
@@ -37,9 +43,13 @@ ModuleRow row_of(const std::string& text) {
   std::string word, parent, port;
   in >> id >> word >> line >> word >> address >> word >> rotation >> word >> parent >> word >> port >> word >> joints;
   const auto small = [](unsigned x) { return static_cast<std::uint8_t>(x); };
-  return {static_cast<std::uint16_t>(id), small(line), small(address), small(rotation),
+  return {static_cast<std::uint16_t>(id),
+          small(line),
+          small(address),
+          small(rotation),
           parent == "none" ? layout::kNoParent : small(static_cast<unsigned>(std::stoul(parent))),
-          port == "cable" ? layout::kCable : small(static_cast<unsigned>(std::stoul(port))), small(joints)};
+          port == "cable" ? layout::kCable : small(static_cast<unsigned>(std::stoul(port))),
+          small(joints)};
 }
 
 PatchImage image_of(const Vector& v) {
@@ -86,8 +96,13 @@ PatchImage random_image(std::mt19937& random) {
   std::vector<std::pair<std::uint8_t, std::uint8_t>> free_ports;  // parent, port
   for (std::uint8_t k = 0; k < image.module_count; ++k) {
     ModuleRow& m = image.modules[k];
-    m = {static_cast<std::uint16_t>(k * 257U), static_cast<std::uint8_t>(slots[k] / 4), static_cast<std::uint8_t>(slots[k] % 4), below(3),
-         layout::kNoParent, layout::kCable, below(8)};
+    m = {static_cast<std::uint16_t>(k * 257U),
+         static_cast<std::uint8_t>(slots[k] / 4),
+         static_cast<std::uint8_t>(slots[k] % 4),
+         below(3),
+         layout::kNoParent,
+         layout::kCable,
+         below(8)};
     if (k > 0) {
       const auto at = static_cast<std::ptrdiff_t>(random() % free_ports.size());
       std::tie(m.parent, m.parent_port) = free_ports[static_cast<std::size_t>(at)];

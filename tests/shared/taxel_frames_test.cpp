@@ -17,7 +17,8 @@ IcubTaxels icub_of(const Vector& v) {
   t.module = static_cast<std::uint8_t>(v.number("module"));
   const auto values = test::numbers(v.one("values"), 10);
   for (std::size_t k = 0; k < t.value.size(); ++k) t.value[k] = static_cast<std::uint8_t>(values.at(k));
-  for (const std::uint64_t bit : test::numbers(v.one("out_of_range"), 10)) t.out_of_range = static_cast<std::uint16_t>(t.out_of_range | 1U << bit);
+  for (const std::uint64_t bit : test::numbers(v.one("out_of_range"), 10))
+    t.out_of_range = static_cast<std::uint16_t>(t.out_of_range | 1U << bit);
   t.no_acknowledge = v.number("no_acknowledge") != 0;
   t.not_connected = v.number("not_connected") != 0;
   return t;

@@ -23,7 +23,9 @@ FoundTopology found_of(const Vector& v, std::uint8_t flags) {
   for (const std::uint64_t row : test::numbers(v.one("rows"), 10)) t.row.at(t.count++) = static_cast<std::uint8_t>(row);
   std::istringstream joints(v.one("joints"));
   for (std::string joint; joints >> joint;) {  // M.P-M.P
-    const auto end = [&](std::size_t at) { return std::pair(static_cast<std::size_t>(joint[at] - '0'), static_cast<std::size_t>(joint[at + 2] - 'A')); };
+    const auto end = [&](std::size_t at) {
+      return std::pair(static_cast<std::size_t>(joint[at] - '0'), static_cast<std::size_t>(joint[at + 2] - 'A'));
+    };
     const auto [m, p] = end(0);
     const auto [n, q] = end(4);
     t.joints[m][p] = layout::joint_to(n, q);
@@ -47,7 +49,8 @@ ActiveRoute route_of(const Vector& v, Bytes bytes) {
   a.shorts = bytes[1];
   a.unknown = bytes[2];
   a.max_depth = bytes[3];
-  for (const std::uint64_t row : test::numbers(v.one("alive"), 10)) a.alive = static_cast<std::uint16_t>(a.alive | 1U << row);
+  for (const std::uint64_t row : test::numbers(v.one("alive"), 10))
+    a.alive = static_cast<std::uint16_t>(a.alive | 1U << row);
   a.heals = static_cast<std::uint32_t>(v.number("heals"));
   a.repairs = bytes[10];
   a.last_us = static_cast<std::uint32_t>(v.number("last_us"));

@@ -11,7 +11,10 @@ inline model::Design flat_design(const std::string& name, const geometry::Vec2& 
   model::Design d;
   d.name = name;
   d.source_file = name + ".obj";
-  d.surface.vertices = {{low_mm.x(), low_mm.y(), 0}, {high_mm.x(), low_mm.y(), 0}, {high_mm.x(), high_mm.y(), 0}, {low_mm.x(), high_mm.y(), 0}};
+  d.surface.vertices = {{low_mm.x(), low_mm.y(), 0},
+                        {high_mm.x(), low_mm.y(), 0},
+                        {high_mm.x(), high_mm.y(), 0},
+                        {low_mm.x(), high_mm.y(), 0}};
   d.surface.faces = {{0, 1, 2}, {0, 2, 3}};
   d.layout.islands = 1;
   d.layout.method = "surface";

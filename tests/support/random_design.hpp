@@ -14,7 +14,8 @@
 
 namespace triskin::test {
 
-/// A random connected set of tiles on the plane, routed: a design without a mesh. Joints are those of the lattice, cycles included.
+/// A random connected set of tiles on the plane, routed: a design without a mesh. Joints are those of the lattice,
+/// cycles included.
 inline model::Design random_design(int modules, std::mt19937_64& random) {
   using geometry::Tile;
   std::vector<Tile> tiles{{0, 0, true}};
@@ -51,7 +52,10 @@ struct Broken {
 /// Rows that can be reached from one: flood fill over the joints that survive, a bit a row.
 inline std::uint32_t reached_from(int start, const model::PortEnds& ends, const Broken& broken) {
   const auto dead = [&](int m) { return std::ranges::find(broken.dead, m) != broken.dead.end(); };
-  const auto cut = [&](int a, int b) { return std::ranges::any_of(broken.cut, [&](const auto& c) { return std::minmax(c.first, c.second) == std::minmax(a, b); }); };
+  const auto cut = [&](int a, int b) {
+    return std::ranges::any_of(broken.cut,
+                               [&](const auto& c) { return std::minmax(c.first, c.second) == std::minmax(a, b); });
+  };
   std::uint32_t reached = dead(start) ? 0 : 1U << start;
   for (std::size_t round = 0; round < ends.size(); ++round) {
     for (int m = 0; m < static_cast<int>(ends.size()); ++m) {
@@ -71,12 +75,13 @@ inline int second_entry_row(const model::Design& design) {
   return patch.second_entry < 0 || found == patch.modules.end() ? -1 : static_cast<int>(found - patch.modules.begin());
 }
 
-/// Rows that the controller can read over one of its cables: the first, unless it reaches nobody, or less than half of the patch and
-/// not more than the second.
+/// Rows that the controller can read over one of its cables: the first, unless it reaches nobody, or less than half of
+/// the patch and not more than the second.
 inline std::uint32_t rows_that_survive(const model::Design& design, const Broken& broken) {
   const model::PortEnds ends = model::joints_of(design, 0);
   const int second_row = second_entry_row(design);
-  const std::uint32_t first = reached_from(0, ends, broken), second = second_row < 0 ? 0 : reached_from(second_row, ends, broken);
+  const std::uint32_t first = reached_from(0, ends, broken),
+                      second = second_row < 0 ? 0 : reached_from(second_row, ends, broken);
   const auto little = 2 * static_cast<std::size_t>(std::popcount(first)) < ends.size();
   return first == 0 || (little && std::popcount(second) >= std::popcount(first)) ? second : first;
 }

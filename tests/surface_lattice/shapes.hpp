@@ -8,7 +8,9 @@
 
 namespace triskin::geometry {
 
-inline std::size_t at(int k) { return static_cast<std::size_t>(k); }
+inline std::size_t at(int k) {
+  return static_cast<std::size_t>(k);
+}
 
 // A grid of nu × nv cells over the unit square, brought to space.
 inline Mesh grid_mesh(int nu, int nv, const std::function<Vec3(double, double)>& place) {
@@ -31,13 +33,17 @@ inline Mesh plane(double width, double height) {
 }
 
 inline Mesh half_cylinder(double radius, double length) {
-  return grid_mesh(48, 6, [=](double u, double v) { return Vec3(radius * std::cos(M_PI * u), length * v, radius * std::sin(M_PI * u)); });
+  return grid_mesh(48, 6, [=](double u, double v) {
+    return Vec3(radius * std::cos(M_PI * u), length * v, radius * std::sin(M_PI * u));
+  });
 }
 
 inline Mesh sphere_cap(double radius, double opening) {
   // Polar rings without a pole vertex would leave a hole: a square patch by gnomonic projection has none.
   const double t = std::tan(opening / 2.0);
-  return grid_mesh(24, 24, [=](double u, double v) { return Vec3(radius * Vec3(t * (2 * u - 1), t * (2 * v - 1), 1.0).normalized()); });
+  return grid_mesh(24, 24, [=](double u, double v) {
+    return Vec3(radius * Vec3(t * (2 * u - 1), t * (2 * v - 1), 1.0).normalized());
+  });
 }
 
 inline Mesh turned_outward(Mesh m, const Vec3& inside) {
@@ -56,7 +62,11 @@ inline SurfaceLatticeOptions effort(int iterations) {
   return o;
 }
 
-inline Vec3 normal_of(const PlacedModule& m) { return (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized(); }
-inline Vec3 center_of(const PlacedModule& m) { return (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0; }
+inline Vec3 normal_of(const PlacedModule& m) {
+  return (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
+}
+inline Vec3 center_of(const PlacedModule& m) {
+  return (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
+}
 
 }  // namespace triskin::geometry

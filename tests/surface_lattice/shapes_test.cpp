@@ -47,7 +47,8 @@ TEST_P(SphereFormula, FoldAndCentreGapFollowTheRadius) {
   const ModuleLayout layout = grow_lattice(surface, {}, o);
   ASSERT_GE(layout.modules.size(), 6U);
   expect_limits(layout);
-  // Corners lie on the sphere: the plane of three of them is sqrt(R² − (2h/3)²) from its middle, the facets of the mesh a little less than R.
+  // Corners lie on the sphere: the plane of three of them is sqrt(R² − (2h/3)²) from its middle, the facets of the
+  // mesh a little less than R.
   const double gap = radius - std::sqrt(radius * radius - 4.0 / 9.0 * kHeight * kHeight);
   EXPECT_NEAR(gap, 30.0 * 30.0 * (2.0 / radius) / 12.0, 0.05 * gap);
   for (const PlacedModule& m : layout.modules) EXPECT_NEAR(m.center_gap_mm, gap, 0.5);
@@ -72,7 +73,8 @@ std::vector<Shape> shapes() {
     const double a = 1.6 * u, b = 2.8 * (v - 0.5), r = 130.0 + 60.0 * std::cos(b);
     return Vec3(r * std::cos(a), r * std::sin(a), 60.0 * std::sin(b));
   };
-  return {{"cone", grid_mesh(30, 12, cone)}, {"saddle", grid_mesh(20, 20, saddle)}, {"torus", grid_mesh(24, 24, torus)}};
+  return {
+      {"cone", grid_mesh(30, 12, cone)}, {"saddle", grid_mesh(20, 20, saddle)}, {"torus", grid_mesh(24, 24, torus)}};
 }
 
 TEST(Shapes, EveryLimitHoldsAndMostIsCovered) {
@@ -85,8 +87,9 @@ TEST(Shapes, EveryLimitHoldsAndMostIsCovered) {
   }
 }
 
-// Corners at the distance ρ from the centre, ρ² = a² / 3, 120° apart: whatever the turn, the mean height of a quadratic surface under them is
-// ρ² (κ1 + κ2) / 4. The sum of the principal curvatures at a point of each shape, from its formula.
+// Corners at the distance ρ from the centre, ρ² = a² / 3, 120° apart: whatever the turn, the mean height of a
+// quadratic surface under them is ρ² (κ1 + κ2) / 4. The sum of the principal curvatures at a point of each shape,
+// from its formula.
 double curvature_of(const std::string& shape, const Vec3& p) {
   const double r = std::hypot(p.x(), p.y());
   if (shape == "cone") return 0.6 / r;  // a side (0.8, −0.6) has the normal (0.6, 0.8)
@@ -128,7 +131,9 @@ TEST(Shapes, CopiesGiveTheSameCountWithinThreePercent) {
   for (Vec3& v : turned.vertices) v = turn * v + Vec3(500, -20, 7);
   for (Vec3& v : mirrored.vertices) v.x() = -v.x();
   for (auto& f : mirrored.faces) std::swap(f[1], f[2]);
-  const auto count = [](const Mesh& m) { return static_cast<double>(grow_lattice(Surface(m), {}, effort(150)).modules.size()); };
+  const auto count = [](const Mesh& m) {
+    return static_cast<double>(grow_lattice(Surface(m), {}, effort(150)).modules.size());
+  };
   const double expected = count(original);
   EXPECT_GE(expected, 80.0);
   EXPECT_NEAR(count(turned), expected, 0.03 * expected);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
+#include "triskin/geometry/surface_lattice.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,7 +12,6 @@
 
 #include "shapes.hpp"
 #include "triskin/geometry/mesh_io.hpp"
-#include "triskin/geometry/surface_lattice.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::geometry {
@@ -71,7 +72,8 @@ void expect_valid(const Surface& surface, const ModuleLayout& layout, const Layo
     EXPECT_GT(surface.normal_at(surface.closest(center_of(m))).dot(normal_of(m)), 0.5);
     EXPECT_LE(m.edge_error_mm, limits.edge_error_mm);
     // Two modules that overlap by no more than the depth d share less than a strip of d along a side.
-    for (std::size_t o = k + 1; o < layout.modules.size(); ++o) EXPECT_LE(overlap_area(m, layout.modules[o]), 30.0 * limits.penetration_mm);
+    for (std::size_t o = k + 1; o < layout.modules.size(); ++o)
+      EXPECT_LE(overlap_area(m, layout.modules[o]), 30.0 * limits.penetration_mm);
   }
 }
 
@@ -97,7 +99,8 @@ TEST(SurfaceLattice, HoleInAModuleIsKeptFree) {
   // One cell of 6 mm is missing in the middle of a plane: no module may cover its centre.
   Mesh mesh = grid_mesh(15, 15, [](double u, double v) { return Vec3(90.0 * u, 90.0 * v, 0.0); });
   const std::size_t cell = 2 * (7 * 15 + 7);
-  mesh.faces.erase(mesh.faces.begin() + static_cast<std::ptrdiff_t>(cell), mesh.faces.begin() + static_cast<std::ptrdiff_t>(cell) + 2);
+  mesh.faces.erase(mesh.faces.begin() + static_cast<std::ptrdiff_t>(cell),
+                   mesh.faces.begin() + static_cast<std::ptrdiff_t>(cell) + 2);
   const Surface surface(mesh);
   const ModuleLayout layout = grow_lattice(surface, {}, effort(10));
   expect_valid(surface, layout);
@@ -105,7 +108,8 @@ TEST(SurfaceLattice, HoleInAModuleIsKeptFree) {
   const Vec3 hole(45.0, 45.0, 0.0);
   for (const PlacedModule& m : layout.modules) {
     bool inside = true;
-    for (std::size_t s = 0; s < 3; ++s) inside = inside && normal_of(m).cross(m.corner_mm[(s + 1) % 3] - m.corner_mm[s]).dot(hole - m.corner_mm[s]) > 0;
+    for (std::size_t s = 0; s < 3; ++s)
+      inside = inside && normal_of(m).cross(m.corner_mm[(s + 1) % 3] - m.corner_mm[s]).dot(hole - m.corner_mm[s]) > 0;
     EXPECT_FALSE(inside);
   }
 }
@@ -140,9 +144,12 @@ TEST(SurfaceLattice, SameSeedAndBudgetGiveTheSameLayout) {
   }
 }
 
-// Moved by more than rounding, mirrored and numbered from the other end: the search takes the same way, and what it finds is carried back.
+// Moved by more than rounding, mirrored and numbered from the other end: the search takes the same way, and what it
+// finds is carried back.
 TEST(SurfaceLattice, MovedAndMirroredCopyGetsTheSameLayout) {
-  const auto place = [](double u, double v) { return Vec3(140.0 * u, 90.0 * v + 12.0 * u * u, 20.0 * u * v + 9.0 * v * v); };
+  const auto place = [](double u, double v) {
+    return Vec3(140.0 * u, 90.0 * v + 12.0 * u * u, 20.0 * u * v + 9.0 * v * v);
+  };
   const Mesh mesh = grid_mesh(9, 7, place);
   Mesh copy = mesh;
   for (Vec3& v : copy.vertices) v = Vec3(40.0 - v.y(), v.z() + 300.0, v.x() - 7.0);  // determinant −1
@@ -194,7 +201,8 @@ TEST(SurfaceLattice, BadOptionsAreNamed) {
 TEST(SurfaceLattice, RealCoversKeepEveryLimit) {
   const std::filesystem::path parts = std::filesystem::path(TRISKIN_DATA) / "parts";
   ASSERT_TRUE(std::filesystem::exists(parts)) << parts << ": the real covers are missing";
-  const std::map<std::string, std::size_t> least{{"LH_hipwing_v1", 10}, {"LUA_upperarm_half_v1", 21}, {"RUF_forearm_v2", 46}};
+  const std::map<std::string, std::size_t> least{
+      {"LH_hipwing_v1", 10}, {"LUA_upperarm_half_v1", 21}, {"RUF_forearm_v2", 46}};
   for (const auto& [name, count] : least) {
     const Surface surface(read_mesh(parts / (name + ".obj")).mesh);
     const ModuleLayout layout = grow_lattice(surface, {}, effort(12));

@@ -30,7 +30,8 @@ scene::Scene switched_scene(const model::Design& design) {
 class Bench {
  public:
   explicit Bench(const model::Design& design) : Bench(switched_scene(design)) {}
-  explicit Bench(const scene::Scene& s) : link_(s), bus_(link_), controller_(bus_, 1), rows_(s.design.patches[0].modules.size()) {
+  explicit Bench(const scene::Scene& s)
+      : link_(s), bus_(link_), controller_(bus_, 1), rows_(s.design.patches[0].modules.size()) {
     device::flash(bus_, link_.skin().scene().design);
     bus_.listen(bus_.now_us() + 400'000);
     const device::TaxelSample sample = controller_.taxels();
@@ -44,10 +45,9 @@ class Bench {
 
   void listen_us(std::uint64_t us) { bus_.listen(bus_.now_us() + us); }
   /// From now on times count.
-  void mark() {
-    from_us_ = bus_.now_us();
-  }
-  /// Time after mark() until the newest samples of all modules, each taken since, were valid for exactly these; −1: that did not come.
+  void mark() { from_us_ = bus_.now_us(); }
+  /// Time after mark() until the newest samples of all modules, each taken since, were valid for exactly these; −1:
+  /// that did not come.
   std::int64_t until_exactly(std::uint32_t rows, std::uint64_t limit_us) {
     wanted_ = rows;
     reached_us_ = 0;
@@ -85,14 +85,17 @@ class Bench {
 };
 
 struct Failure {
-  int row = -1, line = -1;             // dead, or holding a line
-  int a = -1, port = -1, b = -1;       // joint
+  int row = -1, line = -1;        // dead, or holding a line
+  int a = -1, port = -1, b = -1;  // joint
   bool shorted = false;
   void apply(scene::SwitchedPatch& p, bool on) const {
     using Joint = scene::SwitchedPatch::JointFault;
-    if (row >= 0 && line >= 0) p.set_stuck_line(row, on ? line : -1);
-    else if (row >= 0) p.set_dead(row, on);
-    else p.set_joint({a, port}, !on ? Joint::kNone : shorted ? Joint::kShort : Joint::kOpen);
+    if (row >= 0 && line >= 0)
+      p.set_stuck_line(row, on ? line : -1);
+    else if (row >= 0)
+      p.set_dead(row, on);
+    else
+      p.set_joint({a, port}, !on ? Joint::kNone : shorted ? Joint::kShort : Joint::kOpen);
   }
 };
 
@@ -115,8 +118,10 @@ std::vector<Failure> failures_of(const model::Design& design) {
 std::uint32_t best(const model::Design& design, const std::vector<Failure>& failures) {
   Broken broken;
   for (const Failure& f : failures) {
-    if (f.row >= 0) broken.dead.push_back(f.row);
-    else broken.cut.emplace_back(f.a, f.b);
+    if (f.row >= 0)
+      broken.dead.push_back(f.row);
+    else
+      broken.cut.emplace_back(f.a, f.b);
   }
   return rows_that_survive(design, broken);
 }
@@ -135,8 +140,11 @@ TEST(Application, every_single_failure_leaves_the_best_set_within_100_ms_and_no_
       const std::uint32_t wanted = best(design, {f});
       if (wanted != 0) {
         const std::int64_t took_us = bench.until_exactly(wanted, 400'000);
-        ASSERT_GE(took_us, 0) << "trial " << trial << " row " << f.row << " line " << f.line << " joint " << f.a << '-' << f.b << " short " << f.shorted;
-        if (took_us > 100'000) ADD_FAILURE() << took_us << " us: trial " << trial << " row " << f.row << " line " << f.line << " joint " << f.a << '-' << f.b << " short " << f.shorted;
+        ASSERT_GE(took_us, 0) << "trial " << trial << " row " << f.row << " line " << f.line << " joint " << f.a << '-'
+                              << f.b << " short " << f.shorted;
+        if (took_us > 100'000)
+          ADD_FAILURE() << took_us << " us: trial " << trial << " row " << f.row << " line " << f.line << " joint "
+                        << f.a << '-' << f.b << " short " << f.shorted;
         slowest_us = std::max(slowest_us, took_us);
       } else {
         bench.listen_us(150'000);
@@ -151,7 +159,8 @@ TEST(Application, every_single_failure_leaves_the_best_set_within_100_ms_and_no_
     }
   }
   EXPECT_LE(slowest_us, 100'000);
-  std::printf("%d failures, slowest return of samples: %.1f ms of virtual time\n", failures, static_cast<double>(slowest_us) / 1000);
+  std::printf("%d failures, slowest return of samples: %.1f ms of virtual time\n", failures,
+              static_cast<double>(slowest_us) / 1000);
 }
 
 TEST(Application, two_failures_at_once_end_honestly) {
@@ -173,7 +182,8 @@ TEST(Application, two_failures_at_once_end_honestly) {
       const wire::ActiveRoute route = bench.controller().route();
       EXPECT_EQ(route.alive, best(design, {a, b})) << trial << ' ' << pair;
       const device::TaxelSample s = bench.controller().taxels();
-      for (std::size_t m = 0; m < s.modules.size(); ++m) EXPECT_EQ(s.modules[m].valid == 0xFFF, (route.alive >> m & 1) != 0) << trial << ' ' << pair << ' ' << m;
+      for (std::size_t m = 0; m < s.modules.size(); ++m)
+        EXPECT_EQ(s.modules[m].valid == 0xFFF, (route.alive >> m & 1) != 0) << trial << ' ' << pair << ' ' << m;
       a.apply(bench.hardware(), false);
       b.apply(bench.hardware(), false);
       bench.controller().reroute();

@@ -29,12 +29,16 @@ TEST(ChainLevels, bytes_and_bits_give_the_same) {
       bits.exchange(Bytes(out).first(n), b);
       ASSERT_EQ(a, b) << "trial " << trial << " step " << step;
       exchanged += static_cast<int>(n);
-      broken += std::all_of(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(n), [](std::uint8_t v) { return v == 0xFF || v == 0; }) ? 1 : 0;
+      broken += std::all_of(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(n),
+                            [](std::uint8_t v) { return v == 0xFF || v == 0; })
+                    ? 1
+                    : 0;
       if (random() % 4 == 0) {
         bytes.latch();
         bits.latch();
       }
-      for (int m = 0; m < patch.size(); ++m) ASSERT_EQ(bytes.depth_of(m), bits.depth_of(m)) << "trial " << trial << " step " << step;
+      for (int m = 0; m < patch.size(); ++m)
+        ASSERT_EQ(bytes.depth_of(m), bits.depth_of(m)) << "trial " << trial << " step " << step;
     }
     EXPECT_DOUBLE_EQ(bytes.time_us(), bits.time_us());
   }

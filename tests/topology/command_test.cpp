@@ -30,11 +30,17 @@ class Commands : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   void scene(const json& faults) const {
-    std::ofstream(folder_ / "scene.json") << json{{"format", "triskin-scene"}, {"version", 1}, {"design", "patch.json"}, {"hardware", "switched"}, {"faults", faults}}.dump();
+    std::ofstream(folder_ / "scene.json") << json{
+        {"format", "triskin-scene"},
+        {"version", 1},
+        {"design", "patch.json"},
+        {"hardware", "switched"},
+        {"faults", faults}}.dump();
   }
   /// The simulated boards keep their flash in this folder between commands.
   json run(const std::string& command, int expected_status) const {
-    const std::string line = "cd '" + folder_.string() + "' && XDG_STATE_HOME='" + folder_.string() + "' " + TRISKIN_PROGRAM + " " + command + " --link sim --json 2>messages";
+    const std::string line = "cd '" + folder_.string() + "' && XDG_STATE_HOME='" + folder_.string() + "' " +
+                             TRISKIN_PROGRAM + " " + command + " --link sim --json 2>messages";
     std::FILE* p = ::popen(line.c_str(), "r");
     std::string text;
     for (int c = std::fgetc(p); c != EOF; c = std::fgetc(p)) text += static_cast<char>(c);
@@ -85,12 +91,14 @@ TEST_F(Commands, a_turned_module_is_named_and_fails_the_command) {
   const int module = design_.patches[0].modules[5].node;
   scene({{{"kind", "rotated_module"}, {"module", module}, {"steps", 1}}});
   const json found = run("discover --topology --scene scene.json --design patch.json", 1);
-  EXPECT_EQ(kinds(found["controllers"][0]["topology"]["match"]["differences"]), std::vector<std::string>{"rotated_module"});
+  EXPECT_EQ(kinds(found["controllers"][0]["topology"]["match"]["differences"]),
+            std::vector<std::string>{"rotated_module"});
   const auto findings = kinds(run("verify patch.json --scene scene.json --watch-s 0 --no-touch", 1)["findings"]);
   EXPECT_NE(std::ranges::find(findings, "rotated_module"), findings.end());
 }
 
-// A module dies: verify names it; the route prepared for that is flashed, says so, and the normal one comes back by flashing again.
+// A module dies: verify names it; the route prepared for that is flashed, says so, and the normal one comes back by
+// flashing again.
 TEST_F(Commands, the_route_prepared_for_a_failure_is_flashed_and_taken_back) {
   scene(json::array());
   run("flash patch.json --scene scene.json", 0);
@@ -105,7 +113,8 @@ TEST_F(Commands, the_route_prepared_for_a_failure_is_flashed_and_taken_back) {
   scene(json::array());
   run("flash patch.json --scene scene.json", 0);
   EXPECT_TRUE(run("verify patch.json --scene scene.json --watch-s 0", 0)["findings"].empty());
-  for (const char* nonsense : {"backup", "backup:99", "backup:x", "sideways"}) run(std::string("flash patch.json --scene scene.json --route ") + nonsense, 2);
+  for (const char* nonsense : {"backup", "backup:99", "backup:x", "sideways"})
+    run(std::string("flash patch.json --scene scene.json --route ") + nonsense, 2);
 }
 
 // The entry dies: the second cable reads the rest, and the commands say so.

@@ -63,7 +63,8 @@ std::pair<int, int> spare_joint(const model::Design& design) {
   for (const auto& m : patch.modules) {
     for (const int other : design.layout.modules[static_cast<std::size_t>(m.node)].neighbour) {
       if (other < 0 || m.node == patch.entry || other == patch.entry) continue;
-      const bool bridge = std::ranges::any_of(patch.bridges, [&](const auto& b) { return std::minmax(b[0], b[1]) == std::minmax(m.node, other); });
+      const bool bridge = std::ranges::any_of(
+          patch.bridges, [&](const auto& b) { return std::minmax(b[0], b[1]) == std::minmax(m.node, other); });
       if (!bridge) return {m.node, other};
     }
   }
@@ -102,7 +103,8 @@ TEST(Match, names_a_missing_joint_an_absent_module_and_a_turned_one) {
     }
     const int turned = patch.modules[1 + random() % (patch.modules.size() - 1)].node;
     const int steps = 1 + static_cast<int>(random() % 2);
-    const auto match = device::match_topology(found_on(design, {fault(FaultKind::kRotatedModule, turned, -1, steps)}), design, 0);
+    const auto match =
+        device::match_topology(found_on(design, {fault(FaultKind::kRotatedModule, turned, -1, steps)}), design, 0);
     const auto& d = only(match);
     EXPECT_EQ(d.kind, "rotated_module");
     EXPECT_EQ(d.module, turned);
@@ -119,17 +121,22 @@ TEST(Match, names_exchanged_modules_and_an_extra_joint) {
     const auto& modules = design.patches[0].modules;
     const auto &a = modules[1 + random() % 11], &b = modules[1 + random() % 11];
     if (a.rotation != b.rotation) {
-      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kSwappedChips, a.node, b.node)}), design, 0);
+      const auto match =
+          device::match_topology(found_on(design, {fault(FaultKind::kSwappedChips, a.node, b.node)}), design, 0);
       const auto& d = only(match);
       EXPECT_EQ(d.kind, "swapped_modules");
       EXPECT_EQ(std::minmax(d.module, d.other), std::minmax(a.node, b.node));
       ++exchanges;
     }
     // Two border modules that are no neighbours, joined by a wire.
-    const auto free_sides = [&](int node) { return std::ranges::count(design.layout.modules[static_cast<std::size_t>(node)].neighbour, -1); };
+    const auto free_sides = [&](int node) {
+      return std::ranges::count(design.layout.modules[static_cast<std::size_t>(node)].neighbour, -1);
+    };
     const auto& neighbour = design.layout.modules[static_cast<std::size_t>(a.node)].neighbour;
-    if (a.node != b.node && free_sides(a.node) > 0 && free_sides(b.node) > 0 && std::ranges::count(neighbour, b.node) == 0) {
-      const auto match = device::match_topology(found_on(design, {fault(FaultKind::kExtraJoint, a.node, b.node)}), design, 0);
+    if (a.node != b.node && free_sides(a.node) > 0 && free_sides(b.node) > 0 &&
+        std::ranges::count(neighbour, b.node) == 0) {
+      const auto match =
+          device::match_topology(found_on(design, {fault(FaultKind::kExtraJoint, a.node, b.node)}), design, 0);
       const auto& d = only(match);
       EXPECT_EQ(d.kind, "extra_joint");
       EXPECT_EQ(std::minmax(d.module, d.other), std::minmax(a.node, b.node));
@@ -194,7 +201,8 @@ TEST(Flash, a_prepared_route_leaves_the_failed_module_out_and_is_no_wrong_table)
   std::mt19937_64 random(37);
   const model::Design design = random_design(12, random);
   const geometry::Patch& patch = design.patches[0];
-  const auto failed = std::ranges::find_if(patch.failures, [&](const auto& f) { return f.other_node < 0 && f.node != patch.entry && f.lost_rerouted == 1; });
+  const auto failed = std::ranges::find_if(
+      patch.failures, [&](const auto& f) { return f.other_node < 0 && f.node != patch.entry && f.lost_rerouted == 1; });
   ASSERT_NE(failed, patch.failures.end());
   device::SimLink link(assembled(design, {fault(FaultKind::kDeadModule, failed->node)}));
   device::Bus bus(link);

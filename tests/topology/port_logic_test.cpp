@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every state that modules of small patches can reach, gates acting in any order, any bits latched at any time.
+#include "triskin/sim/port_logic.hpp"
+
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstdint>
 #include <unordered_set>
 #include <vector>
-
-#include "triskin/sim/port_logic.hpp"
 
 namespace triskin::test {
 namespace {
@@ -67,11 +67,14 @@ class Explorer {
       const Wire w = patch_[m][p];
       if (w.module < 0) continue;
       const auto& other = s.module[static_cast<std::size_t>(w.module)];
-      if ((sim::en_out(other.grant, other.enable) >> w.port & 1) != 0) in.en_in = static_cast<std::uint8_t>(in.en_in | 1U << p);
+      if ((sim::en_out(other.grant, other.enable) >> w.port & 1) != 0)
+        in.en_in = static_cast<std::uint8_t>(in.en_in | 1U << p);
     }
     return in;
   }
-  [[nodiscard]] bool closed(const State& s, int m, int p) const { return (sim::switches(inputs(s, static_cast<std::size_t>(m))) >> p & 1) != 0; }
+  [[nodiscard]] bool closed(const State& s, int m, int p) const {
+    return (sim::switches(inputs(s, static_cast<std::size_t>(m))) >> p & 1) != 0;
+  }
   // Joint whose switches are closed at both ends.
   [[nodiscard]] bool conducts(const State& s, int m, int p) const {
     const Wire w = patch_[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)];
@@ -101,7 +104,8 @@ class Explorer {
       visit(next);
     }
   }
-  // Paths of conducting joints from the cable: as many joints as modules reached besides the first, so none has two ways.
+  // Paths of conducting joints from the cable: as many joints as modules reached besides the first, so none has two
+  // ways.
   void expect_one_path(const State& s) const {
     if (!s.cable || !closed(s, 0, 0)) return;
     std::vector<int> reached{0};
@@ -141,21 +145,22 @@ TEST(PortLogic, no_reachable_state_of_two_modules_with_two_joints_has_two_paths)
 
 TEST(PortLogic, no_reachable_state_of_four_modules_with_every_possible_joint_has_two_paths) {
   // 0-1, 0-2, 1-2, 1-3, 2-3: two cycles; port 0 of module 0 is the cable.
-  const Patch four{{{{-1, 0}, {1, 0}, {2, 0}}}, {{{0, 1}, {2, 1}, {3, 0}}}, {{{0, 2}, {1, 1}, {3, 1}}}, {{{1, 2}, {2, 2}, {-1, 0}}}};
+  const Patch four{
+      {{{-1, 0}, {1, 0}, {2, 0}}}, {{{0, 1}, {2, 1}, {3, 0}}}, {{{0, 2}, {1, 1}, {3, 1}}}, {{{1, 2}, {2, 2}, {-1, 0}}}};
   EXPECT_GT(Explorer(four).run(), 5000U);
 }
 
 // Hand-worked rows of the truth table in docs/switched_module.md.
 TEST(PortLogic, truth_table) {
   using sim::PortInputs;
-  EXPECT_EQ(sim::en_out(sim::kNoGrant, 7), 0);                                  // no parent: everything closed
-  EXPECT_EQ(sim::en_out(0, 7), 6);                                              // the parent's own port is never driven
-  EXPECT_EQ(sim::switches({.enable = 2, .en_in = 1, .grant = 0}), 3);           // parent and opened port
-  EXPECT_EQ(sim::switches({.enable = 2, .en_in = 3, .grant = 0}), 1);           // both ends open one joint: it stays cut
+  EXPECT_EQ(sim::en_out(sim::kNoGrant, 7), 0);                         // no parent: everything closed
+  EXPECT_EQ(sim::en_out(0, 7), 6);                                     // the parent's own port is never driven
+  EXPECT_EQ(sim::switches({.enable = 2, .en_in = 1, .grant = 0}), 3);  // parent and opened port
+  EXPECT_EQ(sim::switches({.enable = 2, .en_in = 3, .grant = 0}), 1);  // both ends open one joint: it stays cut
   EXPECT_EQ(sim::switches({.enable = 7, .en_in = 7, .grant = sim::kNoGrant}), 0);
   EXPECT_TRUE(sim::loses_grant({.enable = 0, .en_in = 6, .grant = 0}));
   EXPECT_FALSE(sim::loses_grant({.enable = 0, .en_in = 1, .grant = 0}));
-  EXPECT_EQ(sim::may_be_granted({.enable = 0, .en_in = 6, .grant = 0}), 0);     // a second EN is refused
+  EXPECT_EQ(sim::may_be_granted({.enable = 0, .en_in = 6, .grant = 0}), 0);  // a second EN is refused
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "support/random_design.hpp"
 #include "random_patch.hpp"
+#include "support/random_design.hpp"
 #include "triskin/device/patch_table.hpp"
 #include "triskin/device/topology.hpp"
 #include "triskin/model/patch_joints.hpp"
@@ -22,13 +22,15 @@ SwitchedPatch model_of(const model::Design& design, std::uint64_t seed) {
   }
   SwitchedPatch model(std::move(joints), 0, seed);
   if (const layout::PatchImage table = device::image_of(design, 0); table.second_entry != 0) {
-    model.set_second_cable({static_cast<int>(layout::joint_row(table.second_entry)), layout::joint_port(table.second_entry)});
+    model.set_second_cable(
+        {static_cast<int>(layout::joint_row(table.second_entry)), layout::joint_port(table.second_entry)});
   }
   return model;
 }
 
 int row_of(const geometry::Patch& patch, int node) {
-  return static_cast<int>(std::ranges::find(patch.modules, node, &geometry::RoutedModule::node) - patch.modules.begin());
+  return static_cast<int>(std::ranges::find(patch.modules, node, &geometry::RoutedModule::node) -
+                          patch.modules.begin());
 }
 
 void break_it(SwitchedPatch& model, const model::Design& design, const geometry::FailureLoss& f, bool broken) {
@@ -61,19 +63,24 @@ TEST(Prediction, every_failure_of_a_design_costs_what_the_host_said) {
       break_it(model, design, f, true);
       const auto report = topology.heal(fw::Topology::table_of(normal));
       const int n = static_cast<int>(patch.modules.size());
-      // Over the first cable what the host said for one entry; over the second, when the entry died, what it said for two.
+      // Over the first cable what the host said for one entry; over the second, when the entry died, what it said for
+      // two.
       const bool entry_died = f.other_node < 0 && f.node == patch.entry;
       if (entry_died || !report.second_cable) {
-        EXPECT_EQ(std::popcount(report.alive), n - (entry_died ? f.lost_backed_up : f.lost_rerouted)) << trial << " module " << f.node << " other " << f.other_node;
+        EXPECT_EQ(std::popcount(report.alive), n - (entry_died ? f.lost_backed_up : f.lost_rerouted))
+            << trial << " module " << f.node << " other " << f.other_node;
       } else {
-        EXPECT_GE(std::popcount(report.alive), n - f.lost_rerouted) << trial << " module " << f.node << " other " << f.other_node;
+        EXPECT_GE(std::popcount(report.alive), n - f.lost_rerouted)
+            << trial << " module " << f.node << " other " << f.other_node;
       }
       seconds += report.second_cable ? 1 : 0;
       if (f.lost_rerouted < n) {
         const layout::PatchImage backup = device::image_of(design, 0, {f.node, f.other_node});
-        ASSERT_EQ(backup.module_count, n - f.lost_rerouted) << trial << " module " << f.node << " other " << f.other_node;
+        ASSERT_EQ(backup.module_count, n - f.lost_rerouted)
+            << trial << " module " << f.node << " other " << f.other_node;
         const auto prepared = topology.heal(fw::Topology::table_of(backup));
-        EXPECT_TRUE(prepared.complete && prepared.as_table) << trial << " module " << f.node << " other " << f.other_node;
+        EXPECT_TRUE(prepared.complete && prepared.as_table)
+            << trial << " module " << f.node << " other " << f.other_node;
         EXPECT_EQ(std::popcount(prepared.alive), backup.module_count);
         // The controller's own tree is never deeper than the prepared one.
         if (!report.second_cable) {

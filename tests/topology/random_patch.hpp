@@ -18,7 +18,9 @@ struct RandomPatch {
   std::vector<std::array<SwitchedPatch::End, 3>> joints;
   int cable_port = 0;
   [[nodiscard]] int size() const { return static_cast<int>(joints.size()); }
-  [[nodiscard]] SwitchedPatch::End end(int m, int p) const { return joints[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)]; }
+  [[nodiscard]] SwitchedPatch::End end(int m, int p) const {
+    return joints[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)];
+  }
   /// Each joint once.
   [[nodiscard]] std::vector<SwitchedPatch::End> joint_ends() const {
     std::vector<SwitchedPatch::End> list;
@@ -40,7 +42,8 @@ inline int free_port(const RandomPatch& patch, int m, std::mt19937_64& random) {
 }
 
 inline bool joined(const RandomPatch& patch, int a, int b) {
-  return std::any_of(patch.joints[static_cast<std::size_t>(a)].begin(), patch.joints[static_cast<std::size_t>(a)].end(), [&](auto e) { return e.module == b; });
+  return std::any_of(patch.joints[static_cast<std::size_t>(a)].begin(), patch.joints[static_cast<std::size_t>(a)].end(),
+                     [&](auto e) { return e.module == b; });
 }
 
 inline bool add_joint(RandomPatch& patch, int a, int b, std::mt19937_64& random) {

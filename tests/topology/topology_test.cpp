@@ -22,30 +22,39 @@ std::array<fw::Slot, layout::kMaxModules> slots_of(int modules) {
 }
 
 struct Failure {
-  int module = -1;              // dead, or with `line` holding a line down
+  int module = -1;  // dead, or with `line` holding a line down
   int line = -1;
-  SwitchedPatch::End joint{};   // when module < 0
+  SwitchedPatch::End joint{};  // when module < 0
   Fault fault = Fault::kNone;
 };
 
 void apply(SwitchedPatch& model, const Failure& f) {
-  if (f.module >= 0 && f.line >= 0) model.set_stuck_line(f.module, f.line);
-  else if (f.module >= 0) model.set_dead(f.module, true);
-  else model.set_joint(f.joint, f.fault);
+  if (f.module >= 0 && f.line >= 0)
+    model.set_stuck_line(f.module, f.line);
+  else if (f.module >= 0)
+    model.set_dead(f.module, true);
+  else
+    model.set_joint(f.joint, f.fault);
 }
 void repair(SwitchedPatch& model, const Failure& f) {
-  if (f.module >= 0 && f.line >= 0) model.set_stuck_line(f.module, -1);
-  else if (f.module >= 0) model.set_dead(f.module, false);
-  else model.set_joint(f.joint, Fault::kNone);
+  if (f.module >= 0 && f.line >= 0)
+    model.set_stuck_line(f.module, -1);
+  else if (f.module >= 0)
+    model.set_dead(f.module, false);
+  else
+    model.set_joint(f.joint, Fault::kNone);
 }
 
 // Best possible: least number of joints from the entry over what survives, −1 when there is no way.
 std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure>& failures) {
-  const auto dead = [&](int m) { return std::any_of(failures.begin(), failures.end(), [&](const Failure& f) { return f.module == m; }); };
+  const auto dead = [&](int m) {
+    return std::any_of(failures.begin(), failures.end(), [&](const Failure& f) { return f.module == m; });
+  };
   const auto cut = [&](int m, int p) {
     return std::any_of(failures.begin(), failures.end(), [&](const Failure& f) {
       const auto e = patch.end(m, p);
-      return f.module < 0 && ((f.joint.module == m && f.joint.port == p) || (e.module == f.joint.module && e.port == f.joint.port));
+      return f.module < 0 &&
+             ((f.joint.module == m && f.joint.port == p) || (e.module == f.joint.module && e.port == f.joint.port));
     });
   };
   std::vector<int> depth(patch.joints.size(), -1);
@@ -55,7 +64,9 @@ std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure
     for (int m = 0; m < patch.size(); ++m) {
       for (int p = 0; p < 3; ++p) {
         const int other = patch.end(m, p).module;
-        if (depth[static_cast<std::size_t>(m)] != round || other < 0 || dead(other) || cut(m, p) || depth[static_cast<std::size_t>(other)] >= 0) continue;
+        if (depth[static_cast<std::size_t>(m)] != round || other < 0 || dead(other) || cut(m, p) ||
+            depth[static_cast<std::size_t>(other)] >= 0)
+          continue;
         depth[static_cast<std::size_t>(other)] = round + 1;
       }
     }
@@ -65,7 +76,12 @@ std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure
 
 class Bench {
  public:
-  Bench(RandomPatch p, std::uint64_t seed) : patch(std::move(p)), model(patch.joints, patch.cable_port, seed), chain(model), topology(chain), table{table_of(patch), slots_of(patch.size()), {}} {}
+  Bench(RandomPatch p, std::uint64_t seed)
+      : patch(std::move(p)),
+        model(patch.joints, patch.cable_port, seed),
+        chain(model),
+        topology(chain),
+        table{table_of(patch), slots_of(patch.size()), {}} {}
 
   // After healing: exactly the best set is reached, least deep, each module at its own line and address.
   void expect_best(const std::vector<Failure>& failures) {
@@ -171,7 +187,9 @@ TEST(Healing, any_two_failures_end_at_the_best_possible) {
       for (std::size_t b = a + 1; b < list.size(); ++b) {
         if (random() % 3 != 0) continue;
         if (list[a].module == list[b].module && list[a].module >= 0) continue;
-        if (list[a].module < 0 && list[b].module < 0 && list[a].joint.module == list[b].joint.module && list[a].joint.port == list[b].joint.port) continue;
+        if (list[a].module < 0 && list[b].module < 0 && list[a].joint.module == list[b].joint.module &&
+            list[a].joint.port == list[b].joint.port)
+          continue;
         apply(bench.model, list[a]);
         apply(bench.model, list[b]);
         ASSERT_NO_FATAL_FAILURE(bench.expect_best({list[a], list[b]})) << trial << ' ' << a << ' ' << b;
@@ -229,7 +247,9 @@ TEST(Faults, stuck_register_bits_end_in_bounded_time_without_a_wrong_map) {
         EXPECT_LE(bench.model.time_us() - start, 2'000'000.0);
         for (int k = 0; k < bench.patch.size(); ++k) {
           if ((report.alive >> k & 1) == 0) continue;
-          ASSERT_TRUE(bench.model.reached(k)) << "trial " << trial << ": bit " << bit << " of " << m << ", module " << k << " of " << bench.patch.size() << ", table " << report.alive << ", cable " << bench.patch.cable_port;
+          ASSERT_TRUE(bench.model.reached(k))
+              << "trial " << trial << ": bit " << bit << " of " << m << ", module " << k << " of " << bench.patch.size()
+              << ", table " << report.alive << ", cable " << bench.patch.cable_port;
           ASSERT_EQ(bench.model.line_of(k), bench.table.slots[static_cast<std::size_t>(k)].line);
           ASSERT_EQ(bench.model.address_of(k), bench.table.slots[static_cast<std::size_t>(k)].address);
         }

@@ -24,20 +24,24 @@ class Parts : public testing::TestWithParam<const char*> {};
 
 TEST_P(Parts, designs_and_passes_every_rule) {
   const fs::path mesh = data_folder() / "parts" / (std::string(GetParam()) + ".obj");
-  ASSERT_TRUE(fs::exists(mesh)) << mesh << ": the real covers are missing; set TRISKIN_DATA to the folder that holds parts/";
+  ASSERT_TRUE(fs::exists(mesh)) << mesh
+                                << ": the real covers are missing; set TRISKIN_DATA to the folder that holds parts/";
   model::DesignOptions options;
   options.time_limit_s = 6.0;
   const model::Design design = model::make_design(mesh, options);
   EXPECT_GE(design.layout.modules.size(), 5U);
-  const fs::path file = fs::temp_directory_path() / (std::string("parts_test.") + GetParam() + "." + std::to_string(::getpid()) + ".json");
+  const fs::path file = fs::temp_directory_path() /
+                        (std::string("parts_test.") + GetParam() + "." + std::to_string(::getpid()) + ".json");
   model::write_design(file, design);
   EXPECT_EQ(model::read_design(file).design_id, design.design_id);
   for (const auto& v : check::check_design(file).violations) ADD_FAILURE() << v.rule << " " << v.where << " " << v.text;
   fs::remove(file);
 }
 
-INSTANTIATE_TEST_SUITE_P(Covers, Parts, testing::Values("HEAD_v1", "HIP_v1", "LH_hipwing_v1", "LT_root_v2", "LUA_upperarm_half_v1", "RFA_forearm_v1", "ROOT_v25",
-                                        "RUF_forearm_v2", "SHANK_front_v25", "UA_upperarm_v1", "UL_upperleg_v1", "UT_torso_v1"),
+INSTANTIATE_TEST_SUITE_P(Covers, Parts,
+                         testing::Values("HEAD_v1", "HIP_v1", "LH_hipwing_v1", "LT_root_v2", "LUA_upperarm_half_v1",
+                                         "RFA_forearm_v1", "ROOT_v25", "RUF_forearm_v2", "SHANK_front_v25",
+                                         "UA_upperarm_v1", "UL_upperleg_v1", "UT_torso_v1"),
                          [](const auto& part) { return std::string(part.param); });
 
 TEST(HardMeshes, end_in_a_result_or_a_clear_error) {
@@ -55,7 +59,8 @@ TEST(HardMeshes, end_in_a_result_or_a_clear_error) {
   }
 }
 
-std::string error_of(const std::string& file_name, const std::string& content, std::optional<geometry::LengthUnit> unit = {}) {
+std::string error_of(const std::string& file_name, const std::string& content,
+                     std::optional<geometry::LengthUnit> unit = {}) {
   const fs::path path = fs::temp_directory_path() / (std::to_string(::getpid()) + "." + file_name);
   std::ofstream(path, std::ios::binary) << content;
   std::string message;
@@ -82,7 +87,9 @@ TEST(BadMeshes, are_named_with_the_reason) {
   EXPECT_EQ(error_of("metres.obj", "v 0 0 0\nv 0.3 0 0\nv 0 0.3 0\nf 1 2 3\n", geometry::LengthUnit::kMetre), "");
   EXPECT_TRUE(has(error_of("huge.obj", "v 0 0 0\nv 3e5 0 0\nv 0 3e5 0\nf 1 2 3\n"), "larger than a body part"));
   EXPECT_NE(error_of("nan.obj", "v nan 0 0\nv 100 0 0\nv 0 100 0\nf 1 2 3\n"), "");
-  EXPECT_TRUE(has(error_of("fan.obj", "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 -100 0\nv 0 0 100\nf 1 2 3\nf 2 1 4\nf 1 2 5\n"), "not a manifold"));
+  EXPECT_TRUE(
+      has(error_of("fan.obj", "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 -100 0\nv 0 0 100\nf 1 2 3\nf 2 1 4\nf 1 2 5\n"),
+          "not a manifold"));
 }
 
 }  // namespace

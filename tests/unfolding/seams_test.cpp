@@ -21,14 +21,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
+std::size_t at(int k) {
+  return static_cast<std::size_t>(k);
+}
 
 // nu × nv cells; wrapped: the last column is the first.
 Mesh sheet(int nu, int nv, bool wrapped, const std::function<Vec3(double, double)>& map) {
   Mesh mesh;
   const int columns = wrapped ? nu : nu + 1;
   for (int v = 0; v <= nv; ++v) {
-    for (int u = 0; u < columns; ++u) mesh.vertices.push_back(map(static_cast<double>(u) / nu, static_cast<double>(v) / nv));
+    for (int u = 0; u < columns; ++u)
+      mesh.vertices.push_back(map(static_cast<double>(u) / nu, static_cast<double>(v) / nv));
   }
   for (int v = 0; v < nv; ++v) {
     for (int u = 0; u < nu; ++u) {
@@ -53,7 +56,8 @@ Mesh dome(double radius) {
 std::optional<std::pair<std::size_t, Vec2>> flat_corner(const Net& net, int face, int k) {
   for (std::size_t p = 0; p < net.pieces.size(); ++p) {
     const auto found = std::ranges::find(net.pieces[p].faces, face);
-    if (found != net.pieces[p].faces.end()) return std::pair{p, net.pieces[p].flat[static_cast<std::size_t>(found - net.pieces[p].faces.begin())][at(k)]};
+    if (found != net.pieces[p].faces.end())
+      return std::pair{p, net.pieces[p].flat[static_cast<std::size_t>(found - net.pieces[p].faces.begin())][at(k)]};
   }
   return std::nullopt;
 }
@@ -91,7 +95,9 @@ TEST(Seams, a_line_across_a_plane_makes_two_pieces) {
 }
 
 TEST(Seams, a_tube_opens_where_it_is_asked_to) {
-  const Surface s(sheet(24, 8, true, [](double u, double v) { return Vec3(50 * std::cos(2 * M_PI * u), 50 * std::sin(2 * M_PI * u), 120 * v); }));
+  const Surface s(sheet(24, 8, true, [](double u, double v) {
+    return Vec3(50 * std::cos(2 * M_PI * u), 50 * std::sin(2 * M_PI * u), 120 * v);
+  }));
   const auto edges = edges_along(s, {{{0, 50, 0}, {0, 50, 120}}}, "line");
   EXPECT_EQ(edges.size(), 8U);
   const Net net = unfold(s, {.seams = edges});
@@ -122,18 +128,25 @@ TEST(Seams, what_cannot_be_is_said) {
   }
   EXPECT_NE(message_of([&] { (void)unfold(s, {.uncut = all}); }).find("must stay joined"), std::string::npos);
   const std::vector<SurfaceEdge> one{all.front()};
-  EXPECT_NE(message_of([&] { (void)unfold(s, {.seams = one, .uncut = one}); }).find("asked for and forbidden"), std::string::npos);
+  EXPECT_NE(message_of([&] { (void)unfold(s, {.seams = one, .uncut = one}); }).find("asked for and forbidden"),
+            std::string::npos);
 }
 
 TEST(Seams, lines_off_the_surface_are_named) {
   const Surface s(plane());
-  EXPECT_NE(message_of([&] { (void)edges_along(s, {{{0, 0, 0}, {0, 0, 30}}}, "my.obj"); }).find("my.obj: line 1, point 2"), std::string::npos);
-  EXPECT_NE(message_of([&] { (void)edges_along(s, {{{0, 0, 0}, {1, 1, 0}}}, "my.obj"); }).find("single vertex"), std::string::npos);
+  EXPECT_NE(
+      message_of([&] { (void)edges_along(s, {{{0, 0, 0}, {0, 0, 30}}}, "my.obj"); }).find("my.obj: line 1, point 2"),
+      std::string::npos);
+  EXPECT_NE(message_of([&] { (void)edges_along(s, {{{0, 0, 0}, {1, 1, 0}}}, "my.obj"); }).find("single vertex"),
+            std::string::npos);
   Mesh two = plane();
   const auto count = static_cast<int>(two.vertices.size());
   for (int k = 0; k < count; ++k) two.vertices.emplace_back(two.vertices[at(k)] + Vec3(300, 0, 0));
   for (const auto f : std::vector(two.faces)) two.faces.push_back({f[0] + count, f[1] + count, f[2] + count});
-  EXPECT_NE(message_of([&] { (void)edges_along(Surface(two), {{{0, 0, 0}, {300, 0, 0}}}, "my.obj"); }).find("do not hang together"), std::string::npos);
+  EXPECT_NE(message_of([&] {
+              (void)edges_along(Surface(two), {{{0, 0, 0}, {300, 0, 0}}}, "my.obj");
+            }).find("do not hang together"),
+            std::string::npos);
 }
 
 TEST(Seams, files_are_read_and_bad_ones_named) {
@@ -142,7 +155,8 @@ TEST(Seams, files_are_read_and_bad_ones_named) {
     std::ofstream(file) << text;
     return read_seams(file, unit);
   };
-  const SeamLines lines = read("# two lines\nv 0 0 0\nv 0.01 0 0\nv 0 2e-2 0\nl 1 2\no x\nl -1 1/1 2\n", LengthUnit::kMetre);
+  const SeamLines lines =
+      read("# two lines\nv 0 0 0\nv 0.01 0 0\nv 0 2e-2 0\nl 1 2\no x\nl -1 1/1 2\n", LengthUnit::kMetre);
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_EQ(lines[0], (std::vector<Vec3>{{0, 0, 0}, {10, 0, 0}}));
   EXPECT_EQ(lines[1], (std::vector<Vec3>{{0, 20, 0}, {0, 0, 0}, {10, 0, 0}}));

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/geometry/unfolding.hpp"
-
 #include <gtest/gtest.h>
 
 #include <functional>
 
 #include "triskin/geometry/extract.hpp"
 #include "triskin/geometry/polygon_io.hpp"
+#include "triskin/geometry/unfolding.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::geometry {
@@ -58,7 +57,8 @@ TEST(Unfold, cylinder_and_cone_are_developable) {
 }
 
 TEST(Unfold, a_closed_tube_is_cut_without_help) {
-  Mesh mesh = sheet(24, [](double u, double v) { return Vec3(50 * std::cos(2 * M_PI * u), 50 * std::sin(2 * M_PI * u), 120 * v); });
+  Mesh mesh = sheet(
+      24, [](double u, double v) { return Vec3(50 * std::cos(2 * M_PI * u), 50 * std::sin(2 * M_PI * u), 120 * v); });
   // Weld the seam: column 24 is column 0.
   for (auto& f : mesh.faces) {
     for (int& v : f) {
@@ -96,7 +96,8 @@ Mesh disc(double rho_mm, const std::function<Vec3(double, double)>& map) {
 Mesh cap(double radius_mm, double rho_mm) {
   return disc(rho_mm, [=](double r, double a) {
     const double polar = r / radius_mm;
-    return Vec3(radius_mm * std::sin(polar) * std::cos(a), radius_mm * std::sin(polar) * std::sin(a), radius_mm * std::cos(polar));
+    return Vec3(radius_mm * std::sin(polar) * std::cos(a), radius_mm * std::sin(polar) * std::sin(a),
+                radius_mm * std::cos(polar));
   });
 }
 
@@ -108,7 +109,8 @@ TEST(Unfold, a_spherical_cap_has_the_error_of_the_formula) {
       const Net net = unfold(Surface(cap(radius, rho)), {.edge_error_mm = 20.0});
       ASSERT_EQ(net.pieces.size(), 1U);
       const double formula = 30.0 * rho * rho / (8 * radius * radius);
-      EXPECT_NEAR(net.pieces[0].max_edge_error_mm / formula, 1.0, 0.12) << "radius " << radius << " mm, cap " << rho << " mm";
+      EXPECT_NEAR(net.pieces[0].max_edge_error_mm / formula, 1.0, 0.12)
+          << "radius " << radius << " mm, cap " << rho << " mm";
     }
   }
 }
@@ -157,7 +159,8 @@ TEST(Unfold, a_torus_comes_apart_by_itself) {
   for (int v = 0; v < kN; ++v) {
     for (int u = 0; u < kN; ++u) {
       const double a = 2 * M_PI * u / kN, b = 2 * M_PI * v / kN;
-      mesh.vertices.emplace_back((120 + 40 * std::cos(b)) * std::cos(a), (120 + 40 * std::cos(b)) * std::sin(a), 40 * std::sin(b));
+      mesh.vertices.emplace_back((120 + 40 * std::cos(b)) * std::cos(a), (120 + 40 * std::cos(b)) * std::sin(a),
+                                 40 * std::sin(b));
     }
   }
   for (int v = 0; v < kN; ++v) {

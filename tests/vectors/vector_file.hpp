@@ -10,7 +10,8 @@
 
 namespace triskin::test {
 
-/// One block of tests/vectors/*.txt: `## name`, then `key = value` lines in order. The same files are the examples in docs/.
+/// One block of tests/vectors/*.txt: `## name`, then `key = value` lines in order. The same files are the examples in
+/// docs/.
 struct Vector {
   std::string name;
   std::vector<std::pair<std::string, std::string>> lines;
@@ -54,7 +55,8 @@ inline std::vector<Vector> read_vectors(const std::string& file) {
       vectors.push_back({line.substr(3), {}});
     } else if (!line.empty() && line[0] != '#') {
       const auto at = line.find(" =");
-      if (at == std::string::npos || vectors.empty()) throw std::runtime_error(path + ": '" + line + "' is no 'key = value'");
+      if (at == std::string::npos || vectors.empty())
+        throw std::runtime_error(path + ": '" + line + "' is no 'key = value'");
       vectors.back().lines.emplace_back(line.substr(0, at), line.size() > at + 3 ? line.substr(at + 3) : "");
     }
   }

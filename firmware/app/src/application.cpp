@@ -17,8 +17,14 @@ wire::IsoTp make_link(std::uint8_t node, std::uint8_t frame_bytes) {
 }  // namespace
 
 Application::Application(const Ports& ports)
-    : ports_(ports), tables_(*ports.flash), server_(*this, tables_), faults_(*ports.flash),
-      channels_{{{ports.can, make_link(1, 8)}, {ports.usb, make_link(1, 8)}}}, asking_(ports.can), stream_port_(ports.can), route_(ports.chain) {
+    : ports_(ports),
+      tables_(*ports.flash),
+      server_(*this, tables_),
+      faults_(*ports.flash),
+      channels_{{{ports.can, make_link(1, 8)}, {ports.usb, make_link(1, 8)}}},
+      asking_(ports.can),
+      stream_port_(ports.can),
+      route_(ports.chain) {
   restart();
 }
 
@@ -45,7 +51,8 @@ void Application::restart_sampling() {
   }
 }
 
-// Switched modules: a look at the chain now and then; a new tree when it is due. Transfers that a doubt falls on end unused.
+// Switched modules: a look at the chain now and then; a new tree when it is due. Transfers that a doubt falls on end
+// unused.
 void Application::keep_route() {
   for (std::uint8_t l = 0; l < layout::kLines; ++l) route_.line_state(l, lines_[l].stuck());
   if (!quiet_ && route_.check_due(now_us()) && !route_.check(now_us())) distrust();
@@ -90,7 +97,8 @@ void Application::step() {
 // The answer goes out first, also through the queue of the port.
 void Application::reset_when_answered() {
   constexpr std::uint64_t kQueue_us = 5'000;
-  const bool answered = std::ranges::none_of(channels(), [&](const Channel& c) { return c.port == asking_ && (c.link.sending() || c.held); });
+  const bool answered = std::ranges::none_of(
+      channels(), [&](const Channel& c) { return c.port == asking_ && (c.link.sending() || c.held); });
   if (!reset_requested_ || !answered) return;
   if (through_loader_ && ports_.restart != nullptr) {
     if (reset_at_us_ == UINT64_MAX) reset_at_us_ = now_us() + kQueue_us;
@@ -108,7 +116,9 @@ void Application::reset_when_answered() {
 }
 
 std::uint64_t Application::next_event_us() const {
-  std::uint64_t next = std::min({next_tick_us_, reset_at_us_, quiet_ ? UINT64_MAX : route_.next_event_us()});  // quiet: the lines report their own ends
+  std::uint64_t next =
+      std::min({next_tick_us_, reset_at_us_,
+                quiet_ ? UINT64_MAX : route_.next_event_us()});  // quiet: the lines report their own ends
   for (const Channel& c : channels()) next = std::min(next, c.link.next_event_us());
   const std::uint64_t now = now_us();
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now));
@@ -125,7 +135,8 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
   if (!functional && frame.id != c.link.rx_id()) return;
   if (functional) {  // single frames only (ISO 15765-4)
     wire::IsoTp single(0, wire::kFunctionalId, 8);
-    if (single.receive(frame, now_us()) == wire::IsoTp::Event::kReceived && !c.link.sending()) answer(c, single.message(), true);
+    if (single.receive(frame, now_us()) == wire::IsoTp::Event::kReceived && !c.link.sending())
+      answer(c, single.message(), true);
     return;
   }
   c.link.set_frame_bytes(frame.fd ? c.port->frame_bytes() : 8);
@@ -143,8 +154,10 @@ void Application::handle_icub_frame(const wire::CanFrame& frame) {
   if (reaction.reply) icub_reply_ = reaction.reply;
   if (!reaction.transmit) return;
   stream_port_ = ports_.can;
-  if (*reaction.transmit) stream_ = StreamMode::kIcub;
-  else if (stream_ == StreamMode::kIcub) stream_ = StreamMode::kOff;
+  if (*reaction.transmit)
+    stream_ = StreamMode::kIcub;
+  else if (stream_ == StreamMode::kIcub)
+    stream_ = StreamMode::kOff;
 }
 
 // Discovery and assignment by unique id: works while several fresh boards share the default address.
@@ -175,12 +188,15 @@ void Application::send_pending() {
   if (icub_reply_ && ports_.can->send(*icub_reply_)) icub_reply_.reset();
   for (Channel& c : channels()) send_pending(c, now_us());
   const bool held = std::ranges::any_of(channels(), [&](const Channel& c) { return c.port == stream_port_ && c.held; });
-  while (!held && outgoing_tail_ != outgoing_head_ && stream_port_->send(outgoing_[outgoing_tail_])) outgoing_tail_ = (outgoing_tail_ + 1) % outgoing_.size();
+  while (!held && outgoing_tail_ != outgoing_head_ && stream_port_->send(outgoing_[outgoing_tail_]))
+    outgoing_tail_ = (outgoing_tail_ + 1) % outgoing_.size();
 }
 
 bool Application::frames_wait() const {
-  const bool channel_waits = std::ranges::any_of(channels(), [](const Channel& c) { return (c.held || c.claim_at < c.claim.size()) && c.port->has_room(); });
-  return channel_waits || (icub_reply_ && ports_.can->has_room()) || (outgoing_tail_ != outgoing_head_ && stream_port_->has_room());
+  const bool channel_waits = std::ranges::any_of(
+      channels(), [](const Channel& c) { return (c.held || c.claim_at < c.claim.size()) && c.port->has_room(); });
+  return channel_waits || (icub_reply_ && ports_.can->has_room()) ||
+         (outgoing_tail_ != outgoing_head_ && stream_port_->has_room());
 }
 
 // Each reading is sent on as soon as it stands: the converters have clocks of their own.
@@ -196,7 +212,8 @@ void Application::take_samples() {
     if (stream_ == StreamMode::kFull && !server_.transferring()) queue_full(k);
   }
   if (!any || !tables_.has_table()) return;
-  const bool silent = std::ranges::all_of(std::span(samples_).first(tables_.table().module_count), [](const ModuleSample& s) { return s.state == ModuleState::kAbsent; });
+  const bool silent = std::ranges::all_of(std::span(samples_).first(tables_.table().module_count),
+                                          [](const ModuleSample& s) { return s.state == ModuleState::kAbsent; });
   if (silent) route_.nothing_answers(now_us());
 }
 
@@ -231,7 +248,8 @@ void Application::queue(const Frames&... frames) {
 void Application::queue_full(std::size_t module) {
   const ModuleSample& s = samples_[module];
   const auto& value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output();
-  queue(wire::encode_full({tables_.node_address(), static_cast<std::uint8_t>(module), s.number, s.time_us, s.valid, static_cast<std::uint8_t>(s.state), value}));
+  queue(wire::encode_full({tables_.node_address(), static_cast<std::uint8_t>(module), s.number, s.time_us, s.valid,
+                           static_cast<std::uint8_t>(s.state), value}));
 }
 
 void Application::queue_icub() {
@@ -285,17 +303,28 @@ void Application::write_live(ByteWriter& out) const {
 }
 
 void Application::write_states(ByteWriter& out) const {
-  for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) out.u8(static_cast<std::uint8_t>(shown(k).state));
+  for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k)
+    out.u8(static_cast<std::uint8_t>(shown(k).state));
 }
 
 bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
   switch (did) {
-    case wire::did::kSerialNumber: out.bytes(ports_.unique_id); return true;
+    case wire::did::kSerialNumber:
+      out.bytes(ports_.unique_id);
+      return true;
     case wire::did::kPartNumber:
-    case wire::did::kHardware: out.bytes(std::array<std::uint8_t, 8>{'T', 'R', 'I', 'S', 'K', 'I', 'N', '1'}); return true;
-    case wire::did::kFirmware: out.be32(kFirmwareVersion); return true;
-    case wire::did::kHello: write_hello(out); return true;
-    case wire::did::kNodeAddress: out.u8(tables_.node_address()); return true;
+    case wire::did::kHardware:
+      out.bytes(std::array<std::uint8_t, 8>{'T', 'R', 'I', 'S', 'K', 'I', 'N', '1'});
+      return true;
+    case wire::did::kFirmware:
+      out.be32(kFirmwareVersion);
+      return true;
+    case wire::did::kHello:
+      write_hello(out);
+      return true;
+    case wire::did::kNodeAddress:
+      out.u8(tables_.node_address());
+      return true;
     case wire::did::kActiveTable:
       out.u8(static_cast<std::uint8_t>(tables_.status()));
       out.le32(tables_.sequence());
@@ -303,9 +332,15 @@ bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
       out.le32(crc32(tables_.active_bytes()));
       out.u8(tables_.has_table() ? tables_.table().module_count : 0);
       return true;
-    case wire::did::kModuleStates: write_states(out); return tables_.has_table();
-    case wire::did::kTopology: wire::encode(route_.found(), out); return true;
-    case wire::did::kRoute: wire::encode(route_.route(), tables_.has_table() ? tables_.table().module_count : std::uint8_t{0}, out); return true;
+    case wire::did::kModuleStates:
+      write_states(out);
+      return tables_.has_table();
+    case wire::did::kTopology:
+      wire::encode(route_.found(), out);
+      return true;
+    case wire::did::kRoute:
+      wire::encode(route_.route(), tables_.has_table() ? tables_.table().module_count : std::uint8_t{0}, out);
+      return true;
     case wire::did::kStatistics: {
       std::uint32_t errors = 0, recoveries = 0;
       for (const LineSampler& l : lines_) {
@@ -315,9 +350,13 @@ bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
       for (const std::uint32_t v : {sample_count_, errors, recoveries, lost_frames_}) out.le32(v);
       return true;
     }
-    case wire::did::kStream: out.u8(static_cast<std::uint8_t>(stream_)); return true;
+    case wire::did::kStream:
+      out.u8(static_cast<std::uint8_t>(stream_));
+      return true;
     case wire::did::kSampling:
-      for (const auto byte : {static_cast<std::uint8_t>(sampling_.decimation), sampling_.every, static_cast<std::uint8_t>(output_)}) out.u8(byte);
+      for (const auto byte :
+           {static_cast<std::uint8_t>(sampling_.decimation), sampling_.every, static_cast<std::uint8_t>(output_)})
+        out.u8(byte);
       return true;
     case wire::did::kLineStates:
       for (const LineSampler& l : lines_) {
@@ -325,15 +364,20 @@ bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
         out.le32(l.recoveries());
       }
       return true;
-    case wire::did::kImageState: return ports_.restart != nullptr && ports_.restart->describe(out);
-    case wire::did::kLiveTaxels: write_live(out); return true;
-    default: return false;
+    case wire::did::kImageState:
+      return ports_.restart != nullptr && ports_.restart->describe(out);
+    case wire::did::kLiveTaxels:
+      write_live(out);
+      return true;
+    default:
+      return false;
   }
 }
 
 // Takes effect at once: every converter is configured anew.
 Status Application::set_sampling(Bytes value) {
-  if (value.size() != 3 || value[0] > static_cast<std::uint8_t>(wire::Decimation::k64) || value[1] == 0) return Status::kOutOfRange;
+  if (value.size() != 3 || value[0] > static_cast<std::uint8_t>(wire::Decimation::k64) || value[1] == 0)
+    return Status::kOutOfRange;
   if (value[2] > static_cast<std::uint8_t>(wire::TaxelOutput::kCompensated)) return Status::kOutOfRange;
   output_ = static_cast<wire::TaxelOutput>(value[2]);
   const Sampling wanted{static_cast<wire::Decimation>(value[0]), value[1]};
@@ -370,7 +414,9 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
     case wire::routine::kCalibrate:
       for (ModuleSample& s : samples_) s.compensation.restart();  // the next reading becomes the baseline
       return Status::kOk;
-    case wire::routine::kReroute: route_.request(); return Status::kOk;
+    case wire::routine::kReroute:
+      route_.request();
+      return Status::kOk;
     case wire::routine::kActivate: {
       const Status s = tables_.activate(tables_.node_address());
       if (s != Status::kOk) return s;
@@ -378,7 +424,8 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
       restart_sampling();
       return s;
     }
-    default: return Status::kOutOfRange;
+    default:
+      return Status::kOutOfRange;
   }
 }
 

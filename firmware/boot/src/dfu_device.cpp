@@ -7,7 +7,8 @@ namespace triskin::boot {
 namespace {
 
 constexpr std::uint8_t kClassOut = 0x21, kClassIn = 0xA1;
-constexpr std::uint8_t kDetach = 0, kDownload = 1, kUpload = 2, kGetStatus = 3, kClearStatus = 4, kGetState = 5, kAbort = 6;
+constexpr std::uint8_t kDetach = 0, kDownload = 1, kUpload = 2, kGetStatus = 3, kClearStatus = 4, kGetState = 5,
+                       kAbort = 6;
 constexpr std::uint8_t kPoll_ms = 5;
 constexpr std::size_t kUnit = 8;
 
@@ -17,15 +18,19 @@ std::optional<Bytes> DfuDevice::control(const wire::UsbSetup& s, Bytes data) {
   heard_ = true;
   if (s.type == kClassOut && s.index == 0) {
     switch (s.request) {
-      case kDetach: leave_ = true; return Bytes{};
-      case kDownload: return download(s, data);
+      case kDetach:
+        leave_ = true;
+        return Bytes{};
+      case kDownload:
+        return download(s, data);
       case kClearStatus:
       case kAbort:
         state_ = State::kIdle;
         error_ = Error::kNone;
         at_ = 0;
         return Bytes{};
-      default: return fail(Error::kStalled);
+      default:
+        return fail(Error::kStalled);
     }
   }
   if (s.type == kClassIn && s.index == 0) {
@@ -69,7 +74,8 @@ DfuDevice::Error DfuDevice::begin(Bytes head) {
   return slots_.erase(slot_) == Status::kOk ? Error::kNone : Error::kErase;
 }
 
-// Bytes of the package in order; only the image for the free slot is stored. What follows the package (the suffix) is not looked at.
+// Bytes of the package in order; only the image for the free slot is stored. What follows the package (the suffix) is
+// not looked at.
 DfuDevice::Error DfuDevice::take(Bytes data) {
   if (at_ == 0) {
     if (const Error error = begin(data); error != Error::kNone) return error;
@@ -88,15 +94,20 @@ DfuDevice::Error DfuDevice::manifest() {
   if (at_ < head_.total()) return Error::kNotDone;
   const auto k = static_cast<std::size_t>(slot_);
   switch (slots_.commit(slot_, head_.size_bytes[k], head_.crc[k])) {
-    case Status::kOk: return Error::kNone;
-    case Status::kFlashFailed: return Error::kWrite;
-    case Status::kWrongTarget: return Error::kTarget;
-    default: return Error::kFirmware;
+    case Status::kOk:
+      return Error::kNone;
+    case Status::kFlashFailed:
+      return Error::kWrite;
+    case Status::kWrongTarget:
+      return Error::kTarget;
+    default:
+      return Error::kFirmware;
   }
 }
 
 Bytes DfuDevice::status() {
-  if (state_ == State::kDownloadSync) state_ = State::kDownloadIdle;
+  if (state_ == State::kDownloadSync)
+    state_ = State::kDownloadIdle;
   else if (state_ == State::kManifestSync) {
     error_ = manifest();
     committed_ = error_ == Error::kNone;

@@ -14,7 +14,8 @@ constexpr std::uint32_t kRamBase = 0x20000000, kRamEnd = 0x20020000;
 }  // namespace
 
 bool SlotStore::vectors_fit(int slot, std::uint32_t size_bytes) const {
-  const std::uint32_t origin = origins_[static_cast<std::size_t>(slot)], stack = word(slot, 0), entry = word(slot, 4) & ~1U;
+  const std::uint32_t origin = origins_[static_cast<std::size_t>(slot)], stack = word(slot, 0),
+                      entry = word(slot, 4) & ~1U;
   return stack > kRamBase && stack <= kRamEnd && entry > origin && entry < origin + size_bytes;
 }
 
@@ -25,7 +26,8 @@ bool SlotStore::marked(int slot, std::size_t first, std::size_t count) const {
   return false;
 }
 
-// The first free one of `count` units gets programmed; a unit that was torn looks free but is refused: the next one then.
+// The first free one of `count` units gets programmed; a unit that was torn looks free but is refused: the next one
+// then.
 bool SlotStore::add_mark(int slot, std::size_t first, std::size_t count) {
   static constexpr std::array<std::uint8_t, kUnitBytes> kMark{};
   for (std::size_t k = 0; k < count; ++k) {
@@ -43,7 +45,8 @@ SlotState SlotStore::inspect(int slot) const {
   s.size_bytes = word(slot, at + 8);
   s.record_crc = word(slot, at + 12);
   if (s.size_bytes < kSmallest || s.size_bytes > records(slot)) return s;
-  s.valid = vectors_fit(slot, s.size_bytes) && s.record_crc == slot_crc(s.sequence, area(slot).bytes().first(s.size_bytes));
+  s.valid =
+      vectors_fit(slot, s.size_bytes) && s.record_crc == slot_crc(s.sequence, area(slot).bytes().first(s.size_bytes));
   for (std::size_t k = 0; k < kMaxStarts; ++k) s.starts += unit_used(slot, at + (kStartUnit + k) * kUnitBytes) ? 1 : 0;
   s.confirmed = marked(slot, at + kConfirmUnit * kUnitBytes, kConfirmUnits);
   return s;
@@ -61,7 +64,9 @@ int SlotStore::choose() const {
   return best;
 }
 
-bool SlotStore::note_start(int slot) { return add_mark(slot, records(slot) + kStartUnit * kUnitBytes, kMaxStarts); }
+bool SlotStore::note_start(int slot) {
+  return add_mark(slot, records(slot) + kStartUnit * kUnitBytes, kMaxStarts);
+}
 
 Status SlotStore::erase(int slot) {
   if (!area(slot).erase_page(records(slot))) return Status::kFlashFailed;

@@ -4,7 +4,9 @@
 namespace triskin::fw {
 namespace {
 
-std::uint16_t big16(std::span<const std::uint8_t> b) { return static_cast<std::uint16_t>(b[0] << 8 | b[1]); }
+std::uint16_t big16(std::span<const std::uint8_t> b) {
+  return static_cast<std::uint16_t>(b[0] << 8 | b[1]);
+}
 
 }  // namespace
 
@@ -27,8 +29,8 @@ void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, Pola
   if (step < ad7147::kStages) {
     // Stage s converts input s alone, single ended; offsets mid-range, clamps wide open.
     w.be16(static_cast<std::uint16_t>(ad7147::kStage + step * ad7147::kStageStride));
-    // Two bits an input: 11 to BIAS, 10 to the positive side, 01 to the negative. High word: CIN7 … 12, then 01 or 10 for
-    // single ended, positive or negative.
+    // Two bits an input: 11 to BIAS, 10 to the positive side, 01 to the negative. High word: CIN7 … 12, then 01 or 10
+    // for single ended, positive or negative.
     const bool positive = polarity == Polarity::kPositive;
     const unsigned cleared = 1U << (2 * (step < 7 ? step : step - 7) + (positive ? 0 : 1));
     const unsigned low = step < 7 ? 0x3FFFU & ~cleared : 0x3FFFU;
@@ -68,7 +70,9 @@ void Ad7147::begin_status(I2cLine& line, std::uint8_t address) {
   line.start(address, std::span(out_).first(2), std::span(in_).first(2));
 }
 
-std::uint16_t Ad7147::status() const { return big16(in_); }
+std::uint16_t Ad7147::status() const {
+  return big16(in_);
+}
 
 void Ad7147::begin_verify(I2cLine& line, std::uint8_t address) {
   write_register(ad7147::kPowerControl);

@@ -10,10 +10,12 @@ constexpr std::uint8_t kMarker = 0x80;
 constexpr int kTries = 3;  // a marginal chain clock flips a bit now and then
 
 // Neither constant nor periodic in a byte; the first bytes measure the length.
-constexpr std::array<std::uint8_t, layout::kMaxModules + 3> kPattern{0xA6, 0x59, 0x3C, 0xD1, 0x8B, 0x62, 0x17, 0xE4, 0x9A, 0x35,
-                                                                     0xC8, 0x71, 0x2D, 0xB4, 0x4E, 0x93, 0x1F, 0xE8, 0x56};
+constexpr std::array<std::uint8_t, layout::kMaxModules + 3> kPattern{
+    0xA6, 0x59, 0x3C, 0xD1, 0x8B, 0x62, 0x17, 0xE4, 0x9A, 0x35, 0xC8, 0x71, 0x2D, 0xB4, 0x4E, 0x93, 0x1F, 0xE8, 0x56};
 
-constexpr std::uint8_t enable_bit(std::uint8_t port) { return static_cast<std::uint8_t>(0x10U << port); }
+constexpr std::uint8_t enable_bit(std::uint8_t port) {
+  return static_cast<std::uint8_t>(0x10U << port);
+}
 
 }  // namespace
 
@@ -62,7 +64,8 @@ std::size_t ChainDriver::order() {
 }
 
 void ChainDriver::set_slot(std::uint8_t module, Slot slot) {
-  config_[module] = static_cast<std::uint8_t>((config_[module] & 0xF0U) | (slot.line & 3U) | ((slot.address & 3U) << 2));
+  config_[module] =
+      static_cast<std::uint8_t>((config_[module] & 0xF0U) | (slot.line & 3U) | ((slot.address & 3U) << 2));
 }
 
 // Shifts the configuration in; true when the chain gave back the same one, that is, held it before.
@@ -83,16 +86,22 @@ bool ChainDriver::write() {
   return true;
 }
 
-bool ChainDriver::settle() { return measure() == Answer::kUnchanged && write(); }
+bool ChainDriver::settle() {
+  return measure() == Answer::kUnchanged && write();
+}
 
-bool ChainDriver::check() { return length_ > 0 && echo(); }
+bool ChainDriver::check() {
+  return length_ > 0 && echo();
+}
 
 ChainDriver::Answer ChainDriver::measure() {
   std::array<std::uint8_t, kMost> in{};
   const std::size_t n = length_ + 3;
   for (int k = 0; k < kTries; ++k) {
     port_.exchange(Bytes(kPattern.data(), n), {in.data(), n});
-    const auto all = [&](std::uint8_t value) { return std::all_of(in.begin(), in.begin() + static_cast<std::ptrdiff_t>(n), [&](auto b) { return b == value; }); };
+    const auto all = [&](std::uint8_t value) {
+      return std::all_of(in.begin(), in.begin() + static_cast<std::ptrdiff_t>(n), [&](auto b) { return b == value; });
+    };
     const auto delayed = [&](std::size_t by) {
       for (std::size_t b = by; b < n; ++b) {
         if (in[b] != kPattern[b - by]) return false;

@@ -6,9 +6,13 @@
 namespace triskin::fw {
 namespace {
 
-constexpr bool is_pad(std::size_t taxel) { return std::ranges::find(Compensation::kPads, taxel) != Compensation::kPads.end(); }
+constexpr bool is_pad(std::size_t taxel) {
+  return std::ranges::find(Compensation::kPads, taxel) != Compensation::kPads.end();
+}
 
-constexpr std::int64_t rounded(std::int64_t value, unsigned bits) { return (value + (std::int64_t{1} << (bits - 1))) >> bits; }
+constexpr std::int64_t rounded(std::int64_t value, unsigned bits) {
+  return (value + (std::int64_t{1} << (bits - 1))) >> bits;
+}
 
 }  // namespace
 
@@ -41,7 +45,8 @@ void Compensation::add(const Taxels& raw, std::uint16_t valid) {
     if ((fresh & 1U << t) != 0) baseline_[t] = steady;
     const std::int64_t change = steady - baseline_[t];
     output_[t] = static_cast<std::uint16_t>(std::clamp<std::int64_t>(kRest + rounded(change, kFraction), 0, 0xFFFF));
-    const bool touched = change >= (std::int64_t{kTouch} << kFraction) || change <= -(std::int64_t{kTouch} << kFraction);
+    const bool touched =
+        change >= (std::int64_t{kTouch} << kFraction) || change <= -(std::int64_t{kTouch} << kFraction);
     if (!touched && !is_pad(t)) baseline_[t] += rounded(change, kFollow);
   }
 }

@@ -11,9 +11,13 @@ constexpr std::uint8_t kFaultMark = 0xFA;
 
 using Record = std::array<std::uint8_t, FaultMemory::kRecordBytes>;
 
-void seal(Record& record) { ByteWriter(std::span(record).last(4)).le32(crc32(Bytes(record).first(12))); }
+void seal(Record& record) {
+  ByteWriter(std::span(record).last(4)).le32(crc32(Bytes(record).first(12)));
+}
 
-bool sealed(Bytes record) { return ByteReader(record.last(4)).le32() == crc32(record.first(12)); }
+bool sealed(Bytes record) {
+  return ByteReader(record.last(4)).le32() == crc32(record.first(12));
+}
 
 bool erased(Bytes bytes) {
   return std::ranges::all_of(bytes, [](std::uint8_t b) { return b == 0xFF; });
@@ -67,7 +71,8 @@ void FaultMemory::replay(std::size_t page) {
     ByteReader r(record);
     const bool fault = r.u8() == kFaultMark && sealed(record);
     const std::size_t module = r.u8(), state = r.u8();
-    if (!fault || module >= entries_.size() || state < kFirstFault || state >= kStates) continue;  // torn by a cut of power
+    if (!fault || module >= entries_.size() || state < kFirstFault || state >= kStates)
+      continue;  // torn by a cut of power
     (void)r.u8();
     Entry& entry = entries_[module][state];
     entry.status = kConfirmed;
@@ -92,7 +97,8 @@ void FaultMemory::note(std::size_t module, wire::ModuleState state, Freeze now) 
 }
 
 bool FaultMemory::clear() {
-  const bool any = std::ranges::any_of(entries_, [](const auto& m) { return std::ranges::any_of(m, [](const Entry& e) { return e.status != 0; }); });
+  const bool any = std::ranges::any_of(
+      entries_, [](const auto& m) { return std::ranges::any_of(m, [](const Entry& e) { return e.status != 0; }); });
   entries_ = {};
   return !any || !stored() || start_page();
 }
@@ -116,7 +122,8 @@ bool FaultMemory::start_page() {
   if (!stored()) return false;
   const std::size_t next = 1 - page_;
   const bool blank = used_ == 0 && erased(flash_.bytes().subspan(page_offset(next), flash_.page_bytes()));
-  if (!blank && !flash_.erase_page(page_offset(next))) return false;  // a page of a new board needs none: erasing holds up the loop
+  if (!blank && !flash_.erase_page(page_offset(next)))
+    return false;  // a page of a new board needs none: erasing holds up the loop
   std::size_t at = 1;
   for (std::size_t m = 0; m < entries_.size(); ++m) {
     for (std::size_t s = kFirstFault; s < kStates; ++s) {
@@ -151,7 +158,8 @@ void FaultMemory::report(std::uint8_t mask, ByteWriter& out) const {
 
 bool FaultMemory::snapshot(std::uint32_t dtc, std::uint8_t& status, Freeze& freeze) const {
   const std::size_t state = dtc >> 16 & 0xF, module = dtc & 0xFF;
-  if ((dtc & 0xF0FF00U) != 0x900000U || state < kFirstFault || state >= kStates || module >= entries_.size()) return false;
+  if ((dtc & 0xF0FF00U) != 0x900000U || state < kFirstFault || state >= kStates || module >= entries_.size())
+    return false;
   if ((entries_[module][state].status & kConfirmed) == 0) return false;
   status = entries_[module][state].status;
   freeze = entries_[module][state].freeze;

@@ -12,7 +12,8 @@ using namespace wire;
 IcubBoard::Reaction IcubBoard::handle(const CanFrame& frame, std::uint8_t node_address, std::uint32_t version) {
   Reaction reaction;
   if (frame.extended || frame.fd || frame.size < 1 || node_address > icub::kMaxBoard) return reaction;
-  const auto destination = static_cast<std::uint8_t>(frame.id & 0xF), source = static_cast<std::uint8_t>(frame.id >> 4 & 0xF);
+  const auto destination = static_cast<std::uint8_t>(frame.id & 0xF),
+             source = static_cast<std::uint8_t>(frame.id >> 4 & 0xF);
   const std::uint32_t message_class = frame.id & icub::kClassMask;
   if (message_class == icub::kPollingClass && destination == node_address) poll(frame, reaction);
   const bool addressed = destination == node_address || destination == icub::kEverybody;
@@ -32,14 +33,19 @@ void IcubBoard::poll(const CanFrame& frame, Reaction& reaction) {
     case icub::kSetTransmission:
       if (frame.size >= 2) reaction.transmit = frame.data[1] == 0;
       return;
-    case icub::kSetupObsolete: reaction.transmit = true; return;
+    case icub::kSetupObsolete:
+      reaction.transmit = true;
+      return;
     case icub::kSetBoard:
       if (frame.size < 4) return;
       period_us_ = frame.data[2] * 1000ULL;
       resting_ = frame.data[3];
       return;
-    case icub::kSetTriangles: set_triangles(frame); return;
-    default: return;
+    case icub::kSetTriangles:
+      set_triangles(frame);
+      return;
+    default:
+      return;
   }
 }
 

@@ -45,7 +45,8 @@ void RouteKeeper::heal(const Clock& clock) {
   route_ = {};
   route_.heals = heals;
   route_.repairs = repairs;
-  route_.switched = topology_.graph().count > 0 || was_switched;  // a patch that has gone silent is still a switched one
+  route_.switched =
+      topology_.graph().count > 0 || was_switched;  // a patch that has gone silent is still a switched one
   complete_discovery_ = report.complete;
   if (has_table) note(report);
   route_.last_us = static_cast<std::uint32_t>(clock.now_us() - start_us);

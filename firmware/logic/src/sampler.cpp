@@ -10,14 +10,17 @@ using wire::ModuleState;
 
 namespace {
 
-constexpr std::uint64_t kAfterStatus_us = 25;  // from the sampling of the status, as its first byte is read, to the end of the transfer
+constexpr std::uint64_t kAfterStatus_us =
+    25;  // from the sampling of the status, as its first byte is read, to the end of the transfer
 
-constexpr bool in_range(std::uint16_t raw) { return raw != 0 && raw != 0xFFFF; }
+constexpr bool in_range(std::uint16_t raw) {
+  return raw != 0 && raw != 0xFFFF;
+}
 
 }  // namespace
 
-void LineSampler::begin(I2cLine& line, std::uint8_t line_index, const layout::PatchImage& table, std::span<ModuleSample> samples,
-                        const Sampling& sampling, std::uint64_t now_us) {
+void LineSampler::begin(I2cLine& line, std::uint8_t line_index, const layout::PatchImage& table,
+                        std::span<ModuleSample> samples, const Sampling& sampling, std::uint64_t now_us) {
   const bool busy = job_ != Job::kIdle && line_ == &line;
   *this = LineSampler{};
   if (busy) job_ = Job::kDrain;  // a transfer of before must end first
@@ -64,7 +67,8 @@ void LineSampler::resume(std::uint64_t now_us) {
   paused_until_us_ = idle_until_us_ = 0;
   for (Slot& slot : slots()) {
     if (slot.phase == Phase::kFind) slot.ready_us = 0;
-    if (slot.phase == Phase::kFind && slot.lost_us != 0 && now_us - slot.lost_us < kRecent_us) {  // the old route was to blame
+    if (slot.phase == Phase::kFind && slot.lost_us != 0 &&
+        now_us - slot.lost_us < kRecent_us) {  // the old route was to blame
       slot.phase = Phase::kRun;
       slot.single = true;
     }
@@ -96,14 +100,17 @@ std::uint64_t LineSampler::next_choice_us(std::uint64_t now_us) const {
     const std::uint64_t other = other_due_us(slot);
     if (other == UINT64_MAX) continue;
     const std::uint64_t start = std::max(other, now_us);
-    if (start + other_length_us(slot) <= reading) next = std::min(next, start);
-    else if (slot.status_us != 0) next = std::min(next, last_look_us(slot) + 1);
+    if (start + other_length_us(slot) <= reading)
+      next = std::min(next, start);
+    else if (slot.status_us != 0)
+      next = std::min(next, last_look_us(slot) + 1);
   }
   return next;
 }
 
 std::uint8_t LineSampler::chip_address() const {
-  return static_cast<std::uint8_t>(layout::kFirstCdcAddress + (job_ == Job::kScan ? scan_address_ : slots_[slot_].address));
+  return static_cast<std::uint8_t>(layout::kFirstCdcAddress +
+                                   (job_ == Job::kScan ? scan_address_ : slots_[slot_].address));
 }
 
 void LineSampler::step(std::uint64_t now_us) {
@@ -139,9 +146,12 @@ void LineSampler::start_scan_step() {
   chip_.begin_identify(*line_, chip_address());
 }
 
-std::uint64_t LineSampler::reading_due_us(const Slot& slot) const { return slot.reading() ? slot.clock.read_us() : UINT64_MAX; }
+std::uint64_t LineSampler::reading_due_us(const Slot& slot) const {
+  return slot.reading() ? slot.clock.read_us() : UINT64_MAX;
+}
 
-// What can be done between readings: finding and configuring, checking the configuration, reading the status for the clock's sake.
+// What can be done between readings: finding and configuring, checking the configuration, reading the status for the
+// clock's sake.
 std::uint64_t LineSampler::other_due_us(const Slot& slot) {
   if (slot.phase == Phase::kFind) return slot.ready_us;
   if (slot.phase == Phase::kConfigure || slot.verify_wanted) return 0;
@@ -156,7 +166,8 @@ std::uint64_t LineSampler::look_start_us(const Slot& slot) {
   return slot.clock.stage_end_us(slot.look_stage) - kSampled_us;
 }
 
-// The next stage whose end can be looked at: the one before it ends after the present reading of the status, too, and proves that the chip converts.
+// The next stage whose end can be looked at: the one before it ends after the present reading of the status, too, and
+// proves that the chip converts.
 void LineSampler::plan_look(Slot& slot) {
   constexpr std::uint64_t kApart_us = 50;
   while (++slot.look_stage < ad7147::kStages) {
@@ -170,7 +181,9 @@ void LineSampler::drop_late_look(Slot& slot, std::uint64_t now_us) {
   while (slot.status_us != 0 && now_us > last_look_us(slot)) plan_look(slot);
 }
 
-std::uint64_t LineSampler::last_look_us(const Slot& slot) { return look_start_us(slot) + 30 + slot.clock.doubt_us() / 8; }
+std::uint64_t LineSampler::last_look_us(const Slot& slot) {
+  return look_start_us(slot) + 30 + slot.clock.doubt_us() / 8;
+}
 
 std::uint64_t LineSampler::next_reading_us() const {
   std::uint64_t next = UINT64_MAX;
@@ -178,7 +191,8 @@ std::uint64_t LineSampler::next_reading_us() const {
   return next;
 }
 
-// Of the readings that are due, the one whose sequence ends first; something else only when no reading falls due before its end.
+// Of the readings that are due, the one whose sequence ends first; something else only when no reading falls due before
+// its end.
 void LineSampler::choose(std::uint64_t now_us) {
   std::uint64_t first_end_us = UINT64_MAX;
   for (std::size_t k = 0; k < slot_count_; ++k) {
@@ -291,14 +305,22 @@ void LineSampler::finish_job(std::uint64_t now_us) {
   const Job job = job_;
   job_ = Job::kIdle;
   switch (job) {
-    case Job::kIdentify: return finish_identify(now_us);
-    case Job::kConfigure: return finish_configure();
-    case Job::kVerify: return finish_verify(now_us);
-    case Job::kRead: return finish_read(now_us);
-    case Job::kClear: return finish_clear();
-    case Job::kLook: return finish_look();
-    case Job::kRestart: return finish_restart();
-    default: return;
+    case Job::kIdentify:
+      return finish_identify(now_us);
+    case Job::kConfigure:
+      return finish_configure();
+    case Job::kVerify:
+      return finish_verify(now_us);
+    case Job::kRead:
+      return finish_read(now_us);
+    case Job::kClear:
+      return finish_clear();
+    case Job::kLook:
+      return finish_look();
+    case Job::kRestart:
+      return finish_restart();
+    default:
+      return;
   }
 }
 
@@ -342,7 +364,8 @@ void LineSampler::configure(Phase next) {
 
 void LineSampler::finish_configure() {
   Slot& slot = slots_[slot_];
-  if (slot.phase != Phase::kConfigure || ++slot.step < Ad7147::kConfigurationSteps) return;  // or a new check was asked for meanwhile
+  if (slot.phase != Phase::kConfigure || ++slot.step < Ad7147::kConfigurationSteps)
+    return;  // or a new check was asked for meanwhile
   slot.phase = slot.next_phase;
   slot.clock.start(line_->ended_us(), sequence_us());
   slot.clear_wanted = true;
@@ -386,8 +409,8 @@ void LineSampler::finish_verify(std::uint64_t now_us) {
   if (!std::exchange(slot.verify_wanted, false)) finish_sequence(now_us);
 }
 
-// The results stand. When the next ones could not be read in their window, or the prediction is doubtful, the chip begins anew a little
-// later: no results are lost by that, and the new beginning is known exactly.
+// The results stand. When the next ones could not be read in their window, or the prediction is doubtful, the chip
+// begins anew a little later: no results are lost by that, and the new beginning is known exactly.
 void LineSampler::finish_sequence(std::uint64_t now_us) {
   Slot& slot = slots_[slot_];
   if (slot.to_pass == 0) {
@@ -403,8 +426,8 @@ void LineSampler::finish_sequence(std::uint64_t now_us) {
   slot.ready_us = restart_moment_us(slot, now_us);
 }
 
-// The next moment, within a sequence, from which this chip's end is far from those of the line's other chips: their clocks differ, and ends that
-// are near meet again soon. Where there is no such moment, the one that is farthest.
+// The next moment, within a sequence, from which this chip's end is far from those of the line's other chips: their
+// clocks differ, and ends that are near meet again soon. Where there is no such moment, the one that is farthest.
 std::uint64_t LineSampler::restart_moment_us(const Slot& slot, std::uint64_t now_us) const {
   constexpr std::uint64_t kApart_us = 200, kFar_us = 2 * kBurst_us;
   std::uint64_t best_us = now_us, best_distance_us = 0;
@@ -517,7 +540,9 @@ void LineSampler::store_results() {
   }
   const std::uint16_t frozen = slots_[slot_].frozen.add(sample.raw) & inside;
   sample.valid = static_cast<std::uint16_t>(inside & ~frozen);
-  sample.state = inside != ad7147::kAllStages ? ModuleState::kSaturated : frozen != 0 ? ModuleState::kFrozen : ModuleState::kOk;
+  sample.state = inside != ad7147::kAllStages ? ModuleState::kSaturated
+                 : frozen != 0                ? ModuleState::kFrozen
+                                              : ModuleState::kOk;
   sample.compensation.add(sample.raw, sample.valid);
 }
 

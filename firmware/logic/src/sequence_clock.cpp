@@ -47,11 +47,14 @@ std::uint64_t SequenceClock::stage_end_us(int stage) const {
 void SequenceClock::looked(std::uint64_t at_us, int stage, bool ended) {
   const auto left = static_cast<std::uint64_t>(kStages - 1 - stage);
   const std::uint64_t at = at_us << kFraction;
-  const std::uint64_t latest = at + left * longest_ / kStages + kSlack, earliest = at + left * shortest_ / kStages - kSlack;
+  const std::uint64_t latest = at + left * longest_ / kStages + kSlack,
+                      earliest = at + left * shortest_ / kStages - kSlack;
   if (ended && latest < first_) return contradict(latest);
   if (!ended && earliest > last_) return contradict(earliest);
-  if (ended) last_ = std::min(last_, latest);
-  else first_ = std::max(first_, earliest);
+  if (ended)
+    last_ = std::min(last_, latest);
+  else
+    first_ = std::max(first_, earliest);
   contradictions_ = 0;
   measure_period();
 }
@@ -72,7 +75,8 @@ void SequenceClock::contradict(std::uint64_t end) {
 void SequenceClock::measure_period() {
   if (since_anchor_ == 0) return;
   const std::uint64_t changed = wander(since_anchor_);
-  const std::uint64_t longest = (last_ - anchor_first_) / since_anchor_ + changed, shortest = (first_ - anchor_last_) / since_anchor_ - changed;
+  const std::uint64_t longest = (last_ - anchor_first_) / since_anchor_ + changed,
+                      shortest = (first_ - anchor_last_) / since_anchor_ - changed;
   if (longest < shortest_ || shortest > longest_) {
     shortest_ = shortest;
     longest_ = longest;

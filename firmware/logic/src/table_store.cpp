@@ -21,7 +21,8 @@ Result<std::uint32_t> TableStore::read_slot(int slot, layout::PatchImage& image)
   const std::uint32_t sequence = r.le32();
   const std::uint32_t size = r.le32();
   if (size < layout::kHeaderBytes || size > layout::kMaxImageBytes) return std::unexpected(Status::kBadLength);
-  if (r.le32() != crc32(page.last(kCommitBytes).first(12), crc32(page.first(size)))) return std::unexpected(Status::kBadCrc);
+  if (r.le32() != crc32(page.last(kCommitBytes).first(12), crc32(page.first(size))))
+    return std::unexpected(Status::kBadCrc);
   const auto decoded = layout::decode(page.first(size));
   if (!decoded) return std::unexpected(decoded.error());
   image = *decoded;
@@ -53,7 +54,9 @@ void TableStore::load_node_address() {
       if (r.le32() != kNodeMagic) continue;
       const std::uint8_t address = r.u8(), complement = r.u8();
       const std::uint16_t sequence = r.le16();
-      if (address != static_cast<std::uint8_t>(~complement) || address < 1 || address > 126 || sequence <= node_sequence_) continue;
+      if (address != static_cast<std::uint8_t>(~complement) || address < 1 || address > 126 ||
+          sequence <= node_sequence_)
+        continue;
       node_address_ = address;
       node_sequence_ = sequence;
       node_page_ = page;
@@ -63,7 +66,8 @@ void TableStore::load_node_address() {
 
 Bytes TableStore::active_bytes() const {
   if (!has_table()) return {};
-  return flash_.bytes().subspan(slot_offset(active_slot_), layout::kHeaderBytes + table_.module_count * layout::kRowBytes);
+  return flash_.bytes().subspan(slot_offset(active_slot_),
+                                layout::kHeaderBytes + table_.module_count * layout::kRowBytes);
 }
 
 void TableStore::begin_download(std::size_t size_bytes) {

@@ -6,8 +6,12 @@ namespace {
 
 constexpr int kMostPasses = 64;  // every pass but the last leaves one more port closed; 48 ports exist
 
-constexpr bool has(std::uint16_t set, std::uint8_t k) { return ((set >> k) & 1U) != 0; }
-constexpr std::uint16_t with(std::uint16_t set, std::uint8_t k) { return static_cast<std::uint16_t>(set | (1U << k)); }
+constexpr bool has(std::uint16_t set, std::uint8_t k) {
+  return ((set >> k) & 1U) != 0;
+}
+constexpr std::uint16_t with(std::uint16_t set, std::uint8_t k) {
+  return static_cast<std::uint16_t>(set | (1U << k));
+}
 
 }  // namespace
 
@@ -105,23 +109,32 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
   }
   if (answer != before) answer = ChainDriver::Answer::kLost;
   switch (answer) {
-    case ChainDriver::Answer::kRefused: port_[module][port] = Port::kJoined; break;
-    case ChainDriver::Answer::kNothing: port_[module][port] = Port::kNothing; break;
-    case ChainDriver::Answer::kUnchanged: note_input(module, port); break;
-    default: port_[module][port] = Port::kBad;
+    case ChainDriver::Answer::kRefused:
+      port_[module][port] = Port::kJoined;
+      break;
+    case ChainDriver::Answer::kNothing:
+      port_[module][port] = Port::kNothing;
+      break;
+    case ChainDriver::Answer::kUnchanged:
+      note_input(module, port);
+      break;
+    default:
+      port_[module][port] = Port::kBad;
   }
   return Pass::kDone;
 }
 
-// Only one port is the input. A second one whose enable does nothing is broken, and which of the two it is cannot be seen: the joint
-// to the parent stays out of the graph until the table resolves it.
+// Only one port is the input. A second one whose enable does nothing is broken, and which of the two it is cannot be
+// seen: the joint to the parent stays out of the graph until the table resolves it.
 void Topology::note_input(std::uint8_t module, std::uint8_t port) {
   inputs_[module] = static_cast<std::uint8_t>(inputs_[module] | (1U << port));
   if (input_[module] == kNoModule) {
     port_[module][port] = Port::kInput;
     input_[module] = port;
-    if (module == 0) graph_.cable_port = port;
-    else join(parent_[module], {module, port});
+    if (module == 0)
+      graph_.cable_port = port;
+    else
+      join(parent_[module], {module, port});
     return;
   }
   port_[module][port] = Port::kBad;
@@ -159,8 +172,8 @@ int Topology::open_ends() const {
   return ends;
 }
 
-// Depth first, a joint that closes a cycle leads from a module to one above it. The upper end knows from its own side whether
-// there is somebody below: with the branch below closed, its port brings a module in.
+// Depth first, a joint that closes a cycle leads from a module to one above it. The upper end knows from its own side
+// whether there is somebody below: with the branch below closed, its port brings a module in.
 Topology::Pass Topology::match() {
   for (std::uint8_t m = graph_.count; m-- > 0;) {
     for (std::uint8_t p = 0; p < 3; ++p) {
@@ -187,7 +200,8 @@ Topology::Pass Topology::match_end(std::uint8_t module, std::uint8_t port) {
   std::uint16_t tested = 0;
   for (std::uint8_t d = graph_.count; d-- > 0;) {
     if (!has(candidates, d)) continue;
-    // The far end may be a port whose enable is broken, which is no candidate; then no branch below a candidate may hold it.
+    // The far end may be a port whose enable is broken, which is no candidate; then no branch below a candidate may
+    // hold it.
     for (std::uint8_t c = 0; c < graph_.count; ++c) {
       if (parent_[c].module != d || has(tested, c)) continue;
       const auto lower = brings_module(module, port, c);
@@ -235,8 +249,10 @@ std::optional<bool> Topology::brings_module(std::uint8_t module, std::uint8_t po
     while (parent_[top].module != module) top = parent_[top].module;
     // Branches of later ports lie behind the probed one in the chain: they stay closed.
     const bool before = parent_[top].port < port;
-    if (left_out == kNoModule) child = child == kNoModule ? m : child;
-    else if (before && !below(m, left_out)) wanted = with(wanted, m);
+    if (left_out == kNoModule)
+      child = child == kNoModule ? m : child;
+    else if (before && !below(m, left_out))
+      wanted = with(wanted, m);
   }
   if (child == kNoModule || !rebuild(wanted, false)) return std::nullopt;
   const ChainDriver::Answer answer = chain_.open(module, port, child);
@@ -268,14 +284,18 @@ bool Topology::rebuild(std::uint16_t wanted, bool set_slots) {
 Topology::Table Topology::table_of(const layout::PatchImage& image) {
   Table table;
   table.graph.count = image.module_count;
-  if (image.second_entry != 0) table.second_entry = {static_cast<std::uint8_t>(layout::joint_row(image.second_entry)), layout::joint_port(image.second_entry)};
+  if (image.second_entry != 0)
+    table.second_entry = {static_cast<std::uint8_t>(layout::joint_row(image.second_entry)),
+                          layout::joint_port(image.second_entry)};
   const bool given = layout::has_joints(image);
   const auto row = [](std::uint8_t k) { return static_cast<std::size_t>(k); };
   for (std::uint8_t k = 0; k < image.module_count; ++k) {
     const layout::ModuleRow& m = image.modules[k];
     table.slots[k] = {m.line, m.address};
     for (std::uint8_t p = 0; p < 3 && given; ++p) {
-      if (m.joints[p] != 0) table.graph.joint[k][p] = {static_cast<std::uint8_t>(layout::joint_row(m.joints[p])), layout::joint_port(m.joints[p])};
+      if (m.joints[p] != 0)
+        table.graph.joint[k][p] = {static_cast<std::uint8_t>(layout::joint_row(m.joints[p])),
+                                   layout::joint_port(m.joints[p])};
     }
     if (k == 0) continue;
     table.parent[k] = {m.parent, m.parent_port};
@@ -306,8 +326,10 @@ Topology::Report Topology::heal(const Table& table) {
     return report;
   }
   for (std::uint8_t m = 0; m < graph_.count; ++m) {
-    if (!has(chain_.members(), m)) parent_[m] = {};
-    else if (table_index_[m] != kNoModule) report.alive = with(report.alive, table_index_[m]);
+    if (!has(chain_.members(), m))
+      parent_[m] = {};
+    else if (table_index_[m] != kNoModule)
+      report.alive = with(report.alive, table_index_[m]);
   }
   report.max_depth = depth();
   return report;
@@ -372,7 +394,8 @@ bool Topology::table_tree(const Table& table) {
   }
   for (std::uint8_t row = 1; row < table.graph.count; ++row) {
     const JointEnd above = table.parent[row];
-    if (above.module >= table.graph.count || number[row] == kNoModule || number[above.module] == kNoModule) return false;
+    if (above.module >= table.graph.count || number[row] == kNoModule || number[above.module] == kNoModule)
+      return false;
     if (graph_.joint[number[above.module]][above.port].module != number[row]) return false;
     parent_[number[row]] = {number[above.module], above.port};
   }

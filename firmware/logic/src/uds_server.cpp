@@ -15,10 +15,14 @@ constexpr int kMaxWrongKeys = 3;
 
 std::uint8_t nrc_of(Status s) {
   switch (s) {
-    case Status::kOk: return kDone;
-    case Status::kFlashFailed: return nrc::kProgrammingFailure;
-    case Status::kEmpty: return nrc::kConditionsNotCorrect;
-    default: return nrc::kOutOfRange;
+    case Status::kOk:
+      return kDone;
+    case Status::kFlashFailed:
+      return nrc::kProgrammingFailure;
+    case Status::kEmpty:
+      return nrc::kConditionsNotCorrect;
+    default:
+      return nrc::kOutOfRange;
   }
 }
 
@@ -33,8 +37,9 @@ Bytes UdsServer::handle(Bytes request, bool functional) {
   const std::uint8_t code = dispatch(request, out);
   if (code == kDone) return suppress_ ? Bytes{} : out.written();
   // A functional request asks everybody: who has nothing to say stays silent (ISO 14229-1, 7.5).
-  const bool silent = code == nrc::kServiceNotSupported || code == nrc::kSubFunctionNotSupported || code == nrc::kOutOfRange ||
-                      code == nrc::kSubFunctionNotInSession || code == nrc::kServiceNotInSession;
+  const bool silent = code == nrc::kServiceNotSupported || code == nrc::kSubFunctionNotSupported ||
+                      code == nrc::kOutOfRange || code == nrc::kSubFunctionNotInSession ||
+                      code == nrc::kServiceNotInSession;
   if (functional && silent) return {};
   ByteWriter negative(response_);
   negative.u8(service::kNegative);
@@ -61,20 +66,34 @@ void UdsServer::leave_session() {
 
 std::uint8_t UdsServer::dispatch(Bytes request, Out& out) {
   switch (request[0]) {
-    case service::kSession: return session_control(request, out);
-    case service::kReset: return reset(request, out);
-    case service::kClearFaults: return clear(request, out);
-    case service::kReadFaults: return faults(request, out);
-    case service::kRead: return read(request, out);
-    case service::kSecurity: return security(request, out);
-    case service::kWrite: return write(request, out);
-    case service::kRoutine: return routine(request, out);
-    case service::kDownload: return begin_transfer(request, true, out);
-    case service::kUpload: return begin_transfer(request, false, out);
-    case service::kTransfer: return transfer(request, out);
-    case service::kTransferExit: return transfer_exit(request, out);
-    case service::kTesterPresent: return tester_present(request, out);
-    default: return nrc::kServiceNotSupported;
+    case service::kSession:
+      return session_control(request, out);
+    case service::kReset:
+      return reset(request, out);
+    case service::kClearFaults:
+      return clear(request, out);
+    case service::kReadFaults:
+      return faults(request, out);
+    case service::kRead:
+      return read(request, out);
+    case service::kSecurity:
+      return security(request, out);
+    case service::kWrite:
+      return write(request, out);
+    case service::kRoutine:
+      return routine(request, out);
+    case service::kDownload:
+      return begin_transfer(request, true, out);
+    case service::kUpload:
+      return begin_transfer(request, false, out);
+    case service::kTransfer:
+      return transfer(request, out);
+    case service::kTransferExit:
+      return transfer_exit(request, out);
+    case service::kTesterPresent:
+      return tester_present(request, out);
+    default:
+      return nrc::kServiceNotSupported;
   }
 }
 
@@ -108,8 +127,10 @@ std::uint8_t UdsServer::read(Bytes request, Out& out) {
     const std::uint16_t did = r.be16();
     std::array<std::uint8_t, kMaxResponse> value{};
     ByteWriter w(value);
-    if (did == did::kActiveSession) w.u8(session_);
-    else if (!host_.read_identifier(did, w)) continue;
+    if (did == did::kActiveSession)
+      w.u8(session_);
+    else if (!host_.read_identifier(did, w))
+      continue;
     any = true;
     out.be16(did);
     out.bytes(w.written());

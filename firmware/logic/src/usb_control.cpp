@@ -6,10 +6,10 @@
 namespace triskin::fw {
 namespace {
 
-constexpr std::uint8_t kGetStatus = 0, kClearFeature = 1, kGetDescriptor = 6, kGetConfiguration = 8, kSetConfiguration = 9, kGetInterface = 10,
-                       kSetInterface = 11;
-constexpr std::uint8_t kDeviceIn = 0x80, kInterfaceIn = 0x81, kEndpointIn = 0x82, kDeviceOut = 0x00, kInterfaceOut = 0x01, kEndpointOut = 0x02,
-                       kVendorIn = 0xC0;
+constexpr std::uint8_t kGetStatus = 0, kClearFeature = 1, kGetDescriptor = 6, kGetConfiguration = 8,
+                       kSetConfiguration = 9, kGetInterface = 10, kSetInterface = 11;
+constexpr std::uint8_t kDeviceIn = 0x80, kInterfaceIn = 0x81, kEndpointIn = 0x82, kDeviceOut = 0x00,
+                       kInterfaceOut = 0x01, kEndpointOut = 0x02, kVendorIn = 0xC0;
 
 }  // namespace
 
@@ -22,14 +22,18 @@ std::optional<Bytes> UsbControl::descriptor(const wire::UsbSetup& s) {
     return std::nullopt;
   }
   switch (kind) {
-    case usb::kDevice: return usb::device_descriptor(dfu_mode_);
-    case usb::kConfiguration: return which == 0 ? std::optional(usb::configuration_descriptor(dfu_mode_)) : std::nullopt;
-    case usb::kBos: return usb::bos_descriptor(dfu_mode_);
+    case usb::kDevice:
+      return usb::device_descriptor(dfu_mode_);
+    case usb::kConfiguration:
+      return which == 0 ? std::optional(usb::configuration_descriptor(dfu_mode_)) : std::nullopt;
+    case usb::kBos:
+      return usb::bos_descriptor(dfu_mode_);
     case usb::kString: {
       const Bytes text = usb::string_descriptor(which, unique_id_, reply_);
       return text.empty() ? std::nullopt : std::optional(text);
     }
-    default: return std::nullopt;  // also the qualifier: full speed only
+    default:
+      return std::nullopt;  // also the qualifier: full speed only
   }
 }
 
@@ -39,8 +43,10 @@ std::optional<Bytes> UsbControl::handle(const wire::UsbSetup& s) {
     return std::optional(Bytes(reply_).first(bytes.size()));
   };
   if (s.request == kGetDescriptor && (s.type == kDeviceIn || s.type == kInterfaceIn)) return descriptor(s);
-  if (s.type == kVendorIn && s.request == usb::kMicrosoftCode && s.index == usb::kMicrosoftSet) return usb::microsoft_set(dfu_mode_);
-  if (s.request == kGetStatus && (s.type == kDeviceIn || s.type == kInterfaceIn || s.type == kEndpointIn)) return answer({0, 0});
+  if (s.type == kVendorIn && s.request == usb::kMicrosoftCode && s.index == usb::kMicrosoftSet)
+    return usb::microsoft_set(dfu_mode_);
+  if (s.request == kGetStatus && (s.type == kDeviceIn || s.type == kInterfaceIn || s.type == kEndpointIn))
+    return answer({0, 0});
   if (s.type == kDeviceIn && s.request == kGetConfiguration) return answer({configuration_});
   if (s.type == kDeviceOut && s.request == kSetConfiguration) {
     if (s.value > 1) return std::nullopt;

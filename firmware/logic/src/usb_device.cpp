@@ -63,7 +63,9 @@ void UsbDevice::out(std::uint8_t endpoint, Bytes packet) {
 
 Bytes UsbDevice::in(std::uint8_t endpoint) {
   const bool hid = endpoint == wire::kHidIn;
-  if (waiting_.count == 0 || (endpoint_ != (hid ? wire::kHidOut : wire::kBulkOut)) || (!hid && endpoint != wire::kBulkIn)) return {};
+  if (waiting_.count == 0 || (endpoint_ != (hid ? wire::kHidOut : wire::kBulkOut)) ||
+      (!hid && endpoint != wire::kBulkIn))
+    return {};
   leaving_ = waiting_.pop();
   // A packet of full length says that more follow, so that one transfer of the host carries many.
   return hid || waiting_.count != 0 ? Bytes(leaving_.bytes) : leaving_.used();

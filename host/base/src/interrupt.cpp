@@ -11,10 +11,12 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler writes i
 
 }  // namespace
 
-std::atomic<bool>& interrupt_request() { return requested; }
+std::atomic<bool>& interrupt_request() {
+  return requested;
+}
 
 void catch_interrupts() {
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_handler = [](int) { requested = true; };
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   (void)::sigaction(SIGINT, &action, nullptr);

@@ -13,9 +13,9 @@ constexpr double kSmallest_mm = 1e-3;  // parts of a module are not divided belo
 
 // A border edge seen from a point.
 struct Sight {
-  double along;   // of the foot: 0 at a, 1 at b, clamped
-  P3 off;         // from the foot to the point
-  P3 normal;      // of the surface at the foot, unit
+  double along;  // of the foot: 0 at a, 1 at b, clamped
+  P3 off;        // from the foot to the point
+  P3 normal;     // of the surface at the foot, unit
 };
 
 Sight look(const BorderEdge& e, const P3& p) {
@@ -24,12 +24,16 @@ Sight look(const BorderEdge& e, const P3& p) {
   return {s, p - e.a - s * d, ((1 - s) * e.normal_a + s * e.normal_b).normalized()};
 }
 
-double across(const P3& off, const P3& normal) { return off.cross(normal).norm(); }
+double across(const P3& off, const P3& normal) {
+  return off.cross(normal).norm();
+}
 
-// Branch and bound over parts of one module; points count that are past the border by `past_mm`, or lack no more than its negative.
+// Branch and bound over parts of one module; points count that are past the border by `past_mm`, or lack no more than
+// its negative.
 class Search {
  public:
-  Search(const SurfaceIndex& surface, double past_mm) : surface_(surface), past_mm_(past_mm), lack_mm_(std::max(0.0, -past_mm)) {}
+  Search(const SurfaceIndex& surface, double past_mm)
+      : surface_(surface), past_mm_(past_mm), lack_mm_(std::max(0.0, -past_mm)) {}
 
   double run(const Triangle3& module) {
     const P3 c = centroid(module);
@@ -55,7 +59,8 @@ class Search {
       const Sight s = look(*e, p);
       const double distance = s.off.norm(), out = s.off.dot(e->out);
       if (distance > nearest + kTouch_mm) continue;
-      past = std::abs(distance - nearest) <= kTouch_mm ? std::max(past, out) : out;  // at a corner two edges are nearest
+      past =
+          std::abs(distance - nearest) <= kTouch_mm ? std::max(past, out) : out;  // at a corner two edges are nearest
       if (distance >= nearest) continue;
       nearest = distance;
       over = across(s.off, s.normal);
@@ -64,17 +69,20 @@ class Search {
     if (nearest <= to_surface + touch && past >= past_mm_) best_ = std::max(best_, over);
   }
 
-  // No point within the part exceeds this while the edge is the nearest of the surface. The foot slides no farther than the
-  // point, the distance to a point or a line is convex, and the normal turns by at most `turn` a mm.
+  // No point within the part exceeds this while the edge is the nearest of the surface. The foot slides no farther than
+  // the point, the distance to a point or a line is convex, and the normal turns by at most `turn` a mm.
   [[nodiscard]] double bound(const BorderEdge& e, const Triangle3& part, const P3& middle, double radius) const {
     const double length = (e.b - e.a).norm(), slack = radius / length;
     const Sight s = look(e, middle);
     const bool inside = s.along > slack && s.along < 1.0 - slack;
     if (inside && s.off.dot(e.out) < past_mm_ - radius) return 0.0;  // the face of the edge is nearer, or too near
-    const double turn = (e.normal_b - e.normal_a).norm() / (length * std::max(0.1, (e.normal_a + e.normal_b).norm() / 2));
+    const double turn =
+        (e.normal_b - e.normal_a).norm() / (length * std::max(0.1, (e.normal_a + e.normal_b).norm() / 2));
     const double turned = turn * radius * (s.off.norm() + radius);
     const Sight ends[3] = {look(e, part[0]), look(e, part[1]), look(e, part[2])};
-    const auto all_at = [&](double end) { return std::ranges::all_of(ends, [end](const Sight& q) { return q.along == end; }); };
+    const auto all_at = [&](double end) {
+      return std::ranges::all_of(ends, [end](const Sight& q) { return q.along == end; });
+    };
     if (!inside && !all_at(0.0) && !all_at(1.0)) return across(s.off, s.normal) + radius + turned;
     double most = 0.0;
     for (const Sight& q : ends) most = std::max(most, across(q.off, s.normal));
@@ -91,7 +99,8 @@ class Search {
     }
     if (near.empty()) return;
     visit(m, to_surface, near);
-    const bool more = std::ranges::any_of(near, [&](const BorderEdge* e) { return bound(*e, part, m, radius) > best_ + kOverrunStep_mm; });
+    const bool more = std::ranges::any_of(
+        near, [&](const BorderEdge* e) { return bound(*e, part, m, radius) > best_ + kOverrunStep_mm; });
     if (!more || radius < kSmallest_mm) return;
     const P3 ab = (part[0] + part[1]) / 2, bc = (part[1] + part[2]) / 2, ca = (part[2] + part[0]) / 2;
     divide({part[0], ab, ca}, near);
@@ -107,6 +116,8 @@ class Search {
 
 }  // namespace
 
-double overrun_of(const Triangle3& module, const SurfaceIndex& surface, double past_mm) { return Search(surface, past_mm).run(module); }
+double overrun_of(const Triangle3& module, const SurfaceIndex& surface, double past_mm) {
+  return Search(surface, past_mm).run(module);
+}
 
 }  // namespace triskin::check

@@ -66,22 +66,30 @@ class Findings {
  public:
   explicit Findings(DesignReport& report) : report_(report) {}
   void rule(const char* name) { report_.rules.emplace_back(name); }
-  void broken(const char* name, std::string where, std::string text) { report_.violations.push_back({name, std::move(where), std::move(text)}); }
+  void broken(const char* name, std::string where, std::string text) {
+    report_.violations.push_back({name, std::move(where), std::move(text)});
+  }
 
  private:
   DesignReport& report_;
 };
 
-void check_modules(const CheckedDesign& design, Findings& findings);   ///< lattice, rigidity, joints
-void check_surface(const CheckedDesign& design, Findings& findings);   ///< gaps, border, overlap, orientation
-void check_pieces(const CheckedDesign& design, Findings& findings);    ///< nets and placements on the plane
-void check_patches(const CheckedDesign& design, Findings& findings);   ///< wiring
-void check_report(const CheckedDesign& design, Findings& findings);    ///< the numbers and the id that the file states
+void check_modules(const CheckedDesign& design, Findings& findings);  ///< lattice, rigidity, joints
+void check_surface(const CheckedDesign& design, Findings& findings);  ///< gaps, border, overlap, orientation
+void check_pieces(const CheckedDesign& design, Findings& findings);   ///< nets and placements on the plane
+void check_patches(const CheckedDesign& design, Findings& findings);  ///< wiring
+void check_report(const CheckedDesign& design, Findings& findings);   ///< the numbers and the id that the file states
 
 inline constexpr double kSide = 30.0;
-[[nodiscard]] inline std::string module_name(std::size_t k) { return "module " + std::to_string(k); }
-[[nodiscard]] inline P3 centroid(const Triangle3& t) { return (t[0] + t[1] + t[2]) / 3.0; }
-[[nodiscard]] inline P3 unit_normal(const Triangle3& t) { return (t[1] - t[0]).cross(t[2] - t[0]).normalized(); }
+[[nodiscard]] inline std::string module_name(std::size_t k) {
+  return "module " + std::to_string(k);
+}
+[[nodiscard]] inline P3 centroid(const Triangle3& t) {
+  return (t[0] + t[1] + t[2]) / 3.0;
+}
+[[nodiscard]] inline P3 unit_normal(const Triangle3& t) {
+  return (t[1] - t[0]).cross(t[2] - t[0]).normalized();
+}
 
 /// Grid vertex of a corner, written down from docs/design_file.md.
 [[nodiscard]] std::array<int, 2> corner_vertex(const CheckedDesign::Module& m, int corner);

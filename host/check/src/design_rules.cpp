@@ -17,14 +17,17 @@ void stated(Findings& f, const char* rule, double says, double is, double tolera
   if (!(std::abs(says - is) <= tolerance)) f.broken(rule, "design", fmt::format("states {:.6g}, is {:.6g}", says, is));
 }
 
-// Limits are the user's choice and say what the design is measured against; one that is no length or angle makes every comparison void.
+// Limits are the user's choice and say what the design is measured against; one that is no length or angle makes every
+// comparison void.
 void check_limits(const CheckedDesign::Limits& l, DesignReport& report, Findings& f) {
   f.rule("limits");
-  const std::pair<const char*, double> limits[] = {{"edge_error_mm", l.edge_error}, {"hinge_gap_mm", l.hinge_gap}, {"center_gap_mm", l.center_gap},
-                                                   {"fold_rad", l.fold}, {"penetration_mm", l.penetration}, {"overrun_mm", l.overrun}};
+  const std::pair<const char*, double> limits[] = {{"edge_error_mm", l.edge_error},   {"hinge_gap_mm", l.hinge_gap},
+                                                   {"center_gap_mm", l.center_gap},   {"fold_rad", l.fold},
+                                                   {"penetration_mm", l.penetration}, {"overrun_mm", l.overrun}};
   for (const auto& [name, value] : limits) {
     report.limits.emplace_back(name, value);
-    if (!(std::isfinite(value) && value >= 0.0)) f.broken("limits", "design", fmt::format("{} is {:.6g}, not a limit", name, value));
+    if (!(std::isfinite(value) && value >= 0.0))
+      f.broken("limits", "design", fmt::format("{} is {:.6g}, not a limit", name, value));
   }
 }
 
@@ -32,7 +35,8 @@ void check_limits(const CheckedDesign::Limits& l, DesignReport& report, Findings
 class Fnv {
  public:
   void add(std::int64_t word) {
-    for (int k = 0; k < 8; ++k) value_ = (value_ ^ (static_cast<std::uint64_t>(word) >> (8 * k) & 0xFF)) * 0x100000001B3U;
+    for (int k = 0; k < 8; ++k)
+      value_ = (value_ ^ (static_cast<std::uint64_t>(word) >> (8 * k) & 0xFF)) * 0x100000001B3U;
   }
   [[nodiscard]] std::uint64_t value() const { return value_; }
 
@@ -61,7 +65,9 @@ void check_id(const CheckedDesign& d, Findings& f) {
     }
   }
   if (fnv.value() != d.design_id) {
-    f.broken("design-id", "design", fmt::format("states {:016x}, its modules and wiring have {:016x}: the file was changed", d.design_id, fnv.value()));
+    f.broken("design-id", "design",
+             fmt::format("states {:016x}, its modules and wiring have {:016x}: the file was changed", d.design_id,
+                         fnv.value()));
   }
 }
 
@@ -72,7 +78,8 @@ void check_report(const CheckedDesign& d, Findings& f) {
   for (const char* rule : {"report-area", "report-coverage", "report-maxima", "report-bound"}) f.rule(rule);
   double area = 0.0;
   for (const auto& face : d.faces) {
-    const P3 &a = d.vertices[static_cast<std::size_t>(face[0])], &b = d.vertices[static_cast<std::size_t>(face[1])], &c = d.vertices[static_cast<std::size_t>(face[2])];
+    const P3 &a = d.vertices[static_cast<std::size_t>(face[0])], &b = d.vertices[static_cast<std::size_t>(face[1])],
+             &c = d.vertices[static_cast<std::size_t>(face[2])];
     area += (b - a).cross(c - a).norm() / 2;
   }
   const double covered = static_cast<double>(d.modules.size()) * kModule_mm2;
@@ -88,7 +95,8 @@ void check_report(const CheckedDesign& d, Findings& f) {
   stated(f, "report-maxima", d.max_hinge_gap, hinge, 1e-9);
   stated(f, "report-maxima", d.max_center_gap, center, 1e-9);
   if (static_cast<int>(d.modules.size()) > d.upper_bound) {
-    f.broken("report-bound", "design", fmt::format("{} modules above the stated upper bound {}", d.modules.size(), d.upper_bound));
+    f.broken("report-bound", "design",
+             fmt::format("{} modules above the stated upper bound {}", d.modules.size(), d.upper_bound));
   }
 }
 

@@ -10,7 +10,8 @@ namespace {
 
 class FailureRules {
  public:
-  FailureRules(const ModuleMap& modules, const RouteDocument& routes, std::size_t patch, const RoutingLimits& limits, RoutingFindings& f)
+  FailureRules(const ModuleMap& modules, const RouteDocument& routes, std::size_t patch, const RoutingLimits& limits,
+               RoutingFindings& f)
       : modules_(modules), routes_(routes), p_(routes.patches[patch]), index_(patch), limits_(limits), f_(f) {
     for (std::size_t q = 0; q < routes.patches.size(); ++q) {
       const RoutePatch& other = routes.patches[q];
@@ -35,15 +36,19 @@ class FailureRules {
       backup(x);
     }
     for (const RouteRow& r : p_.rows) {
-      if (!rows.contains({r.id, -1})) f_.broken("failure-rows", name(), fmt::format("no row for a failure of module {}", r.id));
-      if (r.parent >= 0 && !rows.contains({r.id, r.parent})) f_.broken("failure-rows", name(), fmt::format("no row for joint {}–{}", r.id, r.parent));
+      if (!rows.contains({r.id, -1}))
+        f_.broken("failure-rows", name(), fmt::format("no row for a failure of module {}", r.id));
+      if (r.parent >= 0 && !rows.contains({r.id, r.parent}))
+        f_.broken("failure-rows", name(), fmt::format("no row for joint {}–{}", r.id, r.parent));
     }
   }
 
  private:
   [[nodiscard]] std::string name() const { return fmt::format("patch {}", index_); }
   void broken(const char* rule, const FailureRow& x, const std::string& text) {
-    f_.broken(rule, name(), x.other < 0 ? fmt::format("failure of module {}: {}", x.module, text) : fmt::format("failure of joint {}–{}: {}", x.module, x.other, text));
+    f_.broken(rule, name(),
+              x.other < 0 ? fmt::format("failure of module {}: {}", x.module, text)
+                          : fmt::format("failure of joint {}–{}: {}", x.module, x.other, text));
   }
 
   void second_entry() {
@@ -54,7 +59,8 @@ class FailureRules {
       const int beyond = modules_.at(e).beside[static_cast<std::size_t>(s)];
       fits = beyond < 0 ? modules_.at(e).border : p_.find(beyond) == nullptr;
       const bool border = beyond < 0;
-      if (fits && border != p_.second_border) f_.broken("second-entry", name(), fmt::format("module {} is {}on the border", e, border ? "" : "not "));
+      if (fits && border != p_.second_border)
+        f_.broken("second-entry", name(), fmt::format("module {} is {}on the border", e, border ? "" : "not "));
     }
     if (!fits) f_.broken("second-entry", name(), fmt::format("module {} side {} has no place for a connector", e, s));
   }
@@ -94,7 +100,8 @@ class FailureRules {
   [[nodiscard]] int below(int id) const {
     int count = 0;
     for (const RouteRow& r : p_.rows) {
-      for (const RouteRow* v = &r; v != nullptr; v = v->parent < 0 ? nullptr : p_.find(v->parent)) count += v->id == id ? 1 : 0;
+      for (const RouteRow* v = &r; v != nullptr; v = v->parent < 0 ? nullptr : p_.find(v->parent))
+        count += v->id == id ? 1 : 0;
     }
     return count;
   }
@@ -114,7 +121,8 @@ class FailureRules {
     std::map<int, std::size_t> adopter;
     std::map<std::size_t, int> taken;
     for (const auto& [child, parent] : x.adopted) {
-      const bool orphan = p_.find(child) != nullptr && !alive.contains(child) && !dead(x, child) && !adopter.contains(child);
+      const bool orphan =
+          p_.find(child) != nullptr && !alive.contains(child) && !dead(x, child) && !adopter.contains(child);
       if (!orphan || !modules_.contains(parent) || !joined(x, child, parent)) {
         broken("adoption", x, fmt::format("module {} cannot be read over module {}", child, parent));
         continue;
@@ -129,7 +137,8 @@ class FailureRules {
     }
     for (const auto& [patch, count] : taken) {
       const int places = limits_.lines * limits_.addresses - static_cast<int>(routes_.patches[patch].rows.size());
-      if (count > places) broken("adoption", x, fmt::format("patch {} takes {} modules, has {} free addresses", patch, count, places));
+      if (count > places)
+        broken("adoption", x, fmt::format("patch {} takes {} modules, has {} free addresses", patch, count, places));
     }
   }
 
@@ -169,7 +178,8 @@ class FailureRules {
 
 }  // namespace
 
-void check_route_failures(const ModuleMap& modules, const RouteDocument& routes, std::size_t patch, const RoutingLimits& limits, RoutingFindings& f) {
+void check_route_failures(const ModuleMap& modules, const RouteDocument& routes, std::size_t patch,
+                          const RoutingLimits& limits, RoutingFindings& f) {
   FailureRules(modules, routes, patch, limits, f).run();
 }
 

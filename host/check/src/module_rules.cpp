@@ -13,16 +13,19 @@ namespace {
 constexpr double kRigid_mm = 1e-6;
 constexpr double kStated = 1e-6;  // stated numbers are printed in full: they must agree to rounding
 
-// Pads of the iCub triangle relative to the centroid (skinGui), x along side 0 of the turned module, y to the far corner.
-constexpr double kPad[12][2] = {{6.533, 0},  {9.8, -5.66}, {3.267, -5.66}, {0, 0},     {-3.267, -5.66}, {-9.8, -5.66}, {-6.533, -3.75},
-                                {-6.533, 0}, {-3.267, 5.66}, {0, 11.317},   {0, 7.507}, {3.267, 5.66}};
+// Pads of the iCub triangle relative to the centroid (skinGui), x along side 0 of the turned module, y to the far
+// corner.
+constexpr double kPad[12][2] = {{6.533, 0},      {9.8, -5.66},  {3.267, -5.66},  {0, 0},
+                                {-3.267, -5.66}, {-9.8, -5.66}, {-6.533, -3.75}, {-6.533, 0},
+                                {-3.267, 5.66},  {0, 11.317},   {0, 7.507},      {3.267, 5.66}};
 
 void check_rigid(const CheckedDesign& d, Findings& f) {
   f.rule("rigid");
   for (std::size_t k = 0; k < d.modules.size(); ++k) {
     for (std::size_t s = 0; s < 3; ++s) {
       const double side = (d.modules[k].corner[(s + 1) % 3] - d.modules[k].corner[s]).norm();
-      if (!(std::abs(side - kSide) <= kRigid_mm)) f.broken("rigid", module_name(k), fmt::format("side {} is {:.6f} mm, a module's is 30 mm", s, side));
+      if (!(std::abs(side - kSide) <= kRigid_mm))
+        f.broken("rigid", module_name(k), fmt::format("side {} is {:.6f} mm, a module's is 30 mm", s, side));
     }
   }
 }
@@ -51,7 +54,8 @@ void check_joints(const CheckedDesign& d, Findings& f) {
       } else if (other.neighbour[static_cast<std::size_t>(t)] != static_cast<int>(k)) {
         f.broken("joint-symmetric", where, fmt::format("module {} is not joined back across its side {}", n, t));
       }
-      if (other.island != d.modules[k].island) f.broken("joint-island", where, fmt::format("module {} belongs to another island", n));
+      if (other.island != d.modules[k].island)
+        f.broken("joint-island", where, fmt::format("module {} belongs to another island", n));
     }
   }
 }
@@ -74,8 +78,10 @@ void check_islands(const CheckedDesign& d, Findings& f) {
     }
   }
   for (const auto& [island, count] : components) {
-    if (island < 0 || island >= d.islands) f.broken("island-connected", fmt::format("island {}", island), "its number is outside the stated islands");
-    if (count != 1) f.broken("island-connected", fmt::format("island {}", island), fmt::format("falls apart into {} parts", count));
+    if (island < 0 || island >= d.islands)
+      f.broken("island-connected", fmt::format("island {}", island), "its number is outside the stated islands");
+    if (count != 1)
+      f.broken("island-connected", fmt::format("island {}", island), fmt::format("falls apart into {} parts", count));
   }
   if (static_cast<int>(components.size()) != d.islands) {
     f.broken("island-connected", "design", fmt::format("states {} islands, has {}", d.islands, components.size()));
@@ -93,20 +99,27 @@ void check_hinges(const CheckedDesign& d, Findings& f) {
         const auto& o = d.modules[static_cast<std::size_t>(m.neighbour[s])];
         const int t = matching_side(m, static_cast<int>(s), o);
         if (t < 0) continue;  // named by joint-lattice
-        const P3 &a = m.corner[s], &b = m.corner[(s + 1) % 3], &c = o.corner[static_cast<std::size_t>((t + 1) % 3)], &e = o.corner[static_cast<std::size_t>(t)];
+        const P3 &a = m.corner[s], &b = m.corner[(s + 1) % 3], &c = o.corner[static_cast<std::size_t>((t + 1) % 3)],
+                 &e = o.corner[static_cast<std::size_t>(t)];
         gap = std::max((a - c).norm(), (b - e).norm());
         fold = std::acos(std::clamp(unit_normal(m.corner).dot(unit_normal(o.corner)), -1.0, 1.0));
         edge_error = std::max(edge_error, std::abs(((b + e) / 2 - (a + c) / 2).norm() - kSide));
       }
       const std::string where = fmt::format("module {} side {}", k, s);
-      if (!(gap <= d.limits.hinge_gap)) f.broken("hinge-gap", where, fmt::format("{:.3f} mm, limit {} mm", gap, d.limits.hinge_gap));
-      if (!(fold <= d.limits.fold)) f.broken("fold", where, fmt::format("{:.3f} rad, limit {:.3f} rad", fold, d.limits.fold));
-      if (!(std::abs(gap - m.hinge_gap[s]) <= kStated)) f.broken("hinge-gap", where, fmt::format("stated {:.6f} mm, measured {:.6f} mm", m.hinge_gap[s], gap));
-      if (!(std::abs(fold - m.fold[s]) <= 1e-5)) f.broken("fold", where, fmt::format("stated {:.6f} rad, measured {:.6f} rad", m.fold[s], fold));
+      if (!(gap <= d.limits.hinge_gap))
+        f.broken("hinge-gap", where, fmt::format("{:.3f} mm, limit {} mm", gap, d.limits.hinge_gap));
+      if (!(fold <= d.limits.fold))
+        f.broken("fold", where, fmt::format("{:.3f} rad, limit {:.3f} rad", fold, d.limits.fold));
+      if (!(std::abs(gap - m.hinge_gap[s]) <= kStated))
+        f.broken("hinge-gap", where, fmt::format("stated {:.6f} mm, measured {:.6f} mm", m.hinge_gap[s], gap));
+      if (!(std::abs(fold - m.fold[s]) <= 1e-5))
+        f.broken("fold", where, fmt::format("stated {:.6f} rad, measured {:.6f} rad", m.fold[s], fold));
     }
-    if (!(edge_error <= d.limits.edge_error)) f.broken("edge-error", module_name(k), fmt::format("{:.3f} mm, limit {} mm", edge_error, d.limits.edge_error));
+    if (!(edge_error <= d.limits.edge_error))
+      f.broken("edge-error", module_name(k), fmt::format("{:.3f} mm, limit {} mm", edge_error, d.limits.edge_error));
     if (!(std::abs(edge_error - m.edge_error) <= kStated)) {
-      f.broken("edge-error", module_name(k), fmt::format("stated {:.6f} mm, measured {:.6f} mm", m.edge_error, edge_error));
+      f.broken("edge-error", module_name(k),
+               fmt::format("stated {:.6f} mm, measured {:.6f} mm", m.edge_error, edge_error));
     }
   }
 }
@@ -122,7 +135,8 @@ void check_taxels(const CheckedDesign& d, Findings& f) {
     for (std::size_t t = 0; t < 12; ++t) {
       const P3 expected = c + kPad[t][0] * x + kPad[t][1] * y;
       if (!((m.taxel[t] - expected).norm() <= 1e-4) || !((m.taxel_normal[t] - n).norm() <= 1e-4)) {
-        f.broken("taxel-pose", module_name(k), fmt::format("taxel {} is {:.4f} mm from its place", t, (m.taxel[t] - expected).norm()));
+        f.broken("taxel-pose", module_name(k),
+                 fmt::format("taxel {} is {:.4f} mm from its place", t, (m.taxel[t] - expected).norm()));
       }
     }
   }
@@ -139,7 +153,9 @@ std::array<int, 2> corner_vertex(const CheckedDesign::Module& m, int corner) {
 int matching_side(const CheckedDesign::Module& m, int side, const CheckedDesign::Module& other) {
   if (m.up == other.up) return -1;
   for (int t = 0; t < 3; ++t) {
-    if (corner_vertex(m, side) == corner_vertex(other, (t + 1) % 3) && corner_vertex(m, (side + 1) % 3) == corner_vertex(other, t)) return t;
+    if (corner_vertex(m, side) == corner_vertex(other, (t + 1) % 3) &&
+        corner_vertex(m, (side + 1) % 3) == corner_vertex(other, t))
+      return t;
   }
   return -1;
 }

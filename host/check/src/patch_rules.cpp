@@ -9,11 +9,14 @@
 namespace triskin::check {
 namespace {
 
-std::string patch_name(std::size_t p) { return "patch " + std::to_string(p); }
+std::string patch_name(std::size_t p) {
+  return "patch " + std::to_string(p);
+}
 
 class PatchChecker {
  public:
-  PatchChecker(const CheckedDesign& d, std::size_t patch, Findings& f) : d_(d), p_(d.patches[patch]), index_(patch), f_(f) {
+  PatchChecker(const CheckedDesign& d, std::size_t patch, Findings& f)
+      : d_(d), p_(d.patches[patch]), index_(patch), f_(f) {
     for (const int m : p_.modules) members_.insert(m);
   }
 
@@ -31,12 +34,16 @@ class PatchChecker {
   void broken(const char* rule, const std::string& text) { f_.broken(rule, patch_name(index_), text); }
 
   void sizes() {
-    if (p_.modules.empty() || p_.modules.size() > 16) broken("patch-size", fmt::format("has {} modules, 1 … 16 are possible", p_.modules.size()));
+    if (p_.modules.empty() || p_.modules.size() > 16)
+      broken("patch-size", fmt::format("has {} modules, 1 … 16 are possible", p_.modules.size()));
     if (members_.size() != p_.modules.size()) broken("patch-members", "lists a module twice");
-    if (p_.node_address != static_cast<int>(index_) + 1) broken("patch-node", fmt::format("has node address {}, must be {}", p_.node_address, index_ + 1));
+    if (p_.node_address != static_cast<int>(index_) + 1)
+      broken("patch-node", fmt::format("has node address {}, must be {}", p_.node_address, index_ + 1));
     for (const int m : members_) {
-      if (module(m).patch != static_cast<int>(index_)) broken("patch-members", fmt::format("lists module {}, which says it belongs to patch {}", m, module(m).patch));
-      if (module(m).island != module(p_.modules.front()).island) broken("patch-island", fmt::format("module {} lies on another island", m));
+      if (module(m).patch != static_cast<int>(index_))
+        broken("patch-members", fmt::format("lists module {}, which says it belongs to patch {}", m, module(m).patch));
+      if (module(m).island != module(p_.modules.front()).island)
+        broken("patch-island", fmt::format("module {} lies on another island", m));
     }
   }
 
@@ -45,9 +52,12 @@ class PatchChecker {
     std::map<int, int> on_line;
     for (const int m : p_.modules) {
       const auto& x = module(m);
-      if (x.line < 0 || x.line > 3 || x.address < 0 || x.address > 3) broken("address-range", fmt::format("module {}: line {} address {}", m, x.line, x.address));
+      if (x.line < 0 || x.line > 3 || x.address < 0 || x.address > 3)
+        broken("address-range", fmt::format("module {}: line {} address {}", m, x.line, x.address));
       const auto [at, is_new] = taken.try_emplace({x.line, x.address}, m);
-      if (!is_new) broken("address-unique", fmt::format("modules {} and {} share line {} address {}", at->second, m, x.line, x.address));
+      if (!is_new)
+        broken("address-unique",
+               fmt::format("modules {} and {} share line {} address {}", at->second, m, x.line, x.address));
       if (++on_line[x.line] == 5) broken("line-load", fmt::format("line {} has more than 4 modules", x.line));
     }
   }
@@ -60,7 +70,8 @@ class PatchChecker {
     for (std::size_t k = 0; k < p_.modules.size(); ++k) {
       const int m = p_.modules[k];
       const auto& x = module(m);
-      if ((x.parent < 0) != (m == p_.entry)) broken("one-entry", fmt::format("module {} has parent {}, the entry is {}", m, x.parent, p_.entry));
+      if ((x.parent < 0) != (m == p_.entry))
+        broken("one-entry", fmt::format("module {} has parent {}, the entry is {}", m, x.parent, p_.entry));
       if (x.parent < 0) {
         if (x.depth != 0) broken("depth", fmt::format("entry {} states depth {}", m, x.depth));
         continue;
@@ -70,21 +81,28 @@ class PatchChecker {
         continue;
       }
       ++children[x.parent];
-      if (rank[x.parent] >= k) broken("parent-first", fmt::format("module {} is listed before its parent {}", m, x.parent));
-      else if (x.depth != module(x.parent).depth + 1) broken("depth", fmt::format("module {} states depth {}, its parent {}", m, x.depth, module(x.parent).depth));
+      if (rank[x.parent] >= k)
+        broken("parent-first", fmt::format("module {} is listed before its parent {}", m, x.parent));
+      else if (x.depth != module(x.parent).depth + 1)
+        broken("depth", fmt::format("module {} states depth {}, its parent {}", m, x.depth, module(x.parent).depth));
       check_input_side(m, x);
     }
-    if (children[p_.entry] > 2) broken("entry-degree", fmt::format("entry {} has {} children, two ports are left beside the cable", p_.entry, children[p_.entry]));
+    if (children[p_.entry] > 2)
+      broken("entry-degree", fmt::format("entry {} has {} children, two ports are left beside the cable", p_.entry,
+                                         children[p_.entry]));
     for (const auto& [m, n] : children) {
-      if (m != p_.entry && n > 2) broken("tree-degree", fmt::format("module {} has {} children on two output ports", m, n));
+      if (m != p_.entry && n > 2)
+        broken("tree-degree", fmt::format("module {} has {} children on two output ports", m, n));
     }
   }
 
   // Port A lies at side `rotation` and must face the parent.
   void check_input_side(int m, const CheckedDesign::Module& x) {
-    if (x.rotation < 0 || x.rotation > 2) return broken("rotation", fmt::format("module {} has rotation {}", m, x.rotation));
+    if (x.rotation < 0 || x.rotation > 2)
+      return broken("rotation", fmt::format("module {} has rotation {}", m, x.rotation));
     if (x.neighbour[static_cast<std::size_t>(x.rotation)] != x.parent) {
-      broken("rotation", fmt::format("module {}: its input port lies at side {}, its parent {} does not", m, x.rotation, x.parent));
+      broken("rotation",
+             fmt::format("module {}: its input port lies at side {}, its parent {} does not", m, x.rotation, x.parent));
     }
   }
 
@@ -96,13 +114,16 @@ class PatchChecker {
       for (const int n : module(m).neighbour) {
         if (n < m || !members_.contains(n)) continue;
         const bool in_tree = module(m).parent == n || module(n).parent == m;
-        if (in_tree == cut.contains({m, n})) broken("joint-use", fmt::format("joint {}–{} is {}", m, n, in_tree ? "cut but carries the tree" : "neither cut nor used"));
+        if (in_tree == cut.contains({m, n}))
+          broken("joint-use",
+                 fmt::format("joint {}–{} is {}", m, n, in_tree ? "cut but carries the tree" : "neither cut nor used"));
         cut.erase({m, n});
       }
     }
     for (const auto& [a, b] : cut) broken("joint-use", fmt::format("cut joint {}–{} does not exist", a, b));
     const auto& e = module(p_.entry);
-    if (e.rotation < 0 || e.rotation > 2) return broken("rotation", fmt::format("entry {} has rotation {}", p_.entry, e.rotation));
+    if (e.rotation < 0 || e.rotation > 2)
+      return broken("rotation", fmt::format("entry {} has rotation {}", p_.entry, e.rotation));
     const int behind_cable = e.neighbour[static_cast<std::size_t>(e.rotation)];
     if (behind_cable >= 0 && members_.contains(behind_cable) && module(behind_cable).parent == p_.entry) {
       broken("entry-cable", fmt::format("the cable enters module {} where module {} hangs", p_.entry, behind_cable));
@@ -112,10 +133,12 @@ class PatchChecker {
   // The second cable goes to a side without joint of the patch that is not the first one's.
   void second_entry() {
     if (p_.second_entry < 0) return;
-    if (!members_.contains(p_.second_entry)) return broken("second-entry", fmt::format("second entry {} is not in the patch", p_.second_entry));
+    if (!members_.contains(p_.second_entry))
+      return broken("second-entry", fmt::format("second entry {} is not in the patch", p_.second_entry));
     const int beyond = module(p_.second_entry).neighbour[static_cast<std::size_t>(p_.second_entry_side)];
     if (beyond >= 0 && members_.contains(beyond)) {
-      broken("second-entry", fmt::format("the second cable enters module {} where module {} is joined", p_.second_entry, beyond));
+      broken("second-entry",
+             fmt::format("the second cable enters module {} where module {} is joined", p_.second_entry, beyond));
     }
     if (p_.second_entry == p_.entry && p_.second_entry_side == module(p_.entry).rotation) {
       broken("second-entry", fmt::format("both cables enter module {} at side {}", p_.entry, p_.second_entry_side));
@@ -148,9 +171,11 @@ class PatchChecker {
 }  // namespace
 
 void check_patches(const CheckedDesign& design, Findings& findings) {
-  for (const char* rule : {"patch-size", "patch-members", "patch-node", "patch-island", "address-range", "address-unique", "line-load", "entry", "one-entry",
-                           "parent", "parent-first", "depth", "entry-degree", "tree-degree", "rotation", "joint-use", "entry-cable", "max-depth", "line-hops",
-                           "every-module-wired", "patches-bound"}) {
+  for (const char* rule : {"patch-size",     "patch-members", "patch-node",   "patch-island", "address-range",
+                           "address-unique", "line-load",     "entry",        "one-entry",    "parent",
+                           "parent-first",   "depth",         "entry-degree", "tree-degree",  "rotation",
+                           "joint-use",      "entry-cable",   "max-depth",    "line-hops",    "every-module-wired",
+                           "patches-bound"}) {
     findings.rule(rule);
   }
   std::vector<int> owners(design.modules.size(), 0);
@@ -159,10 +184,13 @@ void check_patches(const CheckedDesign& design, Findings& findings) {
     for (const int m : design.patches[p].modules) ++owners[static_cast<std::size_t>(m)];
   }
   for (std::size_t k = 0; k < owners.size(); ++k) {
-    if (owners[k] != 1) findings.broken("every-module-wired", module_name(k), fmt::format("belongs to {} patches", owners[k]));
+    if (owners[k] != 1)
+      findings.broken("every-module-wired", module_name(k), fmt::format("belongs to {} patches", owners[k]));
   }
   if (static_cast<int>(design.patches.size()) < design.patches_lower_bound) {
-    findings.broken("patches-bound", "design", fmt::format("{} patches under the stated lower bound {}", design.patches.size(), design.patches_lower_bound));
+    findings.broken(
+        "patches-bound", "design",
+        fmt::format("{} patches under the stated lower bound {}", design.patches.size(), design.patches_lower_bound));
   }
 }
 

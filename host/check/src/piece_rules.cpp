@@ -13,8 +13,12 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_2;
 
-Point pt(const P2& p) { return {p.x(), p.y()}; }
-std::string piece_name(std::size_t k) { return "piece " + std::to_string(k); }
+Point pt(const P2& p) {
+  return {p.x(), p.y()};
+}
+std::string piece_name(std::size_t k) {
+  return "piece " + std::to_string(k);
+}
 
 double area_of(const std::vector<P2>& ring) {
   double twice = 0.0;
@@ -34,18 +38,22 @@ void check_scale(const CheckedDesign& d, std::size_t k, Findings& f) {
       f.broken("piece-flip", piece_name(k), fmt::format("the flat triangle of face {} is turned over", p.faces[t]));
     }
     for (std::size_t s = 0; s < 3; ++s) {
-      const double real = (d.vertices[static_cast<std::size_t>(face[(s + 1) % 3])] - d.vertices[static_cast<std::size_t>(face[s])]).norm();
+      const double real =
+          (d.vertices[static_cast<std::size_t>(face[(s + 1) % 3])] - d.vertices[static_cast<std::size_t>(face[s])])
+              .norm();
       worst = std::max(worst, std::abs((p.flat[t][(s + 1) % 3] - p.flat[t][s]).norm() / real - 1.0) * kSide);
     }
     area += area_of({p.flat[t].begin(), p.flat[t].end()});
   }
   if (!(std::abs(worst - p.max_edge_error) <= 1e-6)) {
-    f.broken("piece-scale", piece_name(k), fmt::format("states an edge error of {:.4f} mm, has {:.4f} mm", p.max_edge_error, worst));
+    f.broken("piece-scale", piece_name(k),
+             fmt::format("states an edge error of {:.4f} mm, has {:.4f} mm", p.max_edge_error, worst));
   }
   double outline = std::abs(area_of(p.outline));
   for (const auto& hole : p.holes) outline -= std::abs(area_of(hole));
   if (!(std::abs(outline - area) <= 1e-5 * area)) {
-    f.broken("piece-overlap", piece_name(k), fmt::format("its triangles have {:.3f} mm², its outline holds {:.3f} mm²", area, outline));
+    f.broken("piece-overlap", piece_name(k),
+             fmt::format("its triangles have {:.3f} mm², its outline holds {:.3f} mm²", area, outline));
   }
 }
 
@@ -68,13 +76,15 @@ void check_simple(const CheckedDesign::Piece& p, std::size_t k, Findings& f) {
   for (std::size_t a = 0; a < edges.size(); ++a) {
     for (std::size_t b = a + 1; b < edges.size(); ++b) {
       const Point p1 = pt(edges[a].a), p2 = pt(edges[a].b), q1 = pt(edges[b].a), q2 = pt(edges[b].b);
-      const int s1 = CGAL::orientation(p1, p2, q1), s2 = CGAL::orientation(p1, p2, q2), s3 = CGAL::orientation(q1, q2, p1), s4 = CGAL::orientation(q1, q2, p2);
+      const int s1 = CGAL::orientation(p1, p2, q1), s2 = CGAL::orientation(p1, p2, q2),
+                s3 = CGAL::orientation(q1, q2, p1), s4 = CGAL::orientation(q1, q2, p2);
       if (s1 * s2 < 0 && s3 * s4 < 0) f.broken("piece-simple", piece_name(k), "its outline crosses itself");
     }
   }
 }
 
-// Tiles of the grid inside the moved outline, counted tile by tile: no edge may enter a tile's interior, its centre lies inside.
+// Tiles of the grid inside the moved outline, counted tile by tile: no edge may enter a tile's interior, its centre
+// lies inside.
 int tiles_inside(const CheckedDesign::Piece& p) {
   const double c = std::cos(p.theta), s = std::sin(p.theta), h = kSide * std::sqrt(3.0) / 2;
   std::vector<Edge> edges = edges_of(p);
@@ -88,7 +98,9 @@ int tiles_inside(const CheckedDesign::Piece& p) {
   const auto inside = [&](const P2& q) {
     bool in = false;
     for (const Edge& e : edges) {
-      if ((e.a.y() > q.y()) != (e.b.y() > q.y()) && (CGAL::orientation(pt(e.a), pt(e.b), pt(q)) == CGAL::LEFT_TURN) == (e.b.y() > e.a.y())) in = !in;
+      if ((e.a.y() > q.y()) != (e.b.y() > q.y()) &&
+          (CGAL::orientation(pt(e.a), pt(e.b), pt(q)) == CGAL::LEFT_TURN) == (e.b.y() > e.a.y()))
+        in = !in;
     }
     return in;
   };
@@ -101,7 +113,9 @@ int tiles_inside(const CheckedDesign::Piece& p) {
     }
     if (left == 0 || right == 0) return true;
     for (std::size_t k = 0; k < 3; ++k) {
-      if (CGAL::orientation(pt(t[k]), pt(t[(k + 1) % 3]), pt(e.a)) <= 0 && CGAL::orientation(pt(t[k]), pt(t[(k + 1) % 3]), pt(e.b)) <= 0) return true;
+      if (CGAL::orientation(pt(t[k]), pt(t[(k + 1) % 3]), pt(e.a)) <= 0 &&
+          CGAL::orientation(pt(t[k]), pt(t[(k + 1) % 3]), pt(e.b)) <= 0)
+        return true;
     }
     return false;
   };
@@ -126,21 +140,26 @@ int tiles_inside(const CheckedDesign::Piece& p) {
 }  // namespace
 
 void check_pieces(const CheckedDesign& design, Findings& findings) {
-  for (const char* rule : {"piece-flip", "piece-scale", "piece-overlap", "piece-simple", "piece-faces", "piece-placement"}) findings.rule(rule);
+  for (const char* rule :
+       {"piece-flip", "piece-scale", "piece-overlap", "piece-simple", "piece-faces", "piece-placement"})
+    findings.rule(rule);
   std::set<int> used;
   for (std::size_t k = 0; k < design.pieces.size(); ++k) {
     const auto& p = design.pieces[k];
     for (const int face : p.faces) {
-      if (!used.insert(face).second) findings.broken("piece-faces", piece_name(k), fmt::format("face {} stands in two pieces", face));
+      if (!used.insert(face).second)
+        findings.broken("piece-faces", piece_name(k), fmt::format("face {} stands in two pieces", face));
     }
     check_scale(design, k, findings);
     check_simple(p, k, findings);
     const int tiles = p.modules > 0 ? tiles_inside(p) : 0;
     if (tiles < p.modules) {
-      findings.broken("piece-placement", piece_name(k), fmt::format("states {} modules, {} tiles lie inside", p.modules, tiles));
+      findings.broken("piece-placement", piece_name(k),
+                      fmt::format("states {} modules, {} tiles lie inside", p.modules, tiles));
     }
     if (p.modules > p.upper_bound || (p.proved && p.modules != p.upper_bound)) {
-      findings.broken("piece-placement", piece_name(k), fmt::format("{} modules against the bound {}", p.modules, p.upper_bound));
+      findings.broken("piece-placement", piece_name(k),
+                      fmt::format("{} modules against the bound {}", p.modules, p.upper_bound));
     }
   }
 }

@@ -12,8 +12,12 @@ namespace {
 
 using nlohmann::json;
 
-P2 p2(const json& j) { return {j.at(0).get<double>(), j.at(1).get<double>()}; }
-P3 p3(const json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
+P2 p2(const json& j) {
+  return {j.at(0).get<double>(), j.at(1).get<double>()};
+}
+P3 p3(const json& j) {
+  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+}
 
 template <class Read>
 auto all(const json& j, Read read) {
@@ -22,8 +26,12 @@ auto all(const json& j, Read read) {
   return out;
 }
 
-std::array<int, 3> three_ints(const json& j) { return {j.at(0).get<int>(), j.at(1).get<int>(), j.at(2).get<int>()}; }
-std::array<double, 3> three(const json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
+std::array<int, 3> three_ints(const json& j) {
+  return {j.at(0).get<int>(), j.at(1).get<int>(), j.at(2).get<int>()};
+}
+std::array<double, 3> three(const json& j) {
+  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+}
 
 int bounded(int value, int low, int high, const char* what) {
   if (value < low || value > high) throw InputError(fmt::format("{} {} is outside {} … {}", what, value, low, high));
@@ -83,12 +91,14 @@ CheckedDesign::Patch read_patch(const json& j, int n) {
   p.node_address = j.at("node_address").get<int>();
   p.entry = bounded(j.at("entry").get<int>(), 0, n - 1, "entry");
   p.second_entry = bounded(j.at("second_entry").get<int>(), -1, n - 1, "second_entry");
-  p.second_entry_side = bounded(j.at("second_entry_side").get<int>(), p.second_entry < 0 ? -1 : 0, p.second_entry < 0 ? -1 : 2, "second_entry_side");
+  p.second_entry_side = bounded(j.at("second_entry_side").get<int>(), p.second_entry < 0 ? -1 : 0,
+                                p.second_entry < 0 ? -1 : 2, "second_entry_side");
   p.line_hops = j.at("line_hops").get<int>();
   p.max_depth = j.at("max_depth").get<int>();
   p.modules = all(j.at("modules"), [&](const json& m) { return bounded(m.get<int>(), 0, n - 1, "module of a patch"); });
   p.cut_joints = all(j.at("cut_joints"), [&](const json& c) {
-    return std::array{bounded(c.at(0).get<int>(), 0, n - 1, "cut joint"), bounded(c.at(1).get<int>(), 0, n - 1, "cut joint")};
+    return std::array{bounded(c.at(0).get<int>(), 0, n - 1, "cut joint"),
+                      bounded(c.at(1).get<int>(), 0, n - 1, "cut joint")};
   });
   return p;
 }
@@ -96,13 +106,15 @@ CheckedDesign::Patch read_patch(const json& j, int n) {
 std::uint64_t hex_id(const std::string& text) {
   std::uint64_t id = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id, 16);
-  if (error != std::errc{} || end != text.data() + text.size()) throw InputError(fmt::format("design_id \"{}\" is not 16 hexadecimal digits", text));
+  if (error != std::errc{} || end != text.data() + text.size())
+    throw InputError(fmt::format("design_id \"{}\" is not 16 hexadecimal digits", text));
   return id;
 }
 
 CheckedDesign read_all(const json& j) {
   CheckedDesign d{};
-  if (j.at("format") != "triskin-design" || j.at("version") != 1) throw InputError("not a design file of version 1; make the design again");
+  if (j.at("format") != "triskin-design" || j.at("version") != 1)
+    throw InputError("not a design file of version 1; make the design again");
   d.vertices = all(j.at("surface").at("vertices"), p3);
   const int n_vertices = static_cast<int>(d.vertices.size());
   d.faces = all(j.at("surface").at("faces"), three_ints);
@@ -111,7 +123,8 @@ CheckedDesign read_all(const json& j) {
   }
   if (d.faces.empty()) throw InputError("the surface has no faces");
   const json& l = j.at("limits");
-  d.limits = {l.at("edge_error_mm"), l.at("hinge_gap_mm"), l.at("center_gap_mm"), l.at("fold_rad"), l.at("penetration_mm"), l.at("overrun_mm")};
+  d.limits = {l.at("edge_error_mm"), l.at("hinge_gap_mm"),   l.at("center_gap_mm"),
+              l.at("fold_rad"),      l.at("penetration_mm"), l.at("overrun_mm")};
   d.islands = j.at("islands").get<int>();
   d.method = j.at("method").get<std::string>();
   d.design_id = hex_id(j.at("design_id").get<std::string>());
@@ -150,7 +163,8 @@ CheckedDesign read_checked_design(const std::filesystem::path& path) {
   try {
     return read_all(json::parse(text));
   } catch (const json::exception& e) {
-    throw InputError(fmt::format("{}: not a design file of this version ({}); make it again with triskin design", path.string(), e.what()));
+    throw InputError(fmt::format("{}: not a design file of this version ({}); make it again with triskin design",
+                                 path.string(), e.what()));
   } catch (const InputError& e) {
     throw InputError(fmt::format("{}: {}", path.string(), e.what()));
   }

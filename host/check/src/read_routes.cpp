@@ -10,17 +10,20 @@ namespace {
 using nlohmann::json;
 
 const json& key(const json& object, const char* name, const std::string& where) {
-  if (!object.is_object() || !object.contains(name)) throw InputError(fmt::format("{}: \"{}\" is missing; write the file with triskin route -o", where, name));
+  if (!object.is_object() || !object.contains(name))
+    throw InputError(fmt::format("{}: \"{}\" is missing; write the file with triskin route -o", where, name));
   return object.at(name);
 }
 int integer(const json& object, const char* name, const std::string& where) {
   const json& value = key(object, name, where);
-  if (!value.is_number_integer()) throw InputError(fmt::format("{}: \"{}\" must be an integer, is {}", where, name, value.dump()));
+  if (!value.is_number_integer())
+    throw InputError(fmt::format("{}: \"{}\" must be an integer, is {}", where, name, value.dump()));
   return value.get<int>();
 }
 bool boolean(const json& object, const char* name, const std::string& where) {
   const json& value = key(object, name, where);
-  if (!value.is_boolean()) throw InputError(fmt::format("{}: \"{}\" must be true or false, is {}", where, name, value.dump()));
+  if (!value.is_boolean())
+    throw InputError(fmt::format("{}: \"{}\" must be true or false, is {}", where, name, value.dump()));
   return value.get<bool>();
 }
 const json& list(const json& object, const char* name, const std::string& where) {
@@ -69,19 +72,34 @@ ModuleMap read_listed_modules(const json& document) {
 
 RouteDocument read_route_document(const json& document) {
   const std::string where = "routes";
-  RouteDocument d{{}, integer(document, "patches", where), integer(document, "lower_bound", where), integer(document, "line_hops", where),
-                  integer(document, "max_depth", where), boolean(document, "proved", where), key(document, "mean_loss", where).get<double>()};
+  RouteDocument d{{},
+                  integer(document, "patches", where),
+                  integer(document, "lower_bound", where),
+                  integer(document, "line_hops", where),
+                  integer(document, "max_depth", where),
+                  boolean(document, "proved", where),
+                  key(document, "mean_loss", where).get<double>()};
   for (const json& p : list(document, "routes", where)) {
     const std::string name = fmt::format("patch {}", d.patches.size());
-    RoutePatch patch{integer(p, "entry", name), integer(p, "second_entry", name), integer(p, "second_entry_side", name),
-                     integer(p, "line_hops", name), integer(p, "max_depth", name), boolean(p, "border_entry", name), boolean(p, "second_entry_border", name), {}, pairs(p, "cut_joints", name), {}};
+    RoutePatch patch{integer(p, "entry", name),
+                     integer(p, "second_entry", name),
+                     integer(p, "second_entry_side", name),
+                     integer(p, "line_hops", name),
+                     integer(p, "max_depth", name),
+                     boolean(p, "border_entry", name),
+                     boolean(p, "second_entry_border", name),
+                     {},
+                     pairs(p, "cut_joints", name),
+                     {}};
     for (const json& m : list(p, "modules", name)) {
-      patch.rows.push_back({integer(m, "id", name), integer(m, "parent", name), integer(m, "rotation", name), integer(m, "line", name),
-                            integer(m, "address", name), integer(m, "depth", name)});
+      patch.rows.push_back({integer(m, "id", name), integer(m, "parent", name), integer(m, "rotation", name),
+                            integer(m, "line", name), integer(m, "address", name), integer(m, "depth", name)});
     }
     for (const json& f : list(p, "failures", name)) {
-      patch.failures.push_back({integer(f, "module", name), integer(f, "other", name), integer(f, "lost_strapped", name), integer(f, "lost_rerouted", name),
-                                integer(f, "lost_backed_up", name), pairs(f, "backup", name), pairs(f, "adopted", name)});
+      patch.failures.push_back({integer(f, "module", name), integer(f, "other", name),
+                                integer(f, "lost_strapped", name), integer(f, "lost_rerouted", name),
+                                integer(f, "lost_backed_up", name), pairs(f, "backup", name),
+                                pairs(f, "adopted", name)});
     }
     d.patches.push_back(std::move(patch));
   }

@@ -15,7 +15,9 @@ namespace triskin::check {
 
 /// A joint between two modules, the lesser id first.
 using Edge = std::pair<int, int>;
-[[nodiscard]] inline Edge edge(int a, int b) { return std::minmax(a, b); }
+[[nodiscard]] inline Edge edge(int a, int b) {
+  return std::minmax(a, b);
+}
 
 struct ListedModule {
   std::array<int, 3> beside{-1, -1, -1};  ///< id across each side
@@ -53,13 +55,17 @@ struct RouteDocument {
 
 struct RoutingFindings {
   DesignReport report;
-  void broken(const char* rule, std::string where, std::string text) { report.violations.push_back({rule, std::move(where), std::move(text)}); }
+  void broken(const char* rule, std::string where, std::string text) {
+    report.violations.push_back({rule, std::move(where), std::move(text)});
+  }
 };
 
 [[nodiscard]] ModuleMap read_listed_modules(const nlohmann::json& document);
 [[nodiscard]] RouteDocument read_route_document(const nlohmann::json& document);
 
-void check_route_tree(const ModuleMap& modules, const RoutePatch& patch, const std::string& name, const RoutingLimits& limits, RoutingFindings& f);
-void check_route_failures(const ModuleMap& modules, const RouteDocument& routes, std::size_t patch, const RoutingLimits& limits, RoutingFindings& f);
+void check_route_tree(const ModuleMap& modules, const RoutePatch& patch, const std::string& name,
+                      const RoutingLimits& limits, RoutingFindings& f);
+void check_route_failures(const ModuleMap& modules, const RouteDocument& routes, std::size_t patch,
+                          const RoutingLimits& limits, RoutingFindings& f);
 
 }  // namespace triskin::check

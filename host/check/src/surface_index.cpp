@@ -7,11 +7,14 @@
 namespace triskin::check {
 namespace {
 
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
+std::size_t at(int k) {
+  return static_cast<std::size_t>(k);
+}
 
 }  // namespace
 
-SurfaceIndex::SurfaceIndex(const CheckedDesign& design) : design_(design), normals_(design.vertices.size(), P3::Zero()) {
+SurfaceIndex::SurfaceIndex(const CheckedDesign& design)
+    : design_(design), normals_(design.vertices.size(), P3::Zero()) {
   for (const auto& f : design.faces) {
     const Triangle3 t = triangle(f);
     const auto point = [&](std::size_t k) { return Kernel::Point_3(t[k].x(), t[k].y(), t[k].z()); };
@@ -43,7 +46,8 @@ void SurfaceIndex::find_border() {
   for (const auto& [edge, use] : edges) {
     if (use.count != 1) continue;
     const P3 &a = design_.vertices[at(use.from)], &b = design_.vertices[at(use.to)];
-    border_.push_back({a, b, normals_[at(use.from)], normals_[at(use.to)], (b - a).cross(use.face_normal).normalized()});
+    border_.push_back(
+        {a, b, normals_[at(use.from)], normals_[at(use.to)], (b - a).cross(use.face_normal).normalized()});
   }
 }
 
@@ -65,6 +69,8 @@ SurfaceIndex::Hit SurfaceIndex::closest(const P3& p) const {
   return hit;
 }
 
-double SurfaceIndex::distance(const P3& p) const { return std::sqrt(tree_.squared_distance(Kernel::Point_3(p.x(), p.y(), p.z()))); }
+double SurfaceIndex::distance(const P3& p) const {
+  return std::sqrt(tree_.squared_distance(Kernel::Point_3(p.x(), p.y(), p.z())));
+}
 
 }  // namespace triskin::check

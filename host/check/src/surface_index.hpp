@@ -44,14 +44,16 @@ class SurfaceIndex {
   std::vector<BorderEdge> border_;
 };
 
-/// How far a module stands over the border, mm: the largest distance across the normal from a point of its whole area (sides,
-/// corners and inside, so holes count too) to the point of the border that is nearest to it, among the points to which no other
-/// part of the surface is nearer. By branch and bound with bounds that hold for every point of a part of the module: the value
-/// is attained, and no point exceeds it by more than kOverrunStep_mm. Cost: a few hundred closest points where the border is near.
+/// How far a module stands over the border, mm: the largest distance across the normal from a point of its whole area
+/// (sides, corners and inside, so holes count too) to the point of the border that is nearest to it, among the points
+/// to which no other part of the surface is nearer. By branch and bound with bounds that hold for every point of a part
+/// of the module: the value is attained, and no point exceeds it by more than kOverrunStep_mm. Cost: a few hundred
+/// closest points where the border is near.
 ///
-/// A point high above the surface that passes the border stands over it at once by as much as the normal, which is interpolated, leans from
-/// the face's. A module that leaves the surface by a micrometre therefore has no number that is worth stating, but two: the largest over the
-/// points that are past the border by `past_mm` = kPast_mm at least, and with -kPast_mm also over those that lack no more to be past it.
+/// A point high above the surface that passes the border stands over it at once by as much as the normal, which is
+/// interpolated, leans from the face's. A module that leaves the surface by a micrometre therefore has no number that
+/// is worth stating, but two: the largest over the points that are past the border by `past_mm` = kPast_mm at least,
+/// and with -kPast_mm also over those that lack no more to be past it.
 inline constexpr double kOverrunStep_mm = 0.002, kPast_mm = 0.02;
 [[nodiscard]] double overrun_of(const Triangle3& module, const SurfaceIndex& surface, double past_mm);
 

@@ -18,11 +18,13 @@ void within_limit(Findings& f, const char* rule, std::size_t module, double meas
 }
 
 void as_stated(Findings& f, const char* rule, std::size_t module, double measured, double stated) {
-  if (!(std::abs(measured - stated) <= kStated_mm)) f.broken(rule, module_name(module), fmt::format("stated {:.3f} mm, measured {:.3f} mm", stated, measured));
+  if (!(std::abs(measured - stated) <= kStated_mm))
+    f.broken(rule, module_name(module), fmt::format("stated {:.3f} mm, measured {:.3f} mm", stated, measured));
 }
 
 // How much the normal turns between the middle and a corner; the radius is the distance divided by that.
-void check_bend(const CheckedDesign::Module& m, std::size_t k, const SurfaceIndex& surface, const P3& normal, Findings& f) {
+void check_bend(const CheckedDesign::Module& m, std::size_t k, const SurfaceIndex& surface, const P3& normal,
+                Findings& f) {
   double turn = 0.0;
   for (const P3& corner : m.corner) {
     const P3 there = surface.closest(corner).normal;
@@ -30,7 +32,8 @@ void check_bend(const CheckedDesign::Module& m, std::size_t k, const SurfaceInde
   }
   const double stated = m.bend_radius > 0.0 ? (m.corner[0] - centroid(m.corner)).norm() / m.bend_radius : 0.0;
   if (!(std::abs(turn - stated) <= 1e-3)) {
-    f.broken("bend-radius", module_name(k), fmt::format("states {:.1f} mm, a turn of {:.4f} rad; measured {:.4f} rad", m.bend_radius, stated, turn));
+    f.broken("bend-radius", module_name(k),
+             fmt::format("states {:.1f} mm, a turn of {:.4f} rad; measured {:.4f} rad", m.bend_radius, stated, turn));
   }
 }
 
@@ -53,7 +56,9 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
     within_limit(f, "center-gap", k, gap, d.limits.center_gap);
     as_stated(f, "center-gap", k, gap, m.center_gap);
     const double cosine = hit.normal.dot(unit_normal(m.corner));
-    if (!(cosine > 0.5)) f.broken("outward", module_name(k), fmt::format("its normal is {:.0f}° off the surface's", std::acos(cosine) * 180 / M_PI));
+    if (!(cosine > 0.5))
+      f.broken("outward", module_name(k),
+               fmt::format("its normal is {:.0f}° off the surface's", std::acos(cosine) * 180 / M_PI));
     check_bend(m, k, surface, hit.normal, f);
     double depth = 0.0;
     for (std::size_t s = 0; s < 3; ++s) {
@@ -65,7 +70,8 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
       }
     }
     check_overrun(d, k, surface, f);
-    if (!(std::abs(depth - m.edge_depth) <= 0.1)) f.broken("edge-depth", module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", m.edge_depth, depth));
+    if (!(std::abs(depth - m.edge_depth) <= 0.1))
+      f.broken("edge-depth", module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", m.edge_depth, depth));
   }
 }
 
@@ -121,7 +127,8 @@ bool pierces(const P3& a, const P3& b, const Triangle3& t) {
 bool cross_in_space(const Triangle3& a, const Triangle3& b, double allowed_mm) {
   const auto shrunk = [&](const Triangle3& t) {
     const P3 c = centroid(t);
-    const double scale = std::max(0.0, 1.0 - allowed_mm / (kSide * std::sqrt(3.0) / 6.0));  // a limit above the inner radius allows anything
+    const double scale = std::max(
+        0.0, 1.0 - allowed_mm / (kSide * std::sqrt(3.0) / 6.0));  // a limit above the inner radius allows anything
     return Triangle3{P3(c + scale * (t[0] - c)), P3(c + scale * (t[1] - c)), P3(c + scale * (t[2] - c))};
   };
   const Triangle3 p = shrunk(a), q = shrunk(b);
@@ -140,7 +147,8 @@ void check_overlap(const CheckedDesign& d, Findings& f) {
       worst[a] = std::max(worst[a], depth);
       worst[b] = std::max(worst[b], depth);
       if (!(depth <= d.limits.penetration)) {
-        f.broken("penetration", module_name(a), fmt::format("overlaps module {} by {:.3f} mm, limit {} mm", b, depth, d.limits.penetration));
+        f.broken("penetration", module_name(a),
+                 fmt::format("overlaps module {} by {:.3f} mm, limit {} mm", b, depth, d.limits.penetration));
       }
       if (cross_in_space(d.modules[a].corner, d.modules[b].corner, d.limits.penetration)) {
         f.broken("pierced", module_name(a), fmt::format("passes through module {}", b));

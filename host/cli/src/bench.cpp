@@ -33,7 +33,9 @@ int run(const std::string& subject, const BenchOptions& options, Output& output)
 }
 
 const Registration kBench{{
-    "bench", "speed against error for one subject", "triskin bench placement --quick --json",
+    "bench",
+    "speed against error for one subject",
+    "triskin bench placement --quick --json",
     [](CLI::App& app) -> Run {
       auto subject = std::make_shared<std::string>();
       auto options = std::make_shared<BenchOptions>();
@@ -45,6 +47,8 @@ const Registration kBench{{
 
 }  // namespace
 
-BenchSubject::BenchSubject(const std::string& name, BenchRows rows) { subjects()[name] = std::move(rows); }
+BenchSubject::BenchSubject(const std::string& name, BenchRows rows) {
+  subjects()[name] = std::move(rows);
+}
 
 }  // namespace triskin::cli

@@ -21,10 +21,15 @@ using Random = std::mt19937_64;
 constexpr int kMostRuns = 5;
 constexpr double kRepeatedFor_s = 0.5;
 
-double uniform(Random& random, double low, double high) { return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53; }
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double uniform(Random& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+}
+double since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
-// Star-shaped outlines: each radius by itself, or a few waves; the seed is the row's own, so that each row can be repeated alone.
+// Star-shaped outlines: each radius by itself, or a few waves; the seed is the row's own, so that each row can be
+// repeated alone.
 Polygon outline(bool rough, int vertices, double area_cm2) {
   Random random(static_cast<std::uint64_t>(vertices) * 100003u + static_cast<std::uint64_t>(area_cm2));
   std::array<double, 6> size{}, phase{};
@@ -36,7 +41,8 @@ Polygon outline(bool rough, int vertices, double area_cm2) {
   for (int k = 0; k < vertices; ++k) {
     const double angle = 2.0 * M_PI * k / vertices;
     double r = rough ? uniform(random, 0.75, 1.25) : 1.0;
-    for (std::size_t w = 0; !rough && w < size.size(); ++w) r += size[w] * std::cos(static_cast<double>(w + 1) * angle + phase[w]);
+    for (std::size_t w = 0; !rough && w < size.size(); ++w)
+      r += size[w] * std::cos(static_cast<double>(w + 1) * angle + phase[w]);
     p.outer.emplace_back(r * std::cos(angle), r * std::sin(angle));
   }
   const double scale = std::sqrt(area_cm2 * 100.0 / geometry::polygon_area(p));
@@ -50,7 +56,8 @@ double mean_seconds(int sample, Evaluate evaluate) {
   Random random(4);
   const auto start = Clock::now();
   for (int k = 0; k < sample; ++k) {
-    evaluate(Placement{uniform(random, 0, geometry::kSide_mm), uniform(random, 0, geometry::kHeight_mm), M_PI / 180.0 * (k % 60)});
+    evaluate(Placement{uniform(random, 0, geometry::kSide_mm), uniform(random, 0, geometry::kHeight_mm),
+                       M_PI / 180.0 * (k % 60)});
   }
   return since(start) / sample;
 }
@@ -77,7 +84,8 @@ geometry::WeightMap hill(double area_cm2) {
   return {{-width, -width}, step, rows};
 }
 
-nlohmann::json measure(const char* series, bool rough, int vertices, double area_cm2, const geometry::PlacementOptions& options) {
+nlohmann::json measure(const char* series, bool rough, int vertices, double area_cm2,
+                       const geometry::PlacementOptions& options) {
   const Polygon p = outline(rough, vertices, area_cm2);
   // The least of some runs: the others measure what else the machine does.
   geometry::PlacementResult r = geometry::place(p, options);
@@ -89,16 +97,26 @@ nlohmann::json measure(const char* series, bool rough, int vertices, double area
   }
   // Of weights the gap is relative.
   const double gap = options.weights ? r.weight_bound / r.weight - 1.0 : r.upper_bound - r.modules;
-  return {{"series", series}, {"outline", rough ? "rough" : "smooth"}, {"vertices", vertices}, {"area_cm2", area_cm2}, {"tolerance_mm", options.tolerance_mm},
-          {"modules", r.modules}, {"upper_bound", r.upper_bound}, {"gap", gap},
-          {"proved", r.proved}, {"cells", r.cells}, {"seconds", seconds}};
+  return {{"series", series},
+          {"outline", rough ? "rough" : "smooth"},
+          {"vertices", vertices},
+          {"area_cm2", area_cm2},
+          {"tolerance_mm", options.tolerance_mm},
+          {"modules", r.modules},
+          {"upper_bound", r.upper_bound},
+          {"gap", gap},
+          {"proved", r.proved},
+          {"cells", r.cells},
+          {"seconds", seconds}};
 }
 
 // R4 with CGAL takes minutes to hours: its time is the mean of a sample of its placements times their number.
 void add_baseline(nlohmann::json& row, int sample) {
   const Polygon p = outline(row["outline"] == "rough", row["vertices"], row["area_cm2"]);
-  const double cgal_s = mean_seconds(sample, [&](const Placement& at) { return geometry::paper_algorithm1(p, at, false); });
-  const double exact_s = mean_seconds(std::max(3, sample / 10), [&](const Placement& at) { return geometry::paper_algorithm1(p, at, true); });
+  const double cgal_s =
+      mean_seconds(sample, [&](const Placement& at) { return geometry::paper_algorithm1(p, at, false); });
+  const double exact_s = mean_seconds(std::max(3, sample / 10),
+                                      [&](const Placement& at) { return geometry::paper_algorithm1(p, at, true); });
   geometry::PlacementOptions r4;
   r4.method = geometry::PlacementMethod::kR4;
   const geometry::PlacementResult own = geometry::place(p, r4);
@@ -118,7 +136,8 @@ nlohmann::json placement_rows(const BenchOptions& options, Output& output) {
   nlohmann::json rows = nlohmann::json::array();
   const auto sink = output.progress();
   const geometry::PlacementOptions count = count_only(options.quick ? 4.0 : 60.0);
-  const auto add = [&](const char* series, bool rough, int vertices, double area_cm2, const geometry::PlacementOptions& wanted) {
+  const auto add = [&](const char* series, bool rough, int vertices, double area_cm2,
+                       const geometry::PlacementOptions& wanted) {
     report(sink, "bench placement", -1.0, series);
     rows.push_back(measure(series, rough, vertices, area_cm2, wanted));
   };
@@ -134,13 +153,18 @@ nlohmann::json placement_rows(const BenchOptions& options, Output& output) {
     add("clearance", rough, 80, 757, with([](auto& o) { o.largest_clearance = true; }));
     add("deficit", rough, 80, 757, with([](auto& o) { o.deficit = true; }));
     add("connected", rough, 80, 757, with([](auto& o) { o.connected = true; }));
-    add("weights", rough, 80, 757, with([](auto& o) { o.weights = std::make_shared<const geometry::WeightMap>(hill(757)); }));
+    add("weights", rough, 80, 757,
+        with([](auto& o) { o.weights = std::make_shared<const geometry::WeightMap>(hill(757)); }));
     add("hexagons", rough, 80, 757, with([](auto& o) { o.shape = geometry::TileShape::kHexagon; }));
     add("gap 2 mm", rough, 80, 757, with([](auto& o) { o.gap_mm = 2.0; }));
-    for (const int n : options.quick ? std::vector{20, 80, 200} : std::vector{20, 40, 80, 200, 500, 1000, 2000, 5000}) add("vertices", rough, n, 757, count);
-    for (const double a : options.quick ? std::vector{57., 300., 1050.} : std::vector{57., 300., 1050., 3000., 10000., 50000.}) add("area", rough, 80, a, count);
+    for (const int n : options.quick ? std::vector{20, 80, 200} : std::vector{20, 40, 80, 200, 500, 1000, 2000, 5000})
+      add("vertices", rough, n, 757, count);
+    for (const double a :
+         options.quick ? std::vector{57., 300., 1050.} : std::vector{57., 300., 1050., 3000., 10000., 50000.})
+      add("area", rough, 80, a, count);
   }
-  for (const double e : {1e-2, 1e-4, 1e-6, 1e-8}) add("tolerance", true, 40, 300, with([e](auto& o) { o.tolerance_mm = e; }));
+  for (const double e : {1e-2, 1e-4, 1e-6, 1e-8})
+    add("tolerance", true, 40, 300, with([e](auto& o) { o.tolerance_mm = e; }));
   return rows;
 }
 

@@ -34,8 +34,14 @@ nlohmann::json row(PatchShape shape, int modules, int patches) {
     loss += r.mean_loss;
     loss_strapped += r.mean_loss_strapped;
   }
-  return {{"shape", name_of(shape)}, {"modules", modules},         {"cases", patches},           {"proved", proved},
-          {"widest_gap", widest_gap}, {"slowest_s", slowest_s},     {"mean_loss", loss / patches}, {"mean_loss_strapped", loss_strapped / patches},
+  return {{"shape", name_of(shape)},
+          {"modules", modules},
+          {"cases", patches},
+          {"proved", proved},
+          {"widest_gap", widest_gap},
+          {"slowest_s", slowest_s},
+          {"mean_loss", loss / patches},
+          {"mean_loss_strapped", loss_strapped / patches},
           {"seconds", seconds / patches}};
 }
 
@@ -47,8 +53,10 @@ nlohmann::json milp_row(PatchShape shape, int modules, double time_limit_s) {
   options.recombinations = 0;
   const geometry::RoutingResult all = geometry::route(patch.graph, options);
   const geometry::PartitionInterval milp = geometry::partition_by_milp(patch.graph, options.capacity, time_limit_s);
-  return {{"shape", name_of(shape)}, {"modules", modules},          {"patches", all.patches.size()}, {"lower_bound", all.lower_bound},
-          {"milp_patches", milp.upper}, {"milp_lower_bound", milp.lower}, {"milp_s", milp.seconds},     {"ratio_to_milp", milp.seconds / all.seconds},
+  return {{"shape", name_of(shape)},       {"modules", modules},
+          {"patches", all.patches.size()}, {"lower_bound", all.lower_bound},
+          {"milp_patches", milp.upper},    {"milp_lower_bound", milp.lower},
+          {"milp_s", milp.seconds},        {"ratio_to_milp", milp.seconds / all.seconds},
           {"seconds", all.seconds}};
 }
 
@@ -59,15 +67,17 @@ nlohmann::json rows(const BenchOptions& options, Output& output) {
       if (options.quick && modules > 600) continue;
       const int cases = modules > 600 ? 1 : options.quick ? 5 : 20;
       result.push_back(row(shape, modules, cases));
-      output.say(fmt::format("{:9} {:5} modules: {} of {} proved, widest gap {}, {:.4f} s", name_of(shape), modules, result.back()["proved"].get<int>(), cases,
-                             result.back()["widest_gap"].get<int>(), result.back()["seconds"].get<double>()));
+      output.say(fmt::format("{:9} {:5} modules: {} of {} proved, widest gap {}, {:.4f} s", name_of(shape), modules,
+                             result.back()["proved"].get<int>(), cases, result.back()["widest_gap"].get<int>(),
+                             result.back()["seconds"].get<double>()));
     }
   }
   if (options.quick) result.push_back(row(PatchShape::kCompact, 2600, 1));
   for (const int modules : options.quick ? std::vector{38} : std::vector{38, 80, 142}) {
     result.push_back(milp_row(PatchShape::kCompact, modules, options.quick ? 20.0 : 120.0));
-    output.say(fmt::format("CBC alone, {:3} modules: [{}, {}] in {:.1f} s; here {:.4f} s", modules, result.back()["milp_lower_bound"].get<int>(),
-                           result.back()["milp_patches"].get<int>(), result.back()["milp_s"].get<double>(), result.back()["seconds"].get<double>()));
+    output.say(fmt::format("CBC alone, {:3} modules: [{}, {}] in {:.1f} s; here {:.4f} s", modules,
+                           result.back()["milp_lower_bound"].get<int>(), result.back()["milp_patches"].get<int>(),
+                           result.back()["milp_s"].get<double>(), result.back()["seconds"].get<double>()));
   }
   return result;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Speed against error of covering a surface: time, limits, faces and area against modules; and the nets of another unfolder.
+// Speed against error of covering a surface: time, limits, faces and area against modules; and the nets of another
+// unfolder.
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -22,9 +23,12 @@ using Clock = std::chrono::steady_clock;
 using geometry::Mesh;
 using geometry::Surface;
 
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
-// z = 25 mm · sin(x / 45 mm) · sin(y / 45 mm): domes and saddles, principal radii of 81 mm and more, as large as wanted.
+// z = 25 mm · sin(x / 45 mm) · sin(y / 45 mm): domes and saddles, principal radii of 81 mm and more, as large as
+// wanted.
 Mesh wavy_sheet(double area_cm2, int faces) {
   const int cells = std::max(2, static_cast<int>(std::lround(std::sqrt(faces / 2.0))));
   const double side_mm = 10.0 * std::sqrt(area_cm2 / 1.075);
@@ -45,12 +49,18 @@ Mesh wavy_sheet(double area_cm2, int faces) {
   return m;
 }
 
-nlohmann::json row_of(const char* series, const std::string& shape, const Surface& surface, const geometry::ModuleLayout& layout) {
+nlohmann::json row_of(const char* series, const std::string& shape, const Surface& surface,
+                      const geometry::ModuleLayout& layout) {
   const auto modules = static_cast<double>(layout.modules.size());
   nlohmann::json refused = nlohmann::json::object();
   for (const auto& [limit, count] : layout.refused) refused[limit] = count;
-  return {{"series", series}, {"shape", shape}, {"area_cm2", surface.area_mm2() / 100.0}, {"faces", surface.mesh().faces.size()},
-          {"modules", layout.modules.size()}, {"islands", layout.islands}, {"refused", refused},
+  return {{"series", series},
+          {"shape", shape},
+          {"area_cm2", surface.area_mm2() / 100.0},
+          {"faces", surface.mesh().faces.size()},
+          {"modules", layout.modules.size()},
+          {"islands", layout.islands},
+          {"refused", refused},
           {"uncovered", 1.0 - modules * geometry::kModuleArea_mm2 / surface.area_mm2()}};
 }
 
@@ -74,9 +84,11 @@ class Rows {
   // The real covers, in the folder that TRISKIN_DATA names, against the nets that another program made of them.
   nlohmann::json run_nets() {
     const char* data = std::getenv("TRISKIN_DATA");
-    if (data == nullptr) throw InputError("bench nets: the variable TRISKIN_DATA must name the folder with parts/ and blender/");
-    for (const char* part : {"LH_hipwing_v1", "LUA_upperarm_half_v1", "RFA_forearm_v1", "SHANK_front_v25", "RUF_forearm_v2", "UA_upperarm_v1",
-                             "HIP_v1", "ROOT_v25", "UL_upperleg_v1", "UT_torso_v1", "LT_root_v2", "HEAD_v1"}) {
+    if (data == nullptr)
+      throw InputError("bench nets: the variable TRISKIN_DATA must name the folder with parts/ and blender/");
+    for (const char* part :
+         {"LH_hipwing_v1", "LUA_upperarm_half_v1", "RFA_forearm_v1", "SHANK_front_v25", "RUF_forearm_v2",
+          "UA_upperarm_v1", "HIP_v1", "ROOT_v25", "UL_upperleg_v1", "UT_torso_v1", "LT_root_v2", "HEAD_v1"}) {
       const fs::path mesh = fs::path(data) / "parts" / (std::string(part) + ".obj"), net = net_of(data, part);
       if (!fs::exists(net)) throw InputError("bench nets: " + net.string() + ": no such file");
       geometry::SurfaceLatticeOptions o;
@@ -89,8 +101,8 @@ class Rows {
   }
 
  private:
-  nlohmann::json& grow(const char* series, const std::string& shape, const Surface& surface, const geometry::LayoutLimits& limits,
-                       const geometry::SurfaceLatticeOptions& options) {
+  nlohmann::json& grow(const char* series, const std::string& shape, const Surface& surface,
+                       const geometry::LayoutLimits& limits, const geometry::SurfaceLatticeOptions& options) {
     report(sink_, "bench unfolding", -1.0, series);
     const auto start = Clock::now();
     const geometry::ModuleLayout layout = geometry::grow_lattice(surface, limits, options);
@@ -121,7 +133,11 @@ class Rows {
       grow("centre gap", "sheet", surface, l, o)["center_gap_mm"] = l.center_gap_mm;
       const auto start = Clock::now();
       const geometry::Net net = geometry::unfold(surface, {.edge_error_mm = scale});
-      rows_.push_back({{"series", "pieces"}, {"shape", "sheet"}, {"edge_error_mm", scale}, {"pieces", net.pieces.size()}, {"seconds", since(start)}});
+      rows_.push_back({{"series", "pieces"},
+                       {"shape", "sheet"},
+                       {"edge_error_mm", scale},
+                       {"pieces", net.pieces.size()},
+                       {"seconds", since(start)}});
     }
   }
 
@@ -156,7 +172,9 @@ class Rows {
     }
   }
 
-  [[nodiscard]] static fs::path net_of(const fs::path& data, const std::string& part) { return data / "blender" / (part + ".json"); }
+  [[nodiscard]] static fs::path net_of(const fs::path& data, const std::string& part) {
+    return data / "blender" / (part + ".json");
+  }
 
   // What the certified placement finds on another program's net; all islands together get the time that the growth has.
   [[nodiscard]] int modules_on(const fs::path& net, double limit_s) const {
@@ -200,9 +218,13 @@ class Rows {
   nlohmann::json rows_ = nlohmann::json::array();
 };
 
-nlohmann::json unfolding_rows(const BenchOptions& options, Output& output) { return Rows(options, output).run(); }
+nlohmann::json unfolding_rows(const BenchOptions& options, Output& output) {
+  return Rows(options, output).run();
+}
 
-nlohmann::json net_rows(const BenchOptions& options, Output& output) { return Rows(options, output).run_nets(); }
+nlohmann::json net_rows(const BenchOptions& options, Output& output) {
+  return Rows(options, output).run_nets();
+}
 
 const BenchSubject kUnfolding("unfolding", unfolding_rows);
 const BenchSubject kNets("nets", net_rows);

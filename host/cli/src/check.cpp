@@ -18,13 +18,18 @@ int run(const std::string& path, Output& output) {
   }
   nlohmann::json limits = nlohmann::json::object();
   for (const auto& [name, value] : report.limits) limits[name] = value;
-  output.result = {{"rules", report.rules.size()}, {"rule_names", report.rules}, {"limits", std::move(limits)}, {"violations", std::move(violations)}};
+  output.result = {{"rules", report.rules.size()},
+                   {"rule_names", report.rules},
+                   {"limits", std::move(limits)},
+                   {"violations", std::move(violations)}};
   output.say(fmt::format("{} rules checked, {} violations", report.rules.size(), report.violations.size()));
   return report.violations.empty() ? 0 : 1;
 }
 
 const Registration kCheck{{
-    "check", "check every rule of a design, by code that shares nothing with the solvers", "triskin check forearm.design.json --json",
+    "check",
+    "check every rule of a design, by code that shares nothing with the solvers",
+    "triskin check forearm.design.json --json",
     [](CLI::App& app) -> Run {
       auto path = std::make_shared<std::string>();
       app.add_option("DESIGN", *path, "design file")->required();

@@ -11,10 +11,12 @@ namespace {
 
 int run(const std::string& log, const std::string& polygon, Output& output) {
   const check::ProofReport r = check::check_placement_proof(log, polygon);
-  output.result = {{"accepted", r.accepted}, {"reason", r.reason}, {"modules", r.modules}, {"upper_bound", r.upper_bound},
-                   {"cells", r.cells}, {"regions", r.regions}, {"seconds", r.seconds}};
+  output.result = {{"accepted", r.accepted},       {"reason", r.reason}, {"modules", r.modules},
+                   {"upper_bound", r.upper_bound}, {"cells", r.cells},   {"regions", r.regions},
+                   {"seconds", r.seconds}};
   if (r.accepted) {
-    output.say(fmt::format("accepted: {} modules lie inside and no placement holds more than {}; {} cells, {:.3f} s", r.modules, r.upper_bound, r.cells, r.seconds));
+    output.say(fmt::format("accepted: {} modules lie inside and no placement holds more than {}; {} cells, {:.3f} s",
+                           r.modules, r.upper_bound, r.cells, r.seconds));
   } else {
     output.say("rejected: " + r.reason);
   }
@@ -22,8 +24,10 @@ int run(const std::string& log, const std::string& polygon, Output& output) {
 }
 
 const Registration kCheckProof{{
-    "check-proof", "accept or reject a placement proof in interval arithmetic, with none of the solver's code",
-    "triskin place outline.geojson --proof outline.proof.json && triskin check-proof outline.proof.json outline.geojson",
+    "check-proof",
+    "accept or reject a placement proof in interval arithmetic, with none of the solver's code",
+    "triskin place outline.geojson --proof outline.proof.json && triskin check-proof outline.proof.json "
+    "outline.geojson",
     [](CLI::App& app) -> Run {
       auto log = std::make_shared<std::string>();
       auto polygon = std::make_shared<std::string>();

@@ -21,7 +21,8 @@ std::vector<Command>& registry() {
 
 using Clock = std::chrono::steady_clock;
 
-// Draws a bar on standard error, or one for each part of the work that is under way; quiet for the first second, so that short work leaves no trace.
+// Draws a bar on standard error, or one for each part of the work that is under way; quiet for the first second, so
+// that short work leaves no trace.
 class Bar {
  public:
   Bar() : terminal_(::isatty(STDERR_FILENO) != 0) {}
@@ -48,7 +49,9 @@ class Bar {
 
  private:
   // To the first line, all lines empty.
-  [[nodiscard]] std::string back() const { return lines_ > 1 ? fmt::format("\r\033[{}A\033[J", lines_ - 1) : "\r\033[J"; }
+  [[nodiscard]] std::string back() const {
+    return lines_ > 1 ? fmt::format("\r\033[{}A\033[J", lines_ - 1) : "\r\033[J";
+  }
   static std::string line(const Progress& p) {
     constexpr int kWidth = 30;
     std::string bar(kWidth, '.');
@@ -62,7 +65,8 @@ class Bar {
     std::string text = back();
     int lines = 0;
     for (const auto& [part, p] : parts_) {
-      const bool shown = part < 0 ? parts == 0 : parts <= kLines || (p.fraction < 1.0 && lines < static_cast<int>(kLines));
+      const bool shown =
+          part < 0 ? parts == 0 : parts <= kLines || (p.fraction < 1.0 && lines < static_cast<int>(kLines));
       if (!shown) continue;
       if (lines++ > 0) text += '\n';
       text += line(p);
@@ -93,8 +97,12 @@ ProgressSink Output::progress() const {
   return [bar](const Progress& p) { bar->show(p); };
 }
 
-Registration::Registration(Command command) { registry().push_back(std::move(command)); }
+Registration::Registration(Command command) {
+  registry().push_back(std::move(command));
+}
 
-const std::vector<Command>& Registration::all() { return registry(); }
+const std::vector<Command>& Registration::all() {
+  return registry();
+}
 
 }  // namespace triskin::cli

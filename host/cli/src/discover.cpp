@@ -23,9 +23,11 @@ nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim) {
   device::Controller c(bus, claim.node_address);
   const device::Hello hello = c.hello();
   const device::ActiveTable table = c.active_table();
-  nlohmann::json j = {{"wire_version", hello.wire_version}, {"layout_version", hello.layout_version},
-                      {"firmware", fmt::format("{}.{}.{}", hello.firmware_version >> 24 & 0xFF, hello.firmware_version >> 16 & 0xFF,
-                                               hello.firmware_version >> 8 & 0xFF)}};
+  nlohmann::json j = {
+      {"wire_version", hello.wire_version},
+      {"layout_version", hello.layout_version},
+      {"firmware", fmt::format("{}.{}.{}", hello.firmware_version >> 24 & 0xFF, hello.firmware_version >> 16 & 0xFF,
+                               hello.firmware_version >> 8 & 0xFF)}};
   if (table.present) {
     j["design_id"] = fmt::format("{:016x}", table.design_id);
     j["table_modules"] = table.modules;
@@ -46,7 +48,8 @@ nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim) {
   return j;
 }
 
-nlohmann::json ask_topology(device::Bus& bus, const wire::NodeClaim& claim, const std::vector<NamedDesign>& designs, const Output& output) {
+nlohmann::json ask_topology(device::Bus& bus, const wire::NodeClaim& claim, const std::vector<NamedDesign>& designs,
+                            const Output& output) {
   device::Controller c(bus, claim.node_address);
   const device::ActiveTable table = c.active_table();
   return report_topology(c, designs, table.design_id, table.present ? claim.node_address - 1 : -1, output);
@@ -59,7 +62,8 @@ int run(const Options& options, Output& output) {
   const auto link = device::open_link(options.link, simulated ? &designs[0].second : nullptr);
   device::Bus bus(*link);
   const auto claims = bus.discover();
-  if (claims.empty()) throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", link->name()));
+  if (claims.empty())
+    throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", link->name()));
   std::map<int, int> users;
   for (const auto& c : claims) ++users[c.node_address];
   nlohmann::json controllers = nlohmann::json::array();
@@ -72,8 +76,8 @@ int run(const Options& options, Output& output) {
     j["node_address"] = claim.node_address;
     j["flashed"] = claim.has_table;
     j["address_unique"] = unique;
-    output.say(fmt::format("controller {}  node address {}{}  {}{}", device::to_text(claim.unique_id), claim.node_address,
-                           unique ? "" : " (shared)", claim.has_table ? "flashed" : "not flashed",
+    output.say(fmt::format("controller {}  node address {}{}  {}{}", device::to_text(claim.unique_id),
+                           claim.node_address, unique ? "" : " (shared)", claim.has_table ? "flashed" : "not flashed",
                            unique ? fmt::format("  {} chips", j["chips"].size()) : std::string()));
     if (options.topology && unique) {
       j["topology"] = ask_topology(bus, claim, designs, output);
@@ -81,18 +85,25 @@ int run(const Options& options, Output& output) {
     }
     controllers.push_back(std::move(j));
   }
-  const bool kernel = link->open_channel(wire::physical_id(0, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 0)) != nullptr;
+  const bool kernel = link->open_channel(wire::physical_id(0, wire::kTesterAddress),
+                                         wire::physical_id(wire::kTesterAddress, 0)) != nullptr;
   output.result = {{"controllers", std::move(controllers)}, {"iso_tp", kernel ? "kernel" : "program"}};
   return bad ? 1 : 0;
 }
 
 const Registration kDiscover{{
-    "discover", "list the controllers on a link and what answers on their lines", "triskin discover --link sim --scene forearm.json",
+    "discover",
+    "list the controllers on a link and what answers on their lines",
+    "triskin discover --link sim --scene forearm.json",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       add_link_options(app, options->link);
-      app.add_flag("--topology", options->topology, "let controllers of switched modules find their modules and joints; interrupts sampling for up to 60 ms");
-      app.add_option("--design", options->designs, "design files that the topology is compared with; also recognizes patches that were never flashed");
+      app.add_flag(
+          "--topology", options->topology,
+          "let controllers of switched modules find their modules and joints; interrupts sampling for up to 60 ms");
+      app.add_option(
+          "--design", options->designs,
+          "design files that the topology is compared with; also recognizes patches that were never flashed");
       return [options](Output& output) { return run(*options, output); };
     },
 }};

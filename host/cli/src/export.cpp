@@ -29,7 +29,9 @@ struct Options {
 int run(const Options& options, Output& output) {
   const model::Design design = model::read_design(options.design);
   const Format& format = kFormats.at(options.format);
-  const std::string path = options.output.empty() ? std::filesystem::path(options.design).replace_extension(format.suffix).string() : options.output;
+  const std::string path = options.output.empty()
+                               ? std::filesystem::path(options.design).replace_extension(format.suffix).string()
+                               : options.output;
   write_file_atomically(path, format.write(design));
   output.result = {{"files", {path}}};
   output.say(path);
@@ -37,7 +39,9 @@ int run(const Options& options, Output& output) {
 }
 
 const Registration kExport{{
-    "export", "write a picture, the taxel list, the assembly sheet or the modules as a mesh", "triskin export forearm.design.json --format picture -o forearm.svg",
+    "export",
+    "write a picture, the taxel list, the assembly sheet or the modules as a mesh",
+    "triskin export forearm.design.json --format picture -o forearm.svg",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("DESIGN", options->design, "design file")->required();

@@ -45,13 +45,15 @@ std::vector<double> numbers_of(const std::string& text) {
 void take_keep_outs(Options& o) {
   for (const std::string& text : o.spheres) {
     const auto s = numbers_of(text);
-    if (s.size() != 4 || !(s[3] > 0.0)) throw InputError(fmt::format("extract: --keep-out-sphere {}: wanted x,y,z,r in mm with r > 0", text));
+    if (s.size() != 4 || !(s[3] > 0.0))
+      throw InputError(fmt::format("extract: --keep-out-sphere {}: wanted x,y,z,r in mm with r > 0", text));
     o.steps.spheres.push_back({{s[0], s[1], s[2]}, s[3]});
   }
   for (const std::string& text : o.boxes) {
     const auto b = numbers_of(text);
     if (b.size() != 6 || !(b[0] < b[3] && b[1] < b[4] && b[2] < b[5])) {
-      throw InputError(fmt::format("extract: --keep-out-box {}: wanted x0,y0,z0,x1,y1,z1 in mm with each 0 below its 1", text));
+      throw InputError(
+          fmt::format("extract: --keep-out-box {}: wanted x0,y0,z0,x1,y1,z1 in mm with each 0 below its 1", text));
     }
     o.steps.boxes.push_back({{b[0], b[1], b[2]}, {b[3], b[4], b[5]}});
   }
@@ -66,36 +68,57 @@ int run(Options options, Output& output) {
   geometry::write_obj(options.output, e.surface);
   const double area_cm2 = geometry::Surface(e.surface).area_mm2() / 100.0;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  output.result = {{"faces", e.surface.faces.size()}, {"area_cm2", area_cm2}, {"removed_components", e.report.removed_components},
-                   {"boundary_loops", e.report.boundary_loops}, {"flipped_faces", e.report.flipped_faces},
-                   {"components", e.report.components}, {"crowded_edges", e.report.crowded_edges}, {"outer", e.report.outer},
-                   {"wrapped", e.report.wrapped}, {"kept_out_cm2", e.report.kept_out_mm2 / 100.0}, {"seconds", seconds}};
-  output.say(fmt::format("{} faces, {:.1f} cm², {} border loops; {} parts removed, {} faces turned; {:.2f} s", e.surface.faces.size(),
-                         area_cm2, e.report.boundary_loops, e.report.removed_components, e.report.flipped_faces, seconds));
+  output.result = {{"faces", e.surface.faces.size()},
+                   {"area_cm2", area_cm2},
+                   {"removed_components", e.report.removed_components},
+                   {"boundary_loops", e.report.boundary_loops},
+                   {"flipped_faces", e.report.flipped_faces},
+                   {"components", e.report.components},
+                   {"crowded_edges", e.report.crowded_edges},
+                   {"outer", e.report.outer},
+                   {"wrapped", e.report.wrapped},
+                   {"kept_out_cm2", e.report.kept_out_mm2 / 100.0},
+                   {"seconds", seconds}};
+  output.say(fmt::format("{} faces, {:.1f} cm², {} border loops; {} parts removed, {} faces turned; {:.2f} s",
+                         e.surface.faces.size(), area_cm2, e.report.boundary_loops, e.report.removed_components,
+                         e.report.flipped_faces, seconds));
   return 0;
 }
 
 const Registration kExtract{{
-    "extract", "make a clean surface of a raw CAD mesh", "triskin extract cover.stl -o surface.obj",
+    "extract",
+    "make a clean surface of a raw CAD mesh",
+    "triskin extract cover.stl -o surface.obj",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF or DAE")->required();
       app.add_option("-o,--output", options->output, "surface (OBJ, mm)")->required();
       options->unit.add_to(app);
-      const std::map<std::string, When> when{{"never", When::kNever}, {"auto", When::kWhenNeeded}, {"always", When::kAlways}};
+      const std::map<std::string, When> when{
+          {"never", When::kNever}, {"auto", When::kWhenNeeded}, {"always", When::kAlways}};
       auto& s = options->steps;
       s.outer = s.wrap = When::kWhenNeeded;
-      app.add_option("--outer", s.outer, "drop hidden faces: never, auto (several parts, or edges with more than two faces), always")
+      app.add_option("--outer", s.outer,
+                     "drop hidden faces: never, auto (several parts, or edges with more than two faces), always")
           ->transform(CLI::CheckedTransformer(when));
-      app.add_option("--sky", s.sky_fraction, "share of the sky that an outer face sees")->check(CLI::Range(0.0, 1.0))->capture_default_str();
+      app.add_option("--sky", s.sky_fraction, "share of the sky that an outer face sees")
+          ->check(CLI::Range(0.0, 1.0))
+          ->capture_default_str();
       app.add_option("--wrap", s.wrap, "shrink-wrap: never, auto (what is left is shattered or crosses itself), always")
           ->transform(CLI::CheckedTransformer(when));
-      app.add_option("--wrap-alpha-mm", s.wrap_alpha_mm, "openings narrower than this are closed")->check(CLI::Range(0.1, 1e3))->capture_default_str();
-      app.add_option("--wrap-offset-mm", s.wrap_offset_mm, "the wrap lies this far outside")->check(CLI::Range(0.001, 10.0))->capture_default_str();
+      app.add_option("--wrap-alpha-mm", s.wrap_alpha_mm, "openings narrower than this are closed")
+          ->check(CLI::Range(0.1, 1e3))
+          ->capture_default_str();
+      app.add_option("--wrap-offset-mm", s.wrap_offset_mm, "the wrap lies this far outside")
+          ->check(CLI::Range(0.001, 10.0))
+          ->capture_default_str();
       app.add_option("--keep-out-sphere", options->spheres, "x,y,z,r in mm: no surface there; may be repeated");
       app.add_option("--keep-out-box", options->boxes, "x0,y0,z0,x1,y1,z1 in mm; may be repeated");
-      app.add_option("--keep-out-mesh", options->keep_out, "closed mesh: no surface inside it")->check(CLI::ExistingFile);
-      app.add_option("--keep-out-margin-mm", s.keep_out_margin_mm, "nor nearer to it than this")->check(CLI::Range(0.0, 1e3))->capture_default_str();
+      app.add_option("--keep-out-mesh", options->keep_out, "closed mesh: no surface inside it")
+          ->check(CLI::ExistingFile);
+      app.add_option("--keep-out-margin-mm", s.keep_out_margin_mm, "nor nearer to it than this")
+          ->check(CLI::Range(0.0, 1e3))
+          ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };
     },
 }};

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/device/firmware_update.hpp"
 #include "triskin/device/flash.hpp"
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include <optional>
 
 #include "triskin/cli/link_options.hpp"
+#include "triskin/device/firmware_update.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -23,7 +23,8 @@ struct Options {
 };
 
 // Controllers have addresses of their own by now: the tables were written before.
-nlohmann::json update_all(device::Bus& bus, const device::FirmwarePackage& package, const Options& options, Output& output) {
+nlohmann::json update_all(device::Bus& bus, const device::FirmwarePackage& package, const Options& options,
+                          Output& output) {
   nlohmann::json rows = nlohmann::json::array();
   const ProgressSink bars = output.progress();
   for (const wire::NodeClaim& claim : bus.discover()) {
@@ -32,9 +33,10 @@ nlohmann::json update_all(device::Bus& bus, const device::FirmwarePackage& packa
     const device::FirmwareResult r = device::update_firmware(bus, claim, package, options.flash, bar);
     rows.push_back({{"serial", r.serial}, {"equal", r.equal}, {"slot", r.slot}, {"bytes", r.bytes}});
     output.say(fmt::format("controller {}  firmware {}", r.serial,
-                           r.bytes != 0 ? fmt::format("{} bytes written, slot {} runs", r.bytes, r.slot == 0 ? 'A' : 'B')
-                           : r.equal   ? std::string("equal, skipped")
-                                       : std::string("would be written")));
+                           r.bytes != 0
+                               ? fmt::format("{} bytes written, slot {} runs", r.bytes, r.slot == 0 ? 'A' : 'B')
+                           : r.equal ? std::string("equal, skipped")
+                                     : std::string("would be written")));
   }
   return rows;
 }
@@ -66,33 +68,53 @@ int run(Options options, Output& output) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   nlohmann::json patches = nlohmann::json::array();
   for (const auto& p : r.patches) {
-    patches.push_back({{"patch", p.patch}, {"serial", p.serial}, {"node_address", p.patch + 1}, {"bytes", p.bytes},
-                       {"equal", p.equal}, {"written", p.written}});
-    output.say(fmt::format("patch {:3}  controller {}  {}", p.patch, p.serial, what_happened(p, options.flash.dry_run)));
+    patches.push_back({{"patch", p.patch},
+                       {"serial", p.serial},
+                       {"node_address", p.patch + 1},
+                       {"bytes", p.bytes},
+                       {"equal", p.equal},
+                       {"written", p.written}});
+    output.say(
+        fmt::format("patch {:3}  controller {}  {}", p.patch, p.serial, what_happened(p, options.flash.dry_run)));
   }
-  output.result = {{"controllers", r.patches.size()}, {"bytes", r.bytes},     {"seconds", seconds},
-                   {"skipped", r.skipped},            {"link_s", r.link_s},   {"dry_run", options.flash.dry_run},  {"route", options.route},
-                   {"patches", std::move(patches)},    {"firmware", std::move(updated)}};
-  output.say(fmt::format("{} controllers, {} bytes written, {} skipped as equal; {:.2f} s", r.patches.size(), r.bytes, r.skipped, seconds));
+  output.result = {{"controllers", r.patches.size()},
+                   {"bytes", r.bytes},
+                   {"seconds", seconds},
+                   {"skipped", r.skipped},
+                   {"link_s", r.link_s},
+                   {"dry_run", options.flash.dry_run},
+                   {"route", options.route},
+                   {"patches", std::move(patches)},
+                   {"firmware", std::move(updated)}};
+  output.say(fmt::format("{} controllers, {} bytes written, {} skipped as equal; {:.2f} s", r.patches.size(), r.bytes,
+                         r.skipped, seconds));
   return 0;
 }
 
 const Registration kFlash{{
-    "flash", "write the tables of a design into its controllers, and read them back", "triskin flash forearm.json --link sim",
+    "flash",
+    "write the tables of a design into its controllers, and read them back",
+    "triskin flash forearm.json --link sim",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       options->flash.wait_s = 20.0;
       app.add_option("DESIGN", options->design, "design file")->required();
       add_link_options(app, options->link);
-      app.add_option("--firmware", options->firmware, "firmware package for every controller on the link, over CAN, one after the other")->check(CLI::ExistingFile);
-      app.add_option("--wait-s", options->flash.wait_s, "how long to wait for a cable that was pulled meanwhile, and then go on; 0: end at once")
+      app.add_option("--firmware", options->firmware,
+                     "firmware package for every controller on the link, over CAN, one after the other")
+          ->check(CLI::ExistingFile);
+      app.add_option("--wait-s", options->flash.wait_s,
+                     "how long to wait for a cable that was pulled meanwhile, and then go on; 0: end at once")
           ->check(CLI::Range(0.0, 86400.0))
           ->capture_default_str();
-      app.add_option("--per-wire", options->flash.per_wire, "controllers served at once on one CAN bus; on different wires all are")
+      app.add_option("--per-wire", options->flash.per_wire,
+                     "controllers served at once on one CAN bus; on different wires all are")
           ->check(CLI::Range(1, 126))
           ->capture_default_str();
       app.add_flag("--dry-run", options->flash.dry_run, "say what would change, write nothing");
-      app.add_option("--route", options->route, "normal; backup:MODULE or backup:MODULE-MODULE: the tree prepared for the failure of a module or of a joint")
+      app.add_option("--route", options->route,
+                     "normal; backup:MODULE or backup:MODULE-MODULE: the tree prepared for the failure of a module or "
+                     "of a joint")
           ->capture_default_str();
       app.add_flag("--force", options->flash.force, "write tables that are equal, too");
       return [options](Output& output) { return run(*options, output); };

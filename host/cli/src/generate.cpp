@@ -37,7 +37,9 @@ geometry::Mesh forearm() {
 }
 
 const Registration kGenerate{{
-    "generate", "write a surface of our own to try the program on", "triskin generate forearm -o forearm.obj",
+    "generate",
+    "write a surface of our own to try the program on",
+    "triskin generate forearm -o forearm.obj",
     [](CLI::App& app) -> Run {
       auto kind = std::make_shared<std::string>();
       auto path = std::make_shared<std::string>();

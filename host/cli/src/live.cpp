@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/device/live.hpp"
-#include "triskin/host/interrupt.hpp"
 
 #include <fmt/format.h>
 
@@ -11,6 +10,7 @@
 
 #include "live_icub.hpp"
 #include "triskin/cli/link_options.hpp"
+#include "triskin/host/interrupt.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -40,22 +40,26 @@ nlohmann::json to_json(const device::PressedTaxel& t) {
 
 std::string to_line(const device::PressedTaxel& t, double time_s, std::size_t others) {
   const auto bar = std::string(static_cast<std::size_t>(std::clamp(t.change_counts / 500.0, 1.0, 24.0)), '#');
-  return fmt::format("{:7.2f} s  module {:4} taxel {:2}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm  {:6.0f} {:<24} +{} taxels", time_s, t.module,
-                     t.taxel, t.position_mm.x(), t.position_mm.y(), t.position_mm.z(), t.change_counts, bar, others);
+  return fmt::format("{:7.2f} s  module {:4} taxel {:2}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm  {:6.0f} {:<24} +{} taxels",
+                     time_s, t.module, t.taxel, t.position_mm.x(), t.position_mm.y(), t.position_mm.z(),
+                     t.change_counts, bar, others);
 }
 
 // On a simulated link without a scene nobody would touch the skin: the virtual finger tips on one taxel after another.
 class Demonstrator {
  public:
   Demonstrator(device::Link& link, const Options& options, int modules)
-      : finger_(options.link.scene.empty() || options.press >= 0 ? link.finger() : nullptr), options_(options), modules_(modules) {}
+      : finger_(options.link.scene.empty() || options.press >= 0 ? link.finger() : nullptr),
+        options_(options),
+        modules_(modules) {}
   void step(std::uint64_t elapsed_us) {
     if (finger_ == nullptr || modules_ == 0 || options_.press == kNobody || elapsed_us < kRest_us) return;
     const int turn = static_cast<int>(elapsed_us / kFingerMoves_us);
     if (turn == turn_ || (turn_ >= 0 && options_.press >= 0)) return;
     turn_ = turn;
     const int module = options_.press >= 0 ? options_.press : turn % modules_;
-    finger_->press(module, options_.press >= 0 ? options_.taxel : kTaxelsInTurn[static_cast<std::size_t>(turn) % kTaxelsInTurn.size()]);
+    finger_->press(module, options_.press >= 0 ? options_.taxel
+                                               : kTaxelsInTurn[static_cast<std::size_t>(turn) % kTaxelsInTurn.size()]);
   }
 
  private:
@@ -77,7 +81,8 @@ int run(const Options& options, Output& output) {
   if (options.design.empty()) throw InputError("live: give the design file; only --protocol icub works without");
   const model::Design design = model::read_design(options.design);
   const int modules = static_cast<int>(design.layout.modules.size());
-  if (options.press >= modules) throw InputError(fmt::format("--press {}: the design has modules 0 … {}", options.press, modules - 1));
+  if (options.press >= modules)
+    throw InputError(fmt::format("--press {}: the design has modules 0 … {}", options.press, modules - 1));
   const auto link = device::open_link(options.link, &design);
   device::Bus bus(*link);
   device::TouchMap map(design);
@@ -108,17 +113,23 @@ int run(const Options& options, Output& output) {
 }
 
 const Registration kLive{{
-    "live", "taxels under pressure on the terminal, each at its place on the surface", "triskin live forearm.json --link sim --seconds 2",
+    "live",
+    "taxels under pressure on the terminal, each at its place on the surface",
+    "triskin live forearm.json --link sim --seconds 2",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("DESIGN", options->design, "design file; may be left out with --protocol icub");
-      app.add_option("--protocol", options->protocol, "triskin: full stream; icub: what MTB4 skin boards send, 8 bits a taxel")
+      app.add_option("--protocol", options->protocol,
+                     "triskin: full stream; icub: what MTB4 skin boards send, 8 bits a taxel")
           ->check(CLI::IsMember({"triskin", "icub"}));
       add_link_options(app, options->link);
-      app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")->check(CLI::Range(0.0, 1e7));
-      app.add_option("--press", options->press, "simulated link: the virtual finger presses this module (-1: none; without a scene it walks)")
+      app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")
+          ->check(CLI::Range(0.0, 1e7));
+      app.add_option("--press", options->press,
+                     "simulated link: the virtual finger presses this module (-1: none; without a scene it walks)")
           ->check(CLI::Range(kNobody, 1'000'000));
-      app.add_option("--taxel", options->taxel, "with --press: one taxel of the module, with the finger tip")->check(CLI::Range(0, 11));
+      app.add_option("--taxel", options->taxel, "with --press: one taxel of the module, with the finger tip")
+          ->check(CLI::Range(0, 11));
       return [options](Output& output) { return run(*options, output); };
     },
 }};

@@ -15,7 +15,10 @@ namespace {
 constexpr std::uint64_t kLine_us = 500'000;
 
 std::string to_line(const wire::IcubTaxels& t) {
-  const char* trouble = t.no_acknowledge ? "  no acknowledge" : t.not_connected ? "  not connected" : t.out_of_range != 0 ? "  out of range" : "";
+  const char* trouble = t.no_acknowledge      ? "  no acknowledge"
+                        : t.not_connected     ? "  not connected"
+                        : t.out_of_range != 0 ? "  out of range"
+                                              : "";
   return fmt::format("board {:2} triangle {:2}  {:3}{}", t.board, t.module, fmt::join(t.value, " "), trouble);
 }
 
@@ -28,7 +31,8 @@ int live_icub(const device::LinkOptions& link_options, const model::Design* desi
   device::IcubStream stream(bus, [&](const wire::IcubTaxels& t) { now[{t.board, t.module}] = t; });
   nlohmann::json boards = nlohmann::json::array();
   for (const auto& b : stream.boards()) {
-    output.say(fmt::format("board {:2}  type {}  version {}.{} build {}", b.address, b.type, b.version_major, b.version_minor, b.build));
+    output.say(fmt::format("board {:2}  type {}  version {}.{} build {}", b.address, b.type, b.version_major,
+                           b.version_minor, b.build));
     boards.push_back({{"address", b.address}, {"type", b.type}});
   }
   const std::uint64_t start_us = bus.now_us(), end_us = start_us + static_cast<std::uint64_t>(seconds * 1e6);
@@ -43,9 +47,16 @@ int live_icub(const device::LinkOptions& link_options, const model::Design* desi
   }
   nlohmann::json triangles = nlohmann::json::array();
   for (const auto& [place, t] : now) {
-    triangles.push_back({{"board", t.board}, {"triangle", t.module}, {"values", t.value}, {"no_acknowledge", t.no_acknowledge}, {"not_connected", t.not_connected}});
+    triangles.push_back({{"board", t.board},
+                         {"triangle", t.module},
+                         {"values", t.value},
+                         {"no_acknowledge", t.no_acknowledge},
+                         {"not_connected", t.not_connected}});
   }
-  output.result = {{"boards", std::move(boards)}, {"frames", stream.frames()}, {"lost", stream.lost()}, {"triangles", std::move(triangles)}};
+  output.result = {{"boards", std::move(boards)},
+                   {"frames", stream.frames()},
+                   {"lost", stream.lost()},
+                   {"triangles", std::move(triangles)}};
   return 0;
 }
 

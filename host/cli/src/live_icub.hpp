@@ -5,8 +5,8 @@
 
 namespace triskin::cli {
 
-/// `live --protocol icub`: the skin boards on a link, whoever made them; without a design there is no map to places. Seconds ≤ 0: until
-/// Ctrl-C.
+/// `live --protocol icub`: the skin boards on a link, whoever made them; without a design there is no map to places.
+/// Seconds ≤ 0: until Ctrl-C.
 int live_icub(const device::LinkOptions& link, const model::Design* design, double seconds, Output& output);
 
 }  // namespace triskin::cli

@@ -24,17 +24,18 @@ struct Options {
 int run(const Options& options, Output& output) {
   const geometry::Polygon polygon = geometry::read_polygon(options.polygon);
   const geometry::PlacementResult r = geometry::place(polygon, options.placement, output.progress());
-  output.result = {{"modules", r.modules},
-                   {"upper_bound", r.upper_bound},
-                   {"proved", r.proved},
-                   {"clearance_mm", r.clearance_mm},
-                   {"clearance_bound_mm", r.clearance_bound_mm},
-                   {"tolerance_mm", r.tolerance_mm},
-                   {"placement", {{"x_mm", r.placement.x_mm}, {"y_mm", r.placement.y_mm}, {"theta_rad", r.placement.theta_rad}}},
-                   {"evaluations", r.evaluations},
-                   {"cells", r.cells},
-                   {"search_seconds", r.search_seconds},
-                   {"seconds", r.seconds}};
+  output.result = {
+      {"modules", r.modules},
+      {"upper_bound", r.upper_bound},
+      {"proved", r.proved},
+      {"clearance_mm", r.clearance_mm},
+      {"clearance_bound_mm", r.clearance_bound_mm},
+      {"tolerance_mm", r.tolerance_mm},
+      {"placement", {{"x_mm", r.placement.x_mm}, {"y_mm", r.placement.y_mm}, {"theta_rad", r.placement.theta_rad}}},
+      {"evaluations", r.evaluations},
+      {"cells", r.cells},
+      {"search_seconds", r.search_seconds},
+      {"seconds", r.seconds}};
   nlohmann::json tiles = nlohmann::json::array();
   for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
   output.result["tiles"] = std::move(tiles);
@@ -48,47 +49,67 @@ int run(const Options& options, Output& output) {
   }
   if (!options.proof.empty()) write_file_atomically(options.proof, geometry::proof_text(polygon, r));
   if (!output.json()) {
-    output.say(fmt::format("{} modules, upper bound {}{}; clearance {:.4f} mm at tolerance {:g} mm", r.modules, r.upper_bound,
-                           r.proved ? " (proved optimal)" : "", r.clearance_mm, r.tolerance_mm));
+    output.say(fmt::format("{} modules, upper bound {}{}; clearance {:.4f} mm at tolerance {:g} mm", r.modules,
+                           r.upper_bound, r.proved ? " (proved optimal)" : "", r.clearance_mm, r.tolerance_mm));
     output.say(fmt::format("placement x {:.6f} mm, y {:.6f} mm, theta {:.9f} rad; {} cells, {:.3f} s", r.placement.x_mm,
                            r.placement.y_mm, r.placement.theta_rad, r.cells, r.seconds));
-    if (options.placement.weights) output.say(fmt::format("weight {:.6g}, none above {:.6g}", r.weight, r.weight_bound));
-    if (r.deficit_mm) output.say(fmt::format("one module more would fit if every side gave way by {:.4f} mm, not by less than {:.4f} mm", *r.deficit_mm, r.deficit_bound_mm));
+    if (options.placement.weights)
+      output.say(fmt::format("weight {:.6g}, none above {:.6g}", r.weight, r.weight_bound));
+    if (r.deficit_mm)
+      output.say(
+          fmt::format("one module more would fit if every side gave way by {:.4f} mm, not by less than {:.4f} mm",
+                      *r.deficit_mm, r.deficit_bound_mm));
   }
   return 0;
 }
 
 const Registration kPlace{{
-    "place", "place a polygon on the isometric grid so that as many modules as possible lie wholly inside",
+    "place",
+    "place a polygon on the isometric grid so that as many modules as possible lie wholly inside",
     "triskin place outline.geojson --method bnb --json",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      static const std::map<std::string, PlacementMethod> kMethods{
-          {"bnb", PlacementMethod::kBranchAndBound}, {"r1", PlacementMethod::kR1}, {"r2", PlacementMethod::kR2},
-          {"r3", PlacementMethod::kR3}, {"r4", PlacementMethod::kR4}, {"r5", PlacementMethod::kR5},
-          {"r6", PlacementMethod::kR6}, {"r7", PlacementMethod::kR7}};
+      static const std::map<std::string, PlacementMethod> kMethods{{"bnb", PlacementMethod::kBranchAndBound},
+                                                                   {"r1", PlacementMethod::kR1},
+                                                                   {"r2", PlacementMethod::kR2},
+                                                                   {"r3", PlacementMethod::kR3},
+                                                                   {"r4", PlacementMethod::kR4},
+                                                                   {"r5", PlacementMethod::kR5},
+                                                                   {"r6", PlacementMethod::kR6},
+                                                                   {"r7", PlacementMethod::kR7}};
       app.add_option("POLYGON", options->polygon, "GeoJSON or WKT polygon in mm, holes allowed")->required();
       app.add_option("--method", options->placement.method, "bnb (certified) or one of the paper's r1 … r7")
           ->transform(CLI::CheckedTransformer(kMethods, CLI::ignore_case));
-      app.add_option("--tolerance-mm", options->placement.tolerance_mm, "a module may stand over by this much")->capture_default_str();
-      static const std::map<std::string, geometry::TileShape> kShapes{
-          {"triangle", geometry::TileShape::kTriangle}, {"square", geometry::TileShape::kSquare}, {"hexagon", geometry::TileShape::kHexagon}};
+      app.add_option("--tolerance-mm", options->placement.tolerance_mm, "a module may stand over by this much")
+          ->capture_default_str();
+      static const std::map<std::string, geometry::TileShape> kShapes{{"triangle", geometry::TileShape::kTriangle},
+                                                                      {"square", geometry::TileShape::kSquare},
+                                                                      {"hexagon", geometry::TileShape::kHexagon}};
       app.add_option("--shape", options->placement.shape, "modules with sides of 30 mm: triangle, square or hexagon")
           ->transform(CLI::CheckedTransformer(kShapes, CLI::ignore_case));
-      app.add_option("--gap-mm", options->placement.gap_mm, "free space between facing sides of modules")->capture_default_str();
+      app.add_option("--gap-mm", options->placement.gap_mm, "free space between facing sides of modules")
+          ->capture_default_str();
       app.add_option("--time-limit-s", options->placement.time_limit_s, "0: none")->capture_default_str();
-      app.add_flag("!--no-clearance", options->placement.largest_clearance, "do not look for the placement with the largest clearance");
-      app.add_flag("--connected", options->placement.connected, "the most modules that hang together by sides (method bnb)");
-      app.add_option("--weights", options->weights, "JSON raster of what a module is worth by its place (docs/placement.md): the largest sum, not number (method bnb)");
-      app.add_flag("--deficit", options->placement.deficit, "also how far the sides of modules must give way for one module more (method bnb)");
+      app.add_flag("!--no-clearance", options->placement.largest_clearance,
+                   "do not look for the placement with the largest clearance");
+      app.add_flag("--connected", options->placement.connected,
+                   "the most modules that hang together by sides (method bnb)");
+      app.add_option("--weights", options->weights,
+                     "JSON raster of what a module is worth by its place (docs/placement.md): the largest sum, not "
+                     "number (method bnb)");
+      app.add_flag("--deficit", options->placement.deficit,
+                   "also how far the sides of modules must give way for one module more (method bnb)");
       app.add_option("--proof", options->proof, "write a log that check-proof accepts or rejects (method bnb)");
-      app.add_option("--threads", options->placement.threads, "0: all cores; the answer does not depend on it")->check(CLI::Range(0, 1024));
+      app.add_option("--threads", options->placement.threads, "0: all cores; the answer does not depend on it")
+          ->check(CLI::Range(0, 1024));
       app.add_option("--seed", options->placement.seed, "for the random heuristics")->capture_default_str();
       return [options](Output& output) {
         options->placement.keep_proof = !options->proof.empty();
         const bool exact = options->placement.method == PlacementMethod::kBranchAndBound;
         if (options->placement.keep_proof && !exact) throw InputError("--proof: only --method bnb proves its answer");
-        if (!options->weights.empty()) options->placement.weights = std::make_shared<const geometry::WeightMap>(geometry::read_weight_map(options->weights));
+        if (!options->weights.empty())
+          options->placement.weights =
+              std::make_shared<const geometry::WeightMap>(geometry::read_weight_map(options->weights));
         if (options->placement.deficit && !exact) throw InputError("--deficit: only --method bnb can tell");
         return run(*options, output);
       };

@@ -28,7 +28,8 @@ void add_row(std::string& csv, const device::ModuleFrame& f) {
 
 int run(const Options& options, Output& output) {
   const model::Design design = model::read_design(options.design);
-  if (!options.output.ends_with(".csv")) throw InputError(fmt::format("{}: give a file that ends in .csv", options.output));
+  if (!options.output.ends_with(".csv"))
+    throw InputError(fmt::format("{}: give a file that ends in .csv", options.output));
   const auto link = device::open_link(options.link, &design);
   device::Bus bus(*link);
   std::string csv = "link_time_us,device_time_us,sample,module,valid";
@@ -46,7 +47,8 @@ int run(const Options& options, Output& output) {
       } catch (const Cancelled&) {
         break;  // Ctrl-C: what came until now is written
       }
-      report(progress, "recording", static_cast<double>(bus.now_us() - start_us) / static_cast<double>(end_us - start_us));
+      report(progress, "recording",
+             static_cast<double>(bus.now_us() - start_us) / static_cast<double>(end_us - start_us));
     }
     samples = stream.frames();
     lost = stream.lost();
@@ -59,13 +61,17 @@ int run(const Options& options, Output& output) {
 }
 
 const Registration kRecord{{
-    "record", "write every sample with its time and validity to a file", "triskin record forearm.json --link sim -o touch.csv --seconds 5",
+    "record",
+    "write every sample with its time and validity to a file",
+    "triskin record forearm.json --link sim -o touch.csv --seconds 5",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("DESIGN", options->design, "design file")->required();
       app.add_option("-o,--output", options->output, "CSV file")->required();
       add_link_options(app, options->link);
-      app.add_option("--seconds", options->seconds, "of the link's time")->check(CLI::Range(0.0, 1e6))->capture_default_str();
+      app.add_option("--seconds", options->seconds, "of the link's time")
+          ->check(CLI::Range(0.0, 1e6))
+          ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };
     },
 }};

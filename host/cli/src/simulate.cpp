@@ -40,29 +40,35 @@ int run(const Options& options, Output& output) {
     run_alone(skin, options.seconds < 0.0 ? 1.0 : options.seconds, output.progress());
   } else {
     const auto server = device::open_server(skin, options.listen);
-    output.say(fmt::format("{} controllers, {} modules on {}; end with Ctrl-C", skin.controllers(), modules, server->link_name()));
+    output.say(fmt::format("{} controllers, {} modules on {}; end with Ctrl-C", skin.controllers(), modules,
+                           server->link_name()));
     server->run(interrupt_request(), std::max(0.0, options.seconds));
   }
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double virtual_s = static_cast<double>(skin.now_us()) * 1e-6;
   const double factor = wall_s > 0.0 ? virtual_s / wall_s : 0.0;
-  output.result = {{"controllers", skin.controllers()}, {"modules", modules},       {"real_time_factor", factor},
-                   {"switched", skin.scene().switched}, {"virtual_s", virtual_s},            {"seconds", wall_s},        {"bus_frames", skin.bus_frames()}};
-  output.say(fmt::format("{} controllers, {} modules: {:.3f} s of virtual time in {:.3f} s, {:.1f} times real time", skin.controllers(),
-                         modules, virtual_s, wall_s, factor));
+  output.result = {{"controllers", skin.controllers()}, {"modules", modules},     {"real_time_factor", factor},
+                   {"switched", skin.scene().switched}, {"virtual_s", virtual_s}, {"seconds", wall_s},
+                   {"bus_frames", skin.bus_frames()}};
+  output.say(fmt::format("{} controllers, {} modules: {:.3f} s of virtual time in {:.3f} s, {:.1f} times real time",
+                         skin.controllers(), modules, virtual_s, wall_s, factor));
   return 0;
 }
 
 const Registration kSimulate{{
-    "simulate", "run virtual controllers and skin; with --listen other commands reach them by --link sim:HOST:PORT",
+    "simulate",
+    "run virtual controllers and skin; with --listen other commands reach them by --link sim:HOST:PORT",
     "triskin simulate scene.json --listen 127.0.0.1:7000",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("SCENE", options->scene, "scene file (docs/scene.md), or a design file")->required();
-      app.add_option("--listen", options->listen, "serve in real time: HOST:PORT (port 0 takes a free one and prints it), can:IFACE, or usb (devices in vhci-hcd)");
+      app.add_option("--listen", options->listen,
+                     "serve in real time: HOST:PORT (port 0 takes a free one and prints it), can:IFACE, or usb "
+                     "(devices in vhci-hcd)");
       app.add_option("--seconds", options->seconds, "how long; default 1 s of virtual time, with --listen until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));
-      app.add_flag("--switched", options->switched, "switched modules, which the controllers route; a scene says it by its key \"hardware\"");
+      app.add_flag("--switched", options->switched,
+                   "switched modules, which the controllers route; a scene says it by its key \"hardware\"");
       app.add_flag("--fresh", options->fresh, "boards that were never flashed, kept in memory only");
       return [options](Output& output) { return run(*options, output); };
     },

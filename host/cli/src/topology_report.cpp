@@ -17,8 +17,10 @@ json adjacency(const wire::FoundTopology& found) {
   for (std::size_t m = 0; m < found.count; ++m) {
     json ports = json::array();
     for (const std::uint8_t j : found.joints[m]) {
-      if (j == 0) ports.push_back(nullptr);
-      else ports.push_back({{"module", layout::joint_row(j)}, {"port", layout::joint_port(j)}});
+      if (j == 0)
+        ports.push_back(nullptr);
+      else
+        ports.push_back({{"module", layout::joint_row(j)}, {"port", layout::joint_port(j)}});
     }
     rows.push_back(std::move(ports));
   }
@@ -27,17 +29,23 @@ json adjacency(const wire::FoundTopology& found) {
 
 int joints_in(const wire::FoundTopology& found) {
   int ends = 0;
-  for (const auto& row : found.joints) ends += static_cast<int>(std::ranges::count_if(row, [](std::uint8_t j) { return j != 0; }));
+  for (const auto& row : found.joints)
+    ends += static_cast<int>(std::ranges::count_if(row, [](std::uint8_t j) { return j != 0; }));
   return ends / 2;
 }
 
 json route_json(const wire::ActiveRoute& a) {
   json rows = json::array();
   for (std::size_t r = 0; r < layout::kMaxModules; ++r) {
-    if ((a.alive >> r & 1) != 0) rows.push_back({{"row", r}, {"parent", a.parent[r] == wire::kNoRow ? json(nullptr) : json(a.parent[r])}, {"parent_port", a.parent_port[r]}});
+    if ((a.alive >> r & 1) != 0)
+      rows.push_back({{"row", r},
+                      {"parent", a.parent[r] == wire::kNoRow ? json(nullptr) : json(a.parent[r])},
+                      {"parent_port", a.parent_port[r]}});
   }
-  return {{"active", a.complete}, {"as_table", a.as_table}, {"least_depth", a.least_depth}, {"second_cable", a.second_cable}, {"max_depth", a.max_depth}, {"shorts", a.shorts},
-          {"unknown_modules", a.unknown}, {"looks", a.heals}, {"repairs", a.repairs}, {"seconds", a.last_us * 1e-6}, {"rows", std::move(rows)}};
+  return {{"active", a.complete},           {"as_table", a.as_table},   {"least_depth", a.least_depth},
+          {"second_cable", a.second_cable}, {"max_depth", a.max_depth}, {"shorts", a.shorts},
+          {"unknown_modules", a.unknown},   {"looks", a.heals},         {"repairs", a.repairs},
+          {"seconds", a.last_us * 1e-6},    {"rows", std::move(rows)}};
 }
 
 json match_json(const device::TopologyMatch& match, const std::string& file) {
@@ -49,11 +57,16 @@ json match_json(const device::TopologyMatch& match, const std::string& file) {
     if (d.steps > 0) j["degrees"] = 120 * d.steps;
     differences.push_back(std::move(j));
   }
-  return {{"design", file}, {"patch", match.patch}, {"modules", match.module_of}, {"joints", match.agreeing_joints}, {"differences", std::move(differences)}};
+  return {{"design", file},
+          {"patch", match.patch},
+          {"modules", match.module_of},
+          {"joints", match.agreeing_joints},
+          {"differences", std::move(differences)}};
 }
 
 // Best patches over all designs, by differences.
-std::vector<std::pair<std::size_t, device::TopologyMatch>> recognize(const wire::FoundTopology& found, const std::vector<NamedDesign>& designs) {
+std::vector<std::pair<std::size_t, device::TopologyMatch>> recognize(const wire::FoundTopology& found,
+                                                                     const std::vector<NamedDesign>& designs) {
   std::vector<std::pair<std::size_t, device::TopologyMatch>> best;
   for (std::size_t d = 0; d < designs.size(); ++d) {
     for (auto& match : device::identify_patch(found, designs[d].second)) best.emplace_back(d, std::move(match));
@@ -65,13 +78,15 @@ std::vector<std::pair<std::size_t, device::TopologyMatch>> recognize(const wire:
 }
 
 void say_found(const wire::FoundTopology& found, const wire::ActiveRoute& route, const Output& output) {
-  output.say(fmt::format("  {} modules, {} joints, {} at port {}, {:.1f} ms{}", found.count, joints_in(found), found.second_cable ? "second cable" : "cable", "ABC"[found.cable_port], route.last_us * 1e-3,
+  output.say(fmt::format("  {} modules, {} joints, {} at port {}, {:.1f} ms{}", found.count, joints_in(found),
+                         found.second_cable ? "second cable" : "cable", "ABC"[found.cable_port], route.last_us * 1e-3,
                          found.complete ? "" : "; the chain would not settle, there may be more"));
   for (std::size_t m = 0; m < found.count; ++m) {
     std::string line = fmt::format("    {:2}", m);
     for (std::size_t p = 0; p < 3; ++p) {
       const std::uint8_t j = found.joints[m][p];
-      line += j == 0 ? fmt::format("  {} -", "ABC"[p]) : fmt::format("  {} {}.{}", "ABC"[p], layout::joint_row(j), "ABC"[layout::joint_port(j)]);
+      line += j == 0 ? fmt::format("  {} -", "ABC"[p])
+                     : fmt::format("  {} {}.{}", "ABC"[p], layout::joint_row(j), "ABC"[layout::joint_port(j)]);
     }
     output.say(line);
   }
@@ -79,15 +94,18 @@ void say_found(const wire::FoundTopology& found, const wire::ActiveRoute& route,
 
 void say_match(const json& match, const Output& output) {
   const json& differences = match["differences"];
-  output.say(fmt::format("  {} patch {}: {}", match["design"].get<std::string>(), match["patch"].get<int>(),
-                         differences.empty() ? "every port and rotation as designed" : fmt::format("{} differences", differences.size())));
-  for (const json& d : differences) output.say(fmt::format("    {}: {}\n      {}", d["kind"].get<std::string>(), d["text"].get<std::string>(), d["remedy"].get<std::string>()));
+  output.say(fmt::format(
+      "  {} patch {}: {}", match["design"].get<std::string>(), match["patch"].get<int>(),
+      differences.empty() ? "every port and rotation as designed" : fmt::format("{} differences", differences.size())));
+  for (const json& d : differences)
+    output.say(fmt::format("    {}: {}\n      {}", d["kind"].get<std::string>(), d["text"].get<std::string>(),
+                           d["remedy"].get<std::string>()));
 }
 
 }  // namespace
 
-json report_topology(device::Controller& controller, const std::vector<NamedDesign>& designs, std::uint64_t expected_design, int expected_patch,
-                     const Output& output) {
+json report_topology(device::Controller& controller, const std::vector<NamedDesign>& designs,
+                     std::uint64_t expected_design, int expected_patch, const Output& output) {
   controller.reroute();
   const wire::FoundTopology found = controller.topology();
   const wire::ActiveRoute route = controller.route();
@@ -96,11 +114,17 @@ json report_topology(device::Controller& controller, const std::vector<NamedDesi
     output.say("  nobody answers on the route chain: strapped modules, or no power");
     return j;
   }
-  j.update({{"complete", found.complete}, {"modules", found.count}, {"joints", joints_in(found)}, {"cable_port", found.cable_port},
-            {"adjacency", adjacency(found)}, {"route", route_json(route)}});
+  j.update({{"complete", found.complete},
+            {"modules", found.count},
+            {"joints", joints_in(found)},
+            {"cable_port", found.cable_port},
+            {"adjacency", adjacency(found)},
+            {"route", route_json(route)}});
   say_found(found, route, output);
-  const auto named = std::ranges::find(designs, expected_design, [](const NamedDesign& d) { return d.second.design_id; });
-  const bool expected = named != designs.end() && expected_patch >= 0 && expected_patch < static_cast<int>(named->second.patches.size());
+  const auto named =
+      std::ranges::find(designs, expected_design, [](const NamedDesign& d) { return d.second.design_id; });
+  const bool expected =
+      named != designs.end() && expected_patch >= 0 && expected_patch < static_cast<int>(named->second.patches.size());
   if (expected) {
     const auto match = device::match_topology(found, named->second, expected_patch);
     j["match"] = match_json(match, named->first);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/geometry/unfolding.hpp"
-
 #include <fmt/format.h>
 
 #include <chrono>
@@ -11,6 +9,7 @@
 #include "net_picture.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/geometry/extract.hpp"
+#include "triskin/geometry/unfolding.hpp"
 #include "triskin/host/files.hpp"
 
 namespace triskin::cli {
@@ -36,8 +35,12 @@ json net_json(const geometry::Net& net) {
     json holes = json::array(), flat = json::array();
     for (const auto& hole : p.outline.holes) holes.push_back(ring_json(hole));
     for (const auto& t : p.flat) flat.push_back(ring_json({t.begin(), t.end()}));
-    pieces.push_back({{"outline", ring_json(p.outline.outer)}, {"holes", std::move(holes)}, {"faces", p.faces},
-                      {"flat", std::move(flat)}, {"max_edge_error_mm", p.max_edge_error_mm}, {"rms_edge_error_mm", p.rms_edge_error_mm}});
+    pieces.push_back({{"outline", ring_json(p.outline.outer)},
+                      {"holes", std::move(holes)},
+                      {"faces", p.faces},
+                      {"flat", std::move(flat)},
+                      {"max_edge_error_mm", p.max_edge_error_mm},
+                      {"rms_edge_error_mm", p.rms_edge_error_mm}});
   }
   return {{"format", "triskin-net"}, {"version", 1}, {"pieces", std::move(pieces)}};
 }
@@ -46,11 +49,16 @@ int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   const geometry::MeshFile file = geometry::read_mesh(options.surface, options.unit.unit);
   const geometry::Surface surface(geometry::extract(file.mesh).surface);
-  if (!options.seams.empty()) options.unfolding.seams = edges_along(surface, geometry::read_seams(options.seams, options.unit.unit), options.seams);
-  if (!options.uncut.empty()) options.unfolding.uncut = edges_along(surface, geometry::read_seams(options.uncut, options.unit.unit), options.uncut);
+  if (!options.seams.empty())
+    options.unfolding.seams =
+        edges_along(surface, geometry::read_seams(options.seams, options.unit.unit), options.seams);
+  if (!options.uncut.empty())
+    options.unfolding.uncut =
+        edges_along(surface, geometry::read_seams(options.uncut, options.unit.unit), options.uncut);
   const geometry::Net net = geometry::unfold(surface, options.unfolding, output.progress());
   write_file_atomically(options.output, net_json(net).dump() + "\n");
-  if (!options.picture.empty()) write_file_atomically(options.picture, net_svg(surface, net, options.unfolding.edge_error_mm));
+  if (!options.picture.empty())
+    write_file_atomically(options.picture, net_svg(surface, net, options.unfolding.edge_error_mm));
   double max_mm = 0.0, squares = 0.0, faces = 0.0;
   for (const auto& p : net.pieces) {
     const auto n = static_cast<double>(p.faces.size());
@@ -59,23 +67,31 @@ int run(Options options, Output& output) {
     faces += n;
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  output.result = {{"pieces", net.pieces.size()}, {"area_cm2", surface.area_mm2() / 100.0}, {"max_edge_error_mm", max_mm},
-                   {"rms_edge_error_mm", std::sqrt(squares / faces)}, {"overlaps", net.overlaps}, {"seconds", seconds}};
-  output.say(fmt::format("{} pieces, {:.1f} cm², edge error at most {:.3f} mm (rms {:.3f} mm) on 30 mm, {} overlaps; {:.2f} s",
-                         net.pieces.size(), surface.area_mm2() / 100.0, max_mm, std::sqrt(squares / faces), net.overlaps, seconds));
+  output.result = {{"pieces", net.pieces.size()}, {"area_cm2", surface.area_mm2() / 100.0},
+                   {"max_edge_error_mm", max_mm}, {"rms_edge_error_mm", std::sqrt(squares / faces)},
+                   {"overlaps", net.overlaps},    {"seconds", seconds}};
+  output.say(fmt::format(
+      "{} pieces, {:.1f} cm², edge error at most {:.3f} mm (rms {:.3f} mm) on 30 mm, {} overlaps; {:.2f} s",
+      net.pieces.size(), surface.area_mm2() / 100.0, max_mm, std::sqrt(squares / faces), net.overlaps, seconds));
   return 0;
 }
 
 const Registration kUnfold{{
-    "unfold", "unfold a surface into flat pieces at true scale", "triskin unfold surface.obj -o net.json",
+    "unfold",
+    "unfold a surface into flat pieces at true scale",
+    "triskin unfold surface.obj -o net.json",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("SURFACE", options->surface, "OBJ, STL, PLY, OFF or DAE")->required();
       app.add_option("-o,--output", options->output, "net (JSON, docs/unfolding.md)")->required();
-      app.add_option("--edge-error-mm", options->unfolding.edge_error_mm, "largest edge error on 30 mm")->check(CLI::Range(1e-6, 30.0))->capture_default_str();
+      app.add_option("--edge-error-mm", options->unfolding.edge_error_mm, "largest edge error on 30 mm")
+          ->check(CLI::Range(1e-6, 30.0))
+          ->capture_default_str();
       app.add_option("--seams", options->seams, "OBJ with polylines (v, l): cut the surface open along them");
       app.add_option("--no-seams", options->uncut, "OBJ with polylines (v, l): never cut there");
-      app.add_option("--darts", options->unfolding.darts, "most cuts into a piece before it is divided instead")->check(CLI::Range(0, 100))->capture_default_str();
+      app.add_option("--darts", options->unfolding.darts, "most cuts into a piece before it is divided instead")
+          ->check(CLI::Range(0, 100))
+          ->capture_default_str();
       app.add_option("--picture", options->picture, "also an SVG: pieces, triangles coloured by their edge error");
       options->unit.add_to(app);
       return [options](Output& output) { return run(*options, output); };

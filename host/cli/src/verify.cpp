@@ -55,19 +55,26 @@ int run(Options options, Output& output) {
     earlier.push_back(to_json(f));
     output.say(fmt::format("remembered from before, not there now: {}", f.text));
   }
-  output.result = {{"modules_ok", r.modules_ok}, {"modules", r.modules}, {"touched", r.touched}, {"findings", std::move(findings)}, {"earlier", std::move(earlier)}};
-  output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched, r.findings.size()));
+  output.result = {{"modules_ok", r.modules_ok},
+                   {"modules", r.modules},
+                   {"touched", r.touched},
+                   {"findings", std::move(findings)},
+                   {"earlier", std::move(earlier)}};
+  output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched,
+                         r.findings.size()));
   return r.findings.empty() ? 0 : 1;
 }
 
 const Registration kVerify{{
-    "verify", "ask the hardware whether it is the design: controllers, tables, modules, taxels",
+    "verify",
+    "ask the hardware whether it is the design: controllers, tables, modules, taxels",
     "triskin verify forearm.json --link sim --touch",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("DESIGN", options->design, "design file")->required();
       add_link_options(app, options->link);
-      app.add_flag("--touch", options->verify.touch, "press every module in turn; simulated links have a finger of their own and always do");
+      app.add_flag("--touch", options->verify.touch,
+                   "press every module in turn; simulated links have a finger of their own and always do");
       app.add_flag("--no-touch", options->no_touch, "only ask, also on a simulated link");
       app.add_option("--watch-s", options->verify.watch_s, "least time in which faults that come and go are collected")
           ->check(CLI::Range(0.0, 86400.0))

@@ -27,13 +27,15 @@ class BulkPipe final : public UsbPipe {
     constexpr unsigned kTimeout_ms = 1000;
     auto bytes = packet.bytes;
     int written = 0;
-    const int error = ::libusb_bulk_transfer(handle_, wire::kBulkOut, bytes.data(), static_cast<int>(packet.size), &written, kTimeout_ms);
-    if (error != 0) throw DeviceError(fmt::format("usb: {} cannot be written: {}", serial_, ::libusb_error_name(error)));
+    const int error = ::libusb_bulk_transfer(handle_, wire::kBulkOut, bytes.data(), static_cast<int>(packet.size),
+                                             &written, kTimeout_ms);
+    if (error != 0)
+      throw DeviceError(fmt::format("usb: {} cannot be written: {}", serial_, ::libusb_error_name(error)));
   }
   std::size_t read(std::span<std::uint8_t> packet, int timeout_ms) override {
     int got = 0;
-    const int error = ::libusb_bulk_transfer(handle_, wire::kBulkIn, packet.data(), static_cast<int>(packet.size()), &got,
-                                             static_cast<unsigned>(timeout_ms));
+    const int error = ::libusb_bulk_transfer(handle_, wire::kBulkIn, packet.data(), static_cast<int>(packet.size()),
+                                             &got, static_cast<unsigned>(timeout_ms));
     if (error != 0 && error != LIBUSB_ERROR_TIMEOUT) {
       throw DeviceError(fmt::format("usb: {} cannot be read: {}", serial_, ::libusb_error_name(error)));
     }
@@ -54,22 +56,28 @@ class BulkDriver final : public UsbDriver {
       throw DeviceError(fmt::format("usb: this computer has no USB ({})", ::libusb_error_name(error)));
     }
     constexpr int kEvents = LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT;
-    if (::libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) == 0) return;  // then the link looks by itself every now and then
-    (void)::libusb_hotplug_register_callback(context_, kEvents, 0, wire::kUsbVendor, wire::kUsbProduct, LIBUSB_HOTPLUG_MATCH_ANY, note_change, this, nullptr);
+    if (::libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) == 0)
+      return;  // then the link looks by itself every now and then
+    (void)::libusb_hotplug_register_callback(context_, kEvents, 0, wire::kUsbVendor, wire::kUsbProduct,
+                                             LIBUSB_HOTPLUG_MATCH_ANY, note_change, this, nullptr);
   }
   ~BulkDriver() override { ::libusb_exit(context_); }  // and with it the callback
   BulkDriver(const BulkDriver&) = delete;
   BulkDriver& operator=(const BulkDriver&) = delete;
 
-  std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial, const std::vector<std::string>& places) override {
+  std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial,
+                                             const std::vector<std::string>& places) override {
     std::vector<std::unique_ptr<UsbPipe>> pipes;
     std::string refused;
     libusb_device** list = nullptr;
     const ssize_t count = ::libusb_get_device_list(context_, &list);
     for (ssize_t k = 0; k < count; ++k) {
       libusb_device_descriptor d{};
-      if (::libusb_get_device_descriptor(list[k], &d) != 0 || d.idVendor != wire::kUsbVendor || d.idProduct != wire::kUsbProduct) continue;
-      const std::string place = fmt::format("{}-{}", ::libusb_get_bus_number(list[k]), ::libusb_get_device_address(list[k]));
+      if (::libusb_get_device_descriptor(list[k], &d) != 0 || d.idVendor != wire::kUsbVendor ||
+          d.idProduct != wire::kUsbProduct)
+        continue;
+      const std::string place =
+          fmt::format("{}-{}", ::libusb_get_bus_number(list[k]), ::libusb_get_device_address(list[k]));
       if (std::ranges::find(places, place) != places.end()) continue;
       if (auto pipe = open_one(list[k], d, serial, place, refused)) pipes.push_back(std::move(pipe));
     }
@@ -90,19 +98,23 @@ class BulkDriver final : public UsbDriver {
     static_cast<BulkDriver*>(driver)->changed_ = true;
     return 0;
   }
-  static std::unique_ptr<UsbPipe> open_one(libusb_device* device, const libusb_device_descriptor& d, const std::string& serial,
-                                           const std::string& place, std::string& refused) {
+  static std::unique_ptr<UsbPipe> open_one(libusb_device* device, const libusb_device_descriptor& d,
+                                           const std::string& serial, const std::string& place, std::string& refused) {
     libusb_device_handle* handle = nullptr;
     if (const int error = ::libusb_open(device, &handle); error != 0) {
-      refused = fmt::format("the controller at {} may not be opened ({}); install the udev rule of docs/wires.md", place, ::libusb_error_name(error));
+      refused = fmt::format("the controller at {} may not be opened ({}); install the udev rule of docs/wires.md",
+                            place, ::libusb_error_name(error));
       return nullptr;
     }
     std::array<unsigned char, 64> text{};
-    const int n = ::libusb_get_string_descriptor_ascii(handle, d.iSerialNumber, text.data(), static_cast<int>(text.size()));
+    const int n =
+        ::libusb_get_string_descriptor_ascii(handle, d.iSerialNumber, text.data(), static_cast<int>(text.size()));
     const std::string number(text.begin(), text.begin() + std::max(n, 0));
     const bool wanted = serial.empty() || number == serial;
-    if (const int error = wanted ? ::libusb_claim_interface(handle, wire::kBulkInterface) : LIBUSB_ERROR_NOT_FOUND; error != 0) {
-      if (wanted) refused = fmt::format("controller {} is used by another program ({})", number, ::libusb_error_name(error));
+    if (const int error = wanted ? ::libusb_claim_interface(handle, wire::kBulkInterface) : LIBUSB_ERROR_NOT_FOUND;
+        error != 0) {
+      if (wanted)
+        refused = fmt::format("controller {} is used by another program ({})", number, ::libusb_error_name(error));
       ::libusb_close(handle);
       return nullptr;
     }
@@ -115,6 +127,8 @@ class BulkDriver final : public UsbDriver {
 
 }  // namespace
 
-std::unique_ptr<UsbDriver> make_bulk_driver() { return std::make_unique<BulkDriver>(); }
+std::unique_ptr<UsbDriver> make_bulk_driver() {
+  return std::make_unique<BulkDriver>();
+}
 
 }  // namespace triskin::device

@@ -16,37 +16,59 @@ namespace {
 
 const char* reason(std::uint8_t code) {
   switch (code) {
-    case wire::nrc::kServiceNotSupported: return "service not supported";
-    case wire::nrc::kSubFunctionNotSupported: return "sub-function not supported";
-    case wire::nrc::kWrongLength: return "wrong message length";
-    case wire::nrc::kConditionsNotCorrect: return "conditions not correct";
-    case wire::nrc::kSequenceError: return "request out of sequence";
-    case wire::nrc::kOutOfRange: return "request out of range";
-    case wire::nrc::kSecurityDenied: return "security access denied";
-    case wire::nrc::kInvalidKey: return "invalid key";
-    case wire::nrc::kAttemptsExceeded: return "too many wrong keys; power-cycle the controller";
-    case wire::nrc::kUploadNotAccepted: return "transfer not accepted";
-    case wire::nrc::kProgrammingFailure: return "programming failure: the flash memory refused the data";
-    case wire::nrc::kWrongBlock: return "wrong block counter";
+    case wire::nrc::kServiceNotSupported:
+      return "service not supported";
+    case wire::nrc::kSubFunctionNotSupported:
+      return "sub-function not supported";
+    case wire::nrc::kWrongLength:
+      return "wrong message length";
+    case wire::nrc::kConditionsNotCorrect:
+      return "conditions not correct";
+    case wire::nrc::kSequenceError:
+      return "request out of sequence";
+    case wire::nrc::kOutOfRange:
+      return "request out of range";
+    case wire::nrc::kSecurityDenied:
+      return "security access denied";
+    case wire::nrc::kInvalidKey:
+      return "invalid key";
+    case wire::nrc::kAttemptsExceeded:
+      return "too many wrong keys; power-cycle the controller";
+    case wire::nrc::kUploadNotAccepted:
+      return "transfer not accepted";
+    case wire::nrc::kProgrammingFailure:
+      return "programming failure: the flash memory refused the data";
+    case wire::nrc::kWrongBlock:
+      return "wrong block counter";
     case wire::nrc::kSubFunctionNotInSession:
-    case wire::nrc::kServiceNotInSession: return "not in this session";
-    default: return "refused";
+    case wire::nrc::kServiceNotInSession:
+      return "not in this session";
+    default:
+      return "refused";
   }
 }
 
-// A positive answer repeats what was asked for; a late one to an earlier request of the same service must not be taken for this one.
+// A positive answer repeats what was asked for; a late one to an earlier request of the same service must not be taken
+// for this one.
 bool answers(Bytes answer, Bytes request) {
   if (answer[0] != request[0] + wire::service::kPositive) return false;
   std::size_t repeated = 1;
   switch (request[0]) {
     case wire::service::kRead:
-    case wire::service::kWrite: repeated = 2; break;
-    case wire::service::kRoutine: repeated = 3; break;
+    case wire::service::kWrite:
+      repeated = 2;
+      break;
+    case wire::service::kRoutine:
+      repeated = 3;
+      break;
     case wire::service::kClearFaults:
     case wire::service::kDownload:
     case wire::service::kUpload:
-    case wire::service::kTransferExit: repeated = 0; break;
-    default: break;  // sub-function or block counter
+    case wire::service::kTransferExit:
+      repeated = 0;
+      break;
+    default:
+      break;  // sub-function or block counter
   }
   return answer.size() > repeated && request.size() > repeated &&
          std::ranges::equal(answer.subspan(1, repeated), request.subspan(1, repeated));
@@ -61,8 +83,8 @@ bool is_answer_id(const wire::CanFrame& frame) {
 IsoTp& Bus::connection(std::uint8_t node) {
   auto& found = connections_[node];
   if (!found) {
-    found = std::make_unique<IsoTp>(wire::physical_id(node, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, node),
-                                    link_.frame_bytes());
+    found = std::make_unique<IsoTp>(wire::physical_id(node, wire::kTesterAddress),
+                                    wire::physical_id(wire::kTesterAddress, node), link_.frame_bytes());
   }
   return *found;
 }
@@ -100,15 +122,19 @@ void Bus::drain(std::uint8_t node) {
   }
   const auto channel = channels_.find(node);
   Message late;
-  while (channel != channels_.end() && channel->second && channel->second->take(late) != MessageChannel::Arrival::kNothing) {
+  while (channel != channels_.end() && channel->second &&
+         channel->second->take(late) != MessageChannel::Arrival::kNothing) {
   }
 }
 
 bool Bus::start(std::uint8_t node, Bytes request) {
   auto& channel = channels_[node];
-  if (!channel) channel = link_.open_channel(wire::physical_id(node, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, node));
+  if (!channel)
+    channel = link_.open_channel(wire::physical_id(node, wire::kTesterAddress),
+                                 wire::physical_id(wire::kTesterAddress, node));
   if (channel) return channel->send(request);
-  if (connection(node).send(request, link_.now_us()) != Status::kOk) throw DeviceError("request longer than a transfer can be");
+  if (connection(node).send(request, link_.now_us()) != Status::kOk)
+    throw DeviceError("request longer than a transfer can be");
   return true;
 }
 
@@ -116,9 +142,12 @@ Bus::Message Bus::next_of_channel(MessageChannel& channel, std::uint64_t deadlin
   Message message;
   while (true) {
     switch (channel.take(message)) {
-      case MessageChannel::Arrival::kMessage: return message;
-      case MessageChannel::Arrival::kFailed: return {};
-      case MessageChannel::Arrival::kNothing: break;
+      case MessageChannel::Arrival::kMessage:
+        return message;
+      case MessageChannel::Arrival::kFailed:
+        return {};
+      case MessageChannel::Arrival::kNothing:
+        break;
     }
     if (link_.now_us() >= deadline_us) return {};
     const auto frame = receive(deadline_us);
@@ -164,16 +193,17 @@ Bus::Message Bus::request(std::uint8_t node, Bytes request, Repeat repeat) {
     Message answer = exchange(node, request);
     if (answer.empty()) continue;
     if (answer[0] == wire::service::kNegative) {
-      throw Refused(fmt::format("{}: controller {} refused service 0x{:02X}: {} (0x{:02X})", link_.name(), node, request[0],
-                                reason(answer[2]), answer[2]),
+      throw Refused(fmt::format("{}: controller {} refused service 0x{:02X}: {} (0x{:02X})", link_.name(), node,
+                                request[0], reason(answer[2]), answer[2]),
                     answer[2]);
     }
     answer.erase(answer.begin());
     return answer;
   }
   const std::string trouble = link_.trouble();
-  throw NoAnswer(fmt::format("{}: controller {} does not answer service 0x{:02X}; check its power and the cable, then run the command again{}",
-                             link_.name(), node, request[0], trouble.empty() ? "" : " (" + trouble + ")"));
+  throw NoAnswer(fmt::format(
+      "{}: controller {} does not answer service 0x{:02X}; check its power and the cable, then run the command again{}",
+      link_.name(), node, request[0], trouble.empty() ? "" : " (" + trouble + ")"));
 }
 
 std::vector<wire::NodeClaim> Bus::discover() {

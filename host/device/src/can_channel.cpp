@@ -40,7 +40,8 @@ bool configure(int socket, bool fd) {
 
 }  // namespace
 
-std::unique_ptr<CanChannel> CanChannel::open(const std::string& interface, bool fd, std::uint32_t tx_id, std::uint32_t rx_id) {
+std::unique_ptr<CanChannel> CanChannel::open(const std::string& interface, bool fd, std::uint32_t tx_id,
+                                             std::uint32_t rx_id) {
   const int socket = ::socket(PF_CAN, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_ISOTP);
   if (socket < 0) return nullptr;
   std::unique_ptr<CanChannel> channel(new CanChannel(socket));
@@ -56,7 +57,9 @@ std::unique_ptr<CanChannel> CanChannel::open(const std::string& interface, bool 
   return channel;
 }
 
-CanChannel::~CanChannel() { ::close(socket_); }
+CanChannel::~CanChannel() {
+  ::close(socket_);
+}
 
 bool CanChannel::send(Bytes message) {
   ssize_t n = 0;

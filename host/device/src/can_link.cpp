@@ -12,7 +12,9 @@ namespace triskin::device {
 // The link waits for its channels as well as for frames.
 class CanLink::Channel final : public MessageChannel {
  public:
-  Channel(CanLink& link, std::unique_ptr<CanChannel> channel) : link_(link), channel_(std::move(channel)) { link_.channels_.insert(channel_->descriptor()); }
+  Channel(CanLink& link, std::unique_ptr<CanChannel> channel) : link_(link), channel_(std::move(channel)) {
+    link_.channels_.insert(channel_->descriptor());
+  }
   ~Channel() override { link_.channels_.erase(channel_->descriptor()); }
   Channel(const Channel&) = delete;
   Channel& operator=(const Channel&) = delete;
@@ -37,7 +39,8 @@ void CanLink::reconnect() {
 }
 
 std::uint64_t CanLink::now_us() const {
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start_).count());
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start_).count());
 }
 
 std::unique_ptr<MessageChannel> CanLink::open_channel(std::uint32_t tx_id, std::uint32_t rx_id) {

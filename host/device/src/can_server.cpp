@@ -5,12 +5,15 @@
 
 namespace triskin::device {
 
-CanServer::CanServer(scene::VirtualSkin& skin, const std::string& interface) : SkinServer(skin), name_("can:" + interface), socket_(interface) {
+CanServer::CanServer(scene::VirtualSkin& skin, const std::string& interface)
+    : SkinServer(skin), name_("can:" + interface), socket_(interface) {
   skin_.use_fd(socket_.fd());
   skin_.on_frame([this](const wire::CanFrame& frame, std::uint64_t) { socket_.send(frame); });
 }
 
-CanServer::~CanServer() { skin_.on_frame({}); }
+CanServer::~CanServer() {
+  skin_.on_frame({});
+}
 
 void CanServer::wait(std::uint64_t timeout_us) {
   pollfd p{socket_.descriptor(), POLLIN, 0};

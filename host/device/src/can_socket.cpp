@@ -79,7 +79,8 @@ CanSocket::CanSocket(const std::string& interface) : interface_(interface) {
     if (fd_ && !set_option(socket_, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on)) fd_ = false;
     (void)set_option(socket_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, errors);
     const int buffer_bytes = 4 << 20;  // a stream of 16 patches for a second
-    if (!set_option(socket_, SOL_SOCKET, SO_RCVBUFFORCE, buffer_bytes)) (void)set_option(socket_, SOL_SOCKET, SO_RCVBUF, buffer_bytes);
+    if (!set_option(socket_, SOL_SOCKET, SO_RCVBUFFORCE, buffer_bytes))
+      (void)set_option(socket_, SOL_SOCKET, SO_RCVBUF, buffer_bytes);
     sockaddr_can address{};
     address.can_family = AF_CAN;
     address.can_ifindex = index;
@@ -90,20 +91,26 @@ CanSocket::CanSocket(const std::string& interface) : interface_(interface) {
   }
 }
 
-CanSocket::~CanSocket() { ::close(socket_); }
+CanSocket::~CanSocket() {
+  ::close(socket_);
+}
 
 void CanSocket::fail(const std::string& what, int error) {
   alive_ = false;
   if (error == ENETDOWN || error == ENETUNREACH) {
-    throw Unreachable(fmt::format("can:{0}: the interface is down; bring it up: ip link set {0} up type can bitrate 1000000", interface_));
+    throw Unreachable(fmt::format(
+        "can:{0}: the interface is down; bring it up: ip link set {0} up type can bitrate 1000000", interface_));
   }
-  if (error == ENODEV || error == ENXIO) throw Unreachable(fmt::format("can:{}: the interface is gone; plug the adapter in again", interface_));
+  if (error == ENODEV || error == ENXIO)
+    throw Unreachable(fmt::format("can:{}: the interface is gone; plug the adapter in again", interface_));
   throw DeviceError(fmt::format("can:{}: {} ({})", interface_, what, std::strerror(error)));
 }
 
 void CanSocket::filter_for_host() {
   constexpr std::uint32_t kAll = CAN_EFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG, kAll11 = CAN_EFF_FLAG | CAN_RTR_FLAG;
-  const auto wide = [](std::uint32_t id, std::uint32_t free_bits) { return can_filter{id | CAN_EFF_FLAG, kAll & ~free_bits}; };
+  const auto wide = [](std::uint32_t id, std::uint32_t free_bits) {
+    return can_filter{id | CAN_EFF_FLAG, kAll & ~free_bits};
+  };
   const std::array<can_filter, 6> filters{{
       wide(wire::physical_id(wire::kTesterAddress, 0), 0xFF),
       wide(wire::kClaimBase, wire::kClaimMask),
@@ -126,7 +133,8 @@ void CanSocket::send(const wire::CanFrame& frame) {
     if (error == EINTR) continue;
     if (error != ENOBUFS && error != EAGAIN) fail("cannot send", error);
     if (std::chrono::steady_clock::now() - start > kQueueFull) {
-      throw Unreachable(fmt::format("can:{}: frames do not leave: nobody acknowledges them; check cable, termination and bit rate", interface_));
+      throw Unreachable(fmt::format(
+          "can:{}: frames do not leave: nobody acknowledges them; check cable, termination and bit rate", interface_));
     }
     // SocketCAN does not say when a full device queue has room again (poll tells of the socket's buffer only).
     std::this_thread::sleep_for(kQueueLook);
@@ -159,7 +167,8 @@ void CanSocket::note_error(std::uint32_t error_class, const std::uint8_t* data) 
   if ((error_class & CAN_ERR_RESTARTED) != 0) errors_.bus_off = errors_.passive = false;
   if ((error_class & CAN_ERR_ACK) != 0) errors_.unacknowledged = true;
   if ((error_class & CAN_ERR_CRTL) != 0) {
-    constexpr int kBad = CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING | CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE;
+    constexpr int kBad =
+        CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING | CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE;
     if ((data[1] & kBad) != 0) errors_.passive = true;
     if ((data[1] & CAN_ERR_CRTL_ACTIVE) != 0) errors_.passive = false;
   }
@@ -167,10 +176,14 @@ void CanSocket::note_error(std::uint32_t error_class, const std::uint8_t* data) 
 
 std::string CanSocket::trouble() const {
   if (errors_.bus_off) {
-    return fmt::format("can:{0}: bus-off: the interface has left the bus after too many errors; check cable, termination and bit rate, then: "
-                       "ip link set {0} type can restart", interface_);
+    return fmt::format(
+        "can:{0}: bus-off: the interface has left the bus after too many errors; check cable, termination and bit "
+        "rate, then: "
+        "ip link set {0} type can restart",
+        interface_);
   }
-  if (errors_.unacknowledged) return fmt::format("can:{}: nobody acknowledges frames; check power, cable and bit rate", interface_);
+  if (errors_.unacknowledged)
+    return fmt::format("can:{}: nobody acknowledges frames; check power, cable and bit rate", interface_);
   if (errors_.passive) return fmt::format("can:{}: many bus errors; check termination and bit rate", interface_);
   return {};
 }

@@ -13,7 +13,8 @@ namespace triskin::device {
 CombinedLink::CombinedLink(std::vector<std::unique_ptr<Link>> links) : links_(std::move(links)) {}
 
 std::uint64_t CombinedLink::now_us() const {
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start_).count());
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start_).count());
 }
 
 void CombinedLink::send(const wire::CanFrame& frame) {

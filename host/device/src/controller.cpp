@@ -17,8 +17,12 @@ std::vector<std::uint8_t> request_of(std::initializer_list<std::uint8_t> head, B
   return r;
 }
 
-constexpr std::uint8_t high(std::uint32_t v) { return static_cast<std::uint8_t>(v >> 8); }
-constexpr std::uint8_t low(std::uint32_t v) { return static_cast<std::uint8_t>(v); }
+constexpr std::uint8_t high(std::uint32_t v) {
+  return static_cast<std::uint8_t>(v >> 8);
+}
+constexpr std::uint8_t low(std::uint32_t v) {
+  return static_cast<std::uint8_t>(v);
+}
 
 std::vector<std::uint8_t> transfer_head(std::uint8_t service, std::uint32_t address, std::uint32_t size) {
   std::vector<std::uint8_t> r(11);
@@ -37,22 +41,38 @@ constexpr std::size_t kBlockBytes = wire::memory::kMaxBlockBytes - 2U;
 
 std::string describe(Status status) {
   switch (status) {
-    case Status::kOk: return "ok";
-    case Status::kTooShort: return "too short";
-    case Status::kBadMagic: return "not a table";
-    case Status::kBadVersion: return "another layout version";
-    case Status::kBadLength: return "wrong length";
-    case Status::kBadCrc: return "wrong CRC";
-    case Status::kOutOfRange: return "a field is out of range";
-    case Status::kDuplicate: return "a place stands twice";
-    case Status::kBadTree: return "the route is no tree";
-    case Status::kWrongTarget: return "a table for another controller";
-    case Status::kFlashFailed: return "the flash memory failed";
-    case Status::kEmpty: return "nothing stored";
-    case Status::kNoSpace: return "no space";
-    case Status::kBusError: return "no acknowledgement on the line";
-    case Status::kLineStuck: return "the line is held low";
-    case Status::kWrongId: return "wrong device id";
+    case Status::kOk:
+      return "ok";
+    case Status::kTooShort:
+      return "too short";
+    case Status::kBadMagic:
+      return "not a table";
+    case Status::kBadVersion:
+      return "another layout version";
+    case Status::kBadLength:
+      return "wrong length";
+    case Status::kBadCrc:
+      return "wrong CRC";
+    case Status::kOutOfRange:
+      return "a field is out of range";
+    case Status::kDuplicate:
+      return "a place stands twice";
+    case Status::kBadTree:
+      return "the route is no tree";
+    case Status::kWrongTarget:
+      return "a table for another controller";
+    case Status::kFlashFailed:
+      return "the flash memory failed";
+    case Status::kEmpty:
+      return "nothing stored";
+    case Status::kNoSpace:
+      return "no space";
+    case Status::kBusError:
+      return "no acknowledgement on the line";
+    case Status::kLineStuck:
+      return "the line is held low";
+    case Status::kWrongId:
+      return "wrong device id";
   }
   return fmt::format("status {}", static_cast<int>(status));
 }
@@ -64,7 +84,8 @@ std::string to_text(const wire::UniqueId& id) {
 }
 
 void Controller::nonsense(const char* what) const {
-  throw DeviceError(fmt::format("{}: controller {}: the answer about its {} makes no sense; update its firmware", bus_.link().name(), node_, what));
+  throw DeviceError(fmt::format("{}: controller {}: the answer about its {} makes no sense; update its firmware",
+                                bus_.link().name(), node_, what));
 }
 
 Controller::Message Controller::read(std::uint16_t did) {
@@ -89,9 +110,10 @@ Hello Controller::hello() {
 
 void Controller::require_versions(const Hello& h) const {
   if (h.wire_version == wire::kWireVersion && h.layout_version == layout::kLayoutVersion) return;
-  throw DeviceError(fmt::format("{}: controller {} speaks wire version {} and table layout {}, this program {} and {}; update its firmware "
-                                "or use the matching release",
-                                bus_.link().name(), node_, h.wire_version, h.layout_version, wire::kWireVersion, layout::kLayoutVersion));
+  throw DeviceError(fmt::format(
+      "{}: controller {} speaks wire version {} and table layout {}, this program {} and {}; update its firmware "
+      "or use the matching release",
+      bus_.link().name(), node_, h.wire_version, h.layout_version, wire::kWireVersion, layout::kLayoutVersion));
 }
 
 ActiveTable Controller::active_table() {
@@ -108,7 +130,9 @@ ActiveTable Controller::active_table() {
 }
 
 std::vector<std::uint8_t> Controller::read_table(std::size_t size_bytes) {
-  (void)bus_.request(node_, transfer_head(wire::service::kUpload, wire::memory::kActiveTable, static_cast<std::uint32_t>(size_bytes)), Repeat::kSafe);
+  (void)bus_.request(
+      node_, transfer_head(wire::service::kUpload, wire::memory::kActiveTable, static_cast<std::uint32_t>(size_bytes)),
+      Repeat::kSafe);
   std::vector<std::uint8_t> bytes;
   for (std::uint8_t block = 1; bytes.size() < size_bytes; ++block) {
     const Message m = bus_.request(node_, request_of({wire::service::kTransfer, block}), Repeat::kSafe);
@@ -141,8 +165,10 @@ void Controller::unlock(std::uint8_t session) {
 
 void Controller::write_table(Bytes image, const std::function<void(double)>& steps) {
   unlock(wire::session::kProgramming);
-  (void)bus_.request(node_, transfer_head(wire::service::kDownload, wire::memory::kInactiveTable, static_cast<std::uint32_t>(image.size())),
-                     Repeat::kSafe);
+  (void)bus_.request(
+      node_,
+      transfer_head(wire::service::kDownload, wire::memory::kInactiveTable, static_cast<std::uint32_t>(image.size())),
+      Repeat::kSafe);
   std::uint8_t block = 1;
   for (std::size_t at = 0; at < image.size(); at += kBlockBytes, ++block) {
     const Bytes part = image.subspan(at, std::min(kBlockBytes, image.size() - at));
@@ -155,8 +181,8 @@ void Controller::write_table(Bytes image, const std::function<void(double)>& ste
   const Message m = bus_.request(node_, request_of({wire::service::kRoutine, 0x01, high(id), low(id)}), Repeat::kNever);
   if (m.size() < 4) nonsense("activation");
   if (const auto status = static_cast<Status>(m.back()); status != Status::kOk) {
-    throw DeviceError(fmt::format("{}: controller {} did not activate the table: {}; the old one stays active", bus_.link().name(), node_,
-                                  describe(status)));
+    throw DeviceError(fmt::format("{}: controller {} did not activate the table: {}; the old one stays active",
+                                  bus_.link().name(), node_, describe(status)));
   }
 }
 
@@ -166,7 +192,8 @@ std::vector<wire::ModuleState> Controller::module_states() {
   return states;
 }
 
-Controller::Message Controller::run_routine(std::uint16_t id, std::size_t bytes, std::uint64_t poll_every_us, int polls, const char* what) {
+Controller::Message Controller::run_routine(std::uint16_t id, std::size_t bytes, std::uint64_t poll_every_us, int polls,
+                                            const char* what) {
   (void)bus_.request(node_, request_of({wire::service::kRoutine, 0x01, high(id), low(id)}), Repeat::kSafe);
   for (int poll = 0; poll < polls; ++poll) {
     bus_.listen(bus_.now_us() + poll_every_us);
@@ -174,7 +201,8 @@ Controller::Message Controller::run_routine(std::uint16_t id, std::size_t bytes,
     if (m.size() != 4 + bytes) nonsense(what);
     if (m[3] != 0) return m;
   }
-  throw DeviceError(fmt::format("{}: controller {} does not finish its look at the {}; power-cycle it", bus_.link().name(), node_, what));
+  throw DeviceError(fmt::format("{}: controller {} does not finish its look at the {}; power-cycle it",
+                                bus_.link().name(), node_, what));
 }
 
 std::array<LineReport, layout::kLines> Controller::discover() {
@@ -189,7 +217,9 @@ std::array<LineReport, layout::kLines> Controller::discover() {
   return lines;
 }
 
-void Controller::reroute() { (void)run_routine(wire::routine::kReroute, 0, 20'000, 100, "chain"); }
+void Controller::reroute() {
+  (void)run_routine(wire::routine::kReroute, 0, 20'000, 100, "chain");
+}
 
 wire::FoundTopology Controller::topology() {
   wire::FoundTopology t;
@@ -220,7 +250,9 @@ std::optional<ImageState> Controller::image_state() {
   }
 }
 
-void Controller::reset() { (void)bus_.request(node_, request_of({wire::service::kReset, 0x01}), Repeat::kNever); }
+void Controller::reset() {
+  (void)bus_.request(node_, request_of({wire::service::kReset, 0x01}), Repeat::kNever);
+}
 
 std::array<std::uint32_t, layout::kLines> Controller::recoveries() {
   const Message m = read(wire::did::kLineStates);
@@ -236,7 +268,8 @@ std::array<std::uint32_t, layout::kLines> Controller::recoveries() {
 
 std::vector<RememberedFault> Controller::remembered_faults() {
   constexpr std::uint8_t kPresent = 0x01, kConfirmed = 0x08, kModuleGroup = 0x90;
-  const Message m = bus_.request(node_, request_of({wire::service::kReadFaults, 0x02, kConfirmed | kPresent}), Repeat::kSafe);
+  const Message m =
+      bus_.request(node_, request_of({wire::service::kReadFaults, 0x02, kConfirmed | kPresent}), Repeat::kSafe);
   if (m.size() < 2 || (m.size() - 2) % 4 != 0) nonsense("faults");
   std::vector<RememberedFault> faults;
   for (std::size_t at = 2; at < m.size(); at += 4) {
@@ -269,7 +302,8 @@ TaxelSample Controller::taxels() {
 void Controller::set_stream(wire::StreamMode mode) {
   unlock(wire::session::kExtended);
   const auto id = wire::did::kStream;
-  (void)bus_.request(node_, request_of({wire::service::kWrite, high(id), low(id), static_cast<std::uint8_t>(mode)}), Repeat::kSafe);
+  (void)bus_.request(node_, request_of({wire::service::kWrite, high(id), low(id), static_cast<std::uint8_t>(mode)}),
+                     Repeat::kSafe);
 }
 
 }  // namespace triskin::device

@@ -12,7 +12,8 @@ namespace triskin::device {
 
 using wire::ModuleState;
 
-Diagnosis::Diagnosis(const model::Design& design, const std::vector<PatchState>& patches, std::vector<TouchOutcome> touches)
+Diagnosis::Diagnosis(const model::Design& design, const std::vector<PatchState>& patches,
+                     std::vector<TouchOutcome> touches)
     : design_(design), patches_(patches), touches_(std::move(touches)), wiring_(model::wiring_of(design)) {}
 
 void Diagnosis::run(VerifyResult& result) {
@@ -21,8 +22,10 @@ void Diagnosis::run(VerifyResult& result) {
       for (std::size_t row = 0; row < p.image.module_count; ++row) bad_.insert(p.module(row));
       continue;
     }
-    for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {  // a backup table leaves some out
-      if (std::ranges::none_of(p.image.rows(), [&](const auto& row) { return row.module_id == m.node; })) bad_.insert(m.node);
+    for (const auto& m :
+         design_.patches[static_cast<std::size_t>(p.patch)].modules) {  // a backup table leaves some out
+      if (std::ranges::none_of(p.image.rows(), [&](const auto& row) { return row.module_id == m.node; }))
+        bad_.insert(m.node);
     }
     look_at_topology(p);
     look_at_lines(p);
@@ -68,8 +71,9 @@ void Diagnosis::look_at_topology(const PatchState& p) {
   const bool other = best.patch != p.patch && best.differences.size() + 2 < match.differences.size();
   if (other || match.another_patch()) {
     add("wrong_patch", -1, p.patch,
-        other && !best.another_patch() ? fmt::format("patch {}: its controller hangs on the modules of patch {}", p.patch, best.patch)
-                                       : fmt::format("patch {}: the {} modules found are not this patch", p.patch, p.topology.count),
+        other && !best.another_patch()
+            ? fmt::format("patch {}: its controller hangs on the modules of patch {}", p.patch, best.patch)
+            : fmt::format("patch {}: the {} modules found are not this patch", p.patch, p.topology.count),
         "exchange the cables of the controllers, or compare the patch with the assembly sheet");
     for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
       told_.insert(m.node);
@@ -78,7 +82,9 @@ void Diagnosis::look_at_topology(const PatchState& p) {
     return;
   }
   for (const TopologyDifference& d : match.differences) {
-    const bool left_out = d.kind == "missing_module" && std::ranges::none_of(p.image.rows(), [&](const auto& row) { return row.module_id == d.module; });
+    const bool left_out = d.kind == "missing_module" && std::ranges::none_of(p.image.rows(), [&](const auto& row) {
+                            return row.module_id == d.module;
+                          });
     if (left_out) continue;
     const bool joint = d.kind == "missing_joint" || d.kind == "extra_joint";  // its modules may be read all the same
     Finding& f = add(d.kind, joint ? -1 : d.module, p.patch, fmt::format("patch {}: {}", p.patch, d.text), d.remedy);
@@ -101,10 +107,12 @@ void Diagnosis::look_at_lines(const PatchState& p) {
       held = held || p.states[row] == ModuleState::kLineStuck;
     }
     if (!held && p.recoveries[k] == 0) continue;
-    const std::string what = held ? "is held low" : fmt::format("was held low and freed by clock pulses {} times", p.recoveries[k]);
-    Finding& f = add("stuck_line", -1, p.patch,
-                     fmt::format("patch {}, line {}: SDA or SCL {}; modules on it: {}", p.patch, l, what, fmt::join(modules, ", ")),
-                     "look for a short of this line; part the joints from the far end on until the line is free");
+    const std::string what =
+        held ? "is held low" : fmt::format("was held low and freed by clock pulses {} times", p.recoveries[k]);
+    Finding& f = add(
+        "stuck_line", -1, p.patch,
+        fmt::format("patch {}, line {}: SDA or SCL {}; modules on it: {}", p.patch, l, what, fmt::join(modules, ", ")),
+        "look for a short of this line; part the joints from the far end on until the line is free");
     f.line = l;
     if (!held) continue;
     bad_.insert(modules.begin(), modules.end());
@@ -118,8 +126,10 @@ void Diagnosis::look_at_modules(const PatchState& p) {
     const int module = p.module(row);
     switch (p.states[row]) {
       case ModuleState::kAbsent:
-        if (p.topology.switched && told_.contains(module)) bad_.insert(module);
-        else absent.push_back(row);
+        if (p.topology.switched && told_.contains(module))
+          bad_.insert(module);
+        else
+          absent.push_back(row);
         break;
       case ModuleState::kWrongId:
         told_.insert(module);
@@ -145,16 +155,19 @@ void Diagnosis::look_at_modules(const PatchState& p) {
 }
 
 // Two chips answer at one address: most likely the absent module's straps differ least from it.
-void Diagnosis::look_at_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled) {
+void Diagnosis::look_at_doubled(const PatchState& p, std::vector<std::size_t>& absent,
+                                const std::vector<std::size_t>& doubled) {
   for (const std::size_t row : doubled) {
     const layout::ModuleRow& r = p.image.modules[row];
     const int module = p.module(row);
     told_.insert(module);
     if (absent.empty()) {
-      add("duplicate_address", module, p.patch, where(module) + ": two chips answer at once", "compare the straps of the modules with the assembly sheet");
+      add("duplicate_address", module, p.patch, where(module) + ": two chips answer at once",
+          "compare the straps of the modules with the assembly sheet");
       continue;
     }
-    const auto best = std::ranges::min_element(absent, {}, [&](std::size_t a) { return strap_difference(p.image.modules[a], {r.line, r.address}); });
+    const auto best = std::ranges::min_element(
+        absent, {}, [&](std::size_t a) { return strap_difference(p.image.modules[a], {r.line, r.address}); });
     add_duplicate(p, *best, module);
     absent.erase(best);
   }
@@ -165,7 +178,8 @@ void Diagnosis::add_duplicate(const PatchState& p, std::size_t row, int other) {
   const layout::ModuleRow& r = p.image.modules[row];
   const auto& o = wiring_[static_cast<std::size_t>(other)].routed;
   Finding& f = add("duplicate_address", module, p.patch,
-                   fmt::format("{}: nothing answers there; it sits at {} together with module {}", where(module), at(o.line, o.address), other),
+                   fmt::format("{}: nothing answers there; it sits at {} together with module {}", where(module),
+                               at(o.line, o.address), other),
                    fmt::format("solder the straps of module {} to {}", module, at(r.line, r.address)));
   f.other = other;
   f.line = o.line;
@@ -176,14 +190,16 @@ void Diagnosis::add_duplicate(const PatchState& p, std::size_t row, int other) {
 
 // Straps that differ. One wrong strap is likelier than several.
 int Diagnosis::strap_difference(const layout::ModuleRow& row, const Place& place) {
-  return std::popcount(static_cast<unsigned>(place.line ^ row.line)) + std::popcount(static_cast<unsigned>(place.address ^ row.address));
+  return std::popcount(static_cast<unsigned>(place.line ^ row.line)) +
+         std::popcount(static_cast<unsigned>(place.address ^ row.address));
 }
 
 void Diagnosis::look_at_taxels(const PatchState& p, std::size_t row) {
   const int module = p.module(row);
   if (p.states[row] == ModuleState::kUnknown) {
     told_.insert(module);
-    add("absent_module", module, p.patch, where(module) + ": the controller has read nothing from it yet", "power-cycle the controller and verify again");
+    add("absent_module", module, p.patch, where(module) + ": the controller has read nothing from it yet",
+        "power-cycle the controller and verify again");
     return;
   }
   const unsigned valid = p.now.modules[row].valid;
@@ -191,7 +207,8 @@ void Diagnosis::look_at_taxels(const PatchState& p, std::size_t row) {
     if ((valid >> t & 1) != 0) continue;
     const std::uint16_t raw = p.now.modules[row].raw[static_cast<std::size_t>(t)];
     if (raw != 0 && raw != 0xFFFF) {
-      add("frozen_taxel", module, p.patch, fmt::format("{}: taxel {} keeps one value while the others change", where(module), t),
+      add("frozen_taxel", module, p.patch,
+          fmt::format("{}: taxel {} keeps one value while the others change", where(module), t),
           "look for a broken trace to the pad")
           .taxel = t;
       continue;
@@ -207,7 +224,8 @@ std::vector<Diagnosis::Place> Diagnosis::unexpected(const PatchState& p) const {
   for (int l = 0; l < layout::kLines; ++l) {
     for (int a = 0; a < layout::kAddressesPerLine; ++a) {
       if ((p.lines[static_cast<std::size_t>(l)].answers >> a & 1) == 0) continue;
-      const bool in_table = std::ranges::any_of(p.image.rows(), [&](const auto& row) { return row.line == l && row.address == a; });
+      const bool in_table =
+          std::ranges::any_of(p.image.rows(), [&](const auto& row) { return row.line == l && row.address == a; });
       if (!in_table) places.push_back({l, a});
     }
   }
@@ -230,7 +248,8 @@ void Diagnosis::look_at_absent(const PatchState& p, std::vector<std::size_t> row
     if (!elsewhere.empty()) {
       const auto best = std::ranges::min_element(elsewhere, {}, [&](const Place& q) { return strap_difference(r, q); });
       Finding& f = add("wrong_address", module, p.patch,
-                       fmt::format("{}: nothing answers there, but a chip answers at {}, where the design has none", where(module), at(best->line, best->address)),
+                       fmt::format("{}: nothing answers there, but a chip answers at {}, where the design has none",
+                                   where(module), at(best->line, best->address)),
                        fmt::format("solder the straps of module {} to {}", module, at(r.line, r.address)));
       f.line = best->line;
       f.address = best->address;
@@ -238,12 +257,14 @@ void Diagnosis::look_at_absent(const PatchState& p, std::vector<std::size_t> row
       continue;
     }
     add("absent_module", module, p.patch, where(module) + ": no chip answers",
-        touches_.empty() ? "check the module, its joint and its straps; verify --touch tells whether it sits on another module's address"
+        touches_.empty() ? "check the module, its joint and its straps; verify --touch tells whether it sits on "
+                           "another module's address"
                          : "replace the module, or check its joint to the parent");
   }
   for (const Place& place : elsewhere) {
     Finding& f = add("unexpected_chip", -1, p.patch,
-                     fmt::format("patch {}: a chip answers at {}, where the design has no module", p.patch, at(place.line, place.address)),
+                     fmt::format("patch {}: a chip answers at {}, where the design has no module", p.patch,
+                                 at(place.line, place.address)),
                      "compare the straps with the assembly sheet");
     f.line = place.line;
     f.address = place.address;
@@ -297,9 +318,11 @@ void Diagnosis::look_at_touches() {
     const int patch = wiring_[static_cast<std::size_t>(t.module)].patch;
     if (t.answered == t.module) {
       for (int taxel = 0; taxel < layout::kTaxelsPerModule; ++taxel) {
-        const bool told = std::ranges::any_of(findings_, [&](const Finding& f) { return f.module == t.module && f.taxel == taxel; });
+        const bool told =
+            std::ranges::any_of(findings_, [&](const Finding& f) { return f.module == t.module && f.taxel == taxel; });
         if ((t.silent_taxels >> taxel & 1) == 0 || told) continue;
-        add("frozen_taxel", t.module, patch, fmt::format("{}: taxel {} does not change under a finger, the others do", where(t.module), taxel),
+        add("frozen_taxel", t.module, patch,
+            fmt::format("{}: taxel {} does not change under a finger, the others do", where(t.module), taxel),
             "look for a broken trace to the pad")
             .taxel = taxel;
       }
@@ -307,19 +330,20 @@ void Diagnosis::look_at_touches() {
     }
     if (told_.contains(t.module)) continue;  // told already: absent, stuck, or the other half of a swap
     if (t.answered < 0) {
-      add("no_touch_response", t.module, patch, where(t.module) + ": answers, but none of its taxels changes under a finger",
+      add("no_touch_response", t.module, patch,
+          where(t.module) + ": answers, but none of its taxels changes under a finger",
           "press it again; then replace the module");
       continue;
     }
     const TouchOutcome* back = touch_of(t.answered);
     const bool swapped = back != nullptr && back->answered == t.module;
-    Finding& f =
-        swapped ? add("swapped_modules", t.module, patch,
-                      fmt::format("{} and {} are swapped: pressing one moves the taxels of the other", where(t.module), where(t.answered)),
-                      "exchange their straps, or their places")
-                : add("touched_other_module", t.module, patch,
-                      fmt::format("{} was to be pressed, {} answered", where(t.module), where(t.answered)),
-                      "press the right module, or compare the straps of both with the assembly sheet");
+    Finding& f = swapped ? add("swapped_modules", t.module, patch,
+                               fmt::format("{} and {} are swapped: pressing one moves the taxels of the other",
+                                           where(t.module), where(t.answered)),
+                               "exchange their straps, or their places")
+                         : add("touched_other_module", t.module, patch,
+                               fmt::format("{} was to be pressed, {} answered", where(t.module), where(t.answered)),
+                               "press the right module, or compare the straps of both with the assembly sheet");
     f.other = t.answered;
     if (!swapped) continue;
     bad_.insert(t.answered);

@@ -23,7 +23,8 @@ constexpr std::uint64_t kStart_us = 200'000;  // loader's window and the applica
 // The loader of one controller. Frames are not acknowledged one by one: after each 32 the loader says how many it has.
 class LoaderSession {
  public:
-  LoaderSession(Bus& bus, const wire::UniqueId& id) : bus_(bus), link_(bus.link()), id_crc_(crc32(id)), name_(to_text(id)) {}
+  LoaderSession(Bus& bus, const wire::UniqueId& id)
+      : bus_(bus), link_(bus.link()), id_crc_(crc32(id)), name_(to_text(id)) {}
 
   // Both slots' states: bit 0 valid, 1 confirmed, 2 startable; slot 1 in bits 3–5.
   std::uint8_t enter(Controller& controller) {
@@ -66,7 +67,8 @@ class LoaderSession {
       if ((at + 8) % kBlock != 0) continue;
       const auto reply = wait(Command::kData, kReply_us);
       check(reply, "writing");
-      if (reply->size() != 6 || ByteReader(Bytes(*reply).subspan(2)).le32() != at + 8) fail("has lost a frame; run the command again");
+      if (reply->size() != 6 || ByteReader(Bytes(*reply).subspan(2)).le32() != at + 8)
+        fail("has lost a frame; run the command again");
       steps(static_cast<double>(at) / static_cast<double>(image.size()));
     }
   }
@@ -82,7 +84,8 @@ class LoaderSession {
     f.id = boot::kRequestId;
     f.extended = true;
     f.data[0] = static_cast<std::uint8_t>(command);
-    for (int k = 0; k < bytes; ++k) f.data[static_cast<std::size_t>(k) + 1] = static_cast<std::uint8_t>(arguments >> (8 * k));
+    for (int k = 0; k < bytes; ++k)
+      f.data[static_cast<std::size_t>(k) + 1] = static_cast<std::uint8_t>(arguments >> (8 * k));
     f.size = static_cast<std::uint8_t>(1 + bytes);
     link_.send(f);
   }
@@ -90,7 +93,8 @@ class LoaderSession {
     const std::uint64_t end_us = link_.now_us() + timeout_us;
     do {
       const auto f = bus_.receive(end_us);
-      if (f && f->extended && f->id == boot::kReplyId && f->size >= 2 && f->data[0] == static_cast<std::uint8_t>(command)) {
+      if (f && f->extended && f->id == boot::kReplyId && f->size >= 2 &&
+          f->data[0] == static_cast<std::uint8_t>(command)) {
         return std::vector<std::uint8_t>(f->data.begin(), f->data.begin() + f->size);
       }
     } while (link_.now_us() < end_us);
@@ -99,7 +103,8 @@ class LoaderSession {
   void check(const std::optional<std::vector<std::uint8_t>>& reply, const char* what) const {
     if (!reply) fail(fmt::format("does not answer while {}; the old firmware stays, run the command again", what));
     const auto status = static_cast<Status>((*reply)[1]);
-    if (status != Status::kOk) fail(fmt::format("refuses while {}: {}; the old firmware stays", what, describe(status)));
+    if (status != Status::kOk)
+      fail(fmt::format("refuses while {}: {}; the old firmware stays", what, describe(status)));
   }
   [[noreturn]] void fail(const std::string& what) const {
     throw DeviceError(fmt::format("{}: controller {} {}", link_.name(), name_, what));
@@ -112,10 +117,12 @@ class LoaderSession {
 };
 
 // The slot that was written. Ended on request, the controller goes on with the application that it has.
-int write_free_slot(LoaderSession& loader, const std::optional<ImageState>& before, Controller& controller, const FirmwarePackage& package, const std::function<void(double)>& steps) {
+int write_free_slot(LoaderSession& loader, const std::optional<ImageState>& before, Controller& controller,
+                    const FirmwarePackage& package, const std::function<void(double)>& steps) {
   try {
     const std::uint8_t states = loader.enter(controller);
-    // The slot that runs cannot be written; the loader refuses it. Slot 0 is free when slot 1 runs, or when nothing does.
+    // The slot that runs cannot be written; the loader refuses it. Slot 0 is free when slot 1 runs, or when nothing
+    // does.
     const int running = before ? before->slot : (states & 4) != 0 ? 0 : 1;
     const int slot = running == 0 ? 1 : 0;
     loader.erase(slot);
@@ -141,10 +148,13 @@ FirmwarePackage read_firmware(const std::filesystem::path& file) {
   p.bytes.assign(std::istreambuf_iterator<char>(in), {});
   if (!in.is_open()) throw InputError(fmt::format("{}: cannot be read", file.string()));
   const auto head = boot::decode_package_head(p.bytes);
-  if (!head) throw InputError(fmt::format("{}: is no firmware package: {}; give triskin_firmware.tsf", file.string(), describe(head.error())));
+  if (!head)
+    throw InputError(fmt::format("{}: is no firmware package: {}; give triskin_firmware.tsf", file.string(),
+                                 describe(head.error())));
   p.head = *head;
   if (p.bytes.size() < p.head.total()) {
-    throw InputError(fmt::format("{}: is cut off: {} bytes, its head says {}; copy it again", file.string(), p.bytes.size(), p.head.total()));
+    throw InputError(fmt::format("{}: is cut off: {} bytes, its head says {}; copy it again", file.string(),
+                                 p.bytes.size(), p.head.total()));
   }
   for (int slot = 0; slot < 2; ++slot) {
     if (crc32(p.image(slot)) != p.head.crc[static_cast<std::size_t>(slot)]) {
@@ -154,8 +164,8 @@ FirmwarePackage read_firmware(const std::filesystem::path& file) {
   return p;
 }
 
-FirmwareResult update_firmware(Bus& bus, const wire::NodeClaim& who, const FirmwarePackage& package, const FlashOptions& options,
-                               const ProgressSink& progress) {
+FirmwareResult update_firmware(Bus& bus, const wire::NodeClaim& who, const FirmwarePackage& package,
+                               const FlashOptions& options, const ProgressSink& progress) {
   FirmwareResult result{to_text(who.unique_id), false, -1, 0};
   Controller controller(bus, who.node_address);
   const auto before = controller.image_state();
@@ -164,12 +174,15 @@ FirmwareResult update_firmware(Bus& bus, const wire::NodeClaim& who, const Firmw
   if (options.dry_run || (result.equal && !options.force)) return result;
   report(progress, "entering the loader", 0.0, result.serial);
   LoaderSession loader(bus, who.unique_id);
-  const int slot = write_free_slot(loader, before, controller, package, [&](double fraction) { report(progress, "writing firmware", fraction, result.serial); });
+  const int slot = write_free_slot(loader, before, controller, package, [&](double fraction) {
+    report(progress, "writing firmware", fraction, result.serial);
+  });
   loader.boot();
   bus.listen(bus.now_us() + kStart_us);
   const auto after = controller.image_state();
   if (!runs(after, package) || after->slot != slot) {
-    throw DeviceError(fmt::format("{}: controller {} has not started the new firmware; the old one runs", bus.link().name(), result.serial));
+    throw DeviceError(fmt::format("{}: controller {} has not started the new firmware; the old one runs",
+                                  bus.link().name(), result.serial));
   }
   result.slot = slot;
   result.bytes = package.image(slot).size();

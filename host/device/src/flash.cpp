@@ -40,8 +40,9 @@ std::vector<Board> match_boards(Bus& bus, const model::Design& design) {
     throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.link().name()));
   }
   if (claims.size() < n_patches) {
-    throw DeviceError(fmt::format("{}: the design has {} patches, {} controllers answer; connect the others, nothing was written",
-                                  bus.link().name(), n_patches, claims.size()));
+    throw DeviceError(
+        fmt::format("{}: the design has {} patches, {} controllers answer; connect the others, nothing was written",
+                    bus.link().name(), n_patches, claims.size()));
   }
   std::map<int, int> users;
   for (const auto& c : claims) ++users[c.node_address];
@@ -78,7 +79,9 @@ void assign_addresses(Bus& bus, const std::vector<Board>& boards, std::size_t n_
       if (b.claim.node_address > n_patches) continue;
       while (used.contains(spare_address)) ++spare_address;
       wanted = spare_address++;
-      if (wanted > kMaxAddress) throw DeviceError(fmt::format("{}: no free node address is left; take controllers off the bus", bus.link().name()));
+      if (wanted > kMaxAddress)
+        throw DeviceError(
+            fmt::format("{}: no free node address is left; take controllers off the bus", bus.link().name()));
     }
     if (b.claim.node_address == wanted) continue;
     bus.assign(b.claim.unique_id, static_cast<std::uint8_t>(wanted));
@@ -100,8 +103,9 @@ void write_and_compare(Controller& controller, Bus& bus, Bytes image, const std:
   const std::vector<std::uint8_t> back = controller.read_table(image.size());
   const auto [a, b] = std::mismatch(image.begin(), image.end(), back.begin(), back.end());
   if (a != image.end() || b != back.end()) {
-    throw DeviceError(fmt::format("{}: controller {}: byte {} of the table reads back differently; its flash memory is damaged",
-                                  bus.link().name(), controller.node(), a - image.begin()));
+    throw DeviceError(
+        fmt::format("{}: controller {}: byte {} of the table reads back differently; its flash memory is damaged",
+                    bus.link().name(), controller.node(), a - image.begin()));
   }
   controller.clear_faults();
 }
@@ -109,7 +113,8 @@ void write_and_compare(Controller& controller, Bus& bus, Bytes image, const std:
 // One attempt at all controllers. Boards, images and results have the order of the patches.
 class Pass {
  public:
-  Pass(Bus& bus, const model::Design& design, const FlashOptions& options, const ProgressSink& progress, const std::vector<std::vector<std::uint8_t>>& images)
+  Pass(Bus& bus, const model::Design& design, const FlashOptions& options, const ProgressSink& progress,
+       const std::vector<std::vector<std::uint8_t>>& images)
       : bus_(bus), design_(design), options_(options), progress_(progress), images_(images) {}
 
   // `results` has what is done, also when this throws.
@@ -123,7 +128,8 @@ class Pass {
     std::vector<Conversation> conversations;
     for (std::size_t k = 0; k < boards_.size(); ++k) {
       begin(results[k], boards_[k]);
-      const auto node = options_.dry_run ? boards_[k].claim.node_address : static_cast<std::uint8_t>(boards_[k].patch + 1);
+      const auto node =
+          options_.dry_run ? boards_[k].claim.node_address : static_cast<std::uint8_t>(boards_[k].patch + 1);
       conversations.push_back({node, [this, k, &results](Bus& bus) { serve(bus, boards_[k], results[k]); }});
     }
     throw_first(converse(bus_.link(), conversations, options_.per_wire), results);
@@ -133,23 +139,33 @@ class Pass {
   // A patch that was written before the cable was pulled stays written.
   void begin(FlashResult::Patch& r, const Board& board) const {
     if (r.written && r.patch == board.patch) return;
-    r = {board.patch, to_text(board.claim.unique_id), board.claim.node_address, false, false, false, images_[static_cast<std::size_t>(board.patch)].size()};
+    r = {board.patch,
+         to_text(board.claim.unique_id),
+         board.claim.node_address,
+         false,
+         false,
+         false,
+         images_[static_cast<std::size_t>(board.patch)].size()};
     r.new_address = board.claim.node_address != board.patch + 1;
   }
-  void step(int patch, const char* what, double fraction) const { report(progress_, what, fraction, fmt::format("patch {}", patch), patch); }
+  void step(int patch, const char* what, double fraction) const {
+    report(progress_, what, fraction, fmt::format("patch {}", patch), patch);
+  }
 
   void serve(Bus& bus, const Board& board, FlashResult::Patch& r) const {
     const Bytes image = images_[static_cast<std::size_t>(board.patch)];
     step(r.patch, "asking", 0.0);
     if (options_.dry_run) {
-      r.equal = !r.new_address && board.claim.has_table && Controller(bus, board.claim.node_address).active_table().crc == crc32(image);
+      r.equal = !r.new_address && board.claim.has_table &&
+                Controller(bus, board.claim.node_address).active_table().crc == crc32(image);
       return step(r.patch, "planned", 1.0);
     }
     Controller controller(bus, static_cast<std::uint8_t>(board.patch + 1));
     check_identity(controller, bus, r);
     const ActiveTable active = controller.active_table();
     // Equal CRC is not enough to skip: the bytes are cheap to compare.
-    r.equal = active.present && active.crc == crc32(image) && std::ranges::equal(controller.read_table(image.size()), image);
+    r.equal =
+        active.present && active.crc == crc32(image) && std::ranges::equal(controller.read_table(image.size()), image);
     if (!r.equal || (options_.force && !r.written)) {
       write_and_compare(controller, bus, image, [&](double fraction) { step(r.patch, "writing", 0.9 * fraction); });
       r.written = true;
@@ -160,15 +176,18 @@ class Pass {
     const Hello hello = controller.hello();
     controller.require_versions(hello);
     if (to_text(hello.unique_id) == r.serial) return;
-    throw DeviceError(fmt::format("{}: controller {} has serial number {}, {} was meant; two controllers may share the address, run flash again",
-                                  bus.name(), controller.node(), to_text(hello.unique_id), r.serial));
+    throw DeviceError(fmt::format(
+        "{}: controller {} has serial number {}, {} was meant; two controllers may share the address, run flash again",
+        bus.name(), controller.node(), to_text(hello.unique_id), r.serial));
   }
 
-  void throw_first(const std::vector<std::exception_ptr>& outcomes, const std::vector<FlashResult::Patch>& results) const {
+  void throw_first(const std::vector<std::exception_ptr>& outcomes,
+                   const std::vector<FlashResult::Patch>& results) const {
     const auto first = std::ranges::find_if(outcomes, [](const auto& e) { return e != nullptr; });
     if (first == outcomes.end()) return;
     const auto failed = std::ranges::count_if(outcomes, [](const auto& e) { return e != nullptr; });
-    const std::string others = failed > 1 ? fmt::format(" ({} more controllers did not get theirs either)", failed - 1) : "";
+    const std::string others =
+        failed > 1 ? fmt::format(" ({} more controllers did not get theirs either)", failed - 1) : "";
     const std::string done = others + "; " + what_is_done(results);
     try {
       std::rethrow_exception(*first);
@@ -186,7 +205,8 @@ class Pass {
       if (r.equal || r.written) done.push_back(r.patch);
     }
     if (done.empty()) return "no controller has a new table";
-    return fmt::format("{} of {} controllers have their table (patches {}), the others their old one", done.size(), results.size(), fmt::join(done, ", "));
+    return fmt::format("{} of {} controllers have their table (patches {}), the others their old one", done.size(),
+                       results.size(), fmt::join(done, ", "));
   }
 
   Bus& bus_;
@@ -204,7 +224,8 @@ bool wait_for_controllers(Bus& bus, std::size_t count, double wait_s) {
   const std::uint64_t start_us = bus.now_us();
   // A dead link may have no time of its own.
   const auto over = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > wait_s || static_cast<double>(bus.now_us() - start_us) > wait_s * 1e6;
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > wait_s ||
+           static_cast<double>(bus.now_us() - start_us) > wait_s * 1e6;
   };
   while (!over()) {
     try {
@@ -222,10 +243,12 @@ bool wait_for_controllers(Bus& bus, std::size_t count, double wait_s) {
 std::vector<std::vector<std::uint8_t>> images_of(const model::Design& design, const RouteChoice& route) {
   if (route.module >= 0 && std::ranges::none_of(design.patches, [&](const auto& p) { return concerns(p, route); })) {
     throw InputError(route.other < 0 ? fmt::format("the design has no module {} in a patch", route.module)
-                                     : fmt::format("modules {} and {} are not in one patch of the design", route.module, route.other));
+                                     : fmt::format("modules {} and {} are not in one patch of the design", route.module,
+                                                   route.other));
   }
   std::vector<std::vector<std::uint8_t>> images;
-  for (std::size_t p = 0; p < design.patches.size(); ++p) images.push_back(bytes_of(image_of(design, static_cast<int>(p), route)));
+  for (std::size_t p = 0; p < design.patches.size(); ++p)
+    images.push_back(bytes_of(image_of(design, static_cast<int>(p), route)));
   return images;
 }
 
@@ -241,7 +264,8 @@ FlashResult flash(Bus& bus, const model::Design& design, const FlashOptions& opt
       completed = true;
     } catch (const Unreachable& e) {
       if (options.wait_s <= 0.0) throw;
-      if (options.say) options.say(fmt::format("{}; waiting {:.0f} s for the cable (Ctrl-C ends)", e.what(), options.wait_s));
+      if (options.say)
+        options.say(fmt::format("{}; waiting {:.0f} s for the cable (Ctrl-C ends)", e.what(), options.wait_s));
       if (!wait_for_controllers(bus, design.patches.size(), options.wait_s)) throw;
       if (options.say) options.say("all controllers answer again, going on");
     }

@@ -19,7 +19,8 @@ std::string narrow(const wchar_t* text) {  // serial numbers are hexadecimal dig
 
 class HidPipe final : public UsbPipe {
  public:
-  HidPipe(hid_device* device, std::string serial, std::string place) : device_(device), serial_(std::move(serial)), place_(std::move(place)) {}
+  HidPipe(hid_device* device, std::string serial, std::string place)
+      : device_(device), serial_(std::move(serial)), place_(std::move(place)) {}
   ~HidPipe() override { ::hid_close(device_); }
   HidPipe(const HidPipe&) = delete;
   HidPipe& operator=(const HidPipe&) = delete;
@@ -27,7 +28,8 @@ class HidPipe final : public UsbPipe {
   void write(const wire::UsbPacket& packet) override {
     std::array<std::uint8_t, wire::kUsbPacketBytes + 1> report{};  // the first byte is the report id: there are none
     std::copy(packet.bytes.begin(), packet.bytes.end(), report.begin() + 1);
-    if (::hid_write(device_, report.data(), report.size()) < 0) throw DeviceError("hid: " + serial_ + " cannot be written: unplugged");
+    if (::hid_write(device_, report.data(), report.size()) < 0)
+      throw DeviceError("hid: " + serial_ + " cannot be written: unplugged");
   }
   std::size_t read(std::span<std::uint8_t> packet, int timeout_ms) override {
     const int n = ::hid_read_timeout(device_, packet.data(), packet.size(), timeout_ms);
@@ -51,15 +53,18 @@ class HidDriver final : public UsbDriver {
   HidDriver(const HidDriver&) = delete;
   HidDriver& operator=(const HidDriver&) = delete;
 
-  std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial, const std::vector<std::string>& places) override {
+  std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial,
+                                             const std::vector<std::string>& places) override {
     std::vector<std::unique_ptr<UsbPipe>> pipes;
     std::string refused;
     hid_device_info* const list = ::hid_enumerate(wire::kUsbVendor, wire::kUsbProduct);
     for (const hid_device_info* d = list; d != nullptr; d = d->next) {
       const std::string number = narrow(d->serial_number), place = d->path;
       if ((!serial.empty() && number != serial) || std::ranges::find(places, place) != places.end()) continue;
-      if (hid_device* const device = ::hid_open_path(d->path)) pipes.push_back(std::make_unique<HidPipe>(device, number, place));
-      else refused = place;
+      if (hid_device* const device = ::hid_open_path(d->path))
+        pipes.push_back(std::make_unique<HidPipe>(device, number, place));
+      else
+        refused = place;
     }
     ::hid_free_enumeration(list);
     if (pipes.empty() && places.empty() && !refused.empty()) {
@@ -72,6 +77,8 @@ class HidDriver final : public UsbDriver {
 
 }  // namespace
 
-std::unique_ptr<UsbDriver> make_hid_driver() { return std::make_unique<HidDriver>(); }
+std::unique_ptr<UsbDriver> make_hid_driver() {
+  return std::make_unique<HidDriver>();
+}
 
 }  // namespace triskin::device

@@ -32,7 +32,8 @@ IcubStream::IcubStream(Bus& bus, OnTaxels handler) : bus_(bus), handler_(std::mo
   std::ranges::sort(boards_, {}, &IcubBoardInfo::address);
   if (boards_.empty()) {
     bus_.on_stream({});
-    throw DeviceError(fmt::format("{}: no skin board with the iCub protocol answers; check power, cable and bit rate", bus_.link().name()));
+    throw DeviceError(fmt::format("{}: no skin board with the iCub protocol answers; check power, cable and bit rate",
+                                  bus_.link().name()));
   }
   for (const IcubBoardInfo& b : boards_) {
     poll(b.address, {icub::kSetBoard, kSkinType, kPeriod_ms, kRest});
@@ -59,7 +60,8 @@ void IcubStream::handle(const CanFrame& f) {
   const auto source = static_cast<std::uint8_t>(f.id >> 4 & 0xF);
   if ((f.id & icub::kClassMask) == icub::kLoaderClass && f.size >= 5 && f.data[0] == icub::kDiscover) {
     const bool known = std::ranges::any_of(boards_, [&](const auto& b) { return b.address == source; });
-    if (!known && f.data[1] == icub::kBoardType) boards_.push_back({source, f.data[1], f.data[2], f.data[3], f.data[4]});
+    if (!known && f.data[1] == icub::kBoardType)
+      boards_.push_back({source, f.data[1], f.data[2], f.data[3], f.data[4]});
     return;
   }
   if ((f.id & icub::kClassMask) != 0x400 || f.size != 8) return;

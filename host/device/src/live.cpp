@@ -12,13 +12,18 @@
 namespace triskin::device {
 
 Stream::Stream(Bus& bus, const model::Design& design, OnFrame handler) : bus_(bus), handler_(std::move(handler)) {
-  if (!bus.link().fd()) throw InputError(fmt::format("{}: carries classic frames only, and the full stream needs CAN FD; bring the interface up with fd on", bus.link().name()));
+  if (!bus.link().fd())
+    throw InputError(fmt::format(
+        "{}: carries classic frames only, and the full stream needs CAN FD; bring the interface up with fd on",
+        bus.link().name()));
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     const layout::PatchImage image = image_of(design, static_cast<int>(p));
     Controller c(bus, image.node_address);
     const ActiveTable table = c.active_table();
     if (!table.present || table.crc != crc32(bytes_of(image))) {
-      throw DeviceError(fmt::format("{}: the controller of patch {} does not hold the table of this design; run triskin flash first", bus.link().name(), p));
+      throw DeviceError(
+          fmt::format("{}: the controller of patch {} does not hold the table of this design; run triskin flash first",
+                      bus.link().name(), p));
     }
     Node node;
     for (const auto& row : image.rows()) node.modules.push_back(row.module_id);
@@ -41,7 +46,9 @@ Stream::~Stream() {
   }
 }
 
-void Stream::run_until(std::uint64_t until_us) { bus_.listen(until_us); }
+void Stream::run_until(std::uint64_t until_us) {
+  bus_.listen(until_us);
+}
 
 void Stream::handle(const wire::CanFrame& frame) {
   const auto decoded = wire::decode_full(frame);
@@ -53,7 +60,8 @@ void Stream::handle(const wire::CanFrame& frame) {
   last = decoded->sample;
   ++frames_;
   if (handler_) {
-    handler_({node->second.modules[decoded->module], decoded->sample, decoded->device_time_us, bus_.now_us(), decoded->valid, decoded->value});
+    handler_({node->second.modules[decoded->module], decoded->sample, decoded->device_time_us, bus_.now_us(),
+              decoded->valid, decoded->value});
   }
 }
 
@@ -68,7 +76,8 @@ void TouchMap::add(const ModuleFrame& frame) {
         m.rest[t] = m.first[t][kRestSamples / 2];
       }
     }
-    m.now[t] = valid && m.seen[t] == kRestSamples ? frame.raw[t] : m.rest[t];  // an invalid or new taxel is unknown, not pressed
+    m.now[t] = valid && m.seen[t] == kRestSamples ? frame.raw[t]
+                                                  : m.rest[t];  // an invalid or new taxel is unknown, not pressed
   }
 }
 

@@ -16,7 +16,8 @@ void NodeMap::heard(const wire::CanFrame& f, int wire) {
   std::uint8_t node = 0;
   if (wire::is_claim(f) && f.size == 8 && f.data[0] == 1) {
     node = f.data[kAddressInClaim];
-  } else if (f.extended && (f.id & kPhysicalMask) == wire::kPhysicalBase && (f.id >> 8 & 0xFF) == wire::kTesterAddress) {
+  } else if (f.extended && (f.id & kPhysicalMask) == wire::kPhysicalBase &&
+             (f.id >> 8 & 0xFF) == wire::kTesterAddress) {
     node = static_cast<std::uint8_t>(f.id);
   } else {
     return;
@@ -35,7 +36,8 @@ std::optional<int> NodeMap::wire_of(std::uint8_t node) const {
 }
 
 std::optional<std::uint8_t> NodeMap::target_of(const wire::CanFrame& f) {
-  const bool request = f.extended && (f.id & kPhysicalMask) == wire::kPhysicalBase && (f.id & 0xFF) == wire::kTesterAddress;
+  const bool request =
+      f.extended && (f.id & kPhysicalMask) == wire::kPhysicalBase && (f.id & 0xFF) == wire::kTesterAddress;
   return request ? std::optional(static_cast<std::uint8_t>(f.id >> 8)) : std::nullopt;
 }
 

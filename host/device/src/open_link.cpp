@@ -16,7 +16,8 @@
 namespace triskin::device {
 namespace {
 
-constexpr const char* kKnown = "sim, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]; several of the last three joined by commas";
+constexpr const char* kKnown =
+    "sim, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]; several of the last three joined by commas";
 
 std::unique_ptr<Link> open_sim(const LinkOptions& options, const model::Design* design) {
   if (options.scene.empty()) {
@@ -30,8 +31,8 @@ std::unique_ptr<Link> open_sim(const LinkOptions& options, const model::Design* 
   scene::Scene scene = scene::read_scene(options.scene);
   scene.switched = scene.switched || options.switched;
   if (design != nullptr && scene.design.design_id != design->design_id) {
-    throw InputError(fmt::format("{}: its design is {:016x}, the one given is {:016x}; use a scene of this design", options.scene,
-                                 scene.design.design_id, design->design_id));
+    throw InputError(fmt::format("{}: its design is {:016x}, the one given is {:016x}; use a scene of this design",
+                                 options.scene, scene.design.design_id, design->design_id));
   }
   const auto folder = scene::state_folder_of(scene.design);
   return std::make_unique<SimLink>(std::move(scene), folder);
@@ -43,9 +44,12 @@ std::unique_ptr<Link> open_usb(const std::string& link) {
   const std::string kind = link.substr(0, colon);
   if (kind != "hid" && kind != "usb") return nullptr;
   std::string serial = colon == std::string::npos ? "" : link.substr(colon + 1);
-  std::ranges::transform(serial, serial.begin(), [](char c) { return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c; });
-  if (colon != std::string::npos && (serial.empty() || serial.find_first_not_of("0123456789ABCDEF") != std::string::npos)) {
-    throw InputError(fmt::format("link {}: a serial number has 24 hexadecimal digits, as triskin discover shows them", link));
+  std::ranges::transform(serial, serial.begin(),
+                         [](char c) { return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c; });
+  if (colon != std::string::npos &&
+      (serial.empty() || serial.find_first_not_of("0123456789ABCDEF") != std::string::npos)) {
+    throw InputError(
+        fmt::format("link {}: a serial number has 24 hexadecimal digits, as triskin discover shows them", link));
   }
   return std::make_unique<UsbLink>(kind == "hid" ? make_hid_driver() : make_bulk_driver(), serial);
 }
@@ -78,7 +82,9 @@ std::unique_ptr<Link> open_several(const std::string& text) {
   for (const auto part : std::views::split(text, ',')) {
     const std::string link(part.begin(), part.end());
     links.push_back(open_wire(link));
-    if (!links.back()) throw InputError(fmt::format("link \"{}\" cannot be one of several; use can:IFACE, hid[:SERIAL] or usb[:SERIAL]", link));
+    if (!links.back())
+      throw InputError(
+          fmt::format("link \"{}\" cannot be one of several; use can:IFACE, hid[:SERIAL] or usb[:SERIAL]", link));
   }
   return std::make_unique<CombinedLink>(std::move(links));
 }
@@ -88,7 +94,8 @@ std::unique_ptr<Link> open_several(const std::string& text) {
 std::unique_ptr<Link> open_link(const LinkOptions& options, const model::Design* design) {
   catch_interrupts();
   if (options.link == "sim") return open_sim(options, design);
-  if (!options.scene.empty()) throw InputError("--scene belongs to --link sim; give the scene to triskin simulate instead");
+  if (!options.scene.empty())
+    throw InputError("--scene belongs to --link sim; give the scene to triskin simulate instead");
   if (options.link.starts_with("sim:")) return std::make_unique<TcpLink>(parse_host_port(options.link.substr(4)));
   if (options.link.find(',') != std::string::npos) return open_several(options.link);
   if (auto wire = open_wire(options.link)) return wire;

@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kMaxPatches = 126;  // node addresses 1..126
 
 int row_of(const geometry::Patch& patch, int node) {
-  const auto found = std::find_if(patch.modules.begin(), patch.modules.end(), [&](const auto& m) { return m.node == node; });
+  const auto found =
+      std::find_if(patch.modules.begin(), patch.modules.end(), [&](const auto& m) { return m.node == node; });
   return found == patch.modules.end() ? -1 : static_cast<int>(found - patch.modules.begin());
 }
 
@@ -28,7 +29,8 @@ struct Tree {
 std::vector<int> parents_after(const geometry::Patch& patch, const geometry::FailureLoss& loss) {
   std::vector<int> parents;
   for (const auto& m : patch.modules) {
-    const auto changed = std::find_if(loss.backup_tree.begin(), loss.backup_tree.end(), [&](const auto& pair) { return pair[0] == m.node; });
+    const auto changed = std::find_if(loss.backup_tree.begin(), loss.backup_tree.end(),
+                                      [&](const auto& pair) { return pair[0] == m.node; });
     parents.push_back(changed == loss.backup_tree.end() ? m.parent : (*changed)[1]);
   }
   return parents;
@@ -36,7 +38,8 @@ std::vector<int> parents_after(const geometry::Patch& patch, const geometry::Fai
 
 Tree tree_after(const geometry::Patch& patch, const RouteChoice& choice) {
   const auto loss = std::find_if(patch.failures.begin(), patch.failures.end(), [&](const geometry::FailureLoss& f) {
-    return (f.node == choice.module && f.other_node == choice.other) || (choice.other >= 0 && f.node == choice.other && f.other_node == choice.module);
+    return (f.node == choice.module && f.other_node == choice.other) ||
+           (choice.other >= 0 && f.node == choice.other && f.other_node == choice.module);
   });
   Tree tree;
   if (choice.other >= 0) {
@@ -54,9 +57,11 @@ Tree tree_after(const geometry::Patch& patch, const RouteChoice& choice) {
   for (std::size_t k = 0; k < tree.modules.size(); ++k) {
     for (std::size_t m = 1; m < patch.modules.size(); ++m) {
       const geometry::RoutedModule& module = patch.modules[m];
-      const bool joined = parents[m] == tree.modules[k].node && module.node != dead &&
-                          !(choice.other >= 0 && std::minmax(parents[m], module.node) == std::minmax(choice.module, choice.other));
-      const bool in = std::any_of(tree.modules.begin(), tree.modules.end(), [&](const auto& t) { return t.node == module.node; });
+      const bool joined =
+          parents[m] == tree.modules[k].node && module.node != dead &&
+          !(choice.other >= 0 && std::minmax(parents[m], module.node) == std::minmax(choice.module, choice.other));
+      const bool in =
+          std::any_of(tree.modules.begin(), tree.modules.end(), [&](const auto& t) { return t.node == module.node; });
       if (!joined || in) continue;
       tree.modules.push_back(module);
       tree.modules.back().parent = parents[m];
@@ -83,11 +88,13 @@ RouteChoice parse_route(const std::string& text) {
   if (joint == 2 && choice.module >= 0 && choice.other >= 0 && choice.module != choice.other) return choice;
   choice.other = -1;
   if (std::sscanf(text.c_str(), "backup:%d%c", &choice.module, &rest) == 1 && choice.module >= 0) return choice;
-  throw InputError(fmt::format("route \"{}\" is unknown; use normal, backup:MODULE or backup:MODULE-MODULE (a failed joint)", text));
+  throw InputError(
+      fmt::format("route \"{}\" is unknown; use normal, backup:MODULE or backup:MODULE-MODULE (a failed joint)", text));
 }
 
 bool concerns(const geometry::Patch& patch, const RouteChoice& choice) {
-  return choice.module >= 0 && row_of(patch, choice.module) >= 0 && (choice.other < 0 || row_of(patch, choice.other) >= 0);
+  return choice.module >= 0 && row_of(patch, choice.module) >= 0 &&
+         (choice.other < 0 || row_of(patch, choice.other) >= 0);
 }
 
 layout::PatchImage image_of(const model::Design& design, int patch_index, const RouteChoice& choice) {
@@ -95,12 +102,15 @@ layout::PatchImage image_of(const model::Design& design, int patch_index, const 
   const auto refuse = [&](const std::string& what) {
     throw InputError(fmt::format("patch {}: {}; run triskin check on the design", patch_index, what));
   };
-  if (design.patches.size() > kMaxPatches) refuse(fmt::format("a bus has {} node addresses, the design {} patches", kMaxPatches, design.patches.size()));
-  if (patch.modules.empty() || patch.modules.size() > layout::kMaxModules) refuse(fmt::format("{} modules, a controller reads 1 … 16", patch.modules.size()));
+  if (design.patches.size() > kMaxPatches)
+    refuse(fmt::format("a bus has {} node addresses, the design {} patches", kMaxPatches, design.patches.size()));
+  if (patch.modules.empty() || patch.modules.size() > layout::kMaxModules)
+    refuse(fmt::format("{} modules, a controller reads 1 … 16", patch.modules.size()));
   if (design.layout.modules.size() > 0xFFFF) refuse("module ids beyond 65535 fit no table");
   const Tree tree = concerns(patch, choice) ? tree_after(patch, choice) : Tree{patch.modules, -1, -1};
   if (tree.modules.empty()) {
-    throw InputError(fmt::format("patch {}: module {} is its entry, nothing is read without it; replace it", patch_index, choice.module));
+    throw InputError(fmt::format("patch {}: module {} is its entry, nothing is read without it; replace it",
+                                 patch_index, choice.module));
   }
   layout::PatchImage image;
   image.design_id = design.design_id;
@@ -124,14 +134,17 @@ layout::PatchImage image_of(const model::Design& design, int patch_index, const 
       const int far_node = patch.modules[static_cast<std::size_t>(mine[port].row)].node;
       const bool cut = std::minmax(m.node, far_node) == std::minmax(tree.cut_a, tree.cut_b);
       const int far = row_in(far_node);
-      if (far >= 0 && !cut) row.joints[port] = layout::joint_to(static_cast<std::size_t>(far), static_cast<std::size_t>(mine[port].port));
+      if (far >= 0 && !cut)
+        row.joints[port] = layout::joint_to(static_cast<std::size_t>(far), static_cast<std::size_t>(mine[port].port));
     }
     if (k == 0) row.kept_joints = 1;  // the cable
     if (m.parent < 0) continue;
     const int parent = row_in(m.parent);
-    if (parent < 0 || parent >= static_cast<int>(k)) refuse(fmt::format("module {} stands before its parent {}", m.node, m.parent));
+    if (parent < 0 || parent >= static_cast<int>(k))
+      refuse(fmt::format("module {} stands before its parent {}", m.node, m.parent));
     layout::ModuleRow& above = image.modules[static_cast<std::size_t>(parent)];
-    const auto port = std::ranges::find_if(above.joints, [&](std::uint8_t j) { return j != 0 && layout::joint_row(j) == k; });
+    const auto port =
+        std::ranges::find_if(above.joints, [&](std::uint8_t j) { return j != 0 && layout::joint_row(j) == k; });
     if (port == above.joints.end()) refuse(fmt::format("module {} is no neighbour of its parent {}", m.node, m.parent));
     row.parent = static_cast<std::uint8_t>(parent);
     row.parent_port = static_cast<std::uint8_t>(port - above.joints.begin());
@@ -140,7 +153,8 @@ layout::PatchImage image_of(const model::Design& design, int patch_index, const 
   }
   image.second_entry = second_entry_of(patch, tree);
   if (const Status s = layout::check(image); s != Status::kOk) {
-    refuse(s == Status::kDuplicate ? "two modules have one line and address" : "a joint leaves by the input port or is used twice");
+    refuse(s == Status::kDuplicate ? "two modules have one line and address"
+                                   : "a joint leaves by the input port or is used twice");
   }
   return image;
 }

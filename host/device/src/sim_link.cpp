@@ -5,7 +5,8 @@
 
 namespace triskin::device {
 
-SimLink::SimLink(scene::Scene scene, const std::filesystem::path& state_folder) : skin_(std::move(scene), state_folder) {
+SimLink::SimLink(scene::Scene scene, const std::filesystem::path& state_folder)
+    : skin_(std::move(scene), state_folder) {
   skin_.on_frame([this](const wire::CanFrame& frame, std::uint64_t) { inbox_.push_back(frame); });
 }
 
@@ -17,7 +18,9 @@ std::optional<wire::CanFrame> SimLink::receive(std::uint64_t until_us) {
   return frame;
 }
 
-std::uint64_t SimLink::answer_us() const { return 2 * wire::kP2_us; }
+std::uint64_t SimLink::answer_us() const {
+  return 2 * wire::kP2_us;
+}
 
 void SimLink::press(int module, int taxel) {
   lift();

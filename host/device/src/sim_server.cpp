@@ -43,12 +43,14 @@ SimServer::SimServer(scene::VirtualSkin& skin, const HostPort& at) : SkinServer(
   listener_ = ::socket(found->ai_family, found->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, found->ai_protocol);
   const int on = 1;
   if (listener_ >= 0) (void)::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  const bool ok = listener_ >= 0 && ::bind(listener_, found->ai_addr, found->ai_addrlen) == 0 && ::listen(listener_, 8) == 0;
+  const bool ok =
+      listener_ >= 0 && ::bind(listener_, found->ai_addr, found->ai_addrlen) == 0 && ::listen(listener_, 8) == 0;
   const int error = errno;
   ::freeaddrinfo(found);
   if (!ok) {
     if (listener_ >= 0) ::close(listener_);
-    throw DeviceError(fmt::format("{}: cannot listen: {}; use another port, or 0 for a free one", name, std::strerror(error)));
+    throw DeviceError(
+        fmt::format("{}: cannot listen: {}; use another port, or 0 for a free one", name, std::strerror(error)));
   }
   port_ = port_of(listener_);
   skin_.on_frame([this](const wire::CanFrame& frame, std::uint64_t) {
@@ -69,7 +71,8 @@ void SimServer::flush() {
 
 void SimServer::wait(std::uint64_t timeout_us) {
   std::vector<pollfd> sockets{{listener_, POLLIN, 0}};
-  for (const Client& c : clients_) sockets.push_back({c.socket, static_cast<short>(POLLIN | (c.out.empty() ? 0 : POLLOUT)), 0});
+  for (const Client& c : clients_)
+    sockets.push_back({c.socket, static_cast<short>(POLLIN | (c.out.empty() ? 0 : POLLOUT)), 0});
   if (::poll(sockets.data(), sockets.size(), static_cast<int>(timeout_us / 1000)) <= 0) return;
   for (std::size_t k = 0; k < clients_.size(); ++k) {
     if ((sockets[k + 1].revents & (POLLIN | POLLHUP | POLLERR)) != 0) read_client(clients_[k]);
@@ -114,7 +117,8 @@ void SimServer::handle(Client& client, const record::Record& r) {
   const std::uint32_t module = reader.le32();
   const std::uint8_t taxel = reader.u8();
   const bool whole = taxel == record::kWholeModule;
-  if (!reader.ok() || module >= skin_.scene().design.layout.modules.size() || (!whole && taxel >= layout::kTaxelsPerModule)) {
+  if (!reader.ok() || module >= skin_.scene().design.layout.modules.size() ||
+      (!whole && taxel >= layout::kTaxelsPerModule)) {
     throw DeviceError("no such module or taxel");
   }
   client.touch = skin_.press_module(static_cast<int>(module), whole ? -1 : taxel);
@@ -124,8 +128,10 @@ void SimServer::write_client(Client& client) {
   while (!client.out.empty() && !client.dead) {
     const ssize_t n = ::send(client.socket, client.out.data(), client.out.size(), MSG_NOSIGNAL);
     if (n < 0 && (errno == EAGAIN || errno == EINTR)) break;
-    if (n <= 0) client.dead = true;
-    else client.out.erase(client.out.begin(), client.out.begin() + n);
+    if (n <= 0)
+      client.dead = true;
+    else
+      client.out.erase(client.out.begin(), client.out.begin() + n);
   }
   if (client.out.size() > kMaxBacklogBytes) client.dead = true;  // does not read: it must not stop the others
 }

@@ -35,7 +35,8 @@ void put(std::vector<std::uint8_t>& out, std::uint8_t kind, std::span<const std:
 void put_frame(std::vector<std::uint8_t>& out, const wire::CanFrame& frame) {
   std::array<std::uint8_t, 68> contents{};
   ByteWriter w(contents);
-  w.le32(frame.id | (frame.extended ? kExtended : 0) | (frame.fd ? kFd : 0) | (frame.bit_rate_switch ? kRateSwitch : 0));
+  w.le32(frame.id | (frame.extended ? kExtended : 0) | (frame.fd ? kFd : 0) |
+         (frame.bit_rate_switch ? kRateSwitch : 0));
   w.bytes(frame.payload());
   put(out, kCanFrame, w.written());
 }
@@ -44,7 +45,8 @@ std::optional<Record> take(std::vector<std::uint8_t>& in) {
   constexpr std::size_t kLengthBytes = 4;
   if (in.size() < kLengthBytes) return std::nullopt;
   const std::size_t length = ByteReader(in).le32();
-  if (length < 1 || length > kMaxBytes) throw DeviceError("simulation link: the other side is no Triskin simulation of this release");
+  if (length < 1 || length > kMaxBytes)
+    throw DeviceError("simulation link: the other side is no Triskin simulation of this release");
   if (in.size() < kLengthBytes + length) return std::nullopt;
   const auto end = in.begin() + static_cast<std::ptrdiff_t>(kLengthBytes + length);
   Record r{in[kLengthBytes], {in.begin() + kLengthBytes + 1, end}};
@@ -54,14 +56,16 @@ std::optional<Record> take(std::vector<std::uint8_t>& in) {
 
 wire::CanFrame frame_of(const Record& r) {
   wire::CanFrame f;
-  if (r.contents.size() < 4 || r.contents.size() > 4 + f.data.size()) throw DeviceError("simulation link: a record is no frame");
+  if (r.contents.size() < 4 || r.contents.size() > 4 + f.data.size())
+    throw DeviceError("simulation link: a record is no frame");
   const std::uint32_t head = ByteReader(r.contents).le32();
   f.extended = (head & kExtended) != 0;
   f.fd = (head & kFd) != 0;
   f.bit_rate_switch = (head & kRateSwitch) != 0;
   f.id = head & kIdMask;
   f.size = static_cast<std::uint8_t>(r.contents.size() - 4);
-  if ((!f.extended && f.id > 0x7FF) || (!f.fd && f.size > 8)) throw DeviceError("simulation link: a record is no frame");
+  if ((!f.extended && f.id > 0x7FF) || (!f.fd && f.size > 8))
+    throw DeviceError("simulation link: a record is no frame");
   std::copy(r.contents.begin() + 4, r.contents.end(), f.data.begin());
   return f;
 }
@@ -84,7 +88,9 @@ TcpLink::TcpLink(const HostPort& to) : name_(fmt::format("sim:{}:{}", to.host, t
     socket_ = -1;
   }
   ::freeaddrinfo(found);
-  if (socket_ < 0) fail(fmt::format("cannot connect: {}; start triskin simulate SCENE --listen {}:{}", std::strerror(error), to.host, to.port));
+  if (socket_ < 0)
+    fail(fmt::format("cannot connect: {}; start triskin simulate SCENE --listen {}:{}", std::strerror(error), to.host,
+                     to.port));
   const int on = 1;
   (void)::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
 }
@@ -93,10 +99,13 @@ TcpLink::~TcpLink() {
   if (socket_ >= 0) ::close(socket_);
 }
 
-void TcpLink::fail(const std::string& what) const { throw DeviceError(name_ + ": " + what); }
+void TcpLink::fail(const std::string& what) const {
+  throw DeviceError(name_ + ": " + what);
+}
 
 std::uint64_t TcpLink::now_us() const {
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start_).count());
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start_).count());
 }
 
 void TcpLink::write_all(const std::vector<std::uint8_t>& bytes) {

@@ -22,8 +22,10 @@ struct Side {
 class Overlay {
  public:
   Overlay(const wire::FoundTopology& found, const model::Design& design, int patch)
-      : found_(found), modules_(design.patches[static_cast<std::size_t>(patch)].modules),
-        second_entry_(design.patches[static_cast<std::size_t>(patch)].second_entry), second_side_(design.patches[static_cast<std::size_t>(patch)].second_entry_side) {
+      : found_(found),
+        modules_(design.patches[static_cast<std::size_t>(patch)].modules),
+        second_entry_(design.patches[static_cast<std::size_t>(patch)].second_entry),
+        second_side_(design.patches[static_cast<std::size_t>(patch)].second_entry_side) {
     // Joints by tile side: rotations of zero make a port its side.
     const std::vector<int> upright(modules_.size(), 0);
     sides_ = model::joints_of(design, patch, upright);
@@ -87,14 +89,17 @@ class Overlay {
   void look_at_entry(int entry_row) {
     const int cable_side = side_of(0, found_.cable_port);
     if (found_.second_cable && node(entry_row) == second_entry_ && cable_side == second_side_) {
-      add("second_cable", node(0), node(entry_row), fmt::format("the patch is read over its second cable, at module {}; over the first, at module {}, too little answers", node(entry_row), node(0)),
+      add("second_cable", node(0), node(entry_row),
+          fmt::format(
+              "the patch is read over its second cable, at module {}; over the first, at module {}, too little answers",
+              node(entry_row), node(0)),
           "check the first cable and its module");
       return;
     }
     if (entry_row == 0 && cable_side == designed_rotation(0)) return;
     add("wrong_entry", node(0), node(entry_row),
-        fmt::format("the cable is plugged into side {} of module {}, the design has it at side {} of module {}", cable_side, node(entry_row),
-                    designed_rotation(0), node(0)),
+        fmt::format("the cable is plugged into side {} of module {}, the design has it at side {} of module {}",
+                    cable_side, node(entry_row), designed_rotation(0), node(0)),
         "plug it where the assembly sheet says");
   }
 
@@ -113,13 +118,16 @@ class Overlay {
       const int module = node(row_[a]);
       if (partner != turned.end()) {
         const int other = node(row_[*partner]);
-        add("swapped_modules", module, other, fmt::format("modules {} and {} are exchanged: each is turned as the other should be", module, other),
+        add("swapped_modules", module, other,
+            fmt::format("modules {} and {} are exchanged: each is turned as the other should be", module, other),
             "exchange them, or turn both as the assembly sheet says");
         turned.erase(partner);
         continue;
       }
       const int steps = (rotation_[a] + 3 - designed_rotation(row_[a])) % 3;
-      add("rotated_module", module, -1, fmt::format("module {} is turned by {}°: port A lies at side {} instead of {}", module, 120 * steps, rotation_[a], designed_rotation(row_[a])),
+      add("rotated_module", module, -1,
+          fmt::format("module {} is turned by {}°: port A lies at side {} instead of {}", module, 120 * steps,
+                      rotation_[a], designed_rotation(row_[a])),
           "turn it as the assembly sheet says", steps);
     }
   }
@@ -145,7 +153,9 @@ class Overlay {
       for (int side = 0; side < 3; ++side) {
         const int b = across(a, side).row;
         if (b < a || seen.contains({a, b}) || !placed(a) || !placed(b)) continue;
-        add("missing_joint", node(a), node(b), fmt::format("nothing passes between module {} and module {}, which are joined in the design", node(a), node(b)),
+        add("missing_joint", node(a), node(b),
+            fmt::format("nothing passes between module {} and module {}, which are joined in the design", node(a),
+                        node(b)),
             "look for a broken or unsoldered joint between them");
       }
     }
@@ -155,8 +165,8 @@ class Overlay {
     const bool known = row_[m] >= 0 && row_[end.module] >= 0;
     if (!known) return;  // told with the module that fits nowhere
     add("extra_joint", node(row_[m]), node(row_[end.module]),
-        fmt::format("port {} of module {} and port {} of module {} are joined, in the design they are not", kPorts[port], node(row_[m]), kPorts[end.port],
-                    node(row_[end.module])),
+        fmt::format("port {} of module {} and port {} of module {} are joined, in the design they are not",
+                    kPorts[port], node(row_[m]), kPorts[end.port], node(row_[end.module])),
         "part this joint");
   }
 
@@ -165,12 +175,14 @@ class Overlay {
   void look_at_modules() {
     for (int row = 0; row < static_cast<int>(modules_.size()); ++row) {
       if (placed(row)) continue;
-      add("missing_module", node(row), -1, fmt::format("module {} was not found: it or all of its joints are broken", node(row)),
+      add("missing_module", node(row), -1,
+          fmt::format("module {} was not found: it or all of its joints are broken", node(row)),
           "check its supply and its joints, then the module");
     }
     for (std::size_t m = 0; m < row_.size(); ++m) {
       if (row_[m] >= 0) continue;
-      add("extra_module", -1, -1, fmt::format("found module {} fits nowhere in the design", m), "compare the patch with the assembly sheet");
+      add("extra_module", -1, -1, fmt::format("found module {} fits nowhere in the design", m),
+          "compare the patch with the assembly sheet");
     }
   }
 
@@ -203,7 +215,8 @@ TopologyMatch match_topology(const wire::FoundTopology& found, const model::Desi
 
 std::vector<TopologyMatch> identify_patch(const wire::FoundTopology& found, const model::Design& design) {
   std::vector<TopologyMatch> matches;
-  for (std::size_t p = 0; p < design.patches.size(); ++p) matches.push_back(match_topology(found, design, static_cast<int>(p)));
+  for (std::size_t p = 0; p < design.patches.size(); ++p)
+    matches.push_back(match_topology(found, design, static_cast<int>(p)));
   std::ranges::stable_sort(matches, {}, [](const TopologyMatch& m) { return m.differences.size(); });
   if (matches.empty()) return matches;
   const std::size_t fewest = matches.front().differences.size();

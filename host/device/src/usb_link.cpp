@@ -6,7 +6,6 @@
 
 #include <algorithm>
 
-
 namespace triskin::device {
 
 UsbLink::UsbLink(std::unique_ptr<UsbDriver> driver, const std::string& serial)
@@ -18,14 +17,17 @@ UsbLink::UsbLink(std::unique_ptr<UsbDriver> driver, const std::string& serial)
   }
 }
 
-void UsbLink::fail(const std::string& what) const { throw Unreachable(fmt::format("{}: {}", name_, what)); }
+void UsbLink::fail(const std::string& what) const {
+  throw Unreachable(fmt::format("{}: {}", name_, what));
+}
 
 UsbLink::~UsbLink() {
   for (auto& d : devices_) d->reader.request_stop();
 }
 
 std::uint64_t UsbLink::now_us() const {
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start_).count());
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start_).count());
 }
 
 void UsbLink::look() {
@@ -123,7 +125,9 @@ void UsbLink::send(const wire::CanFrame& frame) {
 std::optional<wire::CanFrame> UsbLink::next_frame(std::uint64_t until_us) {
   std::unique_lock lock(mutex_);
   const auto until = std::min(start_ + std::chrono::microseconds(until_us), std::chrono::steady_clock::now() + kSlice);
-  const auto ready = [&] { return !frames_.empty() || std::ranges::any_of(devices_, [](const auto& d) { return d->gone; }); };
+  const auto ready = [&] {
+    return !frames_.empty() || std::ranges::any_of(devices_, [](const auto& d) { return d->gone; });
+  };
   (void)came_.wait_until(lock, until, ready);
   if (frames_.empty()) return std::nullopt;
   const wire::CanFrame frame = frames_.front();

@@ -5,7 +5,8 @@
 
 namespace triskin::device {
 
-UsbServer::UsbServer(scene::VirtualSkin& skin) : SkinServer(skin), sessions_(skin.controllers()), devices_(skin.controllers()) {
+UsbServer::UsbServer(scene::VirtualSkin& skin)
+    : SkinServer(skin), sessions_(skin.controllers()), devices_(skin.controllers()) {
   for (std::size_t k = 0; k < devices_.size(); ++k) plug(k);
 }
 

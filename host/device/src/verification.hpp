@@ -31,9 +31,9 @@ struct PatchState {
 /// What happened when a module was pressed.
 struct TouchOutcome {
   int module = -1;
-  int answered = -1;          ///< module whose taxels changed most; -1: none
-  bool whole = false;         ///< as many of its taxels changed as a finger on its centre presses
-  unsigned silent_taxels = 0; ///< bit t: a pressure taxel of the module that did not change while most others did
+  int answered = -1;           ///< module whose taxels changed most; -1: none
+  bool whole = false;          ///< as many of its taxels changed as a finger on its centre presses
+  unsigned silent_taxels = 0;  ///< bit t: a pressure taxel of the module that did not change while most others did
 };
 
 /// Presses the modules of all usable patches; waits for a person where the link has no finger.

@@ -32,7 +32,8 @@ class ControllerCheck {
       ++users_[c.node_address];
       if (!c.has_table) ++without_table_;
     }
-    if (claims_.empty()) throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.link().name()));
+    if (claims_.empty())
+      throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.link().name()));
   }
 
   bool check(PatchState& p, std::vector<Finding>& findings) {
@@ -48,11 +49,11 @@ class ControllerCheck {
     const std::vector<std::uint8_t> expected = bytes_of(p.image);
     if (active.design_id == design_.design_id && active.crc == crc32(expected)) return true;
     if (active.design_id == design_.design_id && runs_on_backup(p, active.crc, findings)) return true;
-    findings.push_back(controller_finding(
-        "wrong_table", p.patch,
-        fmt::format("patch {}: controller {} holds another table (design {:016x}, this is {:016x})", p.patch, node, active.design_id,
-                    design_.design_id),
-        "run triskin flash with this design, or verify with the design that was flashed"));
+    findings.push_back(
+        controller_finding("wrong_table", p.patch,
+                           fmt::format("patch {}: controller {} holds another table (design {:016x}, this is {:016x})",
+                                       p.patch, node, active.design_id, design_.design_id),
+                           "run triskin flash with this design, or verify with the design that was flashed"));
     return false;
   }
 
@@ -64,11 +65,14 @@ class ControllerCheck {
       if (f.node == design_.patches[static_cast<std::size_t>(p.patch)].entry && f.other_node < 0) continue;
       const layout::PatchImage image = image_of(design_, p.patch, choice);
       if (crc32(bytes_of(image)) != crc) continue;
-      const std::string what = choice.other < 0 ? fmt::format("module {}", choice.module) : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
-      findings.push_back(controller_finding("backup_route", p.patch,
-                                            fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} modules are read", p.patch, what,
-                                                        image.module_count, p.image.module_count),
-                                            "repair it, then run triskin flash without --route"));
+      const std::string what = choice.other < 0
+                                   ? fmt::format("module {}", choice.module)
+                                   : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
+      findings.push_back(controller_finding(
+          "backup_route", p.patch,
+          fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} modules are read", p.patch,
+                      what, image.module_count, p.image.module_count),
+          "repair it, then run triskin flash without --route"));
       p.image = image;
       return true;
     }
@@ -77,16 +81,20 @@ class ControllerCheck {
 
   Finding missing(int patch, int node) {
     if (users_[node] > 1 && without_table_ == 0) {
-      return controller_finding("duplicate_controller", patch, fmt::format("patch {}: {} controllers share node address {}", patch, users_[node], node),
-                                "run triskin flash: it gives every controller its own address");
+      return controller_finding(
+          "duplicate_controller", patch,
+          fmt::format("patch {}: {} controllers share node address {}", patch, users_[node], node),
+          "run triskin flash: it gives every controller its own address");
     }
     if (without_table_ > 0) {
-      return controller_finding("not_flashed", patch,
-                                fmt::format("patch {}: no controller has its table; {} of {} controllers were never flashed", patch,
-                                            without_table_, claims_.size()),
-                                "run triskin flash with this design and link first");
+      return controller_finding(
+          "not_flashed", patch,
+          fmt::format("patch {}: no controller has its table; {} of {} controllers were never flashed", patch,
+                      without_table_, claims_.size()),
+          "run triskin flash with this design and link first");
     }
-    return controller_finding("absent_controller", patch, fmt::format("patch {}: no controller answers at node address {}", patch, node),
+    return controller_finding("absent_controller", patch,
+                              fmt::format("patch {}: no controller answers at node address {}", patch, node),
                               "check its power and its cable to the bus");
   }
 
@@ -130,7 +138,8 @@ void read_patch(Bus& bus, PatchState& p) {
   p.recoveries = c.recoveries();
   p.now = c.taxels();
   if (p.states.size() != p.image.module_count || p.now.modules.size() != p.image.module_count) {
-    throw DeviceError(fmt::format("{}: controller {} changed its table while it was verified; run verify again", bus.link().name(), c.node()));
+    throw DeviceError(fmt::format("{}: controller {} changed its table while it was verified; run verify again",
+                                  bus.link().name(), c.node()));
   }
 }
 
@@ -145,7 +154,8 @@ void ask_all(Bus& bus, std::vector<PatchState>& patches, const std::function<voi
   }
 }
 
-std::vector<TouchOutcome> touch_all(Bus& bus, std::vector<PatchState>& patches, const VerifyOptions& options, const ProgressSink& progress) {
+std::vector<TouchOutcome> touch_all(Bus& bus, std::vector<PatchState>& patches, const VerifyOptions& options,
+                                    const ProgressSink& progress) {
   std::vector<TouchOutcome> outcomes;
   TouchTest test(bus, patches);
   test.take_rest();
@@ -154,7 +164,8 @@ std::vector<TouchOutcome> touch_all(Bus& bus, std::vector<PatchState>& patches, 
   std::size_t done = 0;
   for (const PatchState& p : patches) {
     for (std::size_t row = 0; p.usable && row < p.image.module_count; ++row) {
-      report(progress, "touching", static_cast<double>(done++) / static_cast<double>(total), fmt::format("module {}", p.module(row)));
+      report(progress, "touching", static_cast<double>(done++) / static_cast<double>(total),
+             fmt::format("module {}", p.module(row)));
       if (const auto outcome = test.press(p.module(row), p, options)) outcomes.push_back(*outcome);
     }
   }

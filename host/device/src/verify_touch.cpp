@@ -13,9 +13,9 @@ namespace {
 constexpr std::uint64_t kSettle_us = 85'000;
 constexpr std::uint64_t kPersonLimit_us = 15'000'000;
 constexpr std::uint64_t kPersonPoll_us = 50'000;
-constexpr double kTaxelChange = 60.0;     // counts; noise of the converter is a few counts
-constexpr double kModuleChange = 400.0;   // sum over the taxels of a module
-constexpr int kMostTaxels = 7;            // of ten: then the whole module was pressed
+constexpr double kTaxelChange = 60.0;    // counts; noise of the converter is a few counts
+constexpr double kModuleChange = 400.0;  // sum over the taxels of a module
+constexpr int kMostTaxels = 7;           // of ten: then the whole module was pressed
 
 }  // namespace
 
@@ -28,13 +28,15 @@ void TouchTest::take_rest() {
 TouchTest::Response TouchTest::strongest(const PatchState& patch) const {
   const TaxelSample now = patch.controller(bus_).taxels();
   Response best;
-  const std::size_t rows = std::min({now.modules.size(), patch.rest.modules.size(), std::size_t{patch.image.module_count}});
+  const std::size_t rows =
+      std::min({now.modules.size(), patch.rest.modules.size(), std::size_t{patch.image.module_count}});
   for (std::size_t row = 0; row < rows; ++row) {
     Response r;
     r.module = patch.module(row);
     for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
       if (!scene::kMeasuresPressure[t] || (now.modules[row].valid >> t & 1) == 0) continue;
-      const double change = std::abs(static_cast<double>(now.modules[row].raw[t]) - static_cast<double>(patch.rest.modules[row].raw[t]));
+      const double change =
+          std::abs(static_cast<double>(now.modules[row].raw[t]) - static_cast<double>(patch.rest.modules[row].raw[t]));
       r.strength += change;
       if (change >= kTaxelChange) r.changed |= 1U << t;
     }

@@ -52,7 +52,8 @@ VhciDevice::VhciDevice(wire::UsbFunction& function, int number) : function_(func
   function_.reset();
   const auto [folder, port] = free_port();
   std::array<int, 2> pair{};
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair.data()) != 0) throw DeviceError(fmt::format("usb: no socket: {}", std::strerror(errno)));
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair.data()) != 0)
+    throw DeviceError(fmt::format("usb: no socket: {}", std::strerror(errno)));
   std::ofstream attach(folder / "attach");
   attach << port << ' ' << pair[1] << ' ' << (kBus << 16 | number) << ' ' << kFullSpeed << std::flush;
   const bool ok = attach.good();
@@ -64,7 +65,9 @@ VhciDevice::VhciDevice(wire::UsbFunction& function, int number) : function_(func
   socket_ = pair[0];
 }
 
-VhciDevice::~VhciDevice() { ::close(socket_); }
+VhciDevice::~VhciDevice() {
+  ::close(socket_);
+}
 
 bool VhciDevice::read() {
   std::array<std::uint8_t, 16'384> chunk{};
@@ -100,8 +103,10 @@ bool VhciDevice::take_request() {
     alive_ = false;
   }
   if (!alive_ || in_.size() < kHeadBytes + data_bytes) return false;
-  if (command == kSubmit) submit(head, Bytes(in_).subspan(kHeadBytes, data_bytes));
-  else unlink(head);
+  if (command == kSubmit)
+    submit(head, Bytes(in_).subspan(kHeadBytes, data_bytes));
+  else
+    unlink(head);
   in_.erase(in_.begin(), in_.begin() + static_cast<std::ptrdiff_t>(kHeadBytes + data_bytes));
   return true;
 }
@@ -158,7 +163,9 @@ void VhciDevice::reply(std::uint32_t number, std::int32_t status, Bytes data, st
   put(data);
 }
 
-void VhciDevice::put(Bytes bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
+void VhciDevice::put(Bytes bytes) {
+  out_.insert(out_.end(), bytes.begin(), bytes.end());
+}
 
 void VhciDevice::write() {
   constexpr std::size_t kPacket = 64;

@@ -13,17 +13,17 @@ using geometry::Vec3;
 // Centres on the iCub module relative to its centroid, x along side 0, y towards the opposite corner (skinGui's
 // triangle); 6 and 10 are the temperature pads.
 constexpr std::array<std::array<double, 2>, 12> kTaxel_mm{{{6.533, 0.0},
-                                                          {9.8, -5.66},
-                                                          {3.267, -5.66},
-                                                          {0.0, 0.0},
-                                                          {-3.267, -5.66},
-                                                          {-9.8, -5.66},
-                                                          {-6.533, -3.75},
-                                                          {-6.533, 0.0},
-                                                          {-3.267, 5.66},
-                                                          {0.0, 11.317},
-                                                          {0.0, 7.507},
-                                                          {3.267, 5.66}}};
+                                                           {9.8, -5.66},
+                                                           {3.267, -5.66},
+                                                           {0.0, 0.0},
+                                                           {-3.267, -5.66},
+                                                           {-9.8, -5.66},
+                                                           {-6.533, -3.75},
+                                                           {-6.533, 0.0},
+                                                           {-3.267, 5.66},
+                                                           {0.0, 11.317},
+                                                           {0.0, 7.507},
+                                                           {3.267, 5.66}}};
 
 // FNV-1a, 64 bit, over little-endian words.
 class Hash {

@@ -19,12 +19,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kPiecesShare = 0.12;   // of the time; what the growth has left after it
-constexpr double kPieceLeast_s = 0.1;   // a piece gets, or what a short limit has for it
+constexpr double kPiecesShare = 0.12;                      // of the time; what the growth has left after it
+constexpr double kPieceLeast_s = 0.1;                      // a piece gets, or what a short limit has for it
 constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;  // up to which the limit binds
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 0.8;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 // Large pieces first; each may use what its share of the area leaves of the time.
 std::vector<geometry::PlacedPiece> place_pieces(Design& design, const geometry::Net& net, const DesignOptions& options,
@@ -36,12 +38,15 @@ std::vector<geometry::PlacedPiece> place_pieces(Design& design, const geometry::
     const double area = geometry::polygon_area(piece.outline);
     geometry::PlacementOptions p;
     p.seed = options.seed;
-    p.time_limit_s = std::max(std::min(kPieceLeast_s, 0.005 * options.time_limit_s), 0.7 * (kPiecesShare * options.time_limit_s - seconds_since(start)) * area / std::max(area_left, 1.0));
+    p.time_limit_s =
+        std::max(std::min(kPieceLeast_s, 0.005 * options.time_limit_s),
+                 0.7 * (kPiecesShare * options.time_limit_s - seconds_since(start)) * area / std::max(area_left, 1.0));
     area_left -= area;
     geometry::PlacementResult result;
     result.proved = true;  // a piece smaller than a module holds none
     if (area >= geometry::kModuleArea_mm2) result = geometry::place(piece.outline, p);
-    report(progress, "placing", -1.0, fmt::format("{} modules on piece {} of {}", result.modules, design.pieces.size() + 1, net.pieces.size()));
+    report(progress, "placing", -1.0,
+           fmt::format("{} modules on piece {} of {}", result.modules, design.pieces.size() + 1, net.pieces.size()));
     design.pieces.push_back({piece, result});
   }
   for (const auto& p : design.pieces) placed.push_back({&p.piece, p.placement.placement, p.placement.tiles});
@@ -62,7 +67,8 @@ void fill_report(Design& design, const geometry::Surface& surface) {
 
 }  // namespace
 
-Design make_design(const std::filesystem::path& mesh, const DesignOptions& options, const ProgressSink& progress, MethodComparison* comparison) {
+Design make_design(const std::filesystem::path& mesh, const DesignOptions& options, const ProgressSink& progress,
+                   MethodComparison* comparison) {
   const auto start = Clock::now();
   Design design;
   design.name = mesh.stem().string();
@@ -86,11 +92,15 @@ Design make_design(const std::filesystem::path& mesh, const DesignOptions& optio
   lattice.island_cost = options.island_cost;
   lattice.controller_cost = options.controller_cost;
   const double routing_s = std::min(kRoutingShare * options.time_limit_s, kRoutingMost_s);
-  // The pieces of a fine mesh may take longer than the whole limit on a busy machine: the growth keeps its share all the same.
-  lattice.time_limit_s = std::max({0.1, kGrowthShare * (options.time_limit_s - kShortLimit_s), options.time_limit_s - routing_s - seconds_since(start)});
+  // The pieces of a fine mesh may take longer than the whole limit on a busy machine: the growth keeps its share all
+  // the same.
+  lattice.time_limit_s = std::max({0.1, kGrowthShare * (options.time_limit_s - kShortLimit_s),
+                                   options.time_limit_s - routing_s - seconds_since(start)});
   geometry::ModuleLayout grown = geometry::grow_lattice(surface, options.limits, lattice, progress);
-  if (comparison != nullptr) *comparison = {static_cast<int>(design.layout.modules.size()), static_cast<int>(grown.modules.size())};
-  if (geometry::layout_value(grown, lattice) > geometry::layout_value(design.layout, lattice)) design.layout = std::move(grown);
+  if (comparison != nullptr)
+    *comparison = {static_cast<int>(design.layout.modules.size()), static_cast<int>(grown.modules.size())};
+  if (geometry::layout_value(grown, lattice) > geometry::layout_value(design.layout, lattice))
+    design.layout = std::move(grown);
   geometry::RoutingOptions routing;
   routing.seed = options.seed;
   geometry::RoutingResult routes = geometry::route(graph_of(design.layout), routing, progress);

@@ -47,7 +47,9 @@ auto index_or_none(std::size_t n) {
   return [n](const JsonValue& v) { return v.integer(-1, static_cast<int>(n) - 1); };
 }
 
-double number(const JsonValue& v) { return v.number(); }
+double number(const JsonValue& v) {
+  return v.number();
+}
 
 std::uint64_t hex64(const JsonValue& v) {
   const std::string text = v.text();
@@ -146,7 +148,8 @@ geometry::Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& 
   geometry::Patch patch;
   patch.entry = index_below(n)(v["entry"]);
   patch.second_entry = index_or_none(n)(v["second_entry"]);
-  patch.second_entry_side = v["second_entry_side"].integer(patch.second_entry < 0 ? -1 : 0, patch.second_entry < 0 ? -1 : 2);
+  patch.second_entry_side =
+      v["second_entry_side"].integer(patch.second_entry < 0 ? -1 : 0, patch.second_entry < 0 ? -1 : 2);
   for (const int node : list(v["modules"], index_below(n))) {
     patch.modules.push_back(read_routed(modules.at(static_cast<std::size_t>(node)), node, n));
   }
@@ -174,8 +177,8 @@ void check_head(const JsonValue& v) {
   if (v["format"].text() != "triskin-design") v["format"].fail("must be \"triskin-design\"");
   const int version = v["version"].integer(0, kMaxCount);
   if (version != Design::kVersion) {
-    v["version"].fail(fmt::format("is {}, this program reads {}; make the design again or use the matching release", version,
-                                  Design::kVersion));
+    v["version"].fail(fmt::format("is {}, this program reads {}; make the design again or use the matching release",
+                                  version, Design::kVersion));
   }
 }
 

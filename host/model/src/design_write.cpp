@@ -13,8 +13,12 @@ using geometry::Vec2;
 using geometry::Vec3;
 using nlohmann::json;
 
-json to_json(const Vec2& p) { return json::array({p.x(), p.y()}); }
-json to_json(const Vec3& p) { return json::array({p.x(), p.y(), p.z()}); }
+json to_json(const Vec2& p) {
+  return json::array({p.x(), p.y()});
+}
+json to_json(const Vec3& p) {
+  return json::array({p.x(), p.y(), p.z()});
+}
 
 template <class Range>
 json list(const Range& range) {
@@ -23,7 +27,9 @@ json list(const Range& range) {
   return out;
 }
 
-json surface_json(const geometry::Mesh& mesh) { return {{"vertices", list(mesh.vertices)}, {"faces", mesh.faces}}; }
+json surface_json(const geometry::Mesh& mesh) {
+  return {{"vertices", list(mesh.vertices)}, {"faces", mesh.faces}};
+}
 
 json limits_json(const geometry::LayoutLimits& l) {
   return {{"edge_error_mm", l.edge_error_mm}, {"hinge_gap_mm", l.hinge_gap_mm},     {"center_gap_mm", l.center_gap_mm},
@@ -124,7 +130,8 @@ void write_design(const std::filesystem::path& path, const Design& design) {
   json pieces = json::array();
   for (const auto& piece : design.pieces) pieces.push_back(piece_json(piece));
   json patches = json::array();
-  for (std::size_t p = 0; p < design.patches.size(); ++p) patches.push_back(patch_json(design.patches[p], static_cast<int>(p)));
+  for (std::size_t p = 0; p < design.patches.size(); ++p)
+    patches.push_back(patch_json(design.patches[p], static_cast<int>(p)));
   json refused = json::object();
   for (const auto& [limit, count] : design.layout.refused) refused[limit] = count;
   const json file = {{"format", "triskin-design"},

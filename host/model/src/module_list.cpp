@@ -12,7 +12,9 @@ namespace {
 
 constexpr int kMaxLattice = 1'000'000;
 
-bool has(const JsonValue& v, const char* key) { return v.raw().is_object() && v.raw().contains(key); }
+bool has(const JsonValue& v, const char* key) {
+  return v.raw().is_object() && v.raw().contains(key);
+}
 
 }  // namespace
 
@@ -27,12 +29,14 @@ ModuleList read_module_list(const std::filesystem::path& path) {
     const JsonValue m = modules.at(k);
     const int id = m["id"].integer(0, 0x7FFFFFFE);
     if (!seen.insert(id).second) m["id"].fail(fmt::format("{} stands twice", id));
-    const geometry::Tile tile{m["i"].integer(-kMaxLattice, kMaxLattice), m["j"].integer(-kMaxLattice, kMaxLattice), m["up"].boolean()};
+    const geometry::Tile tile{m["i"].integer(-kMaxLattice, kMaxLattice), m["j"].integer(-kMaxLattice, kMaxLattice),
+                              m["up"].boolean()};
     geometry::ModuleGraph::Node node;
     if (has(m, "island")) node.island = m["island"].integer(0, 0x7FFFFFFE);
     if (has(m, "border")) node.border.fill(m["border"].boolean());
     const auto [entry, is_new] = place.try_emplace({node.island, tile}, static_cast<int>(k));
-    if (!is_new) m.fail(fmt::format("lies on the tile of module {}", list.ids[static_cast<std::size_t>(entry->second)]));
+    if (!is_new)
+      m.fail(fmt::format("lies on the tile of module {}", list.ids[static_cast<std::size_t>(entry->second)]));
     list.ids.push_back(id);
     list.tiles.push_back(tile);
     list.graph.nodes.push_back(node);

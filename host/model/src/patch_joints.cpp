@@ -19,9 +19,11 @@ PortEnds joints_of(const Design& design, int patch_index, std::span<const int> r
   for (std::size_t k = 0; k < routed.size(); ++k) {
     const auto& neighbour = design.layout.modules.at(static_cast<std::size_t>(routed[k].node)).neighbour;
     for (int side = 0; side < 3; ++side) {
-      const int other = neighbour[static_cast<std::size_t>(side)] < 0 ? -1 : row_of(neighbour[static_cast<std::size_t>(side)]);
+      const int other =
+          neighbour[static_cast<std::size_t>(side)] < 0 ? -1 : row_of(neighbour[static_cast<std::size_t>(side)]);
       if (other < 0 || (k == 0 && side == routed[0].rotation)) continue;
-      const auto& back = design.layout.modules[static_cast<std::size_t>(routed[static_cast<std::size_t>(other)].node)].neighbour;
+      const auto& back =
+          design.layout.modules[static_cast<std::size_t>(routed[static_cast<std::size_t>(other)].node)].neighbour;
       const auto far = std::ranges::find(back, routed[k].node);
       const int far_side = static_cast<int>(far - back.begin());
       if (far == back.end() || (other == 0 && far_side == routed[0].rotation)) continue;

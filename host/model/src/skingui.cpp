@@ -66,17 +66,21 @@ std::vector<Drawn> read_collection(const std::string& text, const std::string& f
   return drawn;
 }
 
-double turn(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+double turn(double angle) {
+  return std::remainder(angle, 2.0 * std::numbers::pi);
+}
 
 // Lays each group of joined triangles on the lattice, from its first triangle outwards.
 class Layer {
  public:
-  Layer(const std::vector<Drawn>& drawn, const std::string& file) : drawn_(drawn), file_(file), near_(drawn.size()), place_(drawn.size()), side0_(drawn.size()) {
+  Layer(const std::vector<Drawn>& drawn, const std::string& file)
+      : drawn_(drawn), file_(file), near_(drawn.size()), place_(drawn.size()), side0_(drawn.size()) {
     for (std::size_t a = 0; a < drawn.size(); ++a) {
       for (std::size_t b = 0; b < drawn.size(); ++b) {
         const double d = std::hypot(drawn[a].x - drawn[b].x, drawn[a].y - drawn[b].y);
         if (a != b && d >= kNearest_mm && d <= kFarthest_mm) near_[a].push_back(b);
-        if (a < b && d < kNearest_mm) fail(a, fmt::format("lies {:.1f} mm from triangle {}: they overlap", d, drawn[b].id));
+        if (a < b && d < kNearest_mm)
+          fail(a, fmt::format("lies {:.1f} mm from triangle {}: they overlap", d, drawn[b].id));
       }
     }
   }
@@ -101,9 +105,12 @@ class Layer {
 
  private:
   [[noreturn]] void fail(std::size_t k, const std::string& what) const {
-    throw InputError(fmt::format("{}: triangle {} at ({:g}, {:g}) {}", file_, drawn_[k].id, drawn_[k].x, drawn_[k].y, what));
+    throw InputError(
+        fmt::format("{}: triangle {} at ({:g}, {:g}) {}", file_, drawn_[k].id, drawn_[k].x, drawn_[k].y, what));
   }
-  [[nodiscard]] double direction(std::size_t from, std::size_t to) const { return std::atan2(drawn_[to].y - drawn_[from].y, drawn_[to].x - drawn_[from].x); }
+  [[nodiscard]] double direction(std::size_t from, std::size_t to) const {
+    return std::atan2(drawn_[to].y - drawn_[from].y, drawn_[to].x - drawn_[from].x);
+  }
 
   int side_towards(std::size_t from, std::size_t to) const {
     for (int s = 0; s < 3; ++s) {
@@ -129,7 +136,8 @@ class Layer {
           place_[w] = beyond.tile;
           // Its side `beyond.side` looks back; sides follow counter-clockwise.
           side0_[w] = turn(direction(v, w) + std::numbers::pi - beyond.side * 2.0 * std::numbers::pi / 3.0);
-          if (!taken.try_emplace(beyond.tile, w).second) fail(w, fmt::format("falls on the tile of triangle {}", drawn_[taken.at(beyond.tile)].id));
+          if (!taken.try_emplace(beyond.tile, w).second)
+            fail(w, fmt::format("falls on the tile of triangle {}", drawn_[taken.at(beyond.tile)].id));
           queue.push_back(w);
         } else if (place_[w] != beyond.tile) {
           fail(w, fmt::format("does not fit the lattice of triangle {}", drawn_[v].id));
@@ -172,7 +180,10 @@ void count_boards(SkinGuiLayout& layout) {
 SkinGuiLayout read_skingui(const std::filesystem::path& path, const std::string& part) {
   const std::string text = read_file(path), file = path.string();
   const std::vector<Drawn> drawn = part.empty() ? read_ini(text, file) : read_collection(text, file, part);
-  if (drawn.empty()) throw InputError(fmt::format("{}: no triangle; expected lines \"triangle_10pad id x y orientation …\", or name a part of a collection", file));
+  if (drawn.empty())
+    throw InputError(fmt::format(
+        "{}: no triangle; expected lines \"triangle_10pad id x y orientation …\", or name a part of a collection",
+        file));
   std::set<int> ids;
   for (const Drawn& d : drawn) {
     if (!ids.insert(d.id).second) throw InputError(fmt::format("{}: triangle {} stands twice", file, d.id));
@@ -189,7 +200,12 @@ nlohmann::json module_list_json(const ModuleList& list) {
     const auto& n = list.graph.nodes[k];
     bool border = false;
     for (std::size_t s = 0; s < 3; ++s) border = border || (n.neighbour[s] < 0 && n.border[s]);
-    modules.push_back({{"id", list.ids[k]}, {"i", list.tiles[k].i}, {"j", list.tiles[k].j}, {"up", list.tiles[k].up}, {"island", n.island}, {"border", border}});
+    modules.push_back({{"id", list.ids[k]},
+                       {"i", list.tiles[k].i},
+                       {"j", list.tiles[k].j},
+                       {"up", list.tiles[k].up},
+                       {"island", n.island},
+                       {"border", border}});
   }
   return {{"modules", std::move(modules)}};
 }

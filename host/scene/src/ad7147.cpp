@@ -23,7 +23,9 @@ constexpr double kCountsPerAfeStep = 0.32 / 8.0 * 32768.0;  // offset DAC: 0.32 
 constexpr std::uint64_t kSequenceUs[] = {36'900, 18'400, 9'200, 9'200};  // 12 stages, per decimation field
 constexpr std::uint64_t kLowPowerDelayUs[] = {200'000, 400'000, 600'000, 800'000};
 
-int power_mode(std::uint16_t pwr) { return pwr & 3; }
+int power_mode(std::uint16_t pwr) {
+  return pwr & 3;
+}
 
 // Connection field of a pin: 0 open, 1 negative input, 2 positive input, 3 bias.
 int connection(const std::uint16_t* stage, int pin) {
@@ -113,16 +115,22 @@ void Ad7147::latch_results(std::uint64_t now_us) {
   for (int s = 0; s < kStages; ++s) latched_[static_cast<std::size_t>(s)] = result(s, now_us);
 }
 
-int Ad7147::stages_on() const { return std::min(kStages, ((setup_[kPwrControl] >> 4) & 0xF) + 1); }
+int Ad7147::stages_on() const {
+  return std::min(kStages, ((setup_[kPwrControl] >> 4) & 0xF) + 1);
+}
 
-bool Ad7147::converting() const { return (power_mode(setup_[kPwrControl]) & 1) == 0; }
+bool Ad7147::converting() const {
+  return (power_mode(setup_[kPwrControl]) & 1) == 0;
+}
 
 std::uint64_t Ad7147::stage_ns() const {
   const auto nominal_ns = static_cast<std::int64_t>(kSequenceUs[(setup_[kPwrControl] >> 8) & 3]) * 1000;
   return static_cast<std::uint64_t>((nominal_ns + nominal_ns / 1000 * clock_ppm_ / 1000) / kStages);
 }
 
-std::uint64_t Ad7147::sequence_us() const { return (stage_ns() * static_cast<std::uint64_t>(stages_on()) + 500) / 1000; }
+std::uint64_t Ad7147::sequence_us() const {
+  return (stage_ns() * static_cast<std::uint64_t>(stages_on()) + 500) / 1000;
+}
 
 std::uint64_t Ad7147::period_ns() const {
   const bool low_power = power_mode(setup_[kPwrControl]) == 2;
@@ -132,7 +140,8 @@ std::uint64_t Ad7147::period_ns() const {
 
 Ad7147::Conversion Ad7147::last_conversion(int stage, std::uint64_t now_us) const {
   if (!converting() || stage >= stages_on() || now_us < restart_us_) return {};
-  const std::uint64_t since_ns = (now_us - restart_us_) * 1000, first_ns = stage_ns() * static_cast<std::uint64_t>(stage + 1);
+  const std::uint64_t since_ns = (now_us - restart_us_) * 1000,
+                      first_ns = stage_ns() * static_cast<std::uint64_t>(stage + 1);
   if (since_ns < first_ns) return {};
   const std::uint64_t number = (since_ns - first_ns) / period_ns();
   return {restart_us_ + (first_ns + number * period_ns()) / 1000, number};

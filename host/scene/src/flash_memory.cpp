@@ -21,7 +21,9 @@ std::vector<std::uint8_t> read_inverted(int descriptor, std::size_t size_bytes, 
   std::size_t done = 0;
   while (done < size_bytes) {
     const ssize_t n = ::pread(descriptor, bytes.data() + done, size_bytes - done, static_cast<off_t>(done));
-    if (n <= 0) throw InputError(fmt::format("{}: cannot read the simulated flash; delete the file to start with a fresh board", file));
+    if (n <= 0)
+      throw InputError(
+          fmt::format("{}: cannot read the simulated flash; delete the file to start with a fresh board", file));
     done += static_cast<std::size_t>(n);
   }
   for (std::uint8_t& b : bytes) b = static_cast<std::uint8_t>(~b);
@@ -36,11 +38,12 @@ FlashMemory::FlashMemory(std::size_t size_bytes)
 FlashMemory::FlashMemory(std::size_t size_bytes, const std::filesystem::path& file) : FlashMemory(size_bytes) {
   file_ = file.string();
   descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor_ < 0) throw InputError(fmt::format("{}: cannot open the simulated flash: {}", file_, std::strerror(errno)));
+  if (descriptor_ < 0)
+    throw InputError(fmt::format("{}: cannot open the simulated flash: {}", file_, std::strerror(errno)));
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
     throw DeviceError(fmt::format("{}: another process simulates this controller; end it first", file_));
   }
-  struct stat status {};
+  struct stat status{};
   if (::fstat(descriptor_, &status) != 0 || (status.st_size != 0 && status.st_size != static_cast<off_t>(size_bytes))) {
     throw InputError(fmt::format("{}: is not the flash of a simulated controller of this release; delete it", file_));
   }
@@ -85,7 +88,8 @@ bool FlashMemory::erase_page(std::size_t offset_bytes) {
   if (cut && tear_ == Tear::kBefore) throw sim::PowerLost("power lost before a page erase");
   const std::size_t size = cut ? kPageBytes / 2 : kPageBytes;
   std::fill_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset_bytes), size, std::uint8_t{0xFF});
-  std::fill_n(programmed_.begin() + static_cast<std::ptrdiff_t>(offset_bytes / kProgramBytes), size / kProgramBytes, false);
+  std::fill_n(programmed_.begin() + static_cast<std::ptrdiff_t>(offset_bytes / kProgramBytes), size / kProgramBytes,
+              false);
   store(offset_bytes, size);
   if (cut) throw sim::PowerLost("power lost in a page erase");
   return true;
@@ -100,7 +104,8 @@ bool FlashMemory::program(std::size_t offset_bytes, std::span<const std::uint8_t
     const bool cut = count_operation();
     if (cut && tear_ == Tear::kBefore) throw sim::PowerLost("power lost before a program operation");
     const std::size_t size = cut ? kProgramBytes / 2 : kProgramBytes;
-    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), size, bytes_.begin() + static_cast<std::ptrdiff_t>(to));
+    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), size,
+                bytes_.begin() + static_cast<std::ptrdiff_t>(to));
     programmed_[to / kProgramBytes] = true;
     store(to, size);
     if (cut) throw sim::PowerLost("power lost in a program operation");

@@ -43,8 +43,12 @@ void I2cLineModel::stop(std::uint64_t now_us) {
   selected_.clear();
 }
 
-bool I2cLineModel::scl() const { return !(held_ && held_()) && (!scl_.on || now_us_ < scl_.at_us); }
-bool I2cLineModel::sda() const { return !(held_ && held_()) && (!sda_.on || now_us_ < sda_.at_us); }
+bool I2cLineModel::scl() const {
+  return !(held_ && held_()) && (!scl_.on || now_us_ < scl_.at_us);
+}
+bool I2cLineModel::sda() const {
+  return !(held_ && held_()) && (!sda_.on || now_us_ < sda_.at_us);
+}
 
 void I2cLineModel::pulse_scl(std::uint64_t now_us) {
   now_us_ = now_us;

@@ -18,20 +18,32 @@ using model::JsonValue;
 constexpr double kMaxSeconds = 1e6;
 constexpr double kMaxLength_mm = 1e5;
 
-constexpr std::pair<FaultKind, const char*> kKinds[] = {
-    {FaultKind::kRemovedChip, "removed_chip"},       {FaultKind::kMovedChip, "moved_chip"},
-    {FaultKind::kSwappedChips, "swapped_chips"},     {FaultKind::kStuckLine, "stuck_line"},
-    {FaultKind::kWrongId, "wrong_id"},               {FaultKind::kLostConfiguration, "lost_configuration"},
-    {FaultKind::kSaturatedTaxel, "saturated_taxel"}, {FaultKind::kFrozenTaxel, "frozen_taxel"},
-    {FaultKind::kFingerElsewhere, "finger_elsewhere"}, {FaultKind::kRotatedModule, "rotated_module"},
-    {FaultKind::kDeadModule, "dead_module"},         {FaultKind::kHeldLine, "held_line"},
-    {FaultKind::kStuckBit, "stuck_bit"},             {FaultKind::kModuleReset, "module_reset"},
-    {FaultKind::kOpenJoint, "open_joint"},           {FaultKind::kShortedJoint, "shorted_joint"},
-    {FaultKind::kExtraJoint, "extra_joint"},         {FaultKind::kSwappedPatches, "swapped_patches"}};
+constexpr std::pair<FaultKind, const char*> kKinds[] = {{FaultKind::kRemovedChip, "removed_chip"},
+                                                        {FaultKind::kMovedChip, "moved_chip"},
+                                                        {FaultKind::kSwappedChips, "swapped_chips"},
+                                                        {FaultKind::kStuckLine, "stuck_line"},
+                                                        {FaultKind::kWrongId, "wrong_id"},
+                                                        {FaultKind::kLostConfiguration, "lost_configuration"},
+                                                        {FaultKind::kSaturatedTaxel, "saturated_taxel"},
+                                                        {FaultKind::kFrozenTaxel, "frozen_taxel"},
+                                                        {FaultKind::kFingerElsewhere, "finger_elsewhere"},
+                                                        {FaultKind::kRotatedModule, "rotated_module"},
+                                                        {FaultKind::kDeadModule, "dead_module"},
+                                                        {FaultKind::kHeldLine, "held_line"},
+                                                        {FaultKind::kStuckBit, "stuck_bit"},
+                                                        {FaultKind::kModuleReset, "module_reset"},
+                                                        {FaultKind::kOpenJoint, "open_joint"},
+                                                        {FaultKind::kShortedJoint, "shorted_joint"},
+                                                        {FaultKind::kExtraJoint, "extra_joint"},
+                                                        {FaultKind::kSwappedPatches, "swapped_patches"}};
 
-bool needs_switched(FaultKind kind) { return kind >= FaultKind::kDeadModule; }
+bool needs_switched(FaultKind kind) {
+  return kind >= FaultKind::kDeadModule;
+}
 
-bool has(const JsonValue& v, const char* key) { return v.raw().is_object() && v.raw().contains(key); }
+bool has(const JsonValue& v, const char* key) {
+  return v.raw().is_object() && v.raw().contains(key);
+}
 
 // A misspelt key would silently change nothing, so it is an error.
 void only_keys(const JsonValue& v, std::initializer_list<std::string_view> allowed) {
@@ -61,7 +73,8 @@ geometry::Vec3 point(const JsonValue& v) {
 
 class Reader {
  public:
-  explicit Reader(const Scene& scene) : design_(scene.design), switched_(scene.switched), wiring_(model::wiring_of(scene.design)) {}
+  explicit Reader(const Scene& scene)
+      : design_(scene.design), switched_(scene.switched), wiring_(model::wiring_of(scene.design)) {}
 
   [[nodiscard]] int module(const JsonValue& v) const { return below(v, design_.layout.modules.size()); }
 
@@ -84,13 +97,18 @@ class Reader {
     Fault f;
     const JsonValue kind = v["kind"];
     const std::string text = kind.text();
-    const auto* const found = std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return text == k.second; });
+    const auto* const found =
+        std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return text == k.second; });
     if (found == std::end(kKinds)) kind.fail("\"" + text + "\" is no kind of fault; docs/scene.md lists them");
     f.kind = found->first;
-    if (needs_switched(f.kind) && !switched_) kind.fail("\"" + text + "\" needs \"hardware\": \"switched\" in the scene");
-    if (f.kind == FaultKind::kMovedChip && switched_) kind.fail("\"moved_chip\" is a fault of straps; switched modules have none");
-    if (f.kind >= FaultKind::kRotatedModule) read_switched_keys(v, f);
-    else read_keys(v, f);
+    if (needs_switched(f.kind) && !switched_)
+      kind.fail("\"" + text + "\" needs \"hardware\": \"switched\" in the scene");
+    if (f.kind == FaultKind::kMovedChip && switched_)
+      kind.fail("\"moved_chip\" is a fault of straps; switched modules have none");
+    if (f.kind >= FaultKind::kRotatedModule)
+      read_switched_keys(v, f);
+    else
+      read_keys(v, f);
     return f;
   }
 
@@ -132,7 +150,8 @@ class Reader {
       case FaultKind::kLostConfiguration:
         only_keys(v, {"kind", "module", "at_s", "every_s"});
         f.from_us = has(v, "at_s") ? time_us(v["at_s"]) : 1'000'000;
-        if (has(v, "every_s")) f.every_us = static_cast<std::uint64_t>(number_in(v["every_s"], 1e-3, kMaxSeconds) * 1e6);
+        if (has(v, "every_s"))
+          f.every_us = static_cast<std::uint64_t>(number_in(v["every_s"], 1e-3, kMaxSeconds) * 1e6);
         break;
       case FaultKind::kSaturatedTaxel:
       case FaultKind::kFrozenTaxel:
@@ -165,7 +184,8 @@ class Reader {
     if (f.kind == FaultKind::kOpenJoint || f.kind == FaultKind::kShortedJoint || f.kind == FaultKind::kExtraJoint) {
       f.other = module(v["other"]);
       if (f.other == f.module) v["other"].fail("must be another module");
-      const bool neighbours = std::ranges::count(design_.layout.modules[static_cast<std::size_t>(f.module)].neighbour, f.other) > 0;
+      const bool neighbours =
+          std::ranges::count(design_.layout.modules[static_cast<std::size_t>(f.module)].neighbour, f.other) > 0;
       if (!neighbours && f.kind != FaultKind::kExtraJoint) v["other"].fail("has no joint with \"module\"");
     }
     if (has(v, "at_s")) f.from_us = time_us(v["at_s"]);
@@ -192,7 +212,8 @@ class Reader {
 };
 
 Effects read_effects(const JsonValue& v) {
-  only_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "bus_bit_rate", "bus_data_bit_rate", "chain_bit_error_rate"});
+  only_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "bus_bit_rate", "bus_data_bit_rate",
+                "chain_bit_error_rate"});
   Effects e;
   if (has(v, "chain_bit_error_rate")) e.chain_bit_error_rate = number_in(v["chain_bit_error_rate"], 0.0, 0.5);
   if (has(v, "noise_counts")) e.noise_counts = number_in(v["noise_counts"], 0.0, 1e4);
@@ -216,7 +237,8 @@ void read_head(const JsonValue& v) {
 }  // namespace
 
 const char* name_of(FaultKind kind) {
-  const auto* const found = std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return kind == k.first; });
+  const auto* const found =
+      std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return kind == k.first; });
   return found == std::end(kKinds) ? "unknown" : found->second;
 }
 

@@ -20,7 +20,9 @@ std::uint64_t mix(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-double uniform(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
+double uniform(std::uint64_t bits) {
+  return static_cast<double>(bits >> 11) * 0x1p-53;
+}
 
 double gaussian(std::uint64_t seed) {
   const double u = std::max(uniform(mix(seed)), 0x1p-53);
@@ -83,14 +85,17 @@ bool ModuleSkin::reached_by(const Contact& contact) const {
   });
 }
 
-void ModuleSkin::add(const Touch& touch) { touches_.push_back(&touch); }
+void ModuleSkin::add(const Touch& touch) {
+  touches_.push_back(&touch);
+}
 
 void ModuleSkin::remove(int touch_id) {
   std::erase_if(touches_, [&](const Touch* t) { return t->id == touch_id; });
 }
 
 Skin::Skin(const Scene& scene, SwitchedHardware* switched) : lines_(scene.design.patches.size()) {
-  for (int m = 0; m < static_cast<int>(scene.design.layout.modules.size()); ++m) modules_.emplace_back(scene, m, real_rotation(scene, m));
+  for (int m = 0; m < static_cast<int>(scene.design.layout.modules.size()); ++m)
+    modules_.emplace_back(scene, m, real_rotation(scene, m));
   place_chips(scene, switched);
   for (const Fault& fault : scene.faults) apply(fault);
   for (const Contact& contact : scene.contacts) press(contact);
@@ -124,18 +129,23 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
     const Place& place = places[m];
     chips_.push_back(std::make_unique<Ad7147>(modules_[m], place.device_id));
     if (!place.present) continue;
-    if (switched != nullptr && switched->present()) attach(*chips_.back(), static_cast<int>(m), place.patch, *switched);
-    else line(place.patch, place.line).attach(*chips_.back(), static_cast<std::uint8_t>(kFirstCdcAddress + place.address));
+    if (switched != nullptr && switched->present())
+      attach(*chips_.back(), static_cast<int>(m), place.patch, *switched);
+    else
+      line(place.patch, place.line).attach(*chips_.back(), static_cast<std::uint8_t>(kFirstCdcAddress + place.address));
   }
 }
 
-// A switched module's chip is on any line, at any address: what its register says, while its ports lead to the controller.
+// A switched module's chip is on any line, at any address: what its register says, while its ports lead to the
+// controller.
 void Skin::attach(Ad7147& chip, int module, int patch, SwitchedHardware& switched) {
   const SwitchedPatch& chain = switched.patch(patch);
   const int row = switched.row_of(module);
   for (int l = 0; l < 4; ++l) {
     I2cLineModel& model = line(patch, l);
-    model.attach(chip, [&chain, row, l] { return chain.reached(row) && chain.line_of(row) == l ? kFirstCdcAddress + chain.address_of(row) : -1; });
+    model.attach(chip, [&chain, row, l] {
+      return chain.reached(row) && chain.line_of(row) == l ? kFirstCdcAddress + chain.address_of(row) : -1;
+    });
     if (row == 0) model.hold_while([&chain, l] { return (chain.stuck_lines() >> l & 1) != 0; });
   }
 }
@@ -144,7 +154,8 @@ void Skin::apply(const Fault& f) {
   switch (f.kind) {
     case FaultKind::kStuckLine:
       line(f.patch, f.line)
-          .hold_low(f.stuck_scl ? I2cLineModel::Signal::kScl : I2cLineModel::Signal::kSda, f.from_us, f.frees_after_pulses);
+          .hold_low(f.stuck_scl ? I2cLineModel::Signal::kScl : I2cLineModel::Signal::kSda, f.from_us,
+                    f.frees_after_pulses);
       break;
     case FaultKind::kLostConfiguration:
       chips_[static_cast<std::size_t>(f.module)]->schedule_power_dip(f.from_us, f.every_us);

@@ -14,7 +14,8 @@ using Joints = std::vector<std::array<SwitchedPatch::End, 3>>;
 void add_joint(Joints& joints, int cable_port, int a, int b) {
   const auto free_port = [&](int m) {
     for (int p = 0; p < 3; ++p) {
-      if (joints[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)].module < 0 && !(m == 0 && p == cable_port)) return p;
+      if (joints[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)].module < 0 && !(m == 0 && p == cable_port))
+        return p;
     }
     return -1;
   };
@@ -26,7 +27,8 @@ void add_joint(Joints& joints, int cable_port, int a, int b) {
 
 }  // namespace
 
-SwitchedHardware::SwitchedHardware(const Scene& scene) : patch_(scene.design.layout.modules.size(), -1), row_(patch_.size(), -1) {
+SwitchedHardware::SwitchedHardware(const Scene& scene)
+    : patch_(scene.design.layout.modules.size(), -1), row_(patch_.size(), -1) {
   if (!scene.switched) return;
   for (std::size_t p = 0; p < scene.design.patches.size(); ++p) add_patch(scene, static_cast<int>(p));
   for (const Fault& f : scene.faults) {
@@ -53,7 +55,8 @@ void SwitchedHardware::add_patch(const Scene& scene, int patch) {
   const int cable_port = (routed[0].rotation + 3 - rotations[0]) % 3;
   for (const Fault& f : scene.faults) {
     if (f.kind != FaultKind::kExtraJoint || patch_[static_cast<std::size_t>(f.module)] != patch) continue;
-    if (patch_[static_cast<std::size_t>(f.other)] == patch) add_joint(joints, cable_port, row_of(f.module), row_of(f.other));
+    if (patch_[static_cast<std::size_t>(f.other)] == patch)
+      add_joint(joints, cable_port, row_of(f.module), row_of(f.other));
   }
   joints_.push_back(joints);
   patches_.emplace_back(std::move(joints), cable_port, scene.seed + static_cast<std::uint64_t>(patch));
@@ -65,11 +68,13 @@ void SwitchedHardware::plug_second_cable(const geometry::Patch& designed, const 
   if (designed.second_entry < 0) return;
   const auto row = static_cast<std::size_t>(row_of(designed.second_entry));
   const int port = (designed.second_entry_side + 3 - rotations[row]) % 3;
-  if (joints_.back()[row][static_cast<std::size_t>(port)].module < 0) patches_.back().set_second_cable({static_cast<int>(row), port});
+  if (joints_.back()[row][static_cast<std::size_t>(port)].module < 0)
+    patches_.back().set_second_cable({static_cast<int>(row), port});
 }
 
 void SwitchedHardware::advance(std::uint64_t now_us) {
-  for (; next_ < events_.size() && events_[next_].at_us <= now_us; ++next_) apply(events_[next_].fault, events_[next_].begins);
+  for (; next_ < events_.size() && events_[next_].at_us <= now_us; ++next_)
+    apply(events_[next_].fault, events_[next_].begins);
 }
 
 void SwitchedHardware::apply(const Fault& f, bool begins) {
@@ -86,13 +91,26 @@ void SwitchedHardware::apply(const Fault& f, bool begins) {
     }
   };
   switch (f.kind) {
-    case FaultKind::kDeadModule: p.set_dead(row, begins); break;
-    case FaultKind::kHeldLine: p.set_stuck_line(row, begins ? f.line : -1); break;
-    case FaultKind::kStuckBit: p.set_stuck_bit(row, f.bit, begins ? f.value : -1); break;
-    case FaultKind::kModuleReset: p.reset_alone(row); break;
-    case FaultKind::kOpenJoint: joint(SwitchedPatch::JointFault::kOpen); break;
-    case FaultKind::kShortedJoint: joint(SwitchedPatch::JointFault::kShort); break;
-    default: break;  // not in the chain, or done when the patch was assembled
+    case FaultKind::kDeadModule:
+      p.set_dead(row, begins);
+      break;
+    case FaultKind::kHeldLine:
+      p.set_stuck_line(row, begins ? f.line : -1);
+      break;
+    case FaultKind::kStuckBit:
+      p.set_stuck_bit(row, f.bit, begins ? f.value : -1);
+      break;
+    case FaultKind::kModuleReset:
+      p.reset_alone(row);
+      break;
+    case FaultKind::kOpenJoint:
+      joint(SwitchedPatch::JointFault::kOpen);
+      break;
+    case FaultKind::kShortedJoint:
+      joint(SwitchedPatch::JointFault::kShort);
+      break;
+    default:
+      break;  // not in the chain, or done when the patch was assembled
   }
 }
 

@@ -12,12 +12,19 @@ namespace {
 // Elements of the data path that are no module.
 constexpr int kConstantZero = -1, kConstantOne = -2;
 
-bool bit(std::uint8_t set, int k) { return ((set >> k) & 1) != 0; }
+bool bit(std::uint8_t set, int k) {
+  return ((set >> k) & 1) != 0;
+}
 
 }  // namespace
 
 SwitchedPatch::SwitchedPatch(std::vector<std::array<End, 3>> joints, int cable_port, std::uint64_t seed)
-    : joints_(std::move(joints)), faults_(joints_.size()), modules_(joints_.size()), cables_{{{0, cable_port}, {}}}, random_(seed), flips_(~seed) {}
+    : joints_(std::move(joints)),
+      faults_(joints_.size()),
+      modules_(joints_.size()),
+      cables_{{{0, cable_port}, {}}},
+      random_(seed),
+      flips_(~seed) {}
 
 std::uint8_t SwitchedPatch::output(int m) const {
   const Module& module = at(m);
@@ -35,7 +42,8 @@ std::uint8_t SwitchedPatch::raised(int m) const {
   for (int p = 0; p < 3; ++p) {
     if (at_cable(m, p)) in = static_cast<std::uint8_t>(in | 1U << p);
     const End e = end(m, p);
-    if (e.module >= 0 && fault(m, p) != JointFault::kOpen && bit(opened(e.module), e.port)) in = static_cast<std::uint8_t>(in | 1U << p);
+    if (e.module >= 0 && fault(m, p) != JointFault::kOpen && bit(opened(e.module), e.port))
+      in = static_cast<std::uint8_t>(in | 1U << p);
   }
   return in;
 }
@@ -49,7 +57,8 @@ bool SwitchedPatch::at_cable(int m, int port) const {
 
 bool SwitchedPatch::attached_child(int m, int p) const {
   const End e = end(m, p);
-  return e.module >= 0 && fault(m, p) == JointFault::kNone && !at(e.module).dead && at(e.module).grant == e.port && bit(opened(m), p);
+  return e.module >= 0 && fault(m, p) == JointFault::kNone && !at(e.module).dead && at(e.module).grant == e.port &&
+         bit(opened(m), p);
 }
 
 bool SwitchedPatch::shorted() const {
@@ -73,7 +82,9 @@ int SwitchedPatch::depth_of(int module) const {
   }
 }
 
-bool SwitchedPatch::reached(int module) const { return depth_of(module) >= 0; }
+bool SwitchedPatch::reached(int module) const {
+  return depth_of(module) >= 0;
+}
 
 void SwitchedPatch::collect(int m, std::vector<int>& chain) const {
   chain.push_back(m);
@@ -105,7 +116,8 @@ void SwitchedPatch::exchange(Bytes out, std::span<std::uint8_t> in) {
   std::fill_n(in.begin(), out.size(), std::uint8_t{0});
   for (const std::vector<int>& chain : chains()) {
     for (std::size_t k = 0; k < out.size(); ++k) {
-      in[k] = static_cast<std::uint8_t>(in[k] | (bit_errors_ > 0.0 ? shift_bits(chain, out[k]) : shift_byte(chain, out[k])));
+      in[k] = static_cast<std::uint8_t>(in[k] |
+                                        (bit_errors_ > 0.0 ? shift_bits(chain, out[k]) : shift_byte(chain, out[k])));
     }
   }
 }
@@ -113,8 +125,10 @@ void SwitchedPatch::exchange(Bytes out, std::span<std::uint8_t> in) {
 // Every register is one byte long: after eight clocks each has what the one before it had.
 std::uint8_t SwitchedPatch::shift_byte(const std::vector<int>& chain, std::uint8_t carry) {
   for (const int element : chain) {
-    if (element >= 0) std::swap(carry, at(element).shift);
-    else carry = element == kConstantOne ? 0xFF : 0;
+    if (element >= 0)
+      std::swap(carry, at(element).shift);
+    else
+      carry = element == kConstantOne ? 0xFF : 0;
   }
   return carry;
 }
@@ -202,7 +216,9 @@ void SwitchedPatch::set_joint(End e, JointFault f) {
   settle();
 }
 
-void SwitchedPatch::set_stuck_line(int module, int line) { at(module).stuck_line = line; }
+void SwitchedPatch::set_stuck_line(int module, int line) {
+  at(module).stuck_line = line;
+}
 
 void SwitchedPatch::set_stuck_bit(int module, int which, int value) {
   at(module).stuck_bit = value < 0 ? -1 : which;

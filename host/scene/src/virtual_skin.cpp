@@ -61,15 +61,16 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
   }
   for (std::size_t p = 0; p < nodes_.size(); ++p) {
     Node& node = nodes_[p];
-    node.flash = state_folder.empty()
-                     ? std::make_unique<FlashMemory>(kFlashBytes)
-                     : std::make_unique<FlashMemory>(kFlashBytes, state_folder / fmt::format("controller_{}.flash", p + 1));
+    node.flash = state_folder.empty() ? std::make_unique<FlashMemory>(kFlashBytes)
+                                      : std::make_unique<FlashMemory>(
+                                            kFlashBytes, state_folder / fmt::format("controller_{}.flash", p + 1));
     const int plugged = plugged_patch(scene_, static_cast<int>(p));
     for (int l = 0; l < 4; ++l) node.board.lines[static_cast<std::size_t>(l)] = &skin_.line(plugged, l);
     if (switched_.present()) node.board.chain = &switched_.patch(plugged);
     node.slots = state_folder.empty()
                      ? std::make_unique<FlashMemory>(sim::kSlotsBytes)
-                     : std::make_unique<FlashMemory>(sim::kSlotsBytes, state_folder / fmt::format("controller_{}.firmware", p + 1));
+                     : std::make_unique<FlashMemory>(sim::kSlotsBytes,
+                                                     state_folder / fmt::format("controller_{}.firmware", p + 1));
     node.board.flash = node.flash.get();
     node.board.slots = node.slots.get();
     node.board.unique_id = unique_id_of(scene_.design.design_id, p);
@@ -146,7 +147,8 @@ bool VirtualSkin::advance_bus() {
       const std::uint32_t base = p.frame.extended ? p.frame.id >> 18 : p.frame.id;
       return std::pair{(base << 1) | (p.frame.extended ? 1U : 0U), p.frame.id};
     };
-    first = std::min_element(pending_.begin(), pending_.end(), [&](const auto& a, const auto& b) { return priority(a) < priority(b); });
+    first = std::min_element(pending_.begin(), pending_.end(),
+                             [&](const auto& a, const auto& b) { return priority(a) < priority(b); });
   }
   const Pending next = *first;
   pending_.erase(first);
@@ -205,7 +207,8 @@ int VirtualSkin::press_module(int module, int taxel) {
   if (taxel >= 0) {
     const auto k = static_cast<std::size_t>(touched);
     const int rotation = model::wiring_of(scene_.design)[k].routed.rotation;
-    const auto at = model::taxels_of(scene_.design.layout.modules[k], rotation)[static_cast<std::size_t>(taxel)].position_mm;
+    const auto at =
+        model::taxels_of(scene_.design.layout.modules[k], rotation)[static_cast<std::size_t>(taxel)].position_mm;
     // Pads are 3.7 mm apart at least, so the tip is on this one only.
     constexpr double kTipRadius_mm = 3.0;
     constexpr double kTipForce_n = 1.0;

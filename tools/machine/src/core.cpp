@@ -12,8 +12,10 @@
 namespace triskin::machine {
 namespace {
 
-constexpr std::uint32_t kRamBase = 0x20000000, kRamBytes = 128 * 1024, kSystemMemory = 0x1FFF7000, kNoMansLand = 0xD0000000;
-constexpr std::uint32_t kPeripherals = 0x40000000, kPeripheralBytes = 0x80000, kGpioBase = 0x48000000, kScs = 0xE000E000;
+constexpr std::uint32_t kRamBase = 0x20000000, kRamBytes = 128 * 1024, kSystemMemory = 0x1FFF7000,
+                        kNoMansLand = 0xD0000000;
+constexpr std::uint32_t kPeripherals = 0x40000000, kPeripheralBytes = 0x80000, kGpioBase = 0x48000000,
+                        kScs = 0xE000E000;
 
 void check(uc_err error, const char* what) {
   if (error != UC_ERR_OK) throw DeviceError(fmt::format("modelled machine: {}: {}", what, uc_strerror(error)));
@@ -29,7 +31,10 @@ struct Hooks {
     Machine::Core& c = core(user);
     // An interrupt that waits behind PRIMASK is taken as soon as that falls.
     const bool unmasked = c.waits_behind_mask_ && (c.reg(UC_ARM_REG_PRIMASK) & 1) == 0;
-    const bool stop = c.one_block_ ? std::exchange(c.block_begun_, true) : (unmasked || c.nvic_.poked || c.reset_wanted_ || c.nmi_ || !c.cell_writes_.empty() || c.time_.take_changed() || c.time_.now() >= c.slice_end_);
+    const bool stop = c.one_block_
+                          ? std::exchange(c.block_begun_, true)
+                          : (unmasked || c.nvic_.poked || c.reset_wanted_ || c.nmi_ || !c.cell_writes_.empty() ||
+                             c.time_.take_changed() || c.time_.now() >= c.slice_end_);
     if (stop) {
       c.stopped_before_block_ = true;
       uc_emu_stop(uc);
@@ -52,49 +57,81 @@ struct Hooks {
     Machine::Core& c = core(user);
     std::uint32_t old = 0;
     std::memcpy(&old, c.setup_.flash->bytes.data() + (address - FlashChip::kBase), static_cast<std::size_t>(size));
-    c.cell_writes_.push_back({static_cast<std::uint32_t>(address), static_cast<std::uint32_t>(value), old, static_cast<unsigned>(size)});
+    c.cell_writes_.push_back(
+        {static_cast<std::uint32_t>(address), static_cast<std::uint32_t>(value), old, static_cast<unsigned>(size)});
     return true;
   }
   static void watched_read(uc_engine*, uc_mem_type, std::uint64_t, int, std::int64_t, void*) {}
   static void torn_read(uc_engine*, uc_mem_type, std::uint64_t address, int, std::int64_t, void* user) {
     core(user).flash_.torn_read(static_cast<std::uint32_t>((address - FlashChip::kBase) / FlashChip::kUnit));
   }
-  static std::uint64_t read(uc_engine*, std::uint64_t offset, unsigned size, void* user) { return core(user).bus_read(kPeripherals + static_cast<std::uint32_t>(offset), size); }
+  static std::uint64_t read(uc_engine*, std::uint64_t offset, unsigned size, void* user) {
+    return core(user).bus_read(kPeripherals + static_cast<std::uint32_t>(offset), size);
+  }
   static void write(uc_engine*, std::uint64_t offset, unsigned size, std::uint64_t value, void* user) {
     core(user).bus_write(kPeripherals + static_cast<std::uint32_t>(offset), static_cast<std::uint32_t>(value), size);
   }
-  static std::uint64_t read_gpio(uc_engine*, std::uint64_t offset, unsigned size, void* user) { return core(user).gpio_.read(static_cast<std::uint32_t>(offset), size); }
+  static std::uint64_t read_gpio(uc_engine*, std::uint64_t offset, unsigned size, void* user) {
+    return core(user).gpio_.read(static_cast<std::uint32_t>(offset), size);
+  }
   static void write_gpio(uc_engine*, std::uint64_t offset, unsigned size, std::uint64_t value, void* user) {
     core(user).gpio_.write(static_cast<std::uint32_t>(offset), static_cast<std::uint32_t>(value), size);
   }
-  static std::uint64_t read_scs(uc_engine*, std::uint64_t offset, unsigned size, void* user) { return core(user).nvic_.read(static_cast<std::uint32_t>(offset), size); }
+  static std::uint64_t read_scs(uc_engine*, std::uint64_t offset, unsigned size, void* user) {
+    return core(user).nvic_.read(static_cast<std::uint32_t>(offset), size);
+  }
   static void write_scs(uc_engine*, std::uint64_t offset, unsigned size, std::uint64_t value, void* user) {
     core(user).nvic_.write(static_cast<std::uint32_t>(offset), static_cast<std::uint32_t>(value), size);
   }
 };
 
 Machine::Core::Core(const MachineSetup& setup)
-    : setup_(setup), nvic_(*this), rcc_(*this, setup.crystal_works), pwr_(*this, rcc_), tim2_(*this), iwdg_(*this),
+    : setup_(setup),
+      nvic_(*this),
+      rcc_(*this, setup.crystal_works),
+      pwr_(*this, rcc_),
+      tim2_(*this),
+      iwdg_(*this),
       flash_(*this, *setup.flash, rcc_,
              [this](std::uint32_t address, std::uint32_t size) { cells_changed(address, size); }),
-      chain_(setup.chain), gpio_(*this, rcc_, setup.lines, chain_),
-      spi_(*this, [this](std::uint8_t byte) { return chain_.exchange(byte); },
-           [this] { return gpio_.alternate(1, 13, 5) && gpio_.alternate(1, 14, 5) && gpio_.alternate(1, 15, 5); }),
-      dma_(*this, [this](std::uint32_t address) { return address >= kRamBase && address < kRamBase + kRamBytes ? &ram_[address - kRamBase] : nullptr; }),
-      dma_mux_(*this, dma_), usb_(*this, [this] { return rcc_.clock_48_ready(); }), usb_memory_(*this, usb_), crs_(*this), can_(*this, setup.on_can, setup.trace), can_ram_(*this, can_), ram_(kRamBytes, 0xA5), blocks_(FlashChip::kBytes / 2) {
+      chain_(setup.chain),
+      gpio_(*this, rcc_, setup.lines, chain_),
+      spi_(
+          *this, [this](std::uint8_t byte) { return chain_.exchange(byte); },
+          [this] { return gpio_.alternate(1, 13, 5) && gpio_.alternate(1, 14, 5) && gpio_.alternate(1, 15, 5); }),
+      dma_(*this,
+           [this](std::uint32_t address) {
+             return address >= kRamBase && address < kRamBase + kRamBytes ? &ram_[address - kRamBase] : nullptr;
+           }),
+      dma_mux_(*this, dma_),
+      usb_(*this, [this] { return rcc_.clock_48_ready(); }),
+      usb_memory_(*this, usb_),
+      crs_(*this),
+      can_(*this, setup.on_can, setup.trace),
+      can_ram_(*this, can_),
+      ram_(kRamBytes, 0xA5),
+      blocks_(FlashChip::kBytes / 2) {
   constexpr std::array<std::array<int, 2>, 4> kIrqs{{{31, 32}, {33, 34}, {92, 93}, {82, 83}}};
   for (std::size_t k = 0; k < 4; ++k) {
-    i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup.lines[k], kIrqs[k][0], kIrqs[k][1], dma_, setup.trace);
+    i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup.lines[k], kIrqs[k][0], kIrqs[k][1],
+                                              dma_, setup.trace);
   }
-  windows_ = {{&tim2_, 0x40000000, 0x400, 0x58, 0, "TIM2"},           {&iwdg_, 0x40003000, 0x400, 0, 0, "IWDG"},
+  windows_ = {{&tim2_, 0x40000000, 0x400, 0x58, 0, "TIM2"},
+              {&iwdg_, 0x40003000, 0x400, 0, 0, "IWDG"},
               {&spi_, 0x40003800, 0x400, 0x58, 14, "SPI2"},
-              {i2c_[0].get(), 0x40005400, 0x400, 0x58, 21, "I2C1"},   {i2c_[1].get(), 0x40005800, 0x400, 0x58, 22, "I2C2"},
-              {&crs_, 0x40002000, 0x400, 0x58, 8, "CRS"},             {&usb_, 0x40005C00, 0x400, 0x58, 23, "USB"},
+              {i2c_[0].get(), 0x40005400, 0x400, 0x58, 21, "I2C1"},
+              {i2c_[1].get(), 0x40005800, 0x400, 0x58, 22, "I2C2"},
+              {&crs_, 0x40002000, 0x400, 0x58, 8, "CRS"},
+              {&usb_, 0x40005C00, 0x400, 0x58, 23, "USB"},
               {&usb_memory_, 0x40006000, 0x400, 0x58, 23, "USB packet memory"},
-              {&can_, 0x40006400, 0x400, 0x58, 25, "FDCAN"},          {&pwr_, 0x40007000, 0x400, 0x58, 28, "PWR"},
-              {i2c_[2].get(), 0x40007800, 0x400, 0x58, 30, "I2C3"},   {i2c_[3].get(), 0x40008400, 0x400, 0x5C, 1, "I2C4"},
-              {&can_ram_, 0x4000A400, 0x400, 0x58, 25, "FDCAN RAM"},  {&rcc_, 0x40021000, 0x400, 0, 0, "RCC"},
-              {&flash_, 0x40022000, 0x400, 0x48, 8, "FLASH"},         {&dma_, 0x40020000, 0x400, 0x48, 0, "DMA1"},
+              {&can_, 0x40006400, 0x400, 0x58, 25, "FDCAN"},
+              {&pwr_, 0x40007000, 0x400, 0x58, 28, "PWR"},
+              {i2c_[2].get(), 0x40007800, 0x400, 0x58, 30, "I2C3"},
+              {i2c_[3].get(), 0x40008400, 0x400, 0x5C, 1, "I2C4"},
+              {&can_ram_, 0x4000A400, 0x400, 0x58, 25, "FDCAN RAM"},
+              {&rcc_, 0x40021000, 0x400, 0, 0, "RCC"},
+              {&flash_, 0x40022000, 0x400, 0x48, 8, "FLASH"},
+              {&dma_, 0x40020000, 0x400, 0x48, 0, "DMA1"},
               {&dma_mux_, 0x40020800, 0x400, 0x48, 2, "DMAMUX"}};
   check(uc_open(UC_ARCH_ARM, static_cast<uc_mode>(UC_MODE_THUMB | UC_MODE_MCLASS), &uc_), "open");
   check(uc_ctl_set_cpu_model(uc_, UC_CPU_ARM_CORTEX_M4), "Cortex-M4");
@@ -108,9 +145,11 @@ Machine::Core::~Core() {
 }
 
 void Machine::Core::map_memory() {
-  check(uc_mem_map_ptr(uc_, FlashChip::kBase, FlashChip::kBytes, UC_PROT_READ | UC_PROT_EXEC, setup_.flash->bytes.data()), "map flash");
-  // At each store Unicorn 2.0 looks through the translated code of the memory around it, some MB in the order of mapping. Memory that
-  // nobody may touch keeps the RAM out of the flash's surroundings: a store costs a third less.
+  check(
+      uc_mem_map_ptr(uc_, FlashChip::kBase, FlashChip::kBytes, UC_PROT_READ | UC_PROT_EXEC, setup_.flash->bytes.data()),
+      "map flash");
+  // At each store Unicorn 2.0 looks through the translated code of the memory around it, some MB in the order of
+  // mapping. Memory that nobody may touch keeps the RAM out of the flash's surroundings: a store costs a third less.
   check(uc_mem_map(uc_, kNoMansLand, 8U << 20, UC_PROT_NONE), "map no man's land");
   check(uc_mem_map_ptr(uc_, kRamBase, kRamBytes, UC_PROT_READ | UC_PROT_WRITE, ram_.data()), "map RAM");
   check(uc_mem_map(uc_, kSystemMemory, 0x1000, UC_PROT_READ), "map system memory");
@@ -125,9 +164,14 @@ void Machine::Core::add_hooks() {
   uc_hook h = 0;
   check(uc_hook_add(uc_, &h, UC_HOOK_BLOCK, reinterpret_cast<void*>(&Hooks::block), this, 1, 0), "block hook");
   check(uc_hook_add(uc_, &h, UC_HOOK_INTR, reinterpret_cast<void*>(&Hooks::interrupt), this, 1, 0), "interrupt hook");
-  check(uc_hook_add(uc_, &h, UC_HOOK_MEM_WRITE_PROT, reinterpret_cast<void*>(&Hooks::flash_write), this, FlashChip::kBase, FlashChip::kBase + FlashChip::kBytes - 1), "flash hook");
+  check(uc_hook_add(uc_, &h, UC_HOOK_MEM_WRITE_PROT, reinterpret_cast<void*>(&Hooks::flash_write), this,
+                    FlashChip::kBase, FlashChip::kBase + FlashChip::kBytes - 1),
+        "flash hook");
   // Code that was translated without any such hook would never call one.
-  if (setup_.will_be_cut) check(uc_hook_add(uc_, &h, UC_HOOK_MEM_READ, reinterpret_cast<void*>(&Hooks::watched_read), this, kSystemMemory, kSystemMemory), "read hook");
+  if (setup_.will_be_cut)
+    check(uc_hook_add(uc_, &h, UC_HOOK_MEM_READ, reinterpret_cast<void*>(&Hooks::watched_read), this, kSystemMemory,
+                      kSystemMemory),
+          "read hook");
   watch_torn_units();
 }
 
@@ -137,7 +181,9 @@ void Machine::Core::watch_torn_units() {
   for (const std::uint32_t unit : setup_.flash->torn) {
     const std::uint64_t first = FlashChip::kBase + unit * FlashChip::kUnit;
     uc_hook h = 0;
-    check(uc_hook_add(uc_, &h, UC_HOOK_MEM_READ, reinterpret_cast<void*>(&Hooks::torn_read), this, first, first + FlashChip::kUnit - 1), "ECC hook");
+    check(uc_hook_add(uc_, &h, UC_HOOK_MEM_READ, reinterpret_cast<void*>(&Hooks::torn_read), this, first,
+                      first + FlashChip::kUnit - 1),
+          "ECC hook");
     torn_hooks_.push_back(h);
   }
 }
@@ -153,7 +199,8 @@ void Machine::Core::cells_changed(std::uint32_t address, std::uint32_t size) {
 void Machine::Core::power_cycle(const FlashChip& cells) {
   FlashChip& chip = *setup_.flash;
   for (std::uint32_t at = 0; at < FlashChip::kBytes; at += FlashChip::kPage) {
-    if (std::equal(cells.bytes.begin() + at, cells.bytes.begin() + at + FlashChip::kPage, chip.bytes.begin() + at)) continue;
+    if (std::equal(cells.bytes.begin() + at, cells.bytes.begin() + at + FlashChip::kPage, chip.bytes.begin() + at))
+      continue;
     std::copy_n(cells.bytes.begin() + at, FlashChip::kPage, chip.bytes.begin() + at);
     cells_changed(FlashChip::kBase + at, FlashChip::kPage);
   }
@@ -187,12 +234,15 @@ std::uint32_t Machine::Core::reg(int id) const {
   uc_reg_read(uc_, id, &value);
   return value;
 }
-void Machine::Core::reg(int id, std::uint32_t value) { uc_reg_write(uc_, id, &value); }
+void Machine::Core::reg(int id, std::uint32_t value) {
+  uc_reg_write(uc_, id, &value);
+}
 
 // RAM and flash are memory of ours that Unicorn maps: no need to ask it, which is slow.
 std::uint8_t* Machine::Core::memory_at(std::uint32_t address) {
   if (address >= kRamBase && address + 4 <= kRamBase + kRamBytes) return &ram_[address - kRamBase];
-  if (address >= FlashChip::kBase && address + 4 <= FlashChip::kBase + FlashChip::kBytes) return &setup_.flash->bytes[address - FlashChip::kBase];
+  if (address >= FlashChip::kBase && address + 4 <= FlashChip::kBase + FlashChip::kBytes)
+    return &setup_.flash->bytes[address - FlashChip::kBase];
   throw DeviceError(fmt::format("modelled machine: stack or vector at {:#x}, where no memory is", address));
 }
 
@@ -201,16 +251,22 @@ std::uint32_t Machine::Core::load(std::uint32_t address) {
   std::memcpy(&value, memory_at(address), sizeof value);
   return value;
 }
-void Machine::Core::store(std::uint32_t address, std::uint32_t value) { std::memcpy(memory_at(address), &value, sizeof value); }
+void Machine::Core::store(std::uint32_t address, std::uint32_t value) {
+  std::memcpy(memory_at(address), &value, sizeof value);
+}
 
-void Machine::Core::violation(std::string what) { violations_.push_back({time_.now_us(), fmt::format("{} (code near {:#x})", what, last_block_pc_)}); }
+void Machine::Core::violation(std::string what) {
+  violations_.push_back({time_.now_us(), fmt::format("{} (code near {:#x})", what, last_block_pc_)});
+}
 
 void Machine::Core::request_reset(std::uint32_t cause) {
   rcc_.note_reset(cause);
   reset_wanted_ = true;
 }
 
-void Machine::Core::raise_nmi() { nmi_ = true; }
+void Machine::Core::raise_nmi() {
+  nmi_ = true;
+}
 
 Machine::Core::Window* Machine::Core::window_of(std::uint32_t address) {
   for (Window& w : windows_) {
@@ -253,7 +309,8 @@ Machine::Core::Block Machine::Core::decode_block(std::uint32_t address, std::uin
     const bool wide = half >> 11 >= 0x1D;
     if (wide && k + 3 < size) {
       const unsigned second = code[k + 2] | static_cast<unsigned>(code[k + 3]) << 8;
-      b.floating_point = b.floating_point || ((half & 0xEC00) == 0xEC00 && (second >> 9 & 7) == 5);  // coprocessor 10 or 11
+      b.floating_point =
+          b.floating_point || ((half & 0xEC00) == 0xEC00 && (second >> 9 & 7) == 5);  // coprocessor 10 or 11
     }
     k += wide ? 4 : 2;
   }
@@ -291,8 +348,8 @@ void Machine::Core::run_until(Time until) {
   }
 }
 
-// A translated block ends at each kilobyte, also inside an IT block. Unicorn cannot put ITSTATE away and back, so no exception is taken there
-// but after the next block: a delay of some instructions.
+// A translated block ends at each kilobyte, also inside an IT block. Unicorn cannot put ITSTATE away and back, so no
+// exception is taken there but after the next block: a delay of some instructions.
 void Machine::Core::finish_it_block() {
   constexpr std::uint32_t kItState = 0x0600FC00;
   while (!sleeping_ && (reg(UC_ARM_REG_XPSR) & kItState) != 0) {
@@ -322,7 +379,8 @@ void Machine::Core::after_execution(uc_err error) {
     return;
   }
   if (error != UC_ERR_OK || interrupt_code_ != ~0U) {
-    violation(error != UC_ERR_OK ? fmt::format("fault at {:#x}: {}", pc, uc_strerror(error)) : fmt::format("exception {} at {:#x}", interrupt_code_, pc));
+    violation(error != UC_ERR_OK ? fmt::format("fault at {:#x}: {}", pc, uc_strerror(error))
+                                 : fmt::format("exception {} at {:#x}", interrupt_code_, pc));
     if (nvic_.running_priority() <= -1) throw DeviceError(fmt::format("modelled machine: lock-up at {:#x}", pc));
     nvic_.pend(Nvic::kHardFault);
     return;
@@ -339,7 +397,8 @@ void Machine::Core::after_execution(uc_err error) {
 void Machine::Core::apply_flash_writes() {
   if (cell_writes_.empty()) return;
   const std::vector<CellWrite> writes = std::exchange(cell_writes_, {});
-  for (auto w = writes.rbegin(); w != writes.rend(); ++w) check(uc_mem_write(uc_, w->address, &w->old, w->size), "flash restore");
+  for (auto w = writes.rbegin(); w != writes.rend(); ++w)
+    check(uc_mem_write(uc_, w->address, &w->old, w->size), "flash restore");
   for (const CellWrite& w : writes) flash_.cell_write(w.address, w.value, w.size);
 }
 

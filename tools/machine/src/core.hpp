@@ -112,7 +112,8 @@ class Machine::Core final : public Surroundings {
   std::vector<CellWrite> cell_writes_;
   std::vector<Time> exception_entry_;
   Time slice_end_ = 0, cycle_ = 0;
-  bool stopped_before_block_ = false, one_block_ = false, block_begun_ = false, waits_behind_mask_ = false, sleeping_ = false, reset_wanted_ = false, fp_active_ = false, nmi_ = false;
+  bool stopped_before_block_ = false, one_block_ = false, block_begun_ = false, waits_behind_mask_ = false,
+       sleeping_ = false, reset_wanted_ = false, fp_active_ = false, nmi_ = false;
   std::uint32_t interrupt_code_ = ~0U, last_block_pc_ = 0;
 };
 

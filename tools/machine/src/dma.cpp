@@ -11,24 +11,32 @@ constexpr std::uint32_t kFirst = 0x08, kStride = 20;
 
 }  // namespace
 
-void Dma::reset() { channels_ = {}; }
+void Dma::reset() {
+  channels_ = {};
+}
 
 std::uint32_t Dma::read(std::uint32_t offset, unsigned) {
   if (offset < kFirst || offset >= kFirst + kStride * channels_.size()) return 0;
   const Channel& c = channels_[(offset - kFirst) / kStride];
   switch ((offset - kFirst) % kStride) {
-    case 0: return c.control;
-    case 4: return c.count;
-    case 8: return c.peripheral;
-    case 12: return c.memory;
-    default: return 0;
+    case 0:
+      return c.control;
+    case 4:
+      return c.count;
+    case 8:
+      return c.peripheral;
+    case 12:
+      return c.memory;
+    default:
+      return 0;
   }
 }
 
 // Count and addresses are fixed while a channel is on (§12.6.4 … §12.6.6).
 void Dma::write(std::uint32_t offset, std::uint32_t value, unsigned) {
   if (offset < kFirst) return;  // flags: no interrupt of a channel is modelled
-  if (offset >= kFirst + kStride * channels_.size()) return around_.violation(fmt::format("DMA register {:#x} is not modelled", offset));
+  if (offset >= kFirst + kStride * channels_.size())
+    return around_.violation(fmt::format("DMA register {:#x} is not modelled", offset));
   Channel& c = channels_[(offset - kFirst) / kStride];
   const std::uint32_t field = (offset - kFirst) % kStride;
   const bool on = (c.control & kEnable) != 0;
@@ -41,16 +49,25 @@ void Dma::write(std::uint32_t offset, std::uint32_t value, unsigned) {
       if (!on && (value & kEnable) != 0) c.at = c.memory;
       c.control = value;
       break;
-    case 4: c.count = value & 0xFFFF; break;
-    case 8: c.peripheral = value; break;
-    case 12: c.memory = value; break;
-    default: break;
+    case 4:
+      c.count = value & 0xFFFF;
+      break;
+    case 8:
+      c.peripheral = value;
+      break;
+    case 12:
+      c.memory = value;
+      break;
+    default:
+      break;
   }
 }
 
 Dma::Channel* Dma::channel_for(std::uint32_t request, bool from_memory) {
   for (Channel& c : channels_) {
-    if (c.request == request && (c.control & kEnable) != 0 && c.count != 0 && ((c.control & kFromMemory) != 0) == from_memory) return &c;
+    if (c.request == request && (c.control & kEnable) != 0 && c.count != 0 &&
+        ((c.control & kFromMemory) != 0) == from_memory)
+      return &c;
   }
   return nullptr;
 }
@@ -80,10 +97,13 @@ void DmaMux::reset() {
   for (Dma::Channel& c : dma_.channels_) c.request = 0;
 }
 
-std::uint32_t DmaMux::read(std::uint32_t offset, unsigned) { return offset / 4 < dma_.channels_.size() ? dma_.channels_[offset / 4].request : 0; }
+std::uint32_t DmaMux::read(std::uint32_t offset, unsigned) {
+  return offset / 4 < dma_.channels_.size() ? dma_.channels_[offset / 4].request : 0;
+}
 
 void DmaMux::write(std::uint32_t offset, std::uint32_t value, unsigned) {
-  if (offset / 4 >= dma_.channels_.size()) return around_.violation(fmt::format("DMAMUX register {:#x} is not modelled", offset));
+  if (offset / 4 >= dma_.channels_.size())
+    return around_.violation(fmt::format("DMAMUX register {:#x} is not modelled", offset));
   dma_.channels_[offset / 4].request = value & 0x7F;
 }
 

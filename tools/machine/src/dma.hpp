@@ -8,8 +8,9 @@
 
 namespace triskin::machine {
 
-/// DMA1 with its request multiplexer (RM0440 §12, §13): eight channels, bytes between a peripheral's data register and RAM.
-/// A peripheral asks with its request number; the multiplexer finds the channel. Transfers take no time of their own.
+/// DMA1 with its request multiplexer (RM0440 §12, §13): eight channels, bytes between a peripheral's data register
+/// and RAM. A peripheral asks with its request number; the multiplexer finds the channel. Transfers take no time of
+/// their own.
 class Dma final : public Peripheral {
  public:
   using Memory = std::function<std::uint8_t*(std::uint32_t address)>;  ///< null: no RAM there

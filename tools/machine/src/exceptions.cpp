@@ -7,7 +7,8 @@
 namespace triskin::machine {
 namespace {
 
-constexpr std::array<int, 6> kStacked{UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR};
+constexpr std::array<int, 6> kStacked{UC_ARM_REG_R0, UC_ARM_REG_R1,  UC_ARM_REG_R2,
+                                      UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR};
 constexpr std::uint32_t kBasicFrame = 0x20, kExtendedFrame = 0x68;
 constexpr Time kEntryCycles = 12, kReturnCycles = 12;
 
@@ -30,8 +31,10 @@ void Machine::Core::take_exception() {
     if (setup_.trace != nullptr) setup_.trace->sleeping(false, time_.now());
   }
   if (sleeping_) return;
-  if (nvic_.priority(e) < mask_priority()) enter_exception(e);
-  else waits_behind_mask_ = nvic_.priority(e) < nvic_.running_priority();
+  if (nvic_.priority(e) < mask_priority())
+    enter_exception(e);
+  else
+    waits_behind_mask_ = nvic_.priority(e) < nvic_.running_priority();
 }
 
 void Machine::Core::push_frame(bool extended) {
@@ -44,7 +47,8 @@ void Machine::Core::push_frame(bool extended) {
     at += 4;
   }
   store(frame + 24, reg(UC_ARM_REG_PC) & ~1U);
-  const std::uint32_t flags = (reg(UC_ARM_REG_XPSR) & 0xF80F0000) | 1U << 24 | static_cast<std::uint32_t>(nvic_.running());
+  const std::uint32_t flags =
+      (reg(UC_ARM_REG_XPSR) & 0xF80F0000) | 1U << 24 | static_cast<std::uint32_t>(nvic_.running());
   store(frame + 28, flags | (pad ? 1U << 9 : 0));
   if (extended) {
     for (int k = 0; k < 16; ++k) store(frame + 0x20 + 4 * static_cast<std::uint32_t>(k), reg(UC_ARM_REG_S0 + k));
@@ -55,7 +59,8 @@ void Machine::Core::push_frame(bool extended) {
 
 // Unicorn banks the stack pointers when IPSR is written, so the frame is pushed on the current stack before.
 void Machine::Core::enter_exception(int exception) {
-  const bool thread = nvic_.running() == 0, process_stack = thread && (reg(UC_ARM_REG_CONTROL) & 2) != 0, extended = fp_active_;
+  const bool thread = nvic_.running() == 0, process_stack = thread && (reg(UC_ARM_REG_CONTROL) & 2) != 0,
+             extended = fp_active_;
   push_frame(extended);
   fp_active_ = false;
   exception_entry_.push_back(time_.now());

@@ -8,7 +8,8 @@
 namespace triskin::machine {
 namespace {
 
-constexpr std::uint32_t kDbtp = 0x0C, kCccr = 0x18, kNbtp = 0x1C, kTdcr = 0x48, kIr = 0x50, kIe = 0x54, kIle = 0x5C, kRxgfc = 0x80, kTxbc = 0xC0;
+constexpr std::uint32_t kDbtp = 0x0C, kCccr = 0x18, kNbtp = 0x1C, kTdcr = 0x48, kIr = 0x50, kIe = 0x54, kIle = 0x5C,
+                        kRxgfc = 0x80, kTxbc = 0xC0;
 constexpr std::uint32_t kFifo0 = 0x0B0, kTx = 0x278, kElement = 72, kExtFilters = 0x070;
 constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
 constexpr std::uint32_t kNewMessage = 1, kFull = 2, kLost = 4, kTxDone = 1U << 7;
@@ -40,7 +41,8 @@ Time Fdcan::frame_time(const wire::CanFrame& frame) const {
   const Time data = ((d >> 16 & 31) + 1) * ((d >> 8 & 31) + 1 + (d >> 4 & 15) + 1 + 1) * clock;
   if (!frame.fd) return nominal * ((frame.extended ? 67U : 47U) + 8U * frame.size);
   const Time crc = frame.size > 16 ? 26 : 22;
-  return nominal * (frame.extended ? 48U : 29U) + (frame.bit_rate_switch ? data : nominal) * (9 + 8U * frame.size + crc);
+  return nominal * (frame.extended ? 48U : 29U) +
+         (frame.bit_rate_switch ? data : nominal) * (9 + 8U * frame.size + crc);
 }
 
 wire::CanFrame Fdcan::read_element(std::uint32_t offset) const {
@@ -52,7 +54,8 @@ wire::CanFrame Fdcan::read_element(std::uint32_t offset) const {
   f.bit_rate_switch = f.fd && (w1 >> 20 & 1) != 0 && (regs_[kCccr / 4] >> 9 & 1) != 0;
   f.size = kSizes[w1 >> 16 & 15];
   if (!f.fd) f.size = std::min<std::uint8_t>(f.size, 8);
-  for (std::uint32_t k = 0; k < f.size; ++k) f.data[k] = static_cast<std::uint8_t>(ram_[offset / 4 + 2 + k / 4] >> (8 * (k % 4)));
+  for (std::uint32_t k = 0; k < f.size; ++k)
+    f.data[k] = static_cast<std::uint8_t>(ram_[offset / 4 + 2 + k / 4] >> (8 * (k % 4)));
   return f;
 }
 
@@ -105,7 +108,9 @@ void Fdcan::from_bus(const wire::CanFrame& frame) {
 // One frame at a time; the lower identifier wins (11-bit before 29-bit with equal leading bits).
 void Fdcan::next_on_bus() {
   if (bus_busy_ || (incoming_.empty() && (to_send_.empty() || !running()))) return;
-  const auto rank = [](const wire::CanFrame& f) { return f.extended ? static_cast<std::uint64_t>(f.id) << 1 | 1 : static_cast<std::uint64_t>(f.id) << 19; };
+  const auto rank = [](const wire::CanFrame& f) {
+    return f.extended ? static_cast<std::uint64_t>(f.id) << 1 | 1 : static_cast<std::uint64_t>(f.id) << 19;
+  };
   const bool can_send = !to_send_.empty() && running();
   const wire::CanFrame own = can_send ? read_element(kTx + to_send_.front() * kElement) : wire::CanFrame{};
   const bool mine = can_send && (incoming_.empty() || rank(own) < rank(incoming_.front()));
@@ -158,13 +163,15 @@ std::uint32_t Fdcan::read(std::uint32_t offset, unsigned) {
   if (offset == 0x90) return fill_ | get_ << 8 | put_ << 16 | (fill_ == 3 ? 1U << 24 : 0U);
   if (offset == 0xC4) {
     const auto waiting = static_cast<std::uint32_t>(to_send_.size());
-    return (3 - waiting) | (to_send_.empty() ? tx_put_ : to_send_.front()) << 8 | tx_put_ << 16 | (waiting == 3 ? 1U << 21 : 0U);
+    return (3 - waiting) | (to_send_.empty() ? tx_put_ : to_send_.front()) << 8 | tx_put_ << 16 |
+           (waiting == 3 ? 1U << 21 : 0U);
   }
   return offset / 4 < regs_.size() ? regs_[offset / 4] : 0;
 }
 
 void Fdcan::write(std::uint32_t offset, std::uint32_t value, unsigned) {
-  const bool configuration = offset == kDbtp || offset == kNbtp || offset == kTdcr || offset == kRxgfc || offset == kTxbc || offset == 0x100;
+  const bool configuration =
+      offset == kDbtp || offset == kNbtp || offset == kTdcr || offset == kRxgfc || offset == kTxbc || offset == 0x100;
   if (configuration && (regs_[kCccr / 4] & 3) != 3) {
     around_.violation(fmt::format("FDCAN: register {:#x} written without INIT and CCE", offset));
     return;
@@ -172,19 +179,25 @@ void Fdcan::write(std::uint32_t offset, std::uint32_t value, unsigned) {
   switch (offset) {
     case kCccr: {
       std::uint32_t& cccr = regs_[kCccr / 4];
-      if ((value & 0x300) != (cccr & 0x300) && (cccr & 3) != 3) around_.violation("FDCAN: FDOE or BRSE changed without INIT and CCE");
+      if ((value & 0x300) != (cccr & 0x300) && (cccr & 3) != 3)
+        around_.violation("FDCAN: FDOE or BRSE changed without INIT and CCE");
       cccr = (value & 1) == 0 ? value & ~2U : value;
       break;
     }
-    case kIr: regs_[kIr / 4] &= ~value; break;
+    case kIr:
+      regs_[kIr / 4] &= ~value;
+      break;
     case 0x94:
-      if (fill_ == 0 || (value & 3) != get_) around_.violation("FDCAN: acknowledged a FIFO element that is not the oldest");
+      if (fill_ == 0 || (value & 3) != get_)
+        around_.violation("FDCAN: acknowledged a FIFO element that is not the oldest");
       else {
         get_ = (get_ + 1) % 3;
         --fill_;
       }
       break;
-    case 0xCC: request(value & 7); break;
+    case 0xCC:
+      request(value & 7);
+      break;
     default:
       if (offset / 4 < regs_.size()) regs_[offset / 4] = value;
   }

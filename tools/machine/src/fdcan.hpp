@@ -10,12 +10,14 @@
 
 namespace triskin::machine {
 
-/// FDCAN1 and its message RAM (RM0440 §44): initialization rules, filters, receive FIFO 0 of three, transmit FIFO of three,
-/// interrupts; frames take the time of their bits at the programmed rates.
+/// FDCAN1 and its message RAM (RM0440 §44): initialization rules, filters, receive FIFO 0 of three, transmit FIFO of
+/// three, interrupts; frames take the time of their bits at the programmed rates.
 class Fdcan final : public Peripheral {
  public:
   using Sink = std::function<void(const wire::CanFrame&, std::uint64_t now_us)>;
-  Fdcan(Surroundings& around, Sink sink, VcdTrace* trace) : Peripheral(around), sink_(std::move(sink)), trace_(trace) { reset(); }
+  Fdcan(Surroundings& around, Sink sink, VcdTrace* trace) : Peripheral(around), sink_(std::move(sink)), trace_(trace) {
+    reset();
+  }
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
@@ -51,7 +53,9 @@ class Fdcan final : public Peripheral {
 class FdcanRam final : public Peripheral {
  public:
   FdcanRam(Surroundings& around, Fdcan& can) : Peripheral(around), can_(can) {}
-  std::uint32_t read(std::uint32_t offset, unsigned size) override { return check(offset, size) ? can_.read_ram(offset) : 0; }
+  std::uint32_t read(std::uint32_t offset, unsigned size) override {
+    return check(offset, size) ? can_.read_ram(offset) : 0;
+  }
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override {
     if (check(offset, size)) can_.write_ram(offset, value);
   }

@@ -18,13 +18,15 @@ namespace {
 
 template <class T>
 T at(const std::vector<std::uint8_t>& file, std::size_t offset, const std::string& name) {
-  if (offset + sizeof(T) > file.size()) throw InputError(fmt::format("{}: ELF ends early; build the firmware again", name));
+  if (offset + sizeof(T) > file.size())
+    throw InputError(fmt::format("{}: ELF ends early; build the firmware again", name));
   T value;
   std::memcpy(&value, file.data() + offset, sizeof value);
   return value;
 }
 
-void read_symbols(const std::vector<std::uint8_t>& file, const Elf32_Ehdr& head, const std::string& name, ElfImage& image) {
+void read_symbols(const std::vector<std::uint8_t>& file, const Elf32_Ehdr& head, const std::string& name,
+                  ElfImage& image) {
   for (std::size_t s = 0; s < head.e_shnum; ++s) {
     const auto section = at<Elf32_Shdr>(file, head.e_shoff + s * sizeof(Elf32_Shdr), name);
     if (section.sh_type != SHT_SYMTAB) continue;
@@ -32,7 +34,8 @@ void read_symbols(const std::vector<std::uint8_t>& file, const Elf32_Ehdr& head,
     for (std::size_t k = 0; k + sizeof(Elf32_Sym) <= section.sh_size; k += sizeof(Elf32_Sym)) {
       const auto symbol = at<Elf32_Sym>(file, section.sh_offset + k, name);
       std::string text;
-      for (std::size_t c = strings.sh_offset + symbol.st_name; c < file.size() && file[c] != 0; ++c) text += static_cast<char>(file[c]);
+      for (std::size_t c = strings.sh_offset + symbol.st_name; c < file.size() && file[c] != 0; ++c)
+        text += static_cast<char>(file[c]);
       if (!text.empty()) image.symbols[text] = symbol.st_value;
     }
   }
@@ -69,7 +72,8 @@ ElfImage read_elf(const std::filesystem::path& path) {
 }
 
 void FlashChip::store(std::uint32_t address, const std::vector<std::uint8_t>& data) {
-  if (address < kBase || address + data.size() > kBase + kBytes) throw InputError(fmt::format("image at {:#x}: outside the flash; check its linker script", address));
+  if (address < kBase || address + data.size() > kBase + kBytes)
+    throw InputError(fmt::format("image at {:#x}: outside the flash; check its linker script", address));
   const std::uint32_t offset = address - kBase;
   std::ranges::copy(data, bytes.begin() + offset);
   for (std::size_t k = offset / kUnit; k <= (offset + data.size() - 1) / kUnit; ++k) used[k] = true;

@@ -24,11 +24,16 @@ void FlashController::reset() {
 
 std::uint32_t FlashController::read(std::uint32_t offset, unsigned) {
   switch (offset) {
-    case 0x00: return acr_;
-    case 0x10: return sr_;
-    case 0x14: return cr_;
-    case 0x18: return eccr_;
-    default: return 0;
+    case 0x00:
+      return acr_;
+    case 0x10:
+      return sr_;
+    case 0x14:
+      return cr_;
+    case 0x18:
+      return eccr_;
+    default:
+      return 0;
   }
 }
 
@@ -58,11 +63,20 @@ void FlashController::write(std::uint32_t offset, std::uint32_t value, unsigned)
       acr_ = value;
       rcc_.set_wait_states(value & 15);
       break;
-    case 0x08: write_key(value); break;
-    case 0x10: sr_ &= ~(value & 0xC3FB); break;
-    case 0x14: write_control(value); break;
-    case 0x18: eccr_ &= ~(value & 0xC0000000); break;
-    default: around_.violation(fmt::format("FLASH register {:#x} is not modelled", offset));
+    case 0x08:
+      write_key(value);
+      break;
+    case 0x10:
+      sr_ &= ~(value & 0xC3FB);
+      break;
+    case 0x14:
+      write_control(value);
+      break;
+    case 0x18:
+      eccr_ &= ~(value & 0xC0000000);
+      break;
+    default:
+      around_.violation(fmt::format("FLASH register {:#x} is not modelled", offset));
   }
 }
 
@@ -78,8 +92,10 @@ void FlashController::write_control(std::uint32_t value) {
   cr_ = (cr_ & 0x40000000) | (value & 0x8FFFFFFF);
   if ((cr_ & kStart) == 0) return;
   cr_ &= ~kStart;
-  if ((cr_ & 2) == 0 || (cr_ & 1) != 0) error(kSequenceError, "FLASH_CR.STRT without page erase, or with programming");
-  else start_erase();
+  if ((cr_ & 2) == 0 || (cr_ & 1) != 0)
+    error(kSequenceError, "FLASH_CR.STRT without page erase, or with programming");
+  else
+    start_erase();
 }
 
 // Counts the operation; when power fails in it, half of it has happened.

@@ -59,15 +59,24 @@ std::uint32_t Gpio::read(std::uint32_t offset, unsigned) {
   if (port >= ports_.size()) return 0;
   const Port& p = ports_[port];
   switch (offset % 0x400) {
-    case 0x00: return p.moder;
-    case 0x04: return p.otyper;
-    case 0x08: return p.ospeedr;
-    case 0x0C: return p.pupdr;
-    case 0x10: return levels(port);
-    case 0x14: return p.odr;
-    case 0x20: return p.afrl;
-    case 0x24: return p.afrh;
-    default: return 0;
+    case 0x00:
+      return p.moder;
+    case 0x04:
+      return p.otyper;
+    case 0x08:
+      return p.ospeedr;
+    case 0x0C:
+      return p.pupdr;
+    case 0x10:
+      return levels(port);
+    case 0x14:
+      return p.odr;
+    case 0x20:
+      return p.afrl;
+    case 0x24:
+      return p.afrh;
+    default:
+      return 0;
   }
 }
 
@@ -95,15 +104,32 @@ void Gpio::write(std::uint32_t offset, std::uint32_t value, unsigned) {
   const std::array<Port, 3> before = ports_;
   Port& p = ports_[port];
   switch (offset % 0x400) {
-    case 0x00: p.moder = value; break;
-    case 0x04: p.otyper = value; break;
-    case 0x08: p.ospeedr = value; break;
-    case 0x0C: p.pupdr = value; break;
-    case 0x14: p.odr = value & 0xFFFF; break;
-    case 0x18: p.odr = (p.odr | (value & 0xFFFF)) & ~(value >> 16 & ~value & 0xFFFF); break;
-    case 0x20: p.afrl = value; break;
-    case 0x24: p.afrh = value; break;
-    default: around_.violation(fmt::format("GPIO register {:#x} is not modelled", offset % 0x400));
+    case 0x00:
+      p.moder = value;
+      break;
+    case 0x04:
+      p.otyper = value;
+      break;
+    case 0x08:
+      p.ospeedr = value;
+      break;
+    case 0x0C:
+      p.pupdr = value;
+      break;
+    case 0x14:
+      p.odr = value & 0xFFFF;
+      break;
+    case 0x18:
+      p.odr = (p.odr | (value & 0xFFFF)) & ~(value >> 16 & ~value & 0xFFFF);
+      break;
+    case 0x20:
+      p.afrl = value;
+      break;
+    case 0x24:
+      p.afrh = value;
+      break;
+    default:
+      around_.violation(fmt::format("GPIO register {:#x} is not modelled", offset % 0x400));
   }
   follow_lines(before);
   follow_chain();

@@ -9,8 +9,8 @@
 
 namespace triskin::machine {
 
-/// Ports A, B, C (RM0440 §9.4): modes, alternate functions, levels. The pins of the four I²C lines are tied to their buses,
-/// so that pulses made by hand reach the chips; PB12, PB10 and PB11 are EN and latch of the route chain.
+/// Ports A, B, C (RM0440 §9.4): modes, alternate functions, levels. The pins of the four I²C lines are tied to their
+/// buses, so that pulses made by hand reach the chips; PB12, PB10 and PB11 are EN and latch of the route chain.
 class Gpio final : public Peripheral {
  public:
   Gpio(Surroundings& around, Rcc& rcc, const std::array<sim::I2cBus*, 4>& buses, RouteChainPins& chain)

@@ -8,7 +8,8 @@
 namespace triskin::machine {
 namespace {
 
-constexpr std::uint32_t kTxEmpty = 1, kTxIs = 2, kRxNe = 4, kNack = 16, kStop = 32, kTc = 64, kTimeout = 1U << 12, kBusy = 1U << 15;
+constexpr std::uint32_t kTxEmpty = 1, kTxIs = 2, kRxNe = 4, kNack = 16, kStop = 32, kTc = 64, kTimeout = 1U << 12,
+                        kBusy = 1U << 15;
 constexpr std::uint32_t kStartBit = 1U << 13, kStopBit = 1U << 14, kAutoEnd = 1U << 25, kReadBit = 1U << 10;
 
 }  // namespace
@@ -33,7 +34,8 @@ void I2cController::check_timing() {
   const Time unit = ((timing_ >> 28) + 1) * (kSecond / around_.sysclk_hz());
   const Time low = ((timing_ & 255) + 1) * unit, high = ((timing_ >> 8 & 255) + 1) * unit;
   if (low < 1'300'000 || high < 600'000 || scl_period() < 2'499'000) {
-    around_.violation(fmt::format("I2C{}: SCL low {} ns, high {} ns, period {} ns break fast mode", line_ + 1, low / 1000, high / 1000, scl_period() / 1000));
+    around_.violation(fmt::format("I2C{}: SCL low {} ns, high {} ns, period {} ns break fast mode", line_ + 1,
+                                  low / 1000, high / 1000, scl_period() / 1000));
   }
 }
 
@@ -53,7 +55,8 @@ void I2cController::serve_dma() {
     if (!byte) break;
     load(*byte);
   }
-  while ((cr1_ & kRxDma) != 0 && (isr_ & kRxNe) != 0 && dma_.wants(receive_request())) dma_.store(receive_request(), take_received());
+  while ((cr1_ & kRxDma) != 0 && (isr_ & kRxNe) != 0 && dma_.wants(receive_request()))
+    dma_.store(receive_request(), take_received());
 }
 
 std::uint8_t I2cController::take_received() {
@@ -83,18 +86,24 @@ void I2cController::update_irqs() {
 
 std::uint32_t I2cController::read(std::uint32_t offset, unsigned) {
   switch (offset) {
-    case 0x00: return cr1_;
-    case 0x04: return cr2_;
-    case 0x10: return timing_;
-    case 0x14: return timeout_;
-    case 0x18: return isr_;
+    case 0x00:
+      return cr1_;
+    case 0x04:
+      return cr2_;
+    case 0x10:
+      return timing_;
+    case 0x14:
+      return timeout_;
+    case 0x18:
+      return isr_;
     case 0x24: {
       if ((isr_ & kRxNe) == 0) around_.violation(fmt::format("I2C{}: RXDR read while empty", line_ + 1));
       const std::uint8_t value = take_received();
       update_irqs();
       return value;
     }
-    default: return 0;
+    default:
+      return 0;
   }
 }
 
@@ -110,19 +119,26 @@ void I2cController::write(std::uint32_t offset, std::uint32_t value, unsigned) {
       if ((value & 1) != 0 && (cr1_ & 1) == 0) check_timing();
       cr1_ = value;
       break;
-    case 0x04: write_control2(value); break;
+    case 0x04:
+      write_control2(value);
+      break;
     case 0x10:
-      if ((cr1_ & 1) != 0) around_.violation(fmt::format("I2C{}: TIMINGR written while enabled", line_ + 1));
-      else timing_ = value;
+      if ((cr1_ & 1) != 0)
+        around_.violation(fmt::format("I2C{}: TIMINGR written while enabled", line_ + 1));
+      else
+        timing_ = value;
       break;
     case 0x14:
-      if ((timeout_ & 0x8000) != 0 && (value & 0x8000) != 0) around_.violation(fmt::format("I2C{}: TIMEOUTA changed while it counts", line_ + 1));
+      if ((timeout_ & 0x8000) != 0 && (value & 0x8000) != 0)
+        around_.violation(fmt::format("I2C{}: TIMEOUTA changed while it counts", line_ + 1));
       timeout_ = value;
       break;
     case 0x18:  // TXE written as 1 empties the data register
       if ((value & 1) != 0) tx_waits_ = false;
       break;
-    case 0x1C: isr_ &= ~(value & 0x3F38); break;
+    case 0x1C:
+      isr_ &= ~(value & 0x3F38);
+      break;
     case 0x28:
       if ((isr_ & kTxIs) == 0) {
         around_.violation(fmt::format("I2C{}: TXDR written when it was not empty", line_ + 1));
@@ -130,7 +146,8 @@ void I2cController::write(std::uint32_t offset, std::uint32_t value, unsigned) {
       }
       load(static_cast<std::uint8_t>(value));
       break;
-    default: around_.violation(fmt::format("I2C{} register {:#x} is not modelled", line_ + 1, offset));
+    default:
+      around_.violation(fmt::format("I2C{} register {:#x} is not modelled", line_ + 1, offset));
   }
   update_irqs();
 }
@@ -152,7 +169,8 @@ void I2cController::begin() {
   reading_ = (cr2_ & kReadBit) != 0;
   count_ = cr2_ >> 16 & 255;
   loaded_ = moved_ = 0;
-  if (tx_waits_) around_.violation(fmt::format("I2C{}: start while TXDR still holds a byte of the transfer before", line_ + 1));
+  if (tx_waits_)
+    around_.violation(fmt::format("I2C{}: start while TXDR still holds a byte of the transfer before", line_ + 1));
   tx_waits_ = shifting_ = stretched_ = false;
   isr_ = (isr_ & ~(kTc | kTxIs | kRxNe)) | kBusy;
   if (!std::exchange(on_bus_, true)) busy_since_ = around_.time().now();
@@ -220,8 +238,10 @@ void I2cController::shift_in() {
     if (!lines_free()) return hang();
     if (trace_ != nullptr) trace_->i2c_byte(line_, held_, more, around_.time().now(), scl_period());
     ++moved_;
-    if ((isr_ & kRxNe) != 0) stretched_ = true;  // nobody has taken the byte before: SCL stays low
-    else deliver();
+    if ((isr_ & kRxNe) != 0)
+      stretched_ = true;  // nobody has taken the byte before: SCL stays low
+    else
+      deliver();
   });
 }
 
@@ -229,13 +249,17 @@ void I2cController::shift_in() {
 void I2cController::deliver() {
   rx_ = held_;
   isr_ |= kRxNe;
-  if (moved_ < count_) shift_in();
-  else finish_phase();
+  if (moved_ < count_)
+    shift_in();
+  else
+    finish_phase();
 }
 
 void I2cController::finish_phase() {
-  if ((cr2_ & kAutoEnd) != 0) send_stop();
-  else isr_ |= kTc;
+  if ((cr2_ & kAutoEnd) != 0)
+    send_stop();
+  else
+    isr_ |= kTc;
 }
 
 void I2cController::send_stop() {

@@ -9,12 +9,20 @@
 
 namespace triskin::machine {
 
-/// I²C version 2 as a master (RM0440 §41.9): timing from TIMINGR, data register and shift register, automatic end, NACK and
-/// stop, SCL time-out, DMA requests. The bytes go to an I2cBus. Its pins can be taken away by the GPIO block (bus clear).
+/// I²C version 2 as a master (RM0440 §41.9): timing from TIMINGR, data register and shift register, automatic end,
+/// NACK and stop, SCL time-out, DMA requests. The bytes go to an I2cBus. Its pins can be taken away by the GPIO block
+/// (bus clear).
 class I2cController final : public Peripheral {
  public:
-  I2cController(Surroundings& around, int line, sim::I2cBus& bus, int event_irq, int error_irq, Dma& dma, VcdTrace* trace)
-      : Peripheral(around), line_(line), bus_(bus), event_irq_(event_irq), error_irq_(error_irq), dma_(dma), trace_(trace) {
+  I2cController(Surroundings& around, int line, sim::I2cBus& bus, int event_irq, int error_irq, Dma& dma,
+                VcdTrace* trace)
+      : Peripheral(around),
+        line_(line),
+        bus_(bus),
+        event_irq_(event_irq),
+        error_irq_(error_irq),
+        dma_(dma),
+        trace_(trace) {
     reset();
   }
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
@@ -39,7 +47,9 @@ class I2cController final : public Peripheral {
   [[nodiscard]] bool lines_free() const { return bus_.scl() && bus_.sda(); }
   void update_irqs();
   void serve_dma();
-  [[nodiscard]] std::uint32_t receive_request() const { return 16 + 2 * static_cast<std::uint32_t>(line_); }  // RM0440 table 91
+  [[nodiscard]] std::uint32_t receive_request() const {
+    return 16 + 2 * static_cast<std::uint32_t>(line_);
+  }  // RM0440 table 91
   std::uint8_t take_received();
   void load(std::uint8_t byte);
 

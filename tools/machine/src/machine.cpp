@@ -13,14 +13,32 @@ void Machine::run_until(std::uint64_t us) {
   for (std::size_t k = 0; k < 4; ++k) core_->counts_.i2c_busy_us[k] = core_->i2c_busy(k) / kMicrosecond;
 }
 
-void Machine::power_cycle(const FlashChip& cells) { core_->power_cycle(cells); }
-std::uint64_t Machine::now_us() const { return core_->time().now_us(); }
-void Machine::receive(const wire::CanFrame& frame) { core_->receive(frame); }
-UsbWire& Machine::usb() { return core_->usb(); }
-std::uint32_t Machine::read_word(std::uint32_t address) const { return core_->load(address); }
-const std::vector<Violation>& Machine::violations() const { return core_->violations_; }
-const MachineCounts& Machine::counts() const { return core_->counts_; }
-std::uint64_t Machine::sysclk_hz() const { return core_->sysclk_hz(); }
-std::uint32_t Machine::vector_table() const { return core_->vtor(); }
+void Machine::power_cycle(const FlashChip& cells) {
+  core_->power_cycle(cells);
+}
+std::uint64_t Machine::now_us() const {
+  return core_->time().now_us();
+}
+void Machine::receive(const wire::CanFrame& frame) {
+  core_->receive(frame);
+}
+UsbWire& Machine::usb() {
+  return core_->usb();
+}
+std::uint32_t Machine::read_word(std::uint32_t address) const {
+  return core_->load(address);
+}
+const std::vector<Violation>& Machine::violations() const {
+  return core_->violations_;
+}
+const MachineCounts& Machine::counts() const {
+  return core_->counts_;
+}
+std::uint64_t Machine::sysclk_hz() const {
+  return core_->sysclk_hz();
+}
+std::uint32_t Machine::vector_table() const {
+  return core_->vtor();
+}
 
 }  // namespace triskin::machine

@@ -57,7 +57,9 @@ void Nvic::leave() {
   poked = true;
 }
 
-Time Nvic::tick_period() const { return (Time{tick_reload_} + 1) * kSecond / around_.sysclk_hz(); }
+Time Nvic::tick_period() const {
+  return (Time{tick_reload_} + 1) * kSecond / around_.sysclk_hz();
+}
 
 void Nvic::book_tick() {
   const std::uint64_t generation = ++tick_generation_;
@@ -79,17 +81,24 @@ std::uint32_t Nvic::read(std::uint32_t offset, unsigned) {
       tick_control_ &= ~0x10000U;
       return v;
     }
-    case 0x014: return tick_reload_;
+    case 0x014:
+      return tick_reload_;
     case 0x018: {
       if ((tick_control_ & 1) == 0) return 0;
       const Time gone = around_.time().now() - tick_base_;
-      return tick_reload_ - static_cast<std::uint32_t>(std::min<Time>(tick_reload_, gone * (tick_reload_ + 1) / tick_period()));
+      return tick_reload_ -
+             static_cast<std::uint32_t>(std::min<Time>(tick_reload_, gone * (tick_reload_ + 1) / tick_period()));
     }
-    case 0xD00: return 0x410FC241;  // CPUID: Cortex-M4 r0p1
-    case 0xD04: return static_cast<std::uint32_t>(running());
-    case 0xD08: return vtor_;
-    case 0xD88: return cpacr_;
-    default: break;
+    case 0xD00:
+      return 0x410FC241;  // CPUID: Cortex-M4 r0p1
+    case 0xD04:
+      return static_cast<std::uint32_t>(running());
+    case 0xD08:
+      return vtor_;
+    case 0xD88:
+      return cpacr_;
+    default:
+      break;
   }
   if (offset >= 0x100 && offset < 0x110) {
     std::uint32_t v = 0;
@@ -120,21 +129,32 @@ void Nvic::write_control(std::uint32_t offset, std::uint32_t value) {
       tick_control_ = (tick_control_ & 0x10000U) | (value & 7);
       book_tick();
       break;
-    case 0x014: tick_reload_ = value & 0xFFFFFF; break;
-    case 0x018: book_tick(); break;
+    case 0x014:
+      tick_reload_ = value & 0xFFFFFF;
+      break;
+    case 0x018:
+      book_tick();
+      break;
     case 0xD04:
       if ((value & 1U << 28) != 0) pend(kPendSv);
       if ((value & 1U << 27) != 0) pending_[kPendSv] = false;
       if ((value & 1U << 26) != 0) pend(kSysTick);
       if ((value & 1U << 25) != 0) pending_[kSysTick] = false;
       break;
-    case 0xD08: vtor_ = value; break;
-    case 0xD0C:
-      if (value >> 16 != 0x05FA) around_.violation("AIRCR written without its key");
-      else if ((value & 4) != 0) around_.request_reset(1U << 28);
+    case 0xD08:
+      vtor_ = value;
       break;
-    case 0xD88: cpacr_ = value; break;
-    default: break;
+    case 0xD0C:
+      if (value >> 16 != 0x05FA)
+        around_.violation("AIRCR written without its key");
+      else if ((value & 4) != 0)
+        around_.request_reset(1U << 28);
+      break;
+    case 0xD88:
+      cpacr_ = value;
+      break;
+    default:
+      break;
   }
 }
 
@@ -143,9 +163,11 @@ void Nvic::write(std::uint32_t offset, std::uint32_t value, unsigned size) {
   if (offset >= 0x100 && offset < 0x300) {
     write_bits(offset, value);
   } else if (offset >= 0x400 && offset < 0x400 + 102) {
-    for (std::uint32_t k = 0; k < size; ++k) priority_[16 + offset - 0x400 + k] = static_cast<std::uint8_t>(value >> (8 * k));
+    for (std::uint32_t k = 0; k < size; ++k)
+      priority_[16 + offset - 0x400 + k] = static_cast<std::uint8_t>(value >> (8 * k));
   } else if (offset >= 0xD18 && offset < 0xD24) {
-    for (std::uint32_t k = 0; k < size; ++k) priority_[4 + offset - 0xD18 + k] = static_cast<std::uint8_t>(value >> (8 * k));
+    for (std::uint32_t k = 0; k < size; ++k)
+      priority_[4 + offset - 0xD18 + k] = static_cast<std::uint8_t>(value >> (8 * k));
   } else {
     write_control(offset, value);
   }

@@ -8,7 +8,8 @@
 namespace triskin::machine {
 namespace {
 
-constexpr std::uint32_t kMaster = 1U << 2, kEnable = 1U << 6, kPhasePolarity = 3, kLeastFirst = 1U << 7, kSelectedHigh = 3U << 8;
+constexpr std::uint32_t kMaster = 1U << 2, kEnable = 1U << 6, kPhasePolarity = 3, kLeastFirst = 1U << 7,
+                        kSelectedHigh = 3U << 8;
 constexpr std::uint32_t kDataSize = 15U << 8, kEightBits = 7U << 8, kReceiveByte = 1U << 12;
 
 }  // namespace
@@ -29,11 +30,17 @@ std::uint32_t SpiController::status() const {
 
 std::uint32_t SpiController::read(std::uint32_t offset, unsigned size) {
   switch (offset) {
-    case 0x00: return control1_;
-    case 0x04: return control2_;
-    case 0x08: return status();
-    case 0x0C: break;
-    default: around_.violation(fmt::format("SPI register {:#x} is not modelled", offset)); return 0;
+    case 0x00:
+      return control1_;
+    case 0x04:
+      return control2_;
+    case 0x08:
+      return status();
+    case 0x0C:
+      break;
+    default:
+      around_.violation(fmt::format("SPI register {:#x} is not modelled", offset));
+      return 0;
   }
   if (size != 1) around_.violation("SPI data read wider than a frame: that takes two");
   if (received_.empty()) {
@@ -47,7 +54,8 @@ std::uint32_t SpiController::read(std::uint32_t offset, unsigned size) {
 
 void SpiController::write(std::uint32_t offset, std::uint32_t value, unsigned size) {
   switch (offset) {
-    case 0x00: return write_control(value);
+    case 0x00:
+      return write_control(value);
     case 0x04:
       if ((control1_ & kEnable) != 0) around_.violation("SPI_CR2 changed while SPI is on");
       control2_ = value;
@@ -55,19 +63,24 @@ void SpiController::write(std::uint32_t offset, std::uint32_t value, unsigned si
     case 0x0C:
       if (size != 1) around_.violation("SPI data written wider than a frame: that sends two");
       return put(static_cast<std::uint8_t>(value));
-    default: around_.violation(fmt::format("SPI register {:#x} is not modelled", offset));
+    default:
+      around_.violation(fmt::format("SPI register {:#x} is not modelled", offset));
   }
 }
 
 void SpiController::write_control(std::uint32_t value) {
   const std::uint32_t changed = value ^ control1_;
   if ((control1_ & kEnable) != 0 && (changed & ~kEnable) != 0) around_.violation("SPI_CR1 changed while SPI is on");
-  if ((changed & kEnable) != 0 && (value & kEnable) == 0 && shifting_) around_.violation("SPI switched off while it is busy");
+  if ((changed & kEnable) != 0 && (value & kEnable) == 0 && shifting_)
+    around_.violation("SPI switched off while it is busy");
   control1_ = value;
   if ((value & kEnable) == 0) return;
-  if ((value & kMaster) == 0 || (value & (kPhasePolarity | kLeastFirst)) != 0) around_.violation("SPI: only a master in mode 0, most significant bit first, is modelled");
-  if ((value & kSelectedHigh) != kSelectedHigh) around_.violation("SPI: a master without NSS pin needs SSM and SSI, or it faults (MODF)");
-  if ((control2_ & kDataSize) != kEightBits || (control2_ & kReceiveByte) == 0) around_.violation("SPI: only frames of eight bits with FRXTH are modelled");
+  if ((value & kMaster) == 0 || (value & (kPhasePolarity | kLeastFirst)) != 0)
+    around_.violation("SPI: only a master in mode 0, most significant bit first, is modelled");
+  if ((value & kSelectedHigh) != kSelectedHigh)
+    around_.violation("SPI: a master without NSS pin needs SSM and SSI, or it faults (MODF)");
+  if ((control2_ & kDataSize) != kEightBits || (control2_ & kReceiveByte) == 0)
+    around_.violation("SPI: only frames of eight bits with FRXTH are modelled");
 }
 
 void SpiController::put(std::uint8_t byte) {
@@ -90,8 +103,10 @@ void SpiController::start_frame() {
 void SpiController::end_frame(std::uint8_t byte) {
   if (!pins_ready_()) around_.violation("SPI sends, but its pins are not alternate functions");
   const std::uint8_t in = exchange_(byte);
-  if (received_.size() < kFifoBytes) received_.push_back(in);
-  else overrun_ = true, around_.violation("SPI overrun: four bytes were not read");
+  if (received_.size() < kFifoBytes)
+    received_.push_back(in);
+  else
+    overrun_ = true, around_.violation("SPI overrun: four bytes were not read");
   shifting_ = false;
   if (!to_send_.empty()) start_frame();
 }

@@ -24,7 +24,9 @@ void Rcc::reset() {
   boost_ = false;
 }
 
-std::uint32_t Rcc::read(std::uint32_t offset, unsigned) { return offset == kCsr ? csr_flags_ : regs_[offset / 4 & 63]; }
+std::uint32_t Rcc::read(std::uint32_t offset, unsigned) {
+  return offset == kCsr ? csr_flags_ : regs_[offset / 4 & 63];
+}
 
 void Rcc::write_control(std::uint32_t value) {
   constexpr std::uint32_t kReadOnly = 1U << 10 | 1U << 17 | 1U << 25;
@@ -32,7 +34,8 @@ void Rcc::write_control(std::uint32_t value) {
   const std::uint32_t before = cr;
   cr = (value & ~kReadOnly) | (before & kReadOnly);
   const auto start = [&](unsigned on, unsigned ready, Time delay) {
-    if ((cr >> on & 1) == 0) cr &= ~(1U << ready);
+    if ((cr >> on & 1) == 0)
+      cr &= ~(1U << ready);
     else if ((before >> on & 1) == 0) {
       around_.time().after(delay, [this, ready, g = generation_] {
         if (g == generation_) regs_[kCr / 4] |= 1U << ready;
@@ -62,23 +65,29 @@ void Rcc::switch_clock() {
     hz = hz / ((pll >> 4 & 15) + 1) * (pll >> 8 & 127) / (2 * ((pll >> 25 & 3) + 1));
     if ((pll >> 24 & 1) == 0) around_.violation("RCC_PLLCFGR.PLLREN is off: the PLL has no output");
     if (hz > 170'000'000) around_.violation(fmt::format("SYSCLK of {} Hz", hz));
-    if (!was_pll && hz > 80'000'000 && (cfgr & 0xF0) == 0) around_.violation("switched above 80 MHz without halving the AHB clock");
+    if (!was_pll && hz > 80'000'000 && (cfgr & 0xF0) == 0)
+      around_.violation("switched above 80 MHz without halving the AHB clock");
     if (hz > 150'000'000 && !boost_) around_.violation("above 150 MHz without PWR_CR5 boost");
-    if (hz > (wait_states_ + 1) * 34'000'000ULL) around_.violation(fmt::format("{} flash wait states at {} Hz", wait_states_, hz));
+    if (hz > (wait_states_ + 1) * 34'000'000ULL)
+      around_.violation(fmt::format("{} flash wait states at {} Hz", wait_states_, hz));
   }
   sysclk_hz_ = (cfgr & 0xF0) == 0x80 ? hz / 2 : hz;
 }
 
 void Rcc::write(std::uint32_t offset, std::uint32_t value, unsigned) {
   switch (offset) {
-    case kCr: write_control(value); return;
+    case kCr:
+      write_control(value);
+      return;
     case kCfgr:
       regs_[kCfgr / 4] = (value & ~0xCU) | (regs_[kCfgr / 4] & 0xCU);
       switch_clock();
       return;
     case kPllCfgr:
-      if ((regs_[kCr / 4] >> 24 & 1) != 0) around_.violation("RCC_PLLCFGR written while the PLL runs");
-      else regs_[kPllCfgr / 4] = value;
+      if ((regs_[kCr / 4] >> 24 & 1) != 0)
+        around_.violation("RCC_PLLCFGR written while the PLL runs");
+      else
+        regs_[kPllCfgr / 4] = value;
       return;
     case kCsr:
       if ((value >> 23 & 1) != 0) csr_flags_ = 0;
@@ -90,7 +99,8 @@ void Rcc::write(std::uint32_t offset, std::uint32_t value, unsigned) {
         if (g == generation_ && (regs_[kCrrcr / 4] & 1) != 0) regs_[kCrrcr / 4] |= 2;
       });
       return;
-    default: regs_[offset / 4 & 63] = value;
+    default:
+      regs_[offset / 4 & 63] = value;
   }
 }
 
@@ -132,14 +142,22 @@ void Tim2::book_compare() {
 
 std::uint32_t Tim2::read(std::uint32_t offset, unsigned) {
   switch (offset) {
-    case 0x00: return control_;
-    case 0x0C: return interrupts_;
-    case 0x10: return status_;
-    case 0x24: return static_cast<std::uint32_t>(count());
-    case 0x28: return prescaler_next_;
-    case 0x2C: return 0xFFFFFFFF;
-    case 0x34: return compare_;
-    default: return 0;
+    case 0x00:
+      return control_;
+    case 0x0C:
+      return interrupts_;
+    case 0x10:
+      return status_;
+    case 0x24:
+      return static_cast<std::uint32_t>(count());
+    case 0x28:
+      return prescaler_next_;
+    case 0x2C:
+      return 0xFFFFFFFF;
+    case 0x34:
+      return compare_;
+    default:
+      return 0;
   }
 }
 
@@ -149,8 +167,12 @@ void Tim2::write(std::uint32_t offset, std::uint32_t value, unsigned) {
       if ((value & 1) != 0 && (control_ & 1) == 0) base_ = around_.time().now();
       control_ = value;
       break;
-    case 0x0C: interrupts_ = value; break;
-    case 0x10: status_ &= value; break;
+    case 0x0C:
+      interrupts_ = value;
+      break;
+    case 0x10:
+      status_ &= value;
+      break;
     case 0x14:
       if ((value & 1) != 0) {
         prescaler_ = prescaler_next_;
@@ -158,12 +180,17 @@ void Tim2::write(std::uint32_t offset, std::uint32_t value, unsigned) {
       }
       if ((value & 2) != 0) status_ |= 2;
       break;
-    case 0x28: prescaler_next_ = value & 0xFFFF; break;
+    case 0x28:
+      prescaler_next_ = value & 0xFFFF;
+      break;
     case 0x2C:
       if (value != 0xFFFFFFFF) around_.violation("TIM2_ARR: only the full period is modelled");
       break;
-    case 0x34: compare_ = value; break;
-    default: around_.violation(fmt::format("TIM2 register {:#x} is not modelled", offset));
+    case 0x34:
+      compare_ = value;
+      break;
+    default:
+      around_.violation(fmt::format("TIM2 register {:#x} is not modelled", offset));
   }
   book_compare();
   update_irq();
@@ -184,7 +211,9 @@ void Iwdg::reload() {
   });
 }
 
-std::uint32_t Iwdg::read(std::uint32_t offset, unsigned) { return offset == 0x04 ? prescaler_ : offset == 0x08 ? reload_ : 0; }
+std::uint32_t Iwdg::read(std::uint32_t offset, unsigned) {
+  return offset == 0x04 ? prescaler_ : offset == 0x08 ? reload_ : 0;
+}
 
 void Iwdg::write(std::uint32_t offset, std::uint32_t value, unsigned) {
   if (offset == 0x00) {

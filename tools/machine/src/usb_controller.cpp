@@ -10,17 +10,28 @@ namespace {
 
 constexpr int kIrq = 20;
 constexpr std::uint32_t kReset = 1U << 10, kSuspend = 1U << 11, kWakeUp = 1U << 12, kTransferred = 1U << 15;
-constexpr std::uint32_t kReceived = 1U << 15, kSetup = 1U << 11, kSent = 1U << 7, kPlain = 0x70F, kReceiveToggle = 1U << 14, kSendToggle = 1U << 6;
+constexpr std::uint32_t kReceived = 1U << 15, kSetup = 1U << 11, kSent = 1U << 7, kPlain = 0x70F,
+                        kReceiveToggle = 1U << 14, kSendToggle = 1U << 6;
 constexpr std::uint32_t kToggled = kReceiveToggle | 3U << 12 | kSendToggle | 3U << 4;
 constexpr std::uint32_t kDisabled = 0, kStall = 1, kNak = 2, kValid = 3;
 constexpr std::uint32_t kSendAddress = 0, kSendCount = 1, kReceiveAddress = 2, kReceiveCount = 3;
 constexpr Time kStartUp = 1 * kMicrosecond;  // STM32G474 data sheet, USB start-up time
 
-std::uint32_t receive_status(std::uint32_t r) { return r >> 12 & 3; }
-std::uint32_t send_status(std::uint32_t r) { return r >> 4 & 3; }
-void set_receive_status(std::uint32_t& r, std::uint32_t s) { r = (r & ~(3U << 12)) | s << 12; }
-void set_send_status(std::uint32_t& r, std::uint32_t s) { r = (r & ~(3U << 4)) | s << 4; }
-bool control_type(std::uint32_t r) { return (r >> 9 & 3) == 1; }
+std::uint32_t receive_status(std::uint32_t r) {
+  return r >> 12 & 3;
+}
+std::uint32_t send_status(std::uint32_t r) {
+  return r >> 4 & 3;
+}
+void set_receive_status(std::uint32_t& r, std::uint32_t s) {
+  r = (r & ~(3U << 12)) | s << 12;
+}
+void set_send_status(std::uint32_t& r, std::uint32_t s) {
+  r = (r & ~(3U << 4)) | s << 4;
+}
+bool control_type(std::uint32_t r) {
+  return (r >> 9 & 3) == 1;
+}
 
 }  // namespace
 
@@ -42,17 +53,25 @@ std::uint32_t UsbController::status() const {
   return s;
 }
 
-void UsbController::update_irq() { around_.set_irq(kIrq, (status() & control_ & 0xFF80) != 0); }
+void UsbController::update_irq() {
+  around_.set_irq(kIrq, (status() & control_ & 0xFF80) != 0);
+}
 
 std::uint32_t UsbController::read(std::uint32_t offset, unsigned) {
   if (offset < 4 * kEndpoints) return endpoints_[offset / 4];
   switch (offset) {
-    case 0x40: return control_;
-    case 0x44: return status();
-    case 0x4C: return address_;
-    case 0x50: return table_;
-    case 0x58: return pull_up_ ? 1U << 15 : 0;
-    default: return 0;
+    case 0x40:
+      return control_;
+    case 0x44:
+      return status();
+    case 0x4C:
+      return address_;
+    case 0x50:
+      return table_;
+    case 0x58:
+      return pull_up_ ? 1U << 15 : 0;
+    default:
+      return 0;
   }
 }
 
@@ -62,12 +81,23 @@ void UsbController::write(std::uint32_t offset, std::uint32_t value, unsigned si
     write_endpoint(offset / 4, value);
   } else {
     switch (offset) {
-      case 0x40: write_control(value & 0xFFFF); break;
-      case 0x44: events_ &= value; break;
-      case 0x4C: address_ = value & 0xFF; break;
-      case 0x50: table_ = value & 0xFFF8; break;
-      case 0x58: pull_up_ = (value >> 15 & 1) != 0; break;
-      default: around_.violation(fmt::format("USB register {:#x} is not modelled", offset));
+      case 0x40:
+        write_control(value & 0xFFFF);
+        break;
+      case 0x44:
+        events_ &= value;
+        break;
+      case 0x4C:
+        address_ = value & 0xFF;
+        break;
+      case 0x50:
+        table_ = value & 0xFFF8;
+        break;
+      case 0x58:
+        pull_up_ = (value >> 15 & 1) != 0;
+        break;
+      default:
+        around_.violation(fmt::format("USB register {:#x} is not modelled", offset));
     }
   }
   update_irq();
@@ -122,7 +152,8 @@ void UsbController::set_descriptor(std::size_t n, std::uint32_t field, std::uint
   memory_[at + 1] = static_cast<std::uint8_t>(value >> 8);
 }
 
-// The block size is 2 or 32 bytes (§45.6.3). A packet that is too long is a violation: the hardware would stop writing.
+// The block size is 2 or 32 bytes (§45.6.3). A packet that is too long is a violation: the hardware would stop
+// writing.
 bool UsbController::store(std::size_t n, std::span<const std::uint8_t> bytes) {
   const std::uint32_t at = descriptor(n, kReceiveAddress), count = descriptor(n, kReceiveCount);
   const std::uint32_t room = (count >> 15 & 1) != 0 ? 32 * ((count >> 10 & 31) + 1) : 2 * (count >> 10 & 31);
@@ -137,7 +168,9 @@ bool UsbController::store(std::size_t n, std::span<const std::uint8_t> bytes) {
 
 std::uint32_t* UsbController::find(std::uint8_t address, std::uint8_t endpoint) {
   if (!attached() || (address_ & 0x80) == 0 || (address_ & 0x7F) != address) return nullptr;
-  const auto r = std::ranges::find_if(endpoints_, [&](std::uint32_t e) { return (e & 0xF) == endpoint && (receive_status(e) != kDisabled || send_status(e) != kDisabled); });
+  const auto r = std::ranges::find_if(endpoints_, [&](std::uint32_t e) {
+    return (e & 0xF) == endpoint && (receive_status(e) != kDisabled || send_status(e) != kDisabled);
+  });
   return r == endpoints_.end() ? nullptr : &*r;
 }
 
@@ -156,7 +189,8 @@ void UsbController::bus_suspend(bool suspended) {
 // A control end point takes a SETUP also while it says NAK or STALL, but not while one is unserved (§45.5.3).
 UsbReply UsbController::setup(std::uint8_t address, std::span<const std::uint8_t, 8> bytes) {
   std::uint32_t* r = find(address, 0);
-  if (r == nullptr || !control_type(*r) || receive_status(*r) == kDisabled || (*r & kReceived) != 0) return UsbReply::kNone;
+  if (r == nullptr || !control_type(*r) || receive_status(*r) == kDisabled || (*r & kReceived) != 0)
+    return UsbReply::kNone;
   if (!store(index_of(r), bytes)) return UsbReply::kNone;
   *r |= kReceived | kSetup | kReceiveToggle | kSendToggle;  // the next packet of either direction is DATA1
   set_receive_status(*r, kNak);
@@ -165,12 +199,14 @@ UsbReply UsbController::setup(std::uint8_t address, std::span<const std::uint8_t
   return UsbReply::kAck;
 }
 
-UsbReply UsbController::out(std::uint8_t address, std::uint8_t endpoint, bool data1, std::span<const std::uint8_t> bytes) {
+UsbReply UsbController::out(std::uint8_t address, std::uint8_t endpoint, bool data1,
+                            std::span<const std::uint8_t> bytes) {
   std::uint32_t* r = find(address, endpoint);
   if (r == nullptr || receive_status(*r) == kDisabled) return UsbReply::kNone;
   if (receive_status(*r) == kStall) return UsbReply::kStall;
   if (receive_status(*r) == kNak) return UsbReply::kNak;
-  if (data1 != ((*r & kReceiveToggle) != 0)) return UsbReply::kAck;  // had it before: the host missed the acknowledgement
+  if (data1 != ((*r & kReceiveToggle) != 0))
+    return UsbReply::kAck;  // had it before: the host missed the acknowledgement
   if (!store(index_of(r), bytes)) return UsbReply::kNone;
   *r = (*r & ~kSetup) | kReceived;
   *r ^= kReceiveToggle;

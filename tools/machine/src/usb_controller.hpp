@@ -8,12 +8,15 @@
 
 namespace triskin::machine {
 
-/// USB full-speed device (RM0440 §45) with its packet memory: end point registers that toggle, buffer table, transactions, suspend. Double
-/// buffers, isochronous end points and link power management are not modelled.
+/// USB full-speed device (RM0440 §45) with its packet memory: end point registers that toggle, buffer table,
+/// transactions, suspend. Double buffers, isochronous end points and link power management are not modelled.
 class UsbController final : public Peripheral, public UsbWire {
  public:
   /// `clock_ready`: 48 MHz are there.
-  UsbController(Surroundings& around, std::function<bool()> clock_ready) : Peripheral(around), clock_ready_(std::move(clock_ready)) { reset(); }
+  UsbController(Surroundings& around, std::function<bool()> clock_ready)
+      : Peripheral(around), clock_ready_(std::move(clock_ready)) {
+    reset();
+  }
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
@@ -30,7 +33,9 @@ class UsbController final : public Peripheral, public UsbWire {
  private:
   static constexpr std::size_t kEndpoints = 8, kMemoryBytes = 1024;
   std::uint32_t* find(std::uint8_t address, std::uint8_t endpoint);
-  [[nodiscard]] std::size_t index_of(const std::uint32_t* r) const { return static_cast<std::size_t>(r - endpoints_.data()); }
+  [[nodiscard]] std::size_t index_of(const std::uint32_t* r) const {
+    return static_cast<std::size_t>(r - endpoints_.data());
+  }
   [[nodiscard]] std::uint32_t descriptor(std::size_t n, std::uint32_t field) const;
   void set_descriptor(std::size_t n, std::uint32_t field, std::uint32_t value);
   bool store(std::size_t n, std::span<const std::uint8_t> bytes);
@@ -53,7 +58,9 @@ class UsbMemory final : public Peripheral {
  public:
   UsbMemory(Surroundings& around, UsbController& usb) : Peripheral(around), usb_(usb) {}
   std::uint32_t read(std::uint32_t offset, unsigned size) override { return usb_.read_memory(offset, size); }
-  void write(std::uint32_t offset, std::uint32_t value, unsigned size) override { usb_.write_memory(offset, value, size); }
+  void write(std::uint32_t offset, std::uint32_t value, unsigned size) override {
+    usb_.write_memory(offset, value, size);
+  }
   void reset() override {}
 
  private:
@@ -64,10 +71,14 @@ class UsbMemory final : public Peripheral {
 class Crs final : public Peripheral {
  public:
   explicit Crs(Surroundings& around) : Peripheral(around) {}
-  std::uint32_t read(std::uint32_t offset, unsigned) override { return offset == 0 ? control_ : offset == 4 ? 0x2022BB7F : 0; }
+  std::uint32_t read(std::uint32_t offset, unsigned) override {
+    return offset == 0 ? control_ : offset == 4 ? 0x2022BB7F : 0;
+  }
   void write(std::uint32_t offset, std::uint32_t value, unsigned) override {
-    if (offset == 0) control_ = value;
-    else around_.violation("CRS: only its control register is modelled");
+    if (offset == 0)
+      control_ = value;
+    else
+      around_.violation("CRS: only its control register is modelled");
   }
   void reset() override { control_ = 0x4000; }
 

@@ -10,7 +10,8 @@
 namespace triskin::machine {
 namespace {
 
-constexpr std::array<const char*, 11> kNames{"scl1", "scl2", "scl3", "scl4", "sda1", "sda2", "sda3", "sda4", "can_tx", "exception", "sleep"};
+constexpr std::array<const char*, 11> kNames{"scl1", "scl2", "scl3",   "scl4",      "sda1", "sda2",
+                                             "sda3", "sda4", "can_tx", "exception", "sleep"};
 
 std::string value_line(int signal, std::uint32_t value) {
   const char id = static_cast<char>('!' + signal);
@@ -19,7 +20,9 @@ std::string value_line(int signal, std::uint32_t value) {
 
 }  // namespace
 
-void VcdTrace::i2c_start(int line, Time at) { change(kSda + line, 0, at); }
+void VcdTrace::i2c_start(int line, Time at) {
+  change(kSda + line, 0, at);
+}
 
 void VcdTrace::i2c_stop(int line, Time at) {
   change(kScl + line, 1, at);
@@ -44,7 +47,8 @@ std::string VcdTrace::text() const {
   std::ranges::stable_sort(sorted, {}, &Change::at);
   std::string out = "$timescale 1 ns $end\n$scope module controller $end\n";
   for (int k = 0; k < kSignals; ++k) {
-    out += fmt::format("$var wire {} {} {} $end\n", k == kException ? 9 : 1, static_cast<char>('!' + k), kNames[static_cast<std::size_t>(k)]);
+    out += fmt::format("$var wire {} {} {} $end\n", k == kException ? 9 : 1, static_cast<char>('!' + k),
+                       kNames[static_cast<std::size_t>(k)]);
   }
   out += "$upscope $end\n$enddefinitions $end\n#0\n";
   for (int k = 0; k < kSignals; ++k) out += value_line(k, k < kCan ? 1 : 0);
@@ -56,6 +60,8 @@ std::string VcdTrace::text() const {
   return out;
 }
 
-void VcdTrace::write(const std::filesystem::path& path) const { write_file_atomically(path, text()); }
+void VcdTrace::write(const std::filesystem::path& path) const {
+  write_file_atomically(path, text());
+}
 
 }  // namespace triskin::machine

@@ -13,8 +13,8 @@
 namespace triskin::sim {
 namespace {
 
-constexpr std::uint64_t kByte_ns = 22'500;      // nine bits at 400 kHz
-constexpr std::uint64_t kBit_ns = 2'500;         // start, repeated start, stop
+constexpr std::uint64_t kByte_ns = 22'500;  // nine bits at 400 kHz
+constexpr std::uint64_t kBit_ns = 2'500;    // start, repeated start, stop
 constexpr std::uint64_t kStuckTimeout_us = 1'000;
 
 class VirtualClock final : public fw::Clock {
@@ -32,7 +32,8 @@ class VirtualClock final : public fw::Clock {
   std::uint64_t rest_ns_ = 0;
 };
 
-// Moves the bytes at once, each with the time at which the bus would have ended it, and reports the end when that has come.
+// Moves the bytes at once, each with the time at which the bus would have ended it, and reports the end when that has
+// come.
 class VirtualI2cLine final : public fw::I2cLine {
  public:
   VirtualI2cLine(I2cBus& bus, const VirtualClock& clock) : bus_(bus), clock_(clock) {}
@@ -63,11 +64,13 @@ class VirtualI2cLine final : public fw::I2cLine {
     Status status = Status::kOk;
     if (!write.empty()) {
       status = address_byte(shifted);
-      for (std::size_t k = 0; k < write.size() && status == Status::kOk; ++k) status = acknowledged(bus_.write(write[k], after(kByte_ns)));
+      for (std::size_t k = 0; k < write.size() && status == Status::kOk; ++k)
+        status = acknowledged(bus_.write(write[k], after(kByte_ns)));
     }
     if (!read.empty() && status == Status::kOk) {
       status = address_byte(static_cast<std::uint8_t>(shifted | 1));
-      for (std::size_t k = 0; k < read.size() && status == Status::kOk; ++k) read[k] = bus_.read(k + 1 < read.size(), after(kByte_ns));
+      for (std::size_t k = 0; k < read.size() && status == Status::kOk; ++k)
+        read[k] = bus_.read(k + 1 < read.size(), after(kByte_ns));
     }
     bus_.stop(after(kBit_ns));
     return bus_.sda() && bus_.scl() ? status : Status::kLineStuck;
@@ -138,7 +141,9 @@ class VirtualFlash final : public fw::FlashArea {
   [[nodiscard]] std::size_t page_bytes() const override { return model_->page_bytes(); }
   [[nodiscard]] std::size_t program_bytes() const override { return model_->program_bytes(); }
   bool erase_page(std::size_t offset) override { return offset < size_ && model_->erase_page(offset_ + offset); }
-  bool program(std::size_t offset, Bytes bytes) override { return offset + bytes.size() <= size_ && model_->program(offset_ + offset, bytes); }
+  bool program(std::size_t offset, Bytes bytes) override {
+    return offset + bytes.size() <= size_ && model_->program(offset_ + offset, bytes);
+  }
   [[nodiscard]] Bytes bytes() const override { return Bytes(model_->bytes()).subspan(offset_, size_); }
 
  private:
@@ -152,8 +157,14 @@ constexpr std::array<std::uint32_t, 2> kSlotOrigins{0x08004000, 0x08040000};
 class Controller final : public VirtualController, private fw::Restart {
  public:
   explicit Controller(const VirtualBoard& board)
-      : board_(board), lines_{{{*board.lines[0], clock_}, {*board.lines[1], clock_}, {*board.lines[2], clock_}, {*board.lines[3], clock_}}},
-        can_(board_), flash_(*board.flash), chain_(board.chain, clock_),
+      : board_(board),
+        lines_{{{*board.lines[0], clock_},
+                {*board.lines[1], clock_},
+                {*board.lines[2], clock_},
+                {*board.lines[3], clock_}}},
+        can_(board_),
+        flash_(*board.flash),
+        chain_(board.chain, clock_),
         slot_areas_{{{board.slots, 0, kSlotsBytes / 2}, {board.slots, kSlotsBytes / 2, kSlotsBytes / 2}}},
         slots_({&slot_areas_[0], &slot_areas_[1]}, kSlotOrigins) {
     start_application();
@@ -228,8 +239,14 @@ class Controller final : public VirtualController, private fw::Restart {
     }
     ++usb_session_;
     usb_.emplace(board_.unique_id);
-    application_.emplace(fw::Ports{{&lines_[0], &lines_[1], &lines_[2], &lines_[3]}, &clock_, &can_, &flash_, board_.unique_id, &*usb_,
-                                   board_.chain != nullptr ? &chain_ : nullptr, board_.slots != nullptr ? this : nullptr});
+    application_.emplace(fw::Ports{{&lines_[0], &lines_[1], &lines_[2], &lines_[3]},
+                                   &clock_,
+                                   &can_,
+                                   &flash_,
+                                   board_.unique_id,
+                                   &*usb_,
+                                   board_.chain != nullptr ? &chain_ : nullptr,
+                                   board_.slots != nullptr ? this : nullptr});
   }
 
   // fw::Restart
@@ -263,6 +280,8 @@ class Controller final : public VirtualController, private fw::Restart {
 
 }  // namespace
 
-std::unique_ptr<VirtualController> make_virtual_controller(const VirtualBoard& board) { return std::make_unique<Controller>(board); }
+std::unique_ptr<VirtualController> make_virtual_controller(const VirtualBoard& board) {
+  return std::make_unique<Controller>(board);
+}
 
 }  // namespace triskin::sim

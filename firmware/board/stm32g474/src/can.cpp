@@ -15,13 +15,18 @@ Stm32CanPort can;
 namespace {
 
 constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
-// 170 MHz: nominal 10 · (1 + 13 + 3) = 170 clocks a bit, sample point 82 %; data 5 · (1 + 13 + 3) = 85 clocks, 2 Mbit/s.
+// 170 MHz: nominal 10 · (1 + 13 + 3) = 170 clocks a bit, sample point 82 %; data 5 · (1 + 13 + 3) = 85 clocks, 2
+// Mbit/s.
 constexpr std::uint32_t kNominalTiming = (3U - 1U) << 25 | (10U - 1U) << 16 | (13U - 1U) << 8 | (3U - 1U);
 constexpr std::uint32_t kDataTiming = bit(23) | (5U - 1U) << 16 | (13U - 1U) << 8 | (3U - 1U) << 4 | (3U - 1U);
 constexpr std::uint32_t kDelayOffset = 5U * 14U << 8;  // transmitter delay compensation at the sample point (§44.3.2)
 
-std::uint32_t word(std::uint32_t offset) { return Register(kRam + offset).read(); }
-void word(std::uint32_t offset, std::uint32_t value) { Register(kRam + offset).write(value); }
+std::uint32_t word(std::uint32_t offset) {
+  return Register(kRam + offset).read();
+}
+void word(std::uint32_t offset, std::uint32_t value) {
+  Register(kRam + offset).write(value);
+}
 
 std::uint32_t code_of(std::uint8_t size) {
   std::uint32_t code = 0;
@@ -56,7 +61,8 @@ void write_element(std::uint32_t offset, const wire::CanFrame& f) {
   }
 }
 
-// What a patch listens to: diagnostics in 29 bits (physical and functional), polling class 2 and management class 7 in 11 bits.
+// What a patch listens to: diagnostics in 29 bits (physical and functional), polling class 2 and management class 7 in
+// 11 bits.
 void write_filters() {
   constexpr std::uint32_t kClassicFilter = 2U << 30, kIntoFifo0 = 1;
   word(kStandardFilters, kClassicFilter | kIntoFifo0 << 27 | 0x200U << 16 | 0x700U);
@@ -65,7 +71,8 @@ void write_filters() {
   word(kExtendedFilters + 4, kClassicFilter | 0x1FFE0000U);
   word(kExtendedFilters + 8, kIntoFifo0 << 29 | 0x1BF00000U);  // the loader's requests and data
   word(kExtendedFilters + 12, kClassicFilter | 0x1FF00000U);
-  kRxgfc.write(2U << 24 | 2U << 16 | 2U << 4 | 2U << 2 | 3U);  // two extended, two standard; refuse all else and remote frames
+  kRxgfc.write(2U << 24 | 2U << 16 | 2U << 4 | 2U << 2 |
+               3U);  // two extended, two standard; refuse all else and remote frames
 }
 
 }  // namespace

@@ -6,7 +6,8 @@
 
 namespace triskin::board {
 
-/// FDCAN1 at 1 Mbit/s, data phase 2 Mbit/s, on PB8 and PB9. Both directions go through queues that the interrupt serves.
+/// FDCAN1 at 1 Mbit/s, data phase 2 Mbit/s, on PB8 and PB9. Both directions go through queues that the interrupt
+/// serves.
 class Stm32CanPort final : public fw::CanPort {
  public:
   void open();

@@ -9,7 +9,8 @@
 namespace triskin::board {
 namespace {
 
-constexpr Gpio kEnable{{'B', 12}}, kEnable2{{'B', 10}}, kClock{{'B', 13}}, kDataIn{{'B', 14}}, kDataOut{{'B', 15}}, kLatch{{'B', 11}};
+constexpr Gpio kEnable{{'B', 12}}, kEnable2{{'B', 10}}, kClock{{'B', 13}}, kDataIn{{'B', 14}}, kDataOut{{'B', 15}},
+    kLatch{{'B', 11}};
 constexpr std::uint32_t kSpi2Function = 5;  // DS12288, table 13
 constexpr std::uint64_t kSettle_us = 5;
 
@@ -36,7 +37,8 @@ void Stm32RouteChain::open() {
     pin.mode(PinMode::kAlternate);
   }
   spi_reg::kCr2.write(spi_reg::kEightBits | spi_reg::kReceiveByte);
-  const std::uint32_t control = spi_reg::kMaster | spi_reg::kClockBy64 | spi_reg::kSoftwareSelect | spi_reg::kInternalSelect;
+  const std::uint32_t control =
+      spi_reg::kMaster | spi_reg::kClockBy64 | spi_reg::kSoftwareSelect | spi_reg::kInternalSelect;
   spi_reg::kCr1.write(control);
   spi_reg::kCr1.write(control | spi_reg::kEnable);
 }
@@ -47,7 +49,8 @@ void Stm32RouteChain::enable(std::uint8_t cables) {
   settle();
 }
 
-// One byte stands in the shift register and the next one waits, so that the clock never pauses; the receiver holds four.
+// One byte stands in the shift register and the next one waits, so that the clock never pauses; the receiver holds
+// four.
 void Stm32RouteChain::exchange(Bytes out, std::span<std::uint8_t> in) {
   std::size_t sent = 0;
   for (std::size_t received = 0; received < out.size();) {

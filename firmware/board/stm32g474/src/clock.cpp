@@ -37,7 +37,8 @@ void start_clocks() {
   rcc_reg::kCr.set(rcc_reg::kPllOn);
   while (!rcc_reg::kCr.any(rcc_reg::kPllReady)) {
   }
-  flash_reg::kAcr.write(flash_reg::kLatency4 | flash_reg::kPrefetch | flash_reg::kInstructionCache | flash_reg::kDataCache);
+  flash_reg::kAcr.write(flash_reg::kLatency4 | flash_reg::kPrefetch | flash_reg::kInstructionCache |
+                        flash_reg::kDataCache);
   while ((flash_reg::kAcr.read() & 0xFU) != flash_reg::kLatency4) {
   }
   // Above 80 MHz the AHB clock is halved for at least 1 µs while switching (§7.2.7).
@@ -91,7 +92,9 @@ void start_watchdog() {
   iwdg_reg::kKr.write(iwdg_reg::kReload);
 }
 
-void feed_watchdog() { iwdg_reg::kKr.write(iwdg_reg::kReload); }
+void feed_watchdog() {
+  iwdg_reg::kKr.write(iwdg_reg::kReload);
+}
 
 std::array<std::uint8_t, 12> unique_id() {
   std::array<std::uint8_t, 12> id{};

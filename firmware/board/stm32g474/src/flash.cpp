@@ -51,7 +51,9 @@ void flush_data_cache() {
   flash_reg::kAcr.write(was);
 }
 
-bool in_flash(std::uint32_t address) { return address >= flash_map::kBase && address < flash_map::kEnd; }
+bool in_flash(std::uint32_t address) {
+  return address >= flash_map::kBase && address < flash_map::kEnd;
+}
 
 }  // namespace
 
@@ -62,7 +64,8 @@ bool erase_flash_page(std::uint32_t address) {
   wait_ready();
   const Unlocked unlocked;
   flash_reg::kSr.write(flash_reg::kErrors | flash_reg::kEndOfOperation);
-  const std::uint32_t command = flash_reg::kPageErase | page << flash_reg::kPageShift | (second ? flash_reg::kBank2 : 0U);
+  const std::uint32_t command =
+      flash_reg::kPageErase | page << flash_reg::kPageShift | (second ? flash_reg::kBank2 : 0U);
   flash_reg::kCr.write(command);
   flash_reg::kCr.write(command | flash_reg::kStart);
   sleep_while_busy();

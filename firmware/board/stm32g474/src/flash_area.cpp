@@ -10,7 +10,8 @@
 namespace triskin::board {
 namespace {
 
-constinit Stm32FlashArea slot_a(flash_map::kSlots[0], flash_map::kSlotBytes), slot_b(flash_map::kSlots[1], flash_map::kSlotBytes);
+constinit Stm32FlashArea slot_a(flash_map::kSlots[0], flash_map::kSlotBytes),
+    slot_b(flash_map::kSlots[1], flash_map::kSlotBytes);
 
 }  // namespace
 
@@ -22,8 +23,12 @@ int running_slot() {
   return vectors == flash_map::kSlots[0] ? 0 : vectors == flash_map::kSlots[1] ? 1 : -1;
 }
 
-std::size_t Stm32FlashArea::page_bytes() const { return flash_map::kPageBytes; }
-std::size_t Stm32FlashArea::program_bytes() const { return flash_map::kUnitBytes; }
+std::size_t Stm32FlashArea::page_bytes() const {
+  return flash_map::kPageBytes;
+}
+std::size_t Stm32FlashArea::program_bytes() const {
+  return flash_map::kUnitBytes;
+}
 
 bool Stm32FlashArea::erase_page(std::size_t offset) {
   feed_watchdog();
@@ -40,6 +45,8 @@ bool Stm32FlashArea::program(std::size_t offset, Bytes bytes) {
   return true;
 }
 
-Bytes Stm32FlashArea::bytes() const { return {reinterpret_cast<const std::uint8_t*>(base_), size_bytes_}; }
+Bytes Stm32FlashArea::bytes() const {
+  return {reinterpret_cast<const std::uint8_t*>(base_), size_bytes_};
+}
 
 }  // namespace triskin::board

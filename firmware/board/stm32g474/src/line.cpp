@@ -28,7 +28,9 @@ constexpr std::uint64_t kSlack_us = 500;      // above the bytes: clock stretchi
 constexpr std::uint32_t kSclLowTimeout = 82;  // (82 + 1) · 2048 / 170 MHz = 1.0 ms of SCL low
 constexpr std::uint64_t kHalfPulse_us = 5;    // bus clear at 100 kHz
 
-std::uint32_t address_of(const void* p) { return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(p)); }
+std::uint32_t address_of(const void* p) {
+  return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(p));
+}
 
 void wait_us(std::uint64_t us) {
   const std::uint64_t until = microseconds() + us;
@@ -95,12 +97,14 @@ void Stm32I2cLine::start(std::uint8_t address, Bytes write, std::span<std::uint8
   if (reading_) return begin_reading();
   asm volatile("dmb" ::: "memory");  // what was written to the buffer is there before the DMA looks
   sender().start(address_of(write.data()), write.size(), true);
-  reg(kCr2).write(static_cast<std::uint32_t>(address) << 1 | static_cast<std::uint32_t>(write.size()) << kBytesShift | (read.empty() ? kAutoEnd : 0U) | kStart);
+  reg(kCr2).write(static_cast<std::uint32_t>(address) << 1 | static_cast<std::uint32_t>(write.size()) << kBytesShift |
+                  (read.empty() ? kAutoEnd : 0U) | kStart);
 }
 
 void Stm32I2cLine::begin_reading() {
   receiver().start(address_of(read_.data()), read_.size(), false);
-  reg(kCr2).write(static_cast<std::uint32_t>(address_) << 1 | kRead | static_cast<std::uint32_t>(read_.size()) << kBytesShift | kAutoEnd | kStart);
+  reg(kCr2).write(static_cast<std::uint32_t>(address_) << 1 | kRead |
+                  static_cast<std::uint32_t>(read_.size()) << kBytesShift | kAutoEnd | kStart);
 }
 
 void Stm32I2cLine::on_event() {
@@ -182,14 +186,14 @@ Status Stm32I2cLine::recover() {
 }  // namespace triskin::board
 
 extern "C" {
-#define TRISKIN_LINE_HANDLERS(n)                             \
-  void i2c##n##_event_handler() {                            \
-    const triskin::board::InterruptTimer timer;              \
-    triskin::board::lines[n - 1].on_event();                 \
-  }                                                          \
-  void i2c##n##_error_handler() {                            \
-    const triskin::board::InterruptTimer timer;              \
-    triskin::board::lines[n - 1].on_error();                 \
+#define TRISKIN_LINE_HANDLERS(n)                \
+  void i2c##n##_event_handler() {               \
+    const triskin::board::InterruptTimer timer; \
+    triskin::board::lines[n - 1].on_event();    \
+  }                                             \
+  void i2c##n##_error_handler() {               \
+    const triskin::board::InterruptTimer timer; \
+    triskin::board::lines[n - 1].on_error();    \
   }
 TRISKIN_LINE_HANDLERS(1)
 TRISKIN_LINE_HANDLERS(2)

@@ -17,8 +17,9 @@ struct LinePlace {
   int event_irq, error_irq;
 };
 
-/// I2C1 … I2C4 as masters at 400 kHz. DMA moves the bytes; an interrupt turns from writing to reading, another ends the transfer. Every transfer has a
-/// deadline made of its bytes, so that a line that hangs without an error flag is also noticed.
+/// I2C1 … I2C4 as masters at 400 kHz. DMA moves the bytes; an interrupt turns from writing to reading, another ends
+/// the transfer. Every transfer has a deadline made of its bytes, so that a line that hangs without an error flag is
+/// also noticed.
 class Stm32I2cLine final : public fw::I2cLine {
  public:
   void open(const LinePlace& place);

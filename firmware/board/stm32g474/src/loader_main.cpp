@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts the newest application that has proved itself or still may; takes a new one over CAN, and as a DFU device over USB when the
-// application asked for that or there is none.
+// Starts the newest application that has proved itself or still may; takes a new one over CAN, and as a DFU device over
+// USB when the application asked for that or there is none.
 #include <algorithm>
 #include <optional>
 

@@ -19,7 +19,7 @@ extern "C" std::uint32_t triskin_stack_bottom, triskin_stack_top;
 namespace triskin::board {
 namespace {
 
-constexpr std::uint64_t kLongestSleep_us = 100'000;   // the watchdog is fed at least this often
+constexpr std::uint64_t kLongestSleep_us = 100'000;    // the watchdog is fed at least this often
 constexpr std::uint64_t kConfirmAfter_us = 2'000'000;  // a new application that lived so long keeps its slot
 constexpr std::uint32_t kStackPaint = 0x5AFE5AFE;
 
@@ -49,11 +49,12 @@ std::uint32_t untouched_stack() {
 }
 
 bool work_waits(const fw::Application& application) {
-  return can.frame_waits() || usb.work_waits() || application.frames_wait() || std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); });
+  return can.frame_waits() || usb.work_waits() || application.frames_wait() ||
+         std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); });
 }
 
-// Sleeps until something is to be done; interrupts that only move data on do not end it. They stay off between the decision and WFI,
-// which wakes all the same: none is slept through.
+// Sleeps until something is to be done; interrupts that only move data on do not end it. They stay off between the
+// decision and WFI, which wakes all the same: none is slept through.
 void sleep_until(std::uint64_t at_us, const fw::Application& application) {
   bool armed = false;
   for (;;) {
@@ -95,7 +96,8 @@ void sleep_until(std::uint64_t at_us, const fw::Application& application) {
     for (const Stm32I2cLine& line : lines) next = std::min(next, line.deadline_us());
     ++triskin_budget.loops;
     if (triskin_budget.loops % 1024 == 0) triskin_budget.stack_free_bytes = untouched_stack();
-    triskin_budget.worst_loop_us = std::max(triskin_budget.worst_loop_us, static_cast<std::uint32_t>(microseconds() - start));
+    triskin_budget.worst_loop_us =
+        std::max(triskin_budget.worst_loop_us, static_cast<std::uint32_t>(microseconds() - start));
     sleep_until(next, application);
   }
 }
@@ -115,6 +117,13 @@ int main() {
   route_chain.open();
   static triskin::fw::UsbDevice device(unique_id());
   usb.open(device, true);
-  static triskin::fw::Application application({{&lines[0], &lines[1], &lines[2], &lines[3]}, &system_clock, &can, &table_flash, unique_id(), &device, &route_chain, &stm32_restart});
+  static triskin::fw::Application application({{&lines[0], &lines[1], &lines[2], &lines[3]},
+                                               &system_clock,
+                                               &can,
+                                               &table_flash,
+                                               unique_id(),
+                                               &device,
+                                               &route_chain,
+                                               &stm32_restart});
   run(application, device);
 }

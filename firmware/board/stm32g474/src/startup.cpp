@@ -10,7 +10,8 @@
 #include "triskin/board/registers/system.hpp"
 
 extern "C" {
-extern std::uint32_t triskin_data_load, triskin_data_start, triskin_data_end, triskin_bss_start, triskin_bss_end, triskin_stack_bottom, triskin_stack_top;
+extern std::uint32_t triskin_data_load, triskin_data_start, triskin_data_end, triskin_bss_start, triskin_bss_end,
+    triskin_stack_bottom, triskin_stack_top;
 using Constructor = void (*)();
 extern const Constructor triskin_constructors_start, triskin_constructors_end;
 
@@ -42,11 +43,19 @@ extern "C" {
 [[gnu::section(".survivor")]] std::uint32_t triskin_last_failure[4];
 // Objects live for ever: nothing is destroyed at an exit that does not come, and there is no heap to give back to.
 void* __dso_handle = nullptr;
-int __cxa_atexit(void (*)(void*), void*, void*) { return 0; }
-[[noreturn]] void __cxa_pure_virtual() { triskin::board::fail(2); }
+int __cxa_atexit(void (*)(void*), void*, void*) {
+  return 0;
 }
-void operator delete(void*) noexcept { triskin::board::fail(3); }
-void operator delete(void*, std::size_t) noexcept { triskin::board::fail(3); }
+[[noreturn]] void __cxa_pure_virtual() {
+  triskin::board::fail(2);
+}
+}
+void operator delete(void*) noexcept {
+  triskin::board::fail(3);
+}
+void operator delete(void*, std::size_t) noexcept {
+  triskin::board::fail(3);
+}
 
 namespace triskin::board {
 namespace {
@@ -90,8 +99,12 @@ extern "C" {
 constinit const Vectors triskin_vectors = make_vectors();
 }
 
-void request_dfu() { triskin_last_failure[3] = kDfuMark; }
-bool take_dfu_request() { return std::exchange(triskin_last_failure[3], 0U) == kDfuMark; }
+void request_dfu() {
+  triskin_last_failure[3] = kDfuMark;
+}
+bool take_dfu_request() {
+  return std::exchange(triskin_last_failure[3], 0U) == kDfuMark;
+}
 
 void fail(std::uint32_t reason) {
   triskin_last_failure[0] = kFailureMark;
@@ -118,13 +131,17 @@ void reset_handler() {
   fail(0);
 }
 
-// The only source in use is the flash: a unit with two wrong bits, which a power cut left behind. Whoever reads it checks
-// a CRC, so it is counted and reading goes on (RM0440 §3.3.9).
+// The only source in use is the flash: a unit with two wrong bits, which a power cut left behind. Whoever reads it
+// checks a CRC, so it is counted and reading goes on (RM0440 §3.3.9).
 void nmi_handler() {
   using namespace triskin::board;
   flash_reg::kEccr.write(flash_reg::kEccDetected);
   ++triskin_budget.ecc_faults;
 }
 
-void hard_fault_handler() { triskin::board::fail(triskin::board::core_reg::kCfsr.read() | 1U); }
-void default_handler() { triskin::board::fail(triskin::board::core_reg::kIcsr.read() & 0x1FFU); }
+void hard_fault_handler() {
+  triskin::board::fail(triskin::board::core_reg::kCfsr.read() | 1U);
+}
+void default_handler() {
+  triskin::board::fail(triskin::board::core_reg::kIcsr.read() & 0x1FFU);
+}

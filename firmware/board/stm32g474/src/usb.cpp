@@ -22,10 +22,18 @@ constexpr std::uint8_t kToDevice = 0, kToInterface = 1, kToEndpoint = 2;
 
 // Packet memory: the table of buffers (eight bytes an end point), then 64 bytes each.
 constexpr std::uint32_t kBuffers = 64;
-constexpr std::uint32_t send_buffer(std::size_t n) { return kBuffers + 128 * static_cast<std::uint32_t>(n); }
-constexpr std::uint32_t receive_buffer(std::size_t n) { return send_buffer(n) + 64; }
-volatile std::uint16_t& half(std::uint32_t offset) { return *reinterpret_cast<volatile std::uint16_t*>(kMemory + offset); }
-volatile std::uint16_t& descriptor(std::size_t n, std::uint32_t field) { return half(8 * static_cast<std::uint32_t>(n) + 2 * field); }
+constexpr std::uint32_t send_buffer(std::size_t n) {
+  return kBuffers + 128 * static_cast<std::uint32_t>(n);
+}
+constexpr std::uint32_t receive_buffer(std::size_t n) {
+  return send_buffer(n) + 64;
+}
+volatile std::uint16_t& half(std::uint32_t offset) {
+  return *reinterpret_cast<volatile std::uint16_t*>(kMemory + offset);
+}
+volatile std::uint16_t& descriptor(std::size_t n, std::uint32_t field) {
+  return half(8 * static_cast<std::uint32_t>(n) + 2 * field);
+}
 constexpr std::uint32_t kSendAddress = 0, kSendCount = 1, kReceiveAddress = 2, kReceiveCount = 3;
 
 // The status fields change by the ones written to them, the flags only by zeros.
@@ -34,8 +42,12 @@ void set_status(std::size_t n, std::uint32_t mask, std::uint32_t wanted) {
   const std::uint32_t now = r.read();
   r.write((now & kPlain) | kReceived | kSent | ((now ^ wanted) & mask));
 }
-void receive_status(std::size_t n, std::uint32_t status) { set_status(n, kReceiveMask, status << kReceiveShift); }
-void send_status(std::size_t n, std::uint32_t status) { set_status(n, kSendMask, status << kSendShift); }
+void receive_status(std::size_t n, std::uint32_t status) {
+  set_status(n, kReceiveMask, status << kReceiveShift);
+}
+void send_status(std::size_t n, std::uint32_t status) {
+  set_status(n, kSendMask, status << kSendShift);
+}
 void clear_flag(std::size_t n, std::uint32_t flag) {
   const Register r = endpoint(n);
   r.write((r.read() & kPlain) | ((kReceived | kSent) & ~flag));
@@ -76,7 +88,8 @@ void Stm32Usb::open(wire::UsbFunction& function, bool data_endpoints) {
   data_endpoints_ = data_endpoints;
   start_48_mhz();
   kCntr.write(kForceReset);  // powered, still in reset
-  for (const std::uint64_t until = microseconds() + 2; microseconds() < until;) {  // start-up time of the transceiver: 1 µs (data sheet)
+  for (const std::uint64_t until = microseconds() + 2;
+       microseconds() < until;) {  // start-up time of the transceiver: 1 µs (data sheet)
   }
   kCntr.write(0);
   kIstr.write(0);
@@ -171,8 +184,10 @@ void Stm32Usb::serve_control(std::uint32_t state) {
     std::array<std::uint8_t, kPacket> packet;
     const std::size_t count = take_packet(0, packet);
     clear_flag(0, kReceived);
-    if (count == 8) begin(Bytes(packet).first(8));
-    else stall();
+    if (count == 8)
+      begin(Bytes(packet).first(8));
+    else
+      stall();
     return;
   }
   control_received();
@@ -203,10 +218,13 @@ void Stm32Usb::stall() {
 void Stm32Usb::run() {
   const bool set_address = setup_.type == kToDevice && setup_.request == kSetAddress;
   std::optional<Bytes> result = Bytes{};
-  if (set_address) address_ = static_cast<std::uint8_t>(setup_.value & 0x7F);
-  else result = function_->control(setup_, Bytes(data_).first(received_));
+  if (set_address)
+    address_ = static_cast<std::uint8_t>(setup_.value & 0x7F);
+  else
+    result = function_->control(setup_, Bytes(data_).first(received_));
   if (!result) return stall();
-  if (data_endpoints_ && ((setup_.type == kToDevice && setup_.request == kSetConfiguration) || (setup_.type == kToInterface && setup_.request == kSetInterface))) {
+  if (data_endpoints_ && ((setup_.type == kToDevice && setup_.request == kSetConfiguration) ||
+                          (setup_.type == kToInterface && setup_.request == kSetInterface))) {
     for (std::size_t n = 1; n < kEndpoints; ++n) open_endpoint(n, true, true);
   }
   if (data_endpoints_ && setup_.type == kToEndpoint && setup_.request == kClearFeature) {

@@ -7,9 +7,10 @@
 
 namespace triskin::board {
 
-/// The USB full-speed device of the chip for one UsbFunction: end point 0, and when asked for 1 (interrupt) and 2 (bulk) each way.
-/// The interrupt only wakes the loop, which does the work in serve() and send(): the function needs no locks, and the hardware
-/// answers NAK meanwhile. Full speed on PA11 and PA12; the 48 MHz come from HSI48, trimmed by the host's frames.
+/// The USB full-speed device of the chip for one UsbFunction: end point 0, and when asked for 1 (interrupt) and 2
+/// (bulk) each way. The interrupt only wakes the loop, which does the work in serve() and send(): the function needs no
+/// locks, and the hardware answers NAK meanwhile. Full speed on PA11 and PA12; the 48 MHz come from HSI48, trimmed by
+/// the host's frames.
 class Stm32Usb {
  public:
   static constexpr std::size_t kMaxData = 1024;  ///< data stage of a control transfer to the device

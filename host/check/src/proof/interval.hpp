@@ -20,9 +20,15 @@ struct Interval {
 inline Interval outward(double low, double high) {
   return {low - std::abs(low) * 0x1p-52 - 1e-300, high + std::abs(high) * 0x1p-52 + 1e-300};
 }
-inline Interval operator+(const Interval& a, const Interval& b) { return outward(a.low + b.low, a.high + b.high); }
-inline Interval operator-(const Interval& a, const Interval& b) { return outward(a.low - b.high, a.high - b.low); }
-inline Interval operator-(const Interval& a) { return {-a.high, -a.low}; }
+inline Interval operator+(const Interval& a, const Interval& b) {
+  return outward(a.low + b.low, a.high + b.high);
+}
+inline Interval operator-(const Interval& a, const Interval& b) {
+  return outward(a.low - b.high, a.high - b.low);
+}
+inline Interval operator-(const Interval& a) {
+  return {-a.high, -a.low};
+}
 inline Interval operator*(const Interval& a, const Interval& b) {
   const double p = a.low * b.low, q = a.low * b.high, r = a.high * b.low, s = a.high * b.high;
   return outward(std::min({p, q, r, s}), std::max({p, q, r, s}));
@@ -46,10 +52,20 @@ inline Interval sine(const Interval& angle) {
 struct IntervalPoint {
   Interval x, y;
 };
-inline IntervalPoint operator+(const IntervalPoint& a, const IntervalPoint& b) { return {a.x + b.x, a.y + b.y}; }
-inline IntervalPoint operator-(const IntervalPoint& a, const IntervalPoint& b) { return {a.x - b.x, a.y - b.y}; }
-inline Interval dot(const IntervalPoint& a, const IntervalPoint& b) { return a.x * b.x + a.y * b.y; }
-inline IntervalPoint quarter_turn(const IntervalPoint& a) { return {-a.y, a.x}; }
-inline IntervalPoint turned(const IntervalPoint& a, const Interval& c, const Interval& s) { return {c * a.x - s * a.y, s * a.x + c * a.y}; }
+inline IntervalPoint operator+(const IntervalPoint& a, const IntervalPoint& b) {
+  return {a.x + b.x, a.y + b.y};
+}
+inline IntervalPoint operator-(const IntervalPoint& a, const IntervalPoint& b) {
+  return {a.x - b.x, a.y - b.y};
+}
+inline Interval dot(const IntervalPoint& a, const IntervalPoint& b) {
+  return a.x * b.x + a.y * b.y;
+}
+inline IntervalPoint quarter_turn(const IntervalPoint& a) {
+  return {-a.y, a.x};
+}
+inline IntervalPoint turned(const IntervalPoint& a, const Interval& c, const Interval& s) {
+  return {c * a.x - s * a.y, s * a.x + c * a.y};
+}
 
 }  // namespace triskin::check

@@ -8,12 +8,17 @@ namespace {
 
 constexpr double kSlack_mm = 1e-6;  // far above the rounding of plain doubles at 1e6 mm
 
-IntervalPoint scaled(const IntervalPoint& p, double sign) { return sign > 0.0 ? p : IntervalPoint{-p.x, -p.y}; }
-double middle(const Interval& i) { return 0.5 * (i.low + i.high); }
+IntervalPoint scaled(const IntervalPoint& p, double sign) {
+  return sign > 0.0 ? p : IntervalPoint{-p.x, -p.y};
+}
+double middle(const Interval& i) {
+  return 0.5 * (i.low + i.high);
+}
 
 }  // namespace
 
-ProofPolygon::ProofPolygon(const std::vector<std::array<PlanePoint, 2>>& edges, const PlanePoint& pivot, const ProofModule& module, double pitch_mm)
+ProofPolygon::ProofPolygon(const std::vector<std::array<PlanePoint, 2>>& edges, const PlanePoint& pivot,
+                           const ProofModule& module, double pitch_mm)
     : module_(module), pitch_(pitch_mm) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const auto& [a, b] : edges) {
@@ -34,7 +39,9 @@ ProofPolygon::ProofPolygon(const std::vector<std::array<PlanePoint, 2>>& edges, 
   slab_low_ = low;
   slab_height_ = std::max((high - low) / static_cast<double>(n), 1e-9);
   slabs_.resize(n);
-  const auto slab = [&](double y) { return static_cast<std::size_t>(std::clamp((y - low) / slab_height_, 0.0, static_cast<double>(n - 1))); };
+  const auto slab = [&](double y) {
+    return static_cast<std::size_t>(std::clamp((y - low) / slab_height_, 0.0, static_cast<double>(n - 1)));
+  };
   for (std::size_t k = 0; k < edges_.size(); ++k) {
     const auto [y0, y1] = std::minmax({middle(edges_[k].end[0].y), middle(edges_[k].end[1].y)});
     for (std::size_t s = slab(y0); s <= slab(y1); ++s) slabs_[s].push_back(static_cast<std::uint32_t>(k));
@@ -54,7 +61,7 @@ bool ProofPolygon::contains(double x, double y) const {
 }
 
 struct MotionRegion::Moved {
-  std::array<IntervalPoint, 2> end, end_turn;   // at the middle; derivative by the angle over the region
+  std::array<IntervalPoint, 2> end, end_turn;  // at the middle; derivative by the angle over the region
   IntervalPoint normal, normal_range, normal_turn;
 };
 
@@ -92,14 +99,17 @@ MotionRegion::Moved MotionRegion::moved(const ProofEdge& edge) const {
 }
 
 // Does one of the module's sides separate it from the edge: always, for some motions, never?
-MotionRegion::Verdict MotionRegion::side_frees(const IntervalPoint& center, double sign, const Moved& m, double allowance_mm) const {
+MotionRegion::Verdict MotionRegion::side_frees(const IntervalPoint& center, double sign, const Moved& m,
+                                               double allowance_mm) const {
   Verdict best = Verdict::kNever;
   for (const IntervalPoint& up_normal : polygon_.module().normal) {
     const IntervalPoint n = scaled(up_normal, sign);
     bool possible = true, certain = true;
     for (std::size_t e = 0; e < 2 && possible; ++e) {
       const Interval value = dot(n, m.end[e] - center) - polygon_.module().inradius + Interval(allowance_mm);
-      const double spread = (n.x.magnitude() * half_x_ + n.y.magnitude() * half_y_ + dot(n, m.end_turn[e]).magnitude() * half_theta_) * (1.0 + 1e-14);
+      const double spread =
+          (n.x.magnitude() * half_x_ + n.y.magnitude() * half_y_ + dot(n, m.end_turn[e]).magnitude() * half_theta_) *
+          (1.0 + 1e-14);
       possible = value.high + spread >= 0.0;
       certain = certain && value.low - spread >= 0.0;
     }
@@ -110,14 +120,17 @@ MotionRegion::Verdict MotionRegion::side_frees(const IntervalPoint& center, doub
 }
 
 // The edge's own line: the whole module left of it, or the whole module right of it.
-MotionRegion::Verdict MotionRegion::line_frees(const IntervalPoint& center, double sign, const ProofEdge& edge, const Moved& m, double allowance_mm) const {
+MotionRegion::Verdict MotionRegion::line_frees(const IntervalPoint& center, double sign, const ProofEdge& edge,
+                                               const Moved& m, double allowance_mm) const {
   bool left = true, right = true, always_left = true, always_right = true;
   const Interval allowance = Interval(allowance_mm) * Interval(edge.length_mm);
   for (const IntervalPoint& up_corner : polygon_.module().corner) {
     const IntervalPoint arm = center + scaled(up_corner, sign) - IntervalPoint{x_, y_};
     const IntervalPoint wide_arm = arm + IntervalPoint{Interval(-half_x_, half_x_), Interval(-half_y_, half_y_)};
     const Interval value = dot(m.normal, arm) - edge.offset;
-    const double spread = (m.normal_range.x.magnitude() * half_x_ + m.normal_range.y.magnitude() * half_y_ + dot(m.normal_turn, wide_arm).magnitude() * half_theta_) * (1.0 + 1e-14);
+    const double spread = (m.normal_range.x.magnitude() * half_x_ + m.normal_range.y.magnitude() * half_y_ +
+                           dot(m.normal_turn, wide_arm).magnitude() * half_theta_) *
+                          (1.0 + 1e-14);
     left = left && value.high + spread + allowance.high >= 0.0;
     right = right && value.low - spread - allowance.high <= 0.0;
     always_left = always_left && value.low - spread + allowance.low >= 0.0;
@@ -127,7 +140,8 @@ MotionRegion::Verdict MotionRegion::line_frees(const IntervalPoint& center, doub
   return left || right ? Verdict::kMay : Verdict::kNever;
 }
 
-MotionRegion::Verdict MotionRegion::cuts(const IntervalPoint& center, bool up, const ProofEdge& edge, double allowance_mm) const {
+MotionRegion::Verdict MotionRegion::cuts(const IntervalPoint& center, bool up, const ProofEdge& edge,
+                                         double allowance_mm) const {
   const Moved m = moved(edge);
   const double sign = up ? 1.0 : -1.0;
   const Verdict side = side_frees(center, sign, m, allowance_mm);
@@ -156,7 +170,8 @@ CandidateList MotionRegion::all() const {
   CandidateList list;
   for (std::uint32_t k = 0; k < polygon_.edges().size(); ++k) list.edges.push_back(k);
   const double span = polygon_.radius_mm() + reach_ + polygon_.module().circumradius_high_mm + 1.0;
-  const double pitch = polygon_.pitch_mm(), height = pitch * polygon_.module().row_height.low, shift = polygon_.module().row_shift;
+  const double pitch = polygon_.pitch_mm(), height = pitch * polygon_.module().row_height.low,
+               shift = polygon_.module().row_shift;
   for (int j = static_cast<int>(std::floor((y_ - span) / height)) - 1; j * height <= y_ + span; ++j) {
     const int first = static_cast<int>(std::floor((x_ - span) / pitch - shift * j)) - 2;
     for (int i = first; pitch * (i + shift * j) <= x_ + span; ++i) {
@@ -172,7 +187,8 @@ CandidateList MotionRegion::all() const {
 CandidateList MotionRegion::filtered(const CandidateList& list) const {
   CandidateList kept;
   kept.certain = list.certain;
-  const double inner = polygon_.module().inradius_low_mm - reach_ - kSlack_mm, outer = polygon_.module().circumradius_high_mm + reach_ + kSlack_mm;
+  const double inner = polygon_.module().inradius_low_mm - reach_ - kSlack_mm,
+               outer = polygon_.module().circumradius_high_mm + reach_ + kSlack_mm;
   for (Candidate tile : list.tiles) {
     const auto first = static_cast<std::uint32_t>(kept.edges.size());
     double nearest = std::numeric_limits<double>::infinity();
@@ -193,9 +209,12 @@ CandidateList MotionRegion::filtered(const CandidateList& list) const {
     }
     tile.first = first;
     tile.count = static_cast<std::uint32_t>(kept.edges.size()) - first;
-    if (!possible) kept.edges.resize(first);
-    else if (tile.count == 0 && tile.inside) ++kept.certain;
-    else kept.tiles.push_back(tile);
+    if (!possible)
+      kept.edges.resize(first);
+    else if (tile.count == 0 && tile.inside)
+      ++kept.certain;
+    else
+      kept.tiles.push_back(tile);
   }
   return kept;
 }
@@ -205,7 +224,9 @@ bool MotionRegion::holds(const ProofTile& tile, double tolerance_mm) const {
   for (const ProofEdge& edge : polygon_.edges()) {
     const double distance = distance_mm(center, edge);
     if (distance > polygon_.module().circumradius_high_mm + kSlack_mm) continue;
-    if (distance < polygon_.module().inradius_low_mm - tolerance_mm - 0.01 || cuts(center, tile.up, edge, tolerance_mm) != Verdict::kNever) return false;
+    if (distance < polygon_.module().inradius_low_mm - tolerance_mm - 0.01 ||
+        cuts(center, tile.up, edge, tolerance_mm) != Verdict::kNever)
+      return false;
   }
   return center_inside(center);
 }

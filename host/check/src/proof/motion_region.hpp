@@ -9,8 +9,8 @@ namespace triskin::check {
 /// Edge of the polygon relative to the pivot.
 struct ProofEdge {
   std::array<IntervalPoint, 2> end;
-  Interval offset;            ///< left normal (not of unit length) · end
-  double length_mm = 0.0;     ///< upper bound
+  Interval offset;         ///< left normal (not of unit length) · end
+  double length_mm = 0.0;  ///< upper bound
 };
 
 /// A module near the outline, with its edges as a range of indices.
@@ -30,7 +30,8 @@ struct CandidateList {
 /// The problem in the checker's own terms.
 class ProofPolygon {
  public:
-  ProofPolygon(const std::vector<std::array<PlanePoint, 2>>& edges, const PlanePoint& pivot, const ProofModule& module, double pitch_mm);
+  ProofPolygon(const std::vector<std::array<PlanePoint, 2>>& edges, const PlanePoint& pivot, const ProofModule& module,
+               double pitch_mm);
 
   [[nodiscard]] const std::vector<ProofEdge>& edges() const { return edges_; }
   [[nodiscard]] const ProofModule& module() const { return module_; }
@@ -69,7 +70,8 @@ class MotionRegion {
   [[nodiscard]] Moved moved(const ProofEdge& edge) const;
   [[nodiscard]] Verdict cuts(const IntervalPoint& center, bool up, const ProofEdge& edge, double allowance_mm) const;
   [[nodiscard]] Verdict side_frees(const IntervalPoint& center, double sign, const Moved& m, double allowance_mm) const;
-  [[nodiscard]] Verdict line_frees(const IntervalPoint& center, double sign, const ProofEdge& edge, const Moved& m, double allowance_mm) const;
+  [[nodiscard]] Verdict line_frees(const IntervalPoint& center, double sign, const ProofEdge& edge, const Moved& m,
+                                   double allowance_mm) const;
   [[nodiscard]] double distance_mm(const IntervalPoint& center, const ProofEdge& edge) const;
   [[nodiscard]] bool center_inside(const IntervalPoint& center) const;
 

@@ -12,9 +12,9 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kListReach_mm = 40.0;                  // above it the list of modules would be longer than the work it saves
-constexpr int kDeepest = 26;                            // halvings of one cell of the log
-constexpr double kSpare_mm = 1e-9;                      // rounding of the placement itself, beside its tolerance
+constexpr double kListReach_mm = 40.0;  // above it the list of modules would be longer than the work it saves
+constexpr int kDeepest = 26;            // halvings of one cell of the log
+constexpr double kSpare_mm = 1e-9;      // rounding of the placement itself, beside its tolerance
 
 struct Rejected {
   std::string reason;
@@ -35,12 +35,15 @@ bool overlaps(const ProofBox& a, const ProofBox& b) {
 
 class Checker {
  public:
-  Checker(const ProofLog& log, const ProofPolygon& polygon, std::int64_t& regions) : log_(log), polygon_(polygon), regions_(regions) {
+  Checker(const ProofLog& log, const ProofPolygon& polygon, std::int64_t& regions)
+      : log_(log), polygon_(polygon), regions_(regions) {
     limit_ = 200'000 + 100 * static_cast<std::int64_t>(log.cells.size());
   }
 
   void run() {
-    const ProofBox period{{0.0, 0.0, 0.0}, {polygon_.pitch_mm(), polygon_.pitch_mm() * polygon_.module().row_height.high, polygon_.module().period_high_rad}};
+    const ProofBox period{{0.0, 0.0, 0.0},
+                          {polygon_.pitch_mm(), polygon_.pitch_mm() * polygon_.module().row_height.high,
+                           polygon_.module().period_high_rad}};
     std::vector<std::uint32_t> cells(log_.cells.size());
     for (std::uint32_t k = 0; k < cells.size(); ++k) cells[k] = k;
     cover(period, cells, nullptr, 1e300);
@@ -49,7 +52,8 @@ class Checker {
  private:
   // Splits the region along faces of cells until each part lies in one of them; `list` holds the modules of a region
   // around it, null as long as that would be too long.
-  void cover(const ProofBox& region, const std::vector<std::uint32_t>& cells, const CandidateList* list, double list_reach) {
+  void cover(const ProofBox& region, const std::vector<std::uint32_t>& cells, const CandidateList* list,
+             double list_reach) {
     const double reach = MotionRegion(polygon_, region).reach_mm();
     const bool in_one = std::ranges::any_of(cells, [&](std::uint32_t c) { return contains(log_.cells[c], region); });
     CandidateList own;
@@ -78,13 +82,15 @@ class Checker {
     parts[0].region.high[axis] = at;
     parts[1].region.low[axis] = at;
     for (Part& part : parts) {
-      std::ranges::copy_if(cells, std::back_inserter(part.cells), [&](std::uint32_t c) { return overlaps(log_.cells[c], part.region); });
+      std::ranges::copy_if(cells, std::back_inserter(part.cells),
+                           [&](std::uint32_t c) { return overlaps(log_.cells[c], part.region); });
     }
     return parts;
   }
 
   // Of some faces per axis the one that leaves the fewest cells on its fuller side.
-  [[nodiscard]] std::pair<std::size_t, double> best_face(const ProofBox& region, const std::vector<std::uint32_t>& cells) const {
+  [[nodiscard]] std::pair<std::size_t, double> best_face(const ProofBox& region,
+                                                         const std::vector<std::uint32_t>& cells) const {
     std::size_t best_axis = 0, fewest = cells.size() * 2 + 2;
     double best = 0.0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -123,7 +129,8 @@ class Checker {
   // One cell of the log: halved where a bound over the whole of it is too weak.
   void halve(const ProofBox& box, const CandidateList* list, int deepest) {
     if (deepest == 0) {
-      throw Rejected{fmt::format("more than {} modules may lie inside near x {}, y {}, theta {}", log_.upper_bound, box.low[0], box.low[1], box.low[2])};
+      throw Rejected{fmt::format("more than {} modules may lie inside near x {}, y {}, theta {}", log_.upper_bound,
+                                 box.low[0], box.low[1], box.low[2])};
     }
     std::array<double, 3> width{};
     for (std::size_t k = 0; k < 3; ++k) width[k] = (box.high[k] - box.low[k]) * (k == 2 ? polygon_.radius_mm() : 1.0);
@@ -146,27 +153,33 @@ class Checker {
 };
 
 const ProofModule& require_header(const ProofLog& log, const std::vector<std::array<PlanePoint, 2>>& edges) {
-  if (edges.empty() || edges != edge_set(log.rings)) throw Rejected{"the polygon of the log is not the polygon of the file"};
+  if (edges.empty() || edges != edge_set(log.rings))
+    throw Rejected{"the polygon of the log is not the polygon of the file"};
   const ProofModule* module = proof_module(log.shape);
   if (module == nullptr) throw Rejected{"\"shape\" must be triangle, square or hexagon"};
   if (!(log.pitch_mm >= module->least_pitch_mm && log.pitch_mm <= 1000.0)) throw Rejected{"pitch_mm is out of range"};
   if (!(log.tolerance_mm > 0.0 && log.tolerance_mm <= 1.0)) throw Rejected{"tolerance_mm is out of range"};
-  if (log.upper_bound < log.modules) throw Rejected{fmt::format("the bound {} is below the {} modules that are claimed", log.upper_bound, log.modules)};
+  if (log.upper_bound < log.modules)
+    throw Rejected{fmt::format("the bound {} is below the {} modules that are claimed", log.upper_bound, log.modules)};
   for (const ProofBox& c : log.cells) {
     for (std::size_t k = 0; k < 3; ++k) {
-      if (c.low[k] > c.high[k] || std::abs(c.low[k]) > 1e6 || std::abs(c.high[k]) > 1e6) throw Rejected{"a cell is not a box"};
+      if (c.low[k] > c.high[k] || std::abs(c.low[k]) > 1e6 || std::abs(c.high[k]) > 1e6)
+        throw Rejected{"a cell is not a box"};
     }
   }
   return *module;
 }
 
 void require_placement(const ProofLog& log, const ProofPolygon& polygon) {
-  if (static_cast<int>(log.tiles.size()) != log.modules) throw Rejected{"the placement does not list as many modules as it claims"};
-  if (std::set<ProofTile>(log.tiles.begin(), log.tiles.end()).size() != log.tiles.size()) throw Rejected{"the placement lists a module twice"};
+  if (static_cast<int>(log.tiles.size()) != log.modules)
+    throw Rejected{"the placement does not list as many modules as it claims"};
+  if (std::set<ProofTile>(log.tiles.begin(), log.tiles.end()).size() != log.tiles.size())
+    throw Rejected{"the placement lists a module twice"};
   const MotionRegion here(polygon, {log.motion, log.motion});
   for (const ProofTile& t : log.tiles) {
     if (!t.up && !polygon.module().has_down) throw Rejected{"modules of this shape are never down"};
-    if (!here.holds(t, log.tolerance_mm + kSpare_mm)) throw Rejected{fmt::format("module ({}, {}, {}) does not lie inside", t.i, t.j, t.up ? "up" : "down")};
+    if (!here.holds(t, log.tolerance_mm + kSpare_mm))
+      throw Rejected{fmt::format("module ({}, {}, {}) does not lie inside", t.i, t.j, t.up ? "up" : "down")};
   }
 }
 

@@ -15,7 +15,9 @@ namespace {
 
 using nlohmann::json;
 
-[[noreturn]] void fail(const std::string& name, const std::string& what) { throw InputError(name + ": " + what); }
+[[noreturn]] void fail(const std::string& name, const std::string& what) {
+  throw InputError(name + ": " + what);
+}
 
 const json& member(const json& object, const char* key, const std::string& name) {
   if (!object.is_object() || !object.contains(key)) fail(name, fmt::format("\"{}\" is missing", key));
@@ -23,7 +25,8 @@ const json& member(const json& object, const char* key, const std::string& name)
 }
 
 double number(const json& value, const char* what, const std::string& name) {
-  if (!value.is_number() || !std::isfinite(value.get<double>())) fail(name, fmt::format("{}: must be a finite number", what));
+  if (!value.is_number() || !std::isfinite(value.get<double>()))
+    fail(name, fmt::format("{}: must be a finite number", what));
   return value.get<double>();
 }
 
@@ -55,10 +58,14 @@ std::vector<Ring> json_rings(const json& rings, const std::string& name) {
 
 // The polygon inside features and collections of one.
 const json& find_polygon(const json& value, const std::string& name) {
-  const std::string type = value.is_object() && value.contains("type") && value["type"].is_string() ? value["type"].get<std::string>() : "";
+  const std::string type =
+      value.is_object() && value.contains("type") && value["type"].is_string() ? value["type"].get<std::string>() : "";
   if (type == "Polygon") return member(value, "coordinates", name);
   if (type == "Feature") return find_polygon(member(value, "geometry", name), name);
-  const char* inner = type == "FeatureCollection" ? "features" : type == "GeometryCollection" ? "geometries" : type == "MultiPolygon" ? "coordinates" : nullptr;
+  const char* inner = type == "FeatureCollection"    ? "features"
+                      : type == "GeometryCollection" ? "geometries"
+                      : type == "MultiPolygon"       ? "coordinates"
+                                                     : nullptr;
   if (inner == nullptr) fail(name, "not a GeoJSON polygon");
   const json& parts = list(member(value, inner, name), inner, name);
   if (parts.size() != 1) fail(name, "must hold exactly one polygon");
@@ -134,7 +141,9 @@ ProofLog read_proof_log(const std::string& text, const std::string& name) {
   log.modules = count(member(j, "modules", name), "modules", name);
   log.upper_bound = count(member(j, "upper_bound", name), "upper_bound", name);
   for (const json& t : list(member(j, "tiles", name), "tiles", name)) {
-    if (!t.is_array() || t.size() != 3 || !t[0].is_number_integer() || !t[1].is_number_integer() || !t[2].is_number_integer()) fail(name, "a tile must be [i, j, up]");
+    if (!t.is_array() || t.size() != 3 || !t[0].is_number_integer() || !t[1].is_number_integer() ||
+        !t[2].is_number_integer())
+      fail(name, "a tile must be [i, j, up]");
     log.tiles.push_back({t[0].get<int>(), t[1].get<int>(), t[2].get<int>() != 0});
   }
   for (const json& c : list(member(j, "cells", name), "cells", name)) {

@@ -13,24 +13,51 @@ ProofModule triangle() {
   const Interval inradius = Interval(kModuleSide_mm) * kHalfRoot3 * kThird;
   return {.normal = {{0.0, -1.0}, {kHalfRoot3, 0.5}, {-kHalfRoot3, 0.5}},
           .corner = {{-kHalfSide_mm, -inradius}, {kHalfSide_mm, -inradius}, {0.0, inradius + inradius}},
-          .has_down = true, .inradius = inradius, .inradius_low_mm = 8.66, .circumradius_high_mm = 17.321, .least_pitch_mm = kModuleSide_mm,
-          .row_height = kHalfRoot3, .row_shift = 0.5, .period_high_rad = kSixth_rad};
+          .has_down = true,
+          .inradius = inradius,
+          .inradius_low_mm = 8.66,
+          .circumradius_high_mm = 17.321,
+          .least_pitch_mm = kModuleSide_mm,
+          .row_height = kHalfRoot3,
+          .row_shift = 0.5,
+          .period_high_rad = kSixth_rad};
 }
 
 ProofModule square() {
   return {.normal = {{0.0, -1.0}, {1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}},
-          .corner = {{-kHalfSide_mm, -kHalfSide_mm}, {kHalfSide_mm, -kHalfSide_mm}, {kHalfSide_mm, kHalfSide_mm}, {-kHalfSide_mm, kHalfSide_mm}},
-          .has_down = false, .inradius = kHalfSide_mm, .inradius_low_mm = 15.0, .circumradius_high_mm = 21.214, .least_pitch_mm = kModuleSide_mm,
-          .row_height = 1.0, .row_shift = 0.0, .period_high_rad = kQuarter_rad};
+          .corner = {{-kHalfSide_mm, -kHalfSide_mm},
+                     {kHalfSide_mm, -kHalfSide_mm},
+                     {kHalfSide_mm, kHalfSide_mm},
+                     {-kHalfSide_mm, kHalfSide_mm}},
+          .has_down = false,
+          .inradius = kHalfSide_mm,
+          .inradius_low_mm = 15.0,
+          .circumradius_high_mm = 21.214,
+          .least_pitch_mm = kModuleSide_mm,
+          .row_height = 1.0,
+          .row_shift = 0.0,
+          .period_high_rad = kQuarter_rad};
 }
 
 // Corners above and below, sides left and right.
 ProofModule hexagon() {
   const Interval inradius = Interval(kModuleSide_mm) * kHalfRoot3;
-  return {.normal = {{0.5, -kHalfRoot3}, {1.0, 0.0}, {0.5, kHalfRoot3}, {-0.5, kHalfRoot3}, {-1.0, 0.0}, {-0.5, -kHalfRoot3}},
-          .corner = {{0.0, -kModuleSide_mm}, {inradius, -kHalfSide_mm}, {inradius, kHalfSide_mm}, {0.0, kModuleSide_mm}, {-inradius, kHalfSide_mm}, {-inradius, -kHalfSide_mm}},
-          .has_down = false, .inradius = inradius, .inradius_low_mm = 25.98, .circumradius_high_mm = 30.001, .least_pitch_mm = 51.9615242270663,
-          .row_height = kHalfRoot3, .row_shift = 0.5, .period_high_rad = kSixth_rad};
+  return {.normal =
+              {{0.5, -kHalfRoot3}, {1.0, 0.0}, {0.5, kHalfRoot3}, {-0.5, kHalfRoot3}, {-1.0, 0.0}, {-0.5, -kHalfRoot3}},
+          .corner = {{0.0, -kModuleSide_mm},
+                     {inradius, -kHalfSide_mm},
+                     {inradius, kHalfSide_mm},
+                     {0.0, kModuleSide_mm},
+                     {-inradius, kHalfSide_mm},
+                     {-inradius, -kHalfSide_mm}},
+          .has_down = false,
+          .inradius = inradius,
+          .inradius_low_mm = 25.98,
+          .circumradius_high_mm = 30.001,
+          .least_pitch_mm = 51.9615242270663,
+          .row_height = kHalfRoot3,
+          .row_shift = 0.5,
+          .period_high_rad = kSixth_rad};
 }
 
 }  // namespace

@@ -12,14 +12,15 @@ inline constexpr double kModuleSide_mm = 30.0;
 
 /// A shape of module and its grid, as the checker knows them.
 struct ProofModule {
-  std::vector<IntervalPoint> normal, corner;  ///< of the up module around its centre, outward and of unit length; the down one is its mirror image in the centre
+  std::vector<IntervalPoint> normal, corner;  ///< of the up module around its centre, outward and of unit length; the
+                                              ///< down one is its mirror image in the centre
   bool has_down = false;
   Interval inradius;
   double inradius_low_mm = 0.0, circumradius_high_mm = 0.0;
-  double least_pitch_mm = 0.0;      ///< below it modules would overlap
-  Interval row_height;              ///< of the pitch
-  double row_shift = 0.0;           ///< of the pitch
-  double period_high_rad = 0.0;     ///< the grid is its own image after this turn, a hair less
+  double least_pitch_mm = 0.0;   ///< below it modules would overlap
+  Interval row_height;           ///< of the pitch
+  double row_shift = 0.0;        ///< of the pitch
+  double period_high_rad = 0.0;  ///< the grid is its own image after this turn, a hair less
 
   [[nodiscard]] IntervalPoint center(const ProofTile& tile, double pitch_mm) const;
 };

@@ -12,7 +12,8 @@ namespace {
 
 class Keeper {
  public:
-  Keeper(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout) : surface_(surface), limits_(limits), layout_(layout) {}
+  Keeper(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout)
+      : surface_(surface), limits_(limits), layout_(layout) {}
 
   void run() {
     for (PlacedModule& m : layout_.modules) measure_on_surface(surface_, m);  // nothing moves from here on
@@ -84,7 +85,8 @@ class Keeper {
     for (PlacedModule& m : layout_.modules) {
       for (int s = 0; s < 3; ++s) {
         if (m.neighbour[at(s)] < 0) continue;
-        if (m.hinge_gap_mm[at(s)] <= 0.98 * limits_.hinge_gap_mm && m.fold_rad[at(s)] <= 0.98 * limits_.fold_rad) continue;
+        if (m.hinge_gap_mm[at(s)] <= 0.98 * limits_.hinge_gap_mm && m.fold_rad[at(s)] <= 0.98 * limits_.fold_rad)
+          continue;
         layout_.modules[at(m.neighbour[at(s)])].neighbour[at(across(m.tile, s).side)] = -1;
         m.neighbour[at(s)] = -1;
         any = true;
@@ -119,6 +121,8 @@ class Keeper {
 
 }  // namespace
 
-void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout) { Keeper(surface, limits, layout).run(); }
+void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout) {
+  Keeper(surface, limits, layout).run();
+}
 
 }  // namespace triskin::geometry

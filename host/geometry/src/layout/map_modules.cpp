@@ -41,7 +41,8 @@ class PieceMap {
       const auto& t = placed_.piece->flat[k];
       const auto area = [](const Vec2& u, const Vec2& v) { return u.x() * v.y() - u.y() * v.x(); };
       const double total = area(t[1] - t[0], t[2] - t[0]);
-      const Vec3 w(area(t[1] - p, t[2] - p) / total, area(t[2] - p, t[0] - p) / total, area(t[0] - p, t[1] - p) / total);
+      const Vec3 w(area(t[1] - p, t[2] - p) / total, area(t[2] - p, t[0] - p) / total,
+                   area(t[0] - p, t[1] - p) / total);
       if (w.minCoeff() > best) {
         best = w.minCoeff();
         best_weights = w;
@@ -60,7 +61,9 @@ class PieceMap {
 
 class Mapper {
  public:
-  Mapper(const Surface& surface, const LayoutLimits& limits) : surface_(surface), limits_(limits) { layout_.method = "pieces"; }
+  Mapper(const Surface& surface, const LayoutLimits& limits) : surface_(surface), limits_(limits) {
+    layout_.method = "pieces";
+  }
 
   ModuleLayout run(const std::vector<PlacedPiece>& pieces) {
     for (std::size_t p = 0; p < pieces.size(); ++p) add_piece(pieces[p], static_cast<int>(p));

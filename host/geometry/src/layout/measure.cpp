@@ -11,14 +11,20 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kNear_mm = 45.0;     // centroids farther apart than two circumradii and some height cannot touch
-constexpr double kLayer_mm = 10.0;    // modules this far apart along the normal lie on different sheets
-constexpr int kSideSamples = 60;  // every 0.5 mm, as the definition of the metrics says (docs/design_file.md)
+constexpr double kNear_mm = 45.0;   // centroids farther apart than two circumradii and some height cannot touch
+constexpr double kLayer_mm = 10.0;  // modules this far apart along the normal lie on different sheets
+constexpr int kSideSamples = 60;    // every 0.5 mm, as the definition of the metrics says (docs/design_file.md)
 
-Vec3 normal_of(const std::array<Vec3, 3>& t) { return (t[1] - t[0]).cross(t[2] - t[0]).normalized(); }
-Vec3 centroid_of(const std::array<Vec3, 3>& t) { return (t[0] + t[1] + t[2]) / 3.0; }
+Vec3 normal_of(const std::array<Vec3, 3>& t) {
+  return (t[1] - t[0]).cross(t[2] - t[0]).normalized();
+}
+Vec3 centroid_of(const std::array<Vec3, 3>& t) {
+  return (t[0] + t[1] + t[2]) / 3.0;
+}
 
-double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+double angle_between(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
 
 // Smallest overlap of the two projected triangles over the directions normal to their six sides (separating axes).
 double planar_depth(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
@@ -46,7 +52,8 @@ double smallest_radius(const Surface& surface, const std::array<Vec3, 3>& corner
   const Vec3 middle = centroid_of(corners);
   const Vec3 n = surface.normal_at(surface.closest(middle));
   double largest_turn = 0.0;
-  for (const Vec3& c : corners) largest_turn = std::max(largest_turn, angle_between(n, surface.normal_at(surface.closest(c))));
+  for (const Vec3& c : corners)
+    largest_turn = std::max(largest_turn, angle_between(n, surface.normal_at(surface.closest(c))));
   return largest_turn > 1e-6 ? (corners[0] - middle).norm() / largest_turn : 0.0;
 }
 
@@ -55,7 +62,8 @@ void measure_joint(const std::vector<PlacedModule>& modules, PlacedModule& m, in
   if (m.neighbour[at(s)] < 0) return;
   const PlacedModule& other = modules[at(m.neighbour[at(s)])];
   const int t = across(m.tile, s).side;
-  const Vec3 &a = m.corner_mm[at(s)], &b = m.corner_mm[at((s + 1) % 3)], &c = other.corner_mm[at((t + 1) % 3)], &d = other.corner_mm[at(t)];
+  const Vec3 &a = m.corner_mm[at(s)], &b = m.corner_mm[at((s + 1) % 3)], &c = other.corner_mm[at((t + 1) % 3)],
+             &d = other.corner_mm[at(t)];
   m.hinge_gap_mm[at(s)] = std::max((a - c).norm(), (b - d).norm());
   m.fold_rad[at(s)] = angle_between(normal_of(m.corner_mm), normal_of(other.corner_mm));
   // The net's edge runs between the mean places of its ends, which two rigid sides share.

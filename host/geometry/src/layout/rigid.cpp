@@ -11,7 +11,8 @@
 namespace triskin::geometry {
 
 std::array<Vec3, 3> fit_rigid(const std::array<Vec3, 3>& target) {
-  static const std::array<Vec3, 3> kRest{Vec3(-15, -kHeight_mm / 3, 0), Vec3(15, -kHeight_mm / 3, 0), Vec3(0, 2 * kHeight_mm / 3, 0)};
+  static const std::array<Vec3, 3> kRest{Vec3(-15, -kHeight_mm / 3, 0), Vec3(15, -kHeight_mm / 3, 0),
+                                         Vec3(0, 2 * kHeight_mm / 3, 0)};
   const Vec3 center = (target[0] + target[1] + target[2]) / 3.0;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < 3; ++k) covariance += (target[k] - center) * kRest[k].transpose();
@@ -23,7 +24,7 @@ std::array<Vec3, 3> fit_rigid(const std::array<Vec3, 3>& target) {
 
 namespace {
 
-constexpr double kStep_mm = 0.02;                         // the largest overrun is found to this
+constexpr double kStep_mm = 0.02;                           // the largest overrun is found to this
 constexpr double kFineSide_mm = 5e-4, kFineArea_mm = 4e-3;  // parts that reach no farther are not divided
 
 /// A point of a module over surface and border.
@@ -48,11 +49,13 @@ Stand visit(const Surface& surface, const Vec3& p, double& best) {
   return s;
 }
 
-// Whether a part of the module, all within `reach` of a point, may stand over the border by more than is known. Both distances change by no more than
-// the way of the point, and the foot on the surface by little more. A point that just leaves the surface may at once stand over the border by as much
-// as the normals of vertices are turned from the face's: such slivers are looked for. Three: the normal turns along the border, too.
+// Whether a part of the module, all within `reach` of a point, may stand over the border by more than is known. Both
+// distances change by no more than the way of the point, and the foot on the surface by little more. A point that just
+// leaves the surface may at once stand over the border by as much as the normals of vertices are turned from the
+// face's: such slivers are looked for. Three: the normal turns along the border, too.
 bool may_exceed(const Surface& surface, const Stand& s, double reach, double known_mm) {
-  if (s.to_border_mm - s.foot.distance_mm > 2.0 * reach || s.across_mm + 3.0 * reach <= known_mm + kStep_mm) return false;
+  if (s.to_border_mm - s.foot.distance_mm > 2.0 * reach || s.across_mm + 3.0 * reach <= known_mm + kStep_mm)
+    return false;
   return s.over() || surface.border_distance(s.foot.position_mm) <= 4.0 * reach;
 }
 
@@ -71,7 +74,8 @@ void search_over_border(const Surface& surface, const std::array<Vec3, 3>& part,
   const Stand s = visit(surface, middle, best);
   if (reach < kFineArea_mm || !may_exceed(surface, s, reach, best)) return;
   const Vec3 ab = 0.5 * (part[0] + part[1]), bc = 0.5 * (part[1] + part[2]), ca = 0.5 * (part[2] + part[0]);
-  for (const auto& quarter : {std::array{part[0], ab, ca}, std::array{part[1], bc, ab}, std::array{part[2], ca, bc}, std::array{ab, bc, ca}}) {
+  for (const auto& quarter : {std::array{part[0], ab, ca}, std::array{part[1], bc, ab}, std::array{part[2], ca, bc},
+                              std::array{ab, bc, ca}}) {
     search_over_border(surface, quarter, 0.5 * reach, best);
   }
 }

@@ -9,7 +9,8 @@ namespace triskin::geometry {
 /// The rigid module nearest to three points (Kabsch, 1976).
 [[nodiscard]] std::array<Vec3, 3> fit_rigid(const std::array<Vec3, 3>& target);
 
-/// How far the sides stand over the border, to 0.02 mm below, and how deep they lie under the surface, in `samples` steps a side.
+/// How far the sides stand over the border, to 0.02 mm below, and how deep they lie under the surface, in `samples`
+/// steps a side.
 struct SideMetrics {
   double overrun_mm = 0.0, depth_mm = 0.0;
 };

@@ -13,16 +13,23 @@ namespace triskin::geometry {
 namespace {
 
 constexpr std::size_t kMostAsGood = 64;
-constexpr double kReach_mm = 9.0;   // how far from a tile its edges are looked up; children of slices move less
-constexpr double kSlice_mm = 6.5;   // how far the farthest vertex moves from one side of a slice to the other
-constexpr std::size_t kBatch = 16;  // cells looked at together: fixed, so that the search does not depend on the threads
+constexpr double kReach_mm = 9.0;  // how far from a tile its edges are looked up; children of slices move less
+constexpr double kSlice_mm = 6.5;  // how far the farthest vertex moves from one side of a slice to the other
+constexpr std::size_t kBatch =
+    16;  // cells looked at together: fixed, so that the search does not depend on the threads
 
 class Search {
  public:
   Search(const PreparedPolygon& polygon, const TileGrid& grid, const SearchGoal& goal, const ProgressSink& progress)
-      : polygon_(polygon), grid_(grid), goal_(goal), progress_(progress), demand_{goal.inset_mm, goal.tolerance_mm, goal.resolution_mm, goal.last_inset_mm, static_cast<bool>(goal.raise)},
+      : polygon_(polygon),
+        grid_(grid),
+        goal_(goal),
+        progress_(progress),
+        demand_{goal.inset_mm, goal.tolerance_mm, goal.resolution_mm, goal.last_inset_mm,
+                static_cast<bool>(goal.raise)},
         edges_(polygon, grid.circumradius_mm + std::max(0.0, std::max(goal.inset_mm, goal.last_inset_mm)) + kReach_mm),
-        expanders_([&] { return CellExpander(polygon, grid, edges_); }), arena_(goal.threads > 0 ? goal.threads : tbb::task_arena::automatic) {
+        expanders_([&] { return CellExpander(polygon, grid, edges_); }),
+        arena_(goal.threads > 0 ? goal.threads : tbb::task_arena::automatic) {
     result_.best = goal.known;
   }
 
@@ -30,7 +37,9 @@ class Search {
     add_roots();
     while (!open_.empty() && open_.begin()->first > result_.best) {
       result_.upper_bound = std::max(result_.best, open_.begin()->first);
-      if (std::chrono::steady_clock::now() > goal_.deadline || (demand_.rising && demand_.inset_mm > demand_.last_inset_mm)) break;
+      if (std::chrono::steady_clock::now() > goal_.deadline ||
+          (demand_.rising && demand_.inset_mm > demand_.last_inset_mm))
+        break;
       report(progress_, "placing", -1.0, fmt::format("{} modules, bound {}", result_.best, result_.upper_bound));
       take_batch();
       expand_batch();
@@ -54,7 +63,8 @@ class Search {
 
  private:
   void close(const MotionBox& box) {
-    if (goal_.cells != nullptr) goal_.cells->push_back({box.low[0], box.high[0], box.low[1], box.high[1], box.low[2], box.high[2]});
+    if (goal_.cells != nullptr)
+      goal_.cells->push_back({box.low[0], box.high[0], box.low[1], box.high[1], box.low[2], box.high[2]});
   }
 
   void push(Cell cell) {
@@ -158,7 +168,8 @@ class Search {
 
 }  // namespace
 
-SearchResult branch_and_bound(const PreparedPolygon& polygon, const TileGrid& grid, const SearchGoal& goal, const ProgressSink& progress) {
+SearchResult branch_and_bound(const PreparedPolygon& polygon, const TileGrid& grid, const SearchGoal& goal,
+                              const ProgressSink& progress) {
   return Search(polygon, grid, goal, progress).run();
 }
 

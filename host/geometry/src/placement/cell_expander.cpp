@@ -9,7 +9,7 @@ namespace {
 constexpr int kMostPasses = 4;
 constexpr double kWorthAnotherPass = 0.7;
 constexpr int kMostPartsOfSlice = 8, kMostPartsOfCube = 8;  // in one child
-constexpr int kWellFilled = 2;  // one of so many parts open: a box is not divided further
+constexpr int kWellFilled = 2;                              // one of so many parts open: a box is not divided further
 
 using Index = std::array<int, 3>;
 
@@ -28,7 +28,8 @@ MotionBox part_box(const MotionBox& box, const Index& parts, const Index& low, c
 PartWord wanted_parts(const Index& low, const Index& high) {
   PartWord wanted{};
   for (int x = low[0]; x < high[0]; ++x) {
-    for (int y = low[1]; y < high[1]; ++y) wanted[static_cast<std::size_t>(x + kPartsPerAxis * y)] = (1U << high[2]) - (1U << low[2]);
+    for (int y = low[1]; y < high[1]; ++y)
+      wanted[static_cast<std::size_t>(x + kPartsPerAxis * y)] = (1U << high[2]) - (1U << low[2]);
   }
   return wanted;
 }
@@ -72,8 +73,10 @@ void CellExpander::expand(Cell cell, const Demand& demand, int best, bool keep_c
   best_ = best;
   keep_closed_ = keep_closed;
   result_ = &result;
-  if (cell.list) look(cell);
-  else look_at_slice(cell);
+  if (cell.list)
+    look(cell);
+  else
+    look_at_slice(cell);
   result.best = best_;
 }
 
@@ -124,9 +127,10 @@ std::size_t CellExpander::longest_axis(const MotionBox& box, const Index& parts)
   return axis;
 }
 
-// Children: small boxes around open parts, of which at least half are open. chosen_[first_chosen …) may be undecided among
-// the parts, `certain` more tiles than in the slice are certain there.
-void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index& high, std::size_t first_chosen, int certain) {
+// Children: small boxes around open parts, of which at least half are open. chosen_[first_chosen …) may be undecided
+// among the parts, `certain` more tiles than in the slice are certain there.
+void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index& high, std::size_t first_chosen,
+                                int certain) {
   const OpenParts open = open_parts(cell, low, high);
   const MotionBox whole = part_box(cell.box, parts_, low, high);
   if (open.count == 0) return close(whole);
@@ -157,20 +161,24 @@ int CellExpander::choose_border(const Index& low, const Index& high, std::size_t
       may |= border.may[static_cast<std::size_t>(y)];
       must_not |= ~border.must[static_cast<std::size_t>(y)];
     }
-    if ((must_not & lanes) == 0) ++certain;
-    else if ((may & lanes) != 0) chosen_.push_back(chosen_[n]);
+    if ((must_not & lanes) == 0)
+      ++certain;
+    else if ((may & lanes) != 0)
+      chosen_.push_back(chosen_[n]);
   }
   return certain;
 }
 
-void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open, std::size_t first_chosen, int certain) {
+void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open,
+                                   std::size_t first_chosen, int certain) {
   auto list = std::make_shared<CellList>();
   list->tiles.reserve(chosen_.size() - first_chosen);
   const auto lanes = static_cast<std::uint32_t>((1U << open.high[0]) - (1U << open.low[0]));
   const Vec2 shift(box.center(0), box.center(1));
   const double c = std::cos(box.center(2)), s = std::sin(box.center(2));
-  const double reach = std::hypot(box.half(0), box.half(1)) + (polygon_.radius_mm + 4.0 * grid_.circumradius_mm) * box.half(2) +
-                       grid_.circumradius_mm + std::max(0.0, frame_.certain_mm);
+  const double reach = std::hypot(box.half(0), box.half(1)) +
+                       (polygon_.radius_mm + 4.0 * grid_.circumradius_mm) * box.half(2) + grid_.circumradius_mm +
+                       std::max(0.0, frame_.certain_mm);
   for (std::size_t n = first_chosen; n < chosen_.size(); ++n) {
     const SliceRaster::Border& border = raster_.border()[chosen_[n]];
     std::uint32_t may_not = 0;
@@ -178,11 +186,13 @@ void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const
     const Vec2 center = grid_.center(border.tile), p = center - shift;
     // Where a tile may hold its centre is inside at the middle of the part, and so wherever in the part it holds.
     OpenTile tile{center, border.tile, may_not == 0, static_cast<std::uint32_t>(list->pairs.size()), 0};
-    add_pairs({c * p.x() + s * p.y(), -s * p.x() + c * p.y()}, reach, static_cast<std::uint32_t>(list->tiles.size()), list->pairs);
+    add_pairs({c * p.x() + s * p.y(), -s * p.x() + c * p.y()}, reach, static_cast<std::uint32_t>(list->tiles.size()),
+              list->pairs);
     tile.count = static_cast<std::uint32_t>(list->pairs.size()) - tile.first;
     list->tiles.push_back(tile);
   }
-  result_->children.push_back({box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), std::move(list)});
+  result_->children.push_back(
+      {box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), std::move(list)});
 }
 
 // The edges that come within reach of a point of the polygon's frame.
@@ -197,7 +207,9 @@ void CellExpander::add_pairs(const Vec2& p, double reach_mm, std::uint32_t tile,
     const double dx = b.x() - a.x(), dy = b.y() - a.y(), qx = p.x() - a.x(), qy = p.y() - a.y();
     const double square = dx * dx + dy * dy, along = qx * dx + qy * dy, across = qx * dy - qy * dx;
     const double end_x = p.x() - b.x(), end_y = p.y() - b.y();
-    const bool near = along <= 0.0 ? qx * qx + qy * qy <= far : along >= square ? end_x * end_x + end_y * end_y <= far : across * across <= far * square;
+    const bool near = along <= 0.0      ? qx * qx + qy * qy <= far
+                      : along >= square ? end_x * end_x + end_y * end_y <= far
+                                        : across * across <= far * square;
     if (near) pairs.push_back({tile, edge});
   }
 }
@@ -226,7 +238,8 @@ void CellExpander::look(Cell& cell) {
 }
 
 void CellExpander::look_ahead(Cell& cell, const CellList& list) {
-  if (std::ranges::max(weighted_half(cell.box)) < demand_.resolution_mm) {  // near the rounding pad: stays open in the bound
+  if (std::ranges::max(weighted_half(cell.box)) <
+      demand_.resolution_mm) {  // near the rounding pad: stays open in the bound
     result_->unresolved_bound = std::max(result_->unresolved_bound, cell.bound);
     return close(cell.box);
   }
@@ -257,15 +270,18 @@ int CellExpander::choose(const Index& low, const Index& high, std::size_t first,
       may |= word[k] & wanted[k];
       must_not |= ~(word[k] >> 16) & wanted[k];
     }
-    if (must_not == 0) ++certain;
-    else if (may != 0) chosen_.push_back(chosen_[n]);
+    if (must_not == 0)
+      ++certain;
+    else if (may != 0)
+      chosen_.push_back(chosen_[n]);
   }
   return certain;
 }
 
-// The same for cubes. chosen_[first_chosen …) may be undecided among the parts, `certain` more tiles than in the cell are
-// certain there.
-void CellExpander::divide(const Cell& cell, const CellList& list, const Index& low, const Index& high, std::size_t first_chosen, int certain) {
+// The same for cubes. chosen_[first_chosen …) may be undecided among the parts, `certain` more tiles than in the cell
+// are certain there.
+void CellExpander::divide(const Cell& cell, const CellList& list, const Index& low, const Index& high,
+                          std::size_t first_chosen, int certain) {
   const MotionBox whole = part_box(cell.box, parts_, low, high);
   const OpenParts open = open_parts(cell, low, high);
   if (open.count == 0) return close(whole);
@@ -274,7 +290,8 @@ void CellExpander::divide(const Cell& cell, const CellList& list, const Index& l
   const std::size_t last_chosen = chosen_.size();
   certain += choose(open.low, open.high, first_chosen, last_chosen);
   if (open.well_filled(kMostPartsOfCube)) {
-    result_->children.push_back({box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), chosen_list(list, last_chosen)});
+    result_->children.push_back(
+        {box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), chosen_list(list, last_chosen)});
   } else {
     const std::size_t axis = longest_axis(box, open.size());
     Index first_high = open.high, second_low = open.low;
@@ -294,7 +311,8 @@ std::shared_ptr<const CellList> CellExpander::chosen_list(const CellList& list, 
     OpenTile tile = list.tiles[chosen_[n]];
     const std::uint32_t first = tile.first;
     tile.first = static_cast<std::uint32_t>(to->pairs.size());
-    for (std::uint32_t k = 0; k < tile.count; ++k) to->pairs.push_back({static_cast<std::uint32_t>(to->tiles.size()), list.pairs[first + k].edge});
+    for (std::uint32_t k = 0; k < tile.count; ++k)
+      to->pairs.push_back({static_cast<std::uint32_t>(to->tiles.size()), list.pairs[first + k].edge});
     to->tiles.push_back(tile);
   }
   return to;

@@ -20,23 +20,28 @@ const PairBlock& CellFilter::block_of(const CellFrame& frame, const CellList& fr
   const std::size_t number = pair / kLanes;
   if (number != block_number_) {
     const std::size_t first = number * kLanes;
-    judge_pairs(polygon_, grid_, frame, from.tiles.data(), from.pairs.data() + first, std::min(kLanes, from.pairs.size() - first), block_);
+    judge_pairs(polygon_, grid_, frame, from.tiles.data(), from.pairs.data() + first,
+                std::min(kLanes, from.pairs.size() - first), block_);
     block_number_ = number;
   }
   return block_;
 }
 
-// The possible directions of a pair with those of their constraints that may fail. One that cannot fail at all: no restriction.
-void CellFilter::collect(const CellFrame& f, double sign, std::uint32_t edge, std::size_t lane, std::vector<HalfSpace>& halves) const {
+// The possible directions of a pair with those of their constraints that may fail. One that cannot fail at all: no
+// restriction.
+void CellFilter::collect(const CellFrame& f, double sign, std::uint32_t edge, std::size_t lane,
+                         std::vector<HalfSpace>& halves) const {
   const std::size_t first = halves.size(), corners = static_cast<std::size_t>(grid_.corners);
   const double sure = f.certain_mm + f.pad_mm;
   for (std::size_t d = 0; d < 2 + corners; ++d) {
     if (!(block_.room[d][lane] >= 0.0)) continue;
     const bool line = d < 2;
     const double turn = d == 0 ? -1.0 : 1.0;  // of the normal, and for direction 1 of the values
-    const Vec2 gradient = line ? Vec2(turn * f.normal_x[edge], turn * f.normal_y[edge]) : Vec2(sign * grid_.normal[d - 2]);
+    const Vec2 gradient =
+        line ? Vec2(turn * f.normal_x[edge], turn * f.normal_y[edge]) : Vec2(sign * grid_.normal[d - 2]);
     const double slide = std::abs(gradient.x()) * f.half[0] + std::abs(gradient.y()) * f.half[1];
-    const std::size_t begin = line ? 0 : corners + 2 * (d - 2), end = line ? corners : begin + 2, direction_first = halves.size();
+    const std::size_t begin = line ? 0 : corners + 2 * (d - 2), end = line ? corners : begin + 2,
+                      direction_first = halves.size();
     for (std::size_t c = begin; c < end; ++c) {
       const double flip = d == 1 ? -1.0 : 1.0;
       const double slope = flip * block_.slope[c][lane], value = flip * block_.level[c][lane];
@@ -52,8 +57,8 @@ void CellFilter::collect(const CellFrame& f, double sign, std::uint32_t edge, st
   if (halves.size() > first) halves.back().ends |= HalfSpace::kEndPair;
 }
 
-CellFilter::Fate CellFilter::judge_tile(const CellFrame& f, const CellList& from, OpenTile& tile, CellList& kept, Box& box, bool& free_at_center,
-                                        std::vector<HalfSpace>& halves) {
+CellFilter::Fate CellFilter::judge_tile(const CellFrame& f, const CellList& from, OpenTile& tile, CellList& kept,
+                                        Box& box, bool& free_at_center, std::vector<HalfSpace>& halves) {
   const std::size_t end = tile.first + tile.count, kept_first = kept.pairs.size();
   const auto kept_tile = static_cast<std::uint32_t>(kept.tiles.size());
   const double sure = f.certain_mm + f.pad_mm;
@@ -77,12 +82,14 @@ CellFilter::Fate CellFilter::judge_tile(const CellFrame& f, const CellList& from
     kept.pairs.push_back({kept_tile, from.pairs[at].edge});
   }
   const bool decided = kept.pairs.size() == kept_first;
-  if (!tile.inside && decided && !center_inside(f, tile.center)) return Fate::kDead;  // no edge comes near: outside everywhere
+  if (!tile.inside && decided && !center_inside(f, tile.center))
+    return Fate::kDead;  // no edge comes near: outside everywhere
   return decided ? Fate::kDecided : Fate::kOpen;
 }
 
-CellFilter::Outcome CellFilter::filter(const CellFrame& f, const CellList& from, int least, CellList& kept, OffsetBoxes& boxes,
-                                       std::vector<HalfSpace>& halves, std::vector<OpenTile>* certain) {
+CellFilter::Outcome CellFilter::filter(const CellFrame& f, const CellList& from, int least, CellList& kept,
+                                       OffsetBoxes& boxes, std::vector<HalfSpace>& halves,
+                                       std::vector<OpenTile>* certain) {
   kept.clear();
   boxes.clear();
   halves.clear();
@@ -95,7 +102,8 @@ CellFilter::Outcome CellFilter::filter(const CellFrame& f, const CellList& from,
     const std::size_t kept_first = kept.pairs.size(), halves_first = halves.size();
     const Fate fate = judge_tile(f, from, tile, kept, box, free_at_center, halves);
     if (fate == Fate::kOpen) {
-      if (halves.size() == halves_first) halves.push_back({1.0, 0.0, 0.0, 0.0, HalfSpace::kEndDirection | HalfSpace::kEndPair});
+      if (halves.size() == halves_first)
+        halves.push_back({1.0, 0.0, 0.0, 0.0, HalfSpace::kEndDirection | HalfSpace::kEndPair});
       halves.back().ends |= HalfSpace::kEndTile;
       tile.first = static_cast<std::uint32_t>(kept_first);
       tile.count = static_cast<std::uint32_t>(kept.pairs.size() - kept_first);

@@ -32,12 +32,13 @@ class CellFilter {
   CellFilter(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}
 
   struct Outcome {
-    int certain = 0;        ///< tiles that hold in the whole cell, of those that were undecided
-    int free_at_center = 0; ///< of those still undecided: hold at the centre
-    bool alive = false;     ///< false: fewer than `least` tiles can hold; then the rest was not looked at
+    int certain = 0;         ///< tiles that hold in the whole cell, of those that were undecided
+    int free_at_center = 0;  ///< of those still undecided: hold at the centre
+    bool alive = false;      ///< false: fewer than `least` tiles can hold; then the rest was not looked at
   };
   /// Tiles of `from` that stay undecided go to `kept` and `boxes`. Ends early when fewer than `least` can hold.
-  /// What restricts them inside the cell goes to `halves`; the certain ones themselves are added to `certain`, when it is given.
+  /// What restricts them inside the cell goes to `halves`; the certain ones themselves are added to `certain`, when it
+  /// is given.
   Outcome filter(const CellFrame& frame, const CellList& from, int least, CellList& kept, OffsetBoxes& boxes,
                  std::vector<HalfSpace>& halves, std::vector<OpenTile>* certain = nullptr);
 
@@ -46,9 +47,10 @@ class CellFilter {
   struct Box {
     std::array<double, 3> low, high;
   };
-  Fate judge_tile(const CellFrame& frame, const CellList& from, OpenTile& tile, CellList& kept, Box& box, bool& free_at_center,
-                  std::vector<HalfSpace>& halves);
-  void collect(const CellFrame& frame, double sign, std::uint32_t edge, std::size_t lane, std::vector<HalfSpace>& halves) const;
+  Fate judge_tile(const CellFrame& frame, const CellList& from, OpenTile& tile, CellList& kept, Box& box,
+                  bool& free_at_center, std::vector<HalfSpace>& halves);
+  void collect(const CellFrame& frame, double sign, std::uint32_t edge, std::size_t lane,
+               std::vector<HalfSpace>& halves) const;
   const PairBlock& block_of(const CellFrame& frame, const CellList& from, std::size_t pair);
   [[nodiscard]] bool center_inside(const CellFrame& frame, const Vec2& center) const;
 

@@ -10,16 +10,20 @@ namespace {
 constexpr double kFirstRadius_mm = 1.0, kLargestRadius_mm = 4.0, kLeastRadius_mm = 1e-5;
 constexpr double kLeastGain_mm = 1e-5;
 constexpr int kMostSteps = 60;
-constexpr double kApart_mm = 0.05;       // motions that are closer climb to the same place
+constexpr double kApart_mm = 0.05;  // motions that are closer climb to the same place
 
 }  // namespace
 
 // Edges that are farther away than this from a tile's centre cannot bind, neither now nor after a step.
 ClearanceAscent::ClearanceAscent(const PreparedPolygon& polygon, const TileGrid& grid, int modules)
-    : polygon_(polygon), grid_(grid), evaluator_(polygon, grid), edges_(polygon, grid.circumradius_mm + grid.inradius_mm + 3.0 * kLargestRadius_mm),
+    : polygon_(polygon),
+      grid_(grid),
+      evaluator_(polygon, grid),
+      edges_(polygon, grid.circumradius_mm + grid.inradius_mm + 3.0 * kLargestRadius_mm),
       modules_(static_cast<std::size_t>(modules)) {}
 
-std::vector<Motion> ClearanceAscent::most_promising(const std::vector<Motion>& motions, std::size_t n, double least_mm) {
+std::vector<Motion> ClearanceAscent::most_promising(const std::vector<Motion>& motions, std::size_t n,
+                                                    double least_mm) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t k = motions.size(); k-- > 0;) {
     const double separation = choose_tiles(motions[k], least_mm);
@@ -38,7 +42,8 @@ std::vector<Motion> ClearanceAscent::most_promising(const std::vector<Motion>& m
   return best;
 }
 
-// Those that hold with the inset; when there are more than needed, those with the most room. Returns the least separation.
+// Those that hold with the inset; when there are more than needed, those with the most room. Returns the least
+// separation.
 double ClearanceAscent::choose_tiles(const Motion& motion, double inset_mm) {
   const std::vector<Tile> found = evaluator_.tiles(motion, inset_mm);
   if (found.size() < modules_) return -grid_.inradius_mm;
@@ -48,7 +53,9 @@ double ClearanceAscent::choose_tiles(const Motion& motion, double inset_mm) {
   if (found.size() == modules_) return least;
   std::vector<std::size_t> order(tiles_.size());
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return std::pair(-separation_[a], a) < std::pair(-separation_[b], b); });
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
+    return std::pair(-separation_[a], a) < std::pair(-separation_[b], b);
+  });
   std::vector<OpenTile> kept;
   for (std::size_t k = 0; k < modules_; ++k) kept.push_back(tiles_[order[k]]);
   tiles_ = std::move(kept);
@@ -60,7 +67,8 @@ void ClearanceAscent::list_pairs(const Motion& motion) {
   const double c = std::cos(motion.theta), s = std::sin(motion.theta);
   for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
     const Vec2 p = tiles_[t].center - Vec2(motion.x, motion.y);
-    for (const std::uint32_t edge : edges_.near({c * p.x() + s * p.y(), -s * p.x() + c * p.y()})) pairs_.push_back({t, edge});
+    for (const std::uint32_t edge : edges_.near({c * p.x() + s * p.y(), -s * p.x() + c * p.y()}))
+      pairs_.push_back({t, edge});
   }
 }
 
@@ -96,10 +104,13 @@ void ClearanceAscent::collect_rows(std::size_t pair, std::size_t lane) {
     double least = 1e300;
     for (std::size_t c = begin; c < end; ++c) least = std::min(least, flip * block_.level[c][lane]);
     if (least < block_.value[lane]) continue;
-    const Vec2 gradient = d < 2 ? Vec2(-flip * Vec2(frame_.normal_x[edge], frame_.normal_y[edge])) : Vec2(sign * grid_.normal[d - 2]);
+    const Vec2 gradient =
+        d < 2 ? Vec2(-flip * Vec2(frame_.normal_x[edge], frame_.normal_y[edge])) : Vec2(sign * grid_.normal[d - 2]);
     for (std::size_t c = begin; c < end; ++c) {
       // The angle counts as the way of the farthest vertex.
-      program_.rows.push_back({{-gradient.x(), -gradient.y(), -flip * block_.slope[c][lane] / std::max(1.0, polygon_.radius_mm), 1.0}, flip * block_.level[c][lane]});
+      program_.rows.push_back(
+          {{-gradient.x(), -gradient.y(), -flip * block_.slope[c][lane] / std::max(1.0, polygon_.radius_mm), 1.0},
+           flip * block_.level[c][lane]});
     }
     return;
   }
@@ -107,7 +118,9 @@ void ClearanceAscent::collect_rows(std::size_t pair, std::size_t lane) {
 
 bool ClearanceAscent::step(double radius_mm, std::array<double, 4>& move) {
   auto& rows = program_.rows;
-  std::ranges::sort(rows, [](const LinearRow<4>& a, const LinearRow<4>& b) { return std::tie(a.limit, a.weight) < std::tie(b.limit, b.weight); });
+  std::ranges::sort(rows, [](const LinearRow<4>& a, const LinearRow<4>& b) {
+    return std::tie(a.limit, a.weight) < std::tie(b.limit, b.weight);
+  });
   const double r = radius_mm, high = grid_.inradius_mm;
   // What stays behind the first row by more than the step can change never binds.
   const double limit = rows.empty() ? high : rows.front().limit + 6.0 * r + 1.0;
@@ -123,7 +136,8 @@ double ClearanceAscent::climb(Motion& motion, double inset_mm) {
     least_separation(motion, true);
     std::array<double, 4> move{};
     if (!step(radius, move) || move[3] < reached + kLeastGain_mm) break;
-    const Motion next{motion.x + move[0], motion.y + move[1], motion.theta + move[2] / std::max(1.0, polygon_.radius_mm)};
+    const Motion next{motion.x + move[0], motion.y + move[1],
+                      motion.theta + move[2] / std::max(1.0, polygon_.radius_mm)};
     const double there = least_separation(next, false), gain = there - reached, promised = move[3] - reached;
     if (gain > 0.1 * promised) {
       motion = next;

@@ -12,11 +12,13 @@ class ClearanceAscent {
  public:
   ClearanceAscent(const PreparedPolygon& polygon, const TileGrid& grid, int modules);
 
-  /// Of the motions at which the tiles hold with `least_mm` the `n` with the largest clearance, no two of them close together.
+  /// Of the motions at which the tiles hold with `least_mm` the `n` with the largest clearance, no two of them close
+  /// together.
   std::vector<Motion> most_promising(const std::vector<Motion>& motions, std::size_t n, double least_mm);
 
-  /// The inset at which `modules` tiles hold at `motion`, after it was moved to a local maximum of that; −inradius when
-  /// fewer hold with `inset_mm`. Linear programs in trust regions: each step widens the narrowest places of the tiles that hold.
+  /// The inset at which `modules` tiles hold at `motion`, after it was moved to a local maximum of that; −inradius
+  /// when fewer hold with `inset_mm`. Linear programs in trust regions: each step widens the narrowest places of the
+  /// tiles that hold.
   double climb(Motion& motion, double inset_mm);
 
  private:

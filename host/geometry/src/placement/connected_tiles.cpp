@@ -31,9 +31,12 @@ std::vector<Tile> largest_component(const TileGrid& grid, const std::vector<Tile
   return component;
 }
 
-double ConnectedTiles::value(const Motion&, const std::vector<Tile>& inside) { return static_cast<double>(largest_component(grid_, inside).size()); }
+double ConnectedTiles::value(const Motion&, const std::vector<Tile>& inside) {
+  return static_cast<double>(largest_component(grid_, inside).size());
+}
 
-double ConnectedTiles::bound(const CellFrame&, const std::vector<OpenTile>& certain, const std::vector<OpenTile>& open) {
+double ConnectedTiles::bound(const CellFrame&, const std::vector<OpenTile>& certain,
+                             const std::vector<OpenTile>& open) {
   certain_ = static_cast<int>(certain.size());
   tiles_.clear();
   for (const OpenTile& t : certain) tiles_.push_back(t.tile);

@@ -4,7 +4,8 @@
 
 namespace triskin::geometry {
 
-/// The largest set of the tiles that hangs together by sides; of equal ones that with the first tile. `tiles` must be sorted, the result is.
+/// The largest set of the tiles that hangs together by sides; of equal ones that with the first tile. `tiles` must be
+/// sorted, the result is.
 [[nodiscard]] std::vector<Tile> largest_component(const TileGrid& grid, const std::vector<Tile>& tiles);
 
 /// The number of tiles that hang together. Bound: as if every open tile were inside.

@@ -20,11 +20,14 @@ bool Contraction::clip(MotionBox& box, const OffsetBoxes& boxes, int need) {
 }
 
 // Coverage is counted in bins; a box covers every bin that it touches, so that the count can only be too high.
-bool Contraction::sweep(const std::vector<double>& lows, const std::vector<double>& highs, double half, int need, double& low, double& high) {
+bool Contraction::sweep(const std::vector<double>& lows, const std::vector<double>& highs, double half, int need,
+                        double& low, double& high) {
   if (!(half > 1e-14)) return true;
   const double scale = 0.5 * kBins / half;
   change_.fill(0);
-  const auto bin = [](double position) { return static_cast<std::size_t>(std::clamp(static_cast<int>(position), 0, kBins - 1)); };
+  const auto bin = [](double position) {
+    return static_cast<std::size_t>(std::clamp(static_cast<int>(position), 0, kBins - 1));
+  };
   for (std::size_t k = 0; k < lows.size(); ++k) {
     ++change_[bin((lows[k] + half) * scale - 1e-9)];
     --change_[bin((highs[k] + half) * scale + 1e-9) + 1];

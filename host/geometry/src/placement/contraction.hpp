@@ -13,7 +13,8 @@ class Contraction {
   bool clip(MotionBox& box, const OffsetBoxes& boxes, int need);
 
  private:
-  bool sweep(const std::vector<double>& lows, const std::vector<double>& highs, double half, int need, double& low, double& high);
+  bool sweep(const std::vector<double>& lows, const std::vector<double>& highs, double half, int need, double& low,
+             double& high);
 
   static constexpr int kBins = 64;
   std::array<int, kBins + 1> change_{};

@@ -12,7 +12,9 @@ constexpr std::size_t kLanes = CutPairs::kLanes;
 using Vector = double __attribute__((vector_size(8 * kLanes)));
 using Bytes = std::int8_t __attribute__((vector_size(kLanes)));
 
-[[gnu::always_inline]] inline void load(const double* lanes, Vector& to) { std::memcpy(&to, lanes, sizeof to); }
+[[gnu::always_inline]] inline void load(const double* lanes, Vector& to) {
+  std::memcpy(&to, lanes, sizeof to);
+}
 
 [[gnu::always_inline]] inline void judge(const TileGrid& grid, double inset, const double* block, std::uint8_t* cut) {
   Vector ax, ay, bx, by, nx, ny, sign;
@@ -50,9 +52,10 @@ using Bytes = std::int8_t __attribute__((vector_size(kLanes)));
 
 using Judge = void (*)(const TileGrid&, double, const double*, std::size_t, std::uint8_t*);
 
-#define TRISKIN_CUTS(unit, target)                                                                                           \
-  target void cuts_##unit(const TileGrid& grid, double inset, const double* lanes, std::size_t blocks, std::uint8_t* cut) {  \
-    for (std::size_t k = 0; k < blocks; ++k) judge(grid, inset, lanes + CutPairs::kBlock * k, cut + kLanes * k);              \
+#define TRISKIN_CUTS(unit, target)                                                                               \
+  target void cuts_##unit(const TileGrid& grid, double inset, const double* lanes, std::size_t blocks,           \
+                          std::uint8_t* cut) {                                                                   \
+    for (std::size_t k = 0; k < blocks; ++k) judge(grid, inset, lanes + CutPairs::kBlock * k, cut + kLanes * k); \
   }
 TRISKIN_FOR_VECTOR_UNITS(TRISKIN_CUTS)
 #undef TRISKIN_CUTS

@@ -7,8 +7,8 @@
 
 namespace triskin::geometry {
 
-/// Tiles and edges that may cut them, side by side: the edge's ends seen from the centre of the tile, its unit normal, and +1 for an
-/// up tile, −1 for a down one.
+/// Tiles and edges that may cut them, side by side: the edge's ends seen from the centre of the tile, its unit normal,
+/// and +1 for an up tile, −1 for a down one.
 class CutPairs {
  public:
   void clear() { count_ = 0; }
@@ -26,8 +26,9 @@ class CutPairs {
   }
   [[nodiscard]] std::size_t size() const { return count_; }
 
-  /// Which edges come nearer to their tile than `inset_mm`, along every side of the tile and across the edge: 255 a pair, else 0.
-  /// The widest instruction set of the processor is chosen at the first call; all do the same IEEE operations and give the same bits.
+  /// Which edges come nearer to their tile than `inset_mm`, along every side of the tile and across the edge: 255 a
+  /// pair, else 0. The widest instruction set of the processor is chosen at the first call; all do the same IEEE
+  /// operations and give the same bits.
   [[nodiscard]] const std::vector<std::uint8_t>& cuts(const TileGrid& grid, double inset_mm);
 
   static constexpr std::size_t kLanes = 8, kFields = 7, kBlock = kLanes * kFields;

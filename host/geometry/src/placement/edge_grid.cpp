@@ -40,7 +40,8 @@ EdgeGrid::EdgeGrid(const PreparedPolygon& polygon, double reach_mm) : reach_mm_(
 }
 
 std::span<const std::uint32_t> EdgeGrid::near(const Vec2& p) const {
-  const int i = static_cast<int>(std::floor((p.x() - origin_) * scale_)), j = static_cast<int>(std::floor((p.y() - origin_) * scale_));
+  const int i = static_cast<int>(std::floor((p.x() - origin_) * scale_)),
+            j = static_cast<int>(std::floor((p.y() - origin_) * scale_));
   if (i < 0 || j < 0 || i >= cells_ || j >= cells_) return {};
   const auto cell = static_cast<std::size_t>(j * cells_ + i);
   return {edges_.data() + first_[cell], first_[cell + 1] - first_[cell]};

@@ -10,8 +10,8 @@ constexpr double kSlack_mm = 1e-9;  // far above the rounding of coordinates
 
 }  // namespace
 
-// Marks have room for every tile that an edge can cut. An edge that cuts a tile meets the tile grown by the inset: a corner moves out
-// more than a side, and where a side is level the tile reaches no farther than that.
+// Marks have room for every tile that an edge can cut. An edge that cuts a tile meets the tile grown by the inset: a
+// corner moves out more than a side, and where a side is level the tile reaches no farther than that.
 void Evaluator::set_frame(double inset_mm) {
   double high_x = -1e300, low_y = 1e300, high_y = -1e300;
   low_x_ = 1e300;
@@ -21,7 +21,8 @@ void Evaluator::set_frame(double inset_mm) {
     low_y = std::min(low_y, v.y());
     high_y = std::max(high_y, v.y());
   }
-  const double grown = 1.0 + std::max(0.0, inset_mm) / grid_.inradius_mm, reach = grid_.circumradius_mm * grown + kSlack_mm;
+  const double grown = 1.0 + std::max(0.0, inset_mm) / grid_.inradius_mm,
+               reach = grid_.circumradius_mm * grown + kSlack_mm;
   low_x_ -= reach;
   first_row_ = static_cast<int>(std::floor((low_y - reach) / grid_.row_height_mm)) - 2;
   rows_ = static_cast<int>(std::floor((high_y + reach) / grid_.row_height_mm)) + 2 - first_row_;
@@ -45,7 +46,8 @@ void Evaluator::set_rows(int up, double grown) {
   rows.first_x.resize(static_cast<std::size_t>(rows_));
   for (int r = 0; r < rows_; ++r) {
     const int j = first_row_ + r;
-    rows.first_x[static_cast<std::size_t>(r)] = origin.x() + grid_.row_shift_mm * j + grid_.row_step_mm * first_column(j);
+    rows.first_x[static_cast<std::size_t>(r)] =
+        origin.x() + grid_.row_shift_mm * j + grid_.row_step_mm * first_column(j);
   }
 }
 
@@ -61,7 +63,8 @@ void Evaluator::mark(const Motion& motion, double inset_mm) {
   mark_of_.clear();
   for (int up = 2 - grid_.kinds; up < 2; ++up) {
     for (std::size_t k = 0; k < n; ++k) {
-      const Vec2 normal(c * polygon_.normal_x[k] - s * polygon_.normal_y[k], s * polygon_.normal_x[k] + c * polygon_.normal_y[k]);
+      const Vec2 normal(c * polygon_.normal_x[k] - s * polygon_.normal_y[k],
+                        s * polygon_.normal_x[k] + c * polygon_.normal_y[k]);
       mark_edge(k, normal, kinds_[static_cast<std::size_t>(up)], up);
     }
   }
@@ -72,7 +75,8 @@ void Evaluator::mark(const Motion& motion, double inset_mm) {
 // Rows and columns count from the window's corner and so are positive: truncation is the floor.
 void Evaluator::mark_edge(std::size_t edge, const Vec2& normal, const Rows& rows, int up) {
   const Vec2 a = moved_[edge], b = moved_[polygon_.next[edge]];
-  const double low = std::min(a.y(), b.y()), high = std::max(a.y(), b.y()), slope = low < high ? (b.x() - a.x()) / (b.y() - a.y()) : 0.0;
+  const double low = std::min(a.y(), b.y()), high = std::max(a.y(), b.y()),
+               slope = low < high ? (b.x() - a.x()) / (b.y() - a.y()) : 0.0;
   const double per_row = 1.0 / grid_.row_height_mm, per_column = 1.0 / grid_.row_step_mm;
   const int last_row = static_cast<int>((high + rows.below - rows.first_y) * per_row);
   for (int r = static_cast<int>((low - rows.above - rows.first_y) * per_row) + 1; r <= last_row; ++r) {
@@ -84,7 +88,8 @@ void Evaluator::mark_edge(std::size_t edge, const Vec2& normal, const Rows& rows
       marks_[first + static_cast<std::size_t>(before + (before < column ? 1 : 0))] ^= kFlip;
     }
     // Only the part of the edge beside the tiles.
-    double left = a.x() + (std::max(y - rows.below, low) - a.y()) * slope, right = a.x() + (std::min(y + rows.above, high) - a.y()) * slope;
+    double left = a.x() + (std::max(y - rows.below, low) - a.y()) * slope,
+           right = a.x() + (std::min(y + rows.above, high) - a.y()) * slope;
     if (low == high) right = b.x();
     if (left > right) std::swap(left, right);
     const int last = static_cast<int>((right + half_width_ - first_x) * per_column);

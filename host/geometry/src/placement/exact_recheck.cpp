@@ -31,12 +31,14 @@ bool separated(const std::vector<Point>& t, const Point& a, const Point& b) {
 
 }  // namespace
 
-void require_exact(const PreparedPolygon& polygon, const Motion& motion, const std::vector<Tile>& tiles, double tolerance_mm,
-                   const TileGrid& grid) {
+void require_exact(const PreparedPolygon& polygon, const Motion& motion, const std::vector<Tile>& tiles,
+                   double tolerance_mm, const TileGrid& grid) {
   const double c = std::cos(motion.theta), s = std::sin(motion.theta);
   std::vector<std::array<Point, 2>> edges;
   for (const auto& e : polygon.edges) {
-    const auto move = [&](const Vec2& p) { return Point(c * p.x() - s * p.y() + motion.x, s * p.x() + c * p.y() + motion.y); };
+    const auto move = [&](const Vec2& p) {
+      return Point(c * p.x() - s * p.y() + motion.x, s * p.x() + c * p.y() + motion.y);
+    };
     edges.push_back({move(e[0]), move(e[1])});
   }
   // Shrinking by a little more than the tolerance leaves room for the rounding of the motion itself.
@@ -56,7 +58,8 @@ void require_exact(const PreparedPolygon& polygon, const Motion& motion, const s
       const bool far = std::min(a.x(), b.x()) > center.x() + near || std::max(a.x(), b.x()) < center.x() - near ||
                        std::min(a.y(), b.y()) > center.y() + near || std::max(a.y(), b.y()) < center.y() - near;
       if (!far && !separated(corners, a, b)) {
-        throw std::logic_error(fmt::format("placement: tile ({}, {}, {}) is cut by an edge", tile.i, tile.j, tile.up ? "up" : "down"));
+        throw std::logic_error(
+            fmt::format("placement: tile ({}, {}, {}) is cut by an edge", tile.i, tile.j, tile.up ? "up" : "down"));
       }
       if ((a.y() > center.y()) == (b.y() > center.y())) continue;
       if ((CGAL::orientation(a, b, center) == CGAL::LEFT_TURN) == (b.y() > a.y())) inside = !inside;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "heuristics.hpp"
 
-#include "evaluator.hpp"
-
 #include <chrono>
 #include <random>
+
+#include "evaluator.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -14,21 +14,42 @@ using Clock = std::chrono::steady_clock;
 class Heuristic {
  public:
   Heuristic(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, int descents)
-      : polygon_(polygon), options_(options), evaluator_(polygon, grid), descents_(descents), period_(grid.period_rad), pitch_(grid.row_step_mm), height_(grid.row_height_mm) {
+      : polygon_(polygon),
+        options_(options),
+        evaluator_(polygon, grid),
+        descents_(descents),
+        period_(grid.period_rad),
+        pitch_(grid.row_step_mm),
+        height_(grid.row_height_mm) {
     if (options.time_limit_s > 0) {
-      deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
+      deadline_ = Clock::now() +
+                  std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
     }
   }
 
   HeuristicResult run() {
     switch (options_.method) {
-      case PlacementMethod::kR1: edges_on_grid_lines(false); break;
-      case PlacementMethod::kR2: edges_on_grid_lines(true); break;
-      case PlacementMethod::kR3: translations(0.0, 1.0); break;
-      case PlacementMethod::kR4: angles_and_translations(60, 1.0); break;
-      case PlacementMethod::kR5: edge_angles_and_translations(2.0); break;
-      case PlacementMethod::kR6: random_placements(2000); break;
-      default: random_descents(descents_); break;
+      case PlacementMethod::kR1:
+        edges_on_grid_lines(false);
+        break;
+      case PlacementMethod::kR2:
+        edges_on_grid_lines(true);
+        break;
+      case PlacementMethod::kR3:
+        translations(0.0, 1.0);
+        break;
+      case PlacementMethod::kR4:
+        angles_and_translations(60, 1.0);
+        break;
+      case PlacementMethod::kR5:
+        edge_angles_and_translations(2.0);
+        break;
+      case PlacementMethod::kR6:
+        random_placements(2000);
+        break;
+      default:
+        random_descents(descents_);
+        break;
     }
     return best_;
   }
@@ -96,8 +117,10 @@ class Heuristic {
       Motion at = random_motion();
       int value = try_motion(at);
       for (double step = 4.0; step > 0.05; step *= 0.5) {
-        for (const auto& [dx, dy, dt] : {std::array{1., 0., 0.}, {-1., 0., 0.}, {0., 1., 0.}, {0., -1., 0.}, {0., 0., 1.}, {0., 0., -1.}}) {
-          const Motion next{at.x + step * dx, at.y + step * dy, at.theta + step * dt / std::max(1.0, polygon_.radius_mm)};
+        for (const auto& [dx, dy, dt] :
+             {std::array{1., 0., 0.}, {-1., 0., 0.}, {0., 1., 0.}, {0., -1., 0.}, {0., 0., 1.}, {0., 0., -1.}}) {
+          const Motion next{at.x + step * dx, at.y + step * dy,
+                            at.theta + step * dt / std::max(1.0, polygon_.radius_mm)};
           const int n_next = try_motion(next);
           if (n_next > value) {
             value = n_next;
@@ -120,7 +143,8 @@ class Heuristic {
 
 }  // namespace
 
-HeuristicResult run_heuristic(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, int descents) {
+HeuristicResult run_heuristic(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options,
+                              int descents) {
   return Heuristic(polygon, grid, options, descents).run();
 }
 

@@ -15,7 +15,9 @@ using Reals = float __attribute__((vector_size(4 * kLanes), may_alias));
 using Flags = std::int32_t __attribute__((vector_size(4 * kLanes), may_alias));
 
 // Middle of part k of four in half widths of the cell.
-constexpr float middle(std::size_t k) { return 0.25F * (2.0F * static_cast<float>(k) + 1.0F) - 1.0F; }
+constexpr float middle(std::size_t k) {
+  return 0.25F * (2.0F * static_cast<float>(k) + 1.0F) - 1.0F;
+}
 
 struct Layout {
   alignas(64) float x[kLanes], y[kLanes];
@@ -55,8 +57,10 @@ struct Truth {
   }
 }
 
-[[gnu::always_inline]] inline void count(const Lookahead::Sharp* next, std::size_t tiles, PartWord* words, std::int32_t* counts) {
-  const Reals lane_x = *reinterpret_cast<const Reals*>(kLayout.x), lane_y = *reinterpret_cast<const Reals*>(kLayout.y), zero = {};
+[[gnu::always_inline]] inline void count(const Lookahead::Sharp* next, std::size_t tiles, PartWord* words,
+                                         std::int32_t* counts) {
+  const Reals lane_x = *reinterpret_cast<const Reals*>(kLayout.x), lane_y = *reinterpret_cast<const Reals*>(kLayout.y),
+              zero = {};
   const Flags none = {};
   Flags sum[kRows];
   for (Flags& s : sum) s = none;
@@ -90,9 +94,9 @@ struct Truth {
 
 using Count = void (*)(const Lookahead::Sharp*, std::size_t, PartWord*, std::int32_t*);
 
-#define TRISKIN_COUNT(unit, target) \
+#define TRISKIN_COUNT(unit, target)                                                                           \
   target void count_##unit(const Lookahead::Sharp* h, std::size_t n, PartWord* words, std::int32_t* counts) { \
-    count(h, n, words, counts); \
+    count(h, n, words, counts);                                                                               \
   }
 TRISKIN_FOR_VECTOR_UNITS(TRISKIN_COUNT)
 #undef TRISKIN_COUNT
@@ -104,7 +108,12 @@ Lookahead::Sharp sharpen(const HalfSpace& h, const PartsView& view) {
   // A part's own half widths are in the level; 1e-6 is above the rounding of seven operations in single precision.
   const double slack = size / kPartsPerAxis + 1e-6 * (std::abs(level) + size);
   const auto sure = static_cast<float>((2.0 * slack + view.sure_mm) * (1.0 + 1e-6) + 1e-30);
-  return {static_cast<float>(level + slack), static_cast<float>(x), static_cast<float>(y), static_cast<float>(theta), sure, h.ends};
+  return {static_cast<float>(level + slack),
+          static_cast<float>(x),
+          static_cast<float>(y),
+          static_cast<float>(theta),
+          sure,
+          h.ends};
 }
 
 }  // namespace

@@ -7,8 +7,9 @@
 
 namespace triskin::geometry {
 
-/// level + x·δx + y·δy + theta·δθ ≥ 0, where δ is the offset from the centre of a cell: a tile needs it inside the cell.
-/// A tile needs all its pairs, a pair one of its directions, a direction all its half spaces; `ends` says where one ends.
+/// level + x·δx + y·δy + theta·δθ ≥ 0, where δ is the offset from the centre of a cell: a tile needs it
+/// inside the cell. A tile needs all its pairs, a pair one of its directions, a direction all its half spaces; `ends`
+/// says where one ends.
 struct HalfSpace {
   static constexpr std::uint32_t kEndDirection = 1, kEndPair = 2, kEndTile = 4;
   double level = 0.0, x = 0.0, y = 0.0, theta = 0.0;
@@ -35,7 +36,9 @@ class Lookahead {
   /// Fills one word per tile.
   void run(const PartsView& view, std::span<const HalfSpace> halves, std::vector<PartWord>& words);
 
-  [[nodiscard]] int count(int x, int y, int theta) const { return counts_[static_cast<std::size_t>(x + kPartsPerAxis * (y + kPartsPerAxis * theta))]; }
+  [[nodiscard]] int count(int x, int y, int theta) const {
+    return counts_[static_cast<std::size_t>(x + kPartsPerAxis * (y + kPartsPerAxis * theta))];
+  }
 
   /// Half space in single precision, seen from one cell.
   struct Sharp {

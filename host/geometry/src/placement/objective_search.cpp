@@ -34,10 +34,16 @@ struct Cell {
 class Search {
  public:
   Search(const PreparedPolygon& polygon, const TileGrid& grid, Objective& objective, double tolerance_mm)
-      : polygon_(polygon), grid_(grid), objective_(objective), tolerance_mm_(tolerance_mm), filter_(polygon, grid), evaluator_(polygon, grid),
+      : polygon_(polygon),
+        grid_(grid),
+        objective_(objective),
+        tolerance_mm_(tolerance_mm),
+        filter_(polygon, grid),
+        evaluator_(polygon, grid),
         edges_(polygon, 2.0 * grid.circumradius_mm + 2.0 * kRoot_mm) {}
 
-  ObjectiveResult run(const Motion& first, double bound, std::chrono::steady_clock::time_point deadline, const ProgressSink& progress) {
+  ObjectiveResult run(const Motion& first, double bound, std::chrono::steady_clock::time_point deadline,
+                      const ProgressSink& progress) {
     result_.motion = first;
     result_.value = value_at(first);
     add_roots(bound);
@@ -59,29 +65,36 @@ class Search {
   double value_at(const Motion& m) { return objective_.value(m, evaluator_.tiles(m, -tolerance_mm_)); }
 
   void add_roots(double bound) {
-    const std::array<double, 3> extent{grid_.row_step_mm, grid_.row_height_mm * (1.0 + 1e-12), grid_.period_rad * (1.0 + 1e-12)};
+    const std::array<double, 3> extent{grid_.row_step_mm, grid_.row_height_mm * (1.0 + 1e-12),
+                                       grid_.period_rad * (1.0 + 1e-12)};
     const std::array<double, 3> lever{1.0, 1.0, polygon_.radius_mm};
     std::array<int, 3> pieces{};
-    for (std::size_t k = 0; k < 3; ++k) pieces[k] = std::clamp(static_cast<int>(std::ceil(extent[k] * lever[k] / kRoot_mm)), 1, 1 << 14);
+    for (std::size_t k = 0; k < 3; ++k)
+      pieces[k] = std::clamp(static_cast<int>(std::ceil(extent[k] * lever[k] / kRoot_mm)), 1, 1 << 14);
     const auto at = [&](std::size_t axis, int k) { return extent[axis] * k / pieces[axis]; };
     for (int t = 0; t < pieces[2]; ++t) {
       for (int y = 0; y < pieces[1]; ++y) {
-        for (int x = 0; x < pieces[0]; ++x) push({{at(0, x), at(1, y), at(2, t)}, {at(0, x + 1), at(1, y + 1), at(2, t + 1)}}, bound, nullptr);
+        for (int x = 0; x < pieces[0]; ++x)
+          push({{at(0, x), at(1, y), at(2, t)}, {at(0, x + 1), at(1, y + 1), at(2, t + 1)}}, bound, nullptr);
       }
     }
   }
 
-  void push(const MotionBox& box, double bound, std::shared_ptr<const Known> known) { open_.push({box, bound, ++pushed_, std::move(known)}); }
+  void push(const MotionBox& box, double bound, std::shared_ptr<const Known> known) {
+    open_.push({box, bound, ++pushed_, std::move(known)});
+  }
 
   // All tiles near the polygon, with the edges that can come near them in the cell.
   [[nodiscard]] std::shared_ptr<const Known> root(const MotionBox& box) const {
     auto known = std::make_shared<Known>();
-    const double c = std::cos(box.center(2)), s = std::sin(box.center(2)), reach = polygon_.radius_mm + 2.0 * kRoot_mm + grid_.circumradius_mm;
+    const double c = std::cos(box.center(2)), s = std::sin(box.center(2)),
+                 reach = polygon_.radius_mm + 2.0 * kRoot_mm + grid_.circumradius_mm;
     const int last_row = static_cast<int>(std::ceil((box.center(1) + reach) / grid_.row_height_mm));
     for (int j = static_cast<int>(std::floor((box.center(1) - reach) / grid_.row_height_mm)) - 1; j <= last_row; ++j) {
       const double shift = grid_.row_shift_mm * j;
       const int last = static_cast<int>(std::ceil((box.center(0) + reach - shift) / grid_.row_step_mm));
-      for (int i = static_cast<int>(std::floor((box.center(0) - reach - shift) / grid_.row_step_mm)) - 1; i <= last; ++i) {
+      for (int i = static_cast<int>(std::floor((box.center(0) - reach - shift) / grid_.row_step_mm)) - 1; i <= last;
+           ++i) {
         for (int up = 2 - grid_.kinds; up < 2; ++up) add_tile({i, j, up != 0}, box, c, s, *known);
       }
     }
@@ -97,7 +110,8 @@ class Search {
       return;
     }
     const auto number = static_cast<std::uint32_t>(known.open.tiles.size());
-    known.open.tiles.push_back({center, tile, false, static_cast<std::uint32_t>(known.open.pairs.size()), static_cast<std::uint32_t>(near.size())});
+    known.open.tiles.push_back({center, tile, false, static_cast<std::uint32_t>(known.open.pairs.size()),
+                                static_cast<std::uint32_t>(near.size())});
     for (const std::uint32_t edge : near) known.open.pairs.push_back({number, edge});
   }
 
@@ -159,7 +173,8 @@ class Search {
 
 }  // namespace
 
-ObjectiveResult search_objective(const PreparedPolygon& polygon, const TileGrid& grid, Objective& objective, double tolerance_mm, const Motion& first, double bound,
+ObjectiveResult search_objective(const PreparedPolygon& polygon, const TileGrid& grid, Objective& objective,
+                                 double tolerance_mm, const Motion& first, double bound,
                                  std::chrono::steady_clock::time_point deadline, const ProgressSink& progress) {
   return Search(polygon, grid, objective, tolerance_mm).run(first, bound, deadline, progress);
 }

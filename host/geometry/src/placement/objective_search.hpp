@@ -16,7 +16,8 @@ class Objective {
   /// Of the tiles that are inside at a motion.
   virtual double value(const Motion& motion, const std::vector<Tile>& inside) = 0;
   /// No motion of the cell has a higher value: the certain tiles are inside, any of the open ones may be.
-  virtual double bound(const CellFrame& cell, const std::vector<OpenTile>& certain, const std::vector<OpenTile>& open) = 0;
+  virtual double bound(const CellFrame& cell, const std::vector<OpenTile>& certain,
+                       const std::vector<OpenTile>& open) = 0;
   /// At least so many of the open tiles of the last bound() must be inside for a value over `value`.
   [[nodiscard]] virtual int needed(double value) const = 0;
   /// A bound of at most this much over `value` counts as proved.
@@ -30,10 +31,13 @@ struct ObjectiveResult {
   std::int64_t cells = 0;
 };
 
-/// Branch and bound like that of the count, but with the tiles themselves instead of their number: cells are filtered, contracted and
-/// halved. For what few scenes ask for; the count does not pay for it. One thread, deterministic; `first` is a motion to begin with,
-/// `bound` what is known to be no less than the best value. Cost: some microseconds a tile and cell.
-[[nodiscard]] ObjectiveResult search_objective(const PreparedPolygon& polygon, const TileGrid& grid, Objective& objective, double tolerance_mm, const Motion& first, double bound,
-                                               std::chrono::steady_clock::time_point deadline, const ProgressSink& progress);
+/// Branch and bound like that of the count, but with the tiles themselves instead of their number: cells are filtered,
+/// contracted and halved. For what few scenes ask for; the count does not pay for it. One thread, deterministic;
+/// `first` is a motion to begin with, `bound` what is known to be no less than the best value. Cost: some microseconds
+/// a tile and cell.
+[[nodiscard]] ObjectiveResult search_objective(const PreparedPolygon& polygon, const TileGrid& grid,
+                                               Objective& objective, double tolerance_mm, const Motion& first,
+                                               double bound, std::chrono::steady_clock::time_point deadline,
+                                               const ProgressSink& progress);
 
 }  // namespace triskin::geometry

@@ -13,16 +13,20 @@ using Vector = double __attribute__((vector_size(8 * kLanes), may_alias));
 // Rounding of the first-order values, mm: coordinates reach some metres, sums have a handful of terms.
 constexpr double kRounding_mm = 1e-9;
 
-// Inputs of kLanes pairs: tile centre from the pivot, +1 up or −1 down; turned ends and turned normal of the edge, its offset.
+// Inputs of kLanes pairs: tile centre from the pivot, +1 up or −1 down; turned ends and turned normal of the edge,
+// its offset.
 struct Lanes {
-  alignas(64) double x[kLanes], y[kLanes], sign[kLanes], end_x[2][kLanes], end_y[2][kLanes], normal_x[kLanes], normal_y[kLanes], offset[kLanes];
+  alignas(64) double x[kLanes], y[kLanes], sign[kLanes], end_x[2][kLanes], end_y[2][kLanes], normal_x[kLanes],
+      normal_y[kLanes], offset[kLanes];
 };
 
 // By reference: vectors passed by value would depend on the instruction set.
-[[gnu::always_inline]] inline Vector& vector_at(double* lanes) { return *reinterpret_cast<Vector*>(lanes); }
+[[gnu::always_inline]] inline Vector& vector_at(double* lanes) {
+  return *reinterpret_cast<Vector*>(lanes);
+}
 
-[[gnu::always_inline]] inline void load(const PreparedPolygon& polygon, const CellFrame& f, const OpenTile* tiles, const Pair* pairs,
-                                        std::size_t count, Lanes& to) {
+[[gnu::always_inline]] inline void load(const PreparedPolygon& polygon, const CellFrame& f, const OpenTile* tiles,
+                                        const Pair* pairs, std::size_t count, Lanes& to) {
   for (std::size_t l = 0; l < kLanes; ++l) {
     const Pair pair = pairs[l < count ? l : 0];
     const OpenTile& tile = tiles[pair.tile];
@@ -50,11 +54,13 @@ struct Cell {
   double hx, hy, ht, pad_less_inset;
 };
 
-// One direction: N linear constraints value ≥ inset with the common gradient (gx, gy) and slopes by theta; `inverse` are
-// their reciprocals. In the clip of one axis the others are at their best.
+// One direction: N linear constraints value ≥ inset with the common gradient (gx, gy) and slopes by theta; `inverse`
+// are their reciprocals. In the clip of one axis the others are at their best.
 template <int N>
-[[gnu::always_inline]] inline void include(Hull& hull, const Cell& cell, const Vector (&value)[N], const Vector (&slope)[N], const Vector (&inverse)[N],
-                                           const Vector& gx, const Vector& gy, const Vector& inverse_x, const Vector& inverse_y, const Vector& reach, Vector& room_of) {
+[[gnu::always_inline]] inline void include(Hull& hull, const Cell& cell, const Vector (&value)[N],
+                                           const Vector (&slope)[N], const Vector (&inverse)[N], const Vector& gx,
+                                           const Vector& gy, const Vector& inverse_x, const Vector& inverse_y,
+                                           const Vector& reach, Vector& room_of) {
   const Vector zero = {}, full_x = zero + cell.hx, full_y = zero + cell.hy;
   Vector room = zero + 1e300, sure = room, least = room, low_t = zero - cell.ht, high_t = zero + cell.ht;
   for (int j = 0; j < N; ++j) {
@@ -75,8 +81,10 @@ template <int N>
   room = left_t < room ? left_t : room;  // negative: the direction holds nowhere
   room_of = room;
   const Vector never_low = zero + 1e300, never_high = zero - 1e300;
-  const Vector low_x = room >= zero ? (gx > zero ? -limit_x : -full_x) : never_low, high_x = room >= zero ? (gx > zero ? full_x : limit_x) : never_high;
-  const Vector low_y = room >= zero ? (gy > zero ? -limit_y : -full_y) : never_low, high_y = room >= zero ? (gy > zero ? full_y : limit_y) : never_high;
+  const Vector low_x = room >= zero ? (gx > zero ? -limit_x : -full_x) : never_low,
+               high_x = room >= zero ? (gx > zero ? full_x : limit_x) : never_high;
+  const Vector low_y = room >= zero ? (gy > zero ? -limit_y : -full_y) : never_low,
+               high_y = room >= zero ? (gy > zero ? full_y : limit_y) : never_high;
   low_t = room >= zero ? low_t : never_low;
   high_t = room >= zero ? high_t : never_high;
   hull.low_x = low_x < hull.low_x ? low_x : hull.low_x;
@@ -114,7 +122,8 @@ template <int N>
 // The edge's own line: all corners of the tile left of it, or all right of it. The separation of a corner falls as the
 // edge moves along its normal.
 template <int J>
-[[gnu::always_inline]] inline void lines(Hull& hull, const Cell& cell, const TileGrid& grid, Lanes& in, PairBlock& out) {
+[[gnu::always_inline]] inline void lines(Hull& hull, const Cell& cell, const TileGrid& grid, Lanes& in,
+                                         PairBlock& out) {
   const Vector x = vector_at(in.x), y = vector_at(in.y), sign = vector_at(in.sign);
   const Vector nx = vector_at(in.normal_x), ny = vector_at(in.normal_y);
   const Vector base = nx * x + ny * y - vector_at(in.offset), turn = nx * y - ny * x;
@@ -139,13 +148,16 @@ template <int J>
   }
   for (int j = 0; j < J; ++j) inverse_t[j] = inverse[j + 2];
   const Vector reach = size[0] * cell.hx + size[1] * cell.hy;
-  include<J>(hull, cell, value, slope, inverse_t, -nx, -ny, inverse[0], inverse[1], reach, vector_at(out.room[0].data()));
-  include<J>(hull, cell, opposite_value, opposite_slope, inverse_t, nx, ny, inverse[0], inverse[1], reach, vector_at(out.room[1].data()));
+  include<J>(hull, cell, value, slope, inverse_t, -nx, -ny, inverse[0], inverse[1], reach,
+             vector_at(out.room[0].data()));
+  include<J>(hull, cell, opposite_value, opposite_slope, inverse_t, nx, ny, inverse[0], inverse[1], reach,
+             vector_at(out.room[1].data()));
 }
 
 // The sides of the tile: both ends of the edge beyond one of them.
 template <int J>
-[[gnu::always_inline]] inline void sides(Hull& hull, const Cell& cell, const TileGrid& grid, Lanes& in, PairBlock& out) {
+[[gnu::always_inline]] inline void sides(Hull& hull, const Cell& cell, const TileGrid& grid, Lanes& in,
+                                         PairBlock& out) {
   const Vector x = vector_at(in.x), y = vector_at(in.y), sign = vector_at(in.sign), zero = {};
   for (int k = 0; k < J; ++k) {
     const double nx = grid.normal[static_cast<std::size_t>(k)].x(), ny = grid.normal[static_cast<std::size_t>(k)].y();
@@ -160,13 +172,15 @@ template <int J>
     }
     invert<2>(size, inverse);
     const double ax = std::max(std::abs(nx), 1e-30), ay = std::max(std::abs(ny), 1e-30);
-    include<2>(hull, cell, value, slope, inverse, sign * nx, sign * ny, zero + 1.0 / ax, zero + 1.0 / ay, zero + (ax * cell.hx + ay * cell.hy), vector_at(out.room[static_cast<std::size_t>(2 + k)].data()));
+    include<2>(hull, cell, value, slope, inverse, sign * nx, sign * ny, zero + 1.0 / ax, zero + 1.0 / ay,
+               zero + (ax * cell.hx + ay * cell.hy), vector_at(out.room[static_cast<std::size_t>(2 + k)].data()));
   }
 }
 
 template <int J>
-[[gnu::always_inline]] inline void judge(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& f, const OpenTile* tiles,
-                                         const Pair* pairs, std::size_t count, PairBlock& result) {
+[[gnu::always_inline]] inline void judge(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& f,
+                                         const OpenTile* tiles, const Pair* pairs, std::size_t count,
+                                         PairBlock& result) {
   Lanes in;
   load(polygon, f, tiles, pairs, count, in);
   const Cell cell{f.half[0], f.half[1], f.half[2], f.pad_mm - f.inset_mm};
@@ -184,20 +198,22 @@ template <int J>
   vector_at(result.value.data()) = hull.value;
 }
 
-using Judge = void (*)(const PreparedPolygon&, const TileGrid&, const CellFrame&, const OpenTile*, const Pair*, std::size_t, PairBlock&);
+using Judge = void (*)(const PreparedPolygon&, const TileGrid&, const CellFrame&, const OpenTile*, const Pair*,
+                       std::size_t, PairBlock&);
 
-#define TRISKIN_JUDGE(unit, target) \
-  template <int J> \
-  target void judge_##unit(const PreparedPolygon& p, const TileGrid& g, const CellFrame& f, const OpenTile* t, const Pair* d, std::size_t n, \
-                   PairBlock& r) { \
-    judge<J>(p, g, f, t, d, n, r); \
+#define TRISKIN_JUDGE(unit, target)                                                                            \
+  template <int J>                                                                                             \
+  target void judge_##unit(const PreparedPolygon& p, const TileGrid& g, const CellFrame& f, const OpenTile* t, \
+                           const Pair* d, std::size_t n, PairBlock& r) {                                       \
+    judge<J>(p, g, f, t, d, n, r);                                                                             \
   }
 TRISKIN_FOR_VECTOR_UNITS(TRISKIN_JUDGE)
 #undef TRISKIN_JUDGE
 
 }  // namespace
 
-void CellFrame::set(const PreparedPolygon& polygon, const TileGrid& grid, const MotionBox& box, double inset, double sufficient) {
+void CellFrame::set(const PreparedPolygon& polygon, const TileGrid& grid, const MotionBox& box, double inset,
+                    double sufficient) {
   for (std::size_t k = 0; k < 3; ++k) {
     center[k] = box.center(k);
     half[k] = box.half(k) * (1.0 + 1e-12) + 1e-15;
@@ -225,7 +241,7 @@ void CellFrame::set(const PreparedPolygon& polygon, const TileGrid& grid, const 
 }
 
 void judge_pairs(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& frame, const OpenTile* tiles,
-                      const Pair* pairs, std::size_t count, PairBlock& result) {
+                 const Pair* pairs, std::size_t count, PairBlock& result) {
   static const Judge kThree = fastest<Judge>(judge_plain<3>, judge_avx2<3>, judge_avx512<3>);
   static const Judge kFour = fastest<Judge>(judge_plain<4>, judge_avx2<4>, judge_avx512<4>);
   static const Judge kSix = fastest<Judge>(judge_plain<6>, judge_avx2<6>, judge_avx512<6>);

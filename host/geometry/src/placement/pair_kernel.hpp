@@ -38,15 +38,15 @@ struct CellFrame {
   double inset_mm = 0.0;       ///< below this separation a tile cannot count
   double sufficient_mm = 0.0;  ///< from this separation on it counts
   double certain_mm = 0.0;     ///< a tile that keeps this separation in the whole cell need not be looked at again
-  std::vector<double> x, y;                ///< moved first end of each edge, without the shift
+  std::vector<double> x, y;    ///< moved first end of each edge, without the shift
   std::vector<double> normal_x, normal_y;  ///< turned left normal of each edge
 
   void set(const PreparedPolygon& polygon, const TileGrid& grid, const MotionBox& box, double inset, double sufficient);
 };
 
 inline constexpr std::size_t kLanes = 8, kMostCorners = 6;
-/// What the kernel finds for a block of pairs. The edge leaves the tile alone where it lies beyond a side of the tile, or
-/// where the tile lies on one side of the edge's line: these are the directions.
+/// What the kernel finds for a block of pairs. The edge leaves the tile alone where it lies beyond a side of the tile,
+/// or where the tile lies on one side of the edge's line: these are the directions.
 struct PairBlock {
   /// Offsets from the cell's centre outside which every direction fails; low > high: the edge always cuts the tile.
   alignas(64) std::array<std::array<double, kLanes>, 3> low, high;
@@ -55,14 +55,14 @@ struct PairBlock {
 
   /// Directions: [0] tile left of the line, [1] right of it, [2 + k] beyond side k. Negative room: it holds nowhere.
   alignas(64) std::array<std::array<double, kLanes>, 2 + kMostCorners> room;
-  /// Constraints at the centre and their slopes by theta: [j] corner j over the line (direction 0; negated: 1), then two
-  /// for each side, one for each end of the edge.
+  /// Constraints at the centre and their slopes by theta: [j] corner j over the line (direction 0; negated: 1), then
+  /// two for each side, one for each end of the edge.
   alignas(64) std::array<std::array<double, kLanes>, 3 * kMostCorners> level, slope;
 };
 
 /// Judges up to kLanes pairs at once. The widest instruction set of the processor is chosen at the first call; all give
 /// the same bits, since all do the same IEEE operations.
-void judge_pairs(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& frame, const OpenTile* tiles, const Pair* pairs,
-                 std::size_t count, PairBlock& result);
+void judge_pairs(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& frame, const OpenTile* tiles,
+                 const Pair* pairs, std::size_t count, PairBlock& result);
 
 }  // namespace triskin::geometry

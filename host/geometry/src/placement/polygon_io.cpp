@@ -20,9 +20,13 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using nlohmann::json;
 constexpr double kLargestCoordinate_mm = 1e8;
 
-std::string ring_name(std::size_t ring) { return ring == 0 ? "outer ring" : fmt::format("hole {}", ring - 1); }
+std::string ring_name(std::size_t ring) {
+  return ring == 0 ? "outer ring" : fmt::format("hole {}", ring - 1);
+}
 
-[[noreturn]] void fail(const std::string& name, const std::string& what) { throw InputError(name + ": " + what); }
+[[noreturn]] void fail(const std::string& name, const std::string& what) {
+  throw InputError(name + ": " + what);
+}
 
 Vec2 json_point(const json& j, const std::string& name, std::size_t ring, std::size_t vertex) {
   if (!j.is_array() || j.size() < 2 || !j[0].is_number() || !j[1].is_number()) {
@@ -33,9 +37,12 @@ Vec2 json_point(const json& j, const std::string& name, std::size_t ring, std::s
 
 // GeoJSON closes its rings: the first vertex stands again at the end (RFC 7946, 3.1.6).
 void require_closed(const std::vector<Vec2>& ring, const std::string& name, std::size_t index) {
-  if (ring.size() < 4) fail(name, fmt::format("{}: needs at least 3 vertices and the first again at the end, has {}", ring_name(index), ring.size()));
+  if (ring.size() < 4)
+    fail(name, fmt::format("{}: needs at least 3 vertices and the first again at the end, has {}", ring_name(index),
+                           ring.size()));
   if (ring.front() != ring.back()) {
-    fail(name, fmt::format("{}, vertex {}: the ring is open; repeat its first vertex at the end", ring_name(index), ring.size() - 1));
+    fail(name, fmt::format("{}, vertex {}: the ring is open; repeat its first vertex at the end", ring_name(index),
+                           ring.size() - 1));
   }
 }
 
@@ -47,25 +54,30 @@ Polygon from_coordinates(const json& rings, const std::string& name) {
     std::vector<Vec2> ring;
     for (std::size_t v = 0; v < rings[r].size(); ++v) ring.push_back(json_point(rings[r][v], name, r, v));
     require_closed(ring, name, r);
-    if (r == 0) polygon.outer = std::move(ring);
-    else polygon.holes.push_back(std::move(ring));
+    if (r == 0)
+      polygon.outer = std::move(ring);
+    else
+      polygon.holes.push_back(std::move(ring));
   }
   return polygon;
 }
 
 Polygon from_geojson(const json& j, const std::string& name) {
-  const std::string type = j.is_object() && j.contains("type") && j["type"].is_string() ? j["type"].get<std::string>() : "";
+  const std::string type =
+      j.is_object() && j.contains("type") && j["type"].is_string() ? j["type"].get<std::string>() : "";
   if (type == "Feature" && j.contains("geometry")) return from_geojson(j["geometry"], name);
   const char* list = type == "FeatureCollection" ? "features" : type == "GeometryCollection" ? "geometries" : nullptr;
   if (list != nullptr) {
-    if (!j.contains(list) || !j[list].is_array() || j[list].size() != 1) fail(name, fmt::format("\"{}\" must hold exactly one polygon", list));
+    if (!j.contains(list) || !j[list].is_array() || j[list].size() != 1)
+      fail(name, fmt::format("\"{}\" must hold exactly one polygon", list));
     return from_geojson(j[list][0], name);
   }
   if (type != "Polygon" && type != "MultiPolygon") fail(name, "not a GeoJSON Polygon (\"type\")");
   if (!j.contains("coordinates")) fail(name, "\"coordinates\" is missing");
   const json& coordinates = j["coordinates"];
   if (type == "Polygon") return from_coordinates(coordinates, name);
-  if (!coordinates.is_array() || coordinates.size() != 1) fail(name, "a MultiPolygon must hold exactly one polygon; place each one alone");
+  if (!coordinates.is_array() || coordinates.size() != 1)
+    fail(name, "a MultiPolygon must hold exactly one polygon; place each one alone");
   return from_coordinates(coordinates[0], name);
 }
 
@@ -81,8 +93,10 @@ class WktReader {
     for (std::size_t r = 0; r == 0 || accept(','); ++r) {
       std::vector<Vec2> points = ring(r);
       require_closed(points, name_, r);
-      if (r == 0) polygon.outer = std::move(points);
-      else polygon.holes.push_back(std::move(points));
+      if (r == 0)
+        polygon.outer = std::move(points);
+      else
+        polygon.holes.push_back(std::move(points));
     }
     expect(')');
     skip();
@@ -91,7 +105,9 @@ class WktReader {
   }
 
  private:
-  [[noreturn]] void fail_here(const std::string& what) const { fail(name_, fmt::format("character {}: {}", at_, what)); }
+  [[noreturn]] void fail_here(const std::string& what) const {
+    fail(name_, fmt::format("character {}: {}", at_, what));
+  }
   void skip() {
     while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
   }
@@ -107,7 +123,8 @@ class WktReader {
   void word(const std::string& expected) {
     skip();
     for (const char c : expected) {
-      if (at_ >= text_.size() || std::toupper(static_cast<unsigned char>(text_[at_])) != c) fail_here("expected POLYGON (WKT) or a GeoJSON object");
+      if (at_ >= text_.size() || std::toupper(static_cast<unsigned char>(text_[at_])) != c)
+        fail_here("expected POLYGON (WKT) or a GeoJSON object");
       ++at_;
     }
   }
@@ -144,7 +161,8 @@ void clean_ring(std::vector<Vec2>& ring, const std::string& name, std::size_t in
   }
   ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
   while (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
-  if (ring.size() < 3) fail(name, fmt::format("{}: needs at least 3 different vertices, has {}", ring_name(index), ring.size()));
+  if (ring.size() < 3)
+    fail(name, fmt::format("{}: needs at least 3 different vertices, has {}", ring_name(index), ring.size()));
 }
 
 struct Edge {
@@ -153,7 +171,8 @@ struct Edge {
 };
 
 CGAL::Orientation side(const Edge& e, const Vec2& p) {
-  return CGAL::orientation(Kernel::Point_2(e.a.x(), e.a.y()), Kernel::Point_2(e.b.x(), e.b.y()), Kernel::Point_2(p.x(), p.y()));
+  return CGAL::orientation(Kernel::Point_2(e.a.x(), e.a.y()), Kernel::Point_2(e.b.x(), e.b.y()),
+                           Kernel::Point_2(p.x(), p.y()));
 }
 
 // Interiors cross: the ends of each edge lie strictly on both sides of the other. Touching is allowed.
@@ -176,8 +195,11 @@ void require_no_crossing(const Polygon& polygon, const std::string& name) {
     const double right = std::max(edges[i].a.x(), edges[i].b.x());
     for (std::size_t k = i + 1; k < edges.size() && std::min(edges[k].a.x(), edges[k].b.x()) <= right; ++k) {
       if (!cross(edges[i], edges[k])) continue;
-      fail(name, fmt::format("the edge after vertex {} of the {} crosses the edge after vertex {} of the {}; the outline must not "
-                             "intersect itself", edges[i].vertex, ring_name(edges[i].ring), edges[k].vertex, ring_name(edges[k].ring)));
+      fail(name,
+           fmt::format(
+               "the edge after vertex {} of the {} crosses the edge after vertex {} of the {}; the outline must not "
+               "intersect itself",
+               edges[i].vertex, ring_name(edges[i].ring), edges[k].vertex, ring_name(edges[k].ring)));
     }
   }
 }
@@ -222,7 +244,8 @@ Polygon normalize_polygon(Polygon polygon, const std::string& name) {
     auto& hole = polygon.holes[h];
     if (ring_area(hole) > 0.0) std::ranges::reverse(hole);
     for (std::size_t v = 0; v < hole.size(); ++v) {
-      if (!inside_or_on(polygon.outer, hole[v])) fail(name, fmt::format("{}, vertex {}: lies outside the outer ring", ring_name(h + 1), v));
+      if (!inside_or_on(polygon.outer, hole[v]))
+        fail(name, fmt::format("{}, vertex {}: lies outside the outer ring", ring_name(h + 1), v));
     }
   }
   return polygon;
@@ -241,6 +264,8 @@ Polygon parse_polygon(const std::string& text, const std::string& name) {
   return normalize_polygon(from_geojson(document, name), name);
 }
 
-Polygon read_polygon(const std::filesystem::path& path) { return parse_polygon(read_file(path), path.string()); }
+Polygon read_polygon(const std::filesystem::path& path) {
+  return parse_polygon(read_file(path), path.string());
+}
 
 }  // namespace triskin::geometry

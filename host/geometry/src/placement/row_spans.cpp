@@ -12,7 +12,8 @@ constexpr int kLanes = 16;
 using Reals = float __attribute__((vector_size(4 * kLanes)));
 using Whole = std::int32_t __attribute__((vector_size(4 * kLanes)));
 
-[[gnu::always_inline]] inline void spans(const BoundLines& lines, int rows, int room, std::int32_t* begin, std::int32_t* end) {
+[[gnu::always_inline]] inline void spans(const BoundLines& lines, int rows, int room, std::int32_t* begin,
+                                         std::int32_t* end) {
   const Reals zero = {}, lane = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
   for (int first = 0; first < rows; first += kLanes) {
     const Reals row = lane + static_cast<float>(first);
@@ -36,14 +37,17 @@ using Whole = std::int32_t __attribute__((vector_size(4 * kLanes)));
 
 using Spans = void (*)(const BoundLines&, int, int, std::int32_t*, std::int32_t*);
 
-#define TRISKIN_SPANS(unit, target) \
-  target void spans_##unit(const BoundLines& l, int rows, int room, std::int32_t* begin, std::int32_t* end) { spans(l, rows, room, begin, end); }
+#define TRISKIN_SPANS(unit, target)                                                                           \
+  target void spans_##unit(const BoundLines& l, int rows, int room, std::int32_t* begin, std::int32_t* end) { \
+    spans(l, rows, room, begin, end);                                                                         \
+  }
 TRISKIN_FOR_VECTOR_UNITS(TRISKIN_SPANS)
 #undef TRISKIN_SPANS
 
 }  // namespace
 
-void row_spans(const BoundLines& lines, int rows, int room, std::vector<std::int32_t>& begin, std::vector<std::int32_t>& end) {
+void row_spans(const BoundLines& lines, int rows, int room, std::vector<std::int32_t>& begin,
+               std::vector<std::int32_t>& end) {
   const auto size = static_cast<std::size_t>((rows + kLanes - 1) / kLanes * kLanes);
   begin.resize(size);
   end.resize(size);

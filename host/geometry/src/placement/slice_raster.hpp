@@ -7,14 +7,14 @@
 
 namespace triskin::geometry {
 
-/// All translations of one lattice cell at a small range of angles, cut into 16 × 16 parts. The centres of all tiles at the
-/// middles of all parts sample the plane regularly: one scan of the polygon decides for every tile in every part whether it
-/// may hold and whether it must. The centres of the tiles that an edge cuts fill a convex polygon, one half plane a
-/// direction: shrunk by what moves inside a part they are surely cut, grown by it perhaps.
-/// Keeps its memory: one object a thread.
+/// All translations of one lattice cell at a small range of angles, cut into 16 × 16 parts. The centres of all tiles
+/// at the middles of all parts sample the plane regularly: one scan of the polygon decides for every tile in every part
+/// whether it may hold and whether it must. The centres of the tiles that an edge cuts fill a convex polygon, one half
+/// plane a direction: shrunk by what moves inside a part they are surely cut, grown by it perhaps. Keeps its memory:
+/// one object a thread.
 class SliceRaster {
  public:
-    static constexpr int kSteps = 16;
+  static constexpr int kSteps = 16;
   static constexpr auto kFull = static_cast<std::uint32_t>((std::uint64_t{1} << kSteps) - 1);
   using Rows = std::array<std::uint32_t, kSteps>;  ///< row: part in y; bit: part in x
 
@@ -48,7 +48,8 @@ class SliceRaster {
     Vec2 normal;  // normal·c ≤ limit
     double limit;
   };
-  void fill(const Vec2& a, const Vec2& b, const std::vector<HalfPlane>& planes, bool outer, const Kind& kind, std::vector<std::uint64_t>& bits);
+  void fill(const Vec2& a, const Vec2& b, const std::vector<HalfPlane>& planes, bool outer, const Kind& kind,
+            std::vector<std::uint64_t>& bits);
   static void fill_row(std::uint64_t* words, std::int32_t begin, std::int32_t end);
   void collect(bool up);
   void collect_near(const Tile& tile, const Kind& kind, int row, int column);

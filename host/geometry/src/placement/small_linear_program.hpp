@@ -73,13 +73,16 @@ class LinearPlane {
 
 inline constexpr double kLinearTolerance = 1e-10, kFlat = 1e-13;
 
-inline bool maximize(const std::array<double, 1>& objective, const std::array<double, 1>& low, const std::array<double, 1>& high, LinearWork<1>& work,
-                     std::array<double, 1>& x) {
+inline bool maximize(const std::array<double, 1>& objective, const std::array<double, 1>& low,
+                     const std::array<double, 1>& high, LinearWork<1>& work, std::array<double, 1>& x) {
   double least = low[0], most = high[0];
   for (const auto& [weight, limit] : work.rows) {
-    if (weight[0] > kFlat) most = std::min(most, limit / weight[0]);
-    else if (weight[0] < -kFlat) least = std::max(least, limit / weight[0]);
-    else if (limit < -kLinearTolerance) return false;
+    if (weight[0] > kFlat)
+      most = std::min(most, limit / weight[0]);
+    else if (weight[0] < -kFlat)
+      least = std::max(least, limit / weight[0]);
+    else if (limit < -kLinearTolerance)
+      return false;
   }
   x[0] = objective[0] > 0.0 ? most : least;
   return least <= most + kLinearTolerance;
@@ -89,8 +92,8 @@ inline bool maximize(const std::array<double, 1>& objective, const std::array<do
 /// Row after row: where the optimum so far breaks a row, the new one lies on it, a program of one variable less
 /// (Seidel, 1991). Rows that bind should stand first: expected cost O(rows), O(rows^D) at worst.
 template <std::size_t D>
-bool maximize(const std::array<double, D>& objective, const std::array<double, D>& low, const std::array<double, D>& high, LinearWork<D>& work,
-              std::array<double, D>& x) {
+bool maximize(const std::array<double, D>& objective, const std::array<double, D>& low,
+              const std::array<double, D>& high, LinearWork<D>& work, std::array<double, D>& x) {
   for (std::size_t k = 0; k < D; ++k) x[k] = objective[k] > 0.0 ? high[k] : low[k];
   for (std::size_t n = 0; n < work.rows.size(); ++n) {
     const LinearRow<D> row = work.rows[n];
@@ -109,7 +112,8 @@ bool maximize(const std::array<double, D>& objective, const std::array<double, D
     }
     for (std::size_t k = 0; k < n; ++k) rows.push_back(plane.on_plane(work.rows[k]));
     std::array<double, D - 1> rest{};
-    if (!maximize(plane.on_plane({objective, 0.0}).weight, plane.others(low), plane.others(high), work.fewer, rest)) return false;
+    if (!maximize(plane.on_plane({objective, 0.0}).weight, plane.others(low), plane.others(high), work.fewer, rest))
+      return false;
     x = plane.point(rest);
   }
   return true;

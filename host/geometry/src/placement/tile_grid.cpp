@@ -69,9 +69,12 @@ std::array<Tile, 6> neighbours(const TileGrid& grid, const Tile& t) {
 
 TileGrid tile_grid(TileShape shape, double gap_mm) {
   switch (shape) {
-    case TileShape::kSquare: return squares(gap_mm);
-    case TileShape::kHexagon: return hexagons(gap_mm);
-    default: return triangles(gap_mm);
+    case TileShape::kSquare:
+      return squares(gap_mm);
+    case TileShape::kHexagon:
+      return hexagons(gap_mm);
+    default:
+      return triangles(gap_mm);
   }
 }
 

@@ -11,13 +11,13 @@ namespace triskin::geometry {
 struct TileGrid {
   int corners = 3;
   int kinds = 2;
-  double row_step_mm = 0.0;                ///< x step inside a row; the lattice repeats after it
-  double row_height_mm = 0.0;              ///< y step from row to row
-  double row_shift_mm = 0.0;               ///< x shift from row to row
-  double period_rad = 0.0;                 ///< the lattice is its own image after this turn
+  double row_step_mm = 0.0;    ///< x step inside a row; the lattice repeats after it
+  double row_height_mm = 0.0;  ///< y step from row to row
+  double row_shift_mm = 0.0;   ///< x shift from row to row
+  double period_rad = 0.0;     ///< the lattice is its own image after this turn
   double inradius_mm = 0.0, circumradius_mm = 0.0, area_mm2 = 0.0;
-  std::array<Vec2, 2> origin;              ///< centre of tile (0, 0): [1] up, [0] down
-  std::array<Vec2, 6> corner, normal;      ///< of the up tile around its centre, counter-clockwise; normals outward
+  std::array<Vec2, 2> origin;          ///< centre of tile (0, 0): [1] up, [0] down
+  std::array<Vec2, 6> corner, normal;  ///< of the up tile around its centre, counter-clockwise; normals outward
 
   [[nodiscard]] Vec2 center(const Tile& t) const {
     const Vec2& o = origin[t.up ? 1 : 0];

@@ -7,7 +7,9 @@
 namespace triskin::geometry {
 namespace {
 
-Vec2 rotate(const Vec2& p, double c, double s) { return {c * p.x() - s * p.y(), s * p.x() + c * p.y()}; }
+Vec2 rotate(const Vec2& p, double c, double s) {
+  return {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
+}
 
 void add_ring(const std::vector<Vec2>& ring, const Vec2& first, std::vector<std::array<Vec2, 2>>& edges) {
   for (std::size_t k = 0; k < ring.size(); ++k) {

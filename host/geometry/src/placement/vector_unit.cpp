@@ -10,7 +10,8 @@ namespace {
 
 VectorUnit widest() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) return VectorUnit::kAvx512;
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+    return VectorUnit::kAvx512;
   if (__builtin_cpu_supports("avx2")) return VectorUnit::kAvx2;
 #endif
   return VectorUnit::kPlain;

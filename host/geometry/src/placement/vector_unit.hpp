@@ -12,16 +12,20 @@ enum class VectorUnit { kPlain, kAvx2, kAvx512 };
 template <typename Function>
 Function fastest(Function plain, [[maybe_unused]] Function avx2, [[maybe_unused]] Function avx512) {
   switch (vector_unit()) {
-    case VectorUnit::kAvx512: return avx512;
-    case VectorUnit::kAvx2: return avx2;
-    case VectorUnit::kPlain: break;
+    case VectorUnit::kAvx512:
+      return avx512;
+    case VectorUnit::kAvx2:
+      return avx2;
+    case VectorUnit::kPlain:
+      break;
   }
   return plain;
 }
 
 }  // namespace triskin::geometry
 
-/// DEFINE(plain, ), and where the processor may have them DEFINE(avx2, attribute) and DEFINE(avx512, attribute): the builds of a kernel.
+/// DEFINE(plain, ), and where the processor may have them DEFINE(avx2, attribute) and DEFINE(avx512, attribute): the
+/// builds of a kernel.
 #if defined(__x86_64__)
 #define TRISKIN_FOR_VECTOR_UNITS(DEFINE) \
   DEFINE(plain, )                        \

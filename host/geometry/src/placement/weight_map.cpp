@@ -16,7 +16,8 @@ namespace {
 // The four cubic B-splines over one interval, 0 ≤ t < 1, and their slopes.
 std::array<double, 4> splines(double t) {
   const double u = 1.0 - t;
-  return {u * u * u / 6.0, (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0, (3.0 * u * u * u - 6.0 * u * u + 4.0) / 6.0, t * t * t / 6.0};
+  return {u * u * u / 6.0, (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0, (3.0 * u * u * u - 6.0 * u * u + 4.0) / 6.0,
+          t * t * t / 6.0};
 }
 std::array<double, 4> slopes(double t) {
   const double u = 1.0 - t;
@@ -30,7 +31,8 @@ std::pair<double, double> nearest_on_face(const Vec2& p, const std::array<Weight
   const double twice_area = u.x() * v.y() - u.y() * v.x();
   if (twice_area != 0.0) {
     const double s = (w.x() * v.y() - w.y() * v.x()) / twice_area, t = (u.x() * w.y() - u.y() * w.x()) / twice_area;
-    if (s >= 0.0 && t >= 0.0 && s + t <= 1.0) return {a.weight + s * (b.weight - a.weight) + t * (c.weight - a.weight), 0.0};
+    if (s >= 0.0 && t >= 0.0 && s + t <= 1.0)
+      return {a.weight + s * (b.weight - a.weight) + t * (c.weight - a.weight), 0.0};
   }
   std::pair<double, double> best{0.0, 1e300};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -45,7 +47,8 @@ std::pair<double, double> nearest_on_face(const Vec2& p, const std::array<Weight
 
 }  // namespace
 
-WeightMap WeightMap::of_mesh(const std::vector<Vertex>& vertices, const std::vector<std::array<int, 3>>& faces, double step_mm) {
+WeightMap WeightMap::of_mesh(const std::vector<Vertex>& vertices, const std::vector<std::array<int, 3>>& faces,
+                             double step_mm) {
   constexpr double kMostPoints = 1e6;
   if (!(step_mm > 0.0)) throw InputError(fmt::format("weights: step {} mm must be positive", step_mm));
   if (faces.empty()) throw InputError("weights: the mesh has no faces");
@@ -55,7 +58,8 @@ WeightMap WeightMap::of_mesh(const std::vector<Vertex>& vertices, const std::vec
     std::array<Vertex, 3> triangle;
     for (std::size_t k = 0; k < 3; ++k) {
       const int v = faces[f][k];
-      if (v < 0 || static_cast<std::size_t>(v) >= vertices.size()) throw InputError(fmt::format("weights: face {}: there is no vertex {}", f, v));
+      if (v < 0 || static_cast<std::size_t>(v) >= vertices.size())
+        throw InputError(fmt::format("weights: face {}: there is no vertex {}", f, v));
       triangle[k] = vertices[static_cast<std::size_t>(v)];
       if (!triangle[k].at_mm.allFinite()) throw InputError(fmt::format("weights: vertex {} is not finite", v));
       low = low.cwiseMin(triangle[k].at_mm);
@@ -64,8 +68,11 @@ WeightMap WeightMap::of_mesh(const std::vector<Vertex>& vertices, const std::vec
     triangles.push_back(triangle);
   }
   const Vec2 count = ((high - low) / step_mm).array().ceil() + 1.0;
-  if (count.prod() > kMostPoints) throw InputError(fmt::format("weights: a step of {} mm gives {:.0f} points, more than {:.0g}; take a longer step", step_mm, count.prod(), kMostPoints));
-  std::vector<std::vector<double>> values(static_cast<std::size_t>(count.y()), std::vector<double>(static_cast<std::size_t>(count.x())));
+  if (count.prod() > kMostPoints)
+    throw InputError(fmt::format("weights: a step of {} mm gives {:.0f} points, more than {:.0g}; take a longer step",
+                                 step_mm, count.prod(), kMostPoints));
+  std::vector<std::vector<double>> values(static_cast<std::size_t>(count.y()),
+                                          std::vector<double>(static_cast<std::size_t>(count.x())));
   for (std::size_t r = 0; r < values.size(); ++r) {
     for (std::size_t c = 0; c < values[r].size(); ++c) {
       const Vec2 p = low + step_mm * Vec2(static_cast<double>(c), static_cast<double>(r));
@@ -82,15 +89,20 @@ WeightMap WeightMap::of_mesh(const std::vector<Vertex>& vertices, const std::vec
   return {low, step_mm, values};
 }
 
-WeightMap::WeightMap(const Vec2& origin_mm, double step_mm, const std::vector<std::vector<double>>& values) : origin_(origin_mm), step_(step_mm) {
-  if (!(step_mm > 0.0 && std::isfinite(step_mm)) || !origin_mm.allFinite()) throw InputError(fmt::format("weights: step {} mm must be positive, and the origin finite", step_mm));
+WeightMap::WeightMap(const Vec2& origin_mm, double step_mm, const std::vector<std::vector<double>>& values)
+    : origin_(origin_mm), step_(step_mm) {
+  if (!(step_mm > 0.0 && std::isfinite(step_mm)) || !origin_mm.allFinite())
+    throw InputError(fmt::format("weights: step {} mm must be positive, and the origin finite", step_mm));
   rows_ = static_cast<int>(values.size());
   columns_ = values.empty() ? 0 : static_cast<int>(values[0].size());
   if (columns_ == 0) throw InputError("weights: there are none; give at least one row with one value");
   for (std::size_t r = 0; r < values.size(); ++r) {
-    if (values[r].size() != values[0].size()) throw InputError(fmt::format("weights: row {} has {} values, row 0 has {}", r, values[r].size(), values[0].size()));
+    if (values[r].size() != values[0].size())
+      throw InputError(
+          fmt::format("weights: row {} has {} values, row 0 has {}", r, values[r].size(), values[0].size()));
     for (std::size_t c = 0; c < values[r].size(); ++c) {
-      if (!(values[r][c] >= 0.0 && values[r][c] <= 1e12)) throw InputError(fmt::format("weights: row {}, column {}: {} must be in 0 … 1e12", r, c, values[r][c]));
+      if (!(values[r][c] >= 0.0 && values[r][c] <= 1e12))
+        throw InputError(fmt::format("weights: row {}, column {}: {} must be in 0 … 1e12", r, c, values[r][c]));
       control_.push_back(values[r][c]);
     }
   }
@@ -118,7 +130,8 @@ double WeightMap::control(int column, int row) const {
 
 WeightMap::Jet WeightMap::at(const Vec2& p_mm) const {
   // Beyond the rim the map is constant; the limits keep the indices small.
-  const double x = std::clamp((p_mm.x() - origin_.x()) / step_, -3.0, columns_ + 2.0), y = std::clamp((p_mm.y() - origin_.y()) / step_, -3.0, rows_ + 2.0);
+  const double x = std::clamp((p_mm.x() - origin_.x()) / step_, -3.0, columns_ + 2.0),
+               y = std::clamp((p_mm.y() - origin_.y()) / step_, -3.0, rows_ + 2.0);
   const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
   const auto bx = splines(x - column), by = splines(y - row), sx = slopes(x - column), sy = slopes(y - row);
   Jet jet;
@@ -137,13 +150,19 @@ WeightMap read_weight_map(const std::filesystem::path& file) {
     const auto json = nlohmann::json::parse(read_file(file));
     if (json.contains("vertices")) {
       std::vector<WeightMap::Vertex> vertices;
-      for (const auto& v : json["vertices"].get<std::vector<std::array<double, 3>>>()) vertices.push_back({{v[0], v[1]}, v[2]});
-      return WeightMap::of_mesh(vertices, json.at("faces").get<std::vector<std::array<int, 3>>>(), json.at("step_mm").get<double>());
+      for (const auto& v : json["vertices"].get<std::vector<std::array<double, 3>>>())
+        vertices.push_back({{v[0], v[1]}, v[2]});
+      return WeightMap::of_mesh(vertices, json.at("faces").get<std::vector<std::array<int, 3>>>(),
+                                json.at("step_mm").get<double>());
     }
     const auto origin = json.at("origin_mm").get<std::array<double, 2>>();
-    return {Vec2(origin[0], origin[1]), json.at("step_mm").get<double>(), json.at("rows").get<std::vector<std::vector<double>>>()};
+    return {Vec2(origin[0], origin[1]), json.at("step_mm").get<double>(),
+            json.at("rows").get<std::vector<std::vector<double>>>()};
   } catch (const nlohmann::json::exception& e) {
-    throw InputError(fmt::format("{}: not a map of weights ({}); it needs \"step_mm\" and \"origin_mm\": [x, y], \"rows\": [[…], …], or \"vertices\": [[x, y, weight], …], \"faces\": [[a, b, c], …]", file.string(), e.what()));
+    throw InputError(
+        fmt::format("{}: not a map of weights ({}); it needs \"step_mm\" and \"origin_mm\": [x, y], \"rows\": [[…], "
+                    "…], or \"vertices\": [[x, y, weight], …], \"faces\": [[a, b, c], …]",
+                    file.string(), e.what()));
   } catch (const InputError& e) {
     throw InputError(fmt::format("{}: {}", file.string(), e.what()));
   }

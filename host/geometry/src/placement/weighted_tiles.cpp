@@ -25,20 +25,23 @@ double WeightedTiles::value(const Motion& m, const std::vector<Tile>& inside) {
   return sum;
 }
 
-// The centre of a tile, seen from the polygon, is q = Rᵀ(c − t): ∂q/∂t = −Rᵀ, ∂q/∂θ = (q_y, −q_x). In the cell it moves by at most `far`,
-// of which the first order leaves out `bend`.
+// The centre of a tile, seen from the polygon, is q = Rᵀ(c − t): ∂q/∂t = −Rᵀ, ∂q/∂θ = (q_y, −q_x).
+// In the cell it moves by at most `far`, of which the first order leaves out `bend`.
 WeightedTiles::Term WeightedTiles::term(const CellFrame& f, const Vec2& center) const {
   const Vec2 p = center - Vec2(f.center[0], f.center[1]);
   const Vec2 q(f.cosine * p.x() + f.sine * p.y(), -f.sine * p.x() + f.cosine * p.y());
   const WeightMap::Jet jet = map_.at(q + polygon_.first + polygon_.center);
-  const Vec2 turned(f.cosine * jet.slope_per_mm.x() - f.sine * jet.slope_per_mm.y(), f.sine * jet.slope_per_mm.x() + f.cosine * jet.slope_per_mm.y());
+  const Vec2 turned(f.cosine * jet.slope_per_mm.x() - f.sine * jet.slope_per_mm.y(),
+                    f.sine * jet.slope_per_mm.x() + f.cosine * jet.slope_per_mm.y());
   const double slide = std::hypot(f.half[0], f.half[1]), lever = q.norm();
   const double far = slide + lever * f.half[2], bend = (0.5 * lever * f.half[2] + slide) * f.half[2];
-  return {jet.value, {-turned.x(), -turned.y(), jet.slope_per_mm.x() * q.y() - jet.slope_per_mm.y() * q.x()},
+  return {jet.value,
+          {-turned.x(), -turned.y(), jet.slope_per_mm.x() * q.y() - jet.slope_per_mm.y() * q.x()},
           map_.most_slope_per_mm() * bend + 0.5 * map_.most_curvature_per_mm2() * far * far};
 }
 
-double WeightedTiles::bound(const CellFrame& f, const std::vector<OpenTile>& certain, const std::vector<OpenTile>& open) {
+double WeightedTiles::bound(const CellFrame& f, const std::vector<OpenTile>& certain,
+                            const std::vector<OpenTile>& open) {
   Term sum{0.0, {}, 0.0};
   double each = 0.0;
   for (const OpenTile& t : certain) {
@@ -64,7 +67,8 @@ int WeightedTiles::needed(double value) const {
   std::ranges::sort(falling, std::greater<>());
   double sum = certain_ * (1.0 + kRounding);
   int n = 0;
-  while (sum <= value && n < static_cast<int>(falling.size())) sum += falling[static_cast<std::size_t>(n++)] * (1.0 + kRounding);
+  while (sum <= value && n < static_cast<int>(falling.size()))
+    sum += falling[static_cast<std::size_t>(n++)] * (1.0 + kRounding);
   return n;
 }
 

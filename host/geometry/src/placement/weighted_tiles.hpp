@@ -5,11 +5,12 @@
 
 namespace triskin::geometry {
 
-/// The sum of the weights at the centres of the tiles. The certain tiles are bounded as one function of the motion, to first order with
-/// the curvature of the map: near the optimum their slopes cancel, which single bounds would not see.
+/// The sum of the weights at the centres of the tiles. The certain tiles are bounded as one function of the motion, to
+/// first order with the curvature of the map: near the optimum their slopes cancel, which single bounds would not see.
 class WeightedTiles final : public Objective {
  public:
-  WeightedTiles(const PreparedPolygon& polygon, const TileGrid& grid, const WeightMap& map) : polygon_(polygon), grid_(grid), map_(map) {}
+  WeightedTiles(const PreparedPolygon& polygon, const TileGrid& grid, const WeightMap& map)
+      : polygon_(polygon), grid_(grid), map_(map) {}
   double value(const Motion& motion, const std::vector<Tile>& inside) override;
   double bound(const CellFrame& cell, const std::vector<OpenTile>& certain, const std::vector<OpenTile>& open) override;
   [[nodiscard]] int needed(double value) const override;

@@ -15,25 +15,32 @@ struct Mode {
 constexpr Mode kFast{400e3, 300.0}, kStandard{100e3, 1000.0};
 constexpr double kRise = 0.8473;  // ln(0.7 / 0.3)
 
-double allowed_rise_ns(double bus_hz) { return bus_hz > kStandard.bus_hz ? kFast.rise_ns : kStandard.rise_ns; }
+double allowed_rise_ns(double bus_hz) {
+  return bus_hz > kStandard.bus_hz ? kFast.rise_ns : kStandard.rise_ns;
+}
 
 }  // namespace
 
 LineElectrical electrical_state(const ElectricalModel& model, const LineLoad& load) {
   LineElectrical e;
   e.modules = load.modules;
-  e.capacitance_pf = model.cable_pf_per_m * load.cable_m + model.joint_pf * load.joints + model.pin_pf * load.modules + model.switch_pf * load.passed;
+  e.capacitance_pf = model.cable_pf_per_m * load.cable_m + model.joint_pf * load.joints + model.pin_pf * load.modules +
+                     model.switch_pf * load.passed;
   e.pull_up_min_ohm = (model.supply_v - model.low_level_v) / (model.sink_ma * 1e-3);
   e.pull_up_max_ohm = e.capacitance_pf > 0 ? allowed_rise_ns(model.bus_hz) * 1e3 / (kRise * e.capacitance_pf) : 1e9;
   e.rise_time_ns = kRise * e.pull_up_min_ohm * e.capacitance_pf * 1e-3;
-  e.max_bus_hz = e.rise_time_ns <= kFast.rise_ns ? kFast.bus_hz : e.rise_time_ns <= kStandard.rise_ns ? kStandard.bus_hz : 0.0;
+  e.max_bus_hz = e.rise_time_ns <= kFast.rise_ns       ? kFast.bus_hz
+                 : e.rise_time_ns <= kStandard.rise_ns ? kStandard.bus_hz
+                                                       : 0.0;
   return e;
 }
 
-bool violates(const ElectricalModel& model, const LineElectrical& line) { return line.modules > 0 && line.max_bus_hz < model.bus_hz; }
+bool violates(const ElectricalModel& model, const LineElectrical& line) {
+  return line.modules > 0 && line.max_bus_hz < model.bus_hz;
+}
 
-std::vector<LineLoad> line_loads(const ElectricalModel& model, const std::vector<int>& parent, const std::vector<int>& line, int lines,
-                                 double cable_m) {
+std::vector<LineLoad> line_loads(const ElectricalModel& model, const std::vector<int>& parent,
+                                 const std::vector<int>& line, int lines, double cable_m) {
   const int n = static_cast<int>(parent.size());
   std::vector<unsigned> below(parent.size(), 0);  // lines used at or below a node
   for (std::size_t v = parent.size(); v-- > 0;) {
@@ -46,7 +53,8 @@ std::vector<LineLoad> line_loads(const ElectricalModel& model, const std::vector
     load.cable_m = cable_m;
     load.modules = static_cast<int>(std::ranges::count(line, l));
     int reached = n;
-    if (!model.all_lines_on_all_joints) reached = static_cast<int>(std::ranges::count_if(below, [l](unsigned b) { return (b >> l & 1U) != 0; }));
+    if (!model.all_lines_on_all_joints)
+      reached = static_cast<int>(std::ranges::count_if(below, [l](unsigned b) { return (b >> l & 1U) != 0; }));
     load.joints = std::max(0, reached - 1);
     load.passed = reached - load.modules;
   }

@@ -8,18 +8,19 @@ namespace triskin::geometry {
 
 /// What a line of one patch carries.
 struct LineLoad {
-  int modules = 0;         ///< converters on the line
-  int joints = 0;          ///< joints that carry it
-  int passed = 0;          ///< modules it passes without being read there
+  int modules = 0;  ///< converters on the line
+  int joints = 0;   ///< joints that carry it
+  int passed = 0;   ///< modules it passes without being read there
   double cable_m = 0.0;
 };
-/// C = cable + joints · C_joint + modules · C_pin + passed · C_switch; rise time 0.8473·R·C (30 … 70 %, I²C UM10204).
+/// C = cable + joints · C_joint + modules · C_pin + passed · C_switch; rise time 0.8473·R·C (30 … 70 %, I²C
+/// UM10204).
 [[nodiscard]] LineElectrical electrical_state(const ElectricalModel& model, const LineLoad& load);
 /// The required bus speed is above what the line carries safely.
 [[nodiscard]] bool violates(const ElectricalModel& model, const LineElectrical& line);
 
 /// Loads of every line of a tree in parents-first order: parent[0] = −1, line[k] of node k.
-[[nodiscard]] std::vector<LineLoad> line_loads(const ElectricalModel& model, const std::vector<int>& parent, const std::vector<int>& line,
-                                               int lines, double cable_m);
+[[nodiscard]] std::vector<LineLoad> line_loads(const ElectricalModel& model, const std::vector<int>& parent,
+                                               const std::vector<int>& line, int lines, double cable_m);
 
 }  // namespace triskin::geometry

@@ -14,7 +14,7 @@ namespace {
 constexpr int kBorderWorth = 6;  // modules
 
 struct Failure {
-  int dead = -1;                    // local node
+  int dead = -1;                      // local node
   std::array<int, 2> broken{-1, -1};  // local (parent, child)
 };
 
@@ -25,8 +25,15 @@ struct Ownership {
 
 class PatchAnalysis {
  public:
-  PatchAnalysis(const ModuleGraph& graph, const RoutingOptions& options, const std::vector<Patch>& patches, const Ownership& owner, Patch& patch)
-      : graph_(graph), options_(options), patches_(patches), owner_(owner), patch_(patch), g_(local(graph, patch)), bits_(g_) {
+  PatchAnalysis(const ModuleGraph& graph, const RoutingOptions& options, const std::vector<Patch>& patches,
+                const Ownership& owner, Patch& patch)
+      : graph_(graph),
+        options_(options),
+        patches_(patches),
+        owner_(owner),
+        patch_(patch),
+        g_(local(graph, patch)),
+        bits_(g_) {
     tree_parent_.assign(at(g_.size()), -1);
     size_.assign(at(g_.size()), 1);
     for (const RoutedModule& m : patch.modules) {
@@ -66,7 +73,9 @@ class PatchAnalysis {
     for (const RoutedModule& m : patch.modules) nodes.push_back(m.node);
     return localize(graph, std::move(nodes));
   }
-  [[nodiscard]] int index(int node) const { return static_cast<int>(std::ranges::lower_bound(g_.node, node) - g_.node.begin()); }
+  [[nodiscard]] int index(int node) const {
+    return static_cast<int>(std::ranges::lower_bound(g_.node, node) - g_.node.begin());
+  }
 
   [[nodiscard]] std::uint32_t reached(const Failure& f, std::uint32_t seeds) const {
     const std::uint32_t allowed = f.dead >= 0 ? bits_.all & ~(1U << f.dead) : bits_.all;
@@ -122,7 +131,9 @@ class PatchAnalysis {
     for (int s = 0; s < 3; ++s) {
       if (is_border(graph_, g_.node[at(v)], s)) return {s, true};
       const int across = graph_.nodes[at(g_.node[at(v)])].neighbour[at(s)];
-      if (seam < 0 && across >= 0 && owner_.patch[at(across)] != owner_.patch[at(patch_.entry)] && !cable_between(v, across)) seam = s;
+      if (seam < 0 && across >= 0 && owner_.patch[at(across)] != owner_.patch[at(patch_.entry)] &&
+          !cable_between(v, across))
+        seam = s;
     }
     return {seam, false};
   }
@@ -149,7 +160,8 @@ class PatchAnalysis {
     return !(f.dead < 0 && ((a == f.broken[0] && b == f.broken[1]) || (a == f.broken[1] && b == f.broken[0])));
   }
 
-  // Takes `v` into the live tree below `parent`, and with it all that hangs together by tree joints: it is turned, not rebuilt.
+  // Takes `v` into the live tree below `parent`, and with it all that hangs together by tree joints: it is turned, not
+  // rebuilt.
   void attach(const Failure& f, int v, int parent) {
     std::vector<std::array<int, 2>> queue{{v, parent}};
     for (std::size_t k = 0; k < queue.size(); ++k) {
@@ -199,7 +211,8 @@ class PatchAnalysis {
       std::tuple<int, int, int> best{1 << 20, -1, -1};  // depth, orphan, parent node
       for (int v = 0; v < g_.size(); ++v) {
         if (depth_[at(v)] >= 0 || v == f.dead || adopter[at(v)] >= 0) continue;
-        for (const int node : graph_.nodes[at(g_.node[at(v)])].neighbour) consider(f, v, node, adopter, depth, taken, best);
+        for (const int node : graph_.nodes[at(g_.node[at(v)])].neighbour)
+          consider(f, v, node, adopter, depth, taken, best);
       }
       const auto [d, v, node] = best;
       if (v < 0) return;
@@ -207,8 +220,10 @@ class PatchAnalysis {
       adopter[at(v)] = inside ? adopter[at(index(node))] : owner_.patch[at(node)];
       depth[at(v)] = d + 1;
       const auto row = std::ranges::find(taken, adopter[at(v)], [](const auto& t) { return t[0]; });
-      if (row == taken.end()) taken.push_back({adopter[at(v)], 1});
-      else ++(*row)[1];
+      if (row == taken.end())
+        taken.push_back({adopter[at(v)], 1});
+      else
+        ++(*row)[1];
       result.adopted.push_back({g_.node[at(v)], node});
     }
   }

@@ -10,7 +10,13 @@ namespace {
 class Folder {
  public:
   Folder(const LocalGraph& g, const std::vector<int>& part_of, int part, int capacity)
-      : g_(g), part_of_(part_of), part_(part), capacity_(capacity), degree_(at(g.size()), 0), kept_(at(g.size()), {-1, -1, -1}), weight_(at(g.size()), 0) {}
+      : g_(g),
+        part_of_(part_of),
+        part_(part),
+        capacity_(capacity),
+        degree_(at(g.size()), 0),
+        kept_(at(g.size()), {-1, -1, -1}),
+        weight_(at(g.size()), 0) {}
 
   void run() {
     std::vector<int> leaves;
@@ -70,7 +76,8 @@ class Folder {
   void settle(int v) {
     auto& mine = kept_[at(v)];
     const int n = count(v);
-    std::sort(mine.begin(), mine.begin() + n, [&](int a, int b) { return std::pair(weight_[at(a)], a) < std::pair(weight_[at(b)], b); });
+    std::sort(mine.begin(), mine.begin() + n,
+              [&](int a, int b) { return std::pair(weight_[at(a)], a) < std::pair(weight_[at(b)], b); });
     int sum = 1;
     for (int k = 0; k < n; ++k) sum += weight_[at(mine[at(k)])];
     for (int k = n - 1; sum > capacity_; --k) {

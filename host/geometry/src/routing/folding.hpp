@@ -18,8 +18,8 @@ struct Folding {
 /// Folds the nodes with part_of[v] == part.
 [[nodiscard]] Folding fold(const LocalGraph& g, const std::vector<int>& part_of, int part, int capacity);
 
-/// No partition of those nodes into connected parts ≤ capacity has fewer parts: closed parts + ⌈rest / capacity⌉, valid
-/// also where a core node's branch is cut, since a branch weighs at most one part. Cost: O(n).
+/// No partition of those nodes into connected parts ≤ capacity has fewer parts: closed parts + ⌈rest /
+/// capacity⌉, valid also where a core node's branch is cut, since a branch weighs at most one part. Cost: O(n).
 [[nodiscard]] int folded_lower_bound(const LocalGraph& g, const std::vector<int>& part_of, int part, int capacity);
 
 }  // namespace triskin::geometry

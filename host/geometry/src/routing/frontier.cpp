@@ -38,7 +38,12 @@ struct Blocks {
 class FrontierProgramme {
  public:
   FrontierProgramme(const LocalGraph& g, const Folding& folding, int capacity, int k, long budget)
-      : g_(g), folding_(folding), capacity_(capacity), k_(k - static_cast<int>(folding.closed.size())), budget_(budget), in_core_(at(g.size()), false) {
+      : g_(g),
+        folding_(folding),
+        capacity_(capacity),
+        k_(k - static_cast<int>(folding.closed.size())),
+        budget_(budget),
+        in_core_(at(g.size()), false) {
     for (const int v : folding.core) in_core_[at(v)] = true;
     choose_order();
   }
@@ -85,7 +90,8 @@ class FrontierProgramme {
       int best = 0, best_change = 9;
       for (std::size_t k = 0; k < border.size(); ++k) {
         int change = missing[at(border[k])] > 0 ? 1 : 0;
-        for (const int w : g_.neighbour[at(border[k])]) change -= w >= 0 && placed[at(w)] && missing[at(w)] == 1 ? 1 : 0;
+        for (const int w : g_.neighbour[at(border[k])])
+          change -= w >= 0 && placed[at(w)] && missing[at(w)] == 1 ? 1 : 0;
         if (change < best_change) {
           best_change = change;
           best = static_cast<int>(k);
@@ -116,7 +122,8 @@ class FrontierProgramme {
     placed_.resize(at(g_.size()), false);
     placed_[at(v)] = true;
     for (std::size_t s = 0; s < slots.size(); ++s) {
-      stays[s] = std::ranges::any_of(g_.neighbour[at(slots[s])], [&](int w) { return w >= 0 && in_core_[at(w)] && !placed_[at(w)]; });
+      stays[s] = std::ranges::any_of(g_.neighbour[at(slots[s])],
+                                     [&](int w) { return w >= 0 && in_core_[at(w)] && !placed_[at(w)]; });
     }
     const std::vector<State>& now = layers_.back();
     for (std::size_t i = 0; i < now.size(); ++i) {
@@ -142,7 +149,8 @@ class FrontierProgramme {
   }
 
   // All ways to join v to the blocks of its neighbours, with and without its branch.
-  void expand(const State& state, int index, int v, const std::vector<int>& frontier, const std::vector<bool>& stays, int to_come) {
+  void expand(const State& state, int index, int v, const std::vector<int>& frontier, const std::vector<bool>& stays,
+              int to_come) {
     const Blocks blocks = unpack(state.key, frontier.size());
     std::array<int, 3> block_at{-1, -1, -1};  // by side; each block once
     for (std::size_t s = 0; s < 3; ++s) {
@@ -161,12 +169,14 @@ class FrontierProgramme {
         if (valid) weight += blocks.weight[at(block_at[s])];
       }
       if (!valid || weight > capacity_) continue;
-      if (weight + branch <= capacity_) commit({{}, state.closed, index, joined, true}, blocks, block_at, weight + branch, stays, to_come);
+      if (weight + branch <= capacity_)
+        commit({{}, state.closed, index, joined, true}, blocks, block_at, weight + branch, stays, to_come);
       if (branch > 0) commit({{}, state.closed + 1, index, joined, false}, blocks, block_at, weight, stays, to_come);
     }
   }
 
-  void commit(State s, const Blocks& before, const std::array<int, 3>& block_at, int weight, const std::vector<bool>& stays, int to_come) {
+  void commit(State s, const Blocks& before, const std::array<int, 3>& block_at, int weight,
+              const std::vector<bool>& stays, int to_come) {
     const std::size_t n = stays.size() - 1;
     std::array<int, kMaxFrontier + 2> renamed{};
     renamed.fill(-1);
@@ -201,8 +211,10 @@ class FrontierProgramme {
     if (s.closed + (open + to_come + capacity_ - 1) / capacity_ > k_) return;
     --budget_;
     const auto [found, is_new] = step_.try_emplace(s.key, static_cast<int>(next_.size()));
-    if (is_new) next_.push_back(s);
-    else if (s.closed < next_[at(found->second)].closed) next_[at(found->second)] = s;
+    if (is_new)
+      next_.push_back(s);
+    else if (s.closed < next_[at(found->second)].closed)
+      next_[at(found->second)] = s;
   }
 
   std::vector<std::vector<int>> read_back() const {

@@ -14,10 +14,12 @@ struct FrontierAnswer {
   std::vector<std::vector<int>> parts;  ///< of the whole graph, when feasible
 };
 
-/// Can the folded graph be divided into at most k parts? Exact, by a dynamic programme that adds the core's nodes one by one
-/// and keeps, for the nodes that still have neighbours to come (the frontier), which of them share a part and the weight of
-/// each such part (docs/routing.md). A state is dropped when its closed parts and ⌈open weight / capacity⌉ exceed k. Answers
-/// kTooLarge after `budget` state transitions or when the frontier outgrows 12 nodes: counted, so equal on every machine.
-[[nodiscard]] FrontierAnswer divide_exactly(const LocalGraph& g, const Folding& folding, int capacity, int k, long budget);
+/// Can the folded graph be divided into at most k parts? Exact, by a dynamic programme that adds the core's nodes one
+/// by one and keeps, for the nodes that still have neighbours to come (the frontier), which of them share a part and
+/// the weight of each such part (docs/routing.md). A state is dropped when its closed parts and ⌈open weight /
+/// capacity⌉ exceed k. Answers kTooLarge after `budget` state transitions or when the frontier outgrows 12 nodes:
+/// counted, so equal on every machine.
+[[nodiscard]] FrontierAnswer divide_exactly(const LocalGraph& g, const Folding& folding, int capacity, int k,
+                                            long budget);
 
 }  // namespace triskin::geometry

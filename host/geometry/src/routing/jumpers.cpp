@@ -10,8 +10,12 @@ namespace {
 
 using Vec = std::array<double, 3>;
 
-Vec minus(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec minus(const Vec& a, const Vec& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+double dot(const Vec& a, const Vec& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 struct FreeSide {
   int node, side;
@@ -25,13 +29,15 @@ bool face_each_other(const FreeSide& a, const FreeSide& b) {
 
 }  // namespace
 
-std::vector<Jumper> find_jumpers(const ModuleGraph& graph, const std::vector<std::array<std::array<double, 3>, 3>>& side_mm,
+std::vector<Jumper> find_jumpers(const ModuleGraph& graph,
+                                 const std::vector<std::array<std::array<double, 3>, 3>>& side_mm,
                                  double max_length_mm) {
   std::vector<FreeSide> sides;
   for (std::size_t v = 0; v < graph.nodes.size(); ++v) {
     for (std::size_t s = 0; s < 3; ++s) {
       if (graph.nodes[v].neighbour[s] >= 0) continue;
-      sides.push_back({static_cast<int>(v), static_cast<int>(s), side_mm[v][s], minus(side_mm[v][s], graph.nodes[v].center_mm)});
+      sides.push_back(
+          {static_cast<int>(v), static_cast<int>(s), side_mm[v][s], minus(side_mm[v][s], graph.nodes[v].center_mm)});
     }
   }
   std::ranges::stable_sort(sides, {}, [](const FreeSide& f) { return f.place[0]; });

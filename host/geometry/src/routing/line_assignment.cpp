@@ -43,7 +43,8 @@ const std::vector<LineAssigner::Way>& LineAssigner::ways(int a, int b) {
 void LineAssigner::solve(const std::vector<int>& parent) {
   children_.assign(parent.size(), {});
   tables_.assign(parent.size(), {});
-  for (std::size_t v = 1; v < parent.size(); ++v) children_[static_cast<std::size_t>(parent[v])].push_back(static_cast<int>(v));
+  for (std::size_t v = 1; v < parent.size(); ++v)
+    children_[static_cast<std::size_t>(parent[v])].push_back(static_cast<int>(v));
   Fill one(static_cast<std::size_t>(lines_), 0);
   one[0] = 1;
   const int alone = number(one);
@@ -56,8 +57,10 @@ void LineAssigner::solve(const std::vector<int>& parent) {
           const int cost = mine.cost + below.cost + used_[static_cast<std::size_t>(below.fill)];
           for (const Way& way : ways(mine.fill, below.fill)) {
             const auto old = std::ranges::find(next, way.sum, &Entry::fill);
-            if (old == next.end()) next.push_back({way.sum, cost, mine.fill, below.fill, &way});
-            else if (cost < old->cost) *old = {way.sum, cost, mine.fill, below.fill, &way};
+            if (old == next.end())
+              next.push_back({way.sum, cost, mine.fill, below.fill, &way});
+            else if (cost < old->cost)
+              *old = {way.sum, cost, mine.fill, below.fill, &way};
           }
         }
       }

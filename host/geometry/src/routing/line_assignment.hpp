@@ -14,9 +14,9 @@ struct LineAssignment {
   int line_hops = 0;      ///< Σ over edges of the number of lines that are used below the edge
 };
 
-/// Fewest line hops of a rooted tree, exact: dynamic programme bottom-up over the sorted numbers of nodes that a subtree puts
-/// on each line. A tree is given as parent[0] = −1 and parents before children; n ≤ lines · per_line. Keeps tables between
-/// calls; one object per thread. Cost: at most 8² pairs of fills an edge for four lines of four.
+/// Fewest line hops of a rooted tree, exact: dynamic programme bottom-up over the sorted numbers of nodes that a
+/// subtree puts on each line. A tree is given as parent[0] = −1 and parents before children; n ≤ lines · per_line.
+/// Keeps tables between calls; one object per thread. Cost: at most 8² pairs of fills an edge for four lines of four.
 class LineAssigner {
  public:
   LineAssigner(int lines, int per_line) : lines_(lines), per_line_(per_line) {}

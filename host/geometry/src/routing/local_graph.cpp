@@ -13,7 +13,8 @@ LocalGraph localize(const ModuleGraph& graph, std::vector<int> nodes) {
     std::array<int, 3> n{-1, -1, -1};
     for (std::size_t s = 0; s < 3; ++s) {
       const auto found = std::ranges::lower_bound(g.node, graph.nodes[at(v)].neighbour[s]);
-      if (found != g.node.end() && *found == graph.nodes[at(v)].neighbour[s]) n[s] = static_cast<int>(found - g.node.begin());
+      if (found != g.node.end() && *found == graph.nodes[at(v)].neighbour[s])
+        n[s] = static_cast<int>(found - g.node.begin());
     }
     g.neighbour.push_back(n);
   }
@@ -40,7 +41,8 @@ std::vector<std::vector<int>> components(const ModuleGraph& graph) {
   return result;
 }
 
-void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part, int root, Random& random, SpanningTree& tree) {
+void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part, int root, Random& random,
+                 SpanningTree& tree) {
   constexpr int kUnseen = -2;
   tree.order.clear();
   tree.parent.assign(at(g.size()), kUnseen);
@@ -48,7 +50,8 @@ void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part,
   std::vector<std::array<int, 2>> front{{-1, root}};
   const int depth_first_of_8 = random.below(9);
   while (!front.empty()) {
-    if (random.below(8) >= depth_first_of_8) std::swap(front[at(random.below(static_cast<int>(front.size())))], front.back());
+    if (random.below(8) >= depth_first_of_8)
+      std::swap(front[at(random.below(static_cast<int>(front.size())))], front.back());
     const auto [from, v] = front.back();
     front.pop_back();
     if (tree.parent[at(v)] != kUnseen) continue;

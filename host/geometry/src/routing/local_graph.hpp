@@ -27,8 +27,9 @@ struct SpanningTree {
   std::vector<int> order;
   std::vector<int> parent;  ///< by local node
 };
-/// Random spanning tree of the nodes v with part_of[v] == `part`, which are connected; `root` is one of them. Grows by a
-/// mixture of depth first and random order, so that stringy and bushy trees both come up. Cost: O(n).
-void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part, int root, Random& random, SpanningTree& tree);
+/// Random spanning tree of the nodes v with part_of[v] == `part`, which are connected; `root` is one of them. Grows by
+/// a mixture of depth first and random order, so that stringy and bushy trees both come up. Cost: O(n).
+void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part, int root, Random& random,
+                 SpanningTree& tree);
 
 }  // namespace triskin::geometry

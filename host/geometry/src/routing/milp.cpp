@@ -25,9 +25,9 @@ class ForestModel {
       }
     }
     const int n = g.size(), m = static_cast<int>(arcs_.size());
-    for (int v = 0; v < n; ++v) column(0, 1, 1, true);         // r_v
-    for (int v = 0; v < n; ++v) column(0, capacity, 0, false);  // s_v
-    for (int a = 0; a < m; ++a) column(0, 1, 0, true);          // y_a
+    for (int v = 0; v < n; ++v) column(0, 1, 1, true);              // r_v
+    for (int v = 0; v < n; ++v) column(0, capacity, 0, false);      // s_v
+    for (int a = 0; a < m; ++a) column(0, 1, 0, true);              // y_a
     for (int a = 0; a < m; ++a) column(0, capacity - 1, 0, false);  // g_a
     for (int v = 0; v < n; ++v) node_rows(v, capacity);
     for (int a = 0; a < m; ++a) {
@@ -72,7 +72,8 @@ class ForestModel {
       columns.push_back(t.column);
       factors.push_back(t.factor);
     }
-    Cbc_addRow(model(), std::to_string(rows_++).c_str(), static_cast<int>(terms.size()), columns.data(), factors.data(), sense, right);
+    Cbc_addRow(model(), std::to_string(rows_++).c_str(), static_cast<int>(terms.size()), columns.data(), factors.data(),
+               sense, right);
   }
   void node_rows(int v, int capacity) {
     std::vector<Term> one_parent{{v, 1.0}}, balance{{supply(v), 1.0}};

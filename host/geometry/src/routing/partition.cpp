@@ -70,8 +70,10 @@ class Partitioner {
     while (!met()) {
       const FrontierAnswer answer = divide_exactly(g_, folding, capacity_, best_.lower_bound, kExactBudget);
       if (answer.decision == Decision::kTooLarge) return;
-      if (answer.decision == Decision::kFeasible) offer(answer.parts);
-      else ++best_.lower_bound;
+      if (answer.decision == Decision::kFeasible)
+        offer(answer.parts);
+      else
+        ++best_.lower_bound;
       best_.proof = "frontier";
     }
   }
@@ -101,7 +103,8 @@ int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, std::v
   for (auto v = tree.order.rbegin(); v != tree.order.rend(); ++v) {
     auto& mine = children[at(*v)];
     int& n = count[at(*v)];
-    std::sort(mine.begin(), mine.begin() + n, [&](int a, int b) { return std::pair(weight[at(a)], a) < std::pair(weight[at(b)], b); });
+    std::sort(mine.begin(), mine.begin() + n,
+              [&](int a, int b) { return std::pair(weight[at(a)], a) < std::pair(weight[at(b)], b); });
     for (int k = 0; k < n; ++k) weight[at(*v)] += weight[at(mine[at(k)])];
     while (weight[at(*v)] > capacity) {
       const int heaviest = mine[at(--n)];
@@ -109,8 +112,10 @@ int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, std::v
       is_root[at(heaviest)] = true;
     }
     const int p = tree.parent[at(*v)];
-    if (p >= 0) children[at(p)][at(count[at(p)]++)] = *v;
-    else is_root[at(*v)] = true;
+    if (p >= 0)
+      children[at(p)][at(count[at(p)]++)] = *v;
+    else
+      is_root[at(*v)] = true;
   }
   part_of.assign(at(g.size()), -1);
   int parts = 0;

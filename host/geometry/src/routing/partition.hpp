@@ -12,17 +12,18 @@ struct Partition {
   int lower_bound = 0;
   const char* proof = "";  ///< "size", "folding", "frontier", "milp", or "" while parts > lower_bound
 };
-/// Divides a connected graph into the fewest connected parts of at most `capacity` nodes: random trees cut bottom-up, peel,
-/// exact frontier programme: all counted, never timed, so equal on every machine. Where they do not meet and milp_time_s is
-/// positive, CBC goes on for that time.
+/// Divides a connected graph into the fewest connected parts of at most `capacity` nodes: random trees cut bottom-up,
+/// peel, exact frontier programme: all counted, never timed, so equal on every machine. Where they do not meet and
+/// milp_time_s is positive, CBC goes on for that time.
 [[nodiscard]] Partition partition(const LocalGraph& g, int capacity, std::uint64_t seed, double milp_time_s);
 
-/// Bottom-up cut of a spanning tree: where a subtree outgrows the capacity its heaviest branch becomes a part. Fewest parts
-/// for this tree (Kundu and Misra, SIAM J. Comput. 6, 1977). Returns their number; fills part_of.
+/// Bottom-up cut of a spanning tree: where a subtree outgrows the capacity its heaviest branch becomes a part. Fewest
+/// parts for this tree (Kundu and Misra, SIAM J. Comput. 6, 1977). Returns their number; fills part_of.
 int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, std::vector<int>& part_of);
 
-/// Peels parts of capacity − slack … capacity nodes off, each a subtree of a random spanning tree of what is left, so that
-/// both stay connected; when stuck gives some neighbouring parts back and goes on. True and fills part_of when k parts do.
+/// Peels parts of capacity − slack … capacity nodes off, each a subtree of a random spanning tree of what is left,
+/// so that both stay connected; when stuck gives some neighbouring parts back and goes on. True and fills part_of when
+/// k parts do.
 bool peel(const LocalGraph& g, int capacity, int k, long budget, Random& random, std::vector<int>& part_of);
 
 }  // namespace triskin::geometry

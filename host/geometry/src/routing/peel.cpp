@@ -58,8 +58,10 @@ class Peeler {
     candidates_.clear();
     for (const int v : tree_.order) {
       const int below = weight_[at(v)], above = left_ - below;
-      if (below >= lightest && below <= capacity_) candidates_.push_back(v);
-      else if (above >= lightest && above <= capacity_) candidates_.push_back(v);
+      if (below >= lightest && below <= capacity_)
+        candidates_.push_back(v);
+      else if (above >= lightest && above <= capacity_)
+        candidates_.push_back(v);
     }
     // Full parts first: slack is spent only where it must be.
     for (int tries = 0; tries < 3 && !candidates_.empty(); ++tries) {

@@ -55,13 +55,15 @@ std::set<Tile> random_tiles(PatchShape shape, int n, std::uint64_t seed) {
   std::vector<Vec2> holes;
   if (shape == PatchShape::kHoled) {
     const int radius = 2 + static_cast<int>(std::sqrt(n) / 3);
-    for (int k = 0; k < n / 20; ++k) holes.push_back({dice.below(2 * radius) - radius + 0.6, dice.below(2 * radius) - radius + 0.3});
+    for (int k = 0; k < n / 20; ++k)
+      holes.push_back({dice.below(2 * radius) - radius + 0.6, dice.below(2 * radius) - radius + 0.3});
   }
   return grow(n, [&](const Tile& t, const std::set<Tile>& tiles) {
     const Vec2 c = center(t);
     const double noise = dice.unit();
     if (shape == PatchShape::kDendritic) return noise + (joints(tiles, t) > 1 ? 0.7 : 0.0);
-    if (shape == PatchShape::kStrip) return std::abs(c.x()) / 6 + (std::abs(c.y()) > width / 2 ? 1000.0 + std::abs(c.y()) : 0.0) + 0.3 * noise;
+    if (shape == PatchShape::kStrip)
+      return std::abs(c.x()) / 6 + (std::abs(c.y()) > width / 2 ? 1000.0 + std::abs(c.y()) : 0.0) + 0.3 * noise;
     double cost = c.norm() + 0.6 * noise;
     for (const auto& h : holes) cost += (c - h).norm() < 0.9 ? 1000.0 : 0.0;
     return cost;
@@ -87,6 +89,8 @@ LatticePatch lattice_patch(const std::set<Tile>& tiles) {
   return list;
 }
 
-LatticePatch random_patch(PatchShape shape, int n, std::uint64_t seed) { return lattice_patch(random_tiles(shape, n, seed)); }
+LatticePatch random_patch(PatchShape shape, int n, std::uint64_t seed) {
+  return lattice_patch(random_tiles(shape, n, seed));
+}
 
 }  // namespace triskin::geometry

@@ -14,8 +14,12 @@ constexpr int kNoBorder = 20'000, kLost = 24, kDepth = 3;
 constexpr int kFirstThreshold = 120;
 constexpr int kExchanges = 8;  // single modules tried on each pair of parts
 
-std::uint32_t bit(int v) { return 1U << v; }
-int lowest(std::uint32_t set) { return std::countr_zero(set); }
+std::uint32_t bit(int v) {
+  return 1U << v;
+}
+int lowest(std::uint32_t set) {
+  return std::countr_zero(set);
+}
 
 // One bit of `set` at random.
 int pick(std::uint32_t set, Random& random) {
@@ -25,13 +29,22 @@ int pick(std::uint32_t set, Random& random) {
 
 class Recombiner {
  public:
-  Recombiner(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, Random& random, Partition& partition)
-      : g_(g), capacity_(options.capacity), random_(random), p_(partition), members_(at(partition.parts)), cost_(at(partition.parts)),
-        border_(at(g.size()), false), cable_cm_(at(g.size()), 0), slot_(at(g.size()), -1) {
+  Recombiner(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, Random& random,
+             Partition& partition)
+      : g_(g),
+        capacity_(options.capacity),
+        random_(random),
+        p_(partition),
+        members_(at(partition.parts)),
+        cost_(at(partition.parts)),
+        border_(at(g.size()), false),
+        cable_cm_(at(g.size()), 0),
+        slot_(at(g.size()), -1) {
     for (int v = 0; v < g.size(); ++v) {
       members_[at(p_.part_of[at(v)])].push_back(v);
       for (int s = 0; s < 3; ++s) border_[at(v)] = border_[at(v)] || is_border(graph, g.node[at(v)], s);
-      if (options.has_controller_place) cable_cm_[at(v)] = static_cast<int>(std::lround(cable_m(graph, g.node[at(v)], options) * 100.0));
+      if (options.has_controller_place)
+        cable_cm_[at(v)] = static_cast<int>(std::lround(cable_m(graph, g.node[at(v)], options) * 100.0));
     }
     for (std::size_t k = 0; k < members_.size(); ++k) {
       load(members_[k], {});
@@ -61,7 +74,8 @@ class Recombiner {
     for (std::size_t k = 0; k < both_.node.size(); ++k) slot_[at(both_.node[k])] = static_cast<int>(k);
     for (std::size_t k = 0; k < both_.node.size(); ++k) {
       const int v = both_.node[k];
-      for (std::size_t s = 0; s < 3; ++s) both_.neighbour[k][s] = g_.neighbour[at(v)][s] < 0 ? -1 : slot_[at(g_.neighbour[at(v)][s])];
+      for (std::size_t s = 0; s < 3; ++s)
+        both_.neighbour[k][s] = g_.neighbour[at(v)][s] < 0 ? -1 : slot_[at(g_.neighbour[at(v)][s])];
       if (border_[at(v)]) around_.border |= 1U << k;
       around_.cable_cm[k] = cable_cm_[at(v)];
     }
@@ -200,7 +214,8 @@ int secondary_cost(const PartBits& bits, const PartSurroundings& around, std::ui
   return (on_border ? 0 : kNoBorder) + kLost * lost_with_two_entries(bits, part, entry) + best;
 }
 
-void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Random& random, Partition& partition) {
+void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Random& random,
+               Partition& partition) {
   if (partition.parts < 2) return;
   Recombiner(graph, g, options, random, partition).run(moves);
 }

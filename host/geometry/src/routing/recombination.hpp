@@ -7,17 +7,19 @@ namespace triskin::geometry {
 
 /// What the secondary cost of a part looks at beside its joints.
 struct PartSurroundings {
-  std::uint32_t border = 0;              ///< nodes with a side that a cable reaches
-  std::array<int, 32> cable_cm{};        ///< from the controller place, zeros when none is given
+  std::uint32_t border = 0;        ///< nodes with a side that a cable reaches
+  std::array<int, 32> cable_cm{};  ///< from the controller place, zeros when none is given
 };
 
-/// Secondary cost of the connected set `part`, in integers so that every compiler decides alike: no border side ≫ modules
-/// lost beyond the failed one, summed over all module failures, with the best second entry > Σ depth from the entry.
+/// Secondary cost of the connected set `part`, in integers so that every compiler decides alike: no border side ≫
+/// modules lost beyond the failed one, summed over all module failures, with the best second entry > Σ depth from the
+/// entry.
 [[nodiscard]] int secondary_cost(const PartBits& bits, const PartSurroundings& around, std::uint32_t part);
 
-/// Lowers the sum of secondary costs under a fixed number of parts. A move takes two neighbouring parts and either draws a
-/// random tree over both and cuts it elsewhere (ReCom: DeFord, Duchin and Solomon, 2021) or moves or swaps single modules;
-/// it is accepted under a falling threshold. `moves` in all; about 10 µs each.
-void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Random& random, Partition& partition);
+/// Lowers the sum of secondary costs under a fixed number of parts. A move takes two neighbouring parts and either
+/// draws a random tree over both and cuts it elsewhere (ReCom: DeFord, Duchin and Solomon, 2021) or moves or swaps
+/// single modules; it is accepted under a falling threshold. `moves` in all; about 10 µs each.
+void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Random& random,
+               Partition& partition);
 
 }  // namespace triskin::geometry

@@ -16,7 +16,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kMostMoves = 5000;         // of recombination, an island: bounds the time of very large ones
+constexpr int kMostMoves = 5000;          // of recombination, an island: bounds the time of very large ones
 constexpr double kMilpWorthwhile_s = 10;  // CBC decides little in less
 
 void require_joints(const ModuleGraph& graph) {
@@ -26,17 +26,22 @@ void require_joints(const ModuleGraph& graph) {
     for (const int w : mine) {
       if (w < 0) continue;
       const bool back = w < n && w != v && std::ranges::count(graph.nodes[at(w)].neighbour, v) == 1;
-      if (!back) throw InputError(fmt::format("module {}: joined to {}, which is not joined to it once; make the joints symmetric", v, w));
-      if (std::ranges::count(mine, w) != 1) throw InputError(fmt::format("module {}: joined to {} twice; name the joint once", v, w));
+      if (!back)
+        throw InputError(
+            fmt::format("module {}: joined to {}, which is not joined to it once; make the joints symmetric", v, w));
+      if (std::ranges::count(mine, w) != 1)
+        throw InputError(fmt::format("module {}: joined to {} twice; name the joint once", v, w));
     }
   }
 }
 
 void require_options(const RoutingOptions& o) {
-  const bool sizes = o.capacity >= 1 && o.capacity <= 16 && o.lines >= 1 && o.lines <= 4 && o.addresses >= 1 && o.addresses <= 16;
+  const bool sizes =
+      o.capacity >= 1 && o.capacity <= 16 && o.lines >= 1 && o.lines <= 4 && o.addresses >= 1 && o.addresses <= 16;
   if (!sizes) throw InputError("routing: capacity 1 … 16, lines 1 … 4, addresses 1 … 16 are possible");
   if (o.lines * o.addresses < o.capacity) {
-    throw InputError(fmt::format("routing: {} lines of {} addresses carry fewer than {} modules; lower the capacity", o.lines, o.addresses, o.capacity));
+    throw InputError(fmt::format("routing: {} lines of {} addresses carry fewer than {} modules; lower the capacity",
+                                 o.lines, o.addresses, o.capacity));
   }
 }
 
@@ -48,7 +53,8 @@ int effort(std::string_view proof) {
 
 class Router {
  public:
-  Router(const ModuleGraph& graph, const RoutingOptions& options) : graph_(graph), options_(options), lines_(options.lines, options.addresses) {
+  Router(const ModuleGraph& graph, const RoutingOptions& options)
+      : graph_(graph), options_(options), lines_(options.lines, options.addresses) {
     result_.proof = "size";
   }
 

@@ -77,7 +77,8 @@ class Wirer {
 
   [[nodiscard]] Key key(int violations, int hops) const {
     const bool loss_first = options_.objective == RouteObjective::kLossFirst;
-    return {has_border_ ? 0 : 1, violations, loss_first ? now_.sum_of_depths : hops, loss_first ? hops : now_.sum_of_depths, now_.max_depth};
+    return {has_border_ ? 0 : 1, violations, loss_first ? now_.sum_of_depths : hops,
+            loss_first ? hops : now_.sum_of_depths, now_.max_depth};
   }
 
   void try_root(int root) {
@@ -88,8 +89,8 @@ class Wirer {
     if (found_ && !(key(0, lines_.bound(now_.parent)) < best_key_)) return;
     const LineAssignment assignment = lines_.assign(now_.parent);
     const std::vector<LineElectrical> state = electrical(assignment.line, root);
-    const int violations =
-        static_cast<int>(std::ranges::count_if(state, [&](const LineElectrical& e) { return violates(options_.electrical, e); }));
+    const int violations = static_cast<int>(
+        std::ranges::count_if(state, [&](const LineElectrical& e) { return violates(options_.electrical, e); }));
     const Key k = key(violations, assignment.line_hops);
     if (found_ && !(k < best_key_)) return;
     found_ = true;
@@ -135,7 +136,8 @@ class Wirer {
       patch.modules.push_back(m);
     }
     for (const Joint& j : joints_of(g_)) {
-      if (tree_parent[at(j.a)] != j.b && tree_parent[at(j.b)] != j.a) patch.cut_joints.push_back({g_.node[at(j.a)], g_.node[at(j.b)]});
+      if (tree_parent[at(j.a)] != j.b && tree_parent[at(j.b)] != j.a)
+        patch.cut_joints.push_back({g_.node[at(j.a)], g_.node[at(j.b)]});
     }
     return patch;
   }

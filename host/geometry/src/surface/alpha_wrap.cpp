@@ -13,7 +13,8 @@ Mesh wrapped(const Mesh& mesh, double alpha_mm, double offset_mm) {
   std::vector<Kernel::Point_3> points;
   std::vector<std::vector<std::size_t>> faces;
   for (const Vec3& v : mesh.vertices) points.emplace_back(v.x(), v.y(), v.z());
-  for (const auto& f : mesh.faces) faces.push_back({static_cast<std::size_t>(f[0]), static_cast<std::size_t>(f[1]), static_cast<std::size_t>(f[2])});
+  for (const auto& f : mesh.faces)
+    faces.push_back({static_cast<std::size_t>(f[0]), static_cast<std::size_t>(f[1]), static_cast<std::size_t>(f[2])});
   Wrap wrap;
   CGAL::alpha_wrap_3(points, faces, alpha_mm, offset_mm, wrap);
   Mesh result;

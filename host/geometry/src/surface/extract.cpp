@@ -60,7 +60,8 @@ class Extractor {
       for (std::size_t i = 0; i < sides.size(); ++i) {
         for (std::size_t k = i + 1; k < sides.size(); ++k) {
           const bool same_direction = start(sides[i]) == start(sides[k]);
-          const double cosine = cross_of(sides[i].face).normalized().dot(cross_of(sides[k].face).normalized()) * (same_direction ? -1 : 1);
+          const double cosine = cross_of(sides[i].face).normalized().dot(cross_of(sides[k].face).normalized()) *
+                                (same_direction ? -1 : 1);
           if (cosine > flattest) {
             flattest = cosine;
             best = {i, k};
@@ -140,7 +141,8 @@ class Extractor {
     }
     report_.components = static_cast<int>(std::ranges::count(keep_, true));
     if (report_.components == 0) {
-      throw InputError("surface: no connected part is as large as one module (3.9 cm²); check the mesh and its unit (--unit)");
+      throw InputError(
+          "surface: no connected part is as large as one module (3.9 cm²); check the mesh and its unit (--unit)");
     }
   }
 
@@ -270,7 +272,8 @@ Extraction extract(const Mesh& mesh, const ExtractOptions& options, const Progre
     e.report.removed_faces += static_cast<int>(before - e.surface.faces.size());
   };
   if (options.outer == When::kAlways || (options.outer == When::kWhenNeeded && messy)) drop_hidden();
-  const bool bad = options.wrap == When::kWhenNeeded && messy && (largest_share(e.surface) < kShattered || crosses_itself(e.surface));
+  const bool bad = options.wrap == When::kWhenNeeded && messy &&
+                   (largest_share(e.surface) < kShattered || crosses_itself(e.surface));
   if (options.wrap == When::kAlways || bad) {
     report(progress, "wrapping", 0.6);
     e.report.wrapped = true;

@@ -6,8 +6,8 @@
 
 namespace triskin::geometry {
 
-/// Does `work` in a child process and returns its bytes; empty when the child crashed, was ended by the library, or used more than
-/// `cpu_s` seconds of processor time. `work` must not throw and must not wait for other threads.
+/// Does `work` in a child process and returns its bytes; empty when the child crashed, was ended by the library, or
+/// used more than `cpu_s` seconds of processor time. `work` must not throw and must not wait for other threads.
 [[nodiscard]] std::optional<std::string> run_isolated(const std::function<std::string()>& work, unsigned cpu_s);
 
 }  // namespace triskin::geometry

@@ -51,7 +51,8 @@ Reach reach_of(const KeepOuts& outs, const Mesh& mesh, const std::array<int, 3>&
   return {outs.distance(middle), std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()})};
 }
 
-// One pass: every marked edge gets a vertex in its middle, in all faces that have it, so that the mesh stays conforming.
+// One pass: every marked edge gets a vertex in its middle, in all faces that have it, so that the mesh stays
+// conforming.
 class Divider {
  public:
   explicit Divider(Mesh& mesh) : mesh_(mesh) {}
@@ -73,12 +74,16 @@ class Divider {
  private:
   void mark_longest(const std::array<int, 3>& f) {
     std::size_t longest = 0;
-    const auto length = [&](std::size_t s) { return (mesh_.vertices[at(f[s])] - mesh_.vertices[at(f[(s + 1) % 3])]).norm(); };
+    const auto length = [&](std::size_t s) {
+      return (mesh_.vertices[at(f[s])] - mesh_.vertices[at(f[(s + 1) % 3])]).norm();
+    };
     for (std::size_t s = 1; s < 3; ++s) {
       if (length(s) > length(longest)) longest = s;
     }
-    const auto [it, is_new] = middle_.try_emplace(std::minmax(f[longest], f[(longest + 1) % 3]), static_cast<int>(mesh_.vertices.size()));
-    if (is_new) mesh_.vertices.push_back(0.5 * (mesh_.vertices[at(f[longest])] + mesh_.vertices[at(f[(longest + 1) % 3])]));
+    const auto [it, is_new] =
+        middle_.try_emplace(std::minmax(f[longest], f[(longest + 1) % 3]), static_cast<int>(mesh_.vertices.size()));
+    if (is_new)
+      mesh_.vertices.push_back(0.5 * (mesh_.vertices[at(f[longest])] + mesh_.vertices[at(f[(longest + 1) % 3])]));
   }
 
   void divide(const std::array<int, 3>& f, std::vector<std::array<int, 3>>& faces) const {

@@ -59,7 +59,8 @@ void collect(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent
 void require_finite(const std::filesystem::path& path, const Mesh& mesh) {
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (!mesh.vertices[v].allFinite()) {
-      throw InputError(fmt::format("{}: vertex {} is not a finite point; repair or export the mesh again", path.string(), v));
+      throw InputError(
+          fmt::format("{}: vertex {} is not a finite point; repair or export the mesh again", path.string(), v));
     }
   }
 }
@@ -70,7 +71,8 @@ double diagonal(const Mesh& mesh) {
   return mesh.vertices.empty() ? 0.0 : box.diagonal().norm();
 }
 
-// Makes coincident corners one vertex. Files store single precision, so equality is taken on a grid of 1e-7 of the size.
+// Makes coincident corners one vertex. Files store single precision, so equality is taken on a grid of 1e-7 of the
+// size.
 void weld(Mesh& mesh, MeshReadReport& report) {
   const double cell = std::max(1e-7 * diagonal(mesh), std::numeric_limits<double>::min());
   std::map<std::array<std::int64_t, 3>, int> first;
@@ -94,7 +96,9 @@ void drop_bad_faces(Mesh& mesh, MeshReadReport& report) {
   std::set<std::array<int, 3>> seen;
   std::vector<std::array<int, 3>> kept;
   for (const auto& f : mesh.faces) {
-    const auto at = [&](int k) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(f[static_cast<std::size_t>(k)])]; };
+    const auto at = [&](int k) -> const Vec3& {
+      return mesh.vertices[static_cast<std::size_t>(f[static_cast<std::size_t>(k)])];
+    };
     const double longest = std::max({(at(1) - at(0)).norm(), (at(2) - at(1)).norm(), (at(0) - at(2)).norm()});
     const double area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
     if (!(area > 1e-9 * longest * longest)) {
@@ -131,18 +135,22 @@ void drop_unused_vertices(Mesh& mesh) {
 void require_size(const std::filesystem::path& path, const Mesh& mesh) {
   const double size_mm = diagonal(mesh);
   if (size_mm < kSmallestPart_mm) {
-    throw InputError(fmt::format("{}: the mesh is only {:.3g} mm across, no module of 30 mm fits; if its numbers are metres or "
-                                 "centimetres pass --unit m or --unit cm", path.string(), size_mm));
+    throw InputError(
+        fmt::format("{}: the mesh is only {:.3g} mm across, no module of 30 mm fits; if its numbers are metres or "
+                    "centimetres pass --unit m or --unit cm",
+                    path.string(), size_mm));
   }
   if (size_mm > kLargestPart_mm) {
-    throw InputError(fmt::format("{}: the mesh is {:.3g} m across, larger than a body part (5 m); check its unit (--unit mm|cm|m)",
-                                 path.string(), size_mm / 1000.0));
+    throw InputError(
+        fmt::format("{}: the mesh is {:.3g} m across, larger than a body part (5 m); check its unit (--unit mm|cm|m)",
+                    path.string(), size_mm / 1000.0));
   }
 }
 
 bool is_off(const std::filesystem::path& path, const std::string& bytes) {
   std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return extension == ".off" || bytes.starts_with("OFF") || bytes.starts_with("COFF") || bytes.starts_with("NOFF");
 }
 
@@ -168,12 +176,13 @@ std::string library_answer(const std::filesystem::path& path) {
   return out;
 }
 
-// The library crashes, aborts or never returns on some damaged files (seen with 5.2.5: OFF, PLY, OBJ), so it works in a process of
-// its own.
+// The library crashes, aborts or never returns on some damaged files (seen with 5.2.5: OFF, PLY, OBJ), so it works in a
+// process of its own.
 void read_with_library(const std::filesystem::path& path, std::size_t size, MeshFile& file) {
   const auto answer = run_isolated([&] { return library_answer(path); }, static_cast<unsigned>(1 + size / 500'000));
   const auto damaged = [&](const std::string& why) {
-    throw InputError(fmt::format("{}: not a mesh that can be read ({}); give OBJ, STL, PLY, OFF or DAE", path.string(), why));
+    throw InputError(
+        fmt::format("{}: not a mesh that can be read ({}); give OBJ, STL, PLY, OFF or DAE", path.string(), why));
   };
   if (!answer || answer->empty()) return damaged("the file is damaged");
   if (answer->front() == '!') return damaged(answer->substr(1));
@@ -192,7 +201,8 @@ void read_with_library(const std::filesystem::path& path, std::size_t size, Mesh
   take(file.mesh.faces.data(), counts[1]);
   for (const auto& f : file.mesh.faces) {
     for (const int v : f) {
-      if (v < 0 || static_cast<std::size_t>(v) >= counts[0]) return damaged("a face names a vertex that does not exist");
+      if (v < 0 || static_cast<std::size_t>(v) >= counts[0])
+        return damaged("a face names a vertex that does not exist");
     }
   }
 }

@@ -59,7 +59,8 @@ class OffReader {
     std::vector<int> index;
     for (long k = 0; k < corners; ++k) {
       long v = -1;
-      if (!(line >> v) || v < 0 || v >= static_cast<long>(mesh.vertices.size())) fail("a face names a vertex that does not exist");
+      if (!(line >> v) || v < 0 || v >= static_cast<long>(mesh.vertices.size()))
+        fail("a face names a vertex that does not exist");
       index.push_back(static_cast<int>(v));
     }
     for (std::size_t k = 2; k < index.size(); ++k) mesh.faces.push_back({index[0], index[k - 1], index[k]});
@@ -77,6 +78,8 @@ class OffReader {
 
 }  // namespace
 
-Mesh read_off(const std::string& text, const std::string& file) { return OffReader(text, file).read(); }
+Mesh read_off(const std::string& text, const std::string& file) {
+  return OffReader(text, file).read();
+}
 
 }  // namespace triskin::geometry

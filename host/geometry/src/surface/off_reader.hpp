@@ -6,8 +6,8 @@
 
 namespace triskin::geometry {
 
-/// Reads an OFF file (also COFF and NOFF: what follows a vertex or face on its line is left alone). Polygons become fans.
-/// Every count and index is checked. Throws InputError naming `file` and the line.
+/// Reads an OFF file (also COFF and NOFF: what follows a vertex or face on its line is left alone). Polygons become
+/// fans. Every count and index is checked. Throws InputError naming `file` and the line.
 [[nodiscard]] Mesh read_off(const std::string& text, const std::string& file);
 
 }  // namespace triskin::geometry

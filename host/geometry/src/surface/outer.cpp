@@ -18,13 +18,16 @@ namespace {
 
 using Kernel = CGAL::Simple_cartesian<double>;
 using Triangles = std::vector<Kernel::Triangle_3>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>>>;
+using Tree =
+    CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>>>;
 
 constexpr int kRays = 64;
-constexpr double kStart_mm = 0.05;   // above the face
+constexpr double kStart_mm = 0.05;  // above the face
 constexpr int kEvenPasses = 4;
 
-Kernel::Point_3 point(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
+Kernel::Point_3 point(const Vec3& p) {
+  return {p.x(), p.y(), p.z()};
+}
 
 // Malley's method over a Fibonacci spiral: even points of the disc, raised to the half sphere, are cosine weighted.
 std::array<Vec3, kRays> directions() {
@@ -32,7 +35,8 @@ std::array<Vec3, kRays> directions() {
   constexpr double kGoldenAngle = 2.399963229728653;
   for (int k = 0; k < kRays; ++k) {
     const double squared = (k + 0.5) / kRays, angle = kGoldenAngle * k;
-    result[at(k)] = Vec3(std::sqrt(squared) * std::cos(angle), std::sqrt(squared) * std::sin(angle), std::sqrt(1.0 - squared));
+    result[at(k)] =
+        Vec3(std::sqrt(squared) * std::cos(angle), std::sqrt(squared) * std::sin(angle), std::sqrt(1.0 - squared));
   }
   return result;
 }
@@ -136,8 +140,10 @@ Mesh outer_faces(const Mesh& mesh, double sky_fraction) {
   for (int pass = 0; pass < kEvenPasses; ++pass) {
     const std::vector<bool> before = kept;
     for (std::size_t f = 0; f < kept.size(); ++f) {
-      const auto same = std::ranges::count_if(neighbour[f], [&](int n) { return n >= 0 && before[at(n)] == before[f]; });
-      const auto other = std::ranges::count_if(neighbour[f], [&](int n) { return n >= 0 && before[at(n)] != before[f]; });
+      const auto same =
+          std::ranges::count_if(neighbour[f], [&](int n) { return n >= 0 && before[at(n)] == before[f]; });
+      const auto other =
+          std::ranges::count_if(neighbour[f], [&](int n) { return n >= 0 && before[at(n)] != before[f]; });
       if (other > same && other >= 2) kept[f] = !before[f];
     }
   }

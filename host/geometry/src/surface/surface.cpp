@@ -78,8 +78,10 @@ void Surface::connect_faces() {
     for (int s = 0; s < 3; ++s) {
       const std::pair edge{mesh_.faces[f][at(s)], mesh_.faces[f][at((s + 1) % 3)]};
       if (!open.try_emplace(edge, Side{static_cast<int>(f), s}).second) {
-        throw InputError(fmt::format("surface: the edge from vertex {} to {} has more than two faces or faces of opposite "
-                                     "orientation (face {}); run `triskin extract` first", edge.first, edge.second, f));
+        throw InputError(
+            fmt::format("surface: the edge from vertex {} to {} has more than two faces or faces of opposite "
+                        "orientation (face {}); run `triskin extract` first",
+                        edge.first, edge.second, f));
       }
     }
   }
@@ -175,7 +177,9 @@ void Surface::nearest(const Tree& tree, const Vec3& query, double& best_squared,
     if (box_distance_squared(box.low, box.high, query) >= best_squared) continue;
     for (int k = box.first; k < box.first + box.count; ++k) visit(tree.items[at(k)]);
     if (box.left < 0) continue;
-    const auto distance = [&](int n) { return box_distance_squared(tree.nodes[at(n)].low, tree.nodes[at(n)].high, query); };
+    const auto distance = [&](int n) {
+      return box_distance_squared(tree.nodes[at(n)].low, tree.nodes[at(n)].high, query);
+    };
     const bool left_first = distance(box.left) <= distance(box.right);
     stack[at(++top)] = left_first ? box.right : box.left;
     stack[at(++top)] = left_first ? box.left : box.right;
@@ -185,7 +189,8 @@ void Surface::nearest(const Tree& tree, const Vec3& query, double& best_squared,
 void Surface::build_trees() {
   std::vector<std::array<Eigen::Array3d, 2>> boxes;
   for (const auto& f : mesh_.faces) {
-    const auto a = mesh_.vertices[at(f[0])].array(), b = mesh_.vertices[at(f[1])].array(), c = mesh_.vertices[at(f[2])].array();
+    const auto a = mesh_.vertices[at(f[0])].array(), b = mesh_.vertices[at(f[1])].array(),
+               c = mesh_.vertices[at(f[2])].array();
     boxes.push_back({Eigen::Array3d(a.min(b).min(c)), Eigen::Array3d(a.max(b).max(c))});
   }
   face_tree_ = build_tree(boxes);
@@ -247,7 +252,9 @@ SurfacePoint Surface::closest_on_border(const Vec3& query_mm) const {
   return best;
 }
 
-double Surface::border_distance(const Vec3& query_mm) const { return closest_on_border(query_mm).distance_mm; }
+double Surface::border_distance(const Vec3& query_mm) const {
+  return closest_on_border(query_mm).distance_mm;
+}
 
 Vec3 Surface::normal_at(const SurfacePoint& point) const {
   const auto& f = mesh_.faces[at(point.face)];

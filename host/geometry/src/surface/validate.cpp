@@ -17,7 +17,9 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
-std::string place(const Vec3& p) { return fmt::format("({:.2f}, {:.2f}, {:.2f}) mm", p.x(), p.y(), p.z()); }
+std::string place(const Vec3& p) {
+  return fmt::format("({:.2f}, {:.2f}, {:.2f}) mm", p.x(), p.y(), p.z());
+}
 
 }  // namespace
 
@@ -29,9 +31,11 @@ void require_manifold(const Mesh& mesh, const std::string& name) {
   const auto bad = std::ranges::find_if(count, [](const auto& e) { return e.second > 2; });
   if (bad == count.end()) return;
   const auto total = std::ranges::count_if(count, [](const auto& e) { return e.second > 2; });
-  throw InputError(fmt::format("{}: not a manifold: the edge from {} to {} has {} faces ({} such edges); run `triskin extract` first and "
-                               "design its surface", name, place(mesh.vertices[at(bad->first.first)]),
-                               place(mesh.vertices[at(bad->first.second)]), bad->second, total));
+  throw InputError(fmt::format(
+      "{}: not a manifold: the edge from {} to {} has {} faces ({} such edges); run `triskin extract` first and "
+      "design its surface",
+      name, place(mesh.vertices[at(bad->first.first)]), place(mesh.vertices[at(bad->first.second)]), bad->second,
+      total));
 }
 
 void require_no_self_intersection(const Mesh& surface, const std::string& name) {
@@ -49,8 +53,8 @@ void require_no_self_intersection(const Mesh& surface, const std::string& name) 
   if (crossings.empty()) return;
   const auto& f = surface.faces[at(index.at(crossings.front().first))];
   const Vec3 middle = (surface.vertices[at(f[0])] + surface.vertices[at(f[1])] + surface.vertices[at(f[2])]) / 3.0;
-  throw InputError(fmt::format("{}: the surface intersects itself near {} ({} pairs of faces); repair the mesh there", name, place(middle),
-                               crossings.size()));
+  throw InputError(fmt::format("{}: the surface intersects itself near {} ({} pairs of faces); repair the mesh there",
+                               name, place(middle), crossings.size()));
 }
 
 }  // namespace triskin::geometry

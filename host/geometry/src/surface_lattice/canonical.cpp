@@ -18,14 +18,20 @@ struct Face {
   [[nodiscard]] double area() const { return 0.5 * (b - a).cross(c - a).norm(); }
 };
 
-Face face_of(const Mesh& m, const std::array<int, 3>& f) { return {m.vertices[at(f[0])], m.vertices[at(f[1])], m.vertices[at(f[2])]}; }
+Face face_of(const Mesh& m, const std::array<int, 3>& f) {
+  return {m.vertices[at(f[0])], m.vertices[at(f[1])], m.vertices[at(f[2])]};
+}
 
 // The mean of x³ over a triangle is the mean of the ten products of three of its corners' x.
 double mean_cube(double a, double b, double c) {
-  return (a * a * a + b * b * b + c * c * c + a * a * b + a * a * c + b * b * a + b * b * c + c * c * a + c * c * b + a * b * c) / 10.0;
+  return (a * a * a + b * b * b + c * c * c + a * a * b + a * a * c + b * b * a + b * b * c + c * c * a + c * c * b +
+          a * b * c) /
+         10.0;
 }
 
-Tile mirrored_tile(const Tile& t) { return {t.j, t.i, t.up}; }
+Tile mirrored_tile(const Tile& t) {
+  return {t.j, t.i, t.up};
+}
 
 // Exchanging the two axes of the lattice keeps corner 0 of an up triangle and corner 1 of a down triangle.
 template <class T>

@@ -41,7 +41,9 @@ void EnvelopeSystem::reset(const std::vector<int>& first) {
 
 void EnvelopeSystem::solve() {
   const int rows = static_cast<int>(right_.size());
-  const auto entry = [&](int row, int column) { return values_.data() + (start_[static_cast<std::size_t>(row)] + static_cast<std::size_t>(column)); };
+  const auto entry = [&](int row, int column) {
+    return values_.data() + (start_[static_cast<std::size_t>(row)] + static_cast<std::size_t>(column));
+  };
   for (int row = 0; row < rows; ++row) {
     const int begin = first_[static_cast<std::size_t>(row)];
     double right_side = right(row), diagonal = *entry(row, row);
@@ -59,7 +61,8 @@ void EnvelopeSystem::solve() {
   for (int row = rows - 1; row >= 0; --row) {
     const double x = right(row) / *entry(row, row);
     right(row) = x;
-    for (int column = first_[static_cast<std::size_t>(row)]; column < row; ++column) right(column) -= *entry(row, column) * x;
+    for (int column = first_[static_cast<std::size_t>(row)]; column < row; ++column)
+      right(column) -= *entry(row, column) * x;
   }
 }
 

@@ -26,14 +26,15 @@ constexpr int kStarts = 12, kStepsAStart = 30;
 constexpr double kStartsShare = 0.08, kRaceShare = 0.08;  // of the time: all starts, each round between the better ones
 constexpr double kRaceHeat = 0.1;
 constexpr int kStepsAModule = 40, kMostRuns = 20;  // of one annealing
-constexpr double kHot = 0.6, kCold = 0.05;  // modules a step may lose, at the start and at the end
+constexpr double kHot = 0.6, kCold = 0.05;         // modules a step may lose, at the start and at the end
 constexpr int kModulesAController = 16;
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kFinalMargin = 0.98;
 
 double cost_of_islands(const std::vector<int>& sizes, const SurfaceLatticeOptions& options) {
   double cost = 0.0;
-  for (const int size : sizes) cost += options.island_cost + options.controller_cost * ((size + kModulesAController - 1) / kModulesAController);
+  for (const int size : sizes)
+    cost += options.island_cost + options.controller_cost * ((size + kModulesAController - 1) / kModulesAController);
   return cost;
 }
 
@@ -57,10 +58,12 @@ struct Search {
 class Chain {
  public:
   Chain(const Search& search, std::uint64_t seed)
-      : search_(search), random_(seed), grower_(search.surface, search.rules, search.samples, search.options.corner_lift_mm, search.end) {}
+      : search_(search),
+        random_(seed),
+        grower_(search.surface, search.rules, search.samples, search.options.corner_lift_mm, search.end) {}
 
-  // Complete layouts from several starts: where the first module lies and how it is turned decides more than later steps mend. The
-  // better half is improved for a while, and again its better half, until one is left.
+  // Complete layouts from several starts: where the first module lies and how it is turned decides more than later
+  // steps mend. The better half is improved for a while, and again its better half, until one is left.
   void build() {
     const int iterations = search_.options.iterations;
     const int most = iterations > 0 ? std::min(kStarts, 1 + iterations / kStepsAStart) : kStarts;
@@ -128,7 +131,9 @@ class Chain {
   void plan_runs(double fraction_raced) {
     begun_at_ = search_.fraction(steps_);
     if (steps_ == 0 || best_.size() == 0 || begun_at_ >= 1.0) return;
-    const double steps_left = search_.options.iterations > 0 ? search_.options.iterations - steps_ : steps_ / std::max(1e-6, fraction_raced) * (1.0 - begun_at_);
+    const double steps_left = search_.options.iterations > 0
+                                  ? search_.options.iterations - steps_
+                                  : steps_ / std::max(1e-6, fraction_raced) * (1.0 - begun_at_);
     runs_ = std::clamp(static_cast<int>(steps_left / (kStepsAModule * best_.size())), 1, kMostRuns);
   }
 
@@ -249,9 +254,10 @@ ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& slots) {
 }
 
 double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
-  double worst = std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm, m.penetration_mm / l.penetration_mm,
-                           m.overrun_mm / l.overrun_mm});
-  for (std::size_t s = 0; s < 3; ++s) worst = std::max({worst, m.hinge_gap_mm[s] / l.hinge_gap_mm, m.fold_rad[s] / l.fold_rad});
+  double worst = std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm,
+                           m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm});
+  for (std::size_t s = 0; s < 3; ++s)
+    worst = std::max({worst, m.hinge_gap_mm[s] / l.hinge_gap_mm, m.fold_rad[s] / l.fold_rad});
   return worst;
 }
 
@@ -273,7 +279,8 @@ ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, Lattic
       m.bend_radius_mm = known->second.bend_radius_mm;
     }
     measure_between(layout);
-    const auto worst = std::ranges::max_element(layout.modules, {}, [&](const PlacedModule& m) { return worst_ratio(m, limits); });
+    const auto worst =
+        std::ranges::max_element(layout.modules, {}, [&](const PlacedModule& m) { return worst_ratio(m, limits); });
     if (worst == layout.modules.end() || worst_ratio(*worst, limits) <= kFinalMargin) return layout;
     net.remove_triangle(slots[static_cast<std::size_t>(worst - layout.modules.begin())]);
   }
@@ -290,16 +297,19 @@ void check_options(const LayoutLimits& l, const SurfaceLatticeOptions& o) {
   if (o.threads < 1 || o.threads > 256) throw InputError("lattice: the number of threads must be 1 … 256");
   if (o.iterations < 0) throw InputError("lattice: the number of iterations must not be negative");
   for (const double cost : {o.island_cost, o.controller_cost, o.hinge_reward}) {
-    if (!(cost >= 0.0 && cost <= 16.0)) throw InputError("lattice: the cost of an island or controller and the reward of a joint must be 0 … 16 modules");
+    if (!(cost >= 0.0 && cost <= 16.0))
+      throw InputError("lattice: the cost of an island or controller and the reward of a joint must be 0 … 16 modules");
   }
   if (!(o.corner_lift_mm >= 0.0)) throw InputError("lattice: the corner lift must not be negative");
-  for (const double v : {l.edge_error_mm, l.hinge_gap_mm, l.center_gap_mm, l.fold_rad, l.penetration_mm, l.overrun_mm}) {
+  for (const double v :
+       {l.edge_error_mm, l.hinge_gap_mm, l.center_gap_mm, l.fold_rad, l.penetration_mm, l.overrun_mm}) {
     if (!(v > 0.0)) throw InputError("lattice: every limit must be positive");
   }
 }
 
 const Chain& best_of(const std::deque<Chain>& chains) {
-  return *std::ranges::max_element(chains, [](const Chain& a, const Chain& b) { return a.best_value() < b.best_value(); });
+  return *std::ranges::max_element(chains,
+                                   [](const Chain& a, const Chain& b) { return a.best_value() < b.best_value(); });
 }
 
 // Which limits refuse the modules that would still find room, for the report; what fits after all is kept.
@@ -316,29 +326,37 @@ void count_refusals(const Search& search, LatticeNet& net, ModuleLayout& layout)
 
 double layout_value(const ModuleLayout& layout, const SurfaceLatticeOptions& options) {
   double sides = 0.0;
-  for (const PlacedModule& m : layout.modules) sides += static_cast<double>(std::ranges::count_if(m.neighbour, [](int n) { return n >= 0; }));
+  for (const PlacedModule& m : layout.modules)
+    sides += static_cast<double>(std::ranges::count_if(m.neighbour, [](int n) { return n >= 0; }));
   std::vector<int> sizes(at(layout.islands));
   for (const PlacedModule& m : layout.modules) ++sizes[at(m.island)];
-  return static_cast<double>(layout.modules.size()) - cost_of_islands(sizes, options) + 0.5 * options.hinge_reward * sides;
+  return static_cast<double>(layout.modules.size()) - cost_of_islands(sizes, options) +
+         0.5 * options.hinge_reward * sides;
 }
 
-ModuleLayout grow_lattice(const Surface& original, const LayoutLimits& limits, const SurfaceLatticeOptions& options, const ProgressSink& progress) {
+ModuleLayout grow_lattice(const Surface& original, const LayoutLimits& limits, const SurfaceLatticeOptions& options,
+                          const ProgressSink& progress) {
   check_options(limits, options);
   const auto start = Clock::now();
   const CanonicalCopy copy(original.mesh());
   const Surface surface(copy.mesh());
-  const auto end = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
+  const auto end =
+      start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
   const Rules rules(surface, limits);
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
   const Search search{surface, rules, options, samples, start, end};
   std::deque<Chain> chains;
-  for (int k = 0; k < options.threads; ++k) chains.emplace_back(search, options.seed * 1000003 + static_cast<std::uint64_t>(k));
+  for (int k = 0; k < options.threads; ++k)
+    chains.emplace_back(search, options.seed * 1000003 + static_cast<std::uint64_t>(k));
   in_parallel(chains, [](Chain& c) { c.build(); });
-  for (int round = 1; Clock::now() < end && (options.iterations == 0 || chains[0].steps() < options.iterations); ++round) {
-    const int steps = options.iterations == 0 ? kStepsARound : std::min(kStepsARound, options.iterations - chains[0].steps());
+  for (int round = 1; Clock::now() < end && (options.iterations == 0 || chains[0].steps() < options.iterations);
+       ++round) {
+    const int steps =
+        options.iterations == 0 ? kStepsARound : std::min(kStepsARound, options.iterations - chains[0].steps());
     in_parallel(chains, [steps](Chain& c) { c.run(steps); });
     const Chain& best = best_of(chains);
-    report(progress, "lattice", search.fraction(chains[0].steps()), fmt::format("{} modules in {} islands", best.best().size(), best.best().islands()));
+    report(progress, "lattice", search.fraction(chains[0].steps()),
+           fmt::format("{} modules in {} islands", best.best().size(), best.best().islands()));
     if (round % kRoundsAnExchange != 0) continue;
     for (Chain& c : chains) {
       if (&c != &best && c.in_last_run() && c.best_value() < best.best_value() - 0.5) c.adopt(best.best());

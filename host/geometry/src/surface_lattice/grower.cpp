@@ -9,11 +9,11 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kSnap_mm = 7.0;           // an apex this near to a corner of the same lattice point joins it
+constexpr double kSnap_mm = 7.0;  // an apex this near to a corner of the same lattice point joins it
 constexpr double kRelaxRadius_mm = 60.0;
 constexpr int kRelaxSteps = 5;
-constexpr double kCrowded_mm = 6.0;        // overlap that relaxing will not undo
-constexpr double kShort_mm = 6.0;          // an apex that the border holds back by more is not tried
+constexpr double kCrowded_mm = 6.0;  // overlap that relaxing will not undo
+constexpr double kShort_mm = 6.0;    // an apex that the border holds back by more is not tried
 constexpr double kReach_mm = 45.0;
 constexpr double kSurroundings_mm = 45.0;  // farther modules hardly decide whether one more fits
 
@@ -62,7 +62,8 @@ bool Grower::try_side(LatticeNet& net, Side side) {
   const NetTriangle t = net.triangles[at(side.triangle)];
   const TileSide next = across(t.tile, side.side);
   if (net.has_tile(t.island, next.tile)) return false;
-  const Vec3 a = net.vertices[at(t.vertex[at(side.side)])].point, b = net.vertices[at(t.vertex[at((side.side + 1) % 3)])].point;
+  const Vec3 a = net.vertices[at(t.vertex[at(side.side)])].point,
+             b = net.vertices[at(t.vertex[at((side.side + 1) % 3)])].point;
   const Vec3 far = net.vertices[at(t.vertex[at((side.side + 2) % 3)])].point;
   Foot apex;
   if (!roll(a, b, 0.5 * (a + b) - far, apex)) {
@@ -101,7 +102,8 @@ bool Grower::try_corner(LatticeNet& net, Side side, int apex) {
 
 bool Grower::keep_or_revert(LatticeNet& net, int triangle) {
   Refusal refusal = Refusal::kPenetration;
-  if (relaxer_.relax(net, triangle, kRelaxRadius_mm, kRelaxSteps)) refusal = rules_.judge(surface_, net, relaxer_.changed(), relaxer_.pairs());
+  if (relaxer_.relax(net, triangle, kRelaxRadius_mm, kRelaxSteps))
+    refusal = rules_.judge(surface_, net, relaxer_.changed(), relaxer_.pairs());
   if (refusal == Refusal::kNone) return true;
   ++refused[static_cast<std::size_t>(refusal)];
   relaxer_.undo(net);
@@ -158,7 +160,8 @@ bool Grower::seed_at_border(LatticeNet& net, const Sample& sample) {
   if (!(reach < 20.0)) return false;
   constexpr double kProbe_mm = 0.5;
   const Vec3 x = sample.normal.unitOrthogonal(), y = sample.normal.cross(x);
-  const Vec3 uphill = (surface_.surface().border_distance(sample.point + kProbe_mm * x) - reach) * x + (surface_.surface().border_distance(sample.point + kProbe_mm * y) - reach) * y;
+  const Vec3 uphill = (surface_.surface().border_distance(sample.point + kProbe_mm * x) - reach) * x +
+                      (surface_.surface().border_distance(sample.point + kProbe_mm * y) - reach) * y;
   if (uphill.norm() < 1e-6) return false;
   const Vec3 in = uphill.normalized(), along = in.cross(sample.normal);
   const Vec3 foot = sample.point - (reach - 0.2) * in;
@@ -177,7 +180,9 @@ std::vector<Grower::Side> Grower::open_sides(const LatticeNet& net, const Ball& 
   return sides;
 }
 
-void Grower::grow(LatticeNet& net, const Ball& ball, Random& random) { grow_from(net, open_sides(net, ball), ball, random); }
+void Grower::grow(LatticeNet& net, const Ball& ball, Random& random) {
+  grow_from(net, open_sides(net, ball), ball, random);
+}
 
 // Sides with small keys first: near the start, with noise so that each growth is another one.
 void Grower::grow_from(LatticeNet& net, std::vector<Side> front, const Ball& ball, Random& random) {

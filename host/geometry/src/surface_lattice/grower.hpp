@@ -32,7 +32,8 @@ struct Sample {
 class Grower {
  public:
   using Clock = std::chrono::steady_clock;
-  Grower(const Surface& surface, const Rules& rules, const std::vector<Sample>& samples, double corner_lift_mm, Clock::time_point end)
+  Grower(const Surface& surface, const Rules& rules, const std::vector<Sample>& samples, double corner_lift_mm,
+         Clock::time_point end)
       : surface_(surface), rules_(rules), samples_(samples), relaxer_(surface_, corner_lift_mm), end_(end) {}
 
   Grower(const Grower&) = delete;  // the relaxer refers to the surface cells

@@ -10,7 +10,7 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kMargin_mm = 12.0;     // queries farther out than this are rare: they ask the tree
+constexpr double kMargin_mm = 12.0;  // queries farther out than this are rare: they ask the tree
 constexpr double kLargestCell_mm = 3.0;
 constexpr double kSmallestCell_mm = 2.0;
 constexpr double kMaxCells = 6e6;
@@ -18,7 +18,8 @@ constexpr std::size_t kMaxCandidates = 24;
 
 }  // namespace
 
-NearSurface::NearSurface(const Surface& surface) : surface_(surface), border_vertex_(surface.mesh().vertices.size(), false) {
+NearSurface::NearSurface(const Surface& surface)
+    : surface_(surface), border_vertex_(surface.mesh().vertices.size(), false) {
   const Mesh& mesh = surface.mesh();
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
   if (!mesh.vertices.empty()) low = high = mesh.vertices.front();
@@ -29,7 +30,8 @@ NearSurface::NearSurface(const Surface& surface) : surface_(surface), border_ver
   origin_ = low - Vec3::Constant(kMargin_mm);
   const Vec3 extent = high - low + Vec3::Constant(2.0 * kMargin_mm);
   const double face_mm = std::sqrt(surface.area_mm2() / std::max(1.0, static_cast<double>(mesh.faces.size())));
-  size_mm_ = std::max(std::clamp(0.7 * face_mm, kSmallestCell_mm, kLargestCell_mm), std::cbrt(extent.prod() / kMaxCells));
+  size_mm_ =
+      std::max(std::clamp(0.7 * face_mm, kSmallestCell_mm, kLargestCell_mm), std::cbrt(extent.prod() / kMaxCells));
   for (int k = 0; k < 3; ++k) cells_[at(k)] = static_cast<int>(extent[k] / size_mm_) + 1;
   index_.assign(at(cells_[0]) * at(cells_[1]) * at(cells_[2]), -1);
   for (const auto& loop : surface.border_loops()) {
@@ -50,7 +52,8 @@ const NearSurface::Cell* NearSurface::cell_at(const Vec3& query_mm) {
   return &filled_[at(index)];
 }
 
-// The face nearest to a point of the cell is no farther from the middle than the nearest one there plus the cell's diagonal.
+// The face nearest to a point of the cell is no farther from the middle than the nearest one there plus the cell's
+// diagonal.
 int NearSurface::fill(const Vec3& middle) {
   const double half = 0.5 * std::sqrt(3.0) * size_mm_;
   const SurfacePoint nearest = surface_.closest(middle);
@@ -80,7 +83,8 @@ Foot NearSurface::foot_on(int face, const Vec3& weights, const Vec3& point, doub
   Foot foot;
   foot.point = point;
   foot.distance_mm = std::sqrt(squared);
-  const Vec3 n = weights[0] * surface_.vertex_normal(f[0]) + weights[1] * surface_.vertex_normal(f[1]) + weights[2] * surface_.vertex_normal(f[2]);
+  const Vec3 n = weights[0] * surface_.vertex_normal(f[0]) + weights[1] * surface_.vertex_normal(f[1]) +
+                 weights[2] * surface_.vertex_normal(f[2]);
   const double length = n.norm();
   foot.normal = length > 1e-9 ? Vec3(n / length) : surface_.face_normal(face);
   for (std::size_t k = 0; k < 3; ++k) {

@@ -12,7 +12,7 @@ struct Foot {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();  ///< interpolated, as Surface::normal_at
   double distance_mm = 0.0;
-  bool on_border = false;       ///< the foot lies on a border edge
+  bool on_border = false;  ///< the foot lies on a border edge
 };
 
 /// Closest points of a surface, several times faster than Surface::closest and with the same answers: cells of a grid

@@ -20,7 +20,8 @@ Triangle fit_rigid(const Triangle& target) {
   const Vec3 u = target[1] - target[0];
   const Vec3 x = u.normalized(), normal = u.cross(target[2] - target[0]).normalized(), y = normal.cross(x);
   const std::array<Vec3, 3> d{target[0] - center, target[1] - center, target[2] - center};
-  const double x0 = d[0].dot(x), y0 = d[0].dot(y), x1 = d[1].dot(x), y1 = d[1].dot(y), x2 = d[2].dot(x), y2 = d[2].dot(y);
+  const double x0 = d[0].dot(x), y0 = d[0].dot(y), x1 = d[1].dot(x), y1 = d[1].dot(y), x2 = d[2].dot(x),
+               y2 = d[2].dot(y);
   double real = kCos * (x1 - x0) - 0.5 * (y0 + y1) + y2;
   double imaginary = kCos * (y1 - y0) + 0.5 * (x0 + x1) - x2;
   const double scale = kRadius / std::sqrt(real * real + imaginary * imaginary);
@@ -137,7 +138,8 @@ void LatticeNet::remove_triangle(int triangle) {
 
 void LatticeNet::fit(int triangle) {
   NetTriangle& t = triangles[at(triangle)];
-  t.rigid = fit_rigid({vertices[at(t.vertex[0])].point, vertices[at(t.vertex[1])].point, vertices[at(t.vertex[2])].point});
+  t.rigid =
+      fit_rigid({vertices[at(t.vertex[0])].point, vertices[at(t.vertex[1])].point, vertices[at(t.vertex[2])].point});
   t.center = (t.rigid[0] + t.rigid[1] + t.rigid[2]) / 3.0;
   t.normal = (t.rigid[1] - t.rigid[0]).cross(t.rigid[2] - t.rigid[0]) / (kSide_mm * kHeight_mm);
   centers_[at(triangle)] = t.center;
@@ -156,7 +158,8 @@ std::uint64_t LatticeNet::signature(const Vec3& place, double radius_mm) const {
     const Vec3& c = centers_[t];
     if ((c - place).squaredNorm() >= radius_mm * radius_mm) continue;
     std::uint64_t h = t + 1;
-    for (int k = 0; k < 3; ++k) h = (h ^ static_cast<std::uint64_t>(std::llround(c[k] / kCell_mm))) * 0x9E3779B97F4A7C15ULL;
+    for (int k = 0; k < 3; ++k)
+      h = (h ^ static_cast<std::uint64_t>(std::llround(c[k] / kCell_mm))) * 0x9E3779B97F4A7C15ULL;
     sum += h ^ (h >> 29);  // in any order
   }
   return sum;
@@ -172,7 +175,8 @@ void LatticeNet::separate() {
 
 // Triangles round a vertex that are not joined side by side get copies of it.
 void LatticeNet::split_fans(int vertex) {
-  std::vector<int> rest(vertices[at(vertex)].triangles.begin(), vertices[at(vertex)].triangles.begin() + vertices[at(vertex)].valence);
+  std::vector<int> rest(vertices[at(vertex)].triangles.begin(),
+                        vertices[at(vertex)].triangles.begin() + vertices[at(vertex)].valence);
   bool first = true;
   while (!rest.empty()) {
     std::vector<int> fan{rest.back()};

@@ -14,7 +14,7 @@ using Triangle = std::array<Vec3, 3>;
 
 /// Corner of the net, shared by all triangles joined at it. Its lattice index (i, j) counts within its island.
 struct NetVertex {
-  Vec3 point = Vec3::Zero();   ///< on the surface, or `lift_mm` above it
+  Vec3 point = Vec3::Zero();  ///< on the surface, or `lift_mm` above it
   Vec3 normal = Vec3::UnitZ();
   double lift_mm = 0.0;
   int i = 0, j = 0;
@@ -22,14 +22,14 @@ struct NetVertex {
   int valence = 0;
   bool used = false;
   bool on_border = false;
-  Vec3 outward = Vec3::Zero(); ///< direction in which the border was last run over
+  Vec3 outward = Vec3::Zero();  ///< direction in which the border was last run over
 };
 
 /// One module: corners in tile order, and the rigid module that fits them best.
 struct NetTriangle {
   std::array<int, 3> vertex{};
   Tile tile;
-  int island = -1;             ///< -1: unused slot
+  int island = -1;  ///< -1: unused slot
   Triangle rigid;
   Vec3 center = Vec3::Zero(), normal = Vec3::UnitZ();
 };

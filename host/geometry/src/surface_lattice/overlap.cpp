@@ -8,7 +8,7 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr double kApart_mm = 4.0 * kHeight_mm / 3.0;  // two circumradii: centroids farther apart cannot touch
-constexpr double kLayer_mm = 10.0;  // modules farther apart along the normal lie on different sheets
+constexpr double kLayer_mm = 10.0;                    // modules farther apart along the normal lie on different sheets
 constexpr double kOpposite = -0.2;
 
 // Segment through the inside of a triangle (Möller and Trumbore, 1997).
@@ -23,8 +23,9 @@ bool passes(const Vec3& from, const Vec3& to, const Triangle& t) {
 
 }  // namespace
 
-// Two convex outlines are apart when all of one lies beyond a side of the other, and the least motion that parts them is
-// normal to a side: only outward directions have to be tried. Nothing is normalized before it is known that they overlap.
+// Two convex outlines are apart when all of one lies beyond a side of the other, and the least motion that parts them
+// is normal to a side: only outward directions have to be tried. Nothing is normalized before it is known that they
+// overlap.
 Overlap overlap_of(const NetTriangle& a, const NetTriangle& b, int& first_axis) {
   Overlap result;
   const Vec3 between = a.center - b.center;

@@ -4,7 +4,8 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Two triangles that may come to overlap, and the separating axis that was found last (0 … 5: sides of a, then of b).
+/// Two triangles that may come to overlap, and the separating axis that was found last (0 … 5: sides of a, then of
+/// b).
 struct Pair {
   int a, b;
   bool in_fan;  ///< joined through one triangle between them: as long as the joints hold they hardly overlap
@@ -19,8 +20,8 @@ struct Overlap {
   int corner_a = 0, corner_b = 0;
 };
 
-/// Separating axes in the mean plane, as `penetration_depth` of map_modules.hpp defines it. Tries `first_axis` first and
-/// leaves the one that separates in it: neighbours that move little stay separated by the same.
+/// Separating axes in the mean plane, as `penetration_depth` of map_modules.hpp defines it. Tries `first_axis` first
+/// and leaves the one that separates in it: neighbours that move little stay separated by the same.
 [[nodiscard]] Overlap overlap_of(const NetTriangle& a, const NetTriangle& b, int& first_axis);
 [[nodiscard]] Overlap overlap_of(const NetTriangle& a, const NetTriangle& b);
 

@@ -13,13 +13,13 @@ constexpr double kDamping = 0.02;
 // more; of those that do not, a third have.
 constexpr std::array kFarOff_mm{3.0, 2.4, 1.8, 1.2};
 constexpr double kReach_mm = 2.0 * kHeight_mm / 3.0;  // from a module's centre to its corners
-constexpr double kPair_mm = 38.0;        // centroids nearer than this may come to overlap while sliding
+constexpr double kPair_mm = 38.0;                     // centroids nearer than this may come to overlap while sliding
 constexpr double kAllowedOverlap_mm = 0.1;
 constexpr double kSettled_mm = 0.02;
 constexpr double kMoved_mm = 0.01;
 constexpr double kNearBorder_mm = 12.0;
-constexpr double kWantedGap_mm = 2.0;    // corners lift off where the centre would be deeper than this
-constexpr double kLongest_mm = 5.0;      // of one step
+constexpr double kWantedGap_mm = 2.0;  // corners lift off where the centre would be deeper than this
+constexpr double kLongest_mm = 5.0;    // of one step
 
 }  // namespace
 
@@ -68,7 +68,9 @@ void Relaxer::choose(const LatticeNet& net, const Vec3& place, double radius_mm)
   }
   const Vec3 line = high - low;
   for (Moving& m : moving_) m.key = line.dot(m.saved_point);
-  std::ranges::sort(moving_, [](const Moving& a, const Moving& b) { return std::pair(a.key, a.vertex) < std::pair(b.key, b.vertex); });
+  std::ranges::sort(moving_, [](const Moving& a, const Moving& b) {
+    return std::pair(a.key, a.vertex) < std::pair(b.key, b.vertex);
+  });
   for (std::size_t k = 0; k < moving_.size(); ++k) local_[at(moving_[k].vertex)] = static_cast<int>(k);
 }
 
@@ -84,7 +86,8 @@ void Relaxer::find_pairs(const LatticeNet& net) {
   }
 }
 
-void Relaxer::add_residual(double value, double weight, const std::array<int, 2>& vertex, const std::array<Vec3, 2>& gradient) {
+void Relaxer::add_residual(double value, double weight, const std::array<int, 2>& vertex,
+                           const std::array<Vec3, 2>& gradient) {
   Residual r{value, weight, {-1, -1}, {}};
   for (std::size_t k = 0; k < 2; ++k) {
     r.local[k] = vertex[k] < 0 ? -1 : local_[at(vertex[k])];
@@ -121,7 +124,8 @@ void Relaxer::add_pairs(const LatticeNet& net) {
     const Overlap o = overlap_of(p, q, pair.axis);
     if (o.depth_mm <= kAllowedOverlap_mm) continue;
     // The whole module gives way, the touching corner most.
-    add_residual(o.depth_mm - kAllowedOverlap_mm, 3.0, {p.vertex[at(o.corner_a)], q.vertex[at(o.corner_b)]}, {o.axis, Vec3(-o.axis)});
+    add_residual(o.depth_mm - kAllowedOverlap_mm, 3.0, {p.vertex[at(o.corner_a)], q.vertex[at(o.corner_b)]},
+                 {o.axis, Vec3(-o.axis)});
   }
 }
 
@@ -151,7 +155,8 @@ void Relaxer::add_side_at_border(const NetTriangle& triangle, std::size_t side) 
     const double depth = over.norm();
     if (depth < 0.15 || depth > 10.0) continue;
     const Vec3 out = over / depth;
-    add_residual(depth - 0.15, 2.0, {triangle.vertex[side], triangle.vertex[(side + 1) % 3]}, {Vec3((1 - x) * out), Vec3(x * out)});
+    add_residual(depth - 0.15, 2.0, {triangle.vertex[side], triangle.vertex[(side + 1) % 3]},
+                 {Vec3((1 - x) * out), Vec3(x * out)});
   }
 }
 
@@ -246,7 +251,8 @@ void Relaxer::adapt_lift(LatticeNet& net) {
     }
   }
   if (!any) return;
-  for (const Moving& m : moving_) net.vertices[at(m.vertex)].point += net.vertices[at(m.vertex)].lift_mm * net.vertices[at(m.vertex)].normal;
+  for (const Moving& m : moving_)
+    net.vertices[at(m.vertex)].point += net.vertices[at(m.vertex)].lift_mm * net.vertices[at(m.vertex)].normal;
   for (const int t : triangles_) net.fit(t);
 }
 

@@ -9,9 +9,9 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Slides the corners near a place on the surface until edges are 30 mm long, nothing stands over the border and modules do
-/// not overlap: damped Gauss–Newton over two tangent coordinates a corner. Work arrays are kept between calls; one
-/// object a thread.
+/// Slides the corners near a place on the surface until edges are 30 mm long, nothing stands over the border and
+/// modules do not overlap: damped Gauss–Newton over two tangent coordinates a corner. Work arrays are kept between
+/// calls; one object a thread.
 class Relaxer {
  public:
   Relaxer(NearSurface& surface, double corner_lift_mm) : surface_(surface), lift_mm_(corner_lift_mm) {}
@@ -28,14 +28,14 @@ class Relaxer {
  private:
   struct Moving {
     int vertex;
-    double key;             // along the line that sorts them
-    Vec3 x, y;              // tangent frame
+    double key;  // along the line that sorts them
+    Vec3 x, y;   // tangent frame
     Vec3 saved_point, saved_normal;
     double saved_lift_mm;
   };
   struct Residual {
     double value, weight;
-    std::array<int, 2> local;   // moving vertices, −1: fixed; the first is never −1
+    std::array<int, 2> local;  // moving vertices, −1: fixed; the first is never −1
     std::array<std::array<double, 2>, 2> gradient;
   };
   void choose(const LatticeNet& net, const Vec3& place, double radius_mm);
@@ -54,10 +54,10 @@ class Relaxer {
 
   NearSurface& surface_;
   double lift_mm_;
-  std::vector<int> local_;                // vertex → index among the moving ones, or -1
+  std::vector<int> local_;  // vertex → index among the moving ones, or -1
   std::vector<Moving> moving_;
   std::vector<int> triangles_, near_, changed_;
-  std::vector<char> is_local_;            // triangle → in triangles_
+  std::vector<char> is_local_;  // triangle → in triangles_
   std::vector<Pair> pairs_;
   std::vector<Residual> residuals_;
   std::vector<int> first_;

@@ -9,15 +9,16 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kMargin = 0.97;       // an independent measurement must agree
-constexpr double kStep_mm = 1.5;       // of the walk along a side; the end result is measured every 0.5 mm
-constexpr double kClear_mm = 5.0;      // a point farther from the border than a module may stand off is not over it
-constexpr double kOutward = 0.6;       // cosine between module and surface
+constexpr double kMargin = 0.97;   // an independent measurement must agree
+constexpr double kStep_mm = 1.5;   // of the walk along a side; the end result is measured every 0.5 mm
+constexpr double kClear_mm = 5.0;  // a point farther from the border than a module may stand off is not over it
+constexpr double kOutward = 0.6;   // cosine between module and surface
 constexpr double kProbeStep_mm = 2.0;
 constexpr double kProbeHeight_mm = 8.0;
 
 LayoutLimits with_margin(LayoutLimits l) {
-  for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm}) *v *= kMargin;
+  for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm})
+    *v *= kMargin;
   return l;
 }
 
@@ -39,16 +40,19 @@ bool covers(const NetTriangle& t, const Vec3& p) {
 }  // namespace
 
 const char* name_of(Refusal refusal) {
-  static constexpr std::array kNames{"none", "edge_error_mm", "hinge_gap_mm", "fold_rad", "center_gap_mm", "outward", "penetration_mm", "overrun_mm"};
+  static constexpr std::array kNames{"none",          "edge_error_mm", "hinge_gap_mm",   "fold_rad",
+                                     "center_gap_mm", "outward",       "penetration_mm", "overrun_mm"};
   return kNames[static_cast<std::size_t>(refusal)];
 }
 
-Rules::Rules(const Surface& surface, const LayoutLimits& limits) : limits_(with_margin(limits)), fold_cosine_(std::cos(limits_.fold_rad)) {
+Rules::Rules(const Surface& surface, const LayoutLimits& limits)
+    : limits_(with_margin(limits)), fold_cosine_(std::cos(limits_.fold_rad)) {
   const Mesh& mesh = surface.mesh();
   for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
     for (int s = 0; s < 3; ++s) {
       if (surface.neighbours(f)[at(s)] >= 0) continue;
-      const Vec3 &a = mesh.vertices[at(mesh.faces[at(f)][at(s)])], &b = mesh.vertices[at(mesh.faces[at(f)][at((s + 1) % 3)])];
+      const Vec3 &a = mesh.vertices[at(mesh.faces[at(f)][at(s)])],
+                 &b = mesh.vertices[at(mesh.faces[at(f)][at((s + 1) % 3)])];
       const Vec3 out = (b - a).cross(surface.face_normal(f)).normalized() * 1.02 * limits.overrun_mm;
       const int parts = static_cast<int>(std::ceil((b - a).norm() / kProbeStep_mm));
       for (int k = 0; k < parts; ++k) {
@@ -59,7 +63,8 @@ Rules::Rules(const Surface& surface, const LayoutLimits& limits) : limits_(with_
   }
 }
 
-Refusal Rules::judge(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles, std::vector<Pair>& pairs) const {
+Refusal Rules::judge(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles,
+                     std::vector<Pair>& pairs) const {
   for (const int t : triangles) {
     if (const Refusal r = judge_joints(net, t); r != Refusal::kNone) return r;
   }
@@ -106,7 +111,8 @@ bool Rules::over_border(NearSurface& surface, const LatticeNet& net, int triangl
   if (surface.border_at_least(t.center) >= kFar_mm) return false;
   for (std::size_t s = 0; s < 3; ++s) {
     // A notch under a joined side opens under a free one or is met by the probes.
-    if (net.neighbour(triangle, static_cast<int>(s)) < 0 && side_over_border(surface, t.rigid[s], t.rigid[(s + 1) % 3])) return true;
+    if (net.neighbour(triangle, static_cast<int>(s)) < 0 && side_over_border(surface, t.rigid[s], t.rigid[(s + 1) % 3]))
+      return true;
   }
   return std::ranges::any_of(probes_, [&](const Vec3& p) { return covers(t, p); });
 }

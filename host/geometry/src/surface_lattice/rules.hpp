@@ -24,7 +24,8 @@ class Rules {
   [[nodiscard]] const LayoutLimits& limits() const { return limits_; }
   /// The first limit that one of the triangles breaks, cheapest limits first. `pairs`: all that may overlap and are not
   /// joined. Cost: about 1 µs a triangle, ten times as much at the border.
-  [[nodiscard]] Refusal judge(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles, std::vector<Pair>& pairs) const;
+  [[nodiscard]] Refusal judge(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles,
+                              std::vector<Pair>& pairs) const;
 
  private:
   [[nodiscard]] Refusal judge_joints(const LatticeNet& net, int triangle) const;
@@ -32,7 +33,7 @@ class Rules {
   [[nodiscard]] bool over_border(NearSurface& surface, const LatticeNet& net, int triangle) const;
   [[nodiscard]] bool side_over_border(NearSurface& surface, const Vec3& from, const Vec3& to) const;
 
-  LayoutLimits limits_;       // with the margin taken off
+  LayoutLimits limits_;  // with the margin taken off
   double fold_cosine_;
   std::vector<Vec3> probes_;  // points just outside the border: no module may cover one
 };

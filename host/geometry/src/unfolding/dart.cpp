@@ -40,7 +40,8 @@ Inside inside_of(const CutSurface& cut, const std::vector<int>& faces, const std
 
 }  // namespace
 
-std::vector<SurfaceEdge> deepest_dart(const CutSurface& cut, const std::vector<int>& faces, const std::set<std::pair<int, int>>& uncut) {
+std::vector<SurfaceEdge> deepest_dart(const CutSurface& cut, const std::vector<int>& faces,
+                                      const std::set<std::pair<int, int>>& uncut) {
   const Inside in = inside_of(cut, faces, uncut);
   const auto& v = cut.surface().mesh().vertices;
   std::map<int, Reached> reached;

@@ -15,7 +15,9 @@
 namespace triskin::geometry {
 namespace {
 
-const Vec3& corner(const Surface& s, int face, int k) { return s.mesh().vertices[at(s.mesh().faces[at(face)][at(k)])]; }
+const Vec3& corner(const Surface& s, int face, int k) {
+  return s.mesh().vertices[at(s.mesh().faces[at(face)][at(k)])];
+}
 
 // The triangle in its own plane: corner 0 at the origin, corner 1 on the x axis.
 std::array<Vec2, 3> own_plane(const Surface& s, int face) {
@@ -59,7 +61,8 @@ int middle_face(const Surface& s, const std::vector<int>& faces) {
   Vec3 center = Vec3::Zero();
   const auto middle = [&](int f) -> Vec3 { return (corner(s, f, 0) + corner(s, f, 1) + corner(s, f, 2)) / 3.0; };
   for (const int f : faces) center += middle(f) / static_cast<double>(faces.size());
-  return static_cast<int>(std::ranges::min_element(faces, {}, [&](int f) { return (middle(f) - center).squaredNorm(); }) - faces.begin());
+  return static_cast<int>(
+      std::ranges::min_element(faces, {}, [&](int f) { return (middle(f) - center).squaredNorm(); }) - faces.begin());
 }
 
 // Unfolds breadth first across edges; a vertex keeps the first place that it gets.
@@ -115,7 +118,8 @@ void prepare_solver(const Surface& s, const FlatChart& c, Solver& solver) {
     solver.own.push_back(own_plane(s, c.faces[f]));
     std::array<double, 3> w{};
     for (int k = 0; k < 3; ++k) {
-      const Vec2 u = solver.own[f][at(k)] - solver.own[f][at((k + 2) % 3)], v = solver.own[f][at((k + 1) % 3)] - solver.own[f][at((k + 2) % 3)];
+      const Vec2 u = solver.own[f][at(k)] - solver.own[f][at((k + 2) % 3)],
+                 v = solver.own[f][at((k + 1) % 3)] - solver.own[f][at((k + 2) % 3)];
       const double area = std::abs(u.x() * v.y() - u.y() * v.x());
       w[at(k)] = std::clamp(u.dot(v) / std::max(area, 1e-12), 0.05, 20.0);  // positive: the system stays definite
     }
@@ -140,7 +144,8 @@ void factorize(const FlatChart& c, const std::vector<double>& face_weight, Solve
     }
   }
   entries.emplace_back(0, 0, 1.0);  // fixes the translation
-  Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(c.flat.size()), static_cast<Eigen::Index>(c.flat.size()));
+  Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(c.flat.size()),
+                                     static_cast<Eigen::Index>(c.flat.size()));
   matrix.setFromTriplets(entries.begin(), entries.end());
   if (first) solver.factor.analyzePattern(matrix);
   solver.factor.factorize(matrix);
@@ -166,7 +171,8 @@ void step(FlatChart& c, const Solver& solver) {
     }
     for (int k = 0; k < 3; ++k) {
       const Vec2 rest = solver.own[f][at((k + 1) % 3)] - solver.own[f][at(k)];
-      const Vec2 turned = solver.weight[f][at(k)] * Vec2(cosine * rest.x() - sine * rest.y(), sine * rest.x() + cosine * rest.y());
+      const Vec2 turned =
+          solver.weight[f][at(k)] * Vec2(cosine * rest.x() - sine * rest.y(), sine * rest.x() + cosine * rest.y());
       right.row(c.local_faces[f][at((k + 1) % 3)]) += turned.transpose();
       right.row(c.local_faces[f][at(k)]) -= turned.transpose();
     }
@@ -217,8 +223,8 @@ void even_out(FlatChart& c, Solver& solver, double limit_mm) {
 }  // namespace
 
 FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm) {
-  constexpr int kLook = 10;                         // steps between two looks at the error
-  constexpr double kHopeless = 6.0, kNear = 2.5;    // times the limit
+  constexpr int kLook = 10;                       // steps between two looks at the error
+  constexpr double kHopeless = 6.0, kNear = 2.5;  // times the limit
   const Surface& surface = cut.surface();
   FlatChart chart = make_chart(cut, faces);
   unfold_start(cut, chart);
@@ -245,7 +251,8 @@ EdgeError edge_error(const Surface& surface, const FlatChart& chart) {
   for (std::size_t f = 0; f < chart.faces.size(); ++f) {
     for (int k = 0; k < 3; ++k) {
       const double length = (corner(surface, chart.faces[f], (k + 1) % 3) - corner(surface, chart.faces[f], k)).norm();
-      const double flat = (chart.flat[at(chart.local_faces[f][at((k + 1) % 3)])] - chart.flat[at(chart.local_faces[f][at(k)])]).norm();
+      const double flat =
+          (chart.flat[at(chart.local_faces[f][at((k + 1) % 3)])] - chart.flat[at(chart.local_faces[f][at(k)])]).norm();
       const double scaled = std::abs(flat - length) / length * kSide_mm;
       error.max_mm = std::max(error.max_mm, scaled);
       sum += scaled * scaled;

@@ -8,18 +8,18 @@ namespace triskin::geometry {
 
 /// A connected set of faces with its own vertices, laid flat.
 struct FlatChart {
-  std::vector<int> faces;                      ///< of the surface
-  std::vector<std::array<int, 3>> local_faces; ///< into `flat`, same corner order
-  std::vector<int> vertices;                   ///< surface vertex of each local vertex
-  std::vector<Vec2> flat;                      ///< mm
+  std::vector<int> faces;                       ///< of the surface
+  std::vector<std::array<int, 3>> local_faces;  ///< into `flat`, same corner order
+  std::vector<int> vertices;                    ///< surface vertex of each local vertex
+  std::vector<Vec2> flat;                       ///< mm
 };
 
-/// Lays the faces, joined where nothing is cut, flat, each as rigid as possible: starts from an unfolding along the shortest dual paths from the
-/// middle face, then alternates best rotations and one prefactored sparse solve (Sorkine and Alexa, 2007; Liu et al., 2008).
-/// The sum of squares leaves its largest error at the border (on a spherical cap a·K·ρ²/8); where that is over
-/// `limit_mm` but near it, faces are weighted by their error (Lawson, 1961) until the largest error is evened out
-/// (a·K·ρ²/12). Stops early when the limit is out of reach. Cost: `iterations` sparse solves, and some 40 more with
-/// 8 factorizations when weighting.
+/// Lays the faces, joined where nothing is cut, flat, each as rigid as possible: starts from an unfolding along the
+/// shortest dual paths from the middle face, then alternates best rotations and one prefactored sparse solve (Sorkine
+/// and Alexa, 2007; Liu et al., 2008). The sum of squares leaves its largest error at the border (on a spherical cap
+/// a·K·ρ²/8); where that is over `limit_mm` but near it, faces are weighted by their error (Lawson, 1961) until the
+/// largest error is evened out (a·K·ρ²/12). Stops early when the limit is out of reach. Cost: `iterations` sparse
+/// solves, and some 40 more with 8 factorizations when weighting.
 [[nodiscard]] FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm);
 
 /// Largest and root mean square |flat − surface| length of an edge, scaled to an edge of 30 mm.

@@ -17,7 +17,12 @@ namespace {
 class Merger {
  public:
   Merger(const CutSurface& cut, std::vector<Piece>& pieces, const TryPiece& try_piece, const ProgressSink& progress)
-      : cut_(cut), surface_(cut.surface()), pieces_(pieces), try_piece_(try_piece), progress_(progress), seams_(pieces.size()) {
+      : cut_(cut),
+        surface_(cut.surface()),
+        pieces_(pieces),
+        try_piece_(try_piece),
+        progress_(progress),
+        seams_(pieces.size()) {
     for (Piece& p : pieces) alive_.emplace_back(std::move(p));
   }
 
@@ -55,7 +60,8 @@ class Merger {
       for (int s = 0; s < 3; ++s) {
         const int n = cut_.neighbour(static_cast<int>(f), s);
         if (n < 0 || piece_of[at(n)] == piece_of[f]) continue;
-        seams_[at(piece_of[f])][piece_of[at(n)]] += (surface_.mesh().vertices[at(c[at((s + 1) % 3)])] - surface_.mesh().vertices[at(c[at(s)])]).norm();
+        seams_[at(piece_of[f])][piece_of[at(n)]] +=
+            (surface_.mesh().vertices[at(c[at((s + 1) % 3)])] - surface_.mesh().vertices[at(c[at(s)])]).norm();
       }
     }
     for (std::size_t a = 0; a < seams_.size(); ++a) {
@@ -94,7 +100,8 @@ class Merger {
 
 }  // namespace
 
-void merge_pieces(const CutSurface& cut, std::vector<Piece>& pieces, const TryPiece& try_piece, const ProgressSink& progress) {
+void merge_pieces(const CutSurface& cut, std::vector<Piece>& pieces, const TryPiece& try_piece,
+                  const ProgressSink& progress) {
   Merger(cut, pieces, try_piece, progress).run();
 }
 

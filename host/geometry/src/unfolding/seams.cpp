@@ -20,7 +20,8 @@ namespace {
 Vec3 read_point(std::istringstream& words, const std::string& where) {
   Vec3 p = Vec3::Zero();
   for (int axis = 0; axis < 3; ++axis) {
-    if (!(words >> p[axis]) || !std::isfinite(p[axis])) throw InputError(where + ": a vertex needs three finite numbers, as in `v 10.5 0 -3`");
+    if (!(words >> p[axis]) || !std::isfinite(p[axis]))
+      throw InputError(where + ": a vertex needs three finite numbers, as in `v 10.5 0 -3`");
   }
   return p;
 }
@@ -32,10 +33,12 @@ std::vector<Vec3> read_line(std::istringstream& words, const std::vector<Vec3>& 
     long index = 0;
     const char* end = word.data() + word.size();
     const auto [rest, error] = std::from_chars(word.data(), end, index);
-    if (error != std::errc{} || (rest != end && *rest != '/')) throw InputError(fmt::format("{}: \"{}\" is no vertex number", where, word));
+    if (error != std::errc{} || (rest != end && *rest != '/'))
+      throw InputError(fmt::format("{}: \"{}\" is no vertex number", where, word));
     const auto count = static_cast<long>(points.size());
     const long k = index > 0 ? index - 1 : count + index;
-    if (index == 0 || k < 0 || k >= count) throw InputError(fmt::format("{}: vertex {} does not exist; {} stand before this line", where, index, count));
+    if (index == 0 || k < 0 || k >= count)
+      throw InputError(fmt::format("{}: vertex {} does not exist; {} stand before this line", where, index, count));
     line.push_back(points[static_cast<std::size_t>(k)]);
   }
   if (line.size() < 2) throw InputError(where + ": a line needs two points at least, as in `l 1 2`");
@@ -57,7 +60,8 @@ class EdgeGraph {
 
   [[nodiscard]] int nearest(const Vec3& p) const {
     const auto& v = surface_.mesh().vertices;
-    return static_cast<int>(std::ranges::min_element(v, {}, [&](const Vec3& q) { return (q - p).squaredNorm(); }) - v.begin());
+    return static_cast<int>(std::ranges::min_element(v, {}, [&](const Vec3& q) { return (q - p).squaredNorm(); }) -
+                            v.begin());
   }
 
   // Empty when no way leads there.
@@ -113,11 +117,14 @@ SeamLines read_seams(const std::filesystem::path& path, std::optional<LengthUnit
     if (kind == "v") points.push_back(scale * read_point(words, where));
     if (kind == "l") lines.push_back(read_line(words, points, where));
   }
-  if (lines.empty()) throw InputError(fmt::format("{}: no line in it; seams are written as OBJ polylines, `l 1 2 3` over `v x y z`", path.string()));
+  if (lines.empty())
+    throw InputError(
+        fmt::format("{}: no line in it; seams are written as OBJ polylines, `l 1 2 3` over `v x y z`", path.string()));
   return lines;
 }
 
-std::vector<SurfaceEdge> edges_along(const Surface& surface, const SeamLines& lines, const std::string& name, double within_mm) {
+std::vector<SurfaceEdge> edges_along(const Surface& surface, const SeamLines& lines, const std::string& name,
+                                     double within_mm) {
   const EdgeGraph graph(surface);
   std::vector<SurfaceEdge> edges;
   for (std::size_t l = 0; l < lines.size(); ++l) {
@@ -128,17 +135,25 @@ std::vector<SurfaceEdge> edges_along(const Surface& surface, const SeamLines& li
       const int vertex = graph.nearest(p);
       const double off = (surface.mesh().vertices[at(vertex)] - p).norm();
       if (!(off <= within_mm)) {
-        throw InputError(fmt::format("{}: line {}, point {} ({:.2f}, {:.2f}, {:.2f}) lies {:.2f} mm from the nearest vertex of the surface, more than {} mm; "
-                                     "move it to a vertex, or pass the unit of the file", name, l + 1, k + 1, p.x(), p.y(), p.z(), off, within_mm));
+        throw InputError(
+            fmt::format("{}: line {}, point {} ({:.2f}, {:.2f}, {:.2f}) lies {:.2f} mm from the nearest vertex of the "
+                        "surface, more than {} mm; "
+                        "move it to a vertex, or pass the unit of the file",
+                        name, l + 1, k + 1, p.x(), p.y(), p.z(), off, within_mm));
       }
       if (before >= 0 && vertex != before) {
         const auto way = graph.way(before, vertex);
-        if (way.empty()) throw InputError(fmt::format("{}: line {}: points {} and {} lie on parts of the surface that do not hang together", name, l + 1, k, k + 1));
+        if (way.empty())
+          throw InputError(
+              fmt::format("{}: line {}: points {} and {} lie on parts of the surface that do not hang together", name,
+                          l + 1, k, k + 1));
         edges.insert(edges.end(), way.begin(), way.end());
       }
       before = vertex;
     }
-    if (edges.size() == count) throw InputError(fmt::format("{}: line {} falls on a single vertex of the surface; make it longer than an edge", name, l + 1));
+    if (edges.size() == count)
+      throw InputError(
+          fmt::format("{}: line {} falls on a single vertex of the surface; make it longer than an edge", name, l + 1));
   }
   return edges;
 }

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "index.hpp"
-#include "triskin/geometry/unfolding.hpp"
-
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -15,8 +12,10 @@
 
 #include "dart.hpp"
 #include "flatten.hpp"
+#include "index.hpp"
 #include "merge_pieces.hpp"
 #include "triskin/geometry/polygon_io.hpp"
+#include "triskin/geometry/unfolding.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::geometry {
@@ -25,7 +24,12 @@ namespace {
 class Unfolder {
  public:
   Unfolder(const Surface& surface, const UnfoldingOptions& options, const ProgressSink& progress)
-      : surface_(surface), cut_(surface), options_(options), progress_(progress), member_(surface.mesh().faces.size(), 0), group_(member_.size()) {
+      : surface_(surface),
+        cut_(surface),
+        options_(options),
+        progress_(progress),
+        member_(surface.mesh().faces.size(), 0),
+        group_(member_.size()) {
     for (const auto& f : surface.mesh().faces) {
       const auto& v = surface.mesh().vertices;
       middle_.push_back((v[at(f[0])] + v[at(f[1])] + v[at(f[2])]) / 3.0);
@@ -34,7 +38,9 @@ class Unfolder {
     for (const auto& [face, side] : options.seams) {
       if (uncut_.contains(edge_of(face, side))) {
         const Vec3 p = corner(face, side);
-        throw InputError(fmt::format("seams: the edge at ({:.2f}, {:.2f}, {:.2f}) is asked for and forbidden; take it out of one of the files", p.x(), p.y(), p.z()));
+        throw InputError(fmt::format(
+            "seams: the edge at ({:.2f}, {:.2f}, {:.2f}) is asked for and forbidden; take it out of one of the files",
+            p.x(), p.y(), p.z()));
       }
       cut_.set(face, side, true);
     }
@@ -96,14 +102,17 @@ class Unfolder {
     piece.max_edge_error_mm = error.max_mm;
     piece.rms_edge_error_mm = error.rms_mm;
     piece.faces = faces;
-    for (const auto& f : chart.local_faces) piece.flat.push_back({chart.flat[at(f[0])], chart.flat[at(f[1])], chart.flat[at(f[2])]});
+    for (const auto& f : chart.local_faces)
+      piece.flat.push_back({chart.flat[at(f[0])], chart.flat[at(f[1])], chart.flat[at(f[2])]});
     const auto loops = chart_loops(chart);
     if (loops.empty()) return std::nullopt;  // closed
     for (std::size_t k = 0; k < loops.size(); ++k) {
       std::vector<Vec2> ring;
       for (const int v : loops[k]) ring.push_back(chart.flat[at(v)]);
-      if (k == 0) piece.outline.outer = std::move(ring);
-      else piece.outline.holes.push_back(std::move(ring));
+      if (k == 0)
+        piece.outline.outer = std::move(ring);
+      else
+        piece.outline.holes.push_back(std::move(ring));
     }
     return simple(piece) ? std::optional(std::move(piece)) : std::nullopt;
   }
@@ -166,8 +175,11 @@ class Unfolder {
 
   [[noreturn]] void refuse(const std::vector<int>& faces) const {
     const Vec3& p = middle_[at(faces.front())];
-    throw InputError(fmt::format("uncut lines: {} faces near ({:.1f}, {:.1f}, {:.1f}) must stay joined and cannot be laid flat within an edge error of {} mm; shorten the "
-                                 "lines there or allow a larger edge error", faces.size(), p.x(), p.y(), p.z(), options_.edge_error_mm));
+    throw InputError(
+        fmt::format("uncut lines: {} faces near ({:.1f}, {:.1f}, {:.1f}) must stay joined and cannot be laid flat "
+                    "within an edge error of {} mm; shorten the "
+                    "lines there or allow a larger edge error",
+                    faces.size(), p.x(), p.y(), p.z(), options_.edge_error_mm));
   }
 
   // Along the dual graph of the faces; by face of the surface, infinite outside.
@@ -199,7 +211,9 @@ class Unfolder {
     const auto& f = surface_.mesh().faces[at(face)];
     return std::minmax(f[at(side)], f[at((side + 1) % 3)]);
   }
-  [[nodiscard]] const Vec3& corner(int face, int k) const { return surface_.mesh().vertices[at(surface_.mesh().faces[at(face)][at(k)])]; }
+  [[nodiscard]] const Vec3& corner(int face, int k) const {
+    return surface_.mesh().vertices[at(surface_.mesh().faces[at(face)][at(k)])];
+  }
 
   // Faces that must stay joined get the same group.
   void join_uncut() {
@@ -216,8 +230,8 @@ class Unfolder {
     for (std::size_t f = 0; f < group_.size(); ++f) group_[f] = root(static_cast<int>(f));
   }
 
-  // Cuts along the shortest ways from the border to inner vertices, the farthest from it first, until the faces lie flat; all
-  // are taken back when they do not, or are longer than the seam that dividing needs.
+  // Cuts along the shortest ways from the border to inner vertices, the farthest from it first, until the faces lie
+  // flat; all are taken back when they do not, or are longer than the seam that dividing needs.
   std::optional<Piece> darted(const std::vector<int>& faces) {
     if (faces.size() < 12 || turns_too_far(faces)) return std::nullopt;
     double left_mm = 0.7 * std::sqrt(area_of(faces));  // a seam across the piece is longer

@@ -14,8 +14,10 @@ class ByteWriter {
  public:
   constexpr explicit ByteWriter(std::span<std::uint8_t> out) : out_(out) {}
   constexpr void u8(std::uint8_t v) {
-    if (size_ < out_.size()) out_[size_++] = v;
-    else ok_ = false;
+    if (size_ < out_.size())
+      out_[size_++] = v;
+    else
+      ok_ = false;
   }
   constexpr void le16(std::uint16_t v) { little(v, 2); }
   constexpr void le32(std::uint32_t v) { little(v, 4); }
@@ -84,8 +86,8 @@ inline constexpr auto kCrcOfNibble = [] {
   return table;
 }();
 
-/// CRC-32 of ISO-HDLC (reflected 0xEDB88320, init and final xor all ones): "123456789" → 0xCBF43926. Four bits at a time: the loader
-/// takes it of whole images before it starts one.
+/// CRC-32 of ISO-HDLC (reflected 0xEDB88320, init and final xor all ones): "123456789" → 0xCBF43926. Four bits at a
+/// time: the loader takes it of whole images before it starts one.
 [[nodiscard]] constexpr std::uint32_t crc32(Bytes bytes, std::uint32_t seed = 0) {
   std::uint32_t crc = ~seed;
   for (const std::uint8_t b : bytes) {

@@ -8,21 +8,21 @@ namespace triskin {
 /// Why something was refused. The numbers travel on the wire and are never reused.
 enum class Status : std::uint8_t {
   kOk = 0,
-  kTooShort = 1,       ///< fewer bytes than the format needs
+  kTooShort = 1,  ///< fewer bytes than the format needs
   kBadMagic = 2,
-  kBadVersion = 3,     ///< another layout version
-  kBadLength = 4,      ///< stated length differs from the bytes given
+  kBadVersion = 3,  ///< another layout version
+  kBadLength = 4,   ///< stated length differs from the bytes given
   kBadCrc = 5,
-  kOutOfRange = 6,     ///< a field beyond its limit
-  kDuplicate = 7,      ///< line and address, or a module id, stands twice
-  kBadTree = 8,        ///< parent missing, cycle, or more than one entry
-  kWrongTarget = 9,    ///< a table for another controller
-  kFlashFailed = 10,   ///< erase or program was refused, or read back differs
-  kEmpty = 11,         ///< nothing stored
-  kNoSpace = 12,       ///< larger than the buffer or slot
-  kBusError = 13,      ///< I²C: no acknowledgement
-  kLineStuck = 14,     ///< I²C: SDA or SCL held low
-  kWrongId = 15,       ///< chip answers with another device id
+  kOutOfRange = 6,    ///< a field beyond its limit
+  kDuplicate = 7,     ///< line and address, or a module id, stands twice
+  kBadTree = 8,       ///< parent missing, cycle, or more than one entry
+  kWrongTarget = 9,   ///< a table for another controller
+  kFlashFailed = 10,  ///< erase or program was refused, or read back differs
+  kEmpty = 11,        ///< nothing stored
+  kNoSpace = 12,      ///< larger than the buffer or slot
+  kBusError = 13,     ///< I²C: no acknowledgement
+  kLineStuck = 14,    ///< I²C: SDA or SCL held low
+  kWrongId = 15,      ///< chip answers with another device id
 };
 
 template <class T>

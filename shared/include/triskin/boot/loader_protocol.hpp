@@ -2,8 +2,9 @@
 #pragma once
 #include <cstdint>
 
-/// What the loader speaks on CAN: classic frames, 29-bit identifiers. FROZEN: loaders in the field are never replaced, so nothing
-/// here changes; new functions go into the application's UDS. docs/firmware_board.md has the sequence of an update.
+/// What the loader speaks on CAN: classic frames, 29-bit identifiers. FROZEN: loaders in the field are never replaced,
+/// so nothing here changes; new functions go into the application's UDS. docs/firmware_board.md has the sequence of an
+/// update.
 namespace triskin::boot {
 
 inline constexpr std::uint8_t kProtocol = 1;
@@ -12,7 +13,8 @@ inline constexpr std::uint32_t kDataId = 0x1BF20000;     ///< host → loader: e
 inline constexpr std::uint32_t kReplyId = 0x1BF30000;    ///< loader → host: command, Status, …
 
 enum class Command : std::uint8_t {
-  kHello = 1,   ///< reply: protocol, state of slot 0 and 1 (bit 0 valid, 1 confirmed, 2 startable), CRC-32 of the unique id (LE); stays in the loader
+  kHello = 1,  ///< reply: protocol, state of slot 0 and 1 (bit 0 valid, 1 confirmed, 2 startable), CRC-32 of the unique
+               ///< id (LE); stays in the loader
   kSelect = 2,  ///< CRC-32 of the unique id: from now on only this controller obeys
   kErase = 3,   ///< slot; takes up to 3 s. kWrongTarget for the slot that would start now
   kData = 4,    ///< only in replies: after each 32 data frames: status, offset of the next byte (LE)

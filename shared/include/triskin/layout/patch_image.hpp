@@ -19,38 +19,46 @@ inline constexpr int kTaxelsPerModule = 12;
 inline constexpr std::uint8_t kFirstCdcAddress = 0x2C;  ///< AD7147 ADD1:ADD0 = 0
 inline constexpr std::uint32_t kMagic = 0x4E4B5354;     ///< "TSKN" in memory
 inline constexpr std::uint8_t kNoParent = 0xFF;
-inline constexpr std::uint8_t kCable = 3;               ///< parent_port of the entry module
+inline constexpr std::uint8_t kCable = 3;  ///< parent_port of the entry module
 inline constexpr std::size_t kHeaderBytes = 32;
 inline constexpr std::size_t kRowBytes = 12;
 inline constexpr std::size_t kMaxImageBytes = kHeaderBytes + kMaxModules * kRowBytes;
 
 /// One module: address table and route table in one row, so that they cannot disagree.
 struct ModuleRow {
-  std::uint16_t module_id = 0;     ///< in the design file
-  std::uint8_t line = 0;           ///< 0..3
-  std::uint8_t address = 0;        ///< 0..3, CDC address 0x2C + address
-  std::uint8_t rotation = 0;       ///< 0..2, tile side of port A
-  std::uint8_t parent = kNoParent; ///< index of the parent's row, lower than this row's index; kNoParent at the entry
-  std::uint8_t parent_port = kCable;  ///< output port of the parent (0..2) that this module hangs on; kCable at the entry
-  std::uint8_t kept_joints = 0;    ///< bit p: port p carries the lines; other joints are cut
-  std::array<std::uint8_t, 3> joints{};  ///< far end of each port (joint_to), also of joints that the tree leaves out; 0: none
+  std::uint16_t module_id = 0;      ///< in the design file
+  std::uint8_t line = 0;            ///< 0..3
+  std::uint8_t address = 0;         ///< 0..3, CDC address 0x2C + address
+  std::uint8_t rotation = 0;        ///< 0..2, tile side of port A
+  std::uint8_t parent = kNoParent;  ///< index of the parent's row, lower than this row's index; kNoParent at the entry
+  std::uint8_t parent_port =
+      kCable;                    ///< output port of the parent (0..2) that this module hangs on; kCable at the entry
+  std::uint8_t kept_joints = 0;  ///< bit p: port p carries the lines; other joints are cut
+  std::array<std::uint8_t, 3>
+      joints{};  ///< far end of each port (joint_to), also of joints that the tree leaves out; 0: none
   bool operator==(const ModuleRow&) const = default;
 };
 
 struct PatchImage {
   std::uint64_t design_id = 0;
-  std::uint8_t node_address = 1;   ///< 1..126: the controller that this image is for
-  std::uint8_t module_count = 0;   ///< 1..16
-  std::uint8_t second_entry = 0;   ///< port with the second cable (joint_to), 0: none; switched modules only
+  std::uint8_t node_address = 1;  ///< 1..126: the controller that this image is for
+  std::uint8_t module_count = 0;  ///< 1..16
+  std::uint8_t second_entry = 0;  ///< port with the second cable (joint_to), 0: none; switched modules only
   std::array<ModuleRow, kMaxModules> modules{};
   [[nodiscard]] constexpr std::span<const ModuleRow> rows() const { return {modules.data(), module_count}; }
   bool operator==(const PatchImage&) const = default;
 };
 
 /// Far end of a port in one byte: port of a row.
-[[nodiscard]] constexpr std::uint8_t joint_to(std::size_t row, std::size_t port) { return static_cast<std::uint8_t>(1 + 3 * row + port); }
-[[nodiscard]] constexpr std::size_t joint_row(std::uint8_t joint) { return (joint - 1U) / 3U; }
-[[nodiscard]] constexpr std::uint8_t joint_port(std::uint8_t joint) { return static_cast<std::uint8_t>((joint - 1U) % 3U); }
+[[nodiscard]] constexpr std::uint8_t joint_to(std::size_t row, std::size_t port) {
+  return static_cast<std::uint8_t>(1 + 3 * row + port);
+}
+[[nodiscard]] constexpr std::size_t joint_row(std::uint8_t joint) {
+  return (joint - 1U) / 3U;
+}
+[[nodiscard]] constexpr std::uint8_t joint_port(std::uint8_t joint) {
+  return static_cast<std::uint8_t>((joint - 1U) % 3U);
+}
 /// Tables for strapped modules may leave all joints out: nothing can be switched there.
 [[nodiscard]] constexpr bool has_joints(const PatchImage& image) {
   for (const ModuleRow& m : image.rows()) {
@@ -74,7 +82,8 @@ struct PatchImage {
   if (image.second_entry != 0) {
     if (image.second_entry > joint_to(image.module_count - 1U, 2)) return Status::kOutOfRange;
     if (image.second_entry == joint_to(0, 0) || !has_joints(image)) return Status::kBadTree;
-    if (image.modules[joint_row(image.second_entry)].joints[joint_port(image.second_entry)] != 0) return Status::kBadTree;
+    if (image.modules[joint_row(image.second_entry)].joints[joint_port(image.second_entry)] != 0)
+      return Status::kBadTree;
   }
   if (!has_joints(image)) return Status::kOk;
   if (image.modules[0].joints[0] != 0) return Status::kBadTree;
@@ -83,7 +92,8 @@ struct PatchImage {
       const std::uint8_t j = image.modules[k].joints[p];
       if (j == 0) continue;
       if (j > joint_to(image.module_count - 1U, 2)) return Status::kOutOfRange;
-      if (joint_row(j) == k || image.modules[joint_row(j)].joints[joint_port(j)] != joint_to(k, p)) return Status::kBadTree;
+      if (joint_row(j) == k || image.modules[joint_row(j)].joints[joint_port(j)] != joint_to(k, p))
+        return Status::kBadTree;
     }
     if (k == 0) continue;
     const ModuleRow& m = image.modules[k];
@@ -102,7 +112,8 @@ struct PatchImage {
   std::array<std::uint8_t, kMaxModules> used_ports{};
   for (std::size_t k = 0; k < image.module_count; ++k) {
     const ModuleRow& m = image.modules[k];
-    if (m.line >= kLines || m.address >= kAddressesPerLine || m.rotation > 2 || m.kept_joints > 7) return Status::kOutOfRange;
+    if (m.line >= kLines || m.address >= kAddressesPerLine || m.rotation > 2 || m.kept_joints > 7)
+      return Status::kOutOfRange;
     bool& taken = slot[static_cast<std::size_t>(m.line * kAddressesPerLine + m.address)];
     if (taken) return Status::kDuplicate;
     taken = true;
@@ -120,8 +131,8 @@ struct PatchImage {
   return check_joints(image);
 }
 
-/// Header: magic, layout version, header bytes, total bytes, node address, module count, design id, second entry, 7 reserved zeros, CRC-32
-/// of everything else. Returns the bytes written. Errors: what check() says; kNoSpace.
+/// Header: magic, layout version, header bytes, total bytes, node address, module count, design id, second entry, 7
+/// reserved zeros, CRC-32 of everything else. Returns the bytes written. Errors: what check() says; kNoSpace.
 [[nodiscard]] constexpr Result<std::size_t> encode(const PatchImage& image, std::span<std::uint8_t> out) {
   if (const Status s = check(image); s != Status::kOk) return std::unexpected(s);
   const std::size_t total = kHeaderBytes + image.module_count * kRowBytes;
@@ -165,7 +176,8 @@ struct PatchImage {
   image.node_address = r.u8();
   image.module_count = r.u8();
   if (image.module_count > kMaxModules) return std::unexpected(Status::kOutOfRange);
-  if (header != kHeaderBytes || total != kHeaderBytes + image.module_count * kRowBytes) return std::unexpected(Status::kBadLength);
+  if (header != kHeaderBytes || total != kHeaderBytes + image.module_count * kRowBytes)
+    return std::unexpected(Status::kBadLength);
   if (bytes.size() < total) return std::unexpected(Status::kTooShort);
   image.design_id = r.le64();
   image.second_entry = r.u8();

@@ -7,12 +7,12 @@
 
 namespace triskin::sim {
 
-/// The scan chain of switched modules as its master sees it. Implemented by the virtual hardware (host/scene), driven by
-/// board/posix. Times are what the real chain needs: the caller lets them pass.
+/// The scan chain of switched modules as its master sees it. Implemented by the virtual hardware (host/scene), driven
+/// by board/posix. Times are what the real chain needs: the caller lets them pass.
 class ChainModel {
  public:
-  static constexpr std::uint32_t kBit_ns = 500;     ///< chain clock 2 MHz
-  static constexpr std::uint32_t kSettle_ns = 5000; ///< ports and arbiters after a latch or a change of EN
+  static constexpr std::uint32_t kBit_ns = 500;      ///< chain clock 2 MHz
+  static constexpr std::uint32_t kSettle_ns = 5000;  ///< ports and arbiters after a latch or a change of EN
   virtual ~ChainModel() = default;
   /// EN of the cables: bit 0 to the entry module, bit 1 to the second entry.
   virtual void enable(std::uint8_t cables) = 0;

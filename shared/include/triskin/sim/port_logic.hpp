@@ -9,9 +9,9 @@ inline constexpr int kNoGrant = 3;
 
 /// What a module sees at its ports and holds inside.
 struct PortInputs {
-  std::uint8_t enable = 0;    ///< bit p: register output, enable of port p
-  std::uint8_t en_in = 0;     ///< bit p: the neighbour raises EN
-  int grant = kNoGrant;       ///< port that the arbiter holds as parent, kNoGrant: none
+  std::uint8_t enable = 0;  ///< bit p: register output, enable of port p
+  std::uint8_t en_in = 0;   ///< bit p: the neighbour raises EN
+  int grant = kNoGrant;     ///< port that the arbiter holds as parent, kNoGrant: none
 };
 
 /// Ports towards which the module raises EN: enabled, not the parent's, and only while it has a parent.
@@ -20,15 +20,20 @@ struct PortInputs {
   return static_cast<std::uint8_t>(enable & 7U & ~(1U << grant));
 }
 
-/// Ports whose bus switches are closed: the parent's, and those that it opens while the neighbour does not open them too.
+/// Ports whose bus switches are closed: the parent's, and those that it opens while the neighbour does not open them
+/// too.
 [[nodiscard]] constexpr std::uint8_t switches(const PortInputs& in) {
   if (in.grant == kNoGrant) return 0;
   return static_cast<std::uint8_t>((1U << in.grant) | (en_out(in.grant, in.enable) & ~in.en_in));
 }
 
 /// A grant ends when its EN falls; the register is cleared then. A new one is given only when none is held.
-[[nodiscard]] constexpr bool loses_grant(const PortInputs& in) { return in.grant != kNoGrant && ((in.en_in >> in.grant) & 1U) == 0; }
+[[nodiscard]] constexpr bool loses_grant(const PortInputs& in) {
+  return in.grant != kNoGrant && ((in.en_in >> in.grant) & 1U) == 0;
+}
 /// Ports of which the arbiter may take any one.
-[[nodiscard]] constexpr std::uint8_t may_be_granted(const PortInputs& in) { return in.grant == kNoGrant ? in.en_in : std::uint8_t{0}; }
+[[nodiscard]] constexpr std::uint8_t may_be_granted(const PortInputs& in) {
+  return in.grant == kNoGrant ? in.en_in : std::uint8_t{0};
+}
 
 }  // namespace triskin::sim

@@ -15,27 +15,28 @@ namespace triskin::sim {
 
 /// What surrounds one patch controller. Everything outlives the controller.
 struct VirtualBoard {
-  std::array<I2cBus*, 4> lines{};      ///< the four I²C lines, none null
-  FlashModel* flash = nullptr;         ///< table slots, fault memory, node address
+  std::array<I2cBus*, 4> lines{};  ///< the four I²C lines, none null
+  FlashModel* flash = nullptr;     ///< table slots, fault memory, node address
   std::array<std::uint8_t, 12> unique_id{};
   std::function<void(const wire::CanFrame&)> send;  ///< frame leaves the controller
-  bool can_fd = true;                  ///< the bus carries FD frames
-  ChainModel* chain = nullptr;         ///< of switched modules; null: the board has no chain
-  FlashModel* slots = nullptr;         ///< the two application slots, one after the other; null: no loader, no firmware update
+  bool can_fd = true;                               ///< the bus carries FD frames
+  ChainModel* chain = nullptr;                      ///< of switched modules; null: the board has no chain
+  FlashModel* slots = nullptr;  ///< the two application slots, one after the other; null: no loader, no firmware update
 };
 
 /// Bytes of the two application slots.
 inline constexpr std::size_t kSlotsBytes = std::size_t{2} * 0x3C000;
 
-/// The patch controller's application on virtual ports: the same logic that runs on the microcontroller. An image in a slot is stored,
-/// checked, counted and confirmed as there, but what runs is always the application of this program.
+/// The patch controller's application on virtual ports: the same logic that runs on the microcontroller. An image in a
+/// slot is stored, checked, counted and confirmed as there, but what runs is always the application of this program.
 /// Time is virtual and given by the caller. Not thread-safe.
 class VirtualController {
  public:
   virtual ~VirtualController() = default;
   /// A frame arrives. It is handled by the next run_until.
   virtual void receive(const wire::CanFrame& frame) = 0;
-  /// Its USB device, to be attached to a bus; another one, which has to be plugged in anew, when the session has changed.
+  /// Its USB device, to be attached to a bus; another one, which has to be plugged in anew, when the session has
+  /// changed.
   [[nodiscard]] virtual wire::UsbFunction& usb() = 0;
   [[nodiscard]] virtual int usb_session() const = 0;
   /// Runs the application until virtual time `now_us` (monotonic). May throw PowerLost from the flash model.

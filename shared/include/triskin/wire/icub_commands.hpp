@@ -4,8 +4,8 @@
 
 #include "triskin/wire/can_frame.hpp"
 
-/// Commands that iCub hosts send to a skin board on 11-bit identifiers: class << 8 | source << 4 | destination. docs/protocol.md,
-/// "iCub commands". Taxels themselves are in taxel_frames.hpp.
+/// Commands that iCub hosts send to a skin board on 11-bit identifiers: class << 8 | source << 4 | destination.
+/// docs/protocol.md, "iCub commands". Taxels themselves are in taxel_frames.hpp.
 namespace triskin::wire::icub {
 
 inline constexpr std::uint32_t kPollingClass = 0x200, kLoaderClass = 0x700, kClassMask = 0x700;
@@ -20,7 +20,8 @@ inline constexpr std::uint8_t kDiscover = 0xFF;         ///< in the loader class
 
 inline constexpr std::uint8_t kBoardType = 11;  ///< MTB4
 
-[[nodiscard]] constexpr std::uint32_t can_id(std::uint32_t message_class, std::uint8_t source, std::uint8_t destination) {
+[[nodiscard]] constexpr std::uint32_t can_id(std::uint32_t message_class, std::uint8_t source,
+                                             std::uint8_t destination) {
   return message_class | static_cast<std::uint32_t>(source & 0xF) << 4 | (destination & 0xFU);
 }
 

@@ -12,8 +12,8 @@
 
 namespace triskin::wire {
 
-/// One ISO 15765-2 connection between two addresses, both directions, classic CAN or CAN FD. Pure state machine: frames and
-/// time come in, frames go out; no heap. Messages up to kCapacity bytes. Not thread-safe.
+/// One ISO 15765-2 connection between two addresses, both directions, classic CAN or CAN FD. Pure state machine: frames
+/// and time come in, frames go out; no heap. Messages up to kCapacity bytes. Not thread-safe.
 class IsoTp {
  public:
   static constexpr std::size_t kCapacity = 1024;
@@ -52,11 +52,16 @@ class IsoTp {
   constexpr Event receive(const CanFrame& frame, std::uint64_t now_us) {
     if (frame.size < 1) return Event::kNone;
     switch (frame.data[0] >> 4) {
-      case 0: return receive_single(frame);
-      case 1: return receive_first(frame, now_us);
-      case 2: return receive_consecutive(frame, now_us);
-      case 3: return receive_flow_control(frame, now_us);
-      default: return Event::kNone;
+      case 0:
+        return receive_single(frame);
+      case 1:
+        return receive_first(frame, now_us);
+      case 2:
+        return receive_consecutive(frame, now_us);
+      case 3:
+        return receive_flow_control(frame, now_us);
+      default:
+        return Event::kNone;
     }
   }
 

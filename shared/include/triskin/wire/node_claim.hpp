@@ -11,9 +11,9 @@
 
 /// Who is on the bus, and who gets which node address: works before addresses are unique (docs/protocol.md).
 ///
-/// The host asks with one frame at kWhoIsThereId. Every controller answers with two classic frames at an identifier of its
-/// own, made from its unique id, so that two fresh boards with one default address never collide in arbitration. The host
-/// assigns an address with two frames at kAssignId that name the unique id.
+/// The host asks with one frame at kWhoIsThereId. Every controller answers with two classic frames at an identifier of
+/// its own, made from its unique id, so that two fresh boards with one default address never collide in arbitration.
+/// The host assigns an address with two frames at kAssignId that name the unique id.
 namespace triskin::wire {
 
 using UniqueId = std::array<std::uint8_t, 12>;
@@ -24,8 +24,12 @@ inline constexpr std::size_t kClaimFrames = 2;
 inline constexpr std::size_t kIdBytesInFirst = 7;
 
 /// Identifier of a controller's answer: 26 bits of the CRC of its unique id.
-[[nodiscard]] constexpr std::uint32_t claim_id(const UniqueId& id) { return kClaimBase | (crc32(id) & kClaimMask); }
-[[nodiscard]] constexpr bool is_claim(const CanFrame& f) { return f.extended && (f.id & ~kClaimMask) == kClaimBase; }
+[[nodiscard]] constexpr std::uint32_t claim_id(const UniqueId& id) {
+  return kClaimBase | (crc32(id) & kClaimMask);
+}
+[[nodiscard]] constexpr bool is_claim(const CanFrame& f) {
+  return f.extended && (f.id & ~kClaimMask) == kClaimBase;
+}
 
 struct NodeClaim {
   UniqueId unique_id{};
@@ -40,8 +44,8 @@ struct NodeClaim {
 }
 
 /// Two frames: 0, unique id bytes 0–6; then 1, bytes 7–11, and two more bytes.
-[[nodiscard]] constexpr std::array<CanFrame, kClaimFrames> encode_id_frames(std::uint32_t can_id, const UniqueId& id, std::uint8_t a,
-                                                                            std::uint8_t b) {
+[[nodiscard]] constexpr std::array<CanFrame, kClaimFrames> encode_id_frames(std::uint32_t can_id, const UniqueId& id,
+                                                                            std::uint8_t a, std::uint8_t b) {
   std::array<CanFrame, kClaimFrames> frames{};
   for (std::size_t k = 0; k < frames.size(); ++k) {
     frames[k].id = can_id;

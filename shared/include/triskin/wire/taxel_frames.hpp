@@ -12,10 +12,10 @@ namespace triskin::wire {
 
 /// One module's taxels in 8 bits, as an iCub MTB4 board sends them: two CAN frames, id 0x400 | board << 4 | module.
 struct IcubTaxels {
-  std::uint8_t board = 0;   ///< 0..15
-  std::uint8_t module = 0;  ///< 0..15
+  std::uint8_t board = 0;                                      ///< 0..15
+  std::uint8_t module = 0;                                     ///< 0..15
   std::array<std::uint8_t, layout::kTaxelsPerModule> value{};  ///< resting near 240, falling with pressure
-  std::uint16_t out_of_range = 0;  ///< bit t: taxel t
+  std::uint16_t out_of_range = 0;                              ///< bit t: taxel t
   bool no_acknowledge = false;
   bool not_connected = false;
   bool operator==(const IcubTaxels&) const = default;
@@ -33,14 +33,16 @@ inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
   frames[1].data[0] = kIcubSecond;
   for (std::size_t k = 0; k < 5; ++k) frames[1].data[1 + k] = t.value[7 + k];
   frames[1].data[6] = static_cast<std::uint8_t>(t.out_of_range >> 4);
-  frames[1].data[7] = static_cast<std::uint8_t>((t.out_of_range & 0xF) << 4 | (t.not_connected ? 2 : 0) | (t.no_acknowledge ? 1 : 0));
+  frames[1].data[7] =
+      static_cast<std::uint8_t>((t.out_of_range & 0xF) << 4 | (t.not_connected ? 2 : 0) | (t.no_acknowledge ? 1 : 0));
   return frames;
 }
 
 /// Joins the two frames of one module. Errors: kBadLength, kOutOfRange (not a skin identifier or not first and second).
 [[nodiscard]] constexpr Result<IcubTaxels> decode_icub(const CanFrame& first, const CanFrame& second) {
   if (first.size != 8 || second.size != 8) return std::unexpected(Status::kBadLength);
-  if (first.extended || second.extended || (first.id & 0x700U) != 0x400 || first.id != second.id) return std::unexpected(Status::kOutOfRange);
+  if (first.extended || second.extended || (first.id & 0x700U) != 0x400 || first.id != second.id)
+    return std::unexpected(Status::kOutOfRange);
   if (first.data[0] != kIcubFirst || second.data[0] != kIcubSecond) return std::unexpected(Status::kOutOfRange);
   IcubTaxels t;
   t.board = static_cast<std::uint8_t>(first.id >> 4 & 0xF);
@@ -56,11 +58,11 @@ inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
 /// One module of one sample in full: a 48-byte CAN FD frame (fits no classic frame), id 0x18F0‹node›‹module›.
 struct FullTaxels {
   std::uint8_t node_address = 0;
-  std::uint8_t module = 0;          ///< row in the table
-  std::uint32_t sample = 0;         ///< counts every sample of the patch: a gap is a lost sample
+  std::uint8_t module = 0;   ///< row in the table
+  std::uint32_t sample = 0;  ///< counts every sample of the patch: a gap is a lost sample
   std::uint64_t device_time_us = 0;
-  std::uint16_t valid = 0;          ///< bit t: taxel t
-  std::uint8_t state = 0;           ///< ModuleState
+  std::uint16_t valid = 0;  ///< bit t: taxel t
+  std::uint8_t state = 0;   ///< ModuleState
   std::array<std::uint16_t, layout::kTaxelsPerModule> value{};
   bool operator==(const FullTaxels&) const = default;
 };

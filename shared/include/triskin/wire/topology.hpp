@@ -13,31 +13,31 @@ inline constexpr std::uint8_t kNoRow = 0xFF;
 
 /// Modules and joints as found on the chain; module 0 is the entry. Numbers are those of the discovery.
 struct FoundTopology {
-  bool switched = false;       ///< false: nobody answers on the chain; strapped modules, or no power
-  bool complete = false;       ///< false: the chain would not settle; what is here is certain, more may be there
-  bool second_cable = false;   ///< module 0 is the second entry: nobody, or too few, answered at the first
+  bool switched = false;      ///< false: nobody answers on the chain; strapped modules, or no power
+  bool complete = false;      ///< false: the chain would not settle; what is here is certain, more may be there
+  bool second_cable = false;  ///< module 0 is the second entry: nobody, or too few, answered at the first
   std::uint8_t count = 0;
-  std::uint8_t cable_port = 0; ///< of module 0
+  std::uint8_t cable_port = 0;                                            ///< of module 0
   std::array<std::array<std::uint8_t, 3>, layout::kMaxModules> joints{};  ///< layout::joint_to of the far end, 0: none
-  std::array<std::uint8_t, layout::kMaxModules> row{};                    ///< of the table; kNoRow: the table does not know it
+  std::array<std::uint8_t, layout::kMaxModules> row{};  ///< of the table; kNoRow: the table does not know it
   bool operator==(const FoundTopology&) const = default;
 };
 
 /// The tree that is active, and how it came about.
 struct ActiveRoute {
   bool switched = false;
-  bool busy = false;           ///< a new route is being looked for
-  bool complete = false;       ///< a tree is up
-  bool as_table = false;       ///< it is the table's
-  bool least_depth = false;    ///< no tree over the joints found is less deep
-  bool second_cable = false;   ///< the tree hangs on the second entry
-  std::uint8_t shorts = 0;     ///< ports left closed because opening them broke the chain or held a line
-  std::uint8_t unknown = 0;    ///< modules found that the table does not know; left closed
+  bool busy = false;          ///< a new route is being looked for
+  bool complete = false;      ///< a tree is up
+  bool as_table = false;      ///< it is the table's
+  bool least_depth = false;   ///< no tree over the joints found is less deep
+  bool second_cable = false;  ///< the tree hangs on the second entry
+  std::uint8_t shorts = 0;    ///< ports left closed because opening them broke the chain or held a line
+  std::uint8_t unknown = 0;   ///< modules found that the table does not know; left closed
   std::uint8_t max_depth = 0;
-  std::uint16_t alive = 0;     ///< bit r: row r is in the tree
-  std::uint32_t heals = 0;     ///< since power-up
-  std::uint32_t repairs = 0;   ///< registers that had to be written again; no new tree
-  std::uint32_t last_us = 0;   ///< how long the last one took
+  std::uint16_t alive = 0;                                      ///< bit r: row r is in the tree
+  std::uint32_t heals = 0;                                      ///< since power-up
+  std::uint32_t repairs = 0;                                    ///< registers that had to be written again; no new tree
+  std::uint32_t last_us = 0;                                    ///< how long the last one took
   std::array<std::uint8_t, layout::kMaxModules> parent{};       ///< row; kNoRow: the entry, or not in the tree
   std::array<std::uint8_t, layout::kMaxModules> parent_port{};  ///< layout::kCable where there is no parent
   bool operator==(const ActiveRoute&) const = default;
@@ -83,8 +83,8 @@ constexpr void encode(const FoundTopology& t, ByteWriter& out) {
 }
 
 constexpr void encode(const ActiveRoute& a, std::uint8_t rows, ByteWriter& out) {
-  out.u8(static_cast<std::uint8_t>((a.switched ? 1 : 0) | (a.busy ? 2 : 0) | (a.complete ? 4 : 0) | (a.as_table ? 8 : 0) | (a.least_depth ? 16 : 0) |
-                                   (a.second_cable ? 32 : 0)));
+  out.u8(static_cast<std::uint8_t>((a.switched ? 1 : 0) | (a.busy ? 2 : 0) | (a.complete ? 4 : 0) |
+                                   (a.as_table ? 8 : 0) | (a.least_depth ? 16 : 0) | (a.second_cable ? 32 : 0)));
   out.u8(a.shorts);
   out.u8(a.unknown);
   out.u8(a.max_depth);
@@ -116,7 +116,8 @@ constexpr void encode(const ActiveRoute& a, std::uint8_t rows, ByteWriter& out) 
   a.heals = r.le32();
   a.repairs = r.le32();
   a.last_us = r.le32();
-  if (!r.ok() || (bytes.size() - kHead) % 2 != 0 || bytes.size() > kHead + std::size_t{2} * layout::kMaxModules) return false;
+  if (!r.ok() || (bytes.size() - kHead) % 2 != 0 || bytes.size() > kHead + std::size_t{2} * layout::kMaxModules)
+    return false;
   a.parent.fill(kNoRow);
   a.parent_port.fill(layout::kCable);
   for (std::size_t k = 0; k < layout::kMaxModules && !r.rest().empty(); ++k) {

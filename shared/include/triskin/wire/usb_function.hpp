@@ -27,15 +27,15 @@ inline UsbSetup setup_of(Bytes bytes) {
   return s;
 }
 
-/// A USB device seen from the bus: what a device controller, or a simulated one, hands over. Full speed, no heap, does not block.
-/// SET_ADDRESS is the business of the caller.
+/// A USB device seen from the bus: what a device controller, or a simulated one, hands over. Full speed, no heap, does
+/// not block. SET_ADDRESS is the business of the caller.
 class UsbFunction {
  public:
   virtual ~UsbFunction() = default;
   /// Reset of the bus, or unplugged: unconfigured, queues empty.
   virtual void reset() = 0;
-  /// A whole control transfer: `out` is the data stage to the device, the result the one to the host (at most setup.length is sent;
-  /// valid until the next call). Empty optional: stall.
+  /// A whole control transfer: `out` is the data stage to the device, the result the one to the host (at most
+  /// setup.length is sent; valid until the next call). Empty optional: stall.
   virtual std::optional<Bytes> control(const UsbSetup& setup, Bytes out) = 0;
   /// A packet for an end point of the host's direction "out".
   virtual void out(std::uint8_t endpoint, Bytes packet) = 0;

@@ -8,7 +8,8 @@
 #include "triskin/base/bytes.hpp"
 #include "triskin/wire/can_frame.hpp"
 
-/// The same frames over USB as over CAN, one in a packet: HID reports of 64 bytes and bulk packets of up to 64. docs/protocol.md, "USB".
+/// The same frames over USB as over CAN, one in a packet: HID reports of 64 bytes and bulk packets of up to 64.
+/// docs/protocol.md, "USB".
 namespace triskin::wire {
 
 inline constexpr std::size_t kUsbPacketBytes = 64;
@@ -27,8 +28,8 @@ struct UsbPacket {
   [[nodiscard]] constexpr Bytes used() const { return Bytes(bytes).first(size); }
 };
 
-/// Bytes of the frame + 1, then the identifier (LE; bit 31: 29 bits, bit 30: FD, bit 29: rate switch), then the bytes. Empty: the frame is
-/// longer than kUsbFrameBytes.
+/// Bytes of the frame + 1, then the identifier (LE; bit 31: 29 bits, bit 30: FD, bit 29: rate switch), then the bytes.
+/// Empty: the frame is longer than kUsbFrameBytes.
 [[nodiscard]] constexpr std::optional<UsbPacket> to_usb(const CanFrame& f) {
   if (f.size > kUsbFrameBytes) return std::nullopt;
   UsbPacket p;

@@ -60,7 +60,9 @@ class Application final : private UdsHost {
   void keep_route();
   void distrust();
   [[nodiscard]] std::span<Channel> channels() { return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1); }
-  [[nodiscard]] std::span<const Channel> channels() const { return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1); }
+  [[nodiscard]] std::span<const Channel> channels() const {
+    return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1);
+  }
   void handle_frame(Channel& channel, const wire::CanFrame& frame);
   void answer(Channel& channel, Bytes request, bool functional);
   void handle_icub_frame(const wire::CanFrame& frame);
@@ -78,15 +80,17 @@ class Application final : private UdsHost {
   void write_live(ByteWriter& out) const;
   void write_states(ByteWriter& out) const;
   /// What counts. With switched modules that is what was read before the last good look at the chain.
-  [[nodiscard]] const ModuleSample& shown(std::size_t row) const { return route_.switched() ? published_[row] : samples_[row]; }
+  [[nodiscard]] const ModuleSample& shown(std::size_t row) const {
+    return route_.switched() ? published_[row] : samples_[row];
+  }
 
   const Ports ports_;
   TableStore tables_;
   UdsServer server_;
   FaultMemory faults_;
   std::array<Channel, 2> channels_;  // CAN, USB
-  CanPort* asking_;         // whose request is being answered
-  CanPort* stream_port_;    // who wanted the stream
+  CanPort* asking_;                  // whose request is being answered
+  CanPort* stream_port_;             // who wanted the stream
   std::array<LineSampler, layout::kLines> lines_;
   std::array<ModuleSample, layout::kMaxModules> samples_{};
   std::array<ModuleSample, layout::kMaxModules> published_{};

@@ -9,14 +9,15 @@
 
 namespace triskin::boot {
 
-/// The controller in DFU mode (DFU 1.1, manifestation tolerant): takes a firmware package and stores the image for the slot that is not
-/// in use. A package that ends early, or is damaged, is refused; the slot in use is never touched.
+/// The controller in DFU mode (DFU 1.1, manifestation tolerant): takes a firmware package and stores the image for the
+/// slot that is not in use. A package that ends early, or is damaged, is refused; the slot in use is never touched.
 class DfuDevice final : public wire::UsbFunction {
  public:
   /// Silence after which it goes back to the application: dfu-util waits 5 s before its first request.
   static constexpr std::uint64_t kPatience_us = 15'000'000, kAfterCommit_us = 3'000'000;
 
-  DfuDevice(SlotStore& slots, const std::array<std::uint8_t, 12>& unique_id) : slots_(slots), control_(unique_id, true) {}
+  DfuDevice(SlotStore& slots, const std::array<std::uint8_t, 12>& unique_id)
+      : slots_(slots), control_(unique_id, true) {}
 
   void reset() override { control_.reset(); }
   std::optional<Bytes> control(const wire::UsbSetup& setup, Bytes out) override;
@@ -30,7 +31,16 @@ class DfuDevice final : public wire::UsbFunction {
 
  private:
   enum class State : std::uint8_t { kIdle = 2, kDownloadSync = 3, kDownloadIdle = 5, kManifestSync = 6, kError = 10 };
-  enum class Error : std::uint8_t { kNone = 0, kTarget = 1, kFile = 2, kWrite = 3, kErase = 4, kNotDone = 9, kFirmware = 10, kStalled = 15 };
+  enum class Error : std::uint8_t {
+    kNone = 0,
+    kTarget = 1,
+    kFile = 2,
+    kWrite = 3,
+    kErase = 4,
+    kNotDone = 9,
+    kFirmware = 10,
+    kStalled = 15
+  };
 
   [[nodiscard]] std::uint64_t patience_us() const { return committed_ ? kAfterCommit_us : kPatience_us; }
   std::optional<Bytes> download(const wire::UsbSetup& setup, Bytes data);

@@ -11,7 +11,8 @@ namespace triskin::boot {
 /// The loader's side of an update over CAN (loader_protocol.hpp). The board starts applications.
 class Loader {
  public:
-  Loader(SlotStore& slots, fw::CanPort& can, const std::array<std::uint8_t, 12>& unique_id) : slots_(slots), can_(can), id_crc_(crc32(unique_id)) {}
+  Loader(SlotStore& slots, fw::CanPort& can, const std::array<std::uint8_t, 12>& unique_id)
+      : slots_(slots), can_(can), id_crc_(crc32(unique_id)) {}
   static constexpr std::uint64_t kPatience_us = 5'000'000;
 
   /// True: start the newest slot now.

@@ -30,11 +30,13 @@ inline void write_image_state(ByteWriter& out, int slot, const SlotState& state)
 }
 
 /// The two application slots. Each ends with a page of records that are only ever added to (docs/firmware_board.md):
-/// commit (sequence, size, CRC), up to three starts, confirmation. A cut of power leaves the slot as it was or as it shall be.
+/// commit (sequence, size, CRC), up to three starts, confirmation. A cut of power leaves the slot as it was or as it
+/// shall be.
 class SlotStore {
  public:
   /// `origins`: where the flash of each slot stands in the address space, for which its image is linked.
-  constexpr SlotStore(std::array<fw::FlashArea*, 2> slots, std::array<std::uint32_t, 2> origins) : slots_(slots), origins_(origins) {}
+  constexpr SlotStore(std::array<fw::FlashArea*, 2> slots, std::array<std::uint32_t, 2> origins)
+      : slots_(slots), origins_(origins) {}
 
   /// Cost: one CRC over the image.
   [[nodiscard]] SlotState inspect(int slot) const;
@@ -46,7 +48,8 @@ class SlotStore {
   [[nodiscard]] Status erase(int slot);
   /// One unit of the image. kNoSpace, kFlashFailed.
   [[nodiscard]] Status program(int slot, std::uint32_t offset, Bytes unit);
-  /// Writes the commit record after looking at what the flash holds. kOutOfRange, kWrongTarget (vectors), kBadCrc, kFlashFailed.
+  /// Writes the commit record after looking at what the flash holds. kOutOfRange, kWrongTarget (vectors), kBadCrc,
+  /// kFlashFailed.
   [[nodiscard]] Status commit(int slot, std::uint32_t size_bytes, std::uint32_t crc);
   /// The application that runs from a slot says that it works. Does nothing when it has done so before.
   void confirm(int slot);
@@ -54,8 +57,12 @@ class SlotStore {
  private:
   [[nodiscard]] std::size_t records(int slot) const { return area(slot).size_bytes() - area(slot).page_bytes(); }
   [[nodiscard]] fw::FlashArea& area(int slot) const { return *slots_[static_cast<std::size_t>(slot)]; }
-  [[nodiscard]] std::uint32_t word(int slot, std::size_t at) const { return ByteReader(area(slot).bytes().subspan(at, 4)).le32(); }
-  [[nodiscard]] bool unit_used(int slot, std::size_t at) const { return word(slot, at) != 0xFFFFFFFF || word(slot, at + 4) != 0xFFFFFFFF; }
+  [[nodiscard]] std::uint32_t word(int slot, std::size_t at) const {
+    return ByteReader(area(slot).bytes().subspan(at, 4)).le32();
+  }
+  [[nodiscard]] bool unit_used(int slot, std::size_t at) const {
+    return word(slot, at) != 0xFFFFFFFF || word(slot, at + 4) != 0xFFFFFFFF;
+  }
   [[nodiscard]] bool vectors_fit(int slot, std::uint32_t size_bytes) const;
   [[nodiscard]] bool marked(int slot, std::size_t first, std::size_t count) const;
   bool add_mark(int slot, std::size_t first, std::size_t count);

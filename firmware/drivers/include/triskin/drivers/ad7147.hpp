@@ -13,10 +13,13 @@ namespace triskin::fw {
 
 /// Registers of the AD7147 (data sheet rev. E, tables 14–36): 16-bit addresses and values, big-endian.
 namespace ad7147 {
-inline constexpr std::uint16_t kPowerControl = 0x000, kStageCalibration = 0x001, kAmbientControl = 0x002, kInterruptEnable = 0x005,
-                               kStageComplete = 0x00A, kResult = 0x00B, kDeviceId = 0x017, kStage = 0x080;
+inline constexpr std::uint16_t kPowerControl = 0x000, kStageCalibration = 0x001, kAmbientControl = 0x002,
+                               kInterruptEnable = 0x005, kStageComplete = 0x00A, kResult = 0x00B, kDeviceId = 0x017,
+                               kStage = 0x080;
 /// Full power, twelve stages; bits 8 and 9 choose the decimation.
-[[nodiscard]] constexpr std::uint16_t power_control(wire::Decimation d) { return static_cast<std::uint16_t>(0x00B0 | static_cast<unsigned>(d) << 8); }
+[[nodiscard]] constexpr std::uint16_t power_control(wire::Decimation d) {
+  return static_cast<std::uint16_t>(0x00B0 | static_cast<unsigned>(d) << 8);
+}
 inline constexpr std::uint16_t kAllStages = 0x0FFF;
 inline constexpr std::uint16_t kId = 0x1470, kIdMask = 0xFFF0;  ///< low nibble: revision
 inline constexpr int kStages = 12;
@@ -30,15 +33,15 @@ inline constexpr std::uint16_t kStageStride = 8;
 inline constexpr std::uint32_t kMidScale = 0x8000;
 }  // namespace ad7147
 
-/// One CDC on a line: what to write and read, never waiting. Each begin_… starts one transfer on the line; the caller polls the
-/// line and then calls the matching finish_….
+/// One CDC on a line: what to write and read, never waiting. Each begin_… starts one transfer on the line; the caller
+/// polls the line and then calls the matching finish_….
 class Ad7147 {
  public:
   void begin_identify(I2cLine& line, std::uint8_t address);
   [[nodiscard]] Status finish_identify() const;
 
-  /// Input of the converter that the pads are connected to. It measures at the negative one: pressure lowers the result, as on
-  /// the iCub skin. The positive one gives the same number mirrored at mid scale.
+  /// Input of the converter that the pads are connected to. It measures at the negative one: pressure lowers the
+  /// result, as on the iCub skin. The positive one gives the same number mirrored at mid scale.
   enum class Polarity : std::uint8_t { kPositive, kNegative };
   /// Writes configuration in `kConfigurationSteps` transfers: stages first, power last, which restarts the sequence.
   static constexpr int kConfigurationSteps = ad7147::kStages + 2;
@@ -49,7 +52,8 @@ class Ad7147 {
   /// Writes power control alone: the sequence begins anew, the results stay.
   void begin_restart(I2cLine& line, std::uint8_t address);
 
-  /// Reads and so clears the stage-complete status: bit s is set when stage s has been converted since the last reading.
+  /// Reads and so clears the stage-complete status: bit s is set when stage s has been converted since the last
+  /// reading.
   void begin_status(I2cLine& line, std::uint8_t address);
   [[nodiscard]] std::uint16_t status() const;
 

@@ -10,10 +10,11 @@
 
 namespace triskin::fw {
 
-/// Diagnostic trouble codes of the modules: 3 bytes, 0x9 then the module's state in the low nibble; 0; row in the table.
-/// A fault that came and went stays confirmed until it is cleared, over a loss of power too. With each goes what was at its first
-/// occurrence. Kept in flash as a log on two pages that are filled in turn (docs/flash_layout.md); a cut of power loses at most
-/// the last entry. A fault is written once until it is cleared, so that a loose contact does not wear the flash.
+/// Diagnostic trouble codes of the modules: 3 bytes, 0x9 then the module's state in the low nibble; 0; row in the
+/// table. A fault that came and went stays confirmed until it is cleared, over a loss of power too. With each goes what
+/// was at its first occurrence. Kept in flash as a log on two pages that are filled in turn (docs/flash_layout.md); a
+/// cut of power loses at most the last entry. A fault is written once until it is cleared, so that a loose contact does
+/// not wear the flash.
 class FaultMemory {
  public:
   static constexpr std::uint8_t kTestFailed = 0x01, kConfirmed = 0x08;
@@ -40,7 +41,7 @@ class FaultMemory {
   [[nodiscard]] bool snapshot(std::uint32_t dtc, std::uint8_t& status, Freeze& freeze) const;
 
  private:
-  static constexpr std::size_t kStates = 9;       // of ModuleState; 0 and 1 are no faults
+  static constexpr std::size_t kStates = 9;  // of ModuleState; 0 and 1 are no faults
   static constexpr std::size_t kFirstFault = 2;
   struct Entry {
     std::uint8_t status = 0;

@@ -7,10 +7,11 @@
 
 namespace triskin::fw {
 
-/// Tells frozen taxels of one chip from live ones. A live converter has noise: a taxel that keeps one value while the others of its chip change and
-/// change is frozen. Noise (AD7147 data sheet, table 1: 12, 7, 3 counts peak to peak at decimation 64, 128, 256) lets a live taxel repeat its value with
-/// a probability of 0.16, 0.27, 0.57 a reading, while ten, eight, five others change. So kFrozenChanges of them are some 29, 36, 65 readings, in which a
-/// live taxel never moves with a probability below 1e-15.
+/// Tells frozen taxels of one chip from live ones. A live converter has noise: a taxel that keeps one value while the
+/// others of its chip change and change is frozen. Noise (AD7147 data sheet, table 1: 12, 7, 3 counts peak to peak at
+/// decimation 64, 128, 256) lets a live taxel repeat its value with a probability of 0.16, 0.27, 0.57 a reading, while
+/// ten, eight, five others change. So kFrozenChanges of them are some 29, 36, 65 readings, in which a live taxel never
+/// moves with a probability below 1e-15.
 class FrozenTaxels {
  public:
   using Taxels = std::array<std::uint16_t, layout::kTaxelsPerModule>;

@@ -20,7 +20,8 @@ class IcubBoard {
   [[nodiscard]] Reaction handle(const wire::CanFrame& frame, std::uint8_t node_address, std::uint32_t version);
 
   [[nodiscard]] bool enabled(std::size_t triangle) const { return (enabled_ >> triangle & 1) != 0; }
-  /// 8-bit value of a taxel: what it has at rest, and the compensated change in converter counts, made smaller by the triangle's shift.
+  /// 8-bit value of a taxel: what it has at rest, and the compensated change in converter counts, made smaller by the
+  /// triangle's shift.
   [[nodiscard]] std::uint8_t value(std::size_t triangle, int change) const;
   /// Whether a sample at `now_us` is to be sent; keeps the mean period that the host asked for.
   [[nodiscard]] bool due(std::uint64_t now_us);

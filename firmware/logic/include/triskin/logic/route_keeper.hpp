@@ -8,15 +8,16 @@
 
 namespace triskin::fw {
 
-/// Keeps a patch of switched modules routed. Heals after power-up and a new table, when the chain does not give back what was written,
-/// when a line is held low, on command, and, while modules of the table are missing, after pauses that grow. Without a chain,
-/// or when nobody answers on it, the modules are strapped: nothing is done.
+/// Keeps a patch of switched modules routed. Heals after power-up and a new table, when the chain does not give back
+/// what was written, when a line is held low, on command, and, while modules of the table are missing, after pauses
+/// that grow. Without a chain, or when nobody answers on it, the modules are strapped: nothing is done.
 class RouteKeeper {
  public:
   static constexpr std::uint64_t kCheckEvery_us = 5'000;  ///< 64 µs each with 16 modules
   static constexpr std::uint64_t kFirstPause_us = 2'000'000, kLongestPause_us = 64'000'000;
 
-  explicit RouteKeeper(RouteChain* chain) : topology_(chain == nullptr ? absent_ : *chain), present_(chain != nullptr) {}
+  explicit RouteKeeper(RouteChain* chain)
+      : topology_(chain == nullptr ? absent_ : *chain), present_(chain != nullptr) {}
 
   /// After power-up or a new table (null: none). A healing is due.
   void begin(const layout::PatchImage* table);

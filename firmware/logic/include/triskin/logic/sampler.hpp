@@ -24,11 +24,11 @@ struct Sampling {
 struct ModuleSample {
   wire::ModuleState state = wire::ModuleState::kUnknown;
   std::array<std::uint16_t, layout::kTaxelsPerModule> raw{};
-  std::uint16_t valid = 0;        ///< bit t: taxel t was read in the last sequence, is inside its range and not frozen
-  std::uint32_t number = 0;       ///< counts the sequences that were to be read: one left out is a lost sample
-  std::uint64_t time_us = 0;      ///< end of the sequence
-  bool fresh = false;             ///< set by the sampler with each reading or failure, cleared by who sends it on
-  std::uint8_t unheard = 0;       ///< nominal sequences since the sampler said something
+  std::uint16_t valid = 0;    ///< bit t: taxel t was read in the last sequence, is inside its range and not frozen
+  std::uint32_t number = 0;   ///< counts the sequences that were to be read: one left out is a lost sample
+  std::uint64_t time_us = 0;  ///< end of the sequence
+  bool fresh = false;         ///< set by the sampler with each reading or failure, cleared by who sends it on
+  std::uint8_t unheard = 0;   ///< nominal sequences since the sampler said something
   Compensation compensation;
 };
 
@@ -40,27 +40,33 @@ struct LineScan {
   bool done = false;
 };
 
-/// Drives one line: finds, configures, checks and reads its chips. step() never waits. Each chip is read once a sequence, in the
-/// window in which its twelve results belong together (SequenceClock): nothing is torn, repeated or left out. When three chips of a line
-/// come to end at the same time, so that one could not be read in its window, one begins its next sequence anew a little later.
-/// A stuck line is recovered at most three times in a row, then left alone for a second; the other lines do not notice.
+/// Drives one line: finds, configures, checks and reads its chips. step() never waits. Each chip is read once a
+/// sequence, in the window in which its twelve results belong together (SequenceClock): nothing is torn, repeated or
+/// left out. When three chips of a line come to end at the same time, so that one could not be read in its window, one
+/// begins its next sequence anew a little later. A stuck line is recovered at most three times in a row, then left
+/// alone for a second; the other lines do not notice.
 ///
-/// Two chips at one address answer together and nobody sees it on the bus: their data are a wired AND. So a chip that was found
-/// is read at both inputs of its converter. The two results of one chip mirror each other at mid scale; the wired AND of two
-/// chips that differ by d counts is smaller by d at least, because x AND y = (x + y − (x XOR y)) / 2 and x XOR y ≥ |x − y|.
+/// Two chips at one address answer together and nobody sees it on the bus: their data are a wired AND. So a chip that
+/// was found is read at both inputs of its converter. The two results of one chip mirror each other at mid scale; the
+/// wired AND of two chips that differ by d counts is smaller by d at least, because x AND y = (x + y − (x XOR y)) / 2
+/// and x XOR y ≥ |x − y|.
 class LineSampler {
  public:
   static constexpr int kMaxRecoveries = 3;
   static constexpr std::uint64_t kStuckPause_us = 1'000'000, kDuplicatePause_us = 1'000'000;
   static constexpr std::uint32_t kVerifyEvery = 16;  ///< readings between two looks at a chip's configuration
-  static constexpr std::uint32_t kMinDeficit = 32;   ///< mean counts missing that two chips at one address are suspected at
-  static constexpr std::uint64_t kRecent_us = 100'000;  ///< a chip lost so shortly before a new route is taken up where it was
-  static constexpr int kMinSuspicions = 3;           ///< in a row: a release between the two readings looks the same once
+  static constexpr std::uint32_t kMinDeficit =
+      32;  ///< mean counts missing that two chips at one address are suspected at
+  static constexpr std::uint64_t kRecent_us =
+      100'000;                              ///< a chip lost so shortly before a new route is taken up where it was
+  static constexpr int kMinSuspicions = 3;  ///< in a row: a release between the two readings looks the same once
   static constexpr std::uint64_t kBurst_us = 800;  ///< on the line, and until the next transfer can begin
-  static constexpr std::uint64_t kStep_us = 500, kShort_us = 250;  ///< a step of the configuration; other transfers beside a reading: begun only when no reading falls due meanwhile
+  static constexpr std::uint64_t kStep_us = 500,
+                                 kShort_us = 250;  ///< a step of the configuration; other transfers beside a reading:
+                                                   ///< begun only when no reading falls due meanwhile
 
-  /// Forgets everything and starts anew with the modules of this line. `samples` has one entry a row of the table and outlives
-  /// the sampler.
+  /// Forgets everything and starts anew with the modules of this line. `samples` has one entry a row of the table and
+  /// outlives the sampler.
   void begin(I2cLine& line, std::uint8_t line_index, const layout::PatchImage& table, std::span<ModuleSample> samples,
              const Sampling& sampling, std::uint64_t now_us);
   /// Also without a table: reports what answers at the four addresses.
@@ -84,33 +90,48 @@ class LineSampler {
   [[nodiscard]] std::uint64_t next_event_us(std::uint64_t now_us) const;
 
  private:
-  enum class Job : std::uint8_t { kIdle, kDrain, kScan, kIdentify, kConfigure, kRead, kVerify, kClear, kLook, kRestart };
+  enum class Job : std::uint8_t {
+    kIdle,
+    kDrain,
+    kScan,
+    kIdentify,
+    kConfigure,
+    kRead,
+    kVerify,
+    kClear,
+    kLook,
+    kRestart
+  };
   enum class Phase : std::uint8_t { kFind, kConfigure, kMirror, kMeasure, kRun };
   struct Slot {
     std::uint8_t module = 0, address = 0;
     Phase phase = Phase::kFind, next_phase = Phase::kFind;  ///< next: after the configuration
-    std::uint8_t step = 0;        ///< of the configuration
-    bool single = false;          ///< found to be one chip since it was last absent
-    bool lost = false;            ///< its configuration is; who answers there is asked for
+    std::uint8_t step = 0;                                  ///< of the configuration
+    bool single = false;                                    ///< found to be one chip since it was last absent
+    bool lost = false;                                      ///< its configuration is; who answers there is asked for
     bool clear_wanted = false, verify_wanted = false, restart_wanted = false;
     std::uint64_t status_us = 0;  ///< when the status was read, and so cleared, in this sequence; 0: not yet
     int look_stage = 0;           ///< whose end is looked at next
     std::uint8_t suspicions = 0, unverified = 0;  ///< readings since the configuration was seen
-    bool recheck = false;         ///< the next reading counts only when the configuration holds
-    std::uint32_t to_pass = 0;    ///< sequences until the one that is to be sampled: 0, the present one
-    std::uint32_t passed = 0;     ///< sequences that the clock went on by
-    std::uint64_t lost_us = 0;    ///< when it was read last and then gave no answer
-    std::uint64_t ready_us = 0;   ///< when to look for the chip again, or to begin its sequence anew
+    bool recheck = false;                         ///< the next reading counts only when the configuration holds
+    std::uint32_t to_pass = 0;                    ///< sequences until the one that is to be sampled: 0, the present one
+    std::uint32_t passed = 0;                     ///< sequences that the clock went on by
+    std::uint64_t lost_us = 0;                    ///< when it was read last and then gave no answer
+    std::uint64_t ready_us = 0;                   ///< when to look for the chip again, or to begin its sequence anew
     SequenceClock clock;
     ad7147::Results mirrored{};
     FrozenTaxels frozen;
-    [[nodiscard]] bool reading() const { return phase != Phase::kFind && phase != Phase::kConfigure; }  ///< once a sequence
+    [[nodiscard]] bool reading() const {
+      return phase != Phase::kFind && phase != Phase::kConfigure;
+    }  ///< once a sequence
   };
 
   void choose(std::uint64_t now_us);
   [[nodiscard]] std::uint64_t reading_due_us(const Slot& slot) const;
   [[nodiscard]] static std::uint64_t other_due_us(const Slot& slot);
-  [[nodiscard]] static std::uint64_t other_length_us(const Slot& slot) { return slot.phase == Phase::kConfigure ? kStep_us : kShort_us; }
+  [[nodiscard]] static std::uint64_t other_length_us(const Slot& slot) {
+    return slot.phase == Phase::kConfigure ? kStep_us : kShort_us;
+  }
   [[nodiscard]] std::uint64_t next_reading_us() const;
   void skip_missed(Slot& slot, std::uint64_t now_us);
   void start_reading(std::uint64_t now_us);

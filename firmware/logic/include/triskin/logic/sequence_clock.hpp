@@ -4,13 +4,15 @@
 
 namespace triskin::fw {
 
-/// When one converter's sequence of twelve stages ends. The chip runs on its own oscillator (± 4 %) and tells nobody. What is known for
-/// certain is kept: an interval in which the present sequence ends, and one in which the period lies. It begins with the moment at which power
-/// control was written. A look at the stage-complete status says whether a stage had ended at a time and cuts the first interval; its growth
-/// since an earlier one cuts the second. All stages last equally long, so any of them will do. Pure: time comes as an argument.
+/// When one converter's sequence of twelve stages ends. The chip runs on its own oscillator (± 4 %) and tells nobody.
+/// What is known for certain is kept: an interval in which the present sequence ends, and one in which the period lies.
+/// It begins with the moment at which power control was written. A look at the stage-complete status says whether a
+/// stage had ended at a time and cuts the first interval; its growth since an earlier one cuts the second. All stages
+/// last equally long, so any of them will do. Pure: time comes as an argument.
 ///
-/// A burst of twelve results is whole when the last result is read after the end of the sequence and the first one before stage 0
-/// of the next is complete, wherever in the interval the end is: that is the window of read_us() … last_start_us().
+/// A burst of twelve results is whole when the last result is read after the end of the sequence and the first one
+/// before stage 0 of the next is complete, wherever in the interval the end is: that is the window of read_us() …
+/// last_start_us().
 class SequenceClock {
  public:
   static constexpr std::uint32_t kTolerance_percent = 4;  ///< of the oscillator (AD7147 data sheet, table 1)
@@ -32,7 +34,9 @@ class SequenceClock {
   [[nodiscard]] std::uint32_t may_pass(std::uint32_t most) const;
   /// First and last moment to start the burst for the present sequence.
   [[nodiscard]] std::uint64_t read_us() const { return (last_ >> kFraction) + kMargin_us - kLastResult_us; }
-  [[nodiscard]] std::uint64_t last_start_us() const { return (first_ >> kFraction) + stage_us() - kFirstResult_us - kMargin_us; }
+  [[nodiscard]] std::uint64_t last_start_us() const {
+    return (first_ >> kFraction) + stage_us() - kFirstResult_us - kMargin_us;
+  }
 
   /// The end of the present sequence is not known well enough.
   [[nodiscard]] bool look_wanted() const { return doubt_us() > kWanted_us; }
@@ -44,16 +48,17 @@ class SequenceClock {
   void looked(std::uint64_t at_us, int stage, bool ended);
   /// Goes on to the sequence after the present one, `count` times.
   void next(std::uint32_t count = 1);
-  /// Looks contradict what was known again and again, or there was no time for one, so that a new start would tell more.
+  /// Looks contradict what was known again and again, or there was no time for one, so that a new start would tell
+  /// more.
   [[nodiscard]] bool uncertain() const;
 
  private:
-  static constexpr unsigned kFraction = 16;                     // bits after the point of a microsecond
-  static constexpr std::uint64_t kMargin_us = 25;               // between what is known and the first and last burst
-  static constexpr std::uint64_t kSlack = 25ULL << kFraction;   // error of the time of a start or a look
+  static constexpr unsigned kFraction = 16;                    // bits after the point of a microsecond
+  static constexpr std::uint64_t kMargin_us = 25;              // between what is known and the first and last burst
+  static constexpr std::uint64_t kSlack = 25ULL << kFraction;  // error of the time of a start or a look
   static constexpr std::uint64_t kWanted_us = 120, kMostGrowth_us = 300;
-  static constexpr std::uint64_t kWander_ppm_per_s = 80;        // an oscillator that warms up
-  static constexpr std::uint32_t kAnchorFor = 64;               // sequences over which the period is measured
+  static constexpr std::uint64_t kWander_ppm_per_s = 80;  // an oscillator that warms up
+  static constexpr std::uint32_t kAnchorFor = 64;         // sequences over which the period is measured
   static constexpr int kMaxContradictions = 4;
 
   // Of 32 bits: the loop asks for it all the time, and the core divides no wider ones.
@@ -63,8 +68,8 @@ class SequenceClock {
   void contradict(std::uint64_t end);
   void measure_period();
 
-  std::uint64_t first_ = 0, last_ = 0;              // the present sequence ends between these
-  std::uint64_t shortest_ = 0, longest_ = 0;        // the period lies between these
+  std::uint64_t first_ = 0, last_ = 0;                // the present sequence ends between these
+  std::uint64_t shortest_ = 0, longest_ = 0;          // the period lies between these
   std::uint64_t anchor_first_ = 0, anchor_last_ = 0;  // an earlier end, or the start
   std::uint32_t since_anchor_ = 0, nominal_us_ = 0;
   int contradictions_ = 0;

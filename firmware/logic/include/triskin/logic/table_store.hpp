@@ -8,9 +8,9 @@
 
 namespace triskin::fw {
 
-/// Two slots for the patch image and two pages for the node address, on the board's flash. The image of a slot counts only
-/// when its commit record, written last, names its length and CRC: a cut of power at any moment leaves the old or the new one.
-/// Layout: docs/flash_layout.md. Pages 0 and 1: slots; 2 and 3: node address.
+/// Two slots for the patch image and two pages for the node address, on the board's flash. The image of a slot counts
+/// only when its commit record, written last, names its length and CRC: a cut of power at any moment leaves the old or
+/// the new one. Layout: docs/flash_layout.md. Pages 0 and 1: slots; 2 and 3: node address.
 class TableStore {
  public:
   explicit TableStore(FlashArea& flash) : flash_(flash) {}

@@ -77,14 +77,14 @@ class ChainDriver {
 class Topology {
  public:
   struct Report {
-    bool complete = false;         ///< false: the chain would not settle; the graph is what was certain
-    std::uint8_t shorts = 0;       ///< ports left closed because opening them broke the chain or held a line
-    std::uint16_t alive = 0;       ///< heal(): bit m: module m of the table is in the tree
-    std::uint8_t max_depth = 0;    ///< of the active tree
-    bool least_depth = false;      ///< heal(): no tree over the joints that were found is less deep
-    bool as_table = false;         ///< heal(): the table's tree is up
-    bool second_cable = false;     ///< module 0 is the one at the second cable
-    std::uint8_t unknown = 0;      ///< heal(): modules found at places that the table does not know; left closed
+    bool complete = false;       ///< false: the chain would not settle; the graph is what was certain
+    std::uint8_t shorts = 0;     ///< ports left closed because opening them broke the chain or held a line
+    std::uint16_t alive = 0;     ///< heal(): bit m: module m of the table is in the tree
+    std::uint8_t max_depth = 0;  ///< of the active tree
+    bool least_depth = false;    ///< heal(): no tree over the joints that were found is less deep
+    bool as_table = false;       ///< heal(): the table's tree is up
+    bool second_cable = false;   ///< module 0 is the one at the second cable
+    std::uint8_t unknown = 0;    ///< heal(): modules found at places that the table does not know; left closed
   };
 
   /// What the table says: joints, slots and tree, by row.
@@ -92,7 +92,7 @@ class Topology {
     PatchGraph graph;
     std::array<Slot, layout::kMaxModules> slots{};
     std::array<JointEnd, layout::kMaxModules> parent{};  ///< row and output port; no module: least depth is what counts
-    JointEnd second_entry{};  ///< row and port with the second cable; no module: none
+    JointEnd second_entry{};                             ///< row and port with the second cable; no module: none
   };
   [[nodiscard]] static Table table_of(const layout::PatchImage& image);
 
@@ -104,9 +104,10 @@ class Topology {
   /// Module 0 of graph() is the one at the second cable.
   [[nodiscard]] bool second_cable() const { return cable_ == 1; }
 
-  /// Discovers anew and activates the table's tree where all of it is there, else the tree of least depth over the joints of the
-  /// table that survive. A module keeps its slot. Where no tree comes up, no module is reached. The second cable serves when nobody answers at
-  /// the first, or less than half of the table does and more is behind the second.
+  /// Discovers anew and activates the table's tree where all of it is there, else the tree of least depth over the
+  /// joints of the table that survive. A module keeps its slot. Where no tree comes up, no module is reached. The
+  /// second cable serves when nobody answers at the first, or less than half of the table does and more is behind the
+  /// second.
   Report heal(const Table& table);
   /// Cheap check before and after a sampling cycle; false: samples of the cycle are not to be trusted, heal.
   bool intact() { return chain_.check(); }
@@ -130,8 +131,8 @@ class Topology {
   Pass match_end(std::uint8_t module, std::uint8_t port);
   Pass join_here(std::uint8_t module, std::uint8_t port, std::uint8_t far);
   Pass leave(std::uint8_t module, std::uint8_t port);
-  /// Opens the tree up to the port of `module` without `left_out` and its subtree (kNoModule: without everything below), then the
-  /// port: does it bring a module in?
+  /// Opens the tree up to the port of `module` without `left_out` and its subtree (kNoModule: without everything
+  /// below), then the port: does it bring a module in?
   std::optional<bool> brings_module(std::uint8_t module, std::uint8_t port, std::uint8_t left_out);
   bool rebuild(std::uint16_t wanted, bool set_slots);
   [[nodiscard]] bool below(std::uint8_t module, std::uint8_t top) const;
@@ -152,15 +153,15 @@ class Topology {
   ChainDriver chain_;
   PatchGraph graph_;
   std::array<std::array<Port, 3>, layout::kMaxModules> port_{};
-  std::array<JointEnd, layout::kMaxModules> parent_{};  // tree of the discovery; module and its output port
+  std::array<JointEnd, layout::kMaxModules> parent_{};      // tree of the discovery; module and its output port
   std::array<std::uint8_t, layout::kMaxModules> input_{};   // first port whose enable does nothing
   std::array<std::uint8_t, layout::kMaxModules> inputs_{};  // bit p: all of them; more than one: an enable is broken
-  Exclusions bad_{};                                    // ports by discovery number, which repeats
+  Exclusions bad_{};                                        // ports by discovery number, which repeats
   std::uint8_t shorts_ = 0, ends_left_ = 0;
-  std::uint8_t first_tried_ = 0, cable_ = 0;            // cables: where explore() begins, and where it got in
-  std::uint8_t held_lines_ = 0;                         // low already with the entry module alone
+  std::uint8_t first_tried_ = 0, cable_ = 0;  // cables: where explore() begins, and where it got in
+  std::uint8_t held_lines_ = 0;               // low already with the entry module alone
   std::array<std::uint8_t, layout::kMaxModules> table_index_{};
-  std::array<Slot, layout::kMaxModules> slot_{};        // by discovery number
+  std::array<Slot, layout::kMaxModules> slot_{};  // by discovery number
 };
 
 }  // namespace triskin::fw

@@ -30,8 +30,8 @@ class UdsHost {
   [[nodiscard]] virtual std::uint64_t now_us() const = 0;
 };
 
-/// UDS server (ISO 14229-1) over any transport. One request at a time; no heap. Sessions time out after S3; writing needs
-/// the programming or extended session and security access. Functional requests are answered only when positive.
+/// UDS server (ISO 14229-1) over any transport. One request at a time; no heap. Sessions time out after S3; writing
+/// needs the programming or extended session and security access. Functional requests are answered only when positive.
 class UdsServer {
  public:
   static constexpr std::size_t kMaxResponse = 512;

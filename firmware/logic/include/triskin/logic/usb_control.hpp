@@ -11,7 +11,8 @@ namespace triskin::fw {
 /// Standard requests (USB 2.0 §9.4), descriptors and the Microsoft request: the same for run time and DFU mode.
 class UsbControl {
  public:
-  UsbControl(const std::array<std::uint8_t, 12>& unique_id, bool dfu_mode) : unique_id_(unique_id), dfu_mode_(dfu_mode) {}
+  UsbControl(const std::array<std::uint8_t, 12>& unique_id, bool dfu_mode)
+      : unique_id_(unique_id), dfu_mode_(dfu_mode) {}
   void reset() { configuration_ = 0; }
   [[nodiscard]] bool configured() const { return configuration_ != 0; }
   /// As UsbFunction::control; class requests are not known here: stall.

@@ -6,7 +6,8 @@
 #include "triskin/base/bytes.hpp"
 #include "triskin/wire/usb_packet.hpp"
 
-/// What the controller tells a USB host about itself. USB 2.0 chapter 9, HID 1.11, DFU 1.1, Microsoft OS 2.0 descriptors.
+/// What the controller tells a USB host about itself. USB 2.0 chapter 9, HID 1.11, DFU 1.1, Microsoft OS 2.0
+/// descriptors.
 namespace triskin::fw::usb {
 
 inline constexpr std::uint8_t kDevice = 1, kConfiguration = 2, kString = 3, kBos = 15, kHid = 0x21, kReport = 0x22;
@@ -14,7 +15,8 @@ inline constexpr std::uint8_t kMicrosoftCode = 0x20;  ///< bRequest that fetches
 inline constexpr std::uint16_t kMicrosoftSet = 7;     ///< its wIndex
 inline constexpr std::uint16_t kDfuBlockBytes = 1024, kDetachTimeout_ms = 1000;
 /// Indexes of strings; kSerial is made from the unique id.
-inline constexpr std::uint8_t kVendorText = 1, kProductText = 2, kSerial = 3, kHidText = 4, kBulkText = 5, kDfuText = 6, kPackageText = 7;
+inline constexpr std::uint8_t kVendorText = 1, kProductText = 2, kSerial = 3, kHidText = 4, kBulkText = 5, kDfuText = 6,
+                              kPackageText = 7;
 
 /// Run time: HID, vendor bulk, DFU run time. DFU mode: the DFU interface alone.
 [[nodiscard]] Bytes device_descriptor(bool dfu_mode);
@@ -25,6 +27,7 @@ inline constexpr std::uint8_t kVendorText = 1, kProductText = 2, kSerial = 3, kH
 [[nodiscard]] Bytes microsoft_set(bool dfu_mode);
 
 /// Writes a string descriptor into `out` (UTF-16); empty: no such string.
-[[nodiscard]] Bytes string_descriptor(std::uint8_t index, const std::array<std::uint8_t, 12>& unique_id, std::span<std::uint8_t> out);
+[[nodiscard]] Bytes string_descriptor(std::uint8_t index, const std::array<std::uint8_t, 12>& unique_id,
+                                      std::span<std::uint8_t> out);
 
 }  // namespace triskin::fw::usb

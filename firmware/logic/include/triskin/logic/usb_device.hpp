@@ -10,8 +10,8 @@
 
 namespace triskin::fw {
 
-/// The controller as a USB device: to the host HID, vendor bulk and DFU run time (docs/protocol.md, "USB"), to the application
-/// one more port for frames. Frames leave by the interface that the host used last.
+/// The controller as a USB device: to the host HID, vendor bulk and DFU run time (docs/protocol.md, "USB"), to the
+/// application one more port for frames. Frames leave by the interface that the host used last.
 class UsbDevice final : public wire::UsbFunction, public CanPort {
  public:
   explicit UsbDevice(const std::array<std::uint8_t, 12>& unique_id) : control_(unique_id, false) {}

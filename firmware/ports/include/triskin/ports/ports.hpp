@@ -14,7 +14,8 @@
 /// What the application sees of a board. Implemented in board/, wired once in app/. No call blocks.
 namespace triskin::fw {
 
-/// One I²C line. A transfer writes bytes, then reads bytes after a repeated start (either may be empty), in the background.
+/// One I²C line. A transfer writes bytes, then reads bytes after a repeated start (either may be empty), in the
+/// background.
 class I2cLine {
  public:
   virtual ~I2cLine() = default;

@@ -7,12 +7,13 @@
 
 namespace triskin::fw {
 
-/// The scan chain through the switched modules of a patch (docs/switched_module.md). SPI or timer-paced pins on a board.
+/// The scan chain through the switched modules of a patch (docs/switched_module.md). SPI or timer-paced pins on a
+/// board.
 class RouteChain {
  public:
   virtual ~RouteChain() = default;
-  /// EN of the cables, a bit each: 1 to the entry module, 2 to the second entry. Both low closes every port of the patch and clears every
-  /// register. What comes back is the OR of both cables.
+  /// EN of the cables, a bit each: 1 to the entry module, 2 to the second entry. Both low closes every port of the
+  /// patch and clears every register. What comes back is the OR of both cables.
   virtual void enable(std::uint8_t cables) = 0;
   /// Shifts `out` in, most significant bit first, and receives as many bytes. At most 19 bytes: 76 µs at 2 MHz.
   virtual void exchange(Bytes out, std::span<std::uint8_t> in) = 0;

@@ -7,7 +7,8 @@
 
 namespace triskin {
 
-/// The person asked to end (Ctrl-C). What was begun was brought to an end that does no harm; the message says what was done.
+/// The person asked to end (Ctrl-C). What was begun was brought to an end that does no harm; the message says what was
+/// done.
 class Cancelled : public Error {
  public:
   using Error::Error;
@@ -16,7 +17,8 @@ class Cancelled : public Error {
 
 /// From now on the first SIGINT or SIGTERM only sets interrupt_request(); a second one ends the process at once.
 void catch_interrupts();
-/// Set when the process was asked to end. Long work looks at it where it can stop without harm. Lock-free; tests may set it.
+/// Set when the process was asked to end. Long work looks at it where it can stop without harm. Lock-free; tests may
+/// set it.
 [[nodiscard]] std::atomic<bool>& interrupt_request();
 
 }  // namespace triskin

@@ -16,7 +16,8 @@ struct Progress {
 /// Called from the thread that runs the work; must not throw. An empty function is allowed.
 using ProgressSink = std::function<void(const Progress&)>;
 
-inline void report(const ProgressSink& sink, std::string stage, double fraction, std::string detail = {}, int part = -1) {
+inline void report(const ProgressSink& sink, std::string stage, double fraction, std::string detail = {},
+                   int part = -1) {
   if (sink) sink(Progress{std::move(stage), fraction, std::move(detail), part});
 }
 

@@ -20,9 +20,9 @@ struct DesignReport {
   std::vector<std::pair<std::string, double>> limits;  ///< of the file, name and value: what was measured against
 };
 
-/// Checks every rule of a design file against the mesh that the file holds. Shares no code with the solvers: own reader,
-/// own geometry (CGAL's exact predicates and its tree of triangles). Throws InputError when the file cannot be read as a
-/// design. Cost: about 300 closest-point queries a module, some hundred more at the border.
+/// Checks every rule of a design file against the mesh that the file holds. Shares no code with the solvers: own
+/// reader, own geometry (CGAL's exact predicates and its tree of triangles). Throws InputError when the file cannot be
+/// read as a design. Cost: about 300 closest-point queries a module, some hundred more at the border.
 [[nodiscard]] DesignReport check_design(const std::filesystem::path& path);
 
 }  // namespace triskin::check

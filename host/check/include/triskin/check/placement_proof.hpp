@@ -17,10 +17,10 @@ struct ProofReport {
   double seconds = 0.0;
 };
 
-/// Checks the log that `triskin place --proof` wrote against the polygon (docs/placement.md has the format): its polygon is
-/// the file's, its cells cover every motion of one period of the grid, in no cell more than `upper_bound` modules can lie
-/// inside, and the placement holds `modules` of them within the tolerance. Interval arithmetic with outward rounding;
-/// shares no code with the solver. Throws InputError when a file cannot be read as polygon or log.
+/// Checks the log that `triskin place --proof` wrote against the polygon (docs/placement.md has the format): its
+/// polygon is the file's, its cells cover every motion of one period of the grid, in no cell more than `upper_bound`
+/// modules can lie inside, and the placement holds `modules` of them within the tolerance. Interval arithmetic with
+/// outward rounding; shares no code with the solver. Throws InputError when a file cannot be read as polygon or log.
 /// Cost: about as many boxes as the log has cells, each with the modules near the outline.
 [[nodiscard]] ProofReport check_placement_proof(const std::filesystem::path& log, const std::filesystem::path& polygon);
 

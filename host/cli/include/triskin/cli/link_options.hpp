@@ -7,8 +7,12 @@ namespace triskin::cli {
 
 /// Adds --link and --scene, as all commands that talk to controllers have them.
 inline void add_link_options(CLI::App& app, device::LinkOptions& options) {
-  app.add_option("--link", options.link, "sim, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]; several real ones joined by commas")->capture_default_str();
-  app.add_flag("--switched", options.switched, "the link sim has switched modules, which the controller routes; a scene says it by its key \"hardware\"");
+  app.add_option("--link", options.link,
+                 "sim, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]; several real ones joined by commas")
+      ->capture_default_str();
+  app.add_flag(
+      "--switched", options.switched,
+      "the link sim has switched modules, which the controller routes; a scene says it by its key \"hardware\"");
   app.add_option("--scene", options.scene, "what the link sim simulates: contacts, faults, effects (docs/scene.md)");
 }
 

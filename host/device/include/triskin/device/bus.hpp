@@ -33,8 +33,8 @@ class NoAnswer : public Unreachable {
   using Unreachable::Unreachable;
 };
 
-/// Requests and answers (ISO 14229-1 over ISO 15765-2) with many controllers on one link. Everything that waits throws Cancelled when the
-/// process was asked to end (interrupt_request()). Not thread-safe.
+/// Requests and answers (ISO 14229-1 over ISO 15765-2) with many controllers on one link. Everything that waits throws
+/// Cancelled when the process was asked to end (interrupt_request()). Not thread-safe.
 class Bus {
  public:
   using Message = std::vector<std::uint8_t>;

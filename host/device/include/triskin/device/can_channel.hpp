@@ -12,7 +12,8 @@ namespace triskin::device {
 class CanChannel final : public MessageChannel {
  public:
   /// Null when the kernel has no ISO-TP. Throws DeviceError when it has, and the interface cannot be used.
-  [[nodiscard]] static std::unique_ptr<CanChannel> open(const std::string& interface, bool fd, std::uint32_t tx_id, std::uint32_t rx_id);
+  [[nodiscard]] static std::unique_ptr<CanChannel> open(const std::string& interface, bool fd, std::uint32_t tx_id,
+                                                        std::uint32_t rx_id);
   /// Waits for at most a second while a message that nobody takes is under way.
   ~CanChannel() override;
   CanChannel(const CanChannel&) = delete;

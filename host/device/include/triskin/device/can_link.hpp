@@ -10,8 +10,8 @@
 
 namespace triskin::device {
 
-/// Controllers on a CAN bus of this computer (SocketCAN). FD frames are used when the interface carries them. ISO-TP is the kernel's where its
-/// module is there.
+/// Controllers on a CAN bus of this computer (SocketCAN). FD frames are used when the interface carries them. ISO-TP is
+/// the kernel's where its module is there.
 class CanLink final : public Link {
  public:
   /// Throws DeviceError as CanSocket does.

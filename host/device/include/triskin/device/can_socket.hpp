@@ -13,13 +13,14 @@ class CanSocket {
  public:
   /// What the controller chip of the interface has reported. Counts since the socket was opened.
   struct Errors {
-    std::uint64_t frames = 0;  ///< error frames
-    bool bus_off = false;      ///< until the interface says that it was restarted
-    bool passive = false;      ///< error passive or warning level
+    std::uint64_t frames = 0;     ///< error frames
+    bool bus_off = false;         ///< until the interface says that it was restarted
+    bool passive = false;         ///< error passive or warning level
     bool unacknowledged = false;  ///< the last frame found nobody who acknowledged it
   };
 
-  /// Throws DeviceError naming the interface and how to bring it up: no such interface, it is down, no CAN in the kernel.
+  /// Throws DeviceError naming the interface and how to bring it up: no such interface, it is down, no CAN in the
+  /// kernel.
   explicit CanSocket(const std::string& interface);
   ~CanSocket();
   CanSocket(const CanSocket&) = delete;
@@ -30,9 +31,11 @@ class CanSocket {
   [[nodiscard]] int descriptor() const { return socket_; }
   /// Only answers of controllers, claims, streams and the loader from now on: other traffic costs nothing.
   void filter_for_host();
-  /// Waits while the transmit queue is full, up to a second. Throws Unreachable: interface gone or down, bus-off, queue stays full.
+  /// Waits while the transmit queue is full, up to a second. Throws Unreachable: interface gone or down, bus-off, queue
+  /// stays full.
   void send(const wire::CanFrame& frame);
-  /// The next frame that waits, or empty. Error frames are taken into errors(). Throws Unreachable: interface gone or down.
+  /// The next frame that waits, or empty. Error frames are taken into errors(). Throws Unreachable: interface gone or
+  /// down.
   std::optional<wire::CanFrame> receive();
   [[nodiscard]] const Errors& errors() const { return errors_; }
   /// The interface was there and up when it was last used.

@@ -38,7 +38,7 @@ struct LineReport {
 /// A fault that is there or was there (DTC).
 struct RememberedFault {
   wire::ModuleState state = wire::ModuleState::kUnknown;
-  int row = 0;        ///< module in the table
+  int row = 0;  ///< module in the table
   bool present = false;
 };
 

@@ -16,9 +16,11 @@ struct Conversation {
   std::function<void(Bus&)> talk;  ///< its Bus is its own
 };
 
-/// Holds several conversations over one link: while one waits for an answer, another goes on. They run one at a time and in an order that
-/// depends on the link only, so the link needs no locks and a simulated one stays deterministic. Conversations on one wire of the link
-/// (Link::wire_of) take turns, `per_wire` of them at once. Returns what each one threw, null: nothing. Link and conversations outlive the call.
-[[nodiscard]] std::vector<std::exception_ptr> converse(Link& link, std::span<const Conversation> conversations, int per_wire = 1);
+/// Holds several conversations over one link: while one waits for an answer, another goes on. They run one at a time
+/// and in an order that depends on the link only, so the link needs no locks and a simulated one stays deterministic.
+/// Conversations on one wire of the link (Link::wire_of) take turns, `per_wire` of them at once. Returns what each one
+/// threw, null: nothing. Link and conversations outlive the call.
+[[nodiscard]] std::vector<std::exception_ptr> converse(Link& link, std::span<const Conversation> conversations,
+                                                       int per_wire = 1);
 
 }  // namespace triskin::device

@@ -15,7 +15,9 @@ namespace triskin::device {
 struct FirmwarePackage {
   boot::PackageHead head;
   std::vector<std::uint8_t> bytes;
-  [[nodiscard]] Bytes image(int slot) const { return Bytes(bytes).subspan(head.offset(slot), head.size_bytes[static_cast<std::size_t>(slot)]); }
+  [[nodiscard]] Bytes image(int slot) const {
+    return Bytes(bytes).subspan(head.offset(slot), head.size_bytes[static_cast<std::size_t>(slot)]);
+  }
 };
 /// A DFU suffix after the package is fine. Throws InputError naming the file and what is wrong.
 [[nodiscard]] FirmwarePackage read_firmware(const std::filesystem::path& file);
@@ -27,10 +29,11 @@ struct FirmwareResult {
   std::size_t bytes = 0;
 };
 
-/// Puts the firmware into the free slot of one controller over CAN, by its loader (docs/firmware_board.md), starts it and reads back what runs.
-/// Whatever happens in between, the old application stays and starts again. Throws DeviceError: no answer of application or loader, flash
-/// refused, the new application was not started; Cancelled when the process was asked to end.
-FirmwareResult update_firmware(Bus& bus, const wire::NodeClaim& controller, const FirmwarePackage& package, const FlashOptions& options = {},
-                               const ProgressSink& progress = {});
+/// Puts the firmware into the free slot of one controller over CAN, by its loader (docs/firmware_board.md), starts it
+/// and reads back what runs. Whatever happens in between, the old application stays and starts again. Throws
+/// DeviceError: no answer of application or loader, flash refused, the new application was not started; Cancelled when
+/// the process was asked to end.
+FirmwareResult update_firmware(Bus& bus, const wire::NodeClaim& controller, const FirmwarePackage& package,
+                               const FlashOptions& options = {}, const ProgressSink& progress = {});
 
 }  // namespace triskin::device

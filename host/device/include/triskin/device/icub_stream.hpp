@@ -22,8 +22,8 @@ class IcubStream {
  public:
   using OnTaxels = std::function<void(const wire::IcubTaxels&)>;
 
-  /// Asks who is there, configures the skin boards as an iCub host does (period 50 ms, rest at 245, all triangles on), and starts them. Throws
-  /// DeviceError when no skin board answers.
+  /// Asks who is there, configures the skin boards as an iCub host does (period 50 ms, rest at 245, all triangles on),
+  /// and starts them. Throws DeviceError when no skin board answers.
   IcubStream(Bus& bus, OnTaxels handler);
   /// Stops them, if the link is still there.
   ~IcubStream();

@@ -17,8 +17,8 @@ namespace triskin::device {
 class Finger {
  public:
   virtual ~Finger() = default;
-  /// Presses a module at its centre, wide enough for all of its taxels, or one taxel (0..11) with the tip. Takes the finger off
-  /// from where it was.
+  /// Presses a module at its centre, wide enough for all of its taxels, or one taxel (0..11) with the tip. Takes the
+  /// finger off from where it was.
   virtual void press(int module, int taxel = -1) = 0;
   virtual void lift() = 0;
 };
@@ -29,7 +29,8 @@ class Unreachable : public DeviceError {
   using DeviceError::DeviceError;
 };
 
-/// Whole messages to and from one address, where the operating system takes ISO-TP upon itself. Used by the link's thread.
+/// Whole messages to and from one address, where the operating system takes ISO-TP upon itself. Used by the link's
+/// thread.
 class MessageChannel {
  public:
   enum class Arrival { kNothing, kMessage, kFailed };
@@ -46,7 +47,8 @@ class Link {
   virtual ~Link() = default;
   /// Throws Unreachable naming the link and the cause when the link is dead.
   virtual void send(const wire::CanFrame& frame) = 0;
-  /// Waits for a frame until `until_us` of the link's clock; empty: none came, or a channel has something. Throws as send does.
+  /// Waits for a frame until `until_us` of the link's clock; empty: none came, or a channel has something. Throws as
+  /// send does.
   virtual std::optional<wire::CanFrame> receive(std::uint64_t until_us) = 0;
   /// Time of the link, µs: monotonic; virtual in the in-process simulation, where waiting costs nothing.
   [[nodiscard]] virtual std::uint64_t now_us() const = 0;
@@ -65,7 +67,8 @@ class Link {
     (void)tx_id, (void)rx_id;
     return nullptr;
   }
-  /// Wire that leads to a node: controllers on one CAN bus share one, each USB device has its own. 0 while it is not known.
+  /// Wire that leads to a node: controllers on one CAN bus share one, each USB device has its own. 0 while it is not
+  /// known.
   [[nodiscard]] virtual int wire_of(std::uint8_t node) const {
     (void)node;
     return 0;
@@ -77,14 +80,14 @@ class Link {
 /// What `--link` and `--scene` name.
 struct LinkOptions {
   std::string link = "sim";
-  std::string scene;  ///< scene file for `sim`; empty: the design, with nothing wrong
+  std::string scene;      ///< scene file for `sim`; empty: the design, with nothing wrong
   bool switched = false;  ///< `sim` without a scene file has switched modules
 };
 
-/// Opens `sim`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last three, joined by commas. The design is what `sim` simulates when
-/// there is no scene; null where a command has none. From now on Ctrl-C is a request
-/// (catch_interrupts()). Throws InputError (unknown link, no design or scene for `sim`, a scene of
-/// another design), DeviceError (cannot connect).
+/// Opens `sim`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last three, joined by
+/// commas. The design is what `sim` simulates when there is no scene; null where a command has none. From now on Ctrl-C
+/// is a request (catch_interrupts()). Throws InputError (unknown link, no design or scene for `sim`, a scene of another
+/// design), DeviceError (cannot connect).
 [[nodiscard]] std::unique_ptr<Link> open_link(const LinkOptions& options, const model::Design* design);
 
 }  // namespace triskin::device

@@ -28,8 +28,8 @@ class Stream {
  public:
   using OnFrame = std::function<void(const ModuleFrame&)>;
 
-  /// Switches the full stream on in every controller. Throws DeviceError when one is missing or holds another table, InputError
-  /// when the link cannot carry the full stream.
+  /// Switches the full stream on in every controller. Throws DeviceError when one is missing or holds another table,
+  /// InputError when the link cannot carry the full stream.
   Stream(Bus& bus, const model::Design& design, OnFrame handler);
   /// Switches it off, if the link is still there.
   ~Stream();
@@ -62,8 +62,9 @@ struct PressedTaxel {
   geometry::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};
 };
 
-/// Keeps the resting value of every taxel and says which ones are pressed. The rest is the median of the first three valid samples of
-/// the taxel: nothing should touch the skin then, but one sample may still tell of a finger that has just gone.
+/// Keeps the resting value of every taxel and says which ones are pressed. The rest is the median of the first three
+/// valid samples of the taxel: nothing should touch the skin then, but one sample may still tell of a finger that has
+/// just gone.
 class TouchMap {
  public:
   static constexpr double kPressed_counts = 200.0;

@@ -9,7 +9,8 @@
 
 namespace triskin::device {
 
-/// By which tree a design is read: the normal one, or the one that the design prepared for the failure of a module or of a joint.
+/// By which tree a design is read: the normal one, or the one that the design prepared for the failure of a module or
+/// of a joint.
 struct RouteChoice {
   int module = -1;  ///< −1: normal
   int other = -1;   ///< −1: the module failed; else the joint between the two
@@ -20,8 +21,9 @@ struct RouteChoice {
 /// The failure lies in this patch.
 [[nodiscard]] bool concerns(const geometry::Patch& patch, const RouteChoice& choice);
 
-/// What is flashed into the controller of a patch: with a failure, without the modules that it costs. Throws InputError naming the patch when the design cannot be put into a
-/// table: more than 16 modules, more than 126 patches, a place used twice, a joint to a parent that is no neighbour.
+/// What is flashed into the controller of a patch: with a failure, without the modules that it costs. Throws InputError
+/// naming the patch when the design cannot be put into a table: more than 16 modules, more than 126 patches, a place
+/// used twice, a joint to a parent that is no neighbour.
 [[nodiscard]] layout::PatchImage image_of(const model::Design& design, int patch, const RouteChoice& choice = {});
 
 /// The bytes of an image.

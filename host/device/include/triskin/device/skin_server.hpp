@@ -9,8 +9,8 @@
 
 namespace triskin::device {
 
-/// Shows a simulated skin to the outside in real time: virtual time follows the wall clock, and stands still rather than run
-/// after it on a computer that is too slow.
+/// Shows a simulated skin to the outside in real time: virtual time follows the wall clock, and stands still rather
+/// than run after it on a computer that is too slow.
 class SkinServer {
  public:
   explicit SkinServer(scene::VirtualSkin& skin) : skin_(skin) {}

@@ -17,11 +17,13 @@ struct HostPort {
 /// "HOST:PORT". Throws InputError.
 [[nodiscard]] HostPort parse_host_port(const std::string& text);
 
-/// Records between `sim:HOST:PORT` and `triskin simulate --listen`: 4 bytes length of what follows (little-endian), 1 byte
-/// kind, then the contents. Both sides refuse records longer than kMaxBytes.
+/// Records between `sim:HOST:PORT` and `triskin simulate --listen`: 4 bytes length of what follows (little-endian), 1
+/// byte kind, then the contents. Both sides refuse records longer than kMaxBytes.
 namespace record {
-inline constexpr std::uint8_t kCanFrame = 1;  ///< id (4, bit 31: 29 bits, bit 30: FD, bit 29: rate switch), then the data
-inline constexpr std::uint8_t kPress = 2;     ///< module (4), taxel (1) or kWholeModule: the virtual finger presses it, nothing else
+inline constexpr std::uint8_t kCanFrame =
+    1;  ///< id (4, bit 31: 29 bits, bit 30: FD, bit 29: rate switch), then the data
+inline constexpr std::uint8_t kPress =
+    2;  ///< module (4), taxel (1) or kWholeModule: the virtual finger presses it, nothing else
 inline constexpr std::uint8_t kWholeModule = 0xFF;
 inline constexpr std::uint8_t kLift = 3;
 inline constexpr std::size_t kMaxBytes = 4096;
@@ -34,7 +36,8 @@ struct Record {
   std::uint8_t kind = 0;
   std::vector<std::uint8_t> contents;
 };
-/// Takes the first whole record out of `in`; empty when there is none yet. Throws DeviceError on a length that cannot be.
+/// Takes the first whole record out of `in`; empty when there is none yet. Throws DeviceError on a length that cannot
+/// be.
 [[nodiscard]] std::optional<Record> take(std::vector<std::uint8_t>& in);
 /// Throws DeviceError when the contents are no frame.
 [[nodiscard]] wire::CanFrame frame_of(const Record& record);

@@ -8,8 +8,9 @@
 
 namespace triskin::device {
 
-/// One way in which the modules and joints that were found differ from a patch of a design. Kinds: missing_module, missing_joint,
-/// extra_joint, extra_module, rotated_module, swapped_modules, wrong_entry, second_cable (docs/switched_module.md).
+/// One way in which the modules and joints that were found differ from a patch of a design. Kinds: missing_module,
+/// missing_joint, extra_joint, extra_module, rotated_module, swapped_modules, wrong_entry, second_cable
+/// (docs/switched_module.md).
 struct TopologyDifference {
   std::string kind;
   int module = -1;  ///< of the design
@@ -29,8 +30,8 @@ struct TopologyMatch {
   [[nodiscard]] bool another_patch() const { return static_cast<int>(differences.size()) > agreeing_joints + 1; }
 };
 
-/// Fewest differences over all modules that the cable could be plugged into, in all three rotations. Exact ports and rotations:
-/// no differences means that every joint lies between the ports that the design says.
+/// Fewest differences over all modules that the cable could be plugged into, in all three rotations. Exact ports and
+/// rotations: no differences means that every joint lies between the ports that the design says.
 [[nodiscard]] TopologyMatch match_topology(const wire::FoundTopology& found, const model::Design& design, int patch);
 
 /// The patches of a design with fewest differences, best first; all of them when several fit equally well.

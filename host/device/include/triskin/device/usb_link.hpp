@@ -20,7 +20,8 @@ class UsbPipe {
  public:
   virtual ~UsbPipe() = default;
   virtual void write(const wire::UsbPacket& packet) = 0;
-  /// Whole packets one after another, each wire::kUsbPacketBytes long but the last. Waits up to `timeout_ms`; 0: nothing came.
+  /// Whole packets one after another, each wire::kUsbPacketBytes long but the last. Waits up to `timeout_ms`; 0:
+  /// nothing came.
   virtual std::size_t read(std::span<std::uint8_t> packets, int timeout_ms) = 0;
   [[nodiscard]] virtual std::string serial() const = 0;
   /// Where it is plugged in: two pipes with one place are one device.
@@ -31,19 +32,21 @@ class UsbPipe {
 class UsbDriver {
  public:
   virtual ~UsbDriver() = default;
-  /// All that are plugged in now and not at one of `places`; only this serial number unless empty. Throws DeviceError when the
-  /// devices are there but cannot be opened (with the remedy), and none could.
-  virtual std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial, const std::vector<std::string>& places) = 0;
-  /// A device has come or gone since this was asked last, as far as the system tells (hot-plug events); asked often, costs little.
+  /// All that are plugged in now and not at one of `places`; only this serial number unless empty. Throws DeviceError
+  /// when the devices are there but cannot be opened (with the remedy), and none could.
+  virtual std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial,
+                                                     const std::vector<std::string>& places) = 0;
+  /// A device has come or gone since this was asked last, as far as the system tells (hot-plug events); asked often,
+  /// costs little.
   [[nodiscard]] virtual bool changed() { return false; }
   [[nodiscard]] virtual std::string name() const = 0;
 };
 [[nodiscard]] std::unique_ptr<UsbDriver> make_hid_driver();
 [[nodiscard]] std::unique_ptr<UsbDriver> make_bulk_driver();
 
-/// All Triskin controllers on this computer's USB, or the one with a serial number, as one bus. A request goes to the device that has
-/// answered from its node address, everything else to every device, as on CAN. Devices may come and go; the link is dead when the last one
-/// has gone, until reconnect() finds one.
+/// All Triskin controllers on this computer's USB, or the one with a serial number, as one bus. A request goes to the
+/// device that has answered from its node address, everything else to every device, as on CAN. Devices may come and go;
+/// the link is dead when the last one has gone, until reconnect() finds one.
 class UsbLink final : public Link {
  public:
   /// Throws DeviceError when no device is there.

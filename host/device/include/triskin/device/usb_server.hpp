@@ -9,8 +9,8 @@
 
 namespace triskin::device {
 
-/// One device on this computer's virtual USB host controller (vhci-hcd), as if it had been plugged in. Speaks USB/IP (Linux,
-/// Documentation/usb/usbip_protocol.rst) over a socket pair with the kernel. Non-blocking.
+/// One device on this computer's virtual USB host controller (vhci-hcd), as if it had been plugged in. Speaks USB/IP
+/// (Linux, Documentation/usb/usbip_protocol.rst) over a socket pair with the kernel. Non-blocking.
 class VhciDevice {
  public:
   /// Plugs in. Throws DeviceError: no vhci-hcd, no right to use it, no free port.

@@ -11,12 +11,12 @@ namespace triskin::geometry {
 
 /// What making a surface from a raw mesh changed.
 struct ExtractReport {
-  int removed_components = 0;   ///< small or hidden parts
-  int removed_faces = 0;        ///< faces at edges with more than two faces, hidden faces
+  int removed_components = 0;  ///< small or hidden parts
+  int removed_faces = 0;       ///< faces at edges with more than two faces, hidden faces
   int flipped_faces = 0;
   int boundary_loops = 0;
-  int crowded_edges = 0;        ///< edges of the raw mesh with more than two faces
-  int components = 0;           ///< connected parts that are left
+  int crowded_edges = 0;                ///< edges of the raw mesh with more than two faces
+  int components = 0;                   ///< connected parts that are left
   bool outer = false, wrapped = false;  ///< which of the steps on demand were taken
   double kept_out_mm2 = 0.0;            ///< area that the keep-outs took
 };
@@ -32,11 +32,12 @@ struct KeepOutBox {
 /// Steps beyond repair.
 struct ExtractOptions {
   enum class When { kNever, kWhenNeeded, kAlways };
-  When outer = When::kNever;     ///< drop what sees little of the sky; needed: several large parts, or edges with more than two faces
-  double sky_fraction = 0.25;    ///< cosine-weighted share of the half sphere above a face that must be free
-  When wrap = When::kNever;      ///< shrink-wrap first; needed: what is left crosses itself, or is shattered
-  double wrap_alpha_mm = 6.0;    ///< openings narrower than this are closed
-  double wrap_offset_mm = 0.2;   ///< the wrap lies this far outside
+  When outer = When::kNever;    ///< drop what sees little of the sky; needed: several large parts, or edges with more
+                                ///< than two faces
+  double sky_fraction = 0.25;   ///< cosine-weighted share of the half sphere above a face that must be free
+  When wrap = When::kNever;     ///< shrink-wrap first; needed: what is left crosses itself, or is shattered
+  double wrap_alpha_mm = 6.0;   ///< openings narrower than this are closed
+  double wrap_offset_mm = 0.2;  ///< the wrap lies this far outside
   std::vector<KeepOutSphere> spheres;
   std::vector<KeepOutBox> boxes;
   std::optional<Mesh> keep_out;  ///< closed, outward: its inside, and what is nearer to it than the margin
@@ -48,21 +49,21 @@ struct Extraction {
   ExtractReport report;
 };
 
-/// Makes a manifold, consistently oriented surface of a welded mesh: drops faces beyond two at an edge (the ones that turn
-/// most), orients each component over its edges (a Möbius band is cut), splits pinched vertices, and drops components smaller
-/// than a module. Throws InputError when nothing is left. Cost: O(n log n).
+/// Makes a manifold, consistently oriented surface of a welded mesh: drops faces beyond two at an edge (the ones that
+/// turn most), orients each component over its edges (a Möbius band is cut), splits pinched vertices, and drops
+/// components smaller than a module. Throws InputError when nothing is left. Cost: O(n log n).
 [[nodiscard]] Extraction extract(const Mesh& mesh, const ProgressSink& progress = {});
 
-/// The same with the steps beyond repair. Faces at a keep-out are divided down to 1.5 mm, so that its outline is followed
-/// from outside by less than that; no point that stays lies in a keep-out. Sharp edges stay as they are (except when wrapped).
-/// Throws InputError when nothing is left, naming the step that took it.
+/// The same with the steps beyond repair. Faces at a keep-out are divided down to 1.5 mm, so that its outline is
+/// followed from outside by less than that; no point that stays lies in a keep-out. Sharp edges stay as they are
+/// (except when wrapped). Throws InputError when nothing is left, naming the step that took it.
 [[nodiscard]] Extraction extract(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress = {});
 
 /// Throws InputError naming `name` and the place when an edge of the mesh has more than two faces (non-manifold).
 void require_manifold(const Mesh& mesh, const std::string& name);
 
-/// Throws InputError naming `name` and the place when two faces of the surface pass through each other. Exact predicates;
-/// cost O(n log n) typical.
+/// Throws InputError naming `name` and the place when two faces of the surface pass through each other. Exact
+/// predicates; cost O(n log n) typical.
 void require_no_self_intersection(const Mesh& surface, const std::string& name);
 
 }  // namespace triskin::geometry

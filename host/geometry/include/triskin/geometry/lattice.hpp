@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
-#include <compare>
 #include <cmath>
+#include <compare>
 
 #include "triskin/geometry/types.hpp"
 
@@ -25,10 +25,9 @@ struct Tile {
 
 /// Grid vertex (i, j) of corner `corner` (0..2) of a tile.
 [[nodiscard]] constexpr std::array<int, 2> tile_corner_index(const Tile& t, int corner) {
-  if (t.up) return corner == 0 ? std::array{t.i, t.j} : corner == 1 ? std::array{t.i + 1, t.j} : std::array{t.i, t.j + 1};
-  return corner == 0   ? std::array{t.i + 1, t.j}
-         : corner == 1 ? std::array{t.i + 1, t.j + 1}
-                       : std::array{t.i, t.j + 1};
+  if (t.up)
+    return corner == 0 ? std::array{t.i, t.j} : corner == 1 ? std::array{t.i + 1, t.j} : std::array{t.i, t.j + 1};
+  return corner == 0 ? std::array{t.i + 1, t.j} : corner == 1 ? std::array{t.i + 1, t.j + 1} : std::array{t.i, t.j + 1};
 }
 
 /// Position of a grid vertex in mm for side length `side_mm`.

@@ -14,10 +14,12 @@ struct PlacedPiece {
   std::vector<Tile> tiles;
 };
 
-/// Brings placed tiles back to the surface as rigid modules: corners through the flat triangles, then joined corners are
-/// averaged, projected and refitted (Kabsch) until they settle; modules and joints that break a limit are given up, the
-/// worst first. Islands are what stays joined. Metrics of each module are measured against the surface (measure.hpp).
-[[nodiscard]] ModuleLayout map_modules(const Surface& surface, const std::vector<PlacedPiece>& pieces, const LayoutLimits& limits);
+/// Brings placed tiles back to the surface as rigid modules: corners through the flat triangles, then joined corners
+/// are averaged, projected and refitted (Kabsch) until they settle; modules and joints that break a limit are given up,
+/// the worst first. Islands are what stays joined. Metrics of each module are measured against the surface
+/// (measure.hpp).
+[[nodiscard]] ModuleLayout map_modules(const Surface& surface, const std::vector<PlacedPiece>& pieces,
+                                       const LayoutLimits& limits);
 
 /// Measures the layout and gives up what breaks a limit, the worst first: joints become slits, modules go (counted in
 /// layout.refused). Numbers the islands anew by what stays joined.
@@ -26,8 +28,9 @@ void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayou
 /// Measures every metric of every module of the layout: both of the following.
 void measure(const Surface& surface, ModuleLayout& layout);
 
-/// What depends on the surface alone: gap under the centre, depth, overrun, bend radius. Sides are walked every 0.5 mm for
-/// the depth, by bisection where they leave the surface; its area is searched for border under it. Cost: ~200 closest-point queries.
+/// What depends on the surface alone: gap under the centre, depth, overrun, bend radius. Sides are walked every 0.5 mm
+/// for the depth, by bisection where they leave the surface; its area is searched for border under it. Cost: ~200
+/// closest-point queries.
 void measure_on_surface(const Surface& surface, PlacedModule& module);
 
 /// What depends on the other modules: joints and penetration. Cost: n² / 2 distances.

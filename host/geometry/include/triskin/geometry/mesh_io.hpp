@@ -15,10 +15,10 @@ enum class LengthUnit { kMillimetre, kCentimetre, kMetre };
 /// What reading did to the file's triangles, for the report.
 struct MeshReadReport {
   double scale_to_mm = 1.0;
-  int welded_vertices = 0;    ///< corners at the same place that became one vertex (relative 1e-7 of the size)
-  int degenerate_faces = 0;   ///< faces without area, dropped
-  int duplicate_faces = 0;    ///< faces with the same three vertices as an earlier one, dropped
-  int flipped_faces = 0;      ///< faces turned so that neighbours agree
+  int welded_vertices = 0;   ///< corners at the same place that became one vertex (relative 1e-7 of the size)
+  int degenerate_faces = 0;  ///< faces without area, dropped
+  int duplicate_faces = 0;   ///< faces with the same three vertices as an earlier one, dropped
+  int flipped_faces = 0;     ///< faces turned so that neighbours agree
 };
 
 struct MeshFile {

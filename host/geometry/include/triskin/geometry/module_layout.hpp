@@ -11,27 +11,27 @@ namespace triskin::geometry {
 
 /// What a semi-rigid module and its hinges tolerate. Defaults: the installed iCub skin (30 mm modules on 32 mm pitch).
 struct LayoutLimits {
-  double edge_error_mm = 1.0;    ///< largest |length on the net − length of the rigid module| of an edge
-  double hinge_gap_mm = 2.0;     ///< largest distance between joined corners of two neighbours
-  double center_gap_mm = 3.0;    ///< largest distance from a module's centroid to the surface
+  double edge_error_mm = 1.0;            ///< largest |length on the net − length of the rigid module| of an edge
+  double hinge_gap_mm = 2.0;             ///< largest distance between joined corners of two neighbours
+  double center_gap_mm = 3.0;            ///< largest distance from a module's centroid to the surface
   double fold_rad = 1.0471975511965976;  ///< largest angle between the planes of joined modules (60°)
-  double penetration_mm = 0.5;   ///< largest depth by which two modules may overlap
-  double overrun_mm = 0.5;       ///< largest distance by which a module may stand over the border of the surface
+  double penetration_mm = 0.5;           ///< largest depth by which two modules may overlap
+  double overrun_mm = 0.5;  ///< largest distance by which a module may stand over the border of the surface
 };
 
 /// One rigid module on the surface. Corners are those of its tile, in tile order (lattice.hpp), so that
 /// side s runs from corner s to corner (s+1) % 3 counter-clockwise seen from outside.
 struct PlacedModule {
-  int island = 0;                          ///< 0-based
-  Tile tile;                               ///< unique within the island
-  std::array<Vec3, 3> corner_mm;           ///< exactly rigid: sides of 30 mm
+  int island = 0;                            ///< 0-based
+  Tile tile;                                 ///< unique within the island
+  std::array<Vec3, 3> corner_mm;             ///< exactly rigid: sides of 30 mm
   std::array<int, 3> neighbour{-1, -1, -1};  ///< module joined across side s, or -1; symmetric
   /// Metrics against the mesh; all ≥ 0 (see LayoutLimits). Sides without a neighbour hold 0.
   double edge_error_mm = 0.0;
   std::array<double, 3> hinge_gap_mm{};
   std::array<double, 3> fold_rad{};
   double center_gap_mm = 0.0;
-  double edge_depth_mm = 0.0;   ///< largest depth of a point of the sides under the surface
+  double edge_depth_mm = 0.0;  ///< largest depth of a point of the sides under the surface
   double penetration_mm = 0.0;
   double overrun_mm = 0.0;
   double bend_radius_mm = 0.0;  ///< smallest radius of curvature under the module; 0 when flat

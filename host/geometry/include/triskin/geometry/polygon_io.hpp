@@ -7,8 +7,8 @@
 
 namespace triskin::geometry {
 
-/// Reads one polygon in mm, holes allowed: GeoJSON (Polygon, MultiPolygon of one, Feature or collection of one) or WKT (POLYGON).
-/// Errors: InputError naming file, ring and vertex for what is not a polygon (see normalize_polygon).
+/// Reads one polygon in mm, holes allowed: GeoJSON (Polygon, MultiPolygon of one, Feature or collection of one) or WKT
+/// (POLYGON). Errors: InputError naming file, ring and vertex for what is not a polygon (see normalize_polygon).
 [[nodiscard]] Polygon read_polygon(const std::filesystem::path& path);
 
 /// Same from text; `name` stands in messages.
@@ -16,8 +16,8 @@ namespace triskin::geometry {
 
 /// Drops closing and repeated vertices, orients the outer ring counter-clockwise and holes clockwise. Edges of one
 /// polygon may touch (a crack of zero width is a cut), but not cross. Throws InputError naming `name`, ring and vertex
-/// for rings of fewer than three points, zero area, coordinates that are not finite or beyond ±1e8 mm, rings that cross,
-/// and holes outside the outer ring. Cost: O(n log n) for typical outlines, O(n²) at worst.
+/// for rings of fewer than three points, zero area, coordinates that are not finite or beyond ±1e8 mm, rings that
+/// cross, and holes outside the outer ring. Cost: O(n log n) for typical outlines, O(n²) at worst.
 [[nodiscard]] Polygon normalize_polygon(Polygon polygon, const std::string& name);
 
 /// Signed area of a ring in mm² (counter-clockwise positive).

@@ -18,14 +18,15 @@ struct SurfaceEdge {
   int face = 0, side = 0;
 };
 
-/// Reads polylines from an OBJ file: `v x y z` and `l i j k …` (1-based; negative counts from the end); other records are
-/// passed over. Throws InputError naming file, line and remedy for numbers that are none, indices without a vertex, lines of
-/// fewer than two points, and a file without `l`.
+/// Reads polylines from an OBJ file: `v x y z` and `l i j k …` (1-based; negative counts from the end); other records
+/// are passed over. Throws InputError naming file, line and remedy for numbers that are none, indices without a vertex,
+/// lines of fewer than two points, and a file without `l`.
 [[nodiscard]] SeamLines read_seams(const std::filesystem::path& path, std::optional<LengthUnit> unit = {});
 
-/// The edges of the surface along the lines: each point goes to the nearest vertex, points that follow each other are joined
-/// along edges by the shortest way. Throws InputError naming `name`, line and point where the nearest vertex is more than
-/// `within_mm` away, no way leads along edges, or a line ends up at a single vertex.
-[[nodiscard]] std::vector<SurfaceEdge> edges_along(const Surface& surface, const SeamLines& lines, const std::string& name, double within_mm = 5.0);
+/// The edges of the surface along the lines: each point goes to the nearest vertex, points that follow each other are
+/// joined along edges by the shortest way. Throws InputError naming `name`, line and point where the nearest vertex is
+/// more than `within_mm` away, no way leads along edges, or a line ends up at a single vertex.
+[[nodiscard]] std::vector<SurfaceEdge> edges_along(const Surface& surface, const SeamLines& lines,
+                                                   const std::string& name, double within_mm = 5.0);
 
 }  // namespace triskin::geometry

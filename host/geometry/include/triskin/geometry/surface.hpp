@@ -27,7 +27,9 @@ class Surface {
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
   /// Face across side s (corner s → s+1) of a face, -1 at the border.
-  [[nodiscard]] const std::array<int, 3>& neighbours(int face) const { return neighbour_[static_cast<std::size_t>(face)]; }
+  [[nodiscard]] const std::array<int, 3>& neighbours(int face) const {
+    return neighbour_[static_cast<std::size_t>(face)];
+  }
   [[nodiscard]] const Vec3& face_normal(int face) const { return face_normal_[static_cast<std::size_t>(face)]; }
   /// Unit, angle weighted.
   [[nodiscard]] const Vec3& vertex_normal(int vertex) const { return vertex_normal_[static_cast<std::size_t>(vertex)]; }

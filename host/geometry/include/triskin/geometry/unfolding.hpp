@@ -13,10 +13,10 @@ namespace triskin::geometry {
 
 /// One unfolded piece with its map back to the surface.
 struct Piece {
-  Polygon outline;                                 ///< mm, simple, true scale
-  std::vector<int> faces;                          ///< mesh face of each flat triangle
-  std::vector<std::array<Vec2, 3>> flat;           ///< corner positions of `faces`, same corner order as the mesh
-  double max_edge_error_mm = 0.0;                  ///< largest |flat − surface| edge length, scaled to a 30 mm edge
+  Polygon outline;                        ///< mm, simple, true scale
+  std::vector<int> faces;                 ///< mesh face of each flat triangle
+  std::vector<std::array<Vec2, 3>> flat;  ///< corner positions of `faces`, same corner order as the mesh
+  double max_edge_error_mm = 0.0;         ///< largest |flat − surface| edge length, scaled to a 30 mm edge
   double rms_edge_error_mm = 0.0;
 };
 
@@ -26,18 +26,20 @@ struct Net {
 };
 
 struct UnfoldingOptions {
-  double edge_error_mm = 1.0;  ///< largest edge error of a piece, for an edge of 30 mm
-  int iterations = 60;         ///< of the local/global flattening
-  int darts = 3;               ///< most cuts from the border into a piece before it is divided instead
-  std::vector<SurfaceEdge> seams{};    ///< cut open, whether needed or not
-  std::vector<SurfaceEdge> uncut{};    ///< never cut: their two faces stay in one piece, joined
+  double edge_error_mm = 1.0;        ///< largest edge error of a piece, for an edge of 30 mm
+  int iterations = 60;               ///< of the local/global flattening
+  int darts = 3;                     ///< most cuts from the border into a piece before it is divided instead
+  std::vector<SurfaceEdge> seams{};  ///< cut open, whether needed or not
+  std::vector<SurfaceEdge> uncut{};  ///< never cut: their two faces stay in one piece, joined
 };
 
-/// Unfolds a surface into flat pieces at true scale: flattens (as rigid as possible), and while a piece has a larger edge
-/// error, darts it from the border where that suffices and is shorter than dividing, else divides it in two; a flipped triangle
-/// or an outline that crosses itself always divides. Ends always: single triangles are flat. Afterwards pieces are joined again
-/// while the limits hold. Deterministic. Cost: about O(n log n) per level of division.
-/// Throws InputError when an edge is in both lists, or when faces that must stay joined cannot be laid flat within the limit.
-[[nodiscard]] Net unfold(const Surface& surface, const UnfoldingOptions& options = {}, const ProgressSink& progress = {});
+/// Unfolds a surface into flat pieces at true scale: flattens (as rigid as possible), and while a piece has a larger
+/// edge error, darts it from the border where that suffices and is shorter than dividing, else divides it in two; a
+/// flipped triangle or an outline that crosses itself always divides. Ends always: single triangles are flat.
+/// Afterwards pieces are joined again while the limits hold. Deterministic. Cost: about O(n log n) per level of
+/// division. Throws InputError when an edge is in both lists, or when faces that must stay joined cannot be laid flat
+/// within the limit.
+[[nodiscard]] Net unfold(const Surface& surface, const UnfoldingOptions& options = {},
+                         const ProgressSink& progress = {});
 
 }  // namespace triskin::geometry

@@ -35,11 +35,11 @@ struct Design {
   std::string source_file;      ///< name only, no folder
   double scale_to_mm = 1.0;
   std::uint64_t seed = 1;
-  geometry::Mesh surface;       ///< mm
+  geometry::Mesh surface;  ///< mm
   geometry::LayoutLimits limits;
   std::vector<PlacedPiece> pieces;
-  geometry::ModuleLayout layout;          ///< module index = id
-  std::vector<geometry::Patch> patches;   ///< patch p has node address p + 1
+  geometry::ModuleLayout layout;         ///< module index = id
+  std::vector<geometry::Patch> patches;  ///< patch p has node address p + 1
   Report report;
 };
 

@@ -14,7 +14,7 @@ struct DesignOptions {
   double time_limit_s = 20.0;
   std::uint64_t seed = 1;
   geometry::LayoutLimits limits;
-  int iterations = 0;        ///< > 0: the growth ends after so many steps: repeatable whatever the machine's load
+  int iterations = 0;  ///< > 0: the growth ends after so many steps: repeatable whatever the machine's load
   int threads = 2;
   double island_cost = 0.05;      ///< modules that an island (its cable) is worth
   double controller_cost = 0.05;  ///< modules that a controller is worth
@@ -25,9 +25,10 @@ struct MethodComparison {
   int pieces = 0, surface = 0;
 };
 
-/// Mesh file → design: extract, unfold, certified placement of each piece, rigid modules on the surface, controllers and
-/// wiring; of the pieces and the lattice grown on the surface the layout of higher value stays. Throws InputError for unusable meshes. Deterministic for a seed unless the time limit cuts a search short.
-[[nodiscard]] Design make_design(const std::filesystem::path& mesh, const DesignOptions& options, const ProgressSink& progress = {},
-                                 MethodComparison* comparison = nullptr);
+/// Mesh file → design: extract, unfold, certified placement of each piece, rigid modules on the surface, controllers
+/// and wiring; of the pieces and the lattice grown on the surface the layout of higher value stays. Throws InputError
+/// for unusable meshes. Deterministic for a seed unless the time limit cuts a search short.
+[[nodiscard]] Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
+                                 const ProgressSink& progress = {}, MethodComparison* comparison = nullptr);
 
 }  // namespace triskin::model

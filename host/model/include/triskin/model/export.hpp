@@ -6,8 +6,8 @@
 
 namespace triskin::model {
 
-/// Picture of a design (SVG): the surface from the side that shows most modules, modules coloured by patch, the tree of each
-/// patch as lines from the entry (dot).
+/// Picture of a design (SVG): the surface from the side that shows most modules, modules coloured by patch, the tree of
+/// each patch as lines from the entry (dot).
 [[nodiscard]] std::string picture_svg(const Design& design);
 
 /// Taxels, one row each: module, taxel, patch, line, address, position and normal in the mesh frame, mm.

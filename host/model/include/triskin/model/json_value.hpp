@@ -70,7 +70,8 @@ class JsonValue {
   std::string place_;
 };
 
-/// Parses JSON text; throws InputError naming `file` and the place, also for nesting deeper than 64 (the parser recurses).
+/// Parses JSON text; throws InputError naming `file` and the place, also for nesting deeper than 64 (the parser
+/// recurses).
 [[nodiscard]] nlohmann::json parse_json(const std::string& text, const std::string& file);
 
 }  // namespace triskin::model

@@ -11,9 +11,9 @@ namespace triskin::model {
 
 /// Modules from elsewhere, as `triskin route` reads them (docs/cli.md): lattice places, optional island and border.
 struct ModuleList {
-  std::vector<int> ids;             ///< of node k
+  std::vector<int> ids;  ///< of node k
   std::vector<geometry::Tile> tiles;
-  geometry::ModuleGraph graph;      ///< joined where two tiles of one island share a side
+  geometry::ModuleGraph graph;  ///< joined where two tiles of one island share a side
 };
 
 /// Throws InputError naming file and key: wrong types, an id or a tile of an island that stands twice, no module.

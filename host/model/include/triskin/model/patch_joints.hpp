@@ -16,8 +16,8 @@ struct PortEnd {
 };
 using PortEnds = std::vector<std::array<PortEnd, 3>>;
 
-/// All joints between modules of one patch by row and port, also those that the tree leaves out; where the entry's cable is plugged
-/// in there is none. `rotations` by row, as the modules are really turned; empty: as designed.
+/// All joints between modules of one patch by row and port, also those that the tree leaves out; where the entry's
+/// cable is plugged in there is none. `rotations` by row, as the modules are really turned; empty: as designed.
 [[nodiscard]] PortEnds joints_of(const Design& design, int patch, std::span<const int> rotations = {});
 
 }  // namespace triskin::model

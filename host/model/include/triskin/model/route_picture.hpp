@@ -7,8 +7,9 @@
 
 namespace triskin::model {
 
-/// Picture of a routed module list in its lattice (SVG, islands side by side): modules coloured by line and labelled with
-/// their address, patches outlined, arrows from parent to child, a dot where the cable enters, a ring at a second entry.
+/// Picture of a routed module list in its lattice (SVG, islands side by side): modules coloured by line and labelled
+/// with their address, patches outlined, arrows from parent to child, a dot where the cable enters, a ring at a second
+/// entry.
 [[nodiscard]] std::string route_svg(const ModuleList& list, const geometry::RoutingResult& result);
 
 }  // namespace triskin::model

@@ -33,8 +33,8 @@ class Ad7147 {
 
   /// The oscillator runs slow by so many millionths (negative: fast); the data sheet allows 40,000.
   void set_clock_error(int ppm) { clock_ppm_ = ppm; }
-  /// Adds the converter's own noise: 12, 7 or 3 counts peak to peak at decimation 64, 128, 256 (data sheet, table 1). Equal
-  /// seeds give equal noise for equal numbers of conversions since the sequence was started.
+  /// Adds the converter's own noise: 12, 7 or 3 counts peak to peak at decimation 64, 128, 256 (data sheet, table 1).
+  /// Equal seeds give equal noise for equal numbers of conversions since the sequence was started.
   void set_noise(std::uint64_t seed) { noise_seed_ = seed; }
 
   // Bus side: what an I²C slave sees between start and stop.
@@ -50,8 +50,8 @@ class Ad7147 {
   [[nodiscard]] std::uint64_t sequence_us() const;
 
  private:
-  static constexpr std::size_t kSetupRegisters = 8;     // 0x000 … 0x007
-  static constexpr std::size_t kStageRegisters = 96;    // 0x080 … 0x0DF
+  static constexpr std::size_t kSetupRegisters = 8;   // 0x000 … 0x007
+  static constexpr std::size_t kStageRegisters = 96;  // 0x080 … 0x0DF
   static constexpr std::uint64_t kNever = ~std::uint64_t{0};
 
   void reset(std::uint64_t now_us);

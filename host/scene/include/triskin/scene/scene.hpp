@@ -15,9 +15,9 @@ inline constexpr std::uint64_t kForever = ~std::uint64_t{0};
 /// A round finger on the skin: Hertz pressure 3F/(2πr²)·√(1 − (d/r)²) at distance d ≤ r from its centre.
 struct Contact {
   std::uint64_t from_us = 0;
-  std::uint64_t until_us = kForever;      ///< exclusive
-  geometry::Vec3 position_mm{0, 0, 0};    ///< mesh frame
-  std::optional<geometry::Vec3> to_mm;    ///< moves there at constant speed until `until_us`
+  std::uint64_t until_us = kForever;    ///< exclusive
+  geometry::Vec3 position_mm{0, 0, 0};  ///< mesh frame
+  std::optional<geometry::Vec3> to_mm;  ///< moves there at constant speed until `until_us`
   double radius_mm = 6.0;
   double force_n = 2.0;
 };

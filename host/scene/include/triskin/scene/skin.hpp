@@ -18,7 +18,7 @@ namespace triskin::scene {
 // converter's negative input the result falls, as the iCub skin's does.
 inline constexpr double kRestCounts = -8000.0;
 inline constexpr double kCountsPerKpa = 150.0;
-inline constexpr std::array<bool, 12> kMeasuresPressure{true, true, true, true, true, true,
+inline constexpr std::array<bool, 12> kMeasuresPressure{true,  true, true, true, true,  true,
                                                         false, true, true, true, false, true};
 
 /// A contact with its reach: which taxels of which modules it can press.

@@ -9,8 +9,8 @@
 
 namespace triskin::scene {
 
-/// The switched modules of a scene: one chain a patch, as assembled, and what breaks when. Without patches where the scene has strapped
-/// modules. Not thread-safe.
+/// The switched modules of a scene: one chain a patch, as assembled, and what breaks when. Without patches where the
+/// scene has strapped modules. Not thread-safe.
 class SwitchedHardware {
  public:
   explicit SwitchedHardware(const Scene& scene);

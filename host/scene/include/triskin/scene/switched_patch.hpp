@@ -10,8 +10,8 @@
 
 namespace triskin::scene {
 
-/// Switched modules and their joints: registers, arbiters, constants of broken chains, faults, virtual time. The chain moves whole bytes, which
-/// is exact because every register is one byte long, and single bits only while they can flip.
+/// Switched modules and their joints: registers, arbiters, constants of broken chains, faults, virtual time. The chain
+/// moves whole bytes, which is exact because every register is one byte long, and single bits only while they can flip.
 class SwitchedPatch final : public sim::ChainModel {
  public:
   struct End {
@@ -20,7 +20,8 @@ class SwitchedPatch final : public sim::ChainModel {
   };
   enum class JointFault : std::uint8_t { kNone, kOpen, kShort };
 
-  /// `joints[m][p]`: far end of port p, module −1 for none; symmetric. Module 0 is the entry, its cable at `cable_port`.
+  /// `joints[m][p]`: far end of port p, module −1 for none; symmetric. Module 0 is the entry, its cable at
+  /// `cable_port`.
   SwitchedPatch(std::vector<std::array<End, 3>> joints, int cable_port, std::uint64_t seed);
 
   void enable(std::uint8_t cables) override;
@@ -31,16 +32,17 @@ class SwitchedPatch final : public sim::ChainModel {
   /// A second cable, at a port without joint.
   void set_second_cable(End end) { cables_[1] = end; }
   void set_dead(int module, bool dead);
-  void set_joint(End end, JointFault fault);          ///< both ends
-  void set_stuck_line(int module, int line);          ///< holds `line` down whenever its switches are closed; −1: none
-  void set_stuck_bit(int module, int bit, int value); ///< of the register's outputs; value −1: none
-  void reset_alone(int module);                       ///< register to zero as after a dip of its supply
+  void set_joint(End end, JointFault fault);  ///< both ends
+  /// The module holds `line` down whenever its switches are closed; −1: none.
+  void set_stuck_line(int module, int line);
+  void set_stuck_bit(int module, int bit, int value);           ///< of the register's outputs; value −1: none
+  void reset_alone(int module);                                 ///< register to zero as after a dip of its supply
   void set_bit_error_rate(double rate) { bit_errors_ = rate; }  ///< probability that a bit flips in one module
 
-  [[nodiscard]] bool reached(int module) const;       ///< the lines of the controller reach the module
+  [[nodiscard]] bool reached(int module) const;  ///< the lines of the controller reach the module
   [[nodiscard]] int line_of(int module) const { return output(module) & 3; }
   [[nodiscard]] int address_of(int module) const { return output(module) >> 2 & 3; }
-  [[nodiscard]] int depth_of(int module) const;       ///< joints up to the cable; −1 when not reached
+  [[nodiscard]] int depth_of(int module) const;  ///< joints up to the cable; −1 when not reached
   [[nodiscard]] double time_us() const { return time_us_; }
 
  private:
@@ -52,11 +54,15 @@ class SwitchedPatch final : public sim::ChainModel {
   };
   [[nodiscard]] Module& at(int m) { return modules_[static_cast<std::size_t>(m)]; }
   [[nodiscard]] const Module& at(int m) const { return modules_[static_cast<std::size_t>(m)]; }
-  [[nodiscard]] End end(int m, int p) const { return joints_[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)]; }
-  [[nodiscard]] JointFault fault(int m, int p) const { return faults_[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)]; }
+  [[nodiscard]] End end(int m, int p) const {
+    return joints_[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)];
+  }
+  [[nodiscard]] JointFault fault(int m, int p) const {
+    return faults_[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)];
+  }
   [[nodiscard]] std::uint8_t output(int m) const;
-  [[nodiscard]] std::uint8_t opened(int m) const;  ///< EN outputs
-  [[nodiscard]] std::uint8_t raised(int m) const;  ///< EN inputs
+  [[nodiscard]] std::uint8_t opened(int m) const;      ///< EN outputs
+  [[nodiscard]] std::uint8_t raised(int m) const;      ///< EN inputs
   [[nodiscard]] bool at_cable(int m, int port) const;  ///< one whose EN is high
   [[nodiscard]] bool attached_child(int m, int p) const;
   [[nodiscard]] bool shorted() const;

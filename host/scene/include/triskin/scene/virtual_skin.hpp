@@ -21,7 +21,8 @@ class VirtualSkin {
   static constexpr std::size_t kFlashBytes = std::size_t{64} * 1024;
   using OnFrame = std::function<void(const wire::CanFrame&, std::uint64_t at_us)>;
 
-  /// Powers all controllers. The flash contents live in `state_folder` (made when missing), or in memory if it is empty.
+  /// Powers all controllers. The flash contents live in `state_folder` (made when missing), or in memory if it is
+  /// empty.
   explicit VirtualSkin(Scene scene, const std::filesystem::path& state_folder = {});
   ~VirtualSkin();
   VirtualSkin(const VirtualSkin&) = delete;
@@ -42,8 +43,8 @@ class VirtualSkin {
   /// Runs until a frame for the host has left the bus (true), at the latest until `until_us`.
   bool run_until_frame(std::uint64_t until_us) { return run(until_us, true); }
 
-  /// Puts a finger that is meant for the module on it (fault finger_elsewhere moves it): wide enough for all of its taxels, or a
-  /// finger tip on one taxel (0..11; -1: the whole module). Returns an id for release.
+  /// Puts a finger that is meant for the module on it (fault finger_elsewhere moves it): wide enough for all of its
+  /// taxels, or a finger tip on one taxel (0..11; -1: the whole module). Returns an id for release.
   int press_module(int module, int taxel = -1);
   void release(int id) { skin_.release(id, now_us_); }
 

@@ -42,12 +42,13 @@ class FlashChip {
   /// Power fails in the middle of the operation (erase of a page or program of a unit) after the next `more` ones.
   void cut_power_after(std::uint64_t more) { cut_at = operations + more; }
 
-  /// Does an operation to the cells. `torn`: power fails in its middle, half a page erased, or half of a unit's bits fallen and its ECC broken.
+  /// Does an operation to the cells. `torn`: power fails in its middle, half a page erased, or half of a unit's bits
+  /// fallen and its ECC broken.
   void apply(const FlashOperation& operation, bool torn);
 
   std::vector<std::uint8_t> bytes;
-  std::vector<bool> used;              ///< per unit: programmed since its erase
-  std::set<std::uint32_t> torn;        ///< units (by index) whose ECC has two wrong bits
+  std::vector<bool> used;        ///< per unit: programmed since its erase
+  std::set<std::uint32_t> torn;  ///< units (by index) whose ECC has two wrong bits
   std::uint64_t operations = 0;
   std::uint64_t cut_at = ~std::uint64_t{0};
   std::vector<FlashOperation>* log = nullptr;  ///< each operation that begins is noted there; may be null

@@ -23,9 +23,9 @@ struct MachineSetup {
   FlashChip* flash = nullptr;
   std::array<std::uint8_t, 12> unique_id{};
   std::function<void(const wire::CanFrame&, std::uint64_t now_us)> on_can;  ///< a frame has left the controller
-  VcdTrace* trace = nullptr;     ///< may be null
+  VcdTrace* trace = nullptr;                                                ///< may be null
   bool crystal_works = true;
-  bool will_be_cut = false;      ///< power_cycle() will be used: reading is slower
+  bool will_be_cut = false;          ///< power_cycle() will be used: reading is slower
   sim::ChainModel* chain = nullptr;  ///< of switched modules; may be null
 };
 
@@ -34,11 +34,12 @@ struct MachineCounts {
   std::uint64_t instructions = 0, exceptions = 0;
   std::uint64_t idle_us = 0;
   int resets = 0;
-  Time worst_interrupt = 0;  ///< entry to return of the longest exception
+  Time worst_interrupt = 0;                    ///< entry to return of the longest exception
   std::array<std::uint64_t, 4> i2c_busy_us{};  ///< start to stop, summed
 };
 
-/// An STM32G474 that runs an unmodified image (docs/machine.md). Deterministic. Not thread-safe; one instruction counts one cycle.
+/// An STM32G474 that runs an unmodified image (docs/machine.md). Deterministic. Not thread-safe; one instruction counts
+/// one cycle.
 class Machine {
  public:
   class Core;
@@ -47,7 +48,8 @@ class Machine {
   Machine(const Machine&) = delete;
   Machine& operator=(const Machine&) = delete;
 
-  /// Runs until virtual time `us`. Throws sim::PowerLost when the flash was told to lose power, DeviceError when the core locks up.
+  /// Runs until virtual time `us`. Throws sim::PowerLost when the flash was told to lose power, DeviceError when the
+  /// core locks up.
   void run_until(std::uint64_t us);
   /// Power goes and comes back, with these cells in the flash: RAM has lost what it held. Faster than a new machine.
   void power_cycle(const FlashChip& cells);

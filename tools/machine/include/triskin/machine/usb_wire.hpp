@@ -15,7 +15,8 @@ struct UsbIn {
   std::vector<std::uint8_t> bytes;
 };
 
-/// The device's end of the USB cable. A transaction happens at the present time and takes none: the host's side spends it.
+/// The device's end of the USB cable. A transaction happens at the present time and takes none: the host's side spends
+/// it.
 class UsbWire {
  public:
   virtual ~UsbWire() = default;
@@ -25,7 +26,8 @@ class UsbWire {
   /// Nothing on the bus for 3 ms, and activity after that.
   virtual void bus_suspend(bool suspended) = 0;
   virtual UsbReply setup(std::uint8_t address, std::span<const std::uint8_t, 8> bytes) = 0;
-  virtual UsbReply out(std::uint8_t address, std::uint8_t endpoint, bool data1, std::span<const std::uint8_t> bytes) = 0;
+  virtual UsbReply out(std::uint8_t address, std::uint8_t endpoint, bool data1,
+                       std::span<const std::uint8_t> bytes) = 0;
   virtual UsbIn in(std::uint8_t address, std::uint8_t endpoint) = 0;
 };
 

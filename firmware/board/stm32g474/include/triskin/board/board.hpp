@@ -6,8 +6,9 @@
 /// Low-level parts that the loader and the application share.
 namespace triskin::board {
 
-/// HSE 8 MHz, PLL 340 MHz, SYSCLK = HCLK = PCLK = 170 MHz, range 1 boost, four wait states (RM0440 §6.1.5, §7.2.4, §3.3.3).
-/// Without a crystal the PLL runs from HSI 16 MHz (± 1 %: enough for I²C and, as a rule, for classic CAN). Waits for the oscillators (start-up only).
+/// HSE 8 MHz, PLL 340 MHz, SYSCLK = HCLK = PCLK = 170 MHz, range 1 boost, four wait states (RM0440 §6.1.5, §7.2.4,
+/// §3.3.3). Without a crystal the PLL runs from HSI 16 MHz (± 1 %: enough for I²C and, as a rule, for classic CAN).
+/// Waits for the oscillators (start-up only).
 void start_clocks();
 
 /// TIM2 at 1 MHz: 32 bits in hardware, extended to 64 on each reading; must be read at least every 71 minutes.
@@ -22,8 +23,9 @@ void feed_watchdog();  ///< harmless before the start
 
 [[nodiscard]] std::array<std::uint8_t, 12> unique_id();
 
-/// Flash (RM0440 §3.3.7, §3.3.8). Waits for the end: 22 ms an erase, 82 µs a unit of eight bytes. The CPU goes on when it runs from the
-/// other bank, and is stalled by the bus otherwise. False: refused, misaligned, write protected, or the unit was not erased.
+/// Flash (RM0440 §3.3.7, §3.3.8). Waits for the end: 22 ms an erase, 82 µs a unit of eight bytes. The CPU goes on
+/// when it runs from the other bank, and is stalled by the bus otherwise. False: refused, misaligned, write protected,
+/// or the unit was not erased.
 [[nodiscard]] bool erase_flash_page(std::uint32_t address);
 [[nodiscard]] bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t high);
 

@@ -4,10 +4,11 @@
 
 namespace triskin::board {
 
-/// What the firmware measures about itself. At a fixed symbol (`triskin_budget`), so that a debugger or the modelled machine reads it.
+/// What the firmware measures about itself. At a fixed symbol (`triskin_budget`), so that a debugger or the modelled
+/// machine reads it.
 struct Budget {
-  std::uint32_t loops = 0;             ///< passes of the main loop
-  std::uint32_t worst_loop_us = 0;     ///< longest pass, sleep left out
+  std::uint32_t loops = 0;          ///< passes of the main loop
+  std::uint32_t worst_loop_us = 0;  ///< longest pass, sleep left out
   std::uint32_t worst_interrupt_us = 0;
   std::uint32_t stack_free_bytes = 0;  ///< of the painted stack, never touched so far
   std::uint64_t idle_us = 0;           ///< spent in WFI since start

@@ -25,12 +25,13 @@ struct I2cTiming {
   }
 };
 
-/// Fast mode (UM10204 table 10): SCL low ≥ 1300 ns, high ≥ 600 ns, data set up ≥ 100 ns, data valid ≤ 900 ns. SCL's period also
-/// holds the synchronization of both edges: analog filter 50 … 260 ns and two to three kernel clocks each (§41.4.10);
-/// the shortest of these is counted, so that the bus never exceeds bus_hz. Tries prescalers from the finest.
-/// Errors: kOutOfRange when the clock cannot give it, or bus_hz is 0 or above 400 kHz.
+/// Fast mode (UM10204 table 10): SCL low ≥ 1300 ns, high ≥ 600 ns, data set up ≥ 100 ns, data valid ≤ 900 ns.
+/// SCL's period also holds the synchronization of both edges: analog filter 50 … 260 ns and two to three kernel
+/// clocks each (§41.4.10); the shortest of these is counted, so that the bus never exceeds bus_hz. Tries prescalers
+/// from the finest. Errors: kOutOfRange when the clock cannot give it, or bus_hz is 0 or above 400 kHz.
 [[nodiscard]] constexpr Result<I2cTiming> compute_i2c_timing(const I2cTimingInput& in) {
-  constexpr std::uint64_t kLow_ns = 1300, kHigh_ns = 600, kSetup_ns = 100, kFilterMin_ns = 50, kFilterMax_ns = 260, kDataValid_ns = 900;
+  constexpr std::uint64_t kLow_ns = 1300, kHigh_ns = 600, kSetup_ns = 100, kFilterMin_ns = 50, kFilterMax_ns = 260,
+                          kDataValid_ns = 900;
   if (in.bus_hz == 0 || in.bus_hz > 400'000 || in.kernel_hz < 8'000'000) return std::unexpected(Status::kOutOfRange);
   const std::uint64_t period_ps = 1'000'000'000'000ULL / in.bus_hz;
   const std::uint64_t clock_ps = 1'000'000'000'000ULL / in.kernel_hz;

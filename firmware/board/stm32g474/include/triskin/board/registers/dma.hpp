@@ -33,6 +33,8 @@ class Channel {
 };
 
 /// Table 91: I²C 1..4 receive on 16, 18, 20, 22 and send on the number after that.
-[[nodiscard]] constexpr std::uint32_t i2c_receive_request(unsigned line_index) { return 16 + 2 * line_index; }
+[[nodiscard]] constexpr std::uint32_t i2c_receive_request(unsigned line_index) {
+  return 16 + 2 * line_index;
+}
 
 }  // namespace triskin::board::dma_reg

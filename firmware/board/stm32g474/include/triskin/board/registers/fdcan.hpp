@@ -2,21 +2,23 @@
 #pragma once
 #include "triskin/board/registers/register.hpp"
 
-/// FD controller area network, RM0440 §44.4 (registers) and §44.3.6 (message RAM: its layout is fixed in the STM32G4).
+/// FD controller area network, RM0440 §44.4 (registers) and §44.3.6 (message RAM: its layout is fixed in the
+/// STM32G4).
 namespace triskin::board::fdcan_reg {
 
 inline constexpr std::uint32_t kBase = 0x40006400, kRam = 0x4000A400;
-inline constexpr Register kDbtp{kBase + 0x0C}, kCccr{kBase + 0x18}, kNbtp{kBase + 0x1C}, kEcr{kBase + 0x40}, kPsr{kBase + 0x44}, kTdcr{kBase + 0x48},
-    kIr{kBase + 0x50}, kIe{kBase + 0x54}, kIls{kBase + 0x58}, kIle{kBase + 0x5C}, kRxgfc{kBase + 0x80}, kRxf0s{kBase + 0x90}, kRxf0a{kBase + 0x94},
-    kTxbc{kBase + 0xC0}, kTxfqs{kBase + 0xC4}, kTxbar{kBase + 0xCC}, kTxbtie{kBase + 0xDC}, kCkdiv{kBase + 0x100};
+inline constexpr Register kDbtp{kBase + 0x0C}, kCccr{kBase + 0x18}, kNbtp{kBase + 0x1C}, kEcr{kBase + 0x40},
+    kPsr{kBase + 0x44}, kTdcr{kBase + 0x48}, kIr{kBase + 0x50}, kIe{kBase + 0x54}, kIls{kBase + 0x58},
+    kIle{kBase + 0x5C}, kRxgfc{kBase + 0x80}, kRxf0s{kBase + 0x90}, kRxf0a{kBase + 0x94}, kTxbc{kBase + 0xC0},
+    kTxfqs{kBase + 0xC4}, kTxbar{kBase + 0xCC}, kTxbtie{kBase + 0xDC}, kCkdiv{kBase + 0x100};
 
 // CCCR
 inline constexpr std::uint32_t kInit = bit(0), kConfigure = bit(1), kFdOperation = bit(8), kBitRateSwitch = bit(9);
 // IR and IE
 inline constexpr std::uint32_t kRxNew = bit(0), kRxLost = bit(2), kTxDone = bit(7), kBusOff = bit(19);
 // Message RAM, byte offsets
-inline constexpr std::uint32_t kStandardFilters = 0x000, kExtendedFilters = 0x070, kRxFifo0 = 0x0B0, kTxBuffers = 0x278, kElementBytes = 72,
-                               kRamBytes = 0x350;
+inline constexpr std::uint32_t kStandardFilters = 0x000, kExtendedFilters = 0x070, kRxFifo0 = 0x0B0, kTxBuffers = 0x278,
+                               kElementBytes = 72, kRamBytes = 0x350;
 // First and second word of an element
 inline constexpr std::uint32_t kExtendedId = bit(30), kFdFrame = bit(21), kRateSwitched = bit(20), kSizeShift = 16;
 inline constexpr int kIrq0 = 21;

@@ -14,8 +14,11 @@ enum class PinMode : std::uint32_t { kInput = 0, kOutput = 1, kAlternate = 2 };
 
 class Gpio {
  public:
-  constexpr explicit Gpio(Pin pin) : base_(0x48000000U + 0x400U * static_cast<unsigned>(pin.port - 'A')), n_(pin.number) {}
-  void mode(PinMode mode) const { Register(base_).modify(3U << (2 * n_), static_cast<std::uint32_t>(mode) << (2 * n_)); }
+  constexpr explicit Gpio(Pin pin)
+      : base_(0x48000000U + 0x400U * static_cast<unsigned>(pin.port - 'A')), n_(pin.number) {}
+  void mode(PinMode mode) const {
+    Register(base_).modify(3U << (2 * n_), static_cast<std::uint32_t>(mode) << (2 * n_));
+  }
   void open_drain() const { Register(base_ + 0x04).set(bit(n_)); }
   void pull_down() const { Register(base_ + 0x0C).modify(3U << (2 * n_), 2U << (2 * n_)); }
   void very_high_speed() const { Register(base_ + 0x08).set(3U << (2 * n_)); }

@@ -4,7 +4,8 @@
 
 namespace triskin::board {
 
-/// One 32-bit register at a fixed address. The section numbers in this folder are those of RM0440 (STM32G4 reference manual).
+/// One 32-bit register at a fixed address. The section numbers in this folder are those of RM0440 (STM32G4 reference
+/// manual).
 class Register {
  public:
   constexpr explicit Register(std::uint32_t address) : address_(address) {}
@@ -20,6 +21,8 @@ class Register {
   std::uint32_t address_;
 };
 
-[[nodiscard]] constexpr std::uint32_t bit(unsigned n) { return std::uint32_t{1} << n; }
+[[nodiscard]] constexpr std::uint32_t bit(unsigned n) {
+  return std::uint32_t{1} << n;
+}
 
 }  // namespace triskin::board

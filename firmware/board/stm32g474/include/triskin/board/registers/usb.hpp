@@ -7,21 +7,25 @@ namespace triskin::board {
 /// USB full-speed device, RM0440 §45.6, and its packet memory of 1 KB in half-words (§45.5.3).
 namespace usb_reg {
 inline constexpr std::uint32_t kBase = 0x40005C00, kMemory = 0x40006000;
-inline constexpr Register kCntr{kBase + 0x40}, kIstr{kBase + 0x44}, kDaddr{kBase + 0x4C}, kBtable{kBase + 0x50}, kBcdr{kBase + 0x58};
-[[nodiscard]] constexpr Register endpoint(std::size_t n) { return Register(kBase + 4 * static_cast<std::uint32_t>(n)); }
+inline constexpr Register kCntr{kBase + 0x40}, kIstr{kBase + 0x44}, kDaddr{kBase + 0x4C}, kBtable{kBase + 0x50},
+    kBcdr{kBase + 0x58};
+[[nodiscard]] constexpr Register endpoint(std::size_t n) {
+  return Register(kBase + 4 * static_cast<std::uint32_t>(n));
+}
 // CNTR
 inline constexpr std::uint32_t kForceReset = bit(0), kPowerDown = bit(1), kForceSuspend = bit(3);
 // CNTR (mask) and ISTR
 inline constexpr std::uint32_t kReset = bit(10), kSuspend = bit(11), kWakeUp = bit(12), kTransferred = bit(15);
 // EPnR: some bits are cleared by 0, some are toggled by 1 (§45.6.2)
-inline constexpr std::uint32_t kReceived = bit(15), kReceiveToggle = bit(14), kReceiveMask = 3U << 12, kSetup = bit(11), kSent = bit(7), kSendToggle = bit(6),
-                               kSendMask = 3U << 4, kPlain = 0x70F;
+inline constexpr std::uint32_t kReceived = bit(15), kReceiveToggle = bit(14), kReceiveMask = 3U << 12, kSetup = bit(11),
+                               kSent = bit(7), kSendToggle = bit(6), kSendMask = 3U << 4, kPlain = 0x70F;
 inline constexpr std::uint32_t kBulk = 0U << 9, kControl = 1U << 9, kInterrupt = 3U << 9;
 inline constexpr std::uint32_t kStall = 1, kNak = 2, kValid = 3;  // of both status fields
 inline constexpr unsigned kReceiveShift = 12, kSendShift = 4;
 inline constexpr std::uint32_t kEnableFunction = bit(7);  // DADDR
 inline constexpr std::uint32_t kPullUp = bit(15);         // BCDR
-inline constexpr std::uint32_t kBlocksOf64 = bit(15) | 1U << 10, kCountMask = 0x3FF;  // COUNTn_RX: two blocks of 32 bytes
+inline constexpr std::uint32_t kBlocksOf64 = bit(15) | 1U << 10,
+                               kCountMask = 0x3FF;  // COUNTn_RX: two blocks of 32 bytes
 inline constexpr int kIrq = 20;
 }  // namespace usb_reg
 
