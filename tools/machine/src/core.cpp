@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "map.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/sim/flash_model.hpp"
 
@@ -14,8 +15,8 @@ namespace {
 
 constexpr std::uint32_t kRamBase = 0x20000000, kRamBytes = 128 * 1024, kSystemMemory = 0x1FFF7000,
                         kNoMansLand = 0xD0000000;
-constexpr std::uint32_t kPeripherals = 0x40000000, kPeripheralBytes = 0x80000, kGpioBase = 0x48000000,
-                        kScs = 0xE000E000;
+constexpr std::uint32_t kPeripherals = 0x40000000, kPeripheralBytes = 0x80000, kGpioBase = map::kGpioA,
+                        kGpioBytes = 0x2000, kScs = 0xE000E000, kScsBytes = 0x1000;
 
 void check(uc_err error, const char* what) {
   if (error != UC_ERR_OK) throw DeviceError(fmt::format("modelled machine: {}: {}", what, uc_strerror(error)));
@@ -111,28 +112,31 @@ Machine::Core::Core(const MachineSetup& setup)
       can_ram_(*this, can_),
       ram_(kRamBytes, 0xA5),
       blocks_(FlashChip::kBytes / 2) {
-  constexpr std::array<std::array<int, 2>, 4> kIrqs{{{31, 32}, {33, 34}, {92, 93}, {82, 83}}};
+  constexpr std::array<std::array<int, 2>, 4> kIrqs{{{map::kI2c1Event, map::kI2c1Error},
+                                                     {map::kI2c2Event, map::kI2c2Error},
+                                                     {map::kI2c3Event, map::kI2c3Error},
+                                                     {map::kI2c4Event, map::kI2c4Error}}};
   for (std::size_t k = 0; k < 4; ++k) {
     i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup.lines[k], kIrqs[k][0], kIrqs[k][1],
                                               dma_, setup.trace);
   }
-  windows_ = {{&tim2_, 0x40000000, 0x400, 0x58, 0, "TIM2"},
-              {&iwdg_, 0x40003000, 0x400, 0, 0, "IWDG"},
-              {&spi_, 0x40003800, 0x400, 0x58, 14, "SPI2"},
-              {i2c_[0].get(), 0x40005400, 0x400, 0x58, 21, "I2C1"},
-              {i2c_[1].get(), 0x40005800, 0x400, 0x58, 22, "I2C2"},
-              {&crs_, 0x40002000, 0x400, 0x58, 8, "CRS"},
-              {&usb_, 0x40005C00, 0x400, 0x58, 23, "USB"},
-              {&usb_memory_, 0x40006000, 0x400, 0x58, 23, "USB packet memory"},
-              {&can_, 0x40006400, 0x400, 0x58, 25, "FDCAN"},
-              {&pwr_, 0x40007000, 0x400, 0x58, 28, "PWR"},
-              {i2c_[2].get(), 0x40007800, 0x400, 0x58, 30, "I2C3"},
-              {i2c_[3].get(), 0x40008400, 0x400, 0x5C, 1, "I2C4"},
-              {&can_ram_, 0x4000A400, 0x400, 0x58, 25, "FDCAN RAM"},
-              {&rcc_, 0x40021000, 0x400, 0, 0, "RCC"},
-              {&flash_, 0x40022000, 0x400, 0x48, 8, "FLASH"},
-              {&dma_, 0x40020000, 0x400, 0x48, 0, "DMA1"},
-              {&dma_mux_, 0x40020800, 0x400, 0x48, 2, "DMAMUX"}};
+  windows_ = {{&tim2_, map::kTim2, 0x400, map::kApb1, map::kTim2Bit, "TIM2"},
+              {&iwdg_, map::kIwdg, 0x400, 0, 0, "IWDG"},
+              {&spi_, map::kSpi2, 0x400, map::kApb1, map::kSpi2Bit, "SPI2"},
+              {i2c_[0].get(), map::kI2c1, 0x400, map::kApb1, map::kI2c1Bit, "I2C1"},
+              {i2c_[1].get(), map::kI2c2, 0x400, map::kApb1, map::kI2c2Bit, "I2C2"},
+              {&crs_, map::kCrs, 0x400, map::kApb1, map::kCrsBit, "CRS"},
+              {&usb_, map::kUsb, 0x400, map::kApb1, map::kUsbBit, "USB"},
+              {&usb_memory_, map::kUsbMemory, 0x400, map::kApb1, map::kUsbBit, "USB packet memory"},
+              {&can_, map::kFdcan, 0x400, map::kApb1, map::kFdcanBit, "FDCAN"},
+              {&pwr_, map::kPwr, 0x400, map::kApb1, map::kPwrBit, "PWR"},
+              {i2c_[2].get(), map::kI2c3, 0x400, map::kApb1, map::kI2c3Bit, "I2C3"},
+              {i2c_[3].get(), map::kI2c4, 0x400, map::kApb1Second, map::kI2c4Bit, "I2C4"},
+              {&can_ram_, map::kFdcanRam, 0x400, map::kApb1, map::kFdcanBit, "FDCAN RAM"},
+              {&rcc_, map::kRcc, 0x400, 0, 0, "RCC"},
+              {&flash_, map::kFlash, 0x400, map::kAhb1, map::kFlashBit, "FLASH"},
+              {&dma_, map::kDma1, 0x400, map::kAhb1, map::kDma1Bit, "DMA1"},
+              {&dma_mux_, map::kDmaMux, 0x400, map::kAhb1, map::kDmaMuxBit, "DMAMUX"}};
   check(uc_open(UC_ARCH_ARM, static_cast<uc_mode>(UC_MODE_THUMB | UC_MODE_MCLASS), &uc_), "open");
   check(uc_ctl_set_cpu_model(uc_, UC_CPU_ARM_CORTEX_M4), "Cortex-M4");
   map_memory();
@@ -153,10 +157,10 @@ void Machine::Core::map_memory() {
   check(uc_mem_map(uc_, kNoMansLand, 8U << 20, UC_PROT_NONE), "map no man's land");
   check(uc_mem_map_ptr(uc_, kRamBase, kRamBytes, UC_PROT_READ | UC_PROT_WRITE, ram_.data()), "map RAM");
   check(uc_mem_map(uc_, kSystemMemory, 0x1000, UC_PROT_READ), "map system memory");
-  check(uc_mem_write(uc_, 0x1FFF7590, setup_.unique_id.data(), setup_.unique_id.size()), "unique id");
+  check(uc_mem_write(uc_, map::kUniqueId, setup_.unique_id.data(), setup_.unique_id.size()), "unique id");
   check(uc_mmio_map(uc_, kPeripherals, kPeripheralBytes, Hooks::read, this, Hooks::write, this), "map peripherals");
-  check(uc_mmio_map(uc_, kGpioBase, 0x2000, Hooks::read_gpio, this, Hooks::write_gpio, this), "map GPIO");
-  check(uc_mmio_map(uc_, kScs, 0x1000, Hooks::read_scs, this, Hooks::write_scs, this), "map SCS");
+  check(uc_mmio_map(uc_, kGpioBase, kGpioBytes, Hooks::read_gpio, this, Hooks::write_gpio, this), "map GPIO");
+  check(uc_mmio_map(uc_, kScs, kScsBytes, Hooks::read_scs, this, Hooks::write_scs, this), "map SCS");
 }
 
 // A hook on all stores would slow every one of them; the flash is not writable to Unicorn, and it asks.
@@ -208,7 +212,7 @@ void Machine::Core::power_cycle(const FlashChip& cells) {
   chip.torn = cells.torn;
   watch_torn_units();
   std::ranges::fill(ram_, std::uint8_t{0xA5});
-  rcc_.note_reset(1U << 27);
+  rcc_.note_reset(3U << 26);
   reset_core();
 }
 
@@ -282,6 +286,13 @@ bool Machine::Core::gate_open(const Window& w) {
   return false;
 }
 
+std::uint32_t Machine::Core::peek(std::uint32_t address) {
+  if (address >= kGpioBase && address < kGpioBase + kGpioBytes) return gpio_.read(address - kGpioBase, 4);
+  if (address >= kScs && address < kScs + kScsBytes) return nvic_.read(address - kScs, 4);
+  const Window* w = window_of(address);
+  return w != nullptr ? w->block->read(address - w->base, 4) : 0;
+}
+
 std::uint32_t Machine::Core::bus_read(std::uint32_t address, unsigned size) {
   Window* w = window_of(address);
   return w != nullptr && gate_open(*w) ? w->block->read(address - w->base, size) : 0;
@@ -292,9 +303,9 @@ void Machine::Core::bus_write(std::uint32_t address, std::uint32_t value, unsign
   if (w == nullptr || !gate_open(*w)) return;
   w->block->write(address - w->base, value, size);
   if (w->block == &rcc_) cycle_ = kSecond / rcc_.sysclk_hz();
-  if (w->block == &rcc_ && address - w->base == 0x38) {  // APB1RSTR1
+  if (w->block == &rcc_ && address - w->base == map::kApb1Reset) {
     for (Window& o : windows_) {
-      if (o.enable_offset == 0x58 && (value >> o.enable_bit & 1) != 0) o.block->reset();
+      if (o.enable_offset == map::kApb1 && (value >> o.enable_bit & 1) != 0) o.block->reset();
     }
   }
 }

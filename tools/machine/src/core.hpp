@@ -26,6 +26,7 @@ class Machine::Core final : public Surroundings {
   void receive(const wire::CanFrame& frame) { can_.from_bus(frame); }
   [[nodiscard]] UsbWire& usb() { return usb_; }
   [[nodiscard]] std::uint32_t load(std::uint32_t address);
+  [[nodiscard]] std::uint32_t peek(std::uint32_t address);
 
   Scheduler& time() override { return time_; }
   void set_irq(int irq, bool level) override { nvic_.set_level(irq, level); }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "map.hpp"
+
 namespace triskin::machine {
 namespace {
 
@@ -30,7 +32,7 @@ void Fdcan::reset() {
 }
 
 void Fdcan::update_irqs() {
-  around_.set_irq(21, (regs_[kIr / 4] & regs_[kIe / 4]) != 0 && (regs_[kIle / 4] & 1) != 0);
+  around_.set_irq(map::kFdcanIrq, (regs_[kIr / 4] & regs_[kIe / 4]) != 0 && (regs_[kIle / 4] & 1) != 0);
 }
 
 // Bits without stuffing: 11-bit frames 47 + 8n, 29-bit 67 + 8n; FD frames have their data phase at the data rate.

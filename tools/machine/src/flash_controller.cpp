@@ -15,9 +15,10 @@ constexpr std::uint32_t kProgError = 1U << 3, kAlignError = 1U << 5, kSizeError 
 
 void FlashController::reset() {
   ++generation_;
-  acr_ = 0x600;
+  acr_ = map::kAcrReset;
+  rcc_.set_wait_states(acr_ & 15);
   sr_ = eccr_ = 0;
-  cr_ = 0xC0000000;
+  cr_ = map::kFlashCrReset;
   keys_ = 0;
   locked_out_ = half_waits_ = false;
 }
@@ -32,6 +33,8 @@ std::uint32_t FlashController::read(std::uint32_t offset, unsigned) {
       return cr_;
     case 0x18:
       return eccr_;
+    case 0x20:
+      return chip_.options;
     default:
       return 0;
   }

@@ -18,6 +18,13 @@ constexpr std::array<LinePins, 4> kLines{{{0, 15, 1, 7}, {0, 9, 0, 8}, {2, 8, 2,
 // Pins float at a reset; the pull-downs of the patch end EN and latch.
 void Gpio::reset() {
   ports_ = {};
+  // PA13, PA14, PA15, PB3 and PB4 are the debugger's (RM0440 §9.4.1 … §9.4.4).
+  ports_[0].moder = 0xABFFFFFF;
+  ports_[0].ospeedr = 0x0C000000;
+  ports_[0].pupdr = 0x64000000;
+  ports_[1].moder = 0xFFFFFEBF;
+  ports_[1].ospeedr = 0x000000C0;
+  ports_[1].pupdr = 0x00000100;
   follow_chain();
 }
 

@@ -28,6 +28,9 @@ UsbWire& Machine::usb() {
 std::uint32_t Machine::read_word(std::uint32_t address) const {
   return core_->load(address);
 }
+std::uint32_t Machine::read_register(std::uint32_t address) const {
+  return core_->peek(address);
+}
 const std::vector<Violation>& Machine::violations() const {
   return core_->violations_;
 }

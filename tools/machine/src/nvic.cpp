@@ -162,7 +162,7 @@ void Nvic::write(std::uint32_t offset, std::uint32_t value, unsigned size) {
   poked = true;
   if (offset >= 0x100 && offset < 0x300) {
     write_bits(offset, value);
-  } else if (offset >= 0x400 && offset < 0x400 + 102) {
+  } else if (offset >= 0x400 && offset < 0x400 + map::kInterrupts) {
     for (std::uint32_t k = 0; k < size; ++k)
       priority_[16 + offset - 0x400 + k] = static_cast<std::uint8_t>(value >> (8 * k));
   } else if (offset >= 0xD18 && offset < 0xD24) {

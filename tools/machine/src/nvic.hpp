@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "map.hpp"
 #include "triskin/machine/peripheral.hpp"
 
 namespace triskin::machine {
@@ -12,7 +13,7 @@ namespace triskin::machine {
 /// Which exception is next; entering and leaving one is the core's business.
 class Nvic final : public Peripheral {
  public:
-  static constexpr int kExceptions = 16 + 102, kNmi = 2, kHardFault = 3, kPendSv = 14, kSysTick = 15;
+  static constexpr int kExceptions = 16 + map::kInterrupts, kNmi = 2, kHardFault = 3, kPendSv = 14, kSysTick = 15;
   static constexpr int kIdlePriority = 256;
 
   explicit Nvic(Surroundings& around) : Peripheral(around) { reset(); }

@@ -18,7 +18,8 @@ void Rcc::reset() {
   regs_[kCr / 4] = 0x500;  // HSI on and ready
   regs_[kCfgr / 4] = 5;
   regs_[kPllCfgr / 4] = 0x1000;
-  regs_[0x48 / 4] = 0x100;  // flash
+  regs_[map::kAhb1 / 4] = 1U << map::kFlashBit;
+  regs_[map::kApb1 / 4] = 0x400;  // bus clock of the RTC
   sysclk_hz_ = kHsi_hz;
   wait_states_ = 0;
   boost_ = false;
@@ -106,6 +107,7 @@ void Rcc::write(std::uint32_t offset, std::uint32_t value, unsigned) {
 
 void Pwr::reset() {
   regs_ = {};
+  regs_[0] = 0x200;  // range 1
   regs_[0x80 / 4] = 0x100;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "map.hpp"
 #include "triskin/machine/peripheral.hpp"
 
 namespace triskin::machine {
@@ -29,7 +30,7 @@ class Rcc final : public Peripheral {
   std::array<std::uint32_t, 64> regs_{};
   bool crystal_works_;
   bool boost_ = false;
-  std::uint32_t wait_states_ = 0, csr_flags_ = 1U << 27;  // brown-out at power-up
+  std::uint32_t wait_states_ = 0, csr_flags_ = 3U << 26;  // brown-out and pin, at power-up
   std::uint64_t sysclk_hz_ = 16'000'000, generation_ = 0;
 };
 
@@ -57,7 +58,7 @@ class Tim2 final : public Peripheral {
  private:
   [[nodiscard]] std::uint64_t count() const;
   void book_compare();
-  void update_irq() { around_.set_irq(28, (status_ & interrupts_) != 0); }
+  void update_irq() { around_.set_irq(map::kTim2Irq, (status_ & interrupts_) != 0); }
   std::uint32_t control_ = 0, interrupts_ = 0, status_ = 0, prescaler_ = 0, prescaler_next_ = 0, compare_ = 0;
   Time base_ = 0;
   std::uint64_t generation_ = 0;

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 
+#include "map.hpp"
+
 namespace triskin::machine {
 namespace {
 
-constexpr int kIrq = 20;
+constexpr int kIrq = map::kUsbIrq;
 constexpr std::uint32_t kReset = 1U << 10, kSuspend = 1U << 11, kWakeUp = 1U << 12, kTransferred = 1U << 15;
 constexpr std::uint32_t kReceived = 1U << 15, kSetup = 1U << 11, kSent = 1U << 7, kPlain = 0x70F,
                         kReceiveToggle = 1U << 14, kSendToggle = 1U << 6;

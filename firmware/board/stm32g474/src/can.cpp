@@ -3,7 +3,7 @@
 
 #include "interrupt_timer.hpp"
 #include "triskin/board/registers/fdcan.hpp"
-#include "triskin/board/registers/gpio.hpp"
+#include "triskin/board/registers/pins.hpp"
 #include "triskin/board/registers/system.hpp"
 
 namespace triskin::board {
@@ -16,10 +16,12 @@ namespace {
 
 constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
 // 170 MHz: nominal 10 · (1 + 13 + 3) = 170 clocks a bit, sample point 82 %; data 5 · (1 + 13 + 3) = 85 clocks, 2
-// Mbit/s.
-constexpr std::uint32_t kNominalTiming = (3U - 1U) << 25 | (10U - 1U) << 16 | (13U - 1U) << 8 | (3U - 1U);
-constexpr std::uint32_t kDataTiming = bit(23) | (5U - 1U) << 16 | (13U - 1U) << 8 | (3U - 1U) << 4 | (3U - 1U);
-constexpr std::uint32_t kDelayOffset = 5U * 14U << 8;  // transmitter delay compensation at the sample point (§44.3.2)
+// Mbit/s. No transmitter delay compensation: M_CAN allows it with a data prescaler of 1 or 2 only, and a data bit of
+// 500 ns whose sample point lies 412 ns after its start waits for a transceiver's loop delay of 255 ns anyway.
+constexpr std::uint32_t kNominalTiming = (3U - 1U) << kNominalJumpShift | (10U - 1U) << kNominalPrescalerShift |
+                                         (13U - 1U) << kNominalBeforeShift | (3U - 1U);
+constexpr std::uint32_t kDataTiming =
+    (5U - 1U) << kDataPrescalerShift | (13U - 1U) << kDataBeforeShift | (3U - 1U) << kDataAfterShift | (3U - 1U);
 
 std::uint32_t word(std::uint32_t offset) {
   return Register(kRam + offset).read();
@@ -38,7 +40,7 @@ wire::CanFrame read_element(std::uint32_t offset) {
   const std::uint32_t w0 = word(offset), w1 = word(offset + 4);
   wire::CanFrame f;
   f.extended = (w0 & kExtendedId) != 0;
-  f.id = f.extended ? w0 & 0x1FFFFFFFU : w0 >> 18 & 0x7FFU;
+  f.id = f.extended ? w0 & 0x1FFFFFFFU : w0 >> kStandardIdShift & 0x7FFU;
   f.fd = (w1 & kFdFrame) != 0;
   f.bit_rate_switch = (w1 & kRateSwitched) != 0;
   f.size = kSizes[w1 >> kSizeShift & 0xF];
@@ -51,7 +53,7 @@ wire::CanFrame read_element(std::uint32_t offset) {
 }
 
 void write_element(std::uint32_t offset, const wire::CanFrame& f) {
-  word(offset, f.extended ? kExtendedId | f.id : f.id << 18);
+  word(offset, f.extended ? kExtendedId | f.id : f.id << kStandardIdShift);
   const std::uint32_t code = code_of(f.size);
   word(offset + 4, code << kSizeShift | (f.fd ? kFdFrame : 0) | (f.bit_rate_switch ? kRateSwitched : 0));
   for (std::uint32_t k = 0; k < kSizes[code]; k += 4) {
@@ -64,15 +66,15 @@ void write_element(std::uint32_t offset, const wire::CanFrame& f) {
 // What a patch listens to: diagnostics in 29 bits (physical and functional), polling class 2 and management class 7 in
 // 11 bits.
 void write_filters() {
-  constexpr std::uint32_t kClassicFilter = 2U << 30, kIntoFifo0 = 1;
-  word(kStandardFilters, kClassicFilter | kIntoFifo0 << 27 | 0x200U << 16 | 0x700U);
-  word(kStandardFilters + 4, kClassicFilter | kIntoFifo0 << 27 | 0x700U << 16 | 0x700U);
-  word(kExtendedFilters, kIntoFifo0 << 29 | 0x18DA0000U);
-  word(kExtendedFilters + 4, kClassicFilter | 0x1FFE0000U);
-  word(kExtendedFilters + 8, kIntoFifo0 << 29 | 0x1BF00000U);  // the loader's requests and data
-  word(kExtendedFilters + 12, kClassicFilter | 0x1FF00000U);
-  kRxgfc.write(2U << 24 | 2U << 16 | 2U << 4 | 2U << 2 |
-               3U);  // two extended, two standard; refuse all else and remote frames
+  constexpr std::uint32_t kRefuseOther = 2;
+  word(kStandardFilters, kMaskFilter | kStandardToFifo0 | 0x200U << kFilterIdShift | 0x700U);
+  word(kStandardFilters + 4, kMaskFilter | kStandardToFifo0 | 0x700U << kFilterIdShift | 0x700U);
+  word(kExtendedFilters, kExtendedToFifo0 | 0x18DA0000U);
+  word(kExtendedFilters + 4, kMaskFilter | 0x1FFE0000U);
+  word(kExtendedFilters + 8, kExtendedToFifo0 | 0x1BF00000U);  // the loader's requests and data
+  word(kExtendedFilters + 12, kMaskFilter | 0x1FF00000U);
+  kRxgfc.write(2U << kExtendedCountShift | 2U << kStandardCountShift | kRefuseOther << kOtherStandardShift |
+               kRefuseOther << kOtherExtendedShift | kRefuseRemote);
 }
 
 }  // namespace
@@ -82,9 +84,9 @@ void Stm32CanPort::open() {
   rcc_reg::kCcipr.set(rcc_reg::kFdcanFromPclk1);
   rcc_reg::kApb1Enr1.set(rcc_reg::kFdcan);
   (void)rcc_reg::kApb1Enr1.read();
-  for (const Pin pin : {Pin{'B', 8}, Pin{'B', 9}}) {
+  for (const Pin pin : {pins::kCanReceive, pins::kCanSend}) {
     Gpio(pin).very_high_speed();
-    Gpio(pin).alternate(9);
+    Gpio(pin).alternate(pins::kFunctionCan);
     Gpio(pin).mode(PinMode::kAlternate);
   }
   kCccr.set(kInit);
@@ -94,7 +96,6 @@ void Stm32CanPort::open() {
   kCccr.set(kFdOperation | kBitRateSwitch);
   kNbtp.write(kNominalTiming);
   kDbtp.write(kDataTiming);
-  kTdcr.write(kDelayOffset);
   for (std::uint32_t k = 0; k < kRamBytes; k += 4) word(k, 0);
   write_filters();
   kTxbc.write(0);  // FIFO: frames leave in the order they came
@@ -120,8 +121,8 @@ bool Stm32CanPort::send(const wire::CanFrame& frame) {
 void Stm32CanPort::fill_transmit_buffers() {
   while (waiting_.head != waiting_.tail) {
     const std::uint32_t state = kTxfqs.read();
-    if ((state & bit(21)) != 0) return;  // FIFO full
-    const std::uint32_t index = state >> 16 & 3;
+    if ((state & kTxFull) != 0) return;
+    const std::uint32_t index = state >> kTxPutShift & kFifoIndexMask;
     write_element(kTxBuffers + index * kElementBytes, waiting_.frames[waiting_.tail]);
     waiting_.tail = (waiting_.tail + 1) % waiting_.frames.size();
     kTxbar.write(bit(index));
@@ -141,8 +142,8 @@ void Stm32CanPort::on_interrupt() {
   kIr.write(flags);
   if ((flags & kRxLost) != 0) ++triskin_budget.can_lost;
   if ((flags & kBusOff) != 0) kCccr.clear(kInit);  // joins again after 128 idle sequences (§44.3.3)
-  for (std::uint32_t state = kRxf0s.read(); (state & 0xF) != 0; state = kRxf0s.read()) {
-    const std::uint32_t index = state >> 8 & 3;
+  for (std::uint32_t state = kRxf0s.read(); (state & kFifoLevelMask) != 0; state = kRxf0s.read()) {
+    const std::uint32_t index = state >> kFifoGetShift & kFifoIndexMask;
     if (received_.full()) {
       ++triskin_budget.can_lost;
     } else {

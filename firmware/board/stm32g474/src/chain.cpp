@@ -3,15 +3,15 @@
 
 #include "line.hpp"
 #include "triskin/board/board.hpp"
+#include "triskin/board/registers/pins.hpp"
 #include "triskin/board/registers/spi.hpp"
 #include "triskin/board/registers/system.hpp"
 
 namespace triskin::board {
 namespace {
 
-constexpr Gpio kEnable{{'B', 12}}, kEnable2{{'B', 10}}, kClock{{'B', 13}}, kDataIn{{'B', 14}}, kDataOut{{'B', 15}},
-    kLatch{{'B', 11}};
-constexpr std::uint32_t kSpi2Function = 5;  // DS12288, table 13
+constexpr Gpio kEnable{pins::kChainEnable}, kEnable2{pins::kChainEnable2}, kClock{pins::kChainClock},
+    kDataIn{pins::kChainIn}, kDataOut{pins::kChainOut}, kLatch{pins::kChainLatch};
 constexpr std::uint64_t kSettle_us = 5;
 
 void settle() {
@@ -33,7 +33,7 @@ void Stm32RouteChain::open() {
   }
   kDataIn.pull_down();
   for (const Gpio& pin : {kClock, kDataIn, kDataOut}) {
-    pin.alternate(kSpi2Function);
+    pin.alternate(pins::kFunctionSpi2);
     pin.mode(PinMode::kAlternate);
   }
   spi_reg::kCr2.write(spi_reg::kEightBits | spi_reg::kReceiveByte);

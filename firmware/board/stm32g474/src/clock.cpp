@@ -23,10 +23,10 @@ bool start_crystal() {
   return false;
 }
 
-// 8 MHz / 2 or 16 MHz / 4, · 85 / 2 = 170 MHz (M in bits 4–7, N in 8–14, R = 2 as 0 in 25–26).
-constexpr std::uint32_t kPllCommon = 85U << 8 | rcc_reg::kPllREnable;
-constexpr std::uint32_t kPllCrystal = rcc_reg::kPllFromHse | (2U - 1U) << 4 | kPllCommon;
-constexpr std::uint32_t kPllInternal = rcc_reg::kPllFromHsi | (4U - 1U) << 4 | kPllCommon;
+// 8 MHz / 2 or 16 MHz / 4, · 85 / 2 = 170 MHz (R = 2 is 0 in bits 25–26).
+constexpr std::uint32_t kPllCommon = 85U << rcc_reg::kPllNShift | rcc_reg::kPllREnable;
+constexpr std::uint32_t kPllCrystal = rcc_reg::kPllFromHse | (2U - 1U) << rcc_reg::kPllMShift | kPllCommon;
+constexpr std::uint32_t kPllInternal = rcc_reg::kPllFromHsi | (4U - 1U) << rcc_reg::kPllMShift | kPllCommon;
 
 }  // namespace
 
@@ -39,7 +39,7 @@ void start_clocks() {
   }
   flash_reg::kAcr.write(flash_reg::kLatency4 | flash_reg::kPrefetch | flash_reg::kInstructionCache |
                         flash_reg::kDataCache);
-  while ((flash_reg::kAcr.read() & 0xFU) != flash_reg::kLatency4) {
+  while ((flash_reg::kAcr.read() & flash_reg::kLatencyMask) != flash_reg::kLatency4) {
   }
   // Above 80 MHz the AHB clock is halved for at least 1 µs while switching (§7.2.7).
   rcc_reg::kCfgr.modify(rcc_reg::kAhbMask, rcc_reg::kAhbHalf);
@@ -85,7 +85,7 @@ void wake_at(std::uint64_t at_us) {
 void start_watchdog() {
   iwdg_reg::kKr.write(iwdg_reg::kStart);
   iwdg_reg::kKr.write(iwdg_reg::kUnlock);
-  iwdg_reg::kPr.write(3);  // 32 kHz / 32
+  iwdg_reg::kPr.write(iwdg_reg::kPrescaler32);
   iwdg_reg::kRlr.write(2000);
   while (iwdg_reg::kSr.read() != 0) {
   }

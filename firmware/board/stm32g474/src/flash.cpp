@@ -47,7 +47,7 @@ bool finish() {
 void flush_data_cache() {
   const std::uint32_t was = flash_reg::kAcr.read();
   flash_reg::kAcr.write(was & ~flash_reg::kDataCache);
-  flash_reg::kAcr.write((was & ~flash_reg::kDataCache) | bit(12));  // DCRST
+  flash_reg::kAcr.write((was & ~flash_reg::kDataCache) | flash_reg::kDataCacheReset);
   flash_reg::kAcr.write(was);
 }
 

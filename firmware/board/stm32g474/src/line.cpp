@@ -5,6 +5,7 @@
 #include "triskin/board/board.hpp"
 #include "triskin/board/i2c_timing.hpp"
 #include "triskin/board/registers/i2c.hpp"
+#include "triskin/board/registers/pins.hpp"
 #include "triskin/board/registers/system.hpp"
 
 namespace triskin::board {
@@ -16,10 +17,10 @@ Stm32I2cLine lines[4];
 namespace {
 
 constexpr LinePlace kPlaces[4] = {
-    {0, 0x40005400, {'A', 15}, {'B', 7}, 4, 31, 32},
-    {1, 0x40005800, {'A', 9}, {'A', 8}, 4, 33, 34},
-    {2, 0x40007800, {'C', 8}, {'C', 9}, 8, 92, 93},
-    {3, 0x40008400, {'C', 6}, {'C', 7}, 8, 82, 83},
+    {0, kI2c1, pins::kScl1, pins::kSda1, pins::kFunctionI2c1, kI2c1Event, kI2c1Error},
+    {1, kI2c2, pins::kScl2, pins::kSda2, pins::kFunctionI2c2, kI2c2Event, kI2c2Error},
+    {2, kI2c3, pins::kScl3, pins::kSda3, pins::kFunctionI2c3, kI2c3Event, kI2c3Error},
+    {3, kI2c4, pins::kScl4, pins::kSda4, pins::kFunctionI2c4, kI2c4Event, kI2c4Error},
 };
 constexpr std::uint32_t kInterrupts = kNackInterrupt | kStopInterrupt | kCompleteInterrupt | kErrorInterrupt;
 constexpr auto kTiming = compute_i2c_timing({});
@@ -52,7 +53,7 @@ void open_lines() {
 void Stm32I2cLine::open(const LinePlace& place) {
   place_ = place;
   receiver().connect(dma_reg::i2c_receive_request(place.index), place.base + kRxdr);
-  sender().connect(dma_reg::i2c_receive_request(place.index) + 1, place.base + kTxdr);
+  sender().connect(dma_reg::i2c_send_request(place.index), place.base + kTxdr);
   pins_to_bus();
   enable();
   for (const int irq : {place.event_irq, place.error_irq}) {

@@ -7,7 +7,10 @@
 
 #include "triskin/board/board.hpp"
 #include "triskin/board/budget.hpp"
+#include "triskin/board/registers/fdcan.hpp"
+#include "triskin/board/registers/i2c.hpp"
 #include "triskin/board/registers/system.hpp"
+#include "triskin/board/registers/usb.hpp"
 
 extern "C" {
 extern std::uint32_t triskin_data_load, triskin_data_start, triskin_data_end, triskin_bss_start, triskin_bss_end,
@@ -78,17 +81,17 @@ consteval Vectors make_vectors() {
   exception(2, nmi_handler);
   for (int k = 3; k <= 6; ++k) exception(k, hard_fault_handler);
   exception(15, sys_tick_handler);
-  exception(16 + 20, usb_handler);
-  exception(16 + 21, fdcan_handler);
-  exception(16 + 28, tim2_handler);
-  exception(16 + 31, i2c1_event_handler);
-  exception(16 + 32, i2c1_error_handler);
-  exception(16 + 33, i2c2_event_handler);
-  exception(16 + 34, i2c2_error_handler);
-  exception(16 + 92, i2c3_event_handler);
-  exception(16 + 93, i2c3_error_handler);
-  exception(16 + 82, i2c4_event_handler);
-  exception(16 + 83, i2c4_error_handler);
+  exception(16 + usb_reg::kIrq, usb_handler);
+  exception(16 + fdcan_reg::kIrq0, fdcan_handler);
+  exception(16 + tim2_reg::kIrq, tim2_handler);
+  exception(16 + i2c_reg::kI2c1Event, i2c1_event_handler);
+  exception(16 + i2c_reg::kI2c1Error, i2c1_error_handler);
+  exception(16 + i2c_reg::kI2c2Event, i2c2_event_handler);
+  exception(16 + i2c_reg::kI2c2Error, i2c2_error_handler);
+  exception(16 + i2c_reg::kI2c3Event, i2c3_event_handler);
+  exception(16 + i2c_reg::kI2c3Error, i2c3_error_handler);
+  exception(16 + i2c_reg::kI2c4Event, i2c4_event_handler);
+  exception(16 + i2c_reg::kI2c4Error, i2c4_error_handler);
   return v;
 }
 
@@ -143,5 +146,5 @@ void hard_fault_handler() {
   triskin::board::fail(triskin::board::core_reg::kCfsr.read() | 1U);
 }
 void default_handler() {
-  triskin::board::fail(triskin::board::core_reg::kIcsr.read() & 0x1FFU);
+  triskin::board::fail(triskin::board::core_reg::kIcsr.read() & triskin::board::core_reg::kActiveMask);
 }

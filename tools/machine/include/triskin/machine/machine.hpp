@@ -58,6 +58,8 @@ class Machine {
   void receive(const wire::CanFrame& frame);
   [[nodiscard]] UsbWire& usb();
   [[nodiscard]] std::uint32_t read_word(std::uint32_t address) const;
+  /// A register of a block as a load of 32 bits finds it, its clock on or off; of a data register this takes a byte.
+  [[nodiscard]] std::uint32_t read_register(std::uint32_t address) const;
   [[nodiscard]] const std::vector<Violation>& violations() const;
   [[nodiscard]] const MachineCounts& counts() const;
   [[nodiscard]] std::uint64_t sysclk_hz() const;

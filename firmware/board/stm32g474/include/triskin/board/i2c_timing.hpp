@@ -7,6 +7,12 @@
 
 namespace triskin::board {
 
+/// Fast mode of UM10204 (table 10), and the analog filter of the pins (data sheet DS12288, I²C characteristics).
+namespace i2c_limits {
+inline constexpr std::uint64_t kLow_ns = 1300, kHigh_ns = 600, kSetup_ns = 100, kDataValid_ns = 900;
+inline constexpr std::uint64_t kFilterMin_ns = 50, kFilterMax_ns = 260;
+}  // namespace i2c_limits
+
 /// What the wires and the clock allow. All times in ns.
 struct I2cTimingInput {
   std::uint32_t kernel_hz = 170'000'000;  ///< clock of the I²C block
@@ -30,8 +36,7 @@ struct I2cTiming {
 /// clocks each (§41.4.10); the shortest of these is counted, so that the bus never exceeds bus_hz. Tries prescalers
 /// from the finest. Errors: kOutOfRange when the clock cannot give it, or bus_hz is 0 or above 400 kHz.
 [[nodiscard]] constexpr Result<I2cTiming> compute_i2c_timing(const I2cTimingInput& in) {
-  constexpr std::uint64_t kLow_ns = 1300, kHigh_ns = 600, kSetup_ns = 100, kFilterMin_ns = 50, kFilterMax_ns = 260,
-                          kDataValid_ns = 900;
+  using namespace i2c_limits;
   if (in.bus_hz == 0 || in.bus_hz > 400'000 || in.kernel_hz < 8'000'000) return std::unexpected(Status::kOutOfRange);
   const std::uint64_t period_ps = 1'000'000'000'000ULL / in.bus_hz;
   const std::uint64_t clock_ps = 1'000'000'000'000ULL / in.kernel_hz;

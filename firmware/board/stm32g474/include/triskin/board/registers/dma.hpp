@@ -6,35 +6,43 @@
 namespace triskin::board::dma_reg {
 
 inline constexpr std::uint32_t kBase = 0x40020000, kMuxBase = 0x40020800;
+// First channel, distance of the channels; registers of a channel
+inline constexpr std::uint32_t kFirstChannel = 0x08, kChannelBytes = 20, kMuxChannelBytes = 4;
+inline constexpr std::uint32_t kCcr = 0x00, kCndtr = 0x04, kCpar = 0x08, kCmar = 0x0C;
+// Table 91: requests of I2C1; each further line has the two after that
+inline constexpr std::uint32_t kI2c1Receive = 16, kI2c1Send = 17, kI2cRequests = 2;
 // CCR
 inline constexpr std::uint32_t kEnable = bit(0), kFromMemory = bit(4), kMemoryIncrement = bit(7);
 
 /// Channel 0..7 of DMA1 (the manual counts from 1). Bytes from or to a peripheral's data register.
 class Channel {
  public:
-  constexpr explicit Channel(unsigned index) : base_(kBase + 0x08 + 20 * index), mux_(kMuxBase + 4 * index) {}
+  constexpr explicit Channel(unsigned index)
+      : base_(kBase + kFirstChannel + kChannelBytes * index), mux_(kMuxBase + kMuxChannelBytes * index) {}
   void connect(std::uint32_t request, std::uint32_t data_register) const {
     Register(mux_).write(request);
-    Register(base_ + 8).write(data_register);
+    Register(base_ + kCpar).write(data_register);
   }
-  void stop() const { Register(base_).clear(kEnable); }
+  void stop() const { Register(base_ + kCcr).clear(kEnable); }
   void start(std::uint32_t memory, std::uint32_t bytes, bool from_memory) const {
     stop();  // count and address are fixed while it is on
-    Register(base_ + 4).write(bytes);
-    Register(base_ + 12).write(memory);
+    Register(base_ + kCndtr).write(bytes);
+    Register(base_ + kCmar).write(memory);
     const std::uint32_t control = kMemoryIncrement | (from_memory ? kFromMemory : 0U);
-    Register(base_).write(control);
-    Register(base_).write(control | kEnable);
+    Register(base_ + kCcr).write(control);
+    Register(base_ + kCcr).write(control | kEnable);
   }
-  [[nodiscard]] std::uint32_t remaining() const { return Register(base_ + 4).read(); }
+  [[nodiscard]] std::uint32_t remaining() const { return Register(base_ + kCndtr).read(); }
 
  private:
   std::uint32_t base_, mux_;
 };
 
-/// Table 91: I²C 1..4 receive on 16, 18, 20, 22 and send on the number after that.
 [[nodiscard]] constexpr std::uint32_t i2c_receive_request(unsigned line_index) {
-  return 16 + 2 * line_index;
+  return kI2c1Receive + kI2cRequests * line_index;
+}
+[[nodiscard]] constexpr std::uint32_t i2c_send_request(unsigned line_index) {
+  return kI2c1Send + kI2cRequests * line_index;
 }
 
 }  // namespace triskin::board::dma_reg

@@ -5,6 +5,14 @@
 /// General-purpose pins, RM0440 §9.4.
 namespace triskin::board {
 
+namespace gpio_reg {
+inline constexpr std::uint32_t kBase = 0x48000000, kStride = 0x400;
+inline constexpr std::uint32_t kModer = 0x00, kOtyper = 0x04, kOspeedr = 0x08, kPupdr = 0x0C, kIdr = 0x10, kBsrr = 0x18,
+                               kAfrl = 0x20, kAfrh = 0x24;
+inline constexpr std::uint32_t kFieldMask = 3, kPullNone = 0, kPullDown = 2, kVeryHighSpeed = 3;  // fields of two bits
+inline constexpr std::uint32_t kResetShift = 16;                                                  // BSRR
+}  // namespace gpio_reg
+
 struct Pin {
   char port;        ///< 'A', 'B', 'C'
   unsigned number;  ///< 0..15
@@ -15,21 +23,26 @@ enum class PinMode : std::uint32_t { kInput = 0, kOutput = 1, kAlternate = 2 };
 class Gpio {
  public:
   constexpr explicit Gpio(Pin pin)
-      : base_(0x48000000U + 0x400U * static_cast<unsigned>(pin.port - 'A')), n_(pin.number) {}
-  void mode(PinMode mode) const {
-    Register(base_).modify(3U << (2 * n_), static_cast<std::uint32_t>(mode) << (2 * n_));
-  }
-  void open_drain() const { Register(base_ + 0x04).set(bit(n_)); }
-  void pull_down() const { Register(base_ + 0x0C).modify(3U << (2 * n_), 2U << (2 * n_)); }
-  void very_high_speed() const { Register(base_ + 0x08).set(3U << (2 * n_)); }
+      : base_(gpio_reg::kBase + gpio_reg::kStride * static_cast<unsigned>(pin.port - 'A')), n_(pin.number) {}
+  void mode(PinMode mode) const { field(gpio_reg::kModer, static_cast<std::uint32_t>(mode)); }
+  void open_drain() const { Register(base_ + gpio_reg::kOtyper).set(bit(n_)); }
+  /// Neither up nor down: PA15 comes out of reset with a pull-up, for the debugger (§9.4.4).
+  void no_pull() const { field(gpio_reg::kPupdr, gpio_reg::kPullNone); }
+  void pull_down() const { field(gpio_reg::kPupdr, gpio_reg::kPullDown); }
+  void very_high_speed() const { field(gpio_reg::kOspeedr, gpio_reg::kVeryHighSpeed); }
   void alternate(std::uint32_t function) const {
     const unsigned shift = 4 * (n_ % 8);
-    Register(base_ + (n_ < 8 ? 0x20 : 0x24)).modify(0xFU << shift, function << shift);
+    Register(base_ + (n_ < 8 ? gpio_reg::kAfrl : gpio_reg::kAfrh)).modify(0xFU << shift, function << shift);
   }
-  [[nodiscard]] bool level() const { return Register(base_ + 0x10).any(bit(n_)); }
-  void drive(bool high) const { Register(base_ + 0x18).write(high ? bit(n_) : bit(n_ + 16)); }
+  [[nodiscard]] bool level() const { return Register(base_ + gpio_reg::kIdr).any(bit(n_)); }
+  void drive(bool high) const {
+    Register(base_ + gpio_reg::kBsrr).write(high ? bit(n_) : bit(n_ + gpio_reg::kResetShift));
+  }
 
  private:
+  void field(std::uint32_t offset, std::uint32_t value) const {
+    Register(base_ + offset).modify(gpio_reg::kFieldMask << (2 * n_), value << (2 * n_));
+  }
   std::uint32_t base_;
   unsigned n_;
 };

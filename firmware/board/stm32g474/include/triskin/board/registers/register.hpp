@@ -5,10 +5,11 @@
 namespace triskin::board {
 
 /// One 32-bit register at a fixed address. The section numbers in this folder are those of RM0440 (STM32G4 reference
-/// manual).
+/// manual). Each constant of this folder has its fact in tests/silicon/facts.txt; a test compares them.
 class Register {
  public:
   constexpr explicit Register(std::uint32_t address) : address_(address) {}
+  [[nodiscard]] constexpr std::uint32_t address() const { return address_; }
   [[nodiscard]] std::uint32_t read() const { return *pointer(); }
   void write(std::uint32_t value) const { *pointer() = value; }
   void set(std::uint32_t mask) const { write(read() | mask); }

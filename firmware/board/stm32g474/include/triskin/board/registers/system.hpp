@@ -7,15 +7,22 @@ namespace triskin::board {
 /// Embedded flash, RM0440 §3.7 (category 3 device).
 namespace flash_reg {
 inline constexpr std::uint32_t kBase = 0x40022000;
-inline constexpr Register kAcr{kBase + 0x00}, kKeyr{kBase + 0x08}, kSr{kBase + 0x10}, kCr{kBase + 0x14},
-    kEccr{kBase + 0x18};
-inline constexpr std::uint32_t kKey1 = 0x45670123, kKey2 = 0xCDEF89AB;  // §3.3.5
-inline constexpr std::uint32_t kLatency4 = 4, kPrefetch = bit(8), kInstructionCache = bit(9), kDataCache = bit(10);
+inline constexpr Register kAcr{kBase + 0x00}, kKeyr{kBase + 0x08}, kOptKeyr{kBase + 0x0C}, kSr{kBase + 0x10},
+    kCr{kBase + 0x14}, kEccr{kBase + 0x18}, kOptr{kBase + 0x20};
+inline constexpr std::uint32_t kKey1 = 0x45670123, kKey2 = 0xCDEF89AB;              // §3.7.3
+inline constexpr std::uint32_t kOptionKey1 = 0x08192A3B, kOptionKey2 = 0x4C5D6E7F;  // §3.7.4
+// ACR
+inline constexpr std::uint32_t kLatencyMask = 0xF, kLatency4 = 4, kPrefetch = bit(8), kInstructionCache = bit(9),
+                               kDataCache = bit(10), kDataCacheReset = bit(12);
+// SR
 inline constexpr std::uint32_t kEndOfOperation = bit(0), kBusy = bit(16);
 inline constexpr std::uint32_t kErrors = bit(1) | bit(3) | bit(4) | bit(5) | bit(6) | bit(7) | bit(8) | bit(9);
+// CR
 inline constexpr std::uint32_t kProgram = bit(0), kPageErase = bit(1), kPageShift = 3, kBank2 = bit(11),
-                               kStart = bit(16), kLock = bit(31);
-inline constexpr std::uint32_t kEccDetected = bit(31);  // two bits wrong: NMI
+                               kStart = bit(16), kOptionStart = bit(17), kOptionLock = bit(30), kLock = bit(31);
+inline constexpr std::uint32_t kEccDetected = bit(31);  // ECCR: two bits wrong, NMI
+// OPTR: two banks; BOOT0 from the pin; BOOT0 of the option (inverted)
+inline constexpr std::uint32_t kDualBank = bit(22), kBootByPin = bit(26), kBootOptionFlash = bit(27);
 }  // namespace flash_reg
 
 /// Power control, §6.4.
@@ -30,11 +37,11 @@ namespace rcc_reg {
 inline constexpr std::uint32_t kBase = 0x40021000;
 inline constexpr Register kCr{kBase + 0x00}, kCfgr{kBase + 0x08}, kPllCfgr{kBase + 0x0C}, kAhb1Enr{kBase + 0x48},
     kAhb2Enr{kBase + 0x4C}, kApb1Enr1{kBase + 0x58}, kApb1Enr2{kBase + 0x5C}, kApb2Enr{kBase + 0x60},
-    kCcipr{kBase + 0x88}, kCsr{kBase + 0x94}, kCrrcr{kBase + 0x98}, kCcipr2{kBase + 0x9C};
+    kApb1Rstr1{kBase + 0x38}, kCcipr{kBase + 0x88}, kCsr{kBase + 0x94}, kCrrcr{kBase + 0x98}, kCcipr2{kBase + 0x9C};
 inline constexpr std::uint32_t kHseOn = bit(16), kHseReady = bit(17), kPllOn = bit(24), kPllReady = bit(25);
 inline constexpr std::uint32_t kSwitchMask = 3, kSwitchHsi = 1, kSwitchHse = 2, kSwitchPll = 3, kStatusShift = 2,
                                kAhbMask = 0xF0, kAhbHalf = 0x80;
-inline constexpr std::uint32_t kPllFromHse = 3, kPllFromHsi = 2, kPllREnable = bit(24);
+inline constexpr std::uint32_t kPllFromHse = 3, kPllFromHsi = 2, kPllMShift = 4, kPllNShift = 8, kPllREnable = bit(24);
 inline constexpr std::uint32_t kDma1 = bit(0), kDmaMux = bit(2), kFlashClock = bit(8), kGpioA = bit(0), kGpioB = bit(1),
                                kGpioC = bit(2);
 inline constexpr std::uint32_t kTim2 = bit(0), kCrs = bit(8), kSpi2 = bit(14), kI2c1 = bit(21), kI2c2 = bit(22),
@@ -45,7 +52,7 @@ inline constexpr std::uint32_t kHsi48On = bit(0), kHsi48Ready = bit(1);
 inline constexpr std::uint32_t kRemoveResetFlags = bit(23), kWatchdogReset = bit(29);
 }  // namespace rcc_reg
 
-/// General-purpose timer with 32 bits, §29.4 (TIM2).
+/// General-purpose timer with 32 bits, §30.5 (TIM2).
 namespace tim2_reg {
 inline constexpr std::uint32_t kBase = 0x40000000;
 inline constexpr Register kCr1{kBase + 0x00}, kDier{kBase + 0x0C}, kSr{kBase + 0x10}, kEgr{kBase + 0x14},
@@ -54,34 +61,37 @@ inline constexpr std::uint32_t kEnable = bit(0), kCompare1 = bit(1), kUpdate = b
 inline constexpr int kIrq = 28;
 }  // namespace tim2_reg
 
-/// Independent watchdog, §42.4. Runs from the 32 kHz oscillator and cannot be stopped.
+/// Independent watchdog, §35.4. Runs from the 32 kHz oscillator and cannot be stopped.
 namespace iwdg_reg {
 inline constexpr std::uint32_t kBase = 0x40003000;
 inline constexpr Register kKr{kBase + 0x00}, kPr{kBase + 0x04}, kRlr{kBase + 0x08}, kSr{kBase + 0x0C};
 inline constexpr std::uint32_t kStart = 0xCCCC, kUnlock = 0x5555, kReload = 0xAAAA;
+inline constexpr std::uint32_t kPrescaler32 = 3;
 }  // namespace iwdg_reg
 
-/// Unique device id, §48.1: 96 bits.
+/// Unique device id, §48: 96 bits.
 inline constexpr std::uint32_t kUniqueIdAddress = 0x1FFF7590;
 
 /// Cortex-M4 system control space (ARMv7-M architecture reference manual, B3.2 … B3.4).
 namespace core_reg {
 inline constexpr Register kSysTickCsr{0xE000E010}, kSysTickRvr{0xE000E014}, kSysTickCvr{0xE000E018}, kIcsr{0xE000ED04},
     kVtor{0xE000ED08}, kAircr{0xE000ED0C}, kCpacr{0xE000ED88}, kCfsr{0xE000ED28}, kHfsr{0xE000ED2C};
-inline constexpr std::uint32_t kResetRequest = 0x05FA0004, kFpuFull = 0xFU << 20;
+inline constexpr Register kEnableFirst{0xE000E100}, kDisableFirst{0xE000E180}, kUnpendFirst{0xE000E280},
+    kPriorityFirst{0xE000E400};
+inline constexpr std::uint32_t kResetRequest = 0x05FA0004, kFpuFull = 0xFU << 20, kActiveMask = 0x1FF;
 inline void enable_interrupt(int irq) {
-  Register(0xE000E100U + 4U * static_cast<unsigned>(irq / 32)).write(bit(static_cast<unsigned>(irq % 32)));
+  Register(kEnableFirst.address() + 4U * static_cast<unsigned>(irq / 32)).write(bit(static_cast<unsigned>(irq % 32)));
 }
 inline void set_priority(int irq, std::uint8_t priority) {
-  *reinterpret_cast<volatile std::uint8_t*>(0xE000E400U + static_cast<unsigned>(irq)) = priority;
+  *reinterpret_cast<volatile std::uint8_t*>(kPriorityFirst.address() + static_cast<unsigned>(irq)) = priority;
 }
 /// Switches off every interrupt and gives the peripherals of APB1 their reset values (RCC_APB1RSTR1, §7.4.14).
 inline void reset_peripherals() {
-  for (std::uint32_t k = 0; k < 4; ++k) Register(0xE000E180U + 4 * k).write(0xFFFFFFFF);
-  for (std::uint32_t k = 0; k < 4; ++k) Register(0xE000E280U + 4 * k).write(0xFFFFFFFF);
-  const Register reset_register{0x40021038};
-  reset_register.write(bit(0) | bit(14) | bit(23) | bit(25));  // TIM2, SPI2, USB, FDCAN
-  reset_register.write(0);
+  for (std::uint32_t k = 0; k < 4; ++k) Register(kDisableFirst.address() + 4 * k).write(0xFFFFFFFF);
+  for (std::uint32_t k = 0; k < 4; ++k) Register(kUnpendFirst.address() + 4 * k).write(0xFFFFFFFF);
+  using namespace rcc_reg;  // a block has the same bit in the reset register as in the enable register
+  kApb1Rstr1.write(kTim2 | kSpi2 | kUsb | kFdcan);
+  kApb1Rstr1.write(0);
 }
 [[noreturn]] inline void reset() {
   asm volatile("dsb" ::: "memory");

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The constants of the firmware and of the modelled machine, and the reset values of the machine, against
+// tests/silicon/facts.txt, whose numbers nobody here shares.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "map.hpp"
+#include "triskin/board/flash_map.hpp"
+#include "triskin/board/i2c_timing.hpp"
+#include "triskin/board/registers/dma.hpp"
+#include "triskin/board/registers/fdcan.hpp"
+#include "triskin/board/registers/i2c.hpp"
+#include "triskin/board/registers/pins.hpp"
+#include "triskin/board/registers/spi.hpp"
+#include "triskin/board/registers/system.hpp"
+#include "triskin/board/registers/usb.hpp"
+#include "triskin/drivers/ad7147.hpp"
+#include "triskin/machine/machine.hpp"
+
+namespace triskin {
+namespace {
+
+// NOLINTBEGIN(google-build-using-namespace): the rows name constants as facts.txt does
+using namespace board;
+using namespace fw;
+// NOLINTEND(google-build-using-namespace)
+
+constexpr std::uint64_t value_of(Register r) {
+  return r.address();
+}
+constexpr std::uint64_t value_of(Pin p) {
+  return static_cast<std::uint64_t>(p.port - 'A') * 16 + p.number;
+}
+constexpr std::uint64_t value_of(std::integral auto v) {
+  return static_cast<std::uint64_t>(v);
+}
+
+struct Row {
+  std::string constant;
+  std::uint64_t value, fact;
+};
+struct Reset {
+  std::string name;
+  std::uint32_t address, fact;
+};
+#include "facts_table.inc"
+
+TEST(Facts, EachConstantOfFirmwareAndMachineIsWhatTheFactSays) {
+  ASSERT_GT(kRows.size(), 300U);
+  for (const Row& r : kRows) EXPECT_EQ(r.value, r.fact) << r.constant;
+}
+
+class QuietLine final : public sim::I2cBus {
+ public:
+  bool start(std::uint8_t, std::uint64_t) override { return false; }
+  bool write(std::uint8_t, std::uint64_t) override { return false; }
+  std::uint8_t read(bool, std::uint64_t) override { return 0xFF; }
+  void stop(std::uint64_t) override {}
+  [[nodiscard]] bool scl() const override { return true; }
+  [[nodiscard]] bool sda() const override { return true; }
+  void pulse_scl(std::uint64_t) override {}
+};
+
+TEST(Facts, TheMachineComesOutOfResetWithTheRegistersOfTheFacts) {
+  std::array<QuietLine, 4> lines;
+  machine::FlashChip flash;
+  flash.store(0x08000000, {0, 0, 0, 0x20, 1, 0, 0, 8});  // a stack and an entry are fetched
+  machine::MachineSetup setup;
+  for (std::size_t k = 0; k < 4; ++k) setup.lines[k] = &lines[k];
+  setup.flash = &flash;
+  const machine::Machine machine(setup);
+  ASSERT_GT(kResets.size(), 40U);
+  for (const Reset& r : kResets) EXPECT_EQ(machine.read_register(r.address), r.fact) << r.name;
+  EXPECT_TRUE(machine.violations().empty());
+}
+
+}  // namespace
+}  // namespace triskin
