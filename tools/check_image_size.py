@@ -7,7 +7,7 @@ import sys
 
 
 def main(size_program: str, elf: str, flash_ceiling: int, ram_ceiling: int) -> int:
-    flash = ram = 0
+    flash = ram = code = 0
     for line in subprocess.run([size_program, "-A", elf], check=True, capture_output=True, text=True).stdout.splitlines():
         fields = line.split()
         if len(fields) != 3 or not fields[2].isdigit():
@@ -15,11 +15,15 @@ def main(size_program: str, elf: str, flash_ceiling: int, ram_ceiling: int) -> i
         size, address = int(fields[1]), int(fields[2])
         if 0x08000000 <= address < 0x08080000:
             flash += size
-        elif 0x20000000 <= address < 0x20020000:
+        elif 0x10000000 <= address < 0x10008000:  # code in the CCM RAM, loaded from flash
+            code += size
+            flash += size if fields[0] == ".code" else 0
+        elif 0x20000000 <= address < 0x20018000:
             ram += size
             flash += size if fields[0] == ".data" else 0
     name = pathlib.Path(elf).name
-    print(f"{name}: flash {flash} of {flash_ceiling} bytes, RAM with stack {ram} of {ram_ceiling} bytes")
+    print(f"{name}: flash {flash} of {flash_ceiling} bytes, RAM with stack {ram} of {ram_ceiling} bytes"
+          + (f", code in RAM {code} of 32768" if code else ""))
     if flash > flash_ceiling or ram > ram_ceiling:
         print(f"{name}: above its ceiling; make it smaller or raise the ceiling in firmware/board/stm32g474/image.cmake with a reason",
               file=sys.stderr)

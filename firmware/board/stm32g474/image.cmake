@@ -11,7 +11,7 @@ add_dependencies(triskin_fw_board triskin_layering)
 function(triskin_image name)
   cmake_parse_arguments(arg "" "SCRIPT;FLASH_CEILING;RAM_CEILING" "SOURCES;LIBS" ${ARGN})
   add_executable(${name} ${triskin_board}/src/startup.cpp ${triskin_board}/src/memory.cpp ${arg_SOURCES})
-  set_target_properties(${name} PROPERTIES SUFFIX .elf LINK_DEPENDS "${triskin_board}/${arg_SCRIPT};${triskin_board}/sections.ld")
+  set_target_properties(${name} PROPERTIES SUFFIX .elf LINK_DEPENDS "${triskin_board}/${arg_SCRIPT};${triskin_board}/sections.ld;${triskin_board}/app_sections.ld")
   target_link_libraries(${name} PRIVATE ${arg_LIBS} triskin_fw_board)
   target_link_options(${name} PRIVATE -L${triskin_board} -T${triskin_board}/${arg_SCRIPT} -Wl,-Map=$<TARGET_FILE:${name}>.map)
   add_custom_command(TARGET ${name} POST_BUILD

@@ -13,8 +13,8 @@
 namespace triskin::machine {
 namespace {
 
-constexpr std::uint32_t kRamBase = 0x20000000, kRamBytes = 128 * 1024, kSystemMemory = 0x1FFF7000,
-                        kNoMansLand = 0xD0000000;
+constexpr std::uint32_t kRamBase = map::kRam, kRamBytes = map::kRamBytes, kSystemMemory = 0x1FFF7000,
+                        kNoMansLand = 0xD0000000, kNoMansLandBytes = 8U << 20;
 constexpr std::uint32_t kPeripherals = 0x40000000, kPeripheralBytes = 0x80000, kGpioBase = map::kGpioA,
                         kGpioBytes = 0x2000, kScs = 0xE000E000, kScsBytes = 0x1000;
 
@@ -32,11 +32,13 @@ struct Hooks {
     Machine::Core& c = core(user);
     // An interrupt that waits behind PRIMASK is taken as soon as that falls.
     const bool unmasked = c.waits_behind_mask_ && (c.reg(UC_ARM_REG_PRIMASK) & 1) == 0;
+    const bool stalls = c.flash_.busy_at(static_cast<std::uint32_t>(address));
     const bool stop = c.one_block_
                           ? std::exchange(c.block_begun_, true)
-                          : (unmasked || c.nvic_.poked || c.reset_wanted_ || c.nmi_ || !c.cell_writes_.empty() ||
-                             c.time_.take_changed() || c.time_.now() >= c.slice_end_);
+                          : (unmasked || stalls || c.nvic_.poked || c.reset_wanted_ || c.nmi_ ||
+                             !c.cell_writes_.empty() || c.time_.take_changed() || c.time_.now() >= c.slice_end_);
     if (stop) {
+      c.stalled_ = c.stalled_ || stalls;
       c.stopped_before_block_ = true;
       uc_emu_stop(uc);
       return;
@@ -63,6 +65,15 @@ struct Hooks {
     return true;
   }
   static void watched_read(uc_engine*, uc_mem_type, std::uint64_t, int, std::int64_t, void*) {}
+  // The value comes when the operation is over. Events that fall due meanwhile come late.
+  static void flash_read(uc_engine*, uc_mem_type, std::uint64_t address, int, std::int64_t, void* user) {
+    Machine::Core& c = core(user);
+    if (!c.flash_.busy_at(static_cast<std::uint32_t>(address))) return;
+    const Time begin = c.time_.now();
+    c.time_.advance_to(c.flash_.busy_until());
+    c.counts_.flash_stall += c.time_.now() - begin;
+    ++c.counts_.flash_read_stalls;
+  }
   static void torn_read(uc_engine*, uc_mem_type, std::uint64_t address, int, std::int64_t, void* user) {
     core(user).flash_.torn_read(static_cast<std::uint32_t>((address - FlashChip::kBase) / FlashChip::kUnit));
   }
@@ -111,7 +122,9 @@ Machine::Core::Core(const MachineSetup& setup)
       can_(*this, setup.on_can, setup.trace),
       can_ram_(*this, can_),
       ram_(kRamBytes, 0xA5),
-      blocks_(FlashChip::kBytes / 2) {
+      code_ram_(map::kCodeRamBytes, 0xA5),
+      blocks_(FlashChip::kBytes / 2),
+      code_ram_blocks_(map::kCodeRamBytes / 2) {
   constexpr std::array<std::array<int, 2>, 4> kIrqs{{{map::kI2c1Event, map::kI2c1Error},
                                                      {map::kI2c2Event, map::kI2c2Error},
                                                      {map::kI2c3Event, map::kI2c3Error},
@@ -154,8 +167,11 @@ void Machine::Core::map_memory() {
       "map flash");
   // At each store Unicorn 2.0 looks through the translated code of the memory around it, some MB in the order of
   // mapping. Memory that nobody may touch keeps the RAM out of the flash's surroundings: a store costs a third less.
-  check(uc_mem_map(uc_, kNoMansLand, 8U << 20, UC_PROT_NONE), "map no man's land");
+  check(uc_mem_map(uc_, kNoMansLand, kNoMansLandBytes, UC_PROT_NONE), "map no man's land");
   check(uc_mem_map_ptr(uc_, kRamBase, kRamBytes, UC_PROT_READ | UC_PROT_WRITE, ram_.data()), "map RAM");
+  check(uc_mem_map(uc_, kNoMansLand + kNoMansLandBytes, kNoMansLandBytes, UC_PROT_NONE), "map more of it");
+  // Its alias behind SRAM2 is left out: the images use one of the two addresses only.
+  check(uc_mem_map_ptr(uc_, map::kCodeRam, map::kCodeRamBytes, UC_PROT_ALL, code_ram_.data()), "map CCM RAM");
   check(uc_mem_map(uc_, kSystemMemory, 0x1000, UC_PROT_READ), "map system memory");
   check(uc_mem_write(uc_, map::kUniqueId, setup_.unique_id.data(), setup_.unique_id.size()), "unique id");
   check(uc_mmio_map(uc_, kPeripherals, kPeripheralBytes, Hooks::read, this, Hooks::write, this), "map peripherals");
@@ -171,6 +187,10 @@ void Machine::Core::add_hooks() {
   check(uc_hook_add(uc_, &h, UC_HOOK_MEM_WRITE_PROT, reinterpret_cast<void*>(&Hooks::flash_write), this,
                     FlashChip::kBase, FlashChip::kBase + FlashChip::kBytes - 1),
         "flash hook");
+  if (setup_.watch_reads)
+    check(uc_hook_add(uc_, &h, UC_HOOK_MEM_READ, reinterpret_cast<void*>(&Hooks::flash_read), this, FlashChip::kBase,
+                      FlashChip::kBase + FlashChip::kBytes - 1),
+          "flash read hook");
   // Code that was translated without any such hook would never call one.
   if (setup_.will_be_cut)
     check(uc_hook_add(uc_, &h, UC_HOOK_MEM_READ, reinterpret_cast<void*>(&Hooks::watched_read), this, kSystemMemory,
@@ -212,6 +232,8 @@ void Machine::Core::power_cycle(const FlashChip& cells) {
   chip.torn = cells.torn;
   watch_torn_units();
   std::ranges::fill(ram_, std::uint8_t{0xA5});
+  const std::vector<std::uint8_t> lost(code_ram_.size(), 0xA5);
+  check(uc_mem_write(uc_, map::kCodeRam, lost.data(), lost.size()), "CCM RAM");
   rcc_.note_reset(3U << 26);
   reset_core();
 }
@@ -220,11 +242,12 @@ void Machine::Core::power_cycle(const FlashChip& cells) {
 void Machine::Core::reset_core() {
   time_.clear();
   nvic_.reset();
+  std::ranges::fill(code_ram_blocks_, Block{});  // the start-up code of another image may fill it anew
   for (const Window& w : windows_) w.block->reset();
   gpio_.reset();
   cell_writes_.clear();
   exception_entry_.clear();
-  sleeping_ = fp_active_ = nmi_ = reset_wanted_ = false;
+  sleeping_ = fp_active_ = nmi_ = reset_wanted_ = stalled_ = false;
   reg(UC_ARM_REG_IPSR, 0);
   reg(UC_ARM_REG_CONTROL, 0);
   reg(UC_ARM_REG_PRIMASK, 0);
@@ -247,6 +270,8 @@ std::uint8_t* Machine::Core::memory_at(std::uint32_t address) {
   if (address >= kRamBase && address + 4 <= kRamBase + kRamBytes) return &ram_[address - kRamBase];
   if (address >= FlashChip::kBase && address + 4 <= FlashChip::kBase + FlashChip::kBytes)
     return &setup_.flash->bytes[address - FlashChip::kBase];
+  if (address >= map::kCodeRam && address + 4 <= map::kCodeRam + map::kCodeRamBytes)
+    return &code_ram_[address - map::kCodeRam];
   throw DeviceError(fmt::format("modelled machine: stack or vector at {:#x}, where no memory is", address));
 }
 
@@ -332,8 +357,11 @@ Machine::Core::Block Machine::Core::decode_block(std::uint32_t address, std::uin
 
 const Machine::Core::Block& Machine::Core::block_at(std::uint32_t address, std::uint32_t size) {
   const bool in_flash = address >= FlashChip::kBase && address < FlashChip::kBase + FlashChip::kBytes;
-  Block& b = in_flash ? blocks_[(address - FlashChip::kBase) / 2] : elsewhere_;
-  if (!in_flash || b.size != size) b = decode_block(address, size);
+  const bool in_code_ram = address >= map::kCodeRam && address < map::kCodeRam + map::kCodeRamBytes;
+  Block& b = in_flash      ? blocks_[(address - FlashChip::kBase) / 2]
+             : in_code_ram ? code_ram_blocks_[(address - map::kCodeRam) / 2]
+                           : elsewhere_;
+  if (!(in_flash || in_code_ram) || b.size != size) b = decode_block(address, size);
   return b;
 }
 
@@ -344,6 +372,10 @@ void Machine::Core::run_until(Time until) {
     if (reset_wanted_) {
       ++counts_.resets;
       reset_core();
+    }
+    if (std::exchange(stalled_, false)) {
+      wait_for_flash(until);
+      continue;
     }
     if (std::exchange(nmi_, false)) nvic_.pend(Nvic::kNmi);
     nvic_.poked = false;
@@ -357,6 +389,18 @@ void Machine::Core::run_until(Time until) {
     }
     execute(next);
   }
+}
+
+// The core waits for an instruction from the bank that is being written (RM0440 §3.3.5): nothing else happens in it, no
+// exception is taken. The peripherals go on.
+void Machine::Core::wait_for_flash(Time until) {
+  const Time begin = time_.now();
+  while (flash_.busy() && time_.now() < until) {
+    time_.advance_to(std::min(time_.next(), until));
+    time_.run_due();
+  }
+  counts_.flash_stall += time_.now() - begin;
+  stalled_ = flash_.busy();
 }
 
 // A translated block ends at each kilobyte, also inside an IT block. Unicorn cannot put ITSTATE away and back, so no

@@ -38,7 +38,7 @@ class Machine::Core final : public Surroundings {
   const MachineSetup setup_;
   std::vector<Violation> violations_;
   MachineCounts counts_;
-  [[nodiscard]] std::uint32_t vtor() const { return nvic_.vtor(); }
+  [[nodiscard]] std::uint32_t image() const { return nvic_.image(); }
   [[nodiscard]] Time i2c_busy(std::size_t k) const { return i2c_[k]->busy_time(); }
 
  private:
@@ -70,6 +70,7 @@ class Machine::Core final : public Surroundings {
   bool gate_open(const Window& w);
 
   void execute(Time until);
+  void wait_for_flash(Time until);
   void finish_it_block();
   void after_execution(uc_err error);
   void apply_flash_writes();
@@ -107,14 +108,14 @@ class Machine::Core final : public Surroundings {
   Fdcan can_;
   FdcanRam can_ram_;
   std::vector<Window> windows_;
-  std::vector<std::uint8_t> ram_;
-  std::vector<Block> blocks_;  ///< by half-word of the flash; code elsewhere is not remembered
+  std::vector<std::uint8_t> ram_, code_ram_;
+  std::vector<Block> blocks_, code_ram_blocks_;  ///< by half-word; code elsewhere is not remembered
   Block elsewhere_;
   std::vector<CellWrite> cell_writes_;
   std::vector<Time> exception_entry_;
   Time slice_end_ = 0, cycle_ = 0;
-  bool stopped_before_block_ = false, one_block_ = false, block_begun_ = false, waits_behind_mask_ = false,
-       sleeping_ = false, reset_wanted_ = false, fp_active_ = false, nmi_ = false;
+  bool stalled_ = false, stopped_before_block_ = false, one_block_ = false, block_begun_ = false,
+       waits_behind_mask_ = false, sleeping_ = false, reset_wanted_ = false, fp_active_ = false, nmi_ = false;
   std::uint32_t interrupt_code_ = ~0U, last_block_pc_ = 0;
 };
 

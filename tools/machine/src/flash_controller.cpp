@@ -8,6 +8,9 @@
 namespace triskin::machine {
 namespace {
 
+constexpr std::uint32_t kOptionLock = 1U << 30, kOptionStart = 1U << 17, kDataCache = 1U << 10,
+                        kDataCacheReset = 1U << 12, kInstructionCache = 1U << 9, kInstructionCacheReset = 1U << 11,
+                        kDebugger = 1U << 18, kErrorInterrupt = 1U << 25;
 constexpr std::uint32_t kLock = 1U << 31, kBusy = 1U << 16, kStart = 1U << 16, kEcc = 1U << 31;
 constexpr std::uint32_t kProgError = 1U << 3, kAlignError = 1U << 5, kSizeError = 1U << 6, kSequenceError = 1U << 7;
 
@@ -19,8 +22,9 @@ void FlashController::reset() {
   rcc_.set_wait_states(acr_ & 15);
   sr_ = eccr_ = 0;
   cr_ = map::kFlashCrReset;
-  keys_ = 0;
-  locked_out_ = half_waits_ = false;
+  keys_ = option_keys_ = 0;
+  options_ = chip_.options;
+  locked_out_ = half_waits_ = busy_ = stale_ = false;
 }
 
 std::uint32_t FlashController::read(std::uint32_t offset, unsigned) {
@@ -34,14 +38,14 @@ std::uint32_t FlashController::read(std::uint32_t offset, unsigned) {
     case 0x18:
       return eccr_;
     case 0x20:
-      return chip_.options;
+      return options_;
     default:
       return 0;
   }
 }
 
 void FlashController::error(std::uint32_t flag, const char* what) {
-  sr_ |= flag | 2;
+  sr_ |= flag | ((cr_ & kErrorInterrupt) != 0 ? 2U : 0U);  // OPERR only with its interrupt (§3.7.5)
   around_.violation(what);
 }
 
@@ -60,14 +64,68 @@ void FlashController::write_key(std::uint32_t value) {
   }
 }
 
+// Reset of a cache only while it is off (§3.7.1). What an erase left in the data cache must go before it is on again.
+void FlashController::write_access(std::uint32_t value) {
+  if ((value & kDataCacheReset) != 0 && (acr_ & kDataCache) != 0)
+    around_.violation("FLASH_ACR.DCRST written while the data cache is on");
+  if ((value & kInstructionCacheReset) != 0 && (acr_ & kInstructionCache) != 0)
+    around_.violation("FLASH_ACR.ICRST written while the instruction cache is on");
+  if ((acr_ & kDebugger) != 0 && (value & kDebugger) == 0)
+    around_.violation("FLASH_ACR.DBG_SWEN cleared: the debugger is shut out");
+  if ((value & kDataCacheReset) != 0) stale_ = false;
+  if ((value & kDataCache) != 0 && stale_) around_.violation("data cache on with what it held before an erase");
+  if ((value & kDataCache) != 0 && busy_) around_.violation("data cache switched on while the flash is written");
+  acr_ = value;
+  rcc_.set_wait_states(value & 15);
+}
+
+void FlashController::write_option_key(std::uint32_t value) {
+  constexpr std::uint32_t kKeys[2] = {0x08192A3B, 0x4C5D6E7F};
+  if ((cr_ & kLock) != 0 || (cr_ & kOptionLock) == 0 || value != kKeys[option_keys_]) {
+    around_.violation("FLASH_OPTKEYR: wrong key or order, or FLASH_CR locked");
+    return;
+  }
+  if (++option_keys_ < 2) return;
+  cr_ &= ~kOptionLock;
+  option_keys_ = 0;
+}
+
+// Errata ES0430, 2.2.2: one bank read while the other is written may corrupt the data cache.
+void FlashController::check_data_cache() {
+  if ((acr_ & kDataCache) != 0) around_.violation("flash written with the data cache on");
+}
+
+// The new bytes are in the cells; the chip follows them after the next power-up (§3.4.2).
+void FlashController::start_options() {
+  check_data_cache();
+  sr_ |= kBusy;
+  busy_ = true;
+  busy_bank_ = 0;
+  busy_until_ = around_.time().now() + kEraseTime;
+  around_.time().after(kEraseTime, [this, g = generation_, options = options_] {
+    if (g != generation_) return;
+    chip_.options = options;
+    busy_ = false;
+    sr_ &= ~kBusy;
+  });
+}
+
 void FlashController::write(std::uint32_t offset, std::uint32_t value, unsigned) {
   switch (offset) {
     case 0x00:
-      acr_ = value;
-      rcc_.set_wait_states(value & 15);
+      write_access(value);
       break;
     case 0x08:
       write_key(value);
+      break;
+    case 0x0C:
+      write_option_key(value);
+      break;
+    case 0x20:
+      if ((cr_ & kOptionLock) != 0)
+        around_.violation("FLASH_OPTR written while locked");
+      else
+        options_ = value;
       break;
     case 0x10:
       sr_ &= ~(value & 0xC3FB);
@@ -92,7 +150,12 @@ void FlashController::write_control(std::uint32_t value) {
     around_.violation("FLASH_CR written while busy");
     return;
   }
-  cr_ = (cr_ & 0x40000000) | (value & 0x8FFFFFFF);
+  const bool options_open = (cr_ & kOptionLock) == 0 && (value & kOptionLock) == 0;
+  cr_ = (options_open ? 0U : kOptionLock) | (value & ~(kOptionLock | kOptionStart));
+  if ((cr_ & kLock) != 0) cr_ |= kOptionLock;
+  if ((value & kOptionStart) != 0 && !options_open)
+    return around_.violation("FLASH_CR.OPTSTRT while options are locked");
+  if ((value & kOptionStart) != 0) return start_options();
   if ((cr_ & kStart) == 0) return;
   cr_ &= ~kStart;
   if ((cr_ & 2) == 0 || (cr_ & 1) != 0)
@@ -103,7 +166,14 @@ void FlashController::write_control(std::uint32_t value) {
 
 // Counts the operation; when power fails in it, half of it has happened.
 void FlashController::begin(Time duration, const FlashOperation& operation) {
+  check_data_cache();
   sr_ |= kBusy;
+  busy_ = true;
+  stale_ = stale_ || operation.erase;
+  const std::uint32_t units =
+      operation.erase ? FlashChip::kBytes / FlashChip::kPage : FlashChip::kBytes / FlashChip::kUnit;
+  busy_bank_ = operation.index / (units / 2);
+  busy_until_ = around_.time().now() + duration;
   const bool cut = chip_.operations++ == chip_.cut_at;
   if (chip_.log != nullptr) chip_.log->push_back(operation);
   around_.time().after(cut ? duration / 2 : duration, [this, cut, operation, g = generation_] {
@@ -112,11 +182,13 @@ void FlashController::begin(Time duration, const FlashOperation& operation) {
     changed_(FlashChip::kBase + operation.index * size, size);
     power_lost_ = power_lost_ || cut;
     if (g != generation_) return;
-    sr_ = (sr_ & ~kBusy) | 1;
+    busy_ = false;
+    sr_ &= ~kBusy;
   });
 }
 
 void FlashController::start_erase() {
+  if (!two_banks()) around_.violation("page erase with DBANK = 0: pages have 4 KB, a neighbour is erased along");
   begin(kEraseTime, {true, (cr_ >> 3 & 127) + ((cr_ >> 11 & 1) != 0 ? 128 : 0), 0});
 }
 
@@ -164,7 +236,9 @@ void FlashController::program_unit() {
 
 void FlashController::torn_read(std::uint32_t unit) {
   if (!chip_.torn.contains(unit)) return;
-  eccr_ = kEcc | unit;
+  // Address in the bank, and the bank (§3.7.7); kept until the flag is cleared.
+  constexpr std::uint32_t kUnitsOfBank = FlashChip::kBytes / FlashChip::kUnit / 2;
+  if ((eccr_ & kEcc) == 0) eccr_ = kEcc | (unit / kUnitsOfBank) << 21 | (unit % kUnitsOfBank) * FlashChip::kUnit;
   around_.raise_nmi();
 }
 

@@ -8,7 +8,8 @@
 
 namespace triskin::machine {
 
-/// Flash interface (RM0440 §3.7): keys, lock, page erase, programming of 64-bit units, busy times, error flags, ECC.
+/// Flash interface (RM0440 §3.7): keys, lock, page erase, programming of 64-bit units, busy times, error
+/// flags, ECC, option bytes, the bank that is busy, the rules of the data cache.
 class FlashController final : public Peripheral {
  public:
   static constexpr Time kProgramTime = 82 * kMicrosecond, kEraseTime = 22'000 * kMicrosecond;
@@ -26,10 +27,23 @@ class FlashController final : public Peripheral {
   void cell_write(std::uint32_t address, std::uint32_t value, unsigned size);
   /// The CPU read a unit whose ECC is broken.
   void torn_read(std::uint32_t unit);
+  /// An operation is under way.
+  [[nodiscard]] bool busy() const { return busy_; }
+  /// The address lies in the bank that is being written.
+  [[nodiscard]] bool busy_at(std::uint32_t address) const {
+    return busy_ && address >= FlashChip::kBase && address < FlashChip::kBase + FlashChip::kBytes &&
+           (!two_banks() || (address - FlashChip::kBase) / (FlashChip::kBytes / 2) == busy_bank_);
+  }
+  [[nodiscard]] Time busy_until() const { return busy_until_; }
   /// Power failed in an operation: the machine must end.
   [[nodiscard]] bool power_lost() const { return power_lost_; }
 
  private:
+  [[nodiscard]] bool two_banks() const { return (chip_.options >> 22 & 1) != 0; }
+  void write_access(std::uint32_t value);
+  void write_option_key(std::uint32_t value);
+  void check_data_cache();
+  void start_options();
   void write_key(std::uint32_t value);
   void write_control(std::uint32_t value);
   void start_erase();
@@ -41,8 +55,12 @@ class FlashController final : public Peripheral {
   Rcc& rcc_;
   Changed changed_;
   std::uint32_t acr_ = 0, sr_ = 0, cr_ = 0, eccr_ = 0;
-  int keys_ = 0;
+  std::uint32_t options_ = 0;
+  int keys_ = 0, option_keys_ = 0;
   bool locked_out_ = false, power_lost_ = false;
+  bool busy_ = false, stale_ = false;
+  std::uint32_t busy_bank_ = 0;
+  Time busy_until_ = 0;
   bool half_waits_ = false;
   std::uint32_t half_address_ = 0, words_[2]{};
   std::uint64_t generation_ = 0;

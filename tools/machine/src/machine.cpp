@@ -41,7 +41,7 @@ std::uint64_t Machine::sysclk_hz() const {
   return core_->sysclk_hz();
 }
 std::uint32_t Machine::vector_table() const {
-  return core_->vtor();
+  return core_->image();
 }
 
 }  // namespace triskin::machine

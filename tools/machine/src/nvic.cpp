@@ -9,7 +9,7 @@ void Nvic::reset() {
   pending_ = enabled_ = is_active_ = {};
   priority_ = {};
   active_.clear();
-  vtor_ = 0x08000000;  // the alias at 0 that BOOT0 selects
+  vtor_ = image_ = map::kFlashCells;  // the alias at 0 that BOOT0 selects
   cpacr_ = tick_control_ = tick_reload_ = 0;
   ++tick_generation_;
   poked = true;
@@ -142,7 +142,9 @@ void Nvic::write_control(std::uint32_t offset, std::uint32_t value) {
       if ((value & 1U << 25) != 0) pending_[kSysTick] = false;
       break;
     case 0xD08:
+      if ((value & 0x1FF) != 0) around_.violation("VTOR is not aligned to 512 bytes");
       vtor_ = value;
+      if (value >= map::kFlashCells && value < map::kCodeRam) image_ = value;
       break;
     case 0xD0C:
       if (value >> 16 != 0x05FA)

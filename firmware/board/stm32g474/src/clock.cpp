@@ -37,8 +37,9 @@ void start_clocks() {
   rcc_reg::kCr.set(rcc_reg::kPllOn);
   while (!rcc_reg::kCr.any(rcc_reg::kPllReady)) {
   }
-  flash_reg::kAcr.write(flash_reg::kLatency4 | flash_reg::kPrefetch | flash_reg::kInstructionCache |
-                        flash_reg::kDataCache);
+  // The other bits stay: without DBG_SWEN (1 at reset) a debugger is shut out (§3.7.1).
+  flash_reg::kAcr.modify(flash_reg::kLatencyMask, flash_reg::kLatency4 | flash_reg::kPrefetch |
+                                                      flash_reg::kInstructionCache | flash_reg::kDataCache);
   while ((flash_reg::kAcr.read() & flash_reg::kLatencyMask) != flash_reg::kLatency4) {
   }
   // Above 80 MHz the AHB clock is halved for at least 1 µs while switching (§7.2.7).
@@ -111,4 +112,5 @@ extern "C" void tim2_handler() {
   using namespace triskin::board;
   tim2_reg::kSr.write(0);
   tim2_reg::kDier.write(0);
+  asm volatile("dsb" ::: "memory");  // a store may not overlap the return (Cortex-M4 erratum 838869)
 }

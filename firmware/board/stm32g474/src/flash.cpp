@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "triskin/board/board.hpp"
 #include "triskin/board/budget.hpp"
 #include "triskin/board/flash_map.hpp"
@@ -8,6 +10,7 @@ namespace triskin::board {
 namespace {
 
 constexpr std::uint64_t kLook_us = 500;
+const BusyWork* busy_work = nullptr;
 
 // Keeps the control register unlocked for one operation only: a runaway program cannot write.
 class Unlocked {
@@ -26,11 +29,17 @@ void wait_ready() {
   }
 }
 
-// An erase takes 22 ms: sleep between the looks. Interrupts, among them those of the I²C lines, go on.
-void sleep_while_busy() {
+// An erase takes 22 ms. What the board gave to be done meanwhile is done; else the processor sleeps between the looks.
+void wait_through_erase() {
   while (flash_reg::kSr.any(flash_reg::kBusy)) {
-    wake_at(microseconds() + kLook_us);
-    asm volatile("dsb\n wfi" ::: "memory");
+    if (busy_work != nullptr) busy_work->step();
+    asm volatile("cpsid i" ::: "memory");  // nothing is slept through between the decision and WFI
+    const std::uint64_t now_us = microseconds(), next_us = busy_work != nullptr ? busy_work->next_us() : UINT64_MAX;
+    if (next_us > now_us) {
+      wake_at(std::min(next_us, now_us + kLook_us));
+      asm volatile("dsb\n wfi" ::: "memory");
+    }
+    asm volatile("cpsie i\n isb" ::: "memory");
   }
 }
 
@@ -43,40 +52,58 @@ bool finish() {
   return false;
 }
 
-// The data cache keeps what was erased or programmed (§3.3.4): it is emptied by hand.
-void flush_data_cache() {
-  const std::uint32_t was = flash_reg::kAcr.read();
-  flash_reg::kAcr.write(was & ~flash_reg::kDataCache);
-  flash_reg::kAcr.write((was & ~flash_reg::kDataCache) | flash_reg::kDataCacheReset);
-  flash_reg::kAcr.write(was);
-}
+// The data cache may be corrupted when one bank is read while the other is written (errata ES0430, 2.2.2): it is off
+// while a write lasts, and emptied before it is on again, for it keeps what was erased (§3.3.7).
+class DataCacheOff {
+ public:
+  DataCacheOff() : before_(flash_reg::kAcr.read()) { flash_reg::kAcr.write(before_ & ~flash_reg::kDataCache); }
+  ~DataCacheOff() {
+    flash_reg::kAcr.set(flash_reg::kDataCacheReset);
+    flash_reg::kAcr.clear(flash_reg::kDataCacheReset);
+    flash_reg::kAcr.set(before_ & flash_reg::kDataCache);
+  }
+  DataCacheOff(const DataCacheOff&) = delete;
+  DataCacheOff& operator=(const DataCacheOff&) = delete;
+
+ private:
+  std::uint32_t before_;
+};
 
 bool in_flash(std::uint32_t address) {
   return address >= flash_map::kBase && address < flash_map::kEnd;
 }
 
+// With DBANK = 0 pages have 4 KB and another number: an erase would take a neighbour along.
+bool two_banks() {
+  return flash_reg::kOptr.any(flash_reg::kDualBank);
+}
+
 }  // namespace
 
+void do_while_erasing(const BusyWork* work) {
+  busy_work = work;
+}
+
 bool erase_flash_page(std::uint32_t address) {
-  if (!in_flash(address) || address % flash_map::kPageBytes != 0) return false;
+  if (!in_flash(address) || address % flash_map::kPageBytes != 0 || !two_banks()) return false;
   const bool second = address >= flash_map::kBank2;
   const std::uint32_t page = (address - (second ? flash_map::kBank2 : flash_map::kBase)) / flash_map::kPageBytes;
   wait_ready();
+  const DataCacheOff data_cache_off;
   const Unlocked unlocked;
   flash_reg::kSr.write(flash_reg::kErrors | flash_reg::kEndOfOperation);
   const std::uint32_t command =
       flash_reg::kPageErase | page << flash_reg::kPageShift | (second ? flash_reg::kBank2 : 0U);
   flash_reg::kCr.write(command);
   flash_reg::kCr.write(command | flash_reg::kStart);
-  sleep_while_busy();
-  const bool good = finish();
-  flush_data_cache();
-  return good;
+  wait_through_erase();
+  return finish();
 }
 
 bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t high) {
   if (!in_flash(address) || address % flash_map::kUnitBytes != 0) return false;
   wait_ready();
+  const DataCacheOff data_cache_off;
   const Unlocked unlocked;
   flash_reg::kSr.write(flash_reg::kErrors | flash_reg::kEndOfOperation);
   flash_reg::kCr.write(flash_reg::kProgram);
@@ -85,9 +112,7 @@ bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t 
     Register(address).write(low);
     Register(address + 4).write(high);
   }
-  const bool good = finish();
-  flush_data_cache();
-  return good;
+  return finish();
 }
 
 }  // namespace triskin::board

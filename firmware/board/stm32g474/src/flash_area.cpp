@@ -5,7 +5,6 @@
 
 #include "triskin/board/board.hpp"
 #include "triskin/board/flash_map.hpp"
-#include "triskin/board/registers/system.hpp"
 
 namespace triskin::board {
 namespace {
@@ -19,8 +18,8 @@ constinit Stm32FlashArea table_flash(flash_map::kTables, flash_map::kTablesBytes
 constinit boot::SlotStore application_slots({&slot_a, &slot_b}, {flash_map::kSlots[0], flash_map::kSlots[1]});
 
 int running_slot() {
-  const std::uint32_t vectors = core_reg::kVtor.read();
-  return vectors == flash_map::kSlots[0] ? 0 : vectors == flash_map::kSlots[1] ? 1 : -1;
+  const std::uint32_t origin = image_origin();
+  return origin == flash_map::kSlots[0] ? 0 : origin == flash_map::kSlots[1] ? 1 : -1;
 }
 
 std::size_t Stm32FlashArea::page_bytes() const {

@@ -3,6 +3,7 @@
 
 #include "interrupt_timer.hpp"
 #include "triskin/board/board.hpp"
+#include "triskin/board/budget.hpp"
 #include "triskin/board/i2c_timing.hpp"
 #include "triskin/board/registers/i2c.hpp"
 #include "triskin/board/registers/pins.hpp"
@@ -65,6 +66,7 @@ void Stm32I2cLine::open(const LinePlace& place) {
 void Stm32I2cLine::pins_to_bus() const {
   for (const Pin pin : {place_.scl, place_.sda}) {
     const Gpio g(pin);
+    g.no_pull();  // PA15 has the debugger's pull-up after a reset
     g.open_drain();
     g.alternate(place_.alternate);
     g.mode(PinMode::kAlternate);
@@ -127,8 +129,11 @@ void Stm32I2cLine::on_event() {
 }
 
 void Stm32I2cLine::on_error() {
+  const std::uint32_t status = reg(kIsr).read();
   reg(kIcr).write(kBusError | kArbitrationLost | kTimeout);
-  end(Outcome::kStuck);
+  // A bus error may be seen by a master where none is; the transfer goes on (errata ES0430, 2.15.2).
+  if ((status & kBusError) != 0) ++triskin_budget.bus_errors;
+  if ((status & (kArbitrationLost | kTimeout)) != 0) end(Outcome::kStuck);
 }
 
 void Stm32I2cLine::end(Outcome outcome) {

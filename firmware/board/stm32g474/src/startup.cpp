@@ -15,10 +15,14 @@
 extern "C" {
 extern std::uint32_t triskin_data_load, triskin_data_start, triskin_data_end, triskin_bss_start, triskin_bss_end,
     triskin_stack_bottom, triskin_stack_top;
+// Vectors and code in RAM; empty in the loader.
+extern std::uint32_t triskin_ram_vectors_start, triskin_ram_vectors_end, triskin_code_load, triskin_code_start,
+    triskin_code_end;
 using Constructor = void (*)();
 extern const Constructor triskin_constructors_start, triskin_constructors_end;
 
-[[noreturn]] void reset_handler();
+void reset_handler();
+[[noreturn]] void start_up();
 int main();
 void nmi_handler();
 [[noreturn]] void hard_fault_handler();
@@ -102,6 +106,10 @@ extern "C" {
 constinit const Vectors triskin_vectors = make_vectors();
 }
 
+std::uint32_t image_origin() {
+  return reinterpret_cast<std::uint32_t>(&triskin_vectors);
+}
+
 void request_dfu() {
   triskin_last_failure[3] = kDfuMark;
 }
@@ -117,17 +125,49 @@ void fail(std::uint32_t reason) {
 
 }  // namespace triskin::board
 
-void reset_handler() {
+namespace {
+
+// The loops stay loops: memcpy lies in the code that is being copied.
+[[gnu::noinline, gnu::optimize("no-tree-loop-distribute-patterns")]] void copy(const std::uint32_t* from,
+                                                                               std::uint32_t* to,
+                                                                               const std::uint32_t* end) {
+  while (to < end) *to++ = *from++;
+}
+[[gnu::noinline, gnu::optimize("no-tree-loop-distribute-patterns")]] void fill(std::uint32_t* from,
+                                                                               const std::uint32_t* end,
+                                                                               std::uint32_t value) {
+  while (from < end) *from++ = value;
+}
+
+}  // namespace
+
+// The first access to each RAM after a reset may be taken for a read (errata ES0430, 2.2.7): SRAM1, SRAM2 and CCM RAM
+// are read once before anything is pushed.
+[[gnu::naked]] void reset_handler() {
+  asm volatile(
+      "ldr r0, =0x20000000\n ldr r1, [r0]\n"
+      "ldr r0, =0x20014000\n ldr r1, [r0]\n"
+      "ldr r0, =0x10000000\n ldr r1, [r0]\n"
+      "dsb\n b start_up\n .ltorg");
+}
+
+void start_up() {
   using namespace triskin::board;
   core_reg::kCpacr.set(core_reg::kFpuFull);  // before anything that may use it (ARMv7-M, B1.4.7)
   asm volatile("dsb\n isb" ::: "memory");
   core_reg::kVtor.write(reinterpret_cast<std::uint32_t>(&triskin_vectors));
+  copy(&triskin_code_load, &triskin_code_start, &triskin_code_end);
+  if (&triskin_ram_vectors_start != &triskin_ram_vectors_end) {
+    copy(reinterpret_cast<const std::uint32_t*>(&triskin_vectors), &triskin_ram_vectors_start,
+         &triskin_ram_vectors_end);
+    asm volatile("dsb\n isb" ::: "memory");
+    core_reg::kVtor.write(reinterpret_cast<std::uint32_t>(&triskin_ram_vectors_start));
+  }
   std::uint32_t* here = nullptr;
   asm volatile("mov %0, sp" : "=r"(here));
-  for (std::uint32_t* p = &triskin_stack_bottom; p < here - 16; ++p) *p = kStackPaint;
-  const std::uint32_t* from = &triskin_data_load;
-  for (std::uint32_t* to = &triskin_data_start; to < &triskin_data_end;) *to++ = *from++;
-  for (std::uint32_t* p = &triskin_bss_start; p < &triskin_bss_end;) *p++ = 0;
+  fill(&triskin_stack_bottom, here - 16, kStackPaint);
+  copy(&triskin_data_load, &triskin_data_start, &triskin_data_end);
+  fill(&triskin_bss_start, &triskin_bss_end, 0);
   for (const Constructor* c = &triskin_constructors_start; c < &triskin_constructors_end; ++c) (*c)();
   asm volatile("cpsie i" ::: "memory");
   main();

@@ -48,8 +48,8 @@ class FlashChip {
 
   std::vector<std::uint8_t> bytes;
   std::uint32_t options = 0xFFEFF8AA;  ///< user option bytes as they left the factory (RM0440 §3.4.1)
-  std::vector<bool> used;        ///< per unit: programmed since its erase
-  std::set<std::uint32_t> torn;  ///< units (by index) whose ECC has two wrong bits
+  std::vector<bool> used;              ///< per unit: programmed since its erase
+  std::set<std::uint32_t> torn;        ///< units (by index) whose ECC has two wrong bits
   std::uint64_t operations = 0;
   std::uint64_t cut_at = ~std::uint64_t{0};
   std::vector<FlashOperation>* log = nullptr;  ///< each operation that begins is noted there; may be null

@@ -26,6 +26,7 @@ struct MachineSetup {
   VcdTrace* trace = nullptr;                                                ///< may be null
   bool crystal_works = true;
   bool will_be_cut = false;          ///< power_cycle() will be used: reading is slower
+  bool watch_reads = false;          ///< loads from a bank that is written stall, too: reading is slower
   sim::ChainModel* chain = nullptr;  ///< of switched modules; may be null
 };
 
@@ -35,6 +36,8 @@ struct MachineCounts {
   std::uint64_t idle_us = 0;
   int resets = 0;
   Time worst_interrupt = 0;                    ///< entry to return of the longest exception
+  Time flash_stall = 0;                        ///< the core waited for a bank that was written
+  std::uint64_t flash_read_stalls = 0;         ///< loads among these, with MachineSetup::watch_reads
   std::array<std::uint64_t, 4> i2c_busy_us{};  ///< start to stop, summed
 };
 
@@ -63,7 +66,7 @@ class Machine {
   [[nodiscard]] const std::vector<Violation>& violations() const;
   [[nodiscard]] const MachineCounts& counts() const;
   [[nodiscard]] std::uint64_t sysclk_hz() const;
-  [[nodiscard]] std::uint32_t vector_table() const;  ///< VTOR: tells which image runs
+  [[nodiscard]] std::uint32_t vector_table() const;  ///< of the image that runs, in flash
 
  private:
   std::unique_ptr<Core> core_;

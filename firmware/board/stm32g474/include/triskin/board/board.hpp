@@ -23,11 +23,22 @@ void feed_watchdog();  ///< harmless before the start
 
 [[nodiscard]] std::array<std::uint8_t, 12> unique_id();
 
-/// Flash (RM0440 §3.3.7, §3.3.8). Waits for the end: 22 ms an erase, 82 µs a unit of eight bytes. The CPU goes on
-/// when it runs from the other bank, and is stalled by the bus otherwise. False: refused, misaligned, write protected,
-/// or the unit was not erased.
+/// Flash (RM0440 §3.3.6, §3.3.7). Waits for the end: 22 ms an erase, 82 µs a unit of eight bytes. Whoever reads the
+/// bank that is written is stalled to the end: code that must go on runs from RAM. The data cache is off meanwhile.
+/// False: refused, misaligned, write protected, the unit was not erased, or pages are not of 2 KB (DBANK = 0).
 [[nodiscard]] bool erase_flash_page(std::uint32_t address);
 [[nodiscard]] bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t high);
+
+/// What goes on while an erase lasts. Neither function may read the flash or write it.
+struct BusyWork {
+  void (*step)();              ///< does what is due
+  std::uint64_t (*next_us)();  ///< when step() has work next; 0: it has some now. Asked with interrupts off
+};
+/// `work` outlives the calls that erase; null: the processor sleeps through an erase.
+void do_while_erasing(const BusyWork* work);
+
+/// Where the running image lies in the flash: its vectors stand there first.
+[[nodiscard]] std::uint32_t image_origin();
 
 /// Asks the loader to become a DFU device after the next reset; the loader takes the request once.
 void request_dfu();

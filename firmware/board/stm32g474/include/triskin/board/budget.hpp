@@ -4,6 +4,14 @@
 
 namespace triskin::board {
 
+/// What is wrong with a board, found at its start; docs/bring_up.md says what to do.
+enum BoardFinding : std::uint32_t {
+  kSingleBank = 1,        ///< DBANK = 0: the flash has other pages, nothing is stored
+  kBootByPin = 2,         ///< nSWBOOT0 = 1: an idle CAN bus at BOOT0 starts the ROM's loader at the next reset
+  kBootPinHigh = 4,       ///< PB8 was high at start
+  kOptionsProtected = 8,  ///< the options could not be set: the chip is read protected
+};
+
 /// What the firmware measures about itself. At a fixed symbol (`triskin_budget`), so that a debugger or the modelled
 /// machine reads it.
 struct Budget {
@@ -16,6 +24,9 @@ struct Budget {
   std::uint32_t ecc_faults = 0;        ///< flash units read with two wrong bits: torn by a power cut
   std::uint32_t can_lost = 0;          ///< frames that found the receive queue full
   std::uint32_t flash_errors = 0;      ///< erase or program refused
+  std::uint32_t bus_errors = 0;        ///< I²C bus errors seen in transfers that went on: spurious (ES0430, 2.15.2)
+  std::uint32_t options = 0;           ///< FLASH_OPTR as found at start
+  std::uint32_t findings = 0;          ///< bits of BoardFinding
 };
 
 }  // namespace triskin::board
