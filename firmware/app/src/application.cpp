@@ -59,7 +59,7 @@ void Application::keep_route() {
   if (!quiet_ && !route_.due(now_us())) return;
   quiet_ = true;
   bool idle = true;
-  for (LineSampler& l : lines_) idle = l.rest() && idle;
+  for (LineSampler& l : lines_) idle = l.pause() && idle;
   if (!idle) return;
   distrust();
   if (route_.due(now_us())) route_.heal(*ports_.clock);
