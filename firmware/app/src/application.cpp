@@ -45,9 +45,9 @@ void Application::restart_sampling() {
   }
   route_.begin(tables_.has_table() ? &tables_.table() : nullptr);
   next_tick_us_ = now_us() + ad7147::sequence_us(sampling_.decimation);
-  const layout::PatchImage table = tables_.has_table() ? tables_.table() : layout::PatchImage{};
+  const auto rows = tables_.has_table() ? tables_.table().rows() : std::span<const layout::ModuleRow>{};
   for (std::size_t l = 0; l < lines_.size(); ++l) {
-    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l), table, samples_, sampling_, now_us());
+    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l), rows, samples_, sampling_, now_us());
   }
 }
 

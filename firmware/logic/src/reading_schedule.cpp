@@ -31,7 +31,7 @@ std::uint64_t end_distance(const SequenceClock& clock, const SequenceClock& othe
 }  // namespace
 
 void ReadingSchedule::begin(std::size_t stations, std::uint32_t nominal_us, std::uint8_t every) {
-  plans_ = {};
+  for (Plan& plan : plans_) plan = Plan{};
   count_ = stations;
   nominal_us_ = nominal_us;
   every_ = every;

@@ -2,25 +2,26 @@
 #include "triskin/logic/sampler.hpp"
 
 #include <algorithm>
+#include <new>
 
 namespace triskin::fw {
 
 using wire::ModuleState;
 
-void LineSampler::begin(I2cLine& line, std::uint8_t line_index, const layout::PatchImage& table,
+void LineSampler::begin(I2cLine& line, std::uint8_t line_index, std::span<const layout::ModuleRow> rows,
                         std::span<ModuleSample> samples, const Sampling& sampling, std::uint64_t now_us) {
   const bool busy = job_ != Job::kIdle && line_ == &line;
-  *this = LineSampler{};
+  ::new (static_cast<void*>(this)) LineSampler;  // in place: a copy would take a kilobyte of the stack
   if (busy) job_ = Job::kDrain;
   line_ = &line;
   samples_ = samples;
   sampling_ = sampling;
   chip_.set_decimation(sampling.decimation);
-  for (std::size_t k = 0; k < table.module_count; ++k) {
-    if (table.modules[k].line != line_index) continue;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (rows[k].line != line_index) continue;
     Station& station = stations_[station_count_++];
     station.row = static_cast<std::uint8_t>(k);
-    station.address = table.modules[k].address;
+    station.address = rows[k].address;
   }
   schedule_.begin(station_count_, sequence_us(), sampling.every);
   for (Station& station : stations()) find(station, now_us);

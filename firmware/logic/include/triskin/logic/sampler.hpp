@@ -31,10 +31,10 @@ struct Sampling {
 /// is due), LineRecovery (what to do about a line that is held low). One bad chip or line stops no other.
 class LineSampler {
  public:
-  /// Forgets everything and starts anew with the modules of this line. `samples` has one entry a row of the table and
-  /// outlives the sampler.
-  void begin(I2cLine& line, std::uint8_t line_index, const layout::PatchImage& table, std::span<ModuleSample> samples,
-             const Sampling& sampling, std::uint64_t now_us);
+  /// Forgets everything and starts anew with those modules of the table, one a row, that hang on this line. `samples`
+  /// has an entry for each row and outlives the sampler; `rows` need not.
+  void begin(I2cLine& line, std::uint8_t line_index, std::span<const layout::ModuleRow> rows,
+             std::span<ModuleSample> samples, const Sampling& sampling, std::uint64_t now_us);
   /// Also without a table: finds what answers at the four addresses; scan() has the result.
   void request_scan();
   /// Finds, configures and checks every chip of the line again.
