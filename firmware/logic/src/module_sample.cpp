@@ -11,10 +11,9 @@ void ModuleSample::store(const ad7147::Results& results, std::uint16_t frozen) {
   for (std::size_t t = 0; t < raw.size(); ++t) {
     if (ad7147::in_range(raw[t])) inside = static_cast<std::uint16_t>(inside | 1U << t);
   }
-  const auto frozen_inside = static_cast<std::uint16_t>(frozen & inside);
-  valid = static_cast<std::uint16_t>(inside & ~frozen_inside);
+  valid = static_cast<std::uint16_t>(inside & ~frozen);
   state = inside != ad7147::kAllStages ? ModuleState::kSaturated
-          : frozen_inside != 0         ? ModuleState::kFrozen
+          : frozen != 0                ? ModuleState::kFrozen
                                        : ModuleState::kOk;
   compensation.add(raw, valid);
 }
