@@ -45,9 +45,9 @@ void Application::restart_sampling() {
   }
   route_.begin(tables_.has_table() ? &tables_.table() : nullptr);
   next_tick_us_ = now_us() + ad7147::sequence_us(sampling_.decimation);
-  const layout::PatchImage table = tables_.has_table() ? tables_.table() : layout::PatchImage{};
+  const auto rows = tables_.has_table() ? tables_.table().rows() : std::span<const layout::ModuleRow>{};
   for (std::size_t l = 0; l < lines_.size(); ++l) {
-    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l), table, samples_, sampling_, now_us());
+    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l), rows, samples_, sampling_, now_us());
   }
 }
 
@@ -59,7 +59,7 @@ void Application::keep_route() {
   if (!quiet_ && !route_.due(now_us())) return;
   quiet_ = true;
   bool idle = true;
-  for (LineSampler& l : lines_) idle = l.rest() && idle;
+  for (LineSampler& l : lines_) idle = l.pause() && idle;
   if (!idle) return;
   distrust();
   if (route_.due(now_us())) route_.heal(*ports_.clock);
@@ -188,15 +188,14 @@ void Application::send_pending() {
   if (icub_reply_ && ports_.can->send(*icub_reply_)) icub_reply_.reset();
   for (Channel& c : channels()) send_pending(c, now_us());
   const bool held = std::ranges::any_of(channels(), [&](const Channel& c) { return c.port == stream_port_ && c.held; });
-  while (!held && outgoing_tail_ != outgoing_head_ && stream_port_->send(outgoing_[outgoing_tail_]))
-    outgoing_tail_ = (outgoing_tail_ + 1) % outgoing_.size();
+  while (!held && !stream_queue_.empty() && stream_port_->send(stream_queue_.front())) stream_queue_.pop();
 }
 
 bool Application::frames_wait() const {
   const bool channel_waits = std::ranges::any_of(
       channels(), [](const Channel& c) { return (c.held || c.claim_at < c.claim.size()) && c.port->has_room(); });
   return channel_waits || (icub_reply_ && ports_.can->has_room()) ||
-         (outgoing_tail_ != outgoing_head_ && stream_port_->has_room());
+         (!stream_queue_.empty() && stream_port_->has_room());
 }
 
 // Each reading is sent on as soon as it stands: the converters have clocks of their own.
@@ -234,22 +233,12 @@ void Application::tick() {
   if (stream_ == StreamMode::kIcub && !server_.transferring() && icub_.due(now_us())) queue_icub();
 }
 
-// Frames that belong together; all or none. What finds no room is counted: the bus is slower than the stream.
-template <class... Frames>
-void Application::queue(const Frames&... frames) {
-  const std::size_t used = (outgoing_head_ + outgoing_.size() - outgoing_tail_) % outgoing_.size();
-  if (used + sizeof...(frames) >= outgoing_.size()) {
-    lost_frames_ += sizeof...(frames);
-    return;
-  }
-  ((outgoing_[outgoing_head_] = frames, outgoing_head_ = (outgoing_head_ + 1) % outgoing_.size()), ...);
-}
-
 void Application::queue_full(std::size_t module) {
   const ModuleSample& s = samples_[module];
   const auto& value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output();
-  queue(wire::encode_full({tables_.node_address(), static_cast<std::uint8_t>(module), s.number, s.time_us, s.valid,
-                           static_cast<std::uint8_t>(s.state), value}));
+  const std::array frames{wire::encode_full({tables_.node_address(), static_cast<std::uint8_t>(module), s.number,
+                                             s.time_us, s.valid, static_cast<std::uint8_t>(s.state), value})};
+  (void)stream_queue_.push(frames);
 }
 
 void Application::queue_icub() {
@@ -263,8 +252,7 @@ void Application::queue_icub() {
     t.out_of_range = s.state == ModuleState::kSaturated ? static_cast<std::uint16_t>(~s.valid & 0xFFF) : 0;
     t.no_acknowledge = s.state == ModuleState::kAbsent || s.state == ModuleState::kLineStuck;
     t.not_connected = s.state == ModuleState::kUnknown || s.state == ModuleState::kWrongId;
-    const auto frames = wire::encode_icub(t);
-    queue(frames[0], frames[1]);
+    (void)stream_queue_.push(wire::encode_icub(t));
   }
 }
 
@@ -347,7 +335,7 @@ bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
         errors += l.bus_errors();
         recoveries += l.recoveries();
       }
-      for (const std::uint32_t v : {sample_count_, errors, recoveries, lost_frames_}) out.le32(v);
+      for (const std::uint32_t v : {sample_count_, errors, recoveries, stream_queue_.dropped()}) out.le32(v);
       return true;
     }
     case wire::did::kStream:
@@ -398,7 +386,7 @@ Status Application::write_identifier(std::uint16_t did, Bytes value) {
   if (did != wire::did::kStream || value[0] > static_cast<std::uint8_t>(StreamMode::kFull)) return Status::kOutOfRange;
   if (value[0] == static_cast<std::uint8_t>(StreamMode::kFull) && !asking_->fd()) return Status::kOutOfRange;
   stream_port_ = asking_;
-  outgoing_head_ = outgoing_tail_ = 0;
+  stream_queue_.clear();
   stream_ = static_cast<StreamMode>(value[0]);
   return Status::kOk;
 }

@@ -9,6 +9,7 @@
 #include "triskin/logic/icub_board.hpp"
 #include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
+#include "triskin/logic/stream_queue.hpp"
 #include "triskin/logic/table_store.hpp"
 #include "triskin/logic/uds_server.hpp"
 #include "triskin/ports/ports.hpp"
@@ -74,8 +75,6 @@ class Application final : private UdsHost {
   void queue_full(std::size_t module);
   void queue_icub();
   Status set_sampling(Bytes value);
-  template <class... Frames>
-  void queue(const Frames&... frames);
   void write_hello(ByteWriter& out) const;
   void write_live(ByteWriter& out) const;
   void write_states(ByteWriter& out) const;
@@ -101,9 +100,7 @@ class Application final : private UdsHost {
   std::uint64_t next_tick_us_ = 0;
   std::uint32_t sample_count_ = 0;
   wire::StreamMode stream_ = wire::StreamMode::kOff;
-  std::array<wire::CanFrame, 3 * layout::kMaxModules> outgoing_{};  // a ring
-  std::size_t outgoing_head_ = 0, outgoing_tail_ = 0;
-  std::uint32_t lost_frames_ = 0;
+  StreamQueue stream_queue_;
   bool reset_requested_ = false, through_loader_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;
