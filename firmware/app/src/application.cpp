@@ -187,6 +187,10 @@ void Application::send_pending(Channel& c, std::uint64_t now_us) {
 void Application::send_pending() {
   if (icub_reply_ && ports_.can->send(*icub_reply_)) icub_reply_.reset();
   for (Channel& c : channels()) send_pending(c, now_us());
+  send_stream();
+}
+
+void Application::send_stream() {
   const bool held = std::ranges::any_of(channels(), [&](const Channel& c) { return c.port == stream_port_ && c.held; });
   while (!held && !stream_queue_.empty() && stream_port_->send(stream_queue_.front())) stream_queue_.pop();
 }
@@ -198,6 +202,28 @@ bool Application::frames_wait() const {
          (!stream_queue_.empty() && stream_port_->has_room());
 }
 
+void Application::publish(std::size_t module) {
+  samples_[module].fresh = false;
+  published_[module] = samples_[module];
+  if (stream_ == StreamMode::kFull && !server_.transferring()) queue_full(module);
+}
+
+void Application::step_during_flash() {
+  const std::uint64_t now = now_us();
+  for (LineSampler& line : lines_) line.step(now);
+  for (std::size_t k = 0; !route_.switched() && tables_.has_table() && k < tables_.table().module_count; ++k) {
+    if (samples_[k].fresh) publish(k);
+  }
+  send_stream();
+}
+
+std::uint64_t Application::next_during_flash_us() const {
+  const std::uint64_t now = now_us();
+  std::uint64_t next = UINT64_MAX;
+  for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now));
+  return next;
+}
+
 // Each reading is sent on as soon as it stands: the converters have clocks of their own.
 void Application::take_samples() {
   const bool any = std::ranges::any_of(samples_, &ModuleSample::fresh);
@@ -205,10 +231,9 @@ void Application::take_samples() {
   for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) {
     ModuleSample& s = samples_[k];
     if (!s.fresh) continue;
-    s.fresh = false;
-    published_[k] = s;
+    publish(k);
+    // Last: a full page of the fault memory is erased, and the module may have been read anew after that.
     faults_.note(k, s.state, {static_cast<std::uint32_t>(now_us() / 1000), s.number});
-    if (stream_ == StreamMode::kFull && !server_.transferring()) queue_full(k);
   }
   if (!any || !tables_.has_table()) return;
   const bool silent = std::ranges::all_of(std::span(samples_).first(tables_.table().module_count),

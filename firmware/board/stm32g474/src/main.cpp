@@ -48,6 +48,17 @@ std::uint32_t untouched_stack() {
   return static_cast<std::uint32_t>(p - &triskin_stack_bottom) * 4;
 }
 
+// The application inside whose step() an erase goes on.
+fw::Application* sampling = nullptr;
+constexpr BusyWork kSampling{[] { sampling->step_during_flash(); },
+                             [] {
+                               if (std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); }))
+                                 return std::uint64_t{0};
+                               std::uint64_t next = sampling->next_during_flash_us();
+                               for (const Stm32I2cLine& line : lines) next = std::min(next, line.deadline_us());
+                               return next;
+                             }};
+
 bool work_waits(const fw::Application& application) {
   return can.frame_waits() || usb.work_waits() || application.frames_wait() ||
          std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); });
@@ -125,5 +136,7 @@ int main() {
                                                &device,
                                                &route_chain,
                                                &stm32_restart});
+  sampling = &application;
+  do_while_erasing(&kSampling);
   run(application, device);
 }

@@ -28,6 +28,12 @@ class Application final : private UdsHost {
 
   /// Handles frames, bus transfers and timers that are due.
   void step();
+  /// What goes on while the board waits for its flash inside a call of step(): transfers on the lines, readings, the
+  /// stream. Neither reads nor writes the flash; faults are noted with the readings after it. Switched modules wait: a
+  /// look at their chain is needed before a reading counts.
+  void step_during_flash();
+  /// Earliest time at which step_during_flash() has work, ends of transfers not counted.
+  [[nodiscard]] std::uint64_t next_during_flash_us() const;
   /// Earliest time at which step() has work, not counting frames and line transfers, whose ends the board reports.
   [[nodiscard]] std::uint64_t next_event_us() const;
   /// Frames wait for room in the CAN port: step() again when there is some.
@@ -71,6 +77,8 @@ class Application final : private UdsHost {
   void send_pending();
   static void send_pending(Channel& channel, std::uint64_t now_us);
   void take_samples();
+  void publish(std::size_t module);
+  void send_stream();
   void tick();
   void queue_full(std::size_t module);
   void queue_icub();
