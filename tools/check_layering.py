@@ -7,16 +7,17 @@ import sys
 
 # folder prefix -> patterns of include paths that it must not name
 FORBIDDEN = [
-    ("shared/", r"^triskin/(host|geometry|check|model|scene|device|cli|ports|drivers|logic|app|board)/"),
+    ("shared/", r"^triskin/(host|geometry|check|model|scene|device|cli|ports|drivers|logic|app|boot|board)/"),
     ("shared/", r"^(CGAL|Eigen|nlohmann|fmt|unicorn|stm32|cmsis)"),
     ("firmware/", r"^triskin/(host|geometry|check|model|scene|device|cli)/"),
     ("firmware/", r"^(CGAL|Eigen|nlohmann|fmt|iostream|thread|mutex|chrono)"),
-    ("firmware/ports/", r"^triskin/(drivers|logic|app|board)/"),
-    ("firmware/drivers/", r"^triskin/(logic|app|board)/"),
-    ("firmware/logic/", r"^triskin/(app|board)/"),
-    ("firmware/app/", r"^triskin/board/"),
+    ("firmware/ports/", r"^triskin/(drivers|logic|app|boot|board)/"),
+    ("firmware/drivers/", r"^triskin/(logic|app|boot|board)/"),
+    ("firmware/logic/", r"^triskin/(app|boot|board)/"),
+    ("firmware/app/", r"^triskin/(boot|board)/"),
+    ("firmware/boot/", r"^triskin/(app|board)/"),
     ("firmware/board/stm32g474/", r"^triskin/sim/"),
-    ("host/", r"^triskin/(ports|drivers|logic|app|board)/"),
+    ("host/", r"^triskin/(ports|drivers|logic|app|boot|board)/"),
     ("host/base/", r"^triskin/(geometry|check|model|scene|device|cli)/"),
     ("host/geometry/", r"^triskin/(check|model|scene|device|cli|wire|layout|sim|core)/"),
     ("host/check/", r"^triskin/(geometry|scene|device|cli)/"),

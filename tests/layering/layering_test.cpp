@@ -56,6 +56,10 @@ TEST_F(Layering, refuses_logic_that_includes_a_board) {
   EXPECT_NE(with_file("firmware/logic/src/a.cpp", "#include \"triskin/board/posix.hpp\""), 0);
 }
 
+TEST_F(Layering, refuses_an_application_that_includes_the_loader) {
+  EXPECT_NE(with_file("firmware/app/src/a.cpp", "#include \"triskin/boot/slot_store.hpp\""), 0);
+}
+
 TEST_F(Layering, refuses_vendor_headers_outside_the_board) {
   EXPECT_NE(with_file("firmware/logic/src/a.cpp", "#include <stm32g474xx.h>"), 0);
 }

@@ -7,7 +7,7 @@
 #include "failure.hpp"
 #include "triskin/base/bytes.hpp"
 #include "triskin/board/budget.hpp"
-#include "triskin/boot/loader_protocol.hpp"
+#include "triskin/wire/loader_protocol.hpp"
 
 namespace triskin::machine {
 namespace {
@@ -80,7 +80,7 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
   }
   static constexpr std::uint8_t kConfirmedOnly = 0x08;
   static constexpr std::uint64_t kBoot_us =
-      boot::kWindow_us +
+      wire::loader::kWindow_us +
       12'000;  ///< at most, until the application's clock starts: the loader's window, its check of the image, clocks
   std::set<std::pair<int, int>> different;
   int faults = 0;

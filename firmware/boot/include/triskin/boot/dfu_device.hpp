@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "triskin/boot/firmware_package.hpp"
 #include "triskin/boot/slot_store.hpp"
+#include "triskin/layout/firmware_package.hpp"
 #include "triskin/logic/usb_control.hpp"
 
 namespace triskin::boot {
@@ -54,7 +54,7 @@ class DfuDevice final : public wire::UsbFunction {
   fw::UsbControl control_;
   State state_ = State::kIdle;
   Error error_ = Error::kNone;
-  PackageHead head_;
+  layout::PackageHead head_;
   int slot_ = -1;
   std::uint32_t at_ = 0;  // bytes of the package that came
   std::array<std::uint8_t, 6> reply_{};

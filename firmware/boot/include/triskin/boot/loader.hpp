@@ -3,12 +3,12 @@
 #include <array>
 #include <cstdint>
 
-#include "triskin/boot/loader_protocol.hpp"
 #include "triskin/boot/slot_store.hpp"
+#include "triskin/wire/loader_protocol.hpp"
 
 namespace triskin::boot {
 
-/// The loader's side of an update over CAN (loader_protocol.hpp). The board starts applications.
+/// The loader's side of an update over CAN (wire/loader_protocol.hpp). The board starts applications.
 class Loader {
  public:
   Loader(SlotStore& slots, fw::CanPort& can, const std::array<std::uint8_t, 12>& unique_id)
@@ -21,7 +21,7 @@ class Loader {
   [[nodiscard]] std::uint64_t stays_until_us() const { return stays_until_us_; }
 
  private:
-  void reply(Command command, Status status, Bytes more = {});
+  void reply(wire::loader::Command command, Status status, Bytes more = {});
   void hello();
   Status erase(int slot);
   void store(Bytes data);
