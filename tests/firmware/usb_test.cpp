@@ -57,7 +57,7 @@ class Usb : public testing::Test {
   }
   Message status() { return get(0xA1, 3, 0, 0); }
 
-  std::array<LineDouble, 4> lines_;
+  std::array<LineDouble, layout::kLines> lines_;
   FlashDouble<sim::FlashModel> flash_;
   class Slots final : public sim::FlashModel {
    public:

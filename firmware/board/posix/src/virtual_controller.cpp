@@ -264,7 +264,7 @@ class Controller final : public VirtualController, private fw::Restart {
 
   VirtualBoard board_;
   VirtualClock clock_;
-  std::array<VirtualI2cLine, 4> lines_;
+  std::array<VirtualI2cLine, layout::kLines> lines_;
   VirtualCan can_;
   VirtualFlash flash_;
   VirtualChain chain_;

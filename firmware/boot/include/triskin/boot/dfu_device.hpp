@@ -16,8 +16,7 @@ class DfuDevice final : public wire::UsbFunction {
   /// Silence after which it goes back to the application: dfu-util waits 5 s before its first request.
   static constexpr std::uint64_t kPatience_us = 15'000'000, kAfterCommit_us = 3'000'000;
 
-  DfuDevice(SlotStore& slots, const std::array<std::uint8_t, 12>& unique_id)
-      : slots_(slots), control_(unique_id, true) {}
+  DfuDevice(SlotStore& slots, const wire::UniqueId& unique_id) : slots_(slots), control_(unique_id, true) {}
 
   void reset() override { control_.reset(); }
   std::optional<Bytes> control(const wire::UsbSetup& setup, Bytes out) override;
