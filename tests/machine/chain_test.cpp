@@ -28,7 +28,7 @@ class SwitchedBench : public Bench {
     table.node_address = 1;
     store_table(table);
     MachineSetup setup;
-    for (int l = 0; l < 4; ++l) setup.lines[static_cast<std::size_t>(l)] = &skin_->line(0, l);
+    for (int l = 0; l < layout::kLines; ++l) setup.lines[static_cast<std::size_t>(l)] = &skin_->line(0, l);
     setup.flash = &flash;
     setup.on_can = [this](const wire::CanFrame& f, std::uint64_t) { frames.push_back(f); };
     setup.chain = &chain();
@@ -51,7 +51,7 @@ class SwitchedBench : public Bench {
     const std::vector<std::uint8_t> taxels = answer(wire::did::kLiveTaxels);
     std::uint32_t valid = 0;
     for (std::size_t m = 0, at = kLiveHead; m < scene_.design.patches[0].modules.size(); ++m, at += kLiveModule) {
-      if ((taxels.at(at) | taxels.at(at + 1) << 8) == 0x0FFF) valid |= 1U << m;
+      if ((taxels.at(at) | taxels.at(at + 1) << 8) == layout::kAllTaxels) valid |= 1U << m;
     }
     return valid;
   }
@@ -80,7 +80,7 @@ TEST_F(SwitchedBench, the_image_finds_every_joint_and_reads_every_module) {
   EXPECT_TRUE(found.complete);
   ASSERT_EQ(found.count, 16);
   const design::PortEnds joints = design::joints_of(design, 0);
-  for (std::size_t n = 0; n < 16; ++n) {
+  for (std::size_t n = 0; n < layout::kMaxModules; ++n) {
     const std::size_t row = found.row[n];
     ASSERT_LT(row, 16U);
     for (std::size_t p = 0; p < 3; ++p) {
@@ -119,7 +119,7 @@ TEST_F(SwitchedBench, every_dead_module_is_left_out_within_100_ms) {
   for (int trial = 0; trial < 3; ++trial) {
     const design::Design design = test::random_design(16, random);
     power_up_on(design);
-    for (int dead = 0; dead < 16; ++dead) {
+    for (int dead = 0; dead < layout::kMaxModules; ++dead) {
       run_for(random() % 37'000);
       chain().set_dead(dead, true);
       run_for(100'000);

@@ -64,7 +64,7 @@ double ModuleSkin::counts(int cin, std::uint64_t at_us) const {
   if (state_[taxel] == State::kSaturated) return kSaturatedCounts;
   double value = rest_counts_[taxel];
   if (state_[taxel] == State::kFrozen) return value;
-  if (design::measures_pressure(taxel)) {
+  if (layout::measures_pressure(taxel)) {
     for (const Touch* touch : touches_) value += kCountsPerKpa * touch->pressure_kpa(position_mm_[taxel], at_us);
   }
   if (drift_counts_per_us_ != 0.0) value += drift_counts_per_us_ * static_cast<double>(at_us);

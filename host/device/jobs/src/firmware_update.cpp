@@ -6,14 +6,14 @@
 #include <fstream>
 #include <optional>
 
-#include "triskin/boot/loader_protocol.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/wire/loader_protocol.hpp"
 
 namespace triskin::device {
 namespace {
 
-using boot::Command;
+using wire::loader::Command;
 
 constexpr std::uint64_t kHelloEvery_us = 4'000, kEnter_us = 500'000;
 constexpr int kResets = 6;  // the loader's window may pass before a busy host gets a word in
@@ -44,7 +44,8 @@ class LoaderSession {
       send(Command::kHello);
       const auto reply = wait(Command::kHello, kHelloEvery_us);
       if (!reply || reply->size() != 7 || ByteReader(Bytes(*reply).subspan(3)).le32() != id_crc_) continue;
-      if (((*reply)[2] >> 6) != boot::kProtocol) fail("speaks another loader protocol; use the tool of its release");
+      if (((*reply)[2] >> 6) != wire::loader::kProtocol)
+        fail("speaks another loader protocol; use the tool of its release");
       send(Command::kSelect, id_crc_, 4);
       if (!wait(Command::kSelect, kReply_us)) fail("does not answer in its loader");
       return (*reply)[2];
@@ -56,10 +57,10 @@ class LoaderSession {
     check(wait(Command::kErase, kErase_us), "erasing");
   }
   void write(Bytes image, const std::function<void(double)>& steps) {
-    constexpr std::size_t kBlock = std::size_t{8} * boot::kFramesPerReply;
+    constexpr std::size_t kBlock = std::size_t{8} * wire::loader::kFramesPerReply;
     for (std::size_t at = 0; at < image.size(); at += 8) {
       wire::CanFrame f;
-      f.id = boot::kDataId;
+      f.id = wire::loader::kDataId;
       f.extended = true;
       f.size = 8;
       std::ranges::copy(image.subspan(at, 8), f.data.begin());
@@ -81,7 +82,7 @@ class LoaderSession {
  private:
   void send(Command command, std::uint64_t arguments = 0, int bytes = 0) {
     wire::CanFrame f;
-    f.id = boot::kRequestId;
+    f.id = wire::loader::kRequestId;
     f.extended = true;
     f.data[0] = static_cast<std::uint8_t>(command);
     for (int k = 0; k < bytes; ++k)
@@ -93,7 +94,7 @@ class LoaderSession {
     const std::uint64_t end_us = link_.now_us() + timeout_us;
     do {
       const auto f = bus_.receive(end_us);
-      if (f && f->extended && f->id == boot::kReplyId && f->size >= 2 &&
+      if (f && f->extended && f->id == wire::loader::kReplyId && f->size >= 2 &&
           f->data[0] == static_cast<std::uint8_t>(command)) {
         return std::vector<std::uint8_t>(f->data.begin(), f->data.begin() + f->size);
       }
@@ -137,7 +138,7 @@ int write_free_slot(LoaderSession& loader, const std::optional<ImageState>& befo
 
 bool runs(const std::optional<ImageState>& state, const FirmwarePackage& package) {
   if (!state || state->slot < 0 || state->slot > 1) return false;
-  return state->record_crc == boot::slot_crc(state->sequence, package.image(state->slot));
+  return state->record_crc == layout::slot_crc(state->sequence, package.image(state->slot));
 }
 
 }  // namespace
@@ -147,7 +148,7 @@ FirmwarePackage read_firmware(const std::filesystem::path& file) {
   FirmwarePackage p;
   p.bytes.assign(std::istreambuf_iterator<char>(in), {});
   if (!in.is_open()) throw InputError(fmt::format("{}: cannot be read", file.string()));
-  const auto head = boot::decode_package_head(p.bytes);
+  const auto head = layout::decode_package_head(p.bytes);
   if (!head)
     throw InputError(fmt::format("{}: is no firmware package: {}; give triskin_firmware.tsf", file.string(),
                                  describe(head.error())));

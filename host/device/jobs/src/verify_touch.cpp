@@ -3,7 +3,7 @@
 #include <bit>
 #include <cmath>
 
-#include "triskin/design/design.hpp"
+#include "triskin/layout/module.hpp"
 #include "verification.hpp"
 
 namespace triskin::device {
@@ -34,7 +34,7 @@ TouchTest::Response TouchTest::strongest(const PatchState& patch) const {
     Response r;
     r.module = patch.module(row);
     for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
-      if (!design::measures_pressure(t) || (now.modules[row].valid >> t & 1) == 0) continue;
+      if (!layout::measures_pressure(t) || (now.modules[row].valid >> t & 1) == 0) continue;
       const double change =
           std::abs(static_cast<double>(now.modules[row].raw[t]) - static_cast<double>(patch.rest.modules[row].raw[t]));
       r.strength += change;
@@ -78,7 +78,7 @@ std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch
   TouchOutcome outcome{module, best.strength >= kModuleChange ? best.module : -1, whole, 0};
   if (outcome.answered == module && whole) {
     for (unsigned t = 0; t < layout::kTaxelsPerModule; ++t) {
-      if (design::measures_pressure(t) && (best.changed >> t & 1) == 0) outcome.silent_taxels |= 1U << t;
+      if (layout::measures_pressure(t) && (best.changed >> t & 1) == 0) outcome.silent_taxels |= 1U << t;
     }
   }
   return outcome;

@@ -18,8 +18,8 @@
 #include <cstring>
 #include <thread>
 
-#include "triskin/boot/loader_protocol.hpp"
 #include "triskin/link/link.hpp"
+#include "triskin/wire/loader_protocol.hpp"
 #include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 #include "triskin/wire/uds.hpp"
@@ -115,7 +115,7 @@ void CanSocket::filter_for_host() {
       wide(wire::physical_id(wire::kTesterAddress, 0), 0xFF),
       wide(wire::kClaimBase, wire::kClaimMask),
       wide(wire::kFullBase, 0xFFFF),
-      wide(boot::kReplyId, 0),
+      wide(wire::loader::kReplyId, 0),
       {0x400, kAll11 | 0x700},  // taxels of iCub boards
       {0x700, kAll11 | 0x700},  // and what they answer in the loader class
   }};

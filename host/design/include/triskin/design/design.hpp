@@ -55,11 +55,6 @@ struct TaxelPose {
 /// iCub module relative to its centroid: skinGui's triangle (docs/design_file.md).
 [[nodiscard]] std::array<TaxelPose, 12> taxels_of(const PlacedModule& module, int rotation);
 
-/// Whether a taxel (0..11) feels pressure; the pads 6 and 10 of the iCub module measure temperature.
-[[nodiscard]] constexpr bool measures_pressure(std::size_t taxel) {
-  return taxel != 6 && taxel != 10;
-}
-
 /// FNV-1a over the modules, patches and wiring, in file order: equal designs have equal ids on every compiler.
 [[nodiscard]] std::uint64_t design_id_of(const Design& design);
 

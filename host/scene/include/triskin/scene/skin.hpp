@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "triskin/layout/module.hpp"
 #include "triskin/scene/ad7147.hpp"
 #include "triskin/scene/i2c_line.hpp"
 #include "triskin/scene/scene.hpp"

@@ -4,16 +4,16 @@
 #include <string>
 #include <vector>
 
-#include "triskin/boot/firmware_package.hpp"
 #include "triskin/host/progress.hpp"
 #include "triskin/jobs/flash.hpp"
+#include "triskin/layout/firmware_package.hpp"
 #include "triskin/session/bus.hpp"
 
 namespace triskin::device {
 
 /// A firmware file (`triskin_firmware.tsf`): the application for both slots.
 struct FirmwarePackage {
-  boot::PackageHead head;
+  layout::PackageHead head;
   std::vector<std::uint8_t> bytes;
   [[nodiscard]] Bytes image(int slot) const {
     return Bytes(bytes).subspan(head.offset(slot), head.size_bytes[static_cast<std::size_t>(slot)]);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <optional>
 
 /// What the loader speaks on CAN: classic frames, 29-bit identifiers. FROZEN: loaders in the field are never replaced,
 /// so nothing here changes; new functions go into the application's UDS. docs/firmware_board.md has the sequence of an
 /// update.
-namespace triskin::boot {
+namespace triskin::wire::loader {
 
 inline constexpr std::uint8_t kProtocol = 1;
 inline constexpr std::uint32_t kRequestId = 0x1BF10000;  ///< host → loader: command, arguments
@@ -21,7 +22,13 @@ enum class Command : std::uint8_t {
   kCommit = 5,  ///< size (3 bytes LE), CRC-32 of the image (LE)
   kBoot = 6,    ///< starts the newest slot
 };
+/// The command of a number from the wire; empty: no command.
+[[nodiscard]] constexpr std::optional<Command> to_command(std::uint8_t number) {
+  if (number < static_cast<std::uint8_t>(Command::kHello) || number > static_cast<std::uint8_t>(Command::kBoot))
+    return std::nullopt;
+  return static_cast<Command>(number);
+}
 inline constexpr std::uint32_t kFramesPerReply = 32;
 inline constexpr std::uint64_t kWindow_us = 20'000;  ///< after a reset, kHello is waited for so long
 
-}  // namespace triskin::boot
+}  // namespace triskin::wire::loader

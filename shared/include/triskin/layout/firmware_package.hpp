@@ -7,7 +7,7 @@
 #include "triskin/base/status.hpp"
 
 /// A firmware file: the application linked for slot A, and for slot B. docs/firmware_board.md, "Firmware package".
-namespace triskin::boot {
+namespace triskin::layout {
 
 inline constexpr std::array<std::uint8_t, 4> kPackageMagic{'T', 'S', 'K', 'F'};
 inline constexpr std::uint16_t kPackageVersion = 1;
@@ -54,4 +54,4 @@ inline constexpr std::uint32_t kCommitMagic = 0x4D4D4F43;  ///< "COMM"
   return crc32(image, crc32(head));
 }
 
-}  // namespace triskin::boot
+}  // namespace triskin::layout
