@@ -51,6 +51,9 @@ void Bench::power_up(bool will_be_cut) {
   setup.trace = trace;
   setup.crystal_works = crystal_works;
   setup.will_be_cut = will_be_cut;
+  setup.watch_reads = watch_reads;
+  setup.boot_pin_high = boot_pin_high;
+  setup.bus_errors_per_hour = bus_errors_per_hour;
   machine = std::make_unique<Machine>(setup);
 }
 
@@ -84,6 +87,7 @@ std::vector<std::uint8_t> Bench::request(const std::vector<std::uint8_t>& bytes,
     while (const auto f = tester.transmit(now_us())) deliver(*f);
     run_for(500);
     for (; seen < frames.size(); ++seen) {
+      if (frames[seen].id != tester.rx_id()) continue;  // the stream goes on beside it
       if (tester.receive(frames[seen], now_us()) != wire::IsoTp::Event::kReceived) continue;
       const Bytes m = tester.message();
       return {m.begin(), m.end()};

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "skin_line.hpp"
@@ -28,6 +30,11 @@ namespace triskin::machine {
 
 /// Module k of patch(): line k % 4, address k / 4.
 /// Four lines with sixteen modules, flash with loader and application, and a tester on the CAN bus.
+[[nodiscard]] inline int wanted_slot() {
+  const char* wanted = std::getenv("TRISKIN_SLOT");
+  return wanted != nullptr && std::string_view(wanted) == "b" ? 1 : 0;
+}
+
 class Bench : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -36,7 +43,8 @@ class Bench : public ::testing::Test {
     for (int k = 0; k < layout::kMaxModules; ++k)
       lines[static_cast<std::size_t>(k % layout::kLines)].add(static_cast<std::uint8_t>(k / layout::kLines), k);
     flash.store(read_elf(firmware("triskin_loader.elf")));
-    application = read_elf(firmware("triskin_app_a.elf"));
+    flash.options &= ~(1U << 26);  // nSWBOOT0 = 0: the board was brought up (docs/bring_up.md)
+    application = read_elf(firmware(running_slot == 0 ? "triskin_app_a.elf" : "triskin_app_b.elf"));
     flash.store_application(application, 0x3C000, 1);
   }
   void power_up(bool will_be_cut = false);
@@ -70,7 +78,12 @@ class Bench : public ::testing::Test {
   std::vector<wire::CanFrame> frames;  ///< sent by the controller
   VcdTrace* trace = nullptr;
   bool crystal_works = true;
-  bool on_posix = false;  ///< board/posix instead of the image in the machine; power_up() looks
+  bool boot_pin_high = true;
+  double bus_errors_per_hour = 0;
+  /// Where the application lies: 0 is A. The whole suite runs from B with TRISKIN_SLOT=b in the environment.
+  int running_slot = wanted_slot();
+  bool watch_reads = false;  ///< loads from a busy bank stall, too
+  bool on_posix = false;     ///< board/posix instead of the image in the machine; power_up() looks
   std::unique_ptr<Machine> machine;
   TablesFlash tables{flash};
   std::unique_ptr<sim::VirtualController> posix;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
 #include "bench.hpp"
 #include "triskin/board/budget.hpp"
 
@@ -10,7 +12,7 @@ TEST_F(Bench, LoaderStartsTheApplicationAt170MHz) {
   run_for(200'000);
   expect_no_violation();
   EXPECT_EQ(machine->sysclk_hz(), 170'000'000U);
-  EXPECT_EQ(machine->vector_table(), 0x08004000U);
+  EXPECT_EQ(machine->vector_table(), application.origin());
   EXPECT_GT(budget(offsetof(board::Budget, loops)), 1U);
   EXPECT_GT(machine->counts().idle_us, 100'000U);  // sleeps, does not spin
 }
@@ -32,6 +34,70 @@ TEST_F(Bench, AnswersUdsOnCan) {
   ASSERT_GE(hello.size(), 26U);
   EXPECT_EQ(hello[0], 0x62);
   EXPECT_EQ(hello[12], 0x10);  // the first byte of the unique id
+  expect_no_violation();
+}
+
+constexpr std::uint32_t kFromFactory = 0xFFEFF8AA, kBootByPin = 1U << 26, kBootOptionFlash = 1U << 27,
+                        kTwoBanks = 1U << 22;
+
+TEST_F(Bench, FreshBoardOnAnIdleBusStartsTheRomsLoader) {
+  flash.options = kFromFactory;
+  power_up();
+  run_for(500'000);
+  EXPECT_TRUE(machine->in_rom_loader());
+  EXPECT_TRUE(request({0x22, 0xFD, 0x00}).empty());
+}
+
+// Its first start happens without a bus. Two seconds later the options say that the flash is started whatever the bus
+// does, and the next power-up shows it.
+TEST_F(Bench, FreshBoardIsSetToStartFromFlash) {
+  flash.options = kFromFactory;
+  boot_pin_high = false;
+  power_up();
+  run_for(1'500'000);
+  EXPECT_EQ(budget(offsetof(board::Budget, options)), kFromFactory);
+  EXPECT_EQ(budget(offsetof(board::Budget, findings)), board::finding::kBootByPin);
+  EXPECT_EQ(flash.options, kFromFactory);  // not before the supply has stood for two seconds
+  run_for(1'500'000);
+  EXPECT_EQ(flash.options, (kFromFactory & ~kBootByPin) | kBootOptionFlash);
+  expect_no_violation();
+  boot_pin_high = true;
+  power_up();
+  run_for(200'000);
+  EXPECT_FALSE(machine->in_rom_loader());
+  EXPECT_FALSE(request({0x22, 0xFD, 0x00}).empty());
+  EXPECT_EQ(budget(offsetof(board::Budget, findings)), board::finding::kBootPinHigh);
+  expect_no_violation();
+}
+
+TEST_F(Bench, ReadProtectedChipKeepsItsOptionsAndSaysSo) {
+  flash.options = (kFromFactory & ~0xFFU) | 0xBB;
+  boot_pin_high = false;
+  power_up();
+  run_for(3'000'000);
+  EXPECT_EQ(flash.options, (kFromFactory & ~0xFFU) | 0xBB);
+  EXPECT_EQ(budget(offsetof(board::Budget, findings)), board::finding::kBootByPin | board::finding::kOptionsProtected);
+  expect_no_violation();
+}
+
+// Pages of 4 KB: an erase would take the neighbour along. It is refused.
+TEST_F(Bench, ChipWithOneBankErasesNothing) {
+  flash.options &= ~kTwoBanks;
+  std::vector<FlashOperation> operations;
+  flash.log = &operations;
+  store_table(patch(4));
+  power_up();
+  run_for(100'000);
+  EXPECT_EQ(budget(offsetof(board::Budget, findings)) & board::finding::kSingleBank, board::finding::kSingleBank);
+  unlock();
+  // Faults of absent modules fill the page of the fault memory; clearing them would erase the other page.
+  module_at(0).present = false;
+  run_for(600'000);
+  (void)request({0x14, 0xFF, 0xFF, 0xFF});
+  module_at(1).present = false;
+  run_for(600'000);
+  (void)request({0x14, 0xFF, 0xFF, 0xFF});
+  EXPECT_EQ(std::ranges::count(operations, true, &FlashOperation::erase), 0);
   expect_no_violation();
 }
 

@@ -17,6 +17,7 @@ inline constexpr std::uint32_t kSlotA = 0x08004000, kSlotB = 0x08040000;
 class Update : public Bench {
  protected:
   void SetUp() override {
+    running_slot = 0;  // B is the one that is written
     Bench::SetUp();
     if (IsSkipped()) return;
     next = whole_blocks(read_elf(firmware("triskin_app_b.elf")));

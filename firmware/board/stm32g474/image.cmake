@@ -2,7 +2,7 @@
 set(triskin_board ${CMAKE_CURRENT_SOURCE_DIR}/board/stm32g474)
 
 add_library(triskin_fw_board STATIC ${triskin_board}/src/clock.cpp ${triskin_board}/src/flash.cpp ${triskin_board}/src/flash_area.cpp
-            ${triskin_board}/src/can.cpp ${triskin_board}/src/usb.cpp ${triskin_board}/src/line.cpp ${triskin_board}/src/chain.cpp)
+            ${triskin_board}/src/can.cpp ${triskin_board}/src/usb.cpp ${triskin_board}/src/line.cpp ${triskin_board}/src/options.cpp ${triskin_board}/src/chain.cpp)
 target_include_directories(triskin_fw_board PUBLIC ${triskin_board}/include ${triskin_board}/src)
 target_link_libraries(triskin_fw_board PUBLIC triskin_fw_boot)
 add_dependencies(triskin_fw_board triskin_layering)

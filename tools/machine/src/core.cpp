@@ -110,7 +110,11 @@ Machine::Core::Core(const MachineSetup& setup)
       gpio_(*this, rcc_, setup.lines, chain_),
       spi_(
           *this, [this](std::uint8_t byte) { return chain_.exchange(byte); },
-          [this] { return gpio_.alternate(1, 13, 5) && gpio_.alternate(1, 14, 5) && gpio_.alternate(1, 15, 5); }),
+          [this] {
+            constexpr unsigned kFunction = map::kFunctionSpi2;
+            return gpio_.alternate(1, 13, kFunction) && gpio_.alternate(1, 14, kFunction) &&
+                   gpio_.alternate(1, 15, kFunction);
+          }),
       dma_(*this,
            [this](std::uint32_t address) {
              return address >= kRamBase && address < kRamBase + kRamBytes ? &ram_[address - kRamBase] : nullptr;
@@ -119,7 +123,7 @@ Machine::Core::Core(const MachineSetup& setup)
       usb_(*this, [this] { return rcc_.clock_48_ready(); }),
       usb_memory_(*this, usb_),
       crs_(*this),
-      can_(*this, setup.on_can, setup.trace),
+      can_(*this, setup.on_can, setup.trace, [this] { return gpio_.can_ready(); }),
       can_ram_(*this, can_),
       ram_(kRamBytes, 0xA5),
       code_ram_(map::kCodeRamBytes, 0xA5),
@@ -131,7 +135,7 @@ Machine::Core::Core(const MachineSetup& setup)
                                                      {map::kI2c4Event, map::kI2c4Error}}};
   for (std::size_t k = 0; k < 4; ++k) {
     i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup.lines[k], kIrqs[k][0], kIrqs[k][1],
-                                              dma_, setup.trace);
+                                              dma_, setup.trace, [this, k] { return gpio_.line_ready(k); });
   }
   windows_ = {{&tim2_, map::kTim2, 0x400, map::kApb1, map::kTim2Bit, "TIM2"},
               {&iwdg_, map::kIwdg, 0x400, 0, 0, "IWDG"},
@@ -238,6 +242,13 @@ void Machine::Core::power_cycle(const FlashChip& cells) {
   reset_core();
 }
 
+// RM0440 table 5. Boot from RAM (nBOOT1 = 0) is not modelled.
+bool Machine::Core::boots_from_rom() const {
+  const std::uint32_t options = setup_.flash->options;
+  const bool by_pin = (options >> 26 & 1) != 0;
+  return by_pin ? setup_.boot_pin_high : (options >> 27 & 1) == 0;
+}
+
 // RAM keeps what it holds; everything else starts anew.
 void Machine::Core::reset_core() {
   time_.clear();
@@ -245,9 +256,13 @@ void Machine::Core::reset_core() {
   std::ranges::fill(code_ram_blocks_, Block{});  // the start-up code of another image may fill it anew
   for (const Window& w : windows_) w.block->reset();
   gpio_.reset();
+  gpio_.set_boot_pin(setup_.boot_pin_high);
   cell_writes_.clear();
   exception_entry_.clear();
+  book_bus_error();
   sleeping_ = fp_active_ = nmi_ = reset_wanted_ = stalled_ = false;
+  in_rom_loader_ = boots_from_rom();
+  sleeping_ = in_rom_loader_;  // it waits for a host on UART, I²C, SPI, USB or CAN, which nobody here is
   reg(UC_ARM_REG_IPSR, 0);
   reg(UC_ARM_REG_CONTROL, 0);
   reg(UC_ARM_REG_PRIMASK, 0);
@@ -389,6 +404,25 @@ void Machine::Core::run_until(Time until) {
     }
     execute(next);
   }
+}
+
+// The next spurious bus error, on whichever line is busy then; the times between two are exponential.
+void Machine::Core::book_bus_error() {
+  if (setup_.bus_errors_per_hour <= 0) return;
+  const double mean_s = 3600 / setup_.bus_errors_per_hour;
+  const double wait_s = std::exponential_distribution<double>(1 / mean_s)(random_);
+  time_.after(static_cast<Time>(wait_s * static_cast<double>(kSecond)), [this] { spoil_a_transfer(); });
+}
+
+// When no line is busy the error waits for the next transfer.
+void Machine::Core::spoil_a_transfer() {
+  const std::size_t first = random_() % i2c_.size();
+  for (std::size_t k = 0; k < i2c_.size(); ++k) {
+    if (!i2c_[(first + k) % i2c_.size()]->spurious_bus_error()) continue;
+    ++counts_.spurious_bus_errors;
+    return book_bus_error();
+  }
+  time_.after(17 * kMicrosecond, [this] { spoil_a_transfer(); });
 }
 
 // The core waits for an instruction from the bank that is being written (RM0440 §3.3.5): nothing else happens in it, no

@@ -2,6 +2,8 @@
 #pragma once
 #include <unicorn/unicorn.h>
 
+#include <random>
+
 #include "dma.hpp"
 #include "fdcan.hpp"
 #include "flash_controller.hpp"
@@ -38,6 +40,7 @@ class Machine::Core final : public Surroundings {
   const MachineSetup setup_;
   std::vector<Violation> violations_;
   MachineCounts counts_;
+  [[nodiscard]] bool in_rom_loader() const { return in_rom_loader_; }
   [[nodiscard]] std::uint32_t image() const { return nvic_.image(); }
   [[nodiscard]] Time i2c_busy(std::size_t k) const { return i2c_[k]->busy_time(); }
 
@@ -64,12 +67,15 @@ class Machine::Core final : public Surroundings {
   void watch_torn_units();
   void cells_changed(std::uint32_t address, std::uint32_t size);
   void reset_core();
+  [[nodiscard]] bool boots_from_rom() const;
   std::uint32_t bus_read(std::uint32_t address, unsigned size);
   void bus_write(std::uint32_t address, std::uint32_t value, unsigned size);
   Window* window_of(std::uint32_t address);
   bool gate_open(const Window& w);
 
   void execute(Time until);
+  void book_bus_error();
+  void spoil_a_transfer();
   void wait_for_flash(Time until);
   void finish_it_block();
   void after_execution(uc_err error);
@@ -112,10 +118,12 @@ class Machine::Core final : public Surroundings {
   std::vector<Block> blocks_, code_ram_blocks_;  ///< by half-word; code elsewhere is not remembered
   Block elsewhere_;
   std::vector<CellWrite> cell_writes_;
+  std::mt19937_64 random_{20261122};
   std::vector<Time> exception_entry_;
   Time slice_end_ = 0, cycle_ = 0;
-  bool stalled_ = false, stopped_before_block_ = false, one_block_ = false, block_begun_ = false,
-       waits_behind_mask_ = false, sleeping_ = false, reset_wanted_ = false, fp_active_ = false, nmi_ = false;
+  bool in_rom_loader_ = false, stalled_ = false, stopped_before_block_ = false, one_block_ = false,
+       block_begun_ = false, waits_behind_mask_ = false, sleeping_ = false, reset_wanted_ = false, fp_active_ = false,
+       nmi_ = false;
   std::uint32_t interrupt_code_ = ~0U, last_block_pc_ = 0;
 };
 

@@ -159,6 +159,14 @@ void Fdcan::request(std::uint32_t mask) {
   next_on_bus();
 }
 
+// M_CAN allows transmitter delay compensation with a data prescaler of 1 or 2 only.
+void Fdcan::check_start() {
+  const std::uint32_t data = regs_[kDbtp / 4];
+  if ((data >> 23 & 1) != 0 && (data >> 16 & 31) > 1)
+    around_.violation(fmt::format("FDCAN: delay compensation with a data prescaler of {}", (data >> 16 & 31) + 1));
+  if (!pins_ready_()) around_.violation("FDCAN started while PB8 or PB9 is not its alternate function");
+}
+
 std::uint32_t Fdcan::read(std::uint32_t offset, unsigned) {
   if (offset == 0x00) return 0x32141218;  // CREL
   if (offset == 0x04) return 0x87654321;  // ENDN
@@ -183,6 +191,7 @@ void Fdcan::write(std::uint32_t offset, std::uint32_t value, unsigned) {
       std::uint32_t& cccr = regs_[kCccr / 4];
       if ((value & 0x300) != (cccr & 0x300) && (cccr & 3) != 3)
         around_.violation("FDCAN: FDOE or BRSE changed without INIT and CCE");
+      if ((value & 1) == 0 && (cccr & 1) != 0) check_start();
       cccr = (value & 1) == 0 ? value & ~2U : value;
       break;
     }

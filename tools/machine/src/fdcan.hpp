@@ -15,7 +15,8 @@ namespace triskin::machine {
 class Fdcan final : public Peripheral {
  public:
   using Sink = std::function<void(const wire::CanFrame&, std::uint64_t now_us)>;
-  Fdcan(Surroundings& around, Sink sink, VcdTrace* trace) : Peripheral(around), sink_(std::move(sink)), trace_(trace) {
+  Fdcan(Surroundings& around, Sink sink, VcdTrace* trace, std::function<bool()> pins_ready)
+      : Peripheral(around), sink_(std::move(sink)), trace_(trace), pins_ready_(std::move(pins_ready)) {
     reset();
   }
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
@@ -35,11 +36,13 @@ class Fdcan final : public Peripheral {
   void next_on_bus();
   void sent(std::uint32_t index, const wire::CanFrame& frame);
   void request(std::uint32_t mask);
+  void check_start();
   [[nodiscard]] bool running() const { return (regs_[0x18 / 4] & 1) == 0; }
   void update_irqs();
 
   Sink sink_;
   VcdTrace* trace_;
+  std::function<bool()> pins_ready_;
   std::array<std::uint32_t, 80> regs_{};
   std::array<std::uint32_t, 0x350 / 4> ram_{};
   std::deque<wire::CanFrame> incoming_;

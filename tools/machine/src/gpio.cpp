@@ -5,6 +5,8 @@
 
 #include <utility>
 
+#include "map.hpp"
+
 namespace triskin::machine {
 namespace {
 
@@ -38,6 +40,18 @@ bool Gpio::alternate(unsigned port, unsigned pin, unsigned function) const {
   return (p.moder >> (2 * pin) & 3) == 2 && ((pin < 8 ? p.afrl : p.afrh) >> (4 * (pin % 8)) & 15) == function;
 }
 
+bool Gpio::line_ready(std::size_t line) const {
+  const LinePins& l = kLines[line];
+  const unsigned function = line < 2 ? map::kFunctionI2cFirst : map::kFunctionI2cSecond;
+  const bool open_drain =
+      (ports_[l.scl_port].otyper >> l.scl & 1) != 0 && (ports_[l.sda_port].otyper >> l.sda & 1) != 0;
+  return open_drain && alternate(l.scl_port, l.scl, function) && alternate(l.sda_port, l.sda, function);
+}
+
+bool Gpio::can_ready() const {
+  return alternate(1, 8, map::kFunctionCan) && alternate(1, 9, map::kFunctionCan);
+}
+
 void Gpio::follow_chain() {
   const auto cables = static_cast<std::uint8_t>((drives_high(1, 12) ? 1 : 0) | (drives_high(1, 10) ? 2 : 0));
   if (cables != std::exchange(cables_, cables)) chain_.enable(cables);
@@ -54,6 +68,7 @@ std::uint32_t Gpio::levels(unsigned port) const {
   for (unsigned pin = 0; pin < 16; ++pin) {
     if (drives_low(port, pin)) v &= ~(1U << pin);
   }
+  if (port == 1 && !boot_pin_high_) v &= ~(1U << 8);
   for (std::size_t k = 0; k < kLines.size(); ++k) {
     if (kLines[k].scl_port == port && !buses_[k]->scl()) v &= ~(1U << kLines[k].scl);
     if (kLines[k].sda_port == port && !buses_[k]->sda()) v &= ~(1U << kLines[k].sda);

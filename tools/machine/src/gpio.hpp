@@ -20,6 +20,10 @@ class Gpio final : public Peripheral {
   void reset() override;
   /// The pin is at an alternate function; port 0 is A.
   [[nodiscard]] bool alternate(unsigned port, unsigned pin, unsigned function) const;
+  /// SCL and SDA of a line are open drain and belong to its I²C block.
+  [[nodiscard]] bool line_ready(std::size_t line) const;
+  [[nodiscard]] bool can_ready() const;
+  void set_boot_pin(bool high) { boot_pin_high_ = high; }
 
  private:
   struct Port {
@@ -35,7 +39,7 @@ class Gpio final : public Peripheral {
   std::array<sim::I2cBus*, 4> buses_;
   RouteChainPins& chain_;
   std::uint8_t cables_ = 0;
-  bool latch_high_ = false;
+  bool latch_high_ = false, boot_pin_high_ = true;
   std::array<Port, 3> ports_;
 };
 

@@ -8,8 +8,8 @@
 namespace triskin::machine {
 namespace {
 
-constexpr std::uint32_t kTxEmpty = 1, kTxIs = 2, kRxNe = 4, kNack = 16, kStop = 32, kTc = 64, kTimeout = 1U << 12,
-                        kBusy = 1U << 15;
+constexpr std::uint32_t kTxEmpty = 1, kTxIs = 2, kRxNe = 4, kNack = 16, kStop = 32, kTc = 64, kBusError = 1U << 8,
+                        kArbitrationLost = 1U << 9, kTimeout = 1U << 12, kBusy = 1U << 15;
 constexpr std::uint32_t kStartBit = 1U << 13, kStopBit = 1U << 14, kAutoEnd = 1U << 25, kReadBit = 1U << 10;
 
 }  // namespace
@@ -81,7 +81,14 @@ void I2cController::update_irqs() {
     if ((cr1_ >> k & 1) != 0) flags |= isr_ & (1U << k);
   }
   around_.set_irq(event_irq_, flags != 0);
-  around_.set_irq(error_irq_, (cr1_ >> 7 & 1) != 0 && (isr_ & kTimeout) != 0);
+  around_.set_irq(error_irq_, (cr1_ >> 7 & 1) != 0 && (isr_ & (kBusError | kArbitrationLost | kTimeout)) != 0);
+}
+
+bool I2cController::spurious_bus_error() {
+  if (!on_bus_ || (cr1_ & 1) == 0) return false;
+  isr_ |= kBusError;
+  update_irqs();
+  return true;
 }
 
 std::uint32_t I2cController::read(std::uint32_t offset, unsigned) {
@@ -173,6 +180,8 @@ void I2cController::begin() {
     around_.violation(fmt::format("I2C{}: start while TXDR still holds a byte of the transfer before", line_ + 1));
   tx_waits_ = shifting_ = stretched_ = false;
   isr_ = (isr_ & ~(kTc | kTxIs | kRxNe)) | kBusy;
+  if (!pins_ready_())
+    around_.violation(fmt::format("I2C{}: start while a pin is not its open-drain alternate function", line_ + 1));
   if (!std::exchange(on_bus_, true)) busy_since_ = around_.time().now();
   if (!lines_free()) {
     hang();

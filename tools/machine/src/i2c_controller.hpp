@@ -15,20 +15,23 @@ namespace triskin::machine {
 class I2cController final : public Peripheral {
  public:
   I2cController(Surroundings& around, int line, sim::I2cBus& bus, int event_irq, int error_irq, Dma& dma,
-                VcdTrace* trace)
+                VcdTrace* trace, std::function<bool()> pins_ready)
       : Peripheral(around),
         line_(line),
         bus_(bus),
         event_irq_(event_irq),
         error_irq_(error_irq),
         dma_(dma),
-        trace_(trace) {
+        trace_(trace),
+        pins_ready_(std::move(pins_ready)) {
     reset();
   }
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
   [[nodiscard]] sim::I2cBus& bus() { return bus_; }
+  /// A transfer sees a bus error where none is and goes on (errata ES0430, 2.15.2). False: no transfer is under way.
+  bool spurious_bus_error();
   [[nodiscard]] Time busy_time() const { return busy_time_; }
   [[nodiscard]] Time scl_period() const;
 
@@ -58,6 +61,7 @@ class I2cController final : public Peripheral {
   int event_irq_, error_irq_;
   Dma& dma_;
   VcdTrace* trace_;
+  std::function<bool()> pins_ready_;
   std::uint32_t cr1_ = 0, cr2_ = 0, timing_ = 0, timeout_ = 0, isr_ = 1;
   std::uint8_t rx_ = 0, tx_ = 0, held_ = 0;
   bool reading_ = false, tx_waits_ = false, shifting_ = false, stretched_ = false;

@@ -40,6 +40,9 @@ const MachineCounts& Machine::counts() const {
 std::uint64_t Machine::sysclk_hz() const {
   return core_->sysclk_hz();
 }
+bool Machine::in_rom_loader() const {
+  return core_->in_rom_loader();
+}
 std::uint32_t Machine::vector_table() const {
   return core_->image();
 }

@@ -26,6 +26,9 @@ inline constexpr int kUsbIrq = 20, kFdcanIrq = 21, kTim2Irq = 28, kI2c1Event = 3
                      kI2c2Error = 34, kI2c4Event = 82, kI2c4Error = 83, kI2c3Event = 92, kI2c3Error = 93,
                      kInterrupts = 102;
 
+// Alternate functions: lines 1 and 2, lines 3 and 4, CAN, route chain
+inline constexpr unsigned kFunctionI2cFirst = 4, kFunctionI2cSecond = 8, kFunctionCan = 9, kFunctionSpi2 = 5;
+
 // What registers hold after a system reset
 inline constexpr std::uint32_t kAcrReset = 0x00040601, kFlashCrReset = 0xC0000000, kOptionsFromFactory = 0xFFEFF8AA;
 

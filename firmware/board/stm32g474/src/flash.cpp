@@ -19,7 +19,7 @@ class Unlocked {
     flash_reg::kKeyr.write(flash_reg::kKey1);
     flash_reg::kKeyr.write(flash_reg::kKey2);
   }
-  ~Unlocked() { flash_reg::kCr.write(flash_reg::kLock); }
+  ~Unlocked() { flash_reg::kCr.write(flash_reg::kLock | flash_reg::kOptionLock); }
   Unlocked(const Unlocked&) = delete;
   Unlocked& operator=(const Unlocked&) = delete;
 };
@@ -96,6 +96,19 @@ bool erase_flash_page(std::uint32_t address) {
       flash_reg::kPageErase | page << flash_reg::kPageShift | (second ? flash_reg::kBank2 : 0U);
   flash_reg::kCr.write(command);
   flash_reg::kCr.write(command | flash_reg::kStart);
+  wait_through_erase();
+  return finish();
+}
+
+bool write_flash_options(std::uint32_t options) {
+  wait_ready();
+  const DataCacheOff data_cache_off;
+  const Unlocked unlocked;
+  flash_reg::kOptKeyr.write(flash_reg::kOptionKey1);
+  flash_reg::kOptKeyr.write(flash_reg::kOptionKey2);
+  flash_reg::kSr.write(flash_reg::kErrors | flash_reg::kEndOfOperation);
+  flash_reg::kOptr.write(options);
+  flash_reg::kCr.write(flash_reg::kOptionStart);
   wait_through_erase();
   return finish();
 }

@@ -101,6 +101,8 @@ void sleep_until(std::uint64_t at_us, const fw::Application& application) {
     feed_watchdog();
     if (!confirmed && start > kConfirmAfter_us) {
       if (const int slot = running_slot(); slot >= 0) application_slots.confirm(slot);
+      // The supply has stood for two seconds. Once in the life of a board.
+      if ((triskin_budget.findings & finding::kBootByPin) != 0) (void)boot_from_flash_always();
       confirmed = true;
     }
     std::uint64_t next = std::min(application.next_event_us(), start + kLongestSleep_us);
@@ -123,6 +125,7 @@ int main() {
   start_clocks();
   start_microseconds();
   start_watchdog();
+  triskin_budget.findings = inspect_board();
   open_lines();
   can.open();
   route_chain.open();

@@ -28,6 +28,8 @@ struct MachineSetup {
   bool will_be_cut = false;          ///< power_cycle() will be used: reading is slower
   bool watch_reads = false;          ///< loads from a bank that is written stall, too: reading is slower
   sim::ChainModel* chain = nullptr;  ///< of switched modules; may be null
+  double bus_errors_per_hour = 0;    ///< spurious ones, at random times on random busy I²C lines
+  bool boot_pin_high = true;         ///< PB8 at a reset: the CAN transceiver's output, high on an idle bus
 };
 
 /// Counted since power-up.
@@ -39,6 +41,7 @@ struct MachineCounts {
   Time flash_stall = 0;                        ///< the core waited for a bank that was written
   std::uint64_t flash_read_stalls = 0;         ///< loads among these, with MachineSetup::watch_reads
   std::array<std::uint64_t, 4> i2c_busy_us{};  ///< start to stop, summed
+  std::uint64_t spurious_bus_errors = 0;       ///< injected
 };
 
 /// An STM32G474 that runs an unmodified image (docs/machine.md). Deterministic. Not thread-safe; one instruction counts
@@ -66,6 +69,8 @@ class Machine {
   [[nodiscard]] const std::vector<Violation>& violations() const;
   [[nodiscard]] const MachineCounts& counts() const;
   [[nodiscard]] std::uint64_t sysclk_hz() const;
+  /// Reset found BOOT0 high and the option bits listening to it: the ROM's loader runs, nothing of ours does.
+  [[nodiscard]] bool in_rom_loader() const;
   [[nodiscard]] std::uint32_t vector_table() const;  ///< of the image that runs, in flash
 
  private:

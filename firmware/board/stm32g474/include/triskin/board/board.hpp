@@ -31,6 +31,14 @@ void feed_watchdog();  ///< harmless before the start
 [[nodiscard]] bool erase_flash_page(std::uint32_t address);
 [[nodiscard]] bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t high);
 
+/// What is wrong with this board: bits of `finding`. Reads the option bytes and the boot pin; at start, before CAN.
+[[nodiscard]] std::uint32_t inspect_board();
+/// Sets the option bits that start the flash whatever the boot pin says (nSWBOOT0 = 0, nBOOT0 = 1); they count from the
+/// next power-up. A power cut within its 25 ms may leave the chip read protected: only while the supply stands. False:
+/// not allowed on this chip, or refused.
+[[nodiscard]] bool boot_from_flash_always();
+[[nodiscard]] bool write_flash_options(std::uint32_t options);
+
 /// What goes on while an erase lasts. Neither function may read the flash or write it.
 struct BusyWork {
   void (*step)();              ///< does what is due

@@ -4,13 +4,13 @@
 
 namespace triskin::board {
 
-/// What is wrong with a board, found at its start; docs/bring_up.md says what to do.
-enum BoardFinding : std::uint32_t {
-  kSingleBank = 1,        ///< DBANK = 0: the flash has other pages, nothing is stored
-  kBootByPin = 2,         ///< nSWBOOT0 = 1: an idle CAN bus at BOOT0 starts the ROM's loader at the next reset
-  kBootPinHigh = 4,       ///< PB8 was high at start
-  kOptionsProtected = 8,  ///< the options could not be set: the chip is read protected
-};
+/// What is wrong with a board, found at its start: bits of Budget::findings. docs/bring_up.md says what to do.
+namespace finding {
+inline constexpr std::uint32_t kSingleBank = 1;   ///< DBANK = 0: the flash has other pages, nothing is erased
+inline constexpr std::uint32_t kBootByPin = 2;    ///< nSWBOOT0 = 1: an idle CAN bus at BOOT0 starts the ROM's loader
+inline constexpr std::uint32_t kBootPinHigh = 4;  ///< PB8 was high at start
+inline constexpr std::uint32_t kOptionsProtected = 8;  ///< read protected: the options are left alone
+}  // namespace finding
 
 /// What the firmware measures about itself. At a fixed symbol (`triskin_budget`), so that a debugger or the modelled
 /// machine reads it.
@@ -26,7 +26,7 @@ struct Budget {
   std::uint32_t flash_errors = 0;      ///< erase or program refused
   std::uint32_t bus_errors = 0;        ///< I²C bus errors seen in transfers that went on: spurious (ES0430, 2.15.2)
   std::uint32_t options = 0;           ///< FLASH_OPTR as found at start
-  std::uint32_t findings = 0;          ///< bits of BoardFinding
+  std::uint32_t findings = 0;          ///< bits of `finding`
 };
 
 }  // namespace triskin::board

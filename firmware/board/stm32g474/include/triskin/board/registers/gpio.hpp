@@ -25,6 +25,9 @@ class Gpio {
   constexpr explicit Gpio(Pin pin)
       : base_(gpio_reg::kBase + gpio_reg::kStride * static_cast<unsigned>(pin.port - 'A')), n_(pin.number) {}
   void mode(PinMode mode) const { field(gpio_reg::kModer, static_cast<std::uint32_t>(mode)); }
+  [[nodiscard]] bool analog() const {
+    return (Register(base_ + gpio_reg::kModer).read() >> (2 * n_) & gpio_reg::kFieldMask) == gpio_reg::kFieldMask;
+  }
   void open_drain() const { Register(base_ + gpio_reg::kOtyper).set(bit(n_)); }
   /// Neither up nor down: PA15 comes out of reset with a pull-up, for the debugger (§9.4.4).
   void no_pull() const { field(gpio_reg::kPupdr, gpio_reg::kPullNone); }

@@ -21,8 +21,9 @@ inline constexpr std::uint32_t kErrors = bit(1) | bit(3) | bit(4) | bit(5) | bit
 inline constexpr std::uint32_t kProgram = bit(0), kPageErase = bit(1), kPageShift = 3, kBank2 = bit(11),
                                kStart = bit(16), kOptionStart = bit(17), kOptionLock = bit(30), kLock = bit(31);
 inline constexpr std::uint32_t kEccDetected = bit(31);  // ECCR: two bits wrong, NMI
-// OPTR: two banks; BOOT0 from the pin; BOOT0 of the option (inverted)
-inline constexpr std::uint32_t kDualBank = bit(22), kBootByPin = bit(26), kBootOptionFlash = bit(27);
+// OPTR: read protection, two banks; BOOT0 from the pin; BOOT0 of the option (inverted)
+inline constexpr std::uint32_t kReadProtectionMask = 0xFF, kNotProtected = 0xAA, kDualBank = bit(22),
+                               kBootByPin = bit(26), kBootOptionFlash = bit(27);
 }  // namespace flash_reg
 
 /// Power control, §6.4.

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "triskin/board/board.hpp"
+#include "triskin/board/budget.hpp"
+#include "triskin/board/registers/pins.hpp"
+#include "triskin/board/registers/system.hpp"
+
+namespace triskin::board {
+
+using namespace flash_reg;
+
+std::uint32_t inspect_board() {
+  rcc_reg::kAhb2Enr.set(rcc_reg::kGpioB);
+  (void)rcc_reg::kAhb2Enr.read();
+  const Gpio boot_pin(pins::kCanReceive);
+  if (boot_pin.analog()) boot_pin.mode(PinMode::kInput);
+  asm volatile("nop\n nop\n nop\n nop" ::: "memory");  // the input is sampled with the bus clock
+  const std::uint32_t options = kOptr.read();
+  triskin_budget.options = options;
+  std::uint32_t found = 0;
+  if ((options & kDualBank) == 0) found |= finding::kSingleBank;
+  if ((options & kBootByPin) != 0) found |= finding::kBootByPin;
+  if (boot_pin.level()) found |= finding::kBootPinHigh;
+  if ((options & kReadProtectionMask) != kNotProtected) found |= finding::kOptionsProtected;
+  return found;
+}
+
+// RM0440 §3.4.2. The chip follows the new bytes after its next power-up.
+bool boot_from_flash_always() {
+  const std::uint32_t options = kOptr.read();
+  if ((options & kReadProtectionMask) != kNotProtected || (options & kDualBank) == 0) return false;
+  return write_flash_options((options & ~kBootByPin) | kBootOptionFlash);
+}
+
+}  // namespace triskin::board
