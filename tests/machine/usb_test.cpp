@@ -179,6 +179,10 @@ TEST_F(Usb, FullStreamOverBulkLosesNothing) {
 
 class Dfu : public Usb {
  protected:
+  void SetUp() override {
+    running_slot = 0;  // B is the one that is written
+    Usb::SetUp();
+  }
   static constexpr std::uint8_t kIdle = 2, kDownloadIdle = 5;
   // Asks the run-time device to leave; it comes back as a DFU device.
   void enter_dfu() {

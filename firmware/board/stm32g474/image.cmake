@@ -6,6 +6,8 @@ add_library(triskin_fw_board STATIC ${triskin_board}/src/clock.cpp ${triskin_boa
 target_include_directories(triskin_fw_board PUBLIC ${triskin_board}/include ${triskin_board}/src)
 target_link_libraries(triskin_fw_board PUBLIC triskin_fw_boot)
 add_dependencies(triskin_fw_board triskin_layering)
+set(TRISKIN_CRYSTAL_MHZ 8 CACHE STRING "Crystal of the board in MHz, a multiple of 4 up to 48: 8 on the patch controller, 24 on a NUCLEO-G474RE")
+target_compile_definitions(triskin_fw_board PRIVATE TRISKIN_CRYSTAL_MHZ=${TRISKIN_CRYSTAL_MHZ}U)
 
 # triskin_image(name SCRIPT file FLASH_CEILING bytes RAM_CEILING bytes SOURCES files LIBS targets)
 function(triskin_image name)

@@ -85,7 +85,7 @@ void I2cController::update_irqs() {
 }
 
 bool I2cController::spurious_bus_error() {
-  if (!on_bus_ || (cr1_ & 1) == 0) return false;
+  if (!on_bus_ || (cr1_ & 1) == 0 || (isr_ & kBusError) != 0) return false;
   isr_ |= kBusError;
   update_irqs();
   return true;

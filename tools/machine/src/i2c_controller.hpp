@@ -30,7 +30,8 @@ class I2cController final : public Peripheral {
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
   [[nodiscard]] sim::I2cBus& bus() { return bus_; }
-  /// A transfer sees a bus error where none is and goes on (errata ES0430, 2.15.2). False: no transfer is under way.
+  /// A transfer sees a bus error where none is and goes on (errata ES0430, 2.15.2). False: no transfer is under way, or
+  /// the last one still stands.
   bool spurious_bus_error();
   [[nodiscard]] Time busy_time() const { return busy_time_; }
   [[nodiscard]] Time scl_period() const;

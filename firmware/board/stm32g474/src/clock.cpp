@@ -23,9 +23,11 @@ bool start_crystal() {
   return false;
 }
 
-// 8 MHz / 2 or 16 MHz / 4, · 85 / 2 = 170 MHz (R = 2 is 0 in bits 25–26).
+// Crystal or 16 MHz oscillator, divided to 4 MHz, · 85 / 2 = 170 MHz (R = 2 is 0 in bits 25–26).
+static_assert(TRISKIN_CRYSTAL_MHZ % 4 == 0 && TRISKIN_CRYSTAL_MHZ >= 4 && TRISKIN_CRYSTAL_MHZ <= 48);
 constexpr std::uint32_t kPllCommon = 85U << rcc_reg::kPllNShift | rcc_reg::kPllREnable;
-constexpr std::uint32_t kPllCrystal = rcc_reg::kPllFromHse | (2U - 1U) << rcc_reg::kPllMShift | kPllCommon;
+constexpr std::uint32_t kPllCrystal =
+    rcc_reg::kPllFromHse | (TRISKIN_CRYSTAL_MHZ / 4 - 1U) << rcc_reg::kPllMShift | kPllCommon;
 constexpr std::uint32_t kPllInternal = rcc_reg::kPllFromHsi | (4U - 1U) << rcc_reg::kPllMShift | kPllCommon;
 
 }  // namespace

@@ -8,7 +8,7 @@
 /// Low-level parts that the loader and the application share.
 namespace triskin::board {
 
-/// HSE 8 MHz, PLL 340 MHz, SYSCLK = HCLK = PCLK = 170 MHz, range 1 boost, four wait states (RM0440 §6.1.5, §7.2.4,
+/// HSE (TRISKIN_CRYSTAL_MHZ), PLL 340 MHz, SYSCLK = HCLK = PCLK = 170 MHz, range 1 boost, four wait states (RM0440 §6.1.5, §7.2.4,
 /// §3.3.3). Without a crystal the PLL runs from HSI 16 MHz (± 1 %: enough for I²C and, as a rule, for classic CAN).
 /// Waits for the oscillators (start-up only).
 void start_clocks();
