@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the chip would not forgive is a violation in the machine, and the right order is none.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "fdcan.hpp"
+#include "flash_controller.hpp"
+#include "gpio.hpp"
+#include "i2c_controller.hpp"
+#include "nvic.hpp"
+
+namespace triskin::machine {
+namespace {
+
+class Around final : public Surroundings {
+ public:
+  Scheduler& time() override { return time_; }
+  void set_irq(int, bool) override {}
+  void violation(std::string what) override { violations.push_back(std::move(what)); }
+  [[nodiscard]] std::uint64_t sysclk_hz() const override { return 170'000'000; }
+  void request_reset(std::uint32_t) override {}
+  void raise_nmi() override {}
+  void pass(Time by) {
+    time_.advance(by);
+    time_.run_due();
+  }
+  /// Exactly one, and it says so.
+  void expect(const char* part) const {
+    ASSERT_EQ(violations.size(), 1U) << part;
+    EXPECT_NE(violations[0].find(part), std::string::npos) << violations[0];
+  }
+  std::vector<std::string> violations;
+
+ private:
+  Scheduler time_;
+};
+
+class FlashMisuse : public ::testing::Test {
+ protected:
+  static constexpr std::uint32_t kAcr = 0x00, kKeyr = 0x08, kOptKeyr = 0x0C, kSr = 0x10, kCr = 0x14, kOptr = 0x20;
+  static constexpr std::uint32_t kNoDataCache = 0x00040201, kCaches = 0x00040601, kDataReset = 1U << 12,
+                                 kInstructionReset = 1U << 11;
+  static constexpr std::uint32_t kErase = 2, kStart = 1U << 16, kBank2 = 1U << 11, kProgram = 1;
+  void unlock() {
+    flash.write(kKeyr, 0x45670123, 4);
+    flash.write(kKeyr, 0xCDEF89AB, 4);
+  }
+  void erase(std::uint32_t bank) {
+    flash.write(kCr, kErase | bank, 4);
+    flash.write(kCr, kErase | bank | kStart, 4);
+  }
+  Around around;
+  FlashChip chip;
+  Rcc rcc{around, true};
+  FlashController flash{around, chip, rcc, [](std::uint32_t, std::uint32_t) {}};
+};
+
+TEST_F(FlashMisuse, TheRightOrderIsNone) {
+  flash.write(kAcr, kNoDataCache, 4);
+  unlock();
+  erase(kBank2);
+  EXPECT_TRUE(flash.busy_at(0x08040000));
+  EXPECT_FALSE(flash.busy_at(0x0803FFFF));
+  around.pass(FlashController::kEraseTime);
+  EXPECT_FALSE(flash.busy_at(0x08040000));
+  flash.write(kAcr, kNoDataCache | kDataReset, 4);
+  flash.write(kAcr, kNoDataCache, 4);
+  flash.write(kAcr, kCaches, 4);
+  EXPECT_TRUE(around.violations.empty());
+}
+
+TEST_F(FlashMisuse, ErasedWithTheDataCacheOn) {
+  unlock();
+  erase(kBank2);
+  around.expect("data cache on");
+}
+
+TEST_F(FlashMisuse, ProgrammedWithTheDataCacheOn) {
+  unlock();
+  flash.write(kCr, kProgram, 4);
+  flash.cell_write(0x08040000, 1, 4);
+  flash.cell_write(0x08040004, 2, 4);
+  around.expect("data cache on");
+}
+
+TEST_F(FlashMisuse, DataCacheOnAgainWithWhatItHeldBeforeAnErase) {
+  flash.write(kAcr, kNoDataCache, 4);
+  unlock();
+  erase(0);
+  around.pass(FlashController::kEraseTime);
+  flash.write(kAcr, kCaches, 4);
+  around.expect("before an erase");
+}
+
+TEST_F(FlashMisuse, CachesResetWhileTheyAreOn) {
+  flash.write(kAcr, kCaches | kDataReset, 4);
+  around.expect("DCRST");
+  around.violations.clear();
+  flash.write(kAcr, kCaches | kInstructionReset, 4);
+  around.expect("ICRST");
+}
+
+TEST_F(FlashMisuse, DebuggerShutOut) {
+  flash.write(kAcr, 0x704, 4);
+  around.expect("debugger");
+}
+
+TEST_F(FlashMisuse, EraseOfAChipWithOneBank) {
+  chip.options &= ~(1U << 22);
+  flash.write(kAcr, kNoDataCache, 4);
+  unlock();
+  erase(0);
+  around.expect("DBANK");
+  EXPECT_TRUE(flash.busy_at(0x08000000));
+  EXPECT_TRUE(flash.busy_at(0x08040000));
+}
+
+TEST_F(FlashMisuse, OptionsWrittenWithoutTheirKeys) {
+  unlock();
+  flash.write(kOptr, 0, 4);
+  around.expect("FLASH_OPTR");
+  around.violations.clear();
+  flash.write(kCr, 1U << 17, 4);
+  around.expect("OPTSTRT");
+  around.violations.clear();
+  flash.write(kOptKeyr, 0x12345678, 4);
+  around.expect("FLASH_OPTKEYR");
+}
+
+TEST_F(FlashMisuse, OptionsCountWhenTheyAreWritten) {
+  flash.write(kAcr, kNoDataCache, 4);
+  unlock();
+  flash.write(kOptKeyr, 0x08192A3B, 4);
+  flash.write(kOptKeyr, 0x4C5D6E7F, 4);
+  flash.write(kOptr, 0xFBEFF8AA, 4);
+  flash.write(kCr, 1U << 17, 4);
+  EXPECT_EQ(chip.options, 0xFFEFF8AAU);
+  around.pass(FlashController::kEraseTime);
+  EXPECT_EQ(chip.options, 0xFBEFF8AAU);
+  EXPECT_TRUE(around.violations.empty());
+}
+
+TEST(Misuse, VectorsThatAreNotAligned) {
+  Around around;
+  Nvic nvic(around);
+  nvic.write(0xD08, 0x08004100, 4);
+  around.expect("VTOR");
+}
+
+TEST(Misuse, DelayCompensationWithALargeDataPrescaler) {
+  Around around;
+  bool pins = true;
+  Fdcan can(around, [](const wire::CanFrame&, std::uint64_t) {}, nullptr, [&] { return pins; });
+  constexpr std::uint32_t kCccr = 0x18, kDbtp = 0x0C, kDelay = 1U << 23;
+  const auto start_with = [&](std::uint32_t data) {
+    can.write(kCccr, 3, 4);
+    can.write(kDbtp, data, 4);
+    can.write(kCccr, 0, 4);
+  };
+  start_with(kDelay | 1U << 16 | 0xA33);  // a prescaler of 2 is allowed
+  start_with(4U << 16 | 0xA33);           // without compensation any is
+  EXPECT_TRUE(around.violations.empty());
+  start_with(kDelay | 4U << 16 | 0xA33);
+  around.expect("prescaler of 5");
+  around.violations.clear();
+  pins = false;
+  start_with(0xA33);
+  around.expect("PB8");
+}
+
+class QuietBus final : public sim::I2cBus {
+ public:
+  bool start(std::uint8_t, std::uint64_t) override { return false; }
+  bool write(std::uint8_t, std::uint64_t) override { return false; }
+  std::uint8_t read(bool, std::uint64_t) override { return 0xFF; }
+  void stop(std::uint64_t) override {}
+  [[nodiscard]] bool scl() const override { return true; }
+  [[nodiscard]] bool sda() const override { return true; }
+  void pulse_scl(std::uint64_t) override {}
+};
+
+// Lines 1 and 2 have function 4, lines 3 and 4 have function 8; all open drain.
+TEST(Misuse, LineStartedWhileItsPinsAreSomethingElse) {
+  Around around;
+  Rcc rcc(around, true);
+  rcc.write(0x4C, 7, 4);
+  std::array<QuietBus, 4> buses;
+  RouteChainPins chain(nullptr);
+  Gpio gpio(around, rcc, {&buses[0], &buses[1], &buses[2], &buses[3]}, chain);
+  Dma dma(around, [](std::uint32_t) -> std::uint8_t* { return nullptr; });
+  I2cController line(around, 2, buses[2], 92, 93, dma, nullptr, [&] { return gpio.line_ready(2); });
+  constexpr std::uint32_t kPortC = 0x800, kTiming = 0x10305F7F;  // slow enough
+  const auto start = [&] {
+    line.write(0x00, 0, 4);
+    line.write(0x10, kTiming, 4);
+    line.write(0x00, 1, 4);
+    line.write(0x04, 0x2C << 1 | 1U << 13 | 1U << 16, 4);
+  };
+  start();
+  around.expect("I2C3");
+  around.violations.clear();
+  gpio.write(kPortC + 0x04, 0x300, 4);       // open drain
+  gpio.write(kPortC + 0x24, 0x88, 4);        // function 8
+  gpio.write(kPortC + 0x00, 0xFFFAFFFF, 4);  // alternate
+  start();
+  EXPECT_TRUE(around.violations.empty());
+  gpio.write(kPortC + 0x24, 0x84, 4);  // SCL has the function of line 1
+  start();
+  around.expect("I2C3");
+}
+
+}  // namespace
+}  // namespace triskin::machine
