@@ -144,8 +144,8 @@ std::vector<std::uint8_t> Controller::read_table(std::size_t size_bytes) {
 }
 
 // A lost answer to the key leaves open whether it was taken, so both steps are done again together.
-void Controller::unlock(std::uint8_t session) {
-  (void)bus_.request(node_, request_of({wire::service::kSession, session}), Repeat::kSafe);
+void Controller::unlock(wire::Session session) {
+  (void)bus_.request(node_, request_of({wire::service::kSession, wire::wire_number(session)}), Repeat::kSafe);
   constexpr int kAttempts = 3;
   for (int attempt = 1;; ++attempt) {
     const Message m = bus_.request(node_, request_of({wire::service::kSecurity, 0x01}), Repeat::kSafe);
@@ -164,7 +164,7 @@ void Controller::unlock(std::uint8_t session) {
 }
 
 void Controller::write_table(Bytes image, const std::function<void(double)>& steps) {
-  unlock(wire::session::kProgramming);
+  unlock(wire::Session::kProgramming);
   (void)bus_.request(
       node_,
       transfer_head(wire::service::kDownload, wire::memory::kInactiveTable, static_cast<std::uint32_t>(image.size())),
@@ -222,15 +222,15 @@ void Controller::reroute() {
 }
 
 wire::FoundTopology Controller::topology() {
-  wire::FoundTopology t;
-  if (!wire::decode(read(wire::did::kTopology), t)) nonsense("topology");
-  return t;
+  const auto t = wire::FoundTopology::decode(read(wire::did::kTopology));
+  if (!t) nonsense("topology");
+  return *t;
 }
 
 wire::ActiveRoute Controller::route() {
-  wire::ActiveRoute a;
-  if (!wire::decode(read(wire::did::kRoute), a)) nonsense("route");
-  return a;
+  const auto a = wire::ActiveRoute::decode(read(wire::did::kRoute));
+  if (!a) nonsense("route");
+  return *a;
 }
 std::optional<ImageState> Controller::image_state() {
   try {
@@ -300,7 +300,7 @@ TaxelSample Controller::taxels() {
 }
 
 void Controller::set_stream(wire::StreamMode mode) {
-  unlock(wire::session::kExtended);
+  unlock(wire::Session::kExtended);
   const auto id = wire::did::kStream;
   (void)bus_.request(node_, request_of({wire::service::kWrite, high(id), low(id), static_cast<std::uint8_t>(mode)}),
                      Repeat::kSafe);

@@ -97,7 +97,7 @@ class Controller {
   Message read(std::uint16_t did);
   // Starts a routine and asks until it has ended; its answer has `bytes` bytes after the state.
   Message run_routine(std::uint16_t id, std::size_t bytes, std::uint64_t poll_every_us, int polls, const char* what);
-  void unlock(std::uint8_t session);
+  void unlock(wire::Session session);
   [[noreturn]] void nonsense(const char* what) const;
 
   Bus& bus_;
