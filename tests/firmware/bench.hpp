@@ -133,8 +133,7 @@ inline layout::PatchImage six_modules(std::uint8_t node = 1) {
                         small(k % 2),
                         0,
                         k == 0 ? layout::kNoParent : small(k - 1),
-                        k == 0 ? layout::kCable : std::uint8_t{1},
-                        3};
+                        k == 0 ? layout::kCable : std::uint8_t{1}};
   }
   return image;
 }

@@ -24,8 +24,7 @@ layout::PatchImage table(std::uint64_t design, std::uint8_t modules, std::uint8_
                         small(k % 4),
                         0,
                         k == 0 ? layout::kNoParent : small((k - 1) / 2),
-                        k == 0 ? layout::kCable : small(k % 2 == 1 ? 1 : 2),
-                        7};
+                        k == 0 ? layout::kCable : small(k % 2 == 1 ? 1 : 2)};
   }
   return image;
 }
