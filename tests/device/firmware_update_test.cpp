@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // New firmware over CAN: the free slot is written, started and confirmed; an interrupted update leaves the old
 // application.
-#include "triskin/device/firmware_update.hpp"
+#include "triskin/jobs/firmware_update.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@
 
 #include "faulty_link.hpp"
 #include "fixture.hpp"
-#include "triskin/device/controller.hpp"
+#include "triskin/session/controller.hpp"
 
 namespace triskin::device {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "triskin/boot/dfu_device.hpp"
 #include "triskin/boot/loader.hpp"
-#include "triskin/device/tcp_link.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/layout/firmware_package.hpp"
 #include "triskin/layout/patch_image.hpp"
@@ -16,6 +15,7 @@
 #include "triskin/logic/table_store.hpp"
 #include "triskin/logic/uds_server.hpp"
 #include "triskin/logic/usb_device.hpp"
+#include "triskin/simlink/tcp_link.hpp"
 #include "triskin/wire/iso_tp.hpp"
 #include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/taxel_frames.hpp"
