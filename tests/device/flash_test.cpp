@@ -117,8 +117,8 @@ TEST_P(PowerCut, leaves_the_old_or_the_new_table_and_flashing_again_completes) {
     ++cuts;
     EXPECT_FALSE(bench.skin().alive(0));
     bench.skin().power_cycle(0);
-    const ActiveTable after = Controller(bench.bus(), 1).active_table();
-    ASSERT_TRUE(after.present) << "operation " << operation;
+    const wire::ActiveTable after = Controller(bench.bus(), 1).active_table();
+    ASSERT_TRUE(after.present()) << "operation " << operation;
     EXPECT_TRUE(after.design_id == old_design.design_id || after.design_id == bench.design().design_id) << operation;
     bench.flash();
     EXPECT_EQ(Controller(bench.bus(), 1).active_table().design_id, bench.design().design_id) << operation;
