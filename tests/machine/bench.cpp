@@ -53,6 +53,7 @@ void Bench::power_up(bool will_be_cut) {
   setup.will_be_cut = will_be_cut;
   setup.watch_reads = watch_reads;
   setup.boot_pin_high = boot_pin_high;
+  setup.scl_rise_ns = scl_rise_ns;
   setup.bus_errors_per_hour = bus_errors_per_hour;
   machine = std::make_unique<Machine>(setup);
 }

@@ -80,6 +80,7 @@ class Bench : public ::testing::Test {
   bool crystal_works = true;
   bool boot_pin_high = true;
   double bus_errors_per_hour = 0;
+  std::uint32_t scl_rise_ns = 0;
   /// Where the application lies: 0 is A. The whole suite runs from B with TRISKIN_SLOT=b in the environment.
   int running_slot = wanted_slot();
   bool watch_reads = false;  ///< loads from a busy bank stall, too

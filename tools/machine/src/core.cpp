@@ -136,6 +136,7 @@ Machine::Core::Core(const MachineSetup& setup)
   for (std::size_t k = 0; k < 4; ++k) {
     i2c_[k] = std::make_unique<I2cController>(*this, static_cast<int>(k), *setup.lines[k], kIrqs[k][0], kIrqs[k][1],
                                               dma_, setup.trace, [this, k] { return gpio_.line_ready(k); });
+    i2c_[k]->set_rise(setup.scl_rise_ns);
   }
   windows_ = {{&tim2_, map::kTim2, 0x400, map::kApb1, map::kTim2Bit, "TIM2"},
               {&iwdg_, map::kIwdg, 0x400, 0, 0, "IWDG"},

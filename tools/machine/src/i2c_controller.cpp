@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::uint32_t kTxEmpty = 1, kTxIs = 2, kRxNe = 4, kNack = 16, kStop = 32, kTc = 64, kBusError = 1U << 8,
                         kArbitrationLost = 1U << 9, kTimeout = 1U << 12, kBusy = 1U << 15;
+constexpr double kRiseToHigh = 1.2040 / 0.8473;
 constexpr std::uint32_t kStartBit = 1U << 13, kStopBit = 1U << 14, kAutoEnd = 1U << 25, kReadBit = 1U << 10;
 
 }  // namespace
@@ -22,11 +23,14 @@ void I2cController::reset() {
   update_irqs();
 }
 
-// SCLL + SCLH and the synchronization of both edges: filter 50 ns and two kernel clocks each (§41.4.10).
+// SCLL + SCLH and the synchronization of both edges: filter 50 ns and two kernel clocks each (§41.4.10). The high time
+// is counted from where the pin reads high: a line that charges through its pull-up is at 70 % after ln(1 / 0.3) of its
+// time constant, and takes ln(0.7 / 0.3) of it from 30 to 70 %.
 Time I2cController::scl_period() const {
   const Time clock = kSecond / around_.sysclk_hz();
   const Time unit = ((timing_ >> 28) + 1) * clock;
-  return ((timing_ & 255) + 1 + (timing_ >> 8 & 255) + 1) * unit + 2 * (50'000 + 2 * clock);
+  return ((timing_ & 255) + 1 + (timing_ >> 8 & 255) + 1) * unit + 2 * (50'000 + 2 * clock) +
+         static_cast<Time>(kRiseToHigh * rise_ns_ * 1000);
 }
 
 // Fast mode wants SCL low for 1.3 µs and high for 0.6 µs, and no more than 400 kHz (UM10204 table 10).

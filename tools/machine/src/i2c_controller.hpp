@@ -35,6 +35,8 @@ class I2cController final : public Peripheral {
   bool spurious_bus_error();
   [[nodiscard]] Time busy_time() const { return busy_time_; }
   [[nodiscard]] Time scl_period() const;
+  /// Rise time of SCL from 30 to 70 %, ns, as UM10204 counts it.
+  void set_rise(std::uint32_t rise_ns) { rise_ns_ = rise_ns; }
 
  private:
   void after(Time delay, std::function<void()> action);
@@ -67,6 +69,7 @@ class I2cController final : public Peripheral {
   std::uint8_t rx_ = 0, tx_ = 0, held_ = 0;
   bool reading_ = false, tx_waits_ = false, shifting_ = false, stretched_ = false;
   std::uint32_t count_ = 0, loaded_ = 0, moved_ = 0;
+  std::uint32_t rise_ns_ = 0;
   std::uint64_t generation_ = 0;
   bool on_bus_ = false;
   Time busy_since_ = 0, busy_time_ = 0;

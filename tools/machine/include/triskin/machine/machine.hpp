@@ -28,6 +28,7 @@ struct MachineSetup {
   bool will_be_cut = false;          ///< power_cycle() will be used: reading is slower
   bool watch_reads = false;          ///< loads from a bank that is written stall, too: reading is slower
   sim::ChainModel* chain = nullptr;  ///< of switched modules; may be null
+  std::uint32_t scl_rise_ns = 0;     ///< of all lines, 30 to 70 %: SCL's period grows by 1.42 of it
   double bus_errors_per_hour = 0;    ///< spurious ones, at random times on random busy I²C lines
   bool boot_pin_high = true;         ///< PB8 at a reset: the CAN transceiver's output, high on an idle bus
 };
