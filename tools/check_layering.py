@@ -1,54 +1,178 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fails when an include crosses a forbidden seam (docs/architecture.md). Usage: check_layering.py SOURCE_ROOT"""
+"""Fails when an include or a link crosses a forbidden seam (docs/architecture.md).
+Usage: check_layering.py SOURCE_ROOT [LINKS]
+
+The table PARTS is the only statement of which part may use which. Every include of "triskin/PREFIX/..." is held against
+it, and so is the link closure of every target where LINKS is given: the file that cmake/layering.cmake writes, one target
+a line, "target: what it links directly". Each include prefix belongs to one part.
+"""
 import pathlib
 import re
 import sys
 
-# folder prefix -> patterns of include paths that it must not name
-FORBIDDEN = [
-    ("shared/", r"^triskin/(host|geometry|check|model|scene|device|cli|ports|drivers|logic|app|board)/"),
-    ("shared/", r"^(CGAL|Eigen|nlohmann|fmt|unicorn|stm32|cmsis)"),
-    ("firmware/", r"^triskin/(host|geometry|check|model|scene|device|cli)/"),
-    ("firmware/", r"^(CGAL|Eigen|nlohmann|fmt|iostream|thread|mutex|chrono)"),
-    ("firmware/ports/", r"^triskin/(drivers|logic|app|board)/"),
-    ("firmware/drivers/", r"^triskin/(logic|app|board)/"),
-    ("firmware/logic/", r"^triskin/(app|board)/"),
-    ("firmware/app/", r"^triskin/board/"),
-    ("firmware/board/stm32g474/", r"^triskin/sim/"),
-    ("host/", r"^triskin/(ports|drivers|logic|app|board)/"),
-    ("host/base/", r"^triskin/(geometry|check|model|scene|device|cli)/"),
-    ("host/geometry/", r"^triskin/(check|model|scene|device|cli|wire|layout|sim|core)/"),
-    ("host/check/", r"^triskin/(geometry|scene|device|cli)/"),
-    ("host/model/", r"^triskin/(check|scene|device|cli)/"),
-    ("host/scene/", r"^triskin/(geometry|check|device|cli)/"),
-    ("host/device/", r"^triskin/(geometry|check|cli)/"),
+
+class Part:
+    def __init__(self, folder, prefixes, uses, foreign="", target=""):
+        self.folder, self.prefixes, self.uses = folder, prefixes.split(), uses.split()
+        self.foreign, self.target = foreign.split(), target
+
+
+HOST_BASE = "Eigen nlohmann fmt"
+GEOMETRY = "Eigen nlohmann fmt CGAL tbb assimp boost Cbc"
+# Folder; include prefixes that it owns; prefixes that it may include besides; libraries that are not ours; its target.
+PARTS = [
+    Part("shared", "base wire layout sim", "", "", "triskin_shared"),
+    Part("firmware/ports", "ports", "base wire layout sim", "", "triskin_fw_ports"),
+    Part("firmware/drivers", "drivers", "base wire layout sim ports", "", "triskin_fw_drivers"),
+    Part("firmware/logic", "logic", "base wire layout sim ports drivers", "", "triskin_fw_logic"),
+    Part("firmware/boot", "boot", "base wire layout sim ports drivers logic", "", "triskin_fw_boot"),
+    Part("firmware/app", "app", "base wire layout sim ports drivers logic", "", "triskin_fw_app"),
+    Part("firmware/board/posix", "", "base wire layout sim ports drivers logic boot app", "", "triskin_firmware_posix"),
+    Part("firmware/board/stm32g474", "board", "base wire layout ports drivers logic boot app", "vendor", "triskin_fw_board"),
+    Part("host/base", "host", "", "fmt", "triskin_base"),
+    Part("host/design", "design", "host base wire layout", HOST_BASE, "triskin_design"),
+    Part("host/geometry", "geometry", "host design", GEOMETRY, "triskin_geometry"),
+    Part("host/pipeline", "pipeline", "host design geometry", HOST_BASE, "triskin_pipeline"),
+    Part("host/check", "check", "host", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
+    Part("host/scene", "scene", "host design base wire layout sim", HOST_BASE, "triskin_scene"),
+    Part("host/device/link", "link", "host base wire layout", "fmt libusb hidapi", "triskin_link"),
+    Part("host/device/session", "session", "host design base wire layout link", HOST_BASE + " boost_fiber",
+         "triskin_session"),
+    Part("host/device/jobs", "jobs", "host design base wire layout link session", HOST_BASE, "triskin_jobs"),
+    Part("host/simlink", "simlink", "host design base wire layout sim scene link", HOST_BASE, "triskin_simlink"),
+    Part("host/cli/src/geometry", "",
+         "cli host design geometry pipeline check base wire layout sim scene link session jobs simlink",
+         HOST_BASE + " CLI"),
+    Part("host/cli", "cli", "host design base wire layout sim scene link session jobs simlink", HOST_BASE + " CLI",
+         "triskin"),
+    Part("tools/machine", "machine", "host base wire layout sim", "fmt unicorn", "triskin_machine"),
 ]
-VENDOR = re.compile(r"^(stm32|cmsis|core_cm)", re.I)
+# Include paths of libraries that only the parts that name them may include.
+FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "fmt": r"^fmt/", "tbb": r"^(tbb|oneapi)/",
+           "assimp": r"^assimp/", "boost": r"^boost/(?!fiber/)", "boost_fiber": r"^boost/fiber/", "CLI": r"^CLI/",
+           "Cbc": r"^(Cbc|Coin|Osi|Cgl|Clp)", "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
+           "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
+# No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).
+HOSTED = re.compile(r"^(iostream|fstream|sstream|thread|mutex|chrono|future|regex|filesystem)$")
+# Link names of libraries that only some targets may reach, and which ones.
+HEAVY = {"CGAL": r"CGAL", "TBB": r"TBB|tbb", "assimp": r"assimp", "Cbc": r"Cbc"}
+MAY_BE_HEAVY = {"CGAL": {"triskin_geometry", "triskin_pipeline", "triskin_check", "triskin"},
+                "TBB": {"triskin_geometry", "triskin_pipeline", "triskin"},
+                "assimp": {"triskin_geometry", "triskin_pipeline", "triskin"},
+                "Cbc": {"triskin_geometry", "triskin_pipeline", "triskin"}}
+# Targets without a prefix of their own that parts may link.
+NEUTRAL = {"triskin_options"}
+# The program is put together of everything; its sources are held against the table by their includes.
+WHOLE = {"triskin"}
+
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+SUFFIXES = {".hpp", ".cpp", ".h", ".c", ".inc"}
 
 
-def main(root: pathlib.Path) -> int:
+def part_of(name):
+    found = [p for p in PARTS if name.startswith(p.folder + "/")]
+    return max(found, key=lambda p: len(p.folder)) if found else None
+
+
+def crosses(part, name, target):
+    if target.startswith(".."):
+        return True
+    ours = re.match(r"^triskin/([a-z0-9_]+)/", target)
+    if ours:
+        return ours.group(1) not in part.prefixes + part.uses
+    if name.startswith(("shared/", "firmware/")) and "/posix/" not in name and HOSTED.match(target):
+        return True
+    return any(re.search(pattern, target) and library not in part.foreign for library, pattern in FOREIGN.items())
+
+
+def check_includes(root):
     bad = 0
-    for top in ("shared", "firmware", "host"):
+    for top in ("shared", "firmware", "host", "tools"):
         for path in sorted((root / top).rglob("*")):
-            if path.suffix not in {".hpp", ".cpp", ".h", ".c", ".inc"}:
+            if path.suffix not in SUFFIXES:
                 continue
             name = path.relative_to(root).as_posix()
+            part = part_of(name)
+            if part is None:
+                print(f"{name}: belongs to no part; add its folder to the table in tools/check_layering.py")
+                bad += 1
+                continue
             for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
                 found = INCLUDE.match(line)
-                if not found:
-                    continue
-                target = found.group(1)
-                wrong = target.startswith("..") or any(
-                    name.startswith(prefix) and re.search(pattern, target) for prefix, pattern in FORBIDDEN)
-                if VENDOR.match(target) and not name.startswith("firmware/board/"):
-                    wrong = True
-                if wrong:
-                    print(f"{name}:{number}: include of {target} crosses a seam; see docs/architecture.md")
+                if found and crosses(part, name, found.group(1)):
+                    print(f"{name}:{number}: include of {found.group(1)} crosses a seam; see docs/architecture.md")
                     bad += 1
+    return bad
+
+
+def check_prefixes(root):
+    """An include prefix in two folders would let one part's header answer for another's."""
+    bad = 0
+    owner = {prefix: part.folder for part in PARTS for prefix in part.prefixes}
+    for include in sorted(root.glob("**/include/triskin/*")):
+        name = include.relative_to(root).as_posix()
+        if not include.is_dir() or not name.startswith(("shared/", "firmware/", "host/", "tools/")):
+            continue
+        expected = owner.get(include.name)
+        if expected is None or not name.startswith(expected + "/include/"):
+            print(f"{name}: the include prefix triskin/{include.name}/ belongs to {expected or 'no part'}")
+            bad += 1
+    return bad
+
+
+def closure(links, target):
+    seen, todo = set(), [target]
+    while todo:
+        for name in links.get(todo.pop(), []):
+            if name not in seen:
+                seen.add(name)
+                todo.append(name)
+    return seen
+
+
+def used_targets(part, owner):
+    """Targets of the parts that a part uses, and of those that these use: what a linker sees through them."""
+    targets, todo = set(), [part]
+    while todo:
+        for prefix in todo.pop().uses:
+            if owner[prefix].target not in targets:
+                targets.add(owner[prefix].target)
+                todo.append(owner[prefix])
+    return targets
+
+
+def check_links(text):
+    links = {}
+    for line in text.splitlines():
+        target, _, rest = line.partition(":")
+        links[target.strip()] = rest.split()
+    owner = {prefix: part for part in PARTS for prefix in part.prefixes}
+    bad = 0
+    for part in PARTS:
+        if part.target not in links or not part.target:
+            continue
+        allowed = NEUTRAL | {part.target} | used_targets(part, owner)
+        reached = closure(links, part.target)
+        if part.target not in WHOLE:
+            for name in sorted(reached & set(links) - allowed):
+                print(f"target {part.target} links {name}, which its part may not use; see docs/architecture.md")
+                bad += 1
+        for library, pattern in HEAVY.items():
+            hit = [name for name in sorted(reached) if re.search(pattern, name) and name not in links]
+            if hit and part.target not in MAY_BE_HEAVY[library]:
+                print(f"target {part.target} links {hit[0]}: only the geometry side may; see docs/architecture.md")
+                bad += 1
+    return bad
+
+
+def main(arguments):
+    root = pathlib.Path(arguments[0])
+    bad = check_includes(root) + check_prefixes(root)
+    if len(arguments) > 1:
+        bad += check_links(pathlib.Path(arguments[1]).read_text())
     return 1 if bad else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(pathlib.Path(sys.argv[1])))
+    sys.exit(main(sys.argv[1:]))

@@ -14,7 +14,7 @@
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
-#include "triskin/model/design_pipeline.hpp"
+#include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {
 namespace {
@@ -23,8 +23,8 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 // Two thirds of a cylinder, radius 60 mm, 120 mm long: it unfolds without error and holds several islands and patches.
-geometry::Mesh half_pipe() {
-  geometry::Mesh mesh;
+design::Mesh half_pipe() {
+  design::Mesh mesh;
   constexpr int kAlong = 12, kAround = 24;
   for (int a = 0; a <= kAlong; ++a) {
     for (int r = 0; r <= kAround; ++r) {
@@ -48,10 +48,10 @@ class Damage : public testing::Test {
     folder_ = fs::temp_directory_path() / ("check_damage." + std::to_string(::getpid()));
     fs::create_directories(folder_);
     geometry::write_obj(folder_ / "pipe.obj", half_pipe());
-    model::DesignOptions options;
+    pipeline::DesignOptions options;
     options.iterations = 40;
     options.time_limit_s = 60.0;
-    model::write_design(folder_ / "good.json", model::make_design(folder_ / "pipe.obj", options));
+    design::write_design(folder_ / "good.json", pipeline::make_design(folder_ / "pipe.obj", options));
     good_ = new json(json::parse(read_file(folder_ / "good.json")));
   }
   static void TearDownTestSuite() {

@@ -15,12 +15,12 @@
 #include "triskin/check/design_rules.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/host/files.hpp"
-#include "triskin/model/design_pipeline.hpp"
+#include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {
 namespace {
 
-using geometry::Vec3;
+using design::Vec3;
 using nlohmann::json;
 namespace fs = std::filesystem;
 using Names = std::set<std::string>;
@@ -209,13 +209,13 @@ TEST_P(SeededDamage, is_found_on_every_module_that_is_tried) {
   const auto& [part, modules_each] = GetParam();
   const fs::path mesh = fs::path(TRISKIN_DATA) / "parts" / (std::string(part) + ".obj");
   ASSERT_TRUE(fs::exists(mesh)) << mesh << ": the real covers are missing";
-  model::DesignOptions options;
+  pipeline::DesignOptions options;
   options.iterations = 20;
   options.time_limit_s = 60.0;
-  const model::Design design = model::make_design(mesh, options);
+  const design::Design design = pipeline::make_design(mesh, options);
   const fs::path file =
       fs::temp_directory_path() / ("seeded_damage." + std::string(part) + "." + std::to_string(::getpid()) + ".json");
-  model::write_design(file, design);
+  design::write_design(file, design);
   const json good = json::parse(read_file(file));
   for (const Violation& v : check_design(file).violations) ADD_FAILURE() << v.rule << " " << v.where << " " << v.text;
 

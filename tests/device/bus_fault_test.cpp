@@ -7,17 +7,17 @@
 
 #include "faulty_link.hpp"
 #include "fixture.hpp"
-#include "triskin/device/controller.hpp"
-#include "triskin/device/patch_table.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/session/patch_table.hpp"
 #include "triskin/wire/uds.hpp"
 
 namespace triskin::device {
 namespace {
 
-model::Design other_wiring(const model::Design& d) {
-  model::Design other = d;
+design::Design other_wiring(const design::Design& d) {
+  design::Design other = d;
   std::swap(other.patches[0].modules[1].address, other.patches[0].modules[2].address);
-  other.design_id = model::design_id_of(other);
+  other.design_id = design::design_id_of(other);
   return other;
 }
 
@@ -34,7 +34,7 @@ TEST_P(Wires, unplugged_after_any_frame_of_a_flash_then_plugged_in_and_repeated)
   int failed = 0;
   for (std::uint64_t n = 0;; ++n) {
     Bench bench(16);
-    const model::Design old_design = other_wiring(bench.design());
+    const design::Design old_design = other_wiring(bench.design());
     (void)flash(bench.bus(), old_design);
     const auto old_image = bytes_of(image_of(old_design, 0)), new_image = bytes_of(image_of(bench.design(), 0));
     FaultyLink wire(bench.bus().link(), GetParam(), {}, 1);
@@ -62,7 +62,7 @@ TEST_P(Wires, frames_lost_doubled_reordered_and_delayed) {
   int failed = 0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
     Bench bench(16);
-    const model::Design old_design = other_wiring(bench.design());
+    const design::Design old_design = other_wiring(bench.design());
     (void)flash(bench.bus(), old_design);
     const auto old_image = bytes_of(image_of(old_design, 0)), new_image = bytes_of(image_of(bench.design(), 0));
     const unsigned rate = 1 + seed % 2;

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "triskin/device/link.hpp"
+#include "triskin/link/link.hpp"
 
 namespace triskin::device {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // New firmware over CAN: the free slot is written, started and confirmed; an interrupted update leaves the old
 // application.
-#include "triskin/device/firmware_update.hpp"
+#include "triskin/jobs/firmware_update.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@
 
 #include "faulty_link.hpp"
 #include "fixture.hpp"
-#include "triskin/device/controller.hpp"
+#include "triskin/session/controller.hpp"
 
 namespace triskin::device {
 namespace {
@@ -20,21 +20,21 @@ constexpr std::array<std::uint32_t, 2> kOrigins{0x08004000, 0x08040000};
 
 // Two images of `size` bytes with vectors that fit their slots.
 std::vector<std::uint8_t> package(std::uint32_t size, std::uint8_t fill) {
-  std::vector<std::uint8_t> bytes(boot::kPackageHeadBytes + std::size_t{2} * size, fill);
+  std::vector<std::uint8_t> bytes(layout::kPackageHeadBytes + std::size_t{2} * size, fill);
   const auto put = [&](std::size_t at, std::uint32_t v) {
     for (std::size_t k = 0; k < 4; ++k) bytes[at + k] = static_cast<std::uint8_t>(v >> (8 * k));
   };
   for (std::size_t slot = 0; slot < 2; ++slot) {
-    const std::size_t at = boot::kPackageHeadBytes + slot * size;
+    const std::size_t at = layout::kPackageHeadBytes + slot * size;
     put(at, 0x20010000);
     put(at + 4, kOrigins[slot] + 0x201);
     put(12 + 4 * slot, size);
     put(20 + 4 * slot, crc32(Bytes(bytes).subspan(at, size)));
   }
-  std::ranges::copy(boot::kPackageMagic, bytes.begin());
+  std::ranges::copy(layout::kPackageMagic, bytes.begin());
   bytes[4] = 1;
   bytes[5] = 0;
-  bytes[6] = boot::kPackageHeadBytes;
+  bytes[6] = layout::kPackageHeadBytes;
   bytes[7] = 0;
   put(8, 0x00020000);
   put(28, crc32(Bytes(bytes).first(28)));
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> package(std::uint32_t size, std::uint8_t fill) {
 FirmwarePackage make(std::uint32_t size, std::uint8_t fill) {
   FirmwarePackage p;
   p.bytes = package(size, fill);
-  p.head = boot::decode_package_head(p.bytes).value();
+  p.head = layout::decode_package_head(p.bytes).value();
   return p;
 }
 
@@ -85,8 +85,8 @@ TEST(FirmwareUpdate, power_cut_in_any_operation_leaves_a_controller_that_answers
     bench.skin().power_cycle(0);
     const auto state = Controller(bench.bus(), 1).image_state();
     ASSERT_TRUE(state) << operation;
-    const bool is_old = state->record_crc == boot::slot_crc(state->sequence, old_one.image(state->slot));
-    const bool is_new = state->record_crc == boot::slot_crc(state->sequence, new_one.image(state->slot));
+    const bool is_old = state->record_crc == layout::slot_crc(state->sequence, old_one.image(state->slot));
+    const bool is_new = state->record_crc == layout::slot_crc(state->sequence, new_one.image(state->slot));
     ASSERT_TRUE(is_old != is_new) << operation;
     ++(is_old ? old_runs : new_runs);
     EXPECT_TRUE(bench.verify(false).findings.empty()) << operation;

@@ -6,10 +6,10 @@
 #include <memory>
 
 #include "support/strip_design.hpp"
-#include "triskin/device/bus.hpp"
-#include "triskin/device/flash.hpp"
-#include "triskin/device/sim_link.hpp"
-#include "triskin/device/verify.hpp"
+#include "triskin/jobs/flash.hpp"
+#include "triskin/jobs/verify.hpp"
+#include "triskin/session/bus.hpp"
+#include "triskin/simlink/sim_link.hpp"
 
 namespace triskin::device {
 
@@ -26,7 +26,7 @@ class Bench {
     link_ = std::make_unique<SimLink>(std::move(scene));
     bus_ = std::make_unique<Bus>(*link_);
   }
-  [[nodiscard]] const model::Design& design() const { return link_->skin().scene().design; }
+  [[nodiscard]] const design::Design& design() const { return link_->skin().scene().design; }
   [[nodiscard]] Bus& bus() { return *bus_; }
   [[nodiscard]] scene::VirtualSkin& skin() { return link_->skin(); }
   FlashResult flash(const FlashOptions& options = {}) { return device::flash(*bus_, design(), options); }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/device/flash.hpp"
+#include "triskin/jobs/flash.hpp"
 
 #include <gtest/gtest.h>
 
 #include "fixture.hpp"
-#include "triskin/device/controller.hpp"
-#include "triskin/device/patch_table.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/session/patch_table.hpp"
 
 namespace triskin::device {
 namespace {
@@ -27,7 +27,7 @@ TEST(PatchTable, row_fields_follow_the_design) {
 }
 
 TEST(PatchTable, a_design_that_fits_no_table_is_refused) {
-  model::Design d = strip(6);
+  design::Design d = strip(6);
   d.patches[0].modules[3].address = 2;
   EXPECT_THROW((void)image_of(d, 0), InputError);
   d = strip(17, 17);
@@ -77,7 +77,7 @@ TEST(Flash, too_few_controllers_are_an_error_before_anything_is_written) {
 
 TEST(Flash, spare_controllers_make_room) {
   Bench bench(12, 4);  // three controllers, the design below needs two
-  const model::Design two = strip(8, 4);
+  const design::Design two = strip(8, 4);
   const FlashResult r = flash(bench.bus(), two);
   EXPECT_EQ(r.patches.size(), 2U);
   std::vector<int> addresses;
@@ -99,9 +99,9 @@ TEST(Flash, an_unplugged_cable_is_a_device_error) {
 class PowerCut : public testing::TestWithParam<scene::FlashMemory::Tear> {};
 
 TEST_P(PowerCut, leaves_the_old_or_the_new_table_and_flashing_again_completes) {
-  model::Design old_design = strip(6);
+  design::Design old_design = strip(6);
   std::swap(old_design.patches[0].modules[1].address, old_design.patches[0].modules[2].address);
-  old_design.design_id = model::design_id_of(old_design);
+  old_design.design_id = design::design_id_of(old_design);
   int cuts = 0;
   for (std::uint64_t operation = 0;; ++operation) {
     Bench bench(6);

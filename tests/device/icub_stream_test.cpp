@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/device/icub_stream.hpp"
+#include "triskin/session/icub_stream.hpp"
 
 #include <gtest/gtest.h>
 

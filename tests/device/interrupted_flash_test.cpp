@@ -4,18 +4,18 @@
 
 #include "faulty_link.hpp"
 #include "fixture.hpp"
-#include "triskin/device/controller.hpp"
-#include "triskin/device/firmware_update.hpp"
-#include "triskin/device/patch_table.hpp"
 #include "triskin/host/interrupt.hpp"
+#include "triskin/jobs/firmware_update.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/session/patch_table.hpp"
 
 namespace triskin::device {
 namespace {
 
-model::Design other_wiring(const model::Design& d) {
-  model::Design other = d;
+design::Design other_wiring(const design::Design& d) {
+  design::Design other = d;
   for (auto& patch : other.patches) std::swap(patch.modules[1].address, patch.modules[2].address);
-  other.design_id = model::design_id_of(other);
+  other.design_id = design::design_id_of(other);
   return other;
 }
 
@@ -29,7 +29,7 @@ TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_t
   int cancelled = 0, with_one_done = 0;
   for (std::uint64_t n = 1;; n += 3) {
     Bench bench(12, 6);
-    const model::Design old_design = other_wiring(bench.design());
+    const design::Design old_design = other_wiring(bench.design());
     (void)flash(bench.bus(), old_design);
     FaultyLink wire(bench.bus().link(), false, {}, 1);
     wire.after_send = [&] {

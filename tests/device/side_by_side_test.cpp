@@ -7,10 +7,10 @@
 
 #include "faulty_link.hpp"
 #include "fixture.hpp"
-#include "triskin/device/combined_link.hpp"
-#include "triskin/device/controller.hpp"
-#include "triskin/device/conversations.hpp"
-#include "triskin/device/patch_table.hpp"
+#include "triskin/link/combined_link.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/session/conversations.hpp"
+#include "triskin/session/patch_table.hpp"
 
 namespace triskin::device {
 namespace {
@@ -115,9 +115,9 @@ TEST(SideBySide, the_order_is_the_same_every_time) {
 TEST(SideBySide, one_that_fails_does_not_keep_the_others_from_their_tables) {
   Bench bench(12, 4);
   (void)bench.flash();  // so that all have their addresses
-  model::Design other = bench.design();
+  design::Design other = bench.design();
   for (auto& p : other.patches) std::swap(p.modules[1].address, p.modules[2].address);
-  other.design_id = model::design_id_of(other);
+  other.design_id = design::design_id_of(other);
   (void)flash(bench.bus(), other);
   Star star(bench.bus().link());
   bench.skin().flash(1).cut_power_after(3, scene::FlashMemory::Tear::kHalf);
@@ -168,7 +168,7 @@ TEST(CombinedLink, a_design_goes_to_controllers_on_two_links) {
   links.push_back(std::move(second));
   CombinedLink both(std::move(links));
   Bus bus(both);
-  const model::Design design = strip(12, 6);
+  const design::Design design = strip(12, 6);
   const FlashResult r = flash(bus, design);
   EXPECT_EQ(r.patches.size(), 2U);
   EXPECT_NE(both.wire_of(1), both.wire_of(2));

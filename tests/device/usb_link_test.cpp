@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The USB link with devices that come and go; the real drivers are tested in the test machine (tests/vm).
-#include "triskin/device/usb_link.hpp"
+#include "triskin/link/usb_link.hpp"
 
 #include <gtest/gtest.h>
 

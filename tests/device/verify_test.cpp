@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "fixture.hpp"
-#include "triskin/device/controller.hpp"
+#include "triskin/session/controller.hpp"
 
 namespace triskin::device {
 namespace {
@@ -49,9 +49,9 @@ TEST(Verify, names_a_board_that_was_never_flashed) {
 TEST(Verify, names_a_table_of_another_design) {
   Bench bench(6);
   bench.flash();
-  model::Design other = strip(6);
+  design::Design other = strip(6);
   std::swap(other.patches[0].modules[1].address, other.patches[0].modules[2].address);
-  other.design_id = model::design_id_of(other);
+  other.design_id = design::design_id_of(other);
   const VerifyResult r = verify(bench.bus(), other, {});
   expect_one(r, "wrong_table", -1);
 }

@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "fixture.hpp"
-#include "triskin/device/live.hpp"
-#include "triskin/device/tcp_link.hpp"
+#include "triskin/jobs/touch_map.hpp"
+#include "triskin/simlink/tcp_link.hpp"
 
 namespace triskin::device {
 namespace {
@@ -25,7 +25,7 @@ class Served : public testing::Test {
   void SetUp() override {
     folder_ = fs::temp_directory_path() / ("wire_link_test." + std::to_string(::getpid()));
     fs::create_directories(folder_);
-    model::write_design(folder_ / "strip.json", strip(10, 8));
+    design::write_design(folder_ / "strip.json", strip(10, 8));
     start();
   }
   void TearDown() override {
@@ -140,7 +140,7 @@ TEST(WireLink, records_survive_the_way_and_truncated_ones_wait) {
 
 // The first sample still tells of a finger that has gone: neither it nor the rest that follows is a touch.
 TEST(LiveStream, a_finger_that_has_just_gone_is_not_taken_for_rest) {
-  const model::Design design = strip(1);
+  const design::Design design = strip(1);
   TouchMap map(design);
   ModuleFrame frame;
   frame.valid = 0xFFF;
@@ -173,8 +173,8 @@ TEST(LiveStream, finds_the_pressed_taxel_at_its_place_and_loses_nothing) {
     ASSERT_EQ(pressed.size(), 1U);
     EXPECT_EQ(pressed[0].module, module);
     EXPECT_EQ(pressed[0].taxel, taxel);
-    const auto expected = model::taxels_of(bench.design().layout.modules[static_cast<std::size_t>(module)],
-                                           2)[static_cast<std::size_t>(taxel)];
+    const auto expected = design::taxels_of(bench.design().layout.modules[static_cast<std::size_t>(module)],
+                                            2)[static_cast<std::size_t>(taxel)];
     EXPECT_NEAR((pressed[0].position_mm - expected.position_mm).norm(), 0.0, 1e-9);
   }
   EXPECT_EQ(stream.lost(), 0U);

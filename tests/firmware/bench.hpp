@@ -21,7 +21,7 @@ using Message = std::vector<std::uint8_t>;
 /// The whole application on virtual ports, four lines of doubles, and a tester on the bus.
 class Bench {
  public:
-  std::array<LineDouble, 4> lines;
+  std::array<LineDouble, layout::kLines> lines;
   FlashDouble<sim::FlashModel> flash;
   bool can_fd = true;
   std::uint8_t node = 1;
@@ -141,8 +141,9 @@ inline layout::PatchImage six_modules(std::uint8_t node = 1) {
 inline void place_six(Bench& bench) {
   for (int k = 0; k < 6; ++k) {
     ChipDouble chip;
-    chip.address = static_cast<std::uint8_t>(0x2C + k % 2);
-    for (int t = 0; t < 12; ++t) chip.counts[static_cast<std::size_t>(t)] = -8000 + 97 * k + 31 * t;
+    chip.address = layout::cdc_address(k % 2);
+    for (int t = 0; t < layout::kTaxelsPerModule; ++t)
+      chip.counts[static_cast<std::size_t>(t)] = -8000 + 97 * k + 31 * t;
     bench.lines[static_cast<std::size_t>(k / 2)].chips.push_back(chip);
   }
 }

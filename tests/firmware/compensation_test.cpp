@@ -17,7 +17,7 @@ constexpr bool is_pad(std::size_t t) {
 
 // The formula of compensation.hpp in real numbers, from its text.
 struct Reference {
-  std::array<double, 12> baseline{}, output{}, gain{};
+  std::array<double, layout::kTaxelsPerModule> baseline{}, output{}, gain{};
   double pads_at_start = 0.0;
   bool started = false;
   void add(const Taxels& raw) {
@@ -40,13 +40,13 @@ TEST(Compensation, IsWithinOneCountOfRealNumbers) {
   for (int run = 0; run < 40; ++run) {
     Compensation fixed;
     Reference real;
-    for (std::size_t t = 0; t < 12; ++t) {
+    for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
       const auto gain = static_cast<std::int16_t>(std::uniform_int_distribution<int>(-32768, 32767)(random));
       fixed.set_gain(t, gain);
       real.gain[t] = gain / 16384.0;
     }
     std::normal_distribution<double> noise(0.0, 3.0);
-    std::array<double, 12> level{};
+    std::array<double, layout::kTaxelsPerModule> level{};
     for (double& l : level) l = std::uniform_real_distribution<double>(5'000.0, 60'000.0)(random);
     const double warming = std::uniform_real_distribution<double>(-0.5, 0.5)(random);
     double temperature = 0.0, touch = 0.0;
@@ -54,13 +54,14 @@ TEST(Compensation, IsWithinOneCountOfRealNumbers) {
       temperature += warming;
       if (k % 500 == 0) touch = k % 1000 == 0 ? 0.0 : std::uniform_real_distribution<double>(-8'000.0, 8'000.0)(random);
       Taxels raw{};
-      for (std::size_t t = 0; t < 12; ++t) {
+      for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
         const double value = level[t] + temperature + (is_pad(t) ? 0.0 : touch) + noise(random);
         raw[t] = static_cast<std::uint16_t>(std::clamp(std::lround(value), 1L, 65534L));
       }
-      fixed.add(raw, 0xFFF);
+      fixed.add(raw, layout::kAllTaxels);
       real.add(raw);
-      for (std::size_t t = 0; t < 12; ++t) worst = std::max(worst, std::abs(fixed.output()[t] - real.output[t]));
+      for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t)
+        worst = std::max(worst, std::abs(fixed.output()[t] - real.output[t]));
     }
   }
   std::printf("fixed point against real numbers: %.3f counts at most in 9.6 million outputs\n", worst);
@@ -71,15 +72,15 @@ TEST(Compensation, TemperatureThatAllFeelIsTakenAway) {
   Compensation c;
   Taxels raw{};
   raw.fill(30'000);
-  c.add(raw, 0xFFF);
+  c.add(raw, layout::kAllTaxels);
   for (int k = 0; k < 1'000; ++k) {
     for (auto& r : raw) r = static_cast<std::uint16_t>(r + 5);
-    c.add(raw, 0xFFF);
+    c.add(raw, layout::kAllTaxels);
   }
   EXPECT_EQ(c.change(0), 0);
   EXPECT_EQ(c.change(6), 5'000);  // the pads tell the temperature
   raw[3] = static_cast<std::uint16_t>(raw[3] - 700);
-  c.add(raw, 0xFFF);
+  c.add(raw, layout::kAllTaxels);
   EXPECT_EQ(c.change(3), -700);
 }
 
@@ -88,19 +89,19 @@ TEST(Compensation, ByHand) {
   c.set_gain(0, 1 << 13);  // a half
   Taxels raw{};
   raw.fill(1'000);
-  c.add(raw, 0xFFF);
+  c.add(raw, layout::kAllTaxels);
   raw[6] = 1'100;
   raw[10] = 1'300;  // 200 on the mean
-  c.add(raw, 0xFFF);
+  c.add(raw, layout::kAllTaxels);
   EXPECT_EQ(c.change(0), -100);
   EXPECT_EQ(c.change(1), -200);
   // Only one pad is valid: it alone counts.
   Compensation d;
   raw.fill(1'000);
-  d.add(raw, 0xFFF);
+  d.add(raw, layout::kAllTaxels);
   raw[6] = 1'100;
   raw[10] = 0;
-  d.add(raw, 0xFFF & ~(1 << 10));
+  d.add(raw, layout::kAllTaxels & ~(1 << 10));
   EXPECT_EQ(d.change(1), -100);
 }
 
@@ -108,10 +109,10 @@ TEST(Compensation, WhatThePadsDoNotExplainFadesAndATouchDoesNot) {
   Compensation c;
   Taxels raw{};
   raw.fill(30'000);
-  c.add(raw, 0xFFF);
+  c.add(raw, layout::kAllTaxels);
   raw[2] = 30'060;
   raw[3] = 29'000;
-  for (int k = 0; k < 1024; ++k) c.add(raw, 0xFFF);
+  for (int k = 0; k < 1024; ++k) c.add(raw, layout::kAllTaxels);
   EXPECT_NEAR(c.change(2), 60.0 / std::exp(1.0), 1.0);
   EXPECT_EQ(c.change(3), -1'000);
 }
@@ -121,12 +122,12 @@ TEST(Compensation, ATaxelThatWasInvalidStartsWithItsFirstReading) {
   Taxels raw{};
   raw.fill(30'000);
   raw[5] = 0xFFFF;
-  c.add(raw, 0xFFF & ~(1 << 5));
+  c.add(raw, layout::kAllTaxels & ~(1 << 5));
   raw[5] = 20'000;
-  c.add(raw, 0xFFF);
+  c.add(raw, layout::kAllTaxels);
   EXPECT_EQ(c.change(5), 0);
   raw[5] = 19'500;
-  c.add(raw, 0xFFF);
+  c.add(raw, layout::kAllTaxels);
   EXPECT_EQ(c.change(5), -500);
 }
 
@@ -134,9 +135,9 @@ TEST(Compensation, EndsAtTheEndsOfItsRange) {
   Compensation c;
   Taxels raw{};
   raw.fill(60'000);
-  c.add(raw, 0xFFF);
+  c.add(raw, layout::kAllTaxels);
   raw[0] = 100;
-  c.add(raw, 0xFFF);
+  c.add(raw, layout::kAllTaxels);
   EXPECT_EQ(c.output()[0], 0);
 }
 

@@ -139,7 +139,7 @@ TEST(Stream, FullFramesHaveNoGapsAndRealTimes) {
     const auto t = wire::decode_full(f);
     ASSERT_TRUE(t);
     ++frames.at(t->module);
-    EXPECT_EQ(t->valid, 0x0FFF);
+    EXPECT_EQ(t->valid, layout::kAllTaxels);
     EXPECT_TRUE(last == 0 || t->sample == last || t->sample == last + 1);
     last = t->sample;
     EXPECT_LE(t->device_time_us, bench.now_us);
@@ -164,7 +164,7 @@ TEST(Stream, IcubFramesFallWithPressure) {
   ASSERT_TRUE(t);
   EXPECT_EQ(t->module, 2);
   EXPECT_EQ(t->board, 1);
-  for (std::size_t k = 0; k < 12; ++k) EXPECT_NEAR(t->value[k], k == 7 ? 140 : 240, 1);
+  for (std::size_t k = 0; k < layout::kTaxelsPerModule; ++k) EXPECT_NEAR(t->value[k], k == 7 ? 140 : 240, 1);
 }
 
 TEST(Stream, FullFramesAreRefusedOnAClassicBus) {

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "bench.hpp"
-#include "triskin/boot/firmware_package.hpp"
+#include "triskin/layout/firmware_package.hpp"
 #include "triskin/wire/usb_packet.hpp"
 
 namespace triskin::test {
@@ -57,7 +57,7 @@ class Usb : public testing::Test {
   }
   Message status() { return get(0xA1, 3, 0, 0); }
 
-  std::array<LineDouble, 4> lines_;
+  std::array<LineDouble, layout::kLines> lines_;
   FlashDouble<sim::FlashModel> flash_;
   class Slots final : public sim::FlashModel {
    public:
@@ -163,7 +163,7 @@ TEST_F(Usb, NonsenseNeverStopsIt) {
       usb().out(static_cast<std::uint8_t>(random() % 4), data);
       (void)usb().in(static_cast<std::uint8_t>(0x80 | random() % 4));
       (void)wire::from_usb(data);
-      (void)boot::decode_package_head(data);
+      (void)layout::decode_package_head(data);
     }
     run(10'000);
   }

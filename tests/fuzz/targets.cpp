@@ -7,15 +7,15 @@
 #include <vector>
 
 #include "triskin/boot/dfu_device.hpp"
-#include "triskin/boot/firmware_package.hpp"
 #include "triskin/boot/loader.hpp"
-#include "triskin/device/tcp_link.hpp"
 #include "triskin/host/error.hpp"
+#include "triskin/layout/firmware_package.hpp"
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/logic/icub_board.hpp"
 #include "triskin/logic/table_store.hpp"
 #include "triskin/logic/uds_server.hpp"
 #include "triskin/logic/usb_device.hpp"
+#include "triskin/simlink/tcp_link.hpp"
 #include "triskin/wire/iso_tp.hpp"
 #include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/taxel_frames.hpp"
@@ -159,7 +159,7 @@ class Wire final : public fw::CanPort {
   [[nodiscard]] bool fd() const override { return false; }
   std::optional<wire::CanFrame> receive() override { return std::nullopt; }
   bool send(const wire::CanFrame& f) override {
-    require(f.extended && f.id == boot::kReplyId && f.size >= 2 && f.size <= 8);
+    require(f.extended && f.id == wire::loader::kReplyId && f.size >= 2 && f.size <= 8);
     return true;
   }
 };
@@ -174,7 +174,8 @@ void loader(Bytes input) {
   each_piece(input, [&](Bytes piece) {
     if (piece.empty()) return;
     const Bytes bytes = piece.subspan(1, std::min<std::size_t>(piece.size() - 1, 8));
-    (void)device.handle(frame_of(bytes, piece[0] % 2 == 0 ? boot::kRequestId : boot::kDataId, true), now_us += 1000);
+    (void)device.handle(frame_of(bytes, piece[0] % 2 == 0 ? wire::loader::kRequestId : wire::loader::kDataId, true),
+                        now_us += 1000);
   });
 }
 
@@ -217,9 +218,10 @@ void node_claim(Bytes input) {
 }
 
 void firmware_package(Bytes input) {
-  const auto head = boot::decode_package_head(input);
+  const auto head = layout::decode_package_head(input);
   if (head)
-    require(head->total() <= boot::kPackageHeadBytes + 2 * boot::kMostImageBytes && head->offset(1) > head->offset(0));
+    require(head->total() <= layout::kPackageHeadBytes + 2 * layout::kMostImageBytes &&
+            head->offset(1) > head->offset(0));
 }
 
 void record(Bytes input) {

@@ -10,12 +10,12 @@
 
 #include "support/strip_design.hpp"
 #include "triskin/check/design_rules.hpp"
+#include "triskin/design/design.hpp"
+#include "triskin/design/module_list.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/geometry/polygon_io.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
-#include "triskin/model/design.hpp"
-#include "triskin/model/module_list.hpp"
 #include "triskin/scene/scene.hpp"
 
 namespace triskin {
@@ -93,14 +93,14 @@ void fuzz(const std::string& good, const std::string& extension, int runs,
 
 std::string small_design() {
   const fs::path path = fs::temp_directory_path() / ("readers_test." + std::to_string(::getpid()) + ".good.json");
-  model::write_design(path, test::strip(2));
+  design::write_design(path, test::strip(2));
   std::string text = read_file(path);
   fs::remove(path);
   return text;
 }
 
 TEST(Readers, design) {
-  fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)model::read_design(p); });
+  fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)design::read_design(p); });
 }
 TEST(Readers, checker) {
   fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)check::check_design(p); });
@@ -111,7 +111,7 @@ TEST(Readers, scene) {
 
 TEST(Readers, module_list) {
   fuzz(R"({"modules":[{"id":0,"i":3,"j":5,"up":true,"island":0,"border":true},{"id":7,"i":3,"j":5,"up":false}]})",
-       ".json", 1000, [](const fs::path& p) { (void)model::read_module_list(p); });
+       ".json", 1000, [](const fs::path& p) { (void)design::read_module_list(p); });
 }
 
 TEST(Readers, polygons) {

@@ -12,8 +12,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-int run_check(const fs::path& root) {
-  const std::string command = "python3 " TRISKIN_SOURCE "/tools/check_layering.py " + root.string() + " > /dev/null";
+int run_check(const fs::path& root, const std::string& links = "") {
+  const std::string command =
+      "python3 " TRISKIN_SOURCE "/tools/check_layering.py " + root.string() + " " + links + " > /dev/null";
   return std::system(command.c_str());
 }
 
@@ -31,6 +32,12 @@ class Layering : public testing::Test {
     std::ofstream(root_ / path) << line << '\n';
     return run_check(root_);
   }
+  // `links`: lines "target: what it links", as the build writes them.
+  int with_links(const std::string& links) {
+    const fs::path file = root_ / "links.txt";
+    std::ofstream(file) << links;
+    return run_check(root_, file.string());
+  }
 
  private:
   fs::path root_;
@@ -45,15 +52,19 @@ TEST_F(Layering, accepts_an_allowed_include) {
 }
 
 TEST_F(Layering, refuses_firmware_that_includes_host) {
-  EXPECT_NE(with_file("firmware/app/src/a.cpp", "#include \"triskin/device/link.hpp\""), 0);
+  EXPECT_NE(with_file("firmware/app/src/a.cpp", "#include \"triskin/link/link.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_host_that_includes_firmware) {
-  EXPECT_NE(with_file("host/device/src/a.cpp", "#include \"triskin/logic/sampler.hpp\""), 0);
+  EXPECT_NE(with_file("host/device/link/src/a.cpp", "#include \"triskin/logic/sampler.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_logic_that_includes_a_board) {
   EXPECT_NE(with_file("firmware/logic/src/a.cpp", "#include \"triskin/board/posix.hpp\""), 0);
+}
+
+TEST_F(Layering, refuses_an_application_that_includes_the_loader) {
+  EXPECT_NE(with_file("firmware/app/src/a.cpp", "#include \"triskin/boot/slot_store.hpp\""), 0);
 }
 
 TEST_F(Layering, refuses_vendor_headers_outside_the_board) {
@@ -70,6 +81,31 @@ TEST_F(Layering, refuses_a_checker_that_uses_a_solver) {
 
 TEST_F(Layering, refuses_relative_includes) {
   EXPECT_NE(with_file("shared/include/triskin/base/a.hpp", "#include \"../../../host/x.hpp\""), 0);
+}
+
+TEST_F(Layering, refuses_a_device_side_that_includes_the_simulation) {
+  EXPECT_NE(with_file("host/device/link/src/a.cpp", "#include \"triskin/scene/scene.hpp\""), 0);
+}
+
+TEST_F(Layering, scans_tools) {
+  EXPECT_NE(with_file("tools/machine/src/a.cpp", "#include \"triskin/logic/sampler.hpp\""), 0);
+}
+
+TEST_F(Layering, refuses_a_library_outside_its_part) {
+  EXPECT_EQ(with_file("host/geometry/src/a.cpp", "#include <CGAL/Surface_mesh.h>"), 0);
+  EXPECT_NE(with_file("host/design/src/a.cpp", "#include <CGAL/Surface_mesh.h>"), 0);
+}
+
+TEST_F(Layering, refuses_an_include_prefix_in_two_parts) {
+  EXPECT_NE(with_file("shared/include/triskin/boot/a.hpp", ""), 0);
+}
+
+TEST_F(Layering, follows_links_through_other_targets) {
+  EXPECT_EQ(with_links("triskin_jobs: triskin_session\ntriskin_session: triskin_link\ntriskin_link: triskin_base\n"),
+            0);
+  EXPECT_NE(with_links("triskin_jobs: triskin_session\ntriskin_session: triskin_scene\ntriskin_scene: triskin_base\n"),
+            0);
+  EXPECT_NE(with_links("triskin_jobs: triskin_session\ntriskin_session: CGAL::CGAL\n"), 0);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ layout::PatchImage patch(int modules) {
 }
 
 void Bench::power_up(bool will_be_cut) {
-  std::array<std::uint8_t, 12> id{};
+  wire::UniqueId id{};
   for (std::size_t k = 0; k < id.size(); ++k) id[k] = static_cast<std::uint8_t>(0x10 + k);
   if (on_posix) {
     posix = sim::make_virtual_controller({{&lines[0], &lines[1], &lines[2], &lines[3]},
@@ -44,7 +44,7 @@ void Bench::power_up(bool will_be_cut) {
     return;
   }
   MachineSetup setup;
-  for (std::size_t k = 0; k < 4; ++k) setup.lines[k] = &lines[k];
+  for (std::size_t k = 0; k < layout::kLines; ++k) setup.lines[k] = &lines[k];
   setup.flash = &flash;
   setup.unique_id = id;
   setup.on_can = [this](const wire::CanFrame& f, std::uint64_t) { frames.push_back(f); };

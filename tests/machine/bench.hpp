@@ -33,7 +33,8 @@ class Bench : public ::testing::Test {
   void SetUp() override {
     if (!std::filesystem::exists(firmware("triskin_app_a.elf")))
       GTEST_SKIP() << "no firmware image: install gcc-arm-none-eabi and build again";
-    for (int k = 0; k < 16; ++k) lines[static_cast<std::size_t>(k % 4)].add(static_cast<std::uint8_t>(k / 4), k);
+    for (int k = 0; k < layout::kMaxModules; ++k)
+      lines[static_cast<std::size_t>(k % layout::kLines)].add(static_cast<std::uint8_t>(k / layout::kLines), k);
     flash.store(read_elf(firmware("triskin_loader.elf")));
     application = read_elf(firmware("triskin_app_a.elf"));
     flash.store_application(application, 0x3C000, 1);
@@ -63,7 +64,7 @@ class Bench : public ::testing::Test {
     for (const Violation& v : machine->violations()) ADD_FAILURE() << v.at_us << " us: " << v.what;
   }
 
-  std::array<SkinLine, 4> lines;
+  std::array<SkinLine, layout::kLines> lines;
   FlashChip flash;
   ElfImage application;
   std::vector<wire::CanFrame> frames;  ///< sent by the controller

@@ -5,9 +5,9 @@
 
 #include "bench.hpp"
 #include "support/random_design.hpp"
-#include "triskin/device/patch_table.hpp"
-#include "triskin/model/patch_joints.hpp"
+#include "triskin/design/joint.hpp"
 #include "triskin/scene/skin.hpp"
+#include "triskin/session/patch_table.hpp"
 #include "triskin/wire/topology.hpp"
 
 namespace triskin::machine {
@@ -18,7 +18,7 @@ constexpr std::size_t kLiveHead = 12, kLiveModule = 26;  // sample and time; val
 class SwitchedBench : public Bench {
  protected:
   /// Powers a controller whose flash holds the table of the design, on the switched modules of the design.
-  void power_up_on(const model::Design& design) {
+  void power_up_on(const design::Design& design) {
     scene_.design = design;
     scene_.switched = true;
     scene_.effects.taxel_spread_counts = 3000;
@@ -28,7 +28,7 @@ class SwitchedBench : public Bench {
     table.node_address = 1;
     store_table(table);
     MachineSetup setup;
-    for (int l = 0; l < 4; ++l) setup.lines[static_cast<std::size_t>(l)] = &skin_->line(0, l);
+    for (int l = 0; l < layout::kLines; ++l) setup.lines[static_cast<std::size_t>(l)] = &skin_->line(0, l);
     setup.flash = &flash;
     setup.on_can = [this](const wire::CanFrame& f, std::uint64_t) { frames.push_back(f); };
     setup.chain = &chain();
@@ -51,7 +51,7 @@ class SwitchedBench : public Bench {
     const std::vector<std::uint8_t> taxels = answer(wire::did::kLiveTaxels);
     std::uint32_t valid = 0;
     for (std::size_t m = 0, at = kLiveHead; m < scene_.design.patches[0].modules.size(); ++m, at += kLiveModule) {
-      if ((taxels.at(at) | taxels.at(at + 1) << 8) == 0x0FFF) valid |= 1U << m;
+      if ((taxels.at(at) | taxels.at(at + 1) << 8) == layout::kAllTaxels) valid |= 1U << m;
     }
     return valid;
   }
@@ -67,24 +67,24 @@ class SwitchedBench : public Bench {
   std::unique_ptr<scene::Skin> skin_;
 };
 
-std::uint32_t all_of(const model::Design& d) {
+std::uint32_t all_of(const design::Design& d) {
   return (1U << d.patches[0].modules.size()) - 1;
 }
 
 TEST_F(SwitchedBench, the_image_finds_every_joint_and_reads_every_module) {
   std::mt19937_64 random(31);
-  const model::Design design = test::random_design(16, random);
+  const design::Design design = test::random_design(16, random);
   power_up_on(design);
   const wire::FoundTopology found = topology();
   EXPECT_TRUE(found.switched);
   EXPECT_TRUE(found.complete);
   ASSERT_EQ(found.count, 16);
-  const model::PortEnds joints = model::joints_of(design, 0);
-  for (std::size_t n = 0; n < 16; ++n) {
+  const design::PortEnds joints = design::joints_of(design, 0);
+  for (std::size_t n = 0; n < layout::kMaxModules; ++n) {
     const std::size_t row = found.row[n];
     ASSERT_LT(row, 16U);
     for (std::size_t p = 0; p < 3; ++p) {
-      const model::PortEnd& real = joints[row][p];
+      const design::PortEnd& real = joints[row][p];
       const std::uint8_t joint = found.joints[n][p];
       ASSERT_EQ(joint != 0, real.row >= 0) << "row " << row << " port " << p;
       if (joint == 0) continue;
@@ -101,7 +101,7 @@ TEST_F(SwitchedBench, forty_random_patches_are_found_within_50_ms) {
   std::mt19937_64 random(33);
   std::uint32_t slowest_us = 0;
   for (int trial = 0; trial < 40; ++trial) {
-    const model::Design design = test::random_design(1 + trial % 16, random);
+    const design::Design design = test::random_design(1 + trial % 16, random);
     power_up_on(design);
     EXPECT_EQ(topology().count, design.patches[0].modules.size()) << trial;
     EXPECT_EQ(read_rows(), all_of(design)) << trial;
@@ -117,9 +117,9 @@ TEST_F(SwitchedBench, forty_random_patches_are_found_within_50_ms) {
 TEST_F(SwitchedBench, every_dead_module_is_left_out_within_100_ms) {
   std::mt19937_64 random(34);
   for (int trial = 0; trial < 3; ++trial) {
-    const model::Design design = test::random_design(16, random);
+    const design::Design design = test::random_design(16, random);
     power_up_on(design);
-    for (int dead = 0; dead < 16; ++dead) {
+    for (int dead = 0; dead < layout::kMaxModules; ++dead) {
       run_for(random() % 37'000);
       chain().set_dead(dead, true);
       run_for(100'000);
@@ -136,7 +136,7 @@ TEST_F(SwitchedBench, every_dead_module_is_left_out_within_100_ms) {
 
 TEST_F(SwitchedBench, a_dead_module_is_left_out_and_comes_back_on_command) {
   std::mt19937_64 random(32);
-  const model::Design design = test::random_design(12, random);
+  const design::Design design = test::random_design(12, random);
   power_up_on(design);
   ASSERT_EQ(route().alive, all_of(design));
   chain().set_dead(7, true);

@@ -71,10 +71,10 @@ TEST_P(Failures, EachOnEachOfSixteenModulesIsNamedAndTheOthersGoOn) {
   begin();
   for (const Failure f : kAllFailures) {
     if (holds_line(f)) continue;  // below
-    for (int m = 0; on_posix && m < 16; ++m) one(f, {m});
+    for (int m = 0; on_posix && m < layout::kMaxModules; ++m) one(f, {m});
     for (int turn = 0; !on_posix && turn < 4; ++turn) {
       std::vector<int> broken;
-      for (int line = 0; line < 4; ++line) broken.push_back(line + 4 * ((line + turn) % 4));
+      for (int line = 0; line < layout::kLines; ++line) broken.push_back(line + 4 * ((line + turn) % 4));
       one(f, broken);
     }
   }
@@ -84,7 +84,7 @@ TEST_P(Failures, EachOnEachOfSixteenModulesIsNamedAndTheOthersGoOn) {
 // The line's four modules share the name; the other lines do not notice.
 TEST_P(Failures, EachStuckLineIsNamedAndTheOthersGoOn) {
   begin();
-  for (int line = 0; line < 4; ++line) {
+  for (int line = 0; line < layout::kLines; ++line) {
     for (const Failure f : {Failure::kSda, Failure::kScl}) {
       inject(f, line_of(line), line, now_us());
       run_for(50'000);
@@ -115,7 +115,7 @@ TEST_P(Failures, LineHeldByAChipIsFreedByPulses) {
   run_for(400'000);
   frames.clear();
   run_for(50'000);
-  EXPECT_EQ(samples().at(1).back().valid, 0xFFF);
+  EXPECT_EQ(samples().at(1).back().valid, layout::kAllTaxels);
   EXPECT_FALSE(lines[1].sda_held);
 }
 

@@ -26,7 +26,7 @@ class Noise : public Sampling {
     std::size_t count = 0;
     for (const auto& [m, list] : samples()) {
       out.samples_per_s += static_cast<double>(list.size()) / (kRun_us * 1e-6) / 16;
-      for (std::size_t t = 0; t < 12; ++t) {
+      for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
         double mean = 0;
         for (const auto& f : list) mean += f.value[t] / static_cast<double>(list.size());
         for (const auto& f : list) squares += (f.value[t] - mean) * (f.value[t] - mean);

@@ -18,7 +18,7 @@ constexpr std::array<int, 16> kClock_ppm{-40'000, 40'000,  0,   12'000,  -3'000,
 class Whole : public Sampling, public ::testing::WithParamInterface<std::tuple<Decimation, double, double>> {
  protected:
   void spread_clocks(double part) {
-    for (int m = 0; m < 16; ++m) {
+    for (int m = 0; m < layout::kMaxModules; ++m) {
       module_at(m).chip->set_clock_error(static_cast<int>(part * kClock_ppm[static_cast<std::size_t>(m)]));
       module_at(m).source.ramp = true;
     }
@@ -38,8 +38,8 @@ class Whole : public Sampling, public ::testing::WithParamInterface<std::tuple<D
     const double stage = static_cast<double>(module_at(m).chip->sequence_us()) / 12.0 / PadSource::kRamp_us;
     constexpr double kNoise = 3.0;  // counts of converter noise, and one of rounding
     for (std::size_t k = 0; k < list.size(); ++k) {
-      ASSERT_EQ(list[k].valid, 0xFFF) << "module " << m;
-      for (std::size_t t = 1; t < 12; ++t) {
+      ASSERT_EQ(list[k].valid, layout::kAllTaxels) << "module " << m;
+      for (std::size_t t = 1; t < layout::kTaxelsPerModule; ++t) {
         ASSERT_NEAR(gap(converted(m, t, list[k]), converted(m, 0, list[k])), static_cast<double>(t) * stage, kNoise + 9)
             << "torn: module " << m << " sample " << list[k].sample;
       }
@@ -100,7 +100,7 @@ TEST_F(Sampling, FullReadTakesNoMoreThanTheBusLimitAllows) {
   run_for(1'000'000);
   const double limit_us = 4.0 * (28 * 9 + 3) / 0.4;
   double worst_us = 0;
-  for (std::size_t l = 0; l < 4; ++l) {
+  for (std::size_t l = 0; l < layout::kLines; ++l) {
     double sum_us = 0;
     for (const Burst& b : lines[l].bursts) sum_us += static_cast<double>(b.stop_us - b.start_us);
     const double full_us = 4 * sum_us / static_cast<double>(lines[l].bursts.size());

@@ -52,7 +52,7 @@ struct Outcome {
 class Scenario : public Sampling, public ::testing::WithParamInterface<const char*> {
  protected:
   void hush() {
-    for (int m = 0; m < 16; ++m) module_at(m).chip->set_noise(0);
+    for (int m = 0; m < layout::kMaxModules; ++m) module_at(m).chip->set_noise(0);
   }
   void obey(const Event& e) {
     const int n = std::stoi(e.words[1]);
@@ -122,12 +122,13 @@ TEST_P(Scenario, GivesEqualFramesAndFaultsOnBothBoards) {
   expect_no_violation();
   flash = fresh;
   for (auto& line : lines) line.modules.clear();
-  for (int k = 0; k < 16; ++k) lines[static_cast<std::size_t>(k % 4)].add(static_cast<std::uint8_t>(k / 4), k);
+  for (int k = 0; k < layout::kMaxModules; ++k)
+    lines[static_cast<std::size_t>(k % layout::kLines)].add(static_cast<std::uint8_t>(k / layout::kLines), k);
   const Outcome posix_board = play(true);
   EXPECT_EQ(image.faults, posix_board.faults);
   EXPECT_GT(image.faults.size(), 3U);
   std::size_t compared = 0;
-  for (std::size_t m = 0; m < 16; ++m) {
+  for (std::size_t m = 0; m < layout::kMaxModules; ++m) {
     const auto& a = image.modules[m];
     const auto& b = posix_board.modules[m];
     ASSERT_EQ(a.size(), b.size()) << "module " << m << " said other things";

@@ -21,7 +21,8 @@ double PadSource::counts(int cin, std::uint64_t at_us) const {
 SkinModule& SkinLine::add(std::uint8_t address, int index, std::uint16_t device_id) {
   SkinModule& m = *modules.emplace_back(std::make_unique<SkinModule>());
   m.address = address;
-  for (int t = 0; t < 12; ++t) m.source.level[static_cast<std::size_t>(t)] = 8000.0 - 97.0 * index - 31.0 * t;
+  for (int t = 0; t < layout::kTaxelsPerModule; ++t)
+    m.source.level[static_cast<std::size_t>(t)] = 8000.0 - 97.0 * index - 31.0 * t;
   exchange(m, device_id, index);
   return m;
 }
@@ -48,7 +49,7 @@ bool SkinLine::start(std::uint8_t address_byte, std::uint64_t now_us) {
   ++transaction_bytes_;
   selected_.clear();
   position_ = 0;
-  address_ = static_cast<std::uint8_t>((address_byte >> 1) - 0x2C);
+  address_ = static_cast<std::uint8_t>((address_byte >> 1) - layout::kFirstCdcAddress);
   if (scl_held || sda_held) return false;
   for (const auto& m : modules) {
     if (!m->present || m->address != address_) continue;
@@ -73,7 +74,7 @@ std::uint8_t SkinLine::read(bool, std::uint64_t now_us) {
   std::uint8_t value = 0xFF;
   for (SkinModule* m : selected_) {
     std::uint8_t byte = m->chip->read_byte(now_us - origin_us);
-    if (taxel >= 0 && taxel < 12 && (m->frozen >> taxel & 1) != 0) {
+    if (taxel >= 0 && taxel < layout::kTaxelsPerModule && (m->frozen >> taxel & 1) != 0) {
       const std::uint16_t kept = m->frozen_value[static_cast<std::size_t>(taxel)];
       byte = static_cast<std::uint8_t>(position_ % 2 == 0 ? kept >> 8 : kept);
     }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "triskin/layout/module.hpp"
 #include "triskin/scene/ad7147.hpp"
 #include "triskin/sim/i2c_bus.hpp"
 
@@ -29,7 +30,7 @@ struct SkinModule {
   std::uint8_t address = 0;  ///< strapped, 0..3
   bool present = true;
   std::uint16_t frozen = 0;  ///< bit t: taxel t keeps `frozen_value`
-  std::array<std::uint16_t, 12> frozen_value{};
+  std::array<std::uint16_t, layout::kTaxelsPerModule> frozen_value{};
 };
 
 /// A burst of twelve results on the line, by the clock of the bus.

@@ -7,7 +7,7 @@
 #include "failure.hpp"
 #include "triskin/base/bytes.hpp"
 #include "triskin/board/budget.hpp"
-#include "triskin/boot/loader_protocol.hpp"
+#include "triskin/wire/loader_protocol.hpp"
 
 namespace triskin::machine {
 namespace {
@@ -55,8 +55,10 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
     std::set<std::pair<int, int>> out;
     const int state = static_cast<int>(state_of(failure));
     if (!holds_line(failure)) out.insert({state, m});
-    for (int o = m % 4; holds_line(failure) && o < 16; o += 4) out.insert({state, o});
-    if (failure == Failure::kMoved) out.insert({static_cast<int>(ModuleState::kDuplicate), (m + 4) % 16});
+    for (int o = m % layout::kLines; holds_line(failure) && o < layout::kMaxModules; o += layout::kLines)
+      out.insert({state, o});
+    if (failure == Failure::kMoved)
+      out.insert({static_cast<int>(ModuleState::kDuplicate), (m + layout::kLines) % layout::kMaxModules});
     return out;
   }
   std::set<std::pair<int, int>> recorded() {
@@ -80,7 +82,7 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
   }
   static constexpr std::uint8_t kConfirmedOnly = 0x08;
   static constexpr std::uint64_t kBoot_us =
-      boot::kWindow_us +
+      wire::loader::kWindow_us +
       12'000;  ///< at most, until the application's clock starts: the loader's window, its check of the image, clocks
   std::set<std::pair<int, int>> different;
   int faults = 0;
@@ -103,7 +105,8 @@ TEST_P(Soak, RandomFaultsLeaveNoStuckStateAndAreAllInTheRecord) {
   run_for(2'000'000);
   const auto states = request({0x22, 0xFD, 0x03});
   ASSERT_EQ(states.size(), 3U + 16);
-  for (std::size_t m = 0; m < 16; ++m) EXPECT_EQ(states[3 + m], static_cast<std::uint8_t>(ModuleState::kOk)) << m;
+  for (std::size_t m = 0; m < layout::kMaxModules; ++m)
+    EXPECT_EQ(states[3 + m], static_cast<std::uint8_t>(ModuleState::kOk)) << m;
   EXPECT_GE(different.size(), 8U);
   std::printf("%d minutes of virtual time, %d faults, each in the record with its time; %zu different entries\n",
               minutes(), faults, different.size());

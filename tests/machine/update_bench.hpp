@@ -4,12 +4,12 @@
 
 #include "bench.hpp"
 #include "triskin/base/bytes.hpp"
-#include "triskin/boot/loader_protocol.hpp"
 #include "triskin/sim/flash_model.hpp"
+#include "triskin/wire/loader_protocol.hpp"
 
 namespace triskin::machine {
 
-using boot::Command;
+using wire::loader::Command;
 
 inline constexpr std::uint32_t kSlotA = 0x08004000, kSlotB = 0x08040000;
 
@@ -25,12 +25,12 @@ class Update : public Bench {
   [[gnu::noinline]] std::vector<std::uint8_t> command(Bytes bytes, std::uint64_t wait_us) {
     const std::size_t seen = frames.size();
     const std::uint8_t code = bytes[0];
-    send(boot::kRequestId, bytes);
+    send(wire::loader::kRequestId, bytes);
     for (std::uint64_t t = 0; t < wait_us; t += 1000) {
       run_for(1000);
       for (std::size_t k = seen; k < frames.size(); ++k) {
         const auto& f = frames[k];
-        if (f.id == boot::kReplyId && f.data[0] == code)
+        if (f.id == wire::loader::kReplyId && f.data[0] == code)
           return std::vector<std::uint8_t>(f.data.begin(), f.data.begin() + f.size);
       }
     }
@@ -41,7 +41,7 @@ class Update : public Bench {
     run_for(8'000);
     const auto hello = command(std::array{static_cast<std::uint8_t>(Command::kHello)}, 50'000);
     ASSERT_EQ(hello.size(), 7U);
-    ASSERT_EQ(hello[2] >> 6, boot::kProtocol);
+    ASSERT_EQ(hello[2] >> 6, wire::loader::kProtocol);
     const auto selected = command(
         std::array{static_cast<std::uint8_t>(Command::kSelect), hello[3], hello[4], hello[5], hello[6]}, 20'000);
     ASSERT_FALSE(selected.empty());
@@ -50,9 +50,10 @@ class Update : public Bench {
   [[gnu::noinline]] int write_image() {
     int status = -1;
     for (std::size_t at = 0; at < next.size(); at += 8) {
-      send(boot::kDataId, Bytes(next).subspan(at, 8));
+      send(wire::loader::kDataId, Bytes(next).subspan(at, 8));
       run_for(250);
-      if (frames.back().id == boot::kReplyId && frames.back().data[0] == static_cast<std::uint8_t>(Command::kData))
+      if (frames.back().id == wire::loader::kReplyId &&
+          frames.back().data[0] == static_cast<std::uint8_t>(Command::kData))
         status = frames.back().data[1];
     }
     return status;
@@ -73,7 +74,7 @@ class Update : public Bench {
     return reply.empty() ? -1 : reply[1];
   }
   void boot() {
-    send(boot::kRequestId, std::array{static_cast<std::uint8_t>(Command::kBoot)});
+    send(wire::loader::kRequestId, std::array{static_cast<std::uint8_t>(Command::kBoot)});
     run_for(100'000);
   }
   std::vector<std::uint8_t> next;

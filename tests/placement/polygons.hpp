@@ -3,8 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include "triskin/design/mesh.hpp"
 #include "triskin/geometry/polygon_io.hpp"
-#include "triskin/geometry/types.hpp"
 
 namespace triskin::test {
 

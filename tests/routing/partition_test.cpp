@@ -77,7 +77,7 @@ TEST(Partition, a_star_needs_more_than_the_size_bound) {
   const geometry::RoutingResult r = geometry::route(patch.graph, without_failures());
   EXPECT_EQ(r.lower_bound, 3);
   EXPECT_TRUE(r.proved);
-  EXPECT_EQ(r.proof, "folding");
+  EXPECT_EQ(r.proof, geometry::PartitionProof::kFolding);
 }
 
 TEST(Partition, same_seed_same_result) {

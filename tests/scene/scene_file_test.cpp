@@ -21,7 +21,7 @@ class SceneFile : public testing::Test {
   void SetUp() override {
     folder_ = fs::temp_directory_path() / ("scene_file_test." + std::to_string(::getpid()));
     fs::create_directories(folder_);
-    model::write_design(folder_ / "d.json", strip(6));
+    design::write_design(folder_ / "d.json", strip(6));
   }
   void TearDown() override { fs::remove_all(folder_); }
 

@@ -38,7 +38,7 @@ TEST(SkinModel, pressure_is_that_of_hertz) {
 
 TEST(SkinModel, a_moving_contact_passes_over_the_pads) {
   Scene scene = scene_of(4);
-  const geometry::Vec3 from = center_of(scene.design, 0), to = center_of(scene.design, 2);
+  const design::Vec3 from = center_of(scene.design, 0), to = center_of(scene.design, 2);
   const Touch touch{1, {0, 1000, from, to, 4.0, 1.0}};
   ModuleSkin far(scene, 2, 0);
   ASSERT_TRUE(far.reached_by(touch.contact));

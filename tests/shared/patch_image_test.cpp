@@ -88,7 +88,7 @@ PatchImage random_image(std::mt19937& random) {
   const auto below = [&](unsigned n) { return static_cast<std::uint8_t>(random() % n); };
   PatchImage image;
   image.design_id = static_cast<std::uint64_t>(random()) << 32 | random();
-  image.node_address = static_cast<std::uint8_t>(1 + below(126));
+  image.node_address = static_cast<std::uint8_t>(layout::kFirstNode + below(layout::kMaxNodes));
   image.module_count = static_cast<std::uint8_t>(1 + below(layout::kMaxModules));
   std::array<int, layout::kMaxModules> slots{};
   for (int k = 0; k < layout::kMaxModules; ++k) slots[static_cast<std::size_t>(k)] = k;

@@ -7,39 +7,39 @@
 #include <vector>
 
 #include "support/flat_design.hpp"
-#include "triskin/geometry/lattice.hpp"
+#include "triskin/design/joint.hpp"
+#include "triskin/design/module_list.hpp"
+#include "triskin/design/tile.hpp"
 #include "triskin/geometry/routing.hpp"
-#include "triskin/model/module_list.hpp"
-#include "triskin/model/patch_joints.hpp"
 
 namespace triskin::test {
 
 /// A random connected set of tiles on the plane, routed: a design without a mesh. Joints are those of the lattice,
 /// cycles included.
-inline model::Design random_design(int modules, std::mt19937_64& random) {
-  using geometry::Tile;
+inline design::Design random_design(int modules, std::mt19937_64& random) {
+  using design::Tile;
   std::vector<Tile> tiles{{0, 0, true}};
   std::map<Tile, int> number{{tiles[0], 0}};
   while (static_cast<int>(tiles.size()) < modules) {
     const std::size_t from = random() % tiles.size();
-    const Tile next = geometry::across(tiles[from], static_cast<int>(random() % 3)).tile;
+    const Tile next = design::across(tiles[from], static_cast<int>(random() % 3)).tile;
     if (number.try_emplace(next, static_cast<int>(tiles.size())).second) tiles.push_back(next);
   }
-  model::Design d = flat_design("random", {-2000, -2000}, {2000, 2000});
+  design::Design d = flat_design("random", {-2000, -2000}, {2000, 2000});
   for (const Tile& t : tiles) {
-    geometry::PlacedModule m;
+    design::PlacedModule m;
     m.tile = t;
     for (int k = 0; k < 3; ++k) {
-      const auto [i, j] = geometry::tile_corner_index(t, k);
-      const geometry::Vec2 p = geometry::grid_point(i, j);
-      m.corner_mm[static_cast<std::size_t>(k)] = geometry::Vec3{p.x(), p.y(), 0.0};
-      const auto other = number.find(geometry::across(t, k).tile);
+      const auto [i, j] = design::tile_corner_index(t, k);
+      const design::Vec2 p = design::grid_point(i, j);
+      m.corner_mm[static_cast<std::size_t>(k)] = design::Vec3{p.x(), p.y(), 0.0};
+      const auto other = number.find(design::across(t, k).tile);
       m.neighbour[static_cast<std::size_t>(k)] = other == number.end() ? -1 : other->second;
     }
     d.layout.modules.push_back(m);
   }
-  d.patches = geometry::route(model::graph_of(d.layout)).patches;
-  d.design_id = model::design_id_of(d);
+  d.patches = geometry::route(design::graph_of(d.layout)).patches;
+  d.design_id = design::design_id_of(d);
   return d;
 }
 
@@ -50,7 +50,7 @@ struct Broken {
 };
 
 /// Rows that can be reached from one: flood fill over the joints that survive, a bit a row.
-inline std::uint32_t reached_from(int start, const model::PortEnds& ends, const Broken& broken) {
+inline std::uint32_t reached_from(int start, const design::PortEnds& ends, const Broken& broken) {
   const auto dead = [&](int m) { return std::ranges::find(broken.dead, m) != broken.dead.end(); };
   const auto cut = [&](int a, int b) {
     return std::ranges::any_of(broken.cut,
@@ -60,7 +60,7 @@ inline std::uint32_t reached_from(int start, const model::PortEnds& ends, const 
   for (std::size_t round = 0; round < ends.size(); ++round) {
     for (int m = 0; m < static_cast<int>(ends.size()); ++m) {
       if ((reached >> m & 1) == 0) continue;
-      for (const model::PortEnd& e : ends[static_cast<std::size_t>(m)]) {
+      for (const design::PortEnd& e : ends[static_cast<std::size_t>(m)]) {
         if (e.row >= 0 && !dead(e.row) && !cut(m, e.row)) reached |= 1U << e.row;
       }
     }
@@ -69,16 +69,16 @@ inline std::uint32_t reached_from(int start, const model::PortEnds& ends, const 
 }
 
 /// Row with the second cable; -1: none.
-inline int second_entry_row(const model::Design& design) {
-  const geometry::Patch& patch = design.patches[0];
-  const auto found = std::ranges::find(patch.modules, patch.second_entry, &geometry::RoutedModule::node);
+inline int second_entry_row(const design::Design& design) {
+  const design::Patch& patch = design.patches[0];
+  const auto found = std::ranges::find(patch.modules, patch.second_entry, &design::RoutedModule::node);
   return patch.second_entry < 0 || found == patch.modules.end() ? -1 : static_cast<int>(found - patch.modules.begin());
 }
 
 /// Rows that the controller can read over one of its cables: the first, unless it reaches nobody, or less than half of
 /// the patch and not more than the second.
-inline std::uint32_t rows_that_survive(const model::Design& design, const Broken& broken) {
-  const model::PortEnds ends = model::joints_of(design, 0);
+inline std::uint32_t rows_that_survive(const design::Design& design, const Broken& broken) {
+  const design::PortEnds ends = design::joints_of(design, 0);
   const int second_row = second_entry_row(design);
   const std::uint32_t first = reached_from(0, ends, broken),
                       second = second_row < 0 ? 0 : reached_from(second_row, ends, broken);

@@ -6,13 +6,13 @@ namespace triskin::test {
 
 /// A straight strip of `count` modules on the plane z = 0, divided into patches of `per_patch`; in a patch module k has
 /// line k / 4 and address k % 4, and hangs on module k - 1.
-inline model::Design strip(int count, int per_patch = 16) {
-  using geometry::kHeight_mm;
-  using geometry::Vec3;
-  model::Design d = flat_design("strip", {-1, -1}, {1000, 30});
+inline design::Design strip(int count, int per_patch = 16) {
+  using design::kHeight_mm;
+  using design::Vec3;
+  design::Design d = flat_design("strip", {-1, -1}, {1000, 30});
   for (int k = 0; k < count; ++k) {
     const double x = 30.0 * (k / 2);
-    geometry::PlacedModule m;
+    design::PlacedModule m;
     m.tile = {k / 2, 0, k % 2 == 0};
     // Tile corners and sides as in lattice.hpp; side 1 of an up tile is side 2 of the down tile of its cell.
     if (m.tile.up) {
@@ -25,7 +25,7 @@ inline model::Design strip(int count, int per_patch = 16) {
     d.layout.modules.push_back(m);
   }
   for (int first = 0; first < count; first += per_patch) {
-    geometry::Patch patch;
+    design::Patch patch;
     patch.entry = first;
     for (int k = first; k < std::min(count, first + per_patch); ++k) {
       const int n = k - first;
@@ -35,7 +35,7 @@ inline model::Design strip(int count, int per_patch = 16) {
     patch.max_depth = static_cast<int>(patch.modules.size()) - 1;
     d.patches.push_back(patch);
   }
-  d.design_id = model::design_id_of(d);
+  d.design_id = design::design_id_of(d);
   return d;
 }
 

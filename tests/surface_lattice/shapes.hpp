@@ -3,7 +3,7 @@
 #include <cmath>
 #include <functional>
 
-#include "triskin/geometry/module_layout.hpp"
+#include "triskin/design/module.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
 
 namespace triskin::geometry {

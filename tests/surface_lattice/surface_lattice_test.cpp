@@ -64,7 +64,7 @@ void expect_joints(const ModuleLayout& layout, const LayoutLimits& limits) {
 }
 
 void expect_valid(const Surface& surface, const ModuleLayout& layout, const LayoutLimits& limits = {}) {
-  EXPECT_EQ(layout.method, "surface");
+  EXPECT_EQ(layout.method, LayoutMethod::kSurface);
   expect_joints(layout, limits);
   for (std::size_t k = 0; k < layout.modules.size(); ++k) {
     const PlacedModule& m = layout.modules[k];

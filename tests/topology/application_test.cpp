@@ -6,11 +6,11 @@
 #include <map>
 
 #include "support/random_design.hpp"
-#include "triskin/device/bus.hpp"
-#include "triskin/device/controller.hpp"
-#include "triskin/device/flash.hpp"
-#include "triskin/device/sim_link.hpp"
-#include "triskin/model/patch_joints.hpp"
+#include "triskin/design/joint.hpp"
+#include "triskin/jobs/flash.hpp"
+#include "triskin/session/bus.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/simlink/sim_link.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
 namespace triskin::test {
@@ -18,7 +18,7 @@ namespace {
 
 using scene::FaultKind;
 
-scene::Scene switched_scene(const model::Design& design) {
+scene::Scene switched_scene(const design::Design& design) {
   scene::Scene s;
   s.design = design;
   s.switched = true;
@@ -29,7 +29,7 @@ scene::Scene switched_scene(const model::Design& design) {
 // Flashed, streaming; knows what every taxel must read.
 class Bench {
  public:
-  explicit Bench(const model::Design& design) : Bench(switched_scene(design)) {}
+  explicit Bench(const design::Design& design) : Bench(switched_scene(design)) {}
   explicit Bench(const scene::Scene& s)
       : link_(s), bus_(link_), controller_(bus_, 1), rows_(s.design.patches[0].modules.size()) {
     device::flash(bus_, link_.skin().scene().design);
@@ -99,9 +99,9 @@ struct Failure {
   }
 };
 
-std::vector<Failure> failures_of(const model::Design& design) {
+std::vector<Failure> failures_of(const design::Design& design) {
   std::vector<Failure> list;
-  const auto ends = model::joints_of(design, 0);
+  const auto ends = design::joints_of(design, 0);
   for (int m = 0; m < static_cast<int>(ends.size()); ++m) {
     list.push_back({.row = m});
     if (m > 0) list.push_back({.row = m, .line = design.patches[0].modules[static_cast<std::size_t>(m)].line});
@@ -115,7 +115,7 @@ std::vector<Failure> failures_of(const model::Design& design) {
   return list;
 }
 
-std::uint32_t best(const model::Design& design, const std::vector<Failure>& failures) {
+std::uint32_t best(const design::Design& design, const std::vector<Failure>& failures) {
   Broken broken;
   for (const Failure& f : failures) {
     if (f.row >= 0)
@@ -131,7 +131,7 @@ TEST(Application, every_single_failure_leaves_the_best_set_within_100_ms_and_no_
   std::int64_t slowest_us = 0;
   int failures = 0;
   for (int trial = 0; trial < 200; ++trial) {
-    const model::Design design = random_design(2 + trial % 15, random);
+    const design::Design design = random_design(2 + trial % 15, random);
     Bench bench(design);
     for (const Failure& f : failures_of(design)) {
       bench.listen_us(7'000 + random() % 37'000);  // at any moment of a cycle
@@ -166,7 +166,7 @@ TEST(Application, every_single_failure_leaves_the_best_set_within_100_ms_and_no_
 TEST(Application, two_failures_at_once_end_honestly) {
   std::mt19937_64 random(22);
   for (int trial = 0; trial < 20; ++trial) {
-    const model::Design design = random_design(4 + trial % 13, random);
+    const design::Design design = random_design(4 + trial % 13, random);
     const auto list = failures_of(design);
     Bench bench(design);
     for (int pair = 0; pair < 60; ++pair) {
@@ -196,7 +196,7 @@ TEST(Application, two_failures_at_once_end_honestly) {
 
 TEST(Application, a_module_that_resets_alone_and_a_marginal_clock_give_no_wrong_value) {
   std::mt19937_64 random(23);
-  const model::Design design = random_design(14, random);
+  const design::Design design = random_design(14, random);
   Bench bench(design);
   for (int k = 0; k < 40; ++k) {
     bench.listen_us(random() % 60'000);
@@ -228,7 +228,7 @@ TEST(Application, what_comes_back_is_taken_back_by_itself) {
 // The same tables on strapped modules, with and without a chain port on the board.
 TEST(Application, strapped_modules_are_read_as_before) {
   std::mt19937_64 random(25);
-  const model::Design design = random_design(16, random);
+  const design::Design design = random_design(16, random);
   scene::Scene strapped = switched_scene(design);
   strapped.switched = false;
   Bench bench(strapped);

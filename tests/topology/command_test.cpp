@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/random_design.hpp"
-#include "triskin/model/patch_joints.hpp"
+#include "triskin/design/joint.hpp"
 
 namespace triskin::test {
 namespace {
@@ -24,8 +24,8 @@ class Commands : public testing::Test {
     fs::create_directories(folder_);
     std::mt19937_64 random(41);
     design_ = random_design(12, random);
-    model::write_design(folder_ / "patch.json", design_);
-    model::write_design(folder_ / "other.json", random_design(12, random));
+    design::write_design(folder_ / "patch.json", design_);
+    design::write_design(folder_ / "other.json", random_design(12, random));
   }
   void TearDown() override { fs::remove_all(folder_); }
 
@@ -53,7 +53,7 @@ class Commands : public testing::Test {
     return out;
   }
   fs::path folder_;
-  model::Design design_;
+  design::Design design_;
 };
 
 TEST_F(Commands, a_patch_without_a_table_is_recognized_among_designs) {
@@ -76,7 +76,7 @@ TEST_F(Commands, flash_verify_and_discover_agree_on_sound_hardware) {
   const json& topology = found["controllers"][0]["topology"];
   EXPECT_TRUE(topology["match"]["differences"].empty());
   std::size_t joints = 0;
-  for (const auto& ends : model::joints_of(design_, 0)) {
+  for (const auto& ends : design::joints_of(design_, 0)) {
     for (const auto& e : ends) joints += e.row >= 0 ? 1 : 0;
   }
   EXPECT_EQ(topology["joints"], joints / 2);

@@ -6,12 +6,12 @@
 #include <set>
 
 #include "support/random_design.hpp"
-#include "triskin/device/bus.hpp"
-#include "triskin/device/controller.hpp"
-#include "triskin/device/flash.hpp"
-#include "triskin/device/sim_link.hpp"
-#include "triskin/device/topology.hpp"
-#include "triskin/device/verify.hpp"
+#include "triskin/jobs/flash.hpp"
+#include "triskin/jobs/topology.hpp"
+#include "triskin/jobs/verify.hpp"
+#include "triskin/session/bus.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/simlink/sim_link.hpp"
 
 namespace triskin::test {
 namespace {
@@ -27,7 +27,7 @@ scene::Fault fault(FaultKind kind, int module, int other = -1, int value = 0) {
   return f;
 }
 
-scene::Scene assembled(const model::Design& design, std::vector<scene::Fault> faults) {
+scene::Scene assembled(const design::Design& design, std::vector<scene::Fault> faults) {
   scene::Scene s;
   s.design = design;
   s.switched = true;
@@ -35,7 +35,7 @@ scene::Scene assembled(const model::Design& design, std::vector<scene::Fault> fa
   return s;
 }
 
-wire::FoundTopology found_on(const model::Design& design, std::vector<scene::Fault> faults = {}) {
+wire::FoundTopology found_on(const design::Design& design, std::vector<scene::Fault> faults = {}) {
   device::SimLink link(assembled(design, std::move(faults)));
   device::Bus bus(link);
   device::Controller controller(bus, 1);
@@ -43,7 +43,7 @@ wire::FoundTopology found_on(const model::Design& design, std::vector<scene::Fau
   return controller.topology();
 }
 
-device::VerifyResult verified(const model::Design& design, std::vector<scene::Fault> faults) {
+device::VerifyResult verified(const design::Design& design, std::vector<scene::Fault> faults) {
   device::SimLink link(assembled(design, std::move(faults)));
   device::Bus bus(link);
   device::flash(bus, design);
@@ -58,8 +58,8 @@ const device::TopologyDifference& only(const device::TopologyMatch& m) {
 }
 
 // A joint whose loss parts nobody from the entry, between modules that are not the entry; −1 when there is none.
-std::pair<int, int> spare_joint(const model::Design& design) {
-  const geometry::Patch& patch = design.patches[0];
+std::pair<int, int> spare_joint(const design::Design& design) {
+  const design::Patch& patch = design.patches[0];
   for (const auto& m : patch.modules) {
     for (const int other : design.layout.modules[static_cast<std::size_t>(m.node)].neighbour) {
       if (other < 0 || m.node == patch.entry || other == patch.entry) continue;
@@ -74,7 +74,7 @@ std::pair<int, int> spare_joint(const model::Design& design) {
 TEST(Match, a_patch_as_designed_has_no_differences_and_every_module_its_place) {
   std::mt19937_64 random(31);
   for (int trial = 0; trial < 40; ++trial) {
-    const model::Design design = random_design(2 + trial % 15, random);
+    const design::Design design = random_design(2 + trial % 15, random);
     const auto match = device::match_topology(found_on(design), design, 0);
     EXPECT_TRUE(match.differences.empty()) << trial << ' ' << match.differences[0].text;
     EXPECT_EQ(std::set<int>(match.module_of.begin(), match.module_of.end()).size(), design.layout.modules.size());
@@ -85,8 +85,8 @@ TEST(Match, names_a_missing_joint_an_absent_module_and_a_turned_one) {
   std::mt19937_64 random(32);
   int joints = 0;
   for (int trial = 0; trial < 40; ++trial) {
-    const model::Design design = random_design(10 + trial % 7, random);
-    const geometry::Patch& patch = design.patches[0];
+    const design::Design design = random_design(10 + trial % 7, random);
+    const design::Patch& patch = design.patches[0];
     if (const auto [a, b] = spare_joint(design); a >= 0) {
       const auto match = device::match_topology(found_on(design, {fault(FaultKind::kOpenJoint, a, b)}), design, 0);
       const auto& d = only(match);
@@ -117,7 +117,7 @@ TEST(Match, names_exchanged_modules_and_an_extra_joint) {
   std::mt19937_64 random(33);
   int exchanges = 0, extras = 0;
   for (int trial = 0; trial < 60; ++trial) {
-    const model::Design design = random_design(12, random);
+    const design::Design design = random_design(12, random);
     const auto& modules = design.patches[0].modules;
     const auto &a = modules[1 + random() % 11], &b = modules[1 + random() % 11];
     if (a.rotation != b.rotation) {
@@ -149,7 +149,7 @@ TEST(Match, names_exchanged_modules_and_an_extra_joint) {
 
 TEST(Match, recognizes_a_patch_without_a_table_among_many_designs) {
   std::mt19937_64 random(34);
-  std::vector<model::Design> designs;
+  std::vector<design::Design> designs;
   for (int k = 0; k < 12; ++k) designs.push_back(random_design(10 + k % 5, random));
   for (std::size_t k = 0; k < designs.size(); ++k) {
     const wire::FoundTopology found = found_on(designs[k]);
@@ -164,7 +164,7 @@ TEST(Match, recognizes_a_patch_without_a_table_among_many_designs) {
 
 TEST(Verify, of_switched_modules_says_what_the_chain_shows) {
   std::mt19937_64 random(35);
-  const model::Design design = random_design(13, random);
+  const design::Design design = random_design(13, random);
   EXPECT_TRUE(verified(design, {}).findings.empty());
   const int turned = design.patches[0].modules.back().node;
   auto r = verified(design, {fault(FaultKind::kRotatedModule, turned, -1, 1)});
@@ -185,7 +185,7 @@ TEST(Verify, of_switched_modules_says_what_the_chain_shows) {
 
 TEST(Verify, names_controllers_that_are_plugged_into_each_others_patch) {
   std::mt19937_64 random(36);
-  const model::Design design = random_design(28, random);
+  const design::Design design = random_design(28, random);
   ASSERT_EQ(design.patches.size(), 2U);
   scene::Fault exchanged;
   exchanged.kind = FaultKind::kSwappedPatches;
@@ -199,8 +199,8 @@ TEST(Verify, names_controllers_that_are_plugged_into_each_others_patch) {
 
 TEST(Flash, a_prepared_route_leaves_the_failed_module_out_and_is_no_wrong_table) {
   std::mt19937_64 random(37);
-  const model::Design design = random_design(12, random);
-  const geometry::Patch& patch = design.patches[0];
+  const design::Design design = random_design(12, random);
+  const design::Patch& patch = design.patches[0];
   const auto failed = std::ranges::find_if(
       patch.failures, [&](const auto& f) { return f.other_node < 0 && f.node != patch.entry && f.lost_rerouted == 1; });
   ASSERT_NE(failed, patch.failures.end());

@@ -7,16 +7,16 @@
 
 #include "random_patch.hpp"
 #include "support/random_design.hpp"
-#include "triskin/device/patch_table.hpp"
-#include "triskin/device/topology.hpp"
-#include "triskin/model/patch_joints.hpp"
+#include "triskin/design/joint.hpp"
+#include "triskin/jobs/topology.hpp"
+#include "triskin/session/patch_table.hpp"
 
 namespace triskin::test {
 namespace {
 
-SwitchedPatch model_of(const model::Design& design, std::uint64_t seed) {
+SwitchedPatch model_of(const design::Design& design, std::uint64_t seed) {
   std::vector<std::array<SwitchedPatch::End, 3>> joints;
-  for (const auto& ends : model::joints_of(design, 0)) {
+  for (const auto& ends : design::joints_of(design, 0)) {
     auto& row = joints.emplace_back();
     for (std::size_t p = 0; p < 3; ++p) row[p] = {ends[p].row, ends[p].port};
   }
@@ -28,16 +28,16 @@ SwitchedPatch model_of(const model::Design& design, std::uint64_t seed) {
   return model;
 }
 
-int row_of(const geometry::Patch& patch, int node) {
-  return static_cast<int>(std::ranges::find(patch.modules, node, &geometry::RoutedModule::node) -
+int row_of(const design::Patch& patch, int node) {
+  return static_cast<int>(std::ranges::find(patch.modules, node, &design::RoutedModule::node) -
                           patch.modules.begin());
 }
 
-void break_it(SwitchedPatch& model, const model::Design& design, const geometry::FailureLoss& f, bool broken) {
-  const geometry::Patch& patch = design.patches[0];
+void break_it(SwitchedPatch& model, const design::Design& design, const design::FailureLoss& f, bool broken) {
+  const design::Patch& patch = design.patches[0];
   if (f.other_node < 0) return model.set_dead(row_of(patch, f.node), broken);
   const int a = row_of(patch, f.node), b = row_of(patch, f.other_node);
-  const auto ends = model::joints_of(design, 0);
+  const auto ends = design::joints_of(design, 0);
   for (int p = 0; p < 3; ++p) {
     if (ends[static_cast<std::size_t>(a)][static_cast<std::size_t>(p)].row != b) continue;
     model.set_joint({a, p}, broken ? SwitchedPatch::JointFault::kOpen : SwitchedPatch::JointFault::kNone);
@@ -48,9 +48,9 @@ TEST(Prediction, every_failure_of_a_design_costs_what_the_host_said) {
   std::mt19937_64 random(11);
   int failures = 0, backups = 0, seconds = 0;
   for (int trial = 0; trial < 60; ++trial) {
-    const model::Design design = random_design(2 + trial % 15, random);
+    const design::Design design = random_design(2 + trial % 15, random);
     ASSERT_EQ(design.patches.size(), 1U);
-    const geometry::Patch& patch = design.patches[0];
+    const design::Patch& patch = design.patches[0];
     SwitchedPatch model = model_of(design, random());
     ModelledChain chain(model);
     fw::Topology topology(chain);
@@ -58,7 +58,7 @@ TEST(Prediction, every_failure_of_a_design_costs_what_the_host_said) {
     const auto healthy = topology.heal(fw::Topology::table_of(normal));
     ASSERT_TRUE(healthy.complete && healthy.as_table && healthy.least_depth) << trial;
     ASSERT_EQ(healthy.max_depth, patch.max_depth);
-    for (const geometry::FailureLoss& f : patch.failures) {
+    for (const design::FailureLoss& f : patch.failures) {
       ++failures;
       break_it(model, design, f, true);
       const auto report = topology.heal(fw::Topology::table_of(normal));
@@ -99,7 +99,7 @@ TEST(Prediction, every_failure_of_a_design_costs_what_the_host_said) {
 TEST(Tables, of_random_designs_hold_every_joint_and_survive_the_round_trip) {
   std::mt19937_64 random(12);
   for (int trial = 0; trial < 200; ++trial) {
-    const model::Design design = random_design(1 + trial % 16, random);
+    const design::Design design = random_design(1 + trial % 16, random);
     const layout::PatchImage image = device::image_of(design, 0);
     EXPECT_EQ(layout::check(image), Status::kOk);
     const auto bytes = device::bytes_of(image);

@@ -8,7 +8,7 @@
 
 #include "triskin/check/design_rules.hpp"
 #include "triskin/host/error.hpp"
-#include "triskin/model/design_pipeline.hpp"
+#include "triskin/pipeline/make_design.hpp"
 
 namespace triskin {
 namespace {
@@ -26,14 +26,14 @@ TEST_P(Parts, designs_and_passes_every_rule) {
   const fs::path mesh = data_folder() / "parts" / (std::string(GetParam()) + ".obj");
   ASSERT_TRUE(fs::exists(mesh)) << mesh
                                 << ": the real covers are missing; set TRISKIN_DATA to the folder that holds parts/";
-  model::DesignOptions options;
+  pipeline::DesignOptions options;
   options.time_limit_s = 6.0;
-  const model::Design design = model::make_design(mesh, options);
+  const design::Design design = pipeline::make_design(mesh, options);
   EXPECT_GE(design.layout.modules.size(), 5U);
   const fs::path file = fs::temp_directory_path() /
                         (std::string("parts_test.") + GetParam() + "." + std::to_string(::getpid()) + ".json");
-  model::write_design(file, design);
-  EXPECT_EQ(model::read_design(file).design_id, design.design_id);
+  design::write_design(file, design);
+  EXPECT_EQ(design::read_design(file).design_id, design.design_id);
   for (const auto& v : check::check_design(file).violations) ADD_FAILURE() << v.rule << " " << v.where << " " << v.text;
   fs::remove(file);
 }
@@ -49,9 +49,9 @@ TEST(HardMeshes, end_in_a_result_or_a_clear_error) {
     const fs::path mesh = data_folder() / "hard" / (std::string(name) + ".stl");
     ASSERT_TRUE(fs::exists(mesh)) << mesh;
     try {
-      model::DesignOptions options;
+      pipeline::DesignOptions options;
       options.time_limit_s = 5.0;
-      EXPECT_GT(model::make_design(mesh, options).layout.modules.size(), 0U);
+      EXPECT_GT(pipeline::make_design(mesh, options).layout.modules.size(), 0U);
     } catch (const InputError& e) {
       EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << e.what();
       EXPECT_NE(std::string(e.what()).find("mm"), std::string::npos) << "the place is missing: " << e.what();
@@ -65,10 +65,10 @@ std::string error_of(const std::string& file_name, const std::string& content,
   std::ofstream(path, std::ios::binary) << content;
   std::string message;
   try {
-    model::DesignOptions options;
+    pipeline::DesignOptions options;
     options.unit = unit;
     options.time_limit_s = 1.0;
-    (void)model::make_design(path, options);
+    (void)pipeline::make_design(path, options);
   } catch (const InputError& e) {
     message = e.what();
     EXPECT_NE(message.find(path.filename().string()), std::string::npos) << message;

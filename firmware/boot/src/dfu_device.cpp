@@ -66,7 +66,7 @@ std::optional<Bytes> DfuDevice::download(const wire::UsbSetup& s, Bytes data) {
 }
 
 DfuDevice::Error DfuDevice::begin(Bytes head) {
-  const auto decoded = decode_package_head(head);
+  const auto decoded = layout::decode_package_head(head);
   if (!decoded) return Error::kFile;
   committed_ = false;
   head_ = *decoded;

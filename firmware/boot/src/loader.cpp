@@ -3,6 +3,13 @@
 
 namespace triskin::boot {
 
+using wire::loader::Command;
+using wire::loader::kDataId;
+using wire::loader::kFramesPerReply;
+using wire::loader::kProtocol;
+using wire::loader::kReplyId;
+using wire::loader::kRequestId;
+
 void Loader::reply(Command command, Status status, Bytes more) {
   wire::CanFrame f;
   f.id = kReplyId;
@@ -59,7 +66,9 @@ bool Loader::handle(const wire::CanFrame& f, std::uint64_t now_us) {
   if (f.id == kDataId) store(f.payload());
   if (f.id != kRequestId || f.size == 0) return false;
   ByteReader r(f.payload());
-  const auto command = static_cast<Command>(r.u8());
+  const auto known = wire::loader::to_command(r.u8());
+  if (!known) return false;
+  const Command command = *known;
   if (command == Command::kHello) hello();
   if (command == Command::kSelect) {
     selected_ = r.le32() == id_crc_ && r.ok();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "triskin/boot/slot_store.hpp"
 
-#include "triskin/boot/firmware_package.hpp"
+#include "triskin/layout/firmware_package.hpp"
 
 namespace triskin::boot {
 namespace {
@@ -40,13 +40,13 @@ bool SlotStore::add_mark(int slot, std::size_t first, std::size_t count) {
 SlotState SlotStore::inspect(int slot) const {
   SlotState s;
   const std::size_t at = records(slot);
-  if (word(slot, at) != kCommitMagic) return s;
+  if (word(slot, at) != layout::kCommitMagic) return s;
   s.sequence = word(slot, at + 4);
   s.size_bytes = word(slot, at + 8);
   s.record_crc = word(slot, at + 12);
   if (s.size_bytes < kSmallest || s.size_bytes > records(slot)) return s;
-  s.valid =
-      vectors_fit(slot, s.size_bytes) && s.record_crc == slot_crc(s.sequence, area(slot).bytes().first(s.size_bytes));
+  s.valid = vectors_fit(slot, s.size_bytes) &&
+            s.record_crc == layout::slot_crc(s.sequence, area(slot).bytes().first(s.size_bytes));
   for (std::size_t k = 0; k < kMaxStarts; ++k) s.starts += unit_used(slot, at + (kStartUnit + k) * kUnitBytes) ? 1 : 0;
   s.confirmed = marked(slot, at + kConfirmUnit * kUnitBytes, kConfirmUnits);
   return s;
@@ -90,10 +90,10 @@ Status SlotStore::commit(int slot, std::uint32_t size_bytes, std::uint32_t crc) 
   const std::uint32_t sequence = other.valid ? other.sequence + 1 : 1;
   std::array<std::uint8_t, 2 * kUnitBytes> record{};
   ByteWriter w(record);
-  w.le32(kCommitMagic);
+  w.le32(layout::kCommitMagic);
   w.le32(sequence);
   w.le32(size_bytes);
-  w.le32(slot_crc(sequence, image));
+  w.le32(layout::slot_crc(sequence, image));
   // Magic and sequence first: the record counts only with the CRC of the second unit.
   const bool ok = area(slot).program(records(slot), Bytes(record).first(kUnitBytes)) &&
                   area(slot).program(records(slot) + kUnitBytes, Bytes(record).subspan(kUnitBytes));

@@ -55,7 +55,7 @@ std::size_t ChainDriver::order() {
   while (depth > 0 && length_ < order_.size()) {
     const std::uint8_t m = stack[--depth];
     order_[length_++] = m;
-    for (int p = 2; p >= 0; --p) {
+    for (int p = layout::kPorts - 1; p >= 0; --p) {
       const std::uint8_t c = child_[m][static_cast<std::size_t>(p)];
       if (c != kNoModule && depth < stack.size()) stack[depth++] = c;
     }

@@ -7,7 +7,7 @@ namespace triskin::fw {
 namespace {
 
 constexpr bool is_pad(std::size_t taxel) {
-  return std::ranges::find(Compensation::kPads, taxel) != Compensation::kPads.end();
+  return !layout::measures_pressure(taxel);
 }
 
 constexpr std::int64_t rounded(std::int64_t value, unsigned bits) {

@@ -116,7 +116,7 @@ wire::FoundTopology RouteKeeper::found() const {
   t.cable_port = g.cable_port;
   for (std::uint8_t m = 0; m < g.count; ++m) {
     t.row[m] = table_.graph.count > 0 ? topology_.row_of(m) : wire::kNoRow;
-    for (std::size_t p = 0; p < 3; ++p) {
+    for (std::size_t p = 0; p < layout::kPorts; ++p) {
       const JointEnd end = g.joint[m][p];
       t.joints[m][p] = end.module == kNoModule ? std::uint8_t{0} : layout::joint_to(end.module, end.port);
     }

@@ -44,7 +44,7 @@ void TableStore::load() {
 
 // The valid record with the highest sequence counts.
 void TableStore::load_node_address() {
-  node_address_ = 1;
+  node_address_ = layout::kFirstNode;
   node_sequence_ = 0;
   node_page_ = 0;
   for (int page = 0; page < 2; ++page) {
@@ -54,7 +54,7 @@ void TableStore::load_node_address() {
       if (r.le32() != kNodeMagic) continue;
       const std::uint8_t address = r.u8(), complement = r.u8();
       const std::uint16_t sequence = r.le16();
-      if (address != static_cast<std::uint8_t>(~complement) || address < 1 || address > 126 ||
+      if (address != static_cast<std::uint8_t>(~complement) || !layout::is_node_address(address) ||
           sequence <= node_sequence_)
         continue;
       node_address_ = address;
@@ -121,7 +121,7 @@ Status TableStore::activate(std::uint8_t node_address) {
 
 // Appends a record; when the page is full, to the other page, so that the old record stands until the new one does.
 Status TableStore::set_node_address(std::uint8_t address) {
-  if (address < 1 || address > 126) return Status::kOutOfRange;
+  if (!layout::is_node_address(address)) return Status::kOutOfRange;
   if (address == node_address_) return Status::kOk;
   std::array<std::uint8_t, kNodeRecordBytes> record{};
   ByteWriter w(record);

@@ -65,7 +65,7 @@ Topology::Pass Topology::explore() {
   std::array<std::uint8_t, layout::kMaxModules> next{};
   std::uint8_t m = 0;
   for (;;) {
-    if (next[m] == 3) {
+    if (next[m] == layout::kPorts) {
       if (input_[m] == kNoModule) return Pass::kAgain;  // something changed meanwhile
       if (m == 0) return Pass::kDone;
       m = parent_[m].module;
@@ -167,7 +167,7 @@ bool Topology::open_end(std::uint8_t module, std::uint8_t port) const {
 int Topology::open_ends() const {
   int ends = 0;
   for (std::uint8_t m = 0; m < graph_.count; ++m) {
-    for (std::uint8_t p = 0; p < 3; ++p) ends += open_end(m, p) ? 1 : 0;
+    for (std::uint8_t p = 0; p < layout::kPorts; ++p) ends += open_end(m, p) ? 1 : 0;
   }
   return ends;
 }
@@ -176,7 +176,7 @@ int Topology::open_ends() const {
 // whether there is somebody below: with the branch below closed, its port brings a module in.
 Topology::Pass Topology::match() {
   for (std::uint8_t m = graph_.count; m-- > 0;) {
-    for (std::uint8_t p = 0; p < 3; ++p) {
+    for (std::uint8_t p = 0; p < layout::kPorts; ++p) {
       if (!open_end(m, p)) continue;
       if (const Pass result = match_end(m, p); result != Pass::kDone) return result;
     }
@@ -188,7 +188,7 @@ Topology::Pass Topology::match_end(std::uint8_t module, std::uint8_t port) {
   std::uint16_t candidates = 0;
   for (std::uint8_t d = 0; d < graph_.count; ++d) {
     if (d == module || !below(d, module)) continue;
-    for (std::uint8_t q = 0; q < 3; ++q) {
+    for (std::uint8_t q = 0; q < layout::kPorts; ++q) {
       if (open_end(d, q)) candidates = with(candidates, d);
     }
   }
@@ -227,7 +227,7 @@ Topology::Pass Topology::leave(std::uint8_t module, std::uint8_t port) {
 Topology::Pass Topology::join_here(std::uint8_t module, std::uint8_t port, std::uint8_t far) {
   std::uint8_t spare = 0;
   while (spare + 1U < layout::kMaxModules && has(chain_.members(), spare)) ++spare;
-  for (std::uint8_t q = 0; q < 3; ++q) {
+  for (std::uint8_t q = 0; q < layout::kPorts; ++q) {
     if (!open_end(far, q)) continue;
     if (chain_.open(far, q, spare) == ChainDriver::Answer::kUnchanged) {
       join({module, port}, {far, q});
@@ -292,7 +292,7 @@ Topology::Table Topology::table_of(const layout::PatchImage& image) {
   for (std::uint8_t k = 0; k < image.module_count; ++k) {
     const layout::ModuleRow& m = image.modules[k];
     table.slots[k] = {m.line, m.address};
-    for (std::uint8_t p = 0; p < 3 && given; ++p) {
+    for (std::uint8_t p = 0; p < layout::kPorts && given; ++p) {
       if (m.joints[p] != 0)
         table.graph.joint[k][p] = {static_cast<std::uint8_t>(layout::joint_row(m.joints[p])),
                                    layout::joint_port(m.joints[p])};
@@ -372,7 +372,7 @@ void Topology::identify(const Table& whole, Report& report) {
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint8_t m = queue[k];
     resolve_inputs(table, m);
-    for (std::uint8_t p = 0; p < 3; ++p) {
+    for (std::uint8_t p = 0; p < layout::kPorts; ++p) {
       const JointEnd found = graph_.joint[m][p], expected = table.joint[table_index_[m]][p];
       if (found.module == kNoModule || table_index_[found.module] != kNoModule) continue;
       if (expected.module >= table.count || expected.port != found.port || has(used, expected.module)) continue;
@@ -411,7 +411,7 @@ bool Topology::least_depth_tree(const Table& table) {
   queue[n++] = 0;
   for (std::size_t k = 0; k < n; ++k) {
     const std::uint8_t m = queue[k];
-    for (std::uint8_t p = 0; p < 3; ++p) {
+    for (std::uint8_t p = 0; p < layout::kPorts; ++p) {
       const std::uint8_t other = graph_.joint[m][p].module;
       if (!in_table(table.graph, m, p) || has(wanted, other)) continue;
       wanted = with(wanted, other);

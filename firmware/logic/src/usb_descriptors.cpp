@@ -306,8 +306,7 @@ Bytes microsoft_set(bool dfu_mode) {
   return dfu_mode ? Bytes(kDfuSet) : Bytes(kRunTimeSet);
 }
 
-Bytes string_descriptor(std::uint8_t index, const std::array<std::uint8_t, 12>& unique_id,
-                        std::span<std::uint8_t> out) {
+Bytes string_descriptor(std::uint8_t index, const wire::UniqueId& unique_id, std::span<std::uint8_t> out) {
   ByteWriter w(out);
   w.u8(0);
   w.u8(kString);

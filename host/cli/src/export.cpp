@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/model/export.hpp"
+#include "triskin/design/export.hpp"
 
 #include <fmt/format.h>
 
@@ -15,19 +15,19 @@ namespace {
 
 struct Format {
   const char* suffix;
-  std::string (*write)(const model::Design&);
+  std::string (*write)(const design::Design&);
 };
-const std::map<std::string, Format> kFormats{{"picture", {".svg", model::picture_svg}},
-                                             {"taxels", {".taxels.csv", model::taxels_csv}},
-                                             {"assembly", {".assembly.html", model::assembly_html}},
-                                             {"modules", {".modules.obj", model::modules_obj}}};
+const std::map<std::string, Format> kFormats{{"picture", {".svg", design::picture_svg}},
+                                             {"taxels", {".taxels.csv", design::taxels_csv}},
+                                             {"assembly", {".assembly.html", design::assembly_html}},
+                                             {"modules", {".modules.obj", design::modules_obj}}};
 
 struct Options {
   std::string design, format, output;
 };
 
 int run(const Options& options, Output& output) {
-  const model::Design design = model::read_design(options.design);
+  const design::Design design = design::read_design(options.design);
   const Format& format = kFormats.at(options.format);
   const std::string path = options.output.empty()
                                ? std::filesystem::path(options.design).replace_extension(format.suffix).string()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/device/flash.hpp"
+#include "triskin/jobs/flash.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "triskin/cli/link_options.hpp"
-#include "triskin/device/firmware_update.hpp"
+#include "triskin/jobs/firmware_update.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -51,7 +51,7 @@ std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
 int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   options.flash.route = device::parse_route(options.route);
-  const model::Design design = model::read_design(options.design);
+  const design::Design design = design::read_design(options.design);
   std::optional<device::FirmwarePackage> firmware;
   if (!options.firmware.empty()) {
     if (options.link.link.starts_with("hid") || options.link.link.starts_with("usb")) {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/device/live.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include "live_icub.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/host/interrupt.hpp"
+#include "triskin/jobs/touch_map.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -71,15 +70,15 @@ class Demonstrator {
 };
 
 int run_icub(const Options& options, Output& output) {
-  std::optional<model::Design> design;  // only the simulation needs one
-  if (!options.design.empty()) design = model::read_design(options.design);
+  std::optional<design::Design> design;  // only the simulation needs one
+  if (!options.design.empty()) design = design::read_design(options.design);
   return live_icub(options.link, design ? &*design : nullptr, options.seconds, output);
 }
 
 int run(const Options& options, Output& output) {
   if (options.protocol == "icub") return run_icub(options, output);
   if (options.design.empty()) throw InputError("live: give the design file; only --protocol icub works without");
-  const model::Design design = model::read_design(options.design);
+  const design::Design design = design::read_design(options.design);
   const int modules = static_cast<int>(design.layout.modules.size());
   if (options.press >= modules)
     throw InputError(fmt::format("--press {}: the design has modules 0 … {}", options.press, modules - 1));

@@ -6,8 +6,8 @@
 
 #include <map>
 
-#include "triskin/device/icub_stream.hpp"
 #include "triskin/host/interrupt.hpp"
+#include "triskin/session/icub_stream.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -24,7 +24,7 @@ std::string to_line(const wire::IcubTaxels& t) {
 
 }  // namespace
 
-int live_icub(const device::LinkOptions& link_options, const model::Design* design, double seconds, Output& output) {
+int live_icub(const device::LinkOptions& link_options, const design::Design* design, double seconds, Output& output) {
   const auto link = device::open_link(link_options, design);
   device::Bus bus(*link);
   std::map<std::pair<int, int>, wire::IcubTaxels> now;

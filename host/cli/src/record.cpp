@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "triskin/cli/link_options.hpp"
-#include "triskin/device/live.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/host/interrupt.hpp"
+#include "triskin/session/stream.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -27,7 +27,7 @@ void add_row(std::string& csv, const device::ModuleFrame& f) {
 }
 
 int run(const Options& options, Output& output) {
-  const model::Design design = model::read_design(options.design);
+  const design::Design design = design::read_design(options.design);
   if (!options.output.ends_with(".csv"))
     throw InputError(fmt::format("{}: give a file that ends in .csv", options.output));
   const auto link = device::open_link(options.link, &design);

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "triskin/cli/command.hpp"
-#include "triskin/device/skin_server.hpp"
 #include "triskin/host/interrupt.hpp"
+#include "triskin/simlink/skin_server.hpp"
 
 namespace triskin::cli {
 namespace {

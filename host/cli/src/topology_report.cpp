@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "triskin/device/topology.hpp"
+#include "triskin/jobs/topology.hpp"
 
 namespace triskin::cli {
 namespace {

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "triskin/cli/command.hpp"
-#include "triskin/device/controller.hpp"
-#include "triskin/model/design.hpp"
+#include "triskin/design/design.hpp"
+#include "triskin/session/controller.hpp"
 
 namespace triskin::cli {
 
-using NamedDesign = std::pair<std::string, model::Design>;  ///< file, design
+using NamedDesign = std::pair<std::string, design::Design>;  ///< file, design
 
 /// Lets the controller look for its modules and joints; says what it found, which patch of the designs that is, and
 /// what differs. `expected_patch`: of the design with id `expected_design`, that its table is for; −1: it has none.

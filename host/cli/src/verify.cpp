@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/device/verify.hpp"
+#include "triskin/jobs/verify.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -38,7 +38,7 @@ bool ask_person(int module) {
 }
 
 int run(Options options, Output& output) {
-  const model::Design design = model::read_design(options.design);
+  const design::Design design = design::read_design(options.design);
   const auto link = device::open_link(options.link, &design);
   // The virtual finger costs nobody anything, so it always tries every module.
   if (link->finger() != nullptr) options.verify.touch = !options.no_touch;

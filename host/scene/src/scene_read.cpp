@@ -6,14 +6,14 @@
 #include <string_view>
 #include <utility>
 
+#include "triskin/design/json_value.hpp"
 #include "triskin/host/files.hpp"
-#include "triskin/model/json_value.hpp"
 #include "triskin/scene/scene.hpp"
 
 namespace triskin::scene {
 namespace {
 
-using model::JsonValue;
+using design::JsonValue;
 
 constexpr double kMaxSeconds = 1e6;
 constexpr double kMaxLength_mm = 1e5;
@@ -65,7 +65,7 @@ std::uint64_t time_us(const JsonValue& v) {
   return static_cast<std::uint64_t>(std::llround(number_in(v, 0.0, kMaxSeconds) * 1e6));
 }
 
-geometry::Vec3 point(const JsonValue& v) {
+design::Vec3 point(const JsonValue& v) {
   v.require_size(3);
   const auto at = [&](std::size_t k) { return number_in(v.at(k), -kMaxLength_mm, kMaxLength_mm); };
   return {at(0), at(1), at(2)};
@@ -74,7 +74,7 @@ geometry::Vec3 point(const JsonValue& v) {
 class Reader {
  public:
   explicit Reader(const Scene& scene)
-      : design_(scene.design), switched_(scene.switched), wiring_(model::wiring_of(scene.design)) {}
+      : design_(scene.design), switched_(scene.switched), wiring_(design::wiring_of(scene.design)) {}
 
   [[nodiscard]] int module(const JsonValue& v) const { return below(v, design_.layout.modules.size()); }
 
@@ -118,11 +118,11 @@ class Reader {
     return v.integer(0, static_cast<int>(n) - 1);
   }
 
-  [[nodiscard]] geometry::Vec3 on_module(const JsonValue& v) const {
+  [[nodiscard]] design::Vec3 on_module(const JsonValue& v) const {
     const int m = module(v["module"]);
     if (!has(v, "taxel")) return center_of(design_, m);
     const auto k = static_cast<std::size_t>(m);
-    const auto taxels = model::taxels_of(design_.layout.modules[k], wiring_[k].routed.rotation);
+    const auto taxels = design::taxels_of(design_.layout.modules[k], wiring_[k].routed.rotation);
     return taxels[static_cast<std::size_t>(v["taxel"].integer(0, 11))].position_mm;
   }
 
@@ -206,9 +206,9 @@ class Reader {
     if (has(v, "frees_after_pulses")) f.frees_after_pulses = v["frees_after_pulses"].integer(0, 1000);
   }
 
-  const model::Design& design_;
+  const design::Design& design_;
   bool switched_;
-  std::vector<model::ModuleWiring> wiring_;
+  std::vector<design::ModuleWiring> wiring_;
 };
 
 Effects read_effects(const JsonValue& v) {
@@ -243,7 +243,7 @@ const char* name_of(FaultKind kind) {
 }
 
 int real_rotation(const Scene& scene, int module) {
-  const auto wiring = model::wiring_of(scene.design);
+  const auto wiring = design::wiring_of(scene.design);
   const auto designed = [&](int m) { return wiring.at(static_cast<std::size_t>(m)).routed.rotation; };
   int rotation = designed(module);
   for (const Fault& f : scene.faults) {
@@ -255,23 +255,23 @@ int real_rotation(const Scene& scene, int module) {
   return rotation;
 }
 
-geometry::Vec3 center_of(const model::Design& design, int module) {
+design::Vec3 center_of(const design::Design& design, int module) {
   const auto& corner = design.layout.modules.at(static_cast<std::size_t>(module)).corner_mm;
   return (corner[0] + corner[1] + corner[2]) / 3.0;
 }
 
 Scene read_scene(const std::filesystem::path& path) {
   const std::string file = path.string();
-  const nlohmann::json document = model::parse_json(read_file(path), file);
+  const nlohmann::json document = design::parse_json(read_file(path), file);
   const JsonValue v(document, file, "");
   Scene scene;
   if (has(v, "format") && v["format"].raw() == "triskin-design") {
-    scene.design = model::read_design(path);
+    scene.design = design::read_design(path);
     return scene;
   }
   read_head(v);
   const std::filesystem::path design = v["design"].text();
-  scene.design = model::read_design(design.is_absolute() ? design : path.parent_path() / design);
+  scene.design = design::read_design(design.is_absolute() ? design : path.parent_path() / design);
   if (has(v, "seed")) scene.seed = v["seed"].unsigned_integer();
   if (has(v, "hardware")) {
     const std::string hardware = v["hardware"].text();

@@ -32,9 +32,9 @@ double gaussian(std::uint64_t seed) {
 
 }  // namespace
 
-double Touch::pressure_kpa(const geometry::Vec3& at_mm, std::uint64_t at_us) const {
+double Touch::pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const {
   if (at_us < contact.from_us || at_us >= contact.until_us) return 0.0;
-  geometry::Vec3 center = contact.position_mm;
+  design::Vec3 center = contact.position_mm;
   if (contact.to_mm) {
     const double span = static_cast<double>(contact.until_us - contact.from_us);
     center += (*contact.to_mm - contact.position_mm) * (static_cast<double>(at_us - contact.from_us) / span);
@@ -50,7 +50,7 @@ ModuleSkin::ModuleSkin(const Scene& scene, int module, int rotation)
     : seed_(mix(scene.seed ^ (static_cast<std::uint64_t>(module) << 32))),
       noise_counts_(scene.effects.noise_counts),
       drift_counts_per_us_(scene.effects.drift_counts_per_s * 1e-6) {
-  const auto taxels = model::taxels_of(scene.design.layout.modules[static_cast<std::size_t>(module)], rotation);
+  const auto taxels = design::taxels_of(scene.design.layout.modules[static_cast<std::size_t>(module)], rotation);
   for (std::size_t t = 0; t < taxels.size(); ++t) {
     position_mm_[t] = taxels[t].position_mm;
     const double spread = scene.effects.taxel_spread_counts * (2.0 * uniform(mix(seed_ + t)) - 1.0);
@@ -64,7 +64,7 @@ double ModuleSkin::counts(int cin, std::uint64_t at_us) const {
   if (state_[taxel] == State::kSaturated) return kSaturatedCounts;
   double value = rest_counts_[taxel];
   if (state_[taxel] == State::kFrozen) return value;
-  if (kMeasuresPressure[taxel]) {
+  if (layout::measures_pressure(taxel)) {
     for (const Touch* touch : touches_) value += kCountsPerKpa * touch->pressure_kpa(position_mm_[taxel], at_us);
   }
   if (drift_counts_per_us_ != 0.0) value += drift_counts_per_us_ * static_cast<double>(at_us);
@@ -73,11 +73,11 @@ double ModuleSkin::counts(int cin, std::uint64_t at_us) const {
 }
 
 bool ModuleSkin::reached_by(const Contact& contact) const {
-  return std::any_of(position_mm_.begin(), position_mm_.end(), [&](const geometry::Vec3& p) {
+  return std::any_of(position_mm_.begin(), position_mm_.end(), [&](const design::Vec3& p) {
     // A moving contact reaches what is within its radius of its path.
-    geometry::Vec3 nearest = contact.position_mm;
+    design::Vec3 nearest = contact.position_mm;
     if (contact.to_mm) {
-      const geometry::Vec3 path = *contact.to_mm - contact.position_mm;
+      const design::Vec3 path = *contact.to_mm - contact.position_mm;
       const double length2 = path.squaredNorm();
       if (length2 > 0.0) nearest += path * std::clamp((p - contact.position_mm).dot(path) / length2, 0.0, 1.0);
     }
@@ -109,7 +109,7 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
     bool present = true;
   };
   std::vector<Place> places;
-  for (const auto& w : model::wiring_of(scene.design)) {
+  for (const auto& w : design::wiring_of(scene.design)) {
     places.push_back({w.patch, w.routed.line, w.routed.address, Ad7147::kDeviceId, w.patch >= 0});
   }
   for (const Fault& f : scene.faults) {

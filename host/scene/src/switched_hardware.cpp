@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "triskin/model/patch_joints.hpp"
+#include "triskin/design/joint.hpp"
 
 namespace triskin::scene {
 namespace {
@@ -48,7 +48,7 @@ void SwitchedHardware::add_patch(const Scene& scene, int patch) {
     rotations.push_back(real_rotation(scene, routed[k].node));
   }
   Joints joints;
-  for (const auto& ends : model::joints_of(scene.design, patch, rotations)) {
+  for (const auto& ends : design::joints_of(scene.design, patch, rotations)) {
     auto& row = joints.emplace_back();
     for (std::size_t p = 0; p < 3; ++p) row[p] = {ends[p].row, ends[p].port};
   }
@@ -64,7 +64,7 @@ void SwitchedHardware::add_patch(const Scene& scene, int patch) {
 }
 
 // Where the design has it, unless a wrong joint took its port.
-void SwitchedHardware::plug_second_cable(const geometry::Patch& designed, const std::vector<int>& rotations) {
+void SwitchedHardware::plug_second_cable(const design::Patch& designed, const std::vector<int>& rotations) {
   if (designed.second_entry < 0) return;
   const auto row = static_cast<std::size_t>(row_of(designed.second_entry));
   const int port = (designed.second_entry_side + 3 - rotations[row]) % 3;

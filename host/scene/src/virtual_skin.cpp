@@ -36,7 +36,7 @@ int plugged_patch(const Scene& scene, int patch) {
 
 }  // namespace
 
-std::filesystem::path state_folder_of(const model::Design& design) {
+std::filesystem::path state_folder_of(const design::Design& design) {
   std::filesystem::path base;
   if (const char* xdg = std::getenv("XDG_STATE_HOME"); xdg != nullptr && *xdg != '\0') {
     base = xdg;
@@ -206,9 +206,9 @@ int VirtualSkin::press_module(int module, int taxel) {
   }
   if (taxel >= 0) {
     const auto k = static_cast<std::size_t>(touched);
-    const int rotation = model::wiring_of(scene_.design)[k].routed.rotation;
+    const int rotation = design::wiring_of(scene_.design)[k].routed.rotation;
     const auto at =
-        model::taxels_of(scene_.design.layout.modules[k], rotation)[static_cast<std::size_t>(taxel)].position_mm;
+        design::taxels_of(scene_.design.layout.modules[k], rotation)[static_cast<std::size_t>(taxel)].position_mm;
     // Pads are 3.7 mm apart at least, so the tip is on this one only.
     constexpr double kTipRadius_mm = 3.0;
     constexpr double kTipForce_n = 1.0;

@@ -252,7 +252,7 @@ class Controller final : public VirtualController, private fw::Restart {
   // fw::Restart
   void restart() override {
     loader_.emplace(slots_, can_, board_.unique_id);
-    window_end_us_ = clock_.now + boot::kWindow_us;
+    window_end_us_ = clock_.now + wire::loader::kWindow_us;
   }
   bool describe(ByteWriter& out) override {
     if (running_slot_ < 0) return false;
@@ -264,7 +264,7 @@ class Controller final : public VirtualController, private fw::Restart {
 
   VirtualBoard board_;
   VirtualClock clock_;
-  std::array<VirtualI2cLine, 4> lines_;
+  std::array<VirtualI2cLine, layout::kLines> lines_;
   VirtualCan can_;
   VirtualFlash flash_;
   VirtualChain chain_;

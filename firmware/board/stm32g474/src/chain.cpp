@@ -71,7 +71,7 @@ void Stm32RouteChain::latch() {
 
 std::uint8_t Stm32RouteChain::stuck_lines() {
   std::uint8_t stuck = 0;
-  for (unsigned l = 0; l < 4; ++l) {
+  for (unsigned l = 0; l < layout::kLines; ++l) {
     if (lines[l].low()) stuck = static_cast<std::uint8_t>(stuck | 1U << l);
   }
   return stuck;

@@ -96,9 +96,9 @@ void feed_watchdog() {
   iwdg_reg::kKr.write(iwdg_reg::kReload);
 }
 
-std::array<std::uint8_t, 12> unique_id() {
-  std::array<std::uint8_t, 12> id{};
-  for (std::uint32_t k = 0; k < 12; ++k) {
+wire::UniqueId unique_id() {
+  wire::UniqueId id{};
+  for (std::uint32_t k = 0; k < id.size(); ++k) {
     const std::uint32_t word = Register(kUniqueIdAddress + (k & ~3U)).read();
     id[k] = static_cast<std::uint8_t>(word >> (8 * (k % 4)));
   }

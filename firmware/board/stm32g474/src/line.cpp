@@ -46,7 +46,7 @@ void open_lines() {
   rcc_reg::kApb1Enr1.set(rcc_reg::kI2c1 | rcc_reg::kI2c2 | rcc_reg::kI2c3);
   rcc_reg::kApb1Enr2.set(rcc_reg::kI2c4);
   (void)rcc_reg::kApb1Enr2.read();
-  for (int k = 0; k < 4; ++k) lines[k].open(kPlaces[k]);
+  for (int k = 0; k < layout::kLines; ++k) lines[k].open(kPlaces[k]);
 }
 
 void Stm32I2cLine::open(const LinePlace& place) {

@@ -64,7 +64,7 @@ int main() {
   triskin::boot::Loader loader(application_slots, can, unique_id());
   static std::optional<triskin::boot::DfuDevice> dfu;
   bool dfu_wanted = take_dfu_request();
-  const std::uint64_t window_end = microseconds() + triskin::boot::kWindow_us;
+  const std::uint64_t window_end = microseconds() + triskin::wire::loader::kWindow_us;
   for (;;) {
     while (const auto frame = can.receive()) {
       if (loader.handle(*frame, microseconds())) start_newest();

@@ -17,7 +17,7 @@ namespace {
 // Point of the flat piece → point of the surface.
 class PieceMap {
  public:
-  PieceMap(const Surface& surface, const PlacedPiece& placed) : surface_(surface), placed_(placed) {
+  PieceMap(const Surface& surface, const TiledPiece& placed) : surface_(surface), placed_(placed) {
     for (const auto& t : placed.piece->flat) {
       const Vec2 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
       boxes_.push_back({low, high});
@@ -55,17 +55,17 @@ class PieceMap {
   }
 
   const Surface& surface_;
-  const PlacedPiece& placed_;
+  const TiledPiece& placed_;
   std::vector<std::array<Vec2, 2>> boxes_;
 };
 
 class Mapper {
  public:
   Mapper(const Surface& surface, const LayoutLimits& limits) : surface_(surface), limits_(limits) {
-    layout_.method = "pieces";
+    layout_.method = LayoutMethod::kPieces;
   }
 
-  ModuleLayout run(const std::vector<PlacedPiece>& pieces) {
+  ModuleLayout run(const std::vector<TiledPiece>& pieces) {
     for (std::size_t p = 0; p < pieces.size(); ++p) add_piece(pieces[p], static_cast<int>(p));
     relax();
     keep_limits(surface_, limits_, layout_);
@@ -73,7 +73,7 @@ class Mapper {
   }
 
  private:
-  void add_piece(const PlacedPiece& placed, int piece) {
+  void add_piece(const TiledPiece& placed, int piece) {
     const PieceMap map(surface_, placed);
     std::map<Tile, int> index;
     for (const Tile& tile : placed.tiles) {
@@ -128,7 +128,7 @@ class Mapper {
 
 }  // namespace
 
-ModuleLayout map_modules(const Surface& surface, const std::vector<PlacedPiece>& pieces, const LayoutLimits& limits) {
+ModuleLayout map_modules(const Surface& surface, const std::vector<TiledPiece>& pieces, const LayoutLimits& limits) {
   return Mapper(surface, limits).run(pieces);
 }
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "triskin/geometry/lattice.hpp"
+#include "triskin/geometry/design_types.hpp"
 
 namespace triskin::geometry {
 

@@ -21,12 +21,12 @@ class Partitioner {
   Partition run() {
     const int by_size = (g_.size() + capacity_ - 1) / capacity_;
     best_.lower_bound = folded_lower_bound(g_, whole_, 0, capacity_);
-    best_.proof = best_.lower_bound == by_size ? "size" : "folding";
+    best_.proof = best_.lower_bound == by_size ? PartitionProof::kSize : PartitionProof::kFolding;
     try_trees();
     if (!met()) try_peel(kPeelBudget + 60L * g_.size());
     if (!met()) try_exact();
     if (!met() && milp_time_s_ > 0) try_milp();
-    if (!met()) best_.proof = "";
+    if (!met()) best_.proof = PartitionProof::kOpen;
     return std::move(best_);
   }
 
@@ -74,7 +74,7 @@ class Partitioner {
         offer(answer.parts);
       else
         ++best_.lower_bound;
-      best_.proof = "frontier";
+      best_.proof = PartitionProof::kFrontier;
     }
   }
 
@@ -82,7 +82,7 @@ class Partitioner {
     const MilpAnswer answer = divide_by_milp(g_, capacity_, best_.lower_bound, milp_time_s_);
     best_.lower_bound = std::max(best_.lower_bound, answer.lower_bound);
     if (answer.parts > 0) offer(answer.part_of, answer.parts);
-    best_.proof = "milp";
+    best_.proof = PartitionProof::kMilp;
   }
 
   const LocalGraph& g_;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "local_graph.hpp"
+#include "triskin/geometry/routing.hpp"
 
 namespace triskin::geometry {
 
@@ -10,7 +11,7 @@ struct Partition {
   std::vector<int> part_of;  ///< by local node; parts 0 … parts − 1, each connected and ≤ capacity
   int parts = 0;
   int lower_bound = 0;
-  const char* proof = "";  ///< "size", "folding", "frontier", "milp", or "" while parts > lower_bound
+  PartitionProof proof = PartitionProof::kOpen;
 };
 /// Divides a connected graph into the fewest connected parts of at most `capacity` nodes: random trees cut bottom-up,
 /// peel, exact frontier programme: all counted, never timed, so equal on every machine. Where they do not meet and

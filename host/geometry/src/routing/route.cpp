@@ -45,18 +45,10 @@ void require_options(const RoutingOptions& o) {
   }
 }
 
-// The islands' proofs in one word: the one that took most effort.
-int effort(std::string_view proof) {
-  constexpr std::array<std::string_view, 5> kOrder{"size", "folding", "frontier", "milp", ""};
-  return static_cast<int>(std::ranges::find(kOrder, proof) - kOrder.begin());
-}
-
 class Router {
  public:
   Router(const ModuleGraph& graph, const RoutingOptions& options)
-      : graph_(graph), options_(options), lines_(options.lines, options.addresses) {
-    result_.proof = "size";
-  }
+      : graph_(graph), options_(options), lines_(options.lines, options.addresses) {}
 
   void route_island(const std::vector<int>& nodes) {
     const LocalGraph g = localize(graph_, nodes);
@@ -69,7 +61,7 @@ class Router {
     std::ranges::sort(parts);
     for (const auto& part : parts) result_.patches.push_back(wire(graph_, part, options_, lines_));
     result_.lower_bound += p.lower_bound;
-    if (effort(p.proof) >= effort(result_.proof)) result_.proof = p.proof;
+    result_.proof = std::max(result_.proof, p.proof);
   }
 
   RoutingResult finish() {

@@ -10,7 +10,7 @@
 
 #include "extract_steps.hpp"
 #include "index.hpp"
-#include "triskin/geometry/lattice.hpp"
+#include "triskin/geometry/design_types.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/host/error.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "triskin/geometry/types.hpp"
+#include "triskin/geometry/design_types.hpp"
 
 namespace triskin::geometry {
 

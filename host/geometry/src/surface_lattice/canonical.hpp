@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "triskin/geometry/module_layout.hpp"
-#include "triskin/geometry/types.hpp"
+#include "triskin/geometry/design_types.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

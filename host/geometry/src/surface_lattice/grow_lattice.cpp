@@ -231,7 +231,7 @@ class Chain {
 // Module k is the triangle in slot slots[k] of the net.
 ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& slots) {
   ModuleLayout layout;
-  layout.method = "surface";
+  layout.method = LayoutMethod::kSurface;
   layout.islands = net.islands();
   std::vector<int> index(net.triangles.size(), -1);
   for (std::size_t t = 0; t < net.triangles.size(); ++t) {

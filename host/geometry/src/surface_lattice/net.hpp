@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "index.hpp"
-#include "triskin/geometry/lattice.hpp"
-#include "triskin/geometry/types.hpp"
+#include "triskin/geometry/design_types.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

@@ -6,7 +6,7 @@
 #include "near_surface.hpp"
 #include "net.hpp"
 #include "overlap.hpp"
-#include "triskin/geometry/module_layout.hpp"
+#include "triskin/geometry/design_types.hpp"
 #include "triskin/geometry/surface.hpp"
 
 namespace triskin::geometry::surface_lattice {

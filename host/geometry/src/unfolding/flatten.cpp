@@ -10,7 +10,7 @@
 #include <set>
 
 #include "index.hpp"
-#include "triskin/geometry/lattice.hpp"
+#include "triskin/geometry/design_types.hpp"
 
 namespace triskin::geometry {
 namespace {

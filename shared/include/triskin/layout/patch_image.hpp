@@ -6,20 +6,16 @@
 
 #include "triskin/base/bytes.hpp"
 #include "triskin/base/status.hpp"
+#include "triskin/layout/module.hpp"
 
 /// The patch image: what is flashed into one controller (docs/flash_layout.md). Little-endian, 32-byte header, then one
-/// 12-byte row a module. The only owner of the limits and of the format.
+/// 12-byte row a module. The only owner of the format; the limits are those of layout/module.hpp.
 namespace triskin::layout {
 
-inline constexpr std::uint16_t kLayoutVersion = 1;  ///< bump when a field changes; readers refuse others
-inline constexpr int kLines = 4;
-inline constexpr int kAddressesPerLine = 4;
-inline constexpr int kMaxModules = kLines * kAddressesPerLine;
-inline constexpr int kTaxelsPerModule = 12;
-inline constexpr std::uint8_t kFirstCdcAddress = 0x2C;  ///< AD7147 ADD1:ADD0 = 0
-inline constexpr std::uint32_t kMagic = 0x4E4B5354;     ///< "TSKN" in memory
+inline constexpr std::uint16_t kLayoutVersion = 1;   ///< bump when a field changes; readers refuse others
+inline constexpr std::uint32_t kMagic = 0x4E4B5354;  ///< "TSKN" in memory
 inline constexpr std::uint8_t kNoParent = 0xFF;
-inline constexpr std::uint8_t kCable = 3;  ///< parent_port of the entry module
+inline constexpr std::uint8_t kCable = kPorts;  ///< parent_port of the entry module
 inline constexpr std::size_t kHeaderBytes = 32;
 inline constexpr std::size_t kRowBytes = 12;
 inline constexpr std::size_t kMaxImageBytes = kHeaderBytes + kMaxModules * kRowBytes;
@@ -28,22 +24,22 @@ inline constexpr std::size_t kMaxImageBytes = kHeaderBytes + kMaxModules * kRowB
 struct ModuleRow {
   std::uint16_t module_id = 0;      ///< in the design file
   std::uint8_t line = 0;            ///< 0..3
-  std::uint8_t address = 0;         ///< 0..3, CDC address 0x2C + address
+  std::uint8_t address = 0;         ///< 0..3, CDC address cdc_address(address)
   std::uint8_t rotation = 0;        ///< 0..2, tile side of port A
   std::uint8_t parent = kNoParent;  ///< index of the parent's row, lower than this row's index; kNoParent at the entry
   std::uint8_t parent_port =
       kCable;                    ///< output port of the parent (0..2) that this module hangs on; kCable at the entry
   std::uint8_t kept_joints = 0;  ///< bit p: port p carries the lines; other joints are cut
-  std::array<std::uint8_t, 3>
+  std::array<std::uint8_t, kPorts>
       joints{};  ///< far end of each port (joint_to), also of joints that the tree leaves out; 0: none
   bool operator==(const ModuleRow&) const = default;
 };
 
 struct PatchImage {
   std::uint64_t design_id = 0;
-  std::uint8_t node_address = 1;  ///< 1..126: the controller that this image is for
-  std::uint8_t module_count = 0;  ///< 1..16
-  std::uint8_t second_entry = 0;  ///< port with the second cable (joint_to), 0: none; switched modules only
+  std::uint8_t node_address = kFirstNode;  ///< kFirstNode … kLastNode: the controller that this image is for
+  std::uint8_t module_count = 0;           ///< 1..16
+  std::uint8_t second_entry = 0;           ///< port with the second cable (joint_to), 0: none; switched modules only
   std::array<ModuleRow, kMaxModules> modules{};
   [[nodiscard]] constexpr std::span<const ModuleRow> rows() const { return {modules.data(), module_count}; }
   bool operator==(const PatchImage&) const = default;
@@ -51,13 +47,13 @@ struct PatchImage {
 
 /// Far end of a port in one byte: port of a row.
 [[nodiscard]] constexpr std::uint8_t joint_to(std::size_t row, std::size_t port) {
-  return static_cast<std::uint8_t>(1 + 3 * row + port);
+  return static_cast<std::uint8_t>(1 + kPorts * row + port);
 }
 [[nodiscard]] constexpr std::size_t joint_row(std::uint8_t joint) {
-  return (joint - 1U) / 3U;
+  return (joint - 1U) / kPorts;
 }
 [[nodiscard]] constexpr std::uint8_t joint_port(std::uint8_t joint) {
-  return static_cast<std::uint8_t>((joint - 1U) % 3U);
+  return static_cast<std::uint8_t>((joint - 1U) % kPorts);
 }
 /// Tables for strapped modules may leave all joints out: nothing can be switched there.
 [[nodiscard]] constexpr bool has_joints(const PatchImage& image) {
@@ -72,7 +68,7 @@ struct PatchImage {
 /// Port of a row that faces its parent, at the entry the cable. Without joints it is port A.
 [[nodiscard]] constexpr std::uint8_t input_port(const PatchImage& image, std::size_t row) {
   const ModuleRow& m = image.modules[row];
-  if (row == 0 || !has_joints(image) || m.parent >= image.module_count || m.parent_port > 2) return 0;
+  if (row == 0 || !has_joints(image) || m.parent >= image.module_count || m.parent_port >= kPorts) return 0;
   const std::uint8_t j = image.modules[m.parent].joints[m.parent_port];
   return j == 0 ? std::uint8_t{0} : joint_port(j);
 }
@@ -80,7 +76,7 @@ struct PatchImage {
 /// Every joint has two ends, no end at a cable; every module hangs on a joint.
 [[nodiscard]] constexpr Status check_joints(const PatchImage& image) {
   if (image.second_entry != 0) {
-    if (image.second_entry > joint_to(image.module_count - 1U, 2)) return Status::kOutOfRange;
+    if (image.second_entry > joint_to(image.module_count - 1U, kPorts - 1)) return Status::kOutOfRange;
     if (image.second_entry == joint_to(0, 0) || !has_joints(image)) return Status::kBadTree;
     if (image.modules[joint_row(image.second_entry)].joints[joint_port(image.second_entry)] != 0)
       return Status::kBadTree;
@@ -88,10 +84,10 @@ struct PatchImage {
   if (!has_joints(image)) return Status::kOk;
   if (image.modules[0].joints[0] != 0) return Status::kBadTree;
   for (std::size_t k = 0; k < image.module_count; ++k) {
-    for (std::size_t p = 0; p < 3; ++p) {
+    for (std::size_t p = 0; p < kPorts; ++p) {
       const std::uint8_t j = image.modules[k].joints[p];
       if (j == 0) continue;
-      if (j > joint_to(image.module_count - 1U, 2)) return Status::kOutOfRange;
+      if (j > joint_to(image.module_count - 1U, kPorts - 1)) return Status::kOutOfRange;
       if (joint_row(j) == k || image.modules[joint_row(j)].joints[joint_port(j)] != joint_to(k, p))
         return Status::kBadTree;
     }
@@ -107,12 +103,12 @@ struct PatchImage {
 /// port of a parent used twice, its input port never; joints (check_joints).
 [[nodiscard]] constexpr Status check(const PatchImage& image) {
   if (image.module_count < 1 || image.module_count > kMaxModules) return Status::kOutOfRange;
-  if (image.node_address < 1 || image.node_address > 126) return Status::kOutOfRange;
+  if (!is_node_address(image.node_address)) return Status::kOutOfRange;
   std::array<bool, kMaxModules> slot{};
   std::array<std::uint8_t, kMaxModules> used_ports{};
   for (std::size_t k = 0; k < image.module_count; ++k) {
     const ModuleRow& m = image.modules[k];
-    if (m.line >= kLines || m.address >= kAddressesPerLine || m.rotation > 2 || m.kept_joints > 7)
+    if (m.line >= kLines || m.address >= kAddressesPerLine || m.rotation >= kRotations || m.kept_joints > 7)
       return Status::kOutOfRange;
     bool& taken = slot[static_cast<std::size_t>(m.line * kAddressesPerLine + m.address)];
     if (taken) return Status::kDuplicate;
@@ -123,7 +119,7 @@ struct PatchImage {
     if ((k == 0) != (m.parent == kNoParent) || (k == 0) != (m.parent_port == kCable)) return Status::kBadTree;
     if (k == 0) continue;
     if (m.parent >= k) return Status::kBadTree;
-    if (m.parent_port > 2 || m.parent_port == input_port(image, m.parent)) return Status::kBadTree;
+    if (m.parent_port >= kPorts || m.parent_port == input_port(image, m.parent)) return Status::kBadTree;
     const auto bit = static_cast<std::uint8_t>(1U << m.parent_port);
     if ((used_ports[m.parent] & bit) != 0) return Status::kBadTree;
     used_ports[m.parent] = static_cast<std::uint8_t>(used_ports[m.parent] | bit);

@@ -5,19 +5,21 @@
 #include <functional>
 #include <memory>
 
+#include "triskin/layout/module.hpp"
 #include "triskin/sim/chain_model.hpp"
 #include "triskin/sim/flash_model.hpp"
 #include "triskin/sim/i2c_bus.hpp"
 #include "triskin/wire/can_frame.hpp"
+#include "triskin/wire/unique_id.hpp"
 #include "triskin/wire/usb_function.hpp"
 
 namespace triskin::sim {
 
 /// What surrounds one patch controller. Everything outlives the controller.
 struct VirtualBoard {
-  std::array<I2cBus*, 4> lines{};  ///< the four I²C lines, none null
-  FlashModel* flash = nullptr;     ///< table slots, fault memory, node address
-  std::array<std::uint8_t, 12> unique_id{};
+  std::array<I2cBus*, layout::kLines> lines{};  ///< the I²C lines, none null
+  FlashModel* flash = nullptr;                  ///< table slots, fault memory, node address
+  wire::UniqueId unique_id{};
   std::function<void(const wire::CanFrame&)> send;  ///< frame leaves the controller
   bool can_fd = true;                               ///< the bus carries FD frames
   ChainModel* chain = nullptr;                      ///< of switched modules; null: the board has no chain

@@ -8,6 +8,7 @@
 #include "triskin/base/bytes.hpp"
 #include "triskin/wire/can_frame.hpp"
 #include "triskin/wire/uds.hpp"
+#include "triskin/wire/unique_id.hpp"
 
 /// Who is on the bus, and who gets which node address: works before addresses are unique (docs/protocol.md).
 ///
@@ -15,8 +16,6 @@
 /// its own, made from its unique id, so that two fresh boards with one default address never collide in arbitration.
 /// The host assigns an address with two frames at kAssignId that name the unique id.
 namespace triskin::wire {
-
-using UniqueId = std::array<std::uint8_t, 12>;
 
 inline constexpr std::uint32_t kWhoIsThereId = 0x18E0FFF1, kAssignId = 0x18E1FFF1;
 inline constexpr std::uint32_t kClaimBase = 0x1C000000, kClaimMask = 0x03FFFFFF;

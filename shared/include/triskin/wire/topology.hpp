@@ -17,8 +17,9 @@ struct FoundTopology {
   bool complete = false;      ///< false: the chain would not settle; what is here is certain, more may be there
   bool second_cable = false;  ///< module 0 is the second entry: nobody, or too few, answered at the first
   std::uint8_t count = 0;
-  std::uint8_t cable_port = 0;                                            ///< of module 0
-  std::array<std::array<std::uint8_t, 3>, layout::kMaxModules> joints{};  ///< layout::joint_to of the far end, 0: none
+  std::uint8_t cable_port = 0;  ///< of module 0
+  std::array<std::array<std::uint8_t, layout::kPorts>, layout::kMaxModules>
+      joints{};                                         ///< layout::joint_to of the far end, 0: none
   std::array<std::uint8_t, layout::kMaxModules> row{};  ///< of the table; kNoRow: the table does not know it
   bool operator==(const FoundTopology&) const = default;
 };
@@ -64,7 +65,9 @@ constexpr void encode(const FoundTopology& t, ByteWriter& out) {
   t.second_cable = (flags & 4) != 0;
   t.count = r.u8();
   t.cable_port = r.u8();
-  if (t.count > layout::kMaxModules || t.cable_port > 2 || bytes.size() != 3U + 4U * t.count) return false;
+  if (t.count > layout::kMaxModules || t.cable_port >= layout::kPorts ||
+      bytes.size() != 3U + (layout::kPorts + 1U) * t.count)
+    return false;
   for (std::size_t m = 0; m < t.count; ++m) {
     for (std::uint8_t& j : t.joints[m]) {
       j = r.u8();
@@ -74,7 +77,7 @@ constexpr void encode(const FoundTopology& t, ByteWriter& out) {
     if (t.row[m] != kNoRow && t.row[m] >= layout::kMaxModules) return false;
   }
   for (std::size_t m = 0; m < t.count; ++m) {
-    for (std::size_t p = 0; p < 3; ++p) {
+    for (std::size_t p = 0; p < layout::kPorts; ++p) {
       const std::uint8_t j = t.joints[m][p];
       if (j != 0 && t.joints[layout::joint_row(j)][layout::joint_port(j)] != layout::joint_to(m, p)) return false;
     }

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "triskin/boot/firmware_package.hpp"
 #include "triskin/boot/slot_store.hpp"
+#include "triskin/layout/firmware_package.hpp"
 #include "triskin/logic/usb_control.hpp"
 
 namespace triskin::boot {
@@ -16,8 +16,7 @@ class DfuDevice final : public wire::UsbFunction {
   /// Silence after which it goes back to the application: dfu-util waits 5 s before its first request.
   static constexpr std::uint64_t kPatience_us = 15'000'000, kAfterCommit_us = 3'000'000;
 
-  DfuDevice(SlotStore& slots, const std::array<std::uint8_t, 12>& unique_id)
-      : slots_(slots), control_(unique_id, true) {}
+  DfuDevice(SlotStore& slots, const wire::UniqueId& unique_id) : slots_(slots), control_(unique_id, true) {}
 
   void reset() override { control_.reset(); }
   std::optional<Bytes> control(const wire::UsbSetup& setup, Bytes out) override;
@@ -54,7 +53,7 @@ class DfuDevice final : public wire::UsbFunction {
   fw::UsbControl control_;
   State state_ = State::kIdle;
   Error error_ = Error::kNone;
-  PackageHead head_;
+  layout::PackageHead head_;
   int slot_ = -1;
   std::uint32_t at_ = 0;  // bytes of the package that came
   std::array<std::uint8_t, 6> reply_{};

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <array>
 #include <cstdint>
 
-#include "triskin/boot/loader_protocol.hpp"
 #include "triskin/boot/slot_store.hpp"
+#include "triskin/wire/loader_protocol.hpp"
+#include "triskin/wire/unique_id.hpp"
 
 namespace triskin::boot {
 
-/// The loader's side of an update over CAN (loader_protocol.hpp). The board starts applications.
+/// The loader's side of an update over CAN (wire/loader_protocol.hpp). The board starts applications.
 class Loader {
  public:
-  Loader(SlotStore& slots, fw::CanPort& can, const std::array<std::uint8_t, 12>& unique_id)
+  Loader(SlotStore& slots, fw::CanPort& can, const wire::UniqueId& unique_id)
       : slots_(slots), can_(can), id_crc_(crc32(unique_id)) {}
   static constexpr std::uint64_t kPatience_us = 5'000'000;
 
@@ -21,7 +21,7 @@ class Loader {
   [[nodiscard]] std::uint64_t stays_until_us() const { return stays_until_us_; }
 
  private:
-  void reply(Command command, Status status, Bytes more = {});
+  void reply(wire::loader::Command command, Status status, Bytes more = {});
   void hello();
   Status erase(int slot);
   void store(Bytes data);

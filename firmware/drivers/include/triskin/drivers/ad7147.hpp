@@ -20,9 +20,9 @@ inline constexpr std::uint16_t kPowerControl = 0x000, kStageCalibration = 0x001,
 [[nodiscard]] constexpr std::uint16_t power_control(wire::Decimation d) {
   return static_cast<std::uint16_t>(0x00B0 | static_cast<unsigned>(d) << 8);
 }
-inline constexpr std::uint16_t kAllStages = 0x0FFF;
+inline constexpr std::uint16_t kAllStages = layout::kAllTaxels;
 inline constexpr std::uint16_t kId = 0x1470, kIdMask = 0xFFF0;  ///< low nibble: revision
-inline constexpr int kStages = 12;
+inline constexpr int kStages = layout::kTaxelsPerModule;
 using Results = std::array<std::uint16_t, kStages>;
 inline constexpr std::uint16_t kStageStride = 8;
 /// Conversion time of twelve stages (data sheet table 11), µs.

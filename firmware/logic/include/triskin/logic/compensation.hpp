@@ -3,20 +3,20 @@
 #include <array>
 #include <cstdint>
 
-#include "triskin/layout/patch_image.hpp"
+#include "triskin/layout/module.hpp"
 
 namespace triskin::fw {
 
 /// Takes what is no touch out of one module's readings, in fixed point:
 ///   out = 0x8000 + (raw − baseline) − gain · (pads − pads at the baseline), held inside 0 … 65535.
-/// Pads are taxels 6 and 10, which feel the temperature but no finger; their own output is their change since the
-/// baseline. Where a taxel moves by less than `kTouch` counts, its baseline follows with a time constant of 2^kFollow
-/// samples: what the pads do not explain. Readings in which a taxel is not valid leave it as it is. Error against the
-/// same in real numbers: below 1 count of the output (tests/firmware/compensation_test.cpp).
+/// Pads are layout::kTemperaturePads, which feel the temperature but no finger; their own output is their change since
+/// the baseline. Where a taxel moves by less than `kTouch` counts, its baseline follows with a time constant of
+/// 2^kFollow samples: what the pads do not explain. Readings in which a taxel is not valid leave it as it is. Error
+/// against the same in real numbers: below 1 count of the output (tests/firmware/compensation_test.cpp).
 class Compensation {
  public:
   using Taxels = std::array<std::uint16_t, layout::kTaxelsPerModule>;
-  static constexpr std::array<std::size_t, 2> kPads{6, 10};
+  static constexpr const auto& kPads = layout::kTemperaturePads;
   static constexpr unsigned kFraction = 16;  ///< bits after the point of a baseline
   static constexpr unsigned kGainBits = 14;  ///< of a gain: 1 << 14 is 1
   static constexpr unsigned kFollow = 10;

@@ -35,7 +35,7 @@ class TableStore {
   /// Writes the staged image to the inactive slot, reads it back, commits it, and makes it active.
   [[nodiscard]] Status activate(std::uint8_t node_address);
 
-  /// 1..126; 1 when never assigned.
+  /// layout::kFirstNode … kLastNode; kFirstNode when never assigned.
   [[nodiscard]] std::uint8_t node_address() const { return node_address_; }
   [[nodiscard]] Status set_node_address(std::uint8_t address);
 
@@ -49,7 +49,7 @@ class TableStore {
   int active_slot_ = -1;
   std::uint32_t sequence_ = 0;
   layout::PatchImage table_;
-  std::uint8_t node_address_ = 1;
+  std::uint8_t node_address_ = layout::kFirstNode;
   std::uint16_t node_sequence_ = 0;  ///< 65535 changes at most
   int node_page_ = 0;
   std::array<std::uint8_t, layout::kMaxImageBytes> staged_{};

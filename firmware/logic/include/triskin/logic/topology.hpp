@@ -22,7 +22,7 @@ struct JointEnd {
 struct PatchGraph {
   std::uint8_t count = 0;
   std::uint8_t cable_port = 0;  ///< of module 0
-  std::array<std::array<JointEnd, 3>, layout::kMaxModules> joint{};
+  std::array<std::array<JointEnd, layout::kPorts>, layout::kMaxModules> joint{};
   bool operator==(const PatchGraph&) const = default;
 };
 
@@ -67,7 +67,7 @@ class ChainDriver {
 
   RouteChain& port_;
   std::array<std::uint8_t, layout::kMaxModules> config_{};
-  std::array<std::array<std::uint8_t, 3>, layout::kMaxModules> child_{};
+  std::array<std::array<std::uint8_t, layout::kPorts>, layout::kMaxModules> child_{};
   std::array<std::uint8_t, layout::kMaxModules> order_{};
   std::size_t length_ = 0;
   std::uint16_t members_ = 0;
@@ -152,7 +152,7 @@ class Topology {
 
   ChainDriver chain_;
   PatchGraph graph_;
-  std::array<std::array<Port, 3>, layout::kMaxModules> port_{};
+  std::array<std::array<Port, layout::kPorts>, layout::kMaxModules> port_{};
   std::array<JointEnd, layout::kMaxModules> parent_{};      // tree of the discovery; module and its output port
   std::array<std::uint8_t, layout::kMaxModules> input_{};   // first port whose enable does nothing
   std::array<std::uint8_t, layout::kMaxModules> inputs_{};  // bit p: all of them; more than one: an enable is broken

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <array>
 #include <cstdint>
 #include <optional>
 
+#include "triskin/wire/unique_id.hpp"
 #include "triskin/wire/usb_function.hpp"
 
 namespace triskin::fw {
@@ -11,8 +11,7 @@ namespace triskin::fw {
 /// Standard requests (USB 2.0 §9.4), descriptors and the Microsoft request: the same for run time and DFU mode.
 class UsbControl {
  public:
-  UsbControl(const std::array<std::uint8_t, 12>& unique_id, bool dfu_mode)
-      : unique_id_(unique_id), dfu_mode_(dfu_mode) {}
+  UsbControl(const wire::UniqueId& unique_id, bool dfu_mode) : unique_id_(unique_id), dfu_mode_(dfu_mode) {}
   void reset() { configuration_ = 0; }
   [[nodiscard]] bool configured() const { return configuration_ != 0; }
   /// As UsbFunction::control; class requests are not known here: stall.
@@ -22,7 +21,7 @@ class UsbControl {
   std::optional<Bytes> descriptor(const wire::UsbSetup& setup);
   [[nodiscard]] std::uint16_t interfaces() const { return dfu_mode_ ? 1 : 3; }
 
-  std::array<std::uint8_t, 12> unique_id_;
+  wire::UniqueId unique_id_;
   bool dfu_mode_;
   std::uint8_t configuration_ = 0;
   std::array<std::uint8_t, 64> reply_{};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <array>
 #include <cstdint>
 
 #include "triskin/base/bytes.hpp"
+#include "triskin/wire/unique_id.hpp"
 #include "triskin/wire/usb_packet.hpp"
 
 /// What the controller tells a USB host about itself. USB 2.0 chapter 9, HID 1.11, DFU 1.1, Microsoft OS 2.0
@@ -27,7 +27,6 @@ inline constexpr std::uint8_t kVendorText = 1, kProductText = 2, kSerial = 3, kH
 [[nodiscard]] Bytes microsoft_set(bool dfu_mode);
 
 /// Writes a string descriptor into `out` (UTF-16); empty: no such string.
-[[nodiscard]] Bytes string_descriptor(std::uint8_t index, const std::array<std::uint8_t, 12>& unique_id,
-                                      std::span<std::uint8_t> out);
+[[nodiscard]] Bytes string_descriptor(std::uint8_t index, const wire::UniqueId& unique_id, std::span<std::uint8_t> out);
 
 }  // namespace triskin::fw::usb

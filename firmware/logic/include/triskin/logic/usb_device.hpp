@@ -6,6 +6,7 @@
 
 #include "triskin/logic/usb_control.hpp"
 #include "triskin/ports/ports.hpp"
+#include "triskin/wire/unique_id.hpp"
 #include "triskin/wire/usb_packet.hpp"
 
 namespace triskin::fw {
@@ -14,7 +15,7 @@ namespace triskin::fw {
 /// application one more port for frames. Frames leave by the interface that the host used last.
 class UsbDevice final : public wire::UsbFunction, public CanPort {
  public:
-  explicit UsbDevice(const std::array<std::uint8_t, 12>& unique_id) : control_(unique_id, false) {}
+  explicit UsbDevice(const wire::UniqueId& unique_id) : control_(unique_id, false) {}
 
   void reset() override;
   std::optional<Bytes> control(const wire::UsbSetup& setup, Bytes out) override;

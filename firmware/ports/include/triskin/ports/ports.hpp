@@ -8,8 +8,10 @@
 
 #include "triskin/base/bytes.hpp"
 #include "triskin/base/status.hpp"
+#include "triskin/layout/module.hpp"
 #include "triskin/ports/route_chain.hpp"
 #include "triskin/wire/can_frame.hpp"
+#include "triskin/wire/unique_id.hpp"
 
 /// What the application sees of a board. Implemented in board/, wired once in app/. No call blocks.
 namespace triskin::fw {
@@ -72,11 +74,11 @@ class Restart {
 
 /// Everything a board gives to the application.
 struct Ports {
-  std::array<I2cLine*, 4> lines;
+  std::array<I2cLine*, layout::kLines> lines;
   Clock* clock;
   CanPort* can;
   FlashArea* flash;
-  std::array<std::uint8_t, 12> unique_id;
+  wire::UniqueId unique_id;
   CanPort* usb = nullptr;       ///< null: a board without
   RouteChain* chain = nullptr;  ///< of switched modules; null on a board without
   Restart* restart = nullptr;   ///< null: a reset only starts the application anew

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "triskin/geometry/types.hpp"
+#include "triskin/geometry/design_types.hpp"
 #include "triskin/host/progress.hpp"
 
 namespace triskin::geometry {

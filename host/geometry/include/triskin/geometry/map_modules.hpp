@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "triskin/geometry/module_layout.hpp"
+#include "triskin/geometry/design_types.hpp"
 #include "triskin/geometry/placement.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/geometry/unfolding.hpp"
@@ -8,7 +8,7 @@
 namespace triskin::geometry {
 
 /// A piece with its tiles on the plane.
-struct PlacedPiece {
+struct TiledPiece {
   const Piece* piece = nullptr;
   Placement placement;
   std::vector<Tile> tiles;
@@ -18,7 +18,7 @@ struct PlacedPiece {
 /// are averaged, projected and refitted (Kabsch) until they settle; modules and joints that break a limit are given up,
 /// the worst first. Islands are what stays joined. Metrics of each module are measured against the surface
 /// (measure.hpp).
-[[nodiscard]] ModuleLayout map_modules(const Surface& surface, const std::vector<PlacedPiece>& pieces,
+[[nodiscard]] ModuleLayout map_modules(const Surface& surface, const std::vector<TiledPiece>& pieces,
                                        const LayoutLimits& limits);
 
 /// Measures the layout and gives up what breaks a limit, the worst first: joints become slits, modules go (counted in

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "triskin/geometry/types.hpp"
+#include "triskin/geometry/design_types.hpp"
 
 namespace triskin::geometry {
 

@@ -6,19 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "triskin/geometry/lattice.hpp"
-#include "triskin/geometry/types.hpp"
+#include "triskin/geometry/design_types.hpp"
 #include "triskin/geometry/weight_map.hpp"
 #include "triskin/host/progress.hpp"
 
 namespace triskin::geometry {
-
-/// Rigid motion that carries the polygon onto the grid: q = R(theta)·p + (x, y).
-struct Placement {
-  double x_mm = 0.0;
-  double y_mm = 0.0;
-  double theta_rad = 0.0;
-};
 
 enum class PlacementMethod { kBranchAndBound, kR1, kR2, kR3, kR4, kR5, kR6, kR7 };
 enum class TileShape { kTriangle, kHexagon, kSquare };

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "triskin/geometry/types.hpp"
+#include "triskin/geometry/design_types.hpp"
 
 namespace triskin::geometry {
 

@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "triskin/geometry/lattice.hpp"
+#include "triskin/geometry/design_types.hpp"
 #include "triskin/geometry/routing.hpp"
 
 namespace triskin::geometry {

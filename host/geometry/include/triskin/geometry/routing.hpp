@@ -5,74 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "triskin/geometry/lattice.hpp"
+#include "triskin/geometry/design_types.hpp"
+#include "triskin/host/names.hpp"
 #include "triskin/host/progress.hpp"
 
 namespace triskin::geometry {
-
-/// Modules and joints to be wired. Node v has neighbour[s] across tile side s (or -1, symmetric).
-/// border[s]: an entry cable can reach side s (always false where a neighbour is joined).
-struct ModuleGraph {
-  struct Node {
-    std::array<int, 3> neighbour{-1, -1, -1};
-    std::array<bool, 3> border{true, true, true};
-    int island = 0;
-    std::array<double, 3> center_mm{};  ///< for cable lengths; zeros when unknown
-  };
-  std::vector<Node> nodes;
-};
-
-/// One module in a patch. `rotation` r: the module is turned so that its input port (port 0 = A) lies at
-/// tile side r; port p lies at tile side (p + r) % 3. The input port faces the parent; that of the entry
-/// module faces the cable.
-struct RoutedModule {
-  int node = -1;
-  int parent = -1;   ///< node, -1 for the entry module
-  int rotation = 0;  ///< 0..2
-  int line = 0;      ///< 0..3
-  int address = 0;   ///< 0..3, CDC address 0x2C + address
-  int depth = 0;     ///< 0 for the entry module
-};
-
-/// What one failure costs, in modules of the patch that are no longer read (the failed one included).
-struct FailureLoss {
-  int node = -1;           ///< failed module; for a joint: the child end in the tree, or either end
-  int other_node = -1;     ///< -1: module failure; else the other end of the failed joint
-  int lost_strapped = 0;   ///< without rerouting: the subtree
-  int lost_rerouted = 0;   ///< switched modules, over the surviving joints of the patch from the one entry
-  int lost_backed_up = 0;  ///< also with the second entry and with adoption by neighbouring patches
-  std::vector<std::array<int, 2>>
-      backup_tree;  ///< (child, parent) pairs that differ from the normal tree; parent -1: the second entry
-  std::vector<std::array<int, 2>> adopted;  ///< (child, parent) where the child is read by another patch; parents first
-};
-
-/// Electrical state of one line: its capacitance and what follows from it (docs/routing.md has formulas and sources).
-struct LineElectrical {
-  int modules = 0;
-  double capacitance_pf = 0.0;
-  double pull_up_min_ohm = 0.0;  ///< sink current
-  double pull_up_max_ohm = 0.0;  ///< rise time at the required bus speed
-  double rise_time_ns = 0.0;     ///< with the smallest pull-up
-  double max_bus_hz = 0.0;       ///< highest safe standard speed; 0 when none is
-};
-
-struct Patch {
-  int entry = -1;                              ///< node; an entry has tree degree ≤ 2
-  std::vector<RoutedModule> modules;           ///< ≤ 16, parents before children
-  std::vector<std::array<int, 2>> cut_joints;  ///< joints inside the patch that carry no signal
-  int line_hops = 0;                           ///< Σ over tree edges of the lines that are used below the edge
-  int max_depth = 0;
-  std::vector<FailureLoss> failures;
-  bool border_entry = false;         ///< the entry's cable side is reached from outside
-  int second_entry = -1;             ///< node where a second connector saves most modules; -1: none saves any
-  int second_entry_side = -1;        ///< carries no joint of the patch: on the border, or at the seam to another patch
-  bool second_entry_border = false;  ///< false: its cable passes through the skin
-  int second_entry_saves = 0;        ///< modules, summed over all single failures
-  std::vector<int> articulation;     ///< modules whose failure parts others of the patch from its joints
-  std::vector<std::array<int, 2>> bridges;  ///< joints whose failure does
-  std::vector<LineElectrical> lines;        ///< one per line
-  int electrical_violations = 0;            ///< lines too heavy for the required bus speed
-};
 
 /// Constants of the electrical rule; sources in docs/routing.md.
 struct ElectricalModel {
@@ -107,6 +44,22 @@ struct RoutingOptions {
   std::array<double, 3> controller_mm{};
 };
 
+/// How a lower bound of controllers was met, in order of effort.
+enum class PartitionProof {
+  kSize,      ///< ⌈modules / capacity⌉
+  kFolding,   ///< parts that the shape forces
+  kFrontier,  ///< exact dynamic programme over frontiers
+  kMilp,      ///< integer programme
+  kOpen,      ///< not met: fewer controllers may do
+};
+/// Names in reports: empty while open.
+inline constexpr NameTable kPartitionProofNames{
+    std::array<std::pair<PartitionProof, std::string_view>, 5>{{{PartitionProof::kSize, "size"},
+                                                                {PartitionProof::kFolding, "folding"},
+                                                                {PartitionProof::kFrontier, "frontier"},
+                                                                {PartitionProof::kMilp, "milp"},
+                                                                {PartitionProof::kOpen, ""}}}};
+
 struct RoutingResult {
   std::vector<Patch> patches;
   int lower_bound = 0;  ///< no partition has fewer patches
@@ -120,8 +73,8 @@ struct RoutingResult {
   double mean_loss_strapped = 0.0;   ///< the same without rerouting
   int patches_without_border = 0;
   int electrical_violations = 0;
-  std::string
-      proof;  ///< how the bound was met: size, folding, frontier, milp; the weakest over the islands, empty when open
+  /// How the bound was met: the proof that took most effort over the islands.
+  PartitionProof proof = PartitionProof::kSize;
 };
 
 /// A pair of free module sides of different islands that a jumper can bridge.

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/geometry/types.hpp"
+#include "triskin/geometry/design_types.hpp"
 
 namespace triskin::geometry {
 

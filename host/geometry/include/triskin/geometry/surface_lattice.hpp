@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-#include "triskin/geometry/module_layout.hpp"
+#include "triskin/geometry/design_types.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/host/progress.hpp"
 

@@ -3,22 +3,12 @@
 #include <array>
 #include <vector>
 
-#include "triskin/geometry/module_layout.hpp"
+#include "triskin/geometry/design_types.hpp"
 #include "triskin/geometry/seams.hpp"
 #include "triskin/geometry/surface.hpp"
-#include "triskin/geometry/types.hpp"
 #include "triskin/host/progress.hpp"
 
 namespace triskin::geometry {
-
-/// One unfolded piece with its map back to the surface.
-struct Piece {
-  Polygon outline;                        ///< mm, simple, true scale
-  std::vector<int> faces;                 ///< mesh face of each flat triangle
-  std::vector<std::array<Vec2, 3>> flat;  ///< corner positions of `faces`, same corner order as the mesh
-  double max_edge_error_mm = 0.0;         ///< largest |flat − surface| edge length, scaled to a 30 mm edge
-  double rms_edge_error_mm = 0.0;
-};
 
 struct Net {
   std::vector<Piece> pieces;

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "triskin/geometry/types.hpp"
+#include "triskin/geometry/design_types.hpp"
 
 namespace triskin::geometry {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "triskin/model/design.hpp"
+#include "triskin/design/design.hpp"
 
 namespace triskin::scene {
 
@@ -15,9 +15,9 @@ inline constexpr std::uint64_t kForever = ~std::uint64_t{0};
 /// A round finger on the skin: Hertz pressure 3F/(2πr²)·√(1 − (d/r)²) at distance d ≤ r from its centre.
 struct Contact {
   std::uint64_t from_us = 0;
-  std::uint64_t until_us = kForever;    ///< exclusive
-  geometry::Vec3 position_mm{0, 0, 0};  ///< mesh frame
-  std::optional<geometry::Vec3> to_mm;  ///< moves there at constant speed until `until_us`
+  std::uint64_t until_us = kForever;  ///< exclusive
+  design::Vec3 position_mm{0, 0, 0};  ///< mesh frame
+  std::optional<design::Vec3> to_mm;  ///< moves there at constant speed until `until_us`
   double radius_mm = 6.0;
   double force_n = 2.0;
 };
@@ -66,7 +66,7 @@ struct Effects {
 };
 
 struct Scene {
-  model::Design design;
+  design::Design design;
   bool switched = false;  ///< modules that the controller routes (docs/switched_module.md); false: strapped
   std::uint64_t seed = 1;
   std::vector<Contact> contacts;
@@ -82,6 +82,6 @@ struct Scene {
 [[nodiscard]] int real_rotation(const Scene& scene, int module);
 
 /// Centre of a module on its outer side, mm.
-[[nodiscard]] geometry::Vec3 center_of(const model::Design& design, int module);
+[[nodiscard]] design::Vec3 center_of(const design::Design& design, int module);
 
 }  // namespace triskin::scene

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "triskin/layout/module.hpp"
 #include "triskin/scene/ad7147.hpp"
 #include "triskin/scene/i2c_line.hpp"
 #include "triskin/scene/scene.hpp"
@@ -18,14 +19,12 @@ namespace triskin::scene {
 // converter's negative input the result falls, as the iCub skin's does.
 inline constexpr double kRestCounts = -8000.0;
 inline constexpr double kCountsPerKpa = 150.0;
-inline constexpr std::array<bool, 12> kMeasuresPressure{true,  true, true, true, true,  true,
-                                                        false, true, true, true, false, true};
 
 /// A contact with its reach: which taxels of which modules it can press.
 struct Touch {
   int id = 0;
   Contact contact;
-  [[nodiscard]] double pressure_kpa(const geometry::Vec3& at_mm, std::uint64_t at_us) const;
+  [[nodiscard]] double pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const;
 };
 
 /// The pads of one module as its converter sees them.
@@ -43,7 +42,7 @@ class ModuleSkin final : public CapacitanceSource {
 
  private:
   enum class State : std::uint8_t { kHealthy, kSaturated, kFrozen };
-  std::array<geometry::Vec3, 12> position_mm_;
+  std::array<design::Vec3, 12> position_mm_;
   std::array<State, 12> state_{};
   std::array<double, 12> rest_counts_{};
   std::vector<const Touch*> touches_;

@@ -31,7 +31,7 @@ class SwitchedHardware {
     bool begins = true;
   };
   void add_patch(const Scene& scene, int patch);
-  void plug_second_cable(const geometry::Patch& designed, const std::vector<int>& rotations);
+  void plug_second_cable(const design::Patch& designed, const std::vector<int>& rotations);
   void apply(const Fault& fault, bool begins);
 
   std::deque<SwitchedPatch> patches_;

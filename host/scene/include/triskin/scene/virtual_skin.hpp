@@ -107,6 +107,6 @@ class VirtualSkin {
 
 /// Folder that keeps the flash of the simulated controllers of a design between processes:
 /// $XDG_STATE_HOME/triskin/sim/<design id>, else ~/.local/state/…, else the temporary folder.
-[[nodiscard]] std::filesystem::path state_folder_of(const model::Design& design);
+[[nodiscard]] std::filesystem::path state_folder_of(const design::Design& design);
 
 }  // namespace triskin::scene

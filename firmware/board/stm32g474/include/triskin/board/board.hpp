@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 
+#include "triskin/wire/unique_id.hpp"
+
 /// Low-level parts that the loader and the application share.
 namespace triskin::board {
 
@@ -21,7 +23,7 @@ void wake_at(std::uint64_t at_us);
 void start_watchdog();
 void feed_watchdog();  ///< harmless before the start
 
-[[nodiscard]] std::array<std::uint8_t, 12> unique_id();
+[[nodiscard]] wire::UniqueId unique_id();
 
 /// Flash (RM0440 §3.3.7, §3.3.8). Waits for the end: 22 ms an erase, 82 µs a unit of eight bytes. The CPU goes on
 /// when it runs from the other bank, and is stalled by the bus otherwise. False: refused, misaligned, write protected,

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "triskin/check/routing_rules.hpp"
+#include "triskin/cli/command.hpp"
+#include "triskin/design/design.hpp"
+#include "triskin/design/json_value.hpp"
+#include "triskin/design/module_list.hpp"
+#include "triskin/design/route_picture.hpp"
+#include "triskin/design/skingui.hpp"
+#include "triskin/geometry/routing.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::cli {
+namespace {
+
+struct Options {
+  std::string modules;
+  std::string output;
+  std::string module_output;
+  std::string picture;
+  std::string checked;  // routes to check instead of solving
+  bool skingui = false;
+  std::string part;
+  bool hops_first = false;
+  double jumpers_mm = 0.0;  // > 0: MODULES is a design
+  geometry::RoutingOptions routing;
+};
+
+using Ids = std::vector<int>;
+int id_of(const Ids& ids, int node) {
+  return node < 0 ? -1 : ids[static_cast<std::size_t>(node)];
+}
+
+nlohmann::json pairs_json(const std::vector<std::array<int, 2>>& pairs, const Ids& ids) {
+  nlohmann::json result = nlohmann::json::array();
+  for (const auto& [a, b] : pairs) result.push_back({id_of(ids, a), id_of(ids, b)});
+  return result;
+}
+
+nlohmann::json failures_json(const geometry::Patch& patch, const Ids& ids) {
+  nlohmann::json failures = nlohmann::json::array();
+  for (const geometry::FailureLoss& f : patch.failures) {
+    failures.push_back({{"module", id_of(ids, f.node)},
+                        {"other", id_of(ids, f.other_node)},
+                        {"lost_strapped", f.lost_strapped},
+                        {"lost_rerouted", f.lost_rerouted},
+                        {"lost_backed_up", f.lost_backed_up},
+                        {"backup", pairs_json(f.backup_tree, ids)},
+                        {"adopted", pairs_json(f.adopted, ids)}});
+  }
+  return failures;
+}
+
+nlohmann::json lines_json(const geometry::Patch& patch) {
+  nlohmann::json lines = nlohmann::json::array();
+  for (const geometry::LineElectrical& l : patch.lines) {
+    lines.push_back({{"modules", l.modules},
+                     {"capacitance_pf", l.capacitance_pf},
+                     {"rise_time_ns", l.rise_time_ns},
+                     {"max_bus_hz", l.max_bus_hz},
+                     {"pull_up_min_ohm", l.pull_up_min_ohm},
+                     {"pull_up_max_ohm", l.pull_up_max_ohm}});
+  }
+  return lines;
+}
+
+nlohmann::json patches_json(const geometry::RoutingResult& result, const Ids& ids) {
+  nlohmann::json patches = nlohmann::json::array();
+  for (const geometry::Patch& p : result.patches) {
+    nlohmann::json modules = nlohmann::json::array();
+    for (const geometry::RoutedModule& m : p.modules) {
+      modules.push_back({{"id", id_of(ids, m.node)},
+                         {"parent", id_of(ids, m.parent)},
+                         {"rotation", m.rotation},
+                         {"line", m.line},
+                         {"address", m.address},
+                         {"depth", m.depth}});
+    }
+    nlohmann::json articulation = nlohmann::json::array();
+    for (const int v : p.articulation) articulation.push_back(id_of(ids, v));
+    patches.push_back({{"entry", id_of(ids, p.entry)},
+                       {"border_entry", p.border_entry},
+                       {"second_entry", id_of(ids, p.second_entry)},
+                       {"second_entry_side", p.second_entry_side},
+                       {"second_entry_border", p.second_entry_border},
+                       {"second_entry_saves", p.second_entry_saves},
+                       {"modules", std::move(modules)},
+                       {"cut_joints", pairs_json(p.cut_joints, ids)},
+                       {"line_hops", p.line_hops},
+                       {"max_depth", p.max_depth},
+                       {"failures", failures_json(p, ids)},
+                       {"articulation", std::move(articulation)},
+                       {"bridges", pairs_json(p.bridges, ids)},
+                       {"lines", lines_json(p)},
+                       {"electrical_violations", p.electrical_violations}});
+  }
+  return patches;
+}
+
+nlohmann::json result_json(const geometry::RoutingResult& r, const Ids& ids) {
+  return {{"patches", r.patches.size()},
+          {"lower_bound", r.lower_bound},
+          {"proved", r.proved},
+          {"proof", geometry::kPartitionProofNames.name(r.proof)},
+          {"line_hops", r.line_hops},
+          {"max_depth", r.max_depth},
+          {"mean_loss", r.mean_loss},
+          {"mean_loss_one_entry", r.mean_loss_one_entry},
+          {"mean_loss_strapped", r.mean_loss_strapped},
+          {"patches_without_border", r.patches_without_border},
+          {"electrical_violations", r.electrical_violations},
+          {"seconds", r.seconds},
+          {"routes", patches_json(r, ids)}};
+}
+
+// A design's modules with their slits, and jumpers over its seams: where they lie in space is known only there.
+geometry::ModuleGraph bridged_graph(const std::string& path, double jumpers_mm, design::ModuleList& list,
+                                    nlohmann::json& jumpers_json) {
+  const design::Design design = design::read_design(path);
+  std::vector<std::array<std::array<double, 3>, 3>> side_mm;
+  for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
+    const geometry::PlacedModule& m = design.layout.modules[k];
+    list.ids.push_back(static_cast<int>(k));
+    list.tiles.push_back(m.tile);
+    side_mm.emplace_back();
+    for (std::size_t s = 0; s < 3; ++s) {
+      const geometry::Vec3 middle = (m.corner_mm[s] + m.corner_mm[(s + 1) % 3]) / 2.0;
+      side_mm.back()[s] = {middle.x(), middle.y(), middle.z()};
+    }
+  }
+  list.graph = design::graph_of(design.layout);
+  const std::vector<geometry::Jumper> jumpers = geometry::find_jumpers(list.graph, side_mm, jumpers_mm);
+  jumpers_json = nlohmann::json::array();
+  for (const geometry::Jumper& j : jumpers) {
+    jumpers_json.push_back({{"modules", j.node}, {"sides", j.side}, {"length_mm", j.length_mm}});
+  }
+  return geometry::with_jumpers(list.graph, jumpers);
+}
+
+int report_check(const check::DesignReport& report, Output& output) {
+  output.result["rules"] = report.rules.size();
+  output.result["violations"] = nlohmann::json::array();
+  for (const check::Violation& v : report.violations) {
+    output.result["violations"].push_back({{"rule", v.rule}, {"where", v.where}, {"text", v.text}});
+    output.say(fmt::format("{}: {}: {}", v.rule, v.where, v.text));
+  }
+  return report.violations.empty() ? 0 : 1;
+}
+
+int run(const Options& options, Output& output) {
+  if (!options.part.empty() && !options.skingui)
+    throw InputError("--part: names a part of a skinGui collection; give --skingui too");
+  if (options.jumpers_mm > 0.0 && (options.skingui || !options.checked.empty()))
+    throw InputError("--jumpers-mm: needs a design file, which alone knows where the sides lie in space");
+  design::SkinGuiLayout layout;
+  nlohmann::json jumpers;
+  geometry::ModuleGraph bridged;
+  if (options.jumpers_mm > 0.0)
+    bridged = bridged_graph(options.modules, options.jumpers_mm, layout.list, jumpers);
+  else if (options.skingui)
+    layout = design::read_skingui(options.modules, options.part);
+  else
+    layout.list = design::read_module_list(options.modules);
+  const design::ModuleList& list = layout.list;
+  if (!options.module_output.empty())
+    write_file_atomically(options.module_output, design::module_list_json(list).dump() + "\n");
+  if (!options.checked.empty()) {
+    const nlohmann::json routes = design::parse_json(read_file(options.checked), options.checked);
+    const int status = report_check(check::check_routes(design::module_list_json(list), routes), output);
+    output.say(
+        fmt::format("{} rules, {} violations", output.result["rules"].get<int>(), output.result["violations"].size()));
+    return status;
+  }
+  geometry::RoutingOptions routing = options.routing;
+  if (options.hops_first) routing.objective = geometry::RouteObjective::kHopsFirst;
+  const geometry::RoutingResult r =
+      geometry::route(options.jumpers_mm > 0.0 ? bridged : list.graph, routing, output.progress());
+  output.result = result_json(r, list.ids);
+  if (options.jumpers_mm > 0.0) {
+    geometry::RoutingOptions count_only = routing;
+    count_only.failure_analysis = false;
+    count_only.recombinations = 0;
+    const geometry::RoutingResult apart = geometry::route(list.graph, count_only);
+    output.say(fmt::format("{} jumpers up to {:g} mm: {} controllers instead of {}, lower bound {} instead of {}",
+                           jumpers.size(), options.jumpers_mm, r.patches.size(), apart.patches.size(), r.lower_bound,
+                           apart.lower_bound));
+    output.result["patches_without_jumpers"] = apart.patches.size();
+    output.result["lower_bound_without_jumpers"] = apart.lower_bound;
+    output.result["jumpers"] = std::move(jumpers);
+  }
+  if (options.skingui) {
+    output.result["boards_today"] = layout.boards;
+    output.result["boards_apart_today"] = layout.boards_apart;
+  }
+  if (!options.picture.empty()) write_file_atomically(options.picture, design::route_svg(list, r.patches));
+  if (!options.output.empty()) write_file_atomically(options.output, output.result.dump() + "\n");
+  if (options.skingui)
+    output.say(fmt::format("today {} boards, {} of them with triangles that do not hang together", layout.boards,
+                           layout.boards_apart));
+  output.say(
+      fmt::format("{} modules on {} controllers, lower bound {}{}; {} line hops, depth {}; {:.3f} s", list.ids.size(),
+                  r.patches.size(), r.lower_bound,
+                  r.proved ? fmt::format(" (proved fewest by {})", geometry::kPartitionProofNames.name(r.proof)) : "",
+                  r.line_hops, r.max_depth, r.seconds));
+  output.say(fmt::format("mean extra loss of a single failure: {:.2f} modules; one entry {:.2f}; strapped {:.2f}",
+                         r.mean_loss, r.mean_loss_one_entry, r.mean_loss_strapped));
+  if (r.patches_without_border > 0)
+    output.say(
+        fmt::format("{} patches have no border side: their cables pass through the skin", r.patches_without_border));
+  if (r.electrical_violations > 0)
+    output.say(
+        fmt::format("{} lines are too heavy for {:g} kHz", r.electrical_violations, routing.electrical.bus_hz / 1e3));
+  return r.electrical_violations > 0 ? 1 : 0;
+}
+
+void add_options(CLI::App& app, Options& o) {
+  app.add_option("MODULES", o.modules,
+                 "module list (JSON): "
+                 "{\"modules\":[{\"id\":0,\"i\":3,\"j\":5,\"up\":true}, …]}")
+      ->required();
+  app.add_option("-o,--output", o.output, "write the routes to this file");
+  app.add_option("--check", o.checked,
+                 "check this file of routes against MODULES instead of solving; exit 1 when a rule is broken");
+  app.add_flag("--skingui", o.skingui, "MODULES is a skinGui configuration, or with --part a JSON collection of them");
+  app.add_option("--part", o.part, "part of the collection, e.g. torso");
+  app.add_option("--write-modules", o.module_output, "write the module list that was read to this file");
+  app.add_option("--jumpers-mm", o.jumpers_mm,
+                 "MODULES is a design; sides of different islands that face each other within this may be bridged")
+      ->check(CLI::Range(0.0, 1000.0));
+  app.add_option("--picture", o.picture, "draw the routes to this file (SVG)");
+  app.add_option("--seed", o.routing.seed, "of the random trees")->capture_default_str();
+  app.add_option("--time-limit-s", o.routing.time_limit_s,
+                 "from 10 on, CBC goes on for this long where the bounds do not meet")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--moves", o.routing.recombinations, "recombination moves a patch, against loss and depth")
+      ->check(CLI::Range(0, 100000))
+      ->capture_default_str();
+  app.add_flag("--hops-first", o.hops_first, "least line hops before least expected loss");
+  app.add_option("--cable-m", o.routing.electrical.cable_m, "length of the entry cable")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+}
+
+const Registration kRoute{{
+    "route",
+    "divide modules into the fewest controllers and wire each one",
+    "triskin route modules.json -o routes.json",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      add_options(app, *options);
+      return [options](Output& output) { return run(*options, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli

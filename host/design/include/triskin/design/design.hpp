@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "triskin/design/mesh.hpp"
+#include "triskin/design/module.hpp"
+#include "triskin/design/patch.hpp"
+#include "triskin/design/piece.hpp"
+
+namespace triskin::design {
+
+/// A design: the only thing that passes between geometry and the device side (docs/design_file.md has the schema).
+struct Design {
+  static constexpr int kVersion = 1;
+
+  struct Report {
+    double area_cm2 = 0.0;
+    double coverage = 0.0;  ///< modules · 389.7 mm² / area
+    int upper_bound = 0;    ///< no layout on this surface has more modules (area), or Σ of the pieces' bounds
+    int patches_lower_bound = 0;
+    double max_edge_error_mm = 0.0, max_hinge_gap_mm = 0.0, max_center_gap_mm = 0.0;
+    double seconds = 0.0;
+  };
+
+  std::string name;
+  std::uint64_t design_id = 0;  ///< hash of modules and patches; flashed into every controller
+  std::string source_file;      ///< name only, no folder
+  double scale_to_mm = 1.0;
+  std::uint64_t seed = 1;
+  Mesh surface;  ///< mm
+  LayoutLimits limits;
+  std::vector<PlacedPiece> pieces;
+  ModuleLayout layout;         ///< module index = id
+  std::vector<Patch> patches;  ///< patch p has node address p + 1
+  Report report;
+};
+
+/// Place of a module in the wiring; index as in layout.modules.
+struct ModuleWiring {
+  int patch = -1;
+  RoutedModule routed;
+};
+[[nodiscard]] std::vector<ModuleWiring> wiring_of(const Design& design);
+
+/// Centre and outward unit normal of a taxel, mesh frame, mm.
+struct TaxelPose {
+  Vec3 position_mm;
+  Vec3 normal;
+};
+/// The 12 taxels of a module that is turned by `rotation` (port p at tile side (p + rotation) % 3). Positions on the
+/// iCub module relative to its centroid: skinGui's triangle (docs/design_file.md).
+[[nodiscard]] std::array<TaxelPose, 12> taxels_of(const PlacedModule& module, int rotation);
+
+/// FNV-1a over the modules, patches and wiring, in file order: equal designs have equal ids on every compiler.
+[[nodiscard]] std::uint64_t design_id_of(const Design& design);
+
+/// Reads and checks form (not the rules: that is `triskin check`). Throws InputError naming file and key.
+[[nodiscard]] Design read_design(const std::filesystem::path& path);
+/// Writes the file whole or not at all.
+void write_design(const std::filesystem::path& path, const Design& design);
+
+}  // namespace triskin::design

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "triskin/host/error.hpp"
+
+namespace triskin::design {
+
+/// A JSON value with its place ("modules[3].corners"), so that every error names file and key.
+class JsonValue {
+ public:
+  JsonValue(const nlohmann::json& value, std::string file, std::string place)
+      : value_(value), file_(std::move(file)), place_(std::move(place)) {}
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError(fmt::format("{}: {}: {}", file_, place_.empty() ? "top level" : place_, what));
+  }
+  [[nodiscard]] JsonValue operator[](const char* key) const {
+    if (!value_.is_object()) fail("must be an object");
+    const auto found = value_.find(key);
+    if (found == value_.end()) fail(fmt::format("key \"{}\" is missing", key));
+    return {*found, file_, place_.empty() ? key : fmt::format("{}.{}", place_, key)};
+  }
+  [[nodiscard]] JsonValue at(std::size_t index) const {
+    if (!value_.is_array() || index >= value_.size()) fail(fmt::format("must be an array with an element {}", index));
+    return {value_[index], file_, fmt::format("{}[{}]", place_, index)};
+  }
+  [[nodiscard]] std::size_t size() const {
+    if (!value_.is_array()) fail("must be an array");
+    return value_.size();
+  }
+  void require_size(std::size_t n) const {
+    if (size() != n) fail(fmt::format("must have {} elements, has {}", n, size()));
+  }
+  [[nodiscard]] double number() const {
+    if (!value_.is_number()) fail("must be a number");
+    const double x = value_.get<double>();
+    if (!std::isfinite(x)) fail("must be finite");
+    return x;
+  }
+  /// Integer in [low, high].
+  [[nodiscard]] int integer(int low, int high) const {
+    if (!value_.is_number_integer()) fail("must be an integer");
+    const bool huge = value_.is_number_unsigned() && value_.get<std::uint64_t>() > 0x7FFFFFFFU;
+    const auto x = huge ? std::int64_t{0x7FFFFFFF} : value_.get<std::int64_t>();
+    if (huge || x < low || x > high) fail(fmt::format("must be in {} … {}", low, high));
+    return static_cast<int>(x);
+  }
+  [[nodiscard]] std::uint64_t unsigned_integer() const {
+    if (!value_.is_number_unsigned()) fail("must be a whole number that is not negative");
+    return value_.get<std::uint64_t>();
+  }
+  [[nodiscard]] bool boolean() const {
+    if (!value_.is_boolean()) fail("must be true or false");
+    return value_.get<bool>();
+  }
+  [[nodiscard]] std::string text() const {
+    if (!value_.is_string()) fail("must be a text");
+    return value_.get<std::string>();
+  }
+  [[nodiscard]] const nlohmann::json& raw() const { return value_; }
+
+ private:
+  const nlohmann::json& value_;
+  std::string file_;
+  std::string place_;
+};
+
+/// Parses JSON text; throws InputError naming `file` and the place, also for nesting deeper than 64 (the parser
+/// recurses).
+[[nodiscard]] nlohmann::json parse_json(const std::string& text, const std::string& file);
+
+}  // namespace triskin::design

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <vector>
+
+namespace triskin::design {
+
+using Vec2 = Eigen::Vector2d;  ///< mm, plane of the grid or of a piece
+using Vec3 = Eigen::Vector3d;  ///< mm, mesh frame
+
+/// Triangle mesh of a cover: vertices in mm (mesh frame), faces counter-clockwise seen from outside.
+struct Mesh {
+  std::vector<Vec3> vertices;
+  std::vector<std::array<int, 3>> faces;
+};
+
+}  // namespace triskin::design

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <vector>
+
+#include "triskin/design/polygon.hpp"
+
+namespace triskin::design {
+
+/// One unfolded piece with its map back to the surface.
+struct Piece {
+  Polygon outline;                        ///< mm, simple, true scale
+  std::vector<int> faces;                 ///< mesh face of each flat triangle
+  std::vector<std::array<Vec2, 3>> flat;  ///< corner positions of `faces`, same corner order as the mesh
+  double max_edge_error_mm = 0.0;         ///< largest |flat − surface| edge length, scaled to a 30 mm edge
+  double rms_edge_error_mm = 0.0;
+};
+
+/// Rigid motion that carries the polygon onto the grid: q = R(theta)·p + (x, y).
+struct Placement {
+  double x_mm = 0.0;
+  double y_mm = 0.0;
+  double theta_rad = 0.0;
+};
+
+/// A piece as it lies on the grid, before its modules are mapped back to the surface.
+struct PlacedPiece {
+  Piece piece;
+  Placement placement;
+  int modules = 0;      ///< tiles wholly inside the piece
+  int upper_bound = 0;  ///< no placement of this piece has more
+  bool proved = true;   ///< modules == upper_bound; a piece smaller than a module holds none
+};
+
+}  // namespace triskin::design

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <span>
+#include <string>
+
+#include "triskin/design/module_list.hpp"
+#include "triskin/design/patch.hpp"
+
+namespace triskin::design {
+
+/// Picture of a routed module list in its lattice (SVG, islands side by side): modules coloured by line and labelled
+/// with their address, patches outlined, arrows from parent to child, a dot where the cable enters, a ring at a second
+/// entry.
+[[nodiscard]] std::string route_svg(const ModuleList& list, std::span<const Patch> patches);
+
+}  // namespace triskin::design

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/design/design.hpp"
+
+#include <Eigen/Geometry>
+#include <bit>
+
+namespace triskin::design {
+namespace {
+
+// Centres on the iCub module relative to its centroid, x along side 0, y towards the opposite corner (skinGui's
+// triangle); 6 and 10 are the temperature pads.
+constexpr std::array<std::array<double, 2>, 12> kTaxel_mm{{{6.533, 0.0},
+                                                           {9.8, -5.66},
+                                                           {3.267, -5.66},
+                                                           {0.0, 0.0},
+                                                           {-3.267, -5.66},
+                                                           {-9.8, -5.66},
+                                                           {-6.533, -3.75},
+                                                           {-6.533, 0.0},
+                                                           {-3.267, 5.66},
+                                                           {0.0, 11.317},
+                                                           {0.0, 7.507},
+                                                           {3.267, 5.66}}};
+
+// FNV-1a, 64 bit, over little-endian words.
+class Hash {
+ public:
+  void add(std::uint64_t word) {
+    for (int shift = 0; shift < 64; shift += 8) {
+      state_ ^= (word >> shift) & 0xFFU;
+      state_ *= 0x100000001B3ULL;
+    }
+  }
+  void add(int value) { add(static_cast<std::uint64_t>(static_cast<std::int64_t>(value))); }
+  // To 1 µm, so that the last bits of a length do not make another design.
+  void add_length(double value_mm) { add(static_cast<std::uint64_t>(std::llround(value_mm * 1000.0))); }
+  [[nodiscard]] std::uint64_t value() const { return state_; }
+
+ private:
+  std::uint64_t state_ = 0xCBF29CE484222325ULL;
+};
+
+}  // namespace
+
+std::vector<ModuleWiring> wiring_of(const Design& design) {
+  std::vector<ModuleWiring> wiring(design.layout.modules.size());
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    for (const RoutedModule& m : design.patches[p].modules) {
+      wiring.at(static_cast<std::size_t>(m.node)) = {static_cast<int>(p), m};
+    }
+  }
+  return wiring;
+}
+
+std::array<TaxelPose, 12> taxels_of(const PlacedModule& module, int rotation) {
+  const auto corner = [&](int k) { return module.corner_mm[static_cast<std::size_t>((k + rotation) % 3)]; };
+  const Vec3 centroid = (corner(0) + corner(1) + corner(2)) / 3.0;
+  const Vec3 x = (corner(1) - corner(0)).normalized();
+  const Vec3 normal = x.cross(corner(2) - corner(0)).normalized();
+  const Vec3 y = normal.cross(x);
+  std::array<TaxelPose, 12> taxels;
+  for (std::size_t t = 0; t < taxels.size(); ++t) {
+    taxels[t] = {centroid + kTaxel_mm[t][0] * x + kTaxel_mm[t][1] * y, normal};
+  }
+  return taxels;
+}
+
+std::uint64_t design_id_of(const Design& design) {
+  Hash hash;
+  for (const PlacedModule& m : design.layout.modules) {
+    hash.add(m.island);
+    hash.add(m.tile.i);
+    hash.add(m.tile.j);
+    hash.add(m.tile.up ? 1 : 0);
+    for (const Vec3& c : m.corner_mm) {
+      for (int axis = 0; axis < 3; ++axis) hash.add_length(c[axis]);
+    }
+    for (const int n : m.neighbour) hash.add(n);
+  }
+  for (const Patch& patch : design.patches) {
+    hash.add(patch.entry);
+    hash.add(patch.second_entry);
+    hash.add(patch.second_entry_side);
+    for (const RoutedModule& m : patch.modules) {
+      for (const int field : {m.node, m.parent, m.rotation, m.line, m.address}) hash.add(field);
+    }
+  }
+  return hash.value();
+}
+
+}  // namespace triskin::design

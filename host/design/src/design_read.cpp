@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <charconv>
+#include <optional>
+
+#include "triskin/design/design.hpp"
+#include "triskin/design/json_value.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::design {
+namespace {
+
+constexpr int kMaxLattice = 1'000'000;  // coordinates; far beyond any cover, safely inside int
+constexpr int kMaxCount = 10'000'000;
+
+Vec2 vec2(const JsonValue& v) {
+  v.require_size(2);
+  return {v.at(0).number(), v.at(1).number()};
+}
+
+Vec3 vec3(const JsonValue& v) {
+  v.require_size(3);
+  return {v.at(0).number(), v.at(1).number(), v.at(2).number()};
+}
+
+template <class Read>
+auto list(const JsonValue& v, Read read) {
+  std::vector<decltype(read(v))> out;
+  out.reserve(v.size());
+  for (std::size_t k = 0; k < v.size(); ++k) out.push_back(read(v.at(k)));
+  return out;
+}
+
+template <class Read>
+auto triple(const JsonValue& v, Read read) {
+  v.require_size(3);
+  return std::array{read(v.at(0)), read(v.at(1)), read(v.at(2))};
+}
+
+auto index_below(std::size_t n) {
+  return [n](const JsonValue& v) { return v.integer(0, static_cast<int>(n) - 1); };
+}
+
+auto index_or_none(std::size_t n) {
+  return [n](const JsonValue& v) { return v.integer(-1, static_cast<int>(n) - 1); };
+}
+
+double number(const JsonValue& v) {
+  return v.number();
+}
+
+std::uint64_t hex64(const JsonValue& v) {
+  const std::string text = v.text();
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
+  if (text.size() != 16 || error != std::errc{} || end != text.data() + 16) v.fail("must be 16 hexadecimal digits");
+  return value;
+}
+
+void read_limits(const JsonValue& v, LayoutLimits& l) {
+  l.edge_error_mm = v["edge_error_mm"].number();
+  l.hinge_gap_mm = v["hinge_gap_mm"].number();
+  l.center_gap_mm = v["center_gap_mm"].number();
+  l.fold_rad = v["fold_rad"].number();
+  l.penetration_mm = v["penetration_mm"].number();
+  l.overrun_mm = v["overrun_mm"].number();
+}
+
+Mesh read_surface(const JsonValue& v) {
+  Mesh mesh;
+  mesh.vertices = list(v["vertices"], vec3);
+  const auto vertex = index_below(mesh.vertices.size());
+  mesh.faces = list(v["faces"], [&](const JsonValue& f) { return triple(f, vertex); });
+  return mesh;
+}
+
+PlacedPiece read_piece(const JsonValue& v, std::size_t n_faces) {
+  PlacedPiece p;
+  p.piece.outline.outer = list(v["outline"], vec2);
+  p.piece.outline.holes = list(v["holes"], [](const JsonValue& hole) { return list(hole, vec2); });
+  p.piece.faces = list(v["faces"], index_below(n_faces));
+  p.piece.flat = list(v["flat"], [](const JsonValue& t) { return triple(t, vec2); });
+  if (p.piece.flat.size() != p.piece.faces.size()) v["flat"].fail("must have as many elements as \"faces\"");
+  p.piece.max_edge_error_mm = v["max_edge_error_mm"].number();
+  p.piece.rms_edge_error_mm = v["rms_edge_error_mm"].number();
+  const JsonValue at = v["placement"];
+  p.placement = {at["x_mm"].number(), at["y_mm"].number(), at["theta_rad"].number()};
+  p.modules = v["modules"].integer(0, kMaxCount);
+  p.upper_bound = v["upper_bound"].integer(0, kMaxCount);
+  p.proved = v["proved"].boolean();
+  return p;
+}
+
+PlacedModule read_module(const JsonValue& v, std::size_t id, std::size_t n_modules) {
+  if (v["id"].integer(0, kMaxCount) != static_cast<int>(id)) v["id"].fail("must equal its index");
+  PlacedModule m;
+  m.island = v["island"].integer(0, kMaxCount);
+  m.tile = {v["i"].integer(-kMaxLattice, kMaxLattice), v["j"].integer(-kMaxLattice, kMaxLattice), v["up"].boolean()};
+  m.corner_mm = triple(v["corners"], vec3);
+  m.neighbour = triple(v["neighbours"], index_or_none(n_modules));
+  m.edge_error_mm = v["edge_error_mm"].number();
+  m.hinge_gap_mm = triple(v["hinge_gap_mm"], number);
+  m.fold_rad = triple(v["fold_rad"], number);
+  m.center_gap_mm = v["center_gap_mm"].number();
+  m.edge_depth_mm = v["edge_depth_mm"].number();
+  m.penetration_mm = v["penetration_mm"].number();
+  m.overrun_mm = v["overrun_mm"].number();
+  m.bend_radius_mm = v["bend_radius_mm"].number();
+  return m;
+}
+
+RoutedModule read_routed(const JsonValue& v, int node, std::size_t n_modules) {
+  return {node,
+          v["parent"].integer(-1, static_cast<int>(n_modules) - 1),
+          v["rotation"].integer(0, 2),
+          v["line"].integer(0, 3),
+          v["address"].integer(0, 3),
+          v["depth"].integer(0, kMaxCount)};
+}
+
+std::array<int, 2> pair_of(const JsonValue& v, std::size_t n_modules) {
+  v.require_size(2);
+  return {index_below(n_modules)(v.at(0)), index_below(n_modules)(v.at(1))};
+}
+
+// A child and its parent; the parent of the second entry is the controller, -1.
+std::array<int, 2> backup_of(const JsonValue& v, std::size_t n_modules) {
+  v.require_size(2);
+  return {index_below(n_modules)(v.at(0)), index_or_none(n_modules)(v.at(1))};
+}
+
+FailureLoss read_failure(const JsonValue& v, std::size_t n_modules) {
+  FailureLoss f;
+  f.node = index_below(n_modules)(v["module"]);
+  f.other_node = index_or_none(n_modules)(v["other"]);
+  f.lost_strapped = v["lost_strapped"].integer(0, kMaxCount);
+  f.lost_rerouted = v["lost_rerouted"].integer(0, kMaxCount);
+  f.backup_tree = list(v["backup"], [&](const JsonValue& b) { return backup_of(b, n_modules); });
+  return f;
+}
+
+Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& modules) {
+  const std::size_t n = modules.size();
+  if (v["id"].integer(0, kMaxCount) != static_cast<int>(id)) v["id"].fail("must equal its index");
+  if (v["node_address"].integer(0, kMaxCount) != static_cast<int>(id) + 1) v["node_address"].fail("must be id + 1");
+  Patch patch;
+  patch.entry = index_below(n)(v["entry"]);
+  patch.second_entry = index_or_none(n)(v["second_entry"]);
+  patch.second_entry_side =
+      v["second_entry_side"].integer(patch.second_entry < 0 ? -1 : 0, patch.second_entry < 0 ? -1 : 2);
+  for (const int node : list(v["modules"], index_below(n))) {
+    patch.modules.push_back(read_routed(modules.at(static_cast<std::size_t>(node)), node, n));
+  }
+  patch.cut_joints = list(v["cut_joints"], [&](const JsonValue& j) { return pair_of(j, n); });
+  patch.line_hops = v["line_hops"].integer(0, kMaxCount);
+  patch.max_depth = v["max_depth"].integer(0, kMaxCount);
+  patch.failures = list(v["failures"], [&](const JsonValue& f) { return read_failure(f, n); });
+  return patch;
+}
+
+LayoutMethod read_method(const JsonValue& v) {
+  const auto method = kLayoutMethodNames.value(v.text());
+  if (!method) v.fail("must be " + kLayoutMethodNames.list());
+  return *method;
+}
+
+Design::Report read_report(const JsonValue& v) {
+  Design::Report r;
+  r.area_cm2 = v["area_cm2"].number();
+  r.coverage = v["coverage"].number();
+  r.upper_bound = v["upper_bound"].integer(0, kMaxCount);
+  r.patches_lower_bound = v["patches_lower_bound"].integer(0, kMaxCount);
+  r.max_edge_error_mm = v["max_edge_error_mm"].number();
+  r.max_hinge_gap_mm = v["max_hinge_gap_mm"].number();
+  r.max_center_gap_mm = v["max_center_gap_mm"].number();
+  r.seconds = v["seconds"].number();
+  return r;
+}
+
+void check_head(const JsonValue& v) {
+  if (v["format"].text() != "triskin-design") v["format"].fail("must be \"triskin-design\"");
+  const int version = v["version"].integer(0, kMaxCount);
+  if (version != Design::kVersion) {
+    v["version"].fail(fmt::format("is {}, this program reads {}; make the design again or use the matching release",
+                                  version, Design::kVersion));
+  }
+}
+
+}  // namespace
+
+Design read_design(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  const nlohmann::json document = parse_json(read_file(path), file);
+  const JsonValue v(document, file, "");
+  check_head(v);
+  Design d;
+  d.name = v["name"].text();
+  d.design_id = hex64(v["design_id"]);
+  d.seed = v["seed"].unsigned_integer();
+  d.source_file = v["source"]["file"].text();
+  d.scale_to_mm = v["source"]["scale_to_mm"].number();
+  d.surface = read_surface(v["surface"]);
+  read_limits(v["limits"], d.limits);
+  d.pieces = list(v["pieces"], [&](const JsonValue& p) { return read_piece(p, d.surface.faces.size()); });
+  d.layout.method = read_method(v["method"]);
+  d.layout.islands = v["islands"].integer(0, kMaxCount);
+  const JsonValue modules = v["modules"];
+  for (std::size_t k = 0; k < modules.size(); ++k) {
+    d.layout.modules.push_back(read_module(modules.at(k), k, modules.size()));
+  }
+  const JsonValue patches = v["patches"];
+  for (std::size_t p = 0; p < patches.size(); ++p) d.patches.push_back(read_patch(patches.at(p), p, modules));
+  if (!v["refused"].raw().is_object()) v["refused"].fail("must be an object");
+  for (const auto& [limit, count] : v["refused"].raw().items()) {
+    d.layout.refused.emplace_back(limit, v["refused"][limit.c_str()].integer(0, kMaxCount));
+  }
+  d.report = read_report(v["report"]);
+  return d;
+}
+
+}  // namespace triskin::design

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "triskin/design/design.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::design {
+namespace {
+
+using nlohmann::json;
+
+json to_json(const Vec2& p) {
+  return json::array({p.x(), p.y()});
+}
+json to_json(const Vec3& p) {
+  return json::array({p.x(), p.y(), p.z()});
+}
+
+template <class Range>
+json list(const Range& range) {
+  json out = json::array();
+  for (const auto& item : range) out.push_back(to_json(item));
+  return out;
+}
+
+json surface_json(const Mesh& mesh) {
+  return {{"vertices", list(mesh.vertices)}, {"faces", mesh.faces}};
+}
+
+json limits_json(const LayoutLimits& l) {
+  return {{"edge_error_mm", l.edge_error_mm}, {"hinge_gap_mm", l.hinge_gap_mm},     {"center_gap_mm", l.center_gap_mm},
+          {"fold_rad", l.fold_rad},           {"penetration_mm", l.penetration_mm}, {"overrun_mm", l.overrun_mm}};
+}
+
+json piece_json(const PlacedPiece& p) {
+  json holes = json::array();
+  for (const auto& hole : p.piece.outline.holes) holes.push_back(list(hole));
+  json flat = json::array();
+  for (const auto& triangle : p.piece.flat) flat.push_back(list(triangle));
+  const Placement& at = p.placement;
+  return {{"outline", list(p.piece.outline.outer)},
+          {"holes", std::move(holes)},
+          {"faces", p.piece.faces},
+          {"flat", std::move(flat)},
+          {"max_edge_error_mm", p.piece.max_edge_error_mm},
+          {"rms_edge_error_mm", p.piece.rms_edge_error_mm},
+          {"placement", {{"x_mm", at.x_mm}, {"y_mm", at.y_mm}, {"theta_rad", at.theta_rad}}},
+          {"modules", p.modules},
+          {"upper_bound", p.upper_bound},
+          {"proved", p.proved}};
+}
+
+json module_json(const PlacedModule& m, int id, const ModuleWiring& wiring) {
+  json taxels = json::array();
+  for (const TaxelPose& t : taxels_of(m, wiring.routed.rotation)) {
+    taxels.push_back({{"position", to_json(t.position_mm)}, {"normal", to_json(t.normal)}});
+  }
+  return {{"id", id},
+          {"island", m.island},
+          {"i", m.tile.i},
+          {"j", m.tile.j},
+          {"up", m.tile.up},
+          {"corners", list(m.corner_mm)},
+          {"neighbours", m.neighbour},
+          {"edge_error_mm", m.edge_error_mm},
+          {"hinge_gap_mm", m.hinge_gap_mm},
+          {"fold_rad", m.fold_rad},
+          {"center_gap_mm", m.center_gap_mm},
+          {"edge_depth_mm", m.edge_depth_mm},
+          {"penetration_mm", m.penetration_mm},
+          {"overrun_mm", m.overrun_mm},
+          {"bend_radius_mm", m.bend_radius_mm},
+          {"patch", wiring.patch},
+          {"line", wiring.routed.line},
+          {"address", wiring.routed.address},
+          {"rotation", wiring.routed.rotation},
+          {"parent", wiring.routed.parent},
+          {"depth", wiring.routed.depth},
+          {"taxels", std::move(taxels)}};
+}
+
+json failure_json(const FailureLoss& f) {
+  return {{"module", f.node},
+          {"other", f.other_node},
+          {"lost_strapped", f.lost_strapped},
+          {"lost_rerouted", f.lost_rerouted},
+          {"backup", f.backup_tree}};
+}
+
+json patch_json(const Patch& p, int id) {
+  json modules = json::array();
+  for (const RoutedModule& m : p.modules) modules.push_back(m.node);
+  json failures = json::array();
+  for (const FailureLoss& f : p.failures) failures.push_back(failure_json(f));
+  return {{"id", id},
+          {"node_address", id + 1},
+          {"entry", p.entry},
+          {"second_entry", p.second_entry},
+          {"second_entry_side", p.second_entry_side},
+          {"modules", std::move(modules)},
+          {"cut_joints", p.cut_joints},
+          {"line_hops", p.line_hops},
+          {"max_depth", p.max_depth},
+          {"failures", std::move(failures)}};
+}
+
+json report_json(const Design::Report& r) {
+  return {{"area_cm2", r.area_cm2},
+          {"coverage", r.coverage},
+          {"upper_bound", r.upper_bound},
+          {"patches_lower_bound", r.patches_lower_bound},
+          {"max_edge_error_mm", r.max_edge_error_mm},
+          {"max_hinge_gap_mm", r.max_hinge_gap_mm},
+          {"max_center_gap_mm", r.max_center_gap_mm},
+          {"seconds", r.seconds}};
+}
+
+}  // namespace
+
+void write_design(const std::filesystem::path& path, const Design& design) {
+  const std::vector<ModuleWiring> wiring = wiring_of(design);
+  json modules = json::array();
+  for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
+    modules.push_back(module_json(design.layout.modules[k], static_cast<int>(k), wiring[k]));
+  }
+  json pieces = json::array();
+  for (const auto& piece : design.pieces) pieces.push_back(piece_json(piece));
+  json patches = json::array();
+  for (std::size_t p = 0; p < design.patches.size(); ++p)
+    patches.push_back(patch_json(design.patches[p], static_cast<int>(p)));
+  json refused = json::object();
+  for (const auto& [limit, count] : design.layout.refused) refused[limit] = count;
+  const json file = {{"format", "triskin-design"},
+                     {"version", Design::kVersion},
+                     {"name", design.name},
+                     {"design_id", fmt::format("{:016x}", design.design_id)},
+                     {"seed", design.seed},
+                     {"source", {{"file", design.source_file}, {"scale_to_mm", design.scale_to_mm}}},
+                     {"surface", surface_json(design.surface)},
+                     {"limits", limits_json(design.limits)},
+                     {"method", kLayoutMethodNames.name(design.layout.method)},
+                     {"islands", design.layout.islands},
+                     {"pieces", std::move(pieces)},
+                     {"modules", std::move(modules)},
+                     {"patches", std::move(patches)},
+                     {"refused", std::move(refused)},
+                     {"report", report_json(design.report)}};
+  write_file_atomically(path, file.dump() + "\n");
+}
+
+}  // namespace triskin::design

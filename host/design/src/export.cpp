@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/design/export.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+namespace triskin::design {
+namespace {
+
+Vec3 centroid(const PlacedModule& m) {
+  return (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
+}
+
+// Orthographic view from where most modules are seen face on.
+class View {
+ public:
+  explicit View(const Design& design) {
+    Vec3 normal(0, 0, 0);
+    for (const auto& m : design.layout.modules)
+      normal += (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
+    toward_ = normal.norm() > 1e-6 ? Vec3(normal.normalized()) : Vec3(0, 0, 1);
+    const Vec3 up = std::abs(toward_.z()) < 0.9 ? Vec3(0, 0, 1) : Vec3(0, 1, 0);
+    right_ = up.cross(toward_).normalized();
+    up_ = toward_.cross(right_);
+    for (const Vec3& v : design.surface.vertices) box_.extend(flat(v));
+  }
+  [[nodiscard]] Vec2 flat(const Vec3& p) const { return {right_.dot(p), -up_.dot(p)}; }
+  [[nodiscard]] double height(const Vec3& p) const { return toward_.dot(p); }
+  [[nodiscard]] const Vec3& toward() const { return toward_; }
+  [[nodiscard]] const Eigen::AlignedBox2d& box() const { return box_; }
+
+ private:
+  Vec3 toward_, right_, up_;
+  Eigen::AlignedBox2d box_;
+};
+
+struct Shape {
+  double height;
+  std::string svg;
+};
+
+std::string polygon(const View& view, const std::array<Vec3, 3>& p, const std::string& style) {
+  std::string points;
+  for (const Vec3& v : p) {
+    const Vec2 q = view.flat(v);
+    points += fmt::format("{:.2f},{:.2f} ", q.x(), q.y());
+  }
+  return fmt::format("<polygon points=\"{}\" {}/>\n", points, style);
+}
+
+std::string color_of(int patch, double light) {
+  return fmt::format("hsl({:.0f},65%,{:.0f}%)", std::fmod(patch * 137.508, 360.0), light);
+}
+
+void add_surface(const Design& d, const View& view, std::vector<Shape>& shapes) {
+  for (const auto& f : d.surface.faces) {
+    const std::array p{d.surface.vertices[static_cast<std::size_t>(f[0])],
+                       d.surface.vertices[static_cast<std::size_t>(f[1])],
+                       d.surface.vertices[static_cast<std::size_t>(f[2])]};
+    const double facing = (p[1] - p[0]).cross(p[2] - p[0]).normalized().dot(view.toward());
+    const int grey = static_cast<int>(150 + 90 * std::abs(facing));
+    shapes.push_back(
+        {view.height((p[0] + p[1] + p[2]) / 3.0) - 1e6,  // all of it before any module
+         polygon(view, p,
+                 fmt::format("fill=\"rgb({0},{0},{0})\" stroke=\"rgb({0},{0},{0})\" stroke-width=\"0.4\"", grey))});
+  }
+}
+
+void add_modules(const Design& d, const View& view, const std::vector<ModuleWiring>& wiring,
+                 std::vector<Shape>& shapes) {
+  for (std::size_t k = 0; k < d.layout.modules.size(); ++k) {
+    const auto& m = d.layout.modules[k];
+    const Vec3 n = (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
+    if (n.dot(view.toward()) < 0.05) continue;  // its back side: hidden by the surface
+    const std::string fill = color_of(wiring[k].patch, 45 + 25 * n.dot(view.toward()));
+    shapes.push_back(
+        {view.height(centroid(m)) + 1.0,
+         polygon(view, m.corner_mm, fmt::format("fill=\"{}\" stroke=\"#222\" stroke-width=\"0.6\"", fill))});
+    const Vec2 at = view.flat(centroid(m));
+    const int parent = wiring[k].routed.parent;
+    std::string mark = fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{}\" fill=\"#111\"/>\n", at.x(), at.y(),
+                                   parent < 0 ? 3.5 : 1.2);
+    if (parent >= 0) {
+      const Vec2 from = view.flat(centroid(d.layout.modules[static_cast<std::size_t>(parent)]));
+      mark += fmt::format(
+          "<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" stroke=\"#111\" stroke-width=\"1\"/>\n",
+          from.x(), from.y(), at.x(), at.y());
+    }
+    shapes.push_back({view.height(centroid(m)) + 1e6, mark});  // trees over all modules
+  }
+}
+
+}  // namespace
+
+std::string picture_svg(const Design& design) {
+  const View view(design);
+  std::vector<Shape> shapes;
+  add_surface(design, view, shapes);
+  add_modules(design, view, wiring_of(design), shapes);
+  std::ranges::stable_sort(shapes, {}, &Shape::height);
+  const Vec2 low = view.box().min() - Vec2(10, 10), size = view.box().sizes() + Vec2(20, 34);
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{:.1f} {:.1f} {:.1f} {:.1f}\" width=\"{:.0f}\">\n<rect "
+      "x=\"{:.1f}\" y=\"{:.1f}\" "
+      "width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
+      low.x(), low.y(), size.x(), size.y(), 3 * size.x(), low.x(), low.y());
+  for (const Shape& s : shapes) svg += s.svg;
+  svg += fmt::format(
+      "<text x=\"{:.1f}\" y=\"{:.1f}\" font-family=\"sans-serif\" font-size=\"{:.1f}\">{}: {} modules, {} controllers, "
+      "coverage {:.0f} %</text>\n</svg>\n",
+      low.x() + 10, low.y() + size.y() - 10, size.x() / 32, design.name, design.layout.modules.size(),
+      design.patches.size(), 100 * design.report.coverage);
+  return svg;
+}
+
+std::string taxels_csv(const Design& design) {
+  std::string csv = "module,taxel,patch,line,address,x_mm,y_mm,z_mm,nx,ny,nz\n";
+  const auto wiring = wiring_of(design);
+  for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
+    const auto taxels = taxels_of(design.layout.modules[k], wiring[k].routed.rotation);
+    for (std::size_t t = 0; t < taxels.size(); ++t) {
+      const auto& [p, n] = taxels[t];
+      csv += fmt::format("{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f}\n", k, t, wiring[k].patch,
+                         wiring[k].routed.line, wiring[k].routed.address, p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
+    }
+  }
+  return csv;
+}
+
+std::string assembly_html(const Design& design) {
+  std::string html = fmt::format(
+      "<!doctype html><meta "
+      "charset=\"utf-8\"><title>{0}</"
+      "title><style>body{{font-family:sans-serif}}table{{border-collapse:collapse;margin-bottom:2em}}"
+      "td,th{{border:1px solid #888;padding:2px 8px;text-align:right}}</style>\n<h1>{0}: assembly</h1>\n<p>Design "
+      "{1:016x}, {2} modules on {3} controllers. "
+      "Port A of a module is its input; it faces the parent, at the entry the cable.</p>\n",
+      design.name, design.design_id, design.layout.modules.size(), design.patches.size());
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    const Patch& patch = design.patches[p];
+    html += fmt::format("<h2>Controller {} (node address {})</h2>\n<p>Cable to module {}. Cut joints:", p, p + 1,
+                        patch.entry);
+    for (const auto& [a, b] : patch.cut_joints) html += fmt::format(" {}–{}", a, b);
+    html += patch.cut_joints.empty() ? " none.</p>\n" : ".</p>\n";
+    html +=
+        "<table><tr><th>module</th><th>line strap</th><th>address strap</th><th>turned "
+        "by</th><th>parent</th><th>lattice place</th></tr>\n";
+    for (const RoutedModule& m : patch.modules) {
+      const auto& tile = design.layout.modules[static_cast<std::size_t>(m.node)].tile;
+      html += fmt::format(
+          "<tr><td>{}</td><td>{}</td><td>{} (0x{:02X})</td><td>{}°</td><td>{}</td><td>{}, {} {}</td></tr>\n", m.node,
+          m.line, m.address, 0x2C + m.address, 120 * m.rotation, m.parent < 0 ? "cable" : std::to_string(m.parent),
+          tile.i, tile.j, tile.up ? "up" : "down");
+    }
+    html += "</table>\n";
+  }
+  return html;
+}
+
+std::string modules_obj(const Design& design) {
+  std::string obj = "# triskin modules, mm\n";
+  for (const auto& m : design.layout.modules) {
+    for (const Vec3& c : m.corner_mm) obj += fmt::format("v {:.6f} {:.6f} {:.6f}\n", c.x(), c.y(), c.z());
+  }
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    obj += fmt::format("g patch_{}\n", p);
+    for (const auto& m : design.patches[p].modules)
+      obj += fmt::format("f {} {} {}\n", 3 * m.node + 1, 3 * m.node + 2, 3 * m.node + 3);
+  }
+  return obj;
+}
+
+}  // namespace triskin::design

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/wire/topology.hpp"
+
+namespace triskin::device {
+
+/// One way in which the modules and joints that were found differ from a patch of a design. Kinds: missing_module,
+/// missing_joint, extra_joint, extra_module, rotated_module, swapped_modules, wrong_entry, second_cable
+/// (docs/switched_module.md).
+struct TopologyDifference {
+  std::string kind;
+  int module = -1;  ///< of the design
+  int other = -1;   ///< the second module of a joint or an exchange
+  int steps = 0;    ///< rotated_module: by how many times 120°
+  std::string text;
+  std::string remedy;
+};
+
+/// What was found, laid over one patch of a design.
+struct TopologyMatch {
+  int patch = -1;
+  std::vector<int> module_of;  ///< by found number: module of the design, −1: none fits
+  int agreeing_joints = 0;     ///< joints that both have
+  std::vector<TopologyDifference> differences;
+  /// More differs than agrees: hardly this patch.
+  [[nodiscard]] bool another_patch() const { return static_cast<int>(differences.size()) > agreeing_joints + 1; }
+};
+
+/// Fewest differences over all modules that the cable could be plugged into, in all three rotations. Exact ports and
+/// rotations: no differences means that every joint lies between the ports that the design says.
+[[nodiscard]] TopologyMatch match_topology(const wire::FoundTopology& found, const design::Design& design, int patch);
+
+/// The patches of a design with fewest differences, best first; all of them when several fit equally well.
+[[nodiscard]] std::vector<TopologyMatch> identify_patch(const wire::FoundTopology& found, const design::Design& design);
+
+}  // namespace triskin::device

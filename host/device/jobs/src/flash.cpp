@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/jobs/flash.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <set>
+#include <thread>
+
+#include "triskin/host/interrupt.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/session/conversations.hpp"
+#include "triskin/session/patch_table.hpp"
+
+namespace triskin::device {
+namespace {
+
+constexpr int kMaxAddress = 126;
+constexpr std::uint64_t kRestart_us = 20'000;  // a controller starts anew under its new address
+
+struct Board {
+  wire::NodeClaim claim;
+  int patch = -1;  // -1: not needed for this design
+};
+
+// A controller whose address nobody shares can be asked which design it serves.
+bool serves(Bus& bus, const wire::NodeClaim& claim, const design::Design& design) {
+  if (!claim.has_table || claim.node_address < 1 || claim.node_address > design.patches.size()) return false;
+  const ActiveTable table = Controller(bus, claim.node_address).active_table();
+  return table.present && table.design_id == design.design_id;
+}
+
+std::vector<Board> match_boards(Bus& bus, const design::Design& design) {
+  const std::vector<wire::NodeClaim> claims = bus.discover();
+  const std::size_t n_patches = design.patches.size();
+  if (claims.empty()) {
+    throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.link().name()));
+  }
+  if (claims.size() < n_patches) {
+    throw DeviceError(
+        fmt::format("{}: the design has {} patches, {} controllers answer; connect the others, nothing was written",
+                    bus.link().name(), n_patches, claims.size()));
+  }
+  std::map<int, int> users;
+  for (const auto& c : claims) ++users[c.node_address];
+  std::vector<Board> boards;
+  std::vector<bool> taken(n_patches, false);
+  for (const auto& c : claims) {
+    Board board{c};
+    if (users[c.node_address] == 1 && serves(bus, c, design)) {
+      board.patch = c.node_address - 1;
+      taken[static_cast<std::size_t>(board.patch)] = true;
+    }
+    boards.push_back(board);
+  }
+  std::size_t next = 0;
+  for (Board& board : boards) {
+    while (next < n_patches && taken[next]) ++next;
+    if (board.patch >= 0 || next == n_patches) continue;
+    board.patch = static_cast<int>(next++);
+  }
+  return boards;
+}
+
+// Addresses 1 … patches belong to the patches; a spare controller that sits there moves behind them.
+void assign_addresses(Bus& bus, const std::vector<Board>& boards, std::size_t n_patches) {
+  std::set<int> used;
+  for (const Board& b : boards) {
+    if (b.patch < 0 && b.claim.node_address > n_patches) used.insert(b.claim.node_address);
+  }
+  bool changed = false;
+  int spare_address = static_cast<int>(n_patches) + 1;
+  for (const Board& b : boards) {
+    int wanted = b.patch + 1;
+    if (b.patch < 0) {
+      if (b.claim.node_address > n_patches) continue;
+      while (used.contains(spare_address)) ++spare_address;
+      wanted = spare_address++;
+      if (wanted > kMaxAddress)
+        throw DeviceError(
+            fmt::format("{}: no free node address is left; take controllers off the bus", bus.link().name()));
+    }
+    if (b.claim.node_address == wanted) continue;
+    bus.assign(b.claim.unique_id, static_cast<std::uint8_t>(wanted));
+    changed = true;
+  }
+  if (!changed) return;
+  bus.listen(bus.now_us() + kRestart_us);
+  (void)bus.discover();  // a link of several wires learns which one leads to which address
+}
+
+// The answer to the activation may be lost, and the table active all the same: what counts is what is read back.
+void write_and_compare(Controller& controller, Bus& bus, Bytes image, const std::function<void(double)>& steps) {
+  try {
+    controller.write_table(image, steps);
+  } catch (const NoAnswer&) {
+    if (controller.active_table().crc != crc32(image)) throw;
+  }
+  const Bus::Uninterrupted guard(bus);  // what is active is known to be right before anything else
+  const std::vector<std::uint8_t> back = controller.read_table(image.size());
+  const auto [a, b] = std::mismatch(image.begin(), image.end(), back.begin(), back.end());
+  if (a != image.end() || b != back.end()) {
+    throw DeviceError(
+        fmt::format("{}: controller {}: byte {} of the table reads back differently; its flash memory is damaged",
+                    bus.link().name(), controller.node(), a - image.begin()));
+  }
+  controller.clear_faults();
+}
+
+// One attempt at all controllers. Boards, images and results have the order of the patches.
+class Pass {
+ public:
+  Pass(Bus& bus, const design::Design& design, const FlashOptions& options, const ProgressSink& progress,
+       const std::vector<std::vector<std::uint8_t>>& images)
+      : bus_(bus), design_(design), options_(options), progress_(progress), images_(images) {}
+
+  // `results` has what is done, also when this throws.
+  void run(std::vector<FlashResult::Patch>& results) {
+    report(progress_, "finding controllers", -1.0);
+    boards_ = match_boards(bus_, design_);
+    if (!options_.dry_run) assign_addresses(bus_, boards_, design_.patches.size());
+    std::erase_if(boards_, [](const Board& b) { return b.patch < 0; });
+    std::ranges::sort(boards_, {}, &Board::patch);
+    results.resize(boards_.size());
+    std::vector<Conversation> conversations;
+    for (std::size_t k = 0; k < boards_.size(); ++k) {
+      begin(results[k], boards_[k]);
+      const auto node =
+          options_.dry_run ? boards_[k].claim.node_address : static_cast<std::uint8_t>(boards_[k].patch + 1);
+      conversations.push_back({node, [this, k, &results](Bus& bus) { serve(bus, boards_[k], results[k]); }});
+    }
+    throw_first(converse(bus_.link(), conversations, options_.per_wire), results);
+  }
+
+ private:
+  // A patch that was written before the cable was pulled stays written.
+  void begin(FlashResult::Patch& r, const Board& board) const {
+    if (r.written && r.patch == board.patch) return;
+    r = {board.patch,
+         to_text(board.claim.unique_id),
+         board.claim.node_address,
+         false,
+         false,
+         false,
+         images_[static_cast<std::size_t>(board.patch)].size()};
+    r.new_address = board.claim.node_address != board.patch + 1;
+  }
+  void step(int patch, const char* what, double fraction) const {
+    report(progress_, what, fraction, fmt::format("patch {}", patch), patch);
+  }
+
+  void serve(Bus& bus, const Board& board, FlashResult::Patch& r) const {
+    const Bytes image = images_[static_cast<std::size_t>(board.patch)];
+    step(r.patch, "asking", 0.0);
+    if (options_.dry_run) {
+      r.equal = !r.new_address && board.claim.has_table &&
+                Controller(bus, board.claim.node_address).active_table().crc == crc32(image);
+      return step(r.patch, "planned", 1.0);
+    }
+    Controller controller(bus, static_cast<std::uint8_t>(board.patch + 1));
+    check_identity(controller, bus, r);
+    const ActiveTable active = controller.active_table();
+    // Equal CRC is not enough to skip: the bytes are cheap to compare.
+    r.equal =
+        active.present && active.crc == crc32(image) && std::ranges::equal(controller.read_table(image.size()), image);
+    if (!r.equal || (options_.force && !r.written)) {
+      write_and_compare(controller, bus, image, [&](double fraction) { step(r.patch, "writing", 0.9 * fraction); });
+      r.written = true;
+    }
+    step(r.patch, "done", 1.0);
+  }
+  static void check_identity(Controller& controller, const Bus& bus, const FlashResult::Patch& r) {
+    const Hello hello = controller.hello();
+    controller.require_versions(hello);
+    if (to_text(hello.unique_id) == r.serial) return;
+    throw DeviceError(fmt::format(
+        "{}: controller {} has serial number {}, {} was meant; two controllers may share the address, run flash again",
+        bus.name(), controller.node(), to_text(hello.unique_id), r.serial));
+  }
+
+  void throw_first(const std::vector<std::exception_ptr>& outcomes,
+                   const std::vector<FlashResult::Patch>& results) const {
+    const auto first = std::ranges::find_if(outcomes, [](const auto& e) { return e != nullptr; });
+    if (first == outcomes.end()) return;
+    const auto failed = std::ranges::count_if(outcomes, [](const auto& e) { return e != nullptr; });
+    const std::string others =
+        failed > 1 ? fmt::format(" ({} more controllers did not get theirs either)", failed - 1) : "";
+    const std::string done = others + "; " + what_is_done(results);
+    try {
+      std::rethrow_exception(*first);
+    } catch (const Cancelled& e) {
+      throw Cancelled(e.what() + done);
+    } catch (const Unreachable& e) {
+      throw Unreachable(e.what() + done);
+    } catch (const DeviceError& e) {
+      throw DeviceError(e.what() + done);
+    }
+  }
+  [[nodiscard]] std::string what_is_done(const std::vector<FlashResult::Patch>& results) const {
+    std::vector<int> done;
+    for (const FlashResult::Patch& r : results) {
+      if (r.equal || r.written) done.push_back(r.patch);
+    }
+    if (done.empty()) return "no controller has a new table";
+    return fmt::format("{} of {} controllers have their table (patches {}), the others their old one", done.size(),
+                       results.size(), fmt::join(done, ", "));
+  }
+
+  Bus& bus_;
+  const design::Design& design_;
+  const FlashOptions& options_;
+  const ProgressSink& progress_;
+  const std::vector<std::vector<std::uint8_t>>& images_;
+  std::vector<Board> boards_;
+};
+
+// Until as many controllers answer as were there before.
+bool wait_for_controllers(Bus& bus, std::size_t count, double wait_s) {
+  constexpr std::uint64_t kPause_us = 300'000;
+  const auto start = std::chrono::steady_clock::now();
+  const std::uint64_t start_us = bus.now_us();
+  // A dead link may have no time of its own.
+  const auto over = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > wait_s ||
+           static_cast<double>(bus.now_us() - start_us) > wait_s * 1e6;
+  };
+  while (!over()) {
+    try {
+      bus.reconnect();
+      if (bus.discover().size() >= count) return true;
+      bus.listen(bus.now_us() + kPause_us);
+    } catch (const DeviceError&) {
+      if (interrupt_request()) throw Cancelled(bus.name() + ": ended on request while waiting for the cable");
+      std::this_thread::sleep_for(std::chrono::microseconds(kPause_us));
+    }
+  }
+  return false;
+}
+
+std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, const RouteChoice& route) {
+  if (route.module >= 0 && std::ranges::none_of(design.patches, [&](const auto& p) { return concerns(p, route); })) {
+    throw InputError(route.other < 0 ? fmt::format("the design has no module {} in a patch", route.module)
+                                     : fmt::format("modules {} and {} are not in one patch of the design", route.module,
+                                                   route.other));
+  }
+  std::vector<std::vector<std::uint8_t>> images;
+  for (std::size_t p = 0; p < design.patches.size(); ++p)
+    images.push_back(bytes_of(image_of(design, static_cast<int>(p), route)));
+  return images;
+}
+
+}  // namespace
+
+FlashResult flash(Bus& bus, const design::Design& design, const FlashOptions& options, const ProgressSink& progress) {
+  const std::uint64_t start_us = bus.now_us();
+  const auto images = images_of(design, options.route);
+  FlashResult result;
+  for (bool completed = false; !completed;) {
+    try {
+      Pass(bus, design, options, progress, images).run(result.patches);
+      completed = true;
+    } catch (const Unreachable& e) {
+      if (options.wait_s <= 0.0) throw;
+      if (options.say)
+        options.say(fmt::format("{}; waiting {:.0f} s for the cable (Ctrl-C ends)", e.what(), options.wait_s));
+      if (!wait_for_controllers(bus, design.patches.size(), options.wait_s)) throw;
+      if (options.say) options.say("all controllers answer again, going on");
+    }
+  }
+  for (const FlashResult::Patch& p : result.patches) {
+    if (p.written) result.bytes += p.bytes;
+    if (p.equal && !p.written) ++result.skipped;
+  }
+  result.link_s = static_cast<double>(bus.now_us() - start_us) * 1e-6;
+  return result;
+}
+
+}  // namespace triskin::device

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "triskin/jobs/verify.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/session/patch_table.hpp"
+
+namespace triskin::device {
+
+/// What was asked of one patch. Rows are those of its table, that is the order of the design's patch.
+struct PatchState {
+  int patch = 0;
+  layout::PatchImage image;
+  bool usable = false;  ///< its controller answers and holds this table
+  std::vector<wire::ModuleState> states;
+  std::array<LineReport, layout::kLines> lines{};
+  std::array<std::uint32_t, layout::kLines> recoveries{};
+  std::vector<RememberedFault> earlier;  ///< remembered when the verification began
+  std::vector<RememberedFault> faults;   ///< noted while it ran
+  TaxelSample now, rest;
+  wire::FoundTopology topology;  ///< of switched modules
+  wire::ActiveRoute route;
+
+  [[nodiscard]] Controller controller(Bus& bus) const { return {bus, image.node_address}; }
+  [[nodiscard]] int module(std::size_t row) const { return image.modules[row].module_id; }
+};
+
+/// What happened when a module was pressed.
+struct TouchOutcome {
+  int module = -1;
+  int answered = -1;           ///< module whose taxels changed most; -1: none
+  bool whole = false;          ///< as many of its taxels changed as a finger on its centre presses
+  unsigned silent_taxels = 0;  ///< bit t: a pressure taxel of the module that did not change while most others did
+};
+
+/// Presses the modules of all usable patches; waits for a person where the link has no finger.
+class TouchTest {
+ public:
+  TouchTest(Bus& bus, std::vector<PatchState>& patches) : bus_(bus), patches_(patches) {}
+  /// Empty: the person skipped the module.
+  std::optional<TouchOutcome> press(int module, const PatchState& patch, const VerifyOptions& options);
+  void finish();
+  /// Reads all taxels at rest. Call once, before the first press.
+  void take_rest();
+
+ private:
+  struct Response {
+    int module = -1;
+    double strength = 0.0;
+    unsigned changed = 0;  // bit t
+  };
+  [[nodiscard]] Response strongest(const PatchState& patch) const;
+  Response strongest_anywhere(const PatchState& first);
+
+  Bus& bus_;
+  std::vector<PatchState>& patches_;
+};
+
+/// Turns what was asked into findings. Pure: no link.
+class Diagnosis {
+ public:
+  Diagnosis(const design::Design& design, const std::vector<PatchState>& patches, std::vector<TouchOutcome> touches);
+  void run(VerifyResult& result);
+
+ private:
+  struct Place {
+    int line = 0, address = 0;
+  };
+  void look_at_lines(const PatchState& p);
+  void look_at_modules(const PatchState& p);
+  void look_at_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled);
+  void look_at_absent(const PatchState& p, std::vector<std::size_t> rows);
+  void look_at_taxels(const PatchState& p, std::size_t row);
+  void look_at_topology(const PatchState& p);
+  void look_at_history(const PatchState& p);
+  [[nodiscard]] std::vector<Finding> look_at_earlier() const;
+  [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const RememberedFault& fault) const;
+  void look_at_touches();
+  [[nodiscard]] std::vector<Place> unexpected(const PatchState& p) const;
+  [[nodiscard]] const TouchOutcome* touch_of(int module) const;
+  [[nodiscard]] std::string where(int module) const;
+  [[nodiscard]] static int strap_difference(const layout::ModuleRow& row, const Place& place);
+  void add_duplicate(const PatchState& p, std::size_t row, int other);
+  [[nodiscard]] static std::string at(int line, int address);
+  Finding& add(std::string kind, int module, int patch, std::string text, std::string remedy);
+
+  const design::Design& design_;
+  const std::vector<PatchState>& patches_;
+  std::vector<TouchOutcome> touches_;
+  std::vector<design::ModuleWiring> wiring_;
+  std::vector<Finding> findings_;
+  std::set<int> bad_;   // modules that are not ok
+  std::set<int> told_;  // modules whose silence under a finger is explained already
+};
+
+}  // namespace triskin::device

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/jobs/verify.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "triskin/session/conversations.hpp"
+#include "verification.hpp"
+
+namespace triskin::device {
+namespace {
+
+constexpr std::uint64_t kStartLimit_us = 3'000'000;
+constexpr std::uint64_t kPoll_us = 20'000;
+
+Finding controller_finding(const char* kind, int patch, std::string text, std::string remedy) {
+  Finding f;
+  f.kind = kind;
+  f.patch = patch;
+  f.text = std::move(text);
+  f.remedy = std::move(remedy);
+  return f;
+}
+
+// Whether the controller of a patch is there and holds the table of the design.
+class ControllerCheck {
+ public:
+  ControllerCheck(Bus& bus, const design::Design& design) : bus_(bus), design_(design), claims_(bus.discover()) {
+    for (const auto& c : claims_) {
+      ++users_[c.node_address];
+      if (!c.has_table) ++without_table_;
+    }
+    if (claims_.empty())
+      throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.link().name()));
+  }
+
+  bool check(PatchState& p, std::vector<Finding>& findings) {
+    const int node = p.image.node_address;
+    const auto claim = std::ranges::find_if(claims_, [&](const auto& c) { return c.node_address == node; });
+    if (claim == claims_.end() || !claim->has_table || users_[node] > 1) {
+      findings.push_back(missing(p.patch, node));
+      return false;
+    }
+    Controller c = p.controller(bus_);
+    c.require_versions(c.hello());
+    const ActiveTable active = c.active_table();
+    const std::vector<std::uint8_t> expected = bytes_of(p.image);
+    if (active.design_id == design_.design_id && active.crc == crc32(expected)) return true;
+    if (active.design_id == design_.design_id && runs_on_backup(p, active.crc, findings)) return true;
+    findings.push_back(
+        controller_finding("wrong_table", p.patch,
+                           fmt::format("patch {}: controller {} holds another table (design {:016x}, this is {:016x})",
+                                       p.patch, node, active.design_id, design_.design_id),
+                           "run triskin flash with this design, or verify with the design that was flashed"));
+    return false;
+  }
+
+ private:
+  // A table that the design prepared for a failure is right as well; what it leaves out is told.
+  bool runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings) {
+    for (const design::FailureLoss& f : design_.patches[static_cast<std::size_t>(p.patch)].failures) {
+      const RouteChoice choice{f.node, f.other_node};
+      if (f.node == design_.patches[static_cast<std::size_t>(p.patch)].entry && f.other_node < 0) continue;
+      const layout::PatchImage image = image_of(design_, p.patch, choice);
+      if (crc32(bytes_of(image)) != crc) continue;
+      const std::string what = choice.other < 0
+                                   ? fmt::format("module {}", choice.module)
+                                   : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
+      findings.push_back(controller_finding(
+          "backup_route", p.patch,
+          fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} modules are read", p.patch,
+                      what, image.module_count, p.image.module_count),
+          "repair it, then run triskin flash without --route"));
+      p.image = image;
+      return true;
+    }
+    return false;
+  }
+
+  Finding missing(int patch, int node) {
+    if (users_[node] > 1 && without_table_ == 0) {
+      return controller_finding(
+          "duplicate_controller", patch,
+          fmt::format("patch {}: {} controllers share node address {}", patch, users_[node], node),
+          "run triskin flash: it gives every controller its own address");
+    }
+    if (without_table_ > 0) {
+      return controller_finding(
+          "not_flashed", patch,
+          fmt::format("patch {}: no controller has its table; {} of {} controllers were never flashed", patch,
+                      without_table_, claims_.size()),
+          "run triskin flash with this design and link first");
+    }
+    return controller_finding("absent_controller", patch,
+                              fmt::format("patch {}: no controller answers at node address {}", patch, node),
+                              "check its power and its cable to the bus");
+  }
+
+  Bus& bus_;
+  const design::Design& design_;
+  std::vector<wire::NodeClaim> claims_;
+  std::map<int, int> users_;
+  std::size_t without_table_ = 0;
+};
+
+// Until every module was found and checked, or is known to be absent.
+void wait_until_checked(Bus& bus, const PatchState& p) {
+  const std::uint64_t limit_us = bus.now_us() + kStartLimit_us;
+  while (bus.now_us() < limit_us) {
+    const auto states = p.controller(bus).module_states();
+    if (std::ranges::find(states, wire::ModuleState::kUnknown) == states.end()) return;
+    bus.listen(bus.now_us() + kPoll_us);
+  }
+}
+
+// What is remembered from before is read and deleted: only so it shows when the same comes again.
+void start_patch(Bus& bus, PatchState& p) {
+  wait_until_checked(bus, p);
+  Controller c = p.controller(bus);
+  p.earlier = c.remembered_faults();
+  if (!p.earlier.empty()) c.clear_faults();
+}
+
+// Switched modules are found anew before anything is asked of them.
+void look_at_chain(Bus& bus, PatchState& p) {
+  Controller c = p.controller(bus);
+  c.reroute();
+  p.topology = c.topology();
+  p.route = c.route();
+}
+
+void read_patch(Bus& bus, PatchState& p) {
+  Controller c = p.controller(bus);
+  p.states = c.module_states();
+  p.faults = c.remembered_faults();
+  p.recoveries = c.recoveries();
+  p.now = c.taxels();
+  if (p.states.size() != p.image.module_count || p.now.modules.size() != p.image.module_count) {
+    throw DeviceError(fmt::format("{}: controller {} changed its table while it was verified; run verify again",
+                                  bus.link().name(), c.node()));
+  }
+}
+
+// Patches on different wires side by side.
+void ask_all(Bus& bus, std::vector<PatchState>& patches, const std::function<void(Bus&, PatchState&)>& ask) {
+  std::vector<Conversation> conversations;
+  for (PatchState& p : patches) {
+    if (p.usable) conversations.push_back({p.image.node_address, [&](Bus& own) { ask(own, p); }});
+  }
+  for (const std::exception_ptr& e : converse(bus.link(), conversations)) {
+    if (e) std::rethrow_exception(e);
+  }
+}
+
+std::vector<TouchOutcome> touch_all(Bus& bus, std::vector<PatchState>& patches, const VerifyOptions& options,
+                                    const ProgressSink& progress) {
+  std::vector<TouchOutcome> outcomes;
+  TouchTest test(bus, patches);
+  test.take_rest();
+  std::size_t total = 0;
+  for (const PatchState& p : patches) total += p.usable ? p.image.module_count : 0;
+  std::size_t done = 0;
+  for (const PatchState& p : patches) {
+    for (std::size_t row = 0; p.usable && row < p.image.module_count; ++row) {
+      report(progress, "touching", static_cast<double>(done++) / static_cast<double>(total),
+             fmt::format("module {}", p.module(row)));
+      if (const auto outcome = test.press(p.module(row), p, options)) outcomes.push_back(*outcome);
+    }
+  }
+  test.finish();
+  return outcomes;
+}
+
+}  // namespace
+
+VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions& options,
+                    const ProgressSink& progress) {
+  const std::uint64_t start_us = bus.now_us();
+  report(progress, "finding controllers", -1.0);
+  VerifyResult result;
+  result.modules = static_cast<int>(design.layout.modules.size());
+  std::vector<PatchState> patches(design.patches.size());
+  ControllerCheck controllers(bus, design);
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    patches[k].patch = static_cast<int>(k);
+    patches[k].image = image_of(design, static_cast<int>(k));
+    patches[k].usable = controllers.check(patches[k], result.findings);
+  }
+  ask_all(bus, patches, [&](Bus& own, PatchState& p) {
+    report(progress, "asking the modules", 0.0, fmt::format("patch {}", p.patch), p.patch);
+    look_at_chain(own, p);
+    start_patch(own, p);
+    p.lines = p.controller(own).discover();
+    report(progress, "asked", 1.0, fmt::format("patch {}", p.patch), p.patch);
+  });
+  std::vector<TouchOutcome> touches;
+  if (options.touch) touches = touch_all(bus, patches, options, progress);
+  const auto watch_us = static_cast<std::uint64_t>(std::max(0.0, options.watch_s) * 1e6);
+  if (std::ranges::any_of(patches, &PatchState::usable)) bus.listen(start_us + watch_us);
+  ask_all(bus, patches, read_patch);
+  result.touched = static_cast<int>(touches.size());
+  Diagnosis(design, patches, std::move(touches)).run(result);
+  return result;
+}
+
+}  // namespace triskin::device

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <chrono>
+#include <memory>
+#include <set>
+
+#include "triskin/link/can_channel.hpp"
+#include "triskin/link/can_socket.hpp"
+#include "triskin/link/link.hpp"
+
+namespace triskin::device {
+
+/// Controllers on a CAN bus of this computer (SocketCAN). FD frames are used when the interface carries them. ISO-TP is
+/// the kernel's where its module is there.
+class CanLink final : public Link {
+ public:
+  /// Throws DeviceError as CanSocket does.
+  explicit CanLink(const std::string& interface);
+
+  void send(const wire::CanFrame& frame) override { socket_->send(frame); }
+  std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
+  [[nodiscard]] std::uint64_t now_us() const override;
+  [[nodiscard]] bool fd() const override { return socket_->fd(); }
+  /// The computer may be busy for much longer than the controller.
+  [[nodiscard]] std::uint64_t answer_us() const override { return 1'000'000; }
+  [[nodiscard]] std::string name() const override { return name_; }
+  [[nodiscard]] std::string trouble() const override { return socket_->trouble(); }
+  [[nodiscard]] std::unique_ptr<MessageChannel> open_channel(std::uint32_t tx_id, std::uint32_t rx_id) override;
+  void reconnect() override;
+
+ private:
+  class Channel;
+  std::unique_ptr<CanSocket> open() const;
+  /// Until a frame or a message of a channel waits, or `wait_us` are over; true: a channel has something.
+  [[nodiscard]] bool wait(std::uint64_t wait_us) const;
+
+  std::string interface_, name_;
+  std::unique_ptr<CanSocket> socket_;
+  std::set<int> channels_;  // descriptors
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace triskin::device

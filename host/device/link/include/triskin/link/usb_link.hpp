@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "triskin/link/link.hpp"
+#include "triskin/link/node_map.hpp"
+#include "triskin/wire/usb_packet.hpp"
+
+namespace triskin::device {
+
+/// A pipe to one USB device. One thread reads, one writes. Throws DeviceError when the device is gone.
+class UsbPipe {
+ public:
+  virtual ~UsbPipe() = default;
+  virtual void write(const wire::UsbPacket& packet) = 0;
+  /// Whole packets one after another, each wire::kUsbPacketBytes long but the last. Waits up to `timeout_ms`; 0:
+  /// nothing came.
+  virtual std::size_t read(std::span<std::uint8_t> packets, int timeout_ms) = 0;
+  [[nodiscard]] virtual std::string serial() const = 0;
+  /// Where it is plugged in: two pipes with one place are one device.
+  [[nodiscard]] virtual std::string place() const = 0;
+};
+
+/// Finds and opens devices: HID (hidapi) or the vendor interface (libusb).
+class UsbDriver {
+ public:
+  virtual ~UsbDriver() = default;
+  /// All that are plugged in now and not at one of `places`; only this serial number unless empty. Throws DeviceError
+  /// when the devices are there but cannot be opened (with the remedy), and none could.
+  virtual std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial,
+                                                     const std::vector<std::string>& places) = 0;
+  /// A device has come or gone since this was asked last, as far as the system tells (hot-plug events); asked often,
+  /// costs little.
+  [[nodiscard]] virtual bool changed() { return false; }
+  [[nodiscard]] virtual std::string name() const = 0;
+};
+[[nodiscard]] std::unique_ptr<UsbDriver> make_hid_driver();
+[[nodiscard]] std::unique_ptr<UsbDriver> make_bulk_driver();
+
+/// All Triskin controllers on this computer's USB, or the one with a serial number, as one bus. A request goes to the
+/// device that has answered from its node address, everything else to every device, as on CAN. Devices may come and go;
+/// the link is dead when the last one has gone, until reconnect() finds one.
+class UsbLink final : public Link {
+ public:
+  /// Throws DeviceError when no device is there.
+  UsbLink(std::unique_ptr<UsbDriver> driver, const std::string& serial);
+  ~UsbLink() override;
+  UsbLink(const UsbLink&) = delete;
+  UsbLink& operator=(const UsbLink&) = delete;
+
+  void send(const wire::CanFrame& frame) override;
+  std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
+  [[nodiscard]] std::uint64_t now_us() const override;
+  [[nodiscard]] bool fd() const override { return true; }
+  [[nodiscard]] std::uint8_t frame_bytes() const override { return wire::kUsbFrameBytes; }
+  [[nodiscard]] std::uint64_t answer_us() const override { return 1'000'000; }
+  [[nodiscard]] std::string name() const override { return name_; }
+  [[nodiscard]] std::string trouble() const override;
+  [[nodiscard]] int wire_of(std::uint8_t node) const override;
+  void reconnect() override;
+
+ private:
+  struct Device {
+    int wire = 0;
+    std::unique_ptr<UsbPipe> pipe;
+    std::jthread reader;
+    bool gone = false;
+  };
+  static constexpr std::chrono::milliseconds kLook{2000};  // for devices that were plugged in, where nobody tells
+  static constexpr std::chrono::milliseconds kSlice{50};   // between two questions whether somebody has told
+
+  void look();
+  void read_all(Device& device, const std::stop_token& stop);
+  void remove_gone();
+  [[nodiscard]] std::optional<wire::CanFrame> next_frame(std::uint64_t until_us);
+  [[noreturn]] void fail(const std::string& what) const;
+
+  std::unique_ptr<UsbDriver> driver_;
+  std::string serial_, name_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_look_ = start_;
+  mutable std::mutex mutex_;  // frames_, gone, lost_, nodes_
+  std::condition_variable came_;
+  std::deque<wire::CanFrame> frames_;
+  std::vector<std::string> lost_;  // serial numbers of devices that went away
+  NodeMap nodes_;
+  int wires_ = 0;
+  std::vector<std::unique_ptr<Device>> devices_;  // last: its threads use what stands above
+};
+
+}  // namespace triskin::device

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "triskin/session/bus.hpp"
+#include "triskin/wire/taxel_frames.hpp"
+
+namespace triskin::device {
+
+/// A board that answered the discovery of iCub boards.
+struct IcubBoardInfo {
+  std::uint8_t address = 0;
+  std::uint8_t type = 0;  ///< 11: MTB4
+  int version_major = 0, version_minor = 0, build = 0;
+};
+
+/// Reads skin boards that speak the iCub protocol (docs/protocol.md, "iCub stream"): a real MTB4, or our controllers.
+class IcubStream {
+ public:
+  using OnTaxels = std::function<void(const wire::IcubTaxels&)>;
+
+  /// Asks who is there, configures the skin boards as an iCub host does (period 50 ms, rest at 245, all triangles on),
+  /// and starts them. Throws DeviceError when no skin board answers.
+  IcubStream(Bus& bus, OnTaxels handler);
+  /// Stops them, if the link is still there.
+  ~IcubStream();
+  IcubStream(const IcubStream&) = delete;
+  IcubStream& operator=(const IcubStream&) = delete;
+
+  void run_until(std::uint64_t until_us) { bus_.listen(until_us); }
+  [[nodiscard]] const std::vector<IcubBoardInfo>& boards() const { return boards_; }
+  [[nodiscard]] std::uint64_t frames() const { return frames_; }
+  /// Pairs of which one frame is missing.
+  [[nodiscard]] std::uint64_t lost() const { return lost_; }
+
+ private:
+  void handle(const wire::CanFrame& frame);
+  void poll(std::uint8_t board, std::initializer_list<std::uint8_t> bytes);
+
+  Bus& bus_;
+  OnTaxels handler_;
+  std::vector<IcubBoardInfo> boards_;
+  std::map<std::uint32_t, wire::CanFrame> first_;  // of a pair, by identifier
+  std::uint64_t frames_ = 0, lost_ = 0;
+};
+
+}  // namespace triskin::device

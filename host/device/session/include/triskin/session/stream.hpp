@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/session/bus.hpp"
+#include "triskin/wire/taxel_frames.hpp"
+
+namespace triskin::device {
+
+/// One module of one sample, with the place it has in the design.
+struct ModuleFrame {
+  int module = 0;
+  std::uint32_t sample = 0;
+  std::uint64_t device_time_us = 0;
+  std::uint64_t link_time_us = 0;
+  std::uint16_t valid = 0;  ///< bit t
+  std::array<std::uint16_t, layout::kTaxelsPerModule> raw{};
+};
+
+/// The data stream of all controllers of a design. Each frame is joined with its module; gaps in the sample numbers are
+/// counted, so a lost sample is never taken for a quiet skin.
+class Stream {
+ public:
+  using OnFrame = std::function<void(const ModuleFrame&)>;
+
+  /// Switches the full stream on in every controller. Throws DeviceError when one is missing or holds another table,
+  /// InputError when the link cannot carry the full stream.
+  Stream(Bus& bus, const design::Design& design, OnFrame handler);
+  /// Switches it off, if the link is still there.
+  ~Stream();
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+
+  /// Receives until `until_us` of the link's clock.
+  void run_until(std::uint64_t until_us);
+  [[nodiscard]] std::uint64_t frames() const { return frames_; }
+  /// Module frames that never came, known from the gaps.
+  [[nodiscard]] std::uint64_t lost() const { return lost_; }
+
+ private:
+  struct Node {
+    std::vector<int> modules;         // of row k
+    std::vector<std::uint32_t> last;  // sample number of row k, 0: none yet
+  };
+  void handle(const wire::CanFrame& frame);
+
+  Bus& bus_;
+  OnFrame handler_;
+  std::map<std::uint8_t, Node> nodes_;
+  std::uint64_t frames_ = 0, lost_ = 0;
+};
+
+}  // namespace triskin::device

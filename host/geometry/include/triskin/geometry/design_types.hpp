@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "triskin/design/mesh.hpp"
+#include "triskin/design/module.hpp"
+#include "triskin/design/module_graph.hpp"
+#include "triskin/design/patch.hpp"
+#include "triskin/design/piece.hpp"
+#include "triskin/design/polygon.hpp"
+#include "triskin/design/tile.hpp"
+
+/// The types of a design in which the solvers take their input and give their results.
+namespace triskin::geometry {
+
+using design::FailureLoss;
+using design::LayoutLimits;
+using design::LayoutMethod;
+using design::LineElectrical;
+using design::Mesh;
+using design::ModuleGraph;
+using design::ModuleLayout;
+using design::Patch;
+using design::Piece;
+using design::PlacedModule;
+using design::Placement;
+using design::Polygon;
+using design::RoutedModule;
+using design::Tile;
+using design::TileSide;
+using design::Vec2;
+using design::Vec3;
+
+using design::across;
+using design::grid_point;
+using design::kHeight_mm;
+using design::kModuleArea_mm2;
+using design::kSide_mm;
+using design::tile_corner_index;
+
+}  // namespace triskin::geometry

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "placement/kernels/tile_grid.hpp"
+
+#include <cmath>
+
+namespace triskin::geometry {
+namespace {
+
+constexpr double kHalfRoot3 = 0.86602540378443864676;
+
+void fill_outline(TileGrid& g, double first_angle) {
+  const double step = 2.0 * M_PI / g.corners;
+  g.circumradius_mm = 0.5 * kSide_mm / std::sin(0.5 * step);
+  g.inradius_mm = 0.5 * kSide_mm / std::tan(0.5 * step);
+  g.area_mm2 = 0.5 * g.corners * kSide_mm * g.inradius_mm;
+  for (int k = 0; k < g.corners; ++k) {
+    const double c = first_angle + step * k, n = c + 0.5 * step;
+    g.corner[static_cast<std::size_t>(k)] = g.circumradius_mm * Vec2(std::cos(c), std::sin(c));
+    g.normal[static_cast<std::size_t>(k)] = {std::cos(n), std::sin(n)};
+  }
+}
+
+TileGrid triangles(double gap_mm) {
+  TileGrid g;
+  // Facing sides move apart by 1/√3 of what the pitch grows.
+  const double pitch = kSide_mm + 2.0 * kHalfRoot3 * gap_mm;
+  g.row_step_mm = pitch;
+  g.row_shift_mm = 0.5 * pitch;
+  g.row_height_mm = kHalfRoot3 * pitch;
+  g.period_rad = M_PI / 3.0;
+  g.origin = {Vec2(pitch, g.row_height_mm * 2.0 / 3.0), Vec2(0.5 * pitch, g.row_height_mm / 3.0)};
+  fill_outline(g, -5.0 * M_PI / 6.0);
+  return g;
+}
+
+TileGrid squares(double gap_mm) {
+  TileGrid g;
+  g.corners = 4;
+  g.kinds = 1;
+  g.row_step_mm = g.row_height_mm = kSide_mm + gap_mm;
+  g.period_rad = M_PI / 2.0;
+  g.origin[1] = Vec2(0.5 * g.row_step_mm, 0.5 * g.row_height_mm);
+  fill_outline(g, -3.0 * M_PI / 4.0);
+  return g;
+}
+
+// Pointed upwards: rows of hexagons that touch with their vertical sides.
+TileGrid hexagons(double gap_mm) {
+  TileGrid g;
+  g.corners = 6;
+  g.kinds = 1;
+  g.row_step_mm = 2.0 * kHalfRoot3 * kSide_mm + gap_mm;
+  g.row_shift_mm = 0.5 * g.row_step_mm;
+  g.row_height_mm = kHalfRoot3 * g.row_step_mm;
+  g.period_rad = M_PI / 3.0;
+  g.origin[1] = Vec2(0.5 * g.row_step_mm, 0.5 * g.row_height_mm);
+  fill_outline(g, -M_PI / 2.0);
+  return g;
+}
+
+}  // namespace
+
+std::array<Tile, 6> neighbours(const TileGrid& grid, const Tile& t) {
+  if (grid.corners == 3) return {across(t, 0).tile, across(t, 1).tile, across(t, 2).tile};
+  const auto at = [&](int i, int j) { return Tile{t.i + i, t.j + j, true}; };
+  if (grid.corners == 4) return {at(1, 0), at(-1, 0), at(0, 1), at(0, -1)};
+  return {at(1, 0), at(-1, 0), at(0, 1), at(0, -1), at(1, -1), at(-1, 1)};
+}
+
+TileGrid tile_grid(TileShape shape, double gap_mm) {
+  switch (shape) {
+    case TileShape::kSquare:
+      return squares(gap_mm);
+    case TileShape::kHexagon:
+      return hexagons(gap_mm);
+    default:
+      return triangles(gap_mm);
+  }
+}
+
+}  // namespace triskin::geometry

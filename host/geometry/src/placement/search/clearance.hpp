@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <chrono>
+#include <vector>
+
+#include "placement/kernels/pair_kernel.hpp"
+#include "placement/kernels/tile_polygon.hpp"
+#include "triskin/host/progress.hpp"
+
+namespace triskin::geometry {
+
+/// So many tiles are to fit with the largest inset. A negative inset lets tiles stand over: as if their sides gave way
+/// by that much.
+struct ClearanceGoal {
+  int modules = 0;
+  double least_inset_mm = 0.0;                     ///< from here on it counts; above −0.8 inradius
+  double most_inset_mm = 0.0;                      ///< more is not looked for
+  std::vector<Motion> starts;                      ///< motions to climb from
+  const std::vector<MotionBox>* slices = nullptr;  ///< set: elsewhere so many tiles fit with no inset from 0 on
+  int threads = 0;                                 ///< 0: all cores; the answer does not depend on it
+  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+};
+
+struct Clearance {
+  bool found = false;  ///< the tiles fit with inset_mm at motion
+  double inset_mm = 0.0;
+  double bound_mm = 0.0;  ///< nowhere do they fit with more (with the deadline over: most_inset_mm)
+  Motion motion;
+  std::int64_t cells = 0, evaluations = 0;
+};
+
+/// Climbs from the best of the starts, then asks branch and bound for a motion with a larger inset, until there is
+/// none: that is the proof. inset_mm and bound_mm differ by at most 5 µm or 2 %.
+[[nodiscard]] Clearance largest_clearance(const PreparedPolygon& polygon, const TileGrid& grid,
+                                          const ClearanceGoal& goal, const ProgressSink& progress);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+#include <string>
+
+#include "triskin/design/design.hpp"
+#include "triskin/link/link.hpp"
+
+namespace triskin::device {
+
+/// What `--link` and `--scene` name.
+struct LinkOptions {
+  std::string link = "sim";
+  std::string scene;      ///< scene file for `sim`; empty: the design, with nothing wrong
+  bool switched = false;  ///< `sim` without a scene file has switched modules
+};
+
+/// Opens `sim`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last three, joined by
+/// commas. The design is what `sim` simulates when there is no scene; null where a command has none. From now on Ctrl-C
+/// is a request (catch_interrupts()). Throws InputError (unknown link, no design or scene for `sim`, a scene of another
+/// design), DeviceError (cannot connect).
+[[nodiscard]] std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design* design);
+
+}  // namespace triskin::device

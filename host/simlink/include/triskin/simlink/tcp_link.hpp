@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "triskin/link/link.hpp"
+
+namespace triskin::device {
+
+struct HostPort {
+  std::string host;
+  std::uint16_t port = 0;
+};
+/// "HOST:PORT". Throws InputError.
+[[nodiscard]] HostPort parse_host_port(const std::string& text);
+
+/// Records between `sim:HOST:PORT` and `triskin simulate --listen`: 4 bytes length of what follows (little-endian), 1
+/// byte kind, then the contents. Both sides refuse records longer than kMaxBytes.
+namespace record {
+inline constexpr std::uint8_t kCanFrame =
+    1;  ///< id (4, bit 31: 29 bits, bit 30: FD, bit 29: rate switch), then the data
+inline constexpr std::uint8_t kPress =
+    2;  ///< module (4), taxel (1) or kWholeModule: the virtual finger presses it, nothing else
+inline constexpr std::uint8_t kWholeModule = 0xFF;
+inline constexpr std::uint8_t kLift = 3;
+inline constexpr std::size_t kMaxBytes = 4096;
+
+/// Appends a record.
+void put(std::vector<std::uint8_t>& out, std::uint8_t kind, std::span<const std::uint8_t> contents);
+void put_frame(std::vector<std::uint8_t>& out, const wire::CanFrame& frame);
+
+struct Record {
+  std::uint8_t kind = 0;
+  std::vector<std::uint8_t> contents;
+};
+/// Takes the first whole record out of `in`; empty when there is none yet. Throws DeviceError on a length that cannot
+/// be.
+[[nodiscard]] std::optional<Record> take(std::vector<std::uint8_t>& in);
+/// Throws DeviceError when the contents are no frame.
+[[nodiscard]] wire::CanFrame frame_of(const Record& record);
+}  // namespace record
+
+/// A simulation that runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time.
+class TcpLink final : public Link, private Finger {
+ public:
+  /// Throws DeviceError when nobody listens there.
+  explicit TcpLink(const HostPort& to);
+  ~TcpLink() override;
+  TcpLink(const TcpLink&) = delete;
+  TcpLink& operator=(const TcpLink&) = delete;
+
+  void send(const wire::CanFrame& frame) override;
+  std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
+  [[nodiscard]] std::uint64_t now_us() const override;
+  [[nodiscard]] bool fd() const override { return true; }
+  [[nodiscard]] std::uint64_t answer_us() const override { return 2'000'000; }
+  [[nodiscard]] std::string name() const override { return name_; }
+  [[nodiscard]] Finger* finger() override { return this; }
+
+ private:
+  void press(int module, int taxel) override;
+  void lift() override;
+  void write_all(const std::vector<std::uint8_t>& bytes);
+  [[noreturn]] void fail(const std::string& what) const;
+
+  std::string name_;
+  int socket_ = -1;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::vector<std::uint8_t> in_;
+};
+
+}  // namespace triskin::device

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/simlink/sim_link.hpp"
+
+#include "triskin/wire/uds.hpp"
+
+namespace triskin::device {
+
+SimLink::SimLink(scene::Scene scene, const std::filesystem::path& state_folder)
+    : skin_(std::move(scene), state_folder) {
+  skin_.on_frame([this](const wire::CanFrame& frame, std::uint64_t) { inbox_.push_back(frame); });
+}
+
+std::optional<wire::CanFrame> SimLink::receive(std::uint64_t until_us) {
+  if (inbox_.empty()) skin_.run_until_frame(until_us);
+  if (inbox_.empty()) return std::nullopt;
+  const wire::CanFrame frame = inbox_.front();
+  inbox_.pop_front();
+  return frame;
+}
+
+std::uint64_t SimLink::answer_us() const {
+  return 2 * wire::kP2_us;
+}
+
+void SimLink::press(int module, int taxel) {
+  lift();
+  touch_ = skin_.press_module(module, taxel);
+}
+
+void SimLink::lift() {
+  if (touch_ != 0) skin_.release(touch_);
+  touch_ = 0;
+}
+
+}  // namespace triskin::device

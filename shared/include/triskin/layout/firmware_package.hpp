@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/base/status.hpp"
+
+/// A firmware file: the application linked for slot A, and for slot B. docs/firmware_board.md, "Firmware package".
+namespace triskin::layout {
+
+inline constexpr std::array<std::uint8_t, 4> kPackageMagic{'T', 'S', 'K', 'F'};
+inline constexpr std::uint16_t kPackageVersion = 1;
+inline constexpr std::size_t kPackageHeadBytes = 32;
+inline constexpr std::uint32_t kMostImageBytes = 0x3C000 - 2048;
+
+struct PackageHead {
+  std::uint32_t firmware_version = 0;
+  std::array<std::uint32_t, 2> size_bytes{}, crc{};  ///< of each slot's image; sizes are multiples of 8
+  [[nodiscard]] constexpr std::uint32_t offset(int slot) const {
+    return static_cast<std::uint32_t>(kPackageHeadBytes) + (slot == 0 ? 0 : size_bytes[0]);
+  }
+  [[nodiscard]] constexpr std::uint32_t total() const { return offset(1) + size_bytes[1]; }
+};
+
+/// Errors: kTooShort, kBadMagic, kBadVersion, kBadCrc (of the head), kOutOfRange (sizes).
+[[nodiscard]] constexpr Result<PackageHead> decode_package_head(Bytes bytes) {
+  if (bytes.size() < kPackageHeadBytes) return std::unexpected(Status::kTooShort);
+  for (std::size_t k = 0; k < kPackageMagic.size(); ++k) {
+    if (bytes[k] != kPackageMagic[k]) return std::unexpected(Status::kBadMagic);
+  }
+  ByteReader r(bytes.subspan(kPackageMagic.size()));
+  if (r.le16() != kPackageVersion || r.le16() != kPackageHeadBytes) return std::unexpected(Status::kBadVersion);
+  PackageHead head;
+  head.firmware_version = r.le32();
+  for (std::uint32_t& v : head.size_bytes) v = r.le32();
+  for (std::uint32_t& v : head.crc) v = r.le32();
+  if (r.le32() != crc32(bytes.first(kPackageHeadBytes - 4))) return std::unexpected(Status::kBadCrc);
+  for (const std::uint32_t size : head.size_bytes) {
+    if (size < 512 || size > kMostImageBytes || size % 8 != 0) return std::unexpected(Status::kOutOfRange);
+  }
+  return head;
+}
+
+inline constexpr std::uint32_t kCommitMagic = 0x4D4D4F43;  ///< "COMM"
+
+/// CRC of the commit record's first twelve bytes and the image: size and sequence are covered as well.
+[[nodiscard]] constexpr std::uint32_t slot_crc(std::uint32_t sequence, Bytes image) {
+  std::array<std::uint8_t, 12> head{};
+  ByteWriter w(head);
+  w.le32(kCommitMagic);
+  w.le32(sequence);
+  w.le32(static_cast<std::uint32_t>(image.size()));
+  return crc32(image, crc32(head));
+}
+
+}  // namespace triskin::layout

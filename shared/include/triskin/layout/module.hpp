@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+/// Facts of a module and of the controller that reads it. The only owner of these numbers; the side length of a module
+/// belongs to the geometry.
+namespace triskin::layout {
+
+inline constexpr int kTaxelsPerModule = 12;  ///< inputs CIN0 … CIN11 of the module's AD7147
+/// Taxels in order of their converter input; a mask of taxels has bit t for taxel t.
+inline constexpr std::uint16_t kAllTaxels = (1U << kTaxelsPerModule) - 1U;
+/// Taxels that measure the temperature: they do not feel a finger. The others measure pressure.
+inline constexpr std::array<std::size_t, 2> kTemperaturePads{6, 10};
+
+/// Whether a taxel measures pressure. `taxel`: 0 … kTaxelsPerModule − 1.
+[[nodiscard]] constexpr bool measures_pressure(std::size_t taxel) {
+  for (const std::size_t pad : kTemperaturePads) {
+    if (pad == taxel) return false;
+  }
+  return true;
+}
+/// Mask of the taxels that measure pressure.
+inline constexpr std::uint16_t kPressureTaxels = [] {
+  unsigned mask = kAllTaxels;
+  for (const std::size_t pad : kTemperaturePads) mask &= ~(1U << pad);
+  return static_cast<std::uint16_t>(mask);
+}();
+inline constexpr int kPressureTaxelsPerModule = kTaxelsPerModule - static_cast<int>(kTemperaturePads.size());
+
+inline constexpr std::size_t kPorts = 3;                        ///< of a module, one a side: A, B, C
+inline constexpr std::uint8_t kRotations = 3;                   ///< tile sides that port A may lie on
+inline constexpr int kLines = 4;                                ///< I²C lines of a controller
+inline constexpr int kAddressesPerLine = 4;                     ///< the AD7147 has two address pins
+inline constexpr int kMaxModules = kLines * kAddressesPerLine;  ///< of a controller
+inline constexpr std::uint8_t kFirstCdcAddress = 0x2C;          ///< AD7147 data sheet: ADD1, ADD0 = 0
+
+/// Address of a converter on its line, 7 bits. `address`: 0 … kAddressesPerLine − 1, as in the table.
+[[nodiscard]] constexpr std::uint8_t cdc_address(int address) {
+  return static_cast<std::uint8_t>(kFirstCdcAddress + address);
+}
+
+/// Node addresses of controllers on a bus. A controller that was never assigned one has kFirstNode.
+inline constexpr std::uint8_t kFirstNode = 1, kLastNode = 126;
+inline constexpr std::size_t kMaxNodes = kLastNode - kFirstNode + 1;
+[[nodiscard]] constexpr bool is_node_address(unsigned address) {
+  return address >= kFirstNode && address <= kLastNode;
+}
+
+static_assert(kPressureTaxels == 0b1011'1011'1111);
+static_assert(measures_pressure(5) && !measures_pressure(6) && !measures_pressure(10) && measures_pressure(11));
+static_assert(!is_node_address(0) && is_node_address(1) && is_node_address(126) && !is_node_address(127));
+
+}  // namespace triskin::layout
