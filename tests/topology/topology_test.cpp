@@ -11,14 +11,14 @@ namespace {
 
 using Fault = SwitchedPatch::JointFault;
 
-std::array<fw::Slot, layout::kMaxModules> slots_of(int modules) {
-  std::array<fw::Slot, layout::kMaxModules> slots{};
+std::array<fw::LineAddress, layout::kMaxModules> addresses_of(int modules) {
+  std::array<fw::LineAddress, layout::kMaxModules> addresses{};
   // Not in order, so that a slot given to the wrong module shows.
   for (int m = 0; m < modules; ++m) {
     const int s = (7 * m + 3) % 16;
-    slots[static_cast<std::size_t>(m)] = {static_cast<std::uint8_t>(s % 4), static_cast<std::uint8_t>(s / 4)};
+    addresses[static_cast<std::size_t>(m)] = {static_cast<std::uint8_t>(s % 4), static_cast<std::uint8_t>(s / 4)};
   }
-  return slots;
+  return addresses;
 }
 
 struct Failure {
@@ -81,7 +81,7 @@ class Bench {
         model(patch.joints, patch.cable_port, seed),
         chain(model),
         topology(chain),
-        table{table_of(patch), slots_of(patch.size()), {}} {}
+        table{table_of(patch), addresses_of(patch.size()), {}} {}
 
   // After healing: exactly the best set is reached, least deep, each module at its own line and address.
   void expect_best(const std::vector<Failure>& failures) {
@@ -101,8 +101,8 @@ class Bench {
       ASSERT_EQ(model.depth_of(m), best[k]) << "module " << m;
       ASSERT_EQ((report.alive >> m & 1) != 0, best[k] >= 0) << "module " << m;
       if (best[k] < 0) continue;
-      ASSERT_EQ(model.line_of(m), table.slots[k].line);
-      ASSERT_EQ(model.address_of(m), table.slots[k].address);
+      ASSERT_EQ(model.line_of(m), table.addresses[k].line);
+      ASSERT_EQ(model.address_of(m), table.addresses[k].address);
     }
     EXPECT_TRUE(topology.intact());
   }
@@ -250,8 +250,8 @@ TEST(Faults, stuck_register_bits_end_in_bounded_time_without_a_wrong_map) {
           ASSERT_TRUE(bench.model.reached(k))
               << "trial " << trial << ": bit " << bit << " of " << m << ", module " << k << " of " << bench.patch.size()
               << ", table " << report.alive << ", cable " << bench.patch.cable_port;
-          ASSERT_EQ(bench.model.line_of(k), bench.table.slots[static_cast<std::size_t>(k)].line);
-          ASSERT_EQ(bench.model.address_of(k), bench.table.slots[static_cast<std::size_t>(k)].address);
+          ASSERT_EQ(bench.model.line_of(k), bench.table.addresses[static_cast<std::size_t>(k)].line);
+          ASSERT_EQ(bench.model.address_of(k), bench.table.addresses[static_cast<std::size_t>(k)].address);
         }
         bench.model.set_stuck_bit(m, bit, -1);
       }

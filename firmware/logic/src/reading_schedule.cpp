@@ -204,7 +204,7 @@ std::optional<std::uint64_t> ReadingSchedule::read(std::size_t station, std::uin
     plan.to_pass = every_;
   }
   advance(plan);
-  plan.clear_wanted = plan.clock.look_wanted();
+  plan.clear_wanted = plan.clock.refinement_wanted();
   plan.restart_wanted = would_miss(plan) || plan.clock.uncertain();
   if (!plan.restart_wanted) return sampled;
   plan.clear_wanted = false;
@@ -220,7 +220,7 @@ void ReadingSchedule::restarted(std::size_t station, std::uint64_t ended_us) {
   plan.clock.restart(ended_us);
   plan.to_pass += plan.passed - 1;
   if (plan.to_pass > 0) advance(plan);
-  plan.clear_wanted = plan.clock.look_wanted();
+  plan.clear_wanted = plan.clock.refinement_wanted();
 }
 
 void ReadingSchedule::failed(std::size_t station) {
@@ -252,8 +252,8 @@ void ReadingSchedule::refine(Plan& plan, std::uint16_t status) {
     plan.status_us = 0;
     return;
   }
-  plan.clock.looked(plan.status_us, stage, (before_and_this & 2U) != 0);
-  if (plan.clock.look_wanted()) return plan_refinement(plan);
+  plan.clock.refine(plan.status_us, stage, (before_and_this & 2U) != 0);
+  if (plan.clock.refinement_wanted()) return plan_refinement(plan);
   plan.status_us = 0;
 }
 

@@ -59,7 +59,7 @@ class Application final : private UdsHost {
   void reset_when_answered();
   void restart_sampling();
   void keep_route();
-  void distrust();
+  void invalidate_samples();
   [[nodiscard]] std::span<Channel> channels() { return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1); }
   [[nodiscard]] std::span<const Channel> channels() const {
     return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1);
@@ -72,13 +72,13 @@ class Application final : private UdsHost {
   static void send_pending(Channel& channel, std::uint64_t now_us);
   void take_samples();
   void tick();
-  void queue_full(std::size_t module);
+  void queue_full(TableRow row);
   void queue_icub();
   Status set_sampling(Bytes value);
   void write_hello(ByteWriter& out) const;
   void write_live(ByteWriter& out) const;
   void write_states(ByteWriter& out) const;
-  /// What counts. With switched modules that is what was read before the last good look at the chain.
+  /// What counts. With switched modules that is what was read before the last check of the chain that passed.
   [[nodiscard]] const ModuleSample& shown(std::size_t row) const {
     return route_.switched() ? published_[row] : samples_[row];
   }
@@ -94,7 +94,7 @@ class Application final : private UdsHost {
   std::array<ModuleSample, layout::kMaxModules> samples_{};
   std::array<ModuleSample, layout::kMaxModules> published_{};
   RouteKeeper route_;
-  bool quiet_ = false;  ///< sampling comes to rest
+  bool pausing_ = false;  ///< the lines end their transfers and begin none
   Sampling sampling_;
   wire::TaxelOutput output_ = wire::TaxelOutput::kRaw;
   std::uint64_t next_tick_us_ = 0;

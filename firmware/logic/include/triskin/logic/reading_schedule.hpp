@@ -80,7 +80,7 @@ class ReadingSchedule {
   struct Plan {
     bool running = false;  // read once a sequence
     bool clear_wanted = false, restart_wanted = false;
-    int refine_stage = 0;          // whose end is looked for in the status next
+    int refine_stage = 0;          // whose end the status is to show next
     std::uint32_t to_pass = 0;     // sequences until the one that is to be sampled: 0, the present one
     std::uint32_t passed = 1;      // sequences that the clock went on by
     std::uint32_t missed = 0;      // see take_missed()
