@@ -159,9 +159,9 @@ void LineSampler::start(Job job) {
 
 // Sequences that came and went unread leave out their numbers.
 void LineSampler::count_missed() {
-  for (const Station& station : stations()) {
-    const std::uint32_t missed = schedule_.take_missed(number_of(station));
-    if (station.phase == Phase::kRun) sample_of(station).number += missed;
+  for (std::size_t k = 0; k < station_count_; ++k) {
+    const std::uint32_t missed = schedule_.take_missed(k);
+    if (stations_[k].phase == Phase::kRun) sample_of(stations_[k]).number += missed;
   }
 }
 
