@@ -15,7 +15,7 @@ namespace triskin::test {
 namespace {
 
 SwitchedPatch model_of(const design::Design& design, std::uint64_t seed) {
-  std::vector<std::array<SwitchedPatch::End, 3>> joints;
+  design::PortEnds joints;
   for (const auto& ends : design::joints_of(design, 0)) {
     auto& row = joints.emplace_back();
     for (std::size_t p = 0; p < 3; ++p) row[p] = {ends[p].row, ends[p].port};
@@ -29,8 +29,7 @@ SwitchedPatch model_of(const design::Design& design, std::uint64_t seed) {
 }
 
 int row_of(const design::Patch& patch, int node) {
-  return static_cast<int>(std::ranges::find(patch.modules, node, &design::RoutedModule::node) -
-                          patch.modules.begin());
+  return static_cast<int>(std::ranges::find(patch.modules, node, &design::RoutedModule::node) - patch.modules.begin());
 }
 
 void break_it(SwitchedPatch& model, const design::Design& design, const design::FailureLoss& f, bool broken) {
