@@ -251,8 +251,8 @@ void Application::queue(const Frames&... frames) {
 void Application::queue_full(std::size_t module) {
   const ModuleSample& s = samples_[module];
   const auto& value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output();
-  queue(wire::encode_full({tables_.node_address(), static_cast<std::uint8_t>(module), s.number, s.time_us, s.valid,
-                           static_cast<std::uint8_t>(s.state), value}));
+  queue(wire::encode_full(
+      {tables_.node_address(), static_cast<std::uint8_t>(module), s.number, s.time_us, s.valid, s.state, value}));
 }
 
 void Application::queue_icub() {
