@@ -187,7 +187,7 @@ TEST(Healing, any_two_failures_end_at_the_best_possible) {
       for (std::size_t b = a + 1; b < list.size(); ++b) {
         if (random() % 3 != 0) continue;
         if (list[a].module == list[b].module && list[a].module >= 0) continue;
-        if (list[a].module < 0 && list[b].module < 0 && list[a].joint.module == list[b].joint.module &&
+        if (list[a].module < 0 && list[b].module < 0 && list[a].joint.row == list[b].joint.row &&
             list[a].joint.port == list[b].joint.port)
           continue;
         apply(bench.model, list[a]);
