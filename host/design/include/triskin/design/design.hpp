@@ -19,6 +19,7 @@ namespace triskin::design {
 struct Design {
   static constexpr int kVersion = 1;
 
+  /// Figures of the whole design.
   struct Report {
     double area_cm2 = 0.0;
     double coverage = 0.0;  ///< modules · 389.7 mm² / area

@@ -11,6 +11,7 @@ namespace triskin::design {
 /// (graph_of) has node = module id; in a ModuleList node k has the file's id ids[k]; the CAN address of a controller is
 /// always called node address.
 struct ModuleGraph {
+  /// One module.
   struct Node {
     std::array<int, 3> neighbour{-1, -1, -1};  ///< node joined across tile side s, −1: none; symmetric
     /// An entry cable can reach side s; always false where a neighbour is joined.

@@ -33,6 +33,7 @@ struct KeepOutBox {
 
 /// Steps beyond repair. Lengths > 0 mm.
 struct ExtractOptions {
+  /// When a step is taken.
   enum class When { kNever, kWhenNeeded, kAlways };
   When outer = When::kNever;    ///< drop what sees little of the sky; needed: several large parts, or edges with more
                                 ///< than two faces
