@@ -20,7 +20,7 @@ struct LayoutLimits {
   double overrun_mm = 0.5;  ///< largest distance by which a module may stand over the border of the surface
 };
 
-/// One rigid module on the surface. Corners are those of its tile, in tile order (lattice.hpp), so that
+/// One rigid module on the surface. Corners are those of its tile, in tile order (tile.hpp), so that
 /// side s runs from corner s to corner (s+1) % 3 counter-clockwise seen from outside.
 struct PlacedModule {
   int island = 0;                            ///< 0-based

@@ -10,7 +10,8 @@
 
 namespace triskin::design {
 
-/// Modules from elsewhere, as `triskin route` reads them (docs/cli.md): lattice places, optional island and border.
+/// Modules from elsewhere, as `triskin route` reads them (docs/cli.md, Input of `route`): lattice places, optional
+/// island and border.
 struct ModuleList {
   std::vector<int> ids;  ///< of node k
   std::vector<Tile> tiles;

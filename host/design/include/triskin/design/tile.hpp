@@ -13,7 +13,7 @@ inline constexpr double kSide_mm = 30.0;
 inline constexpr double kHeight_mm = 25.980762113533160;  // 30·√3/2
 inline constexpr double kModuleArea_mm2 = 389.71143170299738;
 
-/// One triangle of the isometric grid (docs/cli.md): vertex (i, j) lies at (a(i + j/2), h·j).
+/// One triangle of the isometric grid (docs/design_file.md): vertex (i, j) lies at (a(i + j/2), h·j).
 /// The up triangle of cell (i, j) has corners (i,j), (i+1,j), (i,j+1); the down one (i+1,j), (i+1,j+1), (i,j+1).
 /// Both are listed counter-clockwise; side s runs from corner s to corner (s+1) % 3.
 struct Tile {

@@ -17,7 +17,7 @@ struct TiledPiece {
 /// Brings placed tiles back to the surface as rigid modules: corners through the flat triangles, then joined corners
 /// are averaged, projected and refitted (Kabsch) until they settle; modules and joints that break a limit are given up,
 /// the worst first. Islands are what stays joined. Metrics of each module are measured against the surface
-/// (measure.hpp).
+/// (docs/design_file.md says how each is defined).
 [[nodiscard]] ModuleLayout map_modules(const Surface& surface, const std::vector<TiledPiece>& pieces,
                                        const LayoutLimits& limits);
 
