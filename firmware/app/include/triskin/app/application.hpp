@@ -23,6 +23,7 @@ inline constexpr std::uint32_t kFirmwareVersion = 0x00'01'00'00;  ///< 0.1.0: ma
 /// The patch controller: the only place that knows all parts. step() does what is due and returns at once.
 class Application final : private UdsHost {
  public:
+  /// Loads the newest table and begins to sample. Everything that `ports` points to must outlive the application.
   explicit Application(const Ports& ports);
 
   /// Handles frames, bus transfers and timers that are due.

@@ -11,6 +11,7 @@ namespace triskin::boot {
 /// The loader's side of an update over CAN (wire/loader_protocol.hpp). The board starts applications.
 class Loader {
  public:
+  /// `slots` and `can` must outlive the loader; hosts select it by the CRC of `unique_id`.
   Loader(SlotStore& slots, fw::CanPort& can, const wire::UniqueId& unique_id)
       : slots_(slots), can_(can), id_crc_(crc32(unique_id)) {}
   static constexpr std::uint64_t kPatience_us = 5'000'000;

@@ -17,6 +17,7 @@ struct SlotState {
   int starts = 0;
   std::uint32_t sequence = 0, size_bytes = 0;
   std::uint32_t record_crc = 0;  ///< slot_crc() of what was committed
+  /// Whether the loader may start it: valid, and confirmed or tried fewer than kMaxStarts times.
   [[nodiscard]] bool startable() const { return valid && (confirmed || starts < kMaxStarts); }
 };
 
