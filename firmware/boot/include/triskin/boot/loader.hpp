@@ -18,7 +18,8 @@ class Loader {
 
   /// True: start the newest slot now.
   bool handle(const wire::CanFrame& frame, std::uint64_t now_us);
-  /// A host has said hello and something since: wait for it, until then.
+  /// Time until which the loader waits for the next frame of a host that has said hello, µs of the board's clock; 0: no
+  /// host.
   [[nodiscard]] std::uint64_t stays_until_us() const { return stays_until_us_; }
 
  private:

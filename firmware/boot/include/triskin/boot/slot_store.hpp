@@ -27,8 +27,8 @@ struct SlotState {
 }
 
 /// The two application slots. Each ends with a page of records that are only ever added to (docs/firmware_board.md):
-/// commit (sequence, size, CRC), up to three starts, confirmation. A cut of power leaves the slot as it was or as it
-/// shall be.
+/// commit (sequence, size, CRC), up to three starts, confirmation. A power cut leaves the slot in its old or its new
+/// state.
 class SlotStore {
  public:
   /// `origins`: where the flash of each slot stands in the address space, for which its image is linked.

@@ -14,7 +14,8 @@
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/unique_id.hpp"
 
-/// What the application sees of a board. Implemented in board/, wired once in app/. No call blocks.
+/// Interfaces of a board, as application and loader use them. Implemented in firmware/board; `Ports` joins them. No
+/// call blocks but those that say so.
 namespace triskin::fw {
 
 /// One I²C line. A transfer writes bytes, then reads bytes after a repeated start (either may be empty), in the
@@ -75,7 +76,7 @@ class FlashArea {
   [[nodiscard]] virtual Bytes bytes() const = 0;
 };
 
-/// The way back to the loader, which then starts an application. Absent where there is none.
+/// Reset into the loader, which then starts an application. Boards without a loader have none.
 class Restart {
  public:
   virtual ~Restart() = default;

@@ -9,7 +9,7 @@
 
 namespace triskin::machine {
 
-/// What an ELF says: bytes by load address, symbols.
+/// Content of an ELF file: bytes by load address, values of symbols.
 struct ElfImage {
   std::map<std::uint32_t, std::vector<std::uint8_t>> segments;  ///< only those with bytes in the file
   std::map<std::string, std::uint32_t> symbols;
@@ -21,7 +21,7 @@ struct ElfImage {
 /// Throws InputError naming the file when it is no 32-bit ARM ELF.
 [[nodiscard]] ElfImage read_elf(const std::filesystem::path& path);
 
-/// What the silicon does to its cells at a time: erases a page, or programs a unit once.
+/// One operation of the silicon on its cells: erases a page, or programs a unit.
 struct FlashOperation {
   bool erase = false;
   std::uint32_t index = 0;  ///< of the page, or of the unit

@@ -17,7 +17,7 @@
 
 namespace triskin::machine {
 
-/// What is soldered around the controller. Everything outlives the machine.
+/// Hardware around the microcontroller. Everything must outlive the machine.
 struct MachineSetup {
   std::array<sim::I2cBus*, 4> lines{};  ///< none null
   FlashChip* flash = nullptr;

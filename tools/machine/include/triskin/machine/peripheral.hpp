@@ -8,13 +8,13 @@
 
 namespace triskin::machine {
 
-/// Something that the silicon would have refused or that leads to undefined behaviour there.
+/// An access that the silicon refuses, or after which its behaviour is undefined.
 struct Violation {
   std::uint64_t at_us = 0;
   std::string what;
 };
 
-/// What every peripheral sees of the machine.
+/// Interface through which a peripheral model acts on the machine: time, interrupts, resets, violations.
 class Surroundings {
  public:
   virtual ~Surroundings() = default;

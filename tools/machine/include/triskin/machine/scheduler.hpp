@@ -7,11 +7,12 @@
 
 namespace triskin::machine {
 
-/// Virtual time in picoseconds since power-up: exact for every clock of the chip, and wide enough for 213 days.
+/// Virtual time since power-up, ps: exact for every clock of the chip; the type holds 213 days.
 using Time = std::uint64_t;
 inline constexpr Time kMicrosecond = 1'000'000, kSecond = 1'000'000'000'000, kNever = ~Time{0};
 
-/// Things that happen at a time. Equal times run in the order of their booking: a run is deterministic.
+/// Event queue in virtual time. Events of equal time run in the order in which they were booked, so a run is
+/// deterministic.
 class Scheduler {
  public:
   /// Virtual time since power-up, ps.

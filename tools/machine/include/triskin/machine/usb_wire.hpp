@@ -6,7 +6,7 @@
 
 namespace triskin::machine {
 
-/// What a host gets from the device for a token. kNone: nothing came back.
+/// Reply of the device to a token of the host. kNone: no reply.
 enum class UsbReply { kNone, kNak, kStall, kAck };
 
 struct UsbIn {
