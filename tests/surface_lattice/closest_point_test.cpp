@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "near_surface.hpp"
+#include "../../host/geometry/src/surface_lattice/near_surface.hpp"  // no public header
 #include "shapes.hpp"
 
 namespace triskin::geometry {
