@@ -5,7 +5,7 @@
 
 namespace triskin {
 
-/// What cannot go on. The message names the thing, the place and the remedy.
+/// Error that ends a command. The message names the thing, the place and the remedy.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
