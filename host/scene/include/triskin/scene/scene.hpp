@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "triskin/design/design.hpp"
+#include "triskin/host/names.hpp"
 
 namespace triskin::scene {
 
@@ -43,7 +47,27 @@ enum class FaultKind {
   kExtraJoint,         ///< module, other: of one patch; first free port of each
   kSwappedPatches,     ///< patch, other: each controller is plugged into the other's patch
 };
-[[nodiscard]] const char* name_of(FaultKind kind);
+/// Names in scene files (docs/scene.md).
+inline constexpr NameTable kFaultKindNames{std::array<std::pair<FaultKind, std::string_view>, 18>{{
+    {FaultKind::kRemovedChip, "removed_chip"},
+    {FaultKind::kMovedChip, "moved_chip"},
+    {FaultKind::kSwappedChips, "swapped_chips"},
+    {FaultKind::kStuckLine, "stuck_line"},
+    {FaultKind::kWrongId, "wrong_id"},
+    {FaultKind::kLostConfiguration, "lost_configuration"},
+    {FaultKind::kSaturatedTaxel, "saturated_taxel"},
+    {FaultKind::kFrozenTaxel, "frozen_taxel"},
+    {FaultKind::kFingerElsewhere, "finger_elsewhere"},
+    {FaultKind::kRotatedModule, "rotated_module"},
+    {FaultKind::kDeadModule, "dead_module"},
+    {FaultKind::kHeldLine, "held_line"},
+    {FaultKind::kStuckBit, "stuck_bit"},
+    {FaultKind::kModuleReset, "module_reset"},
+    {FaultKind::kOpenJoint, "open_joint"},
+    {FaultKind::kShortedJoint, "shorted_joint"},
+    {FaultKind::kExtraJoint, "extra_joint"},
+    {FaultKind::kSwappedPatches, "swapped_patches"},
+}}};
 
 struct Fault {
   FaultKind kind = FaultKind::kRemovedChip;

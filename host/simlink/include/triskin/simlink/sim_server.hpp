@@ -7,7 +7,7 @@
 
 namespace triskin::device {
 
-/// Serves a simulated skin over TCP. All clients share one bus; one that sends nonsense is dropped.
+/// Serves a simulated skin over TCP. All clients share one bus; one that sends a malformed record is dropped.
 class SimServer final : public SkinServer {
  public:
   /// Listens; port 0 takes a free one. Throws DeviceError when the address cannot be used.

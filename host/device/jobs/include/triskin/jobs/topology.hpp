@@ -4,15 +4,15 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
+#include "triskin/jobs/finding_kind.hpp"
 #include "triskin/wire/topology.hpp"
 
 namespace triskin::device {
 
-/// One way in which the modules and joints that were found differ from a patch of a design. Kinds: missing_module,
-/// missing_joint, extra_joint, extra_module, rotated_module, swapped_modules, wrong_entry, second_cable
-/// (docs/switched_module.md).
+/// One way in which the modules and joints that were found differ from a patch of a design: the third group
+/// of FindingKind, and kSwappedModules.
 struct TopologyDifference {
-  std::string kind;
+  FindingKind kind = FindingKind::kMissingModule;
   int module = -1;  ///< of the design
   int other = -1;   ///< the second module of a joint or an exchange
   int steps = 0;    ///< rotated_module: by how many times 120°

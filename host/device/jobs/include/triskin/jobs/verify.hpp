@@ -6,15 +6,14 @@
 
 #include "triskin/design/design.hpp"
 #include "triskin/host/progress.hpp"
+#include "triskin/jobs/finding_kind.hpp"
 #include "triskin/session/bus.hpp"
 
 namespace triskin::device {
 
-/// One thing that does not match the design. Kinds: absent_controller, not_flashed, wrong_table, absent_module,
-/// wrong_address, duplicate_address, swapped_modules, touched_other_module, no_touch_response, wrong_id,
-/// lost_configuration, stuck_line, saturated_taxel, frozen_taxel, intermittent_module (docs/device.md).
+/// One thing that does not match the design.
 struct Finding {
-  std::string kind;
+  FindingKind kind = FindingKind::kAbsentController;
   int module = -1;  ///< -1: concerns a controller or a line
   int patch = -1;
   int other = -1;  ///< the module that answered instead, where there is one
@@ -38,7 +37,7 @@ struct VerifyResult {
   int modules = 0;
   int touched = 0;  ///< modules that were pressed
   std::vector<Finding> findings;
-  /// What the controllers remember from before, and is not there now (kinds lost_configuration, intermittent_module).
+  /// What the controllers remember from before, and is not there now (kLostConfiguration, kIntermittentModule).
   /// It was deleted from their memories, so that what comes again is found again.
   std::vector<Finding> earlier;
 };

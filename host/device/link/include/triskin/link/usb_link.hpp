@@ -73,10 +73,10 @@ class UsbLink final : public Link {
     std::jthread reader;
     bool gone = false;
   };
-  static constexpr std::chrono::milliseconds kLook{2000};  // for devices that were plugged in, where nobody tells
-  static constexpr std::chrono::milliseconds kSlice{50};   // between two questions whether somebody has told
+  static constexpr std::chrono::milliseconds kScanEvery{2000};  // where the driver reports no hot-plug events
+  static constexpr std::chrono::milliseconds kSlice{50};        // between two calls of UsbDriver::changed
 
-  void look();
+  void open_new_devices();
   void read_all(Device& device, const std::stop_token& stop);
   void remove_gone();
   [[nodiscard]] std::optional<wire::CanFrame> next_frame(std::uint64_t until_us);
@@ -84,7 +84,7 @@ class UsbLink final : public Link {
 
   std::unique_ptr<UsbDriver> driver_;
   std::string serial_, name_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_look_ = start_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_scan_ = start_;
   mutable std::mutex mutex_;  // frames_, gone, lost_, nodes_
   std::condition_variable came_;
   std::deque<wire::CanFrame> frames_;

@@ -84,7 +84,7 @@ class Bus {
  private:
   static constexpr int kRepeats = 5;
   static constexpr std::uint64_t kClaimWindow_us = 60'000;
-  static constexpr std::uint64_t kLook_us = 200'000;  // for a request to end
+  static constexpr std::uint64_t kInterruptPoll_us = 200'000;  // longest time between two checks for a request to end
 
   wire::IsoTp& connection(std::uint8_t node);
   /// Sends once and waits; empty: no answer in time.
