@@ -10,7 +10,8 @@
 
 namespace triskin::device {
 
-/// What was asked of one patch. Rows are those of its table, that is the order of the design's patch.
+/// Answers of one patch. Rows are those of the table `image`; with a backup table the order of the design's patch
+/// differs.
 struct PatchState {
   int patch = 0;
   layout::PatchImage image;

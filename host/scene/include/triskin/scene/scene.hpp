@@ -98,14 +98,15 @@ struct Scene {
   Effects effects;
 };
 
-/// Reads a scene file, or a design file (then nothing touches the skin and nothing is wrong). Throws InputError naming
+/// Reads a scene file, or a design file (then there are no contacts and no faults). Throws InputError naming
 /// file and key: wrong types or ranges, unknown keys or kinds, a module that the design does not have.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
 
-/// How a module is really turned: the design's rotation, and what the faults make of it.
+/// Rotation 0..2 of a module (id in the design) as assembled: the design's, changed by the faults of the scene. Throws
+/// std::out_of_range for a module that the design lacks.
 [[nodiscard]] int real_rotation(const Scene& scene, int module);
 
-/// Centre of a module on its outer side, mm.
+/// Centroid of a module's corners, mesh frame, mm. Throws std::out_of_range for a module that the design lacks.
 [[nodiscard]] design::Vec3 center_of(const design::Design& design, int module);
 
 }  // namespace triskin::scene

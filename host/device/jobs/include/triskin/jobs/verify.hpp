@@ -25,11 +25,11 @@ struct Finding {
 };
 
 struct VerifyOptions {
-  bool touch =
-      false;  ///< press every module in turn: by the finger of a simulated link, else by the person who is asked
+  /// Press every module in turn: with the finger of a simulated link, otherwise by the person who is asked.
+  bool touch = false;
   /// Asks a person to press a module and to say when; false: skip this module. Needed for touch on real links.
   std::function<bool(int module)> ask;
-  double watch_s = 2.0;  ///< least time over which faults that come and go are collected
+  double watch_s = 2.0;  ///< shortest time over which intermittent faults are collected, s, ≥ 0
 };
 
 struct VerifyResult {
@@ -42,8 +42,10 @@ struct VerifyResult {
   std::vector<Finding> earlier;
 };
 
-/// Asks the hardware whether it is the design. Throws DeviceError when nothing answers at all or a controller is lost
-/// on the way.
+/// Compares the hardware with the design: controllers, tables, modules, taxels, joints. Clears the fault memories of
+/// the controllers. Takes watch_s at least, with touch 0.1 s a module on a simulated link. Progress has a part for each
+/// patch. Throws DeviceError when no controller answers or one stops answering, InputError when the design does not fit
+/// into tables, Cancelled when the process was asked to end.
 VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions& options,
                     const ProgressSink& progress = {});
 

@@ -15,16 +15,19 @@
 
 namespace triskin::device {
 
-/// A pipe to one USB device. One thread reads, one writes. Throws DeviceError when the device is gone.
+/// A pipe to one USB device. Threads: one may read while another writes. Calls throw DeviceError when the device is
+/// gone.
 class UsbPipe {
  public:
   virtual ~UsbPipe() = default;
+  /// Sends one packet; waits until the device has taken it.
   virtual void write(const wire::UsbPacket& packet) = 0;
-  /// Whole packets one after another, each wire::kUsbPacketBytes long but the last. Waits up to `timeout_ms`; 0:
-  /// nothing came.
+  /// Reads whole packets one after another, each wire::kUsbPacketBytes long but the last; waits up to `timeout_ms` for
+  /// the first. Returns the number of bytes; 0: nothing arrived.
   virtual std::size_t read(std::span<std::uint8_t> packets, int timeout_ms) = 0;
+  /// Serial number: the unique id of the controller, 24 hexadecimal digits.
   [[nodiscard]] virtual std::string serial() const = 0;
-  /// Where it is plugged in: two pipes with one place are one device.
+  /// Path of the port; pipes with equal places lead to one device.
   [[nodiscard]] virtual std::string place() const = 0;
 };
 
@@ -32,16 +35,18 @@ class UsbPipe {
 class UsbDriver {
  public:
   virtual ~UsbDriver() = default;
-  /// All that are plugged in now and not at one of `places`; only this serial number unless empty. Throws DeviceError
-  /// when the devices are there but cannot be opened (with the remedy), and none could.
+  /// Opens all devices that are plugged in and not at one of `places`; `serial` selects one of them, empty: all. Throws
+  /// DeviceError with the remedy when devices are there and none could be opened.
   virtual std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial,
                                                      const std::vector<std::string>& places) = 0;
-  /// A device has come or gone since this was asked last, as far as the system tells (hot-plug events); asked often,
-  /// costs little.
+  /// True: a hot-plug event has arrived since the last call; false also where the system reports none. Cheap.
   [[nodiscard]] virtual bool changed() { return false; }
+  /// "hid" or "usb", as `--link` has it.
   [[nodiscard]] virtual std::string name() const = 0;
 };
+/// Driver of the HID interface. Throws DeviceError when hidapi cannot be started.
 [[nodiscard]] std::unique_ptr<UsbDriver> make_hid_driver();
+/// Driver of the vendor interface. Throws DeviceError when libusb finds no USB on this computer.
 [[nodiscard]] std::unique_ptr<UsbDriver> make_bulk_driver();
 
 /// All Triskin controllers on this computer's USB, or the one with a serial number, as one bus. A request goes to the
@@ -49,7 +54,8 @@ class UsbDriver {
 /// the link is dead when the last one has gone, until reconnect() finds one.
 class UsbLink final : public Link {
  public:
-  /// Throws DeviceError when no device is there.
+  /// Opens all devices of `driver`, or the one with serial number `serial` (24 hexadecimal digits; empty: all). Throws
+  /// DeviceError when none is there.
   UsbLink(std::unique_ptr<UsbDriver> driver, const std::string& serial);
   ~UsbLink() override;
   UsbLink(const UsbLink&) = delete;
