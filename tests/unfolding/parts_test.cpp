@@ -44,21 +44,23 @@ INSTANTIATE_TEST_SUITE_P(Covers, Parts,
                          [](const auto& part) { return std::string(part.param); });
 
 // A generated cover and the share of its area that modules cover at least, after few steps.
-class GeneratedParts : public testing::TestWithParam<std::pair<const char*, double>> {};
+class GeneratedParts : public testing::TestWithParam<std::pair<test::CoverName, double>> {};
 
 TEST_P(GeneratedParts, designs_and_passes_every_rule) {
-  const auto& [name, least_coverage] = GetParam();
-  const auto mesh = test::cover_file({name});
+  const auto& [cover, least_coverage] = GetParam();
+  const auto mesh = test::cover_file(cover);
   pipeline::DesignOptions options;
   options.time_limit_s = 6.0;
   options.iterations = 40;
-  EXPECT_GE(accepted_design(name, mesh->path(), options).report.coverage, least_coverage);
+  EXPECT_GE(accepted_design(cover.name, mesh->path(), options).report.coverage, least_coverage);
 }
 
 INSTANTIATE_TEST_SUITE_P(Covers, GeneratedParts,
-                         testing::Values(std::pair{"torso", 0.65}, std::pair{"hip", 0.65}, std::pair{"thigh", 0.65},
-                                         std::pair{"near-degenerate", 0.55}),
-                         [](const auto& p) { return test::case_name(p.param.first); });
+                         testing::Values(std::pair{test::CoverName{"torso"}, 0.65},
+                                         std::pair{test::CoverName{"hip"}, 0.65},
+                                         std::pair{test::CoverName{"thigh"}, 0.65},
+                                         std::pair{test::CoverName{"near-degenerate"}, 0.55}),
+                         [](const auto& p) { return test::case_name(p.param.first.name); });
 
 // A raw CAD mesh becomes a design, or the error names the file and the place.
 void expect_design_or_clear_error(const std::string& name, const fs::path& mesh) {
