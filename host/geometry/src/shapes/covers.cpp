@@ -59,7 +59,7 @@ Sheet torso() {
     const double section = std::cos(height) * (1.0 - 0.03 * std::cos(4.0 * turn));
     Vec3 p(97.0 * section * std::sin(turn), -78.0 * section * std::cos(turn), 112.0 * std::sin(height));
     for (const double side : {-1.0, 1.0})
-      p.y() -= 15.0 * std::exp(-(square(p.x() - side * 40.0) + square(p.z() - 38.0)) / (2.0 * square(19.0)));
+      p.y() -= 19.0 * std::exp(-(square(p.x() - side * 40.0) + square(p.z() - 38.0)) / (2.0 * square(17.0)));
     return p;
   };
   sheet.keep = [](const Vec3& p) {
@@ -89,9 +89,9 @@ Sheet thigh() {
   sheet.closed = true;
   sheet.place = [](double u, double v) {
     const double turn = 2.0 * M_PI * u, bend = kBend_rad * v, arc = kLength_mm / kBend_rad;
-    const double crest =
-        7.0 * std::exp((std::cos(turn) - 1.0) / square(0.25)) * std::sin(M_PI * std::min(1.0, 0.2 + v));
-    const double profile = 50.0 - 12.0 * v + 8.0 * std::sin(M_PI * v) + 11.0 * std::pow(v, 6.0);
+    const double crest = 7.0 * std::exp((std::cos(turn) - 1.0) / square(0.2)) * std::sin(M_PI * std::min(1.0, 0.2 + v));
+    const double profile =
+        50.0 - 12.0 * v + 8.0 * std::sin(M_PI * v) + 11.0 * std::pow(v, 6.0) - 560.0 * std::max(0.0, v - 0.955);
     const double radius = profile * (1.0 + 0.08 * std::cos(2.0 * turn)) + crest;
     const Vec3 axis(0.0, arc * (1.0 - std::cos(bend)), arc * std::sin(bend));
     const Vec3 side(1, 0, 0), up(0, std::cos(bend), -std::sin(bend));

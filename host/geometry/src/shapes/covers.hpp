@@ -10,7 +10,8 @@ namespace triskin::geometry {
 [[nodiscard]] Sheet torso();
 /// Front of a pelvis, a saddle between two wings: cut out for both legs, and a hole for a connector.
 [[nodiscard]] Sheet hip();
-/// Tube around a bent axis, barrel-shaped, flared at the knee, with a crest of 15 mm radius and a hole.
+/// Tube around a bent axis, barrel-shaped, with a crest of 9 mm radius, a hole, and a flare at the knee that ends in a
+/// lip folded inwards by more than 45°.
 [[nodiscard]] Sheet thigh();
 
 }  // namespace triskin::geometry

@@ -22,7 +22,7 @@ constexpr std::array kShapes{
     ShapeInfo{Shape::kForearm, "forearm", "tapered and bent half shell", 294.0, 3840},
     ShapeInfo{Shape::kTorso, "torso", "dome with two swellings, holes for neck, arms and a connector", 195.0, 1800},
     ShapeInfo{Shape::kHip, "hip", "saddle between two wings, cut out for both legs", 220.0, 1000},
-    ShapeInfo{Shape::kThigh, "thigh", "double-curved tube with a crest, a flare and a hole", 170.0, 900},
+    ShapeInfo{Shape::kThigh, "thigh", "double-curved tube with a crest, a hole and a folded lip", 180.0, 1200},
     ShapeInfo{
         Shape::kDirtyShell, "dirty-shell",
         "CAD export of the hip: two walls, ribs, loose parts, T-junctions, flipped, duplicate and degenerate faces",
