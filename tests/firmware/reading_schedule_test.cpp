@@ -240,6 +240,22 @@ TEST(ReadingSchedule, OfThreeChipsThatEndTogetherOneBeginsLater) {
   EXPECT_EQ(schedule.due(kT + 10'873), (Due{Action::kRestart, 0}));
 }
 
+// Of three sequences one is sampled, the one that has just been read. The one that begins anew at R is none: the clock
+// goes on to the next, whose status is cleared from R + 25 + 2 · 9,568 − 8,832 = R + 10,329 on, not from R + 761 on.
+TEST(ReadingSchedule, ARestartedSequenceThatIsNotSampledIsPassedOver) {
+  ReadingSchedule schedule = schedule_of(3, 3);
+  for (std::size_t k = 0; k < 3; ++k) start_without_status(schedule, k, kT);
+  ASSERT_EQ(schedule.due(kT + 9'033), (Due{Action::kRead, 0}));
+  ASSERT_TRUE(schedule.read(0, kT + 9'673));
+  schedule.stop(1);
+  schedule.stop(2);
+  ASSERT_EQ(schedule.due(kT + 10'873), (Due{Action::kRestart, 0}));
+  constexpr std::uint64_t kR = kT + 11'000;
+  schedule.restarted(0, kR);
+  EXPECT_EQ(schedule.due(kR + 10'328), kNothing);
+  EXPECT_EQ(schedule.due(kR + 10'329), (Due{Action::kStatus, 0}));
+}
+
 // A restart because of an uncertain clock that is not acknowledged: the clock is as uncertain as before.
 TEST(ReadingSchedule, ARestartThatFailedIsTriedAgainWhileTheClockIsUncertain) {
   ReadingSchedule schedule = schedule_of(1);

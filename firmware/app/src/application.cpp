@@ -54,31 +54,31 @@ void Application::restart_sampling() {
   }
 }
 
-// Switched modules: a look at the chain now and then; a new tree when it is due. Transfers that a doubt falls on end
-// unused.
+// Switched modules: the chain is checked now and then, and healed when that is due. Transfers under way when a check
+// fails end unused.
 void Application::keep_route() {
   for (std::uint8_t l = 0; l < layout::kLines; ++l) route_.line_state(l, lines_[l].stuck());
-  if (!quiet_ && route_.check_due(now_us()) && !route_.check(now_us())) distrust();
-  if (!quiet_ && !route_.due(now_us())) return;
-  quiet_ = true;
+  if (!pausing_ && route_.check_due(now_us()) && !route_.check(now_us())) invalidate_samples();
+  if (!pausing_ && !route_.due(now_us())) return;
+  pausing_ = true;
   bool idle = true;
   for (LineSampler& l : lines_) idle = l.pause() && idle;
   if (!idle) return;
-  distrust();
+  invalidate_samples();
   if (route_.due(now_us())) route_.heal(*ports_.clock);
   for (LineSampler& l : lines_) l.resume(now_us());
-  quiet_ = false;
+  pausing_ = false;
 }
 
-// What was read since the last good look at the chain may come from another module.
-void Application::distrust() {
+// What was read since the last check of the chain that passed may come from another module.
+void Application::invalidate_samples() {
   for (auto* samples : {&samples_, &published_}) {
     for (ModuleSample& s : *samples) {
       s.valid = 0;
       s.fresh = false;
     }
   }
-  quiet_ = true;
+  pausing_ = true;
 }
 
 void Application::step() {
@@ -90,7 +90,7 @@ void Application::step() {
   keep_route();
   const std::uint64_t now = now_us();
   for (LineSampler& line : lines_) line.step(now);
-  if (quiet_) keep_route();
+  if (pausing_) keep_route();
   if (now_us() >= next_tick_us_) tick();
   take_samples();
   send_pending();
@@ -121,7 +121,7 @@ void Application::reset_when_answered() {
 std::uint64_t Application::next_event_us() const {
   std::uint64_t next =
       std::min({next_tick_us_, reset_at_us_,
-                quiet_ ? UINT64_MAX : route_.next_event_us()});  // quiet: the lines report their own ends
+                pausing_ ? UINT64_MAX : route_.next_event_us()});  // pausing: the lines report their own ends
   for (const Channel& c : channels()) next = std::min(next, c.link.next_event_us());
   const std::uint64_t now = now_us();
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now));
@@ -208,7 +208,7 @@ bool Application::frames_wait() const {
 void Application::publish(std::size_t module) {
   samples_[module].fresh = false;
   published_[module] = samples_[module];
-  if (stream_ == StreamMode::kFull && !server_.transferring()) queue_full(module);
+  if (stream_ == StreamMode::kFull && !server_.transferring()) queue_full(table_row(module));
 }
 
 void Application::step_during_flash() {
@@ -230,13 +230,13 @@ std::uint64_t Application::next_during_flash_us() const {
 // Each reading is sent on as soon as it stands: the converters have clocks of their own.
 void Application::take_samples() {
   const bool any = std::ranges::any_of(samples_, &ModuleSample::fresh);
-  if (any && route_.switched() && !route_.check(now_us())) return distrust();
+  if (any && route_.switched() && !route_.check(now_us())) return invalidate_samples();
   for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) {
     ModuleSample& s = samples_[k];
     if (!s.fresh) continue;
     publish(k);
     // Last: a full page of the fault memory is erased, and the module may have been read anew after that.
-    faults_.note(k, s.state, {static_cast<std::uint32_t>(now_us() / 1000), s.number});
+    faults_.note(table_row(k), s.state, {static_cast<std::uint32_t>(now_us() / 1000), s.number});
   }
   if (!any || !tables_.has_table()) return;
   const bool silent = std::ranges::all_of(std::span(samples_).first(tables_.table().module_count),
@@ -261,11 +261,11 @@ void Application::tick() {
   if (stream_ == StreamMode::kIcub && !server_.transferring() && icub_.due(now_us())) queue_icub();
 }
 
-void Application::queue_full(std::size_t module) {
-  const ModuleSample& s = samples_[module];
+void Application::queue_full(TableRow row) {
+  const ModuleSample& s = samples_[index_of(row)];
   const auto& value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output();
-  const std::array frames{wire::encode_full({tables_.node_address(), static_cast<std::uint8_t>(module), s.number,
-                                             s.time_us, s.valid, static_cast<std::uint8_t>(s.state), value})};
+  const std::array frames{wire::encode_full(
+      {tables_.node_address(), static_cast<std::uint8_t>(row), s.number, s.time_us, s.valid, s.state, value})};
   (void)stream_queue_.push(frames);
 }
 

@@ -30,8 +30,14 @@ std::uint64_t end_distance(const SequenceClock& clock, const SequenceClock& othe
 
 }  // namespace
 
+void ReadingSchedule::Plan::clock_changed() {
+  open_us = clock.read_us();
+  close_us = clock.last_start_us();
+  end_us = clock.end_us();
+  uncertain = clock.uncertain();
+}
+
 void ReadingSchedule::begin(std::size_t stations, std::uint32_t nominal_us, std::uint8_t every) {
-  for (Plan& plan : plans_) plan = Plan{};
   count_ = stations;
   nominal_us_ = nominal_us;
   every_ = every;
@@ -51,6 +57,7 @@ void ReadingSchedule::start(std::size_t station, std::uint64_t at_us) {
   plan = Plan{};
   plan.running = plan.clear_wanted = true;
   plan.clock.start(at_us, nominal_us_);
+  plan.clock_changed();
 }
 
 void ReadingSchedule::stop(std::size_t station) {
@@ -70,7 +77,7 @@ void ReadingSchedule::forget_status(std::size_t station) {
 }
 
 std::uint64_t ReadingSchedule::reading_us(const Plan& plan) {
-  return plan.running ? plan.clock.read_us() : kNever_us;
+  return plan.running ? plan.open_us : kNever_us;
 }
 
 // What can be done between readings.
@@ -147,8 +154,8 @@ ReadingSchedule::Due ReadingSchedule::due_reading(std::uint64_t now_us) const {
   Due first;
   std::uint64_t first_end_us = kNever_us;
   for (std::size_t k = 0; k < count_; ++k) {
-    if (reading_us(plans_[k]) > now_us || plans_[k].clock.end_us() >= first_end_us) continue;
-    first_end_us = plans_[k].clock.end_us();
+    if (reading_us(plans_[k]) > now_us || plans_[k].end_us >= first_end_us) continue;
+    first_end_us = plans_[k].end_us;
     first = {Action::kRead, k};
   }
   return first;
@@ -167,7 +174,7 @@ ReadingSchedule::Due ReadingSchedule::due_other(std::uint64_t now_us) const {
 // A sequence whose results cannot be read whole any more is lost.
 void ReadingSchedule::pass_missed(Plan& plan, std::uint64_t now_us) const {
   if (!plan.running) return;
-  while (now_us > plan.clock.last_start_us()) {
+  while (now_us > plan.close_us) {
     plan.status_us = 0;
     if (plan.to_pass == 0) {
       plan.to_pass = every_;
@@ -175,16 +182,10 @@ void ReadingSchedule::pass_missed(Plan& plan, std::uint64_t now_us) const {
     }
     advance(plan);
   }
-  if (plan.restart_wanted || !plan.clock.uncertain()) return;  // it is read no more as the window has gone
+  if (plan.restart_wanted || !plan.uncertain) return;  // it is read no more as the window has gone
   plan.restart_wanted = true;
   plan.clear_wanted = false;
   plan.restart_us = now_us;
-}
-
-std::uint32_t ReadingSchedule::take_missed(std::size_t station) {
-  const std::uint32_t missed = plans_[station].missed;
-  plans_[station].missed = 0;
-  return missed;
 }
 
 // On to the sequence that is to be sampled, or one before it when the period is not known that well.
@@ -192,6 +193,7 @@ void ReadingSchedule::advance(Plan& plan) {
   plan.passed = plan.clock.may_pass(std::max(plan.to_pass, std::uint32_t{1}));
   plan.to_pass -= std::min(plan.to_pass, plan.passed);
   plan.clock.next(plan.passed);
+  plan.clock_changed();
 }
 
 // When the next results could not be read in their window, or the prediction is doubtful, the chip begins anew a little
@@ -200,12 +202,12 @@ std::optional<std::uint64_t> ReadingSchedule::read(std::size_t station, std::uin
   Plan& plan = plans_[station];
   std::optional<std::uint64_t> sampled;
   if (plan.to_pass == 0) {
-    sampled = plan.clock.end_us();
+    sampled = plan.end_us;
     plan.to_pass = every_;
   }
   advance(plan);
-  plan.clear_wanted = plan.clock.look_wanted();
-  plan.restart_wanted = would_miss(plan) || plan.clock.uncertain();
+  plan.clear_wanted = plan.clock.refinement_wanted();
+  plan.restart_wanted = would_miss(plan) || plan.uncertain;
   if (!plan.restart_wanted) return sampled;
   plan.clear_wanted = false;
   plan.restart_us = restart_moment_us(plan, now_us);
@@ -218,9 +220,10 @@ void ReadingSchedule::restarted(std::size_t station, std::uint64_t ended_us) {
   plan.status_us = 0;
   if (!plan.running) return;  // stopped meanwhile
   plan.clock.restart(ended_us);
+  plan.clock_changed();
   plan.to_pass += plan.passed - 1;
   if (plan.to_pass > 0) advance(plan);
-  plan.clear_wanted = plan.clock.look_wanted();
+  plan.clear_wanted = plan.clock.refinement_wanted();
 }
 
 void ReadingSchedule::failed(std::size_t station) {
@@ -252,14 +255,15 @@ void ReadingSchedule::refine(Plan& plan, std::uint16_t status) {
     plan.status_us = 0;
     return;
   }
-  plan.clock.looked(plan.status_us, stage, (before_and_this & 2U) != 0);
-  if (plan.clock.look_wanted()) return plan_refinement(plan);
+  plan.clock.refine(plan.status_us, stage, (before_and_this & 2U) != 0);
+  plan.clock_changed();
+  if (plan.clock.refinement_wanted()) return plan_refinement(plan);
   plan.status_us = 0;
 }
 
 // Whether the readings before it, in the order in which the sequences end, leave this chip's next one too late.
 bool ReadingSchedule::would_miss(const Plan& plan) const {
-  const std::uint64_t end = plan.clock.end_us(), early = end - std::min(end, plan.clock.read_us());
+  const std::uint64_t end = plan.end_us, early = end - std::min(end, plan.open_us);
   std::array<std::uint64_t, kStations> ends{};  // 0: not before it
   std::size_t count = 0;
   for (const Plan& other : plans()) {
@@ -269,7 +273,7 @@ bool ReadingSchedule::would_miss(const Plan& plan) const {
   std::ranges::sort(ends);
   std::uint64_t free_us = 0;
   for (const std::uint64_t e : ends) free_us = e == 0 ? 0 : std::max(free_us, e - early) + kBurst_us;
-  return free_us > plan.clock.last_start_us();
+  return free_us > plan.close_us;
 }
 
 // The next moment, within a sequence, from which this chip's end is far from those of the line's other chips: their

@@ -20,7 +20,7 @@ void LineSampler::begin(I2cLine& line, std::uint8_t line_index, std::span<const 
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (rows[k].line != line_index) continue;
     Station& station = stations_[station_count_++];
-    station.row = static_cast<std::uint8_t>(k);
+    station.row = table_row(k);
     station.address = rows[k].address;
   }
   schedule_.begin(station_count_, sequence_us(), sampling.every);
@@ -43,8 +43,8 @@ void LineSampler::request_check() {
 }
 
 bool LineSampler::checked() const {
-  return std::ranges::all_of(stations(),
-                             [&](const Station& s) { return samples_[s.row].state != ModuleState::kUnknown; });
+  return std::ranges::all_of(
+      stations(), [&](const Station& s) { return samples_[index_of(s.row)].state != ModuleState::kUnknown; });
 }
 
 bool LineSampler::pause() {
@@ -62,10 +62,10 @@ void LineSampler::resume(std::uint64_t now_us) {
     if (station.phase == Phase::kFind && station.presence.lost_recently(now_us)) {
       station.phase = Phase::kRun;
       station.duplicates.confirm();
-      schedule_.take_up(index_of(station));
+      schedule_.take_up(number_of(station));
     }
     station.configuration.require();
-    schedule_.forget_status(index_of(station));
+    schedule_.forget_status(number_of(station));
     sample_of(station).state = ModuleState::kUnknown;
   }
 }
@@ -76,8 +76,7 @@ std::uint64_t LineSampler::next_event_us(std::uint64_t now_us) const {
 }
 
 std::uint8_t LineSampler::chip_address() const {
-  return static_cast<std::uint8_t>(layout::kFirstCdcAddress +
-                                   (job_ == Job::kScan ? scan_.address() : stations_[current_].address));
+  return layout::cdc_address(job_ == Job::kScan ? scan_.address() : stations_[current_].address);
 }
 
 void LineSampler::step(std::uint64_t now_us) {
@@ -160,9 +159,9 @@ void LineSampler::start(Job job) {
 
 // Sequences that came and went unread leave out their numbers.
 void LineSampler::count_missed() {
-  for (const Station& station : stations()) {
-    const std::uint32_t missed = schedule_.take_missed(index_of(station));
-    if (station.phase == Phase::kRun) sample_of(station).number += missed;
+  for (std::size_t k = 0; k < station_count_; ++k) {
+    const std::uint32_t missed = schedule_.take_missed(k);
+    if (stations_[k].phase == Phase::kRun) sample_of(stations_[k]).number += missed;
   }
 }
 
@@ -231,8 +230,8 @@ void LineSampler::finish_job(Job job, std::uint64_t now_us) {
 void LineSampler::find(Station& station, std::uint64_t at_us) {
   station.phase = Phase::kFind;
   station.presence.ask_at(at_us);
-  schedule_.stop(index_of(station));
-  schedule_.plan_errand(index_of(station), at_us, ReadingSchedule::kShort_us);
+  schedule_.stop(number_of(station));
+  schedule_.plan_errand(number_of(station), at_us, ReadingSchedule::kShort_us);
 }
 
 // The module has no data until it has been found again.

@@ -23,6 +23,7 @@ namespace triskin::fw {
 /// The patch controller: the only place that knows all parts. step() does what is due and returns at once.
 class Application final : private UdsHost, private PatchControl {
  public:
+  /// Loads the newest table and begins to sample. Everything that `ports` points to must outlive the application.
   explicit Application(const Ports& ports);
 
   /// Handles frames, bus transfers and timers that are due.
@@ -69,7 +70,7 @@ class Application final : private UdsHost, private PatchControl {
   void reset_when_answered();
   void restart_sampling();
   void keep_route();
-  void distrust();
+  void invalidate_samples();
   [[nodiscard]] std::span<Channel> channels() { return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1); }
   [[nodiscard]] std::span<const Channel> channels() const {
     return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1);
@@ -84,7 +85,7 @@ class Application final : private UdsHost, private PatchControl {
   void publish(std::size_t module);
   void send_stream();
   void tick();
-  void queue_full(std::size_t module);
+  void queue_full(TableRow row);
   void queue_icub();
 
   const Ports ports_;
@@ -98,7 +99,7 @@ class Application final : private UdsHost, private PatchControl {
   std::array<ModuleSample, layout::kMaxModules> samples_{};
   std::array<ModuleSample, layout::kMaxModules> published_{};
   RouteKeeper route_;
-  bool quiet_ = false;  ///< sampling comes to rest
+  bool pausing_ = false;  ///< the lines end their transfers and begin none
   Sampling sampling_;
   wire::TaxelOutput output_ = wire::TaxelOutput::kRaw;
   std::uint64_t next_tick_us_ = 0;

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <utility>
 
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/logic/sequence_clock.hpp"
@@ -42,7 +44,7 @@ class ReadingSchedule {
     bool operator==(const Due&) const = default;
   };
 
-  /// Forgets everything. Sequences of `stations` chips last `nominal_us`, and each `every`-th (1..255) is sampled.
+  /// Once, before all else: sequences of `stations` chips last `nominal_us`, and each `every`-th (1..255) is sampled.
   void begin(std::size_t stations, std::uint32_t nominal_us, std::uint8_t every);
 
   /// The station asks for a transfer of the caller's, not before `at_us`, that takes `length_us` at most. One at a
@@ -74,13 +76,13 @@ class ReadingSchedule {
   /// A restart or a reading of the status was not acknowledged: the next reading tells more.
   void failed(std::size_t station);
   /// Sequences that were to be sampled and came and went unread since this was asked last.
-  [[nodiscard]] std::uint32_t take_missed(std::size_t station);
+  [[nodiscard]] std::uint32_t take_missed(std::size_t station) { return std::exchange(plans_[station].missed, 0U); }
 
  private:
   struct Plan {
     bool running = false;  // read once a sequence
     bool clear_wanted = false, restart_wanted = false;
-    int refine_stage = 0;          // whose end is looked for in the status next
+    int refine_stage = 0;          // whose end the status is to show next
     std::uint32_t to_pass = 0;     // sequences until the one that is to be sampled: 0, the present one
     std::uint32_t passed = 1;      // sequences that the clock went on by
     std::uint32_t missed = 0;      // see take_missed()
@@ -88,6 +90,10 @@ class ReadingSchedule {
     std::uint64_t restart_us = 0;  // when to begin the sequence anew
     std::uint64_t errand_us = kNever_us, errand_length_us = 0;
     SequenceClock clock;
+    // What the clock says, asked once after each change: due() compares all the time, and the clock divides.
+    std::uint64_t open_us = 0, close_us = 0, end_us = 0;  // window of the reading; end of the present sequence
+    bool uncertain = false;
+    void clock_changed();
   };
 
   [[nodiscard]] static std::uint64_t reading_us(const Plan& plan);

@@ -13,6 +13,7 @@
 #include "triskin/logic/module_sample.hpp"
 #include "triskin/logic/presence.hpp"
 #include "triskin/logic/reading_schedule.hpp"
+#include "triskin/logic/table_row.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/uds.hpp"
 
@@ -73,7 +74,8 @@ class LineSampler {
   enum class Phase : std::uint8_t { kFind, kConfigure, kPositive, kFirst, kRun };
   // One address of the line that the table has a module at.
   struct Station {
-    std::uint8_t row = 0, address = 0;  // of the table; on the line, 0..3
+    TableRow row{};
+    std::uint8_t address = 0;  // on the line, 0..3
     Phase phase = Phase::kFind, after_configuration = Phase::kFind;
     std::uint8_t configuration_step = 0;
     Presence presence;
@@ -101,8 +103,8 @@ class LineSampler {
   void configure(Phase next);
   void give_up(wire::ModuleState state, std::uint64_t now_us);
   [[nodiscard]] Station& current() { return stations_[current_]; }
-  [[nodiscard]] ModuleSample& sample_of(const Station& station) { return samples_[station.row]; }
-  [[nodiscard]] std::size_t index_of(const Station& station) const {
+  [[nodiscard]] ModuleSample& sample_of(const Station& station) { return samples_[index_of(station.row)]; }
+  [[nodiscard]] std::size_t number_of(const Station& station) const {
     return static_cast<std::size_t>(&station - stations_.data());
   }
   [[nodiscard]] std::uint8_t chip_address() const;

@@ -17,13 +17,18 @@ inline constexpr std::uint32_t kEnable = bit(0), kFromMemory = bit(4), kMemoryIn
 /// Channel 0..7 of DMA1 (the manual counts from 1). Bytes from or to a peripheral's data register.
 class Channel {
  public:
+  /// `index` 0..7. Touches no register.
   constexpr explicit Channel(unsigned index)
       : base_(kBase + kFirstChannel + kChannelBytes * index), mux_(kMuxBase + kMuxChannelBytes * index) {}
+  /// Sets the request line (RM0440 chapter 13) and the address of the data register. The channel must be off.
   void connect(std::uint32_t request, std::uint32_t data_register) const {
     Register(mux_).write(request);
     Register(base_ + kCpar).write(data_register);
   }
+  /// Switches the channel off; what it has moved stays.
   void stop() const { Register(base_ + kCcr).clear(kEnable); }
+  /// Moves `bytes` (1..65535) between `memory` and the data register; `from_memory`: towards the peripheral. Stops the
+  /// channel first.
   void start(std::uint32_t memory, std::uint32_t bytes, bool from_memory) const {
     stop();  // count and address are fixed while it is on
     Register(base_ + kCndtr).write(bytes);
@@ -32,6 +37,7 @@ class Channel {
     Register(base_ + kCcr).write(control);
     Register(base_ + kCcr).write(control | kEnable);
   }
+  /// Bytes of the present transfer that have not been moved yet.
   [[nodiscard]] std::uint32_t remaining() const { return Register(base_ + kCndtr).read(); }
 
  private:

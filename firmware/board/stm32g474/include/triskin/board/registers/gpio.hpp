@@ -22,22 +22,31 @@ enum class PinMode : std::uint32_t { kInput = 0, kOutput = 1, kAlternate = 2 };
 
 class Gpio {
  public:
+  /// The pin; its port must have its clock before any call below.
   constexpr explicit Gpio(Pin pin)
       : base_(gpio_reg::kBase + gpio_reg::kStride * static_cast<unsigned>(pin.port - 'A')), n_(pin.number) {}
+  /// Input, output or alternate function. Interrupts must not change pins of the same port meanwhile.
   void mode(PinMode mode) const { field(gpio_reg::kModer, static_cast<std::uint32_t>(mode)); }
+  /// True in analog mode, as after a reset: the input reads 0.
   [[nodiscard]] bool analog() const {
     return (Register(base_ + gpio_reg::kModer).read() >> (2 * n_) & gpio_reg::kFieldMask) == gpio_reg::kFieldMask;
   }
+  /// The pin only pulls low; the line's resistor pulls it high.
   void open_drain() const { Register(base_ + gpio_reg::kOtyper).set(bit(n_)); }
   /// Neither up nor down: PA15 comes out of reset with a pull-up, for the debugger (§9.4.4).
   void no_pull() const { field(gpio_reg::kPupdr, gpio_reg::kPullNone); }
+  /// Internal pull-down, about 40 kΩ.
   void pull_down() const { field(gpio_reg::kPupdr, gpio_reg::kPullDown); }
+  /// Steepest edges; for clocks above some MHz.
   void very_high_speed() const { field(gpio_reg::kOspeedr, gpio_reg::kVeryHighSpeed); }
+  /// Chooses the alternate function 0..15 (data sheet, pin table).
   void alternate(std::uint32_t function) const {
     const unsigned shift = 4 * (n_ % 8);
     Register(base_ + (n_ < 8 ? gpio_reg::kAfrl : gpio_reg::kAfrh)).modify(0xFU << shift, function << shift);
   }
+  /// True when the pin is high, whoever drives it.
   [[nodiscard]] bool level() const { return Register(base_ + gpio_reg::kIdr).any(bit(n_)); }
+  /// Drives the output high (true) or low, in one write that leaves other pins alone.
   void drive(bool high) const {
     Register(base_ + gpio_reg::kBsrr).write(high ? bit(n_) : bit(n_ + gpio_reg::kResetShift));
   }

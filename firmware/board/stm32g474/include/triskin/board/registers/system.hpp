@@ -80,9 +80,11 @@ inline constexpr Register kSysTickCsr{0xE000E010}, kSysTickRvr{0xE000E014}, kSys
 inline constexpr Register kEnableFirst{0xE000E100}, kDisableFirst{0xE000E180}, kUnpendFirst{0xE000E280},
     kPriorityFirst{0xE000E400};
 inline constexpr std::uint32_t kResetRequest = 0x05FA0004, kFpuFull = 0xFU << 20, kActiveMask = 0x1FF;
+/// Lets interrupt `irq` (0..101, RM0440 chapter 14) through the NVIC.
 inline void enable_interrupt(int irq) {
   Register(kEnableFirst.address() + 4U * static_cast<unsigned>(irq / 32)).write(bit(static_cast<unsigned>(irq % 32)));
 }
+/// Priority of an interrupt: the upper four bits count, 0 is the most urgent.
 inline void set_priority(int irq, std::uint8_t priority) {
   *reinterpret_cast<volatile std::uint8_t*>(kPriorityFirst.address() + static_cast<unsigned>(irq)) = priority;
 }
@@ -94,6 +96,7 @@ inline void reset_peripherals() {
   kApb1Rstr1.write(kTim2 | kSpi2 | kUsb | kFdcan);
   kApb1Rstr1.write(0);
 }
+/// System reset, after all stores have reached memory.
 [[noreturn]] inline void reset() {
   asm volatile("dsb" ::: "memory");
   kAircr.write(kResetRequest);
