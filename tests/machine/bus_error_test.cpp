@@ -33,7 +33,7 @@ TEST_F(BusErrors, AreClearedAndCountedAndNothingIsLost) {
     for (SkinLine& line : lines) line.bursts.clear();
     run_for(kMinute_us / 10);
     for (const auto& [m, list] : samples()) {
-      for (const auto& t : list) ASSERT_EQ(t.state, static_cast<std::uint8_t>(wire::ModuleState::kOk)) << m;
+      for (const auto& t : list) ASSERT_EQ(t.state, wire::ModuleState::kOk) << m;
       readings[static_cast<std::size_t>(m)] += list.size();
     }
   }
