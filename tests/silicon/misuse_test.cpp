@@ -39,7 +39,7 @@ class Around final : public Surroundings {
 
 class FlashMisuse : public ::testing::Test {
  protected:
-  static constexpr std::uint32_t kAcr = 0x00, kKeyr = 0x08, kOptKeyr = 0x0C, kSr = 0x10, kCr = 0x14, kOptr = 0x20;
+  static constexpr std::uint32_t kAcr = 0x00, kKeyr = 0x08, kOptKeyr = 0x0C, kCr = 0x14, kOptr = 0x20;
   static constexpr std::uint32_t kNoDataCache = 0x00040201, kCaches = 0x00040601, kDataReset = 1U << 12,
                                  kInstructionReset = 1U << 11;
   static constexpr std::uint32_t kErase = 2, kStart = 1U << 16, kBank2 = 1U << 11, kProgram = 1;

@@ -8,9 +8,9 @@
 /// Low-level parts that the loader and the application share.
 namespace triskin::board {
 
-/// HSE (TRISKIN_CRYSTAL_MHZ), PLL 340 MHz, SYSCLK = HCLK = PCLK = 170 MHz, range 1 boost, four wait states (RM0440 §6.1.5, §7.2.4,
-/// §3.3.3). Without a crystal the PLL runs from HSI 16 MHz (± 1 %: enough for I²C and, as a rule, for classic CAN).
-/// Waits for the oscillators (start-up only).
+/// HSE (TRISKIN_CRYSTAL_MHZ), PLL 340 MHz, SYSCLK = HCLK = PCLK = 170 MHz, range 1 boost, four wait states (RM0440
+/// §6.1.5, §7.2.4, §3.3.3). Without a crystal the PLL runs from HSI 16 MHz (± 1 %: enough for I²C and, as a rule, for
+/// classic CAN). Waits for the oscillators (start-up only).
 void start_clocks();
 
 /// TIM2 at 1 MHz: 32 bits in hardware, extended to 64 on each reading; must be read at least every 71 minutes.
