@@ -25,7 +25,7 @@ design::Design other_wiring(const design::Design& d) {
 std::vector<std::uint8_t> active(Bench& bench, std::size_t bytes) {
   bench.bus().listen(bench.bus().now_us() + 2'000'000);  // what was under way has timed out
   Controller c(bench.bus(), 1);
-  return c.active_table().present ? c.read_table(bytes) : std::vector<std::uint8_t>{};
+  return c.active_table().present() ? c.read_table(bytes) : std::vector<std::uint8_t>{};
 }
 
 class Wires : public testing::TestWithParam<bool> {};  // FD or classic

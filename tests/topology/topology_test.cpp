@@ -54,7 +54,7 @@ std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure
     return std::any_of(failures.begin(), failures.end(), [&](const Failure& f) {
       const auto e = patch.end(m, p);
       return f.module < 0 &&
-             ((f.joint.module == m && f.joint.port == p) || (e.module == f.joint.module && e.port == f.joint.port));
+             ((f.joint.row == m && f.joint.port == p) || (e.row == f.joint.row && e.port == f.joint.port));
     });
   };
   std::vector<int> depth(patch.joints.size(), -1);
@@ -63,7 +63,7 @@ std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure
   for (int round = 0; round < patch.size(); ++round) {
     for (int m = 0; m < patch.size(); ++m) {
       for (int p = 0; p < 3; ++p) {
-        const int other = patch.end(m, p).module;
+        const int other = patch.end(m, p).row;
         if (depth[static_cast<std::size_t>(m)] != round || other < 0 || dead(other) || cut(m, p) ||
             depth[static_cast<std::size_t>(other)] >= 0)
           continue;
@@ -187,7 +187,7 @@ TEST(Healing, any_two_failures_end_at_the_best_possible) {
       for (std::size_t b = a + 1; b < list.size(); ++b) {
         if (random() % 3 != 0) continue;
         if (list[a].module == list[b].module && list[a].module >= 0) continue;
-        if (list[a].module < 0 && list[b].module < 0 && list[a].joint.module == list[b].joint.module &&
+        if (list[a].module < 0 && list[b].module < 0 && list[a].joint.row == list[b].joint.row &&
             list[a].joint.port == list[b].joint.port)
           continue;
         apply(bench.model, list[a]);

@@ -239,8 +239,8 @@ void Application::tick() {
 void Application::queue_full(TableRow row) {
   const ModuleSample& s = samples_[index_of(row)];
   const auto& value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output();
-  const std::array frames{wire::encode_full({tables_.node_address(), static_cast<std::uint8_t>(row), s.number,
-                                             s.time_us, s.valid, static_cast<std::uint8_t>(s.state), value})};
+  const std::array frames{wire::encode_full(
+      {tables_.node_address(), static_cast<std::uint8_t>(row), s.number, s.time_us, s.valid, s.state, value})};
   (void)stream_queue_.push(frames);
 }
 

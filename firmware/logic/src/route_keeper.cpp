@@ -117,8 +117,7 @@ wire::FoundTopology RouteKeeper::found() const {
   for (std::uint8_t m = 0; m < g.count; ++m) {
     t.row[m] = table_.graph.count > 0 ? static_cast<std::uint8_t>(topology_.row_of(m)) : wire::kNoRow;
     for (std::size_t p = 0; p < layout::kPorts; ++p) {
-      const JointEnd end = g.joint[m][p];
-      t.joints[m][p] = end.module == kNoModule ? std::uint8_t{0} : layout::joint_to(end.module, end.port);
+      t.joints[m][p] = layout::joint_to(g.joint[m][p]);
     }
   }
   return t;

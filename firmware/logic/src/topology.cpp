@@ -284,18 +284,14 @@ bool Topology::rebuild(std::uint16_t wanted, bool set_addresses) {
 Topology::Table Topology::table_of(const layout::PatchImage& image) {
   Table table;
   table.graph.count = image.module_count;
-  if (image.second_entry != 0)
-    table.second_entry = {static_cast<std::uint8_t>(layout::joint_row(image.second_entry)),
-                          layout::joint_port(image.second_entry)};
+  if (image.second_entry != 0) table.second_entry = layout::joint_end(image.second_entry);
   const bool given = layout::has_joints(image);
   const auto row = [](std::uint8_t k) { return static_cast<std::size_t>(k); };
   for (std::uint8_t k = 0; k < image.module_count; ++k) {
     const layout::ModuleRow& m = image.modules[k];
     table.addresses[k] = {m.line, m.address};
     for (std::uint8_t p = 0; p < layout::kPorts && given; ++p) {
-      if (m.joints[p] != 0)
-        table.graph.joint[k][p] = {static_cast<std::uint8_t>(layout::joint_row(m.joints[p])),
-                                   layout::joint_port(m.joints[p])};
+      if (m.joints[p] != 0) table.graph.joint[k][p] = layout::joint_end(m.joints[p]);
     }
     if (k == 0) continue;
     table.parent[k] = {m.parent, m.parent_port};

@@ -51,14 +51,9 @@ class Overlay {
     const design::PortEnd end = sides_[static_cast<std::size_t>(row)][static_cast<std::size_t>(side)];
     return {end.row, end.port};
   }
-  struct End {
-    std::size_t module = 0;
-    int port = 0;
-  };
-  [[nodiscard]] std::optional<End> far(std::size_t m, int port) const {
-    const std::uint8_t j = found_.joints[m][static_cast<std::size_t>(port)];
-    if (j == 0) return std::nullopt;
-    return End{layout::joint_row(j), layout::joint_port(j)};
+  [[nodiscard]] std::optional<layout::JointEnd> far(std::size_t m, int port) const {
+    const layout::JointEnd end = layout::joint_end(found_.joints[m][static_cast<std::size_t>(port)]);
+    return end.exists() ? std::optional(end) : std::nullopt;
   }
   [[nodiscard]] int side_of(std::size_t m, int port) const { return (port + rotation_[m]) % 3; }
 
@@ -137,7 +132,7 @@ class Overlay {
     for (std::size_t m = 0; m < row_.size(); ++m) {
       for (int port = 0; port < 3; ++port) {
         const auto end = far(m, port);
-        if (!end || std::pair(end->module, end->port) < std::pair(m, port)) continue;
+        if (!end || std::pair<std::size_t, int>(end->module, end->port) < std::pair(m, port)) continue;
         if (row_[m] >= 0 && row_[end->module] >= 0) {
           const Side there = across(row_[m], side_of(m, port));
           if (there.row == row_[end->module] && there.side == side_of(end->module, end->port)) {
@@ -161,7 +156,7 @@ class Overlay {
     }
   }
 
-  void extra_joint(std::size_t m, int port, const End& end) {
+  void extra_joint(std::size_t m, int port, layout::JointEnd end) {
     const bool known = row_[m] >= 0 && row_[end.module] >= 0;
     if (!known) return;  // told with the module that fits nowhere
     add("extra_joint", node(row_[m]), node(row_[end.module]),

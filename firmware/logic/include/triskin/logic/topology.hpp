@@ -10,14 +10,8 @@
 
 namespace triskin::fw {
 
-inline constexpr std::uint8_t kNoModule = 0xFF;
-
-/// Other end of a port.
-struct JointEnd {
-  std::uint8_t module = kNoModule;
-  std::uint8_t port = 0;
-  bool operator==(const JointEnd&) const = default;
-};
+using layout::JointEnd;
+using layout::kNoModule;
 
 /// Modules of a patch and the joints between their ports; module 0 has the cable. Symmetric.
 struct PatchGraph {

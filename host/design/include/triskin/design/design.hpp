@@ -10,6 +10,7 @@
 #include "triskin/design/module.hpp"
 #include "triskin/design/patch.hpp"
 #include "triskin/design/piece.hpp"
+#include "triskin/layout/module.hpp"
 
 namespace triskin::design {
 
@@ -51,9 +52,9 @@ struct TaxelPose {
   Vec3 position_mm;
   Vec3 normal;
 };
-/// The 12 taxels of a module that is turned by `rotation` (port p at tile side (p + rotation) % 3). Positions on the
+/// The taxels of a module that is turned by `rotation` (port p at tile side (p + rotation) % 3). Positions on the
 /// iCub module relative to its centroid: skinGui's triangle (docs/design_file.md).
-[[nodiscard]] std::array<TaxelPose, 12> taxels_of(const PlacedModule& module, int rotation);
+[[nodiscard]] std::array<TaxelPose, layout::kTaxelsPerModule> taxels_of(const PlacedModule& module, int rotation);
 
 /// FNV-1a over the modules, patches and wiring, in file order: equal designs have equal ids on every compiler.
 [[nodiscard]] std::uint64_t design_id_of(const Design& design);

@@ -22,8 +22,8 @@ struct RouteChoice {
 [[nodiscard]] bool concerns(const design::Patch& patch, const RouteChoice& choice);
 
 /// What is flashed into the controller of a patch: with a failure, without the modules that it costs. Throws InputError
-/// naming the patch when the design cannot be put into a table: more than 16 modules, more than 126 patches, a place
-/// used twice, a joint to a parent that is no neighbour.
+/// naming the patch when the design cannot be put into a table: more than layout::kMaxModules modules, more than
+/// kMaxNodes patches, a place used twice, a joint to a parent that is no neighbour.
 [[nodiscard]] layout::PatchImage image_of(const design::Design& design, int patch, const RouteChoice& choice = {});
 
 /// The bytes of an image.
