@@ -51,7 +51,7 @@ json route_json(const wire::ActiveRoute& a) {
 json match_json(const device::TopologyMatch& match, const std::string& file) {
   json differences = json::array();
   for (const auto& d : match.differences) {
-    json j = {{"kind", d.kind}, {"text", d.text}, {"remedy", d.remedy}};
+    json j = {{"kind", device::kFindingKindNames.name(d.kind)}, {"text", d.text}, {"remedy", d.remedy}};
     j["module"] = d.module >= 0 ? json(d.module) : json(nullptr);
     if (d.other >= 0) j["other"] = d.other;
     if (d.steps > 0) j["degrees"] = 120 * d.steps;

@@ -12,8 +12,8 @@
 
 #include "triskin/host/interrupt.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/session/conversations.hpp"
 #include "triskin/session/patch_table.hpp"
+#include "triskin/session/scheduler.hpp"
 
 namespace triskin::device {
 namespace {
@@ -124,14 +124,14 @@ class Pass {
     std::erase_if(boards_, [](const Board& b) { return b.patch < 0; });
     std::ranges::sort(boards_, {}, &Board::patch);
     results.resize(boards_.size());
-    std::vector<Conversation> conversations;
+    std::vector<Task> tasks;
     for (std::size_t k = 0; k < boards_.size(); ++k) {
       begin(results[k], boards_[k]);
       const auto node =
           options_.dry_run ? boards_[k].claim.node_address : static_cast<std::uint8_t>(boards_[k].patch + 1);
-      conversations.push_back({node, [this, k, &results](Bus& bus) { serve(bus, boards_[k], results[k]); }});
+      tasks.push_back({node, [this, k, &results](Bus& bus) { serve(bus, boards_[k], results[k]); }});
     }
-    throw_first(converse(bus_.link(), conversations, options_.per_wire), results);
+    throw_first(run_tasks(bus_.link(), tasks, options_.per_wire), results);
   }
 
  private:

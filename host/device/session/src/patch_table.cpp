@@ -12,9 +12,9 @@
 namespace triskin::device {
 namespace {
 
-int row_of(const design::Patch& patch, int node) {
+int row_of(const design::Patch& patch, int module) {
   const auto found =
-      std::find_if(patch.modules.begin(), patch.modules.end(), [&](const auto& m) { return m.node == node; });
+      std::find_if(patch.modules.begin(), patch.modules.end(), [&](const auto& m) { return m.node == module; });
   return found == patch.modules.end() ? -1 : static_cast<int>(found - patch.modules.begin());
 }
 
@@ -114,8 +114,8 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
   image.design_id = design.design_id;
   image.node_address = static_cast<std::uint8_t>(layout::kFirstNode + patch_index);
   image.module_count = static_cast<std::uint8_t>(tree.modules.size());
-  const auto row_in = [&](int node) {
-    const auto found = std::ranges::find(tree.modules, node, &design::RoutedModule::node);
+  const auto row_in = [&](int module) {
+    const auto found = std::ranges::find(tree.modules, module, &design::RoutedModule::node);
     return found == tree.modules.end() ? -1 : static_cast<int>(found - tree.modules.begin());
   };
   const design::PortEnds ends = design::joints_of(design, patch_index);
@@ -129,9 +129,9 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
     const auto& mine = ends[static_cast<std::size_t>(row_of(patch, m.node))];
     for (std::size_t port = 0; port < layout::kPorts; ++port) {
       if (mine[port].row < 0) continue;
-      const int far_node = patch.modules[static_cast<std::size_t>(mine[port].row)].node;
-      const bool cut = std::minmax(m.node, far_node) == std::minmax(tree.cut_a, tree.cut_b);
-      const int far = row_in(far_node);
+      const int far_module = patch.modules[static_cast<std::size_t>(mine[port].row)].node;
+      const bool cut = std::minmax(m.node, far_module) == std::minmax(tree.cut_a, tree.cut_b);
+      const int far = row_in(far_module);
       if (far >= 0 && !cut)
         row.joints[port] = layout::joint_to(static_cast<std::size_t>(far), static_cast<std::size_t>(mine[port].port));
     }

@@ -23,6 +23,7 @@ namespace triskin::fw {
 /// The patch controller: the only place that knows all parts. step() does what is due and returns at once.
 class Application final : private UdsHost, private PatchControl {
  public:
+  /// Loads the newest table and begins to sample. Everything that `ports` points to must outlive the application.
   explicit Application(const Ports& ports);
 
   /// Handles frames, bus transfers and timers that are due.

@@ -13,15 +13,19 @@ namespace triskin::scene {
 /// scene has strapped modules. Not thread-safe.
 class SwitchedHardware {
  public:
+  /// Builds the chains as designed, with the faults of the scene.
   explicit SwitchedHardware(const Scene& scene);
 
+  /// False: the scene has strapped modules.
   [[nodiscard]] bool present() const { return !patches_.empty(); }
+  /// Chain of patch `patch` (0-based). Throws std::out_of_range.
   [[nodiscard]] SwitchedPatch& patch(int patch) { return patches_.at(static_cast<std::size_t>(patch)); }
-  /// Row of a module in its patch.
+  /// Position of a module (id in the design) in its patch. Throws std::out_of_range.
   [[nodiscard]] int row_of(int module) const { return row_.at(static_cast<std::size_t>(module)); }
 
-  /// Lets happen what is due.
+  /// Begins and ends the faults that are due at virtual time `now_us`.
   void advance(std::uint64_t now_us);
+  /// Virtual time of the next such event, kForever: none.
   [[nodiscard]] std::uint64_t next_event_us() const { return next_ < events_.size() ? events_[next_].at_us : kForever; }
 
  private:
