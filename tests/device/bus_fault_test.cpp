@@ -25,7 +25,7 @@ design::Design other_wiring(const design::Design& d) {
 std::vector<std::uint8_t> active(Fixture& fixture, std::size_t bytes) {
   fixture.bus().listen(fixture.bus().now_us() + 2'000'000);  // what was under way has timed out
   Controller c(fixture.bus(), 1);
-  return c.active_table().present ? c.read_table(bytes) : std::vector<std::uint8_t>{};
+  return c.active_table().present() ? c.read_table(bytes) : std::vector<std::uint8_t>{};
 }
 
 class Wires : public testing::TestWithParam<bool> {};  // FD or classic
