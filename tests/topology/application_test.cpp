@@ -239,7 +239,7 @@ TEST(Application, strapped_modules_are_read_as_before) {
   EXPECT_EQ(fixture.controller().topology().count, 0);
 
   // Both boards: one without a chain, one with a chain on which nobody answers.
-  scene::SwitchedPatch nobody(std::vector<std::array<scene::SwitchedPatch::End, 3>>(1), 0, 1);
+  scene::SwitchedPatch nobody(design::PortEnds(1), 0, 1);
   nobody.set_dead(0, true);
   std::array<std::vector<wire::CanFrame>, 2> frames;
   for (std::size_t k = 0; k < 2; ++k) {

@@ -11,14 +11,14 @@ namespace {
 
 using Fault = SwitchedPatch::JointFault;
 
-std::array<fw::Slot, layout::kMaxModules> slots_of(int modules) {
-  std::array<fw::Slot, layout::kMaxModules> slots{};
+std::array<fw::LineAddress, layout::kMaxModules> addresses_of(int modules) {
+  std::array<fw::LineAddress, layout::kMaxModules> addresses{};
   // Not in order, so that a slot given to the wrong module shows.
   for (int m = 0; m < modules; ++m) {
     const int s = (7 * m + 3) % 16;
-    slots[static_cast<std::size_t>(m)] = {static_cast<std::uint8_t>(s % 4), static_cast<std::uint8_t>(s / 4)};
+    addresses[static_cast<std::size_t>(m)] = {static_cast<std::uint8_t>(s % 4), static_cast<std::uint8_t>(s / 4)};
   }
-  return slots;
+  return addresses;
 }
 
 struct Failure {
@@ -54,7 +54,7 @@ std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure
     return std::any_of(failures.begin(), failures.end(), [&](const Failure& f) {
       const auto e = patch.end(m, p);
       return f.module < 0 &&
-             ((f.joint.module == m && f.joint.port == p) || (e.module == f.joint.module && e.port == f.joint.port));
+             ((f.joint.row == m && f.joint.port == p) || (e.row == f.joint.row && e.port == f.joint.port));
     });
   };
   std::vector<int> depth(patch.joints.size(), -1);
@@ -63,7 +63,7 @@ std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure
   for (int round = 0; round < patch.size(); ++round) {
     for (int m = 0; m < patch.size(); ++m) {
       for (int p = 0; p < 3; ++p) {
-        const int other = patch.end(m, p).module;
+        const int other = patch.end(m, p).row;
         if (depth[static_cast<std::size_t>(m)] != round || other < 0 || dead(other) || cut(m, p) ||
             depth[static_cast<std::size_t>(other)] >= 0)
           continue;
@@ -81,7 +81,7 @@ class Fixture {
         model(patch.joints, patch.cable_port, seed),
         chain(model),
         topology(chain),
-        table{table_of(patch), slots_of(patch.size()), {}} {}
+        table{table_of(patch), addresses_of(patch.size()), {}} {}
 
   // After healing: exactly the best set is reached, least deep, each module at its own line and address.
   void expect_best(const std::vector<Failure>& failures) {
@@ -101,8 +101,8 @@ class Fixture {
       ASSERT_EQ(model.depth_of(m), best[k]) << "module " << m;
       ASSERT_EQ((report.alive >> m & 1) != 0, best[k] >= 0) << "module " << m;
       if (best[k] < 0) continue;
-      ASSERT_EQ(model.line_of(m), table.slots[k].line);
-      ASSERT_EQ(model.address_of(m), table.slots[k].address);
+      ASSERT_EQ(model.line_of(m), table.addresses[k].line);
+      ASSERT_EQ(model.address_of(m), table.addresses[k].address);
     }
     EXPECT_TRUE(topology.intact());
   }
@@ -187,7 +187,7 @@ TEST(Healing, any_two_failures_end_at_the_best_possible) {
       for (std::size_t b = a + 1; b < list.size(); ++b) {
         if (random() % 3 != 0) continue;
         if (list[a].module == list[b].module && list[a].module >= 0) continue;
-        if (list[a].module < 0 && list[b].module < 0 && list[a].joint.module == list[b].joint.module &&
+        if (list[a].module < 0 && list[b].module < 0 && list[a].joint.row == list[b].joint.row &&
             list[a].joint.port == list[b].joint.port)
           continue;
         apply(fixture.model, list[a]);
@@ -250,8 +250,8 @@ TEST(Faults, stuck_register_bits_end_in_bounded_time_without_a_wrong_map) {
           ASSERT_TRUE(fixture.model.reached(k))
               << "trial " << trial << ": bit " << bit << " of " << m << ", module " << k << " of "
               << fixture.patch.size() << ", table " << report.alive << ", cable " << fixture.patch.cable_port;
-          ASSERT_EQ(fixture.model.line_of(k), fixture.table.slots[static_cast<std::size_t>(k)].line);
-          ASSERT_EQ(fixture.model.address_of(k), fixture.table.slots[static_cast<std::size_t>(k)].address);
+          ASSERT_EQ(fixture.model.line_of(k), fixture.table.addresses[static_cast<std::size_t>(k)].line);
+          ASSERT_EQ(fixture.model.address_of(k), fixture.table.addresses[static_cast<std::size_t>(k)].address);
         }
         fixture.model.set_stuck_bit(m, bit, -1);
       }

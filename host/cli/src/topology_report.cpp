@@ -83,7 +83,7 @@ void say_found(const wire::FoundTopology& found, const wire::ActiveRoute& route,
                          found.complete ? "" : "; the chain would not settle, there may be more"));
   for (std::size_t m = 0; m < found.count; ++m) {
     std::string line = fmt::format("    {:2}", m);
-    for (std::size_t p = 0; p < 3; ++p) {
+    for (std::size_t p = 0; p < layout::kPorts; ++p) {
       const std::uint8_t j = found.joints[m][p];
       line += j == 0 ? fmt::format("  {} -", "ABC"[p])
                      : fmt::format("  {} {}.{}", "ABC"[p], layout::joint_row(j), "ABC"[layout::joint_port(j)]);

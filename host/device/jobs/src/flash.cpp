@@ -18,7 +18,6 @@
 namespace triskin::device {
 namespace {
 
-constexpr int kMaxAddress = 126;
 constexpr std::uint64_t kRestart_us = 20'000;  // a controller starts anew under its new address
 
 struct Board {
@@ -79,7 +78,7 @@ void assign_addresses(Bus& bus, const std::vector<Board>& boards, std::size_t n_
       if (b.claim.node_address > n_patches) continue;
       while (used.contains(spare_address)) ++spare_address;
       wanted = spare_address++;
-      if (wanted > kMaxAddress)
+      if (wanted > layout::kLastNode)
         throw DeviceError(
             fmt::format("{}: no free node address is left; take controllers off the bus", bus.link().name()));
     }

@@ -38,7 +38,7 @@ struct Side {
   bool operator==(const Side&) const = default;
 };
 
-// A port of a module that was found.
+// A port of a module that was found: layout::JointEnd with the number typed.
 struct End {
   FoundNumber module{};
   int port = 0;
@@ -84,9 +84,9 @@ class Overlay {
   }
   // Far end of a joint that was found; empty: none was.
   [[nodiscard]] std::optional<End> far(const End& at) const {
-    const std::uint8_t j = found_.joints[index(at.module)][static_cast<std::size_t>(at.port)];
-    if (j == 0) return std::nullopt;
-    return End{FoundNumber{layout::joint_row(j)}, static_cast<int>(layout::joint_port(j))};
+    const auto end = layout::joint_end(found_.joints[index(at.module)][static_cast<std::size_t>(at.port)]);
+    if (!end.exists()) return std::nullopt;
+    return End{FoundNumber{end.module}, end.port};
   }
   // Side of the design at which a port lies; empty: its module fits nowhere.
   [[nodiscard]] std::optional<Side> side_of(const End& at) const {

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 
+#include "triskin/layout/module.hpp"
+
 namespace triskin::scene {
 
 /// Capacitances at the pins of one converter, as a function of time: they are computed only for samples that are read.
@@ -20,7 +22,7 @@ class CapacitanceSource {
 /// status, device id, loss of the configuration in a power dip. Not modelled: interrupts, environmental calibration.
 class Ad7147 {
  public:
-  static constexpr int kStages = 12;
+  static constexpr int kStages = layout::kTaxelsPerModule;
   static constexpr std::uint16_t kDeviceId = 0x1472;  ///< 0x1470 | revision (data sheet, table 20)
 
   /// `source` must outlive the chip. The chip has power since time 0.

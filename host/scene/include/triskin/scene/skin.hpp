@@ -48,9 +48,9 @@ class ModuleSkin final : public CapacitanceSource {
 
  private:
   enum class State : std::uint8_t { kHealthy, kSaturated, kFrozen };
-  std::array<design::Vec3, 12> position_mm_;
-  std::array<State, 12> state_{};
-  std::array<double, 12> rest_counts_{};
+  std::array<design::Vec3, layout::kTaxelsPerModule> position_mm_;
+  std::array<State, layout::kTaxelsPerModule> state_{};
+  std::array<double, layout::kTaxelsPerModule> rest_counts_{};
   std::vector<const Touch*> touches_;
   std::uint64_t seed_;
   double noise_counts_;

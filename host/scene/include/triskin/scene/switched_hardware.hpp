@@ -39,7 +39,7 @@ class SwitchedHardware {
   void apply(const Fault& fault, bool begins);
 
   std::deque<SwitchedPatch> patches_;
-  std::vector<std::vector<std::array<SwitchedPatch::End, 3>>> joints_;
+  std::vector<design::PortEnds> joints_;
   std::vector<int> patch_, row_;  // by module
   std::vector<Event> events_;     // by time
   std::size_t next_ = 0;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "triskin/design/joint.hpp"
 #include "triskin/sim/chain_model.hpp"
 
 namespace triskin::scene {
@@ -14,15 +15,12 @@ namespace triskin::scene {
 /// moves whole bytes, which is exact because every register is one byte long, and single bits only while they can flip.
 class SwitchedPatch final : public sim::ChainModel {
  public:
-  struct End {
-    int module = -1;
-    int port = 0;
-  };
+  using End = design::PortEnd;  ///< by row of the patch
   enum class JointFault : std::uint8_t { kNone, kOpen, kShort };
 
-  /// `joints[m][p]`: far end of port p, module −1 for none; symmetric. Module 0 is the entry, its cable at
+  /// `joints[m][p]`: far end of port p, row −1 for none; symmetric. Module 0 is the entry, its cable at
   /// `cable_port`.
-  SwitchedPatch(std::vector<std::array<End, 3>> joints, int cable_port, std::uint64_t seed);
+  SwitchedPatch(std::vector<std::array<End, layout::kPorts>> joints, int cable_port, std::uint64_t seed);
 
   void enable(std::uint8_t cables) override;
   void exchange(Bytes out, std::span<std::uint8_t> in) override;
@@ -84,8 +82,8 @@ class SwitchedPatch final : public sim::ChainModel {
   std::uint8_t shift_bits(const std::vector<int>& chain, std::uint8_t out);
   void settle();
 
-  std::vector<std::array<End, 3>> joints_;
-  std::vector<std::array<JointFault, 3>> faults_;
+  std::vector<std::array<End, layout::kPorts>> joints_;
+  std::vector<std::array<JointFault, layout::kPorts>> faults_;
   std::vector<Module> modules_;
   std::array<End, 2> cables_;
   std::uint8_t enabled_ = 0;  // bit c: EN of cable c
