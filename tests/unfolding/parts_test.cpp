@@ -56,9 +56,9 @@ TEST_P(GeneratedParts, designs_and_passes_every_rule) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Covers, GeneratedParts,
-                         testing::Values(std::pair{test::CoverName{"torso"}, 0.6},
+                         testing::Values(std::pair{test::CoverName{"torso"}, 0.65},
                                          std::pair{test::CoverName{"hip"}, 0.65},
-                                         std::pair{test::CoverName{"thigh"}, 0.5},
+                                         std::pair{test::CoverName{"thigh"}, 0.65},
                                          std::pair{test::CoverName{"near-degenerate"}, 0.55}),
                          [](const auto& p) { return test::case_name(p.param.first.name); });
 
