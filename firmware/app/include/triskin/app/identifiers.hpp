@@ -6,6 +6,7 @@
 
 #include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
+#include "triskin/logic/stream_queue.hpp"
 #include "triskin/logic/table_store.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/identity.hpp"
@@ -30,8 +31,8 @@ struct PatchParts {
   const wire::StreamMode& stream;
   const Sampling& sampling;
   const wire::TaxelOutput& output;
-  const std::uint32_t& sequences;    ///< nominal sequences since power-up
-  const std::uint32_t& lost_frames;  ///< of the stream
+  const std::uint32_t& sequences;  ///< nominal sequences since power-up
+  const StreamQueue& stream_queue;
 };
 
 /// What writing an identifier sets off. Values are checked before.

@@ -31,6 +31,10 @@ inline constexpr std::uint16_t kStageStride = 8;
   return kTimes[static_cast<std::size_t>(d)];
 }
 inline constexpr std::uint32_t kMidScale = 0x8000;
+/// A result that is at neither end of the converter's range; a chip without configuration gives 0.
+[[nodiscard]] constexpr bool in_range(std::uint16_t result) {
+  return result != 0 && result != 0xFFFF;
+}
 }  // namespace ad7147
 
 /// One CDC on a line: what to write and read, never waiting. Each begin_… starts one transfer on the line; the caller

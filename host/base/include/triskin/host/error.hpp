@@ -9,7 +9,7 @@ namespace triskin {
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-  /// Process exit status of the command line (docs/cli.md): 2 unusable input, 3 device or link.
+  /// Process exit status of the command line: 2 unusable input, 3 device or link.
   [[nodiscard]] virtual int exit_status() const { return 2; }
 };
 
