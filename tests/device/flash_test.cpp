@@ -18,10 +18,10 @@ TEST(PatchTable, row_fields_follow_the_design) {
   // = 2.
   EXPECT_EQ(image.modules[1].parent, 0);
   EXPECT_EQ(image.modules[1].parent_port, 2);
-  EXPECT_EQ(image.modules[0].kept_joints, 0b101);
+  EXPECT_EQ(layout::kept_ports(image)[0], 0b101);
   // Module 2 hangs on module 1 at its side 0: port (0 - 2) mod 3 = 1. The last module keeps only its input.
   EXPECT_EQ(image.modules[2].parent_port, 1);
-  EXPECT_EQ(image.modules[5].kept_joints, 0b001);
+  EXPECT_EQ(layout::kept_ports(image)[5], 0b001);
   EXPECT_EQ(image.modules[5].line, 1);
   EXPECT_EQ(image.modules[5].address, 1);
 }
@@ -117,8 +117,8 @@ TEST_P(PowerCut, leaves_the_old_or_the_new_table_and_flashing_again_completes) {
     ++cuts;
     EXPECT_FALSE(bench.skin().alive(0));
     bench.skin().power_cycle(0);
-    const ActiveTable after = Controller(bench.bus(), 1).active_table();
-    ASSERT_TRUE(after.present) << "operation " << operation;
+    const wire::ActiveTable after = Controller(bench.bus(), 1).active_table();
+    ASSERT_TRUE(after.present()) << "operation " << operation;
     EXPECT_TRUE(after.design_id == old_design.design_id || after.design_id == bench.design().design_id) << operation;
     bench.flash();
     EXPECT_EQ(Controller(bench.bus(), 1).active_table().design_id, bench.design().design_id) << operation;

@@ -11,6 +11,7 @@
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/sim/virtual_controller.hpp"
 #include "triskin/wire/iso_tp.hpp"
+#include "triskin/wire/table_state.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 #include "triskin/wire/uds.hpp"
 
@@ -93,12 +94,12 @@ class Bench {
     EXPECT_EQ(ask({0x37}), (Message{0x77}));
     const Message done = ask({0x31, 0x01, 0x02, 0x05});
     EXPECT_EQ(done.size(), 5U);
-    return done.size() == 5 ? static_cast<Status>(done[4]) : Status::kTooShort;
+    return wire::ActivationResult::decode(Bytes(done).subspan(4)).value().status;
   }
 
   wire::ModuleState state(std::size_t module) {
     const Message m = ask({0x22, 0xFD, 0x03});
-    return m.size() > 3 + module ? static_cast<wire::ModuleState>(m[3 + module]) : wire::ModuleState::kUnknown;
+    return wire::ModuleStates::decode(Bytes(m).subspan(3)).value().state.at(module);
   }
 
   std::unique_ptr<sim::VirtualController> controller;
@@ -132,8 +133,7 @@ inline layout::PatchImage six_modules(std::uint8_t node = 1) {
                         small(k % 2),
                         0,
                         k == 0 ? layout::kNoParent : small(k - 1),
-                        k == 0 ? layout::kCable : std::uint8_t{1},
-                        3};
+                        k == 0 ? layout::kCable : std::uint8_t{1}};
   }
   return image;
 }

@@ -24,8 +24,7 @@ layout::PatchImage table(std::uint64_t design, std::uint8_t modules, std::uint8_
                         small(k % 4),
                         0,
                         k == 0 ? layout::kNoParent : small((k - 1) / 2),
-                        k == 0 ? layout::kCable : small(k % 2 == 1 ? 1 : 2),
-                        7};
+                        k == 0 ? layout::kCable : small(k % 2 == 1 ? 1 : 2)};
   }
   return image;
 }
@@ -180,17 +179,16 @@ TEST(FaultMemory, SurvivesPowerLossUntilItIsCleared) {
   faults.note(3, wire::ModuleState::kAbsent, {9000, 240});  // the first occurrence is kept
   FaultMemory after(flash);
   after.load();
-  std::uint8_t status = 0;
-  FaultMemory::Freeze freeze;
-  ASSERT_TRUE(after.snapshot(0x920003, status, freeze));
-  EXPECT_EQ(status, FaultMemory::kConfirmed);
-  EXPECT_EQ(freeze, (FaultMemory::Freeze{1500, 40}));
-  EXPECT_FALSE(after.snapshot(0x920004, status, freeze));
-  EXPECT_FALSE(after.snapshot(0x910003, status, freeze));  // "ok" is no fault
-  EXPECT_FALSE(after.snapshot(0x92FF03, status, freeze));
+  const auto frame = after.snapshot(0x920003);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->fault, (wire::FaultRecord{{wire::ModuleState::kAbsent, 3}, wire::fault_status::kConfirmed}));
+  EXPECT_EQ(frame->freeze, (wire::Freeze{1500, 40}));
+  EXPECT_FALSE(after.snapshot(0x920004));
+  EXPECT_FALSE(after.snapshot(0x910003));  // "ok" is no fault
+  EXPECT_FALSE(after.snapshot(0x92FF03));
   EXPECT_TRUE(after.clear());
   after.load();
-  EXPECT_FALSE(after.snapshot(0x920003, status, freeze));
+  EXPECT_FALSE(after.snapshot(0x920003));
 }
 
 TEST(FaultMemory, ALooseContactWritesOnce) {
@@ -215,19 +213,18 @@ TEST(FaultMemory, APowerCutLosesAtMostTheLastEntry) {
       std::size_t noted = 0;
       try {
         for (std::uint8_t m = 0; m < 15; ++m) {
-          for (std::uint8_t s = 2; s < 9; ++s, ++noted) faults.note(m, static_cast<wire::ModuleState>(s), {m, s});
+          for (std::uint8_t s = 2; s < wire::kModuleStateCount; ++s, ++noted)
+            faults.note(m, wire::to_module_state(s).value(), {m, s});
         }
       } catch (const sim::PowerLost&) {
       }
       flash.never_cut();
       FaultMemory after(flash);
       after.load();
-      std::uint8_t status = 0;
-      FaultMemory::Freeze freeze;
-      EXPECT_TRUE(after.snapshot(0x96000F, status, freeze));
+      EXPECT_TRUE(after.snapshot(0x96000F));
       std::array<std::uint8_t, 512> out{};
       ByteWriter w(out);
-      after.report(FaultMemory::kConfirmed, w);
+      after.report(wire::fault_status::kConfirmed, w);
       EXPECT_GE(w.size() / 4, noted + 1) << "cut " << cut;
       EXPECT_LE(w.size() / 4, noted + 2);
     }

@@ -36,15 +36,9 @@ class SwitchedBench : public Bench {
     run_for(600'000);
   }
   [[nodiscard]] scene::SwitchedPatch& chain() { return hardware_->patch(0); }
-  [[nodiscard]] wire::ActiveRoute route() {
-    wire::ActiveRoute r;
-    EXPECT_TRUE(wire::decode(answer(wire::did::kRoute), r));
-    return r;
-  }
+  [[nodiscard]] wire::ActiveRoute route() { return wire::ActiveRoute::decode(answer(wire::did::kRoute)).value(); }
   [[nodiscard]] wire::FoundTopology topology() {
-    wire::FoundTopology t;
-    EXPECT_TRUE(wire::decode(answer(wire::did::kTopology), t));
-    return t;
+    return wire::FoundTopology::decode(answer(wire::did::kTopology)).value();
   }
   /// Modules all of whose taxels are valid, a bit a row.
   [[nodiscard]] std::uint32_t read_rows() {

@@ -39,17 +39,16 @@ std::vector<std::uint8_t> bytes_of(const Vector& v) {
 
 ModuleRow row_of(const std::string& text) {
   std::istringstream in(text);
-  unsigned id = 0, line = 0, address = 0, rotation = 0, joints = 0;
+  unsigned id = 0, line = 0, address = 0, rotation = 0;
   std::string word, parent, port;
-  in >> id >> word >> line >> word >> address >> word >> rotation >> word >> parent >> word >> port >> word >> joints;
+  in >> id >> word >> line >> word >> address >> word >> rotation >> word >> parent >> word >> port;
   const auto small = [](unsigned x) { return static_cast<std::uint8_t>(x); };
   return {static_cast<std::uint16_t>(id),
           small(line),
           small(address),
           small(rotation),
           parent == "none" ? layout::kNoParent : small(static_cast<unsigned>(std::stoul(parent))),
-          port == "cable" ? layout::kCable : small(static_cast<unsigned>(std::stoul(port))),
-          small(joints)};
+          port == "cable" ? layout::kCable : small(static_cast<unsigned>(std::stoul(port)))};
 }
 
 PatchImage image_of(const Vector& v) {
@@ -75,7 +74,7 @@ TEST(PatchImageVectors, DecodeAsTheFileSays) {
 
 TEST(PatchImageVectors, EncodeToTheSameBytes) {
   for (const Vector& v : test::read_vectors("patch_image.txt")) {
-    if (v.one("status") != "ok") continue;
+    if (v.one("status") != "ok" || v.has("decode_only")) continue;
     SCOPED_TRACE(v.name);
     std::array<std::uint8_t, layout::kMaxImageBytes> out{};
     const auto size = layout::encode(image_of(v), out);
@@ -101,8 +100,7 @@ PatchImage random_image(std::mt19937& random) {
          static_cast<std::uint8_t>(slots[k] % 4),
          below(3),
          layout::kNoParent,
-         layout::kCable,
-         below(8)};
+         layout::kCable};
     if (k > 0) {
       const auto at = static_cast<std::ptrdiff_t>(random() % free_ports.size());
       std::tie(m.parent, m.parent_port) = free_ports[static_cast<std::size_t>(at)];

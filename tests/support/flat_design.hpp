@@ -7,8 +7,7 @@
 namespace triskin::test {
 
 /// A design without modules on the rectangle from `low_mm` to `high_mm` of the plane z = 0.
-inline design::Design flat_design(const std::string& name, const design::Vec2& low_mm,
-                                  const design::Vec2& high_mm) {
+inline design::Design flat_design(const std::string& name, const design::Vec2& low_mm, const design::Vec2& high_mm) {
   design::Design d;
   d.name = name;
   d.source_file = name + ".obj";

@@ -34,10 +34,10 @@ class Bench {
       : link_(s), bus_(link_), controller_(bus_, 1), rows_(s.design.patches[0].modules.size()) {
     device::flash(bus_, link_.skin().scene().design);
     bus_.listen(bus_.now_us() + 400'000);
-    const device::TaxelSample sample = controller_.taxels();
-    for (const auto& m : sample.modules) {
-      EXPECT_EQ(m.valid, 0xFFF);
-      expected_.push_back(m.raw);
+    const wire::LiveTaxels sample = controller_.taxels();
+    for (const wire::ModuleTaxels& m : sample.rows()) {
+      EXPECT_EQ(m.valid, layout::kAllTaxels);
+      expected_.push_back(m.value);
     }
     controller_.set_stream(wire::StreamMode::kFull);
     bus_.on_stream([this](const wire::CanFrame& f) { frame(f); });
@@ -71,7 +71,7 @@ class Bench {
     if (sample->device_time_us <= from_us_) return;
     const std::uint32_t bit = 1U << sample->module;
     seen_ |= bit;
-    valid_ = sample->valid == 0xFFF ? valid_ | bit : valid_ & ~bit;
+    valid_ = sample->valid == layout::kAllTaxels ? valid_ | bit : valid_ & ~bit;
     if (seen_ == all() && valid_ == wanted_ && reached_us_ == 0) reached_us_ = sample->device_time_us;
   }
 
@@ -79,7 +79,7 @@ class Bench {
   device::Bus bus_;
   device::Controller controller_;
   std::size_t rows_;
-  std::vector<std::array<std::uint16_t, 12>> expected_;
+  std::vector<std::array<std::uint16_t, layout::kTaxelsPerModule>> expected_;
   std::uint64_t from_us_ = 0, reached_us_ = 0;
   std::uint32_t valid_ = 0, seen_ = 0, wanted_ = ~0U;  // bit: row
 };
@@ -181,9 +181,10 @@ TEST(Application, two_failures_at_once_end_honestly) {
       bench.listen_us(400'000);
       const wire::ActiveRoute route = bench.controller().route();
       EXPECT_EQ(route.alive, best(design, {a, b})) << trial << ' ' << pair;
-      const device::TaxelSample s = bench.controller().taxels();
-      for (std::size_t m = 0; m < s.modules.size(); ++m)
-        EXPECT_EQ(s.modules[m].valid == 0xFFF, (route.alive >> m & 1) != 0) << trial << ' ' << pair << ' ' << m;
+      const wire::LiveTaxels s = bench.controller().taxels();
+      for (std::size_t m = 0; m < s.count; ++m)
+        EXPECT_EQ(s.modules[m].valid == layout::kAllTaxels, (route.alive >> m & 1) != 0)
+            << trial << ' ' << pair << ' ' << m;
       a.apply(bench.hardware(), false);
       b.apply(bench.hardware(), false);
       bench.controller().reroute();
@@ -245,7 +246,7 @@ TEST(Application, strapped_modules_are_read_as_before) {
     scene::Skin skin(strapped);
     scene::FlashMemory flash(std::size_t{64} * 1024);
     sim::VirtualBoard board;
-    for (int l = 0; l < 4; ++l) board.lines[static_cast<std::size_t>(l)] = &skin.line(0, l);
+    for (int l = 0; l < layout::kLines; ++l) board.lines[static_cast<std::size_t>(l)] = &skin.line(0, l);
     board.flash = &flash;
     board.send = [&, k](const wire::CanFrame& f) { frames[k].push_back(f); };
     if (k == 1) board.chain = &nobody;

@@ -29,8 +29,7 @@ SwitchedPatch model_of(const design::Design& design, std::uint64_t seed) {
 }
 
 int row_of(const design::Patch& patch, int node) {
-  return static_cast<int>(std::ranges::find(patch.modules, node, &design::RoutedModule::node) -
-                          patch.modules.begin());
+  return static_cast<int>(std::ranges::find(patch.modules, node, &design::RoutedModule::node) - patch.modules.begin());
 }
 
 void break_it(SwitchedPatch& model, const design::Design& design, const design::FailureLoss& f, bool broken) {

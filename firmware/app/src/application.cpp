@@ -24,7 +24,10 @@ Application::Application(const Ports& ports)
       channels_{{{ports.can, make_link(1, 8)}, {ports.usb, make_link(1, 8)}}},
       asking_(ports.can),
       stream_port_(ports.can),
-      route_(ports.chain) {
+      route_(ports.chain),
+      identifiers_({ports_, tables_, route_, lines_, samples_, published_, stream_, sampling_, output_, sample_count_,
+                    lost_frames_},
+                   *this) {
   restart();
 }
 
@@ -268,138 +271,33 @@ void Application::queue_icub() {
   }
 }
 
-// Status, record 1 with two identifiers.
 bool Application::read_fault(std::uint32_t dtc, ByteWriter& out) {
-  std::uint8_t status = 0;
-  FaultMemory::Freeze freeze;
-  if (!faults_.snapshot(dtc, status, freeze)) return false;
-  out.u8(status);
-  out.u8(1);
-  out.u8(2);
-  out.be16(wire::did::kFreezeTime);
-  out.le32(freeze.time_ms);
-  out.be16(wire::did::kFreezeSample);
-  out.le32(freeze.sample);
-  return true;
-}
-
-void Application::write_hello(ByteWriter& out) const {
-  out.le16(wire::kWireVersion);
-  out.le16(layout::kLayoutVersion);
-  out.le32(kFirmwareVersion);
-  out.u8(tables_.node_address());
-  out.bytes(ports_.unique_id);
-  out.u8(layout::kMaxModules);
-  out.u8(layout::kTaxelsPerModule);
-}
-
-void Application::write_live(ByteWriter& out) const {
-  out.le32(sample_count_);
-  out.le64(now_us());
-  for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) {
-    out.le16(shown(k).valid);
-    for (const std::uint16_t raw : shown(k).raw) out.le16(raw);
-  }
-}
-
-void Application::write_states(ByteWriter& out) const {
-  for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k)
-    out.u8(static_cast<std::uint8_t>(shown(k).state));
-}
-
-bool Application::read_identifier(std::uint16_t did, ByteWriter& out) {
-  switch (did) {
-    case wire::did::kSerialNumber:
-      out.bytes(ports_.unique_id);
-      return true;
-    case wire::did::kPartNumber:
-    case wire::did::kHardware:
-      out.bytes(std::array<std::uint8_t, 8>{'T', 'R', 'I', 'S', 'K', 'I', 'N', '1'});
-      return true;
-    case wire::did::kFirmware:
-      out.be32(kFirmwareVersion);
-      return true;
-    case wire::did::kHello:
-      write_hello(out);
-      return true;
-    case wire::did::kNodeAddress:
-      out.u8(tables_.node_address());
-      return true;
-    case wire::did::kActiveTable:
-      out.u8(static_cast<std::uint8_t>(tables_.status()));
-      out.le32(tables_.sequence());
-      out.le64(tables_.has_table() ? tables_.table().design_id : 0);
-      out.le32(crc32(tables_.active_bytes()));
-      out.u8(tables_.has_table() ? tables_.table().module_count : 0);
-      return true;
-    case wire::did::kModuleStates:
-      write_states(out);
-      return tables_.has_table();
-    case wire::did::kTopology:
-      wire::encode(route_.found(), out);
-      return true;
-    case wire::did::kRoute:
-      wire::encode(route_.route(), tables_.has_table() ? tables_.table().module_count : std::uint8_t{0}, out);
-      return true;
-    case wire::did::kStatistics: {
-      std::uint32_t errors = 0, recoveries = 0;
-      for (const LineSampler& l : lines_) {
-        errors += l.bus_errors();
-        recoveries += l.recoveries();
-      }
-      for (const std::uint32_t v : {sample_count_, errors, recoveries, lost_frames_}) out.le32(v);
-      return true;
-    }
-    case wire::did::kStream:
-      out.u8(static_cast<std::uint8_t>(stream_));
-      return true;
-    case wire::did::kSampling:
-      for (const auto byte :
-           {static_cast<std::uint8_t>(sampling_.decimation), sampling_.every, static_cast<std::uint8_t>(output_)})
-        out.u8(byte);
-      return true;
-    case wire::did::kLineStates:
-      for (const LineSampler& l : lines_) {
-        out.u8(l.stuck() ? 1 : 0);
-        out.le32(l.recoveries());
-      }
-      return true;
-    case wire::did::kImageState:
-      return ports_.restart != nullptr && ports_.restart->describe(out);
-    case wire::did::kLiveTaxels:
-      write_live(out);
-      return true;
-    default:
-      return false;
-  }
+  const auto frame = faults_.snapshot(dtc);
+  if (frame) frame->encode(out);
+  return frame.has_value();
 }
 
 // Takes effect at once: every converter is configured anew.
-Status Application::set_sampling(Bytes value) {
-  if (value.size() != 3 || value[0] > static_cast<std::uint8_t>(wire::Decimation::k64) || value[1] == 0)
-    return Status::kOutOfRange;
-  if (value[2] > static_cast<std::uint8_t>(wire::TaxelOutput::kCompensated)) return Status::kOutOfRange;
-  output_ = static_cast<wire::TaxelOutput>(value[2]);
-  const Sampling wanted{static_cast<wire::Decimation>(value[0]), value[1]};
+Status Application::set_sampling(const wire::SamplingSetting& setting) {
+  output_ = setting.output;
+  const Sampling wanted{setting.decimation, setting.every};
   if (wanted == sampling_) return Status::kOk;
   sampling_ = wanted;
   restart_sampling();
   return Status::kOk;
 }
 
-Status Application::write_identifier(std::uint16_t did, Bytes value) {
-  if (did == wire::did::kSampling) return set_sampling(value);
-  if (value.size() != 1) return Status::kOutOfRange;
-  if (did == wire::did::kNodeAddress) {
-    const Status s = tables_.set_node_address(value[0]);
-    if (s == Status::kOk) reset_requested_ = true;  // answers under the old address first
-    return s;
-  }
-  if (did != wire::did::kStream || value[0] > static_cast<std::uint8_t>(StreamMode::kFull)) return Status::kOutOfRange;
-  if (value[0] == static_cast<std::uint8_t>(StreamMode::kFull) && !asking_->fd()) return Status::kOutOfRange;
+Status Application::set_node_address(std::uint8_t address) {
+  const Status s = tables_.set_node_address(address);
+  if (s == Status::kOk) reset_requested_ = true;  // answers under the old address first
+  return s;
+}
+
+Status Application::set_stream(StreamMode mode) {
+  if (mode == StreamMode::kFull && !asking_->fd()) return Status::kOutOfRange;
   stream_port_ = asking_;
   outgoing_head_ = outgoing_tail_ = 0;
-  stream_ = static_cast<StreamMode>(value[0]);
+  stream_ = mode;
   return Status::kOk;
 }
 
@@ -427,27 +325,6 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
     default:
       return Status::kOutOfRange;
   }
-}
-
-// Discover: done, then per line: stuck, answering addresses, wrong ids. Self test: done, then the state of each module.
-Status Application::routine_result(std::uint16_t routine, ByteWriter& out) {
-  if (routine == wire::routine::kSelfTest) {
-    out.u8(std::ranges::all_of(lines_, [](const LineSampler& l) { return l.checked(); }) ? 1 : 0);
-    write_states(out);
-    return Status::kOk;
-  }
-  if (routine == wire::routine::kReroute) {
-    out.u8(route_.route().busy ? 0 : 1);
-    return Status::kOk;
-  }
-  if (routine != wire::routine::kDiscover) return Status::kOutOfRange;
-  out.u8(std::ranges::all_of(lines_, [](const LineSampler& l) { return l.scan().done; }) ? 1 : 0);
-  for (const LineSampler& l : lines_) {
-    out.u8(l.scan().stuck ? 1 : 0);
-    out.u8(l.scan().answers);
-    out.u8(l.scan().wrong_id);
-  }
-  return Status::kOk;
 }
 
 }  // namespace triskin::fw

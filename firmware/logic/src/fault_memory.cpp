@@ -148,22 +148,18 @@ void FaultMemory::report(std::uint8_t mask, ByteWriter& out) const {
   for (std::size_t m = 0; m < entries_.size(); ++m) {
     for (std::size_t s = kFirstFault; s < kStates; ++s) {
       if ((entries_[m][s].status & mask) == 0) continue;
-      out.u8(static_cast<std::uint8_t>(0x90 | s));
-      out.u8(0);
-      out.u8(static_cast<std::uint8_t>(m));
-      out.u8(entries_[m][s].status);
+      const wire::FaultCode code{static_cast<wire::ModuleState>(s), static_cast<std::uint8_t>(m)};
+      wire::FaultList::encode({code, entries_[m][s].status}, out);
     }
   }
 }
 
-bool FaultMemory::snapshot(std::uint32_t dtc, std::uint8_t& status, Freeze& freeze) const {
-  const std::size_t state = dtc >> 16 & 0xF, module = dtc & 0xFF;
-  if ((dtc & 0xF0FF00U) != 0x900000U || state < kFirstFault || state >= kStates || module >= entries_.size())
-    return false;
-  if ((entries_[module][state].status & kConfirmed) == 0) return false;
-  status = entries_[module][state].status;
-  freeze = entries_[module][state].freeze;
-  return true;
+std::optional<wire::FreezeFrame> FaultMemory::snapshot(std::uint32_t dtc) const {
+  const auto code = wire::FaultCode::of(dtc);
+  if (!code) return std::nullopt;
+  const Entry& e = entries_[code->row][static_cast<std::size_t>(code->state)];
+  if ((e.status & kConfirmed) == 0) return std::nullopt;
+  return wire::FreezeFrame{{*code, e.status}, e.freeze};
 }
 
 }  // namespace triskin::fw

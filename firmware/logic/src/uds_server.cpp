@@ -55,11 +55,11 @@ void UdsServer::restart() {
 }
 
 void UdsServer::tick() {
-  if (session_ != session::kDefault && host_.now_us() - last_request_us_ > kS3_us) leave_session();
+  if (session_ != Session::kDefault && host_.now_us() - last_request_us_ > kS3_us) leave_session();
 }
 
 void UdsServer::leave_session() {
-  session_ = session::kDefault;
+  session_ = Session::kDefault;
   unlocked_ = false;
   transfer_ = Transfer::kNone;
 }
@@ -99,12 +99,12 @@ std::uint8_t UdsServer::dispatch(Bytes request, Out& out) {
 
 std::uint8_t UdsServer::session_control(Bytes request, Out& out) {
   if (request.size() != 2) return nrc::kWrongLength;
-  const std::uint8_t wanted = request[1] & 0x7F;
-  if (wanted < session::kDefault || wanted > session::kExtended) return nrc::kSubFunctionNotSupported;
+  const auto wanted = to_session(request[1] & 0x7F);
+  if (!wanted) return nrc::kSubFunctionNotSupported;
   suppress_ = (request[1] & kSuppress) != 0;
   leave_session();
-  session_ = wanted;
-  out.u8(wanted);
+  session_ = *wanted;
+  out.u8(wire_number(session_));
   out.be16(static_cast<std::uint16_t>(kP2_us / 1000));
   out.be16(static_cast<std::uint16_t>(kP2Star_us / 10'000));  // in 10 ms
   return kDone;
@@ -128,7 +128,7 @@ std::uint8_t UdsServer::read(Bytes request, Out& out) {
     std::array<std::uint8_t, kMaxResponse> value{};
     ByteWriter w(value);
     if (did == did::kActiveSession)
-      w.u8(session_);
+      ActiveSession{session_}.encode(w);
     else if (!host_.read_identifier(did, w))
       continue;
     any = true;
@@ -140,7 +140,7 @@ std::uint8_t UdsServer::read(Bytes request, Out& out) {
 }
 
 std::uint8_t UdsServer::need_unlocked() const {
-  if (session_ == session::kDefault) return nrc::kServiceNotInSession;
+  if (session_ == Session::kDefault) return nrc::kServiceNotInSession;
   return unlocked_ ? kDone : nrc::kSecurityDenied;
 }
 
@@ -155,7 +155,7 @@ std::uint8_t UdsServer::write(Bytes request, Out& out) {
 
 std::uint8_t UdsServer::security(Bytes request, Out& out) {
   if (request.size() < 2) return nrc::kWrongLength;
-  if (session_ == session::kDefault) return nrc::kServiceNotInSession;
+  if (session_ == Session::kDefault) return nrc::kServiceNotInSession;
   if (request[1] == 0x01) {
     if (request.size() != 2) return nrc::kWrongLength;
     if (wrong_keys_ >= kMaxWrongKeys) return nrc::kAttemptsExceeded;
@@ -195,7 +195,7 @@ std::uint8_t UdsServer::routine(Bytes request, Out& out) {
   if (const std::uint8_t code = need_unlocked(); code != kDone) return code;
   // The reason travels in the result byte, so that the host can name it.
   const Status s = host_.start_routine(id, request.subspan(4), out);
-  out.u8(static_cast<std::uint8_t>(s));
+  ActivationResult{s}.encode(out);
   return kDone;
 }
 
@@ -207,13 +207,12 @@ std::uint8_t UdsServer::faults(Bytes request, Out& out) {
   if (kind == 0x04) {  // freeze data of one code, record 1 or all
     if (request.size() != 6) return nrc::kWrongLength;
     const std::uint32_t dtc = ByteReader(request.subspan(1)).be32() & 0xFFFFFF;
-    out.bytes(request.subspan(2, 3));
     const bool known = (request[5] == 0x01 || request[5] == 0xFF) && host_.read_fault(dtc, out);
     return known ? kDone : nrc::kOutOfRange;
   }
   if (kind != 0x02) return nrc::kSubFunctionNotSupported;  // report by status mask
   if (request.size() != 3) return nrc::kWrongLength;
-  out.u8(0x09);  // availability: test failed, confirmed
+  out.u8(fault_status::kAvailable);
   host_.read_faults(request[2], out);
   return kDone;
 }

@@ -21,14 +21,14 @@ struct Options {
 
 nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim) {
   device::Controller c(bus, claim.node_address);
-  const device::Hello hello = c.hello();
-  const device::ActiveTable table = c.active_table();
+  const wire::Hello hello = c.hello();
+  const wire::ActiveTable table = c.active_table();
   nlohmann::json j = {
       {"wire_version", hello.wire_version},
       {"layout_version", hello.layout_version},
       {"firmware", fmt::format("{}.{}.{}", hello.firmware_version >> 24 & 0xFF, hello.firmware_version >> 16 & 0xFF,
                                hello.firmware_version >> 8 & 0xFF)}};
-  if (table.present) {
+  if (table.present()) {
     j["design_id"] = fmt::format("{:016x}", table.design_id);
     j["table_modules"] = table.modules;
   }
@@ -51,8 +51,8 @@ nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim) {
 nlohmann::json ask_topology(device::Bus& bus, const wire::NodeClaim& claim, const std::vector<NamedDesign>& designs,
                             const Output& output) {
   device::Controller c(bus, claim.node_address);
-  const device::ActiveTable table = c.active_table();
-  return report_topology(c, designs, table.design_id, table.present ? claim.node_address - 1 : -1, output);
+  const wire::ActiveTable table = c.active_table();
+  return report_topology(c, designs, table.design_id, table.present() ? claim.node_address - 1 : -1, output);
 }
 
 int run(const Options& options, Output& output) {

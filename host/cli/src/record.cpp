@@ -21,8 +21,9 @@ struct Options {
 constexpr std::uint64_t kSlice_us = 100'000;
 
 void add_row(std::string& csv, const device::ModuleFrame& f) {
-  csv += fmt::format("{},{},{},{},{}", f.link_time_us, f.device_time_us, f.sample, f.module, f.valid);
-  for (const std::uint16_t v : f.raw) csv += fmt::format(",{}", v);
+  csv +=
+      fmt::format("{},{},{},{},{}", f.link_time_us, f.sample.device_time_us, f.sample.sample, f.module, f.sample.valid);
+  for (const std::uint16_t v : f.sample.value) csv += fmt::format(",{}", v);
   csv += '\n';
 }
 

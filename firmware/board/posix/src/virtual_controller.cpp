@@ -254,10 +254,9 @@ class Controller final : public VirtualController, private fw::Restart {
     loader_.emplace(slots_, can_, board_.unique_id);
     window_end_us_ = clock_.now + wire::loader::kWindow_us;
   }
-  bool describe(ByteWriter& out) override {
-    if (running_slot_ < 0) return false;
-    boot::write_image_state(out, running_slot_, slots_.inspect(running_slot_));
-    return true;
+  std::optional<wire::ImageState> image_state() override {
+    if (running_slot_ < 0) return std::nullopt;
+    return boot::image_state_of(running_slot_, slots_.inspect(running_slot_));
   }
 
   static constexpr std::uint64_t kConfirmAfter_us = 2'000'000;

@@ -31,11 +31,10 @@ class Stm32Clock final : public fw::Clock {
 class Stm32Restart final : public fw::Restart {
  public:
   void restart() override { core_reg::reset(); }
-  bool describe(ByteWriter& out) override {
+  std::optional<wire::ImageState> image_state() override {
     const int slot = running_slot();
-    if (slot < 0) return false;
-    boot::write_image_state(out, slot, application_slots.inspect(slot));
-    return true;
+    if (slot < 0) return std::nullopt;
+    return boot::image_state_of(slot, application_slots.inspect(slot));
   }
 };
 

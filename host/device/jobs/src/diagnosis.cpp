@@ -104,11 +104,12 @@ void Diagnosis::look_at_lines(const PatchState& p) {
     for (std::size_t row = 0; row < p.image.module_count; ++row) {
       if (p.image.modules[row].line != l) continue;
       modules.push_back(p.module(row));
-      held = held || p.states[row] == ModuleState::kLineStuck;
+      held = held || p.states.state[row] == ModuleState::kLineStuck;
     }
-    if (!held && p.recoveries[k] == 0) continue;
+    if (!held && p.line_states.lines[k].recoveries == 0) continue;
     const std::string what =
-        held ? "is held low" : fmt::format("was held low and freed by clock pulses {} times", p.recoveries[k]);
+        held ? "is held low"
+             : fmt::format("was held low and freed by clock pulses {} times", p.line_states.lines[k].recoveries);
     Finding& f = add(
         "stuck_line", -1, p.patch,
         fmt::format("patch {}, line {}: SDA or SCL {}; modules on it: {}", p.patch, l, what, fmt::join(modules, ", ")),
@@ -124,7 +125,7 @@ void Diagnosis::look_at_modules(const PatchState& p) {
   std::vector<std::size_t> absent, doubled;
   for (std::size_t row = 0; row < p.image.module_count; ++row) {
     const int module = p.module(row);
-    switch (p.states[row]) {
+    switch (p.states.state[row]) {
       case ModuleState::kAbsent:
         if (p.topology.switched && told_.contains(module))
           bad_.insert(module);
@@ -196,7 +197,7 @@ int Diagnosis::strap_difference(const layout::ModuleRow& row, const Place& place
 
 void Diagnosis::look_at_taxels(const PatchState& p, std::size_t row) {
   const int module = p.module(row);
-  if (p.states[row] == ModuleState::kUnknown) {
+  if (p.states.state[row] == ModuleState::kUnknown) {
     told_.insert(module);
     add("absent_module", module, p.patch, where(module) + ": the controller has read nothing from it yet",
         "power-cycle the controller and verify again");
@@ -205,7 +206,7 @@ void Diagnosis::look_at_taxels(const PatchState& p, std::size_t row) {
   const unsigned valid = p.now.modules[row].valid;
   for (int t = 0; t < layout::kTaxelsPerModule; ++t) {
     if ((valid >> t & 1) != 0) continue;
-    const std::uint16_t raw = p.now.modules[row].raw[static_cast<std::size_t>(t)];
+    const std::uint16_t raw = p.now.modules[row].value[static_cast<std::size_t>(t)];
     if (raw != 0 && raw != 0xFFFF) {
       add("frozen_taxel", module, p.patch,
           fmt::format("{}: taxel {} keeps one value while the others change", where(module), t),
@@ -272,20 +273,20 @@ void Diagnosis::look_at_absent(const PatchState& p, std::vector<std::size_t> row
 }
 
 // A fault that came and went. Faults that are there now have their own findings.
-std::optional<Finding> Diagnosis::remembered(const PatchState& p, const RememberedFault& fault) const {
-  const auto row = static_cast<std::size_t>(fault.row);
+std::optional<Finding> Diagnosis::remembered(const PatchState& p, const wire::FaultRecord& fault) const {
+  const auto row = std::size_t{fault.code.row};
   if (row >= p.image.module_count) return std::nullopt;
   Finding f;
   f.module = p.module(row);
   f.patch = p.patch;
-  if (fault.state == ModuleState::kLostConfiguration) {
+  if (fault.code.state == ModuleState::kLostConfiguration) {
     f.kind = "lost_configuration";
     f.text = where(f.module) + ": its chip lost its configuration and was set up again";
     f.remedy = "check the supply of the module: its power dips";
     return f;
   }
-  const bool was_away = fault.state == ModuleState::kAbsent || fault.state == ModuleState::kWrongId;
-  if (!was_away || p.states[row] != ModuleState::kOk) return std::nullopt;
+  const bool was_away = fault.code.state == ModuleState::kAbsent || fault.code.state == ModuleState::kWrongId;
+  if (!was_away || p.states.state[row] != ModuleState::kOk) return std::nullopt;
   f.kind = "intermittent_module";
   f.text = where(f.module) + ": answers now, but did not for some time";
   f.remedy = "check its joints for a loose contact";
@@ -293,7 +294,7 @@ std::optional<Finding> Diagnosis::remembered(const PatchState& p, const Remember
 }
 
 void Diagnosis::look_at_history(const PatchState& p) {
-  for (const RememberedFault& fault : p.faults) {
+  for (const wire::FaultRecord& fault : p.faults.faults()) {
     const auto f = remembered(p, fault);
     if (!f) continue;
     add(f->kind, f->module, f->patch, f->text, f->remedy);
@@ -304,7 +305,7 @@ void Diagnosis::look_at_history(const PatchState& p) {
 std::vector<Finding> Diagnosis::look_at_earlier() const {
   std::vector<Finding> earlier;
   for (const PatchState& p : patches_) {
-    for (const RememberedFault& fault : p.earlier) {
+    for (const wire::FaultRecord& fault : p.earlier.faults()) {
       const auto f = remembered(p, fault);
       const auto again = [&](const Finding& other) { return other.kind == f->kind && other.module == f->module; };
       if (f && std::ranges::none_of(findings_, again) && std::ranges::none_of(earlier, again)) earlier.push_back(*f);

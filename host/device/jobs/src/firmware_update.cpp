@@ -103,9 +103,10 @@ class LoaderSession {
   }
   void check(const std::optional<std::vector<std::uint8_t>>& reply, const char* what) const {
     if (!reply) fail(fmt::format("does not answer while {}; the old firmware stays, run the command again", what));
-    const auto status = static_cast<Status>((*reply)[1]);
-    if (status != Status::kOk)
-      fail(fmt::format("refuses while {}: {}; the old firmware stays", what, describe(status)));
+    const auto status = wire::to_status((*reply)[1]);
+    if (status && *status == Status::kOk) return;
+    const std::string why = status ? describe(*status) : fmt::format("status {} is unknown", (*reply)[1]);
+    fail(fmt::format("refuses while {}: {}; the old firmware stays", what, why));
   }
   [[noreturn]] void fail(const std::string& what) const {
     throw DeviceError(fmt::format("{}: controller {} {}", link_.name(), name_, what));
@@ -118,7 +119,7 @@ class LoaderSession {
 };
 
 // The slot that was written. Ended on request, the controller goes on with the application that it has.
-int write_free_slot(LoaderSession& loader, const std::optional<ImageState>& before, Controller& controller,
+int write_free_slot(LoaderSession& loader, const std::optional<wire::ImageState>& before, Controller& controller,
                     const FirmwarePackage& package, const std::function<void(double)>& steps) {
   try {
     const std::uint8_t states = loader.enter(controller);
@@ -136,9 +137,8 @@ int write_free_slot(LoaderSession& loader, const std::optional<ImageState>& befo
   }
 }
 
-bool runs(const std::optional<ImageState>& state, const FirmwarePackage& package) {
-  if (!state || state->slot < 0 || state->slot > 1) return false;
-  return state->record_crc == layout::slot_crc(state->sequence, package.image(state->slot));
+bool runs(const std::optional<wire::ImageState>& state, const FirmwarePackage& package) {
+  return state && state->record_crc == layout::slot_crc(state->sequence, package.image(state->slot));
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ struct Board {
 // A controller whose address nobody shares can be asked which design it serves.
 bool serves(Bus& bus, const wire::NodeClaim& claim, const design::Design& design) {
   if (!claim.has_table || claim.node_address < 1 || claim.node_address > design.patches.size()) return false;
-  const ActiveTable table = Controller(bus, claim.node_address).active_table();
-  return table.present && table.design_id == design.design_id;
+  const wire::ActiveTable table = Controller(bus, claim.node_address).active_table();
+  return table.present() && table.design_id == design.design_id;
 }
 
 std::vector<Board> match_boards(Bus& bus, const design::Design& design) {
@@ -162,10 +162,10 @@ class Pass {
     }
     Controller controller(bus, static_cast<std::uint8_t>(board.patch + 1));
     check_identity(controller, bus, r);
-    const ActiveTable active = controller.active_table();
+    const wire::ActiveTable active = controller.active_table();
     // Equal CRC is not enough to skip: the bytes are cheap to compare.
-    r.equal =
-        active.present && active.crc == crc32(image) && std::ranges::equal(controller.read_table(image.size()), image);
+    r.equal = active.present() && active.crc == crc32(image) &&
+              std::ranges::equal(controller.read_table(image.size()), image);
     if (!r.equal || (options_.force && !r.written)) {
       write_and_compare(controller, bus, image, [&](double fraction) { step(r.patch, "writing", 0.9 * fraction); });
       r.written = true;
@@ -173,7 +173,7 @@ class Pass {
     step(r.patch, "done", 1.0);
   }
   static void check_identity(Controller& controller, const Bus& bus, const FlashResult::Patch& r) {
-    const Hello hello = controller.hello();
+    const wire::Hello hello = controller.hello();
     controller.require_versions(hello);
     if (to_text(hello.unique_id) == r.serial) return;
     throw DeviceError(fmt::format(

@@ -8,16 +8,16 @@ namespace triskin::device {
 
 void TouchMap::add(const ModuleFrame& frame) {
   Module& m = modules_[static_cast<std::size_t>(frame.module)];
-  for (std::size_t t = 0; t < frame.raw.size(); ++t) {
-    const bool valid = (frame.valid >> t & 1) != 0;
+  for (std::size_t t = 0; t < frame.sample.value.size(); ++t) {
+    const bool valid = (frame.sample.valid >> t & 1) != 0;
     if (valid && m.seen[t] < kRestSamples) {
-      m.first[t][m.seen[t]++] = frame.raw[t];
+      m.first[t][m.seen[t]++] = frame.sample.value[t];
       if (m.seen[t] == kRestSamples) {
         std::ranges::sort(m.first[t]);
         m.rest[t] = m.first[t][kRestSamples / 2];
       }
     }
-    m.now[t] = valid && m.seen[t] == kRestSamples ? frame.raw[t]
+    m.now[t] = valid && m.seen[t] == kRestSamples ? frame.sample.value[t]
                                                   : m.rest[t];  // an invalid or new taxel is unknown, not pressed
   }
 }
@@ -25,7 +25,7 @@ void TouchMap::add(const ModuleFrame& frame) {
 std::vector<PressedTaxel> TouchMap::pressed() const {
   std::vector<PressedTaxel> pressed;
   for (std::size_t k = 0; k < modules_.size(); ++k) {
-    std::array<design::TaxelPose, 12> poses;
+    std::array<design::TaxelPose, layout::kTaxelsPerModule> poses;
     bool posed = false;
     for (std::size_t t = 0; t < modules_[k].now.size(); ++t) {
       const double change = std::abs(modules_[k].now[t] - modules_[k].rest[t]);

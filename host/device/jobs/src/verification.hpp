@@ -15,12 +15,12 @@ struct PatchState {
   int patch = 0;
   layout::PatchImage image;
   bool usable = false;  ///< its controller answers and holds this table
-  std::vector<wire::ModuleState> states;
-  std::array<LineReport, layout::kLines> lines{};
-  std::array<std::uint32_t, layout::kLines> recoveries{};
-  std::vector<RememberedFault> earlier;  ///< remembered when the verification began
-  std::vector<RememberedFault> faults;   ///< noted while it ran
-  TaxelSample now, rest;
+  wire::ModuleStates states;
+  std::array<wire::LineReport, layout::kLines> lines{};
+  wire::LineStates line_states;
+  wire::FaultList earlier;  ///< remembered when the verification began
+  wire::FaultList faults;   ///< noted while it ran
+  wire::LiveTaxels now, rest;
   wire::FoundTopology topology;  ///< of switched modules
   wire::ActiveRoute route;
 
@@ -77,7 +77,7 @@ class Diagnosis {
   void look_at_topology(const PatchState& p);
   void look_at_history(const PatchState& p);
   [[nodiscard]] std::vector<Finding> look_at_earlier() const;
-  [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const RememberedFault& fault) const;
+  [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const wire::FaultRecord& fault) const;
   void look_at_touches();
   [[nodiscard]] std::vector<Place> unexpected(const PatchState& p) const;
   [[nodiscard]] const TouchOutcome* touch_of(int module) const;

@@ -45,7 +45,7 @@ class ControllerCheck {
     }
     Controller c = p.controller(bus_);
     c.require_versions(c.hello());
-    const ActiveTable active = c.active_table();
+    const wire::ActiveTable active = c.active_table();
     const std::vector<std::uint8_t> expected = bytes_of(p.image);
     if (active.design_id == design_.design_id && active.crc == crc32(expected)) return true;
     if (active.design_id == design_.design_id && runs_on_backup(p, active.crc, findings)) return true;
@@ -109,8 +109,9 @@ class ControllerCheck {
 void wait_until_checked(Bus& bus, const PatchState& p) {
   const std::uint64_t limit_us = bus.now_us() + kStartLimit_us;
   while (bus.now_us() < limit_us) {
-    const auto states = p.controller(bus).module_states();
-    if (std::ranges::find(states, wire::ModuleState::kUnknown) == states.end()) return;
+    const wire::ModuleStates states = p.controller(bus).module_states();
+    if (std::ranges::none_of(states.rows(), [](wire::ModuleState s) { return s == wire::ModuleState::kUnknown; }))
+      return;
     bus.listen(bus.now_us() + kPoll_us);
   }
 }
@@ -119,8 +120,8 @@ void wait_until_checked(Bus& bus, const PatchState& p) {
 void start_patch(Bus& bus, PatchState& p) {
   wait_until_checked(bus, p);
   Controller c = p.controller(bus);
-  p.earlier = c.remembered_faults();
-  if (!p.earlier.empty()) c.clear_faults();
+  p.earlier = c.faults();
+  if (p.earlier.count > 0) c.clear_faults();
 }
 
 // Switched modules are found anew before anything is asked of them.
@@ -134,10 +135,10 @@ void look_at_chain(Bus& bus, PatchState& p) {
 void read_patch(Bus& bus, PatchState& p) {
   Controller c = p.controller(bus);
   p.states = c.module_states();
-  p.faults = c.remembered_faults();
-  p.recoveries = c.recoveries();
+  p.faults = c.faults();
+  p.line_states = c.line_states();
   p.now = c.taxels();
-  if (p.states.size() != p.image.module_count || p.now.modules.size() != p.image.module_count) {
+  if (p.states.count != p.image.module_count || p.now.count != p.image.module_count) {
     throw DeviceError(fmt::format("{}: controller {} changed its table while it was verified; run verify again",
                                   bus.link().name(), c.node()));
   }

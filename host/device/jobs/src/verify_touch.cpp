@@ -26,17 +26,16 @@ void TouchTest::take_rest() {
 }
 
 TouchTest::Response TouchTest::strongest(const PatchState& patch) const {
-  const TaxelSample now = patch.controller(bus_).taxels();
+  const wire::LiveTaxels now = patch.controller(bus_).taxels();
   Response best;
-  const std::size_t rows =
-      std::min({now.modules.size(), patch.rest.modules.size(), std::size_t{patch.image.module_count}});
+  const std::size_t rows = std::min({now.count, patch.rest.count, patch.image.module_count});
   for (std::size_t row = 0; row < rows; ++row) {
     Response r;
     r.module = patch.module(row);
     for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
-      if (!layout::measures_pressure(t) || (now.modules[row].valid >> t & 1) == 0) continue;
-      const double change =
-          std::abs(static_cast<double>(now.modules[row].raw[t]) - static_cast<double>(patch.rest.modules[row].raw[t]));
+      if (!layout::measures_pressure(t) || !now.modules[row].is_valid(t)) continue;
+      const double change = std::abs(static_cast<double>(now.modules[row].value[t]) -
+                                     static_cast<double>(patch.rest.modules[row].value[t]));
       r.strength += change;
       if (change >= kTaxelChange) r.changed |= 1U << t;
     }

@@ -217,9 +217,8 @@ std::vector<wire::NodeClaim> Bus::discover() {
       const auto frame = receive(until_us);
       if (!frame || !wire::is_claim(*frame)) continue;
       const auto joined = partial[frame->id].add(*frame);
-      if (joined && wire::claim_id(joined->unique_id) == frame->id) {
-        found[joined->unique_id] = {joined->unique_id, joined->a, joined->b != 0};
-      }
+      if (!joined || wire::claim_id(joined->unique_id) != frame->id) continue;
+      if (const auto claim = wire::decode_claim(*joined)) found[claim->unique_id] = *claim;
     }
   }
   std::vector<wire::NodeClaim> claims;

@@ -36,6 +36,7 @@ std::vector<std::uint8_t> transfer_head(std::uint8_t service, std::uint32_t addr
 }
 
 constexpr std::size_t kBlockBytes = wire::memory::kMaxBlockBytes - 2U;
+constexpr std::size_t kRoutineHead = 3;  // sub-function and identifier before a result
 
 }  // namespace
 
@@ -83,32 +84,30 @@ std::string to_text(const wire::UniqueId& id) {
   return text;
 }
 
-void Controller::nonsense(const char* what) const {
-  throw DeviceError(fmt::format("{}: controller {}: the answer about its {} makes no sense; update its firmware",
+void Controller::malformed(const char* what) const {
+  throw DeviceError(fmt::format("{}: controller {}: the answer about its {} is malformed; update its firmware",
                                 bus_.link().name(), node_, what));
 }
 
 Controller::Message Controller::read(std::uint16_t did) {
   Message m = bus_.request(node_, request_of({wire::service::kRead, high(did), low(did)}), Repeat::kSafe);
-  if (m.size() < 2 || m[0] != high(did) || m[1] != low(did)) nonsense("data");
+  if (m.size() < 2 || m[0] != high(did) || m[1] != low(did)) malformed("data");
   m.erase(m.begin(), m.begin() + 2);
   return m;
 }
 
-Hello Controller::hello() {
-  const Message m = read(wire::did::kHello);
-  ByteReader r(m);
-  Hello h;
-  h.wire_version = r.le16();
-  h.layout_version = r.le16();
-  h.firmware_version = r.le32();
-  h.node_address = r.u8();
-  for (std::uint8_t& b : h.unique_id) b = r.u8();
-  if (!r.ok()) nonsense("identity");
-  return h;
+template <class Value>
+Value Controller::value(const char* what) {
+  const auto decoded = Value::decode(read(Value::kId));
+  if (!decoded) malformed(what);
+  return *decoded;
 }
 
-void Controller::require_versions(const Hello& h) const {
+wire::Hello Controller::hello() {
+  return value<wire::Hello>("identity");
+}
+
+void Controller::require_versions(const wire::Hello& h) const {
   if (h.wire_version == wire::kWireVersion && h.layout_version == layout::kLayoutVersion) return;
   throw DeviceError(fmt::format(
       "{}: controller {} speaks wire version {} and table layout {}, this program {} and {}; update its firmware "
@@ -116,17 +115,8 @@ void Controller::require_versions(const Hello& h) const {
       bus_.link().name(), node_, h.wire_version, h.layout_version, wire::kWireVersion, layout::kLayoutVersion));
 }
 
-ActiveTable Controller::active_table() {
-  const Message m = read(wire::did::kActiveTable);
-  ByteReader r(m);
-  ActiveTable t;
-  t.present = static_cast<Status>(r.u8()) == Status::kOk;
-  t.sequence = r.le32();
-  t.design_id = r.le64();
-  t.crc = r.le32();
-  t.modules = r.u8();
-  if (!r.ok() || t.modules > layout::kMaxModules) nonsense("table");
-  return t;
+wire::ActiveTable Controller::active_table() {
+  return value<wire::ActiveTable>("table");
 }
 
 std::vector<std::uint8_t> Controller::read_table(std::size_t size_bytes) {
@@ -136,7 +126,7 @@ std::vector<std::uint8_t> Controller::read_table(std::size_t size_bytes) {
   std::vector<std::uint8_t> bytes;
   for (std::uint8_t block = 1; bytes.size() < size_bytes; ++block) {
     const Message m = bus_.request(node_, request_of({wire::service::kTransfer, block}), Repeat::kSafe);
-    if (m.size() < 2 || m[0] != block) nonsense("table");
+    if (m.size() < 2 || m[0] != block) malformed("table");
     bytes.insert(bytes.end(), m.begin() + 1, m.end());
   }
   (void)bus_.request(node_, request_of({wire::service::kTransferExit}), Repeat::kNever);
@@ -144,12 +134,12 @@ std::vector<std::uint8_t> Controller::read_table(std::size_t size_bytes) {
 }
 
 // A lost answer to the key leaves open whether it was taken, so both steps are done again together.
-void Controller::unlock(std::uint8_t session) {
-  (void)bus_.request(node_, request_of({wire::service::kSession, session}), Repeat::kSafe);
+void Controller::unlock(wire::Session session) {
+  (void)bus_.request(node_, request_of({wire::service::kSession, wire::wire_number(session)}), Repeat::kSafe);
   constexpr int kAttempts = 3;
   for (int attempt = 1;; ++attempt) {
     const Message m = bus_.request(node_, request_of({wire::service::kSecurity, 0x01}), Repeat::kSafe);
-    if (m.size() != 5) nonsense("security");
+    if (m.size() != 5) malformed("security");
     const std::uint32_t seed = ByteReader(Bytes(m).subspan(1)).be32();
     if (seed == 0) return;  // unlocked already
     std::array<std::uint8_t, 4> key{};
@@ -164,7 +154,7 @@ void Controller::unlock(std::uint8_t session) {
 }
 
 void Controller::write_table(Bytes image, const std::function<void(double)>& steps) {
-  unlock(wire::session::kProgramming);
+  unlock(wire::Session::kProgramming);
   (void)bus_.request(
       node_,
       transfer_head(wire::service::kDownload, wire::memory::kInactiveTable, static_cast<std::uint32_t>(image.size())),
@@ -179,71 +169,53 @@ void Controller::write_table(Bytes image, const std::function<void(double)>& ste
   (void)bus_.request(node_, request_of({wire::service::kTransferExit}), Repeat::kNever);
   const auto id = wire::routine::kActivate;
   const Message m = bus_.request(node_, request_of({wire::service::kRoutine, 0x01, high(id), low(id)}), Repeat::kNever);
-  if (m.size() < 4) nonsense("activation");
-  if (const auto status = static_cast<Status>(m.back()); status != Status::kOk) {
+  const auto result = wire::ActivationResult::decode(Bytes(m).subspan(std::min(m.size(), kRoutineHead)));
+  if (!result) malformed("activation");
+  if (result->status != Status::kOk) {
     throw DeviceError(fmt::format("{}: controller {} did not activate the table: {}; the old one stays active",
-                                  bus_.link().name(), node_, describe(status)));
+                                  bus_.link().name(), node_, describe(result->status)));
   }
 }
 
-std::vector<wire::ModuleState> Controller::module_states() {
-  std::vector<wire::ModuleState> states;
-  for (const std::uint8_t b : read(wire::did::kModuleStates)) states.push_back(static_cast<wire::ModuleState>(b));
-  return states;
+wire::ModuleStates Controller::module_states() {
+  return value<wire::ModuleStates>("modules");
 }
 
-Controller::Message Controller::run_routine(std::uint16_t id, std::size_t bytes, std::uint64_t poll_every_us, int polls,
-                                            const char* what) {
+template <class Value>
+Value Controller::run_routine(std::uint64_t poll_every_us, int polls, const char* what) {
+  const std::uint16_t id = Value::kId;
   (void)bus_.request(node_, request_of({wire::service::kRoutine, 0x01, high(id), low(id)}), Repeat::kSafe);
   for (int poll = 0; poll < polls; ++poll) {
     bus_.listen(bus_.now_us() + poll_every_us);
-    Message m = bus_.request(node_, request_of({wire::service::kRoutine, 0x03, high(id), low(id)}), Repeat::kSafe);
-    if (m.size() != 4 + bytes) nonsense(what);
-    if (m[3] != 0) return m;
+    const Message m =
+        bus_.request(node_, request_of({wire::service::kRoutine, 0x03, high(id), low(id)}), Repeat::kSafe);
+    const auto result = Value::decode(Bytes(m).subspan(std::min(m.size(), kRoutineHead)));
+    if (!result) malformed(what);
+    if (result->done) return *result;
   }
   throw DeviceError(fmt::format("{}: controller {} does not finish its look at the {}; power-cycle it",
                                 bus_.link().name(), node_, what));
 }
 
-std::array<LineReport, layout::kLines> Controller::discover() {
-  const Message m = run_routine(wire::routine::kDiscover, std::size_t{3} * layout::kLines, 25'000, 40, "lines");
-  std::array<LineReport, layout::kLines> lines;
-  ByteReader r(Bytes(m).subspan(4));
-  for (LineReport& l : lines) {
-    l.stuck = r.u8() != 0;
-    l.answers = r.u8();
-    l.wrong_id = r.u8();
-  }
-  return lines;
+std::array<wire::LineReport, layout::kLines> Controller::discover() {
+  return run_routine<wire::Discovery>(25'000, 40, "lines").lines;
 }
 
 void Controller::reroute() {
-  (void)run_routine(wire::routine::kReroute, 0, 20'000, 100, "chain");
+  (void)run_routine<wire::RerouteResult>(20'000, 100, "chain");
 }
 
 wire::FoundTopology Controller::topology() {
-  wire::FoundTopology t;
-  if (!wire::decode(read(wire::did::kTopology), t)) nonsense("topology");
-  return t;
+  return value<wire::FoundTopology>("topology");
 }
 
 wire::ActiveRoute Controller::route() {
-  wire::ActiveRoute a;
-  if (!wire::decode(read(wire::did::kRoute), a)) nonsense("route");
-  return a;
+  return value<wire::ActiveRoute>("route");
 }
-std::optional<ImageState> Controller::image_state() {
+
+std::optional<wire::ImageState> Controller::image_state() {
   try {
-    const Message m = read(wire::did::kImageState);
-    ByteReader r(m);
-    ImageState s;
-    s.slot = r.u8();
-    s.confirmed = r.u8() != 0;
-    s.sequence = r.le32();
-    s.size_bytes = r.le32();
-    s.record_crc = r.le32();
-    if (!r.ok()) nonsense("firmware");
-    return s;
+    return value<wire::ImageState>("firmware");
   } catch (const Refused& e) {
     if (e.code() != wire::nrc::kOutOfRange) throw;
     return std::nullopt;
@@ -254,55 +226,34 @@ void Controller::reset() {
   (void)bus_.request(node_, request_of({wire::service::kReset, 0x01}), Repeat::kNever);
 }
 
-std::array<std::uint32_t, layout::kLines> Controller::recoveries() {
-  const Message m = read(wire::did::kLineStates);
-  ByteReader r(m);
-  std::array<std::uint32_t, layout::kLines> counts{};
-  for (std::uint32_t& c : counts) {
-    (void)r.u8();
-    c = r.le32();
-  }
-  if (!r.ok()) nonsense("lines");
-  return counts;
+wire::LineStates Controller::line_states() {
+  return value<wire::LineStates>("lines");
 }
 
-std::vector<RememberedFault> Controller::remembered_faults() {
-  constexpr std::uint8_t kPresent = 0x01, kConfirmed = 0x08, kModuleGroup = 0x90;
-  const Message m =
-      bus_.request(node_, request_of({wire::service::kReadFaults, 0x02, kConfirmed | kPresent}), Repeat::kSafe);
-  if (m.size() < 2 || (m.size() - 2) % 4 != 0) nonsense("faults");
-  std::vector<RememberedFault> faults;
-  for (std::size_t at = 2; at < m.size(); at += 4) {
-    if ((m[at] & 0xF0) != kModuleGroup || m[at + 2] >= layout::kMaxModules) continue;
-    faults.push_back({static_cast<wire::ModuleState>(m[at] & 0x0F), m[at + 2], (m[at + 3] & kPresent) != 0});
-  }
-  return faults;
+wire::Statistics Controller::statistics() {
+  return value<wire::Statistics>("statistics");
+}
+
+wire::FaultList Controller::faults() {
+  const Message m = bus_.request(node_, request_of({wire::service::kReadFaults, 0x02, wire::fault_status::kAvailable}),
+                                 Repeat::kSafe);
+  const auto list = wire::FaultList::decode(Bytes(m).subspan(std::min<std::size_t>(m.size(), 1)));
+  if (!list) malformed("faults");
+  return *list;
 }
 
 void Controller::clear_faults() {
   (void)bus_.request(node_, request_of({wire::service::kClearFaults, 0xFF, 0xFF, 0xFF}), Repeat::kSafe);
 }
 
-TaxelSample Controller::taxels() {
-  const Message m = read(wire::did::kLiveTaxels);
-  constexpr std::size_t kHead = 12, kModule = 2 + 2 * layout::kTaxelsPerModule;
-  if (m.size() < kHead || (m.size() - kHead) % kModule != 0) nonsense("taxels");
-  ByteReader r(m);
-  TaxelSample s;
-  s.sample = r.le32();
-  s.device_time_us = r.le64();
-  s.modules.resize((m.size() - kHead) / kModule);
-  for (auto& module : s.modules) {
-    module.valid = r.le16();
-    for (std::uint16_t& v : module.raw) v = r.le16();
-  }
-  return s;
+wire::LiveTaxels Controller::taxels() {
+  return value<wire::LiveTaxels>("taxels");
 }
 
 void Controller::set_stream(wire::StreamMode mode) {
-  unlock(wire::session::kExtended);
+  unlock(wire::Session::kExtended);
   const auto id = wire::did::kStream;
-  (void)bus_.request(node_, request_of({wire::service::kWrite, high(id), low(id), static_cast<std::uint8_t>(mode)}),
+  (void)bus_.request(node_, request_of({wire::service::kWrite, high(id), low(id), wire::wire_number(mode)}),
                      Repeat::kSafe);
 }
 

@@ -137,19 +137,16 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
       if (far >= 0 && !cut)
         row.joints[port] = layout::joint_to(static_cast<std::size_t>(far), static_cast<std::size_t>(mine[port].port));
     }
-    if (k == 0) row.kept_joints = 1;  // the cable
     if (m.parent < 0) continue;
     const int parent = row_in(m.parent);
     if (parent < 0 || parent >= static_cast<int>(k))
       refuse(fmt::format("module {} stands before its parent {}", m.node, m.parent));
-    layout::ModuleRow& above = image.modules[static_cast<std::size_t>(parent)];
+    const layout::ModuleRow& above = image.modules[static_cast<std::size_t>(parent)];
     const auto port =
         std::ranges::find_if(above.joints, [&](std::uint8_t j) { return j != 0 && layout::joint_row(j) == k; });
     if (port == above.joints.end()) refuse(fmt::format("module {} is no neighbour of its parent {}", m.node, m.parent));
     row.parent = static_cast<std::uint8_t>(parent);
     row.parent_port = static_cast<std::uint8_t>(port - above.joints.begin());
-    row.kept_joints = static_cast<std::uint8_t>(row.kept_joints | 1U << layout::joint_port(*port));
-    above.kept_joints = static_cast<std::uint8_t>(above.kept_joints | 1U << row.parent_port);
   }
   image.second_entry = second_entry_of(patch, tree);
   if (const Status s = layout::check(image); s != Status::kOk) {

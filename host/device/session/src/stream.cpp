@@ -19,8 +19,8 @@ Stream::Stream(Bus& bus, const design::Design& design, OnFrame handler) : bus_(b
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     const layout::PatchImage image = image_of(design, static_cast<int>(p));
     Controller c(bus, image.node_address);
-    const ActiveTable table = c.active_table();
-    if (!table.present || table.crc != crc32(bytes_of(image))) {
+    const wire::ActiveTable table = c.active_table();
+    if (!table.present() || table.crc != crc32(bytes_of(image))) {
       throw DeviceError(
           fmt::format("{}: the controller of patch {} does not hold the table of this design; run triskin flash first",
                       bus.link().name(), p));
@@ -60,8 +60,7 @@ void Stream::handle(const wire::CanFrame& frame) {
   last = decoded->sample;
   ++frames_;
   if (handler_) {
-    handler_({node->second.modules[decoded->module], decoded->sample, decoded->device_time_us, bus_.now_us(),
-              decoded->valid, decoded->value});
+    handler_({node->second.modules[decoded->module], bus_.now_us(), *decoded});
   }
 }
 

@@ -7,12 +7,12 @@ namespace triskin {
 
 /// Why something was refused. The numbers travel on the wire and are never reused.
 enum class Status : std::uint8_t {
-  kOk = 0,
-  kTooShort = 1,  ///< fewer bytes than the format needs
-  kBadMagic = 2,
-  kBadVersion = 3,  ///< another layout version
-  kBadLength = 4,   ///< stated length differs from the bytes given
-  kBadCrc = 5,
+  kOk = 0,            ///< in order
+  kTooShort = 1,      ///< fewer bytes than the format needs
+  kBadMagic = 2,      ///< other first bytes than the format has
+  kBadVersion = 3,    ///< another layout version
+  kBadLength = 4,     ///< stated length differs from the bytes given
+  kBadCrc = 5,        ///< the checksum differs
   kOutOfRange = 6,    ///< a field beyond its limit
   kDuplicate = 7,     ///< line and address, or a module id, stands twice
   kBadTree = 8,       ///< parent missing, cycle, or more than one entry

@@ -27,9 +27,8 @@ struct ModuleRow {
   std::uint8_t address = 0;         ///< 0..3, CDC address cdc_address(address)
   std::uint8_t rotation = 0;        ///< 0..2, tile side of port A
   std::uint8_t parent = kNoParent;  ///< index of the parent's row, lower than this row's index; kNoParent at the entry
-  std::uint8_t parent_port =
-      kCable;                    ///< output port of the parent (0..2) that this module hangs on; kCable at the entry
-  std::uint8_t kept_joints = 0;  ///< bit p: port p carries the lines; other joints are cut
+  /// Output port of the parent (0..2) that this module hangs on; kCable at the entry.
+  std::uint8_t parent_port = kCable;
   std::array<std::uint8_t, kPorts>
       joints{};  ///< far end of each port (joint_to), also of joints that the tree leaves out; 0: none
   bool operator==(const ModuleRow&) const = default;
@@ -73,6 +72,20 @@ struct PatchImage {
   return j == 0 ? std::uint8_t{0} : joint_port(j);
 }
 
+/// Ports of each row that carry the lines: the one towards the parent (at the entry the cable) and those that children
+/// hang on; bit p: port p. On strapped modules the joints of all other ports are cut.
+[[nodiscard]] constexpr std::array<std::uint8_t, kMaxModules> kept_ports(const PatchImage& image) {
+  std::array<std::uint8_t, kMaxModules> kept{};
+  const auto keep = [&](std::size_t row, unsigned port) {
+    kept[row] = static_cast<std::uint8_t>(kept[row] | 1U << port);
+  };
+  for (std::size_t k = 0; k < image.module_count; ++k) {
+    keep(k, input_port(image, k));
+    if (k > 0) keep(image.modules[k].parent, image.modules[k].parent_port);
+  }
+  return kept;
+}
+
 /// Every joint has two ends, no end at a cable; every module hangs on a joint.
 [[nodiscard]] constexpr Status check_joints(const PatchImage& image) {
   if (image.second_entry != 0) {
@@ -108,8 +121,7 @@ struct PatchImage {
   std::array<std::uint8_t, kMaxModules> used_ports{};
   for (std::size_t k = 0; k < image.module_count; ++k) {
     const ModuleRow& m = image.modules[k];
-    if (m.line >= kLines || m.address >= kAddressesPerLine || m.rotation >= kRotations || m.kept_joints > 7)
-      return Status::kOutOfRange;
+    if (m.line >= kLines || m.address >= kAddressesPerLine || m.rotation >= kRotations) return Status::kOutOfRange;
     bool& taken = slot[static_cast<std::size_t>(m.line * kAddressesPerLine + m.address)];
     if (taken) return Status::kDuplicate;
     taken = true;
@@ -144,14 +156,16 @@ struct PatchImage {
   w.u8(image.second_entry);
   w.bytes(std::array<std::uint8_t, 7>{});
   w.le32(0);  // CRC, below
-  for (const ModuleRow& m : image.rows()) {
+  const auto kept = kept_ports(image);
+  for (std::size_t k = 0; k < image.module_count; ++k) {
+    const ModuleRow& m = image.modules[k];
     w.le16(m.module_id);
     w.u8(m.line);
     w.u8(m.address);
     w.u8(m.rotation);
     w.u8(m.parent);
     w.u8(m.parent_port);
-    w.u8(m.kept_joints);
+    w.u8(kept[k]);
     w.bytes(m.joints);
     w.u8(0);
   }
@@ -161,7 +175,8 @@ struct PatchImage {
 }
 
 /// Reads and checks an image. `bytes` may be longer than the image (a flash slot). Errors: kTooShort, kBadMagic,
-/// kBadVersion, kBadLength, kBadCrc, then what check() says.
+/// kBadVersion, kBadLength, kBadCrc, then what check() says; kBadTree where the kept ports are given and are not those
+/// of the tree.
 [[nodiscard]] constexpr Result<PatchImage> decode(Bytes bytes) {
   if (bytes.size() < kHeaderBytes) return std::unexpected(Status::kTooShort);
   ByteReader r(bytes);
@@ -184,18 +199,22 @@ struct PatchImage {
   const std::uint32_t crc = crc32(bytes.subspan(32, total - 32), crc32(kZeros, crc32(bytes.first(28))));
   if (crc != stated) return std::unexpected(Status::kBadCrc);
   if (reserved != 0) return std::unexpected(Status::kOutOfRange);
-  for (ModuleRow& m : std::span(image.modules).first(image.module_count)) {
+  std::array<std::uint8_t, kMaxModules> kept{};
+  for (std::size_t k = 0; k < image.module_count; ++k) {
+    ModuleRow& m = image.modules[k];
     m.module_id = r.le16();
     m.line = r.u8();
     m.address = r.u8();
     m.rotation = r.u8();
     m.parent = r.u8();
     m.parent_port = r.u8();
-    m.kept_joints = r.u8();
+    kept[k] = r.u8();
     for (std::uint8_t& j : m.joints) j = r.u8();
     if (r.u8() != 0) return std::unexpected(Status::kOutOfRange);
   }
   if (const Status s = check(image); s != Status::kOk) return std::unexpected(s);
+  const bool given = kept != decltype(kept){};  // all 0: the ports were left out
+  if (given && kept != kept_ports(image)) return std::unexpected(Status::kBadTree);
   return image;
 }
 

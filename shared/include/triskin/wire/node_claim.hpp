@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "triskin/base/bytes.hpp"
+#include "triskin/layout/module.hpp"
 #include "triskin/wire/can_frame.hpp"
+#include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/uds.hpp"
 #include "triskin/wire/unique_id.hpp"
 
@@ -98,5 +100,12 @@ class IdFrames {
   bool has_first_ = false;
   Joined joined_;
 };
+
+/// What a claim says. Error: kOutOfRange (no node address; neither with nor without a table).
+[[nodiscard]] constexpr Result<NodeClaim> decode_claim(const IdFrames::Joined& joined) {
+  const auto has_table = checked_bool(joined.b);
+  if (!layout::is_node_address(joined.a) || !has_table) return std::unexpected(Status::kOutOfRange);
+  return NodeClaim{joined.unique_id, joined.a, *has_table};
+}
 
 }  // namespace triskin::wire

@@ -1,31 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
 #include "triskin/base/bytes.hpp"
 #include "triskin/layout/patch_image.hpp"
+#include "triskin/wire/checked_enum.hpp"
+#include "triskin/wire/identifiers.hpp"
 
-/// What a controller of switched modules tells about its patch (docs/protocol.md, FD07 and FD08).
+/// What a controller of switched modules tells about its patch (FD07, FD08, routine 0204). docs/protocol.md.
 namespace triskin::wire {
 
 inline constexpr std::uint8_t kNoRow = 0xFF;
 
-/// Modules and joints as found on the chain; module 0 is the entry. Numbers are those of the discovery.
+/// FD07: modules and joints as found on the chain; module 0 is the entry. Numbers are those of the discovery.
 struct FoundTopology {
+  static constexpr std::uint16_t kId = did::kTopology;
+  static constexpr std::size_t kLeastBytes = 3, kModuleBytes = layout::kPorts + 1,
+                               kMostBytes = kLeastBytes + kModuleBytes * layout::kMaxModules;
   bool switched = false;      ///< false: nobody answers on the chain; strapped modules, or no power
   bool complete = false;      ///< false: the chain would not settle; what is here is certain, more may be there
   bool second_cable = false;  ///< module 0 is the second entry: nobody, or too few, answered at the first
   std::uint8_t count = 0;
   std::uint8_t cable_port = 0;  ///< of module 0
-  std::array<std::array<std::uint8_t, layout::kPorts>, layout::kMaxModules>
-      joints{};                                         ///< layout::joint_to of the far end, 0: none
+  /// layout::joint_to of the far end, 0: none.
+  std::array<std::array<std::uint8_t, layout::kPorts>, layout::kMaxModules> joints{};
   std::array<std::uint8_t, layout::kMaxModules> row{};  ///< of the table; kNoRow: the table does not know it
+
+  /// Flags, count, cable port, then per module the far ends and the row.
+  constexpr void encode(ByteWriter& out) const {
+    out.u8(static_cast<std::uint8_t>((switched ? 1 : 0) | (complete ? 2 : 0) | (second_cable ? 4 : 0)));
+    out.u8(count);
+    out.u8(cable_port);
+    for (std::size_t m = 0; m < count; ++m) {
+      out.bytes(joints[m]);
+      out.u8(row[m]);
+    }
+  }
+  /// Errors: kTooShort, kBadLength, kOutOfRange (flags, count, port, row, a joint to nobody), kBadTree (a joint that
+  /// only one end knows).
+  [[nodiscard]] static constexpr Result<FoundTopology> decode(Bytes bytes);
   bool operator==(const FoundTopology&) const = default;
 };
+static_assert(kLengthsAsInTable<FoundTopology>);
 
-/// The tree that is active, and how it came about.
+/// FD08: the tree that is active, and how it came about.
 struct ActiveRoute {
+  static constexpr std::uint16_t kId = did::kRoute;
+  static constexpr std::size_t kLeastBytes = 18, kRowBytes = 2,
+                               kMostBytes = kLeastBytes + kRowBytes * layout::kMaxModules;
   bool switched = false;
   bool busy = false;          ///< a new route is being looked for
   bool complete = false;      ///< a tree is up
@@ -39,73 +63,73 @@ struct ActiveRoute {
   std::uint32_t heals = 0;                                      ///< since power-up
   std::uint32_t repairs = 0;                                    ///< registers that had to be written again; no new tree
   std::uint32_t last_us = 0;                                    ///< how long the last one took
+  std::uint8_t rows = 0;                                        ///< of the table; 0: none
   std::array<std::uint8_t, layout::kMaxModules> parent{};       ///< row; kNoRow: the entry, or not in the tree
   std::array<std::uint8_t, layout::kMaxModules> parent_port{};  ///< layout::kCable where there is no parent
+
+  constexpr void encode(ByteWriter& out) const {
+    out.u8(static_cast<std::uint8_t>((switched ? 1 : 0) | (busy ? 2 : 0) | (complete ? 4 : 0) | (as_table ? 8 : 0) |
+                                     (least_depth ? 16 : 0) | (second_cable ? 32 : 0)));
+    out.u8(shorts);
+    out.u8(unknown);
+    out.u8(max_depth);
+    out.le16(alive);
+    out.le32(heals);
+    out.le32(repairs);
+    out.le32(last_us);
+    for (std::size_t k = 0; k < rows; ++k) {
+      out.u8(parent[k]);
+      out.u8(parent_port[k]);
+    }
+  }
+  /// Errors: kTooShort, kBadLength, kOutOfRange (flags, a parent that is no row, a port that no module has).
+  [[nodiscard]] static constexpr Result<ActiveRoute> decode(Bytes bytes);
   bool operator==(const ActiveRoute&) const = default;
 };
+static_assert(kLengthsAsInTable<ActiveRoute>);
 
-/// Flags, count, cable port, then per module three far ends and the row.
-constexpr void encode(const FoundTopology& t, ByteWriter& out) {
-  out.u8(static_cast<std::uint8_t>((t.switched ? 1 : 0) | (t.complete ? 2 : 0) | (t.second_cable ? 4 : 0)));
-  out.u8(t.count);
-  out.u8(t.cable_port);
-  for (std::size_t m = 0; m < t.count; ++m) {
-    out.bytes(t.joints[m]);
-    out.u8(t.row[m]);
-  }
-}
-
-/// False: the bytes make no sense.
-[[nodiscard]] constexpr bool decode(Bytes bytes, FoundTopology& t) {
+constexpr Result<FoundTopology> FoundTopology::decode(Bytes bytes) {
+  if (bytes.size() < kLeastBytes) return std::unexpected(Status::kTooShort);
   ByteReader r(bytes);
-  t = {};
+  FoundTopology t;
   const std::uint8_t flags = r.u8();
   t.switched = (flags & 1) != 0;
   t.complete = (flags & 2) != 0;
   t.second_cable = (flags & 4) != 0;
   t.count = r.u8();
   t.cable_port = r.u8();
-  if (t.count > layout::kMaxModules || t.cable_port >= layout::kPorts ||
-      bytes.size() != 3U + (layout::kPorts + 1U) * t.count)
-    return false;
-  for (std::size_t m = 0; m < t.count; ++m) {
-    for (std::uint8_t& j : t.joints[m]) {
-      j = r.u8();
-      if (j != 0 && layout::joint_row(j) >= t.count) return false;
+  if (flags > 7 || t.count > layout::kMaxModules || t.cable_port >= layout::kPorts)
+    return std::unexpected(Status::kOutOfRange);
+  const std::size_t count = t.count;
+  if (bytes.size() != kLeastBytes + kModuleBytes * count) return std::unexpected(Status::kBadLength);
+  for (std::size_t m = 0; m < count; ++m) {
+    const Bytes module = bytes.subspan(kLeastBytes + kModuleBytes * m, kModuleBytes);
+    std::ranges::copy(module.first(layout::kPorts), t.joints[m].begin());
+    for (const std::uint8_t j : t.joints[m]) {
+      if (j != 0 && layout::joint_row(j) >= count) return std::unexpected(Status::kOutOfRange);
     }
-    t.row[m] = r.u8();
-    if (t.row[m] != kNoRow && t.row[m] >= layout::kMaxModules) return false;
+    const std::uint8_t row = module[layout::kPorts];
+    if (row != kNoRow && row >= layout::kMaxModules) return std::unexpected(Status::kOutOfRange);
+    t.row[m] = row;
   }
-  for (std::size_t m = 0; m < t.count; ++m) {
+  for (std::size_t m = 0; m < count; ++m) {
     for (std::size_t p = 0; p < layout::kPorts; ++p) {
       const std::uint8_t j = t.joints[m][p];
-      if (j != 0 && t.joints[layout::joint_row(j)][layout::joint_port(j)] != layout::joint_to(m, p)) return false;
+      if (j != 0 && t.joints[layout::joint_row(j)][layout::joint_port(j)] != layout::joint_to(m, p))
+        return std::unexpected(Status::kBadTree);
     }
   }
-  return true;
+  return t;
 }
 
-constexpr void encode(const ActiveRoute& a, std::uint8_t rows, ByteWriter& out) {
-  out.u8(static_cast<std::uint8_t>((a.switched ? 1 : 0) | (a.busy ? 2 : 0) | (a.complete ? 4 : 0) |
-                                   (a.as_table ? 8 : 0) | (a.least_depth ? 16 : 0) | (a.second_cable ? 32 : 0)));
-  out.u8(a.shorts);
-  out.u8(a.unknown);
-  out.u8(a.max_depth);
-  out.le16(a.alive);
-  out.le32(a.heals);
-  out.le32(a.repairs);
-  out.le32(a.last_us);
-  for (std::size_t k = 0; k < rows; ++k) {
-    out.u8(a.parent[k]);
-    out.u8(a.parent_port[k]);
-  }
-}
-
-[[nodiscard]] constexpr bool decode(Bytes bytes, ActiveRoute& a) {
-  constexpr std::size_t kHead = 18;
+constexpr Result<ActiveRoute> ActiveRoute::decode(Bytes bytes) {
+  if (bytes.size() < kLeastBytes) return std::unexpected(Status::kTooShort);
+  if (bytes.size() > kMostBytes || (bytes.size() - kLeastBytes) % kRowBytes != 0)
+    return std::unexpected(Status::kBadLength);
   ByteReader r(bytes);
-  a = {};
+  ActiveRoute a;
   const std::uint8_t flags = r.u8();
+  if (flags > 63) return std::unexpected(Status::kOutOfRange);
   a.switched = (flags & 1) != 0;
   a.busy = (flags & 2) != 0;
   a.complete = (flags & 4) != 0;
@@ -119,15 +143,35 @@ constexpr void encode(const ActiveRoute& a, std::uint8_t rows, ByteWriter& out) 
   a.heals = r.le32();
   a.repairs = r.le32();
   a.last_us = r.le32();
-  if (!r.ok() || (bytes.size() - kHead) % 2 != 0 || bytes.size() > kHead + std::size_t{2} * layout::kMaxModules)
-    return false;
+  a.rows = static_cast<std::uint8_t>((bytes.size() - kLeastBytes) / kRowBytes);
   a.parent.fill(kNoRow);
   a.parent_port.fill(layout::kCable);
-  for (std::size_t k = 0; k < layout::kMaxModules && !r.rest().empty(); ++k) {
+  const std::size_t rows = a.rows;
+  for (std::size_t k = 0; k < rows; ++k) {
     a.parent[k] = r.u8();
     a.parent_port[k] = r.u8();
+    if ((a.parent[k] != kNoRow && a.parent[k] >= rows) || a.parent_port[k] > layout::kCable)
+      return std::unexpected(Status::kOutOfRange);
   }
-  return true;
+  return a;
 }
+
+/// Routine 0204: whether the new tree is up, as far as it can be.
+struct RerouteResult {
+  static constexpr std::uint16_t kId = routine::kReroute;
+  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
+  bool done = false;
+
+  constexpr void encode(ByteWriter& out) const { out.u8(done ? 1 : 0); }
+  /// Errors: kBadLength, kOutOfRange.
+  [[nodiscard]] static constexpr Result<RerouteResult> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    const auto done = checked_bool(bytes[0]);
+    if (!done) return std::unexpected(done.error());
+    return RerouteResult{*done};
+  }
+  bool operator==(const RerouteResult&) const = default;
+};
+static_assert(kResultAsInTable<RerouteResult>);
 
 }  // namespace triskin::wire

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "triskin/app/identifiers.hpp"
 #include "triskin/logic/fault_memory.hpp"
 #include "triskin/logic/icub_board.hpp"
 #include "triskin/logic/route_keeper.hpp"
@@ -18,10 +19,8 @@
 
 namespace triskin::fw {
 
-inline constexpr std::uint32_t kFirmwareVersion = 0x00'01'00'00;  ///< 0.1.0: major, minor, patch, build
-
 /// The patch controller: the only place that knows all parts. step() does what is due and returns at once.
-class Application final : private UdsHost {
+class Application final : private UdsHost, private PatchControl {
  public:
   explicit Application(const Ports& ports);
 
@@ -33,10 +32,15 @@ class Application final : private UdsHost {
   [[nodiscard]] bool frames_wait() const;
 
  private:
-  bool read_identifier(std::uint16_t did, ByteWriter& out) override;
-  Status write_identifier(std::uint16_t did, Bytes value) override;
+  bool read_identifier(std::uint16_t did, ByteWriter& out) override { return identifiers_.read(did, out); }
+  Status write_identifier(std::uint16_t did, Bytes value) override { return identifiers_.write(did, value); }
   Status start_routine(std::uint16_t routine, Bytes option, ByteWriter& out) override;
-  Status routine_result(std::uint16_t routine, ByteWriter& out) override;
+  Status routine_result(std::uint16_t routine, ByteWriter& out) override {
+    return identifiers_.routine_result(routine, out);
+  }
+  Status set_node_address(std::uint8_t address) override;
+  Status set_stream(wire::StreamMode mode) override;
+  Status set_sampling(const wire::SamplingSetting& setting) override;
   Status clear_faults() override { return faults_.clear() ? Status::kOk : Status::kFlashFailed; }
   void read_faults(std::uint8_t mask, ByteWriter& out) override { faults_.report(mask, out); }
   bool read_fault(std::uint32_t dtc, ByteWriter& out) override;
@@ -73,16 +77,8 @@ class Application final : private UdsHost {
   void tick();
   void queue_full(std::size_t module);
   void queue_icub();
-  Status set_sampling(Bytes value);
   template <class... Frames>
   void queue(const Frames&... frames);
-  void write_hello(ByteWriter& out) const;
-  void write_live(ByteWriter& out) const;
-  void write_states(ByteWriter& out) const;
-  /// What counts. With switched modules that is what was read before the last good look at the chain.
-  [[nodiscard]] const ModuleSample& shown(std::size_t row) const {
-    return route_.switched() ? published_[row] : samples_[row];
-  }
 
   const Ports ports_;
   TableStore tables_;
@@ -108,6 +104,7 @@ class Application final : private UdsHost {
   std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;
   std::optional<wire::CanFrame> icub_reply_;
+  Identifiers identifiers_;  // of everything above
 };
 
 }  // namespace triskin::fw

@@ -20,13 +20,9 @@ struct SlotState {
   [[nodiscard]] bool startable() const { return valid && (confirmed || starts < kMaxStarts); }
 };
 
-/// For Restart::describe().
-inline void write_image_state(ByteWriter& out, int slot, const SlotState& state) {
-  out.u8(static_cast<std::uint8_t>(slot));
-  out.u8(state.confirmed ? 1 : 0);
-  out.le32(state.sequence);
-  out.le32(state.size_bytes);
-  out.le32(state.record_crc);
+/// For Restart::image_state(). `slot`: 0 or 1.
+[[nodiscard]] inline wire::ImageState image_state_of(int slot, const SlotState& state) {
+  return {static_cast<std::uint8_t>(slot), state.confirmed, state.sequence, state.size_bytes, state.record_crc};
 }
 
 /// The two application slots. Each ends with a page of records that are only ever added to (docs/firmware_board.md):

@@ -2,31 +2,25 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "triskin/base/bytes.hpp"
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/ports/ports.hpp"
-#include "triskin/wire/uds.hpp"
+#include "triskin/wire/faults.hpp"
 
 namespace triskin::fw {
 
-/// Diagnostic trouble codes of the modules: 3 bytes, 0x9 then the module's state in the low nibble; 0; row in the
-/// table. A fault that came and went stays confirmed until it is cleared, over a loss of power too. With each goes what
-/// was at its first occurrence. Kept in flash as a log on two pages that are filled in turn (docs/flash_layout.md); a
-/// cut of power loses at most the last entry. A fault is written once until it is cleared, so that a loose contact does
-/// not wear the flash.
+/// Diagnostic trouble codes of the modules (wire::FaultCode). A fault that came and went stays confirmed until it is
+/// cleared, over a loss of power too. With each goes what was at its first occurrence. Kept in flash as a log on two
+/// pages that are filled in turn (docs/flash_layout.md); a cut of power loses at most the last entry. A fault is
+/// written once until it is cleared, so that a loose contact does not wear the flash.
 class FaultMemory {
  public:
-  static constexpr std::uint8_t kTestFailed = 0x01, kConfirmed = 0x08;
   static constexpr std::size_t kFirstPage = 4;  ///< and the next one; a smaller flash keeps nothing
   static constexpr std::size_t kRecordBytes = 16;
 
-  /// State of affairs at the first occurrence.
-  struct Freeze {
-    std::uint32_t time_ms = 0;  ///< since power-up
-    std::uint32_t sample = 0;
-    bool operator==(const Freeze&) const = default;
-  };
+  using Freeze = wire::Freeze;
 
   explicit FaultMemory(FlashArea& flash) : flash_(flash) {}
   /// Reads what was confirmed before. Call once after power-up.
@@ -37,12 +31,14 @@ class FaultMemory {
   bool clear();
   /// DTC and status of every entry that has one of the bits of `mask`.
   void report(std::uint8_t mask, ByteWriter& out) const;
-  /// Status and freeze data of one DTC. False: no such entry.
-  [[nodiscard]] bool snapshot(std::uint32_t dtc, std::uint8_t& status, Freeze& freeze) const;
+  /// Status and freeze data of one DTC. Empty: no such entry.
+  [[nodiscard]] std::optional<wire::FreezeFrame> snapshot(std::uint32_t dtc) const;
 
  private:
-  static constexpr std::size_t kStates = 9;  // of ModuleState; 0 and 1 are no faults
-  static constexpr std::size_t kFirstFault = 2;
+  static constexpr std::uint8_t kTestFailed = wire::fault_status::kFailsNow,
+                                kConfirmed = wire::fault_status::kConfirmed;
+  static constexpr std::size_t kStates = wire::kModuleStateCount;
+  static constexpr auto kFirstFault = static_cast<std::size_t>(wire::kFirstFaultState);
   struct Entry {
     std::uint8_t status = 0;
     Freeze freeze;

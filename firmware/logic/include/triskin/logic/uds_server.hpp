@@ -6,6 +6,8 @@
 
 #include "triskin/base/bytes.hpp"
 #include "triskin/logic/table_store.hpp"
+#include "triskin/wire/faults.hpp"
+#include "triskin/wire/table_state.hpp"
 #include "triskin/wire/uds.hpp"
 
 namespace triskin::fw {
@@ -22,9 +24,9 @@ class UdsHost {
   virtual Status start_routine(std::uint16_t routine, Bytes option, ByteWriter& out) = 0;
   virtual Status routine_result(std::uint16_t routine, ByteWriter& out) = 0;
   virtual Status clear_faults() = 0;
-  /// `mask` of status bits; writes 3-byte DTC and status each.
+  /// `mask` of status bits; writes the records of a wire::FaultList.
   virtual void read_faults(std::uint8_t mask, ByteWriter& out) = 0;
-  /// Writes status and freeze data of one DTC; false: no such entry.
+  /// Writes a DTC with its status and freeze data (wire::FreezeFrame); false: no such entry.
   virtual bool read_fault(std::uint32_t dtc, ByteWriter& out) = 0;
   virtual void request_reset() = 0;
   [[nodiscard]] virtual std::uint64_t now_us() const = 0;
@@ -45,7 +47,7 @@ class UdsServer {
   [[nodiscard]] bool transferring() const { return transfer_ != Transfer::kNone; }
   /// As after power-up: default session, locked, no transfer.
   void restart();
-  [[nodiscard]] std::uint8_t session() const { return session_; }
+  [[nodiscard]] wire::Session session() const { return session_; }
 
  private:
   using Out = ByteWriter;
@@ -69,7 +71,7 @@ class UdsServer {
   UdsHost& host_;
   TableStore& tables_;
   std::array<std::uint8_t, kMaxResponse> response_{};
-  std::uint8_t session_ = wire::session::kDefault;
+  wire::Session session_ = wire::Session::kDefault;
   std::uint64_t last_request_us_ = 0;
   bool unlocked_ = false, suppress_ = false;
   std::uint32_t seed_ = 0, seed_count_ = 0;

@@ -11,6 +11,7 @@
 #include "triskin/layout/module.hpp"
 #include "triskin/ports/route_chain.hpp"
 #include "triskin/wire/can_frame.hpp"
+#include "triskin/wire/identity.hpp"
 #include "triskin/wire/unique_id.hpp"
 
 /// What the application sees of a board. Implemented in board/, wired once in app/. No call blocks.
@@ -68,8 +69,8 @@ class Restart {
   virtual ~Restart() = default;
   /// May return when the board needs some time; the application does nothing more.
   virtual void restart() = 0;
-  /// Slot that runs (1), confirmed (1), sequence (4), bytes (4), CRC of its record (4). False: not started from a slot.
-  virtual bool describe(ByteWriter& out) = 0;
+  /// The image that runs. Empty: not started from a slot.
+  virtual std::optional<wire::ImageState> image_state() = 0;
 };
 
 /// Everything a board gives to the application.

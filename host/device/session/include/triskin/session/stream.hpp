@@ -12,14 +12,11 @@
 
 namespace triskin::device {
 
-/// One module of one sample, with the place it has in the design.
+/// A sample of one module as it came over the wire, with the module that it belongs to in the design.
 struct ModuleFrame {
-  int module = 0;
-  std::uint32_t sample = 0;
-  std::uint64_t device_time_us = 0;
-  std::uint64_t link_time_us = 0;
-  std::uint16_t valid = 0;  ///< bit t
-  std::array<std::uint16_t, layout::kTaxelsPerModule> raw{};
+  int module = 0;                  ///< id in the design; in the frame it is a row of the controller's table
+  std::uint64_t link_time_us = 0;  ///< clock of the link when the frame came
+  wire::FullTaxels sample;
 };
 
 /// The data stream of all controllers of a design. Each frame is joined with its module; gaps in the sample numbers are

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "triskin/logic/route_keeper.hpp"
+#include "triskin/logic/sampler.hpp"
+#include "triskin/logic/table_store.hpp"
+#include "triskin/ports/ports.hpp"
+#include "triskin/wire/identity.hpp"
+#include "triskin/wire/lines.hpp"
+#include "triskin/wire/live_taxels.hpp"
+#include "triskin/wire/statistics.hpp"
+#include "triskin/wire/table_state.hpp"
+#include "triskin/wire/topology.hpp"
+
+namespace triskin::fw {
+
+inline constexpr std::uint32_t kFirmwareVersion = 0x00'01'00'00;  ///< 0.1.0: major, minor, patch, build
+
+/// What the identifiers read. Everything outlives them.
+struct PatchParts {
+  const Ports& ports;
+  const TableStore& tables;
+  const RouteKeeper& route;
+  const std::array<LineSampler, layout::kLines>& lines;
+  const std::array<ModuleSample, layout::kMaxModules>& samples;    ///< as read last
+  const std::array<ModuleSample, layout::kMaxModules>& published;  ///< read before the last good check of the chain
+  const wire::StreamMode& stream;
+  const Sampling& sampling;
+  const wire::TaxelOutput& output;
+  const std::uint32_t& sequences;    ///< nominal sequences since power-up
+  const std::uint32_t& lost_frames;  ///< of the stream
+};
+
+/// What writing an identifier sets off. Values are checked before.
+class PatchControl {
+ public:
+  virtual ~PatchControl() = default;
+  /// Takes effect after the answer. Errors: kFlashFailed.
+  virtual Status set_node_address(std::uint8_t address) = 0;
+  /// To the port that asked. Errors: kOutOfRange (the full stream on a classic bus).
+  virtual Status set_stream(wire::StreamMode mode) = 0;
+  /// Takes effect at once: every converter is configured anew.
+  virtual Status set_sampling(const wire::SamplingSetting& setting) = 0;
+};
+
+/// The identifiers of the controller, one row each: what reads it, what writes it. The session (F186) belongs to the
+/// diagnostic server.
+class Identifiers {
+ public:
+  Identifiers(const PatchParts& parts, PatchControl& control) : parts_(parts), control_(control) {}
+
+  /// Appends the value. False: no such identifier, or nothing to say (no table; not started from a slot).
+  [[nodiscard]] bool read(std::uint16_t did, ByteWriter& out) const;
+  /// Errors: kOutOfRange (no such identifier, or only to be read), those of the value's decoder and of PatchControl.
+  [[nodiscard]] Status write(std::uint16_t did, Bytes value) const;
+  /// Appends the result of a routine. Error: kOutOfRange (no such routine, or one without a result).
+  [[nodiscard]] Status routine_result(std::uint16_t routine, ByteWriter& out) const;
+
+ private:
+  struct Row;
+  struct Table;
+
+  [[nodiscard]] wire::SerialNumber serial_number() const { return {parts_.ports.unique_id}; }
+  [[nodiscard]] static wire::FirmwareVersion firmware() { return {kFirmwareVersion}; }
+  [[nodiscard]] wire::Hello hello() const;
+  [[nodiscard]] wire::NodeAddress node_address() const { return {parts_.tables.node_address()}; }
+  [[nodiscard]] wire::ActiveTable active_table() const;
+  [[nodiscard]] std::optional<wire::ModuleStates> module_states() const;
+  [[nodiscard]] wire::Statistics statistics() const;
+  [[nodiscard]] wire::StreamSetting stream() const { return {parts_.stream}; }
+  [[nodiscard]] wire::LineStates line_states() const;
+  [[nodiscard]] wire::FoundTopology topology() const { return parts_.route.found(); }
+  [[nodiscard]] wire::ActiveRoute route() const;
+  [[nodiscard]] std::optional<wire::ImageState> image_state() const;
+  [[nodiscard]] wire::SamplingSetting sampling() const;
+  [[nodiscard]] wire::LiveTaxels live_taxels() const;
+  [[nodiscard]] wire::Discovery discovery() const;
+  [[nodiscard]] wire::SelfTestResult self_test() const;
+
+  [[nodiscard]] std::uint8_t rows() const {
+    return parts_.tables.has_table() ? parts_.tables.table().module_count : std::uint8_t{0};
+  }
+  /// What counts: with switched modules what was read before the last good check of the chain.
+  [[nodiscard]] const ModuleSample& shown(std::size_t row) const {
+    return parts_.route.switched() ? parts_.published[row] : parts_.samples[row];
+  }
+  [[nodiscard]] wire::ModuleStates states() const;
+
+  PatchParts parts_;
+  PatchControl& control_;
+};
+
+}  // namespace triskin::fw

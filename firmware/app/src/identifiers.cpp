@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "triskin/app/identifiers.hpp"
+
+#include <algorithm>
+
+namespace triskin::fw {
+
+struct Identifiers::Row {
+  std::uint16_t id;
+  bool (*read)(const Identifiers&, ByteWriter&);
+  Status (*write)(PatchControl&, Bytes) = nullptr;  // null: only to be read
+};
+
+struct Identifiers::Table {
+  template <class Value>
+  static bool append(const Value& value, ByteWriter& out) {
+    value.encode(out);
+    return true;
+  }
+  template <class Value>
+  static bool append(const std::optional<Value>& value, ByteWriter& out) {
+    if (value) value->encode(out);
+    return value.has_value();
+  }
+  template <auto kGet>
+  static bool read(const Identifiers& self, ByteWriter& out) {
+    if constexpr (requires { kGet(); })
+      return append(kGet(), out);
+    else
+      return append((self.*kGet)(), out);
+  }
+  static bool part_number(const Identifiers&, ByteWriter& out) {
+    out.bytes(wire::kPartNumber);
+    return true;
+  }
+  /// Decodes a value and hands it on.
+  template <class Value, auto kSet>
+  static Status write(PatchControl& control, Bytes bytes) {
+    const auto value = Value::decode(bytes);
+    return value ? kSet(control, *value) : value.error();
+  }
+  static Status set_node(PatchControl& c, const wire::NodeAddress& n) { return c.set_node_address(n.address); }
+  static Status set_stream(PatchControl& c, const wire::StreamSetting& s) { return c.set_stream(s.mode); }
+  static Status set_sampling(PatchControl& c, const wire::SamplingSetting& s) { return c.set_sampling(s); }
+
+  static constexpr std::array kRows{
+      Row{wire::did::kSerialNumber, read<&Identifiers::serial_number>},
+      Row{wire::did::kPartNumber, part_number},
+      Row{wire::did::kHardware, part_number},
+      Row{wire::did::kFirmware, read<&Identifiers::firmware>},
+      Row{wire::did::kHello, read<&Identifiers::hello>},
+      Row{wire::did::kNodeAddress, read<&Identifiers::node_address>, write<wire::NodeAddress, set_node>},
+      Row{wire::did::kActiveTable, read<&Identifiers::active_table>},
+      Row{wire::did::kModuleStates, read<&Identifiers::module_states>},
+      Row{wire::did::kStatistics, read<&Identifiers::statistics>},
+      Row{wire::did::kStream, read<&Identifiers::stream>, write<wire::StreamSetting, set_stream>},
+      Row{wire::did::kLineStates, read<&Identifiers::line_states>},
+      Row{wire::did::kTopology, read<&Identifiers::topology>},
+      Row{wire::did::kRoute, read<&Identifiers::route>},
+      Row{wire::did::kImageState, read<&Identifiers::image_state>},
+      Row{wire::did::kSampling, read<&Identifiers::sampling>, write<wire::SamplingSetting, set_sampling>},
+      Row{wire::did::kLiveTaxels, read<&Identifiers::live_taxels>},
+  };
+  /// Every identifier of the wire that is not the server's or of freeze data has its row, in order, and may be written
+  /// where the wire says so.
+  static constexpr bool as_on_the_wire() {
+    std::size_t at = 0;
+    for (const wire::Identifier& i : wire::kIdentifiers) {
+      if (i.access == wire::Access::kFreeze || i.id == wire::did::kActiveSession) continue;
+      if (at == kRows.size() || kRows[at].id != i.id) return false;
+      if ((kRows[at].write != nullptr) != (i.access == wire::Access::kReadWrite)) return false;
+      ++at;
+    }
+    return at == kRows.size();
+  }
+
+  static const Row* find(std::uint16_t did) {
+    static_assert(as_on_the_wire());
+    const auto* const row = std::ranges::find(kRows, did, &Row::id);
+    return row == kRows.end() ? nullptr : row;
+  }
+};
+
+bool Identifiers::read(std::uint16_t did, ByteWriter& out) const {
+  const Row* const row = Table::find(did);
+  return row != nullptr && row->read(*this, out);
+}
+
+Status Identifiers::write(std::uint16_t did, Bytes value) const {
+  const Row* const row = Table::find(did);
+  return row == nullptr || row->write == nullptr ? Status::kOutOfRange : row->write(control_, value);
+}
+
+Status Identifiers::routine_result(std::uint16_t routine, ByteWriter& out) const {
+  switch (routine) {
+    case wire::routine::kDiscover:
+      discovery().encode(out);
+      return Status::kOk;
+    case wire::routine::kSelfTest:
+      self_test().encode(out);
+      return Status::kOk;
+    case wire::routine::kReroute:
+      wire::RerouteResult{!parts_.route.route().busy}.encode(out);
+      return Status::kOk;
+    default:
+      return Status::kOutOfRange;
+  }
+}
+
+wire::Hello Identifiers::hello() const {
+  wire::Hello h;
+  h.firmware_version = kFirmwareVersion;
+  h.node_address = parts_.tables.node_address();
+  h.unique_id = parts_.ports.unique_id;
+  return h;
+}
+
+wire::ActiveTable Identifiers::active_table() const {
+  const TableStore& t = parts_.tables;
+  return {t.status(), t.sequence(), t.has_table() ? t.table().design_id : 0, crc32(t.active_bytes()), rows()};
+}
+
+wire::ModuleStates Identifiers::states() const {
+  wire::ModuleStates s;
+  for (std::size_t k = 0; k < rows(); ++k) s.add(shown(k).state);
+  return s;
+}
+
+std::optional<wire::ModuleStates> Identifiers::module_states() const {
+  if (!parts_.tables.has_table()) return std::nullopt;
+  return states();
+}
+
+wire::Statistics Identifiers::statistics() const {
+  wire::Statistics s{parts_.sequences, 0, 0, parts_.lost_frames};
+  for (const LineSampler& l : parts_.lines) {
+    s.bus_errors += l.bus_errors();
+    s.recoveries += l.recoveries();
+  }
+  return s;
+}
+
+wire::LineStates Identifiers::line_states() const {
+  wire::LineStates s;
+  for (std::size_t l = 0; l < s.lines.size(); ++l) s.lines[l] = {parts_.lines[l].stuck(), parts_.lines[l].recoveries()};
+  return s;
+}
+
+wire::ActiveRoute Identifiers::route() const {
+  wire::ActiveRoute r = parts_.route.route();
+  r.rows = rows();
+  return r;
+}
+
+std::optional<wire::ImageState> Identifiers::image_state() const {
+  if (parts_.ports.restart == nullptr) return std::nullopt;
+  return parts_.ports.restart->image_state();
+}
+
+wire::SamplingSetting Identifiers::sampling() const {
+  return {parts_.sampling.decimation, parts_.sampling.every, parts_.output};
+}
+
+wire::LiveTaxels Identifiers::live_taxels() const {
+  wire::LiveTaxels t;
+  t.sequences = parts_.sequences;
+  t.time_us = parts_.ports.clock->now_us();
+  t.count = rows();
+  for (std::size_t k = 0; k < t.count; ++k) t.modules[k] = {shown(k).valid, shown(k).raw};
+  return t;
+}
+
+wire::Discovery Identifiers::discovery() const {
+  wire::Discovery d;
+  d.done = std::ranges::all_of(parts_.lines, [](const LineSampler& l) { return l.scan().done; });
+  for (std::size_t l = 0; l < d.lines.size(); ++l) {
+    const auto& scan = parts_.lines[l].scan();
+    d.lines[l] = {scan.stuck, scan.answers, scan.wrong_id};
+  }
+  return d;
+}
+
+wire::SelfTestResult Identifiers::self_test() const {
+  return {std::ranges::all_of(parts_.lines, [](const LineSampler& l) { return l.checked(); }), states()};
+}
+
+}  // namespace triskin::fw

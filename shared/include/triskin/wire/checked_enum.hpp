@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <type_traits>
+
+#include "triskin/base/status.hpp"
+
+namespace triskin::wire {
+
+/// Makes an enumerator of a number that came over the wire: the only way in which one becomes the other. For
+/// enumerations that begin with 0 and have no gaps; `last` is the greatest. Error: kOutOfRange.
+template <class Enum>
+  requires std::is_enum_v<Enum>
+[[nodiscard]] constexpr Result<Enum> checked_enum(std::uint8_t number, Enum last) {
+  if (number > static_cast<std::uint8_t>(last)) return std::unexpected(Status::kOutOfRange);
+  return static_cast<Enum>(number);
+}
+
+/// The number that travels for an enumerator.
+template <class Enum>
+  requires std::is_enum_v<Enum>
+[[nodiscard]] constexpr std::uint8_t wire_number(Enum value) {
+  return static_cast<std::uint8_t>(value);
+}
+
+/// A yes or no that travels as 1 or 0. Error: kOutOfRange.
+[[nodiscard]] constexpr Result<bool> checked_bool(std::uint8_t number) {
+  if (number > 1) return std::unexpected(Status::kOutOfRange);
+  return number == 1;
+}
+
+/// Error: kOutOfRange.
+[[nodiscard]] constexpr Result<Status> to_status(std::uint8_t number) {
+  return checked_enum(number, Status::kWrongId);
+}
+
+}  // namespace triskin::wire

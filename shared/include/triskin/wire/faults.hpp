@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/wire/checked_enum.hpp"
+#include "triskin/wire/identifiers.hpp"
+#include "triskin/wire/module_state.hpp"
+
+/// The fault memory (services 14 and 19). docs/protocol.md.
+namespace triskin::wire {
+
+/// Bits of a fault's status byte (ISO 14229-1, D.2) that a controller uses.
+namespace fault_status {
+inline constexpr std::uint8_t kFailsNow = 0x01, kConfirmed = 0x08, kAvailable = kFailsNow | kConfirmed;
+}
+
+/// Diagnostic trouble code of a module: 3 bytes, 9 and the state, 0, row of the table.
+struct FaultCode {
+  static constexpr std::uint32_t kGroup = 0x900000, kGroupMask = 0xF00000, kMost = 0xFFFFFF;
+  ModuleState state = kFirstFaultState;  ///< one that is a fault
+  std::uint8_t row = 0;                  ///< 0 … kMaxModules − 1
+
+  [[nodiscard]] constexpr std::uint32_t dtc() const { return kGroup | static_cast<std::uint32_t>(state) << 16 | row; }
+  /// Error: kOutOfRange (another group, no fault, no row).
+  [[nodiscard]] static constexpr Result<FaultCode> of(std::uint32_t dtc) {
+    const auto state = to_module_state(static_cast<std::uint8_t>(dtc >> 16 & 0xF));
+    if (dtc > kMost || (dtc & (kGroupMask | 0xFF00U)) != kGroup || !state || *state < kFirstFaultState ||
+        (dtc & 0xFF) >= layout::kMaxModules)
+      return std::unexpected(Status::kOutOfRange);
+    return FaultCode{*state, static_cast<std::uint8_t>(dtc & 0xFF)};
+  }
+  bool operator==(const FaultCode&) const = default;
+};
+
+struct FaultRecord {
+  FaultCode code;
+  std::uint8_t status = 0;  ///< fault_status
+  [[nodiscard]] constexpr bool fails_now() const { return (status & fault_status::kFailsNow) != 0; }
+  bool operator==(const FaultRecord&) const = default;
+};
+
+constexpr void encode_dtc(std::uint32_t dtc, ByteWriter& out) {
+  out.u8(static_cast<std::uint8_t>(dtc >> 16));
+  out.be16(static_cast<std::uint16_t>(dtc));
+}
+
+/// Answer to 19 02, after the sub-function: which status bits there are, then the faults.
+struct FaultList {
+  static constexpr std::size_t kRecordBytes = 4, kFaultsPerModule = kModuleStateCount - 2;
+  static constexpr std::size_t kMostRecords = kFaultsPerModule * layout::kMaxModules;
+  std::uint8_t available = fault_status::kAvailable;
+  std::uint8_t count = 0;  ///< 0 … kMostRecords
+  std::array<FaultRecord, kMostRecords> records{};
+
+  [[nodiscard]] constexpr std::span<const FaultRecord> faults() const { return std::span(records).first(count); }
+  constexpr void add(const FaultRecord& r) { records[count++] = r; }
+  constexpr void encode(ByteWriter& out) const {
+    out.u8(available);
+    for (const FaultRecord& f : faults()) encode(f, out);
+  }
+  /// One record, for a sender that has no room for a whole list.
+  static constexpr void encode(const FaultRecord& f, ByteWriter& out) {
+    encode_dtc(f.code.dtc(), out);
+    out.u8(f.status);
+  }
+  /// Errors: kTooShort, kBadLength (half a record, too many), kOutOfRange (a code that is no fault of a module, a
+  /// status without one of the bits).
+  [[nodiscard]] static constexpr Result<FaultList> decode(Bytes bytes) {
+    if (bytes.empty()) return std::unexpected(Status::kTooShort);
+    if ((bytes.size() - 1) % kRecordBytes != 0 || bytes.size() > 1 + kRecordBytes * kMostRecords)
+      return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    FaultList list;
+    list.available = r.u8();
+    while (!r.rest().empty()) {
+      const std::uint32_t word = r.be32();
+      const auto code = FaultCode::of(word >> 8);
+      const auto status = static_cast<std::uint8_t>(word);
+      if (!code || (status & ~list.available) != 0) return std::unexpected(Status::kOutOfRange);
+      list.add({*code, status});
+    }
+    return list;
+  }
+  bool operator==(const FaultList&) const = default;
+};
+
+/// State of affairs when a fault occurred first.
+struct Freeze {
+  std::uint32_t time_ms = 0;  ///< since power-up
+  std::uint32_t sample = 0;   ///< number of the module's sample
+  bool operator==(const Freeze&) const = default;
+};
+
+/// Answer to 19 04, after the sub-function: one record with FD21 and FD22.
+struct FreezeFrame {
+  static constexpr std::size_t kBytes = 18;
+  static constexpr std::uint8_t kRecord = 1, kValues = 2;
+  FaultRecord fault;
+  Freeze freeze;
+
+  constexpr void encode(ByteWriter& out) const {
+    FaultList::encode(fault, out);
+    out.u8(kRecord);
+    out.u8(kValues);
+    out.be16(did::kFreezeTime);
+    out.le32(freeze.time_ms);
+    out.be16(did::kFreezeSample);
+    out.le32(freeze.sample);
+  }
+  /// Errors: kBadLength, kOutOfRange (another code, record or identifier).
+  [[nodiscard]] static constexpr Result<FreezeFrame> decode(Bytes bytes) {
+    if (bytes.size() != kBytes) return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    const std::uint32_t word = r.be32();
+    const auto code = FaultCode::of(word >> 8);
+    if (!code || r.u8() != kRecord || r.u8() != kValues) return std::unexpected(Status::kOutOfRange);
+    FreezeFrame f{{*code, static_cast<std::uint8_t>(word)}, {}};
+    if (r.be16() != did::kFreezeTime) return std::unexpected(Status::kOutOfRange);
+    f.freeze.time_ms = r.le32();
+    if (r.be16() != did::kFreezeSample) return std::unexpected(Status::kOutOfRange);
+    f.freeze.sample = r.le32();
+    return f;
+  }
+  bool operator==(const FreezeFrame&) const = default;
+};
+
+}  // namespace triskin::wire

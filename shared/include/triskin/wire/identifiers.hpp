@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+/// Data identifiers and routines of the controller: numbers, lengths, access and what a value holds. The tables of
+/// docs/protocol.md are made from this file (tools/make_vector_tables). The types of the
+/// values are in the headers that the rows name; each checks its lengths against its row.
+namespace triskin::wire {
+
+namespace did {
+inline constexpr std::uint16_t kActiveSession = 0xF186, kSerialNumber = 0xF18C, kPartNumber = 0xF190,
+                               kHardware = 0xF191, kFirmware = 0xF195, kHello = 0xFD00, kNodeAddress = 0xFD01,
+                               kActiveTable = 0xFD02, kModuleStates = 0xFD03, kStatistics = 0xFD04, kStream = 0xFD05,
+                               kLineStates = 0xFD06, kTopology = 0xFD07, kRoute = 0xFD08, kImageState = 0xFD09,
+                               kSampling = 0xFD0A, kLiveTaxels = 0xFD10, kFreezeTime = 0xFD21, kFreezeSample = 0xFD22;
+}  // namespace did
+
+namespace routine {
+inline constexpr std::uint16_t kDiscover = 0x0201, kSelfTest = 0x0202, kCalibrate = 0x0203, kReroute = 0x0204,
+                               kActivate = 0x0205;
+}  // namespace routine
+
+/// Who may do what with an identifier.
+enum class Access : std::uint8_t {
+  kRead,       ///< service 22, in any session
+  kReadWrite,  ///< also service 2E, with the key
+  kFreeze,     ///< only inside freeze data, service 19 04
+};
+
+struct Identifier {
+  std::uint16_t id;
+  Access access;
+  std::size_t least_bytes, most_bytes;  ///< of the value
+  std::string_view header;              ///< of shared/include/triskin/wire that has its type
+  std::string_view value;               ///< fields in order, (bytes of each); little-endian where nothing is said
+};
+
+inline constexpr std::array<Identifier, 19> kIdentifiers{{
+    {did::kActiveSession, Access::kRead, 1, 1, "identity.hpp", "session (1): 1 default, 2 programming, 3 extended"},
+    {did::kSerialNumber, Access::kRead, 12, 12, "identity.hpp", "unique id (12)"},
+    {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
+    {did::kHardware, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
+    {did::kFirmware, Access::kRead, 4, 4, "identity.hpp", "firmware version, big-endian: major, minor, patch, build"},
+    {did::kHello, Access::kRead, 23, 23, "identity.hpp",
+     "wire version (2), layout version (2), firmware version (4), node address (1), unique id (12), most modules (1), "
+     "taxels a module (1); the bytes up to the unique id are the same in every wire version"},
+    {did::kNodeAddress, Access::kReadWrite, 1, 1, "identity.hpp",
+     "node address (1): 1 … 126; written, it takes effect after the answer"},
+    {did::kActiveTable, Access::kRead, 18, 18, "table_state.hpp",
+     "Status (1): 0 with a table, 11 without, sequence (4), design id (8), CRC-32 of the image (4), modules (1)"},
+    {did::kModuleStates, Access::kRead, 1, 16, "module_state.hpp",
+     "per row of the table its state (1); refused without a table"},
+    {did::kStatistics, Access::kRead, 16, 16, "statistics.hpp",
+     "nominal sequences since power-up (4), bus errors (4), recoveries of lines (4), stream frames lost because the "
+     "bus was too slow (4)"},
+    {did::kStream, Access::kReadWrite, 1, 1, "sampling.hpp",
+     "stream (1): 0 off, 1 iCub, 2 full (refused on a classic bus)"},
+    {did::kLineStates, Access::kRead, 20, 20, "lines.hpp", "per line: 1 when it is held low (1), recoveries (4)"},
+    {did::kTopology, Access::kRead, 3, 67, "topology.hpp",
+     "modules and joints as found on the route chain: flags (1; 1: switched modules, 2: complete, 4: module 0 is at "
+     "the second cable), modules (1), cable port of module 0 (1), then per module far end of ports A, B, C (1 each; 0 "
+     "none, else 1 + 3 × module + port) and its row in the table (1; FF: not known)"},
+    {did::kRoute, Access::kRead, 18, 50, "topology.hpp",
+     "active route: flags (1; 1 switched, 2 busy, 4 a tree is up, 8 the table's, 10 least depth, 20 second cable), "
+     "ports left closed as shorted (1), modules unknown to the table (1), depth (1), rows in the tree (2, a bit each), "
+     "looks at the whole patch (4), registers written again (4), µs of the last look (4), then per row of the table "
+     "parent row (1; FF none) and the parent's port (1; 3 none)"},
+    {did::kImageState, Access::kRead, 14, 14, "identity.hpp",
+     "slot that runs (1): 0 or 1, confirmed (1), sequence (4), bytes (4), CRC-32 of its record (4); refused when not "
+     "started from a slot"},
+    {did::kSampling, Access::kReadWrite, 3, 3, "sampling.hpp",
+     "decimation (1): 0 256, 1 128, 2 64; every n-th sequence (1): 1 … 255; output (1): 0 the converter's result, 1 "
+     "compensated, 8000 at rest; as after power-up: 0, 1, 0"},
+    {did::kLiveTaxels, Access::kRead, 12, 428, "live_taxels.hpp",
+     "nominal sequences since power-up (4), time in µs (8), then per row of the table: valid taxels (2, a bit each), "
+     "12 values of the converter (2 each)"},
+    {did::kFreezeTime, Access::kFreeze, 4, 4, "faults.hpp", "ms since power-up (4)"},
+    {did::kFreezeSample, Access::kFreeze, 4, 4, "faults.hpp", "number of the module's sample (4)"},
+}};
+
+struct Routine {
+  std::uint16_t id;
+  std::string_view name;
+  std::string_view does;
+  std::size_t result_bytes_least, result_bytes_most;  ///< after the identifier of the routine; 0, 0: no result
+  std::string_view result;
+};
+
+inline constexpr std::array<Routine, 5> kRoutines{{
+    {routine::kDiscover, "discover", "looks at all four addresses of the four lines, also without a table", 13, 13,
+     "done (1), per line: held low (1), answering addresses (1, a bit each), those with another device id (1, a bit "
+     "each)"},
+    {routine::kSelfTest, "self test", "finds, configures and checks every module again", 1, 17,
+     "done (1), per row of the table its state (1)"},
+    {routine::kCalibrate, "calibrate", "the next reading is the resting value of the iCub stream", 0, 0, ""},
+    {routine::kReroute, "reroute",
+     "switched modules: finds modules and joints anew and opens a tree; sampling rests up to 80 ms meanwhile, answers "
+     "wait as long",
+     1, 1, "done (1); then read FD07 and FD08"},
+    {routine::kActivate, "activate", "checks the download, stores it, makes it active; needs the key", 1, 1,
+     "Status (1), in the answer to the start"},
+}};
+
+/// Never defined: a call ends the evaluation of a constant expression.
+[[noreturn]] void no_row();
+/// Row of an identifier; a number without row does not compile in a constant expression.
+[[nodiscard]] consteval const Identifier& identifier(std::uint16_t id) {
+  for (const Identifier& row : kIdentifiers) {
+    if (row.id == id) return row;
+  }
+  no_row();
+}
+/// Row of a routine, likewise.
+[[nodiscard]] consteval const Routine& routine_row(std::uint16_t id) {
+  for (const Routine& row : kRoutines) {
+    if (row.id == id) return row;
+  }
+  no_row();
+}
+
+/// A type of values against its row in the table: both lengths.
+template <class Value>
+inline constexpr bool kLengthsAsInTable =
+    identifier(Value::kId).least_bytes == Value::kLeastBytes && identifier(Value::kId).most_bytes == Value::kMostBytes;
+/// A type of routine results against its row.
+template <class Value>
+inline constexpr bool kResultAsInTable = routine_row(Value::kId).result_bytes_least == Value::kLeastBytes &&
+                                         routine_row(Value::kId).result_bytes_most == Value::kMostBytes;
+
+}  // namespace triskin::wire

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/layout/patch_image.hpp"
+#include "triskin/wire/checked_enum.hpp"
+#include "triskin/wire/identifiers.hpp"
+#include "triskin/wire/unique_id.hpp"
+
+/// Who a controller is and what runs on it (F186 … F195, FD00, FD01, FD09). docs/protocol.md.
+namespace triskin::wire {
+
+inline constexpr std::uint16_t kWireVersion = 1;  ///< a host that meets another may only identify, read and update
+
+/// Diagnostic sessions (ISO 14229-1, 10.2).
+enum class Session : std::uint8_t { kDefault = 1, kProgramming = 2, kExtended = 3 };
+/// Error: kOutOfRange.
+[[nodiscard]] constexpr Result<Session> to_session(std::uint8_t number) {
+  if (number < wire_number(Session::kDefault)) return std::unexpected(Status::kOutOfRange);
+  return checked_enum(number, Session::kExtended);
+}
+
+/// F186.
+struct ActiveSession {
+  static constexpr std::uint16_t kId = did::kActiveSession;
+  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
+  Session session = Session::kDefault;
+
+  constexpr void encode(ByteWriter& out) const { out.u8(wire_number(session)); }
+  /// Errors: kBadLength, kOutOfRange.
+  [[nodiscard]] static constexpr Result<ActiveSession> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    const auto session = to_session(bytes[0]);
+    if (!session) return std::unexpected(session.error());
+    return ActiveSession{*session};
+  }
+  bool operator==(const ActiveSession&) const = default;
+};
+static_assert(kLengthsAsInTable<ActiveSession>);
+
+/// F18C.
+struct SerialNumber {
+  static constexpr std::uint16_t kId = did::kSerialNumber;
+  static constexpr std::size_t kLeastBytes = UniqueId{}.size(), kMostBytes = kLeastBytes;
+  UniqueId unique_id{};
+
+  constexpr void encode(ByteWriter& out) const { out.bytes(unique_id); }
+  /// Error: kBadLength.
+  [[nodiscard]] static constexpr Result<SerialNumber> decode(Bytes bytes) {
+    SerialNumber s;
+    if (bytes.size() != s.unique_id.size()) return std::unexpected(Status::kBadLength);
+    std::ranges::copy(bytes, s.unique_id.begin());
+    return s;
+  }
+  bool operator==(const SerialNumber&) const = default;
+};
+static_assert(kLengthsAsInTable<SerialNumber>);
+
+/// F190 and F191: the same text on every board of this kind.
+inline constexpr std::array<std::uint8_t, 8> kPartNumber{'T', 'R', 'I', 'S', 'K', 'I', 'N', '1'};
+static_assert(identifier(did::kPartNumber).most_bytes == kPartNumber.size());
+static_assert(identifier(did::kHardware).most_bytes == kPartNumber.size());
+
+/// F195: big-endian, so that the bytes are major, minor, patch, build.
+struct FirmwareVersion {
+  static constexpr std::uint16_t kId = did::kFirmware;
+  static constexpr std::size_t kLeastBytes = 4, kMostBytes = 4;
+  std::uint32_t version = 0;  ///< major in the highest byte
+
+  constexpr void encode(ByteWriter& out) const { out.be32(version); }
+  /// Error: kBadLength.
+  [[nodiscard]] static constexpr Result<FirmwareVersion> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    return FirmwareVersion{ByteReader(bytes).be32()};
+  }
+  bool operator==(const FirmwareVersion&) const = default;
+};
+static_assert(kLengthsAsInTable<FirmwareVersion>);
+
+/// FD00: what a host must know before it says anything else.
+struct Hello {
+  static constexpr std::uint16_t kId = did::kHello;
+  static constexpr std::size_t kLeastBytes = 23, kMostBytes = 23;
+  static constexpr std::size_t kFixedBytes = 21;  ///< up to the unique id: the same in every wire version
+  std::uint16_t wire_version = kWireVersion, layout_version = layout::kLayoutVersion;
+  std::uint32_t firmware_version = 0;
+  std::uint8_t node_address = layout::kFirstNode;
+  UniqueId unique_id{};
+  std::uint8_t max_modules = layout::kMaxModules;
+  std::uint8_t taxels_per_module = layout::kTaxelsPerModule;
+
+  constexpr void encode(ByteWriter& out) const {
+    out.le16(wire_version);
+    out.le16(layout_version);
+    out.le32(firmware_version);
+    out.u8(node_address);
+    out.bytes(unique_id);
+    out.u8(max_modules);
+    out.u8(taxels_per_module);
+  }
+  /// Reads any wire version: of another one only the first kFixedBytes, the limits are 0 then. Errors: kTooShort,
+  /// kBadLength, kOutOfRange (node address; limits beyond those of layout/module.hpp).
+  [[nodiscard]] static constexpr Result<Hello> decode(Bytes bytes) {
+    if (bytes.size() < kFixedBytes) return std::unexpected(Status::kTooShort);
+    ByteReader r(bytes);
+    Hello h;
+    h.wire_version = r.le16();
+    h.layout_version = r.le16();
+    h.firmware_version = r.le32();
+    h.node_address = r.u8();
+    for (std::uint8_t& b : h.unique_id) b = r.u8();
+    h.max_modules = h.taxels_per_module = 0;
+    if (!layout::is_node_address(h.node_address)) return std::unexpected(Status::kOutOfRange);
+    if (h.wire_version != kWireVersion) return h;
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    h.max_modules = r.u8();
+    h.taxels_per_module = r.u8();
+    if (h.max_modules < 1 || h.max_modules > layout::kMaxModules || h.taxels_per_module != layout::kTaxelsPerModule)
+      return std::unexpected(Status::kOutOfRange);
+    return h;
+  }
+  bool operator==(const Hello&) const = default;
+};
+static_assert(kLengthsAsInTable<Hello>);
+
+/// FD01.
+struct NodeAddress {
+  static constexpr std::uint16_t kId = did::kNodeAddress;
+  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
+  std::uint8_t address = layout::kFirstNode;
+
+  constexpr void encode(ByteWriter& out) const { out.u8(address); }
+  /// Errors: kBadLength, kOutOfRange.
+  [[nodiscard]] static constexpr Result<NodeAddress> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (!layout::is_node_address(bytes[0])) return std::unexpected(Status::kOutOfRange);
+    return NodeAddress{bytes[0]};
+  }
+  bool operator==(const NodeAddress&) const = default;
+};
+static_assert(kLengthsAsInTable<NodeAddress>);
+
+/// FD09: the firmware image that runs.
+struct ImageState {
+  static constexpr std::uint16_t kId = did::kImageState;
+  static constexpr std::size_t kLeastBytes = 14, kMostBytes = 14;
+  std::uint8_t slot = 0;         ///< 0 or 1
+  bool confirmed = false;        ///< it has said that it works
+  std::uint32_t sequence = 0;    ///< one more than the other slot's
+  std::uint32_t size_bytes = 0;  ///< of the image
+  std::uint32_t record_crc = 0;  ///< layout::slot_crc() of the image
+
+  constexpr void encode(ByteWriter& out) const {
+    out.u8(slot);
+    out.u8(confirmed ? 1 : 0);
+    out.le32(sequence);
+    out.le32(size_bytes);
+    out.le32(record_crc);
+  }
+  /// Errors: kBadLength, kOutOfRange (a third slot; neither confirmed nor not).
+  [[nodiscard]] static constexpr Result<ImageState> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    ImageState s;
+    s.slot = r.u8();
+    const auto confirmed = checked_bool(r.u8());
+    if (s.slot > 1 || !confirmed) return std::unexpected(Status::kOutOfRange);
+    s.confirmed = *confirmed;
+    s.sequence = r.le32();
+    s.size_bytes = r.le32();
+    s.record_crc = r.le32();
+    return s;
+  }
+  bool operator==(const ImageState&) const = default;
+};
+static_assert(kLengthsAsInTable<ImageState>);
+
+}  // namespace triskin::wire

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/wire/checked_enum.hpp"
+#include "triskin/wire/identifiers.hpp"
+
+/// The I²C lines of a controller (FD06, routine 0201). docs/protocol.md.
+namespace triskin::wire {
+
+struct LineState {
+  bool stuck = false;            ///< held low
+  std::uint32_t recoveries = 0;  ///< since power-up
+  bool operator==(const LineState&) const = default;
+};
+
+/// FD06.
+struct LineStates {
+  static constexpr std::uint16_t kId = did::kLineStates;
+  static constexpr std::size_t kMostBytes = 5 * layout::kLines, kLeastBytes = kMostBytes;
+  std::array<LineState, layout::kLines> lines{};
+
+  constexpr void encode(ByteWriter& out) const {
+    for (const LineState& l : lines) {
+      out.u8(l.stuck ? 1 : 0);
+      out.le32(l.recoveries);
+    }
+  }
+  /// Errors: kBadLength, kOutOfRange.
+  [[nodiscard]] static constexpr Result<LineStates> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    LineStates s;
+    for (LineState& l : s.lines) {
+      const auto stuck = checked_bool(r.u8());
+      if (!stuck) return std::unexpected(stuck.error());
+      l = {*stuck, r.le32()};
+    }
+    return s;
+  }
+  bool operator==(const LineStates&) const = default;
+};
+static_assert(kLengthsAsInTable<LineStates>);
+
+/// What a discovery found on one line.
+struct LineReport {
+  bool stuck = false;         ///< held low: nobody could be asked
+  std::uint8_t answers = 0;   ///< bit a: somebody answers at cdc_address(a)
+  std::uint8_t wrong_id = 0;  ///< bit a: with another device id; a subset of `answers`
+  bool operator==(const LineReport&) const = default;
+};
+
+/// Routine 0201.
+struct Discovery {
+  static constexpr std::uint16_t kId = routine::kDiscover;
+  static constexpr std::size_t kMostBytes = 1 + 3 * layout::kLines, kLeastBytes = kMostBytes;
+  bool done = false;
+  std::array<LineReport, layout::kLines> lines{};
+
+  constexpr void encode(ByteWriter& out) const {
+    out.u8(done ? 1 : 0);
+    for (const LineReport& l : lines) {
+      out.u8(l.stuck ? 1 : 0);
+      out.u8(l.answers);
+      out.u8(l.wrong_id);
+    }
+  }
+  /// Errors: kBadLength, kOutOfRange (an address that a line does not have; a wrong id where nobody answers).
+  [[nodiscard]] static constexpr Result<Discovery> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    const auto done = checked_bool(r.u8());
+    if (!done) return std::unexpected(done.error());
+    Discovery d{*done, {}};
+    for (LineReport& l : d.lines) {
+      const auto stuck = checked_bool(r.u8());
+      if (!stuck) return std::unexpected(stuck.error());
+      l.stuck = *stuck;
+      l.answers = r.u8();
+      l.wrong_id = r.u8();
+      if (l.answers >> layout::kAddressesPerLine != 0 || (l.wrong_id & ~l.answers) != 0)
+        return std::unexpected(Status::kOutOfRange);
+    }
+    return d;
+  }
+  bool operator==(const Discovery&) const = default;
+};
+static_assert(kResultAsInTable<Discovery>);
+
+}  // namespace triskin::wire

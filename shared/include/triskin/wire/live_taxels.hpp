@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/wire/checked_enum.hpp"
+#include "triskin/wire/identifiers.hpp"
+
+namespace triskin::wire {
+
+/// The latest reading of one module.
+struct ModuleTaxels {
+  std::uint16_t valid = 0;                                      ///< bit t: taxel t
+  std::array<std::uint16_t, layout::kTaxelsPerModule> value{};  ///< the converter's results
+  [[nodiscard]] constexpr bool is_valid(std::size_t taxel) const { return (valid >> taxel & 1U) != 0; }
+  bool operator==(const ModuleTaxels&) const = default;
+};
+
+/// FD10: the latest readings of all modules of the table, whatever is streamed.
+struct LiveTaxels {
+  static constexpr std::uint16_t kId = did::kLiveTaxels;
+  static constexpr std::size_t kLeastBytes = 12, kModuleBytes = 2 + 2 * layout::kTaxelsPerModule,
+                               kMostBytes = kLeastBytes + kModuleBytes * layout::kMaxModules;
+  std::uint32_t sequences = 0;  ///< nominal sequences since power-up
+  std::uint64_t time_us = 0;    ///< the controller's clock, at the answer
+  std::uint8_t count = 0;       ///< modules of the table, 0 … kMaxModules
+  std::array<ModuleTaxels, layout::kMaxModules> modules{};
+
+  [[nodiscard]] constexpr std::span<const ModuleTaxels> rows() const { return std::span(modules).first(count); }
+  constexpr void encode(ByteWriter& out) const {
+    out.le32(sequences);
+    out.le64(time_us);
+    for (const ModuleTaxels& m : rows()) {
+      out.le16(m.valid);
+      for (const std::uint16_t v : m.value) out.le16(v);
+    }
+  }
+  /// Errors: kBadLength (no whole number of modules, or too many), kOutOfRange (a taxel that a module does not have).
+  [[nodiscard]] static constexpr Result<LiveTaxels> decode(Bytes bytes) {
+    if (bytes.size() < kLeastBytes || bytes.size() > kMostBytes || (bytes.size() - kLeastBytes) % kModuleBytes != 0)
+      return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    LiveTaxels t;
+    t.sequences = r.le32();
+    t.time_us = r.le64();
+    t.count = static_cast<std::uint8_t>((bytes.size() - kLeastBytes) / kModuleBytes);
+    for (ModuleTaxels& m : std::span(t.modules).first(t.count)) {
+      m.valid = r.le16();
+      if (m.valid > layout::kAllTaxels) return std::unexpected(Status::kOutOfRange);
+      for (std::uint16_t& v : m.value) v = r.le16();
+    }
+    return t;
+  }
+  bool operator==(const LiveTaxels&) const = default;
+};
+static_assert(kLengthsAsInTable<LiveTaxels>);
+
+}  // namespace triskin::wire

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/wire/checked_enum.hpp"
+#include "triskin/wire/identifiers.hpp"
+
+/// States of modules (FD03, routine 0202). docs/protocol.md.
+namespace triskin::wire {
+
+/// What is known about a module of the table. The numbers are part of the wire version.
+enum class ModuleState : std::uint8_t {
+  kUnknown = 0,            ///< not looked at yet
+  kOk = 1,                 ///< in order
+  kAbsent = 2,             ///< nobody answers at its line and address
+  kWrongId = 3,            ///< answers with another device id
+  kLostConfiguration = 4,  ///< configuration read back differs; was written again
+  kSaturated = 5,          ///< a taxel at the end of its range
+  kFrozen = 6,             ///< a taxel that does not change by a single count
+  kLineStuck = 7,          ///< its line is held low
+  kDuplicate = 8,          ///< two chips answer at its address
+};
+inline constexpr std::size_t kModuleStateCount = 9;
+inline constexpr ModuleState kFirstFaultState = ModuleState::kAbsent;  ///< states from here on are faults
+
+/// Error: kOutOfRange.
+[[nodiscard]] constexpr Result<ModuleState> to_module_state(std::uint8_t number) {
+  return checked_enum(number, ModuleState::kDuplicate);
+}
+
+/// FD03: the state of each module, in order of the rows of the table.
+struct ModuleStates {
+  static constexpr std::uint16_t kId = did::kModuleStates;
+  static constexpr std::size_t kLeastBytes = 1, kMostBytes = layout::kMaxModules;
+  std::uint8_t count = 0;  ///< 0 … kMaxModules
+  std::array<ModuleState, layout::kMaxModules> state{};
+
+  [[nodiscard]] constexpr std::span<const ModuleState> rows() const { return std::span(state).first(count); }
+  constexpr void add(ModuleState s) { state[count++] = s; }
+  constexpr void encode(ByteWriter& out) const {
+    for (const ModuleState s : rows()) out.u8(wire_number(s));
+  }
+  /// Errors: kBadLength (more than kMaxModules), kOutOfRange (no such state).
+  [[nodiscard]] static constexpr Result<ModuleStates> decode(Bytes bytes) {
+    if (bytes.size() > kMostBytes) return std::unexpected(Status::kBadLength);
+    ModuleStates states;
+    for (const std::uint8_t number : bytes) {
+      const auto state = to_module_state(number);
+      if (!state) return std::unexpected(state.error());
+      states.add(*state);
+    }
+    return states;
+  }
+  bool operator==(const ModuleStates&) const = default;
+};
+static_assert(kLengthsAsInTable<ModuleStates>);
+
+/// Routine 0202: whether every module was looked at, and what was found.
+struct SelfTestResult {
+  static constexpr std::uint16_t kId = routine::kSelfTest;
+  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1 + ModuleStates::kMostBytes;
+  bool done = false;
+  ModuleStates modules;
+
+  constexpr void encode(ByteWriter& out) const {
+    out.u8(done ? 1 : 0);
+    modules.encode(out);
+  }
+  /// Errors: kTooShort, kBadLength, kOutOfRange.
+  [[nodiscard]] static constexpr Result<SelfTestResult> decode(Bytes bytes) {
+    if (bytes.empty()) return std::unexpected(Status::kTooShort);
+    const auto done = checked_bool(bytes[0]);
+    if (!done) return std::unexpected(done.error());
+    const auto modules = ModuleStates::decode(bytes.subspan(1));
+    if (!modules) return std::unexpected(modules.error());
+    return SelfTestResult{*done, *modules};
+  }
+  bool operator==(const SelfTestResult&) const = default;
+};
+static_assert(kResultAsInTable<SelfTestResult>);
+
+}  // namespace triskin::wire

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/wire/checked_enum.hpp"
+#include "triskin/wire/identifiers.hpp"
+
+/// How a controller samples, and what it sends by itself (FD05, FD0A). docs/protocol.md.
+namespace triskin::wire {
+
+/// What the controller sends by itself.
+enum class StreamMode : std::uint8_t {
+  kOff = 0,
+  kIcub = 1,  ///< 8 bits a taxel, as an iCub skin board
+  kFull = 2,  ///< 16 bits a taxel, CAN FD
+};
+
+/// Readings that the converter adds up for one result: more of them, less noise and fewer samples. As in its power
+/// control.
+enum class Decimation : std::uint8_t { k256 = 0, k128 = 1, k64 = 2 };
+
+/// What a taxel's 16 bits are.
+enum class TaxelOutput : std::uint8_t {
+  kRaw = 0,          ///< the converter's result
+  kCompensated = 1,  ///< 0x8000 at rest; baseline and temperature taken away
+};
+
+/// Errors: kOutOfRange.
+[[nodiscard]] constexpr Result<StreamMode> to_stream_mode(std::uint8_t number) {
+  return checked_enum(number, StreamMode::kFull);
+}
+[[nodiscard]] constexpr Result<Decimation> to_decimation(std::uint8_t number) {
+  return checked_enum(number, Decimation::k64);
+}
+[[nodiscard]] constexpr Result<TaxelOutput> to_taxel_output(std::uint8_t number) {
+  return checked_enum(number, TaxelOutput::kCompensated);
+}
+
+/// FD05.
+struct StreamSetting {
+  static constexpr std::uint16_t kId = did::kStream;
+  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
+  StreamMode mode = StreamMode::kOff;
+
+  constexpr void encode(ByteWriter& out) const { out.u8(wire_number(mode)); }
+  /// Errors: kBadLength, kOutOfRange.
+  [[nodiscard]] static constexpr Result<StreamSetting> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    const auto mode = to_stream_mode(bytes[0]);
+    if (!mode) return std::unexpected(mode.error());
+    return StreamSetting{*mode};
+  }
+  bool operator==(const StreamSetting&) const = default;
+};
+static_assert(kLengthsAsInTable<StreamSetting>);
+
+/// FD0A. After power-up as here.
+struct SamplingSetting {
+  static constexpr std::uint16_t kId = did::kSampling;
+  static constexpr std::size_t kLeastBytes = 3, kMostBytes = 3;
+  Decimation decimation = Decimation::k256;
+  std::uint8_t every = 1;  ///< 1 … 255: each n-th sequence is read
+  TaxelOutput output = TaxelOutput::kRaw;
+
+  constexpr void encode(ByteWriter& out) const {
+    out.u8(wire_number(decimation));
+    out.u8(every);
+    out.u8(wire_number(output));
+  }
+  /// Errors: kBadLength, kOutOfRange.
+  [[nodiscard]] static constexpr Result<SamplingSetting> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    const auto decimation = to_decimation(bytes[0]);
+    const auto output = to_taxel_output(bytes[2]);
+    if (!decimation || !output || bytes[1] == 0) return std::unexpected(Status::kOutOfRange);
+    return SamplingSetting{*decimation, bytes[1], *output};
+  }
+  bool operator==(const SamplingSetting&) const = default;
+};
+static_assert(kLengthsAsInTable<SamplingSetting>);
+
+}  // namespace triskin::wire

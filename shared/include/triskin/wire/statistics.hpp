@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/wire/checked_enum.hpp"
+#include "triskin/wire/identifiers.hpp"
+
+namespace triskin::wire {
+
+/// FD04: counts since power-up; each begins anew after 2^32 − 1.
+struct Statistics {
+  static constexpr std::uint16_t kId = did::kStatistics;
+  static constexpr std::size_t kLeastBytes = 16, kMostBytes = 16;
+  std::uint32_t sequences = 0;    ///< nominal sequences of the converters
+  std::uint32_t bus_errors = 0;   ///< transfers without acknowledgement, all lines
+  std::uint32_t recoveries = 0;   ///< of lines that were held low
+  std::uint32_t lost_frames = 0;  ///< of the stream: the bus was slower than it
+
+  constexpr void encode(ByteWriter& out) const {
+    for (const std::uint32_t v : {sequences, bus_errors, recoveries, lost_frames}) out.le32(v);
+  }
+  /// Error: kBadLength.
+  [[nodiscard]] static constexpr Result<Statistics> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    Statistics s;
+    for (std::uint32_t* v : {&s.sequences, &s.bus_errors, &s.recoveries, &s.lost_frames}) *v = r.le32();
+    return s;
+  }
+  bool operator==(const Statistics&) const = default;
+};
+static_assert(kLengthsAsInTable<Statistics>);
+
+}  // namespace triskin::wire

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/wire/checked_enum.hpp"
+#include "triskin/wire/identifiers.hpp"
+
+/// The table that a controller works with (FD02, routine 0205). docs/protocol.md.
+namespace triskin::wire {
+
+/// FD02. Without a table everything but the status is 0.
+struct ActiveTable {
+  static constexpr std::uint16_t kId = did::kActiveTable;
+  static constexpr std::size_t kLeastBytes = 18, kMostBytes = 18;
+  Status status = Status::kEmpty;  ///< kOk: there is one
+  std::uint32_t sequence = 0;      ///< counts activations
+  std::uint64_t design_id = 0;
+  std::uint32_t crc = 0;     ///< CRC-32 of the image as flashed
+  std::uint8_t modules = 0;  ///< 1 … kMaxModules
+
+  [[nodiscard]] constexpr bool present() const { return status == Status::kOk; }
+  constexpr void encode(ByteWriter& out) const {
+    out.u8(wire_number(status));
+    out.le32(sequence);
+    out.le64(design_id);
+    out.le32(crc);
+    out.u8(modules);
+  }
+  /// Errors: kBadLength, kOutOfRange (no such status; modules without a table, or a table without).
+  [[nodiscard]] static constexpr Result<ActiveTable> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    const auto status = to_status(r.u8());
+    if (!status) return std::unexpected(status.error());
+    ActiveTable t;
+    t.status = *status;
+    t.sequence = r.le32();
+    t.design_id = r.le64();
+    t.crc = r.le32();
+    t.modules = r.u8();
+    if (t.modules > layout::kMaxModules || t.present() != (t.modules > 0)) return std::unexpected(Status::kOutOfRange);
+    return t;
+  }
+  bool operator==(const ActiveTable&) const = default;
+};
+static_assert(kLengthsAsInTable<ActiveTable>);
+
+/// Routine 0205: kOk, or why the table stays as it was.
+struct ActivationResult {
+  static constexpr std::uint16_t kId = routine::kActivate;
+  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
+  Status status = Status::kEmpty;
+
+  constexpr void encode(ByteWriter& out) const { out.u8(wire_number(status)); }
+  /// Errors: kBadLength, kOutOfRange.
+  [[nodiscard]] static constexpr Result<ActivationResult> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    const auto status = to_status(bytes[0]);
+    if (!status) return std::unexpected(status.error());
+    return ActivationResult{*status};
+  }
+  bool operator==(const ActivationResult&) const = default;
+};
+static_assert(kResultAsInTable<ActivationResult>);
+
+}  // namespace triskin::wire

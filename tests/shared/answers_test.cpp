@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every answer of the controller: bytes worked by hand in tests/vectors/answers.txt.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include "triskin/wire/faults.hpp"
+#include "triskin/wire/identity.hpp"
+#include "triskin/wire/lines.hpp"
+#include "triskin/wire/live_taxels.hpp"
+#include "triskin/wire/module_state.hpp"
+#include "triskin/wire/sampling.hpp"
+#include "triskin/wire/statistics.hpp"
+#include "triskin/wire/table_state.hpp"
+#include "triskin/wire/topology.hpp"
+#include "vectors/vector_file.hpp"
+
+namespace triskin::wire {
+namespace {
+
+using test::Vector;
+
+template <class Number>
+Number number(const Vector& v, const std::string& key) {
+  const std::uint64_t n = v.number(key);
+  EXPECT_LE(n, std::numeric_limits<Number>::max()) << key;
+  return static_cast<Number>(n);
+}
+std::uint8_t byte(const Vector& v, const std::string& key) {
+  return number<std::uint8_t>(v, key);
+}
+std::uint32_t word(const Vector& v, const std::string& key) {
+  return number<std::uint32_t>(v, key);
+}
+UniqueId unique_id(const Vector& v) {
+  UniqueId id{};
+  const auto bytes = test::hex_bytes(v.one("unique_id"));
+  EXPECT_EQ(bytes.size(), id.size());
+  std::ranges::copy(bytes, id.begin());
+  return id;
+}
+ModuleStates states(const Vector& v) {
+  ModuleStates s;
+  for (const std::uint64_t n : test::numbers(v.one("states"), 10)) s.add(static_cast<ModuleState>(n));
+  return s;
+}
+// state.row.status of each
+FaultList fault_list(const Vector& v) {
+  FaultList list;
+  std::istringstream in(v.one("faults"));
+  int state = 0, row = 0, status = 0;
+  char dot = 0;
+  while (in >> state >> dot >> row >> dot >> status) {
+    list.add({{static_cast<ModuleState>(state), static_cast<std::uint8_t>(row)}, static_cast<std::uint8_t>(status)});
+  }
+  return list;
+}
+
+Hello hello(const Vector& v) {
+  return {number<std::uint16_t>(v, "wire_version"),
+          number<std::uint16_t>(v, "layout_version"),
+          word(v, "firmware_version"),
+          byte(v, "node"),
+          unique_id(v),
+          byte(v, "max_modules"),
+          byte(v, "taxels")};
+}
+LineStates line_states(const Vector& v) {
+  LineStates s;
+  const auto stuck = test::numbers(v.one("stuck"), 10), recoveries = test::numbers(v.one("recoveries"), 10);
+  for (std::size_t l = 0; l < s.lines.size(); ++l)
+    s.lines[l] = {stuck.at(l) != 0, static_cast<std::uint32_t>(recoveries.at(l))};
+  return s;
+}
+Discovery discovery(const Vector& v) {
+  Discovery d{v.number("done") != 0, {}};
+  const auto stuck = test::numbers(v.one("stuck"), 10), answers = test::numbers(v.one("answers"), 10),
+             wrong = test::numbers(v.one("wrong_id"), 10);
+  for (std::size_t l = 0; l < d.lines.size(); ++l) {
+    d.lines[l] = {stuck.at(l) != 0, static_cast<std::uint8_t>(answers.at(l)), static_cast<std::uint8_t>(wrong.at(l))};
+  }
+  return d;
+}
+LiveTaxels live_taxels(const Vector& v) {
+  LiveTaxels t;
+  t.sequences = word(v, "sequences");
+  t.time_us = v.number("time_us");
+  if (!v.has("values")) return t;
+  t.count = 1;
+  t.modules[0].valid = number<std::uint16_t>(v, "valid");
+  const auto values = test::numbers(v.one("values"), 10);
+  for (std::size_t k = 0; k < values.size(); ++k) t.modules[0].value.at(k) = static_cast<std::uint16_t>(values[k]);
+  return t;
+}
+Statistics statistics(const Vector& v) {
+  const auto n = test::numbers(v.one("counts"), 10);
+  const auto at = [&](std::size_t k) { return static_cast<std::uint32_t>(n.at(k)); };
+  return {at(0), at(1), at(2), at(3)};
+}
+
+const std::map<std::string, Status> kStatuses{
+    {"too_short", Status::kTooShort}, {"bad_length", Status::kBadLength}, {"out_of_range", Status::kOutOfRange}};
+
+// Refused as the vector says, or decoded to its fields, which encode to its bytes.
+template <class Value>
+void check(const Vector& v, const std::function<Value(const Vector&)>& fields) {
+  const auto bytes = test::hex_bytes(v.one("hex"));
+  const Result<Value> got = Value::decode(bytes);
+  if (v.has("status")) {
+    ASSERT_FALSE(got) << "was taken";
+    EXPECT_EQ(got.error(), kStatuses.at(v.one("status")));
+    return;
+  }
+  ASSERT_TRUE(got) << "refused with status " << static_cast<int>(got.error());
+  const Value expected = fields(v);
+  EXPECT_EQ(*got, expected);
+  if (v.has("decode_only")) return;
+  std::array<std::uint8_t, 512> buffer{};
+  ByteWriter w(buffer);
+  expected.encode(w);
+  EXPECT_TRUE(w.ok());
+  EXPECT_EQ(std::vector(w.written().begin(), w.written().end()), bytes);
+}
+
+using Check = void (*)(const Vector&);
+template <class Value, Value (*kFields)(const Vector&)>
+void checked(const Vector& v) {
+  check<Value>(v, kFields);
+}
+
+ActiveTable active_table(const Vector& v) {
+  return {static_cast<Status>(v.number("table_status")), word(v, "sequence"), v.number("design_id"), word(v, "crc"),
+          byte(v, "modules")};
+}
+ImageState image_state(const Vector& v) {
+  return {byte(v, "slot"), v.number("confirmed") != 0, word(v, "sequence"), word(v, "size"), word(v, "crc")};
+}
+SamplingSetting sampling(const Vector& v) {
+  return {static_cast<Decimation>(v.number("decimation")), byte(v, "every"),
+          static_cast<TaxelOutput>(v.number("output"))};
+}
+FreezeFrame freeze(const Vector& v) {
+  return {fault_list(v).records[0], {word(v, "time_ms"), word(v, "sample")}};
+}
+ActiveSession session(const Vector& v) {
+  return {static_cast<Session>(v.number("session"))};
+}
+SerialNumber serial_number(const Vector& v) {
+  return {unique_id(v)};
+}
+FirmwareVersion firmware(const Vector& v) {
+  return {word(v, "version")};
+}
+NodeAddress node_address(const Vector& v) {
+  return {byte(v, "node")};
+}
+SelfTestResult self_test(const Vector& v) {
+  return {v.number("done") != 0, states(v)};
+}
+StreamSetting stream(const Vector& v) {
+  return {static_cast<StreamMode>(v.number("mode"))};
+}
+RerouteResult reroute(const Vector& v) {
+  return {v.number("done") != 0};
+}
+ActivationResult activation(const Vector& v) {
+  return {static_cast<Status>(v.number("table_status"))};
+}
+
+const std::map<std::string, Check> kChecks{{"session", checked<ActiveSession, session>},
+                                           {"serial_number", checked<SerialNumber, serial_number>},
+                                           {"firmware", checked<FirmwareVersion, firmware>},
+                                           {"hello", checked<Hello, hello>},
+                                           {"node_address", checked<NodeAddress, node_address>},
+                                           {"active_table", checked<ActiveTable, active_table>},
+                                           {"module_states", checked<ModuleStates, states>},
+                                           {"self_test", checked<SelfTestResult, self_test>},
+                                           {"statistics", checked<Statistics, statistics>},
+                                           {"stream", checked<StreamSetting, stream>},
+                                           {"line_states", checked<LineStates, line_states>},
+                                           {"discovery", checked<Discovery, discovery>},
+                                           {"sampling", checked<SamplingSetting, sampling>},
+                                           {"image_state", checked<ImageState, image_state>},
+                                           {"live_taxels", checked<LiveTaxels, live_taxels>},
+                                           {"reroute", checked<RerouteResult, reroute>},
+                                           {"activation", checked<ActivationResult, activation>},
+                                           {"faults", checked<FaultList, fault_list>},
+                                           {"freeze", checked<FreezeFrame, freeze>}};
+
+TEST(AnswerVectors, encode_and_decode_as_the_file_says) {
+  std::map<std::string, int> taken, refused;
+  for (const Vector& v : test::read_vectors("answers.txt")) {
+    SCOPED_TRACE(v.name);
+    const std::string kind = v.one("kind");
+    ASSERT_TRUE(kChecks.contains(kind)) << kind;
+    kChecks.at(kind)(v);
+    ++(v.has("status") ? refused : taken)[kind];
+  }
+  for (const auto& [kind, check] : kChecks) {
+    EXPECT_GE(taken[kind], 1) << kind;
+    EXPECT_GE(refused[kind], 1) << kind;
+  }
+}
+
+// What is small is worked out by the compiler, too.
+template <class Value>
+consteval bool encodes_to(const Value& value, std::initializer_list<std::uint8_t> bytes) {
+  std::array<std::uint8_t, 64> buffer{};
+  ByteWriter w(buffer);
+  value.encode(w);
+  return std::ranges::equal(w.written(), bytes) && Value::decode(w.written()) == value;
+}
+static_assert(encodes_to(StreamSetting{StreamMode::kIcub}, {0x01}));
+static_assert(encodes_to(SamplingSetting{}, {0x00, 0x01, 0x00}));
+static_assert(encodes_to(NodeAddress{}, {0x01}));
+static_assert(encodes_to(ActiveSession{}, {0x01}));
+static_assert(encodes_to(FirmwareVersion{0x00010203}, {0x00, 0x01, 0x02, 0x03}));
+static_assert(encodes_to(ActivationResult{Status::kWrongTarget}, {0x09}));
+static_assert(encodes_to(RerouteResult{true}, {0x01}));
+static_assert(encodes_to(SelfTestResult{true, {1, {ModuleState::kFrozen}}}, {0x01, 0x06}));
+static_assert(FaultCode{ModuleState::kFrozen, 15}.dtc() == 0x96000F);
+static_assert(FaultCode::of(0x96000F) == FaultCode{ModuleState::kFrozen, 15});
+
+// The longest value of each identifier and an identifier fit one response (service, identifier, value).
+static_assert(std::ranges::all_of(kIdentifiers, [](const Identifier& i) { return i.most_bytes + 3 <= 512; }));
+
+TEST(Enumerations, take_exactly_the_numbers_that_exist) {
+  int states = 0, streams = 0, decimations = 0, outputs = 0, statuses = 0, sessions = 0;
+  for (unsigned n = 0; n < 256; ++n) {
+    const auto b = static_cast<std::uint8_t>(n);
+    states += to_module_state(b) ? 1 : 0;
+    streams += to_stream_mode(b) ? 1 : 0;
+    decimations += to_decimation(b) ? 1 : 0;
+    outputs += to_taxel_output(b) ? 1 : 0;
+    statuses += to_status(b) ? 1 : 0;
+    sessions += to_session(b) ? 1 : 0;
+  }
+  EXPECT_EQ(states, 9);
+  EXPECT_EQ(streams, 3);
+  EXPECT_EQ(decimations, 3);
+  EXPECT_EQ(outputs, 2);
+  EXPECT_EQ(statuses, 16);
+  EXPECT_EQ(sessions, 3);
+}
+
+}  // namespace
+}  // namespace triskin::wire
