@@ -67,7 +67,7 @@ nlohmann::json measure(const char* series, bool rough, int vertices, double area
           {"seconds", seconds}};
 }
 
-// What R4 of the paper takes: `placements` in all, evaluated with CGAL every `step`-th.
+// The paper's Algorithm 1 with CGAL on every `step`-th placement of its R4.
 struct CgalTime {
   std::int64_t evaluated = 0, differ = 0;  // from the fast Algorithm 1
   double evaluation_s = 0.0;

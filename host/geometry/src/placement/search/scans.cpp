@@ -142,7 +142,7 @@ class Scan {
 }  // namespace
 
 ScanResult run_scan(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options,
-                              int descents) {
+                    int descents) {
   return Scan(polygon, grid, options, descents).run();
 }
 
