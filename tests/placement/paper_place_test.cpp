@@ -58,8 +58,11 @@ TEST(PaperPlace, the_program_evaluates_as_many_placements_as_the_formulas_say) {
   EXPECT_EQ(answer(file, "--method r5 --draws 3").at("evaluations"), 80 * 4);
   const nlohmann::json r4 = answer(file, "--method r4 --line-deg 60 --node 2 -1");
   EXPECT_EQ(r4.at("modules"), answer(file, "--method r4").at("modules"));
-  const int vertex = r4.at("pivoted_placement").at("vertex");
-  EXPECT_TRUE(vertex >= 0 && vertex < 40);
+  // The pivot goes to its place plus (x, y): the node (2, −1).
+  const auto& pivoted = r4.at("pivoted_placement");
+  const Vec2 node = grid_point(2, -1);
+  EXPECT_NEAR(pivoted.at("pivot_mm").at(0).get<double>() + pivoted.at("x_mm").get<double>(), node.x(), 1e-9);
+  EXPECT_NEAR(pivoted.at("pivot_mm").at(1).get<double>() + pivoted.at("y_mm").get<double>(), node.y(), 1e-9);
   std::filesystem::remove(file);
 }
 

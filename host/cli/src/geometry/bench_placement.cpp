@@ -45,10 +45,12 @@ nlohmann::json measure(const char* series, bool rough, int vertices, double area
                        const geometry::PlacementOptions& options) {
   const Polygon p = bench_outline(rough, vertices, area_cm2);
   // The least of some runs: the others measure what else the machine does.
-  geometry::PlacementResult r = geometry::place(p, options);
-  double seconds = r.seconds, total = r.seconds;
-  for (int k = 1; k < kMostRuns && total < kRepeatedFor_s; ++k) {
+  double seconds = 1e300, processor = 1e300, total = 0.0;
+  geometry::PlacementResult r;
+  for (int k = 0; k < kMostRuns && total < kRepeatedFor_s; ++k) {
+    const double start = processor_s();
     r = geometry::place(p, options);
+    processor = std::min(processor, processor_s() - start);
     seconds = std::min(seconds, r.seconds);
     total += r.seconds;
   }
@@ -64,7 +66,8 @@ nlohmann::json measure(const char* series, bool rough, int vertices, double area
           {"gap", gap},
           {"proved", r.proved},
           {"cells", r.cells},
-          {"seconds", seconds}};
+          {"seconds", seconds},
+          {"processor_s", processor}};
 }
 
 // The paper's Algorithm 1 with CGAL on every `step`-th placement of its R4.
@@ -96,7 +99,7 @@ void add_baseline(nlohmann::json& row, bool quick) {
   const Polygon p = bench_outline(row["outline"] == "rough", row["vertices"], row["area_cm2"]);
   const double start = processor_s();
   const paper::BestPlacement r4 = algorithm2(p, std::array{paper::Heuristic::kR4});
-  const double fast_s = processor_s() - start, search_s = row["seconds"];
+  const double fast_s = processor_s() - start, search_s = row["processor_s"];
   row["r4_modules"] = r4.modules;
   row["r4_placements"] = r4.evaluations;
   row["r4_s"] = fast_s;

@@ -40,11 +40,14 @@ int run(const Options& options, Output& output) {
   nlohmann::json tiles = nlohmann::json::array();
   for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
   output.result["tiles"] = std::move(tiles);
-  if (r.pivoted)
+  if (r.pivoted) {
+    const geometry::Vec2& pivot = polygon.outer.at(static_cast<std::size_t>(r.pivoted->vertex));
     output.result["pivoted_placement"] = {{"x_mm", r.pivoted->x_mm},
                                           {"y_mm", r.pivoted->y_mm},
                                           {"theta_rad", r.pivoted->theta_rad},
-                                          {"vertex", r.pivoted->vertex}};
+                                          {"vertex", r.pivoted->vertex},
+                                          {"pivot_mm", {pivot.x(), pivot.y()}}};
+  }
   if (options.placement.weights) {
     output.result["weight"] = r.weight;
     output.result["weight_bound"] = r.weight_bound;

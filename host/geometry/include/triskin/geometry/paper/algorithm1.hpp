@@ -17,7 +17,7 @@ struct PivotedPlacement {
   double x_mm = 0.0;
   double y_mm = 0.0;
   double theta_rad = 0.0;
-  int vertex = -1;  ///< v, an index into the outer ring; −1: v is no vertex but the origin of the polygon's frame
+  int vertex = -1;  ///< v, an index into the outer ring (counter-clockwise); −1: the origin of the polygon's frame
 };
 
 /// The same motion without pivot. Throws std::out_of_range when `vertex` is no vertex.
