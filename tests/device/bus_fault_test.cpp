@@ -22,10 +22,10 @@ design::Design other_wiring(const design::Design& d) {
 }
 
 // What is active, asked over the undisturbed bus.
-std::vector<std::uint8_t> active(Bench& bench, std::size_t bytes) {
-  bench.bus().listen(bench.bus().now_us() + 2'000'000);  // what was under way has timed out
-  Controller c(bench.bus(), 1);
-  return c.active_table().present ? c.read_table(bytes) : std::vector<std::uint8_t>{};
+std::vector<std::uint8_t> active(Fixture& fixture, std::size_t bytes) {
+  fixture.bus().listen(fixture.bus().now_us() + 2'000'000);  // what was under way has timed out
+  Controller c(fixture.bus(), 1);
+  return c.active_table().present() ? c.read_table(bytes) : std::vector<std::uint8_t>{};
 }
 
 class Wires : public testing::TestWithParam<bool> {};  // FD or classic
@@ -33,26 +33,26 @@ class Wires : public testing::TestWithParam<bool> {};  // FD or classic
 TEST_P(Wires, unplugged_after_any_frame_of_a_flash_then_plugged_in_and_repeated) {
   int failed = 0;
   for (std::uint64_t n = 0;; ++n) {
-    Bench bench(16);
-    const design::Design old_design = other_wiring(bench.design());
-    (void)flash(bench.bus(), old_design);
-    const auto old_image = bytes_of(image_of(old_design, 0)), new_image = bytes_of(image_of(bench.design(), 0));
-    FaultyLink wire(bench.bus().link(), GetParam(), {}, 1);
+    Fixture fixture(16);
+    const design::Design old_design = other_wiring(fixture.design());
+    (void)flash(fixture.bus(), old_design);
+    const auto old_image = bytes_of(image_of(old_design, 0)), new_image = bytes_of(image_of(fixture.design(), 0));
+    FaultyLink wire(fixture.bus().link(), GetParam(), {}, 1);
     wire.frames_left = n;
     Bus bus(wire);
     bool completed = true;
     try {
-      (void)flash(bus, bench.design());
+      (void)flash(bus, fixture.design());
     } catch (const DeviceError& e) {
       completed = false;
       ++failed;
       EXPECT_NE(std::string(e.what()).find("answer"), std::string::npos) << e.what();
     }
-    const auto now = active(bench, new_image.size());
+    const auto now = active(fixture, new_image.size());
     ASSERT_TRUE(now == old_image || now == new_image) << "frame " << n;
     wire.frames_left.reset();
-    (void)flash(bus, bench.design());
-    ASSERT_EQ(active(bench, new_image.size()), new_image) << "frame " << n;
+    (void)flash(bus, fixture.design());
+    ASSERT_EQ(active(fixture, new_image.size()), new_image) << "frame " << n;
     if (completed) break;
   }
   EXPECT_GT(failed, GetParam() ? 40 : 100);
@@ -61,35 +61,35 @@ TEST_P(Wires, unplugged_after_any_frame_of_a_flash_then_plugged_in_and_repeated)
 TEST_P(Wires, frames_lost_doubled_reordered_and_delayed) {
   int failed = 0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
-    Bench bench(16);
-    const design::Design old_design = other_wiring(bench.design());
-    (void)flash(bench.bus(), old_design);
-    const auto old_image = bytes_of(image_of(old_design, 0)), new_image = bytes_of(image_of(bench.design(), 0));
+    Fixture fixture(16);
+    const design::Design old_design = other_wiring(fixture.design());
+    (void)flash(fixture.bus(), old_design);
+    const auto old_image = bytes_of(image_of(old_design, 0)), new_image = bytes_of(image_of(fixture.design(), 0));
     const unsigned rate = 1 + seed % 2;
-    FaultyLink wire(bench.bus().link(), GetParam(), {rate, rate, rate, rate}, seed);
+    FaultyLink wire(fixture.bus().link(), GetParam(), {rate, rate, rate, rate}, seed);
     Bus bus(wire);
     bool completed = false;
     std::string trail;
     for (int attempt = 0; attempt < 30 && !completed; ++attempt) {
       try {
-        completed = flash(bus, bench.design()).patches.size() == 1;
+        completed = flash(bus, fixture.design()).patches.size() == 1;
       } catch (const DeviceError& e) {
         ++failed;
         EXPECT_GT(std::string(e.what()).size(), 30U) << e.what();
         trail += std::string("\n") + e.what();
       }
-      const auto now = active(bench, new_image.size());
+      const auto now = active(fixture, new_image.size());
       ASSERT_TRUE(now == old_image || now == new_image) << "seed " << seed;
     }
     ASSERT_TRUE(completed) << "seed " << seed << trail;
-    ASSERT_EQ(active(bench, new_image.size()), new_image) << "seed " << seed;
+    ASSERT_EQ(active(fixture, new_image.size()), new_image) << "seed " << seed;
   }
   EXPECT_GT(failed, 0);  // else the disturbance was none
 }
 
 TEST_P(Wires, another_tester_asks_in_between) {
-  Bench bench(16);
-  FaultyLink wire(bench.bus().link(), GetParam(), {}, 1);
+  Fixture fixture(16);
+  FaultyLink wire(fixture.bus().link(), GetParam(), {}, 1);
   int asked = 0;
   wire.after_send = [&] {
     if (wire.frames % 29 != 0) return;
@@ -98,20 +98,20 @@ TEST_P(Wires, another_tester_asks_in_between) {
     f.extended = true;
     f.size = 8;
     f.data = {3, 0x22, 0xFD, asked++ % 2 == 0 ? std::uint8_t{0x01} : std::uint8_t{0x05}};
-    bench.bus().link().send(f);
+    fixture.bus().link().send(f);
   };
   Bus bus(wire);
   bool completed = false;
   for (int attempt = 0; attempt < 20 && !completed; ++attempt) {
     try {
-      completed = flash(bus, bench.design()).patches.size() == 1;
+      completed = flash(bus, fixture.design()).patches.size() == 1;
     } catch (const DeviceError&) {
     }
   }
   EXPECT_TRUE(completed);
   EXPECT_GT(asked, 0);
-  const auto image = bytes_of(image_of(bench.design(), 0));
-  EXPECT_EQ(active(bench, image.size()), image);
+  const auto image = bytes_of(image_of(fixture.design(), 0));
+  EXPECT_EQ(active(fixture, image.size()), image);
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, Wires, testing::Bool(), [](const auto& p) { return p.param ? "fd" : "classic"; });

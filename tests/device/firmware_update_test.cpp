@@ -48,26 +48,26 @@ FirmwarePackage make(std::uint32_t size, std::uint8_t fill) {
   return p;
 }
 
-wire::NodeClaim only(Bench& bench) {
-  return bench.bus().discover().at(0);
+wire::NodeClaim only(Fixture& fixture) {
+  return fixture.bus().discover().at(0);
 }
 
 TEST(FirmwareUpdate, goes_to_one_slot_after_the_other_and_is_skipped_when_equal) {
-  Bench bench(6);
-  bench.flash();
+  Fixture fixture(6);
+  fixture.flash();
   const FirmwarePackage first = make(4096, 1), second = make(4096, 2);
-  EXPECT_EQ(update_firmware(bench.bus(), only(bench), first).slot, 0);
-  EXPECT_TRUE(update_firmware(bench.bus(), only(bench), first).equal);
-  EXPECT_EQ(update_firmware(bench.bus(), only(bench), second).slot, 1);
-  EXPECT_EQ(update_firmware(bench.bus(), only(bench), first).slot, 0);
+  EXPECT_EQ(update_firmware(fixture.bus(), only(fixture), first).slot, 0);
+  EXPECT_TRUE(update_firmware(fixture.bus(), only(fixture), first).equal);
+  EXPECT_EQ(update_firmware(fixture.bus(), only(fixture), second).slot, 1);
+  EXPECT_EQ(update_firmware(fixture.bus(), only(fixture), first).slot, 0);
   FlashOptions dry;
   dry.dry_run = true;
-  const auto planned = update_firmware(bench.bus(), only(bench), second, dry);
+  const auto planned = update_firmware(fixture.bus(), only(fixture), second, dry);
   EXPECT_FALSE(planned.equal);
   EXPECT_EQ(planned.bytes, 0U);
-  EXPECT_TRUE(bench.verify(false).findings.empty());  // the tables are where they were
-  bench.bus().listen(bench.bus().now_us() + 2'100'000);
-  EXPECT_TRUE(Controller(bench.bus(), 1).image_state().value().confirmed);
+  EXPECT_TRUE(fixture.verify(false).findings.empty());  // the tables are where they were
+  fixture.bus().listen(fixture.bus().now_us() + 2'100'000);
+  EXPECT_TRUE(Controller(fixture.bus(), 1).image_state().value().confirmed);
 }
 
 TEST(FirmwareUpdate, power_cut_in_any_operation_leaves_a_controller_that_answers) {
@@ -75,22 +75,22 @@ TEST(FirmwareUpdate, power_cut_in_any_operation_leaves_a_controller_that_answers
   constexpr std::uint64_t kErases = 120, kUnits = 1024 / 8 + 2;
   int old_runs = 0, new_runs = 0;
   for (std::uint64_t operation = 0; operation < kErases + kUnits; operation += operation < kErases ? 17 : 3) {
-    Bench bench(6);
-    bench.flash();
-    (void)update_firmware(bench.bus(), only(bench), old_one);
-    bench.bus().listen(bench.bus().now_us() + 2'100'000);
-    bench.skin().slots(0).cut_power_after(operation, scene::FlashMemory::Tear::kHalf);
-    EXPECT_THROW((void)update_firmware(bench.bus(), only(bench), new_one), DeviceError) << operation;
-    ASSERT_FALSE(bench.skin().alive(0));
-    bench.skin().power_cycle(0);
-    const auto state = Controller(bench.bus(), 1).image_state();
+    Fixture fixture(6);
+    fixture.flash();
+    (void)update_firmware(fixture.bus(), only(fixture), old_one);
+    fixture.bus().listen(fixture.bus().now_us() + 2'100'000);
+    fixture.skin().slots(0).cut_power_after(operation, scene::FlashMemory::Tear::kHalf);
+    EXPECT_THROW((void)update_firmware(fixture.bus(), only(fixture), new_one), DeviceError) << operation;
+    ASSERT_FALSE(fixture.skin().alive(0));
+    fixture.skin().power_cycle(0);
+    const auto state = Controller(fixture.bus(), 1).image_state();
     ASSERT_TRUE(state) << operation;
     const bool is_old = state->record_crc == layout::slot_crc(state->sequence, old_one.image(state->slot));
     const bool is_new = state->record_crc == layout::slot_crc(state->sequence, new_one.image(state->slot));
     ASSERT_TRUE(is_old != is_new) << operation;
     ++(is_old ? old_runs : new_runs);
-    EXPECT_TRUE(bench.verify(false).findings.empty()) << operation;
-    const auto again = update_firmware(bench.bus(), only(bench), new_one);  // and the work can be completed
+    EXPECT_TRUE(fixture.verify(false).findings.empty()) << operation;
+    const auto again = update_firmware(fixture.bus(), only(fixture), new_one);  // and the work can be completed
     EXPECT_TRUE(again.slot == 1 || again.equal) << operation;
   }
   EXPECT_GT(old_runs, 10);
@@ -99,20 +99,20 @@ TEST(FirmwareUpdate, power_cut_in_any_operation_leaves_a_controller_that_answers
 TEST(FirmwareUpdate, unplugged_in_the_middle_the_controller_comes_back_by_itself) {
   const FirmwarePackage old_one = make(1024, 1), new_one = make(1024, 2);
   for (std::uint64_t frames = 0; frames < 160; frames += 9) {
-    Bench bench(6);
-    bench.flash();
-    (void)update_firmware(bench.bus(), only(bench), old_one);
-    FaultyLink wire(bench.bus().link(), false, {}, 1);
+    Fixture fixture(6);
+    fixture.flash();
+    (void)update_firmware(fixture.bus(), only(fixture), old_one);
+    FaultyLink wire(fixture.bus().link(), false, {}, 1);
     wire.frames_left = frames;
     Bus bus(wire);
-    const wire::NodeClaim claim = only(bench);
+    const wire::NodeClaim claim = only(fixture);
     try {
       (void)update_firmware(bus, claim, new_one);
     } catch (const DeviceError&) {
     }
-    bench.bus().listen(bench.bus().now_us() + 6'000'000);
-    ASSERT_EQ(bench.bus().discover().size(), 1U) << frames;
-    EXPECT_EQ(Controller(bench.bus(), 1).image_state().has_value(), true) << frames;
+    fixture.bus().listen(fixture.bus().now_us() + 6'000'000);
+    ASSERT_EQ(fixture.bus().discover().size(), 1U) << frames;
+    EXPECT_EQ(Controller(fixture.bus(), 1).image_state().has_value(), true) << frames;
     wire.frames_left.reset();
     EXPECT_NE(update_firmware(bus, claim, new_one).slot, -1) << frames;
   }

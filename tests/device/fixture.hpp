@@ -17,9 +17,9 @@ using test::strip;
 
 /// A simulated strip on an in-process link; `restart` power-cycles everything with other faults and the same flash
 /// files.
-class Bench {
+class Fixture {
  public:
-  explicit Bench(int modules, int per_patch = 16, std::vector<scene::Fault> faults = {}) {
+  explicit Fixture(int modules, int per_patch = 16, std::vector<scene::Fault> faults = {}) {
     scene::Scene scene;
     scene.design = strip(modules, per_patch);
     scene.faults = std::move(faults);

@@ -38,60 +38,60 @@ TEST(PatchTable, a_design_that_fits_no_table_is_refused) {
 }
 
 TEST(Flash, fresh_boards_with_one_default_address_get_one_each) {
-  Bench bench(20, 8);
-  for (const auto& c : bench.bus().discover()) EXPECT_EQ(c.node_address, 1);
-  const FlashResult r = bench.flash();
+  Fixture fixture(20, 8);
+  for (const auto& c : fixture.bus().discover()) EXPECT_EQ(c.node_address, 1);
+  const FlashResult r = fixture.flash();
   ASSERT_EQ(r.patches.size(), 3U);
   EXPECT_EQ(r.skipped, 0);
   EXPECT_EQ(r.bytes, (32 + 8 * 12) * 2 + 32 + 4 * 12U);
   for (int p = 0; p < 3; ++p) {
-    Controller c(bench.bus(), static_cast<std::uint8_t>(p + 1));
-    EXPECT_EQ(c.active_table().design_id, bench.design().design_id);
-    EXPECT_EQ(c.read_table(bytes_of(image_of(bench.design(), p)).size()), bytes_of(image_of(bench.design(), p)));
+    Controller c(fixture.bus(), static_cast<std::uint8_t>(p + 1));
+    EXPECT_EQ(c.active_table().design_id, fixture.design().design_id);
+    EXPECT_EQ(c.read_table(bytes_of(image_of(fixture.design(), p)).size()), bytes_of(image_of(fixture.design(), p)));
   }
 }
 
 TEST(Flash, equal_tables_are_skipped_and_a_dry_run_writes_nothing) {
-  Bench bench(20, 8);
+  Fixture fixture(20, 8);
   FlashOptions dry;
   dry.dry_run = true;
-  EXPECT_EQ(bench.flash(dry).bytes, 0U);
-  EXPECT_EQ(bench.skin().flash(0).operations(), 0U);
-  bench.flash();
-  const std::uint64_t operations = bench.skin().flash(0).operations();
-  const FlashResult again = bench.flash();
+  EXPECT_EQ(fixture.flash(dry).bytes, 0U);
+  EXPECT_EQ(fixture.skin().flash(0).operations(), 0U);
+  fixture.flash();
+  const std::uint64_t operations = fixture.skin().flash(0).operations();
+  const FlashResult again = fixture.flash();
   EXPECT_EQ(again.skipped, 3);
   EXPECT_EQ(again.bytes, 0U);
-  EXPECT_EQ(bench.flash(dry).skipped, 3);
-  EXPECT_EQ(bench.skin().flash(0).operations(), operations);
+  EXPECT_EQ(fixture.flash(dry).skipped, 3);
+  EXPECT_EQ(fixture.skin().flash(0).operations(), operations);
   FlashOptions force;
   force.force = true;
-  EXPECT_GT(bench.flash(force).bytes, 0U);
+  EXPECT_GT(fixture.flash(force).bytes, 0U);
 }
 
 TEST(Flash, too_few_controllers_are_an_error_before_anything_is_written) {
-  Bench bench(6);
-  EXPECT_THROW((void)flash(bench.bus(), strip(12, 6)), DeviceError);
-  EXPECT_EQ(bench.skin().flash(0).operations(), 0U);
+  Fixture fixture(6);
+  EXPECT_THROW((void)flash(fixture.bus(), strip(12, 6)), DeviceError);
+  EXPECT_EQ(fixture.skin().flash(0).operations(), 0U);
 }
 
 TEST(Flash, spare_controllers_make_room) {
-  Bench bench(12, 4);  // three controllers, the design below needs two
+  Fixture fixture(12, 4);  // three controllers, the design below needs two
   const design::Design two = strip(8, 4);
-  const FlashResult r = flash(bench.bus(), two);
+  const FlashResult r = flash(fixture.bus(), two);
   EXPECT_EQ(r.patches.size(), 2U);
   std::vector<int> addresses;
-  for (const auto& c : bench.bus().discover()) addresses.push_back(c.node_address);
+  for (const auto& c : fixture.bus().discover()) addresses.push_back(c.node_address);
   EXPECT_EQ(addresses, (std::vector<int>{1, 2, 3}));
 }
 
 TEST(Flash, an_unplugged_cable_is_a_device_error) {
-  Bench bench(6);
-  bench.flash();
-  bench.skin().plug(false);
-  EXPECT_THROW((void)bench.flash(), DeviceError);
-  bench.skin().plug(true);
-  EXPECT_EQ(bench.flash().skipped, 1);
+  Fixture fixture(6);
+  fixture.flash();
+  fixture.skin().plug(false);
+  EXPECT_THROW((void)fixture.flash(), DeviceError);
+  fixture.skin().plug(true);
+  EXPECT_EQ(fixture.flash().skipped, 1);
 }
 
 // The old table is that of another wiring of the same modules; power fails in every flash operation of writing the new
@@ -104,25 +104,25 @@ TEST_P(PowerCut, leaves_the_old_or_the_new_table_and_flashing_again_completes) {
   old_design.design_id = design::design_id_of(old_design);
   int cuts = 0;
   for (std::uint64_t operation = 0;; ++operation) {
-    Bench bench(6);
-    (void)flash(bench.bus(), old_design);
-    bench.skin().flash(0).cut_power_after(operation, GetParam());
+    Fixture fixture(6);
+    (void)flash(fixture.bus(), old_design);
+    fixture.skin().flash(0).cut_power_after(operation, GetParam());
     bool completed = false;
     try {
-      bench.flash();
-      completed = bench.skin().alive(0);
+      fixture.flash();
+      completed = fixture.skin().alive(0);
     } catch (const DeviceError&) {
     }
     if (completed) break;
     ++cuts;
-    EXPECT_FALSE(bench.skin().alive(0));
-    bench.skin().power_cycle(0);
-    const wire::ActiveTable after = Controller(bench.bus(), 1).active_table();
+    EXPECT_FALSE(fixture.skin().alive(0));
+    fixture.skin().power_cycle(0);
+    const wire::ActiveTable after = Controller(fixture.bus(), 1).active_table();
     ASSERT_TRUE(after.present()) << "operation " << operation;
-    EXPECT_TRUE(after.design_id == old_design.design_id || after.design_id == bench.design().design_id) << operation;
-    bench.flash();
-    EXPECT_EQ(Controller(bench.bus(), 1).active_table().design_id, bench.design().design_id) << operation;
-    EXPECT_TRUE(bench.verify(false).findings.empty());
+    EXPECT_TRUE(after.design_id == old_design.design_id || after.design_id == fixture.design().design_id) << operation;
+    fixture.flash();
+    EXPECT_EQ(Controller(fixture.bus(), 1).active_table().design_id, fixture.design().design_id) << operation;
+    EXPECT_TRUE(fixture.verify(false).findings.empty());
   }
   // One erase, 104 bytes of image and 16 of commit record in units of 8.
   EXPECT_EQ(cuts, 1 + 104 / 8 + 16 / 8);
@@ -133,18 +133,18 @@ INSTANTIATE_TEST_SUITE_P(Tears, PowerCut,
 
 TEST(FirstFlash, a_cut_in_any_operation_of_a_fresh_board_can_be_repaired) {
   for (std::uint64_t operation = 0;; ++operation) {
-    Bench bench(20, 16);  // patch 1 needs an address and a table
-    bench.skin().flash(1).cut_power_after(operation, scene::FlashMemory::Tear::kHalf);
+    Fixture fixture(20, 16);  // patch 1 needs an address and a table
+    fixture.skin().flash(1).cut_power_after(operation, scene::FlashMemory::Tear::kHalf);
     bool completed = false;
     try {
-      bench.flash();
-      completed = bench.skin().alive(1);
+      fixture.flash();
+      completed = fixture.skin().alive(1);
     } catch (const DeviceError&) {
     }
     if (completed) break;
-    bench.skin().power_cycle(1);
-    bench.flash();
-    EXPECT_TRUE(bench.verify(false).findings.empty()) << operation;
+    fixture.skin().power_cycle(1);
+    fixture.flash();
+    EXPECT_TRUE(fixture.verify(false).findings.empty()) << operation;
   }
 }
 

@@ -12,19 +12,19 @@ namespace triskin::device {
 namespace {
 
 TEST(IcubStream, reads_our_controllers_as_skin_boards) {
-  Bench bench(20);
-  bench.flash();
+  Fixture fixture(20);
+  fixture.flash();
   std::map<std::pair<int, int>, wire::IcubTaxels> rest, pressed;
   auto* to = &rest;
   {
-    IcubStream stream(bench.bus(), [&](const wire::IcubTaxels& t) { (*to)[{t.board, t.module}] = t; });
+    IcubStream stream(fixture.bus(), [&](const wire::IcubTaxels& t) { (*to)[{t.board, t.module}] = t; });
     ASSERT_EQ(stream.boards().size(), 2U);
     EXPECT_EQ(stream.boards()[1].address, 2);
-    stream.run_until(bench.bus().now_us() + 400'000);
+    stream.run_until(fixture.bus().now_us() + 400'000);
     EXPECT_EQ(rest.size(), 20U);
     to = &pressed;
-    (void)bench.skin().press_module(17);  // board 2, triangle 1
-    stream.run_until(bench.bus().now_us() + 400'000);
+    (void)fixture.skin().press_module(17);  // board 2, triangle 1
+    stream.run_until(fixture.bus().now_us() + 400'000);
     EXPECT_EQ(stream.lost(), 0U);
     EXPECT_GE(stream.frames(), 20U * 12);
   }
@@ -96,9 +96,9 @@ TEST(IcubStream, reads_a_board_that_is_not_ours) {
 }
 
 TEST(IcubStream, nobody_there_is_a_device_error) {
-  Bench bench(4);
-  bench.skin().plug(false);
-  EXPECT_THROW(IcubStream(bench.bus(), {}), DeviceError);
+  Fixture fixture(4);
+  fixture.skin().plug(false);
+  EXPECT_THROW(IcubStream(fixture.bus(), {}), DeviceError);
 }
 
 }  // namespace

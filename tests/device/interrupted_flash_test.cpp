@@ -19,26 +19,26 @@ design::Design other_wiring(const design::Design& d) {
   return other;
 }
 
-std::vector<std::uint8_t> active(Bench& bench, int patch) {
-  bench.bus().listen(bench.bus().now_us() + 1'500'000);  // what was under way has timed out
-  Controller c(bench.bus(), static_cast<std::uint8_t>(patch + 1));
-  return c.read_table(bytes_of(image_of(bench.design(), patch)).size());
+std::vector<std::uint8_t> active(Fixture& fixture, int patch) {
+  fixture.bus().listen(fixture.bus().now_us() + 1'500'000);  // what was under way has timed out
+  Controller c(fixture.bus(), static_cast<std::uint8_t>(patch + 1));
+  return c.read_table(bytes_of(image_of(fixture.design(), patch)).size());
 }
 
 TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_the_message_says_which) {
   int cancelled = 0, with_one_done = 0;
   for (std::uint64_t n = 1;; n += 3) {
-    Bench bench(12, 6);
-    const design::Design old_design = other_wiring(bench.design());
-    (void)flash(bench.bus(), old_design);
-    FaultyLink wire(bench.bus().link(), false, {}, 1);
+    Fixture fixture(12, 6);
+    const design::Design old_design = other_wiring(fixture.design());
+    (void)flash(fixture.bus(), old_design);
+    FaultyLink wire(fixture.bus().link(), false, {}, 1);
     wire.after_send = [&] {
       if (wire.frames >= n) interrupt_request() = true;
     };
     Bus bus(wire);
     std::string said;
     try {
-      (void)flash(bus, bench.design());
+      (void)flash(bus, fixture.design());
     } catch (const Cancelled& e) {
       said = e.what();
     }
@@ -47,7 +47,7 @@ TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_t
     if (too_late) break;
     int now_new = 0;
     for (int p = 0; p < 2; ++p) {
-      const auto now = active(bench, p), fresh = bytes_of(image_of(bench.design(), p)),
+      const auto now = active(fixture, p), fresh = bytes_of(image_of(fixture.design(), p)),
                  old = bytes_of(image_of(old_design, p));
       ASSERT_TRUE(now == fresh || now == old) << "patch " << p << " at frame " << n;
       now_new += now == fresh ? 1 : 0;
@@ -60,8 +60,8 @@ TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_t
       EXPECT_NE(said.find(expected), std::string::npos) << "frame " << n << ": " << said;
       with_one_done += now_new == 1 ? 1 : 0;
     }
-    EXPECT_EQ(bench.flash().patches.size(), 2U);  // and the work can be completed
-    for (int p = 0; p < 2; ++p) ASSERT_EQ(active(bench, p), bytes_of(image_of(bench.design(), p))) << n;
+    EXPECT_EQ(fixture.flash().patches.size(), 2U);  // and the work can be completed
+    for (int p = 0; p < 2; ++p) ASSERT_EQ(active(fixture, p), bytes_of(image_of(fixture.design(), p))) << n;
   }
   EXPECT_GT(cancelled, 30);
   EXPECT_GT(with_one_done, 5);
@@ -69,8 +69,8 @@ TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_t
 
 TEST(Unplugged, a_flash_that_waits_goes_on_by_itself) {
   for (std::uint64_t n = 20; n < 160; n += 13) {
-    Bench bench(12, 6);
-    FaultyLink wire(bench.bus().link(), false, {}, 1);
+    Fixture fixture(12, 6);
+    FaultyLink wire(fixture.bus().link(), false, {}, 1);
     wire.frames_left = n;
     int looks = 0;
     wire.on_reconnect = [&](FaultyLink& w) {
@@ -82,9 +82,9 @@ TEST(Unplugged, a_flash_that_waits_goes_on_by_itself) {
     std::vector<std::string> said;
     options.say = [&](const std::string& text) { said.push_back(text); };
     Bus bus(wire);
-    const FlashResult r = flash(bus, bench.design(), options);
+    const FlashResult r = flash(bus, fixture.design(), options);
     ASSERT_EQ(r.patches.size(), 2U);
-    for (int p = 0; p < 2; ++p) EXPECT_EQ(active(bench, p), bytes_of(image_of(bench.design(), p))) << n;
+    for (int p = 0; p < 2; ++p) EXPECT_EQ(active(fixture, p), bytes_of(image_of(fixture.design(), p))) << n;
     EXPECT_EQ(r.bytes + static_cast<std::size_t>(r.skipped) * 104, 2U * 104)
         << n;  // what was written before the cut counts as written
     ASSERT_EQ(said.size(), 2U) << n;
@@ -94,14 +94,14 @@ TEST(Unplugged, a_flash_that_waits_goes_on_by_itself) {
 }
 
 TEST(Unplugged, nobody_comes_back_and_the_error_says_what_was_done) {
-  Bench bench(12, 6);
-  FaultyLink wire(bench.bus().link(), false, {}, 1);
+  Fixture fixture(12, 6);
+  FaultyLink wire(fixture.bus().link(), false, {}, 1);
   wire.frames_left = 110;
   FlashOptions options;
   options.wait_s = 3.0;
   Bus bus(wire);
   try {
-    (void)flash(bus, bench.design(), options);
+    (void)flash(bus, fixture.design(), options);
     FAIL() << "completed without a cable";
   } catch (const Unreachable& e) {
     EXPECT_NE(std::string(e.what()).find("1 of 2 controllers have their table (patches 0), the others their old one"),

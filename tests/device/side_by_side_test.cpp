@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Many controllers: addresses without collisions, conversations side by side, several links as one.
+// Many controllers: addresses without collisions, tasks side by side, several links as one.
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -9,8 +9,8 @@
 #include "fixture.hpp"
 #include "triskin/link/combined_link.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/session/conversations.hpp"
 #include "triskin/session/patch_table.hpp"
+#include "triskin/session/scheduler.hpp"
 
 namespace triskin::device {
 namespace {
@@ -41,19 +41,19 @@ class Star final : public Link {
   std::deque<std::pair<std::uint64_t, wire::CanFrame>> out_;
 };
 
-void expect_tables(Bench& bench) {
+void expect_tables(Fixture& fixture) {
   std::set<int> addresses;
-  for (const auto& c : bench.bus().discover()) addresses.insert(c.node_address);
-  EXPECT_EQ(addresses.size(), bench.design().patches.size());
-  for (std::size_t p = 0; p < bench.design().patches.size(); ++p) {
-    const auto image = bytes_of(image_of(bench.design(), static_cast<int>(p)));
-    EXPECT_EQ(Controller(bench.bus(), static_cast<std::uint8_t>(p + 1)).read_table(image.size()), image) << p;
+  for (const auto& c : fixture.bus().discover()) addresses.insert(c.node_address);
+  EXPECT_EQ(addresses.size(), fixture.design().patches.size());
+  for (std::size_t p = 0; p < fixture.design().patches.size(); ++p) {
+    const auto image = bytes_of(image_of(fixture.design(), static_cast<int>(p)));
+    EXPECT_EQ(Controller(fixture.bus(), static_cast<std::uint8_t>(p + 1)).read_table(image.size()), image) << p;
   }
 }
 
 TEST(Addresses, sixteen_fresh_boards_with_one_default_address_get_one_each) {
-  Bench bench(32, 2);
-  const auto fresh = bench.bus().discover();
+  Fixture fixture(32, 2);
+  const auto fresh = fixture.bus().discover();
   ASSERT_EQ(fresh.size(), 16U);
   std::set<std::uint32_t> ids;
   for (const auto& c : fresh) {
@@ -61,31 +61,31 @@ TEST(Addresses, sixteen_fresh_boards_with_one_default_address_get_one_each) {
     ids.insert(wire::claim_id(c.unique_id));
   }
   EXPECT_EQ(ids.size(), 16U);  // so that their claims do not collide on the bus
-  EXPECT_EQ(bench.flash().patches.size(), 16U);
-  expect_tables(bench);
-  EXPECT_EQ(bench.flash().skipped, 16);
+  EXPECT_EQ(fixture.flash().patches.size(), 16U);
+  expect_tables(fixture);
+  EXPECT_EQ(fixture.flash().skipped, 16);
 }
 
 TEST(Addresses, sixteen_fresh_boards_on_a_bus_that_loses_and_delays_frames) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
-    Bench bench(32, 2);
-    FaultyLink wire(bench.bus().link(), false, {1, 1, 1, 0}, seed);
+    Fixture fixture(32, 2);
+    FaultyLink wire(fixture.bus().link(), false, {1, 1, 1, 0}, seed);
     Bus bus(wire);
     bool completed = false;
     for (int attempt = 0; attempt < 60 && !completed; ++attempt) {
       try {
-        completed = flash(bus, bench.design()).patches.size() == 16;
+        completed = flash(bus, fixture.design()).patches.size() == 16;
       } catch (const DeviceError&) {
       }
     }
     ASSERT_TRUE(completed) << "seed " << seed;
-    bench.bus().listen(bench.bus().now_us() + 1'500'000);
-    expect_tables(bench);
+    fixture.bus().listen(fixture.bus().now_us() + 1'500'000);
+    expect_tables(fixture);
   }
 }
 
 TEST(SideBySide, controllers_on_wires_of_their_own_are_flashed_at_the_same_time) {
-  Bench one_by_one(32, 2), together(32, 2);
+  Fixture one_by_one(32, 2), together(32, 2);
   Star line(one_by_one.bus().link(), true), star(together.bus().link());
   Bus line_bus(line), bus(star);
   const double slow_s = flash(line_bus, one_by_one.design()).link_s, fast_s = flash(bus, together.design()).link_s;
@@ -98,12 +98,12 @@ TEST(SideBySide, controllers_on_wires_of_their_own_are_flashed_at_the_same_time)
 
 TEST(SideBySide, the_order_is_the_same_every_time) {
   const auto run = [] {
-    Bench bench(32, 2);
-    Star star(bench.bus().link());
+    Fixture fixture(32, 2);
+    Star star(fixture.bus().link());
     FaultyLink wire(star, false, {1, 1, 1, 1}, 5);
     Bus bus(wire);
     try {
-      (void)flash(bus, bench.design());
+      (void)flash(bus, fixture.design());
     } catch (const DeviceError& e) {
       return std::pair(wire.frames, std::string(e.what()));
     }
@@ -113,17 +113,17 @@ TEST(SideBySide, the_order_is_the_same_every_time) {
 }
 
 TEST(SideBySide, one_that_fails_does_not_keep_the_others_from_their_tables) {
-  Bench bench(12, 4);
-  (void)bench.flash();  // so that all have their addresses
-  design::Design other = bench.design();
+  Fixture fixture(12, 4);
+  (void)fixture.flash();  // so that all have their addresses
+  design::Design other = fixture.design();
   for (auto& p : other.patches) std::swap(p.modules[1].address, p.modules[2].address);
   other.design_id = design::design_id_of(other);
-  (void)flash(bench.bus(), other);
-  Star star(bench.bus().link());
-  bench.skin().flash(1).cut_power_after(3, scene::FlashMemory::Tear::kHalf);
+  (void)flash(fixture.bus(), other);
+  Star star(fixture.bus().link());
+  fixture.skin().flash(1).cut_power_after(3, scene::FlashMemory::Tear::kHalf);
   Bus bus(star);
   try {
-    (void)flash(bus, bench.design());
+    (void)flash(bus, fixture.design());
     FAIL() << "a dead controller was flashed";
   } catch (const DeviceError& e) {
     EXPECT_NE(std::string(e.what()).find("controller 2 does not answer"), std::string::npos) << e.what();
@@ -132,25 +132,25 @@ TEST(SideBySide, one_that_fails_does_not_keep_the_others_from_their_tables) {
   }
 }
 
-TEST(SideBySide, outcomes_stand_where_their_conversations_stood) {
-  Bench bench(12, 4);
-  bench.flash();
+TEST(SideBySide, outcomes_have_the_order_of_the_tasks) {
+  Fixture fixture(12, 4);
+  fixture.flash();
   std::vector<int> began;
-  std::vector<Conversation> talks;
+  std::vector<Task> tasks;
   for (std::uint8_t node = 1; node <= 3; ++node) {
-    talks.push_back({node, [&began, node](Bus& bus) {
+    tasks.push_back({node, [&began, node](Bus& bus) {
                        began.push_back(node);
                        (void)Controller(bus, node).hello();
                        if (node == 2) throw DeviceError("two");
                      }});
   }
-  const auto outcomes = converse(bench.bus().link(), talks);
+  const auto outcomes = run_tasks(fixture.bus().link(), tasks);
   EXPECT_EQ(began, (std::vector<int>{1, 2, 3}));
   ASSERT_EQ(outcomes.size(), 3U);
   EXPECT_FALSE(outcomes[0]);
   EXPECT_FALSE(outcomes[2]);
   EXPECT_THROW(std::rethrow_exception(outcomes[1]), DeviceError);
-  EXPECT_TRUE(converse(bench.bus().link(), {}).empty());
+  EXPECT_TRUE(run_tasks(fixture.bus().link(), {}).empty());
 }
 
 std::unique_ptr<SimLink> simulated(int modules) {

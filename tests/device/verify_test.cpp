@@ -12,12 +12,12 @@ namespace {
 using scene::FaultKind;
 
 VerifyResult verify_with(std::vector<scene::Fault> faults, int modules = 6, int per_patch = 16, bool touch = true) {
-  Bench bench(modules, per_patch, std::move(faults));
-  bench.flash();
-  return bench.verify(touch);
+  Fixture fixture(modules, per_patch, std::move(faults));
+  fixture.flash();
+  return fixture.verify(touch);
 }
 
-void expect_one(const VerifyResult& r, const char* kind, int module, int other = -1) {
+void expect_one(const VerifyResult& r, FindingKind kind, int module, int other = -1) {
   ASSERT_EQ(r.findings.size(), 1U) << (r.findings.empty() ? "none"
                                                           : r.findings[0].text + " | " + r.findings.back().text);
   const Finding& f = r.findings[0];
@@ -38,39 +38,39 @@ TEST(Verify, a_healthy_patch_has_no_findings) {
 }
 
 TEST(Verify, names_a_board_that_was_never_flashed) {
-  Bench bench(6);
-  const VerifyResult r = bench.verify();
-  expect_one(r, "not_flashed", -1);
+  Fixture fixture(6);
+  const VerifyResult r = fixture.verify();
+  expect_one(r, FindingKind::kNotFlashed, -1);
   EXPECT_EQ(r.findings[0].patch, 0);
   EXPECT_NE(r.findings[0].remedy.find("triskin flash"), std::string::npos);
   EXPECT_EQ(r.modules_ok, 0);
 }
 
 TEST(Verify, names_a_table_of_another_design) {
-  Bench bench(6);
-  bench.flash();
+  Fixture fixture(6);
+  fixture.flash();
   design::Design other = strip(6);
   std::swap(other.patches[0].modules[1].address, other.patches[0].modules[2].address);
   other.design_id = design::design_id_of(other);
-  const VerifyResult r = verify(bench.bus(), other, {});
-  expect_one(r, "wrong_table", -1);
+  const VerifyResult r = verify(fixture.bus(), other, {});
+  expect_one(r, FindingKind::kWrongTable, -1);
 }
 
 TEST(Verify, names_a_removed_chip) {
   for (const int module : {0, 3, 5}) {
     const VerifyResult r = verify_with({fault(FaultKind::kRemovedChip, module)});
-    expect_one(r, "absent_module", module);
+    expect_one(r, FindingKind::kAbsentModule, module);
     EXPECT_EQ(r.modules_ok, 5);
   }
 }
 
 TEST(Verify, names_a_removed_chip_without_touching) {
-  expect_one(verify_with({fault(FaultKind::kRemovedChip, 4)}, 6, 16, false), "absent_module", 4);
+  expect_one(verify_with({fault(FaultKind::kRemovedChip, 4)}, 6, 16, false), FindingKind::kAbsentModule, 4);
 }
 
 TEST(Verify, names_swapped_modules_in_one_patch_and_across_patches) {
-  expect_one(verify_with({fault(FaultKind::kSwappedChips, 1, 4)}), "swapped_modules", 1, 4);
-  expect_one(verify_with({fault(FaultKind::kSwappedChips, 2, 9)}, 12, 6), "swapped_modules", 2, 9);
+  expect_one(verify_with({fault(FaultKind::kSwappedChips, 1, 4)}), FindingKind::kSwappedModules, 1, 4);
+  expect_one(verify_with({fault(FaultKind::kSwappedChips, 2, 9)}, 12, 6), FindingKind::kSwappedModules, 2, 9);
 }
 
 TEST(Verify, names_a_module_at_a_wrong_free_place) {
@@ -78,7 +78,7 @@ TEST(Verify, names_a_module_at_a_wrong_free_place) {
   moved.line = 3;
   moved.address = 1;
   const VerifyResult r = verify_with({moved});
-  expect_one(r, "wrong_address", 5);
+  expect_one(r, FindingKind::kWrongAddress, 5);
   EXPECT_EQ(r.findings[0].line, 3);
   EXPECT_EQ(r.findings[0].address, 1);
 }
@@ -88,13 +88,13 @@ TEST(Verify, names_two_modules_at_one_address) {
   moved.line = 0;
   moved.address = 2;
   const VerifyResult r = verify_with({moved});
-  expect_one(r, "duplicate_address", 5, 2);
+  expect_one(r, FindingKind::kDuplicateAddress, 5, 2);
   EXPECT_EQ(r.modules_ok, 4);
 }
 
 TEST(Verify, names_a_finger_on_another_module) {
-  expect_one(verify_with({fault(FaultKind::kFingerElsewhere, 0, 3)}), "touched_other_module", 0, 3);
-  expect_one(verify_with({fault(FaultKind::kFingerElsewhere, 1, 10)}, 12, 6), "touched_other_module", 1, 10);
+  expect_one(verify_with({fault(FaultKind::kFingerElsewhere, 0, 3)}), FindingKind::kTouchedOtherModule, 0, 3);
+  expect_one(verify_with({fault(FaultKind::kFingerElsewhere, 1, 10)}, 12, 6), FindingKind::kTouchedOtherModule, 1, 10);
 }
 
 TEST(Verify, names_a_stuck_line_and_counts_its_modules) {
@@ -105,7 +105,7 @@ TEST(Verify, names_a_stuck_line_and_counts_its_modules) {
     stuck.line = 1;
     stuck.stuck_scl = scl;
     const VerifyResult r = verify_with({stuck});  // modules 4 and 5
-    expect_one(r, "stuck_line", -1);
+    expect_one(r, FindingKind::kStuckLine, -1);
     EXPECT_EQ(r.findings[0].line, 1);
     EXPECT_EQ(r.modules_ok, 4);
   }
@@ -120,47 +120,47 @@ TEST(Verify, names_a_line_that_was_freed_by_clock_pulses) {
   stuck.frees_after_pulses = 5;
   const VerifyResult r = verify_with({stuck});
   ASSERT_FALSE(r.findings.empty());
-  EXPECT_EQ(r.findings[0].kind, "stuck_line");
+  EXPECT_EQ(r.findings[0].kind, FindingKind::kStuckLine);
   EXPECT_NE(r.findings[0].text.find("freed"), std::string::npos) << r.findings[0].text;
 }
 
 TEST(Verify, names_a_foreign_chip) {
   scene::Fault f = fault(FaultKind::kWrongId, 2);
   f.value = 0x1234;
-  expect_one(verify_with({f}), "wrong_id", 2);
+  expect_one(verify_with({f}), FindingKind::kWrongId, 2);
 }
 
 TEST(Verify, names_a_chip_that_lost_its_configuration) {
   scene::Fault f = fault(FaultKind::kLostConfiguration, 3);
   f.from_us = 900'000;
-  expect_one(verify_with({f}), "lost_configuration", 3);
+  expect_one(verify_with({f}), FindingKind::kLostConfiguration, 3);
 }
 
 TEST(Verify, what_is_remembered_from_before_is_told_once_and_no_finding) {
   scene::Fault f = fault(FaultKind::kLostConfiguration, 3);
   f.from_us = 900'000;
-  Bench bench(6, 16, {f});
-  bench.flash();
-  bench.bus().listen(3'000'000);
-  VerifyResult r = bench.verify();
+  Fixture fixture(6, 16, {f});
+  fixture.flash();
+  fixture.bus().listen(3'000'000);
+  VerifyResult r = fixture.verify();
   EXPECT_TRUE(r.findings.empty());
   EXPECT_EQ(r.modules_ok, 6);
   ASSERT_EQ(r.earlier.size(), 1U);
-  EXPECT_EQ(r.earlier[0].kind, "lost_configuration");
+  EXPECT_EQ(r.earlier[0].kind, FindingKind::kLostConfiguration);
   EXPECT_EQ(r.earlier[0].module, 3);
-  EXPECT_TRUE(bench.verify().earlier.empty());
+  EXPECT_TRUE(fixture.verify().earlier.empty());
 }
 
 TEST(Verify, names_saturated_and_frozen_taxels) {
   scene::Fault f = fault(FaultKind::kSaturatedTaxel, 1);
   f.taxel = 7;
   VerifyResult r = verify_with({f});
-  expect_one(r, "saturated_taxel", 1);
+  expect_one(r, FindingKind::kSaturatedTaxel, 1);
   EXPECT_EQ(r.findings[0].taxel, 7);
   f.kind = FaultKind::kFrozenTaxel;
   f.taxel = 11;
   r = verify_with({f});
-  expect_one(r, "frozen_taxel", 1);
+  expect_one(r, FindingKind::kFrozenTaxel, 1);
   EXPECT_EQ(r.findings[0].taxel, 11);
 }
 
@@ -170,9 +170,9 @@ TEST(Verify, tells_several_faults_apart) {
   const VerifyResult r =
       verify_with({fault(FaultKind::kRemovedChip, 0), saturated, fault(FaultKind::kSwappedChips, 2, 4)});
   ASSERT_EQ(r.findings.size(), 3U);
-  EXPECT_EQ(r.findings[0].kind, "saturated_taxel");
-  EXPECT_EQ(r.findings[1].kind, "absent_module");
-  EXPECT_EQ(r.findings[2].kind, "swapped_modules");
+  EXPECT_EQ(r.findings[0].kind, FindingKind::kSaturatedTaxel);
+  EXPECT_EQ(r.findings[1].kind, FindingKind::kAbsentModule);
+  EXPECT_EQ(r.findings[2].kind, FindingKind::kSwappedModules);
   EXPECT_EQ(r.modules_ok, 2);
 }
 

@@ -88,17 +88,17 @@ TEST_F(Served, flash_verify_and_live_work_over_tcp) {
   EXPECT_EQ(found["controllers"][0]["chips"].size(), 8U);
 }
 
-TEST_F(Served, a_client_that_talks_nonsense_is_dropped_and_the_others_are_not) {
+TEST_F(Served, a_client_that_sends_malformed_records_is_dropped_and_the_others_are_not) {
   TcpLink good({"127.0.0.1", port_});
   Bus bus(good);
-  for (const std::vector<std::uint8_t>& nonsense : {std::vector<std::uint8_t>{0xFF, 0xFF, 0xFF, 0xFF, 1},
-                                                    {0, 0, 0, 0},
-                                                    {2, 0, 0, 0, 9, 9},
-                                                    {3, 0, 0, 0, 1, 2, 3},
-                                                    {6, 0, 0, 0, 2, 0xFF, 0, 0, 0, 0}}) {
+  for (const std::vector<std::uint8_t>& malformed : {std::vector<std::uint8_t>{0xFF, 0xFF, 0xFF, 0xFF, 1},
+                                                     {0, 0, 0, 0},
+                                                     {2, 0, 0, 0, 9, 9},
+                                                     {3, 0, 0, 0, 1, 2, 3},
+                                                     {6, 0, 0, 0, 2, 0xFF, 0, 0, 0, 0}}) {
     const std::string path = "/dev/tcp/127.0.0.1/" + std::to_string(port_);
     std::string bytes;
-    for (const std::uint8_t b : nonsense) {
+    for (const std::uint8_t b : malformed) {
       std::array<char, 8> text{};
       std::snprintf(text.data(), text.size(), "\\x%02x", b);
       bytes += text.data();
@@ -160,20 +160,20 @@ TEST(LiveStream, a_finger_that_has_just_gone_is_not_taken_for_rest) {
 }
 
 TEST(LiveStream, finds_the_pressed_taxel_at_its_place_and_loses_nothing) {
-  Bench bench(20, 8);
-  bench.flash();
-  TouchMap map(bench.design());
-  Stream stream(bench.bus(), bench.design(), [&](const ModuleFrame& f) { map.add(f); });
-  stream.run_until(bench.bus().now_us() + 500'000);
+  Fixture fixture(20, 8);
+  fixture.flash();
+  TouchMap map(fixture.design());
+  Stream stream(fixture.bus(), fixture.design(), [&](const ModuleFrame& f) { map.add(f); });
+  stream.run_until(fixture.bus().now_us() + 500'000);
   EXPECT_TRUE(map.pressed().empty());
   for (const auto& [module, taxel] : {std::pair{0, 3}, {13, 9}, {19, 1}}) {
-    bench.bus().link().finger()->press(module, taxel);
-    stream.run_until(bench.bus().now_us() + 100'000);
+    fixture.bus().link().finger()->press(module, taxel);
+    stream.run_until(fixture.bus().now_us() + 100'000);
     const auto pressed = map.pressed();
     ASSERT_EQ(pressed.size(), 1U);
     EXPECT_EQ(pressed[0].module, module);
     EXPECT_EQ(pressed[0].taxel, taxel);
-    const auto expected = design::taxels_of(bench.design().layout.modules[static_cast<std::size_t>(module)],
+    const auto expected = design::taxels_of(fixture.design().layout.modules[static_cast<std::size_t>(module)],
                                             2)[static_cast<std::size_t>(taxel)];
     EXPECT_NEAR((pressed[0].position_mm - expected.position_mm).norm(), 0.0, 1e-9);
   }

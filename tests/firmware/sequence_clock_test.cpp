@@ -30,10 +30,10 @@ struct Chip {
     clock.next(static_cast<std::uint32_t>(count));
   }
   // As the sampler does: every third stage, later by up to 60 µs than it is best.
-  void look() {
-    for (int stage = 2; stage < 12 && clock.look_wanted(); stage += 3) {
+  void refine() {
+    for (int stage = 2; stage < 12 && clock.refinement_wanted(); stage += 3) {
       const auto at = static_cast<std::uint64_t>(static_cast<double>(clock.stage_end_us(stage)) + uniform(0.0, 60.0));
-      clock.looked(at, stage,
+      clock.refine(at, stage,
                    static_cast<double>(at) + uniform(-20.0, 20.0) >= end_us - (11 - stage) * period_us / 12.0);
     }
   }
@@ -55,7 +55,7 @@ TEST(SequenceClock, EveryWindowIsWholeWithEveryOscillator) {
         ASSERT_TRUE(chip.whole()) << n << " of " << nominal << " us, " << ppm << " ppm";
         ASSERT_LT(chip.clock.read_us() + (n == 1 ? 300 : 500), chip.clock.last_start_us())
             << n << " of " << nominal << " us, " << ppm << " ppm";
-        chip.look();
+        chip.refine();
         ASSERT_FALSE(chip.clock.uncertain());
         if (n >= 8) {
           ASSERT_GE(chip.clock.may_pass(8), 8U) << n;
@@ -71,7 +71,7 @@ TEST(SequenceClock, FollowsAnOscillatorThatWarmsUp) {
   chip.start(1'000'000, 9'200);
   for (int n = 1; n < 30'000; ++n, chip.next()) {
     ASSERT_TRUE(chip.whole()) << n;
-    chip.look();
+    chip.refine();
     ASSERT_FALSE(chip.clock.uncertain()) << n;
   }
 }
@@ -85,7 +85,7 @@ TEST(SequenceClock, LeavesSequencesOutOnceThePeriodIsKnown) {
       int n = 1;
       for (; n < 20'000; ++readings) {
         ASSERT_TRUE(chip.whole()) << n << " of " << nominal << " us, every " << every;
-        chip.look();
+        chip.refine();
         const std::uint32_t passed = chip.clock.may_pass(every);
         n += static_cast<int>(passed);
         chip.next(static_cast<int>(passed));
@@ -98,7 +98,7 @@ TEST(SequenceClock, LeavesSequencesOutOnceThePeriodIsKnown) {
 TEST(SequenceClock, WithoutLooksTheWindowShrinksUntilItAsksForANewStart) {
   Chip chip{9'200.0};
   chip.start(1'000'000, 9'200);
-  for (int n = 1; n < 5; ++n, chip.next()) chip.look();
+  for (int n = 1; n < 5; ++n, chip.next()) chip.refine();
   int n = 0;
   for (; n < 1000 && !chip.clock.uncertain(); ++n, chip.next()) ASSERT_TRUE(chip.whole()) << n;
   EXPECT_LT(n, 1000);
@@ -113,11 +113,11 @@ TEST(SequenceClock, WithoutLooksTheWindowShrinksUntilItAsksForANewStart) {
 TEST(SequenceClock, IsUncertainWhenLooksContradictAgainAndAgain) {
   Chip chip{9'200.0};
   chip.start(1'000'000, 9'200);
-  for (int n = 1; n < 100; ++n, chip.next()) chip.look();
+  for (int n = 1; n < 100; ++n, chip.next()) chip.refine();
   chip.period_us *= 1.05;
   for (int n = 0; n < 200 && !chip.clock.uncertain(); ++n, chip.next()) {
     const std::uint64_t at = chip.clock.end_us() + 200;
-    chip.clock.looked(at, 11, static_cast<double>(at) >= chip.end_us);
+    chip.clock.refine(at, 11, static_cast<double>(at) >= chip.end_us);
   }
   EXPECT_TRUE(chip.clock.uncertain());
   chip.clock.restart(9'000'000);  // nothing is taken for known
@@ -135,7 +135,7 @@ TEST(SequenceClock, WindowOfABurstLiesBetweenTheStages) {
   EXPECT_NEAR(static_cast<double>(clock.read_us()), 1'009'593 + 25 - 585, 1.0);
   EXPECT_NEAR(static_cast<double>(clock.last_start_us()), 1'008'807 + 736 - 135 - 25, 1.0);
   EXPECT_NEAR(static_cast<double>(clock.stage_end_us(5)), 1'009'200 - 6 * 9'200 / 12.0, 1.0);
-  clock.looked(1'009'200, 11, true);
+  clock.refine(1'009'200, 11, true);
   EXPECT_NEAR(static_cast<double>(clock.doubt_us()), 9'225 - 8'807, 1.0);
 }
 

@@ -174,9 +174,9 @@ TEST(FaultMemory, SurvivesPowerLossUntilItIsCleared) {
   Flash flash;
   FaultMemory faults(flash);
   faults.load();
-  faults.note(3, wire::ModuleState::kAbsent, {1500, 40});
-  faults.note(3, wire::ModuleState::kOk, {1600, 43});
-  faults.note(3, wire::ModuleState::kAbsent, {9000, 240});  // the first occurrence is kept
+  faults.note(table_row(3), wire::ModuleState::kAbsent, {1500, 40});
+  faults.note(table_row(3), wire::ModuleState::kOk, {1600, 43});
+  faults.note(table_row(3), wire::ModuleState::kAbsent, {9000, 240});  // the first occurrence is kept
   FaultMemory after(flash);
   after.load();
   const auto frame = after.snapshot(0x920003);
@@ -195,10 +195,10 @@ TEST(FaultMemory, ALooseContactWritesOnce) {
   Flash flash;
   FaultMemory faults(flash);
   faults.load();
-  faults.note(0, wire::ModuleState::kAbsent, {});
+  faults.note(table_row(0), wire::ModuleState::kAbsent, {});
   const int operations = flash.operations();
   for (std::uint32_t k = 0; k < 1000; ++k)
-    faults.note(0, k % 2 == 0 ? wire::ModuleState::kOk : wire::ModuleState::kAbsent, {k, k});
+    faults.note(table_row(0), k % 2 == 0 ? wire::ModuleState::kOk : wire::ModuleState::kAbsent, {k, k});
   EXPECT_EQ(flash.operations(), operations);
 }
 
@@ -208,13 +208,13 @@ TEST(FaultMemory, APowerCutLosesAtMostTheLastEntry) {
       Flash flash;
       FaultMemory faults(flash);
       faults.load();
-      faults.note(15, wire::ModuleState::kFrozen, {7, 7});
+      faults.note(table_row(15), wire::ModuleState::kFrozen, {7, 7});
       flash.cut_after(cut, tear);
       std::size_t noted = 0;
       try {
         for (std::uint8_t m = 0; m < 15; ++m) {
           for (std::uint8_t s = 2; s < wire::kModuleStateCount; ++s, ++noted)
-            faults.note(m, wire::to_module_state(s).value(), {m, s});
+            faults.note(table_row(m), wire::to_module_state(s).value(), {m, s});
         }
       } catch (const sim::PowerLost&) {
       }

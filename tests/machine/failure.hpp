@@ -7,7 +7,7 @@
 
 namespace triskin::machine {
 
-/// The failures that a strapped module can have (shared/design/hardware.md), as a bench makes them.
+/// The failures that a strapped module can have (docs/scene.md, Faults), as a bench makes them.
 enum class Failure { kAbsent, kMoved, kWrongId, kDip, kSaturated, kFrozen, kSda, kScl };
 
 inline constexpr std::array kAllFailures{Failure::kAbsent,    Failure::kMoved,  Failure::kWrongId, Failure::kDip,

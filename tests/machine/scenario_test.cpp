@@ -133,11 +133,11 @@ TEST_P(Scenario, GivesEqualFramesAndFaultsOnBothBoards) {
     const auto& b = posix_board.modules[m];
     ASSERT_EQ(a.size(), b.size()) << "module " << m << " said other things";
     for (std::size_t r = 0; r < a.size(); ++r) {
-      EXPECT_TRUE(a[r].says_as(b[r].first))
-          << "module " << m << ", state " << int{a[r].first.state} << " and " << int{b[r].first.state};
+      EXPECT_TRUE(a[r].says_as(b[r].first)) << "module " << m << ", state " << static_cast<int>(a[r].first.state)
+                                            << " and " << static_cast<int>(b[r].first.state);
       const std::size_t na = a[r].count, nb = b[r].count;
       EXPECT_LE(na > nb ? na - nb : nb - na, 1U)
-          << "module " << m << ", state " << int{a[r].first.state};  // an event falls between two readings
+          << "module " << m << ", state " << static_cast<int>(a[r].first.state);  // an event falls between two readings
       compared += std::min(na, nb);
     }
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "shapes.hpp"
+#include "triskin/host/dice.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::testing {

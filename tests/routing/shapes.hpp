@@ -4,10 +4,10 @@
 #include <set>
 
 #include "triskin/geometry/random_patch.hpp"
+#include "triskin/geometry/routing.hpp"
 
 namespace triskin::testing {
 
-using geometry::Dice;
 using geometry::random_patch;
 using geometry::Tile;
 using Tiles = std::set<Tile>;

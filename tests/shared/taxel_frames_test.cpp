@@ -31,7 +31,7 @@ FullTaxels full_of(const Vector& v) {
   t.sample = static_cast<std::uint32_t>(v.number("sample"));
   t.device_time_us = v.number("device_time_us");
   t.valid = static_cast<std::uint16_t>(v.number("valid"));
-  t.state = static_cast<std::uint8_t>(v.number("state"));
+  t.state = static_cast<ModuleState>(v.number("state"));
   const auto values = test::numbers(v.one("values"), 10);
   for (std::size_t k = 0; k < t.value.size(); ++k) t.value[k] = static_cast<std::uint16_t>(values.at(k));
   return t;
@@ -83,6 +83,12 @@ TEST(TaxelFrames, DamagedFullFramesAreRefused) {
   f = good;
   f.data[15] = 14;  // module differs from the identifier's
   EXPECT_FALSE(decode_full(f));
+  f = good;
+  f.data[14] = 9;  // a state that does not exist
+  EXPECT_EQ(decode_full(f).error(), Status::kOutOfRange);
+  f = good;
+  f.data[13] = 0x10;  // a thirteenth taxel
+  EXPECT_EQ(decode_full(f).error(), Status::kOutOfRange);
   f = good;
   f.id ^= 0x100000;
   EXPECT_FALSE(decode_full(f));

@@ -14,7 +14,7 @@ inline design::Design strip(int count, int per_patch = 16) {
     const double x = 30.0 * (k / 2);
     design::PlacedModule m;
     m.tile = {k / 2, 0, k % 2 == 0};
-    // Tile corners and sides as in lattice.hpp; side 1 of an up tile is side 2 of the down tile of its cell.
+    // Tile corners and sides as in tile.hpp; side 1 of an up tile is side 2 of the down tile with the same (i, j).
     if (m.tile.up) {
       m.corner_mm = {Vec3{x, 0, 0}, Vec3{x + 30, 0, 0}, Vec3{x + 15, kHeight_mm, 0}};
       m.neighbour = {-1, k + 1 < count ? k + 1 : -1, k - 1};

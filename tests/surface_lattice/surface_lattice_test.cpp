@@ -6,11 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <set>
 
 #include "shapes.hpp"
+#include "support/covers.hpp"
+#include "triskin/geometry/extract.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/host/error.hpp"
 
@@ -198,18 +199,32 @@ TEST(SurfaceLattice, BadOptionsAreNamed) {
   EXPECT_THROW((void)grow_lattice(surface, limits, effort(1)), InputError);
 }
 
-TEST(SurfaceLattice, RealCoversKeepEveryLimit) {
-  const std::filesystem::path parts = std::filesystem::path(TRISKIN_DATA) / "parts";
-  ASSERT_TRUE(std::filesystem::exists(parts)) << parts << ": the real covers are missing";
-  const std::map<std::string, std::size_t> least{
-      {"LH_hipwing_v1", 10}, {"LUA_upperarm_half_v1", 21}, {"RUF_forearm_v2", 46}};
-  for (const auto& [name, count] : least) {
-    const Surface surface(read_mesh(parts / (name + ".obj")).mesh);
-    const ModuleLayout layout = grow_lattice(surface, {}, effort(12));
-    expect_valid(surface, layout);
-    EXPECT_GE(layout.modules.size(), count) << name;
-  }
+// A cover and the modules that it takes at least.
+class CoverLimits : public testing::TestWithParam<std::pair<test::CoverName, std::size_t>> {};
+
+TEST_P(CoverLimits, hold_for_every_module) {
+  const auto& [cover, least] = GetParam();
+  const auto file = test::cover_file(cover);
+  if (!file) GTEST_SKIP() << test::no_data();
+  const Surface surface(extract(read_mesh(file->path()).mesh).surface);
+  const ModuleLayout layout = grow_lattice(surface, {}, effort(12));
+  expect_valid(surface, layout);
+  EXPECT_GE(layout.modules.size(), least);
 }
+
+std::string name_of(const testing::TestParamInfo<std::pair<test::CoverName, std::size_t>>& p) {
+  return test::case_name(p.param.first.name);
+}
+
+INSTANTIATE_TEST_SUITE_P(Generated, CoverLimits,
+                         testing::Values(std::pair{test::CoverName{"thigh", {.size_mm = 120.0, .faces = 400}}, 25U},
+                                         std::pair{test::CoverName{"near-degenerate"}, 20U}),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Real, CoverLimits,
+                         testing::Values(std::pair{test::CoverName{"LH_hipwing_v1"}, 10U},
+                                         std::pair{test::CoverName{"LUA_upperarm_half_v1"}, 21U},
+                                         std::pair{test::CoverName{"RUF_forearm_v2"}, 46U}),
+                         name_of);
 
 }  // namespace
 }  // namespace triskin::geometry

@@ -27,10 +27,10 @@ scene::Scene switched_scene(const design::Design& design) {
 }
 
 // Flashed, streaming; knows what every taxel must read.
-class Bench {
+class Fixture {
  public:
-  explicit Bench(const design::Design& design) : Bench(switched_scene(design)) {}
-  explicit Bench(const scene::Scene& s)
+  explicit Fixture(const design::Design& design) : Fixture(switched_scene(design)) {}
+  explicit Fixture(const scene::Scene& s)
       : link_(s), bus_(link_), controller_(bus_, 1), rows_(s.design.patches[0].modules.size()) {
     device::flash(bus_, link_.skin().scene().design);
     bus_.listen(bus_.now_us() + 400'000);
@@ -132,14 +132,14 @@ TEST(Application, every_single_failure_leaves_the_best_set_within_100_ms_and_no_
   int failures = 0;
   for (int trial = 0; trial < 200; ++trial) {
     const design::Design design = random_design(2 + trial % 15, random);
-    Bench bench(design);
+    Fixture fixture(design);
     for (const Failure& f : failures_of(design)) {
-      bench.listen_us(7'000 + random() % 37'000);  // at any moment of a cycle
-      bench.mark();
-      f.apply(bench.hardware(), true);
+      fixture.listen_us(7'000 + random() % 37'000);  // at any moment of a cycle
+      fixture.mark();
+      f.apply(fixture.hardware(), true);
       const std::uint32_t wanted = best(design, {f});
       if (wanted != 0) {
-        const std::int64_t took_us = bench.until_exactly(wanted, 400'000);
+        const std::int64_t took_us = fixture.until_exactly(wanted, 400'000);
         ASSERT_GE(took_us, 0) << "trial " << trial << " row " << f.row << " line " << f.line << " joint " << f.a << '-'
                               << f.b << " short " << f.shorted;
         if (took_us > 100'000)
@@ -147,15 +147,15 @@ TEST(Application, every_single_failure_leaves_the_best_set_within_100_ms_and_no_
                         << f.a << '-' << f.b << " short " << f.shorted;
         slowest_us = std::max(slowest_us, took_us);
       } else {
-        bench.listen_us(150'000);
-        EXPECT_EQ(bench.controller().route().alive, 0);
+        fixture.listen_us(150'000);
+        EXPECT_EQ(fixture.controller().route().alive, 0);
       }
       ++failures;
-      f.apply(bench.hardware(), false);
-      bench.controller().reroute();  // it returns on command
-      bench.mark();
-      ASSERT_GE(bench.until_exactly(bench.all(), 400'000), 0) << "after repair, trial " << trial;
-      ASSERT_EQ(bench.wrong, 0) << "trial " << trial << " row " << f.row << " joint " << f.a << '-' << f.b;
+      f.apply(fixture.hardware(), false);
+      fixture.controller().reroute();  // it returns on command
+      fixture.mark();
+      ASSERT_GE(fixture.until_exactly(fixture.all(), 400'000), 0) << "after repair, trial " << trial;
+      ASSERT_EQ(fixture.wrong, 0) << "trial " << trial << " row " << f.row << " joint " << f.a << '-' << f.b;
     }
   }
   EXPECT_LE(slowest_us, 100'000);
@@ -168,60 +168,60 @@ TEST(Application, two_failures_at_once_end_honestly) {
   for (int trial = 0; trial < 20; ++trial) {
     const design::Design design = random_design(4 + trial % 13, random);
     const auto list = failures_of(design);
-    Bench bench(design);
+    Fixture fixture(design);
     for (int pair = 0; pair < 60; ++pair) {
       const Failure a = list[random() % list.size()], b = list[random() % list.size()];
       // A module at a cable that holds a line cannot be left out: then its line is silent, which single failures cover.
       const auto holds_at_cable = [&](const Failure& f) { return f.line >= 0 && f.row == second_entry_row(design); };
       if (holds_at_cable(a) || holds_at_cable(b)) continue;
       if ((a.row >= 0 && a.row == b.row) || (a.row < 0 && b.row < 0 && a.a == b.a && a.b == b.b)) continue;
-      bench.listen_us(random() % 40'000);
-      a.apply(bench.hardware(), true);
-      b.apply(bench.hardware(), true);
-      bench.listen_us(400'000);
-      const wire::ActiveRoute route = bench.controller().route();
+      fixture.listen_us(random() % 40'000);
+      a.apply(fixture.hardware(), true);
+      b.apply(fixture.hardware(), true);
+      fixture.listen_us(400'000);
+      const wire::ActiveRoute route = fixture.controller().route();
       EXPECT_EQ(route.alive, best(design, {a, b})) << trial << ' ' << pair;
-      const wire::LiveTaxels s = bench.controller().taxels();
+      const wire::LiveTaxels s = fixture.controller().taxels();
       for (std::size_t m = 0; m < s.count; ++m)
         EXPECT_EQ(s.modules[m].valid == layout::kAllTaxels, (route.alive >> m & 1) != 0)
             << trial << ' ' << pair << ' ' << m;
-      a.apply(bench.hardware(), false);
-      b.apply(bench.hardware(), false);
-      bench.controller().reroute();
-      bench.listen_us(200'000);
-      ASSERT_EQ(bench.controller().route().alive, bench.all());
+      a.apply(fixture.hardware(), false);
+      b.apply(fixture.hardware(), false);
+      fixture.controller().reroute();
+      fixture.listen_us(200'000);
+      ASSERT_EQ(fixture.controller().route().alive, fixture.all());
     }
-    EXPECT_EQ(bench.wrong, 0);
+    EXPECT_EQ(fixture.wrong, 0);
   }
 }
 
 TEST(Application, a_module_that_resets_alone_and_a_marginal_clock_give_no_wrong_value) {
   std::mt19937_64 random(23);
   const design::Design design = random_design(14, random);
-  Bench bench(design);
+  Fixture fixture(design);
   for (int k = 0; k < 40; ++k) {
-    bench.listen_us(random() % 60'000);
-    bench.hardware().reset_alone(static_cast<int>(random() % 14));
-    bench.mark();
-    ASSERT_GE(bench.until_exactly(bench.all(), 400'000), 0) << k;
+    fixture.listen_us(random() % 60'000);
+    fixture.hardware().reset_alone(static_cast<int>(random() % 14));
+    fixture.mark();
+    ASSERT_GE(fixture.until_exactly(fixture.all(), 400'000), 0) << k;
   }
-  bench.hardware().set_bit_error_rate(1e-5);
-  bench.listen_us(3'000'000);
-  bench.hardware().set_bit_error_rate(0);
-  bench.controller().reroute();
-  bench.mark();
-  EXPECT_GE(bench.until_exactly(bench.all(), 400'000), 0);
-  EXPECT_EQ(bench.wrong, 0);
+  fixture.hardware().set_bit_error_rate(1e-5);
+  fixture.listen_us(3'000'000);
+  fixture.hardware().set_bit_error_rate(0);
+  fixture.controller().reroute();
+  fixture.mark();
+  EXPECT_GE(fixture.until_exactly(fixture.all(), 400'000), 0);
+  EXPECT_EQ(fixture.wrong, 0);
 }
 
 TEST(Application, what_comes_back_is_taken_back_by_itself) {
   std::mt19937_64 random(24);
-  Bench bench(random_design(8, random));
-  bench.hardware().set_dead(5, true);
-  bench.listen_us(200'000);
-  bench.hardware().set_dead(5, false);
-  bench.mark();
-  const std::int64_t took_us = bench.until_exactly(bench.all(), 5'000'000);
+  Fixture fixture(random_design(8, random));
+  fixture.hardware().set_dead(5, true);
+  fixture.listen_us(200'000);
+  fixture.hardware().set_dead(5, false);
+  fixture.mark();
+  const std::int64_t took_us = fixture.until_exactly(fixture.all(), 5'000'000);
   EXPECT_GE(took_us, 0);
   EXPECT_LE(took_us, 2'200'000);
 }
@@ -232,14 +232,14 @@ TEST(Application, strapped_modules_are_read_as_before) {
   const design::Design design = random_design(16, random);
   scene::Scene strapped = switched_scene(design);
   strapped.switched = false;
-  Bench bench(strapped);
-  bench.mark();
-  EXPECT_GE(bench.until_exactly(bench.all(), 100'000), 0);
-  EXPECT_FALSE(bench.controller().route().switched);
-  EXPECT_EQ(bench.controller().topology().count, 0);
+  Fixture fixture(strapped);
+  fixture.mark();
+  EXPECT_GE(fixture.until_exactly(fixture.all(), 100'000), 0);
+  EXPECT_FALSE(fixture.controller().route().switched);
+  EXPECT_EQ(fixture.controller().topology().count, 0);
 
   // Both boards: one without a chain, one with a chain on which nobody answers.
-  scene::SwitchedPatch nobody(std::vector<std::array<scene::SwitchedPatch::End, 3>>(1), 0, 1);
+  scene::SwitchedPatch nobody(design::PortEnds(1), 0, 1);
   nobody.set_dead(0, true);
   std::array<std::vector<wire::CanFrame>, 2> frames;
   for (std::size_t k = 0; k < 2; ++k) {

@@ -113,8 +113,8 @@ TEST_F(Commands, the_route_prepared_for_a_failure_is_flashed_and_taken_back) {
   scene(json::array());
   run("flash patch.json --scene scene.json", 0);
   EXPECT_TRUE(run("verify patch.json --scene scene.json --watch-s 0", 0)["findings"].empty());
-  for (const char* nonsense : {"backup", "backup:99", "backup:x", "sideways"})
-    run(std::string("flash patch.json --scene scene.json --route ") + nonsense, 2);
+  for (const char* malformed : {"backup", "backup:99", "backup:x", "sideways"})
+    run(std::string("flash patch.json --scene scene.json --route ") + malformed, 2);
 }
 
 // The entry dies: the second cable reads the rest, and the commands say so.

@@ -15,7 +15,7 @@ namespace triskin::test {
 namespace {
 
 SwitchedPatch model_of(const design::Design& design, std::uint64_t seed) {
-  std::vector<std::array<SwitchedPatch::End, 3>> joints;
+  design::PortEnds joints;
   for (const auto& ends : design::joints_of(design, 0)) {
     auto& row = joints.emplace_back();
     for (std::size_t p = 0; p < 3; ++p) row[p] = {ends[p].row, ends[p].port};

@@ -15,7 +15,7 @@ namespace triskin::test {
 using scene::SwitchedPatch;
 
 struct RandomPatch {
-  std::vector<std::array<SwitchedPatch::End, 3>> joints;
+  design::PortEnds joints;
   int cable_port = 0;
   [[nodiscard]] int size() const { return static_cast<int>(joints.size()); }
   [[nodiscard]] SwitchedPatch::End end(int m, int p) const {
@@ -26,7 +26,7 @@ struct RandomPatch {
     std::vector<SwitchedPatch::End> list;
     for (int m = 0; m < size(); ++m) {
       for (int p = 0; p < 3; ++p) {
-        if (end(m, p).module > m) list.push_back({m, p});
+        if (end(m, p).row > m) list.push_back({m, p});
       }
     }
     return list;
@@ -36,14 +36,14 @@ struct RandomPatch {
 inline int free_port(const RandomPatch& patch, int m, std::mt19937_64& random) {
   std::vector<int> free;
   for (int p = 0; p < 3; ++p) {
-    if (patch.end(m, p).module < 0 && !(m == 0 && p == patch.cable_port)) free.push_back(p);
+    if (patch.end(m, p).row < 0 && !(m == 0 && p == patch.cable_port)) free.push_back(p);
   }
   return free.empty() ? -1 : free[random() % free.size()];
 }
 
 inline bool joined(const RandomPatch& patch, int a, int b) {
   return std::any_of(patch.joints[static_cast<std::size_t>(a)].begin(), patch.joints[static_cast<std::size_t>(a)].end(),
-                     [&](auto e) { return e.module == b; });
+                     [&](auto e) { return e.row == b; });
 }
 
 inline bool add_joint(RandomPatch& patch, int a, int b, std::mt19937_64& random) {
@@ -102,7 +102,7 @@ inline fw::PatchGraph table_of(const RandomPatch& patch) {
   for (std::size_t m = 0; m < patch.joints.size(); ++m) {
     for (std::size_t p = 0; p < 3; ++p) {
       const auto e = patch.joints[m][p];
-      if (e.module >= 0) graph.joint[m][p] = {static_cast<std::uint8_t>(e.module), static_cast<std::uint8_t>(e.port)};
+      if (e.row >= 0) graph.joint[m][p] = {static_cast<std::uint8_t>(e.row), static_cast<std::uint8_t>(e.port)};
     }
   }
   return graph;

@@ -11,14 +11,14 @@ namespace {
 
 using Fault = SwitchedPatch::JointFault;
 
-std::array<fw::Slot, layout::kMaxModules> slots_of(int modules) {
-  std::array<fw::Slot, layout::kMaxModules> slots{};
+std::array<fw::LineAddress, layout::kMaxModules> addresses_of(int modules) {
+  std::array<fw::LineAddress, layout::kMaxModules> addresses{};
   // Not in order, so that a slot given to the wrong module shows.
   for (int m = 0; m < modules; ++m) {
     const int s = (7 * m + 3) % 16;
-    slots[static_cast<std::size_t>(m)] = {static_cast<std::uint8_t>(s % 4), static_cast<std::uint8_t>(s / 4)};
+    addresses[static_cast<std::size_t>(m)] = {static_cast<std::uint8_t>(s % 4), static_cast<std::uint8_t>(s / 4)};
   }
-  return slots;
+  return addresses;
 }
 
 struct Failure {
@@ -54,7 +54,7 @@ std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure
     return std::any_of(failures.begin(), failures.end(), [&](const Failure& f) {
       const auto e = patch.end(m, p);
       return f.module < 0 &&
-             ((f.joint.module == m && f.joint.port == p) || (e.module == f.joint.module && e.port == f.joint.port));
+             ((f.joint.row == m && f.joint.port == p) || (e.row == f.joint.row && e.port == f.joint.port));
     });
   };
   std::vector<int> depth(patch.joints.size(), -1);
@@ -63,7 +63,7 @@ std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure
   for (int round = 0; round < patch.size(); ++round) {
     for (int m = 0; m < patch.size(); ++m) {
       for (int p = 0; p < 3; ++p) {
-        const int other = patch.end(m, p).module;
+        const int other = patch.end(m, p).row;
         if (depth[static_cast<std::size_t>(m)] != round || other < 0 || dead(other) || cut(m, p) ||
             depth[static_cast<std::size_t>(other)] >= 0)
           continue;
@@ -74,14 +74,14 @@ std::vector<int> best_depths(const RandomPatch& patch, const std::vector<Failure
   return depth;
 }
 
-class Bench {
+class Fixture {
  public:
-  Bench(RandomPatch p, std::uint64_t seed)
+  Fixture(RandomPatch p, std::uint64_t seed)
       : patch(std::move(p)),
         model(patch.joints, patch.cable_port, seed),
         chain(model),
         topology(chain),
-        table{table_of(patch), slots_of(patch.size()), {}} {}
+        table{table_of(patch), addresses_of(patch.size()), {}} {}
 
   // After healing: exactly the best set is reached, least deep, each module at its own line and address.
   void expect_best(const std::vector<Failure>& failures) {
@@ -101,8 +101,8 @@ class Bench {
       ASSERT_EQ(model.depth_of(m), best[k]) << "module " << m;
       ASSERT_EQ((report.alive >> m & 1) != 0, best[k] >= 0) << "module " << m;
       if (best[k] < 0) continue;
-      ASSERT_EQ(model.line_of(m), table.slots[k].line);
-      ASSERT_EQ(model.address_of(m), table.slots[k].address);
+      ASSERT_EQ(model.line_of(m), table.addresses[k].line);
+      ASSERT_EQ(model.address_of(m), table.addresses[k].address);
     }
     EXPECT_TRUE(topology.intact());
   }
@@ -134,13 +134,13 @@ TEST(Discovery, finds_every_joint_of_1000_random_patches_within_50_ms) {
   int cycles_seen = 0;
   for (int trial = 0; trial < 1000; ++trial) {
     const int modules = 1 + trial % 16;
-    Bench bench(random_patch(modules, static_cast<int>(random() % 5), random), random());
-    const fw::Topology::Report report = bench.topology.discover();
+    Fixture fixture(random_patch(modules, static_cast<int>(random() % 5), random), random());
+    const fw::Topology::Report report = fixture.topology.discover();
     ASSERT_TRUE(report.complete) << trial;
     ASSERT_EQ(report.shorts, 0);
-    ASSERT_TRUE(canonical(bench.topology.graph()) == canonical(bench.table.graph)) << trial;
-    cycles_seen += static_cast<int>(bench.patch.joint_ends().size()) - modules + 1;
-    slowest_us = std::max(slowest_us, bench.model.time_us());
+    ASSERT_TRUE(canonical(fixture.topology.graph()) == canonical(fixture.table.graph)) << trial;
+    cycles_seen += static_cast<int>(fixture.patch.joint_ends().size()) - modules + 1;
+    slowest_us = std::max(slowest_us, fixture.model.time_us());
   }
   EXPECT_LE(slowest_us, 50'000.0);
   EXPECT_GE(cycles_seen, 1000);
@@ -150,7 +150,7 @@ TEST(Discovery, finds_every_joint_of_1000_random_patches_within_50_ms) {
 
 TEST(Discovery, of_nothing_and_of_one_module) {
   std::mt19937_64 random(2);
-  Bench one(random_patch(1, 0, random), 1);
+  Fixture one(random_patch(1, 0, random), 1);
   EXPECT_TRUE(one.topology.discover().complete);
   EXPECT_EQ(one.topology.graph().count, 1);
   one.model.set_dead(0, true);
@@ -163,16 +163,16 @@ TEST(Healing, every_single_failure_of_200_patches_ends_at_the_best_possible_with
   double slowest_us = 0.0;
   int failures = 0;
   for (int trial = 0; trial < 200; ++trial) {
-    Bench bench(random_patch(2 + trial % 15, static_cast<int>(random() % 5), random), random());
-    bench.expect_best({});
-    for (const Failure& f : single_failures(bench.patch)) {
-      apply(bench.model, f);
-      ASSERT_NO_FATAL_FAILURE(bench.expect_best({f})) << trial;
-      repair(bench.model, f);
+    Fixture fixture(random_patch(2 + trial % 15, static_cast<int>(random() % 5), random), random());
+    fixture.expect_best({});
+    for (const Failure& f : single_failures(fixture.patch)) {
+      apply(fixture.model, f);
+      ASSERT_NO_FATAL_FAILURE(fixture.expect_best({f})) << trial;
+      repair(fixture.model, f);
       ++failures;
     }
-    ASSERT_NO_FATAL_FAILURE(bench.expect_best({})) << "after repair";
-    slowest_us = std::max(slowest_us, bench.slowest_us);
+    ASSERT_NO_FATAL_FAILURE(fixture.expect_best({})) << "after repair";
+    slowest_us = std::max(slowest_us, fixture.slowest_us);
   }
   EXPECT_LE(slowest_us, 100'000.0);
   std::printf("%d failures, slowest healing: %.1f ms of virtual time\n", failures, slowest_us / 1000);
@@ -181,20 +181,20 @@ TEST(Healing, every_single_failure_of_200_patches_ends_at_the_best_possible_with
 TEST(Healing, any_two_failures_end_at_the_best_possible) {
   std::mt19937_64 random(4);
   for (int trial = 0; trial < 12; ++trial) {
-    Bench bench(random_patch(5 + trial, static_cast<int>(random() % 5), random), random());
-    const auto list = single_failures(bench.patch);
+    Fixture fixture(random_patch(5 + trial, static_cast<int>(random() % 5), random), random());
+    const auto list = single_failures(fixture.patch);
     for (std::size_t a = 0; a < list.size(); ++a) {
       for (std::size_t b = a + 1; b < list.size(); ++b) {
         if (random() % 3 != 0) continue;
         if (list[a].module == list[b].module && list[a].module >= 0) continue;
-        if (list[a].module < 0 && list[b].module < 0 && list[a].joint.module == list[b].joint.module &&
+        if (list[a].module < 0 && list[b].module < 0 && list[a].joint.row == list[b].joint.row &&
             list[a].joint.port == list[b].joint.port)
           continue;
-        apply(bench.model, list[a]);
-        apply(bench.model, list[b]);
-        ASSERT_NO_FATAL_FAILURE(bench.expect_best({list[a], list[b]})) << trial << ' ' << a << ' ' << b;
-        repair(bench.model, list[a]);
-        repair(bench.model, list[b]);
+        apply(fixture.model, list[a]);
+        apply(fixture.model, list[b]);
+        ASSERT_NO_FATAL_FAILURE(fixture.expect_best({list[a], list[b]})) << trial << ' ' << a << ' ' << b;
+        repair(fixture.model, list[a]);
+        repair(fixture.model, list[b]);
       }
     }
   }
@@ -204,16 +204,16 @@ TEST(Healing, any_two_failures_end_at_the_best_possible) {
 TEST(Healing, the_check_sees_every_loss_and_a_module_that_resets_alone) {
   std::mt19937_64 random(5);
   for (int trial = 0; trial < 100; ++trial) {
-    Bench bench(random_patch(2 + trial % 15, 2, random), random());
-    bench.expect_best({});
-    for (int m = 0; m < bench.patch.size(); ++m) {
-      bench.model.reset_alone(m);
-      EXPECT_FALSE(bench.topology.intact());
-      bench.expect_best({});
-      bench.model.set_dead(m, true);
-      EXPECT_FALSE(bench.topology.intact());
-      bench.model.set_dead(m, false);
-      bench.expect_best({});
+    Fixture fixture(random_patch(2 + trial % 15, 2, random), random());
+    fixture.expect_best({});
+    for (int m = 0; m < fixture.patch.size(); ++m) {
+      fixture.model.reset_alone(m);
+      EXPECT_FALSE(fixture.topology.intact());
+      fixture.expect_best({});
+      fixture.model.set_dead(m, true);
+      EXPECT_FALSE(fixture.topology.intact());
+      fixture.model.set_dead(m, false);
+      fixture.expect_best({});
     }
   }
 }
@@ -222,38 +222,38 @@ TEST(Healing, the_check_sees_every_loss_and_a_module_that_resets_alone) {
 TEST(Healing, no_two_configured_modules_share_a_slot_at_any_latch) {
   std::mt19937_64 random(6);
   for (int trial = 0; trial < 100; ++trial) {
-    Bench bench(random_patch(3 + trial % 14, 3, random), random());
-    bench.chain.watch = [&] {
+    Fixture fixture(random_patch(3 + trial % 14, 3, random), random());
+    fixture.chain.watch = [&] {
       std::map<int, int> users;
-      for (int m = 0; m < bench.patch.size(); ++m) {
-        const int slot = bench.model.line_of(m) * 4 + bench.model.address_of(m);
-        if (bench.model.reached(m) && slot != 0) ++users[slot];
+      for (int m = 0; m < fixture.patch.size(); ++m) {
+        const int slot = fixture.model.line_of(m) * 4 + fixture.model.address_of(m);
+        if (fixture.model.reached(m) && slot != 0) ++users[slot];
       }
       for (const auto& [slot, count] : users) EXPECT_EQ(count, 1) << "slot " << slot;
     };
-    bench.expect_best({});
+    fixture.expect_best({});
   }
 }
 
 TEST(Faults, stuck_register_bits_end_in_bounded_time_without_a_wrong_map) {
   std::mt19937_64 random(7);
   for (int trial = 0; trial < 60; ++trial) {
-    Bench bench(random_patch(2 + trial % 15, 3, random), random());
-    for (int m = 0; m < bench.patch.size(); ++m) {
+    Fixture fixture(random_patch(2 + trial % 15, 3, random), random());
+    for (int m = 0; m < fixture.patch.size(); ++m) {
       for (const int bit : {4, 5, 6}) {
-        bench.model.set_stuck_bit(m, bit, 0);
-        const double start = bench.model.time_us();
-        const auto report = bench.topology.heal(bench.table);
-        EXPECT_LE(bench.model.time_us() - start, 2'000'000.0);
-        for (int k = 0; k < bench.patch.size(); ++k) {
+        fixture.model.set_stuck_bit(m, bit, 0);
+        const double start = fixture.model.time_us();
+        const auto report = fixture.topology.heal(fixture.table);
+        EXPECT_LE(fixture.model.time_us() - start, 2'000'000.0);
+        for (int k = 0; k < fixture.patch.size(); ++k) {
           if ((report.alive >> k & 1) == 0) continue;
-          ASSERT_TRUE(bench.model.reached(k))
-              << "trial " << trial << ": bit " << bit << " of " << m << ", module " << k << " of " << bench.patch.size()
-              << ", table " << report.alive << ", cable " << bench.patch.cable_port;
-          ASSERT_EQ(bench.model.line_of(k), bench.table.slots[static_cast<std::size_t>(k)].line);
-          ASSERT_EQ(bench.model.address_of(k), bench.table.slots[static_cast<std::size_t>(k)].address);
+          ASSERT_TRUE(fixture.model.reached(k))
+              << "trial " << trial << ": bit " << bit << " of " << m << ", module " << k << " of "
+              << fixture.patch.size() << ", table " << report.alive << ", cable " << fixture.patch.cable_port;
+          ASSERT_EQ(fixture.model.line_of(k), fixture.table.addresses[static_cast<std::size_t>(k)].line);
+          ASSERT_EQ(fixture.model.address_of(k), fixture.table.addresses[static_cast<std::size_t>(k)].address);
         }
-        bench.model.set_stuck_bit(m, bit, -1);
+        fixture.model.set_stuck_bit(m, bit, -1);
       }
     }
   }
@@ -263,12 +263,12 @@ TEST(Faults, a_marginal_chain_clock_gives_no_wrong_joint) {
   std::mt19937_64 random(8);
   int complete = 0;
   for (int trial = 0; trial < 200; ++trial) {
-    Bench bench(random_patch(2 + trial % 15, 3, random), random());
-    bench.model.set_bit_error_rate(2e-5);
-    const auto report = bench.topology.discover();
+    Fixture fixture(random_patch(2 + trial % 15, 3, random), random());
+    fixture.model.set_bit_error_rate(2e-5);
+    const auto report = fixture.topology.discover();
     if (!report.complete || report.shorts > 0) continue;
     ++complete;
-    EXPECT_TRUE(canonical(bench.topology.graph()) == canonical(bench.table.graph)) << trial;
+    EXPECT_TRUE(canonical(fixture.topology.graph()) == canonical(fixture.table.graph)) << trial;
   }
   EXPECT_GE(complete, 150);
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every real cover becomes a design that the independent checker accepts; broken files end in a clear error.
+// Every generated and every real cover becomes a design that the independent checker accepts; broken files end in a
+// clear error.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
+#include "support/covers.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/pipeline/make_design.hpp"
@@ -15,27 +16,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path data_folder() {
-  const char* named = std::getenv("TRISKIN_DATA");
-  return named != nullptr ? named : TRISKIN_DATA;
+// The design of the cover is accepted by the checker, and read back it is the same.
+design::Design accepted_design(const std::string& name, const fs::path& mesh, const pipeline::DesignOptions& options) {
+  design::Design design = pipeline::make_design(mesh, options);
+  const fs::path file = fs::temp_directory_path() / ("parts_test." + name + "." + std::to_string(::getpid()) + ".json");
+  design::write_design(file, design);
+  EXPECT_EQ(design::read_design(file).design_id, design.design_id);
+  for (const auto& v : check::check_design(file).violations) ADD_FAILURE() << v.rule << " " << v.where << " " << v.text;
+  fs::remove(file);
+  return design;
 }
 
 class Parts : public testing::TestWithParam<const char*> {};
 
 TEST_P(Parts, designs_and_passes_every_rule) {
-  const fs::path mesh = data_folder() / "parts" / (std::string(GetParam()) + ".obj");
-  ASSERT_TRUE(fs::exists(mesh)) << mesh
-                                << ": the real covers are missing; set TRISKIN_DATA to the folder that holds parts/";
+  const auto mesh = test::cover_file({GetParam()});
+  if (!mesh) GTEST_SKIP() << test::no_data();
   pipeline::DesignOptions options;
   options.time_limit_s = 6.0;
-  const design::Design design = pipeline::make_design(mesh, options);
-  EXPECT_GE(design.layout.modules.size(), 5U);
-  const fs::path file = fs::temp_directory_path() /
-                        (std::string("parts_test.") + GetParam() + "." + std::to_string(::getpid()) + ".json");
-  design::write_design(file, design);
-  EXPECT_EQ(design::read_design(file).design_id, design.design_id);
-  for (const auto& v : check::check_design(file).violations) ADD_FAILURE() << v.rule << " " << v.where << " " << v.text;
-  fs::remove(file);
+  EXPECT_GE(accepted_design(GetParam(), mesh->path(), options).layout.modules.size(), 5U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Covers, Parts,
@@ -44,19 +43,50 @@ INSTANTIATE_TEST_SUITE_P(Covers, Parts,
                                          "UA_upperarm_v1", "UL_upperleg_v1", "UT_torso_v1"),
                          [](const auto& part) { return std::string(part.param); });
 
-TEST(HardMeshes, end_in_a_result_or_a_clear_error) {
-  for (const char* name : {"icub25_l_hip_2", "icub25_root_link", "upmc_icub_chest"}) {
-    const fs::path mesh = data_folder() / "hard" / (std::string(name) + ".stl");
-    ASSERT_TRUE(fs::exists(mesh)) << mesh;
-    try {
-      pipeline::DesignOptions options;
-      options.time_limit_s = 5.0;
-      EXPECT_GT(pipeline::make_design(mesh, options).layout.modules.size(), 0U);
-    } catch (const InputError& e) {
-      EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << e.what();
-      EXPECT_NE(std::string(e.what()).find("mm"), std::string::npos) << "the place is missing: " << e.what();
-    }
+// A generated cover and the share of its area that modules cover at least, after few steps.
+class GeneratedParts : public testing::TestWithParam<std::pair<test::CoverName, double>> {};
+
+TEST_P(GeneratedParts, designs_and_passes_every_rule) {
+  const auto& [cover, least_coverage] = GetParam();
+  const auto mesh = test::cover_file(cover);
+  pipeline::DesignOptions options;
+  options.time_limit_s = 6.0;
+  options.iterations = 40;
+  EXPECT_GE(accepted_design(cover.name, mesh->path(), options).report.coverage, least_coverage);
+}
+
+INSTANTIATE_TEST_SUITE_P(Covers, GeneratedParts,
+                         testing::Values(std::pair{test::CoverName{"torso"}, 0.65},
+                                         std::pair{test::CoverName{"hip"}, 0.65},
+                                         std::pair{test::CoverName{"thigh"}, 0.65},
+                                         std::pair{test::CoverName{"near-degenerate"}, 0.55}),
+                         [](const auto& p) { return test::case_name(p.param.first.name); });
+
+// A raw CAD mesh becomes a design, or the error names the file and the place.
+void expect_design_or_clear_error(const std::string& name, const fs::path& mesh) {
+  try {
+    pipeline::DesignOptions options;
+    options.time_limit_s = 5.0;
+    EXPECT_GT(pipeline::make_design(mesh, options).layout.modules.size(), 0U);
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("mm"), std::string::npos) << "the place is missing: " << e.what();
   }
+}
+
+TEST(HardMeshes, end_in_a_result_or_a_clear_error) {
+  if (!fs::exists(test::data_folder())) GTEST_SKIP() << test::no_data();
+  for (const char* name : {"icub25_l_hip_2", "icub25_root_link", "upmc_icub_chest"}) {
+    const fs::path mesh = test::data_folder() / "hard" / (std::string(name) + ".stl");
+    ASSERT_TRUE(fs::exists(mesh)) << mesh;
+    expect_design_or_clear_error(name, mesh);
+  }
+}
+
+TEST(HardMeshes, generated_shell_ends_in_a_clear_error) {
+  const auto mesh = test::cover_file({"dirty-shell"});
+  EXPECT_THROW((void)pipeline::make_design(mesh->path(), {}), InputError);
+  expect_design_or_clear_error("dirty-shell", mesh->path());
 }
 
 std::string error_of(const std::string& file_name, const std::string& content,

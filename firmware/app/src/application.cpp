@@ -26,7 +26,7 @@ Application::Application(const Ports& ports)
       stream_port_(ports.can),
       route_(ports.chain),
       identifiers_({ports_, tables_, route_, lines_, samples_, published_, stream_, sampling_, output_, sample_count_,
-                    lost_frames_},
+                    stream_queue_},
                    *this) {
   restart();
 }
@@ -48,37 +48,37 @@ void Application::restart_sampling() {
   }
   route_.begin(tables_.has_table() ? &tables_.table() : nullptr);
   next_tick_us_ = now_us() + ad7147::sequence_us(sampling_.decimation);
-  const layout::PatchImage table = tables_.has_table() ? tables_.table() : layout::PatchImage{};
+  const auto rows = tables_.has_table() ? tables_.table().rows() : std::span<const layout::ModuleRow>{};
   for (std::size_t l = 0; l < lines_.size(); ++l) {
-    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l), table, samples_, sampling_, now_us());
+    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l), rows, samples_, sampling_, now_us());
   }
 }
 
-// Switched modules: a look at the chain now and then; a new tree when it is due. Transfers that a doubt falls on end
-// unused.
+// Switched modules: the chain is checked now and then, and healed when that is due. Transfers under way when a check
+// fails end unused.
 void Application::keep_route() {
   for (std::uint8_t l = 0; l < layout::kLines; ++l) route_.line_state(l, lines_[l].stuck());
-  if (!quiet_ && route_.check_due(now_us()) && !route_.check(now_us())) distrust();
-  if (!quiet_ && !route_.due(now_us())) return;
-  quiet_ = true;
+  if (!pausing_ && route_.check_due(now_us()) && !route_.check(now_us())) invalidate_samples();
+  if (!pausing_ && !route_.due(now_us())) return;
+  pausing_ = true;
   bool idle = true;
-  for (LineSampler& l : lines_) idle = l.rest() && idle;
+  for (LineSampler& l : lines_) idle = l.pause() && idle;
   if (!idle) return;
-  distrust();
+  invalidate_samples();
   if (route_.due(now_us())) route_.heal(*ports_.clock);
   for (LineSampler& l : lines_) l.resume(now_us());
-  quiet_ = false;
+  pausing_ = false;
 }
 
-// What was read since the last good look at the chain may come from another module.
-void Application::distrust() {
+// What was read since the last check of the chain that passed may come from another module.
+void Application::invalidate_samples() {
   for (auto* samples : {&samples_, &published_}) {
     for (ModuleSample& s : *samples) {
       s.valid = 0;
       s.fresh = false;
     }
   }
-  quiet_ = true;
+  pausing_ = true;
 }
 
 void Application::step() {
@@ -90,7 +90,7 @@ void Application::step() {
   keep_route();
   const std::uint64_t now = now_us();
   for (LineSampler& line : lines_) line.step(now);
-  if (quiet_) keep_route();
+  if (pausing_) keep_route();
   if (now_us() >= next_tick_us_) tick();
   take_samples();
   send_pending();
@@ -121,7 +121,7 @@ void Application::reset_when_answered() {
 std::uint64_t Application::next_event_us() const {
   std::uint64_t next =
       std::min({next_tick_us_, reset_at_us_,
-                quiet_ ? UINT64_MAX : route_.next_event_us()});  // quiet: the lines report their own ends
+                pausing_ ? UINT64_MAX : route_.next_event_us()});  // pausing: the lines report their own ends
   for (const Channel& c : channels()) next = std::min(next, c.link.next_event_us());
   const std::uint64_t now = now_us();
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now));
@@ -191,28 +191,27 @@ void Application::send_pending() {
   if (icub_reply_ && ports_.can->send(*icub_reply_)) icub_reply_.reset();
   for (Channel& c : channels()) send_pending(c, now_us());
   const bool held = std::ranges::any_of(channels(), [&](const Channel& c) { return c.port == stream_port_ && c.held; });
-  while (!held && outgoing_tail_ != outgoing_head_ && stream_port_->send(outgoing_[outgoing_tail_]))
-    outgoing_tail_ = (outgoing_tail_ + 1) % outgoing_.size();
+  while (!held && !stream_queue_.empty() && stream_port_->send(stream_queue_.front())) stream_queue_.pop();
 }
 
 bool Application::frames_wait() const {
   const bool channel_waits = std::ranges::any_of(
       channels(), [](const Channel& c) { return (c.held || c.claim_at < c.claim.size()) && c.port->has_room(); });
   return channel_waits || (icub_reply_ && ports_.can->has_room()) ||
-         (outgoing_tail_ != outgoing_head_ && stream_port_->has_room());
+         (!stream_queue_.empty() && stream_port_->has_room());
 }
 
 // Each reading is sent on as soon as it stands: the converters have clocks of their own.
 void Application::take_samples() {
   const bool any = std::ranges::any_of(samples_, &ModuleSample::fresh);
-  if (any && route_.switched() && !route_.check(now_us())) return distrust();
+  if (any && route_.switched() && !route_.check(now_us())) return invalidate_samples();
   for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) {
     ModuleSample& s = samples_[k];
     if (!s.fresh) continue;
     s.fresh = false;
     published_[k] = s;
-    faults_.note(k, s.state, {static_cast<std::uint32_t>(now_us() / 1000), s.number});
-    if (stream_ == StreamMode::kFull && !server_.transferring()) queue_full(k);
+    faults_.note(table_row(k), s.state, {static_cast<std::uint32_t>(now_us() / 1000), s.number});
+    if (stream_ == StreamMode::kFull && !server_.transferring()) queue_full(table_row(k));
   }
   if (!any || !tables_.has_table()) return;
   const bool silent = std::ranges::all_of(std::span(samples_).first(tables_.table().module_count),
@@ -237,22 +236,12 @@ void Application::tick() {
   if (stream_ == StreamMode::kIcub && !server_.transferring() && icub_.due(now_us())) queue_icub();
 }
 
-// Frames that belong together; all or none. What finds no room is counted: the bus is slower than the stream.
-template <class... Frames>
-void Application::queue(const Frames&... frames) {
-  const std::size_t used = (outgoing_head_ + outgoing_.size() - outgoing_tail_) % outgoing_.size();
-  if (used + sizeof...(frames) >= outgoing_.size()) {
-    lost_frames_ += sizeof...(frames);
-    return;
-  }
-  ((outgoing_[outgoing_head_] = frames, outgoing_head_ = (outgoing_head_ + 1) % outgoing_.size()), ...);
-}
-
-void Application::queue_full(std::size_t module) {
-  const ModuleSample& s = samples_[module];
+void Application::queue_full(TableRow row) {
+  const ModuleSample& s = samples_[index_of(row)];
   const auto& value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output();
-  queue(wire::encode_full({tables_.node_address(), static_cast<std::uint8_t>(module), s.number, s.time_us, s.valid,
-                           static_cast<std::uint8_t>(s.state), value}));
+  const std::array frames{wire::encode_full(
+      {tables_.node_address(), static_cast<std::uint8_t>(row), s.number, s.time_us, s.valid, s.state, value})};
+  (void)stream_queue_.push(frames);
 }
 
 void Application::queue_icub() {
@@ -266,8 +255,7 @@ void Application::queue_icub() {
     t.out_of_range = s.state == ModuleState::kSaturated ? static_cast<std::uint16_t>(~s.valid & 0xFFF) : 0;
     t.no_acknowledge = s.state == ModuleState::kAbsent || s.state == ModuleState::kLineStuck;
     t.not_connected = s.state == ModuleState::kUnknown || s.state == ModuleState::kWrongId;
-    const auto frames = wire::encode_icub(t);
-    queue(frames[0], frames[1]);
+    (void)stream_queue_.push(wire::encode_icub(t));
   }
 }
 
@@ -296,7 +284,7 @@ Status Application::set_node_address(std::uint8_t address) {
 Status Application::set_stream(StreamMode mode) {
   if (mode == StreamMode::kFull && !asking_->fd()) return Status::kOutOfRange;
   stream_port_ = asking_;
-  outgoing_head_ = outgoing_tail_ = 0;
+  stream_queue_.clear();
   stream_ = mode;
   return Status::kOk;
 }

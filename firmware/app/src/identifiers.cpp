@@ -132,7 +132,7 @@ std::optional<wire::ModuleStates> Identifiers::module_states() const {
 }
 
 wire::Statistics Identifiers::statistics() const {
-  wire::Statistics s{parts_.sequences, 0, 0, parts_.lost_frames};
+  wire::Statistics s{parts_.sequences, 0, 0, parts_.stream_queue.dropped()};
   for (const LineSampler& l : parts_.lines) {
     s.bus_errors += l.bus_errors();
     s.recoveries += l.recoveries();

@@ -63,9 +63,9 @@ std::size_t ChainDriver::order() {
   return length_;
 }
 
-void ChainDriver::set_slot(std::uint8_t module, Slot slot) {
+void ChainDriver::set_address(std::uint8_t module, LineAddress address) {
   config_[module] =
-      static_cast<std::uint8_t>((config_[module] & 0xF0U) | (slot.line & 3U) | ((slot.address & 3U) << 2));
+      static_cast<std::uint8_t>((config_[module] & 0xF0U) | (address.line & 3U) | ((address.address & 3U) << 2));
 }
 
 // Shifts the configuration in; true when the chain gave back the same one, that is, held it before.

@@ -23,11 +23,11 @@ bool erased(Bytes bytes) {
   return std::ranges::all_of(bytes, [](std::uint8_t b) { return b == 0xFF; });
 }
 
-Record fault_record(std::size_t module, std::size_t state, FaultMemory::Freeze freeze) {
+Record fault_record(TableRow row, std::size_t state, FaultMemory::Freeze freeze) {
   Record record{};
   ByteWriter w(record);
   w.u8(kFaultMark);
-  w.u8(static_cast<std::uint8_t>(module));
+  w.u8(static_cast<std::uint8_t>(row));
   w.u8(static_cast<std::uint8_t>(state));
   w.u8(0);
   w.le32(freeze.time_ms);
@@ -81,9 +81,9 @@ void FaultMemory::replay(std::size_t page) {
   }
 }
 
-void FaultMemory::note(std::size_t module, wire::ModuleState state, Freeze now) {
+void FaultMemory::note(TableRow row, wire::ModuleState state, Freeze now) {
   for (std::size_t s = kFirstFault; s < kStates; ++s) {
-    Entry& e = entries_[module][s];
+    Entry& e = entries_[index_of(row)][s];
     if (static_cast<std::size_t>(state) != s) {
       e.status = static_cast<std::uint8_t>(e.status & ~kTestFailed);
       continue;
@@ -92,7 +92,7 @@ void FaultMemory::note(std::size_t module, wire::ModuleState state, Freeze now) 
     e.status = kTestFailed | kConfirmed;
     if (!first) continue;
     e.freeze = now;
-    (void)append(module, s);  // a flash that refuses leaves the fault in RAM
+    (void)append(row, s);  // a flash that refuses leaves the fault in RAM
   }
 }
 
@@ -111,10 +111,10 @@ bool FaultMemory::program(std::size_t page, std::size_t index, std::span<const s
   return true;
 }
 
-bool FaultMemory::append(std::size_t module, std::size_t state) {
+bool FaultMemory::append(TableRow row, std::size_t state) {
   if (!stored()) return false;
   if (used_ == 0 || (used_ + 1) * kRecordBytes > flash_.page_bytes()) return start_page();  // takes the new entry along
-  return program(page_, used_++, fault_record(module, state, entries_[module][state].freeze));
+  return program(page_, used_++, fault_record(row, state, entries_[index_of(row)][state].freeze));
 }
 
 // Starts the other page with what is confirmed now. Until its first record stands the old page counts.
@@ -128,7 +128,7 @@ bool FaultMemory::start_page() {
   for (std::size_t m = 0; m < entries_.size(); ++m) {
     for (std::size_t s = kFirstFault; s < kStates; ++s) {
       if ((entries_[m][s].status & kConfirmed) == 0) continue;
-      if (!program(next, at++, fault_record(m, s, entries_[m][s].freeze))) return false;
+      if (!program(next, at++, fault_record(table_row(m), s, entries_[m][s].freeze))) return false;
     }
   }
   Record head{};

@@ -65,15 +65,15 @@ void RouteKeeper::note(const Topology::Report& report) {
   route_.parent.fill(wire::kNoRow);
   route_.parent_port.fill(layout::kCable);
   for (std::uint8_t m = 0; m < topology_.graph().count; ++m) {
-    const std::uint8_t row = topology_.row_of(m);
+    const TableRow row = topology_.row_of(m);
     const JointEnd above = topology_.parent_of(m);
-    if (row == kNoModule || above.module == kNoModule) continue;
-    route_.parent[row] = topology_.row_of(above.module);
-    route_.parent_port[row] = above.port;
+    if (row == kNoTableRow || above.module == kNoModule) continue;
+    route_.parent[index_of(row)] = static_cast<std::uint8_t>(topology_.row_of(above.module));
+    route_.parent_port[index_of(row)] = above.port;
   }
 }
 
-// A missing module may come back: look again, each time after twice the pause.
+// A missing module may come back: the next healing, each time after twice the pause.
 void RouteKeeper::plan_next(std::uint64_t now_us) {
   check_at_us_ = now_us + kCheckEvery_us;
   heal_at_us_ = UINT64_MAX;
@@ -89,7 +89,7 @@ void RouteKeeper::plan_next(std::uint64_t now_us) {
 
 bool RouteKeeper::check(std::uint64_t now_us) {
   check_at_us_ = now_us + kCheckEvery_us;
-  if (!route_.complete) return true;  // strapped, or EN is low and nobody is reached
+  if (!route_.complete) return true;  // strapped, or EN is low and no module is reached
   if (topology_.intact()) return true;
   // A flipped bit, or a leaf that was reset alone, needs no new tree.
   if (topology_.refresh()) {
@@ -115,10 +115,9 @@ wire::FoundTopology RouteKeeper::found() const {
   t.count = g.count;
   t.cable_port = g.cable_port;
   for (std::uint8_t m = 0; m < g.count; ++m) {
-    t.row[m] = table_.graph.count > 0 ? topology_.row_of(m) : wire::kNoRow;
+    t.row[m] = table_.graph.count > 0 ? static_cast<std::uint8_t>(topology_.row_of(m)) : wire::kNoRow;
     for (std::size_t p = 0; p < layout::kPorts; ++p) {
-      const JointEnd end = g.joint[m][p];
-      t.joints[m][p] = end.module == kNoModule ? std::uint8_t{0} : layout::joint_to(end.module, end.port);
+      t.joints[m][p] = layout::joint_to(g.joint[m][p]);
     }
   }
   return t;

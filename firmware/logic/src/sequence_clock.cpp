@@ -44,7 +44,7 @@ std::uint64_t SequenceClock::stage_end_us(int stage) const {
   return end_us() - static_cast<std::uint32_t>(period_us()) * static_cast<std::uint32_t>(kStages - 1 - stage) / kStages;
 }
 
-void SequenceClock::looked(std::uint64_t at_us, int stage, bool ended) {
+void SequenceClock::refine(std::uint64_t at_us, int stage, bool ended) {
   const auto left = static_cast<std::uint64_t>(kStages - 1 - stage);
   const std::uint64_t at = at_us << kFraction;
   const std::uint64_t latest = at + left * longest_ / kStages + kSlack,

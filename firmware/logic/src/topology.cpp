@@ -262,16 +262,16 @@ std::optional<bool> Topology::brings_module(std::uint8_t module, std::uint8_t po
 }
 
 // Opens the tree level by level, one latch a level.
-bool Topology::rebuild(std::uint16_t wanted, bool set_slots) {
+bool Topology::rebuild(std::uint16_t wanted, bool set_addresses) {
   if (!chain_.restart(cable_)) return false;
-  if (set_slots) chain_.set_slot(0, slot_[0]);
+  if (set_addresses) chain_.set_address(0, address_[0]);
   std::uint16_t in = 1;
   for (;;) {
     std::uint16_t added = 0;
     for (std::uint8_t m = 1; m < graph_.count; ++m) {
       if (!has(wanted, m) || has(in, m) || parent_[m].module == kNoModule || !has(in, parent_[m].module)) continue;
       chain_.attach(parent_[m].module, parent_[m].port, m);
-      if (set_slots) chain_.set_slot(m, slot_[m]);
+      if (set_addresses) chain_.set_address(m, address_[m]);
       added = with(added, m);
     }
     if (!chain_.write()) return false;
@@ -284,18 +284,14 @@ bool Topology::rebuild(std::uint16_t wanted, bool set_slots) {
 Topology::Table Topology::table_of(const layout::PatchImage& image) {
   Table table;
   table.graph.count = image.module_count;
-  if (image.second_entry != 0)
-    table.second_entry = {static_cast<std::uint8_t>(layout::joint_row(image.second_entry)),
-                          layout::joint_port(image.second_entry)};
+  if (image.second_entry != 0) table.second_entry = layout::joint_end(image.second_entry);
   const bool given = layout::has_joints(image);
   const auto row = [](std::uint8_t k) { return static_cast<std::size_t>(k); };
   for (std::uint8_t k = 0; k < image.module_count; ++k) {
     const layout::ModuleRow& m = image.modules[k];
-    table.slots[k] = {m.line, m.address};
+    table.addresses[k] = {m.line, m.address};
     for (std::uint8_t p = 0; p < layout::kPorts && given; ++p) {
-      if (m.joints[p] != 0)
-        table.graph.joint[k][p] = {static_cast<std::uint8_t>(layout::joint_row(m.joints[p])),
-                                   layout::joint_port(m.joints[p])};
+      if (m.joints[p] != 0) table.graph.joint[k][p] = layout::joint_end(m.joints[p]);
     }
     if (k == 0) continue;
     table.parent[k] = {m.parent, m.parent_port};
@@ -317,7 +313,7 @@ Topology::Report Topology::heal(const Table& table) {
   }
   if (report.complete) {
     for (std::uint8_t m = 0; m < graph_.count; ++m) {
-      if (table_index_[m] != kNoModule) slot_[m] = table.slots[table_index_[m]];
+      if (table_index_[m] != kNoModule) address_[m] = table.addresses[table_index_[m]];
     }
     report.complete = activate(table, report);
   }

@@ -18,7 +18,7 @@ struct Sight {
   P3 normal;     // of the surface at the foot, unit
 };
 
-Sight look(const BorderEdge& e, const P3& p) {
+Sight sight_of(const BorderEdge& e, const P3& p) {
   const P3 d = e.b - e.a;
   const double s = std::clamp((p - e.a).dot(d) / d.squaredNorm(), 0.0, 1.0);
   return {s, p - e.a - s * d, ((1 - s) * e.normal_a + s * e.normal_b).normalized()};
@@ -30,9 +30,9 @@ double across(const P3& off, const P3& normal) {
 
 // Branch and bound over parts of one module; points count that are past the border by `past_mm`, or lack no more than
 // its negative.
-class Search {
+class OverrunSearch {
  public:
-  Search(const SurfaceIndex& surface, double past_mm)
+  OverrunSearch(const SurfaceIndex& surface, double past_mm)
       : surface_(surface), past_mm_(past_mm), lack_mm_(std::max(0.0, -past_mm)) {}
 
   double run(const Triangle3& module) {
@@ -40,7 +40,7 @@ class Search {
     const double reach = surface_.distance(c) + 2.0 * (module[0] - c).norm();
     std::vector<const BorderEdge*> near;
     for (const BorderEdge& e : surface_.border()) {
-      if (look(e, c).off.norm() <= reach) near.push_back(&e);
+      if (sight_of(e, c).off.norm() <= reach) near.push_back(&e);
     }
     if (near.empty()) return 0.0;
     for (std::size_t k = 0; k < 3; ++k) {  // where the largest value is mostly found: the search then ends sooner
@@ -56,7 +56,7 @@ class Search {
   void visit(const P3& p, double to_surface, const std::vector<const BorderEdge*>& near) {
     double nearest = std::numeric_limits<double>::infinity(), over = 0.0, past = 0.0;
     for (const BorderEdge* e : near) {
-      const Sight s = look(*e, p);
+      const Sight s = sight_of(*e, p);
       const double distance = s.off.norm(), out = s.off.dot(e->out);
       if (distance > nearest + kTouch_mm) continue;
       past =
@@ -73,13 +73,13 @@ class Search {
   // the point, the distance to a point or a line is convex, and the normal turns by at most `turn` a mm.
   [[nodiscard]] double bound(const BorderEdge& e, const Triangle3& part, const P3& middle, double radius) const {
     const double length = (e.b - e.a).norm(), slack = radius / length;
-    const Sight s = look(e, middle);
+    const Sight s = sight_of(e, middle);
     const bool inside = s.along > slack && s.along < 1.0 - slack;
     if (inside && s.off.dot(e.out) < past_mm_ - radius) return 0.0;  // the face of the edge is nearer, or too near
     const double turn =
         (e.normal_b - e.normal_a).norm() / (length * std::max(0.1, (e.normal_a + e.normal_b).norm() / 2));
     const double turned = turn * radius * (s.off.norm() + radius);
-    const Sight ends[3] = {look(e, part[0]), look(e, part[1]), look(e, part[2])};
+    const Sight ends[3] = {sight_of(e, part[0]), sight_of(e, part[1]), sight_of(e, part[2])};
     const auto all_at = [&](double end) {
       return std::ranges::all_of(ends, [end](const Sight& q) { return q.along == end; });
     };
@@ -95,7 +95,7 @@ class Search {
     const double to_surface = surface_.distance(m);
     std::vector<const BorderEdge*> near;  // all that may be nearest to a point of the part
     for (const BorderEdge* e : candidates) {
-      if (look(*e, m).off.norm() <= to_surface + 2.0 * radius + lack_mm_) near.push_back(e);
+      if (sight_of(*e, m).off.norm() <= to_surface + 2.0 * radius + lack_mm_) near.push_back(e);
     }
     if (near.empty()) return;
     visit(m, to_surface, near);
@@ -117,7 +117,7 @@ class Search {
 }  // namespace
 
 double overrun_of(const Triangle3& module, const SurfaceIndex& surface, double past_mm) {
-  return Search(surface, past_mm).run(module);
+  return OverrunSearch(surface, past_mm).run(module);
 }
 
 }  // namespace triskin::check

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the routing rules read: own structures, filled from the two documents.
+// Input of the routing rules: own structures, filled from the two documents.
 #pragma once
 #include <algorithm>
 #include <array>

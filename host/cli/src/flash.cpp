@@ -10,6 +10,7 @@
 
 #include "triskin/cli/link_options.hpp"
 #include "triskin/jobs/firmware_update.hpp"
+#include "triskin/layout/module.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -109,7 +110,7 @@ const Registration kFlash{{
           ->capture_default_str();
       app.add_option("--per-wire", options->flash.per_wire,
                      "controllers served at once on one CAN bus; on different wires all are")
-          ->check(CLI::Range(1, 126))
+          ->check(CLI::Range(1, int{layout::kMaxNodes}))
           ->capture_default_str();
       app.add_flag("--dry-run", options->flash.dry_run, "say what would change, write nothing");
       app.add_option("--route", options->route,

@@ -10,6 +10,7 @@
 #include "triskin/cli/link_options.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/jobs/touch_map.hpp"
+#include "triskin/layout/module.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -62,7 +63,9 @@ class Demonstrator {
   }
 
  private:
-  static constexpr std::array<int, 10> kTaxelsInTurn{3, 9, 1, 5, 0, 7, 2, 4, 8, 11};  // those that measure pressure
+  static constexpr std::array<int, layout::kPressureTaxelsPerModule> kTaxelsInTurn{3, 9, 1, 5, 0, 7, 2, 4, 8, 11};
+  static_assert(std::ranges::all_of(kTaxelsInTurn,
+                                    [](int t) { return layout::measures_pressure(static_cast<std::size_t>(t)); }));
   device::Finger* finger_;
   const Options& options_;
   int modules_;

@@ -29,7 +29,7 @@ int fail(const std::string& what, int status) {
   return status;
 }
 
-// Runs one command and turns what it throws into the exit status of docs/cli.md.
+// Runs one command and turns what it throws into its exit status.
 int run_entry(const Entry& entry) {
   try {
     Output output(entry.json);

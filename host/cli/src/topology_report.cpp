@@ -51,7 +51,7 @@ json route_json(const wire::ActiveRoute& a) {
 json match_json(const device::TopologyMatch& match, const std::string& file) {
   json differences = json::array();
   for (const auto& d : match.differences) {
-    json j = {{"kind", d.kind}, {"text", d.text}, {"remedy", d.remedy}};
+    json j = {{"kind", device::kFindingKindNames.name(d.kind)}, {"text", d.text}, {"remedy", d.remedy}};
     j["module"] = d.module >= 0 ? json(d.module) : json(nullptr);
     if (d.other >= 0) j["other"] = d.other;
     if (d.steps > 0) j["degrees"] = 120 * d.steps;
@@ -83,7 +83,7 @@ void say_found(const wire::FoundTopology& found, const wire::ActiveRoute& route,
                          found.complete ? "" : "; the chain would not settle, there may be more"));
   for (std::size_t m = 0; m < found.count; ++m) {
     std::string line = fmt::format("    {:2}", m);
-    for (std::size_t p = 0; p < 3; ++p) {
+    for (std::size_t p = 0; p < layout::kPorts; ++p) {
       const std::uint8_t j = found.joints[m][p];
       line += j == 0 ? fmt::format("  {} -", "ABC"[p])
                      : fmt::format("  {} {}.{}", "ABC"[p], layout::joint_row(j), "ABC"[layout::joint_port(j)]);

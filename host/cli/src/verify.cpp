@@ -20,7 +20,7 @@ struct Options {
 };
 
 nlohmann::json to_json(const device::Finding& f) {
-  nlohmann::json j = {{"kind", f.kind}, {"text", f.text}, {"remedy", f.remedy}};
+  nlohmann::json j = {{"kind", device::kFindingKindNames.name(f.kind)}, {"text", f.text}, {"remedy", f.remedy}};
   j["module"] = f.module >= 0 ? nlohmann::json(f.module) : nlohmann::json(nullptr);
   j["patch"] = f.patch >= 0 ? nlohmann::json(f.patch) : nlohmann::json(nullptr);
   if (f.other >= 0) j["other"] = f.other;
@@ -48,7 +48,7 @@ int run(Options options, Output& output) {
   nlohmann::json findings = nlohmann::json::array();
   for (const auto& f : r.findings) {
     findings.push_back(to_json(f));
-    output.say(fmt::format("{}: {}\n    {}", f.kind, f.text, f.remedy));
+    output.say(fmt::format("{}: {}\n    {}", device::kFindingKindNames.name(f.kind), f.text, f.remedy));
   }
   nlohmann::json earlier = nlohmann::json::array();
   for (const auto& f : r.earlier) {

@@ -8,19 +8,19 @@ namespace triskin::design {
 namespace {
 
 // Centres on the iCub module relative to its centroid, x along side 0, y towards the opposite corner (skinGui's
-// triangle); 6 and 10 are the temperature pads.
-constexpr std::array<std::array<double, 2>, 12> kTaxel_mm{{{6.533, 0.0},
-                                                           {9.8, -5.66},
-                                                           {3.267, -5.66},
-                                                           {0.0, 0.0},
-                                                           {-3.267, -5.66},
-                                                           {-9.8, -5.66},
-                                                           {-6.533, -3.75},
-                                                           {-6.533, 0.0},
-                                                           {-3.267, 5.66},
-                                                           {0.0, 11.317},
-                                                           {0.0, 7.507},
-                                                           {3.267, 5.66}}};
+// triangle); which measure what: layout/module.hpp.
+constexpr std::array<std::array<double, 2>, layout::kTaxelsPerModule> kTaxel_mm{{{6.533, 0.0},
+                                                                                 {9.8, -5.66},
+                                                                                 {3.267, -5.66},
+                                                                                 {0.0, 0.0},
+                                                                                 {-3.267, -5.66},
+                                                                                 {-9.8, -5.66},
+                                                                                 {-6.533, -3.75},
+                                                                                 {-6.533, 0.0},
+                                                                                 {-3.267, 5.66},
+                                                                                 {0.0, 11.317},
+                                                                                 {0.0, 7.507},
+                                                                                 {3.267, 5.66}}};
 
 // FNV-1a, 64 bit, over little-endian words.
 class Hash {
@@ -52,13 +52,13 @@ std::vector<ModuleWiring> wiring_of(const Design& design) {
   return wiring;
 }
 
-std::array<TaxelPose, 12> taxels_of(const PlacedModule& module, int rotation) {
+std::array<TaxelPose, layout::kTaxelsPerModule> taxels_of(const PlacedModule& module, int rotation) {
   const auto corner = [&](int k) { return module.corner_mm[static_cast<std::size_t>((k + rotation) % 3)]; };
   const Vec3 centroid = (corner(0) + corner(1) + corner(2)) / 3.0;
   const Vec3 x = (corner(1) - corner(0)).normalized();
   const Vec3 normal = x.cross(corner(2) - corner(0)).normalized();
   const Vec3 y = normal.cross(x);
-  std::array<TaxelPose, 12> taxels;
+  std::array<TaxelPose, layout::kTaxelsPerModule> taxels;
   for (std::size_t t = 0; t < taxels.size(); ++t) {
     taxels[t] = {centroid + kTaxel_mm[t][0] * x + kTaxel_mm[t][1] * y, normal};
   }

@@ -151,8 +151,8 @@ std::string assembly_html(const Design& design) {
       const auto& tile = design.layout.modules[static_cast<std::size_t>(m.node)].tile;
       html += fmt::format(
           "<tr><td>{}</td><td>{}</td><td>{} (0x{:02X})</td><td>{}°</td><td>{}</td><td>{}, {} {}</td></tr>\n", m.node,
-          m.line, m.address, 0x2C + m.address, 120 * m.rotation, m.parent < 0 ? "cable" : std::to_string(m.parent),
-          tile.i, tile.j, tile.up ? "up" : "down");
+          m.line, m.address, layout::cdc_address(m.address), 120 * m.rotation,
+          m.parent < 0 ? "cable" : std::to_string(m.parent), tile.i, tile.j, tile.up ? "up" : "down");
     }
     html += "</table>\n";
   }

@@ -134,7 +134,7 @@ class Layer {
         if (!laid[w]) {
           laid[w] = true;
           place_[w] = beyond.tile;
-          // Its side `beyond.side` looks back; sides follow counter-clockwise.
+          // Its side `beyond.side` faces back; sides follow counter-clockwise.
           side0_[w] = turn(direction(v, w) + std::numbers::pi - beyond.side * 2.0 * std::numbers::pi / 3.0);
           if (!taken.try_emplace(beyond.tile, w).second)
             fail(w, fmt::format("falls on the tile of triangle {}", drawn_[taken.at(beyond.tile)].id));

@@ -18,25 +18,6 @@ using design::JsonValue;
 constexpr double kMaxSeconds = 1e6;
 constexpr double kMaxLength_mm = 1e5;
 
-constexpr std::pair<FaultKind, const char*> kKinds[] = {{FaultKind::kRemovedChip, "removed_chip"},
-                                                        {FaultKind::kMovedChip, "moved_chip"},
-                                                        {FaultKind::kSwappedChips, "swapped_chips"},
-                                                        {FaultKind::kStuckLine, "stuck_line"},
-                                                        {FaultKind::kWrongId, "wrong_id"},
-                                                        {FaultKind::kLostConfiguration, "lost_configuration"},
-                                                        {FaultKind::kSaturatedTaxel, "saturated_taxel"},
-                                                        {FaultKind::kFrozenTaxel, "frozen_taxel"},
-                                                        {FaultKind::kFingerElsewhere, "finger_elsewhere"},
-                                                        {FaultKind::kRotatedModule, "rotated_module"},
-                                                        {FaultKind::kDeadModule, "dead_module"},
-                                                        {FaultKind::kHeldLine, "held_line"},
-                                                        {FaultKind::kStuckBit, "stuck_bit"},
-                                                        {FaultKind::kModuleReset, "module_reset"},
-                                                        {FaultKind::kOpenJoint, "open_joint"},
-                                                        {FaultKind::kShortedJoint, "shorted_joint"},
-                                                        {FaultKind::kExtraJoint, "extra_joint"},
-                                                        {FaultKind::kSwappedPatches, "swapped_patches"}};
-
 bool needs_switched(FaultKind kind) {
   return kind >= FaultKind::kDeadModule;
 }
@@ -97,10 +78,9 @@ class Reader {
     Fault f;
     const JsonValue kind = v["kind"];
     const std::string text = kind.text();
-    const auto* const found =
-        std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return text == k.second; });
-    if (found == std::end(kKinds)) kind.fail("\"" + text + "\" is no kind of fault; docs/scene.md lists them");
-    f.kind = found->first;
+    const auto known = kFaultKindNames.value(text);
+    if (!known) kind.fail("\"" + text + "\" is no kind of fault; docs/scene.md lists them");
+    f.kind = *known;
     if (needs_switched(f.kind) && !switched_)
       kind.fail("\"" + text + "\" needs \"hardware\": \"switched\" in the scene");
     if (f.kind == FaultKind::kMovedChip && switched_)
@@ -235,12 +215,6 @@ void read_head(const JsonValue& v) {
 }
 
 }  // namespace
-
-const char* name_of(FaultKind kind) {
-  const auto* const found =
-      std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return kind == k.first; });
-  return found == std::end(kKinds) ? "unknown" : found->second;
-}
 
 int real_rotation(const Scene& scene, int module) {
   const auto wiring = design::wiring_of(scene.design);

@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kSaturatedCounts = -1e6;  // beyond the converter's range: a pad shorted to the shield
 constexpr std::uint64_t kForgetAfterUs = 1'000'000;
-constexpr int kFirstCdcAddress = 0x2C;  // AD7147 data sheet: ADD1, ADD0 = 0
 
 // SplitMix64 (Steele, Lea, Flood 2014): one hash per sample, so that noise needs no state.
 std::uint64_t mix(std::uint64_t x) {
@@ -132,7 +131,7 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
     if (switched != nullptr && switched->present())
       attach(*chips_.back(), static_cast<int>(m), place.patch, *switched);
     else
-      line(place.patch, place.line).attach(*chips_.back(), static_cast<std::uint8_t>(kFirstCdcAddress + place.address));
+      line(place.patch, place.line).attach(*chips_.back(), layout::cdc_address(place.address));
   }
 }
 
@@ -141,10 +140,10 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
 void Skin::attach(Ad7147& chip, int module, int patch, SwitchedHardware& switched) {
   const SwitchedPatch& chain = switched.patch(patch);
   const int row = switched.row_of(module);
-  for (int l = 0; l < 4; ++l) {
+  for (int l = 0; l < layout::kLines; ++l) {
     I2cLineModel& model = line(patch, l);
     model.attach(chip, [&chain, row, l] {
-      return chain.reached(row) && chain.line_of(row) == l ? kFirstCdcAddress + chain.address_of(row) : -1;
+      return chain.reached(row) && chain.line_of(row) == l ? layout::cdc_address(chain.address_of(row)) : -1;
     });
     if (row == 0) model.hold_while([&chain, l] { return (chain.stuck_lines() >> l & 1) != 0; });
   }

@@ -8,13 +8,13 @@
 namespace triskin::scene {
 namespace {
 
-using Joints = std::vector<std::array<SwitchedPatch::End, 3>>;
+using Joints = design::PortEnds;
 
 // A joint that the design does not have: first free port of each module.
 void add_joint(Joints& joints, int cable_port, int a, int b) {
   const auto free_port = [&](int m) {
-    for (int p = 0; p < 3; ++p) {
-      if (joints[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)].module < 0 && !(m == 0 && p == cable_port))
+    for (int p = 0; p < static_cast<int>(layout::kPorts); ++p) {
+      if (joints[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)].row < 0 && !(m == 0 && p == cable_port))
         return p;
     }
     return -1;
@@ -50,7 +50,7 @@ void SwitchedHardware::add_patch(const Scene& scene, int patch) {
   Joints joints;
   for (const auto& ends : design::joints_of(scene.design, patch, rotations)) {
     auto& row = joints.emplace_back();
-    for (std::size_t p = 0; p < 3; ++p) row[p] = {ends[p].row, ends[p].port};
+    for (std::size_t p = 0; p < static_cast<int>(layout::kPorts); ++p) row[p] = {ends[p].row, ends[p].port};
   }
   const int cable_port = (routed[0].rotation + 3 - rotations[0]) % 3;
   for (const Fault& f : scene.faults) {
@@ -68,7 +68,7 @@ void SwitchedHardware::plug_second_cable(const design::Patch& designed, const st
   if (designed.second_entry < 0) return;
   const auto row = static_cast<std::size_t>(row_of(designed.second_entry));
   const int port = (designed.second_entry_side + 3 - rotations[row]) % 3;
-  if (joints_.back()[row][static_cast<std::size_t>(port)].module < 0)
+  if (joints_.back()[row][static_cast<std::size_t>(port)].row < 0)
     patches_.back().set_second_cable({static_cast<int>(row), port});
 }
 
@@ -83,8 +83,8 @@ void SwitchedHardware::apply(const Fault& f, bool begins) {
   SwitchedPatch& p = patches_[static_cast<std::size_t>(patch)];
   const auto joint = [&](SwitchedPatch::JointFault kind) {
     const auto& ends = joints_[static_cast<std::size_t>(patch)][static_cast<std::size_t>(row)];
-    for (int port = 0; port < 3; ++port) {
-      const int other = ends[static_cast<std::size_t>(port)].module;
+    for (int port = 0; port < static_cast<int>(layout::kPorts); ++port) {
+      const int other = ends[static_cast<std::size_t>(port)].row;
       if (other >= 0 && patch_[static_cast<std::size_t>(f.other)] == patch && other == row_of(f.other)) {
         p.set_joint({row, port}, begins ? kind : SwitchedPatch::JointFault::kNone);
       }

@@ -18,7 +18,7 @@ bool bit(std::uint8_t set, int k) {
 
 }  // namespace
 
-SwitchedPatch::SwitchedPatch(std::vector<std::array<End, 3>> joints, int cable_port, std::uint64_t seed)
+SwitchedPatch::SwitchedPatch(std::vector<std::array<End, layout::kPorts>> joints, int cable_port, std::uint64_t seed)
     : joints_(std::move(joints)),
       faults_(joints_.size()),
       modules_(joints_.size()),
@@ -39,10 +39,10 @@ std::uint8_t SwitchedPatch::opened(int m) const {
 
 std::uint8_t SwitchedPatch::raised(int m) const {
   std::uint8_t in = 0;
-  for (int p = 0; p < 3; ++p) {
+  for (int p = 0; p < static_cast<int>(layout::kPorts); ++p) {
     if (at_cable(m, p)) in = static_cast<std::uint8_t>(in | 1U << p);
     const End e = end(m, p);
-    if (e.module >= 0 && fault(m, p) != JointFault::kOpen && bit(opened(e.module), e.port))
+    if (e.row >= 0 && fault(m, p) != JointFault::kOpen && bit(opened(e.row), e.port))
       in = static_cast<std::uint8_t>(in | 1U << p);
   }
   return in;
@@ -50,21 +50,21 @@ std::uint8_t SwitchedPatch::raised(int m) const {
 
 bool SwitchedPatch::at_cable(int m, int port) const {
   for (std::size_t c = 0; c < cables_.size(); ++c) {
-    if ((enabled_ >> c & 1) != 0 && cables_[c].module == m && cables_[c].port == port) return true;
+    if ((enabled_ >> c & 1) != 0 && cables_[c].row == m && cables_[c].port == port) return true;
   }
   return false;
 }
 
 bool SwitchedPatch::attached_child(int m, int p) const {
   const End e = end(m, p);
-  return e.module >= 0 && fault(m, p) == JointFault::kNone && !at(e.module).dead && at(e.module).grant == e.port &&
+  return e.row >= 0 && fault(m, p) == JointFault::kNone && !at(e.row).dead && at(e.row).grant == e.port &&
          bit(opened(m), p);
 }
 
 bool SwitchedPatch::shorted() const {
   for (int m = 0; m < static_cast<int>(modules_.size()); ++m) {
     if (!reached(m)) continue;
-    for (int p = 0; p < 3; ++p) {
+    for (int p = 0; p < static_cast<int>(layout::kPorts); ++p) {
       if (bit(opened(m), p) && fault(m, p) == JointFault::kShort) return true;
     }
   }
@@ -77,8 +77,8 @@ int SwitchedPatch::depth_of(int module) const {
     if (at(m).dead || at(m).grant == sim::kNoGrant || depth > static_cast<int>(modules_.size())) return -1;
     if (at_cable(m, at(m).grant)) return depth;
     const End above = end(m, at(m).grant);
-    if (above.module < 0 || !attached_child(above.module, above.port)) return -1;
-    m = above.module;
+    if (above.row < 0 || !attached_child(above.row, above.port)) return -1;
+    m = above.row;
   }
 }
 
@@ -88,13 +88,13 @@ bool SwitchedPatch::reached(int module) const {
 
 void SwitchedPatch::collect(int m, std::vector<int>& chain) const {
   chain.push_back(m);
-  for (int p = 0; p < 3; ++p) {
+  for (int p = 0; p < static_cast<int>(layout::kPorts); ++p) {
     if (!bit(opened(m), p)) continue;
     const End e = end(m, p);
     if (attached_child(m, p)) {
-      collect(e.module, chain);
+      collect(e.row, chain);
     } else {
-      const bool nobody = e.module < 0 || at(e.module).dead || fault(m, p) != JointFault::kNone;
+      const bool nobody = e.row < 0 || at(e.row).dead || fault(m, p) != JointFault::kNone;
       chain.push_back(nobody ? kConstantZero : kConstantOne);
     }
   }
@@ -105,8 +105,8 @@ std::vector<std::vector<int>> SwitchedPatch::chains() const {
   std::vector<std::vector<int>> list;
   if (shorted()) return list;
   for (const End& c : cables_) {
-    if (c.module < 0 || at(c.module).dead || at(c.module).grant != c.port || !at_cable(c.module, c.port)) continue;
-    collect(c.module, list.emplace_back());
+    if (c.row < 0 || at(c.row).dead || at(c.row).grant != c.port || !at_cable(c.row, c.port)) continue;
+    collect(c.row, list.emplace_back());
   }
   return list;
 }
@@ -210,9 +210,9 @@ void SwitchedPatch::set_dead(int module, bool dead) {
 }
 
 void SwitchedPatch::set_joint(End e, JointFault f) {
-  const End other = end(e.module, e.port);
-  faults_[static_cast<std::size_t>(e.module)][static_cast<std::size_t>(e.port)] = f;
-  if (other.module >= 0) faults_[static_cast<std::size_t>(other.module)][static_cast<std::size_t>(other.port)] = f;
+  const End other = end(e.row, e.port);
+  faults_[static_cast<std::size_t>(e.row)][static_cast<std::size_t>(e.port)] = f;
+  if (other.row >= 0) faults_[static_cast<std::size_t>(other.row)][static_cast<std::size_t>(other.port)] = f;
   settle();
 }
 

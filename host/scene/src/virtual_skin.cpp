@@ -17,8 +17,8 @@ constexpr std::uint64_t kBusyStepUs = 50;
 constexpr std::uint64_t kNeverUs = ~std::uint64_t{0};
 
 // Sorted by patch, so that fresh boards can be told apart, and different for every design.
-std::array<std::uint8_t, 12> unique_id_of(std::uint64_t design_id, std::size_t patch) {
-  std::array<std::uint8_t, 12> id{};
+wire::UniqueId unique_id_of(std::uint64_t design_id, std::size_t patch) {
+  wire::UniqueId id{};
   for (std::size_t k = 0; k < 8; ++k) id[k] = static_cast<std::uint8_t>(design_id >> (56 - 8 * k));
   for (std::size_t k = 0; k < 4; ++k) id[8 + k] = static_cast<std::uint8_t>(patch >> (24 - 8 * k));
   return id;
@@ -65,7 +65,7 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
                                       : std::make_unique<FlashMemory>(
                                             kFlashBytes, state_folder / fmt::format("controller_{}.flash", p + 1));
     const int plugged = plugged_patch(scene_, static_cast<int>(p));
-    for (int l = 0; l < 4; ++l) node.board.lines[static_cast<std::size_t>(l)] = &skin_.line(plugged, l);
+    for (int l = 0; l < layout::kLines; ++l) node.board.lines[static_cast<std::size_t>(l)] = &skin_.line(plugged, l);
     if (switched_.present()) node.board.chain = &switched_.patch(plugged);
     node.slots = state_folder.empty()
                      ? std::make_unique<FlashMemory>(sim::kSlotsBytes)

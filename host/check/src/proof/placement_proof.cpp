@@ -155,9 +155,9 @@ class Checker {
 const ProofModule& require_header(const ProofLog& log, const std::vector<std::array<PlanePoint, 2>>& edges) {
   if (edges.empty() || edges != edge_set(log.rings))
     throw Rejected{"the polygon of the log is not the polygon of the file"};
-  const ProofModule* module = proof_module(log.shape);
-  if (module == nullptr) throw Rejected{"\"shape\" must be triangle, square or hexagon"};
-  if (!(log.pitch_mm >= module->least_pitch_mm && log.pitch_mm <= 1000.0)) throw Rejected{"pitch_mm is out of range"};
+  if (!log.shape) throw Rejected{fmt::format("\"shape\" must be {}", kProofShapeNames.list())};
+  const ProofModule& module = proof_module(*log.shape);
+  if (!(log.pitch_mm >= module.least_pitch_mm && log.pitch_mm <= 1000.0)) throw Rejected{"pitch_mm is out of range"};
   if (!(log.tolerance_mm > 0.0 && log.tolerance_mm <= 1.0)) throw Rejected{"tolerance_mm is out of range"};
   if (log.upper_bound < log.modules)
     throw Rejected{fmt::format("the bound {} is below the {} modules that are claimed", log.upper_bound, log.modules)};
@@ -167,7 +167,7 @@ const ProofModule& require_header(const ProofLog& log, const std::vector<std::ar
         throw Rejected{"a cell is not a box"};
     }
   }
-  return *module;
+  return module;
 }
 
 void require_placement(const ProofLog& log, const ProofPolygon& polygon) {
@@ -183,7 +183,7 @@ void require_placement(const ProofLog& log, const ProofPolygon& polygon) {
   }
 }
 
-ProofReport judge(const ProofLog& log, const std::vector<Ring>& rings) {
+ProofReport evaluate(const ProofLog& log, const std::vector<Ring>& rings) {
   const auto start = std::chrono::steady_clock::now();
   ProofReport report;
   report.modules = log.modules;
@@ -207,11 +207,11 @@ ProofReport judge(const ProofLog& log, const std::vector<Ring>& rings) {
 }  // namespace
 
 ProofReport check_placement_proof_text(const std::string& log, const std::string& polygon) {
-  return judge(read_proof_log(log, "proof"), read_rings(polygon, "polygon"));
+  return evaluate(read_proof_log(log, "proof"), read_rings(polygon, "polygon"));
 }
 
 ProofReport check_placement_proof(const std::filesystem::path& log, const std::filesystem::path& polygon) {
-  return judge(read_proof_log(read_file(log), log.string()), read_rings(read_file(polygon), polygon.string()));
+  return evaluate(read_proof_log(read_file(log), log.string()), read_rings(read_file(polygon), polygon.string()));
 }
 
 }  // namespace triskin::check

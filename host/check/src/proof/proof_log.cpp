@@ -134,7 +134,7 @@ ProofLog read_proof_log(const std::string& text, const std::string& name) {
   for (std::size_t k = 0; k < 3; ++k) log.motion[k] = number(motion[k], "motion", name);
   if (j.contains("shape")) {
     if (!j["shape"].is_string()) fail(name, "\"shape\" must be a name");
-    log.shape = j["shape"].get<std::string>();
+    log.shape = kProofShapeNames.value(j["shape"].get<std::string>());
   }
   log.pitch_mm = number(member(j, "pitch_mm", name), "pitch_mm", name);
   log.tolerance_mm = number(member(j, "tolerance_mm", name), "tolerance_mm", name);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "triskin/host/names.hpp"
 
 namespace triskin::check {
 
@@ -20,10 +23,15 @@ struct ProofTile {
   auto operator<=>(const ProofTile&) const = default;
 };
 
-/// What the log claims.
+/// Shapes that the format knows, and their names in it (docs/placement.md).
+enum class ProofShape { kTriangle, kSquare, kHexagon };
+inline constexpr NameTable kProofShapeNames{std::array<std::pair<ProofShape, std::string_view>, 3>{
+    {{ProofShape::kTriangle, "triangle"}, {ProofShape::kSquare, "square"}, {ProofShape::kHexagon, "hexagon"}}}};
+
+/// Claims of a proof log.
 struct ProofLog {
   std::vector<Ring> rings;
-  std::string shape = "triangle";
+  std::optional<ProofShape> shape = ProofShape::kTriangle;  ///< nullopt: the log names an unknown one
   PlanePoint pivot{};
   double pitch_mm = 0.0, tolerance_mm = 0.0;
   int modules = 0, upper_bound = 0;
@@ -32,9 +40,9 @@ struct ProofLog {
   std::vector<ProofBox> cells;
 };
 
-/// Both throw InputError when the text is not what it should be.
+/// Reads a proof log. Errors: InputError naming `name` and the key for text that is no log of version 1.
 [[nodiscard]] ProofLog read_proof_log(const std::string& text, const std::string& name);
-/// Rings of a GeoJSON or WKT polygon as they stand in the file.
+/// Rings of a GeoJSON or WKT polygon as they stand in the file. Errors: InputError naming `name`.
 [[nodiscard]] std::vector<Ring> read_rings(const std::string& text, const std::string& name);
 
 /// The edges that bound the rings, each with its smaller end first, sorted; points left out. Equal for the same outline

@@ -69,9 +69,9 @@ IntervalPoint ProofModule::center(const ProofTile& t, double pitch_mm) const {
   return {pitch * Interval(t.i + row_shift * t.j + (t.up ? 0.5 : 1.0)), pitch * row_height * row};
 }
 
-const ProofModule* proof_module(const std::string& shape) {
+const ProofModule& proof_module(ProofShape shape) {
   static const ProofModule kTriangle = triangle(), kSquare = square(), kHexagon = hexagon();
-  return shape == "triangle" ? &kTriangle : shape == "square" ? &kSquare : shape == "hexagon" ? &kHexagon : nullptr;
+  return shape == ProofShape::kTriangle ? kTriangle : shape == ProofShape::kSquare ? kSquare : kHexagon;
 }
 
 }  // namespace triskin::check

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <string>
 #include <vector>
 
 #include "interval.hpp"
@@ -25,7 +24,7 @@ struct ProofModule {
   [[nodiscard]] IntervalPoint center(const ProofTile& tile, double pitch_mm) const;
 };
 
-/// triangle, square or hexagon with sides of 30 mm; null: another name.
-[[nodiscard]] const ProofModule* proof_module(const std::string& shape);
+/// The module of a shape, with sides of 30 mm. Any number of threads.
+[[nodiscard]] const ProofModule& proof_module(ProofShape shape);
 
 }  // namespace triskin::check

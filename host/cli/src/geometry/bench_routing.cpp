@@ -8,6 +8,7 @@
 
 #include "bench.hpp"
 #include "triskin/geometry/random_patch.hpp"
+#include "triskin/geometry/routing.hpp"
 
 namespace triskin::cli {
 namespace {

@@ -1,39 +1,50 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/geometry/generate.hpp"
+
 #include <fmt/format.h>
 
-#include <cmath>
 #include <memory>
 
 #include "triskin/cli/command.hpp"
 #include "triskin/geometry/mesh_io.hpp"
+#include "triskin/host/error.hpp"
 
 namespace triskin::cli {
 namespace {
 
-// Half shell around a bent, tapering axis: like the outer cover of a forearm. 300 mm long, radius 62 → 42 mm.
-geometry::Mesh forearm() {
-  constexpr int kAlong = 60, kAround = 32;
-  constexpr double kLength_mm = 300.0, kBend_rad = 0.35, kHalfTurn_rad = 1.75;
-  geometry::Mesh mesh;
-  for (int a = 0; a <= kAlong; ++a) {
-    const double t = static_cast<double>(a) / kAlong;
-    const double bend = kBend_rad * t, radius = 62.0 - 20.0 * t, arc = kLength_mm / kBend_rad;
-    const geometry::Vec3 axis(0.0, arc * (1.0 - std::cos(bend)), arc * std::sin(bend));
-    const geometry::Vec3 side(1, 0, 0), up(0, std::cos(bend), -std::sin(bend));
-    for (int r = 0; r <= kAround; ++r) {
-      const double angle = kHalfTurn_rad * (2.0 * r / kAround - 1.0);
-      mesh.vertices.push_back(axis + radius * (std::sin(angle) * side + std::cos(angle) * up));
-    }
+struct Options {
+  std::string shape, output;
+  geometry::GenerateOptions mesh;
+};
+
+// The names with what is hard about each.
+std::string shape_lines() {
+  std::string text;
+  for (const geometry::ShapeInfo& s : geometry::generated_shapes())
+    text += fmt::format("{}  {:<16} {} ({:.0f} mm, {} faces)", text.empty() ? "" : "\n", s.name, s.summary, s.size_mm,
+                        s.faces);
+  return text;
+}
+
+int list(Output& output) {
+  for (const geometry::ShapeInfo& s : geometry::generated_shapes()) {
+    output.result["shapes"].push_back(
+        {{"name", s.name}, {"summary", s.summary}, {"size_mm", s.size_mm}, {"faces", s.faces}});
   }
-  for (int a = 0; a < kAlong; ++a) {
-    for (int r = 0; r < kAround; ++r) {
-      const int v = a * (kAround + 1) + r;
-      mesh.faces.push_back({v, v + kAround + 1, v + 1});
-      mesh.faces.push_back({v + 1, v + kAround + 1, v + kAround + 2});
-    }
-  }
-  for (auto& f : mesh.faces) std::swap(f[1], f[2]);
-  return mesh;
+  output.say(shape_lines());
+  return 0;
+}
+
+int run(const Options& options, Output& output) {
+  if (options.shape == "list") return list(output);
+  const auto shape = geometry::shape_named(options.shape);
+  if (!shape) throw InputError(fmt::format("generate: no shape {}; there are\n{}", options.shape, shape_lines()));
+  if (options.output.empty()) throw InputError("generate: -o FILE.obj is missing");
+  const geometry::Mesh mesh = geometry::generate(*shape, options.mesh);
+  geometry::write_obj(options.output, mesh);
+  output.result = {{"faces", mesh.faces.size()}};
+  output.say(fmt::format("{}: {} faces", options.output, mesh.faces.size()));
+  return 0;
 }
 
 const Registration kGenerate{{
@@ -41,17 +52,12 @@ const Registration kGenerate{{
     "write a surface of our own to try the program on",
     "triskin generate forearm -o forearm.obj",
     [](CLI::App& app) -> Run {
-      auto kind = std::make_shared<std::string>();
-      auto path = std::make_shared<std::string>();
-      app.add_option("KIND", *kind, "forearm: tapered and bent")->required()->check(CLI::IsMember({"forearm"}));
-      app.add_option("-o,--output", *path, "mesh (OBJ, mm)")->required();
-      return [kind, path](Output& output) {
-        const geometry::Mesh mesh = forearm();
-        geometry::write_obj(*path, mesh);
-        output.result = {{"faces", mesh.faces.size()}};
-        output.say(fmt::format("{}: {} faces", *path, mesh.faces.size()));
-        return 0;
-      };
+      auto options = std::make_shared<Options>();
+      app.add_option("SHAPE", options->shape, "list, or one of\n" + shape_lines())->required();
+      app.add_option("-o,--output", options->output, "mesh (OBJ, mm)");
+      app.add_option("--size-mm", options->mesh.size_mm, "largest side of the bounding box, 20 … 5000");
+      app.add_option("--faces", options->mesh.faces, "about so many triangles, 50 … 2000000");
+      return [options](Output& output) { return run(*options, output); };
     },
 }};
 

@@ -27,13 +27,13 @@ void Diagnosis::run(VerifyResult& result) {
       if (std::ranges::none_of(p.image.rows(), [&](const auto& row) { return row.module_id == m.node; }))
         bad_.insert(m.node);
     }
-    look_at_topology(p);
-    look_at_lines(p);
-    look_at_modules(p);
-    look_at_history(p);
+    examine_topology(p);
+    examine_lines(p);
+    examine_modules(p);
+    examine_history(p);
   }
-  look_at_touches();
-  result.earlier = look_at_earlier();
+  examine_touches();
+  result.earlier = examine_earlier();
   result.modules_ok = result.modules - static_cast<int>(bad_.size());
   result.findings.insert(result.findings.end(), findings_.begin(), findings_.end());
 }
@@ -47,9 +47,9 @@ std::string Diagnosis::where(int module) const {
   return fmt::format("module {} (patch {}, {})", module, w.patch, at(w.routed.line, w.routed.address));
 }
 
-Finding& Diagnosis::add(std::string kind, int module, int patch, std::string text, std::string remedy) {
+Finding& Diagnosis::add(FindingKind kind, int module, int patch, std::string text, std::string remedy) {
   Finding f;
-  f.kind = std::move(kind);
+  f.kind = kind;
   f.module = module;
   f.patch = patch;
   f.text = std::move(text);
@@ -64,39 +64,40 @@ const TouchOutcome* Diagnosis::touch_of(int module) const {
 }
 
 // Switched modules: what the chain shows says more than a silent chip.
-void Diagnosis::look_at_topology(const PatchState& p) {
+void Diagnosis::examine_topology(const PatchState& p) {
   if (!p.topology.switched) return;
   const TopologyMatch match = match_topology(p.topology, design_, p.patch);
   const TopologyMatch best = identify_patch(p.topology, design_).front();
   const bool other = best.patch != p.patch && best.differences.size() + 2 < match.differences.size();
   if (other || match.another_patch()) {
-    add("wrong_patch", -1, p.patch,
+    add(FindingKind::kWrongPatch, -1, p.patch,
         other && !best.another_patch()
             ? fmt::format("patch {}: its controller hangs on the modules of patch {}", p.patch, best.patch)
             : fmt::format("patch {}: the {} modules found are not this patch", p.patch, p.topology.count),
         "exchange the cables of the controllers, or compare the patch with the assembly sheet");
     for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
-      told_.insert(m.node);
+      explained_.insert(m.node);
       bad_.insert(m.node);
     }
     return;
   }
   for (const TopologyDifference& d : match.differences) {
-    const bool left_out = d.kind == "missing_module" && std::ranges::none_of(p.image.rows(), [&](const auto& row) {
-                            return row.module_id == d.module;
-                          });
+    const bool left_out =
+        d.kind == FindingKind::kMissingModule &&
+        std::ranges::none_of(p.image.rows(), [&](const auto& row) { return row.module_id == d.module; });
     if (left_out) continue;
-    const bool joint = d.kind == "missing_joint" || d.kind == "extra_joint";  // its modules may be read all the same
+    const bool joint = d.kind == FindingKind::kMissingJoint ||
+                       d.kind == FindingKind::kExtraJoint;  // its modules may be read all the same
     Finding& f = add(d.kind, joint ? -1 : d.module, p.patch, fmt::format("patch {}: {}", p.patch, d.text), d.remedy);
     f.module = d.module;
     f.other = d.other;
     if (joint) continue;
-    told_.insert(d.module);
-    if (d.other >= 0) told_.insert(d.other);
+    explained_.insert(d.module);
+    if (d.other >= 0) explained_.insert(d.other);
   }
 }
 
-void Diagnosis::look_at_lines(const PatchState& p) {
+void Diagnosis::examine_lines(const PatchState& p) {
   for (int l = 0; l < layout::kLines; ++l) {
     const auto k = static_cast<std::size_t>(l);
     std::vector<int> modules;
@@ -111,30 +112,30 @@ void Diagnosis::look_at_lines(const PatchState& p) {
         held ? "is held low"
              : fmt::format("was held low and freed by clock pulses {} times", p.line_states.lines[k].recoveries);
     Finding& f = add(
-        "stuck_line", -1, p.patch,
+        FindingKind::kStuckLine, -1, p.patch,
         fmt::format("patch {}, line {}: SDA or SCL {}; modules on it: {}", p.patch, l, what, fmt::join(modules, ", ")),
         "look for a short of this line; part the joints from the far end on until the line is free");
     f.line = l;
     if (!held) continue;
     bad_.insert(modules.begin(), modules.end());
-    told_.insert(modules.begin(), modules.end());
+    explained_.insert(modules.begin(), modules.end());
   }
 }
 
-void Diagnosis::look_at_modules(const PatchState& p) {
+void Diagnosis::examine_modules(const PatchState& p) {
   std::vector<std::size_t> absent, doubled;
   for (std::size_t row = 0; row < p.image.module_count; ++row) {
     const int module = p.module(row);
     switch (p.states.state[row]) {
       case ModuleState::kAbsent:
-        if (p.topology.switched && told_.contains(module))
+        if (p.topology.switched && explained_.contains(module))
           bad_.insert(module);
         else
           absent.push_back(row);
         break;
       case ModuleState::kWrongId:
-        told_.insert(module);
-        add("wrong_id", module, p.patch, where(module) + ": a chip answers, but it is no AD7147",
+        explained_.insert(module);
+        add(FindingKind::kWrongId, module, p.patch, where(module) + ": a chip answers, but it is no AD7147",
             "look at the part that is soldered there; another device may share the address");
         break;
       case ModuleState::kDuplicate:
@@ -144,26 +145,26 @@ void Diagnosis::look_at_modules(const PatchState& p) {
       case ModuleState::kFrozen:
       case ModuleState::kOk:
       case ModuleState::kUnknown:
-        look_at_taxels(p, row);
+        examine_taxels(p, row);
         break;
       case ModuleState::kLostConfiguration:
       case ModuleState::kLineStuck:
-        break;  // history and lines say it
+        break;  // examine_history and examine_lines report these
     }
   }
-  look_at_doubled(p, absent, doubled);
-  look_at_absent(p, std::move(absent));
+  examine_doubled(p, absent, doubled);
+  examine_absent(p, std::move(absent));
 }
 
 // Two chips answer at one address: most likely the absent module's straps differ least from it.
-void Diagnosis::look_at_doubled(const PatchState& p, std::vector<std::size_t>& absent,
+void Diagnosis::examine_doubled(const PatchState& p, std::vector<std::size_t>& absent,
                                 const std::vector<std::size_t>& doubled) {
   for (const std::size_t row : doubled) {
     const layout::ModuleRow& r = p.image.modules[row];
     const int module = p.module(row);
-    told_.insert(module);
+    explained_.insert(module);
     if (absent.empty()) {
-      add("duplicate_address", module, p.patch, where(module) + ": two chips answer at once",
+      add(FindingKind::kDuplicateAddress, module, p.patch, where(module) + ": two chips answer at once",
           "compare the straps of the modules with the assembly sheet");
       continue;
     }
@@ -178,14 +179,14 @@ void Diagnosis::add_duplicate(const PatchState& p, std::size_t row, int other) {
   const int module = p.module(row);
   const layout::ModuleRow& r = p.image.modules[row];
   const auto& o = wiring_[static_cast<std::size_t>(other)].routed;
-  Finding& f = add("duplicate_address", module, p.patch,
+  Finding& f = add(FindingKind::kDuplicateAddress, module, p.patch,
                    fmt::format("{}: nothing answers there; it sits at {} together with module {}", where(module),
                                at(o.line, o.address), other),
                    fmt::format("solder the straps of module {} to {}", module, at(r.line, r.address)));
   f.other = other;
   f.line = o.line;
   f.address = o.address;
-  told_.insert(module);
+  explained_.insert(module);
   bad_.insert(other);
 }
 
@@ -195,11 +196,11 @@ int Diagnosis::strap_difference(const layout::ModuleRow& row, const Place& place
          std::popcount(static_cast<unsigned>(place.address ^ row.address));
 }
 
-void Diagnosis::look_at_taxels(const PatchState& p, std::size_t row) {
+void Diagnosis::examine_taxels(const PatchState& p, std::size_t row) {
   const int module = p.module(row);
   if (p.states.state[row] == ModuleState::kUnknown) {
-    told_.insert(module);
-    add("absent_module", module, p.patch, where(module) + ": the controller has read nothing from it yet",
+    explained_.insert(module);
+    add(FindingKind::kAbsentModule, module, p.patch, where(module) + ": the controller has read nothing from it yet",
         "power-cycle the controller and verify again");
     return;
   }
@@ -208,13 +209,14 @@ void Diagnosis::look_at_taxels(const PatchState& p, std::size_t row) {
     if ((valid >> t & 1) != 0) continue;
     const std::uint16_t raw = p.now.modules[row].value[static_cast<std::size_t>(t)];
     if (raw != 0 && raw != 0xFFFF) {
-      add("frozen_taxel", module, p.patch,
+      add(FindingKind::kFrozenTaxel, module, p.patch,
           fmt::format("{}: taxel {} keeps one value while the others change", where(module), t),
           "look for a broken trace to the pad")
           .taxel = t;
       continue;
     }
-    add("saturated_taxel", module, p.patch, fmt::format("{}: taxel {} is at the end of its range", where(module), t),
+    add(FindingKind::kSaturatedTaxel, module, p.patch,
+        fmt::format("{}: taxel {} is at the end of its range", where(module), t),
         "look for a short between the pad and its neighbours or the shield")
         .taxel = t;
   }
@@ -234,13 +236,13 @@ std::vector<Diagnosis::Place> Diagnosis::unexpected(const PatchState& p) const {
 }
 
 // A module that does not answer where it should: somewhere else, on top of another one, or nowhere.
-void Diagnosis::look_at_absent(const PatchState& p, std::vector<std::size_t> rows) {
+void Diagnosis::examine_absent(const PatchState& p, std::vector<std::size_t> rows) {
   std::vector<Place> elsewhere = unexpected(p);
   for (const std::size_t row : rows) {
     const int module = p.module(row);
     const layout::ModuleRow& r = p.image.modules[row];
     const TouchOutcome* touch = touch_of(module);
-    told_.insert(module);
+    explained_.insert(module);
     // A neighbour that feels the rim of the finger is no answer: the chip's own pads would all have moved.
     if (touch != nullptr && touch->whole && touch->answered != module) {
       add_duplicate(p, row, touch->answered);
@@ -248,7 +250,7 @@ void Diagnosis::look_at_absent(const PatchState& p, std::vector<std::size_t> row
     }
     if (!elsewhere.empty()) {
       const auto best = std::ranges::min_element(elsewhere, {}, [&](const Place& q) { return strap_difference(r, q); });
-      Finding& f = add("wrong_address", module, p.patch,
+      Finding& f = add(FindingKind::kWrongAddress, module, p.patch,
                        fmt::format("{}: nothing answers there, but a chip answers at {}, where the design has none",
                                    where(module), at(best->line, best->address)),
                        fmt::format("solder the straps of module {} to {}", module, at(r.line, r.address)));
@@ -257,13 +259,13 @@ void Diagnosis::look_at_absent(const PatchState& p, std::vector<std::size_t> row
       elsewhere.erase(best);
       continue;
     }
-    add("absent_module", module, p.patch, where(module) + ": no chip answers",
+    add(FindingKind::kAbsentModule, module, p.patch, where(module) + ": no chip answers",
         touches_.empty() ? "check the module, its joint and its straps; verify --touch tells whether it sits on "
                            "another module's address"
                          : "replace the module, or check its joint to the parent");
   }
   for (const Place& place : elsewhere) {
-    Finding& f = add("unexpected_chip", -1, p.patch,
+    Finding& f = add(FindingKind::kUnexpectedChip, -1, p.patch,
                      fmt::format("patch {}: a chip answers at {}, where the design has no module", p.patch,
                                  at(place.line, place.address)),
                      "compare the straps with the assembly sheet");
@@ -280,29 +282,29 @@ std::optional<Finding> Diagnosis::remembered(const PatchState& p, const wire::Fa
   f.module = p.module(row);
   f.patch = p.patch;
   if (fault.code.state == ModuleState::kLostConfiguration) {
-    f.kind = "lost_configuration";
+    f.kind = FindingKind::kLostConfiguration;
     f.text = where(f.module) + ": its chip lost its configuration and was set up again";
     f.remedy = "check the supply of the module: its power dips";
     return f;
   }
   const bool was_away = fault.code.state == ModuleState::kAbsent || fault.code.state == ModuleState::kWrongId;
   if (!was_away || p.states.state[row] != ModuleState::kOk) return std::nullopt;
-  f.kind = "intermittent_module";
+  f.kind = FindingKind::kIntermittentModule;
   f.text = where(f.module) + ": answers now, but did not for some time";
   f.remedy = "check its joints for a loose contact";
   return f;
 }
 
-void Diagnosis::look_at_history(const PatchState& p) {
+void Diagnosis::examine_history(const PatchState& p) {
   for (const wire::FaultRecord& fault : p.faults.faults()) {
     const auto f = remembered(p, fault);
     if (!f) continue;
     add(f->kind, f->module, f->patch, f->text, f->remedy);
-    told_.insert(f->module);
+    explained_.insert(f->module);
   }
 }
 
-std::vector<Finding> Diagnosis::look_at_earlier() const {
+std::vector<Finding> Diagnosis::examine_earlier() const {
   std::vector<Finding> earlier;
   for (const PatchState& p : patches_) {
     for (const wire::FaultRecord& fault : p.earlier.faults()) {
@@ -314,41 +316,41 @@ std::vector<Finding> Diagnosis::look_at_earlier() const {
   return earlier;
 }
 
-void Diagnosis::look_at_touches() {
+void Diagnosis::examine_touches() {
   for (const TouchOutcome& t : touches_) {
     const int patch = wiring_[static_cast<std::size_t>(t.module)].patch;
     if (t.answered == t.module) {
       for (int taxel = 0; taxel < layout::kTaxelsPerModule; ++taxel) {
-        const bool told =
+        const bool reported =
             std::ranges::any_of(findings_, [&](const Finding& f) { return f.module == t.module && f.taxel == taxel; });
-        if ((t.silent_taxels >> taxel & 1) == 0 || told) continue;
-        add("frozen_taxel", t.module, patch,
+        if ((t.silent_taxels >> taxel & 1) == 0 || reported) continue;
+        add(FindingKind::kFrozenTaxel, t.module, patch,
             fmt::format("{}: taxel {} does not change under a finger, the others do", where(t.module), taxel),
             "look for a broken trace to the pad")
             .taxel = taxel;
       }
       continue;
     }
-    if (told_.contains(t.module)) continue;  // told already: absent, stuck, or the other half of a swap
+    if (explained_.contains(t.module)) continue;  // absent, on a stuck line, or the other half of a swap
     if (t.answered < 0) {
-      add("no_touch_response", t.module, patch,
+      add(FindingKind::kNoTouchResponse, t.module, patch,
           where(t.module) + ": answers, but none of its taxels changes under a finger",
           "press it again; then replace the module");
       continue;
     }
     const TouchOutcome* back = touch_of(t.answered);
     const bool swapped = back != nullptr && back->answered == t.module;
-    Finding& f = swapped ? add("swapped_modules", t.module, patch,
+    Finding& f = swapped ? add(FindingKind::kSwappedModules, t.module, patch,
                                fmt::format("{} and {} are swapped: pressing one moves the taxels of the other",
                                            where(t.module), where(t.answered)),
                                "exchange their straps, or their places")
-                         : add("touched_other_module", t.module, patch,
+                         : add(FindingKind::kTouchedOtherModule, t.module, patch,
                                fmt::format("{} was to be pressed, {} answered", where(t.module), where(t.answered)),
                                "press the right module, or compare the straps of both with the assembly sheet");
     f.other = t.answered;
     if (!swapped) continue;
     bad_.insert(t.answered);
-    told_.insert(t.answered);
+    explained_.insert(t.answered);
   }
 }
 

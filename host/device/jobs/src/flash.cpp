@@ -12,13 +12,12 @@
 
 #include "triskin/host/interrupt.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/session/conversations.hpp"
 #include "triskin/session/patch_table.hpp"
+#include "triskin/session/scheduler.hpp"
 
 namespace triskin::device {
 namespace {
 
-constexpr int kMaxAddress = 126;
 constexpr std::uint64_t kRestart_us = 20'000;  // a controller starts anew under its new address
 
 struct Board {
@@ -79,7 +78,7 @@ void assign_addresses(Bus& bus, const std::vector<Board>& boards, std::size_t n_
       if (b.claim.node_address > n_patches) continue;
       while (used.contains(spare_address)) ++spare_address;
       wanted = spare_address++;
-      if (wanted > kMaxAddress)
+      if (wanted > layout::kLastNode)
         throw DeviceError(
             fmt::format("{}: no free node address is left; take controllers off the bus", bus.link().name()));
     }
@@ -125,14 +124,14 @@ class Pass {
     std::erase_if(boards_, [](const Board& b) { return b.patch < 0; });
     std::ranges::sort(boards_, {}, &Board::patch);
     results.resize(boards_.size());
-    std::vector<Conversation> conversations;
+    std::vector<Task> tasks;
     for (std::size_t k = 0; k < boards_.size(); ++k) {
       begin(results[k], boards_[k]);
       const auto node =
           options_.dry_run ? boards_[k].claim.node_address : static_cast<std::uint8_t>(boards_[k].patch + 1);
-      conversations.push_back({node, [this, k, &results](Bus& bus) { serve(bus, boards_[k], results[k]); }});
+      tasks.push_back({node, [this, k, &results](Bus& bus) { serve(bus, boards_[k], results[k]); }});
     }
-    throw_first(converse(bus_.link(), conversations, options_.per_wire), results);
+    throw_first(run_tasks(bus_.link(), tasks, options_.per_wire), results);
   }
 
  private:

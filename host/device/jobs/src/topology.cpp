@@ -36,29 +36,24 @@ class Overlay {
     place(entry_row, rotation);
     result_.differences.clear();
     result_.agreeing_joints = 0;
-    look_at_entry(entry_row);
-    look_at_rotations();
-    look_at_joints();
-    look_at_modules();
-    for (std::size_t m = 0; m < found_.count; ++m) result_.module_of.push_back(row_[m] < 0 ? -1 : node(row_[m]));
+    examine_entry(entry_row);
+    examine_rotations();
+    examine_joints();
+    examine_modules();
+    for (std::size_t m = 0; m < found_.count; ++m) result_.module_of.push_back(row_[m] < 0 ? -1 : module_at(row_[m]));
     return result_;
   }
 
  private:
-  [[nodiscard]] int node(int row) const { return modules_[static_cast<std::size_t>(row)].node; }
+  [[nodiscard]] int module_at(int row) const { return modules_[static_cast<std::size_t>(row)].node; }
   [[nodiscard]] int designed_rotation(int row) const { return modules_[static_cast<std::size_t>(row)].rotation; }
   [[nodiscard]] Side across(int row, int side) const {
     const design::PortEnd end = sides_[static_cast<std::size_t>(row)][static_cast<std::size_t>(side)];
     return {end.row, end.port};
   }
-  struct End {
-    std::size_t module = 0;
-    int port = 0;
-  };
-  [[nodiscard]] std::optional<End> far(std::size_t m, int port) const {
-    const std::uint8_t j = found_.joints[m][static_cast<std::size_t>(port)];
-    if (j == 0) return std::nullopt;
-    return End{layout::joint_row(j), layout::joint_port(j)};
+  [[nodiscard]] std::optional<layout::JointEnd> far(std::size_t m, int port) const {
+    const layout::JointEnd end = layout::joint_end(found_.joints[m][static_cast<std::size_t>(port)]);
+    return end.exists() ? std::optional(end) : std::nullopt;
   }
   [[nodiscard]] int side_of(std::size_t m, int port) const { return (port + rotation_[m]) % 3; }
 
@@ -82,29 +77,29 @@ class Overlay {
     }
   }
 
-  void add(std::string kind, int module, int other, std::string text, std::string remedy, int steps = 0) {
-    result_.differences.push_back({std::move(kind), module, other, steps, std::move(text), std::move(remedy)});
+  void add(FindingKind kind, int module, int other, std::string text, std::string remedy, int steps = 0) {
+    result_.differences.push_back({kind, module, other, steps, std::move(text), std::move(remedy)});
   }
 
-  void look_at_entry(int entry_row) {
+  void examine_entry(int entry_row) {
     const int cable_side = side_of(0, found_.cable_port);
-    if (found_.second_cable && node(entry_row) == second_entry_ && cable_side == second_side_) {
-      add("second_cable", node(0), node(entry_row),
+    if (found_.second_cable && module_at(entry_row) == second_entry_ && cable_side == second_side_) {
+      add(FindingKind::kSecondCable, module_at(0), module_at(entry_row),
           fmt::format(
               "the patch is read over its second cable, at module {}; over the first, at module {}, too little answers",
-              node(entry_row), node(0)),
+              module_at(entry_row), module_at(0)),
           "check the first cable and its module");
       return;
     }
     if (entry_row == 0 && cable_side == designed_rotation(0)) return;
-    add("wrong_entry", node(0), node(entry_row),
+    add(FindingKind::kWrongEntry, module_at(0), module_at(entry_row),
         fmt::format("the cable is plugged into side {} of module {}, the design has it at side {} of module {}",
-                    cable_side, node(entry_row), designed_rotation(0), node(0)),
+                    cable_side, module_at(entry_row), designed_rotation(0), module_at(0)),
         "plug it where the assembly sheet says");
   }
 
   // Two modules that were exchanged and kept their rotations show as two rotated ones.
-  void look_at_rotations() {
+  void examine_rotations() {
     std::vector<std::size_t> turned;
     for (std::size_t m = 0; m < row_.size(); ++m) {
       if (row_[m] >= 0 && rotation_[m] != designed_rotation(row_[m])) turned.push_back(m);
@@ -115,29 +110,29 @@ class Overlay {
       const auto partner = std::ranges::find_if(turned, [&](std::size_t b) {
         return rotation_[a] == designed_rotation(row_[b]) && rotation_[b] == designed_rotation(row_[a]);
       });
-      const int module = node(row_[a]);
+      const int module = module_at(row_[a]);
       if (partner != turned.end()) {
-        const int other = node(row_[*partner]);
-        add("swapped_modules", module, other,
+        const int other = module_at(row_[*partner]);
+        add(FindingKind::kSwappedModules, module, other,
             fmt::format("modules {} and {} are exchanged: each is turned as the other should be", module, other),
             "exchange them, or turn both as the assembly sheet says");
         turned.erase(partner);
         continue;
       }
       const int steps = (rotation_[a] + 3 - designed_rotation(row_[a])) % 3;
-      add("rotated_module", module, -1,
+      add(FindingKind::kRotatedModule, module, -1,
           fmt::format("module {} is turned by {}°: port A lies at side {} instead of {}", module, 120 * steps,
                       rotation_[a], designed_rotation(row_[a])),
           "turn it as the assembly sheet says", steps);
     }
   }
 
-  void look_at_joints() {
+  void examine_joints() {
     std::set<std::pair<int, int>> seen;
     for (std::size_t m = 0; m < row_.size(); ++m) {
       for (int port = 0; port < 3; ++port) {
         const auto end = far(m, port);
-        if (!end || std::pair(end->module, end->port) < std::pair(m, port)) continue;
+        if (!end || std::pair<std::size_t, int>(end->module, end->port) < std::pair(m, port)) continue;
         if (row_[m] >= 0 && row_[end->module] >= 0) {
           const Side there = across(row_[m], side_of(m, port));
           if (there.row == row_[end->module] && there.side == side_of(end->module, end->port)) {
@@ -153,35 +148,35 @@ class Overlay {
       for (int side = 0; side < 3; ++side) {
         const int b = across(a, side).row;
         if (b < a || seen.contains({a, b}) || !placed(a) || !placed(b)) continue;
-        add("missing_joint", node(a), node(b),
-            fmt::format("nothing passes between module {} and module {}, which are joined in the design", node(a),
-                        node(b)),
+        add(FindingKind::kMissingJoint, module_at(a), module_at(b),
+            fmt::format("nothing passes between module {} and module {}, which are joined in the design", module_at(a),
+                        module_at(b)),
             "look for a broken or unsoldered joint between them");
       }
     }
   }
 
-  void extra_joint(std::size_t m, int port, const End& end) {
+  void extra_joint(std::size_t m, int port, layout::JointEnd end) {
     const bool known = row_[m] >= 0 && row_[end.module] >= 0;
-    if (!known) return;  // told with the module that fits nowhere
-    add("extra_joint", node(row_[m]), node(row_[end.module]),
+    if (!known) return;  // kExtraModule reports this end
+    add(FindingKind::kExtraJoint, module_at(row_[m]), module_at(row_[end.module]),
         fmt::format("port {} of module {} and port {} of module {} are joined, in the design they are not",
-                    kPorts[port], node(row_[m]), kPorts[end.port], node(row_[end.module])),
+                    kPorts[port], module_at(row_[m]), kPorts[end.port], module_at(row_[end.module])),
         "part this joint");
   }
 
   [[nodiscard]] bool placed(int row) const { return std::ranges::find(row_, row) != row_.end(); }
 
-  void look_at_modules() {
+  void examine_modules() {
     for (int row = 0; row < static_cast<int>(modules_.size()); ++row) {
       if (placed(row)) continue;
-      add("missing_module", node(row), -1,
-          fmt::format("module {} was not found: it or all of its joints are broken", node(row)),
+      add(FindingKind::kMissingModule, module_at(row), -1,
+          fmt::format("module {} was not found: it or all of its joints are broken", module_at(row)),
           "check its supply and its joints, then the module");
     }
     for (std::size_t m = 0; m < row_.size(); ++m) {
       if (row_[m] >= 0) continue;
-      add("extra_module", -1, -1, fmt::format("found module {} fits nowhere in the design", m),
+      add(FindingKind::kExtraModule, -1, -1, fmt::format("found module {} fits nowhere in the design", m),
           "compare the patch with the assembly sheet");
     }
   }

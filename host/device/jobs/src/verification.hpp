@@ -10,7 +10,8 @@
 
 namespace triskin::device {
 
-/// What was asked of one patch. Rows are those of its table, that is the order of the design's patch.
+/// Answers of one patch. Rows are those of the table `image`; with a backup table the order of the design's patch
+/// differs.
 struct PatchState {
   int patch = 0;
   layout::PatchImage image;
@@ -69,31 +70,31 @@ class Diagnosis {
   struct Place {
     int line = 0, address = 0;
   };
-  void look_at_lines(const PatchState& p);
-  void look_at_modules(const PatchState& p);
-  void look_at_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled);
-  void look_at_absent(const PatchState& p, std::vector<std::size_t> rows);
-  void look_at_taxels(const PatchState& p, std::size_t row);
-  void look_at_topology(const PatchState& p);
-  void look_at_history(const PatchState& p);
-  [[nodiscard]] std::vector<Finding> look_at_earlier() const;
+  void examine_lines(const PatchState& p);
+  void examine_modules(const PatchState& p);
+  void examine_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled);
+  void examine_absent(const PatchState& p, std::vector<std::size_t> rows);
+  void examine_taxels(const PatchState& p, std::size_t row);
+  void examine_topology(const PatchState& p);
+  void examine_history(const PatchState& p);
+  [[nodiscard]] std::vector<Finding> examine_earlier() const;
   [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const wire::FaultRecord& fault) const;
-  void look_at_touches();
+  void examine_touches();
   [[nodiscard]] std::vector<Place> unexpected(const PatchState& p) const;
   [[nodiscard]] const TouchOutcome* touch_of(int module) const;
   [[nodiscard]] std::string where(int module) const;
   [[nodiscard]] static int strap_difference(const layout::ModuleRow& row, const Place& place);
   void add_duplicate(const PatchState& p, std::size_t row, int other);
   [[nodiscard]] static std::string at(int line, int address);
-  Finding& add(std::string kind, int module, int patch, std::string text, std::string remedy);
+  Finding& add(FindingKind kind, int module, int patch, std::string text, std::string remedy);
 
   const design::Design& design_;
   const std::vector<PatchState>& patches_;
   std::vector<TouchOutcome> touches_;
   std::vector<design::ModuleWiring> wiring_;
   std::vector<Finding> findings_;
-  std::set<int> bad_;   // modules that are not ok
-  std::set<int> told_;  // modules whose silence under a finger is explained already
+  std::set<int> bad_;        // modules that are not ok
+  std::set<int> explained_;  // modules whose missing touch response has a finding already
 };
 
 }  // namespace triskin::device

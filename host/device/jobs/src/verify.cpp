@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <map>
 
-#include "triskin/session/conversations.hpp"
+#include "triskin/session/scheduler.hpp"
 #include "verification.hpp"
 
 namespace triskin::device {
@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kStartLimit_us = 3'000'000;
 constexpr std::uint64_t kPoll_us = 20'000;
 
-Finding controller_finding(const char* kind, int patch, std::string text, std::string remedy) {
+Finding controller_finding(FindingKind kind, int patch, std::string text, std::string remedy) {
   Finding f;
   f.kind = kind;
   f.patch = patch;
@@ -50,7 +50,7 @@ class ControllerCheck {
     if (active.design_id == design_.design_id && active.crc == crc32(expected)) return true;
     if (active.design_id == design_.design_id && runs_on_backup(p, active.crc, findings)) return true;
     findings.push_back(
-        controller_finding("wrong_table", p.patch,
+        controller_finding(FindingKind::kWrongTable, p.patch,
                            fmt::format("patch {}: controller {} holds another table (design {:016x}, this is {:016x})",
                                        p.patch, node, active.design_id, design_.design_id),
                            "run triskin flash with this design, or verify with the design that was flashed"));
@@ -58,7 +58,7 @@ class ControllerCheck {
   }
 
  private:
-  // A table that the design prepared for a failure is right as well; what it leaves out is told.
+  // A table that the design prepared for a failure is right as well; a finding says what it leaves out.
   bool runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings) {
     for (const design::FailureLoss& f : design_.patches[static_cast<std::size_t>(p.patch)].failures) {
       const RouteChoice choice{f.node, f.other_node};
@@ -69,7 +69,7 @@ class ControllerCheck {
                                    ? fmt::format("module {}", choice.module)
                                    : fmt::format("the joint of modules {} and {}", choice.other, choice.module);
       findings.push_back(controller_finding(
-          "backup_route", p.patch,
+          FindingKind::kBackupRoute, p.patch,
           fmt::format("patch {}: runs on the route prepared for the failure of {}; {} of {} modules are read", p.patch,
                       what, image.module_count, p.image.module_count),
           "repair it, then run triskin flash without --route"));
@@ -82,18 +82,18 @@ class ControllerCheck {
   Finding missing(int patch, int node) {
     if (users_[node] > 1 && without_table_ == 0) {
       return controller_finding(
-          "duplicate_controller", patch,
+          FindingKind::kDuplicateController, patch,
           fmt::format("patch {}: {} controllers share node address {}", patch, users_[node], node),
           "run triskin flash: it gives every controller its own address");
     }
     if (without_table_ > 0) {
       return controller_finding(
-          "not_flashed", patch,
+          FindingKind::kNotFlashed, patch,
           fmt::format("patch {}: no controller has its table; {} of {} controllers were never flashed", patch,
                       without_table_, claims_.size()),
           "run triskin flash with this design and link first");
     }
-    return controller_finding("absent_controller", patch,
+    return controller_finding(FindingKind::kAbsentController, patch,
                               fmt::format("patch {}: no controller answers at node address {}", patch, node),
                               "check its power and its cable to the bus");
   }
@@ -125,7 +125,7 @@ void start_patch(Bus& bus, PatchState& p) {
 }
 
 // Switched modules are found anew before anything is asked of them.
-void look_at_chain(Bus& bus, PatchState& p) {
+void find_topology(Bus& bus, PatchState& p) {
   Controller c = p.controller(bus);
   c.reroute();
   p.topology = c.topology();
@@ -146,11 +146,11 @@ void read_patch(Bus& bus, PatchState& p) {
 
 // Patches on different wires side by side.
 void ask_all(Bus& bus, std::vector<PatchState>& patches, const std::function<void(Bus&, PatchState&)>& ask) {
-  std::vector<Conversation> conversations;
+  std::vector<Task> tasks;
   for (PatchState& p : patches) {
-    if (p.usable) conversations.push_back({p.image.node_address, [&](Bus& own) { ask(own, p); }});
+    if (p.usable) tasks.push_back({p.image.node_address, [&](Bus& own) { ask(own, p); }});
   }
-  for (const std::exception_ptr& e : converse(bus.link(), conversations)) {
+  for (const std::exception_ptr& e : run_tasks(bus.link(), tasks)) {
     if (e) std::rethrow_exception(e);
   }
 }
@@ -191,7 +191,7 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
   }
   ask_all(bus, patches, [&](Bus& own, PatchState& p) {
     report(progress, "asking the modules", 0.0, fmt::format("patch {}", p.patch), p.patch);
-    look_at_chain(own, p);
+    find_topology(own, p);
     start_patch(own, p);
     p.lines = p.controller(own).discover();
     report(progress, "asked", 1.0, fmt::format("patch {}", p.patch), p.patch);

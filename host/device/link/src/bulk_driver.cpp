@@ -56,8 +56,7 @@ class BulkDriver final : public UsbDriver {
       throw DeviceError(fmt::format("usb: this computer has no USB ({})", ::libusb_error_name(error)));
     }
     constexpr int kEvents = LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT;
-    if (::libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) == 0)
-      return;  // then the link looks by itself every now and then
+    if (::libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) == 0) return;  // then the link scans for devices by itself
     (void)::libusb_hotplug_register_callback(context_, kEvents, 0, wire::kUsbVendor, wire::kUsbProduct,
                                              LIBUSB_HOTPLUG_MATCH_ANY, note_change, this, nullptr);
   }

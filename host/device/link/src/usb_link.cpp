@@ -10,7 +10,7 @@ namespace triskin::device {
 
 UsbLink::UsbLink(std::unique_ptr<UsbDriver> driver, const std::string& serial)
     : driver_(std::move(driver)), serial_(serial), name_(driver_->name() + (serial.empty() ? "" : ":" + serial)) {
-  look();
+  open_new_devices();
   if (devices_.empty()) {
     fail(fmt::format("no Triskin controller{} on USB; check cable and power, and the udev rule of docs/wires.md",
                      serial.empty() ? "" : " with this serial number"));
@@ -30,8 +30,8 @@ std::uint64_t UsbLink::now_us() const {
       std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start_).count());
 }
 
-void UsbLink::look() {
-  last_look_ = std::chrono::steady_clock::now();
+void UsbLink::open_new_devices() {
+  last_scan_ = std::chrono::steady_clock::now();
   std::vector<std::string> places;
   for (const auto& d : devices_) places.push_back(d->pipe->place());
   for (auto& pipe : driver_->open(serial_, places)) {
@@ -81,12 +81,12 @@ void UsbLink::remove_gone() {
     const std::lock_guard lock(mutex_);
     return d->gone;
   });
-  if (devices_.empty()) look();  // it may have come back under another address
+  if (devices_.empty()) open_new_devices();  // it may have come back under another address
 }
 
 void UsbLink::reconnect() {
   remove_gone();
-  look();
+  open_new_devices();
   if (devices_.empty()) fail(trouble());
 }
 
@@ -139,8 +139,8 @@ std::optional<wire::CanFrame> UsbLink::receive(std::uint64_t until_us) {
   while (true) {
     if (const auto frame = next_frame(std::min<std::uint64_t>(until_us, now_us() + 1'000'000))) return frame;
     remove_gone();
-    const bool told = driver_->changed();
-    if (told || (serial_.empty() && std::chrono::steady_clock::now() - last_look_ > kLook)) look();
+    const bool changed = driver_->changed();
+    if (changed || (serial_.empty() && std::chrono::steady_clock::now() - last_scan_ > kScanEvery)) open_new_devices();
     if (devices_.empty()) fail(trouble());
     if (now_us() >= until_us) return std::nullopt;
   }

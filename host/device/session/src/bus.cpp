@@ -232,7 +232,7 @@ void Bus::assign(const wire::UniqueId& id, std::uint8_t node_address) {
 
 std::optional<wire::CanFrame> Bus::receive(std::uint64_t until_us) {
   if (held_ == 0 && interrupt_request()) throw Cancelled(link_.name() + ": ended on request");
-  return link_.receive(std::min(until_us, link_.now_us() + kLook_us));
+  return link_.receive(std::min(until_us, link_.now_us() + kInterruptPoll_us));
 }
 
 void Bus::reconnect() {

@@ -12,11 +12,9 @@
 namespace triskin::device {
 namespace {
 
-constexpr std::size_t kMaxPatches = 126;  // node addresses 1..126
-
-int row_of(const design::Patch& patch, int node) {
+int row_of(const design::Patch& patch, int module) {
   const auto found =
-      std::find_if(patch.modules.begin(), patch.modules.end(), [&](const auto& m) { return m.node == node; });
+      std::find_if(patch.modules.begin(), patch.modules.end(), [&](const auto& m) { return m.node == module; });
   return found == patch.modules.end() ? -1 : static_cast<int>(found - patch.modules.begin());
 }
 
@@ -102,10 +100,10 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
   const auto refuse = [&](const std::string& what) {
     throw InputError(fmt::format("patch {}: {}; run triskin check on the design", patch_index, what));
   };
-  if (design.patches.size() > kMaxPatches)
-    refuse(fmt::format("a bus has {} node addresses, the design {} patches", kMaxPatches, design.patches.size()));
+  if (design.patches.size() > layout::kMaxNodes)
+    refuse(fmt::format("a bus has {} node addresses, the design {} patches", layout::kMaxNodes, design.patches.size()));
   if (patch.modules.empty() || patch.modules.size() > layout::kMaxModules)
-    refuse(fmt::format("{} modules, a controller reads 1 … 16", patch.modules.size()));
+    refuse(fmt::format("{} modules, a controller reads 1 … {}", patch.modules.size(), layout::kMaxModules));
   if (design.layout.modules.size() > 0xFFFF) refuse("module ids beyond 65535 fit no table");
   const Tree tree = concerns(patch, choice) ? tree_after(patch, choice) : Tree{patch.modules, -1, -1};
   if (tree.modules.empty()) {
@@ -114,10 +112,10 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
   }
   layout::PatchImage image;
   image.design_id = design.design_id;
-  image.node_address = static_cast<std::uint8_t>(patch_index + 1);
+  image.node_address = static_cast<std::uint8_t>(layout::kFirstNode + patch_index);
   image.module_count = static_cast<std::uint8_t>(tree.modules.size());
-  const auto row_in = [&](int node) {
-    const auto found = std::ranges::find(tree.modules, node, &design::RoutedModule::node);
+  const auto row_in = [&](int module) {
+    const auto found = std::ranges::find(tree.modules, module, &design::RoutedModule::node);
     return found == tree.modules.end() ? -1 : static_cast<int>(found - tree.modules.begin());
   };
   const design::PortEnds ends = design::joints_of(design, patch_index);
@@ -129,11 +127,11 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
     row.address = static_cast<std::uint8_t>(m.address);
     row.rotation = static_cast<std::uint8_t>(m.rotation);
     const auto& mine = ends[static_cast<std::size_t>(row_of(patch, m.node))];
-    for (std::size_t port = 0; port < 3; ++port) {
+    for (std::size_t port = 0; port < layout::kPorts; ++port) {
       if (mine[port].row < 0) continue;
-      const int far_node = patch.modules[static_cast<std::size_t>(mine[port].row)].node;
-      const bool cut = std::minmax(m.node, far_node) == std::minmax(tree.cut_a, tree.cut_b);
-      const int far = row_in(far_node);
+      const int far_module = patch.modules[static_cast<std::size_t>(mine[port].row)].node;
+      const bool cut = std::minmax(m.node, far_module) == std::minmax(tree.cut_a, tree.cut_b);
+      const int far = row_in(far_module);
       if (far >= 0 && !cut)
         row.joints[port] = layout::joint_to(static_cast<std::size_t>(far), static_cast<std::size_t>(mine[port].port));
     }

@@ -52,7 +52,7 @@ Stand visit(const Surface& surface, const Vec3& p, double& best) {
 // Whether a part of the module, all within `reach` of a point, may stand over the border by more than is known. Both
 // distances change by no more than the way of the point, and the foot on the surface by little more. A point that just
 // leaves the surface may at once stand over the border by as much as the normals of vertices are turned from the
-// face's: such slivers are looked for. Three: the normal turns along the border, too.
+// face's: such slivers are searched for. Three: the normal turns along the border, too.
 bool may_exceed(const Surface& surface, const Stand& s, double reach, double known_mm) {
   if (s.to_border_mm - s.foot.distance_mm > 2.0 * reach || s.across_mm + 3.0 * reach <= known_mm + kStep_mm)
     return false;

@@ -6,7 +6,7 @@
 
 namespace triskin::geometry {
 
-/// What a line of one patch carries.
+/// Load of one line of a patch.
 struct LineLoad {
   int modules = 0;  ///< converters on the line
   int joints = 0;   ///< joints that carry it

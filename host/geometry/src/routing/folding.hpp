@@ -6,7 +6,7 @@
 
 namespace triskin::geometry {
 
-/// What is left of a graph when its pendant trees are folded into the nodes they hang on. Bottom-up, a node keeps its
+/// Rest of a graph after its pendant trees are folded into the nodes that carry them. Bottom-up, a node keeps its
 /// lightest branches while they fit and closes the others as parts of their own: fewest closed parts first, then the
 /// lightest rest, which is optimal because one more closed part can always free the node of its whole branch.
 struct Folding {

@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kMaxFrontier = 12;
 
-// Slot s of the frontier: 4 bits of `label` name its block, 5 bits of `weight` at the label hold the block's weight.
-// Labels are numbered by first appearance, so equal situations have equal keys.
+// Position s of the frontier: 4 bits of `label` name its block, 5 bits of `weight` at the label hold the block's
+// weight. Labels are numbered by first appearance, so equal situations have equal keys.
 struct Key {
   std::uint64_t label = 0, weight = 0;
   bool operator==(const Key&) const = default;
@@ -116,13 +116,13 @@ class FrontierProgramme {
   bool add(int v, std::vector<int>& frontier, int to_come) {
     step_.clear();
     next_.clear();
-    std::vector<int> slots = frontier;
-    slots.push_back(v);
-    std::vector<bool> stays(slots.size());
+    std::vector<int> nodes = frontier;
+    nodes.push_back(v);
+    std::vector<bool> stays(nodes.size());
     placed_.resize(at(g_.size()), false);
     placed_[at(v)] = true;
-    for (std::size_t s = 0; s < slots.size(); ++s) {
-      stays[s] = std::ranges::any_of(g_.neighbour[at(slots[s])],
+    for (std::size_t s = 0; s < nodes.size(); ++s) {
+      stays[s] = std::ranges::any_of(g_.neighbour[at(nodes[s])],
                                      [&](int w) { return w >= 0 && in_core_[at(w)] && !placed_[at(w)]; });
     }
     const std::vector<State>& now = layers_.back();
@@ -131,8 +131,8 @@ class FrontierProgramme {
       expand(now[i], static_cast<int>(i), v, frontier, stays, to_come);
     }
     frontier.clear();
-    for (std::size_t s = 0; s < slots.size(); ++s) {
-      if (stays[s]) frontier.push_back(slots[s]);
+    for (std::size_t s = 0; s < nodes.size(); ++s) {
+      if (stays[s]) frontier.push_back(nodes[s]);
     }
     layers_.push_back(std::move(next_));
     next_ = {};
@@ -154,9 +154,9 @@ class FrontierProgramme {
     const Blocks blocks = unpack(state.key, frontier.size());
     std::array<int, 3> block_at{-1, -1, -1};  // by side; each block once
     for (std::size_t s = 0; s < 3; ++s) {
-      const auto slot = std::ranges::find(frontier, g_.neighbour[at(v)][s]);
-      if (slot == frontier.end()) continue;
-      const int label = blocks.label[static_cast<std::size_t>(slot - frontier.begin())];
+      const auto position = std::ranges::find(frontier, g_.neighbour[at(v)][s]);
+      if (position == frontier.end()) continue;
+      const int label = blocks.label[static_cast<std::size_t>(position - frontier.begin())];
       if (std::ranges::count(block_at, label) == 0) block_at[s] = label;
     }
     const int branch = folding_.branch_weight[at(v)];
@@ -181,18 +181,18 @@ class FrontierProgramme {
     std::array<int, kMaxFrontier + 2> renamed{};
     renamed.fill(-1);
     const int fresh = kMaxFrontier + 1;  // the block of v
-    const auto old_block = [&](std::size_t slot) {
-      if (slot == n) return fresh;
+    const auto old_block = [&](std::size_t position) {
+      if (position == n) return fresh;
       for (std::size_t side = 0; side < 3; ++side) {
-        if ((s.joined >> side & 1) != 0 && block_at[side] == before.label[slot]) return fresh;
+        if ((s.joined >> side & 1) != 0 && block_at[side] == before.label[position]) return fresh;
       }
-      return before.label[slot];
+      return before.label[position];
     };
     int blocks = 0, open = 0;
     std::size_t out = 0;
-    for (std::size_t slot = 0; slot <= n; ++slot) {
-      if (!stays[slot]) continue;
-      const int b = old_block(slot);
+    for (std::size_t position = 0; position <= n; ++position) {
+      if (!stays[position]) continue;
+      const int b = old_block(position);
       if (renamed[at(b)] < 0) {
         renamed[at(b)] = blocks++;
         const int w = b == fresh ? weight : before.weight[at(b)];
@@ -202,8 +202,8 @@ class FrontierProgramme {
       s.key.label |= static_cast<std::uint64_t>(renamed[at(b)]) << (4 * out++);
     }
     std::array<bool, kMaxFrontier + 2> counted{};
-    for (std::size_t slot = 0; slot <= n; ++slot) {
-      const int b = old_block(slot);
+    for (std::size_t position = 0; position <= n; ++position) {
+      const int b = old_block(position);
       if (renamed[at(b)] >= 0 || counted[at(b)]) continue;
       counted[at(b)] = true;
       ++s.closed;  // no node of this part has neighbours to come

@@ -22,7 +22,7 @@ struct FreeSide {
   Vec place, outward;
 };
 
-// Outward directions more than 120° apart: the sides look at each other across a seam.
+// Outward directions more than 120° apart: the sides face each other across a seam.
 bool face_each_other(const FreeSide& a, const FreeSide& b) {
   return dot(a.outward, b.outward) < -0.5 * std::sqrt(dot(a.outward, a.outward) * dot(b.outward, b.outward));
 }

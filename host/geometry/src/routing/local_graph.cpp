@@ -41,7 +41,7 @@ std::vector<std::vector<int>> components(const ModuleGraph& graph) {
   return result;
 }
 
-void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part, int root, Random& random,
+void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part, int root, Dice& random,
                  SpanningTree& tree) {
   constexpr int kUnseen = -2;
   tree.order.clear();

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "index.hpp"
-#include "triskin/geometry/random_patch.hpp"
 #include "triskin/geometry/routing.hpp"
+#include "triskin/host/dice.hpp"
 
 namespace triskin::geometry {
 
@@ -20,8 +20,6 @@ struct LocalGraph {
 /// Connected components of the joints, each sorted.
 [[nodiscard]] std::vector<std::vector<int>> components(const ModuleGraph& graph);
 
-using Random = Dice;
-
 /// Nodes of a spanning tree, parents before children; parent[k] belongs to order[k], −1 for the root.
 struct SpanningTree {
   std::vector<int> order;
@@ -29,7 +27,7 @@ struct SpanningTree {
 };
 /// Random spanning tree of the nodes v with part_of[v] == `part`, which are connected; `root` is one of them. Grows by
 /// a mixture of depth first and random order, so that stringy and bushy trees both come up. Cost: O(n).
-void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part, int root, Random& random,
+void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part, int root, Dice& random,
                  SpanningTree& tree);
 
 }  // namespace triskin::geometry

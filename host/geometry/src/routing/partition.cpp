@@ -88,7 +88,7 @@ class Partitioner {
   const LocalGraph& g_;
   int capacity_;
   double milp_time_s_;
-  Random random_;
+  Dice random_;
   std::vector<int> whole_;
   Partition best_;
 };

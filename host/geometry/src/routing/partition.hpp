@@ -25,6 +25,6 @@ int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, std::v
 /// Peels parts of capacity − slack … capacity nodes off, each a subtree of a random spanning tree of what is left,
 /// so that both stay connected; when stuck gives some neighbouring parts back and goes on. True and fills part_of when
 /// k parts do.
-bool peel(const LocalGraph& g, int capacity, int k, long budget, Random& random, std::vector<int>& part_of);
+bool peel(const LocalGraph& g, int capacity, int k, long budget, Dice& random, std::vector<int>& part_of);
 
 }  // namespace triskin::geometry

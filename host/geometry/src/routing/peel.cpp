@@ -11,7 +11,7 @@ constexpr int kLeft = -1;  // part number of what is left
 
 class Peeler {
  public:
-  Peeler(const LocalGraph& g, int capacity, int k, long budget, Random& random, std::vector<int>& part_of)
+  Peeler(const LocalGraph& g, int capacity, int k, long budget, Dice& random, std::vector<int>& part_of)
       : g_(g), capacity_(capacity), k_(k), budget_(budget), random_(random), part_of_(part_of), weight_(at(g.size())) {
     part_of_.assign(at(g.size()), kLeft);
     left_ = g.size();
@@ -126,7 +126,7 @@ class Peeler {
   const LocalGraph& g_;
   int capacity_, k_;
   long budget_;
-  Random& random_;
+  Dice& random_;
   std::vector<int>& part_of_;
   std::vector<int> unused_, weight_, candidates_;
   std::vector<bool> mark_;
@@ -137,7 +137,7 @@ class Peeler {
 
 }  // namespace
 
-bool peel(const LocalGraph& g, int capacity, int k, long budget, Random& random, std::vector<int>& part_of) {
+bool peel(const LocalGraph& g, int capacity, int k, long budget, Dice& random, std::vector<int>& part_of) {
   return Peeler(g, capacity, k, budget, random, part_of).run();
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "triskin/host/dice.hpp"
+
 namespace triskin::geometry {
 namespace {
 

@@ -22,14 +22,14 @@ int lowest(std::uint32_t set) {
 }
 
 // One bit of `set` at random.
-int pick(std::uint32_t set, Random& random) {
+int pick(std::uint32_t set, Dice& random) {
   for (int k = random.below(std::popcount(set)); k > 0; --k) set &= set - 1;
   return lowest(set);
 }
 
 class Recombiner {
  public:
-  Recombiner(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, Random& random,
+  Recombiner(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, Dice& random,
              Partition& partition)
       : g_(g),
         capacity_(options.capacity),
@@ -158,7 +158,7 @@ class Recombiner {
 
   const LocalGraph& g_;
   int capacity_;
-  Random& random_;
+  Dice& random_;
   Partition& p_;
   std::vector<std::vector<int>> members_;
   std::vector<int> cost_;
@@ -214,7 +214,7 @@ int secondary_cost(const PartBits& bits, const PartSurroundings& around, std::ui
   return (on_border ? 0 : kNoBorder) + kLost * lost_with_two_entries(bits, part, entry) + best;
 }
 
-void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Random& random,
+void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Dice& random,
                Partition& partition) {
   if (partition.parts < 2) return;
   Recombiner(graph, g, options, random, partition).run(moves);

@@ -5,7 +5,7 @@
 
 namespace triskin::geometry {
 
-/// What the secondary cost of a part looks at beside its joints.
+/// Inputs of the secondary cost of a part, beside its joints.
 struct PartSurroundings {
   std::uint32_t border = 0;        ///< nodes with a side that a cable reaches
   std::array<int, 32> cable_cm{};  ///< from the controller place, zeros when none is given
@@ -19,7 +19,7 @@ struct PartSurroundings {
 /// Lowers the sum of secondary costs under a fixed number of parts. A move takes two neighbouring parts and either
 /// draws a random tree over both and cuts it elsewhere (ReCom: DeFord, Duchin and Solomon, 2021) or moves or swaps
 /// single modules; it is accepted under a falling threshold. `moves` in all; about 10 µs each.
-void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Random& random,
+void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Dice& random,
                Partition& partition);
 
 }  // namespace triskin::geometry

@@ -54,7 +54,7 @@ class Router {
     const LocalGraph g = localize(graph_, nodes);
     const double milp_s = options_.milp && options_.time_limit_s >= kMilpWorthwhile_s ? options_.time_limit_s : 0.0;
     Partition p = partition(g, options_.capacity, options_.seed, milp_s);
-    Random random(options_.seed + 1);
+    Dice random(options_.seed + 1);
     recombine(graph_, g, options_, std::min(kMostMoves, options_.recombinations * p.parts), random, p);
     std::vector<std::vector<int>> parts(at(p.parts));
     for (int v = 0; v < g.size(); ++v) parts[at(p.part_of[at(v)])].push_back(g.node[at(v)]);

@@ -134,51 +134,51 @@ void Surface::find_loops() {
   }
 }
 
-Surface::Tree Surface::build_tree(const std::vector<std::array<Eigen::Array3d, 2>>& boxes) {
+Surface::Tree Surface::build_tree(const std::vector<std::array<Eigen::Array3d, 2>>& extents) {
   constexpr int kLeafSize = 4;
   Tree tree;
-  tree.items.resize(boxes.size());
+  tree.items.resize(extents.size());
   std::iota(tree.items.begin(), tree.items.end(), 0);
-  if (boxes.empty()) return tree;
-  tree.nodes.push_back({.first = 0, .count = static_cast<int>(boxes.size())});
-  for (std::size_t n = 0; n < tree.nodes.size(); ++n) {  // nodes appended while walking: breadth first
-    const int first = tree.nodes[n].first, count = tree.nodes[n].count;
-    Eigen::Array3d low = boxes[at(tree.items[at(first)])][0], high = boxes[at(tree.items[at(first)])][1];
+  if (extents.empty()) return tree;
+  tree.boxes.push_back({.first = 0, .count = static_cast<int>(extents.size())});
+  for (std::size_t n = 0; n < tree.boxes.size(); ++n) {  // boxes appended while walking: breadth first
+    const int first = tree.boxes[n].first, count = tree.boxes[n].count;
+    Eigen::Array3d low = extents[at(tree.items[at(first)])][0], high = extents[at(tree.items[at(first)])][1];
     for (int k = first; k < first + count; ++k) {
-      low = low.min(boxes[at(tree.items[at(k)])][0]);
-      high = high.max(boxes[at(tree.items[at(k)])][1]);
+      low = low.min(extents[at(tree.items[at(k)])][0]);
+      high = high.max(extents[at(tree.items[at(k)])][1]);
     }
-    tree.nodes[n].low = low;
-    tree.nodes[n].high = high;
+    tree.boxes[n].low = low;
+    tree.boxes[n].high = high;
     if (count <= kLeafSize) continue;
     Eigen::Index axis = 0;
     (high - low).maxCoeff(&axis);
-    const auto middle_of = [&](int item) { return boxes[at(item)][0][axis] + boxes[at(item)][1][axis]; };
+    const auto middle_of = [&](int item) { return extents[at(item)][0][axis] + extents[at(item)][1][axis]; };
     const auto begin = tree.items.begin() + first;
     std::nth_element(begin, begin + count / 2, begin + count,
                      [&](int a, int b) { return std::pair(middle_of(a), a) < std::pair(middle_of(b), b); });
-    tree.nodes[n].left = static_cast<int>(tree.nodes.size());
-    tree.nodes[n].right = tree.nodes[n].left + 1;
-    tree.nodes[n].count = 0;
-    tree.nodes.push_back({.first = first, .count = count / 2});
-    tree.nodes.push_back({.first = first + count / 2, .count = count - count / 2});
+    tree.boxes[n].left = static_cast<int>(tree.boxes.size());
+    tree.boxes[n].right = tree.boxes[n].left + 1;
+    tree.boxes[n].count = 0;
+    tree.boxes.push_back({.first = first, .count = count / 2});
+    tree.boxes.push_back({.first = first + count / 2, .count = count - count / 2});
   }
   return tree;
 }
 
 template <class Visit>
 void Surface::nearest(const Tree& tree, const Vec3& query, double& best_squared, Visit visit) {
-  if (tree.nodes.empty()) return;
+  if (tree.boxes.empty()) return;
   std::array<int, 128> stack;  // depth of a median split of 2^31 items is under 64
   int top = 0;
   stack[0] = 0;
   while (top >= 0) {
-    const Box& box = tree.nodes[at(stack[at(top--)])];
+    const Box& box = tree.boxes[at(stack[at(top--)])];
     if (box_distance_squared(box.low, box.high, query) >= best_squared) continue;
     for (int k = box.first; k < box.first + box.count; ++k) visit(tree.items[at(k)]);
     if (box.left < 0) continue;
     const auto distance = [&](int n) {
-      return box_distance_squared(tree.nodes[at(n)].low, tree.nodes[at(n)].high, query);
+      return box_distance_squared(tree.boxes[at(n)].low, tree.boxes[at(n)].high, query);
     };
     const bool left_first = distance(box.left) <= distance(box.right);
     stack[at(++top)] = left_first ? box.right : box.left;
@@ -187,20 +187,20 @@ void Surface::nearest(const Tree& tree, const Vec3& query, double& best_squared,
 }
 
 void Surface::build_trees() {
-  std::vector<std::array<Eigen::Array3d, 2>> boxes;
+  std::vector<std::array<Eigen::Array3d, 2>> extents;
   for (const auto& f : mesh_.faces) {
     const auto a = mesh_.vertices[at(f[0])].array(), b = mesh_.vertices[at(f[1])].array(),
                c = mesh_.vertices[at(f[2])].array();
-    boxes.push_back({Eigen::Array3d(a.min(b).min(c)), Eigen::Array3d(a.max(b).max(c))});
+    extents.push_back({Eigen::Array3d(a.min(b).min(c)), Eigen::Array3d(a.max(b).max(c))});
   }
-  face_tree_ = build_tree(boxes);
-  boxes.clear();
+  face_tree_ = build_tree(extents);
+  extents.clear();
   for (const auto& [face, side] : border_sides_) {
     const auto& f = mesh_.faces[at(face)];
     const auto a = mesh_.vertices[at(f[at(side)])].array(), b = mesh_.vertices[at(f[at((side + 1) % 3)])].array();
-    boxes.push_back({Eigen::Array3d(a.min(b)), Eigen::Array3d(a.max(b))});
+    extents.push_back({Eigen::Array3d(a.min(b)), Eigen::Array3d(a.max(b))});
   }
-  border_tree_ = build_tree(boxes);
+  border_tree_ = build_tree(extents);
 }
 
 SurfacePoint Surface::closest(const Vec3& query_mm) const {

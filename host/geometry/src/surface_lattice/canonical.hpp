@@ -6,8 +6,8 @@ namespace triskin::geometry::surface_lattice {
 
 /// A mesh in a frame of its own — middle of its area, principal axes, the longer side first —, on a grid of 1/256
 /// mm, its corners and faces in the order of their places: copies that are turned, shifted, mirrored or numbered anew
-/// give the same mesh, so that the search, which depends on every digit, takes the same way. Where two axes are alike
-/// the copies may differ.
+/// give the same mesh, so that the search, which depends on every digit, gives the same layout. Where two axes are
+/// alike the copies may differ.
 class CanonicalCopy {
  public:
   /// Cost: O(n log n).

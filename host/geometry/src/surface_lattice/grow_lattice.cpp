@@ -38,7 +38,7 @@ double cost_of_islands(const std::vector<int>& sizes, const SurfaceLatticeOption
   return cost;
 }
 
-struct Search {
+struct GrowthTask {
   const Surface& surface;
   const Rules& rules;
   const SurfaceLatticeOptions& options;
@@ -57,26 +57,26 @@ struct Search {
 // One annealed sequence of ruin and recreate.
 class Chain {
  public:
-  Chain(const Search& search, std::uint64_t seed)
-      : search_(search),
+  Chain(const GrowthTask& task, std::uint64_t seed)
+      : task_(task),
         random_(seed),
-        grower_(search.surface, search.rules, search.samples, search.options.corner_lift_mm, search.end) {}
+        grower_(task.surface, task.rules, task.samples, task.options.corner_lift_mm, task.end) {}
 
-  // Complete layouts from several starts: where the first module lies and how it is turned decides more than later
-  // steps mend. The better half is improved for a while, and again its better half, until one is left.
+  // Makes complete layouts from several starts: place and turn of the first module decide more than later steps mend.
+  // The better half is improved for a while, and again its better half, until one is left.
   void build() {
-    const int iterations = search_.options.iterations;
+    const int iterations = task_.options.iterations;
     const int most = iterations > 0 ? std::min(kStarts, 1 + iterations / kStepsAStart) : kStarts;
     std::vector<Start> starts;
     for (int k = 0; k < most; ++k) {
-      if (k > 0 && iterations == 0 && search_.fraction(0) > kStartsShare) break;
+      if (k > 0 && iterations == 0 && task_.fraction(0) > kStartsShare) break;
       LatticeNet net;
-      grower_.fill(net, {}, random_, static_cast<int>(search_.samples.size()) / 2);
+      grower_.fill(net, {}, random_, static_cast<int>(task_.samples.size()) / 2);
       net.separate();
-      const double value = search_.value(net);
+      const double value = task_.value(net);
       starts.push_back({std::move(net), value});
     }
-    const double before = search_.fraction(steps_);
+    const double before = task_.fraction(steps_);
     double until = before;
     for (std::size_t left = (starts.size() + 1) / 2; left > 1; left = (left + 1) / 2) {
       keep_best(starts, left);
@@ -86,7 +86,7 @@ class Chain {
     now_ = best_ = starts.front().net;
     value_ = best_value_ = starts.front().value;
     heat_ = 0.0;
-    plan_runs(search_.fraction(steps_) - before);
+    plan_runs(task_.fraction(steps_) - before);
   }
 
   void run(int steps) {
@@ -95,7 +95,7 @@ class Chain {
 
   void adopt(const LatticeNet& net) {
     now_ = net;
-    value_ = search_.value(net);
+    value_ = task_.value(net);
     if (value_ > best_value_) {
       best_ = net;
       best_value_ = value_;
@@ -123,30 +123,30 @@ class Chain {
     now_ = best_ = start.net;
     value_ = best_value_ = start.value;
     heat_ = kRaceHeat;
-    while (search_.fraction(steps_) < until && !grower_.late()) run(1);
+    while (task_.fraction(steps_) < until && !grower_.late()) run(1);
     start = {best_, best_value_};
   }
 
   // A small part takes few steps to anneal: it is annealed several times, each time from another start.
   void plan_runs(double fraction_raced) {
-    begun_at_ = search_.fraction(steps_);
+    begun_at_ = task_.fraction(steps_);
     if (steps_ == 0 || best_.size() == 0 || begun_at_ >= 1.0) return;
-    const double steps_left = search_.options.iterations > 0
-                                  ? search_.options.iterations - steps_
+    const double steps_left = task_.options.iterations > 0
+                                  ? task_.options.iterations - steps_
                                   : steps_ / std::max(1e-6, fraction_raced) * (1.0 - begun_at_);
     runs_ = std::clamp(static_cast<int>(steps_left / (kStepsAModule * best_.size())), 1, kMostRuns);
   }
 
-  // How far the run that goes on has come, 0 … 1; begins the next one when it is due.
+  // Progress of the current run, 0 … 1; begins the next run when it is due.
   double fraction_of_run() {
-    const double runs = runs_ * std::clamp((search_.fraction(steps_) - begun_at_) / (1.0 - begun_at_ + 1e-9), 0.0, 1.0);
+    const double runs = runs_ * std::clamp((task_.fraction(steps_) - begun_at_) / (1.0 - begun_at_ + 1e-9), 0.0, 1.0);
     const int run = std::min(static_cast<int>(runs), runs_ - 1);
     if (run != run_) {
       run_ = run;
       now_ = LatticeNet();
-      grower_.fill(now_, {}, random_, static_cast<int>(search_.samples.size()) / 2);
+      grower_.fill(now_, {}, random_, static_cast<int>(task_.samples.size()) / 2);
       now_.separate();
-      value_ = search_.value(now_);
+      value_ = task_.value(now_);
     }
     return runs - run;
   }
@@ -163,7 +163,7 @@ class Chain {
     grower_.fill(next, around, random_, 4);
     if (grower_.late()) return;
     next.separate();
-    const double value = search_.value(next);
+    const double value = task_.value(next);
     if (value < value_ + heat * std::log(std::max(1e-12, random_.unit()))) return;
     now_ = std::move(next);
     value_ = value;
@@ -175,8 +175,8 @@ class Chain {
 
   // Around an uncovered place when one is found quickly, else around any module.
   [[nodiscard]] Vec3 place_to_ruin(const LatticeNet& net) {
-    for (int k = 0; k < 8 && !search_.samples.empty(); ++k) {
-      const Sample& s = search_.samples[at(random_.below(static_cast<int>(search_.samples.size())))];
+    for (int k = 0; k < 8 && !task_.samples.empty(); ++k) {
+      const Sample& s = task_.samples[at(random_.scaled_below(static_cast<int>(task_.samples.size())))];
       if (!grower_.covered(net, s.point)) return s.point;
     }
     return net.triangles[at(some_triangle(net))].center;
@@ -184,7 +184,7 @@ class Chain {
 
   [[nodiscard]] int some_triangle(const LatticeNet& net) {
     for (;;) {
-      const int t = random_.below(static_cast<int>(net.triangles.size()));
+      const int t = random_.scaled_below(static_cast<int>(net.triangles.size()));
       if (net.used(t)) return t;
     }
   }
@@ -217,8 +217,8 @@ class Chain {
     return ball;
   }
 
-  const Search& search_;
-  Random random_;
+  const GrowthTask& task_;
+  Dice random_;
   Grower grower_;
   LatticeNet now_, best_;
   double value_ = -1e300, best_value_ = -1e300;
@@ -228,8 +228,8 @@ class Chain {
   int steps_ = 0;
 };
 
-// Module k is the triangle in slot slots[k] of the net.
-ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& slots) {
+// Module k is triangle triangle_of[k] of the net.
+ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
   ModuleLayout layout;
   layout.method = LayoutMethod::kSurface;
   layout.islands = net.islands();
@@ -237,7 +237,7 @@ ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& slots) {
   for (std::size_t t = 0; t < net.triangles.size(); ++t) {
     if (net.triangles[t].island < 0) continue;
     index[t] = static_cast<int>(layout.modules.size());
-    slots.push_back(static_cast<int>(t));
+    triangle_of.push_back(static_cast<int>(t));
     PlacedModule m;
     m.island = net.triangles[t].island;
     m.tile = net.triangles[t].tile;
@@ -261,17 +261,17 @@ double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
   return worst;
 }
 
-// The finer walk along the sides may find what the search overlooked: such modules go, the worst first.
+// Removes modules that break a limit under the finer walk along the sides, the worst first.
 ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, LatticeNet net, const LayoutLimits& limits) {
-  std::map<int, PlacedModule> measured;  // by slot: corners stay, so what depends on the surface does too
+  std::map<int, PlacedModule> measured;  // by triangle: corners stay, so what depends on the surface does too
   for (;;) {
     net.separate();
-    std::vector<int> slots;
-    ModuleLayout layout = layout_of(net, slots);
+    std::vector<int> triangle_of;
+    ModuleLayout layout = layout_of(net, triangle_of);
     copy.carry_back(layout);
-    for (std::size_t k = 0; k < slots.size(); ++k) {
+    for (std::size_t k = 0; k < triangle_of.size(); ++k) {
       PlacedModule& m = layout.modules[k];
-      const auto [known, is_new] = measured.try_emplace(slots[k], m);
+      const auto [known, is_new] = measured.try_emplace(triangle_of[k], m);
       if (is_new) measure_on_surface(surface, known->second);
       m.center_gap_mm = known->second.center_gap_mm;
       m.edge_depth_mm = known->second.edge_depth_mm;
@@ -282,7 +282,7 @@ ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, Lattic
     const auto worst =
         std::ranges::max_element(layout.modules, {}, [&](const PlacedModule& m) { return worst_ratio(m, limits); });
     if (worst == layout.modules.end() || worst_ratio(*worst, limits) <= kFinalMargin) return layout;
-    net.remove_triangle(slots[static_cast<std::size_t>(worst - layout.modules.begin())]);
+    net.remove_triangle(triangle_of[static_cast<std::size_t>(worst - layout.modules.begin())]);
   }
 }
 
@@ -312,10 +312,10 @@ const Chain& best_of(const std::deque<Chain>& chains) {
                                    [](const Chain& a, const Chain& b) { return a.best_value() < b.best_value(); });
 }
 
-// Which limits refuse the modules that would still find room, for the report; what fits after all is kept.
-void count_refusals(const Search& search, LatticeNet& net, ModuleLayout& layout) {
-  Random random(search.options.seed);
-  Grower grower(search.surface, search.rules, search.samples, search.options.corner_lift_mm, Clock::time_point::max());
+// Counts, for the report, the limits that refuse further modules; a module that fits after all is kept.
+void count_refusals(const GrowthTask& task, LatticeNet& net, ModuleLayout& layout) {
+  Dice random(task.options.seed);
+  Grower grower(task.surface, task.rules, task.samples, task.options.corner_lift_mm, Clock::time_point::max());
   grower.grow(net, {}, random);
   for (std::size_t k = 1; k < kRefusals; ++k) {
     if (grower.refused[k] > 0) layout.refused.emplace_back(name_of(static_cast<Refusal>(k)), grower.refused[k]);
@@ -344,10 +344,10 @@ ModuleLayout grow_lattice(const Surface& original, const LayoutLimits& limits, c
       start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
   const Rules rules(surface, limits);
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
-  const Search search{surface, rules, options, samples, start, end};
+  const GrowthTask task{surface, rules, options, samples, start, end};
   std::deque<Chain> chains;
   for (int k = 0; k < options.threads; ++k)
-    chains.emplace_back(search, options.seed * 1000003 + static_cast<std::uint64_t>(k));
+    chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));
   in_parallel(chains, [](Chain& c) { c.build(); });
   for (int round = 1; Clock::now() < end && (options.iterations == 0 || chains[0].steps() < options.iterations);
        ++round) {
@@ -355,7 +355,7 @@ ModuleLayout grow_lattice(const Surface& original, const LayoutLimits& limits, c
         options.iterations == 0 ? kStepsARound : std::min(kStepsARound, options.iterations - chains[0].steps());
     in_parallel(chains, [steps](Chain& c) { c.run(steps); });
     const Chain& best = best_of(chains);
-    report(progress, "lattice", search.fraction(chains[0].steps()),
+    report(progress, "lattice", task.fraction(chains[0].steps()),
            fmt::format("{} modules in {} islands", best.best().size(), best.best().islands()));
     if (round % kRoundsAnExchange != 0) continue;
     for (Chain& c : chains) {
@@ -364,7 +364,7 @@ ModuleLayout grow_lattice(const Surface& original, const LayoutLimits& limits, c
   }
   LatticeNet net = best_of(chains).best();
   ModuleLayout refusals;
-  count_refusals(search, net, refusals);
+  count_refusals(task, net, refusals);
   ModuleLayout layout = certified(original, copy, std::move(net), limits);
   layout.refused = std::move(refusals.refused);
   return layout;

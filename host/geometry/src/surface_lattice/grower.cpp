@@ -29,7 +29,7 @@ NetTriangle loose(const Triangle& corners) {
 
 std::vector<Sample> spread_samples(const Surface& surface, double area_each_mm2, std::uint64_t seed) {
   std::vector<Sample> samples;
-  Random random(seed);
+  Dice random(seed);
   double due = 0.5;
   const Mesh& mesh = surface.mesh();
   for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
@@ -103,7 +103,7 @@ bool Grower::try_corner(LatticeNet& net, Side side, int apex) {
 bool Grower::keep_or_revert(LatticeNet& net, int triangle) {
   Refusal refusal = Refusal::kPenetration;
   if (relaxer_.relax(net, triangle, kRelaxRadius_mm, kRelaxSteps))
-    refusal = rules_.judge(surface_, net, relaxer_.changed(), relaxer_.pairs());
+    refusal = rules_.evaluate(surface_, net, relaxer_.changed(), relaxer_.pairs());
   if (refusal == Refusal::kNone) return true;
   ++refused[static_cast<std::size_t>(refusal)];
   relaxer_.undo(net);
@@ -143,7 +143,7 @@ bool Grower::seed_at_side(LatticeNet& net, Side side) {
   return try_seed(net, {b, a, apex.point});
 }
 
-bool Grower::seed_at_sample(LatticeNet& net, const Sample& sample, Random& random) {
+bool Grower::seed_at_sample(LatticeNet& net, const Sample& sample, Dice& random) {
   const Vec3 x = sample.normal.unitOrthogonal(), y = sample.normal.cross(x);
   const double turn = 2.0 * M_PI * random.unit();
   Triangle corners;
@@ -180,12 +180,12 @@ std::vector<Grower::Side> Grower::open_sides(const LatticeNet& net, const Ball& 
   return sides;
 }
 
-void Grower::grow(LatticeNet& net, const Ball& ball, Random& random) {
+void Grower::grow(LatticeNet& net, const Ball& ball, Dice& random) {
   grow_from(net, open_sides(net, ball), ball, random);
 }
 
 // Sides with small keys first: near the start, with noise so that each growth is another one.
-void Grower::grow_from(LatticeNet& net, std::vector<Side> front, const Ball& ball, Random& random) {
+void Grower::grow_from(LatticeNet& net, std::vector<Side> front, const Ball& ball, Dice& random) {
   struct Entry {
     double key;
     Side side;
@@ -230,7 +230,7 @@ std::uint64_t& Grower::last_failure(std::vector<std::array<std::uint64_t, 3>>& f
   return failures[at(side.triangle)][at(side.side)];
 }
 
-void Grower::fill(LatticeNet& net, const Ball& ball, Random& random, int attempts) {
+void Grower::fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts) {
   const auto grow_newest = [&](int before) {
     if (net.size() == before) return;
     std::vector<Side> sides = open_sides(net, ball);
@@ -251,7 +251,7 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Random& random, int attempt
     if (ball.holds(samples_[at(k)].point) && !covered(net, samples_[at(k)].point)) near.push_back(k);
   }
   for (int k = 0; k < attempts && !near.empty() && !late(); ++k) {
-    const Sample& sample = samples_[at(near[at(random.below(static_cast<int>(near.size())))])];
+    const Sample& sample = samples_[at(near[at(random.scaled_below(static_cast<int>(near.size())))])];
     if (covered(net, sample.point)) continue;
     const int before = net.size();
     if (random.unit() < 0.5 || !seed_at_border(net, sample)) seed_at_sample(net, sample, random);

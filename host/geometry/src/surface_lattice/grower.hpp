@@ -2,25 +2,14 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
-#include <random>
 #include <vector>
 
 #include "net.hpp"
 #include "relax.hpp"
 #include "rules.hpp"
+#include "triskin/host/dice.hpp"
 
 namespace triskin::geometry::surface_lattice {
-
-/// Numbers that do not depend on the standard library.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  [[nodiscard]] double unit() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
-  [[nodiscard]] int below(int n) { return static_cast<int>(unit() * n); }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 /// Points spread evenly over a surface, where islands may start.
 struct Sample {
@@ -36,23 +25,23 @@ class Grower {
          Clock::time_point end)
       : surface_(surface), rules_(rules), samples_(samples), relaxer_(surface_, corner_lift_mm), end_(end) {}
 
-  Grower(const Grower&) = delete;  // the relaxer refers to the surface cells
+  Grower(const Grower&) = delete;  // the relaxer refers to surface_
   Grower& operator=(const Grower&) = delete;
 
-  /// Where to work: modules whose centre lies in the ball.
+  /// Region of work: modules whose centre lies in the ball.
   struct Ball {
     Vec3 center = Vec3::Zero();
     double radius_mm = 1e9;
     [[nodiscard]] bool holds(const Vec3& p) const { return (p - center).squaredNorm() < radius_mm * radius_mm; }
   };
   /// Grows the islands that reach into the ball over their open sides, until nothing more fits.
-  void grow(LatticeNet& net, const Ball& ball, Random& random);
+  void grow(LatticeNet& net, const Ball& ball, Dice& random);
   /// Starts islands on what is uncovered in the ball and grows each.
-  void fill(LatticeNet& net, const Ball& ball, Random& random, int attempts);
+  void fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts);
 
   [[nodiscard]] bool covered(const LatticeNet& net, const Vec3& p) const;
   [[nodiscard]] bool late() const { return Clock::now() > end_; }
-  /// How many times each limit refused a module since the last reset.
+  /// Number of refusals by limit since the last reset.
   std::array<int, kRefusals> refused{};
 
  private:
@@ -64,21 +53,22 @@ class Grower {
   bool try_corner(LatticeNet& net, Side side, int apex);
   bool try_seed(LatticeNet& net, const Triangle& corners);
   bool seed_at_side(LatticeNet& net, Side side);
-  bool seed_at_sample(LatticeNet& net, const Sample& sample, Random& random);
+  bool seed_at_sample(LatticeNet& net, const Sample& sample, Dice& random);
   bool seed_at_border(LatticeNet& net, const Sample& sample);
   [[nodiscard]] bool crowded(const LatticeNet& net, const Triangle& corners, int beside) const;
   bool keep_or_revert(LatticeNet& net, int triangle);
   [[nodiscard]] std::vector<Side> open_sides(const LatticeNet& net, const Ball& ball) const;
   [[nodiscard]] std::uint64_t surroundings_of(const LatticeNet& net, Side side) const;
   [[nodiscard]] std::uint64_t& last_failure(std::vector<std::array<std::uint64_t, 3>>& failures, Side side);
-  void grow_from(LatticeNet& net, std::vector<Side> front, const Ball& ball, Random& random);
+  void grow_from(LatticeNet& net, std::vector<Side> front, const Ball& ball, Dice& random);
 
   NearSurface surface_;
   const Rules& rules_;
   const std::vector<Sample>& samples_;
   Relaxer relaxer_;
   std::vector<int> near_;
-  // For each side what stood round it when a module was refused there: while nothing changed it is not tried again.
+  // By side: signature of its surroundings when a module was refused there. While it is equal the side is not tried
+  // again.
   std::vector<std::array<std::uint64_t, 3>> failed_join_, failed_seed_;
   Clock::time_point end_;
 };

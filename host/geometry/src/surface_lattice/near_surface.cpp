@@ -11,9 +11,9 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr double kMargin_mm = 12.0;  // queries farther out than this are rare: they ask the tree
-constexpr double kLargestCell_mm = 3.0;
-constexpr double kSmallestCell_mm = 2.0;
-constexpr double kMaxCells = 6e6;
+constexpr double kLargestVoxel_mm = 3.0;
+constexpr double kSmallestVoxel_mm = 2.0;
+constexpr double kMaxVoxels = 6e6;
 constexpr std::size_t kMaxCandidates = 24;
 
 }  // namespace
@@ -31,9 +31,9 @@ NearSurface::NearSurface(const Surface& surface)
   const Vec3 extent = high - low + Vec3::Constant(2.0 * kMargin_mm);
   const double face_mm = std::sqrt(surface.area_mm2() / std::max(1.0, static_cast<double>(mesh.faces.size())));
   size_mm_ =
-      std::max(std::clamp(0.7 * face_mm, kSmallestCell_mm, kLargestCell_mm), std::cbrt(extent.prod() / kMaxCells));
-  for (int k = 0; k < 3; ++k) cells_[at(k)] = static_cast<int>(extent[k] / size_mm_) + 1;
-  index_.assign(at(cells_[0]) * at(cells_[1]) * at(cells_[2]), -1);
+      std::max(std::clamp(0.7 * face_mm, kSmallestVoxel_mm, kLargestVoxel_mm), std::cbrt(extent.prod() / kMaxVoxels));
+  for (int k = 0; k < 3; ++k) voxels_[at(k)] = static_cast<int>(extent[k] / size_mm_) + 1;
+  index_.assign(at(voxels_[0]) * at(voxels_[1]) * at(voxels_[2]), -1);
   for (const auto& loop : surface.border_loops()) {
     for (const int v : loop) border_vertex_[at(v)] = true;
   }
@@ -42,39 +42,39 @@ NearSurface::NearSurface(const Surface& surface)
   }
 }
 
-const NearSurface::Cell* NearSurface::cell_at(const Vec3& query_mm) {
+const NearSurface::Voxel* NearSurface::voxel_at(const Vec3& query_mm) {
   const Vec3 q = (query_mm - origin_) / size_mm_;
   if (!(q.minCoeff() >= 0.0)) return nullptr;
   const std::array<int, 3> c{static_cast<int>(q[0]), static_cast<int>(q[1]), static_cast<int>(q[2])};
-  if (c[0] >= cells_[0] || c[1] >= cells_[1] || c[2] >= cells_[2]) return nullptr;
-  int& index = index_[(at(c[2]) * at(cells_[1]) + at(c[1])) * at(cells_[0]) + at(c[0])];
+  if (c[0] >= voxels_[0] || c[1] >= voxels_[1] || c[2] >= voxels_[2]) return nullptr;
+  int& index = index_[(at(c[2]) * at(voxels_[1]) + at(c[1])) * at(voxels_[0]) + at(c[0])];
   if (index < 0) index = fill(origin_ + size_mm_ * Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5));
   return &filled_[at(index)];
 }
 
-// The face nearest to a point of the cell is no farther from the middle than the nearest one there plus the cell's
+// The face nearest to a point of the voxel is no farther from the middle than the nearest one there plus the voxel's
 // diagonal.
 int NearSurface::fill(const Vec3& middle) {
   const double half = 0.5 * std::sqrt(3.0) * size_mm_;
   const SurfacePoint nearest = surface_.closest(middle);
-  Cell cell;
-  cell.middle = middle;
+  Voxel voxel;
+  voxel.middle = middle;
   const double border_mm = surface_.border_distance(middle);
-  cell.border_mm = std::max(0.0, border_mm - half);
-  cell.may_be_over = border_mm - half <= nearest.distance_mm + half;
+  voxel.border_mm = std::max(0.0, border_mm - half);
+  voxel.may_be_over = border_mm - half <= nearest.distance_mm + half;
   if (nearest.distance_mm < kMargin_mm) {
     std::vector<std::pair<double, int>> faces;
     surface_.faces_within(middle, nearest.distance_mm + 2.0 * half + 1e-6, faces);
     if (faces.size() <= kMaxCandidates) {
       std::ranges::sort(faces);
-      cell.first = static_cast<int>(candidates_.size());
-      cell.count = static_cast<int>(faces.size());
+      voxel.first = static_cast<int>(candidates_.size());
+      voxel.count = static_cast<int>(faces.size());
       const auto at_border = [this](const auto& entry) { return border_face_[at(entry.second)]; };
-      cell.may_be_over = cell.may_be_over && std::ranges::any_of(faces, at_border);
+      voxel.may_be_over = voxel.may_be_over && std::ranges::any_of(faces, at_border);
       for (const auto& [squared, face] : faces) candidates_.push_back({face, std::sqrt(squared)});
     }
   }
-  filled_.push_back(cell);
+  filled_.push_back(voxel);
   return static_cast<int>(filled_.size()) - 1;
 }
 
@@ -95,17 +95,17 @@ Foot NearSurface::foot_on(int face, const Vec3& weights, const Vec3& point, doub
 }
 
 Foot NearSurface::closest(const Vec3& query_mm) {
-  const Cell* cell = cell_at(query_mm);
-  if (cell == nullptr || cell->count < 0) {
+  const Voxel* voxel = voxel_at(query_mm);
+  if (voxel == nullptr || voxel->count < 0) {
     const SurfacePoint p = surface_.closest(query_mm);
     return foot_on(p.face, p.barycentric, p.position_mm, p.distance_mm * p.distance_mm);
   }
   const Mesh& mesh = surface_.mesh();
   double best_squared = std::numeric_limits<double>::infinity();
-  const double off_middle_mm = (query_mm - cell->middle).norm();
+  const double off_middle_mm = (query_mm - voxel->middle).norm();
   int best = -1;
   Vec3 best_weights = Vec3::Zero(), best_point = Vec3::Zero();
-  for (int k = cell->first; k < cell->first + cell->count; ++k) {
+  for (int k = voxel->first; k < voxel->first + voxel->count; ++k) {
     const auto [face, middle_mm] = candidates_[at(k)];
     const double at_least = middle_mm - off_middle_mm;
     if (at_least > 0.0 && at_least * at_least > best_squared) break;  // sorted: so are all that follow
@@ -127,13 +127,13 @@ Foot NearSurface::closest(const Vec3& query_mm) {
 }
 
 bool NearSurface::may_be_over_border(const Vec3& query_mm) {
-  const Cell* cell = cell_at(query_mm);
-  return cell == nullptr || cell->may_be_over;
+  const Voxel* voxel = voxel_at(query_mm);
+  return voxel == nullptr || voxel->may_be_over;
 }
 
 double NearSurface::border_at_least(const Vec3& query_mm) {
-  const Cell* cell = cell_at(query_mm);
-  return cell != nullptr ? cell->border_mm : surface_.border_distance(query_mm);
+  const Voxel* voxel = voxel_at(query_mm);
+  return voxel != nullptr ? voxel->border_mm : surface_.border_distance(query_mm);
 }
 
 }  // namespace triskin::geometry::surface_lattice

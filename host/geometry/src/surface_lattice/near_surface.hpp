@@ -15,8 +15,8 @@ struct Foot {
   bool on_border = false;  ///< the foot lies on a border edge
 };
 
-/// Closest points of a surface, several times faster than Surface::closest and with the same answers: cells of a grid
-/// remember which faces can be nearest to a point in them. Fills itself while it is used: one object a thread.
+/// Closest points of a surface, several times faster than Surface::closest and with the same answers: each voxel of a
+/// grid keeps the faces that can be nearest to a point in it. Fills itself while it is used: one object a thread.
 class NearSurface {
  public:
   explicit NearSurface(const Surface& surface);
@@ -29,25 +29,25 @@ class NearSurface {
   [[nodiscard]] const Surface& surface() const { return surface_; }
 
  private:
-  struct Cell {
+  struct Voxel {
     int first = 0, count = -1;  ///< candidates; count −1: too many or too far away, ask the tree
-    double border_mm = 0.0;     ///< least distance from a point of the cell to the border
+    double border_mm = 0.0;     ///< least distance from a point of the voxel to the border
     bool may_be_over = true;    ///< a foot may lie on the border
     Vec3 middle = Vec3::Zero();
   };
-  [[nodiscard]] const Cell* cell_at(const Vec3& query_mm);
+  [[nodiscard]] const Voxel* voxel_at(const Vec3& query_mm);
   [[nodiscard]] int fill(const Vec3& middle);
   [[nodiscard]] Foot foot_on(int face, const Vec3& weights, const Vec3& point, double squared) const;
 
   const Surface& surface_;
   Vec3 origin_ = Vec3::Zero();
   double size_mm_ = 5.0;
-  std::array<int, 3> cells_{};
-  std::vector<int> index_;  ///< cell → its entry in `filled_`, −1: not asked for yet
-  std::vector<Cell> filled_;
+  std::array<int, 3> voxels_{};
+  std::vector<int> index_;  ///< voxel → its entry in `filled_`, −1: not asked for yet
+  std::vector<Voxel> filled_;
   struct Candidate {
     int face;
-    double distance_mm;  ///< from the middle of the cell
+    double distance_mm;  ///< from the middle of the voxel
   };
   std::vector<Candidate> candidates_;
   std::vector<bool> border_vertex_, border_face_;

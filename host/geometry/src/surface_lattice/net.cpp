@@ -102,25 +102,25 @@ int LatticeNet::add_vertex(const Vec3& point, const Vec3& normal, int i, int j) 
 }
 
 int LatticeNet::add_triangle(int island, const Tile& tile, const std::array<int, 3>& vertex) {
-  int slot = static_cast<int>(triangles.size());
+  int triangle = static_cast<int>(triangles.size());
   if (free_triangles_.empty()) {
     triangles.emplace_back();
     centers_.push_back(kNowhere);
   } else {
-    slot = free_triangles_.back();
+    triangle = free_triangles_.back();
     free_triangles_.pop_back();
   }
-  NetTriangle& t = triangles[at(slot)];
+  NetTriangle& t = triangles[at(triangle)];
   t.vertex = vertex;
   t.tile = tile;
   t.island = island;
   for (const int v : vertex) {
     NetVertex& w = vertices[at(v)];
-    w.triangles[at(w.valence++)] = slot;
+    w.triangles[at(w.valence++)] = triangle;
   }
   ++size_;
-  fit(slot);
-  return slot;
+  fit(triangle);
+  return triangle;
 }
 
 void LatticeNet::remove_triangle(int triangle) {

@@ -28,7 +28,7 @@ struct NetVertex {
 struct NetTriangle {
   std::array<int, 3> vertex{};
   Tile tile;
-  int island = -1;  ///< -1: unused slot
+  int island = -1;  ///< -1: unused
   Triangle rigid;
   Vec3 center = Vec3::Zero(), normal = Vec3::UnitZ();
 };
@@ -47,11 +47,11 @@ class LatticeNet {
   [[nodiscard]] int joints() const;
   [[nodiscard]] int new_island() { return next_island_++; }
   [[nodiscard]] bool has_tile(int island, const Tile& tile) const;
-  /// Appends the triangles whose centre lies within a radius, in order of their slots.
+  /// Appends the triangles whose centre lies within a radius, in order of their indices.
   void near(const Vec3& place, double radius_mm, std::vector<int>& found) const;
   /// Number that changes when a triangle whose centre lies within a radius comes, goes, or moves by about 0.2 mm.
   [[nodiscard]] std::uint64_t signature(const Vec3& place, double radius_mm) const;
-  /// As triangles[t].center, packed for scans; far away for unused slots.
+  /// Centre of a triangle, packed for scans; far away for unused triangles.
   [[nodiscard]] const Vec3& center(int triangle) const { return centers_[at(triangle)]; }
   /// Triangle joined across a side, or -1.
   [[nodiscard]] int neighbour(int triangle, int side) const;

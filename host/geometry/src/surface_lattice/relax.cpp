@@ -256,7 +256,7 @@ void Relaxer::adapt_lift(LatticeNet& net) {
   for (const int t : triangles_) net.fit(t);
 }
 
-// Corners that hardly moved go back, so that their modules need no new judgement.
+// Corners that hardly moved go back, so that their modules need no new evaluation.
 void Relaxer::settle(LatticeNet& net, int triangle) {
   for (Moving& m : moving_) {
     NetVertex& v = net.vertices[at(m.vertex)];

@@ -17,7 +17,7 @@ class Relaxer {
   Relaxer(NearSurface& surface, double corner_lift_mm) : surface_(surface), lift_mm_(corner_lift_mm) {}
 
   /// Moves the vertices within `radius_mm` of a triangle that was just added. Afterwards `changed()` lists it and the
-  /// triangles that moved. False: it cannot fit, and the rest of the work was saved.
+  /// triangles that moved. False: it cannot fit; the remaining steps are skipped and `changed()` is not set.
   bool relax(LatticeNet& net, int triangle, double radius_mm, int steps);
   /// Takes back the last relax (triangles added before it stay).
   void undo(LatticeNet& net) const;

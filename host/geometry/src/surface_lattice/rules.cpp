@@ -63,10 +63,10 @@ Rules::Rules(const Surface& surface, const LayoutLimits& limits)
   }
 }
 
-Refusal Rules::judge(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles,
-                     std::vector<Pair>& pairs) const {
+Refusal Rules::evaluate(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles,
+                        std::vector<Pair>& pairs) const {
   for (const int t : triangles) {
-    if (const Refusal r = judge_joints(net, t); r != Refusal::kNone) return r;
+    if (const Refusal r = evaluate_joints(net, t); r != Refusal::kNone) return r;
   }
   for (Pair& pair : pairs) {
     if (overlap(net.triangles[at(pair.a)], net.triangles[at(pair.b)], pair.axis)) return Refusal::kPenetration;
@@ -81,7 +81,7 @@ Refusal Rules::judge(NearSurface& surface, const LatticeNet& net, const std::vec
   return over ? Refusal::kOverrun : Refusal::kNone;
 }
 
-Refusal Rules::judge_joints(const LatticeNet& net, int triangle) const {
+Refusal Rules::evaluate_joints(const LatticeNet& net, int triangle) const {
   const NetTriangle& t = net.triangles[at(triangle)];
   for (int s = 0; s < 3; ++s) {
     const int other = net.neighbour(triangle, s);

@@ -11,7 +11,7 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// What refuses a module; kNone when all limits hold.
+/// Limit that refuses a module; kNone when all limits hold.
 enum class Refusal { kNone, kEdgeError, kHingeGap, kFold, kCenterGap, kOutward, kPenetration, kOverrun };
 inline constexpr std::size_t kRefusals = 8;
 [[nodiscard]] const char* name_of(Refusal refusal);
@@ -24,11 +24,11 @@ class Rules {
   [[nodiscard]] const LayoutLimits& limits() const { return limits_; }
   /// The first limit that one of the triangles breaks, cheapest limits first. `pairs`: all that may overlap and are not
   /// joined. Cost: about 1 µs a triangle, ten times as much at the border.
-  [[nodiscard]] Refusal judge(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles,
-                              std::vector<Pair>& pairs) const;
+  [[nodiscard]] Refusal evaluate(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles,
+                                 std::vector<Pair>& pairs) const;
 
  private:
-  [[nodiscard]] Refusal judge_joints(const LatticeNet& net, int triangle) const;
+  [[nodiscard]] Refusal evaluate_joints(const LatticeNet& net, int triangle) const;
   [[nodiscard]] bool overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const;
   [[nodiscard]] bool over_border(NearSurface& surface, const LatticeNet& net, int triangle) const;
   [[nodiscard]] bool side_over_border(NearSurface& surface, const Vec3& from, const Vec3& to) const;

@@ -223,7 +223,7 @@ void even_out(FlatChart& c, Solver& solver, double limit_mm) {
 }  // namespace
 
 FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm) {
-  constexpr int kLook = 10;                       // steps between two looks at the error
+  constexpr int kCheckEvery = 10;                 // steps between two measurements of the error
   constexpr double kHopeless = 6.0, kNear = 2.5;  // times the limit
   const Surface& surface = cut.surface();
   FlatChart chart = make_chart(cut, faces);
@@ -236,10 +236,11 @@ FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iter
   // An open dart swings slowly to its place: as long as that pays, a few times the steps.
   for (int k = 1; k <= iterations || (k <= 5 * iterations && error < 0.98 * before); ++k) {
     step(chart, solver);
-    if (k % kLook != 0 && k != iterations) continue;
+    if (k % kCheckEvery != 0 && k != iterations) continue;
     before = error;
     error = std::ranges::max(face_errors(chart, solver));
-    if (k > kLook && (error > kHopeless * limit_mm || std::abs(error - before) < 1e-3 * error || error < 1e-9)) break;
+    if (k > kCheckEvery && (error > kHopeless * limit_mm || std::abs(error - before) < 1e-3 * error || error < 1e-9))
+      break;
   }
   if (error > limit_mm && error < kNear * limit_mm) even_out(chart, solver, limit_mm);
   return chart;

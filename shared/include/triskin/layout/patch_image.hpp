@@ -6,6 +6,7 @@
 
 #include "triskin/base/bytes.hpp"
 #include "triskin/base/status.hpp"
+#include "triskin/layout/joint_end.hpp"
 #include "triskin/layout/module.hpp"
 
 /// The patch image: what is flashed into one controller (docs/flash_layout.md). Little-endian, 32-byte header, then one
@@ -44,16 +45,6 @@ struct PatchImage {
   bool operator==(const PatchImage&) const = default;
 };
 
-/// Far end of a port in one byte: port of a row.
-[[nodiscard]] constexpr std::uint8_t joint_to(std::size_t row, std::size_t port) {
-  return static_cast<std::uint8_t>(1 + kPorts * row + port);
-}
-[[nodiscard]] constexpr std::size_t joint_row(std::uint8_t joint) {
-  return (joint - 1U) / kPorts;
-}
-[[nodiscard]] constexpr std::uint8_t joint_port(std::uint8_t joint) {
-  return static_cast<std::uint8_t>((joint - 1U) % kPorts);
-}
 /// Tables for strapped modules may leave all joints out: nothing can be switched there.
 [[nodiscard]] constexpr bool has_joints(const PatchImage& image) {
   for (const ModuleRow& m : image.rows()) {
@@ -185,10 +176,9 @@ struct PatchImage {
   const std::size_t header = r.le16(), total = r.le16();
   PatchImage image;
   image.node_address = r.u8();
-  image.module_count = r.u8();
-  if (image.module_count > kMaxModules) return std::unexpected(Status::kOutOfRange);
-  if (header != kHeaderBytes || total != kHeaderBytes + image.module_count * kRowBytes)
-    return std::unexpected(Status::kBadLength);
+  const std::size_t count = image.module_count = r.u8();
+  if (count > kMaxModules) return std::unexpected(Status::kOutOfRange);
+  if (header != kHeaderBytes || total != kHeaderBytes + count * kRowBytes) return std::unexpected(Status::kBadLength);
   if (bytes.size() < total) return std::unexpected(Status::kTooShort);
   image.design_id = r.le64();
   image.second_entry = r.u8();
@@ -200,17 +190,18 @@ struct PatchImage {
   if (crc != stated) return std::unexpected(Status::kBadCrc);
   if (reserved != 0) return std::unexpected(Status::kOutOfRange);
   std::array<std::uint8_t, kMaxModules> kept{};
-  for (std::size_t k = 0; k < image.module_count; ++k) {
-    ModuleRow& m = image.modules[k];
-    m.module_id = r.le16();
-    m.line = r.u8();
-    m.address = r.u8();
-    m.rotation = r.u8();
-    m.parent = r.u8();
-    m.parent_port = r.u8();
-    kept[k] = r.u8();
-    for (std::uint8_t& j : m.joints) j = r.u8();
-    if (r.u8() != 0) return std::unexpected(Status::kOutOfRange);
+  std::size_t k = 0;
+  for (ModuleRow& m : std::span(image.modules).first(count)) {
+    const auto row = bytes.subspan(kHeaderBytes + k * kRowBytes).first<kRowBytes>();
+    if (row[kRowBytes - 1] != 0) return std::unexpected(Status::kOutOfRange);
+    m.module_id = static_cast<std::uint16_t>(row[0] | row[1] << 8);
+    m.line = row[2];
+    m.address = row[3];
+    m.rotation = row[4];
+    m.parent = row[5];
+    m.parent_port = row[6];
+    kept[k++] = row[7];
+    m.joints = {row[8], row[9], row[10]};
   }
   if (const Status s = check(image); s != Status::kOk) return std::unexpected(s);
   const bool given = kept != decltype(kept){};  // all 0: the ports were left out

@@ -6,6 +6,7 @@
 #include "triskin/base/status.hpp"
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/wire/can_frame.hpp"
+#include "triskin/wire/module_state.hpp"
 
 /// Taxels on the wire. docs/protocol.md, "Data stream".
 namespace triskin::wire {
@@ -62,7 +63,7 @@ struct FullTaxels {
   std::uint32_t sample = 0;  ///< counts every sample of the patch: a gap is a lost sample
   std::uint64_t device_time_us = 0;
   std::uint16_t valid = 0;  ///< bit t: taxel t
-  std::uint8_t state = 0;   ///< ModuleState
+  ModuleState state = ModuleState::kUnknown;
   std::array<std::uint16_t, layout::kTaxelsPerModule> value{};
   bool operator==(const FullTaxels&) const = default;
 };
@@ -78,13 +79,14 @@ inline constexpr std::uint8_t kFullBytes = 48;
   w.le32(t.sample);
   w.le64(t.device_time_us);
   w.le16(t.valid);
-  w.u8(t.state);
+  w.u8(wire_number(t.state));
   w.u8(t.module);
   for (const std::uint16_t v : t.value) w.le16(v);
   while (w.size() < kFullBytes) w.u8(0);
   return f;
 }
 
+/// Errors: kBadLength, kOutOfRange (another identifier, a taxel, state or row that does not exist).
 [[nodiscard]] constexpr Result<FullTaxels> decode_full(const CanFrame& f) {
   if (!f.extended || !f.fd || (f.id & 0x1FFF0000U) != kFullBase) return std::unexpected(Status::kOutOfRange);
   if (f.size != kFullBytes) return std::unexpected(Status::kBadLength);
@@ -94,8 +96,10 @@ inline constexpr std::uint8_t kFullBytes = 48;
   t.sample = r.le32();
   t.device_time_us = r.le64();
   t.valid = r.le16();
-  t.state = r.u8();
+  const auto state = to_module_state(r.u8());
   t.module = r.u8();
+  if (!state || t.valid > layout::kAllTaxels) return std::unexpected(Status::kOutOfRange);
+  t.state = *state;
   if (t.module >= layout::kMaxModules || t.module != (f.id & 0xFF)) return std::unexpected(Status::kOutOfRange);
   for (std::uint16_t& v : t.value) v = r.le16();
   return t;

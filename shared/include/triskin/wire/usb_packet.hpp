@@ -41,7 +41,7 @@ struct UsbPacket {
   return p;
 }
 
-/// Empty: no frame in the packet (its first byte is 0), or nonsense.
+/// Empty: no frame in the packet (its first byte is 0), or a malformed one.
 [[nodiscard]] constexpr std::optional<CanFrame> from_usb(Bytes packet) {
   ByteReader r(packet);
   const std::uint8_t size = r.u8();

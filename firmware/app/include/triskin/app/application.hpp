@@ -10,6 +10,7 @@
 #include "triskin/logic/icub_board.hpp"
 #include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
+#include "triskin/logic/stream_queue.hpp"
 #include "triskin/logic/table_store.hpp"
 #include "triskin/logic/uds_server.hpp"
 #include "triskin/ports/ports.hpp"
@@ -22,6 +23,7 @@ namespace triskin::fw {
 /// The patch controller: the only place that knows all parts. step() does what is due and returns at once.
 class Application final : private UdsHost, private PatchControl {
  public:
+  /// Loads the newest table and begins to sample. Everything that `ports` points to must outlive the application.
   explicit Application(const Ports& ports);
 
   /// Handles frames, bus transfers and timers that are due.
@@ -62,7 +64,7 @@ class Application final : private UdsHost, private PatchControl {
   void reset_when_answered();
   void restart_sampling();
   void keep_route();
-  void distrust();
+  void invalidate_samples();
   [[nodiscard]] std::span<Channel> channels() { return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1); }
   [[nodiscard]] std::span<const Channel> channels() const {
     return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1);
@@ -75,10 +77,8 @@ class Application final : private UdsHost, private PatchControl {
   static void send_pending(Channel& channel, std::uint64_t now_us);
   void take_samples();
   void tick();
-  void queue_full(std::size_t module);
+  void queue_full(TableRow row);
   void queue_icub();
-  template <class... Frames>
-  void queue(const Frames&... frames);
 
   const Ports ports_;
   TableStore tables_;
@@ -91,15 +91,13 @@ class Application final : private UdsHost, private PatchControl {
   std::array<ModuleSample, layout::kMaxModules> samples_{};
   std::array<ModuleSample, layout::kMaxModules> published_{};
   RouteKeeper route_;
-  bool quiet_ = false;  ///< sampling comes to rest
+  bool pausing_ = false;  ///< the lines end their transfers and begin none
   Sampling sampling_;
   wire::TaxelOutput output_ = wire::TaxelOutput::kRaw;
   std::uint64_t next_tick_us_ = 0;
   std::uint32_t sample_count_ = 0;
   wire::StreamMode stream_ = wire::StreamMode::kOff;
-  std::array<wire::CanFrame, 3 * layout::kMaxModules> outgoing_{};  // a ring
-  std::size_t outgoing_head_ = 0, outgoing_tail_ = 0;
-  std::uint32_t lost_frames_ = 0;
+  StreamQueue stream_queue_;
   bool reset_requested_ = false, through_loader_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;

@@ -6,6 +6,7 @@
 
 #include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
+#include "triskin/logic/stream_queue.hpp"
 #include "triskin/logic/table_store.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/identity.hpp"
@@ -30,8 +31,8 @@ struct PatchParts {
   const wire::StreamMode& stream;
   const Sampling& sampling;
   const wire::TaxelOutput& output;
-  const std::uint32_t& sequences;    ///< nominal sequences since power-up
-  const std::uint32_t& lost_frames;  ///< of the stream
+  const std::uint32_t& sequences;  ///< nominal sequences since power-up
+  const StreamQueue& stream_queue;
 };
 
 /// What writing an identifier sets off. Values are checked before.
@@ -42,7 +43,7 @@ class PatchControl {
   virtual Status set_node_address(std::uint8_t address) = 0;
   /// To the port that asked. Errors: kOutOfRange (the full stream on a classic bus).
   virtual Status set_stream(wire::StreamMode mode) = 0;
-  /// Takes effect at once: every converter is configured anew.
+  /// Takes effect at once: every converter is configured anew. kOk always; the decoder has refused what cannot be set.
   virtual Status set_sampling(const wire::SamplingSetting& setting) = 0;
 };
 
@@ -50,6 +51,7 @@ class PatchControl {
 /// diagnostic server.
 class Identifiers {
  public:
+  /// Everything that `parts` refers to, and `control`, must outlive the identifiers.
   Identifiers(const PatchParts& parts, PatchControl& control) : parts_(parts), control_(control) {}
 
   /// Appends the value. False: no such identifier, or nothing to say (no table; not started from a slot).

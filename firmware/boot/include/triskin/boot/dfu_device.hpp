@@ -16,6 +16,7 @@ class DfuDevice final : public wire::UsbFunction {
   /// Silence after which it goes back to the application: dfu-util waits 5 s before its first request.
   static constexpr std::uint64_t kPatience_us = 15'000'000, kAfterCommit_us = 3'000'000;
 
+  /// `slots` must outlive the device; `unique_id` becomes the serial number.
   DfuDevice(SlotStore& slots, const wire::UniqueId& unique_id) : slots_(slots), control_(unique_id, true) {}
 
   void reset() override { control_.reset(); }
@@ -26,6 +27,7 @@ class DfuDevice final : public wire::UsbFunction {
 
   /// Time goes on. A device that was asked to leave, or that a host has been silent to, wants to reconnect.
   void tick(std::uint64_t now_us);
+  /// Time at which tick() has work, µs of the port's clock; UINT64_MAX: never.
   [[nodiscard]] std::uint64_t next_event_us() const { return leave_ ? UINT64_MAX : last_us_ + patience_us(); }
 
  private:

@@ -11,13 +11,15 @@ namespace triskin::boot {
 /// The loader's side of an update over CAN (wire/loader_protocol.hpp). The board starts applications.
 class Loader {
  public:
+  /// `slots` and `can` must outlive the loader; hosts select it by the CRC of `unique_id`.
   Loader(SlotStore& slots, fw::CanPort& can, const wire::UniqueId& unique_id)
       : slots_(slots), can_(can), id_crc_(crc32(unique_id)) {}
   static constexpr std::uint64_t kPatience_us = 5'000'000;
 
   /// True: start the newest slot now.
   bool handle(const wire::CanFrame& frame, std::uint64_t now_us);
-  /// A host has said hello and something since: wait for it, until then.
+  /// Time until which the loader waits for the next frame of a host that has said hello, µs of the board's clock; 0: no
+  /// host.
   [[nodiscard]] std::uint64_t stays_until_us() const { return stays_until_us_; }
 
  private:

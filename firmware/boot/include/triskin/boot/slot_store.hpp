@@ -17,6 +17,7 @@ struct SlotState {
   int starts = 0;
   std::uint32_t sequence = 0, size_bytes = 0;
   std::uint32_t record_crc = 0;  ///< slot_crc() of what was committed
+  /// Whether the loader may start it: valid, and confirmed or tried fewer than kMaxStarts times.
   [[nodiscard]] bool startable() const { return valid && (confirmed || starts < kMaxStarts); }
 };
 
@@ -26,8 +27,8 @@ struct SlotState {
 }
 
 /// The two application slots. Each ends with a page of records that are only ever added to (docs/firmware_board.md):
-/// commit (sequence, size, CRC), up to three starts, confirmation. A cut of power leaves the slot as it was or as it
-/// shall be.
+/// commit (sequence, size, CRC), up to three starts, confirmation. A power cut leaves the slot in its old or its new
+/// state.
 class SlotStore {
  public:
   /// `origins`: where the flash of each slot stands in the address space, for which its image is linked.

@@ -31,13 +31,19 @@ inline constexpr std::uint16_t kStageStride = 8;
   return kTimes[static_cast<std::size_t>(d)];
 }
 inline constexpr std::uint32_t kMidScale = 0x8000;
+/// A result that is at neither end of the converter's range; a chip without configuration gives 0.
+[[nodiscard]] constexpr bool in_range(std::uint16_t result) {
+  return result != 0 && result != 0xFFFF;
+}
 }  // namespace ad7147
 
 /// One CDC on a line: what to write and read, never waiting. Each begin_… starts one transfer on the line; the caller
 /// polls the line and then calls the matching finish_….
 class Ad7147 {
  public:
+  /// Asks the chip at 7-bit `address` for its device id.
   void begin_identify(I2cLine& line, std::uint8_t address);
+  /// kOk; kWrongId when the chip is no AD7147. The lower four bits, the revision, may be anything.
   [[nodiscard]] Status finish_identify() const;
 
   /// Input of the converter that the pads are connected to. It measures at the negative one: pressure lowers the
@@ -45,6 +51,7 @@ class Ad7147 {
   enum class Polarity : std::uint8_t { kPositive, kNegative };
   /// Writes configuration in `kConfigurationSteps` transfers: stages first, power last, which restarts the sequence.
   static constexpr int kConfigurationSteps = ad7147::kStages + 2;
+  /// Starts transfer `step`, 0 … kConfigurationSteps − 1, in this order.
   void begin_configure(I2cLine& line, std::uint8_t address, int step, Polarity polarity);
 
   /// The decimation that begin_configure and begin_restart write.
@@ -55,14 +62,17 @@ class Ad7147 {
   /// Reads and so clears the stage-complete status: bit s is set when stage s has been converted since the last
   /// reading.
   void begin_status(I2cLine& line, std::uint8_t address);
+  /// What begin_status() read: bit s for stage s, 0..11.
   [[nodiscard]] std::uint16_t status() const;
 
   /// Reads back what a power dip would clear: power control and calibration enables.
   void begin_verify(I2cLine& line, std::uint8_t address);
+  /// True when what begin_verify() read is what was written: no reset in between.
   [[nodiscard]] bool configuration_holds() const;
 
   /// Twelve results in one burst of 28 bytes.
   void begin_read(I2cLine& line, std::uint8_t address);
+  /// What begin_read() read: result of stage 0..11, 16 bits each.
   [[nodiscard]] ad7147::Results results() const;
 
  private:

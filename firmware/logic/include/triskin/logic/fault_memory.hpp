@@ -6,6 +6,7 @@
 
 #include "triskin/base/bytes.hpp"
 #include "triskin/layout/patch_image.hpp"
+#include "triskin/logic/table_row.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/faults.hpp"
 
@@ -26,7 +27,7 @@ class FaultMemory {
   /// Reads what was confirmed before. Call once after power-up.
   void load();
   /// Notes the present state of a module; its earlier faults stay confirmed.
-  void note(std::size_t module, wire::ModuleState state, Freeze now);
+  void note(TableRow row, wire::ModuleState state, Freeze now);
   /// Forgets all faults. False: the flash refused.
   bool clear();
   /// DTC and status of every entry that has one of the bits of `mask`.
@@ -50,7 +51,7 @@ class FaultMemory {
   [[nodiscard]] bool page_valid(std::size_t page, std::uint32_t& sequence) const;
   [[nodiscard]] bool program(std::size_t page, std::size_t index, std::span<const std::uint8_t, kRecordBytes> record);
   void replay(std::size_t page);
-  bool append(std::size_t module, std::size_t state);
+  bool append(TableRow row, std::size_t state);
   bool start_page();
 
   FlashArea& flash_;

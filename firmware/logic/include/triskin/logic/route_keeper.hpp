@@ -10,7 +10,7 @@ namespace triskin::fw {
 
 /// Keeps a patch of switched modules routed. Heals after power-up and a new table, when the chain does not give back
 /// what was written, when a line is held low, on command, and, while modules of the table are missing, after pauses
-/// that grow. Without a chain, or when nobody answers on it, the modules are strapped: nothing is done.
+/// that grow. Without a chain, or when no module answers on it, the modules are strapped: nothing is done.
 class RouteKeeper {
  public:
   static constexpr std::uint64_t kCheckEvery_us = 5'000;  ///< 64 µs each with 16 modules
@@ -25,15 +25,15 @@ class RouteKeeper {
   void request();
   /// A line stays low, or is free again. A held one makes a healing due, once: what could not be freed is left alone.
   void line_state(std::uint8_t line, bool held);
-  /// No module of the table answers: perhaps a switched patch that has power only now. Looked at after a pause.
+  /// No module of the table answers: perhaps a switched patch that has power only now. A healing is due after a pause.
   void nothing_answers(std::uint64_t now_us);
-  /// Sampling must come to rest, then heal() be called.
+  /// Sampling must pause, then heal() be called.
   [[nodiscard]] bool due(std::uint64_t now_us) const { return present_ && now_us >= heal_at_us_; }
   /// Takes up to about 60 ms with 16 modules.
   void heal(const Clock& clock);
-  /// Somebody answers on the chain.
+  /// A module answers on the chain.
   [[nodiscard]] bool switched() const { return route_.switched; }
-  /// Looks at the chain. False: what was read since the last look does not count; a healing may be due then.
+  /// Reads the chain back. False: what was read since the last check does not count; a healing may be due then.
   bool check(std::uint64_t now_us);
   [[nodiscard]] bool check_due(std::uint64_t now_us) const { return switched() && now_us >= check_at_us_; }
   [[nodiscard]] std::uint64_t next_event_us() const;
@@ -60,7 +60,7 @@ class RouteKeeper {
   Topology::Table table_;
   wire::ActiveRoute route_;
   bool complete_discovery_ = false;
-  std::uint8_t held_lines_ = 0;  // told already
+  std::uint8_t held_lines_ = 0;  // reported already
   std::uint64_t heal_at_us_ = UINT64_MAX, check_at_us_ = 0;
   std::uint64_t pause_us_ = kFirstPause_us;
 };

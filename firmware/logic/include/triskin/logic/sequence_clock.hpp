@@ -4,11 +4,11 @@
 
 namespace triskin::fw {
 
-/// When one converter's sequence of twelve stages ends. The chip runs on its own oscillator (± 4 %) and tells nobody.
+/// When one converter's sequence of twelve stages ends. The chip runs on its own oscillator (± 4 %) and signals no end.
 /// What is known for certain is kept: an interval in which the present sequence ends, and one in which the period lies.
-/// It begins with the moment at which power control was written. A look at the stage-complete status says whether a
-/// stage had ended at a time and cuts the first interval; its growth since an earlier one cuts the second. All stages
-/// last equally long, so any of them will do. Pure: time comes as an argument.
+/// It begins with the moment at which the sequence was started. A reading of the stage-complete status shows whether a
+/// stage had ended at a time and narrows the first interval; its growth since an earlier one narrows the second. All
+/// stages last equally long, so any of them will do. Pure: time comes as an argument.
 ///
 /// A burst of twelve results is whole when the last result is read after the end of the sequence and the first one
 /// before stage 0 of the next is complete, wherever in the interval the end is: that is the window of read_us() …
@@ -22,7 +22,7 @@ class SequenceClock {
 
   /// The sequence was started anew at `at_us`; nothing is known about the oscillator.
   void start(std::uint64_t at_us, std::uint32_t nominal_us);
-  /// The same, of a chip whose oscillator is known from before; unless looks contradicted that.
+  /// The same, of a chip whose oscillator is known from before; unless the status contradicted that.
   void restart(std::uint64_t at_us);
 
   /// Middle of the interval in which the present sequence ends.
@@ -30,7 +30,7 @@ class SequenceClock {
   [[nodiscard]] std::uint64_t period_us() const { return (shortest_ + longest_) / 2 >> kFraction; }
   /// Length of the interval in which the present sequence ends.
   [[nodiscard]] std::uint64_t doubt_us() const { return (last_ - first_) >> kFraction; }
-  /// How many sequences, 1 to `most`, may pass without a look: the period is known that well.
+  /// How many sequences, 1 to `most`, may pass without a refinement: the period is known that well.
   [[nodiscard]] std::uint32_t may_pass(std::uint32_t most) const;
   /// First and last moment to start the burst for the present sequence.
   [[nodiscard]] std::uint64_t read_us() const { return (last_ >> kFraction) + kMargin_us - kLastResult_us; }
@@ -39,23 +39,24 @@ class SequenceClock {
   }
 
   /// The end of the present sequence is not known well enough.
-  [[nodiscard]] bool look_wanted() const { return doubt_us() > kWanted_us; }
+  [[nodiscard]] bool refinement_wanted() const { return doubt_us() > kWanted_us; }
   /// The sequence before the present one has ended for certain.
   [[nodiscard]] std::uint64_t began_us() const { return (last_ - shortest_) >> kFraction; }
-  /// When `stage` (0..11) of the present sequence ends, as well as is known: the status tells most at that time.
+  /// When `stage` (0..11) of the present sequence ends, as well as is known: the status shows most at that time.
   [[nodiscard]] std::uint64_t stage_end_us(int stage) const;
-  /// The status, sampled at `at_us`, said whether `stage` of the present sequence had ended.
-  void looked(std::uint64_t at_us, int stage, bool ended);
+  /// Narrows what is known: the status, sampled at `at_us`, showed whether `stage` of the present sequence had `ended`.
+  void refine(std::uint64_t at_us, int stage, bool ended);
   /// Goes on to the sequence after the present one, `count` times.
   void next(std::uint32_t count = 1);
-  /// Looks contradict what was known again and again, or there was no time for one, so that a new start would tell
-  /// more.
+  /// The status contradicts what was known again and again, or there was no time to read it: a start of the sequence
+  /// gives more than a refinement.
   [[nodiscard]] bool uncertain() const;
 
  private:
-  static constexpr unsigned kFraction = 16;                    // bits after the point of a microsecond
-  static constexpr std::uint64_t kMargin_us = 25;              // between what is known and the first and last burst
-  static constexpr std::uint64_t kSlack = 25ULL << kFraction;  // error of the time of a start or a look
+  static constexpr unsigned kFraction = 16;        // bits after the point of a microsecond
+  static constexpr std::uint64_t kMargin_us = 25;  // between what is known and the first and last burst
+  static constexpr std::uint64_t kSlack = 25ULL
+                                          << kFraction;  // error of the time of a start or of a reading of the status
   static constexpr std::uint64_t kWanted_us = 120, kMostGrowth_us = 300;
   static constexpr std::uint64_t kWander_ppm_per_s = 80;  // an oscillator that warms up
   static constexpr std::uint32_t kAnchorFor = 64;         // sequences over which the period is measured

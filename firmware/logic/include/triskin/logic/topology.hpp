@@ -5,18 +5,13 @@
 #include <optional>
 
 #include "triskin/layout/patch_image.hpp"
+#include "triskin/logic/table_row.hpp"
 #include "triskin/ports/route_chain.hpp"
 
 namespace triskin::fw {
 
-inline constexpr std::uint8_t kNoModule = 0xFF;
-
-/// Other end of a port.
-struct JointEnd {
-  std::uint8_t module = kNoModule;
-  std::uint8_t port = 0;
-  bool operator==(const JointEnd&) const = default;
-};
+using layout::JointEnd;
+using layout::kNoModule;
 
 /// Modules of a patch and the joints between their ports; module 0 has the cable. Symmetric.
 struct PatchGraph {
@@ -26,8 +21,8 @@ struct PatchGraph {
   bool operator==(const PatchGraph&) const = default;
 };
 
-/// Where a module is read; unchanged when the tree changes.
-struct Slot {
+/// Where a module is read: line and address on it. Unchanged when the tree changes.
+struct LineAddress {
   std::uint8_t line = 0, address = 0;
 };
 
@@ -39,7 +34,7 @@ class ChainDriver {
   explicit ChainDriver(RouteChain& port) : port_(port) {}
   /// Closes everything, then lets the module at a cable (0, 1) in. False: no module answers.
   bool restart(std::uint8_t cable);
-  void set_slot(std::uint8_t module, Slot slot);
+  void set_address(std::uint8_t module, LineAddress address);
   /// Opens a port that is last in the chain; when a module comes in it gets the number `child`.
   Answer open(std::uint8_t module, std::uint8_t port, std::uint8_t child);
   /// Closes a port that was just opened and showed nothing new. False: the chain stays broken (a short).
@@ -73,7 +68,7 @@ class ChainDriver {
   std::uint16_t members_ = 0;
 };
 
-/// Finds all modules and joints of a patch, and keeps it alive around what breaks. Sampling must rest while it works.
+/// Finds all modules and joints of a patch, and keeps it alive around what breaks. Sampling must pause while it works.
 class Topology {
  public:
   struct Report {
@@ -87,10 +82,10 @@ class Topology {
     std::uint8_t unknown = 0;    ///< heal(): modules found at places that the table does not know; left closed
   };
 
-  /// What the table says: joints, slots and tree, by row.
+  /// What the table says: joints, addresses and tree, by row.
   struct Table {
     PatchGraph graph;
-    std::array<Slot, layout::kMaxModules> slots{};
+    std::array<LineAddress, layout::kMaxModules> addresses{};
     std::array<JointEnd, layout::kMaxModules> parent{};  ///< row and output port; no module: least depth is what counts
     JointEnd second_entry{};                             ///< row and port with the second cable; no module: none
   };
@@ -105,7 +100,7 @@ class Topology {
   [[nodiscard]] bool second_cable() const { return cable_ == 1; }
 
   /// Discovers anew and activates the table's tree where all of it is there, else the tree of least depth over the
-  /// joints of the table that survive. A module keeps its slot. Where no tree comes up, no module is reached. The
+  /// joints of the table that survive. A module keeps its address. Where no tree comes up, no module is reached. The
   /// second cable serves when nobody answers at the first, or less than half of the table does and more is behind the
   /// second.
   Report heal(const Table& table);
@@ -113,8 +108,8 @@ class Topology {
   bool intact() { return chain_.check(); }
   /// After intact() failed: writes the registers again. True: that was all; the same modules are in the tree.
   bool refresh() { return chain_.check() && chain_.settle() && chain_.check(); }
-  /// Row of a module of graph() after heal(), kNoModule when the table does not know it.
-  [[nodiscard]] std::uint8_t row_of(std::uint8_t module) const { return table_index_[module]; }
+  /// Row of a module of graph() after heal(), kNoTableRow when the table does not know it.
+  [[nodiscard]] TableRow row_of(std::uint8_t module) const { return table_row(table_index_[module]); }
   /// Module of graph() and its output port on which a module of graph() hangs in the active tree.
   [[nodiscard]] JointEnd parent_of(std::uint8_t module) const { return parent_[module]; }
 
@@ -134,7 +129,7 @@ class Topology {
   /// Opens the tree up to the port of `module` without `left_out` and its subtree (kNoModule: without everything
   /// below), then the port: does it bring a module in?
   std::optional<bool> brings_module(std::uint8_t module, std::uint8_t port, std::uint8_t left_out);
-  bool rebuild(std::uint16_t wanted, bool set_slots);
+  bool rebuild(std::uint16_t wanted, bool set_addresses);
   [[nodiscard]] bool below(std::uint8_t module, std::uint8_t top) const;
   [[nodiscard]] bool open_end(std::uint8_t module, std::uint8_t port) const;
   [[nodiscard]] int open_ends() const;
@@ -161,7 +156,7 @@ class Topology {
   std::uint8_t first_tried_ = 0, cable_ = 0;  // cables: where explore() begins, and where it got in
   std::uint8_t held_lines_ = 0;               // low already with the entry module alone
   std::array<std::uint8_t, layout::kMaxModules> table_index_{};
-  std::array<Slot, layout::kMaxModules> slot_{};  // by discovery number
+  std::array<LineAddress, layout::kMaxModules> address_{};  // by discovery number
 };
 
 }  // namespace triskin::fw

@@ -14,7 +14,8 @@
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/unique_id.hpp"
 
-/// What the application sees of a board. Implemented in board/, wired once in app/. No call blocks.
+/// Interfaces of a board, as application and loader use them. Implemented in firmware/board; `Ports` joins them. No
+/// call blocks but those that say so.
 namespace triskin::fw {
 
 /// One I²C line. A transfer writes bytes, then reads bytes after a repeated start (either may be empty), in the
@@ -28,10 +29,12 @@ class I2cLine {
   virtual std::optional<Status> poll() = 0;
   /// When the last transfer that poll() reported ended on the line.
   [[nodiscard]] virtual std::uint64_t ended_us() const = 0;
-  /// Bus clear (UM10204 3.1.16): up to nine clock pulses, stop, re-initialization. Takes under 200 µs.
+  /// Bus clear (UM10204 3.1.16): up to nine clock pulses, stop, re-initialization. Takes under 200 µs. kOk: both wires
+  /// are high; kLineStuck: one is still held low.
   virtual Status recover() = 0;
 };
 
+/// Time of the board.
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -42,12 +45,14 @@ class Clock {
 class CanPort {
  public:
   virtual ~CanPort() = default;
+  /// True when FD frames may be sent: both ends and every node must know FD.
   [[nodiscard]] virtual bool fd() const = 0;
   /// Longest frame, bytes.
   [[nodiscard]] virtual std::uint8_t frame_bytes() const { return fd() ? 64 : 8; }
   /// False: the queue is full; try again later.
   virtual bool send(const wire::CanFrame& frame) = 0;
   [[nodiscard]] virtual bool has_room() const { return true; }  ///< send() would take a frame
+  /// Oldest frame that came and was not taken yet; empty: none.
   virtual std::optional<wire::CanFrame> receive() = 0;
 };
 
@@ -55,15 +60,23 @@ class CanPort {
 class FlashArea {
  public:
   virtual ~FlashArea() = default;
+  /// Bytes of the area; a multiple of page_bytes().
   [[nodiscard]] virtual std::size_t size_bytes() const = 0;
+  /// Bytes that one erase_page() erases.
   [[nodiscard]] virtual std::size_t page_bytes() const = 0;
+  /// Bytes of one unit: the least that program() writes.
   [[nodiscard]] virtual std::size_t program_bytes() const = 0;
+  /// Erases the page that begins at `offset` (bytes from the start of the area). Waits for the end. False: misaligned,
+  /// out of range, or the silicon failed.
   [[nodiscard]] virtual bool erase_page(std::size_t offset) = 0;
+  /// Writes whole units at `offset`, which is a multiple of program_bytes(); each unit once after its erase. False:
+  /// misaligned, out of range, not erased, or the silicon failed.
   [[nodiscard]] virtual bool program(std::size_t offset, Bytes bytes) = 0;
+  /// The whole area as it reads now; erased bytes read 0xFF. Valid as long as the area.
   [[nodiscard]] virtual Bytes bytes() const = 0;
 };
 
-/// The way back to the loader, which then starts an application. Absent where there is none.
+/// Reset into the loader, which then starts an application. Boards without a loader have none.
 class Restart {
  public:
   virtual ~Restart() = default;

@@ -5,11 +5,11 @@
 
 namespace triskin {
 
-/// What cannot go on. The message names the thing, the place and the remedy.
+/// Error that ends a command. The message names the thing, the place and the remedy.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-  /// Process exit status of the command line (docs/cli.md): 2 unusable input, 3 device or link.
+  /// Process exit status of the command line: 2 unusable input, 3 device or link.
   [[nodiscard]] virtual int exit_status() const { return 2; }
 };
 

@@ -7,8 +7,7 @@
 
 namespace triskin {
 
-/// The person asked to end (Ctrl-C). What was begun was brought to an end that does no harm; the message says what was
-/// done.
+/// A person ended the command (Ctrl-C). The work under way ended in a safe state; the message says what was done.
 class Cancelled : public Error {
  public:
   using Error::Error;
@@ -17,7 +16,7 @@ class Cancelled : public Error {
 
 /// From now on the first SIGINT or SIGTERM only sets interrupt_request(); a second one ends the process at once.
 void catch_interrupts();
-/// Set when the process was asked to end. Long work looks at it where it can stop without harm. Lock-free; tests may
+/// True when the process was asked to end. Long work reads it at points where it can stop safely. Lock-free; tests may
 /// set it.
 [[nodiscard]] std::atomic<bool>& interrupt_request();
 

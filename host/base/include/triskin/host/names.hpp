@@ -13,6 +13,7 @@ namespace triskin {
 template <class Enum, std::size_t kCount>
 class NameTable {
  public:
+  /// One row a value; names and values must each be unique.
   constexpr explicit NameTable(std::array<std::pair<Enum, std::string_view>, kCount> rows) : rows_(rows) {}
 
   /// Name of a value; empty when the table lacks it. Cost: one comparison a row.
@@ -38,6 +39,7 @@ class NameTable {
     }
     return text;
   }
+  /// All rows in the order of the table: value, name.
   [[nodiscard]] constexpr const auto& rows() const { return rows_; }
 
  private:

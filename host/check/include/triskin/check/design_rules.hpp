@@ -7,13 +7,14 @@
 
 namespace triskin::check {
 
-/// One broken rule: its name (docs/check.md), where, and the measured number against the limit.
+/// One broken rule.
 struct Violation {
-  std::string rule;
+  std::string rule;   ///< name as in docs/check.md
   std::string where;  ///< "module 12", "module 3 side 1", "patch 0", "piece 2", "design"
-  std::string text;
+  std::string text;   ///< the measured number against the limit
 };
 
+/// Result of a check: the design keeps all rules when `violations` is empty.
 struct DesignReport {
   std::vector<std::string> rules;  ///< every rule that was checked
   std::vector<Violation> violations;
@@ -21,8 +22,9 @@ struct DesignReport {
 };
 
 /// Checks every rule of a design file against the mesh that the file holds. Shares no code with the solvers: own
-/// reader, own geometry (CGAL's exact predicates and its tree of triangles). Throws InputError when the file cannot be
-/// read as a design. Cost: about 300 closest-point queries a module, some hundred more at the border.
+/// reader, own geometry (CGAL's exact predicates and its tree of triangles). Errors: InputError when the file cannot be
+/// read as a design; broken rules are no errors but violations. One thread; thread-safe. Cost: about 300 closest-point
+/// queries a module, some hundred more at the border.
 [[nodiscard]] DesignReport check_design(const std::filesystem::path& path);
 
 }  // namespace triskin::check

@@ -13,11 +13,13 @@ namespace triskin::cli {
 /// What a command answers with: one JSON object with --json, else text. Messages go to standard error.
 class Output {
  public:
+  /// `json`: the command was given --json.
   explicit Output(bool json) : json_(json) {}
 
   /// The object printed by --json. Filled by the command; printed once, when it has ended.
   nlohmann::json result = nlohmann::json::object();
 
+  /// True with --json: only the object may go to standard output.
   [[nodiscard]] bool json() const { return json_; }
   /// One line for a person: standard output, with --json standard error.
   void say(const std::string& line) const;
@@ -43,7 +45,9 @@ struct Command {
 /// Each command's file holds one constant of this type at namespace scope; main finds all of them.
 class Registration {
  public:
+  /// Adds the command to all(). Runs before main.
   explicit Registration(Command command);
+  /// All registered commands, in no order.
   [[nodiscard]] static const std::vector<Command>& all();
 };
 

@@ -10,13 +10,17 @@
 #include "triskin/design/module.hpp"
 #include "triskin/design/patch.hpp"
 #include "triskin/design/piece.hpp"
+#include "triskin/layout/module.hpp"
 
 namespace triskin::design {
 
-/// A design: the only thing that passes between geometry and the device side (docs/design_file.md has the schema).
+/// Design of a cover: the only thing that passes between geometry and the device side (docs/design_file.md has the
+/// schema). A module is named by its id = index in layout.modules; Patch speaks of nodes, which in a design are the
+/// same numbers.
 struct Design {
   static constexpr int kVersion = 1;
 
+  /// Figures of the whole design.
   struct Report {
     double area_cm2 = 0.0;
     double coverage = 0.0;  ///< modules · 389.7 mm² / area
@@ -35,15 +39,17 @@ struct Design {
   LayoutLimits limits;
   std::vector<PlacedPiece> pieces;
   ModuleLayout layout;         ///< module index = id
-  std::vector<Patch> patches;  ///< patch p has node address p + 1
+  std::vector<Patch> patches;  ///< patch p has the CAN node address p + 1
   Report report;
 };
 
-/// Place of a module in the wiring; index as in layout.modules.
+/// Place of one module in the wiring.
 struct ModuleWiring {
-  int patch = -1;
+  int patch = -1;  ///< index in Design::patches, −1: in none
   RoutedModule routed;
 };
+/// Wiring by module id, one entry a module. Errors: std::out_of_range for a patch that names a module the layout lacks.
+/// Cost: O(n).
 [[nodiscard]] std::vector<ModuleWiring> wiring_of(const Design& design);
 
 /// Centre and outward unit normal of a taxel, mesh frame, mm.
@@ -51,16 +57,19 @@ struct TaxelPose {
   Vec3 position_mm;
   Vec3 normal;
 };
-/// The 12 taxels of a module that is turned by `rotation` (port p at tile side (p + rotation) % 3). Positions on the
-/// iCub module relative to its centroid: skinGui's triangle (docs/design_file.md).
-[[nodiscard]] std::array<TaxelPose, 12> taxels_of(const PlacedModule& module, int rotation);
+/// The taxels of a module that is turned by `rotation` (port p at tile side (p + rotation) % 3). Positions on the
+/// iCub module relative to its centroid: skinGui's triangle (docs/design_file.md). Result by taxel number; constant
+/// cost.
+[[nodiscard]] std::array<TaxelPose, layout::kTaxelsPerModule> taxels_of(const PlacedModule& module, int rotation);
 
 /// FNV-1a over the modules, patches and wiring, in file order: equal designs have equal ids on every compiler.
+/// Cost: O(n).
 [[nodiscard]] std::uint64_t design_id_of(const Design& design);
 
-/// Reads and checks form (not the rules: that is `triskin check`). Throws InputError naming file and key.
+/// Reads a design file of version kVersion and checks its form: types, ranges, indices (not the rules: that is
+/// `triskin check`). Errors: InputError naming file and key, for another version naming the remedy. Cost: linear.
 [[nodiscard]] Design read_design(const std::filesystem::path& path);
-/// Writes the file whole or not at all.
+/// Writes the file whole or not at all. Errors: InputError naming the file when it cannot be written. Cost: linear.
 void write_design(const std::filesystem::path& path, const Design& design);
 
 }  // namespace triskin::design

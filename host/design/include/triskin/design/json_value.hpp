@@ -10,39 +10,47 @@
 
 namespace triskin::design {
 
-/// A JSON value with its place ("modules[3].corners"), so that every error names file and key.
+/// JSON value with its place ("modules[3].corners"), so that every error names file and key. Refers to `value`, which
+/// must outlive it. Every function that reads throws InputError "file: place: what is wrong"; constant cost.
 class JsonValue {
  public:
+  /// `place` is empty at the top level.
   JsonValue(const nlohmann::json& value, std::string file, std::string place)
       : value_(value), file_(std::move(file)), place_(std::move(place)) {}
 
+  /// Throws InputError with file, place and `what`.
   [[noreturn]] void fail(const std::string& what) const {
     throw InputError(fmt::format("{}: {}: {}", file_, place_.empty() ? "top level" : place_, what));
   }
+  /// Member of an object; fails on other types and where the key is missing.
   [[nodiscard]] JsonValue operator[](const char* key) const {
     if (!value_.is_object()) fail("must be an object");
     const auto found = value_.find(key);
     if (found == value_.end()) fail(fmt::format("key \"{}\" is missing", key));
     return {*found, file_, place_.empty() ? key : fmt::format("{}.{}", place_, key)};
   }
+  /// Element of an array, 0-based; fails on other types and beyond the end.
   [[nodiscard]] JsonValue at(std::size_t index) const {
     if (!value_.is_array() || index >= value_.size()) fail(fmt::format("must be an array with an element {}", index));
     return {value_[index], file_, fmt::format("{}[{}]", place_, index)};
   }
+  /// Number of elements; fails on all but arrays.
   [[nodiscard]] std::size_t size() const {
     if (!value_.is_array()) fail("must be an array");
     return value_.size();
   }
+  /// Fails unless the value is an array of n elements.
   void require_size(std::size_t n) const {
     if (size() != n) fail(fmt::format("must have {} elements, has {}", n, size()));
   }
+  /// Finite number; fails on other types, infinities and NaN.
   [[nodiscard]] double number() const {
     if (!value_.is_number()) fail("must be a number");
     const double x = value_.get<double>();
     if (!std::isfinite(x)) fail("must be finite");
     return x;
   }
-  /// Integer in [low, high].
+  /// Integer in [low, high]; fails on other types and values.
   [[nodiscard]] int integer(int low, int high) const {
     if (!value_.is_number_integer()) fail("must be an integer");
     const bool huge = value_.is_number_unsigned() && value_.get<std::uint64_t>() > 0x7FFFFFFFU;
@@ -50,18 +58,22 @@ class JsonValue {
     if (huge || x < low || x > high) fail(fmt::format("must be in {} … {}", low, high));
     return static_cast<int>(x);
   }
+  /// Integer in 0 … 2⁶⁴ − 1; fails on other types and values.
   [[nodiscard]] std::uint64_t unsigned_integer() const {
     if (!value_.is_number_unsigned()) fail("must be a whole number that is not negative");
     return value_.get<std::uint64_t>();
   }
+  /// true or false; fails on other types.
   [[nodiscard]] bool boolean() const {
     if (!value_.is_boolean()) fail("must be true or false");
     return value_.get<bool>();
   }
+  /// Text; fails on other types.
   [[nodiscard]] std::string text() const {
     if (!value_.is_string()) fail("must be a text");
     return value_.get<std::string>();
   }
+  /// The value itself, unchecked.
   [[nodiscard]] const nlohmann::json& raw() const { return value_; }
 
  private:
@@ -70,8 +82,8 @@ class JsonValue {
   std::string place_;
 };
 
-/// Parses JSON text; throws InputError naming `file` and the place, also for nesting deeper than 64 (the parser
-/// recurses).
+/// Parses JSON text. Errors: InputError naming `file` and the place for text that is not JSON or nests deeper than 64
+/// (the parser recurses). Cost: linear.
 [[nodiscard]] nlohmann::json parse_json(const std::string& text, const std::string& file);
 
 }  // namespace triskin::design

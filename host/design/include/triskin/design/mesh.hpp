@@ -10,7 +10,8 @@ namespace triskin::design {
 using Vec2 = Eigen::Vector2d;  ///< mm, plane of the grid or of a piece
 using Vec3 = Eigen::Vector3d;  ///< mm, mesh frame
 
-/// Triangle mesh of a cover: vertices in mm (mesh frame), faces counter-clockwise seen from outside.
+/// Triangle mesh of a cover: vertices in mm (mesh frame), faces as vertex indices (0-based), counter-clockwise seen
+/// from outside. A plain value: nothing is checked here; geometry::Surface checks orientation and manifoldness.
 struct Mesh {
   std::vector<Vec3> vertices;
   std::vector<std::array<int, 3>> faces;

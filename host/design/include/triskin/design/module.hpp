@@ -10,7 +10,8 @@
 
 namespace triskin::design {
 
-/// What a semi-rigid module and its hinges tolerate. Defaults: the installed iCub skin (30 mm modules on 32 mm pitch).
+/// Limits that a semi-rigid module and its hinges tolerate; each > 0. docs/design_file.md defines every metric.
+/// Defaults: the installed iCub skin (30 mm modules on 32 mm pitch).
 struct LayoutLimits {
   double edge_error_mm = 1.0;            ///< largest |length on the net − length of the rigid module| of an edge
   double hinge_gap_mm = 2.0;             ///< largest distance between joined corners of two neighbours
@@ -20,13 +21,13 @@ struct LayoutLimits {
   double overrun_mm = 0.5;  ///< largest distance by which a module may stand over the border of the surface
 };
 
-/// One rigid module on the surface. Corners are those of its tile, in tile order (lattice.hpp), so that
-/// side s runs from corner s to corner (s+1) % 3 counter-clockwise seen from outside.
+/// One rigid module on the surface. Its id is its index in ModuleLayout::modules. Corners are those of its tile, in
+/// tile order (tile.hpp), so that side s runs from corner s to corner (s+1) % 3 counter-clockwise seen from outside.
 struct PlacedModule {
   int island = 0;                            ///< 0-based
   Tile tile;                                 ///< unique within the island
   std::array<Vec3, 3> corner_mm;             ///< exactly rigid: sides of 30 mm
-  std::array<int, 3> neighbour{-1, -1, -1};  ///< module joined across side s, or -1; symmetric
+  std::array<int, 3> neighbour{-1, -1, -1};  ///< id of the module joined across side s, or -1; symmetric
   /// Metrics against the mesh; all ≥ 0 (see LayoutLimits). Sides without a neighbour hold 0.
   double edge_error_mm = 0.0;
   std::array<double, 3> hinge_gap_mm{};
@@ -38,7 +39,7 @@ struct PlacedModule {
   double bend_radius_mm = 0.0;  ///< smallest radius of curvature under the module; 0 when flat
 };
 
-/// How a layout came about.
+/// Method that made a layout.
 enum class LayoutMethod {
   kPieces,   ///< the surface unfolded, each piece placed with a certified optimum
   kSurface,  ///< lattice grown on the surface
@@ -47,7 +48,8 @@ enum class LayoutMethod {
 inline constexpr NameTable kLayoutMethodNames{std::array<std::pair<LayoutMethod, std::string_view>, 2>{
     {{LayoutMethod::kPieces, "pieces"}, {LayoutMethod::kSurface, "surface"}}}};
 
-/// Modules of a part. Islands are edge-connected through `neighbour`; islands need not share a lattice.
+/// Modules of a part. An island is a set of modules connected through `neighbour`; islands are numbered 0 … islands − 1
+/// and need not share a lattice.
 struct ModuleLayout {
   std::vector<PlacedModule> modules;
   int islands = 0;

@@ -7,19 +7,22 @@
 
 namespace triskin::design {
 
-/// Modules and joints to be wired. Node v has neighbour[s] across tile side s (or -1, symmetric).
-/// border[s]: an entry cable can reach side s (always false where a neighbour is joined).
+/// Modules and joints to be wired. A node is an index in `nodes`, 0 … n − 1, and nothing else: the graph of a design
+/// (graph_of) has node = module id; in a ModuleList node k has the file's id ids[k]; the CAN address of a controller is
+/// always called node address.
 struct ModuleGraph {
+  /// One module.
   struct Node {
-    std::array<int, 3> neighbour{-1, -1, -1};
+    std::array<int, 3> neighbour{-1, -1, -1};  ///< node joined across tile side s, −1: none; symmetric
+    /// An entry cable can reach side s; always false where a neighbour is joined.
     std::array<bool, 3> border{true, true, true};
     int island = 0;
-    std::array<double, 3> center_mm{};  ///< for cable lengths; zeros when unknown
+    std::array<double, 3> center_mm{};  ///< mesh frame, for cable lengths; zeros when unknown
   };
   std::vector<Node> nodes;
 };
 
-/// The graph of a layout: its joints, and free sides as border.
+/// The graph of a layout: its joints, and free sides as border; node v is the module with id v. Cost: O(n).
 [[nodiscard]] ModuleGraph graph_of(const ModuleLayout& layout);
 
 }  // namespace triskin::design

@@ -10,14 +10,18 @@
 
 namespace triskin::design {
 
-/// Modules from elsewhere, as `triskin route` reads them (docs/cli.md): lattice places, optional island and border.
+/// Modules that no design holds, as `triskin route MODULES` reads them (docs/routing.md). Arrays by node: the module at
+/// node k has the file's id ids[k], which need not be k.
 struct ModuleList {
-  std::vector<int> ids;  ///< of node k
-  std::vector<Tile> tiles;
-  ModuleGraph graph;  ///< joined where two tiles of one island share a side
+  std::vector<int> ids;     ///< ids of the file by node: unique, ≥ 0, in any order
+  std::vector<Tile> tiles;  ///< by node
+  ModuleGraph graph;        ///< joined where two tiles of one island share a side
 };
 
-/// Throws InputError naming file and key: wrong types, an id or a tile of an island that stands twice, no module.
+/// Reads a JSON file {"modules": [{"id", "i", "j", "up", optional "island" and "border"}, …]}: id and island ≥ 0, |i|
+/// and |j| ≤ 10⁶. Errors: InputError with file and key for a file that cannot be read or is not JSON, wrong types and
+/// ranges, an id that stands twice, a tile that stands twice in an island, and a list without a module. Cost: O(n log
+/// n).
 [[nodiscard]] ModuleList read_module_list(const std::filesystem::path& path);
 
 }  // namespace triskin::design

@@ -7,16 +7,17 @@
 
 namespace triskin::design {
 
-/// One unfolded piece with its map back to the surface.
+/// One unfolded piece of the surface with its map back: flat triangle k shows mesh face faces[k].
 struct Piece {
   Polygon outline;                        ///< mm, simple, true scale
-  std::vector<int> faces;                 ///< mesh face of each flat triangle
+  std::vector<int> faces;                 ///< index in Mesh::faces, of each flat triangle
   std::vector<std::array<Vec2, 3>> flat;  ///< corner positions of `faces`, same corner order as the mesh
   double max_edge_error_mm = 0.0;         ///< largest |flat − surface| edge length, scaled to a 30 mm edge
   double rms_edge_error_mm = 0.0;
 };
 
-/// Rigid motion that carries the polygon onto the grid: q = R(theta)·p + (x, y).
+/// Rigid motion that carries a polygon (p, mm) onto the isometric grid (q, mm): q = R(theta)·p + (x, y); theta in rad,
+/// counter-clockwise.
 struct Placement {
   double x_mm = 0.0;
   double y_mm = 0.0;

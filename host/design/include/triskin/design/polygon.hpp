@@ -6,7 +6,8 @@
 
 namespace triskin::design {
 
-/// Polygon with holes in mm. Rings are open (last point not repeated); outer counter-clockwise, holes clockwise.
+/// Polygon with holes in mm. Rings are open (last point not repeated); outer counter-clockwise, holes clockwise. A
+/// plain value: geometry::normalize_polygon brings any input into this form and refuses what has none.
 struct Polygon {
   std::vector<Vec2> outer;
   std::vector<std::vector<Vec2>> holes;

@@ -9,22 +9,22 @@
 
 namespace triskin::design {
 
-/// A skin as drawn for skinGui: triangles on a plane, and where the file says so the board that reads each.
+/// Skin as drawn for skinGui: triangles on a plane, and, where the file tells, the board that reads each.
 struct SkinGuiLayout {
   ModuleList list;         ///< islands are the drawing's connected groups; center_mm from the drawing
   std::vector<int> board;  ///< of node k, −1 when unknown
   int boards = 0;
-  int boards_apart = 0;  ///< boards whose triangles do not hang together
+  int boards_apart = 0;  ///< boards whose triangles are not connected by joints
 };
 
 /// Reads a skinGui configuration (`triangle_10pad id x y orientation gain mirror …` lines) or, with `part`, one part
 /// of a JSON collection of them (`ini_2d` → part → `triangles`). Two triangles are joined when their centres lie
 /// 15 … 22 mm apart and the directions of each one's joints are 120° apart; groups are laid on the lattice. Throws
 /// InputError naming file and triangle: unknown part (with the parts there are), no triangle, ids that stand twice,
-/// triangles that fit no lattice.
+/// triangles that fit no lattice. Cost: O(n²).
 [[nodiscard]] SkinGuiLayout read_skingui(const std::filesystem::path& path, const std::string& part = "");
 
-/// The module list as `triskin route` reads it.
+/// The module list as JSON that read_module_list() reads. Cost: O(n).
 [[nodiscard]] nlohmann::json module_list_json(const ModuleList& list);
 
 }  // namespace triskin::design

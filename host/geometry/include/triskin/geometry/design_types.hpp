@@ -8,7 +8,7 @@
 #include "triskin/design/polygon.hpp"
 #include "triskin/design/tile.hpp"
 
-/// The types of a design in which the solvers take their input and give their results.
+/// Names of host/design in which the solvers take their input and give their results; their contracts stand there.
 namespace triskin::geometry {
 
 using design::FailureLoss;

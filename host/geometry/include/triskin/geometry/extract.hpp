@@ -9,32 +9,35 @@
 
 namespace triskin::geometry {
 
-/// What making a surface from a raw mesh changed.
+/// Changes that extract() made to a raw mesh, as counts unless the name says otherwise.
 struct ExtractReport {
-  int removed_components = 0;  ///< small or hidden parts
-  int removed_faces = 0;       ///< faces at edges with more than two faces, hidden faces
-  int flipped_faces = 0;
-  int boundary_loops = 0;
+  int removed_components = 0;           ///< small or hidden parts
+  int removed_faces = 0;                ///< faces at edges with more than two faces, hidden faces
+  int flipped_faces = 0;                ///< faces turned so that neighbours agree
+  int boundary_loops = 0;               ///< borders of the result
   int crowded_edges = 0;                ///< edges of the raw mesh with more than two faces
   int components = 0;                   ///< connected parts that are left
   bool outer = false, wrapped = false;  ///< which of the steps on demand were taken
   double kept_out_mm2 = 0.0;            ///< area that the keep-outs took
 };
 
+/// Ball that no module may cover; radius > 0.
 struct KeepOutSphere {
   Vec3 center_mm;
   double radius_mm;
 };
+/// Box along the axes of the mesh frame; low ≤ high on each.
 struct KeepOutBox {
   Vec3 low_mm, high_mm;
 };
 
-/// Steps beyond repair.
+/// Steps beyond repair. Lengths > 0 mm.
 struct ExtractOptions {
+  /// When a step is taken.
   enum class When { kNever, kWhenNeeded, kAlways };
   When outer = When::kNever;    ///< drop what sees little of the sky; needed: several large parts, or edges with more
                                 ///< than two faces
-  double sky_fraction = 0.25;   ///< cosine-weighted share of the half sphere above a face that must be free
+  double sky_fraction = 0.25;   ///< 0 … 1: cosine-weighted share of the half sphere above a face that must be free
   When wrap = When::kNever;     ///< shrink-wrap first; needed: what is left crosses itself, or is shattered
   double wrap_alpha_mm = 6.0;   ///< openings narrower than this are closed
   double wrap_offset_mm = 0.2;  ///< the wrap lies this far outside
@@ -44,6 +47,7 @@ struct ExtractOptions {
   double keep_out_margin_mm = 0.0;
 };
 
+/// Result of extract().
 struct Extraction {
   Mesh surface;  ///< manifold, oriented outwards where a side can be told
   ExtractReport report;
@@ -51,19 +55,22 @@ struct Extraction {
 
 /// Makes a manifold, consistently oriented surface of a welded mesh: drops faces beyond two at an edge (the ones that
 /// turn most), orients each component over its edges (a Möbius band is cut), splits pinched vertices, and drops
-/// components smaller than a module. Throws InputError when nothing is left. Cost: O(n log n).
+/// components smaller than a module. Errors: InputError when nothing is left. Cost: O(n log n). Thread-safe.
 [[nodiscard]] Extraction extract(const Mesh& mesh, const ProgressSink& progress = {});
 
 /// The same with the steps beyond repair. Faces at a keep-out are divided down to 1.5 mm, so that its outline is
 /// followed from outside by less than that; no point that stays lies in a keep-out. Sharp edges stay as they are
-/// (except when wrapped). Throws InputError when nothing is left, naming the step that took it.
+/// (except when wrapped). Errors: InputError when nothing is left, naming
+/// the step that took it. Cost: as above; `outer` 128 rays a face on all cores, `wrap` seconds (CGAL alpha wrap:
+/// Portaneri et al., 2022).
 [[nodiscard]] Extraction extract(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress = {});
 
-/// Throws InputError naming `name` and the place when an edge of the mesh has more than two faces (non-manifold).
+/// Checks that no edge of the mesh has more than two faces. Errors: InputError naming `name` and the place otherwise.
+/// Cost: O(n log n).
 void require_manifold(const Mesh& mesh, const std::string& name);
 
-/// Throws InputError naming `name` and the place when two faces of the surface pass through each other. Exact
-/// predicates; cost O(n log n) typical.
+/// Checks with exact predicates that no two faces of the surface pass through each other. Errors: InputError naming
+/// `name` and the place otherwise. Cost: O(n log n) typical.
 void require_no_self_intersection(const Mesh& surface, const std::string& name);
 
 }  // namespace triskin::geometry

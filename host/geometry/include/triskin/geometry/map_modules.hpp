@@ -7,36 +7,41 @@
 
 namespace triskin::geometry {
 
-/// A piece with its tiles on the plane.
+/// Input of map_modules(): a piece, where it lies on the grid, and the tiles inside it.
 struct TiledPiece {
-  const Piece* piece = nullptr;
+  const Piece* piece = nullptr;  ///< not owned; must outlive the call
   Placement placement;
   std::vector<Tile> tiles;
 };
 
 /// Brings placed tiles back to the surface as rigid modules: corners through the flat triangles, then joined corners
 /// are averaged, projected and refitted (Kabsch) until they settle; modules and joints that break a limit are given up,
-/// the worst first. Islands are what stays joined. Metrics of each module are measured against the surface
-/// (measure.hpp).
+/// the worst first. Islands are what stays joined. The metrics of each module are those of measure().
+/// Errors: none for pieces of this surface. Deterministic; thread-safe. Cost: that of measure() a round of refitting.
+/// Source: W. Kabsch, Acta Cryst. A32 (1976).
 [[nodiscard]] ModuleLayout map_modules(const Surface& surface, const std::vector<TiledPiece>& pieces,
                                        const LayoutLimits& limits);
 
 /// Measures the layout and gives up what breaks a limit, the worst first: joints become slits, modules go (counted in
-/// layout.refused). Numbers the islands anew by what stays joined.
+/// layout.refused, names as in design files). Numbers the islands anew by what stays joined. Cost: measure() once, then
+/// what changes.
 void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout);
 
-/// Measures every metric of every module of the layout: both of the following.
+/// Measures every metric of every module of the layout: measure_on_surface() of each, then measure_between(). Metrics
+/// are defined in docs/design_file.md; all ≥ 0.
 void measure(const Surface& surface, ModuleLayout& layout);
 
-/// What depends on the surface alone: gap under the centre, depth, overrun, bend radius. Sides are walked every 0.5 mm
-/// for the depth, by bisection where they leave the surface; its area is searched for border under it. Cost: ~200
-/// closest-point queries.
+/// Measures what depends on the surface alone: gap under the centre, depth, overrun (mm, to 0.02 mm below), bend
+/// radius. Sides are walked every 0.5 mm for the depth, by bisection where they leave the surface; its area is searched
+/// for border under it. Cost: ~200 closest-point queries.
 void measure_on_surface(const Surface& surface, PlacedModule& module);
 
-/// What depends on the other modules: joints and penetration. Cost: n² / 2 distances.
+/// Measures what depends on the other modules: edge error, hinge gap and fold of each joint, penetration. Cost: n² / 2
+/// distances.
 void measure_between(ModuleLayout& layout);
 
-/// Depth of overlap of two modules in the plane of their mean normal, 0 when apart or not lying over each other, mm.
+/// Depth of overlap of two modules (corners in mm, counter-clockwise) in the plane of their mean normal, mm; 0 when
+/// they are apart or do not lie over each other. Separating axes; constant cost.
 [[nodiscard]] double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);
 
 }  // namespace triskin::geometry

@@ -8,11 +8,12 @@
 
 namespace triskin::geometry {
 
+/// Unit of the numbers in a mesh file.
 enum class LengthUnit { kMillimetre, kCentimetre, kMetre };
-/// mm of one unit.
+/// Length of one unit in mm: 1, 10 or 1000.
 [[nodiscard]] double scale_of(LengthUnit unit);
 
-/// What reading did to the file's triangles, for the report.
+/// Changes that reading made to the file's triangles, for the report.
 struct MeshReadReport {
   double scale_to_mm = 1.0;
   int welded_vertices = 0;   ///< corners at the same place that became one vertex (relative 1e-7 of the size)
@@ -21,6 +22,7 @@ struct MeshReadReport {
   int flipped_faces = 0;     ///< faces turned so that neighbours agree
 };
 
+/// Result of read_mesh().
 struct MeshFile {
   Mesh mesh;  ///< mm; coincident vertices welded; no degenerate or duplicate face; orientation as in the file
   MeshReadReport report;
@@ -29,10 +31,12 @@ struct MeshFile {
 /// Reads OBJ, STL, PLY, OFF or DAE (by content and extension). Without `unit` the file's numbers are mm (DAE: its
 /// own unit). Errors: InputError naming the file for unreadable, empty, non-finite or face-less files, and for
 /// sizes that cannot be a body part: under 20 mm (with the hint to pass --unit m or cm) or over 5 m.
-/// Cost: linear. Thread-safe.
+/// Cost: O(n log n). Thread-safe. Formats that
+/// assimp reads are read in a child process: a crash of the library is an InputError.
 [[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt);
 
-/// Writes vertices and faces as OBJ, whole or not at all.
+/// Writes vertices (mm) and faces as OBJ, whole or not at all. Errors: InputError naming the file when it cannot be
+/// written. Cost: linear.
 void write_obj(const std::filesystem::path& path, const Mesh& mesh);
 
 }  // namespace triskin::geometry

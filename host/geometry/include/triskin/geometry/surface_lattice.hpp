@@ -8,29 +8,32 @@
 
 namespace triskin::geometry {
 
-/// How much effort, and what a layout is worth (`layout_value`).
+/// Effort of grow_lattice(), and the weights of layout_value(). Out of range: InputError.
 struct SurfaceLatticeOptions {
-  double time_limit_s = 20.0;  ///< wall clock; the search stops within about 0.1 s of it
+  double time_limit_s = 20.0;  ///< > 0, wall clock; the search stops within about 0.1 s of it
   int iterations = 0;  ///< > 0: stops after so many ruin-and-recreate steps a chain, as well as at the time limit
   std::uint64_t seed = 1;
-  int threads = 2;            ///< independent chains that exchange the best layout; part of what a result depends on
-  double island_cost = 0.05;  ///< modules an island is worth (its cable); with controller_cost 0.02 in all gives most
-                              ///< modules, 0.3 few islands
+  int threads = 2;  ///< 1 … 256 independent chains that exchange the best layout; part of what a result depends on
+  double island_cost = 0.05;  ///< 0 … 16 modules an island is worth (its cable); with controller_cost 0.02 in all gives
+                              ///< most modules, 0.3 few islands
   double controller_cost =
-      0.05;  ///< modules a controller is worth: an island of n modules needs n / 16 at least, rounded up
-  double hinge_reward = 0.01;  ///< modules a joint is worth
-  double corner_lift_mm =
-      1.5;  ///< how far corners may stand off a convex surface, so that the gap under the centre stays in its limit
+      0.05;  ///< 0 … 16 modules a controller is worth: an island of n modules needs n / 16 at least, rounded up
+  double hinge_reward = 0.01;   ///< 0 … 16 modules a joint is worth
+  double corner_lift_mm = 1.5;  ///< ≥ 0: how far corners may stand off a convex surface, so that the gap under the
+                                ///< centre stays in its limit
 };
 
-/// modules − island_cost · islands − controller_cost · controllers + hinge_reward · joints.
+/// Value of a layout, in modules: modules − island_cost · islands − controller_cost · controllers + hinge_reward ·
+/// joints. An island of n modules counts ⌈n / 16⌉ controllers. Cost: O(n).
 [[nodiscard]] double layout_value(const ModuleLayout& layout, const SurfaceLatticeOptions& options);
 
 /// Grows the isometric lattice directly on the surface (docs/surface_lattice.md): triangles are added edge by edge,
 /// their shared corners slide on the surface until every rigid module keeps the limits; what is left is filled with
 /// further islands; then parts are removed and regrown as long as time permits. Every module of the result keeps every
 /// limit, measured by `measure` (map_modules.hpp). Deterministic for seed, threads and iterations when the time
-/// suffices. Empty when no module fits. Throws InputError when an option is out of range.
+/// suffices. Empty when no module fits. Errors: InputError when an option or limit is out of
+/// range. Uses options.threads threads; thread-safe. Cost: time_limit_s, less where
+/// `iterations` ends it sooner.
 [[nodiscard]] ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits,
                                         const SurfaceLatticeOptions& options = {}, const ProgressSink& progress = {});
 

@@ -20,7 +20,7 @@ std::string proof_text(const Polygon& polygon, const PlacementResult& result) {
   const auto& motion = result.proof.motion;
   const json log{{"format", "triskin-placement-proof"},
                  {"version", 1},
-                 {"shape", result.proof.shape},
+                 {"shape", std::string(kTileShapeNames.name(result.proof.shape))},
                  {"rings", std::move(rings)},
                  {"pivot", {result.proof.pivot.x(), result.proof.pivot.y()}},
                  {"pitch_mm", result.proof.pitch_mm},

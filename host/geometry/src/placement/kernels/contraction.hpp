@@ -6,10 +6,11 @@
 
 namespace triskin::geometry {
 
-/// Clips a cell to where at least `need` of the tiles' boxes overlap, one axis after the other.
+/// Contraction of a cell: clips its box, axis by axis, to the range in which at least `need` of the tiles' boxes
+/// overlap.
 class Contraction {
  public:
-  /// False: they overlap nowhere. Then `box` may be partly clipped.
+  /// False: on some axis fewer than `need` boxes overlap everywhere; `box` is then undefined within its old bounds.
   bool clip(MotionBox& box, const OffsetBoxes& boxes, int need);
 
  private:

@@ -16,7 +16,8 @@ using Bytes = std::int8_t __attribute__((vector_size(kLanes)));
   std::memcpy(&to, lanes, sizeof to);
 }
 
-[[gnu::always_inline]] inline void judge(const TileGrid& grid, double inset, const double* block, std::uint8_t* cut) {
+[[gnu::always_inline]] inline void evaluate(const TileGrid& grid, double inset, const double* block,
+                                            std::uint8_t* cut) {
   Vector ax, ay, bx, by, nx, ny, sign;
   load(block, ax);
   load(block + kLanes, ay);
@@ -50,12 +51,12 @@ using Bytes = std::int8_t __attribute__((vector_size(kLanes)));
   std::memcpy(cut, &truth, sizeof truth);
 }
 
-using Judge = void (*)(const TileGrid&, double, const double*, std::size_t, std::uint8_t*);
+using Kernel = void (*)(const TileGrid&, double, const double*, std::size_t, std::uint8_t*);
 
-#define TRISKIN_CUTS(unit, target)                                                                               \
-  target void cuts_##unit(const TileGrid& grid, double inset, const double* lanes, std::size_t blocks,           \
-                          std::uint8_t* cut) {                                                                   \
-    for (std::size_t k = 0; k < blocks; ++k) judge(grid, inset, lanes + CutPairs::kBlock * k, cut + kLanes * k); \
+#define TRISKIN_CUTS(unit, target)                                                                                  \
+  target void cuts_##unit(const TileGrid& grid, double inset, const double* lanes, std::size_t blocks,              \
+                          std::uint8_t* cut) {                                                                      \
+    for (std::size_t k = 0; k < blocks; ++k) evaluate(grid, inset, lanes + CutPairs::kBlock * k, cut + kLanes * k); \
   }
 TRISKIN_FOR_VECTOR_UNITS(TRISKIN_CUTS)
 #undef TRISKIN_CUTS
@@ -68,10 +69,10 @@ void CutPairs::grow() {
 }
 
 const std::vector<std::uint8_t>& CutPairs::cuts(const TileGrid& grid, double inset_mm) {
-  static const Judge kJudge = fastest(cuts_plain, cuts_avx2, cuts_avx512);
+  static const Kernel kKernel = fastest(cuts_plain, cuts_avx2, cuts_avx512);
   const std::size_t blocks = (count_ + kLanes - 1) / kLanes;
   cut_.resize(blocks * kLanes);
-  kJudge(grid, inset_mm, lanes_.data(), blocks, cut_.data());
+  kKernel(grid, inset_mm, lanes_.data(), blocks, cut_.data());
   return cut_;
 }
 

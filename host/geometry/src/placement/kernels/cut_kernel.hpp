@@ -26,9 +26,9 @@ class CutPairs {
   }
   [[nodiscard]] std::size_t size() const { return count_; }
 
-  /// Which edges come nearer to their tile than `inset_mm`, along every side of the tile and across the edge: 255 a
-  /// pair, else 0. The widest instruction set of the processor is chosen at the first call; all do the same IEEE
-  /// operations and give the same bits.
+  /// Cut test of all pairs: 255 where no side of the tile and not the edge itself separates both by `inset_mm`, else 0.
+  /// The widest instruction set of the processor is chosen at the first call; all do the same IEEE operations and give
+  /// the same bits.
   [[nodiscard]] const std::vector<std::uint8_t>& cuts(const TileGrid& grid, double inset_mm);
 
   static constexpr std::size_t kLanes = 8, kFields = 7, kBlock = kLanes * kFields;

@@ -8,7 +8,8 @@
 
 namespace triskin::geometry {
 
-/// The edges near a point of the polygon's frame.
+/// Bucket grid of the edges in the polygon's frame: edges near a point in constant time. Immutable: any number of
+/// threads.
 class EdgeGrid {
  public:
   EdgeGrid(const PreparedPolygon& polygon, double reach_mm);
@@ -18,7 +19,7 @@ class EdgeGrid {
 
  private:
   double reach_mm_ = 0.0, origin_ = 0.0, scale_ = 1.0;
-  int cells_ = 1;  // per axis
+  int buckets_ = 1;  // per axis
   std::vector<std::uint32_t> first_, edges_;
 };
 

@@ -11,8 +11,8 @@ namespace triskin::geometry {
 
 /// For many motions of one polygon, holes included: which tiles lie inside with a margin of
 /// `inset_mm` (negative: may stand over by that much). Keeps its memory from call to call: one object a thread.
-/// Cost of a call: O(edges · tiles they pass + tiles of the polygon's box); pairs of edge and tile are judged eight at
-/// once.
+/// Cost of a call: O(edges · tiles they pass + tiles of the polygon's box); pairs of edge and tile are evaluated eight
+/// at once.
 class Evaluator {
  public:
   Evaluator(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}
@@ -34,7 +34,7 @@ class Evaluator {
   void set_frame(double inset_mm);
   void set_rows(int up, double grown);
   void mark_edge(std::size_t edge, const Vec2& normal, const Rows& rows, int up);
-  /// Where a row of the marks begins.
+  /// Index of the first mark of a row.
   [[nodiscard]] std::size_t row(int j, int up) const {
     return static_cast<std::size_t>(((j - first_row_) * grid_.kinds + up - (2 - grid_.kinds)) * columns_);
   }

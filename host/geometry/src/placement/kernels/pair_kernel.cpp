@@ -49,42 +49,50 @@ struct Hull {
   Vector low_x, low_y, low_t, high_x, high_y, high_t, surest, value;
 };
 
-// What does not change from direction to direction.
-struct Cell {
+// Terms of the cell that are equal for all directions: half widths, pad less inset.
+struct CellTerms {
   double hx, hy, ht, pad_less_inset;
 };
 
-// One direction: N linear constraints value ≥ inset with the common gradient (gx, gy) and slopes by theta; `inverse`
-// are their reciprocals. In the clip of one axis the others are at their best.
+// One direction: N linear constraints value ≥ inset with one common gradient (gx, gy) in x and y, and a slope each by
+// theta. Refers to the caller's vectors.
 template <int N>
-[[gnu::always_inline]] inline void include(Hull& hull, const Cell& cell, const Vector (&value)[N],
-                                           const Vector (&slope)[N], const Vector (&inverse)[N], const Vector& gx,
-                                           const Vector& gy, const Vector& inverse_x, const Vector& inverse_y,
-                                           const Vector& reach, Vector& room_of) {
+struct Direction {
+  const Vector (&value)[N];
+  const Vector (&slope)[N];
+  const Vector (&inverse_slope)[N];  // 1 / |slope|
+  const Vector &gx, &gy;
+  const Vector &inverse_x, &inverse_y;  // 1 / |gx|, 1 / |gy|
+  const Vector& reach;                  // most that x and y change the value inside the cell
+};
+
+// Adds a direction to the hull and writes its room. In the clip of one axis the others are at their best.
+template <int N>
+[[gnu::always_inline]] inline void include(Hull& hull, const CellTerms& cell, const Direction<N>& d, Vector& room_of) {
   const Vector zero = {}, full_x = zero + cell.hx, full_y = zero + cell.hy;
   Vector room = zero + 1e300, sure = room, least = room, low_t = zero - cell.ht, high_t = zero + cell.ht;
   for (int j = 0; j < N; ++j) {
-    const Vector steep = slope[j] < zero ? -slope[j] : slope[j];
-    const Vector turn = steep * cell.ht, open = value[j] + cell.pad_less_inset + reach;
-    const Vector this_room = open + turn, this_sure = value[j] - reach - turn;
+    const Vector steep = d.slope[j] < zero ? -d.slope[j] : d.slope[j];
+    const Vector turn = steep * cell.ht, open = d.value[j] + cell.pad_less_inset + d.reach;
+    const Vector this_room = open + turn, this_sure = d.value[j] - d.reach - turn;
     room = this_room < room ? this_room : room;
     sure = this_sure < sure ? this_sure : sure;
-    least = value[j] < least ? value[j] : least;
-    const Vector limit = open * inverse[j];
-    const Vector low = slope[j] > zero ? -limit : low_t, high = slope[j] > zero ? high_t : limit;
+    least = d.value[j] < least ? d.value[j] : least;
+    const Vector limit = open * d.inverse_slope[j];
+    const Vector low = d.slope[j] > zero ? -limit : low_t, high = d.slope[j] > zero ? high_t : limit;
     low_t = low > low_t ? low : low_t;
     high_t = high < high_t ? high : high_t;
   }
-  const Vector open_x = room * inverse_x - cell.hx, open_y = room * inverse_y - cell.hy;
+  const Vector open_x = room * d.inverse_x - cell.hx, open_y = room * d.inverse_y - cell.hy;
   const Vector limit_x = open_x < full_x ? open_x : full_x, limit_y = open_y < full_y ? open_y : full_y;
   const Vector left_t = high_t - low_t;
   room = left_t < room ? left_t : room;  // negative: the direction holds nowhere
   room_of = room;
   const Vector never_low = zero + 1e300, never_high = zero - 1e300;
-  const Vector low_x = room >= zero ? (gx > zero ? -limit_x : -full_x) : never_low,
-               high_x = room >= zero ? (gx > zero ? full_x : limit_x) : never_high;
-  const Vector low_y = room >= zero ? (gy > zero ? -limit_y : -full_y) : never_low,
-               high_y = room >= zero ? (gy > zero ? full_y : limit_y) : never_high;
+  const Vector low_x = room >= zero ? (d.gx > zero ? -limit_x : -full_x) : never_low,
+               high_x = room >= zero ? (d.gx > zero ? full_x : limit_x) : never_high;
+  const Vector low_y = room >= zero ? (d.gy > zero ? -limit_y : -full_y) : never_low,
+               high_y = room >= zero ? (d.gy > zero ? full_y : limit_y) : never_high;
   low_t = room >= zero ? low_t : never_low;
   high_t = room >= zero ? high_t : never_high;
   hull.low_x = low_x < hull.low_x ? low_x : hull.low_x;
@@ -122,7 +130,7 @@ template <int N>
 // The edge's own line: all corners of the tile left of it, or all right of it. The separation of a corner falls as the
 // edge moves along its normal.
 template <int J>
-[[gnu::always_inline]] inline void lines(Hull& hull, const Cell& cell, const TileGrid& grid, Lanes& in,
+[[gnu::always_inline]] inline void lines(Hull& hull, const CellTerms& cell, const TileGrid& grid, Lanes& in,
                                          PairBlock& out) {
   const Vector x = vector_at(in.x), y = vector_at(in.y), sign = vector_at(in.sign);
   const Vector nx = vector_at(in.normal_x), ny = vector_at(in.normal_y);
@@ -148,15 +156,16 @@ template <int J>
   }
   for (int j = 0; j < J; ++j) inverse_t[j] = inverse[j + 2];
   const Vector reach = size[0] * cell.hx + size[1] * cell.hy;
-  include<J>(hull, cell, value, slope, inverse_t, -nx, -ny, inverse[0], inverse[1], reach,
+  const Vector back_x = -nx, back_y = -ny;
+  include<J>(hull, cell, {value, slope, inverse_t, back_x, back_y, inverse[0], inverse[1], reach},
              vector_at(out.room[0].data()));
-  include<J>(hull, cell, opposite_value, opposite_slope, inverse_t, nx, ny, inverse[0], inverse[1], reach,
+  include<J>(hull, cell, {opposite_value, opposite_slope, inverse_t, nx, ny, inverse[0], inverse[1], reach},
              vector_at(out.room[1].data()));
 }
 
 // The sides of the tile: both ends of the edge beyond one of them.
 template <int J>
-[[gnu::always_inline]] inline void sides(Hull& hull, const Cell& cell, const TileGrid& grid, Lanes& in,
+[[gnu::always_inline]] inline void sides(Hull& hull, const CellTerms& cell, const TileGrid& grid, Lanes& in,
                                          PairBlock& out) {
   const Vector x = vector_at(in.x), y = vector_at(in.y), sign = vector_at(in.sign), zero = {};
   for (int k = 0; k < J; ++k) {
@@ -172,18 +181,20 @@ template <int J>
     }
     invert<2>(size, inverse);
     const double ax = std::max(std::abs(nx), 1e-30), ay = std::max(std::abs(ny), 1e-30);
-    include<2>(hull, cell, value, slope, inverse, sign * nx, sign * ny, zero + 1.0 / ax, zero + 1.0 / ay,
-               zero + (ax * cell.hx + ay * cell.hy), vector_at(out.room[static_cast<std::size_t>(2 + k)].data()));
+    const Vector gx = sign * nx, gy = sign * ny, inverse_x = zero + 1.0 / ax, inverse_y = zero + 1.0 / ay,
+                 reach = zero + (ax * cell.hx + ay * cell.hy);
+    include<2>(hull, cell, {value, slope, inverse, gx, gy, inverse_x, inverse_y, reach},
+               vector_at(out.room[static_cast<std::size_t>(2 + k)].data()));
   }
 }
 
 template <int J>
-[[gnu::always_inline]] inline void judge(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& f,
-                                         const OpenTile* tiles, const Pair* pairs, std::size_t count,
-                                         PairBlock& result) {
+[[gnu::always_inline]] inline void evaluate(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& f,
+                                            const OpenTile* tiles, const Pair* pairs, std::size_t count,
+                                            PairBlock& result) {
   Lanes in;
   load(polygon, f, tiles, pairs, count, in);
-  const Cell cell{f.half[0], f.half[1], f.half[2], f.pad_mm - f.inset_mm};
+  const CellTerms cell{f.half[0], f.half[1], f.half[2], f.pad_mm - f.inset_mm};
   const Vector zero = {}, most = zero + 1e300, least = zero - 1e300;
   Hull hull{most, most, most, least, least, least, least, least};
   lines<J>(hull, cell, grid, in, result);
@@ -198,17 +209,17 @@ template <int J>
   vector_at(result.value.data()) = hull.value;
 }
 
-using Judge = void (*)(const PreparedPolygon&, const TileGrid&, const CellFrame&, const OpenTile*, const Pair*,
-                       std::size_t, PairBlock&);
+using Kernel = void (*)(const PreparedPolygon&, const TileGrid&, const CellFrame&, const OpenTile*, const Pair*,
+                        std::size_t, PairBlock&);
 
-#define TRISKIN_JUDGE(unit, target)                                                                            \
-  template <int J>                                                                                             \
-  target void judge_##unit(const PreparedPolygon& p, const TileGrid& g, const CellFrame& f, const OpenTile* t, \
-                           const Pair* d, std::size_t n, PairBlock& r) {                                       \
-    judge<J>(p, g, f, t, d, n, r);                                                                             \
+#define TRISKIN_EVALUATE(unit, target)                                                                            \
+  template <int J>                                                                                                \
+  target void evaluate_##unit(const PreparedPolygon& p, const TileGrid& g, const CellFrame& f, const OpenTile* t, \
+                              const Pair* d, std::size_t n, PairBlock& r) {                                       \
+    evaluate<J>(p, g, f, t, d, n, r);                                                                             \
   }
-TRISKIN_FOR_VECTOR_UNITS(TRISKIN_JUDGE)
-#undef TRISKIN_JUDGE
+TRISKIN_FOR_VECTOR_UNITS(TRISKIN_EVALUATE)
+#undef TRISKIN_EVALUATE
 
 }  // namespace
 
@@ -240,11 +251,11 @@ void CellFrame::set(const PreparedPolygon& polygon, const TileGrid& grid, const 
   }
 }
 
-void judge_pairs(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& frame, const OpenTile* tiles,
-                 const Pair* pairs, std::size_t count, PairBlock& result) {
-  static const Judge kThree = fastest<Judge>(judge_plain<3>, judge_avx2<3>, judge_avx512<3>);
-  static const Judge kFour = fastest<Judge>(judge_plain<4>, judge_avx2<4>, judge_avx512<4>);
-  static const Judge kSix = fastest<Judge>(judge_plain<6>, judge_avx2<6>, judge_avx512<6>);
+void evaluate_pairs(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& frame, const OpenTile* tiles,
+                    const Pair* pairs, std::size_t count, PairBlock& result) {
+  static const Kernel kThree = fastest<Kernel>(evaluate_plain<3>, evaluate_avx2<3>, evaluate_avx512<3>);
+  static const Kernel kFour = fastest<Kernel>(evaluate_plain<4>, evaluate_avx2<4>, evaluate_avx512<4>);
+  static const Kernel kSix = fastest<Kernel>(evaluate_plain<6>, evaluate_avx2<6>, evaluate_avx512<6>);
   (grid.corners == 3 ? kThree : grid.corners == 4 ? kFour : kSix)(polygon, grid, frame, tiles, pairs, count, result);
 }
 

@@ -22,7 +22,7 @@ struct OpenTile {
   std::uint32_t first = 0, count = 0;  ///< its pairs
 };
 
-/// Box of motions by its centre and half widths (x mm, y mm, theta rad).
+/// Box of motions: its low and high corner in (x mm, y mm, theta rad), low ≤ high on each axis.
 struct MotionBox {
   std::array<double, 3> low{}, high{};
   [[nodiscard]] double center(std::size_t k) const { return 0.5 * (low[k] + high[k]); }
@@ -37,7 +37,7 @@ struct CellFrame {
   double pad_mm = 0.0;         ///< curvature and rounding of the first-order values
   double inset_mm = 0.0;       ///< below this separation a tile cannot count
   double sufficient_mm = 0.0;  ///< from this separation on it counts
-  double certain_mm = 0.0;     ///< a tile that keeps this separation in the whole cell need not be looked at again
+  double certain_mm = 0.0;     ///< a tile that keeps this separation in the whole cell is settled: it leaves the list
   std::vector<double> x, y;    ///< moved first end of each edge, without the shift
   std::vector<double> normal_x, normal_y;  ///< turned left normal of each edge
 
@@ -45,7 +45,7 @@ struct CellFrame {
 };
 
 inline constexpr std::size_t kLanes = 8, kMostCorners = 6;
-/// What the kernel finds for a block of pairs. The edge leaves the tile alone where it lies beyond a side of the tile,
+/// Result for a block of pairs. The edge does not cut the tile where it lies beyond a side of the tile,
 /// or where the tile lies on one side of the edge's line: these are the directions.
 struct PairBlock {
   /// Offsets from the cell's centre outside which every direction fails; low > high: the edge always cuts the tile.
@@ -60,9 +60,9 @@ struct PairBlock {
   alignas(64) std::array<std::array<double, kLanes>, 3 * kMostCorners> level, slope;
 };
 
-/// Judges up to kLanes pairs at once. The widest instruction set of the processor is chosen at the first call; all give
-/// the same bits, since all do the same IEEE operations.
-void judge_pairs(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& frame, const OpenTile* tiles,
-                 const Pair* pairs, std::size_t count, PairBlock& result);
+/// Evaluates up to kLanes pairs at once. The widest instruction set of the processor is chosen at the first call; all
+/// give the same bits, since all do the same IEEE operations.
+void evaluate_pairs(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& frame, const OpenTile* tiles,
+                    const Pair* pairs, std::size_t count, PairBlock& result);
 
 }  // namespace triskin::geometry

@@ -7,7 +7,7 @@
 
 namespace triskin::geometry {
 
-/// All translations of one lattice cell at a small range of angles, cut into 16 × 16 parts. The centres of all tiles
+/// All translations of one lattice period at a small range of angles, cut into 16 × 16 parts. The centres of all tiles
 /// at the middles of all parts sample the plane regularly: one scan of the polygon decides for every tile in every part
 /// whether it may hold and whether it must. The centres of the tiles that an edge cuts fill a convex polygon, one half
 /// plane a direction: shrunk by what moves inside a part they are surely cut, grown by it perhaps. Keeps its memory:
@@ -26,13 +26,13 @@ class SliceRaster {
 
   SliceRaster(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}
 
-  /// `frame`: of the slice, all translations of one lattice cell.
+  /// `frame`: of the slice, all translations of one lattice period.
   void scan(const CellFrame& frame);
 
   /// Tiles that hold in all parts.
   [[nodiscard]] int certain() const { return certain_; }
   [[nodiscard]] const std::vector<Border>& border() const { return border_; }
-  /// How many of the border tiles may hold somewhere in the part.
+  /// Number of border tiles that may hold somewhere in the part.
   [[nodiscard]] int count(int x, int y) const { return counts_[static_cast<std::size_t>(kSteps * y + x)]; }
 
  private:

@@ -14,7 +14,7 @@ struct LinearRow {
   double limit = 0.0;
 };
 
-/// What a linear program of few variables works on: one object a thread, it keeps its memory.
+/// Work space of a linear program of few variables: one object a thread, it keeps its memory.
 template <std::size_t D>
 struct LinearWork {
   std::vector<LinearRow<D>> rows;

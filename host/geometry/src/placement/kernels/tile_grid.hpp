@@ -6,7 +6,7 @@
 
 namespace triskin::geometry {
 
-/// Where modules may lie and what they look like: convex tiles on a lattice with rows along x. Triangles come in two
+/// Places and shape of the modules: convex tiles on a lattice with rows along x. Triangles come in two
 /// kinds, up and down, mirror images of each other; squares and hexagons only as "up".
 struct TileGrid {
   int corners = 3;

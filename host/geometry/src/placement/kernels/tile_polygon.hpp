@@ -8,13 +8,13 @@
 
 namespace triskin::geometry {
 
-/// The polygon as the placement sees it: recentred, as edges with the interior on the left.
+/// Polygon prepared for placement: recentred, as edges with the interior on the left.
 struct PreparedPolygon {
   Vec2 first = Vec2::Zero();   ///< subtracted first: inputs may lie 1e6 mm away
   Vec2 center = Vec2::Zero();  ///< subtracted next: a short lever arm keeps rotation bounds tight
   std::vector<std::array<Vec2, 2>> edges;
-  /// The same edge by edge in arrays: first end, left unit normal, its product with the first end, the edge that starts
-  /// at the second end.
+  /// Edges as arrays, in the order of `edges`: first end, left unit normal, its product with the first end, the edge
+  /// that starts at the second end.
   std::vector<double> x, y, normal_x, normal_y, line_offset;
   std::vector<std::uint32_t> next;
   double radius_mm = 0.0;  ///< of a circle around the centre that holds the polygon

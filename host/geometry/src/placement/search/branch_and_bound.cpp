@@ -13,14 +13,14 @@ namespace triskin::geometry {
 namespace {
 
 constexpr std::size_t kMostAsGood = 64;
-constexpr double kReach_mm = 9.0;  // how far from a tile its edges are looked up; children of slices move less
-constexpr double kSlice_mm = 6.5;  // how far the farthest vertex moves from one side of a slice to the other
-constexpr std::size_t kBatch =
-    16;  // cells looked at together: fixed, so that the search does not depend on the threads
+constexpr double kReach_mm = 9.0;   // how far from a tile its edges are looked up; children of slices move less
+constexpr double kSlice_mm = 6.5;   // how far the farthest vertex moves from one side of a slice to the other
+constexpr std::size_t kBatch = 16;  // cells refined together: fixed, so that the search does not depend on the threads
 
-class Search {
+class BranchAndBound {
  public:
-  Search(const PreparedPolygon& polygon, const TileGrid& grid, const SearchGoal& goal, const ProgressSink& progress)
+  BranchAndBound(const PreparedPolygon& polygon, const TileGrid& grid, const SearchGoal& goal,
+                 const ProgressSink& progress)
       : polygon_(polygon),
         grid_(grid),
         goal_(goal),
@@ -170,7 +170,7 @@ class Search {
 
 SearchResult branch_and_bound(const PreparedPolygon& polygon, const TileGrid& grid, const SearchGoal& goal,
                               const ProgressSink& progress) {
-  return Search(polygon, grid, goal, progress).run();
+  return BranchAndBound(polygon, grid, goal, progress).run();
 }
 
 }  // namespace triskin::geometry

@@ -11,7 +11,7 @@
 
 namespace triskin::geometry {
 
-/// What the search looks for and when it may end.
+/// Goal of one branch and bound, and when it may end.
 struct SearchGoal {
   double inset_mm = 0.0;        ///< the bound holds for tiles whose separation from every edge is at least this
   double tolerance_mm = 1e-6;   ///< a motion's value counts tiles with a separation of at least inset − tolerance
@@ -35,7 +35,7 @@ struct SearchResult {
   bool found = false;   ///< best > known
   int upper_bound = 0;  ///< no motion has a higher value at goal.inset_mm (with `raise`: at the last inset)
   std::vector<MotionBox> tied_slices;  ///< outside them no motion has `best` tiles
-  std::vector<Motion> as_good;         ///< some motions that seem to reach `best` (not counted again)
+  std::vector<Motion> as_good;         ///< some motions that reach `best` in the filtered lists; not counted exactly
   std::int64_t cells = 0;
   std::int64_t evaluations = 0;
 };

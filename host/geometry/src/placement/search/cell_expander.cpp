@@ -36,7 +36,7 @@ PartWord wanted_parts(const Index& low, const Index& high) {
 
 }  // namespace
 
-// What is open among some parts.
+// The open ones among some parts: their bounds, number and highest count.
 struct CellExpander::OpenParts {
   Index low{99, 99, 99}, high{0, 0, 0};
   int count = 0, most = 0;
@@ -74,13 +74,13 @@ void CellExpander::expand(Cell cell, const Demand& demand, int best, bool keep_c
   keep_closed_ = keep_closed;
   result_ = &result;
   if (cell.list)
-    look(cell);
+    refine(cell);
   else
-    look_at_slice(cell);
+    refine_slice(cell);
   result.best = best_;
 }
 
-void CellExpander::look_at_slice(Cell& cell) {
+void CellExpander::refine_slice(Cell& cell) {
   ++result_->passes;
   set_frame(cell.box);
   raster_.scan(frame_);
@@ -150,7 +150,7 @@ void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index&
   chosen_.resize(last_chosen);
 }
 
-// As choose, of the border tiles of a slice.
+// choose() for the border tiles of a slice.
 int CellExpander::choose_border(const Index& low, const Index& high, std::size_t first, std::size_t last) {
   const auto lanes = static_cast<std::uint32_t>((1U << high[0]) - (1U << low[0]));
   int certain = 0;
@@ -214,7 +214,7 @@ void CellExpander::add_pairs(const Vec2& p, double reach_mm, std::uint32_t tile,
   }
 }
 
-void CellExpander::look(Cell& cell) {
+void CellExpander::refine(Cell& cell) {
   const CellList* source = cell.list.get();
   CellList* to = &lists_[0];
   for (int pass = 0; pass < kMostPasses; ++pass) {
@@ -278,8 +278,8 @@ int CellExpander::choose(const Index& low, const Index& high, std::size_t first,
   return certain;
 }
 
-// The same for cubes. chosen_[first_chosen …) may be undecided among the parts, `certain` more tiles than in the cell
-// are certain there.
+// divide_slice() for cubes. chosen_[first_chosen …) may be undecided among the parts, `certain` more tiles than in the
+// cell are certain there.
 void CellExpander::divide(const Cell& cell, const CellList& list, const Index& low, const Index& high,
                           std::size_t first_chosen, int certain) {
   const MotionBox whole = part_box(cell.box, parts_, low, high);

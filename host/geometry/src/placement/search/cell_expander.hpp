@@ -11,7 +11,8 @@
 
 namespace triskin::geometry {
 
-/// A box of motions of which the search does not yet know enough. Slices have all translations of one lattice cell.
+/// An open node of the branch and bound: a box of motions with a bound. "Cell" means nothing else here. A slice has all
+/// translations of one lattice period.
 struct Cell {
   MotionBox box;
   int certain = 0;                       ///< tiles that hold in all of it, beside those of the list
@@ -19,26 +20,26 @@ struct Cell {
   std::shared_ptr<const CellList> list;  ///< none: a slice
 };
 
-/// What a tile must keep: it counts for the bound from `inset_mm` on, for a value from inset − tolerance on.
+/// Separation that a tile must keep: it counts for the bound from `inset_mm` on, for a value from inset − tolerance on.
 struct Demand {
   double inset_mm = 0.0, tolerance_mm = 0.0, resolution_mm = 0.0;
   double last_inset_mm = 0.0;  ///< the inset may be raised up to this: tiles that hold with less are kept in the lists
   bool rising = false;         ///< the inset is raised when more than `best` tiles hold; `best` stays
 };
 
-/// What came of one cell.
+/// Result of expanding one cell.
 struct Expansion {
   std::vector<Cell> children;
-  std::vector<MotionBox> closed;                       ///< with the children they cover the cell; only when asked for
-  std::vector<Motion> as_good;                         ///< seem to reach the best value (not counted again)
-  std::vector<std::pair<int, Motion>> better;          ///< counted, rising values
+  std::vector<MotionBox> closed;               ///< with the children they cover the cell; only when asked for
+  std::vector<Motion> as_good;                 ///< motions that reach `best` in the filtered lists; not counted exactly
+  std::vector<std::pair<int, Motion>> better;  ///< counted, rising values
   std::vector<std::pair<int, MotionBox>> tied_slices;  ///< slices that may hold `best` tiles or more, with their bound
   int best = 0;                                        ///< to which as_good refers
   int unresolved_bound = 0;                            ///< of parts that are too small to be split
   int passes = 0;
 };
 
-/// Looks at cells one after the other. One object a thread: it keeps its memory.
+/// Refines cells one after the other: bounds, clips, divides. One object a thread: it keeps its memory.
 class CellExpander {
  public:
   CellExpander(const PreparedPolygon& polygon, const TileGrid& grid, const EdgeGrid& edges)
@@ -53,13 +54,13 @@ class CellExpander {
   void expand(Cell cell, const Demand& demand, int best, bool keep_closed, Expansion& result);
 
  private:
-  void look(Cell& cell);
+  void refine(Cell& cell);
   void set_frame(const MotionBox& box);
   void note_value(int value);
   void try_motion(const Motion& motion);
   void close(const MotionBox& box);
   void close_clipped(MotionBox whole, const MotionBox& clipped);
-  void look_at_slice(Cell& cell);
+  void refine_slice(Cell& cell);
   void look_ahead(Cell& cell, const CellList& list);
   struct OpenParts;
   void try_middle(const Cell& cell, const OpenParts& open);

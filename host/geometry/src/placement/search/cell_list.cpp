@@ -20,8 +20,8 @@ const PairBlock& CellFilter::block_of(const CellFrame& frame, const CellList& fr
   const std::size_t number = pair / kLanes;
   if (number != block_number_) {
     const std::size_t first = number * kLanes;
-    judge_pairs(polygon_, grid_, frame, from.tiles.data(), from.pairs.data() + first,
-                std::min(kLanes, from.pairs.size() - first), block_);
+    evaluate_pairs(polygon_, grid_, frame, from.tiles.data(), from.pairs.data() + first,
+                   std::min(kLanes, from.pairs.size() - first), block_);
     block_number_ = number;
   }
   return block_;
@@ -57,8 +57,8 @@ void CellFilter::collect(const CellFrame& f, double sign, std::uint32_t edge, st
   if (halves.size() > first) halves.back().ends |= HalfSpace::kEndPair;
 }
 
-CellFilter::Fate CellFilter::judge_tile(const CellFrame& f, const CellList& from, OpenTile& tile, CellList& kept,
-                                        Box& box, bool& free_at_center, std::vector<HalfSpace>& halves) {
+CellFilter::Fate CellFilter::evaluate_tile(const CellFrame& f, const CellList& from, OpenTile& tile, CellList& kept,
+                                           Box& box, bool& free_at_center, std::vector<HalfSpace>& halves) {
   const std::size_t end = tile.first + tile.count, kept_first = kept.pairs.size();
   const auto kept_tile = static_cast<std::uint32_t>(kept.tiles.size());
   const double sure = f.certain_mm + f.pad_mm;
@@ -100,7 +100,7 @@ CellFilter::Outcome CellFilter::filter(const CellFrame& f, const CellList& from,
     Box box{{-f.half[0], -f.half[1], -f.half[2]}, {f.half[0], f.half[1], f.half[2]}};
     bool free_at_center = true;
     const std::size_t kept_first = kept.pairs.size(), halves_first = halves.size();
-    const Fate fate = judge_tile(f, from, tile, kept, box, free_at_center, halves);
+    const Fate fate = evaluate_tile(f, from, tile, kept, box, free_at_center, halves);
     if (fate == Fate::kOpen) {
       if (halves.size() == halves_first)
         halves.push_back({1.0, 0.0, 0.0, 0.0, HalfSpace::kEndDirection | HalfSpace::kEndPair});

@@ -17,7 +17,7 @@ struct CellList {
   }
 };
 
-/// Where in the cell a tile may hold: offsets from the cell's centre per axis.
+/// Box of each open tile, as offsets from the cell's centre per axis: outside it the tile cannot hold.
 struct OffsetBoxes {
   std::array<std::vector<double>, 3> low, high;
   void clear() {
@@ -26,7 +26,8 @@ struct OffsetBoxes {
   }
 };
 
-/// Decides what can be decided in a cell. One object a thread: it keeps its memory.
+/// Filter of the undecided tiles of a cell: each becomes certain, impossible, or stays open with fewer edges. One
+/// object a thread: it keeps its memory.
 class CellFilter {
  public:
   CellFilter(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}
@@ -34,10 +35,10 @@ class CellFilter {
   struct Outcome {
     int certain = 0;         ///< tiles that hold in the whole cell, of those that were undecided
     int free_at_center = 0;  ///< of those still undecided: hold at the centre
-    bool alive = false;      ///< false: fewer than `least` tiles can hold; then the rest was not looked at
+    bool alive = false;      ///< false: fewer than `least` tiles can hold; the other fields are then incomplete
   };
   /// Tiles of `from` that stay undecided go to `kept` and `boxes`. Ends early when fewer than `least` can hold.
-  /// What restricts them inside the cell goes to `halves`; the certain ones themselves are added to `certain`, when it
+  /// Their constraints inside the cell go to `halves`; the certain ones themselves are added to `certain`, when it
   /// is given.
   Outcome filter(const CellFrame& frame, const CellList& from, int least, CellList& kept, OffsetBoxes& boxes,
                  std::vector<HalfSpace>& halves, std::vector<OpenTile>* certain = nullptr);
@@ -47,8 +48,8 @@ class CellFilter {
   struct Box {
     std::array<double, 3> low, high;
   };
-  Fate judge_tile(const CellFrame& frame, const CellList& from, OpenTile& tile, CellList& kept, Box& box,
-                  bool& free_at_center, std::vector<HalfSpace>& halves);
+  Fate evaluate_tile(const CellFrame& frame, const CellList& from, OpenTile& tile, CellList& kept, Box& box,
+                     bool& free_at_center, std::vector<HalfSpace>& halves);
   void collect(const CellFrame& frame, double sign, std::uint32_t edge, std::size_t lane,
                std::vector<HalfSpace>& halves) const;
   const PairBlock& block_of(const CellFrame& frame, const CellList& from, std::size_t pair);

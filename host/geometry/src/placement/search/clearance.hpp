@@ -9,15 +9,16 @@
 
 namespace triskin::geometry {
 
-/// So many tiles are to fit with the largest inset. A negative inset lets tiles stand over: as if their sides gave way
-/// by that much.
+/// Goal of largest_clearance(): the largest inset with which `modules` tiles still fit. With a negative inset the sides
+/// of every tile are drawn in by its absolute value.
 struct ClearanceGoal {
   int modules = 0;
-  double least_inset_mm = 0.0;                     ///< from here on it counts; above −0.8 inradius
-  double most_inset_mm = 0.0;                      ///< more is not looked for
-  std::vector<Motion> starts;                      ///< motions to climb from
-  const std::vector<MotionBox>* slices = nullptr;  ///< set: elsewhere so many tiles fit with no inset from 0 on
-  int threads = 0;                                 ///< 0: all cores; the answer does not depend on it
+  double least_inset_mm = 0.0;  ///< smaller insets are no answer; above −0.8 inradius
+  double most_inset_mm = 0.0;   ///< upper limit of the answer
+  std::vector<Motion> starts;   ///< motions to climb from
+  const std::vector<MotionBox>* slices =
+      nullptr;      ///< set: only these are searched; outside them no inset ≥ 0 lets `modules` tiles fit
+  int threads = 0;  ///< 0: all cores; the answer does not depend on it
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 };
 

@@ -81,7 +81,7 @@ double ClearanceAscent::least_separation(const Motion& motion, bool collect) {
   double least = grid_.inradius_mm;
   for (std::size_t first = 0; first < pairs_.size(); first += kLanes) {
     const std::size_t count = std::min(kLanes, pairs_.size() - first);
-    judge_pairs(polygon_, grid_, frame_, tiles_.data(), pairs_.data() + first, count, block_);
+    evaluate_pairs(polygon_, grid_, frame_, tiles_.data(), pairs_.data() + first, count, block_);
     for (std::size_t lane = 0; lane < count; ++lane) {
       double& of_tile = separation_[pairs_[first + lane].tile];
       of_tile = std::min(of_tile, block_.value[lane]);
@@ -150,7 +150,7 @@ double ClearanceAscent::climb(Motion& motion, double inset_mm) {
   return counted(motion, reached, inset_mm);
 }
 
-// As Evaluator counts it: it has the last word.
+// The largest inset that Evaluator confirms: its count is the definition.
 double ClearanceAscent::counted(const Motion& motion, double reached, double least) {
   const auto holds = [&](double inset) { return evaluator_.count(motion, inset) >= static_cast<int>(modules_); };
   for (const double inset : {reached, reached - 1e-9, reached - 1e-6}) {

@@ -19,7 +19,7 @@ struct HalfSpace {
 /// A cell is cut into 4 × 4 × 4 parts, in rows of 16 lanes: lane x + 4·y, row theta.
 inline constexpr int kPartsPerAxis = 4, kLanesPerRow = 16;
 
-/// What a tile does in each part: for each lane bit `row` where it may hold, bit 16 + `row` where it holds for certain.
+/// State of a tile in each part: for each lane bit `row` where it may hold, bit 16 + `row` where it holds for certain.
 using PartWord = std::array<std::uint32_t, kLanesPerRow>;
 
 struct PartsView {
@@ -28,7 +28,7 @@ struct PartsView {
   double sure_mm = 0.0;           ///< a level over this plus the spread of a part: the constraint cannot fail in it
 };
 
-/// How many of the tiles can hold somewhere in each part: a bound for many cells for little more than the price of one.
+/// Number of tiles that can hold somewhere in each part: a bound for many cells for little more than the price of one.
 /// Rounding only ever adds tiles. The widest instruction set of the processor is chosen at the first call; all give the
 /// same bits. One object a thread: it keeps its memory.
 class Lookahead {

@@ -17,23 +17,25 @@ namespace {
 constexpr double kRoot_mm = 8.0;         // how far a root cell goes along each axis
 constexpr double kResolution_mm = 1e-7;  // near the rounding pad: not halved any more
 
-// What is known of the tiles in a cell; shared by its halves, which look again.
+// Tiles of a cell, certain and open; shared by its halves, which filter them again.
 struct Known {
   std::vector<OpenTile> certain;
   CellList open;
 };
 
-struct Cell {
+struct ObjectiveCell {
   MotionBox box;
   double bound = 0.0;
   std::int64_t number = 0;             // the last one first among equals
   std::shared_ptr<const Known> known;  // none: a root
-  bool operator<(const Cell& other) const { return std::tie(bound, number) < std::tie(other.bound, other.number); }
+  bool operator<(const ObjectiveCell& other) const {
+    return std::tie(bound, number) < std::tie(other.bound, other.number);
+  }
 };
 
-class Search {
+class ObjectiveSearch {
  public:
-  Search(const PreparedPolygon& polygon, const TileGrid& grid, Objective& objective, double tolerance_mm)
+  ObjectiveSearch(const PreparedPolygon& polygon, const TileGrid& grid, Objective& objective, double tolerance_mm)
       : polygon_(polygon),
         grid_(grid),
         objective_(objective),
@@ -48,7 +50,7 @@ class Search {
     result_.value = value_at(first);
     add_roots(bound);
     while (!open_.empty() && open_.top().bound > closed_level() && std::chrono::steady_clock::now() < deadline) {
-      const Cell cell = open_.top();
+      const ObjectiveCell cell = open_.top();
       open_.pop();
       report(progress, "placing", -1.0, fmt::format("value {:.4f}, bound {:.4f}", result_.value, cell.bound));
       expand(cell);
@@ -115,7 +117,7 @@ class Search {
     for (const std::uint32_t edge : near) known.open.pairs.push_back({number, edge});
   }
 
-  void expand(const Cell& cell) {
+  void expand(const ObjectiveCell& cell) {
     ++result_.cells;
     const std::shared_ptr<const Known> from = cell.known ? cell.known : root(cell.box);
     frame_.set(polygon_, grid_, cell.box, 0.0, -tolerance_mm_);
@@ -165,7 +167,7 @@ class Search {
   CellFrame frame_;
   OffsetBoxes boxes_;
   std::vector<HalfSpace> halves_;
-  std::priority_queue<Cell> open_;
+  std::priority_queue<ObjectiveCell> open_;
   std::int64_t pushed_ = 0;
   double unresolved_ = 0.0, closed_bound_ = 0.0;
   ObjectiveResult result_;
@@ -176,7 +178,7 @@ class Search {
 ObjectiveResult search_objective(const PreparedPolygon& polygon, const TileGrid& grid, Objective& objective,
                                  double tolerance_mm, const Motion& first, double bound,
                                  std::chrono::steady_clock::time_point deadline, const ProgressSink& progress) {
-  return Search(polygon, grid, objective, tolerance_mm).run(first, bound, deadline, progress);
+  return ObjectiveSearch(polygon, grid, objective, tolerance_mm).run(first, bound, deadline, progress);
 }
 
 }  // namespace triskin::geometry

@@ -9,11 +9,11 @@
 
 namespace triskin::geometry {
 
-/// What is to be made as large as possible, other than the number of tiles: grows with every tile that is inside.
+/// Objective other than the number of tiles; it grows with every tile that is inside.
 class Objective {
  public:
   virtual ~Objective() = default;
-  /// Of the tiles that are inside at a motion.
+  /// Value of the tiles that are inside at a motion.
   virtual double value(const Motion& motion, const std::vector<Tile>& inside) = 0;
   /// No motion of the cell has a higher value: the certain tiles are inside, any of the open ones may be.
   virtual double bound(const CellFrame& cell, const std::vector<OpenTile>& certain,
@@ -31,10 +31,10 @@ struct ObjectiveResult {
   std::int64_t cells = 0;
 };
 
-/// Branch and bound like that of the count, but with the tiles themselves instead of their number: cells are filtered,
-/// contracted and halved. For what few scenes ask for; the count does not pay for it. One thread, deterministic;
-/// `first` is a motion to begin with, `bound` what is known to be no less than the best value. Cost: some microseconds
-/// a tile and cell.
+/// Branch and bound for an Objective: like branch_and_bound(), but a cell keeps its certain tiles, not only their
+/// number; cells are filtered, contracted and halved. Slower than the count, and therefore apart from it. One thread,
+/// deterministic; `first` is a motion to begin with, `bound` what is known to be no less than the best value. Cost:
+/// some microseconds a tile and cell.
 [[nodiscard]] ObjectiveResult search_objective(const PreparedPolygon& polygon, const TileGrid& grid,
                                                Objective& objective, double tolerance_mm, const Motion& first,
                                                double bound, std::chrono::steady_clock::time_point deadline,

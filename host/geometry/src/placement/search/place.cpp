@@ -117,7 +117,7 @@ struct Placing {
     motion = c.motion;
   }
 
-  // How far sides have to give way until one module more fits somewhere.
+  // Deficit: the least distance by which all sides must be drawn in until one module more fits.
   void find_deficit(std::vector<Motion> starts) {
     const Clearance c =
         clearance_of(result.modules + 1, -kMostDeficit * grid.inradius_mm, 0.0, std::move(starts), nullptr);
@@ -223,9 +223,7 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   if (!is_of_paper(options.method)) result.tiles = Evaluator(polygon, grid).tiles(placing.motion, result.clearance_mm);
   if (options.connected) result.tiles = largest_component(grid, result.tiles);
   result.placement = to_placement(polygon, placing.motion);
-  result.proof.shape = options.shape == TileShape::kTriangle ? "triangle"
-                       : options.shape == TileShape::kSquare ? "square"
-                                                             : "hexagon";
+  result.proof.shape = options.shape;
   result.proof.pivot = polygon.first + polygon.center;
   result.proof.pitch_mm = grid.row_step_mm;
   result.proof.motion = {placing.motion.x, placing.motion.y, placing.motion.theta};

@@ -9,25 +9,28 @@
 
 namespace triskin::pipeline {
 
+/// Options of make_design(). Out of range: InputError.
 struct DesignOptions {
-  std::optional<geometry::LengthUnit> unit;
-  double time_limit_s = 20.0;
-  std::uint64_t seed = 1;
-  design::LayoutLimits limits;
-  int iterations = 0;  ///< > 0: the growth ends after so many steps: repeatable whatever the machine's load
-  int threads = 2;
-  double island_cost = 0.05;      ///< modules that an island (its cable) is worth
-  double controller_cost = 0.05;  ///< modules that a controller is worth
+  std::optional<geometry::LengthUnit> unit;  ///< of the mesh file; none: its own or mm
+  double time_limit_s = 20.0;   ///< > 0, of all steps together; what placement and wiring leave goes to the growth
+  std::uint64_t seed = 1;       ///< of every random choice
+  design::LayoutLimits limits;  ///< each > 0
+  int iterations = 0;         ///< ≥ 0; > 0: the growth ends after so many steps: repeatable whatever the machine's load
+  int threads = 2;            ///< 1 … 256 chains of the growth; part of what a result depends on
+  double island_cost = 0.05;  ///< 0 … 16 modules that an island (its cable) is worth
+  double controller_cost = 0.05;  ///< 0 … 16 modules that a controller is worth
 };
 
-/// Modules that each way of covering the surface gave.
+/// Number of modules that each method gave (design::LayoutMethod).
 struct MethodComparison {
   int pieces = 0, surface = 0;
 };
 
-/// Mesh file → design: extract, unfold, certified placement of each piece, rigid modules on the surface, controllers
-/// and wiring; of the pieces and the lattice grown on the surface the layout of higher value stays. Throws InputError
-/// for unusable meshes. Deterministic for a seed unless the time limit cuts a search short.
+/// Makes a design of a mesh file: extract, unfold, certified placement of each piece, rigid modules on the surface,
+/// controllers and wiring; of the pieces and the lattice grown on the surface the layout of higher value stays. Fills
+/// `comparison` when it is given. Errors: InputError for unusable meshes and options out of range. Deterministic for
+/// seed, threads and iterations unless the time limit cuts a search short. Cost: about time_limit_s,
+/// less where `iterations` ends the growth sooner.
 [[nodiscard]] design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
                                          const ProgressSink& progress = {}, MethodComparison* comparison = nullptr);
 

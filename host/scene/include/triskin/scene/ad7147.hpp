@@ -3,9 +3,11 @@
 #include <array>
 #include <cstdint>
 
+#include "triskin/layout/module.hpp"
+
 namespace triskin::scene {
 
-/// What the pins of one converter see. Stateless, so that a sample costs nothing until somebody reads it.
+/// Capacitances at the pins of one converter, as a function of time: they are computed only for samples that are read.
 class CapacitanceSource {
  public:
   virtual ~CapacitanceSource() = default;
@@ -20,7 +22,7 @@ class CapacitanceSource {
 /// status, device id, loss of the configuration in a power dip. Not modelled: interrupts, environmental calibration.
 class Ad7147 {
  public:
-  static constexpr int kStages = 12;
+  static constexpr int kStages = layout::kTaxelsPerModule;
   static constexpr std::uint16_t kDeviceId = 0x1472;  ///< 0x1470 | revision (data sheet, table 20)
 
   /// `source` must outlive the chip. The chip has power since time 0.
@@ -31,19 +33,25 @@ class Ad7147 {
   /// then hold their reset values.
   void schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us);
 
-  /// The oscillator runs slow by so many millionths (negative: fast); the data sheet allows 40,000.
+  /// Error of the oscillator, ppm, positive: slow; −40,000..40,000 by the data sheet. 0 at first.
   void set_clock_error(int ppm) { clock_ppm_ = ppm; }
   /// Adds the converter's own noise: 12, 7 or 3 counts peak to peak at decimation 64, 128, 256 (data sheet, table 1).
   /// Equal seeds give equal noise for equal numbers of conversions since the sequence was started.
   void set_noise(std::uint64_t seed) { noise_seed_ = seed; }
 
-  // Bus side: what an I²C slave sees between start and stop.
+  // Bus side: what an I²C target sees between start and stop. `now_us`: virtual time, never decreasing.
+
+  /// A start condition with the chip's address; `read`: direction bit.
   void select(bool read, std::uint64_t now_us);
+  /// The controller writes a byte: two bytes of register address, then data, high byte first.
   void write_byte(std::uint8_t byte, std::uint64_t now_us);
+  /// The controller reads a byte; the register address advances after each low byte.
   [[nodiscard]] std::uint8_t read_byte(std::uint64_t now_us);
 
-  // Register side. Reading the stage-complete status clears it; other reads change nothing.
+  /// Register at `address`, 0 for addresses that the chip lacks. Reading the stage-complete status clears it; other
+  /// reads change nothing.
   [[nodiscard]] std::uint16_t read_register(std::uint16_t address, std::uint64_t now_us);
+  /// Writes a register; read-only and missing ones are ignored.
   void write_register(std::uint16_t address, std::uint16_t value, std::uint64_t now_us);
 
   /// Time of one pass over the stages that are switched on: 9.2, 18.4 or 36.9 ms for 12 of them.

@@ -4,11 +4,12 @@
 
 namespace triskin::scene {
 
-/// Bit length of a frame on the bus, with the most stuff bits that can occur (ISO 11898-1).
+/// Length of a frame on the bus, bits.
 struct FrameBits {
-  int nominal = 0;
-  int data = 0;  ///< sent at the data bit rate
+  int nominal = 0;  ///< sent at the nominal bit rate
+  int data = 0;     ///< sent at the data bit rate
 };
+/// Length of `frame` with the largest number of stuff bits that can occur (ISO 11898-1), interframe space included.
 [[nodiscard]] FrameBits bits_of(const wire::CanFrame& frame);
 
 }  // namespace triskin::scene

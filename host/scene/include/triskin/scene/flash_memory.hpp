@@ -34,6 +34,7 @@ class FlashMemory final : public sim::FlashModel {
   };
   /// Power fails in the operation after the next `operations` ones: it throws sim::PowerLost. One shot.
   void cut_power_after(std::uint64_t operations, Tear tear);
+  /// Operations since construction.
   [[nodiscard]] std::uint64_t operations() const { return operations_; }
 
   [[nodiscard]] std::size_t size_bytes() const override { return bytes_.size(); }

@@ -14,15 +14,17 @@ namespace triskin::scene {
 /// open-drain wires. Not thread-safe.
 class I2cLineModel final : public sim::I2cBus {
  public:
+  /// A wire of the line.
   enum class Signal { kSda, kScl };
 
-  /// `chip` must outlive the line. `address` is the 7-bit address.
+  /// Connects a chip at the 7-bit address `address`; `chip` outlives the line.
   void attach(Ad7147& chip, std::uint8_t address) { chips_.push_back({&chip, address}); }
-  /// A chip whose place changes: `address_now` gives its address, −1 while it is not on this line.
+  /// Connects a chip whose place changes: `address_now` gives its 7-bit address, −1 while it is not on this line.
   void attach(Ad7147& chip, std::function<int()> address_now) { chips_.push_back({&chip, 0, std::move(address_now)}); }
-  /// Both signals are low while `held` says so.
+  /// Both signals are low while `held` returns true; replaces an earlier function.
   void hold_while(std::function<bool()> held) { held_ = std::move(held); }
-  /// From `at_us` the signal is held low. SDA is let go after `frees_after_pulses` pulses on SCL, 0: never.
+  /// Holds the signal low from virtual time `at_us`. SDA is released after `frees_after_pulses` pulses on SCL (0:
+  /// never).
   void hold_low(Signal signal, std::uint64_t at_us, int frees_after_pulses);
 
   bool start(std::uint8_t address_byte, std::uint64_t now_us) override;
@@ -33,7 +35,7 @@ class I2cLineModel final : public sim::I2cBus {
   [[nodiscard]] bool sda() const override;
   void pulse_scl(std::uint64_t now_us) override;
 
-  /// Bytes that went over the line, address bytes included.
+  /// Bytes transferred since construction, address bytes included.
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
  private:

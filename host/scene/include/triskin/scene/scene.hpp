@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "triskin/design/design.hpp"
+#include "triskin/host/names.hpp"
 
 namespace triskin::scene {
 
@@ -43,7 +47,27 @@ enum class FaultKind {
   kExtraJoint,         ///< module, other: of one patch; first free port of each
   kSwappedPatches,     ///< patch, other: each controller is plugged into the other's patch
 };
-[[nodiscard]] const char* name_of(FaultKind kind);
+/// Names in scene files (docs/scene.md).
+inline constexpr NameTable kFaultKindNames{std::array<std::pair<FaultKind, std::string_view>, 18>{{
+    {FaultKind::kRemovedChip, "removed_chip"},
+    {FaultKind::kMovedChip, "moved_chip"},
+    {FaultKind::kSwappedChips, "swapped_chips"},
+    {FaultKind::kStuckLine, "stuck_line"},
+    {FaultKind::kWrongId, "wrong_id"},
+    {FaultKind::kLostConfiguration, "lost_configuration"},
+    {FaultKind::kSaturatedTaxel, "saturated_taxel"},
+    {FaultKind::kFrozenTaxel, "frozen_taxel"},
+    {FaultKind::kFingerElsewhere, "finger_elsewhere"},
+    {FaultKind::kRotatedModule, "rotated_module"},
+    {FaultKind::kDeadModule, "dead_module"},
+    {FaultKind::kHeldLine, "held_line"},
+    {FaultKind::kStuckBit, "stuck_bit"},
+    {FaultKind::kModuleReset, "module_reset"},
+    {FaultKind::kOpenJoint, "open_joint"},
+    {FaultKind::kShortedJoint, "shorted_joint"},
+    {FaultKind::kExtraJoint, "extra_joint"},
+    {FaultKind::kSwappedPatches, "swapped_patches"},
+}}};
 
 struct Fault {
   FaultKind kind = FaultKind::kRemovedChip;
@@ -74,14 +98,15 @@ struct Scene {
   Effects effects;
 };
 
-/// Reads a scene file, or a design file (then nothing touches the skin and nothing is wrong). Throws InputError naming
+/// Reads a scene file, or a design file (then there are no contacts and no faults). Throws InputError naming
 /// file and key: wrong types or ranges, unknown keys or kinds, a module that the design does not have.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
 
-/// How a module is really turned: the design's rotation, and what the faults make of it.
+/// Rotation 0..2 of a module (id in the design) as assembled: the design's, changed by the faults of the scene. Throws
+/// std::out_of_range for a module that the design lacks.
 [[nodiscard]] int real_rotation(const Scene& scene, int module);
 
-/// Centre of a module on its outer side, mm.
+/// Centroid of a module's corners, mesh frame, mm. Throws std::out_of_range for a module that the design lacks.
 [[nodiscard]] design::Vec3 center_of(const design::Design& design, int module);
 
 }  // namespace triskin::scene

@@ -24,27 +24,33 @@ inline constexpr double kCountsPerKpa = 150.0;
 struct Touch {
   int id = 0;
   Contact contact;
+  /// Pressure on the skin at a point (mesh frame, mm) and virtual time, kPa; 0 outside the contact.
   [[nodiscard]] double pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const;
 };
 
 /// The pads of one module as its converter sees them.
 class ModuleSkin final : public CapacitanceSource {
  public:
+  /// Module `module` (id in the design), turned by `rotation` 0..2. Copies what it needs of the scene.
   ModuleSkin(const Scene& scene, int module, int rotation);
   [[nodiscard]] double counts(int cin, std::uint64_t at_us) const override;
 
+  /// A contact that may press the pads; it outlives its presence here.
   void add(const Touch& touch);
+  /// Forgets a contact; without effect when it is not there.
   void remove(int touch_id);
+  /// From now on taxel 0..11 is at an end of its range.
   void saturate(int taxel) { state_[static_cast<std::size_t>(taxel)] = State::kSaturated; }
+  /// From now on taxel 0..11 keeps its rest value.
   void freeze(int taxel) { state_[static_cast<std::size_t>(taxel)] = State::kFrozen; }
-  /// Whether a touch of that contact can reach a pad.
+  /// True: the contact can press a pad of this module at some time.
   [[nodiscard]] bool reached_by(const Contact& contact) const;
 
  private:
   enum class State : std::uint8_t { kHealthy, kSaturated, kFrozen };
-  std::array<design::Vec3, 12> position_mm_;
-  std::array<State, 12> state_{};
-  std::array<double, 12> rest_counts_{};
+  std::array<design::Vec3, layout::kTaxelsPerModule> position_mm_;
+  std::array<State, layout::kTaxelsPerModule> state_{};
+  std::array<double, layout::kTaxelsPerModule> rest_counts_{};
   std::vector<const Touch*> touches_;
   std::uint64_t seed_;
   double noise_counts_;
@@ -54,17 +60,19 @@ class ModuleSkin final : public CapacitanceSource {
 /// All modules of a scene on the lines of their controllers. Not thread-safe.
 class Skin {
  public:
-  /// `switched` outlives the skin; its chips sit where the registers of its modules put them.
+  /// Builds chips and lines with the faults of the scene. `switched` (null: strapped modules) outlives the skin; its
+  /// chips sit where the registers of its modules put them.
   explicit Skin(const Scene& scene, SwitchedHardware* switched = nullptr);
   Skin(const Skin&) = delete;
   Skin& operator=(const Skin&) = delete;
 
-  /// Line 0..3 of a patch.
+  /// Line 0..3 of patch `patch` (0-based).
   [[nodiscard]] I2cLineModel& line(int patch, int line);
-  /// Puts a finger on the skin; returns its id.
+  /// Puts a finger on the skin; returns its id, ≥ 1. Cost: one test a module.
   int press(const Contact& contact);
-  /// Takes it away. Samples before `now_us` keep seeing it; it may be forgotten after a second.
+  /// Lifts the finger `id` at virtual time `now_us`; without effect when it is gone. Samples from before still see it.
   void release(int id, std::uint64_t now_us);
+  /// Number of modules.
   [[nodiscard]] std::size_t modules() const { return modules_.size(); }
 
  private:

@@ -13,15 +13,19 @@ namespace triskin::scene {
 /// scene has strapped modules. Not thread-safe.
 class SwitchedHardware {
  public:
+  /// Builds the chains as designed, with the faults of the scene.
   explicit SwitchedHardware(const Scene& scene);
 
+  /// False: the scene has strapped modules.
   [[nodiscard]] bool present() const { return !patches_.empty(); }
+  /// Chain of patch `patch` (0-based). Throws std::out_of_range.
   [[nodiscard]] SwitchedPatch& patch(int patch) { return patches_.at(static_cast<std::size_t>(patch)); }
-  /// Row of a module in its patch.
+  /// Position of a module (id in the design) in its patch. Throws std::out_of_range.
   [[nodiscard]] int row_of(int module) const { return row_.at(static_cast<std::size_t>(module)); }
 
-  /// Lets happen what is due.
+  /// Begins and ends the faults that are due at virtual time `now_us`.
   void advance(std::uint64_t now_us);
+  /// Virtual time of the next such event, kForever: none.
   [[nodiscard]] std::uint64_t next_event_us() const { return next_ < events_.size() ? events_[next_].at_us : kForever; }
 
  private:
@@ -35,7 +39,7 @@ class SwitchedHardware {
   void apply(const Fault& fault, bool begins);
 
   std::deque<SwitchedPatch> patches_;
-  std::vector<std::vector<std::array<SwitchedPatch::End, 3>>> joints_;
+  std::vector<design::PortEnds> joints_;
   std::vector<int> patch_, row_;  // by module
   std::vector<Event> events_;     // by time
   std::size_t next_ = 0;

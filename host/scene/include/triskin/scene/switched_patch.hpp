@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "triskin/design/joint.hpp"
 #include "triskin/sim/chain_model.hpp"
 
 namespace triskin::scene {
@@ -14,35 +15,44 @@ namespace triskin::scene {
 /// moves whole bytes, which is exact because every register is one byte long, and single bits only while they can flip.
 class SwitchedPatch final : public sim::ChainModel {
  public:
-  struct End {
-    int module = -1;
-    int port = 0;
-  };
+  using End = design::PortEnd;  ///< by row of the patch
   enum class JointFault : std::uint8_t { kNone, kOpen, kShort };
 
-  /// `joints[m][p]`: far end of port p, module −1 for none; symmetric. Module 0 is the entry, its cable at
+  /// `joints[m][p]`: far end of port p, row −1 for none; symmetric. Module 0 is the entry, its cable at
   /// `cable_port`.
-  SwitchedPatch(std::vector<std::array<End, 3>> joints, int cable_port, std::uint64_t seed);
+  SwitchedPatch(std::vector<std::array<End, layout::kPorts>> joints, int cable_port, std::uint64_t seed);
 
   void enable(std::uint8_t cables) override;
   void exchange(Bytes out, std::span<std::uint8_t> in) override;
   void latch() override;
   [[nodiscard]] std::uint8_t stuck_lines() const override;
 
-  /// A second cable, at a port without joint.
-  void set_second_cable(End end) { cables_[1] = end; }
-  void set_dead(int module, bool dead);
-  void set_joint(End end, JointFault fault);  ///< both ends
-  /// The module holds `line` down whenever its switches are closed; −1: none.
-  void set_stuck_line(int module, int line);
-  void set_stuck_bit(int module, int bit, int value);           ///< of the register's outputs; value −1: none
-  void reset_alone(int module);                                 ///< register to zero as after a dip of its supply
-  void set_bit_error_rate(double rate) { bit_errors_ = rate; }  ///< probability that a bit flips in one module
+  // Modules are numbered by their position in the patch, ports 0..2, lines 0..3.
 
-  [[nodiscard]] bool reached(int module) const;  ///< the lines of the controller reach the module
+  /// Plugs a second cable into a port without joint.
+  void set_second_cable(End end) { cables_[1] = end; }
+  /// Takes the supply of a module's logic away (true) or gives it back.
+  void set_dead(int module, bool dead);
+  /// Sets the fault of the joint at `end`, for both of its ends.
+  void set_joint(End end, JointFault fault);
+  /// The module holds `line` low while its switches are closed; −1: none.
+  void set_stuck_line(int module, int line);
+  /// Fixes output bit 0..7 of the module's register at 0 or 1; value −1: none is fixed.
+  void set_stuck_bit(int module, int bit, int value);
+  /// Clears the register of one module, as a dip of its supply does.
+  void reset_alone(int module);
+  /// Probability 0..1 that a bit flips while it passes one module.
+  void set_bit_error_rate(double rate) { bit_errors_ = rate; }
+
+  /// True: the lines of the controller reach the module.
+  [[nodiscard]] bool reached(int module) const;
+  /// Line 0..3 that the module's register selects.
   [[nodiscard]] int line_of(int module) const { return output(module) & 3; }
+  /// Address 0..3 on that line that the module's register selects.
   [[nodiscard]] int address_of(int module) const { return output(module) >> 2 & 3; }
-  [[nodiscard]] int depth_of(int module) const;  ///< joints up to the cable; −1 when not reached
+  /// Number of joints between module and cable; −1: not reached.
+  [[nodiscard]] int depth_of(int module) const;
+  /// Time that the exchanges of the chain have taken since construction, µs.
   [[nodiscard]] double time_us() const { return time_us_; }
 
  private:
@@ -72,8 +82,8 @@ class SwitchedPatch final : public sim::ChainModel {
   std::uint8_t shift_bits(const std::vector<int>& chain, std::uint8_t out);
   void settle();
 
-  std::vector<std::array<End, 3>> joints_;
-  std::vector<std::array<JointFault, 3>> faults_;
+  std::vector<std::array<End, layout::kPorts>> joints_;
+  std::vector<std::array<JointFault, layout::kPorts>> faults_;
   std::vector<Module> modules_;
   std::array<End, 2> cables_;
   std::uint8_t enabled_ = 0;  // bit c: EN of cable c

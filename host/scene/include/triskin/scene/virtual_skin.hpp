@@ -22,23 +22,26 @@ class VirtualSkin {
   using OnFrame = std::function<void(const wire::CanFrame&, std::uint64_t at_us)>;
 
   /// Powers all controllers. The flash contents live in `state_folder` (made when missing), or in memory if it is
-  /// empty.
+  /// empty. Throws InputError or DeviceError as FlashMemory does.
   explicit VirtualSkin(Scene scene, const std::filesystem::path& state_folder = {});
   ~VirtualSkin();
   VirtualSkin(const VirtualSkin&) = delete;
   VirtualSkin& operator=(const VirtualSkin&) = delete;
 
+  /// Virtual time, µs since construction.
   [[nodiscard]] std::uint64_t now_us() const { return now_us_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] Skin& skin() { return skin_; }
   [[nodiscard]] SwitchedHardware& switched() { return switched_; }
+  /// Number of controllers, one a patch.
   [[nodiscard]] std::size_t controllers() const { return nodes_.size(); }
 
-  /// Every frame that a controller sends, at the time at which it has left the bus.
+  /// Sets the handler of frames that controllers send; called inside run_until with the virtual time at which the frame
+  /// has left the bus. Empty: frames are dropped.
   void on_frame(OnFrame handler) { on_frame_ = std::move(handler); }
-  /// A frame of the host enters the bus now.
+  /// Puts a frame of the host on the bus, at the current virtual time.
   void send(const wire::CanFrame& frame);
-  /// Runs everything until `until_us`.
+  /// Runs the simulation until virtual time `until_us`; times in the past have no effect.
   void run_until(std::uint64_t until_us) { run(until_us, false); }
   /// Runs until a frame for the host has left the bus (true), at the latest until `until_us`.
   bool run_until_frame(std::uint64_t until_us) { return run(until_us, true); }
@@ -46,13 +49,16 @@ class VirtualSkin {
   /// Puts a finger that is meant for the module on it (fault finger_elsewhere moves it): wide enough for all of its
   /// taxels, or a finger tip on one taxel (0..11; -1: the whole module). Returns an id for release.
   int press_module(int module, int taxel = -1);
+  /// Lifts the finger with this id; without effect when it is gone.
   void release(int id) { skin_.release(id, now_us_); }
 
   /// Flash of one controller, to cut its power; a controller that lost power is dead until it is powered again.
   [[nodiscard]] FlashMemory& flash(std::size_t patch) { return *nodes_[patch].flash; }
   /// The application slots of one controller.
   [[nodiscard]] FlashMemory& slots(std::size_t patch) { return *nodes_[patch].slots; }
+  /// False: the controller has lost power in a flash operation.
   [[nodiscard]] bool alive(std::size_t patch) const { return nodes_[patch].controller != nullptr; }
+  /// Takes the controller's power and gives it back; its flash stays.
   void power_cycle(std::size_t patch);
   /// Unplugs the bus from the host's frames, or plugs it back: frames in both directions are lost.
   void plug(bool plugged) { plugged_ = plugged; }
@@ -62,11 +68,14 @@ class VirtualSkin {
 
   /// The USB device of a controller that has power; wake() after something was put into it.
   [[nodiscard]] wire::UsbFunction& usb(std::size_t patch) { return nodes_.at(patch).controller->usb(); }
+  /// Changes whenever the controller plugs itself in anew.
   [[nodiscard]] int usb_session(std::size_t patch) const { return nodes_.at(patch).controller->usb_session(); }
+  /// Lets the controller run at the current virtual time.
   void wake(std::size_t patch) { nodes_.at(patch).run_again_us = now_us_; }
 
-  /// Frames and bits that went over the bus.
+  /// Frames that went over the bus since construction.
   [[nodiscard]] std::uint64_t bus_frames() const { return bus_frames_; }
+  /// Time during which the bus was busy, µs; 0 where the scene sets no bit rate.
   [[nodiscard]] std::uint64_t bus_busy_us() const { return bus_busy_us_; }
 
  private:
@@ -105,7 +114,7 @@ class VirtualSkin {
   bool frame_came_ = false;
 };
 
-/// Folder that keeps the flash of the simulated controllers of a design between processes:
+/// Folder that keeps the flash of the simulated controllers of a design between processes; not created here:
 /// $XDG_STATE_HOME/triskin/sim/<design id>, else ~/.local/state/…, else the temporary folder.
 [[nodiscard]] std::filesystem::path state_folder_of(const design::Design& design);
 

@@ -16,9 +16,9 @@ struct LinkOptions {
 };
 
 /// Opens `sim`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last three, joined by
-/// commas. The design is what `sim` simulates when there is no scene; null where a command has none. From now on Ctrl-C
-/// is a request (catch_interrupts()). Throws InputError (unknown link, no design or scene for `sim`, a scene of another
-/// design), DeviceError (cannot connect).
+/// commas. `design` is what `sim` simulates when there is no scene; null where a command has none; not kept. From now
+/// on Ctrl-C only sets interrupt_request() (catch_interrupts()). Throws InputError (unknown link, no design or scene
+/// for `sim`, a scene of another design), DeviceError (cannot connect).
 [[nodiscard]] std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design* design);
 
 }  // namespace triskin::device

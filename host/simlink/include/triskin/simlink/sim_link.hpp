@@ -7,9 +7,11 @@
 
 namespace triskin::device {
 
-/// The simulation in this process. Waiting advances virtual time; nothing depends on the wall clock.
+/// The simulation in this process. Waiting advances virtual time; nothing depends on the wall clock. Threads: one.
 class SimLink final : public Link, private Finger {
  public:
+  /// Powers the skin of the scene; `state_folder` keeps the flash of its controllers, empty: memory. Throws as
+  /// scene::VirtualSkin does.
   explicit SimLink(scene::Scene scene, const std::filesystem::path& state_folder = {});
 
   void send(const wire::CanFrame& frame) override { skin_.send(frame); }
@@ -19,6 +21,7 @@ class SimLink final : public Link, private Finger {
   [[nodiscard]] std::uint64_t answer_us() const override;
   [[nodiscard]] std::string name() const override { return "sim"; }
   [[nodiscard]] Finger* finger() override { return this; }
+  /// The simulated hardware, to change it while it runs.
   [[nodiscard]] scene::VirtualSkin& skin() { return skin_; }
 
  private:

@@ -7,13 +7,15 @@
 
 namespace triskin::device {
 
-/// Serves a simulated skin over TCP. All clients share one bus; one that sends nonsense is dropped.
+/// Serves a simulated skin over TCP. All clients share one bus; one that sends a malformed record is dropped.
 class SimServer final : public SkinServer {
  public:
-  /// Listens; port 0 takes a free one. Throws DeviceError when the address cannot be used.
+  /// Listens at `at`; port 0 takes a free one. `skin` outlives the server. Throws DeviceError when the address cannot
+  /// be used.
   SimServer(scene::VirtualSkin& skin, const HostPort& at);
   ~SimServer() override;
 
+  /// Port that it listens on.
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] std::string link_name() const override { return name_ + std::to_string(port_); }
 

@@ -9,32 +9,35 @@
 
 namespace triskin::device {
 
-/// Shows a simulated skin to the outside in real time: virtual time follows the wall clock, and stands still rather
-/// than run after it on a computer that is too slow.
+/// Serves a simulated skin to other programs in real time: virtual time follows the wall clock; on a computer that is
+/// too slow it falls behind and does not catch up. Threads: one, which run() occupies.
 class SkinServer {
  public:
+  /// `skin` outlives the server.
   explicit SkinServer(scene::VirtualSkin& skin) : skin_(skin) {}
   virtual ~SkinServer() = default;
   SkinServer(const SkinServer&) = delete;
   SkinServer& operator=(const SkinServer&) = delete;
 
-  /// What `--link` of a client must be.
+  /// Value of `--link` for a client.
   [[nodiscard]] virtual std::string link_name() const = 0;
-  /// Until `stop` is set or `seconds` have passed (0: for ever).
+  /// Serves until `stop` is set or `seconds` of wall time have passed (0: no limit). Throws DeviceError when the
+  /// transport fails.
   void run(const std::atomic<bool>& stop, double seconds);
 
  protected:
-  static constexpr std::uint64_t kStep_us = 1'000;  ///< longest time between two looks outside
-  /// Hands out what the skin has sent.
+  static constexpr std::uint64_t kStep_us = 1'000;  ///< longest time between two calls of wait()
+  /// Sends to the clients what the skin has sent.
   virtual void flush() = 0;
-  /// Waits for somebody outside, at most `timeout_us`, and takes what comes.
+  /// Waits for clients, at most `timeout_us`, and receives from them.
   virtual void wait(std::uint64_t timeout_us) = 0;
 
   scene::VirtualSkin& skin_;
 };
 
-/// Serves on `HOST:PORT` (TCP), `can:IFACE` (SocketCAN) or `usb` (a USB device for each controller in this computer's
-/// vhci-hcd). Throws InputError, DeviceError.
+/// Opens a server on `HOST:PORT` (TCP), `can:IFACE` (SocketCAN) or `usb` (a USB device for each controller in this
+/// computer's vhci-hcd). `skin` outlives it. Throws InputError when `at` is none of these, DeviceError when it cannot
+/// be opened.
 [[nodiscard]] std::unique_ptr<SkinServer> open_server(scene::VirtualSkin& skin, const std::string& at);
 
 }  // namespace triskin::device

@@ -14,7 +14,7 @@ struct HostPort {
   std::string host;
   std::uint16_t port = 0;
 };
-/// "HOST:PORT". Throws InputError.
+/// Splits "HOST:PORT", port 0..65535. Throws InputError.
 [[nodiscard]] HostPort parse_host_port(const std::string& text);
 
 /// Records between `sim:HOST:PORT` and `triskin simulate --listen`: 4 bytes length of what follows (little-endian), 1
@@ -28,25 +28,26 @@ inline constexpr std::uint8_t kWholeModule = 0xFF;
 inline constexpr std::uint8_t kLift = 3;
 inline constexpr std::size_t kMaxBytes = 4096;
 
-/// Appends a record.
+/// Appends a record of at most kMaxBytes to `out`.
 void put(std::vector<std::uint8_t>& out, std::uint8_t kind, std::span<const std::uint8_t> contents);
+/// Appends a record of kind kCanFrame.
 void put_frame(std::vector<std::uint8_t>& out, const wire::CanFrame& frame);
 
 struct Record {
   std::uint8_t kind = 0;
   std::vector<std::uint8_t> contents;
 };
-/// Takes the first whole record out of `in`; empty when there is none yet. Throws DeviceError on a length that cannot
-/// be.
+/// Removes the first whole record from `in`; empty when there is none yet. Throws DeviceError when its length is 0 or
+/// above kMaxBytes.
 [[nodiscard]] std::optional<Record> take(std::vector<std::uint8_t>& in);
-/// Throws DeviceError when the contents are no frame.
+/// Frame of a record of kind kCanFrame. Throws DeviceError when the contents are no frame.
 [[nodiscard]] wire::CanFrame frame_of(const Record& record);
 }  // namespace record
 
-/// A simulation that runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time.
+/// A simulation that runs in another process (`triskin simulate SCENE --listen HOST:PORT`), in real time. Threads: one.
 class TcpLink final : public Link, private Finger {
  public:
-  /// Throws DeviceError when nobody listens there.
+  /// Connects. Throws DeviceError when nobody listens there.
   explicit TcpLink(const HostPort& to);
   ~TcpLink() override;
   TcpLink(const TcpLink&) = delete;

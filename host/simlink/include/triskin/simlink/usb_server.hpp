@@ -13,19 +13,21 @@ namespace triskin::device {
 /// (Linux, Documentation/usb/usbip_protocol.rst) over a socket pair with the kernel. Non-blocking.
 class VhciDevice {
  public:
-  /// Plugs in. Throws DeviceError: no vhci-hcd, no right to use it, no free port.
+  /// Plugs the device in; `number` (≥ 0) differs for each device. `function` outlives it. Throws DeviceError: no
+  /// vhci-hcd, no right to use it, no free port.
   VhciDevice(wire::UsbFunction& function, int number);
   /// Unplugs.
   ~VhciDevice();
   VhciDevice(const VhciDevice&) = delete;
   VhciDevice& operator=(const VhciDevice&) = delete;
 
+  /// Socket for poll(), owned by the device.
   [[nodiscard]] int descriptor() const { return socket_; }
-  /// False: the kernel has let go of the device.
+  /// False: the kernel has closed the connection; the device is of no further use.
   [[nodiscard]] bool alive() const { return alive_; }
-  /// Takes what the kernel wants; true when something came.
+  /// Handles the requests of the kernel that have arrived; does not wait. True: there were some.
   bool read();
-  /// Answers waiting transfers with what the device has to say.
+  /// Completes waiting transfers with data that the device has; does not wait.
   void write();
 
  private:
@@ -50,6 +52,7 @@ class VhciDevice {
 /// Plugs every controller of a simulated skin into this computer's USB. Needs the right to write to vhci-hcd (root).
 class UsbServer final : public SkinServer {
  public:
+  /// `skin` outlives the server. Throws as VhciDevice does.
   explicit UsbServer(scene::VirtualSkin& skin);
   ~UsbServer() override;
   [[nodiscard]] std::string link_name() const override { return "usb and hid"; }

@@ -9,18 +9,19 @@
 
 namespace triskin::machine {
 
-/// What an ELF says: bytes by load address, symbols.
+/// Content of an ELF file: bytes by load address, values of symbols.
 struct ElfImage {
   std::map<std::uint32_t, std::vector<std::uint8_t>> segments;  ///< only those with bytes in the file
   std::map<std::string, std::uint32_t> symbols;
   /// One run of bytes from the lowest to the highest load address; gaps are 0xFF.
   [[nodiscard]] std::vector<std::uint8_t> flat() const;
+  /// Lowest load address of a segment. The image must have one.
   [[nodiscard]] std::uint32_t origin() const { return segments.begin()->first; }
 };
 /// Throws InputError naming the file when it is no 32-bit ARM ELF.
 [[nodiscard]] ElfImage read_elf(const std::filesystem::path& path);
 
-/// What the silicon does to its cells at a time: erases a page, or programs a unit once.
+/// One operation of the silicon on its cells: erases a page, or programs a unit.
 struct FlashOperation {
   bool erase = false;
   std::uint32_t index = 0;  ///< of the page, or of the unit
@@ -35,8 +36,10 @@ class FlashChip {
   FlashChip() : bytes(kBytes, 0xFF), used(kBytes / kUnit, false) {}
   /// As a programmer at the factory does it. Throws InputError when the image is not inside the flash.
   void store(const ElfImage& image);
+  /// Bytes at an address of the microcontroller. Throws InputError when they are not inside the flash.
   void store(std::uint32_t address, const std::vector<std::uint8_t>& data);
-  /// Stores an application for a slot with its commit record and confirmation.
+  /// Stores an application for a slot of `slot_bytes` (last page: records) with its commit record of this sequence
+  /// number and its confirmation. Throws InputError when the image is not inside the flash.
   void store_application(const ElfImage& image, std::uint32_t slot_bytes, std::uint32_t sequence);
 
   /// Power fails in the middle of the operation (erase of a page or program of a unit) after the next `more` ones.

@@ -17,7 +17,7 @@
 
 namespace triskin::machine {
 
-/// What is soldered around the controller. Everything outlives the machine.
+/// Hardware around the microcontroller. Everything must outlive the machine.
 struct MachineSetup {
   std::array<sim::I2cBus*, 4> lines{};  ///< none null
   FlashChip* flash = nullptr;
@@ -43,6 +43,8 @@ struct MachineCounts {
 class Machine {
  public:
   class Core;
+  /// Powers the chip up: registers at their reset values, start from the vector table at 0x08000000. What `setup`
+  /// points to must outlive the machine.
   explicit Machine(const MachineSetup& setup);
   ~Machine();
   Machine(const Machine&) = delete;
@@ -53,13 +55,20 @@ class Machine {
   void run_until(std::uint64_t us);
   /// Power goes and comes back, with these cells in the flash: RAM has lost what it held. Faster than a new machine.
   void power_cycle(const FlashChip& cells);
+  /// Virtual time since power-up, µs.
   [[nodiscard]] std::uint64_t now_us() const;
   /// A frame on the CAN bus, after those given before.
   void receive(const wire::CanFrame& frame);
+  /// The device's end of the USB cable. Lives as long as the machine.
   [[nodiscard]] UsbWire& usb();
+  /// Word at an address of flash or RAM, as the core reads it, without side effects. The tests read symbols of the ELF
+  /// with it.
   [[nodiscard]] std::uint32_t read_word(std::uint32_t address) const;
+  /// What the image has done so far that the silicon would refuse, in order of time; empty: nothing.
   [[nodiscard]] const std::vector<Violation>& violations() const;
+  /// Instructions, interrupts, idle time and bus time since power-up.
   [[nodiscard]] const MachineCounts& counts() const;
+  /// Clock of the core at present, Hz: changes when the image switches it.
   [[nodiscard]] std::uint64_t sysclk_hz() const;
   [[nodiscard]] std::uint32_t vector_table() const;  ///< VTOR: tells which image runs
 

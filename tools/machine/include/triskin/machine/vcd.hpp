@@ -15,12 +15,19 @@ class VcdTrace {
  public:
   /// One byte with its acknowledge bit on line 0..3, which ended at `end`; `period` of SCL.
   void i2c_byte(int line, std::uint8_t byte, bool acknowledged, Time end, Time period);
+  /// Start or repeated start on line 0..3 at `at` ps.
   void i2c_start(int line, Time at);
+  /// Stop on line 0..3 at `at` ps: SCL rises, then SDA.
   void i2c_stop(int line, Time at);
+  /// The controller sends a CAN frame (true) or has ended it, at `at` ps.
   void can_busy(bool busy, Time at) { change(kCan, busy ? 1 : 0, at); }
+  /// Number of the exception that runs from `at` ps on (ARMv7-M: 16 + interrupt); 0: none.
   void exception(int number, Time at) { change(kException, static_cast<std::uint32_t>(number), at); }
+  /// The core sleeps in WFI (true) or has woken, at `at` ps.
   void sleeping(bool asleep, Time at) { change(kSleep, asleep ? 1 : 0, at); }
+  /// Writes text() to a file, whole or not at all. Throws InputError naming the file when it cannot.
   void write(const std::filesystem::path& path) const;
+  /// The whole dump; changes sorted by time. Cost: one line a change.
   [[nodiscard]] std::string text() const;
 
  private:

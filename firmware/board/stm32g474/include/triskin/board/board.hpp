@@ -15,6 +15,7 @@ void start_clocks();
 
 /// TIM2 at 1 MHz: 32 bits in hardware, extended to 64 on each reading; must be read at least every 71 minutes.
 void start_microseconds();
+/// Time since start_microseconds(), µs; monotonic. May be called from interrupts.
 [[nodiscard]] std::uint64_t microseconds();
 /// An interrupt at or soon after `at_us`, to end a sleep.
 void wake_at(std::uint64_t at_us);
@@ -23,16 +24,19 @@ void wake_at(std::uint64_t at_us);
 void start_watchdog();
 void feed_watchdog();  ///< harmless before the start
 
+/// The 96-bit device id of this chip, as its bytes stand in memory.
 [[nodiscard]] wire::UniqueId unique_id();
 
 /// Flash (RM0440 §3.3.7, §3.3.8). Waits for the end: 22 ms an erase, 82 µs a unit of eight bytes. The CPU goes on
 /// when it runs from the other bank, and is stalled by the bus otherwise. False: refused, misaligned, write protected,
 /// or the unit was not erased.
 [[nodiscard]] bool erase_flash_page(std::uint32_t address);
+/// Programs eight bytes at an address that is a multiple of 8, `low` first. False: as for erase_flash_page.
 [[nodiscard]] bool program_flash_unit(std::uint32_t address, std::uint32_t low, std::uint32_t high);
 
 /// Asks the loader to become a DFU device after the next reset; the loader takes the request once.
 void request_dfu();
+/// True once after request_dfu() and a reset; false after power-up.
 [[nodiscard]] bool take_dfu_request();
 
 /// Stops with a reason that survives the reset.

@@ -19,6 +19,7 @@ struct I2cTimingInput {
 struct I2cTiming {
   std::uint8_t prescaler = 0, data_delay = 0, data_setup = 0, high = 0, low = 0;
   std::uint32_t low_ns = 0, high_ns = 0, period_ns = 0;
+  /// The register I2C_TIMINGR with these fields.
   [[nodiscard]] constexpr std::uint32_t value() const {
     return static_cast<std::uint32_t>(prescaler) << 28 | static_cast<std::uint32_t>(data_setup) << 20 |
            static_cast<std::uint32_t>(data_delay) << 16 | static_cast<std::uint32_t>(high) << 8 | low;

@@ -15,11 +15,13 @@ namespace triskin::device {
 struct FirmwarePackage {
   layout::PackageHead head;
   std::vector<std::uint8_t> bytes;
+  /// Image for slot 0 or 1; valid while the package lives.
   [[nodiscard]] Bytes image(int slot) const {
     return Bytes(bytes).subspan(head.offset(slot), head.size_bytes[static_cast<std::size_t>(slot)]);
   }
 };
-/// A DFU suffix after the package is fine. Throws InputError naming the file and what is wrong.
+/// Reads and checks a firmware file; a DFU suffix after the package is allowed. Throws InputError naming the file and
+/// what is wrong.
 [[nodiscard]] FirmwarePackage read_firmware(const std::filesystem::path& file);
 
 struct FirmwareResult {
@@ -30,9 +32,9 @@ struct FirmwareResult {
 };
 
 /// Puts the firmware into the free slot of one controller over CAN, by its loader (docs/firmware_board.md), starts it
-/// and reads back what runs. Whatever happens in between, the old application stays and starts again. Throws
-/// DeviceError: no answer of application or loader, flash refused, the new application was not started; Cancelled when
-/// the process was asked to end.
+/// and reads back which image runs. If it is interrupted, the old application stays and starts again. With dry_run
+/// nothing is written. Throws DeviceError: no answer of application or loader, flash refused, the new application was
+/// not started; Cancelled when the process was asked to end.
 FirmwareResult update_firmware(Bus& bus, const wire::NodeClaim& controller, const FirmwarePackage& package,
                                const FlashOptions& options = {}, const ProgressSink& progress = {});
 

@@ -17,7 +17,7 @@ struct FlashOptions {
   RouteChoice route;     ///< the patch of this failure gets the tree that the design prepared for it
   int per_wire = 1;      ///< controllers at once on one wire; one, so that an analyser on a CAN bus can follow
   double wait_s = 0.0;   ///< how long an unplugged cable is waited for before this is an error
-  std::function<void(const std::string&)> say;  ///< told when it waits, and when it goes on
+  std::function<void(const std::string&)> say;  ///< called with a sentence when flashing waits and when it continues
 };
 
 struct FlashResult {

@@ -4,18 +4,18 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
+#include "triskin/jobs/finding_kind.hpp"
 #include "triskin/wire/topology.hpp"
 
 namespace triskin::device {
 
-/// One way in which the modules and joints that were found differ from a patch of a design. Kinds: missing_module,
-/// missing_joint, extra_joint, extra_module, rotated_module, swapped_modules, wrong_entry, second_cable
-/// (docs/switched_module.md).
+/// One way in which the modules and joints that were found differ from a patch of a design: the third group
+/// of FindingKind, and kSwappedModules.
 struct TopologyDifference {
-  std::string kind;
+  FindingKind kind = FindingKind::kMissingModule;
   int module = -1;  ///< of the design
   int other = -1;   ///< the second module of a joint or an exchange
-  int steps = 0;    ///< rotated_module: by how many times 120°
+  int steps = 0;    ///< kRotatedModule: turned by this many times 120°, 1 or 2
   std::string text;
   std::string remedy;
 };
@@ -26,15 +26,18 @@ struct TopologyMatch {
   std::vector<int> module_of;  ///< by found number: module of the design, −1: none fits
   int agreeing_joints = 0;     ///< joints that both have
   std::vector<TopologyDifference> differences;
-  /// More differs than agrees: hardly this patch.
+  /// True: more differences than agreeing joints, so that this is hardly the patch.
   [[nodiscard]] bool another_patch() const { return static_cast<int>(differences.size()) > agreeing_joints + 1; }
 };
 
-/// Fewest differences over all modules that the cable could be plugged into, in all three rotations. Exact ports and
-/// rotations: no differences means that every joint lies between the ports that the design says.
+/// Compares what was found with patch `patch` (0-based): the match with the fewest differences over all modules that
+/// the cable could be plugged into, in all three rotations. No differences means that every joint lies between the
+/// ports that the design says. An empty topology or patch gives an empty match. Throws std::out_of_range for a patch
+/// that the design lacks. Cost: 3 · modules walks over the joints.
 [[nodiscard]] TopologyMatch match_topology(const wire::FoundTopology& found, const design::Design& design, int patch);
 
-/// The patches of a design with fewest differences, best first; all of them when several fit equally well.
+/// The patches of a design with the fewest differences, in the order of the design; several when they fit equally well,
+/// none when the design has no patch. Cost: match_topology for each patch.
 [[nodiscard]] std::vector<TopologyMatch> identify_patch(const wire::FoundTopology& found, const design::Design& design);
 
 }  // namespace triskin::device

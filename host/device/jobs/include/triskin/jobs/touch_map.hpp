@@ -11,22 +11,24 @@ namespace triskin::device {
 
 /// A taxel under pressure, in the mesh frame.
 struct PressedTaxel {
-  int module = 0, taxel = 0;
-  double change_counts = 0.0;
-  design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};
+  int module = 0, taxel = 0;                           ///< id in the design, 0..11
+  double change_counts = 0.0;                          ///< against the rest value, ≥ kPressed_counts
+  design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};  ///< centre, outward unit normal
 };
 
-/// Keeps the resting value of every taxel and says which ones are pressed. The rest is the median of the first three
-/// valid samples of the taxel: nothing should touch the skin then, but one sample may still tell of a finger that has
-/// just gone.
+/// Keeps the rest value of every taxel and lists the taxels under pressure. The rest value is the median of the first
+/// three valid samples of the taxel: nothing should touch the skin then; the median tolerates one sample of a finger
+/// that was lifted just before. Not thread-safe.
 class TouchMap {
  public:
   static constexpr double kPressed_counts = 200.0;
   static constexpr std::size_t kRestSamples = 3;
+  /// `design` outlives the map.
   explicit TouchMap(const design::Design& design)
       : design_(design), wiring_(design::wiring_of(design)), modules_(design.layout.modules.size()) {}
+  /// Takes a sample; invalid values are ignored.
   void add(const ModuleFrame& frame);
-  /// Pressed now, strongest first.
+  /// Taxels whose latest value differs from rest by kPressed_counts or more, strongest first.
   [[nodiscard]] std::vector<PressedTaxel> pressed() const;
 
  private:

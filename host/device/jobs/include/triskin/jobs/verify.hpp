@@ -6,15 +6,14 @@
 
 #include "triskin/design/design.hpp"
 #include "triskin/host/progress.hpp"
+#include "triskin/jobs/finding_kind.hpp"
 #include "triskin/session/bus.hpp"
 
 namespace triskin::device {
 
-/// One thing that does not match the design. Kinds: absent_controller, not_flashed, wrong_table, absent_module,
-/// wrong_address, duplicate_address, swapped_modules, touched_other_module, no_touch_response, wrong_id,
-/// lost_configuration, stuck_line, saturated_taxel, frozen_taxel, intermittent_module (docs/device.md).
+/// One thing that does not match the design.
 struct Finding {
-  std::string kind;
+  FindingKind kind = FindingKind::kAbsentController;
   int module = -1;  ///< -1: concerns a controller or a line
   int patch = -1;
   int other = -1;  ///< the module that answered instead, where there is one
@@ -26,11 +25,11 @@ struct Finding {
 };
 
 struct VerifyOptions {
-  bool touch =
-      false;  ///< press every module in turn: by the finger of a simulated link, else by the person who is asked
+  /// Press every module in turn: with the finger of a simulated link, otherwise by the person who is asked.
+  bool touch = false;
   /// Asks a person to press a module and to say when; false: skip this module. Needed for touch on real links.
   std::function<bool(int module)> ask;
-  double watch_s = 2.0;  ///< least time over which faults that come and go are collected
+  double watch_s = 2.0;  ///< shortest time over which intermittent faults are collected, s, ≥ 0
 };
 
 struct VerifyResult {
@@ -38,13 +37,15 @@ struct VerifyResult {
   int modules = 0;
   int touched = 0;  ///< modules that were pressed
   std::vector<Finding> findings;
-  /// What the controllers remember from before, and is not there now (kinds lost_configuration, intermittent_module).
+  /// What the controllers remember from before, and is not there now (kLostConfiguration, kIntermittentModule).
   /// It was deleted from their memories, so that what comes again is found again.
   std::vector<Finding> earlier;
 };
 
-/// Asks the hardware whether it is the design. Throws DeviceError when nothing answers at all or a controller is lost
-/// on the way.
+/// Compares the hardware with the design: controllers, tables, modules, taxels, joints. Clears the fault memories of
+/// the controllers. Takes watch_s at least, with touch 0.1 s a module on a simulated link. Progress has a part for each
+/// patch. Throws DeviceError when no controller answers or one stops answering, InputError when the design does not fit
+/// into tables, Cancelled when the process was asked to end.
 VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions& options,
                     const ProgressSink& progress = {});
 

@@ -8,19 +8,22 @@
 
 namespace triskin::device {
 
-/// An ISO 15765-2 connection that the Linux kernel keeps (module can-isotp), with 29-bit identifiers and padding.
+/// An ISO 15765-2 connection of the Linux kernel (module can-isotp), with 29-bit identifiers and padding. Threads: one.
 class CanChannel final : public MessageChannel {
  public:
-  /// Null when the kernel has no ISO-TP. Throws DeviceError when it has, and the interface cannot be used.
+  /// Opens a connection on `interface` (for example "can0") that sends with `tx_id` and receives `rx_id`; `fd`: FD
+  /// frames of 64 bytes. Null when the kernel has no ISO-TP. Throws DeviceError when it has, and the interface cannot
+  /// be used.
   [[nodiscard]] static std::unique_ptr<CanChannel> open(const std::string& interface, bool fd, std::uint32_t tx_id,
                                                         std::uint32_t rx_id);
-  /// Waits for at most a second while a message that nobody takes is under way.
+  /// Closes the connection; waits for at most 1 s while a message is still being sent.
   ~CanChannel() override;
   CanChannel(const CanChannel&) = delete;
   CanChannel& operator=(const CanChannel&) = delete;
 
   bool send(Bytes message) override;
   Arrival take(std::vector<std::uint8_t>& message) override;
+  /// File descriptor for poll(), owned by the channel.
   [[nodiscard]] int descriptor() const { return socket_; }
 
  private:

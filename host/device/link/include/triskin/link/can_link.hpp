@@ -14,14 +14,14 @@ namespace triskin::device {
 /// the kernel's where its module is there.
 class CanLink final : public Link {
  public:
-  /// Throws DeviceError as CanSocket does.
+  /// Opens `interface`, for example "can0". Throws DeviceError as CanSocket does.
   explicit CanLink(const std::string& interface);
 
   void send(const wire::CanFrame& frame) override { socket_->send(frame); }
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
   [[nodiscard]] std::uint64_t now_us() const override;
   [[nodiscard]] bool fd() const override { return socket_->fd(); }
-  /// The computer may be busy for much longer than the controller.
+  /// 1 s: the delays of a busy computer exceed those of the controller.
   [[nodiscard]] std::uint64_t answer_us() const override { return 1'000'000; }
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] std::string trouble() const override { return socket_->trouble(); }

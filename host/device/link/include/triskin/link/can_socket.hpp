@@ -8,7 +8,7 @@
 
 namespace triskin::device {
 
-/// A raw SocketCAN socket: classic and FD frames, error frames, bus-off. Used by one thread.
+/// A raw SocketCAN socket: classic and FD frames, error frames, bus-off. Threads: one.
 class CanSocket {
  public:
   /// What the controller chip of the interface has reported. Counts since the socket was opened.
@@ -26,21 +26,23 @@ class CanSocket {
   CanSocket(const CanSocket&) = delete;
   CanSocket& operator=(const CanSocket&) = delete;
 
-  /// The interface carries FD frames (its MTU is that of FD).
+  /// True: the interface carries FD frames (its MTU is that of FD).
   [[nodiscard]] bool fd() const { return fd_; }
+  /// File descriptor for poll(), owned by the socket.
   [[nodiscard]] int descriptor() const { return socket_; }
-  /// Only answers of controllers, claims, streams and the loader from now on: other traffic costs nothing.
+  /// Sets the kernel's receive filter: from now on only answers of controllers, claims, streams and the loader arrive.
   void filter_for_host();
-  /// Waits while the transmit queue is full, up to a second. Throws Unreachable: interface gone or down, bus-off, queue
-  /// stays full.
+  /// Sends one frame; waits while the transmit queue is full, up to 1 s. Throws Unreachable: interface gone or down,
+  /// bus-off, queue stays full.
   void send(const wire::CanFrame& frame);
-  /// The next frame that waits, or empty. Error frames are taken into errors(). Throws Unreachable: interface gone or
-  /// down.
+  /// The next frame in the queue, or empty; does not wait. Error frames are counted in errors() and not returned.
+  /// Throws Unreachable: interface gone or down.
   std::optional<wire::CanFrame> receive();
+  /// Errors since the socket was opened.
   [[nodiscard]] const Errors& errors() const { return errors_; }
-  /// The interface was there and up when it was last used.
+  /// False: the interface was gone or down at the last send or receive.
   [[nodiscard]] bool alive() const { return alive_; }
-  /// One sentence on errors(), empty when all is well.
+  /// One sentence on errors() with the remedy; empty: no errors.
   [[nodiscard]] std::string trouble() const;
 
  private:

@@ -12,7 +12,7 @@ namespace triskin::device {
 /// Several links as one bus: `--link can:can0,can:can1`. Node addresses are unique over all of them.
 class CombinedLink final : public Link {
  public:
-  /// At least one link; all keep real time.
+  /// Takes one link or more, all on real time (not the in-process simulation).
   explicit CombinedLink(std::vector<std::unique_ptr<Link>> links);
 
   void send(const wire::CanFrame& frame) override;

@@ -8,16 +8,17 @@
 
 namespace triskin::device {
 
-/// Which of several wires leads to a node address, learned from what comes in by them. Not thread-safe.
+/// Which of several wires leads to a node address, learned from received frames. Not thread-safe.
 class NodeMap {
  public:
-  /// A frame has come in by `wire`: claims and answers name their node. Two wires that claim one address lead to none.
+  /// Learns from a frame received on `wire` (≥ 0): claims and answers name their node. An address that two wires claim
+  /// leads to none.
   void heard(const wire::CanFrame& frame, int wire);
-  /// A frame goes out: a new look for controllers or a new address makes everything uncertain.
+  /// Learns from a frame that is sent: a new discovery or an assigned address invalidates what is known.
   void sent(const wire::CanFrame& frame);
-  /// Empty: not known, or several.
+  /// Wire that leads to node address `node`; empty: not known, or several wires.
   [[nodiscard]] std::optional<int> wire_of(std::uint8_t node) const;
-  /// Node that a diagnostic request is for.
+  /// Node address that a diagnostic request is sent to; empty: the frame is none.
   [[nodiscard]] static std::optional<std::uint8_t> target_of(const wire::CanFrame& frame);
 
  private:

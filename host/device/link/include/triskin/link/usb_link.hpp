@@ -15,16 +15,19 @@
 
 namespace triskin::device {
 
-/// A pipe to one USB device. One thread reads, one writes. Throws DeviceError when the device is gone.
+/// A pipe to one USB device. Threads: one may read while another writes. Calls throw DeviceError when the device is
+/// gone.
 class UsbPipe {
  public:
   virtual ~UsbPipe() = default;
+  /// Sends one packet; waits until the device has taken it.
   virtual void write(const wire::UsbPacket& packet) = 0;
-  /// Whole packets one after another, each wire::kUsbPacketBytes long but the last. Waits up to `timeout_ms`; 0:
-  /// nothing came.
+  /// Reads whole packets one after another, each wire::kUsbPacketBytes long but the last; waits up to `timeout_ms` for
+  /// the first. Returns the number of bytes; 0: nothing arrived.
   virtual std::size_t read(std::span<std::uint8_t> packets, int timeout_ms) = 0;
+  /// Serial number: the unique id of the controller, 24 hexadecimal digits.
   [[nodiscard]] virtual std::string serial() const = 0;
-  /// Where it is plugged in: two pipes with one place are one device.
+  /// Path of the port; pipes with equal places lead to one device.
   [[nodiscard]] virtual std::string place() const = 0;
 };
 
@@ -32,16 +35,18 @@ class UsbPipe {
 class UsbDriver {
  public:
   virtual ~UsbDriver() = default;
-  /// All that are plugged in now and not at one of `places`; only this serial number unless empty. Throws DeviceError
-  /// when the devices are there but cannot be opened (with the remedy), and none could.
+  /// Opens all devices that are plugged in and not at one of `places`; `serial` selects one of them, empty: all. Throws
+  /// DeviceError with the remedy when devices are there and none could be opened.
   virtual std::vector<std::unique_ptr<UsbPipe>> open(const std::string& serial,
                                                      const std::vector<std::string>& places) = 0;
-  /// A device has come or gone since this was asked last, as far as the system tells (hot-plug events); asked often,
-  /// costs little.
+  /// True: a hot-plug event has arrived since the last call; false also where the system reports none. Cheap.
   [[nodiscard]] virtual bool changed() { return false; }
+  /// "hid" or "usb", as `--link` has it.
   [[nodiscard]] virtual std::string name() const = 0;
 };
+/// Driver of the HID interface. Throws DeviceError when hidapi cannot be started.
 [[nodiscard]] std::unique_ptr<UsbDriver> make_hid_driver();
+/// Driver of the vendor interface. Throws DeviceError when libusb finds no USB on this computer.
 [[nodiscard]] std::unique_ptr<UsbDriver> make_bulk_driver();
 
 /// All Triskin controllers on this computer's USB, or the one with a serial number, as one bus. A request goes to the
@@ -49,7 +54,8 @@ class UsbDriver {
 /// the link is dead when the last one has gone, until reconnect() finds one.
 class UsbLink final : public Link {
  public:
-  /// Throws DeviceError when no device is there.
+  /// Opens all devices of `driver`, or the one with serial number `serial` (24 hexadecimal digits; empty: all). Throws
+  /// DeviceError when none is there.
   UsbLink(std::unique_ptr<UsbDriver> driver, const std::string& serial);
   ~UsbLink() override;
   UsbLink(const UsbLink&) = delete;
@@ -73,10 +79,10 @@ class UsbLink final : public Link {
     std::jthread reader;
     bool gone = false;
   };
-  static constexpr std::chrono::milliseconds kLook{2000};  // for devices that were plugged in, where nobody tells
-  static constexpr std::chrono::milliseconds kSlice{50};   // between two questions whether somebody has told
+  static constexpr std::chrono::milliseconds kScanEvery{2000};  // where the driver reports no hot-plug events
+  static constexpr std::chrono::milliseconds kSlice{50};        // between two calls of UsbDriver::changed
 
-  void look();
+  void open_new_devices();
   void read_all(Device& device, const std::stop_token& stop);
   void remove_gone();
   [[nodiscard]] std::optional<wire::CanFrame> next_frame(std::uint64_t until_us);
@@ -84,7 +90,7 @@ class UsbLink final : public Link {
 
   std::unique_ptr<UsbDriver> driver_;
   std::string serial_, name_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_look_ = start_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_scan_ = start_;
   mutable std::mutex mutex_;  // frames_, gone, lost_, nodes_
   std::condition_variable came_;
   std::deque<wire::CanFrame> frames_;

@@ -21,6 +21,7 @@ namespace triskin::device {
 class Refused : public DeviceError {
  public:
   Refused(const std::string& what, std::uint8_t code) : DeviceError(what), code_(code) {}
+  /// Negative response code of ISO 14229-1 (wire::nrc).
   [[nodiscard]] std::uint8_t code() const { return code_; }
 
  private:
@@ -40,6 +41,7 @@ class Bus {
   using Message = std::vector<std::uint8_t>;
   using OnFrame = std::function<void(const wire::CanFrame&)>;
 
+  /// `link` outlives the bus.
   explicit Bus(Link& link) : link_(link) {}
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
@@ -48,24 +50,31 @@ class Bus {
     kNever,  ///< a lost answer must be noticed by the caller: the request may have taken effect
     kSafe,   ///< asking again has no other effect than asking once
   };
-  /// Answer without its service byte. Waits on while the controller says "response pending". Throws Refused, NoAnswer.
+  /// Sends a request (service byte first, 1..4095 bytes) to node address `node` and waits for the answer, also while
+  /// the controller answers "response pending". Returns the answer without its service byte. Throws Refused, NoAnswer
+  /// (after five attempts with kSafe, one with kNever), Unreachable, DeviceError when the request is too long.
   Message request(std::uint8_t node, Bytes request, Repeat repeat);
 
-  /// Everybody's unique id and node address, sorted by unique id. Also while addresses are not unique.
+  /// Unique id and node address of every controller on the link, sorted by unique id; also while several share an
+  /// address. Takes 0.12 s. Throws Unreachable.
   [[nodiscard]] std::vector<wire::NodeClaim> discover();
-  /// Gives a controller another address. It starts anew.
+  /// Gives the controller with unique id `id` the node address 1..126. It restarts and does not confirm: listen for
+  /// 20 ms, then discover. Throws Unreachable.
   void assign(const wire::UniqueId& id, std::uint8_t node_address);
 
-  /// Frames that are no answers: the data stream.
+  /// Sets the handler of frames that are no answers, that is of the data stream; empty: they are dropped. It is called
+  /// inside the waiting calls of this class.
   void on_stream(OnFrame handler) { on_stream_ = std::move(handler); }
-  /// Receives until `until_us` of the link's clock; stream frames go to the handler.
+  /// Waits until `until_us` of the link's clock; stream frames go to the handler. Throws Unreachable.
   void listen(std::uint64_t until_us);
-  /// One frame of any kind until `until_us`; may return without one before.
+  /// Waits for one frame of any kind until `until_us`; may return empty before, at the latest after 0.2 s. Throws
+  /// Unreachable.
   std::optional<wire::CanFrame> receive(std::uint64_t until_us);
-  /// Revives a link that was cut. Throws DeviceError when it still is.
+  /// Restores a link that was cut and forgets all connections. Throws DeviceError when it stays cut.
   void reconnect();
 
-  /// While one of these lives, requests to end are put off: what it guards is short and must not be left half done.
+  /// While one of these lives, a request to end the process (interrupt_request()) does not throw Cancelled. Guards
+  /// short work that must not stop half done. Guards may be nested.
   class Uninterrupted {
    public:
     explicit Uninterrupted(Bus& bus) : bus_(bus) { ++bus_.held_; }
@@ -78,13 +87,15 @@ class Bus {
   };
 
   [[nodiscard]] Link& link() { return link_; }
+  /// Link::name.
   [[nodiscard]] std::string name() const { return link_.name(); }
+  /// Link::now_us: time of the link, µs.
   [[nodiscard]] std::uint64_t now_us() const { return link_.now_us(); }
 
  private:
   static constexpr int kRepeats = 5;
   static constexpr std::uint64_t kClaimWindow_us = 60'000;
-  static constexpr std::uint64_t kLook_us = 200'000;  // for a request to end
+  static constexpr std::uint64_t kInterruptPoll_us = 200'000;  // longest time between two checks for a request to end
 
   wire::IsoTp& connection(std::uint8_t node);
   /// Sends once and waits; empty: no answer in time.

@@ -19,41 +19,53 @@
 
 namespace triskin::device {
 
-/// One patch controller. Every call throws Refused, NoAnswer, or DeviceError when an answer is malformed: its decoder
-/// in shared/wire refuses it.
+/// One patch controller. Every call waits for the answer and throws Refused, NoAnswer, Unreachable, Cancelled, or
+/// DeviceError when the decoder in shared/wire refuses the answer. Threads: that of the bus.
 class Controller {
  public:
+  /// The controller at node address `node`, 1..126; `bus` outlives it. Sends nothing.
   Controller(Bus& bus, std::uint8_t node) : bus_(bus), node_(node) {}
   [[nodiscard]] std::uint8_t node() const { return node_; }
 
+  /// Versions, node address and unique id.
   wire::Hello hello();
   /// Throws DeviceError when the controller speaks another wire or layout version: it may only be updated.
   void require_versions(const wire::Hello& hello) const;
+  /// Design id, size and CRC of the active table.
   wire::ActiveTable active_table();
-  /// The whole active image, byte by byte.
+  /// Bytes of the active table, `size_bytes` of them from its start.
   std::vector<std::uint8_t> read_table(std::size_t size_bytes);
-  /// Programming session, security access, download, check, activation. `steps` is called after each block.
+  /// Writes `image` into the inactive slot, lets the controller check it, and activates it. `steps` (may be empty) is
+  /// called after each block with the fraction 0..1 that is written. Throws DeviceError when the table is not
+  /// activated; the old one stays active then. After NoAnswer either may be active: ask active_table().
   void write_table(Bytes image, const std::function<void(double fraction)>& steps);
 
-  /// Empty: not started from a slot.
+  /// The firmware that runs; empty: it was not started from a slot.
   std::optional<wire::ImageState> image_state();
-  /// Through the loader; the answer comes first.
+  /// Restarts the controller through its loader; returns when the request is confirmed, before the restart.
   void reset();
 
   /// Of each row of the table. Throws Refused without a table.
   wire::ModuleStates module_states();
-  /// Asks all lines what answers; takes about two sample periods.
+  /// Scans the addresses of all lines; takes about two sample periods (75 ms).
   std::array<wire::LineReport, layout::kLines> discover();
-  /// Lets the controller look for modules and joints anew and route its patch; sampling rests up to 60 ms meanwhile.
+  /// Lets the controller find modules and joints anew and route its patch; sampling pauses for up to 60 ms.
   void reroute();
+  /// Modules and joints that the last search found.
   wire::FoundTopology topology();
+  /// Tree over which the modules are read now.
   wire::ActiveRoute route();
+  /// State and number of recoveries of each line.
   wire::LineStates line_states();
+  /// Counters since the controller started.
   wire::Statistics statistics();
   /// Faults that are there or were there.
   wire::FaultList faults();
+  /// Deletes the fault memory.
   void clear_faults();
+  /// The latest sample of all modules, by row of the table.
   wire::LiveTaxels taxels();
+  /// Switches the data stream on or off, for all readers of the link.
   void set_stream(wire::StreamMode mode);
 
  private:
@@ -74,6 +86,7 @@ class Controller {
 
 /// Name of a status that came over the wire.
 [[nodiscard]] std::string describe(Status status);
+/// Unique id as 24 hexadecimal digits, as `triskin discover` shows it.
 [[nodiscard]] std::string to_text(const wire::UniqueId& id);
 
 }  // namespace triskin::device

@@ -22,18 +22,22 @@ class IcubStream {
  public:
   using OnTaxels = std::function<void(const wire::IcubTaxels&)>;
 
-  /// Asks who is there, configures the skin boards as an iCub host does (period 50 ms, rest at 245, all triangles on),
-  /// and starts them. Throws DeviceError when no skin board answers.
+  /// Discovers the boards (0.2 s), configures the skin boards as an iCub host does (period 50 ms, rest at 245, all
+  /// triangles on), and starts them. `bus` outlives the stream; `handler` is called inside the waiting calls of the
+  /// bus. Throws DeviceError when no skin board answers.
   IcubStream(Bus& bus, OnTaxels handler);
-  /// Stops them, if the link is still there.
+  /// Stops the boards, if the link still works.
   ~IcubStream();
   IcubStream(const IcubStream&) = delete;
   IcubStream& operator=(const IcubStream&) = delete;
 
+  /// Receives until `until_us` of the link's clock. Throws Unreachable, Cancelled.
   void run_until(std::uint64_t until_us) { bus_.listen(until_us); }
+  /// Boards that were started, by address.
   [[nodiscard]] const std::vector<IcubBoardInfo>& boards() const { return boards_; }
+  /// Triangles received, that is complete pairs of frames.
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
-  /// Pairs of which one frame is missing.
+  /// Pairs of frames of which one is missing.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
 
  private:

@@ -16,17 +16,19 @@ struct RouteChoice {
   int other = -1;   ///< −1: the module failed; else the joint between the two
   bool operator==(const RouteChoice&) const = default;
 };
-/// "normal", "backup:MODULE" or "backup:MODULE-MODULE". Throws InputError.
+/// Choice written as "normal", "backup:MODULE" or "backup:MODULE-MODULE" (ids in the design). Throws InputError.
 [[nodiscard]] RouteChoice parse_route(const std::string& text);
-/// The failure lies in this patch.
+/// True: the failed module, or both modules of the failed joint, belong to `patch`.
 [[nodiscard]] bool concerns(const design::Patch& patch, const RouteChoice& choice);
 
-/// What is flashed into the controller of a patch: with a failure, without the modules that it costs. Throws InputError
-/// naming the patch when the design cannot be put into a table: more than 16 modules, more than 126 patches, a place
-/// used twice, a joint to a parent that is no neighbour.
+/// Table of the controller of patch `patch` (0-based); after a failure without the modules that the failure costs, so
+/// that its rows are no longer those of the design's patch. Throws InputError naming the patch when the design does not
+/// fit into a table: no module or more than layout::kMaxModules, more than layout::kMaxNodes patches, a line and
+/// address used twice, a parent that is no neighbour or stands behind its child, a failed entry module;
+/// std::out_of_range for a patch that the design lacks.
 [[nodiscard]] layout::PatchImage image_of(const design::Design& design, int patch, const RouteChoice& choice = {});
 
-/// The bytes of an image.
+/// Bytes of an image as they are flashed (docs/flash_layout.md). Throws InputError when it cannot be encoded.
 [[nodiscard]] std::vector<std::uint8_t> bytes_of(const layout::PatchImage& image);
 
 }  // namespace triskin::device

@@ -25,18 +25,20 @@ class Stream {
  public:
   using OnFrame = std::function<void(const ModuleFrame&)>;
 
-  /// Switches the full stream on in every controller. Throws DeviceError when one is missing or holds another table,
-  /// InputError when the link cannot carry the full stream.
+  /// Switches the full stream on in every controller of the design. `bus` outlives the stream; `handler` is called
+  /// inside the waiting calls of the bus. Throws DeviceError when a controller is missing or holds another table,
+  /// InputError when the link cannot carry the full stream (no FD frames).
   Stream(Bus& bus, const design::Design& design, OnFrame handler);
-  /// Switches it off, if the link is still there.
+  /// Switches the stream off, if the link still works.
   ~Stream();
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  /// Receives until `until_us` of the link's clock.
+  /// Receives until `until_us` of the link's clock. Throws Unreachable, Cancelled.
   void run_until(std::uint64_t until_us);
+  /// Module frames received.
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
-  /// Module frames that never came, known from the gaps.
+  /// Module frames missing between two received ones of the same module; those before the first do not count.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
 
  private:

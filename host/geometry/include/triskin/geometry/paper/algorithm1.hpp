@@ -53,12 +53,14 @@ class Algorithm1 {
   /// `polygon` must be normalized (polygon_io.hpp). Throws std::invalid_argument unless 0 ≤ touch_mm ≤ 1.
   explicit Algorithm1(const Polygon& polygon, const Algorithm1Options& options = {});
   ~Algorithm1();
+  /// Takes over the polygon and the memory of another; never throws. The other can only be assigned to or destroyed.
   Algorithm1(Algorithm1&&) noexcept;
+  /// As the constructor: takes over the polygon and the memory of another; never throws.
   Algorithm1& operator=(Algorithm1&&) noexcept;
 
   /// F, the number of modules. Throws std::out_of_range when `placement.vertex` is no vertex.
   [[nodiscard]] int count(const PivotedPlacement& placement);
-  /// ℙ, sorted.
+  /// ℙ, the contained modules, sorted. Throws std::out_of_range as count().
   [[nodiscard]] std::vector<Tile> patch(const PivotedPlacement& placement);
 
  private:
@@ -75,8 +77,8 @@ struct CgalUse {
 };
 
 /// The same patch by the listing: placement, intersections and comparisons in a kernel of CGAL, every line against
-/// every edge, every interval against every side of its line. Errors: as Algorithm1. Cost: O(lines · (edges + intervals
-/// · sides of a line)).
+/// every edge, every interval against every side of its line. Throws std::out_of_range when the placement's vertex is
+/// none. Cost: O(lines · (edges + intervals · sides of a line)).
 [[nodiscard]] std::vector<Tile> algorithm1_cgal(const Polygon& polygon, const PivotedPlacement& placement,
                                                 const CgalUse& use = {}, const Algorithm1Options& options = {});
 

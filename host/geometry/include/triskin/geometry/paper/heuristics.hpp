@@ -52,7 +52,8 @@ struct BestPlacement {
 };
 
 /// Algorithm 2 (Section V): evaluates the placements of each heuristic by Algorithm 1 and keeps the first of the best.
-/// Errors: as produce_placements and Algorithm1. Cost: the sum of placement_count evaluations; one thread.
+/// Throws std::invalid_argument as produce_placements and Algorithm1. Cost: the sum of placement_count evaluations; one
+/// thread.
 [[nodiscard]] BestPlacement algorithm2(
     const Polygon& polygon, std::span<const Heuristic> heuristics, const HeuristicOptions& options = {},
     const Algorithm1Options& evaluation = {},

@@ -12,12 +12,17 @@ inline constexpr std::uint32_t kEnable = bit(0), kFromMemory = bit(4), kMemoryIn
 /// Channel 0..7 of DMA1 (the manual counts from 1). Bytes from or to a peripheral's data register.
 class Channel {
  public:
+  /// `index` 0..7. Touches no register.
   constexpr explicit Channel(unsigned index) : base_(kBase + 0x08 + 20 * index), mux_(kMuxBase + 4 * index) {}
+  /// Sets the request line (RM0440 table 91) and the address of the data register. The channel must be off.
   void connect(std::uint32_t request, std::uint32_t data_register) const {
     Register(mux_).write(request);
     Register(base_ + 8).write(data_register);
   }
+  /// Switches the channel off; what it has moved stays.
   void stop() const { Register(base_).clear(kEnable); }
+  /// Moves `bytes` (1..65535) between `memory` and the data register; `from_memory`: towards the peripheral. Stops the
+  /// channel first.
   void start(std::uint32_t memory, std::uint32_t bytes, bool from_memory) const {
     stop();  // count and address are fixed while it is on
     Register(base_ + 4).write(bytes);
@@ -26,6 +31,7 @@ class Channel {
     Register(base_).write(control);
     Register(base_).write(control | kEnable);
   }
+  /// Bytes of the present transfer that have not been moved yet.
   [[nodiscard]] std::uint32_t remaining() const { return Register(base_ + 4).read(); }
 
  private:

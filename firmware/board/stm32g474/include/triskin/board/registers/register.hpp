@@ -8,12 +8,19 @@ namespace triskin::board {
 /// manual).
 class Register {
  public:
+  /// `address` of the register; a multiple of 4. Touches nothing.
   constexpr explicit Register(std::uint32_t address) : address_(address) {}
+  /// Value of the register, with the side effects that reading has there.
   [[nodiscard]] std::uint32_t read() const { return *pointer(); }
+  /// Writes the whole register.
   void write(std::uint32_t value) const { *pointer() = value; }
+  /// Sets the bits of `mask`: reads, then writes. Not atomic.
   void set(std::uint32_t mask) const { write(read() | mask); }
+  /// Clears the bits of `mask`: reads, then writes. Not atomic.
   void clear(std::uint32_t mask) const { write(read() & ~mask); }
+  /// Clears bits, then sets bits, in one write. Not atomic.
   void modify(std::uint32_t clear_mask, std::uint32_t set_mask) const { write((read() & ~clear_mask) | set_mask); }
+  /// True when a bit of `mask` is set.
   [[nodiscard]] bool any(std::uint32_t mask) const { return (read() & mask) != 0; }
 
  private:
@@ -21,6 +28,7 @@ class Register {
   std::uint32_t address_;
 };
 
+/// Mask with bit `n` set, n 0..31.
 [[nodiscard]] constexpr std::uint32_t bit(unsigned n) {
   return std::uint32_t{1} << n;
 }

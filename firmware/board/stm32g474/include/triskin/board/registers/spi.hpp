@@ -17,6 +17,7 @@ inline constexpr std::uint32_t kReceived = bit(0), kRoom = bit(1), kBusy = bit(7
 inline void put(std::uint8_t byte) {
   *reinterpret_cast<volatile std::uint8_t*>(kData) = byte;
 }
+/// Takes one received byte; read kReceived first, the register repeats old data.
 [[nodiscard]] inline std::uint8_t get() {
   return *reinterpret_cast<volatile std::uint8_t*>(kData);
 }

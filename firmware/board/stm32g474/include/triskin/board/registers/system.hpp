@@ -69,9 +69,11 @@ namespace core_reg {
 inline constexpr Register kSysTickCsr{0xE000E010}, kSysTickRvr{0xE000E014}, kSysTickCvr{0xE000E018}, kIcsr{0xE000ED04},
     kVtor{0xE000ED08}, kAircr{0xE000ED0C}, kCpacr{0xE000ED88}, kCfsr{0xE000ED28}, kHfsr{0xE000ED2C};
 inline constexpr std::uint32_t kResetRequest = 0x05FA0004, kFpuFull = 0xFU << 20;
+/// Lets interrupt `irq` (0..101, RM0440 table 97) through the NVIC.
 inline void enable_interrupt(int irq) {
   Register(0xE000E100U + 4U * static_cast<unsigned>(irq / 32)).write(bit(static_cast<unsigned>(irq % 32)));
 }
+/// Priority of an interrupt: the upper four bits count, 0 is the most urgent.
 inline void set_priority(int irq, std::uint8_t priority) {
   *reinterpret_cast<volatile std::uint8_t*>(0xE000E400U + static_cast<unsigned>(irq)) = priority;
 }
@@ -83,6 +85,7 @@ inline void reset_peripherals() {
   reset_register.write(bit(0) | bit(14) | bit(23) | bit(25));  // TIM2, SPI2, USB, FDCAN
   reset_register.write(0);
 }
+/// System reset, after all stores have reached memory.
 [[noreturn]] inline void reset() {
   asm volatile("dsb" ::: "memory");
   kAircr.write(kResetRequest);

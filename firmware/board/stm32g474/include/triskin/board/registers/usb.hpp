@@ -9,6 +9,7 @@ namespace usb_reg {
 inline constexpr std::uint32_t kBase = 0x40005C00, kMemory = 0x40006000;
 inline constexpr Register kCntr{kBase + 0x40}, kIstr{kBase + 0x44}, kDaddr{kBase + 0x4C}, kBtable{kBase + 0x50},
     kBcdr{kBase + 0x58};
+/// Register EPnR of endpoint register n, 0..7.
 [[nodiscard]] constexpr Register endpoint(std::size_t n) {
   return Register(kBase + 4 * static_cast<std::uint32_t>(n));
 }

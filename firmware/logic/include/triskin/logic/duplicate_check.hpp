@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "triskin/drivers/ad7147.hpp"
+
+namespace triskin::fw {
+
+/// Tells one chip at an address from two. Two chips at one address answer together and nobody sees it on the bus:
+/// their data are a wired AND. So a chip that was found is read at both inputs of its converter. The two results of
+/// one chip mirror each other at mid scale; the wired AND of two chips that differ by d counts is smaller by d at
+/// least, because x AND y = (x + y − (x XOR y)) / 2 and x XOR y ≥ |x − y|. Two chips whose taxels rest at exactly the
+/// same counts cannot be told from one this way. Pure: results in, verdict out.
+class DuplicateCheck {
+ public:
+  static constexpr std::uint32_t kMinDeficit = 32;  ///< mean counts missing from which on two chips are suspected
+  static constexpr int kMinSuspicions = 3;  ///< in a row: a release between the two readings looks the same once
+  static constexpr std::uint64_t kPause_us = 1'000'000;  ///< until a duplicate is checked again
+
+  enum class Verdict : std::uint8_t {
+    kSingle,
+    kSuspected,  ///< read both inputs again
+    kDuplicate,  ///< seen kMinSuspicions times; after the pause one more reading like it is enough
+  };
+
+  /// One chip was found here since it was last absent: no check is needed.
+  [[nodiscard]] bool passed() const { return passed_; }
+  /// Who answers here next may be another chip, or two.
+  void forget() { passed_ = false; }
+  /// The chip of before is still there.
+  void confirm() { passed_ = true; }
+  /// Results of the positive input, to be compared with the next ones of the negative.
+  void store_positive(const ad7147::Results& results) { positive_ = results; }
+  /// Results of the negative input. Taxels at an end of their range in either reading do not count.
+  [[nodiscard]] Verdict compare(const ad7147::Results& negative);
+
+ private:
+  ad7147::Results positive_{};
+  int suspicions_ = 0;
+  bool passed_ = false;
+};
+
+}  // namespace triskin::fw

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "triskin/session/bus.hpp"
+
+namespace triskin::device {
+
+/// Requests to one controller, written as sequential code that blocks in the calls of its Bus.
+struct Task {
+  std::uint8_t node = 0;          ///< node address 1..126; the task receives the answers of this node only
+  std::function<void(Bus&)> run;  ///< gets a Bus of its own, valid until it returns
+};
+
+/// Runs tasks side by side over one link: while one waits for a frame, another runs. Exactly one task runs at any time,
+/// and the order depends on the link alone, so neither the link nor the tasks need locks and a simulated link stays
+/// deterministic. At most `per_wire` tasks (values below 1 count as 1) are under way on one wire (Link::wire_of).
+/// Returns once all tasks have ended; element k holds the exception that task k threw, null if it threw none. A failure
+/// of the link reaches the task that waits for the earliest time; no exception of a task leaves this function.
+/// Cost: one operating-system thread a task, created when the task starts (docs/decisions/0020-tasks-on-threads.md).
+/// Threads: call it from one thread; `link`, `tasks` and what the tasks refer to outlive the call. A task does not call
+/// run_tasks.
+[[nodiscard]] std::vector<std::exception_ptr> run_tasks(Link& link, std::span<const Task> tasks, int per_wire = 1);
+
+}  // namespace triskin::device

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/logic/duplicate_check.hpp"
+
+#include <gtest/gtest.h>
+
+namespace triskin::fw {
+namespace {
+
+using Verdict = DuplicateCheck::Verdict;
+
+ad7147::Results all(std::uint16_t value) {
+  ad7147::Results results{};
+  results.fill(value);
+  return results;
+}
+
+Verdict compare(DuplicateCheck& check, std::uint16_t positive, std::uint16_t negative) {
+  check.store_positive(all(positive));
+  return check.compare(all(negative));
+}
+
+// 0x9000 and 0x7000 mirror each other at 0x8000: their sum is 0x10000.
+TEST(DuplicateCheck, OneChipPasses) {
+  DuplicateCheck check;
+  EXPECT_FALSE(check.passed());
+  EXPECT_EQ(compare(check, 0x9000, 0x7000), Verdict::kSingle);
+  EXPECT_TRUE(check.passed());
+  check.forget();
+  EXPECT_FALSE(check.passed());
+  check.confirm();
+  EXPECT_TRUE(check.passed());
+}
+
+// Chips at 0x9000 and 0x8FC0 (0x40 apart) read 0x8000 at the positive input (1001 0000 1100 0000 has no bit of
+// 1000 1111 1100 0000 but the highest). At the negative one they have 0x7000 and 0x7040, read 0x7000. The sum 0xF000
+// lacks 0x1000, more than the 0x40 that are certain.
+TEST(DuplicateCheck, TheWiredAndOfTwoChipsIsTooSmall) {
+  static_assert((0x9000 & 0x8FC0) == 0x8000 && (0x7000 & 0x7040) == 0x7000);
+  DuplicateCheck check;
+  EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
+  EXPECT_FALSE(check.passed());
+}
+
+// 32 counts too few are what noise explains, 33 are not.
+TEST(DuplicateCheck, SuspectsAboveAMeanOf32Counts) {
+  DuplicateCheck check;
+  EXPECT_EQ(compare(check, 0x9000, 0x7000 - 32), Verdict::kSingle);
+  EXPECT_EQ(compare(check, 0x9000, 0x7000 - 33), Verdict::kSuspected);
+  EXPECT_EQ(compare(check, 0x9000, 0x7000 + 500), Verdict::kSingle);  // a sum that is too large is no AND
+}
+
+// Eleven taxels with no deficit and one with 12 · 32 = 384: the mean is 32. One more count is too many.
+TEST(DuplicateCheck, TheMeanOfAllTaxelsCounts) {
+  DuplicateCheck check;
+  ad7147::Results negative = all(0x7000);
+  check.store_positive(all(0x9000));
+  negative[3] = 0x7000 - 384;
+  EXPECT_EQ(check.compare(negative), Verdict::kSingle);
+  negative[3] = 0x7000 - 385;
+  EXPECT_EQ(check.compare(negative), Verdict::kSuspected);
+}
+
+// Taxel 3 reads 0 at the negative input: 0x9000 and 0 lack 0x7000, but say nothing about two chips. Then at the
+// positive one: 0 and 0x1000 lack 0xF000.
+TEST(DuplicateCheck, TaxelsAtTheEndOfTheirRangeDoNotCount) {
+  DuplicateCheck check;
+  ad7147::Results positive = all(0x9000), negative = all(0x7000);
+  negative[3] = 0;
+  check.store_positive(positive);
+  EXPECT_EQ(check.compare(negative), Verdict::kSingle);
+  positive[3] = 0;
+  negative[3] = 0x1000;
+  check.store_positive(positive);
+  EXPECT_EQ(check.compare(negative), Verdict::kSingle);
+  EXPECT_EQ(compare(check, 0xFFFF, 0), Verdict::kSingle);  // nothing to compare
+}
+
+TEST(DuplicateCheck, IsCertainAfterThreeInARow) {
+  DuplicateCheck check;
+  EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
+  EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
+  EXPECT_EQ(compare(check, 0x9000, 0x7000), Verdict::kSingle);  // a finger had been lifted
+  EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
+  EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
+  EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kDuplicate);
+}
+
+TEST(DuplicateCheck, ADuplicateIsConfirmedByOneReading) {
+  DuplicateCheck check;
+  for (int k = 0; k < 3; ++k) (void)compare(check, 0x8000, 0x7000);
+  EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kDuplicate);
+  EXPECT_EQ(compare(check, 0x9000, 0x7000), Verdict::kSingle);  // strapped right
+  EXPECT_EQ(compare(check, 0x8000, 0x7000), Verdict::kSuspected);
+}
+
+}  // namespace
+}  // namespace triskin::fw

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/logic/module_sample.hpp"
+
+#include <gtest/gtest.h>
+
+namespace triskin::fw {
+namespace {
+
+using wire::ModuleState;
+
+ad7147::Results middle() {
+  ad7147::Results results{};
+  results.fill(0x8000);
+  return results;
+}
+
+TEST(ModuleSample, AllTaxelsInsideTheirRangeAreValid) {
+  ModuleSample sample;
+  sample.store(middle(), 0);
+  EXPECT_EQ(sample.state, ModuleState::kOk);
+  EXPECT_EQ(sample.valid, 0x0FFF);
+  EXPECT_EQ(sample.raw[5], 0x8000);
+}
+
+// Taxels 0 and 11 at the ends: 0x0FFF − 0x0801 = 0x07FE.
+TEST(ModuleSample, ATaxelAtAnEndOfItsRangeIsSaturated) {
+  ModuleSample sample;
+  ad7147::Results results = middle();
+  results[0] = 0;
+  results[11] = 0xFFFF;
+  sample.store(results, 0);
+  EXPECT_EQ(sample.state, ModuleState::kSaturated);
+  EXPECT_EQ(sample.valid, 0x07FE);
+}
+
+TEST(ModuleSample, AFrozenTaxelIsNotValid) {
+  ModuleSample sample;
+  sample.store(middle(), 0x0010);
+  EXPECT_EQ(sample.state, ModuleState::kFrozen);
+  EXPECT_EQ(sample.valid, 0x0FEF);
+}
+
+// A taxel that rests at the end of its range does not change either: it is saturated, not frozen.
+TEST(ModuleSample, SaturatedComesBeforeFrozen) {
+  ModuleSample sample;
+  ad7147::Results results = middle();
+  results[4] = 0;
+  sample.store(results, 0x0010);
+  EXPECT_EQ(sample.state, ModuleState::kSaturated);
+  EXPECT_EQ(sample.valid, 0x0FEF);
+}
+
+TEST(ModuleSample, AFailureTakesTheValidityAndKeepsTheCounts) {
+  ModuleSample sample;
+  sample.store(middle(), 0);
+  sample.publish(1'000);
+  sample.store_failure(ModuleState::kAbsent);
+  sample.unheard = 2;
+  sample.fresh = false;
+  sample.publish(2'000);
+  EXPECT_EQ(sample.state, ModuleState::kAbsent);
+  EXPECT_EQ(sample.valid, 0);
+  EXPECT_EQ(sample.raw[5], 0x8000);
+  EXPECT_EQ(sample.number, 2U);
+  EXPECT_EQ(sample.time_us, 2'000U);
+  EXPECT_TRUE(sample.fresh);
+  EXPECT_EQ(sample.unheard, 0);
+}
+
+}  // namespace
+}  // namespace triskin::fw

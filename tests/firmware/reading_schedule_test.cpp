@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Times are in µs. A sequence lasts 9,200 nominally, so 8,832 … 9,568 (± 4 %). When it was started at T, ± 25, then
+//   it ends in                      T + 8,807 … T + 9,593, the middle is T + 9,200;
+//   its reading may start from      T + 9,033   the last result comes 585 later, 25 of margin after T + 9,593;
+//                          until    T + 9,383   the first one comes 135 later, 25 before T + 8,807 + 8,832 / 12;
+//   it has begun for certain at     T + 761     one shortest period before T + 9,593.
+#include "triskin/logic/reading_schedule.hpp"
+
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <vector>
+
+namespace triskin::fw {
+
+void PrintTo(const ReadingSchedule::Due& due, std::ostream* out) {
+  *out << "action " << static_cast<int>(due.action) << " of station " << due.station;
+}
+
+namespace {
+
+using Action = ReadingSchedule::Action;
+using Due = ReadingSchedule::Due;
+
+constexpr std::uint32_t kNominal_us = 9'200;
+constexpr std::uint64_t kT = 1'000'000;
+constexpr Due kNothing{};
+
+ReadingSchedule schedule_of(std::size_t stations, std::uint8_t every = 1) {
+  ReadingSchedule schedule;
+  schedule.begin(stations, kNominal_us, every);
+  return schedule;
+}
+
+// A chip that was started at `at_us` and whose status is not wanted.
+void start_without_status(ReadingSchedule& schedule, std::size_t station, std::uint64_t at_us) {
+  schedule.start(station, at_us);
+  schedule.forget_status(station);
+}
+
+TEST(ReadingSchedule, AStationThatIsNotStartedAsksForNothing) {
+  ReadingSchedule schedule = schedule_of(4);
+  EXPECT_EQ(schedule.due(kT), kNothing);
+  EXPECT_EQ(schedule.next_us(kT), ReadingSchedule::kNever_us);
+}
+
+TEST(ReadingSchedule, AReadingIsDueWithinItsWindow) {
+  ReadingSchedule schedule = schedule_of(1);
+  start_without_status(schedule, 0, kT);
+  EXPECT_EQ(schedule.due(kT + 9'032), kNothing);
+  EXPECT_EQ(schedule.next_us(kT + 9'032), kT + 9'033);
+  EXPECT_EQ(schedule.due(kT + 9'033), (Due{Action::kRead, 0}));
+  EXPECT_EQ(schedule.due(kT + 9'383), (Due{Action::kRead, 0}));  // asked for again, it was not begun
+  EXPECT_EQ(schedule.read(0, kT + 10'000), kT + 9'200);
+  EXPECT_EQ(schedule.take_missed(0), 0U);
+}
+
+TEST(ReadingSchedule, ASequenceWhoseWindowHasClosedIsMissed) {
+  ReadingSchedule schedule = schedule_of(1);
+  start_without_status(schedule, 0, kT);
+  EXPECT_EQ(schedule.due(kT + 9'384), kNothing);
+  EXPECT_EQ(schedule.take_missed(0), 1U);
+  EXPECT_EQ(schedule.take_missed(0), 0U);
+}
+
+// Of three sequences one is sampled: the first one is missed, and the second one, which is not read either, is none
+// that was to be.
+TEST(ReadingSchedule, OnlySequencesThatWereToBeSampledAreMissed) {
+  ReadingSchedule schedule = schedule_of(1, 3);
+  start_without_status(schedule, 0, kT);
+  (void)schedule.due(kT + 9'384);
+  (void)schedule.due(kT + 18'300);
+  EXPECT_EQ(schedule.take_missed(0), 1U);
+}
+
+// Without a reading of the status the second sequence ends in T + 17,639 … T + 19,161: 1,522 wide, too wide for a
+// window, 18,601 … 18,214. The third one is 2,258 wide, of which 2 · (736 + 2 · 25) = 1,572 come from the period alone:
+// the clock is uncertain and the sequence is begun anew at once. Nothing falls due before T + 28,169.
+TEST(ReadingSchedule, AnUncertainClockBeginsAnew) {
+  ReadingSchedule schedule = schedule_of(1);
+  start_without_status(schedule, 0, kT);
+  EXPECT_EQ(schedule.due(kT + 9'384), kNothing);
+  EXPECT_EQ(schedule.due(kT + 18'300), (Due{Action::kRestart, 0}));
+  EXPECT_EQ(schedule.take_missed(0), 2U);
+  schedule.restarted(0, kT + 18'350);
+  EXPECT_EQ(schedule.due(kT + 18'350 + 761), (Due{Action::kStatus, 0}));
+  schedule.forget_status(0);
+  EXPECT_EQ(schedule.due(kT + 18'350 + 9'032), kNothing);
+  EXPECT_EQ(schedule.due(kT + 18'350 + 9'033), (Due{Action::kRead, 0}));
+}
+
+// Started 100 apart: at T + 9,133 the windows of both are open, the one that closes first is read first.
+TEST(ReadingSchedule, TheEarliestEndIsReadFirst) {
+  ReadingSchedule schedule = schedule_of(2);
+  start_without_status(schedule, 1, kT);
+  start_without_status(schedule, 0, kT + 100);
+  EXPECT_EQ(schedule.due(kT + 9'133), (Due{Action::kRead, 1}));
+  EXPECT_TRUE(schedule.read(1, kT + 9'300));
+  EXPECT_EQ(schedule.due(kT + 9'300), (Due{Action::kRead, 0}));
+}
+
+// 500 before T + 9,033.
+TEST(ReadingSchedule, AnErrandEndsBeforeTheNextWindowOpens) {
+  ReadingSchedule schedule = schedule_of(2);
+  start_without_status(schedule, 0, kT);
+  schedule.plan_errand(1, kT + 100, ReadingSchedule::kLong_us);
+  EXPECT_EQ(schedule.due(kT + 99), kNothing);
+  EXPECT_EQ(schedule.next_us(kT + 99), kT + 100);
+  EXPECT_EQ(schedule.due(kT + 100), (Due{Action::kErrand, 1}));
+  EXPECT_EQ(schedule.due(kT + 8'533), (Due{Action::kErrand, 1}));
+  EXPECT_EQ(schedule.due(kT + 8'534), kNothing);
+  EXPECT_EQ(schedule.next_us(kT + 8'534), kT + 9'033);
+  schedule.plan_errand(1, 0, ReadingSchedule::kShort_us);
+  EXPECT_EQ(schedule.due(kT + 8'783), (Due{Action::kErrand, 1}));
+  EXPECT_EQ(schedule.due(kT + 8'784), kNothing);
+  schedule.cancel_errand(1);
+  EXPECT_EQ(schedule.due(kT + 5'000), kNothing);
+}
+
+// Errands of two stations: the lower number first, and before the status that both chips wait for as well.
+TEST(ReadingSchedule, AnErrandComesBeforeTheStatus) {
+  ReadingSchedule schedule = schedule_of(2);
+  schedule.start(0, kT);
+  schedule.start(1, kT);
+  schedule.plan_errand(0, kT + 2'000, ReadingSchedule::kShort_us);
+  schedule.plan_errand(1, kT + 1'000, ReadingSchedule::kShort_us);
+  EXPECT_EQ(schedule.due(kT + 1'000), (Due{Action::kErrand, 1}));
+  EXPECT_EQ(schedule.due(kT + 2'000), (Due{Action::kErrand, 0}));
+  schedule.cancel_errand(0);
+  EXPECT_EQ(schedule.due(kT + 2'000), (Due{Action::kStatus, 0}));
+}
+
+TEST(ReadingSchedule, AStoppedChipIsNotReadAndGoesOnWhenTakenUp) {
+  ReadingSchedule schedule = schedule_of(1);
+  schedule.start(0, kT);
+  schedule.stop(0);
+  schedule.plan_errand(0, kT + 20'000, ReadingSchedule::kShort_us);
+  EXPECT_EQ(schedule.due(kT + 9'033), kNothing);
+  EXPECT_EQ(schedule.next_us(kT + 9'033), kT + 20'000);
+  schedule.plan_errand(0, 0, ReadingSchedule::kShort_us);
+  schedule.take_up(0);
+  EXPECT_EQ(schedule.due(kT + 5'000), kNothing);
+  EXPECT_EQ(schedule.due(kT + 9'033), (Due{Action::kRead, 0}));
+}
+
+// The status is cleared first, from T + 761 on.
+TEST(ReadingSchedule, TheStatusIsClearedWhenTheSequenceHasBegun) {
+  ReadingSchedule schedule = schedule_of(1);
+  schedule.start(0, kT);
+  EXPECT_EQ(schedule.due(kT + 760), kNothing);
+  EXPECT_EQ(schedule.next_us(kT + 760), kT + 761);
+  EXPECT_EQ(schedule.due(kT + 761), (Due{Action::kStatus, 0}));
+}
+
+// A status that was cleared at T + 875 (25 before the end of its transfer). Stages end 766 apart, stage 11 at T +
+// 9,200: stage 0 at T + 767, stage 1 at T + 1,534, stage 2 at T + 2,300. The stage before the one that is looked for
+// must end half the doubt of 786, and 50, after T + 875, that is after T + 1,318: stage 1. So stage 2 is the first. The
+// chip samples the status 120 after the start of a transfer: T + 2,180, at most 30 + 786 / 8 = 128 later.
+struct Refinement : testing::Test {
+  ReadingSchedule schedule = schedule_of(1);
+  void SetUp() override {
+    schedule.start(0, kT);
+    ASSERT_EQ(schedule.due(kT + 761), (Due{Action::kStatus, 0}));
+    schedule.status_read(0, 0, kT + 900);
+  }
+};
+
+TEST_F(Refinement, BeginsWithTheFirstStageThatCanShowIt) {
+  EXPECT_EQ(schedule.due(kT + 2'179), kNothing);
+  EXPECT_EQ(schedule.next_us(kT + 900), kT + 2'180);
+  EXPECT_EQ(schedule.due(kT + 2'180), (Due{Action::kStatus, 0}));
+  EXPECT_EQ(schedule.due(kT + 2'308), (Due{Action::kStatus, 0}));
+}
+
+// Cleared at T + 1,200 instead: the stage before must end after T + 1,643. Stage 2 does, not stage 1: stage 3 is the
+// first, from T + 3,067 − 120 on.
+TEST_F(Refinement, BeginsLaterWhenTheStatusWasClearedLater) {
+  schedule.start(0, kT);
+  schedule.status_read(0, 0, kT + 1'225);
+  EXPECT_EQ(schedule.next_us(kT + 1'225), kT + 2'947);
+}
+
+// Too late for stage 2. Stage 3 ends at T + 3,067, the status is read from T + 2,947 on.
+TEST_F(Refinement, TakesTheNextStageWhenItIsTooLate) {
+  EXPECT_EQ(schedule.due(kT + 2'309), kNothing);
+  EXPECT_EQ(schedule.next_us(kT + 2'309), kT + 2'947);
+  EXPECT_EQ(schedule.due(kT + 2'947), (Due{Action::kStatus, 0}));
+}
+
+// Stages 1 and 2 had ended at T + 2,300. Nine stages are left, 9 · 9,568 / 12 = 7,176 at the longest: the sequence ends
+// by T + 9,501 (25 of slack) instead of T + 9,593, and the window opens 92 earlier.
+TEST_F(Refinement, AStageThatHasEndedOpensTheWindowEarlier) {
+  schedule.status_read(0, 0b0110, kT + 2'325);
+  schedule.forget_status(0);
+  EXPECT_EQ(schedule.due(kT + 8'940), kNothing);
+  EXPECT_EQ(schedule.due(kT + 8'941), (Due{Action::kRead, 0}));
+}
+
+// Stage 2 had not ended at T + 2,300. Nine stages last 6,624 at least: the sequence ends after T + 8,899 instead of
+// T + 8,807, a period lasts 8,899 − 25 = 8,874 at least (8,873 with its wander), a stage 739 instead of 736. The window
+// closes at T + 8,899 + 739 − 135 − 25 = T + 9,478.
+TEST_F(Refinement, AStageThatHasNotEndedKeepsTheWindowOpen) {
+  schedule.status_read(0, 0b0010, kT + 2'325);
+  schedule.forget_status(0);
+  EXPECT_EQ(schedule.due(kT + 9'478), (Due{Action::kRead, 0}));
+  EXPECT_EQ(schedule.due(kT + 9'479), kNothing);
+  EXPECT_EQ(schedule.take_missed(0), 1U);
+}
+
+// Stage 1 had ended long before T + 2,300 in any case. Without its bit the chip does not convert: there is no use in
+// reading the status again, and the window stays as it was.
+TEST_F(Refinement, AChipThatDoesNotConvertRefinesNothing) {
+  schedule.status_read(0, 0b0100, kT + 2'325);
+  EXPECT_EQ(schedule.next_us(kT + 2'325), kT + 9'033);
+}
+
+TEST_F(Refinement, EndsWhenTheStatusIsNotAcknowledged) {
+  schedule.failed(0);
+  EXPECT_EQ(schedule.next_us(kT + 2'325), kT + 9'033);
+}
+
+// A reading that is due ends the search for a stage, the last one by then. A status that says at T + 9,800 that stage
+// 11 has not ended, but stage 10 has, would contradict the clock and move the window.
+TEST_F(Refinement, EndsWithTheReading) {
+  EXPECT_EQ(schedule.due(kT + 9'033), (Due{Action::kRead, 0}));
+  schedule.status_read(0, 1U << 10, kT + 9'825);
+  EXPECT_EQ(schedule.due(kT + 9'033), (Due{Action::kRead, 0}));
+}
+
+// Three chips end together and a reading takes 800 of the line: one of the others could not be read in its window. The
+// one that has just been read, at T + 9,673, begins anew at a moment from which its end, 9,200 later, is 1,600 from
+// theirs (T + 18,400), in steps of 200: 9,673 + 6 · 200 = 10,873; 10,673 + 9,200 would be 1,473 from them.
+TEST(ReadingSchedule, OfThreeChipsThatEndTogetherOneBeginsLater) {
+  ReadingSchedule schedule = schedule_of(3);
+  for (std::size_t k = 0; k < 3; ++k) start_without_status(schedule, k, kT);
+  ASSERT_EQ(schedule.due(kT + 9'033), (Due{Action::kRead, 0}));
+  EXPECT_EQ(schedule.read(0, kT + 9'673), kT + 9'200);
+  EXPECT_EQ(schedule.due(kT + 10'872), kNothing);
+  EXPECT_EQ(schedule.next_us(kT + 10'872), kT + 10'873);
+  EXPECT_EQ(schedule.due(kT + 10'873), (Due{Action::kRestart, 0}));
+}
+
+// Of three sequences one is sampled, the one that has just been read. The one that begins anew at R is none: the clock
+// goes on to the next, whose status is cleared from R + 25 + 2 · 9,568 − 8,832 = R + 10,329 on, not from R + 761 on.
+TEST(ReadingSchedule, ARestartedSequenceThatIsNotSampledIsPassedOver) {
+  ReadingSchedule schedule = schedule_of(3, 3);
+  for (std::size_t k = 0; k < 3; ++k) start_without_status(schedule, k, kT);
+  ASSERT_EQ(schedule.due(kT + 9'033), (Due{Action::kRead, 0}));
+  ASSERT_TRUE(schedule.read(0, kT + 9'673));
+  schedule.stop(1);
+  schedule.stop(2);
+  ASSERT_EQ(schedule.due(kT + 10'873), (Due{Action::kRestart, 0}));
+  constexpr std::uint64_t kR = kT + 11'000;
+  schedule.restarted(0, kR);
+  EXPECT_EQ(schedule.due(kR + 10'328), kNothing);
+  EXPECT_EQ(schedule.due(kR + 10'329), (Due{Action::kStatus, 0}));
+}
+
+// A restart because of an uncertain clock that is not acknowledged: the clock is as uncertain as before.
+TEST(ReadingSchedule, ARestartThatFailedIsTriedAgainWhileTheClockIsUncertain) {
+  ReadingSchedule schedule = schedule_of(1);
+  start_without_status(schedule, 0, kT);
+  (void)schedule.due(kT + 9'384);
+  ASSERT_EQ(schedule.due(kT + 18'300), (Due{Action::kRestart, 0}));
+  schedule.failed(0);
+  EXPECT_EQ(schedule.due(kT + 18'500), (Due{Action::kRestart, 0}));
+}
+
+// The one because of others that end at the same time is not: the next reading finds out whether it is needed still.
+TEST(ReadingSchedule, ARestartThatFailedIsNotTriedAgainForTheSakeOfOthers) {
+  ReadingSchedule schedule = schedule_of(3);
+  for (std::size_t k = 0; k < 3; ++k) start_without_status(schedule, k, kT);
+  ASSERT_EQ(schedule.due(kT + 9'033), (Due{Action::kRead, 0}));
+  ASSERT_TRUE(schedule.read(0, kT + 9'673));
+  ASSERT_EQ(schedule.due(kT + 10'873), (Due{Action::kRestart, 0}));
+  schedule.failed(0);
+  EXPECT_EQ(schedule.due(kT + 10'973), kNothing);
+}
+
+// A chip whose sequences last 9,200 exactly, and a line that serves it alone: 180 for the status (sampled 120 after its
+// start), 640 for a reading, 110 for a restart.
+struct Line {
+  ReadingSchedule schedule;
+  std::uint64_t now_us = kT, started_us = kT, status_us = kT;
+  std::vector<std::uint64_t> sampled{};
+  int restarts = 0;
+
+  // Stage s ends (s + 1) · 9,200 / 12 after the start, and every 9,200.
+  [[nodiscard]] std::uint16_t status_at(std::uint64_t at_us) const {
+    unsigned bits = 0;
+    for (unsigned s = 0; s < 12; ++s) {
+      const auto ends = [&](std::uint64_t t) { return (t - started_us + kNominal_us * (11 - s) / 12) / kNominal_us; };
+      bits |= ends(at_us) > ends(status_us) ? 1U << s : 0U;
+    }
+    return static_cast<std::uint16_t>(bits);
+  }
+  void serve() {
+    switch (schedule.due(now_us).action) {
+      case Action::kRead:
+        now_us += 640;
+        if (const auto end_us = schedule.read(0, now_us)) sampled.push_back(*end_us);
+        return;
+      case Action::kStatus: {
+        const std::uint16_t status = status_at(now_us + 120);
+        status_us = now_us + 120;
+        now_us += 145;
+        return schedule.status_read(0, status, now_us);
+      }
+      case Action::kRestart:
+        now_us += 110;
+        ++restarts;
+        started_us = status_us = now_us;
+        return schedule.restarted(0, now_us);
+      default:
+        now_us = schedule.next_us(now_us);
+    }
+  }
+};
+
+// Sequences 1, 4, 7 … of the chip end at T + 9,200, T + 36,800, T + 64,400 …; the schedule knows it to ± 150.
+TEST(ReadingSchedule, SamplesEachThirdSequence) {
+  Line line{schedule_of(1, 3)};
+  line.schedule.start(0, kT);
+  while (line.sampled.size() < 200) line.serve();
+  for (std::size_t k = 0; k < line.sampled.size(); ++k)
+    EXPECT_NEAR(static_cast<double>(line.sampled[k]), static_cast<double>(kT + 9'200 + 27'600 * k), 150.0) << k;
+  EXPECT_EQ(line.schedule.take_missed(0), 0U);
+  EXPECT_EQ(line.restarts, 0);
+}
+
+TEST(ReadingSchedule, SamplesEachSequenceOfAChipThatIsAlone) {
+  Line line{schedule_of(1)};
+  line.schedule.start(0, kT);
+  while (line.sampled.size() < 2'000) line.serve();
+  for (std::size_t k = 0; k < line.sampled.size(); ++k)
+    EXPECT_NEAR(static_cast<double>(line.sampled[k]), static_cast<double>(kT + 9'200 + 9'200 * k), 150.0) << k;
+  EXPECT_EQ(line.schedule.take_missed(0), 0U);
+  EXPECT_EQ(line.restarts, 0);
+}
+
+}  // namespace
+}  // namespace triskin::fw

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <utility>
+
+#include "triskin/geometry/generate.hpp"
+#include "triskin/geometry/mesh_io.hpp"
+
+namespace triskin::test {
+
+/// Folder with parts/ and hard/: the variable TRISKIN_DATA, else the one CMake was given (TRISKIN_SHARED_DATA). It need
+/// not exist.
+inline std::filesystem::path data_folder() {
+  const char* named = std::getenv("TRISKIN_DATA");
+  return named != nullptr ? named : TRISKIN_DATA;
+}
+
+/// Reason of a case that is skipped because that folder does not exist; tools/test counts these words.
+inline std::string no_data() {
+  return "left out without data: " + data_folder().string() + " does not exist (TRISKIN_SHARED_DATA)";
+}
+
+/// A mesh file for a test. A generated one is deleted at the end.
+class CoverFile {
+ public:
+  explicit CoverFile(std::filesystem::path real) : path_(std::move(real)) {}
+  CoverFile(const std::string& name, const geometry::Mesh& mesh)
+      : path_(std::filesystem::temp_directory_path() / (name + "." + std::to_string(::getpid()) + ".obj")),
+        is_generated_(true) {
+    geometry::write_obj(path_, mesh);
+  }
+  CoverFile(CoverFile&& other) noexcept
+      : path_(std::move(other.path_)), is_generated_(std::exchange(other.is_generated_, false)) {}
+  CoverFile& operator=(CoverFile&&) = delete;
+  ~CoverFile() {
+    std::error_code ignored;
+    if (is_generated_) std::filesystem::remove(path_, ignored);
+  }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  bool is_generated_ = false;
+};
+
+/// Name of a generated shape, or of a file (without extension) of the data folder's parts/; for a generated one also
+/// its size.
+struct CoverName {
+  std::string name;
+  geometry::GenerateOptions options = {};
+};
+inline void PrintTo(const CoverName& cover, std::ostream* out) {
+  *out << cover.name;
+}
+
+/// Its file; nothing when it is a real cover and there is no data folder. A file that is missing from an existing
+/// folder is not forgiven: reading it fails the test.
+inline std::optional<CoverFile> cover_file(const CoverName& cover) {
+  if (const auto shape = geometry::shape_named(cover.name))
+    return CoverFile(cover.name, geometry::generate(*shape, cover.options));
+  if (!std::filesystem::exists(data_folder())) return std::nullopt;
+  return CoverFile(data_folder() / "parts" / (cover.name + ".obj"));
+}
+
+/// As the name of a test case, which takes no hyphen.
+inline std::string case_name(std::string name) {
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
+}  // namespace triskin::test
