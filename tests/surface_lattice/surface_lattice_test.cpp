@@ -217,7 +217,7 @@ std::string name_of(const testing::TestParamInfo<std::pair<test::CoverName, std:
 }
 
 INSTANTIATE_TEST_SUITE_P(Generated, CoverLimits,
-                         testing::Values(std::pair{test::CoverName{"thigh", {.size_mm = 120.0, .faces = 400}}, 25U},
+                         testing::Values(std::pair{test::CoverName{"thigh", {.size_mm = 120.0, .faces = 400}}, 38U},
                                          std::pair{test::CoverName{"near-degenerate"}, 20U}),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Real, CoverLimits,

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <compare>
 #include <optional>
+#include <ranges>
 #include <set>
 
 #include "triskin/design/joint.hpp"
@@ -14,64 +16,100 @@ namespace {
 
 constexpr const char* kPorts = "ABC";
 
+// Three numbers name a module here: its position in the design's patch, its number in the topology that was found, and
+// its id in the design (int, in messages and results).
+enum class PatchRow : std::size_t {};
+enum class FoundNumber : std::size_t {};
+constexpr std::size_t index(PatchRow row) {
+  return static_cast<std::size_t>(row);
+}
+constexpr std::size_t index(FoundNumber number) {
+  return static_cast<std::size_t>(number);
+}
+template <class Number>
+auto all(std::size_t count) {
+  return std::views::iota(std::size_t{0}, count) | std::views::transform([](std::size_t k) { return Number{k}; });
+}
+
+// A side of a module of the design.
 struct Side {
-  int row = -1, side = 0;
+  PatchRow row{};
+  int side = 0;
+  bool operator==(const Side&) const = default;
+};
+
+// A port of a module that was found: layout::JointEnd with the number typed.
+struct End {
+  FoundNumber module{};
+  int port = 0;
+  auto operator<=>(const End&) const = default;
 };
 
 // Lays what was found over the patch: the entry as given, then along the joints that the design has too.
 class Overlay {
  public:
   Overlay(const wire::FoundTopology& found, const design::Design& design, int patch)
-      : found_(found),
-        modules_(design.patches[static_cast<std::size_t>(patch)].modules),
-        second_entry_(design.patches[static_cast<std::size_t>(patch)].second_entry),
-        second_side_(design.patches[static_cast<std::size_t>(patch)].second_entry_side) {
+      : found_(found), patch_(design.patches[static_cast<std::size_t>(patch)]) {
     // Joints by tile side: rotations of zero make a port its side.
-    const std::vector<int> upright(modules_.size(), 0);
+    const std::vector<int> upright(patch_.modules.size(), 0);
     sides_ = design::joints_of(design, patch, upright);
     result_.patch = patch;
   }
 
-  TopologyMatch run(int entry_row, int rotation) {
+  TopologyMatch run(PatchRow entry_row, int rotation) {
     place(entry_row, rotation);
-    result_.differences.clear();
-    result_.agreeing_joints = 0;
     examine_entry(entry_row);
     examine_rotations();
     examine_joints();
     examine_modules();
-    for (std::size_t m = 0; m < found_.count; ++m) result_.module_of.push_back(row_[m] < 0 ? -1 : module_at(row_[m]));
+    for (const FoundNumber m : all<FoundNumber>(found_.count)) {
+      const auto row = row_of(m);
+      result_.module_of.push_back(row ? module_at(*row) : -1);
+    }
     return result_;
   }
 
  private:
-  [[nodiscard]] int module_at(int row) const { return modules_[static_cast<std::size_t>(row)].node; }
-  [[nodiscard]] int designed_rotation(int row) const { return modules_[static_cast<std::size_t>(row)].rotation; }
-  [[nodiscard]] Side across(int row, int side) const {
-    const design::PortEnd end = sides_[static_cast<std::size_t>(row)][static_cast<std::size_t>(side)];
-    return {end.row, end.port};
-  }
-  [[nodiscard]] std::optional<layout::JointEnd> far(std::size_t m, int port) const {
-    const layout::JointEnd end = layout::joint_end(found_.joints[m][static_cast<std::size_t>(port)]);
-    return end.exists() ? std::optional(end) : std::nullopt;
-  }
-  [[nodiscard]] int side_of(std::size_t m, int port) const { return (port + rotation_[m]) % 3; }
+  static constexpr PatchRow kEntryRow{0};
 
-  void place(int entry_row, int rotation) {
-    row_.assign(found_.count, -1);
+  [[nodiscard]] int module_at(PatchRow row) const { return patch_.modules[index(row)].node; }
+  [[nodiscard]] int designed_rotation(PatchRow row) const { return patch_.modules[index(row)].rotation; }
+  [[nodiscard]] std::optional<PatchRow> row_of(FoundNumber m) const { return row_[index(m)]; }
+  [[nodiscard]] int rotation_of(FoundNumber m) const { return rotation_[index(m)]; }
+  // Designed far end of a joint; empty: no joint there.
+  [[nodiscard]] std::optional<Side> across(const Side& at) const {
+    const design::PortEnd end = sides_[index(at.row)][static_cast<std::size_t>(at.side)];
+    if (end.row < 0) return std::nullopt;
+    return Side{PatchRow{static_cast<std::size_t>(end.row)}, end.port};
+  }
+  // Far end of a joint that was found; empty: none was.
+  [[nodiscard]] std::optional<End> far(const End& at) const {
+    const auto end = layout::joint_end(found_.joints[index(at.module)][static_cast<std::size_t>(at.port)]);
+    if (!end.exists()) return std::nullopt;
+    return End{FoundNumber{end.module}, end.port};
+  }
+  // Side of the design at which a port lies; empty: its module fits nowhere.
+  [[nodiscard]] std::optional<Side> side_of(const End& at) const {
+    const auto row = row_of(at.module);
+    if (!row) return std::nullopt;
+    return Side{*row, (at.port + rotation_of(at.module)) % 3};
+  }
+
+  void place(PatchRow entry_row, int rotation) {
+    row_.assign(found_.count, std::nullopt);
     rotation_.assign(found_.count, 0);
-    std::set<int> taken{entry_row};
-    std::vector<std::size_t> queue{0};
+    std::set<PatchRow> taken{entry_row};
+    std::vector<FoundNumber> queue{FoundNumber{0}};
     row_[0] = entry_row;
     rotation_[0] = rotation;
     for (std::size_t k = 0; k < queue.size(); ++k) {
-      const std::size_t m = queue[k];
       for (int port = 0; port < 3; ++port) {
-        const auto end = far(m, port);
-        const Side there = across(row_[m], side_of(m, port));
-        if (!end || there.row < 0 || row_[end->module] >= 0 || !taken.insert(there.row).second) continue;
-        row_[end->module] = there.row;
-        rotation_[end->module] = (there.side + 3 - end->port) % 3;
+        const End here{queue[k], port};
+        const auto end = far(here);
+        const auto there = across(*side_of(here));
+        if (!end || !there || row_of(end->module) || !taken.insert(there->row).second) continue;
+        row_[index(end->module)] = there->row;
+        rotation_[index(end->module)] = (there->side + 3 - end->port) % 3;
         queue.push_back(end->module);
       }
     }
@@ -81,125 +119,122 @@ class Overlay {
     result_.differences.push_back({kind, module, other, steps, std::move(text), std::move(remedy)});
   }
 
-  void examine_entry(int entry_row) {
-    const int cable_side = side_of(0, found_.cable_port);
-    if (found_.second_cable && module_at(entry_row) == second_entry_ && cable_side == second_side_) {
-      add(FindingKind::kSecondCable, module_at(0), module_at(entry_row),
+  void examine_entry(PatchRow entry_row) {
+    const int entry = module_at(entry_row), designed = module_at(kEntryRow);
+    const int cable_side = side_of({FoundNumber{0}, found_.cable_port})->side;
+    if (found_.second_cable && entry == patch_.second_entry && cable_side == patch_.second_entry_side) {
+      add(FindingKind::kSecondCable, designed, entry,
           fmt::format(
               "the patch is read over its second cable, at module {}; over the first, at module {}, too little answers",
-              module_at(entry_row), module_at(0)),
+              entry, designed),
           "check the first cable and its module");
       return;
     }
-    if (entry_row == 0 && cable_side == designed_rotation(0)) return;
-    add(FindingKind::kWrongEntry, module_at(0), module_at(entry_row),
+    if (entry_row == kEntryRow && cable_side == designed_rotation(kEntryRow)) return;
+    add(FindingKind::kWrongEntry, designed, entry,
         fmt::format("the cable is plugged into side {} of module {}, the design has it at side {} of module {}",
-                    cable_side, module_at(entry_row), designed_rotation(0), module_at(0)),
+                    cable_side, entry, designed_rotation(kEntryRow), designed),
         "plug it where the assembly sheet says");
   }
 
   // Two modules that were exchanged and kept their rotations show as two rotated ones.
   void examine_rotations() {
-    std::vector<std::size_t> turned;
-    for (std::size_t m = 0; m < row_.size(); ++m) {
-      if (row_[m] >= 0 && rotation_[m] != designed_rotation(row_[m])) turned.push_back(m);
+    std::vector<FoundNumber> turned;
+    for (const FoundNumber m : all<FoundNumber>(found_.count)) {
+      if (const auto row = row_of(m); row && rotation_of(m) != designed_rotation(*row)) turned.push_back(m);
     }
     while (!turned.empty()) {
-      const std::size_t a = turned.front();
+      const FoundNumber a = turned.front();
+      const PatchRow row = *row_of(a);
       turned.erase(turned.begin());
-      const auto partner = std::ranges::find_if(turned, [&](std::size_t b) {
-        return rotation_[a] == designed_rotation(row_[b]) && rotation_[b] == designed_rotation(row_[a]);
+      const auto partner = std::ranges::find_if(turned, [&](FoundNumber b) {
+        return rotation_of(a) == designed_rotation(*row_of(b)) && rotation_of(b) == designed_rotation(row);
       });
-      const int module = module_at(row_[a]);
+      const int module = module_at(row);
       if (partner != turned.end()) {
-        const int other = module_at(row_[*partner]);
+        const int other = module_at(*row_of(*partner));
         add(FindingKind::kSwappedModules, module, other,
             fmt::format("modules {} and {} are exchanged: each is turned as the other should be", module, other),
             "exchange them, or turn both as the assembly sheet says");
         turned.erase(partner);
         continue;
       }
-      const int steps = (rotation_[a] + 3 - designed_rotation(row_[a])) % 3;
+      const int steps = (rotation_of(a) + 3 - designed_rotation(row)) % 3;
       add(FindingKind::kRotatedModule, module, -1,
           fmt::format("module {} is turned by {}°: port A lies at side {} instead of {}", module, 120 * steps,
-                      rotation_[a], designed_rotation(row_[a])),
+                      rotation_of(a), designed_rotation(row)),
           "turn it as the assembly sheet says", steps);
     }
   }
 
   void examine_joints() {
-    std::set<std::pair<int, int>> seen;
-    for (std::size_t m = 0; m < row_.size(); ++m) {
-      for (int port = 0; port < 3; ++port) {
-        const auto end = far(m, port);
-        if (!end || std::pair<std::size_t, int>(end->module, end->port) < std::pair(m, port)) continue;
-        if (row_[m] >= 0 && row_[end->module] >= 0) {
-          const Side there = across(row_[m], side_of(m, port));
-          if (there.row == row_[end->module] && there.side == side_of(end->module, end->port)) {
-            seen.insert(std::minmax(row_[m], there.row));
-            ++result_.agreeing_joints;
-            continue;
-          }
-        }
-        extra_joint(m, port, *end);
-      }
+    std::set<std::pair<PatchRow, PatchRow>> agreeing;
+    for (const FoundNumber m : all<FoundNumber>(found_.count)) {
+      for (int port = 0; port < 3; ++port) examine_found_joint({m, port}, agreeing);
     }
-    for (int a = 0; a < static_cast<int>(sides_.size()); ++a) {
+    for (const PatchRow a : all<PatchRow>(patch_.modules.size())) {
       for (int side = 0; side < 3; ++side) {
-        const int b = across(a, side).row;
-        if (b < a || seen.contains({a, b}) || !placed(a) || !placed(b)) continue;
-        add(FindingKind::kMissingJoint, module_at(a), module_at(b),
+        const auto end = across({a, side});
+        if (!end || end->row < a || agreeing.contains({a, end->row}) || !placed(a) || !placed(end->row)) continue;
+        add(FindingKind::kMissingJoint, module_at(a), module_at(end->row),
             fmt::format("nothing passes between module {} and module {}, which are joined in the design", module_at(a),
-                        module_at(b)),
+                        module_at(end->row)),
             "look for a broken or unsoldered joint between them");
       }
     }
   }
-
-  void extra_joint(std::size_t m, int port, layout::JointEnd end) {
-    const bool known = row_[m] >= 0 && row_[end.module] >= 0;
-    if (!known) return;  // kExtraModule reports this end
-    add(FindingKind::kExtraJoint, module_at(row_[m]), module_at(row_[end.module]),
+  // Both ends of a joint are passed; the lower one counts.
+  void examine_found_joint(const End& here, std::set<std::pair<PatchRow, PatchRow>>& agreeing) {
+    const auto end = far(here);
+    if (!end || *end < here) return;
+    const auto a = side_of(here), b = side_of(*end);
+    if (!a || !b) return;  // kExtraModule reports this end
+    if (across(*a) == b) {
+      agreeing.insert(std::minmax(a->row, b->row));
+      ++result_.agreeing_joints;
+      return;
+    }
+    add(FindingKind::kExtraJoint, module_at(a->row), module_at(b->row),
         fmt::format("port {} of module {} and port {} of module {} are joined, in the design they are not",
-                    kPorts[port], module_at(row_[m]), kPorts[end.port], module_at(row_[end.module])),
+                    kPorts[here.port], module_at(a->row), kPorts[end->port], module_at(b->row)),
         "part this joint");
   }
 
-  [[nodiscard]] bool placed(int row) const { return std::ranges::find(row_, row) != row_.end(); }
+  [[nodiscard]] bool placed(PatchRow row) const { return std::ranges::find(row_, std::optional(row)) != row_.end(); }
 
   void examine_modules() {
-    for (int row = 0; row < static_cast<int>(modules_.size()); ++row) {
+    for (const PatchRow row : all<PatchRow>(patch_.modules.size())) {
       if (placed(row)) continue;
       add(FindingKind::kMissingModule, module_at(row), -1,
           fmt::format("module {} was not found: it or all of its joints are broken", module_at(row)),
           "check its supply and its joints, then the module");
     }
-    for (std::size_t m = 0; m < row_.size(); ++m) {
-      if (row_[m] >= 0) continue;
-      add(FindingKind::kExtraModule, -1, -1, fmt::format("found module {} fits nowhere in the design", m),
+    for (const FoundNumber m : all<FoundNumber>(found_.count)) {
+      if (row_of(m)) continue;
+      add(FindingKind::kExtraModule, -1, -1, fmt::format("found module {} fits nowhere in the design", index(m)),
           "compare the patch with the assembly sheet");
     }
   }
 
   const wire::FoundTopology& found_;
-  const std::vector<design::RoutedModule>& modules_;
-  int second_entry_, second_side_;
+  const design::Patch& patch_;
   design::PortEnds sides_;
-  std::vector<int> row_, rotation_;  // by found number
+  std::vector<std::optional<PatchRow>> row_;  // by found number
+  std::vector<int> rotation_;                 // by found number
   TopologyMatch result_;
 };
 
 }  // namespace
 
 TopologyMatch match_topology(const wire::FoundTopology& found, const design::Design& design, int patch) {
-  const auto rows = static_cast<int>(design.patches.at(static_cast<std::size_t>(patch)).modules.size());
+  const std::size_t rows = design.patches.at(static_cast<std::size_t>(patch)).modules.size();
   TopologyMatch best;
   best.patch = patch;
   if (found.count == 0 || rows == 0) return best;
   bool first = true;
-  for (int entry = 0; entry < rows; ++entry) {
+  for (std::size_t entry = 0; entry < rows; ++entry) {
     for (int rotation = 0; rotation < 3; ++rotation) {
-      TopologyMatch match = Overlay(found, design, patch).run(entry, rotation);
+      TopologyMatch match = Overlay(found, design, patch).run(PatchRow{entry}, rotation);
       if (!first && match.differences.size() >= best.differences.size()) continue;
       best = std::move(match);
       first = false;

@@ -67,7 +67,8 @@ class Shell {
     const Vec3 x = n.unitOrthogonal(), y = n.cross(x);
     const int base = static_cast<int>(mesh_.vertices.size());
     for (int k = 0; k < 16; ++k) {
-      const double turn = M_PI * (k / 2) / 4.0;
+      const int side = k / 2;
+      const double turn = M_PI * side / 4.0;
       add(mesh_, below(v, k % 2 == 0 ? 5.0 : 13.0) + 3.0 * (std::cos(turn) * x + std::sin(turn) * y));
     }
     for (int k = 0; k < 16; k += 2) {

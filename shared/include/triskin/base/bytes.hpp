@@ -12,23 +12,34 @@ using Bytes = std::span<const std::uint8_t>;
 /// Writes into a fixed buffer; running over the end sets `ok()` to false and writes nothing more.
 class ByteWriter {
  public:
+  /// Writes to `out` from its beginning; `out` must outlive the writer.
   constexpr explicit ByteWriter(std::span<std::uint8_t> out) : out_(out) {}
+  /// Appends one byte.
   constexpr void u8(std::uint8_t v) {
     if (size_ < out_.size())
       out_[size_++] = v;
     else
       ok_ = false;
   }
+  /// Appends two bytes, little-endian.
   constexpr void le16(std::uint16_t v) { little(v, 2); }
+  /// Appends four bytes, little-endian.
   constexpr void le32(std::uint32_t v) { little(v, 4); }
+  /// Appends eight bytes, little-endian.
   constexpr void le64(std::uint64_t v) { little(v, 8); }
+  /// Appends two bytes, big-endian.
   constexpr void be16(std::uint16_t v) { big(v, 2); }
+  /// Appends four bytes, big-endian.
   constexpr void be32(std::uint32_t v) { big(v, 4); }
+  /// Appends bytes as they are.
   constexpr void bytes(Bytes in) {
     for (const std::uint8_t b : in) u8(b);
   }
+  /// False once something found no room.
   [[nodiscard]] constexpr bool ok() const { return ok_; }
+  /// Bytes written so far.
   [[nodiscard]] constexpr std::size_t size() const { return size_; }
+  /// What was written so far; valid as long as the buffer.
   [[nodiscard]] constexpr Bytes written() const { return {out_.data(), size_}; }
 
  private:
@@ -46,18 +57,27 @@ class ByteWriter {
 /// Reads from bytes; reading over the end gives 0 and sets `ok()` to false.
 class ByteReader {
  public:
+  /// Reads `in` from its beginning; `in` must outlive the reader.
   constexpr explicit ByteReader(Bytes in) : in_(in) {}
+  /// Takes one byte; 0 behind the end.
   constexpr std::uint8_t u8() {
     if (at_ < in_.size()) return in_[at_++];
     ok_ = false;
     return 0;
   }
+  /// Takes two bytes, little-endian.
   constexpr std::uint16_t le16() { return static_cast<std::uint16_t>(little(2)); }
+  /// Takes four bytes, little-endian.
   constexpr std::uint32_t le32() { return static_cast<std::uint32_t>(little(4)); }
+  /// Takes eight bytes, little-endian.
   constexpr std::uint64_t le64() { return little(8); }
+  /// Takes two bytes, big-endian.
   constexpr std::uint16_t be16() { return static_cast<std::uint16_t>(big(2)); }
+  /// Takes four bytes, big-endian.
   constexpr std::uint32_t be32() { return static_cast<std::uint32_t>(big(4)); }
+  /// Bytes not taken yet; taking none of them.
   [[nodiscard]] constexpr Bytes rest() const { return in_.subspan(at_); }
+  /// False once something was taken from behind the end.
   [[nodiscard]] constexpr bool ok() const { return ok_; }
 
  private:

@@ -17,9 +17,11 @@ inline constexpr std::uint32_t kMostImageBytes = 0x3C000 - 2048;
 struct PackageHead {
   std::uint32_t firmware_version = 0;
   std::array<std::uint32_t, 2> size_bytes{}, crc{};  ///< of each slot's image; sizes are multiples of 8
+  /// Offset of the image for a slot (0 or 1) in the package, bytes.
   [[nodiscard]] constexpr std::uint32_t offset(int slot) const {
     return static_cast<std::uint32_t>(kPackageHeadBytes) + (slot == 0 ? 0 : size_bytes[0]);
   }
+  /// Bytes of the whole package.
   [[nodiscard]] constexpr std::uint32_t total() const { return offset(1) + size_bytes[1]; }
 };
 

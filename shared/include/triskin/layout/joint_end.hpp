@@ -14,6 +14,7 @@ inline constexpr std::uint8_t kNoModule = 0xFF;
 struct JointEnd {
   std::uint8_t module = kNoModule;  ///< kNoModule: there is no joint
   std::uint8_t port = 0;            ///< 0 … kPorts − 1
+  /// True when the joint has a far end.
   [[nodiscard]] constexpr bool exists() const { return module != kNoModule; }
   bool operator==(const JointEnd&) const = default;
 };
@@ -25,6 +26,7 @@ struct JointEnd {
 [[nodiscard]] constexpr std::uint8_t joint_to(JointEnd end) {
   return end.exists() ? joint_to(end.module, end.port) : std::uint8_t{0};
 }
+/// Far end that a joint byte names; 0: none.
 [[nodiscard]] constexpr JointEnd joint_end(std::uint8_t joint) {
   if (joint == 0) return {};
   return {static_cast<std::uint8_t>((joint - 1U) / kPorts), static_cast<std::uint8_t>((joint - 1U) % kPorts)};
@@ -33,6 +35,7 @@ struct JointEnd {
 [[nodiscard]] constexpr std::size_t joint_row(std::uint8_t joint) {
   return joint_end(joint).module;
 }
+/// Port 0..2 of a joint byte that is not 0.
 [[nodiscard]] constexpr std::uint8_t joint_port(std::uint8_t joint) {
   return joint_end(joint).port;
 }

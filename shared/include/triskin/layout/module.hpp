@@ -44,6 +44,7 @@ inline constexpr std::uint8_t kFirstCdcAddress = 0x2C;          ///< AD7147 data
 /// Node addresses of controllers on a bus. A controller that was never assigned one has kFirstNode.
 inline constexpr std::uint8_t kFirstNode = 1, kLastNode = 126;
 inline constexpr std::size_t kMaxNodes = kLastNode - kFirstNode + 1;
+/// True for 1 … 126, the addresses that a controller may have.
 [[nodiscard]] constexpr bool is_node_address(unsigned address) {
   return address >= kFirstNode && address <= kLastNode;
 }

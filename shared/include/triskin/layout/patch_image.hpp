@@ -41,6 +41,7 @@ struct PatchImage {
   std::uint8_t module_count = 0;           ///< 1..16
   std::uint8_t second_entry = 0;           ///< port with the second cable (joint_to), 0: none; switched modules only
   std::array<ModuleRow, kMaxModules> modules{};
+  /// Rows of the modules in use, parents before children.
   [[nodiscard]] constexpr std::span<const ModuleRow> rows() const { return {modules.data(), module_count}; }
   bool operator==(const PatchImage&) const = default;
 };
@@ -77,7 +78,8 @@ struct PatchImage {
   return kept;
 }
 
-/// Every joint has two ends, no end at a cable; every module hangs on a joint.
+/// Every joint has two ends, no end at a cable; every module hangs on a joint. kOk; kOutOfRange: a joint to a module
+/// that is not there; kBadTree: another rule is broken.
 [[nodiscard]] constexpr Status check_joints(const PatchImage& image) {
   if (image.second_entry != 0) {
     if (image.second_entry > joint_to(image.module_count - 1U, kPorts - 1)) return Status::kOutOfRange;

@@ -18,6 +18,7 @@ class ChainModel {
   virtual void enable(std::uint8_t cables) = 0;
   /// Bytes most significant bit first; `in` gets as many.
   virtual void exchange(Bytes out, std::span<std::uint8_t> in) = 0;
+  /// Copies every shift register to its outputs.
   virtual void latch() = 0;
   /// Bit l: SDA or SCL of line l is low while nobody drives it.
   [[nodiscard]] virtual std::uint8_t stuck_lines() const = 0;

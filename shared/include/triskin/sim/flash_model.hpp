@@ -18,11 +18,15 @@ struct PowerLost : std::runtime_error {
 class FlashModel {
  public:
   virtual ~FlashModel() = default;
+  /// Bytes of the area; a multiple of page_bytes().
   [[nodiscard]] virtual std::size_t size_bytes() const = 0;
-  [[nodiscard]] virtual std::size_t page_bytes() const = 0;     ///< 2048
+  /// Bytes that one erase_page() erases.
+  [[nodiscard]] virtual std::size_t page_bytes() const = 0;  ///< 2048
+  /// Bytes of one unit that program() writes.
   [[nodiscard]] virtual std::size_t program_bytes() const = 0;  ///< 8
   virtual bool erase_page(std::size_t offset_bytes) = 0;        ///< false: misaligned, out of range
   virtual bool program(std::size_t offset_bytes, std::span<const std::uint8_t> bytes) = 0;  ///< false: rule broken
+  /// The whole area as it reads now; erased bytes read 0xFF.
   [[nodiscard]] virtual std::span<const std::uint8_t> bytes() const = 0;
 };
 

@@ -16,9 +16,12 @@ class I2cBus {
   virtual bool write(std::uint8_t byte, std::uint64_t now_us) = 0;
   /// Reads one byte; `acknowledge` is what the master answers. 0xFF when nobody drives the line.
   virtual std::uint8_t read(bool acknowledge, std::uint64_t now_us) = 0;
+  /// Stop condition: the transfer ends.
   virtual void stop(std::uint64_t now_us) = 0;
+  /// True when SCL is high.
   /// Levels with the master's drivers released.
   [[nodiscard]] virtual bool scl() const = 0;
+  /// True when SDA is high.
   [[nodiscard]] virtual bool sda() const = 0;
   /// One SCL pulse of the bus-clear procedure (UM10204 §3.1.16).
   virtual void pulse_scl(std::uint64_t now_us) = 0;

@@ -15,6 +15,7 @@ struct CanFrame {
   std::uint8_t size = 0;         ///< bytes, 0..8, with fd 0..64
   std::array<std::uint8_t, 64> data{};
 
+  /// The bytes that the frame carries; valid as long as the frame.
   [[nodiscard]] constexpr std::span<const std::uint8_t> payload() const { return {data.data(), size}; }
   bool operator==(const CanFrame&) const = default;
 };

@@ -29,6 +29,7 @@ template <class Enum>
   return number == 1;
 }
 
+/// Status of a number from the wire.
 /// Error: kOutOfRange.
 [[nodiscard]] constexpr Result<Status> to_status(std::uint8_t number) {
   return checked_enum(number, Status::kWrongId);

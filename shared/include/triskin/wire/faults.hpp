@@ -24,6 +24,7 @@ struct FaultCode {
   ModuleState state = kFirstFaultState;  ///< one that is a fault
   std::uint8_t row = 0;                  ///< 0 … kMaxModules − 1
 
+  /// The trouble code as a number, 24 bits.
   [[nodiscard]] constexpr std::uint32_t dtc() const { return kGroup | static_cast<std::uint32_t>(state) << 16 | row; }
   /// Error: kOutOfRange (another group, no fault, no row).
   [[nodiscard]] static constexpr Result<FaultCode> of(std::uint32_t dtc) {
@@ -39,10 +40,12 @@ struct FaultCode {
 struct FaultRecord {
   FaultCode code;
   std::uint8_t status = 0;  ///< fault_status
+  /// True while the fault is present.
   [[nodiscard]] constexpr bool fails_now() const { return (status & fault_status::kFailsNow) != 0; }
   bool operator==(const FaultRecord&) const = default;
 };
 
+/// Appends a trouble code, three bytes, big-endian.
 constexpr void encode_dtc(std::uint32_t dtc, ByteWriter& out) {
   out.u8(static_cast<std::uint8_t>(dtc >> 16));
   out.be16(static_cast<std::uint16_t>(dtc));
@@ -56,8 +59,11 @@ struct FaultList {
   std::uint8_t count = 0;  ///< 0 … kMostRecords
   std::array<FaultRecord, kMostRecords> records{};
 
+  /// The records in use.
   [[nodiscard]] constexpr std::span<const FaultRecord> faults() const { return std::span(records).first(count); }
+  /// Appends a record; there must be room (kMostRecords).
   constexpr void add(const FaultRecord& r) { records[count++] = r; }
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     out.u8(available);
     for (const FaultRecord& f : faults()) encode(f, out);
@@ -102,6 +108,7 @@ struct FreezeFrame {
   FaultRecord fault;
   Freeze freeze;
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     FaultList::encode(fault, out);
     out.u8(kRecord);

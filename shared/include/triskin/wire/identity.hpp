@@ -18,6 +18,7 @@ inline constexpr std::uint16_t kWireVersion = 1;  ///< a host that meets another
 
 /// Diagnostic sessions (ISO 14229-1, 10.2).
 enum class Session : std::uint8_t { kDefault = 1, kProgramming = 2, kExtended = 3 };
+/// Session of a number from the wire.
 /// Error: kOutOfRange.
 [[nodiscard]] constexpr Result<Session> to_session(std::uint8_t number) {
   if (number < wire_number(Session::kDefault)) return std::unexpected(Status::kOutOfRange);
@@ -30,6 +31,7 @@ struct ActiveSession {
   static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
   Session session = Session::kDefault;
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(session)); }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<ActiveSession> decode(Bytes bytes) {
@@ -48,7 +50,9 @@ struct SerialNumber {
   static constexpr std::size_t kLeastBytes = UniqueId{}.size(), kMostBytes = kLeastBytes;
   UniqueId unique_id{};
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.bytes(unique_id); }
+  /// Value of these bytes.
   /// Error: kBadLength.
   [[nodiscard]] static constexpr Result<SerialNumber> decode(Bytes bytes) {
     SerialNumber s;
@@ -71,7 +75,9 @@ struct FirmwareVersion {
   static constexpr std::size_t kLeastBytes = 4, kMostBytes = 4;
   std::uint32_t version = 0;  ///< major in the highest byte
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.be32(version); }
+  /// Value of these bytes.
   /// Error: kBadLength.
   [[nodiscard]] static constexpr Result<FirmwareVersion> decode(Bytes bytes) {
     if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
@@ -93,6 +99,7 @@ struct Hello {
   std::uint8_t max_modules = layout::kMaxModules;
   std::uint8_t taxels_per_module = layout::kTaxelsPerModule;
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     out.le16(wire_version);
     out.le16(layout_version);
@@ -133,6 +140,7 @@ struct NodeAddress {
   static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
   std::uint8_t address = layout::kFirstNode;
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.u8(address); }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<NodeAddress> decode(Bytes bytes) {
@@ -154,6 +162,7 @@ struct ImageState {
   std::uint32_t size_bytes = 0;  ///< of the image
   std::uint32_t record_crc = 0;  ///< layout::slot_crc() of the image
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     out.u8(slot);
     out.u8(confirmed ? 1 : 0);

@@ -27,11 +27,13 @@ class IsoTp {
   constexpr IsoTp(std::uint32_t tx_id, std::uint32_t rx_id, std::uint8_t frame_bytes)
       : tx_id_(tx_id), rx_id_(rx_id), frame_bytes_(frame_bytes) {}
 
+  /// Identifier of the frames that it receives.
   [[nodiscard]] constexpr std::uint32_t rx_id() const { return rx_id_; }
   /// Longest frame from now on; a server answers in the frame format of the request. Ignored while sending.
   constexpr void set_frame_bytes(std::uint8_t frame_bytes) {
     if (!sending()) frame_bytes_ = frame_bytes;
   }
+  /// True while a message is being sent.
   [[nodiscard]] constexpr bool sending() const { return tx_ != Tx::kIdle; }
   /// The last complete message; valid until the next frame comes in.
   [[nodiscard]] constexpr Bytes message() const { return {rx_buffer_.data(), rx_size_}; }

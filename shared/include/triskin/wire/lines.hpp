@@ -23,6 +23,7 @@ struct LineStates {
   static constexpr std::size_t kMostBytes = 5 * layout::kLines, kLeastBytes = kMostBytes;
   std::array<LineState, layout::kLines> lines{};
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     for (const LineState& l : lines) {
       out.u8(l.stuck ? 1 : 0);
@@ -60,6 +61,7 @@ struct Discovery {
   bool done = false;
   std::array<LineReport, layout::kLines> lines{};
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     out.u8(done ? 1 : 0);
     for (const LineReport& l : lines) {

@@ -15,6 +15,7 @@ namespace triskin::wire {
 struct ModuleTaxels {
   std::uint16_t valid = 0;                                      ///< bit t: taxel t
   std::array<std::uint16_t, layout::kTaxelsPerModule> value{};  ///< the converter's results
+  /// True when the value of `taxel` (0..11) is valid.
   [[nodiscard]] constexpr bool is_valid(std::size_t taxel) const { return (valid >> taxel & 1U) != 0; }
   bool operator==(const ModuleTaxels&) const = default;
 };
@@ -29,7 +30,9 @@ struct LiveTaxels {
   std::uint8_t count = 0;       ///< modules of the table, 0 … kMaxModules
   std::array<ModuleTaxels, layout::kMaxModules> modules{};
 
+  /// Readings of the modules in the table, by row.
   [[nodiscard]] constexpr std::span<const ModuleTaxels> rows() const { return std::span(modules).first(count); }
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     out.le32(sequences);
     out.le64(time_us);

@@ -27,6 +27,7 @@ enum class ModuleState : std::uint8_t {
 inline constexpr std::size_t kModuleStateCount = 9;
 inline constexpr ModuleState kFirstFaultState = ModuleState::kAbsent;  ///< states from here on are faults
 
+/// State of a number from the wire.
 /// Error: kOutOfRange.
 [[nodiscard]] constexpr Result<ModuleState> to_module_state(std::uint8_t number) {
   return checked_enum(number, ModuleState::kDuplicate);
@@ -39,8 +40,11 @@ struct ModuleStates {
   std::uint8_t count = 0;  ///< 0 … kMaxModules
   std::array<ModuleState, layout::kMaxModules> state{};
 
+  /// States of the modules in the table, by row.
   [[nodiscard]] constexpr std::span<const ModuleState> rows() const { return std::span(state).first(count); }
+  /// Appends the state of the next row; there must be room.
   constexpr void add(ModuleState s) { state[count++] = s; }
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     for (const ModuleState s : rows()) out.u8(wire_number(s));
   }
@@ -66,6 +70,7 @@ struct SelfTestResult {
   bool done = false;
   ModuleStates modules;
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     out.u8(done ? 1 : 0);
     modules.encode(out);

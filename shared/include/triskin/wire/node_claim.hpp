@@ -28,6 +28,7 @@ inline constexpr std::size_t kIdBytesInFirst = 7;
 [[nodiscard]] constexpr std::uint32_t claim_id(const UniqueId& id) {
   return kClaimBase | (crc32(id) & kClaimMask);
 }
+/// True when the frame is a claim of a controller.
 [[nodiscard]] constexpr bool is_claim(const CanFrame& f) {
   return f.extended && (f.id & ~kClaimMask) == kClaimBase;
 }
@@ -60,12 +61,15 @@ struct NodeClaim {
   frames[1].data[7] = b;
   return frames;
 }
+/// The frames by which a controller says who and where it is, in order.
 [[nodiscard]] constexpr auto encode_claim(const NodeClaim& c) {
   return encode_id_frames(claim_id(c.unique_id), c.unique_id, c.node_address, c.has_table ? 1 : 0);
 }
+/// The frames that give a node address (1 … 126) to the controller with this unique id, in order.
 [[nodiscard]] constexpr auto encode_assignment(const UniqueId& id, std::uint8_t node_address) {
   return encode_id_frames(kAssignId, id, node_address, assignment_key(id, node_address));
 }
+/// The frame by which a host asks every controller for its claim.
 [[nodiscard]] constexpr CanFrame who_is_there() {
   CanFrame f;
   f.id = kWhoIsThereId;
@@ -80,7 +84,7 @@ class IdFrames {
     UniqueId unique_id{};
     std::uint8_t a = 0, b = 0;
   };
-  /// The pair, when `frame` completes one.
+  /// The pair, when `frame` completes one; empty otherwise.
   constexpr std::optional<Joined> add(const CanFrame& frame) {
     if (frame.size != 8 || frame.data[0] > 1) return std::nullopt;
     if (frame.data[0] == 0) {

@@ -26,13 +26,16 @@ enum class TaxelOutput : std::uint8_t {
   kCompensated = 1,  ///< 0x8000 at rest; baseline and temperature taken away
 };
 
+/// Stream mode of a number from the wire.
 /// Errors: kOutOfRange.
 [[nodiscard]] constexpr Result<StreamMode> to_stream_mode(std::uint8_t number) {
   return checked_enum(number, StreamMode::kFull);
 }
+/// Decimation of a number from the wire. Errors: kOutOfRange.
 [[nodiscard]] constexpr Result<Decimation> to_decimation(std::uint8_t number) {
   return checked_enum(number, Decimation::k64);
 }
+/// Output of a number from the wire. Errors: kOutOfRange.
 [[nodiscard]] constexpr Result<TaxelOutput> to_taxel_output(std::uint8_t number) {
   return checked_enum(number, TaxelOutput::kCompensated);
 }
@@ -43,6 +46,7 @@ struct StreamSetting {
   static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
   StreamMode mode = StreamMode::kOff;
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(mode)); }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<StreamSetting> decode(Bytes bytes) {
@@ -63,6 +67,7 @@ struct SamplingSetting {
   std::uint8_t every = 1;  ///< 1 … 255: each n-th sequence is read
   TaxelOutput output = TaxelOutput::kRaw;
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     out.u8(wire_number(decimation));
     out.u8(every);

@@ -17,9 +17,11 @@ struct Statistics {
   std::uint32_t recoveries = 0;   ///< of lines that were held low
   std::uint32_t lost_frames = 0;  ///< of the stream: the bus was slower than it
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     for (const std::uint32_t v : {sequences, bus_errors, recoveries, lost_frames}) out.le32(v);
   }
+  /// Value of these bytes.
   /// Error: kBadLength.
   [[nodiscard]] static constexpr Result<Statistics> decode(Bytes bytes) {
     if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);

@@ -20,7 +20,9 @@ struct ActiveTable {
   std::uint32_t crc = 0;     ///< CRC-32 of the image as flashed
   std::uint8_t modules = 0;  ///< 1 … kMaxModules
 
+  /// True when there is a table.
   [[nodiscard]] constexpr bool present() const { return status == Status::kOk; }
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     out.u8(wire_number(status));
     out.le32(sequence);
@@ -53,6 +55,7 @@ struct ActivationResult {
   static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
   Status status = Status::kEmpty;
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(status)); }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<ActivationResult> decode(Bytes bytes) {

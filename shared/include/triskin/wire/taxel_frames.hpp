@@ -23,6 +23,7 @@ struct IcubTaxels {
 };
 inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
 
+/// The two frames of a module in the iCub stream, in order.
 [[nodiscard]] constexpr std::array<CanFrame, 2> encode_icub(const IcubTaxels& t) {
   std::array<CanFrame, 2> frames{};
   for (CanFrame& f : frames) {
@@ -70,6 +71,7 @@ struct FullTaxels {
 inline constexpr std::uint32_t kFullBase = 0x18F00000;
 inline constexpr std::uint8_t kFullBytes = 48;
 
+/// The frame of a module in the full stream (CAN FD).
 [[nodiscard]] constexpr CanFrame encode_full(const FullTaxels& t) {
   CanFrame f;
   f.id = kFullBase | static_cast<std::uint32_t>(t.node_address) << 8 | t.module;

@@ -67,6 +67,7 @@ struct ActiveRoute {
   std::array<std::uint8_t, layout::kMaxModules> parent{};       ///< row; kNoRow: the entry, or not in the tree
   std::array<std::uint8_t, layout::kMaxModules> parent_port{};  ///< layout::kCable where there is no parent
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     out.u8(static_cast<std::uint8_t>((switched ? 1 : 0) | (busy ? 2 : 0) | (complete ? 4 : 0) | (as_table ? 8 : 0) |
                                      (least_depth ? 16 : 0) | (second_cable ? 32 : 0)));
@@ -162,6 +163,7 @@ struct RerouteResult {
   static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
   bool done = false;
 
+  /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.u8(done ? 1 : 0); }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<RerouteResult> decode(Bytes bytes) {

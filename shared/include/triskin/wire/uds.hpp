@@ -36,6 +36,7 @@ inline constexpr std::uint16_t kMaxBlockBytes = 66;  ///< 0x36 with counter: 64 
 /// 29-bit identifiers of normal fixed addressing (ISO 15765-2): 0x18DA‹target›‹source›.
 inline constexpr std::uint8_t kTesterAddress = 0xF1;
 inline constexpr std::uint32_t kPhysicalBase = 0x18DA0000, kFunctionalId = 0x18DB33F1;
+/// Identifier of a frame from `source` to `target` (normal fixed addressing).
 [[nodiscard]] constexpr std::uint32_t physical_id(std::uint8_t target, std::uint8_t source) {
   return kPhysicalBase | static_cast<std::uint32_t>(target) << 8 | source;
 }

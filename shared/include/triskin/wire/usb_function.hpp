@@ -12,6 +12,7 @@ namespace triskin::wire {
 struct UsbSetup {
   std::uint8_t type = 0, request = 0;
   std::uint16_t value = 0, index = 0, length = 0;
+  /// True when the data stage goes from the device to the host.
   [[nodiscard]] constexpr bool to_host() const { return (type & 0x80) != 0; }
 };
 
@@ -41,6 +42,7 @@ class UsbFunction {
   virtual void out(std::uint8_t endpoint, Bytes packet) = 0;
   /// The next packet of an end point of direction "in"; empty: none. Valid until the next call.
   virtual Bytes in(std::uint8_t endpoint) = 0;
+  /// True when the board should detach and attach it again.
   /// Wants to leave the bus and come back as another device (DFU).
   [[nodiscard]] virtual bool wants_to_reconnect() const = 0;
 };

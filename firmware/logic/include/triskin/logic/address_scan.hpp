@@ -34,6 +34,7 @@ class AddressScan {
   /// The line was held low. `freed`: begin again, what answered until then is incomplete; otherwise the scan ends with
   /// the line stuck.
   void line_stuck(bool freed);
+  /// What the last complete scan found.
   [[nodiscard]] const LineScan& result() const { return result_; }
 
  private:

@@ -30,7 +30,9 @@ class Compensation {
   /// One reading; `valid` has a bit a taxel. Cost: about 20 instructions a taxel.
   void add(const Taxels& raw, std::uint16_t valid);
 
+  /// Compensated value of each taxel, counts; 0x8000 at rest.
   [[nodiscard]] const Taxels& output() const { return output_; }
+  /// Change of taxel t (0..11) from its baseline, counts.
   [[nodiscard]] int change(std::size_t taxel) const { return static_cast<int>(output_[taxel]) - kRest; }
 
  private:

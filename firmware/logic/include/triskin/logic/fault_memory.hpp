@@ -23,6 +23,7 @@ class FaultMemory {
 
   using Freeze = wire::Freeze;
 
+  /// Keeps its log in `flash`, which must outlive it; load() reads it.
   explicit FaultMemory(FlashArea& flash) : flash_(flash) {}
   /// Reads what was confirmed before. Call once after power-up.
   void load();

@@ -19,6 +19,7 @@ class IcubBoard {
   /// `frame` has an 11-bit identifier. `version` is major, minor, patch, build from the high byte down.
   [[nodiscard]] Reaction handle(const wire::CanFrame& frame, std::uint8_t node_address, std::uint32_t version);
 
+  /// True when module 0..15 takes part in the stream.
   [[nodiscard]] bool enabled(std::size_t triangle) const { return (enabled_ >> triangle & 1) != 0; }
   /// 8-bit value of a taxel: what it has at rest, and the compensated change in converter counts, made smaller by the
   /// triangle's shift.

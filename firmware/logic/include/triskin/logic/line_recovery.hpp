@@ -14,6 +14,7 @@ class LineRecovery {
   /// A transfer found the line held low. True: recover it now, then call recovered(). False: it is left alone until
   /// paused_until_us().
   [[nodiscard]] bool held_low(std::uint64_t now_us);
+  /// Result of the recovery: `free` when neither SDA nor SCL is low any more.
   void recovered(bool free) { stuck_ = !free; }
   /// A transfer ended on a line that is not held low.
   void line_works();
@@ -23,6 +24,7 @@ class LineRecovery {
   void end_pause() { paused_until_us_ = 0; }
 
   [[nodiscard]] std::uint64_t paused_until_us() const { return paused_until_us_; }  ///< 0: it is not paused
+  /// True while the line is held low as far as is known.
   [[nodiscard]] bool stuck() const { return stuck_; }
   [[nodiscard]] std::uint32_t count() const { return count_; }  ///< recoveries since the sampler began
 

@@ -50,6 +50,7 @@ class ReadingSchedule {
   /// The station asks for a transfer of the caller's, not before `at_us`, that takes `length_us` at most. One at a
   /// time: the last one counts.
   void plan_errand(std::size_t station, std::uint64_t at_us, std::uint64_t length_us);
+  /// The station asks for no errand any more.
   void cancel_errand(std::size_t station);
 
   /// The chip's first sequence was started at `at_us`; nothing is known about its oscillator. No errand is left.
@@ -66,7 +67,8 @@ class ReadingSchedule {
   /// When due() gives or changes something after `now_us`, if nothing is begun before.
   [[nodiscard]] std::uint64_t next_us(std::uint64_t now_us) const;
 
-  /// The results of the present sequence stand, at `now_us`. Result: when it ended, if it is one that is sampled.
+  /// The results of the present sequence stand, at `now_us`. Result: when it ended, µs; empty: it is not one that is
+  /// sampled.
   [[nodiscard]] std::optional<std::uint64_t> read(std::size_t station, std::uint64_t now_us);
   /// The transfer of the status ended on the line at `ended_us`; bit s of `status`: stage s was converted since the
   /// last one.

@@ -16,6 +16,7 @@ class RouteKeeper {
   static constexpr std::uint64_t kCheckEvery_us = 5'000;  ///< 64 µs each with 16 modules
   static constexpr std::uint64_t kFirstPause_us = 2'000'000, kLongestPause_us = 64'000'000;
 
+  /// `chain` may be null: a board without switched modules.
   explicit RouteKeeper(RouteChain* chain)
       : topology_(chain == nullptr ? absent_ : *chain), present_(chain != nullptr) {}
 
@@ -27,18 +28,22 @@ class RouteKeeper {
   void line_state(std::uint8_t line, bool held);
   /// No module of the table answers: perhaps a switched patch that has power only now. A healing is due after a pause.
   void nothing_answers(std::uint64_t now_us);
-  /// Sampling must pause, then heal() be called.
+  /// True when sampling must pause and heal() be called then.
   [[nodiscard]] bool due(std::uint64_t now_us) const { return present_ && now_us >= heal_at_us_; }
   /// Takes up to about 60 ms with 16 modules.
   void heal(const Clock& clock);
-  /// A module answers on the chain.
+  /// True when a module answers on the chain.
   [[nodiscard]] bool switched() const { return route_.switched; }
   /// Reads the chain back. False: what was read since the last check does not count; a healing may be due then.
   bool check(std::uint64_t now_us);
+  /// True when the chain has to be checked at `now_us`.
   [[nodiscard]] bool check_due(std::uint64_t now_us) const { return switched() && now_us >= check_at_us_; }
+  /// Time at which a check or a discovery is due, µs; UINT64_MAX: never.
   [[nodiscard]] std::uint64_t next_event_us() const;
 
+  /// What is routed now, as FD08 reports it.
   [[nodiscard]] const wire::ActiveRoute& route() const { return route_; }
+  /// What the last discovery found, as FD07 reports it.
   [[nodiscard]] wire::FoundTopology found() const;
 
  private:

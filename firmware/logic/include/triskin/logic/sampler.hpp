@@ -48,9 +48,13 @@ class LineSampler {
   void resume(std::uint64_t now_us);
   /// Does what is due.
   void step(std::uint64_t now_us);
+  /// What the last scan of the addresses found.
   [[nodiscard]] const LineScan& scan() const { return scan_.result(); }
+  /// True while SDA or SCL is held low.
   [[nodiscard]] bool stuck() const { return recovery_.stuck(); }
+  /// Bus clears since the sampler began.
   [[nodiscard]] std::uint32_t recoveries() const { return recovery_.count(); }
+  /// Transfers that failed since the sampler was made.
   [[nodiscard]] std::uint32_t bus_errors() const { return bus_errors_; }
   /// When step() has something to do after `now_us`; max while a transfer is under way (the line reports its own end).
   [[nodiscard]] std::uint64_t next_event_us(std::uint64_t now_us) const;

@@ -18,7 +18,9 @@ class StreamQueue {
 
   /// Takes frames that belong together: all, or none when there is no room for all. Result: whether they were taken.
   bool push(std::span<const wire::CanFrame> frames);
+  /// True when no frame waits.
   [[nodiscard]] bool empty() const { return size_ == 0; }
+  /// Frames that wait.
   [[nodiscard]] std::size_t size() const { return size_; }
   /// The frame that waits longest; the queue must not be empty.
   [[nodiscard]] const wire::CanFrame& front() const { return frames_[first_]; }

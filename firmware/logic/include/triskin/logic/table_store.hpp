@@ -13,30 +13,40 @@ namespace triskin::fw {
 /// the new one. Layout: docs/flash_layout.md. Pages 0 and 1: slots; 2 and 3: node address.
 class TableStore {
  public:
+  /// Keeps tables and node address in `flash`, which must outlive it; load() reads them.
   explicit TableStore(FlashArea& flash) : flash_(flash) {}
 
   /// Finds the newest valid slot. Call once after power-up.
   void load();
 
+  /// True when a table is active.
   [[nodiscard]] bool has_table() const { return active_slot_ >= 0; }
+  /// The active table; only with has_table().
   [[nodiscard]] const layout::PatchImage& table() const { return table_; }
+  /// Image of the active table as flashed; empty without one.
   [[nodiscard]] Bytes active_bytes() const;
+  /// Sequence number of the active slot; it counts activations.
   [[nodiscard]] std::uint32_t sequence() const { return sequence_; }
   /// kEmpty before the first activation.
   [[nodiscard]] Status status() const { return has_table() ? Status::kOk : Status::kEmpty; }
 
   /// Receives an image for the inactive slot into RAM; nothing touches flash before activate().
   void begin_download(std::size_t size_bytes);
+  /// Takes the next bytes of the download. kOk; kNoSpace: more than were announced.
   [[nodiscard]] Status append(Bytes block);
+  /// True when as many bytes came as begin_download() announced.
   [[nodiscard]] bool downloaded() const { return staged_size_ > 0 && staged_at_ == staged_size_; }
+  /// Bytes of the image that came so far.
   [[nodiscard]] Bytes staged_bytes() const { return {staged_.data(), staged_at_}; }
   /// Decodes what was received and checks that it is for this node. kBadLength when not complete.
   [[nodiscard]] Status check_staged(std::uint8_t node_address) const;
-  /// Writes the staged image to the inactive slot, reads it back, commits it, and makes it active.
+  /// Writes the staged image to the inactive slot, reads it back, commits it, and makes it active. Errors: those of
+  /// check_staged(), kFlashFailed; the old table then stays active.
   [[nodiscard]] Status activate(std::uint8_t node_address);
 
   /// layout::kFirstNode … kLastNode; kFirstNode when never assigned.
   [[nodiscard]] std::uint8_t node_address() const { return node_address_; }
+  /// Writes the node address to flash. kOk; kOutOfRange: not 1 … 126; kFlashFailed.
   [[nodiscard]] Status set_node_address(std::uint8_t address);
 
  private:

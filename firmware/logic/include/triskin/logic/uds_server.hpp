@@ -20,15 +20,20 @@ class UdsHost {
   virtual bool read_identifier(std::uint16_t did, ByteWriter& out) = 0;
   /// kOk, kOutOfRange (unknown or bad value).
   virtual Status write_identifier(std::uint16_t did, Bytes value) = 0;
-  /// Starts a routine; its immediate result bytes go to `out`.
+  /// Starts a routine; its immediate result bytes go to `out`. kOk; kOutOfRange: no such routine; else why it cannot
+  /// start.
   virtual Status start_routine(std::uint16_t routine, Bytes option, ByteWriter& out) = 0;
+  /// Writes the result of a routine. kOk; kOutOfRange: no such routine, or none that was started.
   virtual Status routine_result(std::uint16_t routine, ByteWriter& out) = 0;
+  /// Clears the fault memory. kOk, kFlashFailed.
   virtual Status clear_faults() = 0;
   /// `mask` of status bits; writes the records of a wire::FaultList.
   virtual void read_faults(std::uint8_t mask, ByteWriter& out) = 0;
   /// Writes a DTC with its status and freeze data (wire::FreezeFrame); false: no such entry.
   virtual bool read_fault(std::uint32_t dtc, ByteWriter& out) = 0;
+  /// A reset was requested: restart when the answer has been sent.
   virtual void request_reset() = 0;
+  /// Time of the port's clock, µs.
   [[nodiscard]] virtual std::uint64_t now_us() const = 0;
 };
 
@@ -37,6 +42,7 @@ class UdsHost {
 class UdsServer {
  public:
   static constexpr std::size_t kMaxResponse = 512;
+  /// Host and tables must outlive the server.
   UdsServer(UdsHost& host, TableStore& tables) : host_(host), tables_(tables) {}
 
   /// Answers a request; empty: no response is to be sent.
@@ -47,6 +53,7 @@ class UdsServer {
   [[nodiscard]] bool transferring() const { return transfer_ != Transfer::kNone; }
   /// As after power-up: default session, locked, no transfer.
   void restart();
+  /// The session that is active.
   [[nodiscard]] wire::Session session() const { return session_; }
 
  private:

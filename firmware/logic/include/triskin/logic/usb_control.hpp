@@ -12,7 +12,9 @@ namespace triskin::fw {
 class UsbControl {
  public:
   UsbControl(const wire::UniqueId& unique_id, bool dfu_mode) : unique_id_(unique_id), dfu_mode_(dfu_mode) {}
+  /// Bus reset: address 0, not configured.
   void reset() { configuration_ = 0; }
+  /// True once the host has chosen the configuration.
   [[nodiscard]] bool configured() const { return configuration_ != 0; }
   /// As UsbFunction::control; class requests are not known here: stall.
   std::optional<Bytes> handle(const wire::UsbSetup& setup);

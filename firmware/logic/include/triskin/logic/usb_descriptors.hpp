@@ -20,6 +20,7 @@ inline constexpr std::uint8_t kVendorText = 1, kProductText = 2, kSerial = 3, kH
 
 /// Run time: HID, vendor bulk, DFU run time. DFU mode: the DFU interface alone.
 [[nodiscard]] Bytes device_descriptor(bool dfu_mode);
+/// Configuration descriptor with all its interfaces and endpoints; constant.
 [[nodiscard]] Bytes configuration_descriptor(bool dfu_mode);
 [[nodiscard]] Bytes hid_descriptor();
 [[nodiscard]] Bytes hid_report_descriptor();

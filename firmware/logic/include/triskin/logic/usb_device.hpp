@@ -29,6 +29,7 @@ class UsbDevice final : public wire::UsbFunction, public CanPort {
   bool send(const wire::CanFrame& frame) override;
   [[nodiscard]] bool has_room() const override { return !waiting_.full() || !control_.configured() || endpoint_ == 0; }
   std::optional<wire::CanFrame> receive() override;
+  /// True when a frame of the host waits to be received.
   [[nodiscard]] bool frame_waits() const { return received_.count != 0; }
 
  private:

@@ -22,35 +22,35 @@ class JsonValue {
   [[noreturn]] void fail(const std::string& what) const {
     throw InputError(fmt::format("{}: {}: {}", file_, place_.empty() ? "top level" : place_, what));
   }
-  /// Member of an object; fails on other types and where the key is missing.
+  /// Member of an object; throws InputError on other types and where the key is missing.
   [[nodiscard]] JsonValue operator[](const char* key) const {
     if (!value_.is_object()) fail("must be an object");
     const auto found = value_.find(key);
     if (found == value_.end()) fail(fmt::format("key \"{}\" is missing", key));
     return {*found, file_, place_.empty() ? key : fmt::format("{}.{}", place_, key)};
   }
-  /// Element of an array, 0-based; fails on other types and beyond the end.
+  /// Element of an array, 0-based; throws InputError on other types and beyond the end.
   [[nodiscard]] JsonValue at(std::size_t index) const {
     if (!value_.is_array() || index >= value_.size()) fail(fmt::format("must be an array with an element {}", index));
     return {value_[index], file_, fmt::format("{}[{}]", place_, index)};
   }
-  /// Number of elements; fails on all but arrays.
+  /// Number of elements; throws InputError on all but arrays.
   [[nodiscard]] std::size_t size() const {
     if (!value_.is_array()) fail("must be an array");
     return value_.size();
   }
-  /// Fails unless the value is an array of n elements.
+  /// Throws InputError unless the value is an array of n elements.
   void require_size(std::size_t n) const {
     if (size() != n) fail(fmt::format("must have {} elements, has {}", n, size()));
   }
-  /// Finite number; fails on other types, infinities and NaN.
+  /// Finite number; throws InputError on other types, infinities and NaN.
   [[nodiscard]] double number() const {
     if (!value_.is_number()) fail("must be a number");
     const double x = value_.get<double>();
     if (!std::isfinite(x)) fail("must be finite");
     return x;
   }
-  /// Integer in [low, high]; fails on other types and values.
+  /// Integer in [low, high]; throws InputError on other types and values.
   [[nodiscard]] int integer(int low, int high) const {
     if (!value_.is_number_integer()) fail("must be an integer");
     const bool huge = value_.is_number_unsigned() && value_.get<std::uint64_t>() > 0x7FFFFFFFU;
@@ -58,17 +58,17 @@ class JsonValue {
     if (huge || x < low || x > high) fail(fmt::format("must be in {} … {}", low, high));
     return static_cast<int>(x);
   }
-  /// Integer in 0 … 2⁶⁴ − 1; fails on other types and values.
+  /// Integer in 0 … 2⁶⁴ − 1; throws InputError on other types and values.
   [[nodiscard]] std::uint64_t unsigned_integer() const {
     if (!value_.is_number_unsigned()) fail("must be a whole number that is not negative");
     return value_.get<std::uint64_t>();
   }
-  /// true or false; fails on other types.
+  /// true or false; throws InputError on other types.
   [[nodiscard]] bool boolean() const {
     if (!value_.is_boolean()) fail("must be true or false");
     return value_.get<bool>();
   }
-  /// Text; fails on other types.
+  /// Text; throws InputError on other types.
   [[nodiscard]] std::string text() const {
     if (!value_.is_string()) fail("must be a text");
     return value_.get<std::string>();

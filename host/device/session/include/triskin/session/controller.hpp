@@ -33,7 +33,7 @@ class Controller {
   void require_versions(const wire::Hello& hello) const;
   /// Design id, size and CRC of the active table.
   wire::ActiveTable active_table();
-  /// Bytes of the active table, `size_bytes` of them from its start.
+  /// Bytes of the active table, `size_bytes` of them from its start. Throws DeviceError for a malformed block.
   std::vector<std::uint8_t> read_table(std::size_t size_bytes);
   /// Writes `image` into the inactive slot, lets the controller check it, and activates it. `steps` (may be empty) is
   /// called after each block with the fraction 0..1 that is written. Throws DeviceError when the table is not
@@ -59,7 +59,7 @@ class Controller {
   wire::LineStates line_states();
   /// Counters since the controller started.
   wire::Statistics statistics();
-  /// Faults that are there or were there.
+  /// Faults that are there or were there. Throws DeviceError for a malformed list.
   wire::FaultList faults();
   /// Deletes the fault memory.
   void clear_faults();
