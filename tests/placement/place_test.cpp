@@ -71,8 +71,10 @@ TEST(Place, no_heuristic_beats_the_certified_value_and_none_exceeds_its_bound) {
     const Polygon p = test::random_polygon(random, 16, 90, k % 2);
     const PlacementResult best = certified(p);
     ASSERT_TRUE(best.proved);
-    for (const auto method : {PlacementMethod::kR1, PlacementMethod::kR2, PlacementMethod::kR3, PlacementMethod::kR5,
-                              PlacementMethod::kR6, PlacementMethod::kR7}) {
+    for (const auto method : {PlacementMethod::kR1, PlacementMethod::kR2, PlacementMethod::kR3, PlacementMethod::kR4,
+                              PlacementMethod::kR5, PlacementMethod::kR6, PlacementMethod::kR7,
+                              PlacementMethod::kScanEdges, PlacementMethod::kScanSlides, PlacementMethod::kScanShifts,
+                              PlacementMethod::kScanEdgeAngles, PlacementMethod::kRandom, PlacementMethod::kDescent}) {
       PlacementOptions options;
       options.method = method;
       const PlacementResult r = place(p, options);

@@ -51,8 +51,11 @@ TEST_P(RandomPolygons, certified_value_holds_against_everything_else) {
     const PlacementResult best = run(p, PlacementMethod::kBranchAndBound, true);
     ASSERT_TRUE(best.proved);
     ASSERT_EQ(tiles_inside(p, best.placement, 2e-6).size(), static_cast<std::size_t>(best.modules));
-    for (const auto method : {PlacementMethod::kR1, PlacementMethod::kR2, PlacementMethod::kR3, PlacementMethod::kR4,
-                              PlacementMethod::kR5, PlacementMethod::kR6, PlacementMethod::kR7}) {
+    for (const auto method :
+         {PlacementMethod::kR1, PlacementMethod::kR2, PlacementMethod::kR3, PlacementMethod::kR4, PlacementMethod::kR5,
+          PlacementMethod::kR6, PlacementMethod::kR7, PlacementMethod::kScanEdges, PlacementMethod::kScanSlides,
+          PlacementMethod::kScanShifts, PlacementMethod::kScanAngles, PlacementMethod::kScanEdgeAngles,
+          PlacementMethod::kRandom, PlacementMethod::kDescent}) {
       ASSERT_LE(run(p, method).modules, best.upper_bound);
     }
     Polygon other = test::moved(p, test::uniform(random, -3, 3), {test::uniform(random, -500, 500), 77}, k % 2 == 0);

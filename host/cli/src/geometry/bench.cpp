@@ -41,6 +41,8 @@ const Registration kBench{{
       auto options = std::make_shared<BenchOptions>();
       app.add_option("WHAT", *subject, "subject: placement, …")->required();
       app.add_flag("--quick", options->quick, "ends within 50 s");
+      app.add_option("--data", options->data, "folder with parts/ and blender/ (real covers and their nets)")
+          ->envname("TRISKIN_DATA");
       return [subject, options](Output& output) { return run(*subject, *options, output); };
     },
 }};

@@ -66,7 +66,8 @@ nlohmann::json row_of(const char* series, const std::string& shape, const Surfac
 
 class Rows {
  public:
-  Rows(const BenchOptions& options, Output& output) : quick_(options.quick), sink_(output.progress()) {}
+  Rows(const BenchOptions& options, Output& output)
+      : quick_(options.quick), data_(options.data), sink_(output.progress()) {}
 
   nlohmann::json run() {
     const Surface sheet(wavy_sheet(700.0, 800));
@@ -75,21 +76,20 @@ class Rows {
     over_island_cost(sheet);
     over_faces();
     over_area();
-    if (const char* data = std::getenv("TRISKIN_DATA"); data != nullptr && !quick_) {
-      over_time("UT_torso_v1", Surface(geometry::read_mesh(fs::path(data) / "parts/UT_torso_v1.obj").mesh));
+    if (!data_.empty() && !quick_) {
+      over_time("UT_torso_v1", Surface(geometry::read_mesh(fs::path(data_) / "parts/UT_torso_v1.obj").mesh));
     }
     return std::move(rows_);
   }
 
   // The real covers, in the folder that TRISKIN_DATA names, against the nets that another program made of them.
   nlohmann::json run_nets() {
-    const char* data = std::getenv("TRISKIN_DATA");
-    if (data == nullptr)
-      throw InputError("bench nets: the variable TRISKIN_DATA must name the folder with parts/ and blender/");
+    if (data_.empty())
+      throw InputError("bench nets: --data or TRISKIN_DATA must name the folder with parts/ and blender/");
     for (const char* part :
          {"LH_hipwing_v1", "LUA_upperarm_half_v1", "RFA_forearm_v1", "SHANK_front_v25", "RUF_forearm_v2",
           "UA_upperarm_v1", "HIP_v1", "ROOT_v25", "UL_upperleg_v1", "UT_torso_v1", "LT_root_v2", "HEAD_v1"}) {
-      const fs::path mesh = fs::path(data) / "parts" / (std::string(part) + ".obj"), net = net_of(data, part);
+      const fs::path mesh = fs::path(data_) / "parts" / (std::string(part) + ".obj"), net = net_of(data_, part);
       if (!fs::exists(net)) throw InputError("bench nets: " + net.string() + ": no such file");
       geometry::SurfaceLatticeOptions o;
       o.time_limit_s = quick_ ? 1.5 : 20.0;
@@ -214,6 +214,7 @@ class Rows {
   }
 
   bool quick_;
+  std::string data_;
   ProgressSink sink_;
   nlohmann::json rows_ = nlohmann::json::array();
 };

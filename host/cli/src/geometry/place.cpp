@@ -18,6 +18,7 @@ struct Options {
   std::string polygon;
   std::string proof;
   std::string weights;
+  std::vector<int> node{0, 0};
   geometry::PlacementOptions placement;
 };
 
@@ -39,6 +40,14 @@ int run(const Options& options, Output& output) {
   nlohmann::json tiles = nlohmann::json::array();
   for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
   output.result["tiles"] = std::move(tiles);
+  if (r.pivoted) {
+    const geometry::Vec2& pivot = polygon.outer.at(static_cast<std::size_t>(r.pivoted->vertex));
+    output.result["pivoted_placement"] = {{"x_mm", r.pivoted->x_mm},
+                                          {"y_mm", r.pivoted->y_mm},
+                                          {"theta_rad", r.pivoted->theta_rad},
+                                          {"vertex", r.pivoted->vertex},
+                                          {"pivot_mm", {pivot.x(), pivot.y()}}};
+  }
   if (options.placement.weights) {
     output.result["weight"] = r.weight;
     output.result["weight_bound"] = r.weight_bound;
@@ -63,48 +72,76 @@ int run(const Options& options, Output& output) {
   return 0;
 }
 
+void add_method(CLI::App& app, Options& options) {
+  geometry::PlacementOptions& placement = options.placement;
+  static const std::map<std::string, PlacementMethod> kMethods{{"bnb", PlacementMethod::kBranchAndBound},
+                                                               {"r1", PlacementMethod::kR1},
+                                                               {"r2", PlacementMethod::kR2},
+                                                               {"r3", PlacementMethod::kR3},
+                                                               {"r4", PlacementMethod::kR4},
+                                                               {"r5", PlacementMethod::kR5},
+                                                               {"r6", PlacementMethod::kR6},
+                                                               {"r7", PlacementMethod::kR7},
+                                                               {"scan-edges", PlacementMethod::kScanEdges},
+                                                               {"scan-slides", PlacementMethod::kScanSlides},
+                                                               {"scan-shifts", PlacementMethod::kScanShifts},
+                                                               {"scan-angles", PlacementMethod::kScanAngles},
+                                                               {"scan-edge-angles", PlacementMethod::kScanEdgeAngles},
+                                                               {"random", PlacementMethod::kRandom},
+                                                               {"descent", PlacementMethod::kDescent}};
+  app.add_option("--method", placement.method,
+                 "bnb (certified); r1 … r7, the heuristics of the reference paper (docs/paper.md); scan-edges, "
+                 "scan-slides, scan-shifts, scan-angles, scan-edge-angles, random, descent (docs/placement.md)")
+      ->transform(CLI::CheckedTransformer(kMethods, CLI::ignore_case));
+  app.add_option("--line-deg", placement.paper.line_deg, "the generating line of r2 … r7: 0, 60 or 300")
+      ->check(CLI::IsMember({0, 60, 300}))
+      ->capture_default_str();
+  app.add_option("--node", options.node, "the grid node I J of r2 … r7")->expected(2)->capture_default_str();
+  app.add_option(
+         "--draws", placement.paper.draws,
+         "random draws of r1 (in all), r5 (places a placement of r2), r6 (angles a vertex), r7 (places a pair); "
+         "0: 1000, 1, 2, half the vertices")
+      ->check(CLI::Range(0, 1'000'000'000))
+      ->capture_default_str();
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("POLYGON", options.polygon, "GeoJSON or WKT polygon in mm, holes allowed")->required();
+  add_method(app, options);
+  app.add_option("--tolerance-mm", options.placement.tolerance_mm, "a module may stand over by this much")
+      ->capture_default_str();
+  static const std::map<std::string, geometry::TileShape> kShapes{{"triangle", geometry::TileShape::kTriangle},
+                                                                  {"square", geometry::TileShape::kSquare},
+                                                                  {"hexagon", geometry::TileShape::kHexagon}};
+  app.add_option("--shape", options.placement.shape, "modules with sides of 30 mm: triangle, square or hexagon")
+      ->transform(CLI::CheckedTransformer(kShapes, CLI::ignore_case));
+  app.add_option("--gap-mm", options.placement.gap_mm, "free space between facing sides of modules")
+      ->capture_default_str();
+  app.add_option("--time-limit-s", options.placement.time_limit_s, "0: none")->capture_default_str();
+  app.add_flag("!--no-clearance", options.placement.largest_clearance,
+               "do not look for the placement with the largest clearance");
+  app.add_flag("--connected", options.placement.connected, "the most modules that hang together by sides (method bnb)");
+  app.add_option("--weights", options.weights,
+                 "JSON raster of what a module is worth by its place (docs/placement.md): the largest sum, not "
+                 "number (method bnb)");
+  app.add_flag("--deficit", options.placement.deficit,
+               "also how far the sides of modules must give way for one module more (method bnb)");
+  app.add_option("--proof", options.proof, "write a log that check-proof accepts or rejects (method bnb)");
+  app.add_option("--threads", options.placement.threads, "0: all cores; the answer does not depend on it")
+      ->check(CLI::Range(0, 1024));
+  app.add_option("--seed", options.placement.seed, "for the random heuristics")->capture_default_str();
+}
+
 const Registration kPlace{{
     "place",
     "place a polygon on the isometric grid so that as many modules as possible lie wholly inside",
     "triskin place outline.geojson --method bnb --json",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      static const std::map<std::string, PlacementMethod> kMethods{{"bnb", PlacementMethod::kBranchAndBound},
-                                                                   {"r1", PlacementMethod::kR1},
-                                                                   {"r2", PlacementMethod::kR2},
-                                                                   {"r3", PlacementMethod::kR3},
-                                                                   {"r4", PlacementMethod::kR4},
-                                                                   {"r5", PlacementMethod::kR5},
-                                                                   {"r6", PlacementMethod::kR6},
-                                                                   {"r7", PlacementMethod::kR7}};
-      app.add_option("POLYGON", options->polygon, "GeoJSON or WKT polygon in mm, holes allowed")->required();
-      app.add_option("--method", options->placement.method, "bnb (certified) or one of the paper's r1 … r7")
-          ->transform(CLI::CheckedTransformer(kMethods, CLI::ignore_case));
-      app.add_option("--tolerance-mm", options->placement.tolerance_mm, "a module may stand over by this much")
-          ->capture_default_str();
-      static const std::map<std::string, geometry::TileShape> kShapes{{"triangle", geometry::TileShape::kTriangle},
-                                                                      {"square", geometry::TileShape::kSquare},
-                                                                      {"hexagon", geometry::TileShape::kHexagon}};
-      app.add_option("--shape", options->placement.shape, "modules with sides of 30 mm: triangle, square or hexagon")
-          ->transform(CLI::CheckedTransformer(kShapes, CLI::ignore_case));
-      app.add_option("--gap-mm", options->placement.gap_mm, "free space between facing sides of modules")
-          ->capture_default_str();
-      app.add_option("--time-limit-s", options->placement.time_limit_s, "0: none")->capture_default_str();
-      app.add_flag("!--no-clearance", options->placement.largest_clearance,
-                   "do not look for the placement with the largest clearance");
-      app.add_flag("--connected", options->placement.connected,
-                   "the most modules that hang together by sides (method bnb)");
-      app.add_option("--weights", options->weights,
-                     "JSON raster of what a module is worth by its place (docs/placement.md): the largest sum, not "
-                     "number (method bnb)");
-      app.add_flag("--deficit", options->placement.deficit,
-                   "also how far the sides of modules must give way for one module more (method bnb)");
-      app.add_option("--proof", options->proof, "write a log that check-proof accepts or rejects (method bnb)");
-      app.add_option("--threads", options->placement.threads, "0: all cores; the answer does not depend on it")
-          ->check(CLI::Range(0, 1024));
-      app.add_option("--seed", options->placement.seed, "for the random heuristics")->capture_default_str();
+      add_options(app, *options);
       return [options](Output& output) {
         options->placement.keep_proof = !options->proof.empty();
+        options->placement.paper.node = {options->node[0], options->node[1]};
         const bool exact = options->placement.method == PlacementMethod::kBranchAndBound;
         if (options->placement.keep_proof && !exact) throw InputError("--proof: only --method bnb proves its answer");
         if (!options->weights.empty())

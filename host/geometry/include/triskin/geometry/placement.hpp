@@ -7,13 +7,33 @@
 #include <vector>
 
 #include "triskin/geometry/design_types.hpp"
+#include "triskin/geometry/paper/heuristics.hpp"
 #include "triskin/geometry/weight_map.hpp"
 #include "triskin/host/names.hpp"
 #include "triskin/host/progress.hpp"
 
 namespace triskin::geometry {
 
-enum class PlacementMethod { kBranchAndBound, kR1, kR2, kR3, kR4, kR5, kR6, kR7 };
+/// How place() looks for a placement.
+enum class PlacementMethod {
+  kBranchAndBound,  ///< certified
+  // The heuristics of the reference paper (paper/heuristics.hpp): triangles without gap.
+  kR1,
+  kR2,
+  kR3,
+  kR4,
+  kR5,
+  kR6,
+  kR7,
+  // Grid scans and descents (docs/placement.md): every shape and gap.
+  kScanEdges,
+  kScanSlides,
+  kScanShifts,
+  kScanAngles,
+  kScanEdgeAngles,
+  kRandom,
+  kDescent
+};
 /// Shape of a module, with sides of 30 mm.
 enum class TileShape { kTriangle, kHexagon, kSquare };
 /// Names in options and proof files: "triangle", "square", "hexagon".
@@ -29,6 +49,7 @@ struct PlacementOptions {
   double time_limit_s = 60.0;  ///< ≤ 0: none
   int threads = 0;             ///< 0: all cores; the answer does not depend on it
   std::uint64_t seed = 1;
+  paper::HeuristicOptions paper;  ///< what the paper leaves open of R1 … R7; the seed is the one above
   bool keep_proof = false;        ///< fill PlacementResult::proof (branch and bound only)
   bool largest_clearance = true;  ///< among the optima the placement with the largest clearance (branch and bound only)
   /// Objective (branch and bound only): the number of tiles; with `connected` the number of tiles connected by sides;
@@ -66,7 +87,8 @@ struct PlacementResult {
   double weight_bound = 0.0;    ///< no placement has more
   double tolerance_mm = 0.0;
   Placement placement;
-  std::vector<Tile> tiles;  ///< grid triangles wholly inside, sorted
+  std::optional<paper::PivotedPlacement> pivoted;  ///< methods R1 … R7: the placement as the paper has it
+  std::vector<Tile> tiles;                         ///< grid triangles wholly inside, sorted
   std::int64_t evaluations = 0;
   std::int64_t cells = 0;
   double search_seconds = 0.0;  ///< of that until value and bound stood
@@ -84,9 +106,9 @@ struct PlacementResult {
 [[nodiscard]] PlacementResult place(const Polygon& polygon, const PlacementOptions& options = {},
                                     const ProgressSink& progress = {});
 
-/// Algorithm 1 of the paper, extended to holes: the triangles that lie in the moved polygon, each allowed to stand over
-/// by `tolerance_mm`, sorted. `polygon` must be normalized (polygon_io.hpp); nothing is checked. Thread-safe. Cost:
-/// O(edges · tiles that they pass).
+/// The triangles that lie in the moved polygon, holes taken into account, each allowed to stand over by `tolerance_mm`,
+/// sorted. `polygon` must be normalized (polygon_io.hpp); nothing is checked. Thread-safe. Cost: O(edges · tiles that
+/// they pass).
 [[nodiscard]] std::vector<Tile> tiles_inside(const Polygon& polygon, const Placement& placement, double tolerance_mm,
                                              double gap_mm = 0.0);
 

@@ -9,7 +9,7 @@
 
 namespace triskin::geometry {
 
-/// The paper's Algorithm 1 with holes, for many motions of one polygon: which tiles lie inside with a margin of
+/// For many motions of one polygon, holes included: which tiles lie inside with a margin of
 /// `inset_mm` (negative: may stand over by that much). Keeps its memory from call to call: one object a thread.
 /// Cost of a call: O(edges · tiles they pass + tiles of the polygon's box); pairs of edge and tile are evaluated eight
 /// at once.

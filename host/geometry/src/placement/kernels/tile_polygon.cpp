@@ -93,6 +93,11 @@ PreparedPolygon prepare(const Polygon& polygon) {
   return p;
 }
 
+Motion to_motion(const PreparedPolygon& polygon, const Placement& at) {
+  const Vec2 moved = rotate(polygon.first + polygon.center, std::cos(at.theta_rad), std::sin(at.theta_rad));
+  return {at.x_mm + moved.x(), at.y_mm + moved.y(), at.theta_rad};
+}
+
 Placement to_placement(const PreparedPolygon& polygon, const Motion& motion) {
   const Vec2 moved = rotate(polygon.first + polygon.center, std::cos(motion.theta), std::sin(motion.theta));
   return {motion.x - moved.x(), motion.y - moved.y(), motion.theta};

@@ -30,6 +30,7 @@ struct PreparedPolygon {
 struct Motion {
   double x = 0.0, y = 0.0, theta = 0.0;
 };
+[[nodiscard]] Motion to_motion(const PreparedPolygon& polygon, const Placement& placement);
 [[nodiscard]] Placement to_placement(const PreparedPolygon& polygon, const Motion& motion);
 
 }  // namespace triskin::geometry

@@ -10,7 +10,7 @@
 #include "placement/kernels/weighted_tiles.hpp"
 #include "placement/search/branch_and_bound.hpp"
 #include "placement/search/clearance.hpp"
-#include "placement/search/heuristics.hpp"
+#include "placement/search/scans.hpp"
 #include "triskin/geometry/placement.hpp"
 #include "triskin/geometry/polygon_io.hpp"
 #include "triskin/host/error.hpp"
@@ -28,12 +28,18 @@ Clock::time_point deadline_after(double seconds) {
          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(seconds, 1e8)));
 }
 
+bool is_of_paper(PlacementMethod m) {
+  return m >= PlacementMethod::kR1 && m <= PlacementMethod::kR7;
+}
+
 void require_sane(const PlacementOptions& o) {
   if (!(o.tolerance_mm >= 1e-8 && o.tolerance_mm <= 1.0)) {
     throw InputError(fmt::format("tolerance {} mm: must be in 1e-8 … 1 (the rounding pad is 1e-9)", o.tolerance_mm));
   }
   if ((o.connected || o.weights) && o.method != PlacementMethod::kBranchAndBound)
     throw InputError("connected modules and weights: only method bnb can do them");
+  if (is_of_paper(o.method) && (o.shape != TileShape::kTriangle || o.gap_mm != 0.0))
+    throw InputError("methods r1 … r7 place triangles without a gap; the scans take other shapes and gaps");
   if (o.connected && o.weights) throw InputError("connected modules and weights: one aim at a time");
   if ((o.connected || o.weights) && (o.keep_proof || o.deficit))
     throw InputError("connected modules and weights: there is no proof file and no deficit for them");
@@ -57,8 +63,8 @@ struct Placing {
   void certify_count() {
     // A few descents give a value to beat: the search then opens only cells that promise more.
     PlacementOptions start_options = options;
-    start_options.method = PlacementMethod::kR7;
-    const HeuristicResult first = run_heuristic(polygon, grid, start_options, 2);
+    start_options.method = PlacementMethod::kDescent;
+    const ScanResult first = run_scan(polygon, grid, start_options, 2);
     const SearchGoal goal{.inset_mm = 0.0,
                           .tolerance_mm = options.tolerance_mm,
                           .known = first.modules,
@@ -145,13 +151,38 @@ struct Placing {
     result.search_seconds = std::chrono::duration<double>(Clock::now() - start).count();
   }
 
-  void by_heuristic() {
-    const HeuristicResult found = run_heuristic(polygon, grid, options);
+  void by_scan() {
+    const ScanResult found = run_scan(polygon, grid, options);
     result.modules = found.modules;
     result.evaluations = found.evaluations;
+    motion = found.motion;
+    bound_by_area();
+  }
+
+  // B_u of the paper (Section IV-C), with room for rounding.
+  void bound_by_area() {
     result.upper_bound = static_cast<int>(std::floor(area_mm2 / grid.area_mm2 * (1.0 + 1e-6) + 1e-3));
     result.proved = result.modules == result.upper_bound;
-    motion = found.motion;
+  }
+
+  // Algorithm 2 with one of R1 … R7. Touching is half the tolerance, so that what stands over by two contacts passes
+  // the exact recheck.
+  void by_paper(const Polygon& normalized) {
+    const auto heuristic =
+        static_cast<paper::Heuristic>(1 + static_cast<int>(options.method) - static_cast<int>(PlacementMethod::kR1));
+    paper::HeuristicOptions chosen = options.paper;
+    chosen.seed = options.seed;
+    const paper::BestPlacement best =
+        paper::algorithm2(normalized, std::span(&heuristic, 1), chosen,
+                          {.touch_mm = 0.5 * options.tolerance_mm, .reject_pierced = true}, deadline);
+    result.evaluations = best.evaluations;
+    result.pivoted = best.placement;
+    if (best.placement) motion = to_motion(polygon, paper::without_pivot(normalized, *best.placement));
+    // A crack thinner than the tolerance through a node escapes the three sides: such modules do not stay.
+    std::ranges::set_intersection(best.patch, Evaluator(polygon, grid).tiles(motion, -options.tolerance_mm),
+                                  std::back_inserter(result.tiles));
+    result.modules = static_cast<int>(result.tiles.size());
+    bound_by_area();
   }
 };
 
@@ -159,18 +190,15 @@ struct Placing {
 
 std::vector<Tile> tiles_inside(const Polygon& polygon, const Placement& placement, double tolerance_mm, double gap_mm) {
   const PreparedPolygon p = prepare(polygon);
-  const double c = std::cos(placement.theta_rad), s = std::sin(placement.theta_rad);
-  const Vec2 o = p.first + p.center;
-  const Motion motion{placement.x_mm + c * o.x() - s * o.y(), placement.y_mm + s * o.x() + c * o.y(),
-                      placement.theta_rad};
   const TileGrid grid = tile_grid(TileShape::kTriangle, gap_mm);
-  return Evaluator(p, grid).tiles(motion, -tolerance_mm);
+  return Evaluator(p, grid).tiles(to_motion(p, placement), -tolerance_mm);
 }
 
 PlacementResult place(const Polygon& input, const PlacementOptions& options, const ProgressSink& progress) {
   require_sane(options);
   const auto start = Clock::now();
-  const PreparedPolygon polygon = prepare(normalize_polygon(input, "polygon"));
+  const Polygon normalized = normalize_polygon(input, "polygon");
+  const PreparedPolygon polygon = prepare(normalized);
   const TileGrid grid = tile_grid(options.shape, options.gap_mm);
   if (polygon_area(input) > kMostTiles * grid.area_mm2) {
     throw InputError(fmt::format("polygon: {:.4g} m² would take more than {:.0g} modules; are the coordinates in mm?",
@@ -187,10 +215,12 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
       placing.certify_objective();
     else
       placing.refine();
+  } else if (is_of_paper(options.method)) {
+    placing.by_paper(normalized);
   } else {
-    placing.by_heuristic();
+    placing.by_scan();
   }
-  result.tiles = Evaluator(polygon, grid).tiles(placing.motion, result.clearance_mm);
+  if (!is_of_paper(options.method)) result.tiles = Evaluator(polygon, grid).tiles(placing.motion, result.clearance_mm);
   if (options.connected) result.tiles = largest_component(grid, result.tiles);
   result.placement = to_placement(polygon, placing.motion);
   result.proof.shape = options.shape;

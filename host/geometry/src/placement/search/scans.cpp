@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "placement/search/heuristics.hpp"
+#include "placement/search/scans.hpp"
 
 #include <chrono>
 #include <random>
@@ -11,9 +11,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-class Heuristic {
+class Scan {
  public:
-  Heuristic(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, int descents)
+  Scan(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, int descents)
       : polygon_(polygon),
         options_(options),
         evaluator_(polygon, grid),
@@ -27,24 +27,24 @@ class Heuristic {
     }
   }
 
-  HeuristicResult run() {
+  ScanResult run() {
     switch (options_.method) {
-      case PlacementMethod::kR1:
+      case PlacementMethod::kScanEdges:
         edges_on_grid_lines(false);
         break;
-      case PlacementMethod::kR2:
+      case PlacementMethod::kScanSlides:
         edges_on_grid_lines(true);
         break;
-      case PlacementMethod::kR3:
+      case PlacementMethod::kScanShifts:
         translations(0.0, 1.0);
         break;
-      case PlacementMethod::kR4:
+      case PlacementMethod::kScanAngles:
         angles_and_translations(60, 1.0);
         break;
-      case PlacementMethod::kR5:
+      case PlacementMethod::kScanEdgeAngles:
         edge_angles_and_translations(2.0);
         break;
-      case PlacementMethod::kR6:
+      case PlacementMethod::kRandom:
         random_placements(2000);
         break;
       default:
@@ -55,7 +55,6 @@ class Heuristic {
   }
 
  private:
-  // Algorithm 2: keep the best.
   int try_motion(const Motion& m) {
     ++best_.evaluations;
     const int n = evaluator_.count(m, -options_.tolerance_mm);
@@ -89,7 +88,6 @@ class Heuristic {
     }
   }
 
-  // Algorithm 3.
   void angles_and_translations(int n_angles, double step_mm) {
     for (int k = 0; k < n_angles && !out_of_time(); ++k) translations(period_ * k / n_angles, step_mm);
   }
@@ -138,14 +136,14 @@ class Heuristic {
   const double period_, pitch_, height_;
   Clock::time_point deadline_ = Clock::time_point::max();
   std::mt19937_64 random_{options_.seed};
-  HeuristicResult best_;
+  ScanResult best_;
 };
 
 }  // namespace
 
-HeuristicResult run_heuristic(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options,
-                              int descents) {
-  return Heuristic(polygon, grid, options, descents).run();
+ScanResult run_scan(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options,
+                    int descents) {
+  return Scan(polygon, grid, options, descents).run();
 }
 
 }  // namespace triskin::geometry

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "placement/kernels/tile_polygon.hpp"
+
+namespace triskin::geometry {
+
+struct ScanResult {
+  Motion motion;
+  int modules = -1;
+  std::int64_t evaluations = 0;
+};
+
+/// Grid scans and descents: the best of a list of placements (docs/placement.md says what each method lists), for every
+/// shape of tiles and any gap. Deterministic for a seed; ends early at options.time_limit_s.
+/// `descents` is the number of random starts of PlacementMethod::kDescent.
+[[nodiscard]] ScanResult run_scan(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options,
+                                  int descents = 40);
+
+}  // namespace triskin::geometry
