@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "triskin/geometry/random_patch.hpp"
+#include "triskin/host/dice.hpp"
 
 namespace triskin::geometry {
 namespace {
