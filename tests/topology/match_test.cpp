@@ -90,7 +90,7 @@ TEST(Match, names_a_missing_joint_an_absent_module_and_a_turned_one) {
     if (const auto [a, b] = spare_joint(design); a >= 0) {
       const auto match = device::match_topology(found_on(design, {fault(FaultKind::kOpenJoint, a, b)}), design, 0);
       const auto& d = only(match);
-      EXPECT_EQ(d.kind, FindingKind::kMissingJoint);
+      EXPECT_EQ(d.kind, device::FindingKind::kMissingJoint);
       EXPECT_EQ(std::minmax(d.module, d.other), std::minmax(a, b));
       ++joints;
     }
@@ -98,7 +98,7 @@ TEST(Match, names_a_missing_joint_an_absent_module_and_a_turned_one) {
     if (std::ranges::count(patch.articulation, leaf) == 0) {
       const auto match = device::match_topology(found_on(design, {fault(FaultKind::kDeadModule, leaf)}), design, 0);
       const auto& gone = only(match);
-      EXPECT_EQ(gone.kind, FindingKind::kMissingModule);
+      EXPECT_EQ(gone.kind, device::FindingKind::kMissingModule);
       EXPECT_EQ(gone.module, leaf);
     }
     const int turned = patch.modules[1 + random() % (patch.modules.size() - 1)].node;
@@ -106,7 +106,7 @@ TEST(Match, names_a_missing_joint_an_absent_module_and_a_turned_one) {
     const auto match =
         device::match_topology(found_on(design, {fault(FaultKind::kRotatedModule, turned, -1, steps)}), design, 0);
     const auto& d = only(match);
-    EXPECT_EQ(d.kind, FindingKind::kRotatedModule);
+    EXPECT_EQ(d.kind, device::FindingKind::kRotatedModule);
     EXPECT_EQ(d.module, turned);
     EXPECT_EQ(d.steps, steps);
   }
@@ -124,7 +124,7 @@ TEST(Match, names_exchanged_modules_and_an_extra_joint) {
       const auto match =
           device::match_topology(found_on(design, {fault(FaultKind::kSwappedChips, a.node, b.node)}), design, 0);
       const auto& d = only(match);
-      EXPECT_EQ(d.kind, FindingKind::kSwappedModules);
+      EXPECT_EQ(d.kind, device::FindingKind::kSwappedModules);
       EXPECT_EQ(std::minmax(d.module, d.other), std::minmax(a.node, b.node));
       ++exchanges;
     }
@@ -138,7 +138,7 @@ TEST(Match, names_exchanged_modules_and_an_extra_joint) {
       const auto match =
           device::match_topology(found_on(design, {fault(FaultKind::kExtraJoint, a.node, b.node)}), design, 0);
       const auto& d = only(match);
-      EXPECT_EQ(d.kind, FindingKind::kExtraJoint);
+      EXPECT_EQ(d.kind, device::FindingKind::kExtraJoint);
       EXPECT_EQ(std::minmax(d.module, d.other), std::minmax(a.node, b.node));
       ++extras;
     }
@@ -169,17 +169,17 @@ TEST(Verify, of_switched_modules_says_what_the_chain_shows) {
   const int turned = design.patches[0].modules.back().node;
   auto r = verified(design, {fault(FaultKind::kRotatedModule, turned, -1, 1)});
   ASSERT_EQ(r.findings.size(), 1U);
-  EXPECT_EQ(r.findings[0].kind, FindingKind::kRotatedModule);
+  EXPECT_EQ(r.findings[0].kind, device::FindingKind::kRotatedModule);
   EXPECT_EQ(r.findings[0].module, turned);
   const auto [a, b] = spare_joint(design);
   ASSERT_GE(a, 0);
   r = verified(design, {fault(FaultKind::kOpenJoint, a, b)});
   ASSERT_EQ(r.findings.size(), 1U);
-  EXPECT_EQ(r.findings[0].kind, FindingKind::kMissingJoint);
+  EXPECT_EQ(r.findings[0].kind, device::FindingKind::kMissingJoint);
   EXPECT_EQ(r.modules_ok, 13);
   r = verified(design, {fault(FaultKind::kDeadModule, turned)});
   ASSERT_EQ(r.findings.size(), 1U);
-  EXPECT_EQ(r.findings[0].kind, FindingKind::kMissingModule);
+  EXPECT_EQ(r.findings[0].kind, device::FindingKind::kMissingModule);
   EXPECT_EQ(r.modules_ok, 12);
 }
 
@@ -193,7 +193,7 @@ TEST(Verify, names_controllers_that_are_plugged_into_each_others_patch) {
   exchanged.other = 1;
   const auto r = verified(design, {exchanged});
   ASSERT_GE(r.findings.size(), 2U);
-  for (const auto& f : r.findings) EXPECT_EQ(f.kind, FindingKind::kWrongPatch) << f.text;
+  for (const auto& f : r.findings) EXPECT_EQ(f.kind, device::FindingKind::kWrongPatch) << f.text;
   EXPECT_EQ(r.modules_ok, 0);
 }
 
@@ -216,7 +216,7 @@ TEST(Flash, a_prepared_route_leaves_the_failed_module_out_and_is_no_wrong_table)
   EXPECT_EQ(route.alive, 0x7FF);
   const auto r = device::verify(bus, design, {});
   ASSERT_EQ(r.findings.size(), 1U);
-  EXPECT_EQ(r.findings[0].kind, FindingKind::kBackupRoute);
+  EXPECT_EQ(r.findings[0].kind, device::FindingKind::kBackupRoute);
   EXPECT_EQ(r.modules_ok, 11);
   EXPECT_EQ(device::parse_route("backup:4-7"), (device::RouteChoice{4, 7}));
   EXPECT_THROW((void)device::parse_route("backup:x"), InputError);
