@@ -113,14 +113,18 @@ double module_overlap(const Triangle3& a, const Triangle3& b) {
   return overlap(fa, fb);
 }
 
-// Open segment against triangle in space (Möller and Trumbore, 1997).
+// Open segment against the inside of a triangle. The heights of the ends over the plane say whether the segment crosses
+// it, and by their ratio where: that point lies on the segment however flat it crosses, so that no determinant that
+// vanishes on flat faces decides, and no tolerance is needed.
 bool pierces(const P3& a, const P3& b, const Triangle3& t) {
-  const P3 d = b - a, e1 = t[1] - t[0], e2 = t[2] - t[0], h = d.cross(e2);
-  const double det = e1.dot(h);
-  if (std::abs(det) < 1e-12) return false;
-  const P3 s = a - t[0];
-  const double u = s.dot(h) / det, v = d.dot(s.cross(e1)) / det, w = e2.dot(s.cross(e1)) / det;
-  return u > 0 && v > 0 && u + v < 1 && w > 0 && w < 1;
+  const P3 e1 = t[1] - t[0], e2 = t[2] - t[0], normal = e1.cross(e2);
+  const double height_a = normal.dot(a - t[0]), height_b = normal.dot(b - t[0]);
+  if (!(height_a < 0 && height_b > 0) && !(height_a > 0 && height_b < 0)) return false;
+  const P3 at = a + height_a / (height_a - height_b) * (b - a) - t[0];
+  // Barycentric coordinates by the Gram matrix of the sides; its determinant is the square of twice the area.
+  const double g11 = e1.dot(e1), g12 = e1.dot(e2), g22 = e2.dot(e2), r1 = e1.dot(at), r2 = e2.dot(at);
+  const double u = g22 * r1 - g12 * r2, v = g11 * r2 - g12 * r1;
+  return u > 0 && v > 0 && u + v < g11 * g22 - g12 * g12;
 }
 
 // How far inside the other triangle the piercing goes, in space: shrink one until it no longer pierces.

@@ -11,14 +11,19 @@ constexpr double kApart_mm = 4.0 * kHeight_mm / 3.0;  // two circumradii: centro
 constexpr double kLayer_mm = 10.0;                    // modules farther apart along the normal lie on different sheets
 constexpr double kOpposite = -0.2;
 
-// Segment through the inside of a triangle (Möller and Trumbore, 1997).
+// Segment through the inside of a triangle: its ends lie on different sides of the plane, and the point between them,
+// in the ratio of their distances, lies left of every side. On flat faces the distances are rounding alone; the point
+// then still lies on the segment, and modules that are shrunk from each other stay apart there.
 bool passes(const Vec3& from, const Vec3& to, const Triangle& t) {
-  const Vec3 d = to - from, u = t[1] - t[0], v = t[2] - t[0], p = d.cross(v);
-  const double volume = u.dot(p);
-  if (std::abs(volume) < 1e-12) return false;
-  const Vec3 o = from - t[0], q = o.cross(u);
-  const double a = o.dot(p) / volume, b = d.dot(q) / volume, along_segment = v.dot(q) / volume;
-  return a > 0 && b > 0 && a + b < 1 && along_segment > 0 && along_segment < 1;
+  const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
+  const double below = normal.dot(t[0] - from), above = normal.dot(to - t[0]);
+  if ((below > 0) != (above > 0) || below == 0 || above == 0) return false;
+  const Vec3 crossing = (above * from + below * to) / (above + below);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 side = t[(k + 1) % 3] - t[k];
+    if (normal.dot(side.cross(crossing - t[k])) <= 0) return false;
+  }
+  return true;
 }
 
 }  // namespace

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Flat faces in any pose. 0.1 compared a determinant with an absolute 1e-12, where rounding alone gave 4e-12: `check` called
+// 7 to 20 modules of a turned 200 × 180 mm plate "pierced", and the growth refused good modules by the same comparison.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <random>
+
+#include "triskin/check/design_rules.hpp"
+#include "triskin/geometry/mesh_io.hpp"
+#include "triskin/host/files.hpp"
+#include "triskin/pipeline/make_design.hpp"
+
+namespace triskin::check {
+namespace {
+
+namespace fs = std::filesystem;
+using design::Mesh;
+using design::Vec3;
+
+// Two plates of width × length mm each, joined along a side under `fold_rad` (0: one flat plate, < 0: a valley).
+Mesh ridge(double width_mm, double length_mm, double fold_rad) {
+  const Vec3 left{-width_mm * std::cos(0.5 * fold_rad), 0, -width_mm * std::sin(0.5 * fold_rad)};
+  const Vec3 right{-left.x(), 0, left.z()}, along{0, length_mm, 0}, middle = Vec3::Zero();
+  return {{left, middle, right, left + along, middle + along, right + along},
+          {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}}};
+}
+
+// An open box: four walls and a lid.
+Mesh box(double x_mm, double y_mm, double z_mm) {
+  Mesh mesh;
+  for (const double z : {0.0, z_mm}) {
+    for (const auto& [x, y] : {std::pair{0.0, 0.0}, {x_mm, 0.0}, {x_mm, y_mm}, {0.0, y_mm}}) mesh.vertices.push_back({x, y, z});
+  }
+  for (int k = 0; k < 4; ++k) {
+    const int next = (k + 1) % 4;
+    mesh.faces.push_back({k, next, next + 4});
+    mesh.faces.push_back({k, next + 4, k + 4});
+  }
+  mesh.faces.push_back({4, 5, 6});
+  mesh.faces.push_back({4, 6, 7});
+  return mesh;
+}
+
+Mesh in_pose(Mesh mesh, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  const Eigen::Quaterniond turn = Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
+  const Vec3 shift = 100.0 * Vec3{normal(random), normal(random), normal(random)};
+  for (Vec3& v : mesh.vertices) v = turn * v + shift;
+  return mesh;
+}
+
+class FlatFaces : public testing::Test {
+ protected:
+  FlatFaces() : folder_(fs::temp_directory_path() / ("flat_faces." + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~FlatFaces() override { fs::remove_all(folder_); }
+
+  // Designs the mesh in `poses` random poses; each design must keep every rule and hold at least `least` modules.
+  void expect_no_finding(const Mesh& mesh, int poses, std::size_t least) {
+    std::mt19937_64 random(20);
+    for (int pose = 0; pose < poses; ++pose) {
+      geometry::write_obj(folder_ / "part.obj", in_pose(mesh, random));
+      pipeline::DesignOptions options;
+      options.iterations = 20;
+      options.time_limit_s = 4.0;
+      const design::Design design = pipeline::make_design(folder_ / "part.obj", options);
+      EXPECT_GE(design.layout.modules.size(), least) << "pose " << pose;
+      design::write_design(folder_ / "part.json", design);
+      const DesignReport report = check_design(folder_ / "part.json");
+      EXPECT_TRUE(report.violations.empty())
+          << "pose " << pose << " of seed 20: " << report.violations.size() << " violations, the first: "
+          << (report.violations.empty() ? "" : report.violations.front().rule + " " + report.violations.front().text);
+    }
+  }
+
+ private:
+  fs::path folder_;
+};
+
+TEST_F(FlatFaces, a_plate) {
+  expect_no_finding(ridge(100, 180, 0.0), 7, 60);
+}
+
+TEST_F(FlatFaces, a_box) {
+  expect_no_finding(box(110, 90, 70), 3, 40);
+}
+
+TEST_F(FlatFaces, ridges_and_valleys) {
+  for (const double fold_deg : {20.0, 45.0, 90.0, 170.0, -20.0, -45.0, -90.0}) {
+    SCOPED_TRACE(fold_deg);
+    expect_no_finding(ridge(80, 120, fold_deg * std::numbers::pi / 180.0), 2, 20);
+  }
+}
+
+}  // namespace
+}  // namespace triskin::check
