@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flat faces in any pose. 0.1 compared a determinant with an absolute 1e-12, where rounding alone gave 4e-12: `check` called
-// 7 to 20 modules of a turned 200 × 180 mm plate "pierced", and the growth refused good modules by the same comparison.
+// Flat faces in any pose. 0.1 compared a determinant with an absolute 1e-12, where rounding alone gave 4e-12: `check`
+// called 7 to 20 modules of a turned 200 × 180 mm plate "pierced", and the growth refused good modules by the same
+// comparison.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -33,7 +34,8 @@ Mesh ridge(double width_mm, double length_mm, double fold_rad) {
 Mesh box(double x_mm, double y_mm, double z_mm) {
   Mesh mesh;
   for (const double z : {0.0, z_mm}) {
-    for (const auto& [x, y] : {std::pair{0.0, 0.0}, {x_mm, 0.0}, {x_mm, y_mm}, {0.0, y_mm}}) mesh.vertices.push_back({x, y, z});
+    for (const auto& [x, y] : {std::pair{0.0, 0.0}, {x_mm, 0.0}, {x_mm, y_mm}, {0.0, y_mm}})
+      mesh.vertices.push_back({x, y, z});
   }
   for (int k = 0; k < 4; ++k) {
     const int next = (k + 1) % 4;
@@ -47,7 +49,8 @@ Mesh box(double x_mm, double y_mm, double z_mm) {
 
 Mesh in_pose(Mesh mesh, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
-  const Eigen::Quaterniond turn = Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
   const Vec3 shift = 100.0 * Vec3{normal(random), normal(random), normal(random)};
   for (Vec3& v : mesh.vertices) v = turn * v + shift;
   return mesh;

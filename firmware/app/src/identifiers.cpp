@@ -6,9 +6,20 @@
 namespace triskin::fw {
 
 struct Identifiers::Row {
+  using Read = bool(const Identifiers&, ByteWriter&);
+  using Write = Status(PatchControl&, Bytes);
+
+  constexpr Row(std::uint16_t did, Read* on_read) : id(did), read(on_read), write(refuse), writable(false) {}
+  constexpr Row(std::uint16_t did, Read* on_read, Write* on_write)
+      : id(did), read(on_read), write(on_write), writable(true) {}
+
   std::uint16_t id;
-  bool (*read)(const Identifiers&, ByteWriter&);
-  Status (*write)(PatchControl&, Bytes) = nullptr;  // null: only to be read
+  Read* read;
+  Write* write;
+  bool writable;  // what the static assertion asks: comparing the pointer is no constant under gcc's sanitizer
+
+ private:
+  static Status refuse(PatchControl&, Bytes) { return Status::kOutOfRange; }
 };
 
 struct Identifiers::Table {
@@ -68,7 +79,7 @@ struct Identifiers::Table {
     for (const wire::Identifier& i : wire::kIdentifiers) {
       if (i.access == wire::Access::kFreeze || i.id == wire::did::kActiveSession) continue;
       if (at == kRows.size() || kRows[at].id != i.id) return false;
-      if ((kRows[at].write != nullptr) != (i.access == wire::Access::kReadWrite)) return false;
+      if (kRows[at].writable != (i.access == wire::Access::kReadWrite)) return false;
       ++at;
     }
     return at == kRows.size();
@@ -88,7 +99,7 @@ bool Identifiers::read(std::uint16_t did, ByteWriter& out) const {
 
 Status Identifiers::write(std::uint16_t did, Bytes value) const {
   const Row* const row = Table::find(did);
-  return row == nullptr || row->write == nullptr ? Status::kOutOfRange : row->write(control_, value);
+  return row == nullptr ? Status::kOutOfRange : row->write(control_, value);
 }
 
 Status Identifiers::routine_result(std::uint16_t routine, ByteWriter& out) const {

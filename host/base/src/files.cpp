@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 
 #include "triskin/host/error.hpp"
@@ -23,7 +24,7 @@ namespace {
 }
 
 // Returns 0 or the errno of the first failure.
-int write_all(int fd, std::string_view bytes) {
+int write_bytes(int fd, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(fd, bytes.data(), bytes.size());
     if (n < 0) {
@@ -32,12 +33,26 @@ int write_all(int fd, std::string_view bytes) {
     }
     bytes.remove_prefix(static_cast<size_t>(n));
   }
-  return ::fsync(fd) == 0 ? 0 : errno;
+  return 0;
+}
+
+// The same, and on the disk.
+int write_all(int fd, std::string_view bytes) {
+  const int cause = write_bytes(fd, bytes);
+  return cause != 0 || ::fsync(fd) == 0 ? cause : errno;
+}
+
+void write_into(int fd, const std::filesystem::path& path, std::string_view bytes) {
+  const int cause = write_bytes(fd, bytes);
+  if (cause != 0)
+    throw InputError(
+        fmt::format("{}: cannot write ({}); not all of it has arrived there", path.string(), std::strerror(cause)));
 }
 
 }  // namespace
 
 std::string read_file(const std::filesystem::path& path) {
+  if (path == "-") return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
   std::error_code ec;
   if (std::filesystem::is_directory(path, ec)) {
     throw InputError(fmt::format("{}: is a folder; give a file", path.string()));
@@ -63,6 +78,27 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
     ::unlink(temporary.c_str());
     fail_write(path, "rename", why);
   }
+}
+
+void write_output(const std::filesystem::path& path, std::string_view bytes) {
+  namespace fs = std::filesystem;
+  if (path == "-") return write_into(STDOUT_FILENO, "standard output", bytes);
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::is_directory(status)) throw InputError(fmt::format("{}: is a folder; give a file", path.string()));
+  if (!fs::exists(status) || fs::is_regular_file(status)) {
+    const fs::path target = fs::is_symlink(path, ignored) ? fs::weakly_canonical(path, ignored) : path;
+    return write_file_atomically(target.empty() ? path : target, bytes);
+  }
+  const int fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (fd < 0) fail_write(path, "open", errno);
+  try {
+    write_into(fd, path, bytes);
+  } catch (...) {
+    ::close(fd);
+    throw;
+  }
+  ::close(fd);
 }
 
 }  // namespace triskin

@@ -87,7 +87,7 @@ class Bar {
 }  // namespace
 
 void Output::say(const std::string& line) const {
-  std::FILE* out = json_ ? stderr : stdout;
+  std::FILE* out = messages_aside_ ? stderr : stdout;
   std::fputs((line + "\n").c_str(), out);
   std::fflush(out);
 }

@@ -57,7 +57,7 @@ nlohmann::json ask_topology(device::Bus& bus, const wire::NodeClaim& claim, cons
 
 int run(const Options& options, Output& output) {
   std::vector<NamedDesign> designs;
-  for (const std::string& file : options.designs) designs.emplace_back(file, design::read_design(file));
+  for (const std::string& file : options.designs) designs.emplace_back(file, design::read_intact_design(file));
   const bool simulated = options.link.scene.empty() && !designs.empty();
   const auto link = device::open_link(options.link, simulated ? &designs[0].second : nullptr);
   device::Bus bus(*link);

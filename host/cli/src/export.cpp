@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "triskin/cli/command.hpp"
+#include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
 
 namespace triskin::cli {
@@ -26,13 +27,35 @@ struct Options {
   std::string design, format, output;
 };
 
-int run(const Options& options, Output& output) {
-  const design::Design design = design::read_design(options.design);
+std::string extension_of(const std::string& file) {
+  return std::filesystem::path(file).extension().string();
+}
+
+// What is asked for by name, else by the extension of the file. An extension that says something else is refused.
+const Format& format_of(const Options& options) {
+  const bool has_file = !options.output.empty() && options.output != "-" && !extension_of(options.output).empty();
+  if (options.format.empty()) {
+    for (const auto& [name, format] : kFormats) {
+      if (has_file && extension_of(options.output) == extension_of(format.suffix)) return format;
+    }
+    throw InputError("export: say what to write with --format, or by the extension of -o: .svg, .csv, .html or .obj");
+  }
   const Format& format = kFormats.at(options.format);
+  if (has_file && extension_of(options.output) != extension_of(format.suffix)) {
+    throw InputError(
+        fmt::format("{}: the format {} is written to files that end with {}; rename it or choose another format",
+                    options.output, options.format, extension_of(format.suffix)));
+  }
+  return format;
+}
+
+int run(const Options& options, Output& output) {
+  const Format& format = format_of(options);
+  const design::Design design = design::read_design(options.design);
   const std::string path = options.output.empty()
                                ? std::filesystem::path(options.design).replace_extension(format.suffix).string()
                                : options.output;
-  write_file_atomically(path, format.write(design));
+  write_output(path, format.write(design));
   output.result = {{"files", {path}}};
   output.say(path);
   return 0;
@@ -47,7 +70,8 @@ const Registration kExport{{
       app.add_option("DESIGN", options->design, "design file")->required();
       std::vector<std::string> names;
       for (const auto& [name, format] : kFormats) names.push_back(name);
-      app.add_option("--format", options->format, "what to write")->required()->check(CLI::IsMember(names));
+      app.add_option("--format", options->format, "what to write; without it the extension of -o says so")
+          ->check(CLI::IsMember(names));
       app.add_option("-o,--output", options->output, "file; without it beside the design");
       return [options](Output& output) { return run(*options, output); };
     },

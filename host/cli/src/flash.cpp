@@ -52,7 +52,7 @@ std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
 int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   options.flash.route = device::parse_route(options.route);
-  const design::Design design = design::read_design(options.design);
+  const design::Design design = design::read_intact_design(options.design);
   std::optional<device::FirmwarePackage> firmware;
   if (!options.firmware.empty()) {
     if (options.link.link.starts_with("hid") || options.link.link.starts_with("usb")) {

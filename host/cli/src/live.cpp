@@ -74,14 +74,14 @@ class Demonstrator {
 
 int run_icub(const Options& options, Output& output) {
   std::optional<design::Design> design;  // only the simulation needs one
-  if (!options.design.empty()) design = design::read_design(options.design);
+  if (!options.design.empty()) design = design::read_intact_design(options.design);
   return live_icub(options.link, design ? &*design : nullptr, options.seconds, output);
 }
 
 int run(const Options& options, Output& output) {
   if (options.protocol == "icub") return run_icub(options, output);
   if (options.design.empty()) throw InputError("live: give the design file; only --protocol icub works without");
-  const design::Design design = design::read_design(options.design);
+  const design::Design design = design::read_intact_design(options.design);
   const int modules = static_cast<int>(design.layout.modules.size());
   if (options.press >= modules)
     throw InputError(fmt::format("--press {}: the design has modules 0 … {}", options.press, modules - 1));

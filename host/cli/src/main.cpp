@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <new>
 
@@ -29,13 +30,36 @@ int fail(const std::string& what, int status) {
   return status;
 }
 
+// The file of -o; empty where the command has none or none was given.
+std::string output_of(const CLI::App& app) {
+  const CLI::Option* option = app.get_option_no_throw("--output");
+  return option == nullptr || option->empty() ? std::string{} : option->as<std::string>();
+}
+
+// A command that wrote over what it reads would destroy it when it is interrupted, and could not be repeated.
+void require_other_than_inputs(const CLI::App& app, const std::string& output) {
+  std::error_code none;
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_positional()) continue;
+    for (const std::string& input : option->results()) {
+      if (std::filesystem::is_regular_file(input, none) && std::filesystem::equivalent(input, output, none))
+        throw triskin::InputError(fmt::format("{}: is the input {}; give -o another file", output, input));
+    }
+  }
+}
+
 // Runs one command and turns what it throws into its exit status.
 int run_entry(const Entry& entry) {
   try {
-    Output output(entry.json);
+    const std::string file = output_of(*entry.app);
+    if (file == "-" && entry.json)
+      throw triskin::InputError("-o - and --json both want standard output; leave one out");
+    require_other_than_inputs(*entry.app, file);
+    Output output(entry.json, file == "-");
     const int status = entry.run(output);
     if (entry.json) std::fputs((output.result.dump() + "\n").c_str(), stdout);
-    if (std::fflush(stdout) != 0) return fail("standard output: cannot write; check the disk or the pipe", 2);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      return fail("standard output: cannot write; check the disk or the pipe", 2);
     return status;
   } catch (const triskin::Error& e) {
     return fail(e.what(), e.exit_status());

@@ -28,7 +28,7 @@ void add_row(std::string& csv, const device::ModuleFrame& f) {
 }
 
 int run(const Options& options, Output& output) {
-  const design::Design design = design::read_design(options.design);
+  const design::Design design = design::read_intact_design(options.design);
   if (!options.output.ends_with(".csv"))
     throw InputError(fmt::format("{}: give a file that ends in .csv", options.output));
   const auto link = device::open_link(options.link, &design);
@@ -54,7 +54,7 @@ int run(const Options& options, Output& output) {
     samples = stream.frames();
     lost = stream.lost();
   }
-  write_file_atomically(options.output, csv);
+  write_output(options.output, csv);
   const double seconds = static_cast<double>(bus.now_us() - start_us) * 1e-6;
   output.result = {{"samples", samples}, {"lost", lost}, {"seconds", seconds}};
   output.say(fmt::format("{} module samples, {} lost, in {:.2f} s -> {}", samples, lost, seconds, options.output));

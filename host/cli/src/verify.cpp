@@ -38,7 +38,7 @@ bool ask_person(int module) {
 }
 
 int run(Options options, Output& output) {
-  const design::Design design = design::read_design(options.design);
+  const design::Design design = design::read_intact_design(options.design);
   const auto link = device::open_link(options.link, &design);
   // The virtual finger costs nobody anything, so it always tries every module.
   if (link->finger() != nullptr) options.verify.touch = !options.no_touch;

@@ -217,4 +217,16 @@ Design read_design(const std::filesystem::path& path) {
   return d;
 }
 
+Design read_intact_design(const std::filesystem::path& path) {
+  Design design = read_design(path);
+  const std::uint64_t own = design_id_of(design);
+  if (own != design.design_id) {
+    throw InputError(
+        fmt::format("{}: design_id is {:016x}, but its modules and wiring give {:016x}: the file was changed after it "
+                    "was made; run triskin check on it, and make the design again",
+                    path.string(), design.design_id, own));
+  }
+  return design;
+}
+
 }  // namespace triskin::design

@@ -147,7 +147,7 @@ void write_design(const std::filesystem::path& path, const Design& design) {
                      {"patches", std::move(patches)},
                      {"refused", std::move(refused)},
                      {"report", report_json(design.report)}};
-  write_file_atomically(path, file.dump() + "\n");
+  write_output(path, file.dump() + "\n");
 }
 
 }  // namespace triskin::design

@@ -100,12 +100,12 @@ const Registration kExtract{{
       s.outer = s.wrap = When::kWhenNeeded;
       app.add_option("--outer", s.outer,
                      "drop hidden faces: never, auto (several parts, or edges with more than two faces), always")
-          ->transform(CLI::CheckedTransformer(when));
+          ->transform(one_of(when));
       app.add_option("--sky", s.sky_fraction, "share of the sky that an outer face sees")
           ->check(CLI::Range(0.0, 1.0))
           ->capture_default_str();
       app.add_option("--wrap", s.wrap, "shrink-wrap: never, auto (what is left is shattered or crosses itself), always")
-          ->transform(CLI::CheckedTransformer(when));
+          ->transform(one_of(when));
       app.add_option("--wrap-alpha-mm", s.wrap_alpha_mm, "openings narrower than this are closed")
           ->check(CLI::Range(0.1, 1e3))
           ->capture_default_str();

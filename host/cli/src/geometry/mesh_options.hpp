@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "triskin/cli/command.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 
 namespace triskin::cli {
@@ -17,8 +18,7 @@ struct UnitOption {
     static const std::map<std::string, geometry::LengthUnit> kUnits{{"mm", geometry::LengthUnit::kMillimetre},
                                                                     {"cm", geometry::LengthUnit::kCentimetre},
                                                                     {"m", geometry::LengthUnit::kMetre}};
-    app.add_option("--unit", unit, "unit of the mesh's numbers: mm, cm or m")
-        ->transform(CLI::CheckedTransformer(kUnits));
+    app.add_option("--unit", unit, "unit of the mesh's numbers: mm, cm or m")->transform(one_of(kUnits));
   }
 };
 

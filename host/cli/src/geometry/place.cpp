@@ -56,7 +56,7 @@ int run(const Options& options, Output& output) {
     output.result["deficit_mm"] = r.deficit_mm ? nlohmann::json(*r.deficit_mm) : nlohmann::json();
     output.result["deficit_bound_mm"] = r.deficit_bound_mm;
   }
-  if (!options.proof.empty()) write_file_atomically(options.proof, geometry::proof_text(polygon, r));
+  if (!options.proof.empty()) write_output(options.proof, geometry::proof_text(polygon, r));
   if (!output.json()) {
     output.say(fmt::format("{} modules, upper bound {}{}; clearance {:.4f} mm at tolerance {:g} mm", r.modules,
                            r.upper_bound, r.proved ? " (proved optimal)" : "", r.clearance_mm, r.tolerance_mm));
@@ -92,7 +92,7 @@ void add_method(CLI::App& app, Options& options) {
   app.add_option("--method", placement.method,
                  "bnb (certified); r1 … r7, the heuristics of the reference paper (docs/paper.md); scan-edges, "
                  "scan-slides, scan-shifts, scan-angles, scan-edge-angles, random, descent (docs/placement.md)")
-      ->transform(CLI::CheckedTransformer(kMethods, CLI::ignore_case));
+      ->transform(one_of(kMethods));
   app.add_option("--line-deg", placement.paper.line_deg, "the generating line of r2 … r7: 0, 60 or 300")
       ->check(CLI::IsMember({0, 60, 300}))
       ->capture_default_str();
@@ -114,7 +114,7 @@ void add_options(CLI::App& app, Options& options) {
                                                                   {"square", geometry::TileShape::kSquare},
                                                                   {"hexagon", geometry::TileShape::kHexagon}};
   app.add_option("--shape", options.placement.shape, "modules with sides of 30 mm: triangle, square or hexagon")
-      ->transform(CLI::CheckedTransformer(kShapes, CLI::ignore_case));
+      ->transform(one_of(kShapes));
   app.add_option("--gap-mm", options.placement.gap_mm, "free space between facing sides of modules")
       ->capture_default_str();
   app.add_option("--time-limit-s", options.placement.time_limit_s, "0: none")->capture_default_str();

@@ -166,8 +166,7 @@ int run(const Options& options, Output& output) {
   else
     layout.list = design::read_module_list(options.modules);
   const design::ModuleList& list = layout.list;
-  if (!options.module_output.empty())
-    write_file_atomically(options.module_output, design::module_list_json(list).dump() + "\n");
+  if (!options.module_output.empty()) write_output(options.module_output, design::module_list_json(list).dump() + "\n");
   if (!options.checked.empty()) {
     const nlohmann::json routes = design::parse_json(read_file(options.checked), options.checked);
     const int status = report_check(check::check_routes(design::module_list_json(list), routes), output);
@@ -196,8 +195,8 @@ int run(const Options& options, Output& output) {
     output.result["boards_today"] = layout.boards;
     output.result["boards_apart_today"] = layout.boards_apart;
   }
-  if (!options.picture.empty()) write_file_atomically(options.picture, design::route_svg(list, r.patches));
-  if (!options.output.empty()) write_file_atomically(options.output, output.result.dump() + "\n");
+  if (!options.picture.empty()) write_output(options.picture, design::route_svg(list, r.patches));
+  if (!options.output.empty()) write_output(options.output, output.result.dump() + "\n");
   if (options.skingui)
     output.say(fmt::format("today {} boards, {} of them with triangles that do not hang together", layout.boards,
                            layout.boards_apart));

@@ -56,9 +56,8 @@ int run(Options options, Output& output) {
     options.unfolding.uncut =
         edges_along(surface, geometry::read_seams(options.uncut, options.unit.unit), options.uncut);
   const geometry::Net net = geometry::unfold(surface, options.unfolding, output.progress());
-  write_file_atomically(options.output, net_json(net).dump() + "\n");
-  if (!options.picture.empty())
-    write_file_atomically(options.picture, net_svg(surface, net, options.unfolding.edge_error_mm));
+  write_output(options.output, net_json(net).dump() + "\n");
+  if (!options.picture.empty()) write_output(options.picture, net_svg(surface, net, options.unfolding.edge_error_mm));
   double max_mm = 0.0, squares = 0.0, faces = 0.0;
   for (const auto& p : net.pieces) {
     const auto n = static_cast<double>(p.faces.size());

@@ -236,7 +236,7 @@ std::vector<Diagnosis::Place> Diagnosis::unexpected(const PatchState& p) const {
 }
 
 // A module that does not answer where it should: somewhere else, on top of another one, or nowhere.
-void Diagnosis::examine_absent(const PatchState& p, std::vector<std::size_t> rows) {
+void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_t>& rows) {
   std::vector<Place> elsewhere = unexpected(p);
   for (const std::size_t row : rows) {
     const int module = p.module(row);

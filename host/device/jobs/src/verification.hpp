@@ -73,7 +73,7 @@ class Diagnosis {
   void examine_lines(const PatchState& p);
   void examine_modules(const PatchState& p);
   void examine_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled);
-  void examine_absent(const PatchState& p, std::vector<std::size_t> rows);
+  void examine_absent(const PatchState& p, const std::vector<std::size_t>& rows);
   void examine_taxels(const PatchState& p, std::size_t row);
   void examine_topology(const PatchState& p);
   void examine_history(const PatchState& p);

@@ -239,7 +239,7 @@ void write_obj(const std::filesystem::path& path, const Mesh& mesh) {
   std::string text = "# triskin, mm\n";
   for (const Vec3& v : mesh.vertices) text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", v.x(), v.y(), v.z());
   for (const auto& f : mesh.faces) text += fmt::format("f {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1);
-  write_file_atomically(path, text);
+  write_output(path, text);
 }
 
 }  // namespace triskin::geometry

@@ -185,7 +185,7 @@ void Grower::grow(LatticeNet& net, const Ball& ball, Dice& random) {
 }
 
 // Sides with small keys first: near the start, with noise so that each growth is another one.
-void Grower::grow_from(LatticeNet& net, std::vector<Side> front, const Ball& ball, Dice& random) {
+void Grower::grow_from(LatticeNet& net, const std::vector<Side>& front, const Ball& ball, Dice& random) {
   struct Entry {
     double key;
     Side side;

@@ -60,7 +60,7 @@ class Grower {
   [[nodiscard]] std::vector<Side> open_sides(const LatticeNet& net, const Ball& ball) const;
   [[nodiscard]] std::uint64_t surroundings_of(const LatticeNet& net, Side side) const;
   [[nodiscard]] std::uint64_t& last_failure(std::vector<std::array<std::uint64_t, 3>>& failures, Side side);
-  void grow_from(LatticeNet& net, std::vector<Side> front, const Ball& ball, Dice& random);
+  void grow_from(LatticeNet& net, const std::vector<Side>& front, const Ball& ball, Dice& random);
 
   NearSurface surface_;
   const Rules& rules_;

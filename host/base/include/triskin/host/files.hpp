@@ -6,11 +6,16 @@
 
 namespace triskin {
 
-/// Whole file as bytes. Throws InputError naming the file when it cannot be read.
+/// Whole file as bytes; "-" is standard input. Throws InputError naming the file when it cannot be read.
 [[nodiscard]] std::string read_file(const std::filesystem::path& path);
 
 /// Writes `bytes` so that `path` appears whole or not at all (temporary file in the same folder, fsync,
 /// rename). Throws InputError naming the file and the cause; then the old file, if any, is unchanged.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
+
+/// Writes what a user asked for with -o, as the tools of coreutils would: "-" is standard output; a symbolic link is
+/// followed, and the file that it names appears whole or not at all; into a device or pipe the bytes are written.
+/// Throws InputError naming the file and the cause, also for a folder.
+void write_output(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace triskin

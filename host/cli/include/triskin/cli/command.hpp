@@ -2,6 +2,7 @@
 #pragma once
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -14,21 +15,34 @@ namespace triskin::cli {
 class Output {
  public:
   /// `json`: the command was given --json.
-  explicit Output(bool json) : json_(json) {}
+  /// `messages_aside`: messages go to standard error because standard output takes something else: the JSON object, or
+  /// the file of `-o -`.
+  explicit Output(bool json, bool messages_aside = false) : json_(json), messages_aside_(json || messages_aside) {}
 
   /// The object printed by --json. Filled by the command; printed once, when it has ended.
   nlohmann::json result = nlohmann::json::object();
 
   /// True with --json: only the object may go to standard output.
   [[nodiscard]] bool json() const { return json_; }
-  /// One line for a person: standard output, with --json standard error.
+  /// One line for a person: standard output, or standard error where the other is taken.
   void say(const std::string& line) const;
   /// Bar on a terminal after one second; elsewhere one line per stage. Safe to call from any thread.
   [[nodiscard]] ProgressSink progress() const;
 
  private:
-  bool json_;
+  bool json_, messages_aside_;
 };
+
+/// Validator of an option that takes one of the names of `values`, in any case. --help lists the names, not the numbers
+/// behind them.
+template <class Value>
+[[nodiscard]] CLI::Validator one_of(const std::map<std::string, Value>& values) {
+  std::string names;
+  for (const auto& [name, value] : values) names += (names.empty() ? "" : "|") + name;
+  CLI::CheckedTransformer transformer(values, CLI::ignore_case);
+  transformer.description("{" + names + "}");
+  return transformer;
+}
 
 /// Runs a command and returns its exit status: 0 done, 1 done and the answer is bad. Throws triskin::Error for 2 and 3.
 using Run = std::function<int(Output&)>;

@@ -220,7 +220,7 @@ bool inside_or_on(const std::vector<Vec2>& ring, const Vec2& p) {
 double ring_area(const std::vector<Vec2>& ring) {
   if (ring.empty()) return 0.0;
   double twice = 0.0;
-  const Vec2 origin = ring.front();  // offsets of 1e6 mm must not cost digits
+  const Vec2& origin = ring.front();  // offsets of 1e6 mm must not cost digits
   for (std::size_t k = 0; k < ring.size(); ++k) {
     const Vec2 a = ring[k] - origin, b = ring[(k + 1) % ring.size()] - origin;
     twice += a.x() * b.y() - a.y() * b.x();
