@@ -114,7 +114,8 @@ TEST_F(CommandLine, a_design_that_was_changed_by_hand_is_not_deployed) {
   for (const char* command : {"flash", "verify", "live --seconds 0.1", "record --seconds 0.1 -o r.csv"}) {
     const std::string name(command);
     const auto space = name.find(' ');
-    const Outcome o = run(name.substr(0, space) + " changed.json --link sim" + (space == std::string::npos ? "" : name.substr(space)));
+    const Outcome o = run(name.substr(0, space) + " changed.json --link sim" +
+                          (space == std::string::npos ? "" : name.substr(space)));
     EXPECT_EQ(o.status, 2) << command;
     EXPECT_NE(o.messages.find("changed after it was made"), std::string::npos) << command << ": " << o.messages;
   }

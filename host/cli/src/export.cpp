@@ -30,21 +30,24 @@ struct Options {
 std::string extension_of(const std::string& file) {
   return std::filesystem::path(file).extension().string();
 }
+std::string extension_of(const Format& format) {
+  return extension_of(std::string("name") + format.suffix);  // ".svg" alone would be a hidden file without extension
+}
 
 // What is asked for by name, else by the extension of the file. An extension that says something else is refused.
 const Format& format_of(const Options& options) {
   const bool has_file = !options.output.empty() && options.output != "-" && !extension_of(options.output).empty();
   if (options.format.empty()) {
     for (const auto& [name, format] : kFormats) {
-      if (has_file && extension_of(options.output) == extension_of(format.suffix)) return format;
+      if (has_file && extension_of(options.output) == extension_of(format)) return format;
     }
     throw InputError("export: say what to write with --format, or by the extension of -o: .svg, .csv, .html or .obj");
   }
   const Format& format = kFormats.at(options.format);
-  if (has_file && extension_of(options.output) != extension_of(format.suffix)) {
+  if (has_file && extension_of(options.output) != extension_of(format)) {
     throw InputError(
         fmt::format("{}: the format {} is written to files that end with {}; rename it or choose another format",
-                    options.output, options.format, extension_of(format.suffix)));
+                    options.output, options.format, extension_of(format)));
   }
   return format;
 }
