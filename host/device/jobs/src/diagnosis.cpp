@@ -153,7 +153,7 @@ void Diagnosis::examine_modules(const PatchState& p) {
     }
   }
   examine_doubled(p, absent, doubled);
-  examine_absent(p, std::move(absent));
+  examine_absent(p, absent);
 }
 
 // Two chips answer at one address: most likely the absent module's straps differ least from it.

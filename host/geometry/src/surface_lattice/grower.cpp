@@ -234,7 +234,7 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts)
   const auto grow_newest = [&](int before) {
     if (net.size() == before) return;
     std::vector<Side> sides = open_sides(net, ball);
-    grow_from(net, std::move(sides), ball, random);
+    grow_from(net, sides, ball, random);
   };
   for (const Side s : open_sides(net, ball)) {
     if (late()) return;
