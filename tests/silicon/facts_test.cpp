@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "map.hpp"
+#include "quiet_line.hpp"
 #include "triskin/board/flash_map.hpp"
 #include "triskin/board/i2c_timing.hpp"
 #include "triskin/board/registers/dma.hpp"
@@ -53,17 +54,6 @@ TEST(Facts, EachConstantOfFirmwareAndMachineIsWhatTheFactSays) {
   ASSERT_GT(kRows.size(), 300U);
   for (const Row& r : kRows) EXPECT_EQ(r.value, r.fact) << r.constant;
 }
-
-class QuietLine final : public sim::I2cBus {
- public:
-  bool start(std::uint8_t, std::uint64_t) override { return false; }
-  bool write(std::uint8_t, std::uint64_t) override { return false; }
-  std::uint8_t read(bool, std::uint64_t) override { return 0xFF; }
-  void stop(std::uint64_t) override {}
-  [[nodiscard]] bool scl() const override { return true; }
-  [[nodiscard]] bool sda() const override { return true; }
-  void pulse_scl(std::uint64_t) override {}
-};
 
 TEST(Facts, TheMachineComesOutOfResetWithTheRegistersOfTheFacts) {
   std::array<QuietLine, 4> lines;

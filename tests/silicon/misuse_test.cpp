@@ -10,6 +10,7 @@
 #include "gpio.hpp"
 #include "i2c_controller.hpp"
 #include "nvic.hpp"
+#include "quiet_line.hpp"
 
 namespace triskin::machine {
 namespace {
@@ -170,23 +171,12 @@ TEST(Misuse, DelayCompensationWithALargeDataPrescaler) {
   around.expect("PB8");
 }
 
-class QuietBus final : public sim::I2cBus {
- public:
-  bool start(std::uint8_t, std::uint64_t) override { return false; }
-  bool write(std::uint8_t, std::uint64_t) override { return false; }
-  std::uint8_t read(bool, std::uint64_t) override { return 0xFF; }
-  void stop(std::uint64_t) override {}
-  [[nodiscard]] bool scl() const override { return true; }
-  [[nodiscard]] bool sda() const override { return true; }
-  void pulse_scl(std::uint64_t) override {}
-};
-
 // Lines 1 and 2 have function 4, lines 3 and 4 have function 8; all open drain.
 TEST(Misuse, LineStartedWhileItsPinsAreSomethingElse) {
   Around around;
   Rcc rcc(around, true);
   rcc.write(0x4C, 7, 4);
-  std::array<QuietBus, 4> buses;
+  std::array<QuietLine, 4> buses;
   RouteChainPins chain(nullptr);
   Gpio gpio(around, rcc, {&buses[0], &buses[1], &buses[2], &buses[3]}, chain);
   Dma dma(around, [](std::uint32_t) -> std::uint8_t* { return nullptr; });
