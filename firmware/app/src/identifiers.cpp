@@ -70,6 +70,7 @@ struct Identifiers::Table {
       Row{wire::did::kRoute, read<&Identifiers::route>},
       Row{wire::did::kImageState, read<&Identifiers::image_state>},
       Row{wire::did::kSampling, read<&Identifiers::sampling>, write<wire::SamplingSetting, set_sampling>},
+      Row{wire::did::kStreamAccount, read<&Identifiers::stream_account>},
       Row{wire::did::kLiveTaxels, read<&Identifiers::live_taxels>},
   };
   /// Every identifier of the wire that is not the server's or of freeze data has its row, in order, and may be written
@@ -143,7 +144,7 @@ std::optional<wire::ModuleStates> Identifiers::module_states() const {
 }
 
 wire::Statistics Identifiers::statistics() const {
-  wire::Statistics s{parts_.sequences, 0, 0, parts_.stream_queue.dropped()};
+  wire::Statistics s{parts_.sequences, 0, 0, control_.dropped_samples()};
   for (const LineSampler& l : parts_.lines) {
     s.bus_errors += l.bus_errors();
     s.recoveries += l.recoveries();

@@ -8,6 +8,7 @@
 
 #include "live_icub.hpp"
 #include "triskin/cli/link_options.hpp"
+#include "triskin/cli/stream_options.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/jobs/touch_map.hpp"
 #include "triskin/layout/module.hpp"
@@ -21,6 +22,7 @@ struct Options {
   std::string design;
   std::string protocol = "triskin";
   device::LinkOptions link;
+  device::StreamOptions stream;
   double seconds = 0.0;
   int press = kWalk;  // module, kNobody, or kWalk
   int taxel = -1;
@@ -88,7 +90,7 @@ int run(const Options& options, Output& output) {
   const auto link = device::open_link(options.link, &design);
   device::Bus bus(*link);
   device::TouchMap map(design);
-  device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { map.add(f); });
+  device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { map.add(f); }, speaking(options.stream));
   Demonstrator demonstrator(*link, options, modules);
   const std::uint64_t start_us = bus.now_us();
   const auto end_us = static_cast<std::uint64_t>(options.seconds * 1e6);
@@ -109,9 +111,8 @@ int run(const Options& options, Output& output) {
   }
   nlohmann::json list = nlohmann::json::array();
   for (const auto& t : pressed) list.push_back(to_json(t));
-  output.result = {{"frames", stream.frames()}, {"lost", stream.lost()}, {"pressed", std::move(list)}};
-  output.say(fmt::format("{} frames, {} samples lost", stream.frames(), stream.lost()));
-  return 0;
+  output.result = {{"frames", stream.frames()}, {"pressed", std::move(list)}};
+  return conclude(stream, output);
 }
 
 const Registration kLive{{
@@ -125,6 +126,7 @@ const Registration kLive{{
                      "triskin: full stream; icub: what MTB4 skin boards send, 8 bits a taxel")
           ->check(CLI::IsMember({"triskin", "icub"}));
       add_link_options(app, options->link);
+      add_stream_options(app, options->stream);
       app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));
       app.add_option("--press", options->press,

@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "triskin/cli/link_options.hpp"
+#include "triskin/cli/stream_options.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/host/interrupt.hpp"
-#include "triskin/session/stream.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -15,6 +15,7 @@ struct Options {
   std::string design;
   std::string output;
   device::LinkOptions link;
+  device::StreamOptions stream;
   double seconds = 10.0;
 };
 
@@ -36,10 +37,12 @@ int run(const Options& options, Output& output) {
   std::string csv = "link_time_us,device_time_us,sample,module,valid";
   for (int t = 0; t < layout::kTaxelsPerModule; ++t) csv += fmt::format(",taxel_{}", t);
   csv += '\n';
-  std::uint64_t samples = 0, lost = 0;
-  const std::uint64_t start_us = bus.now_us();
+  int status = 0;
+  double seconds = 0.0;
   {
-    device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { add_row(csv, f); });
+    device::Stream stream(
+        bus, design, [&](const device::ModuleFrame& f) { add_row(csv, f); }, speaking(options.stream));
+    const std::uint64_t start_us = bus.now_us();
     const ProgressSink progress = output.progress();
     const std::uint64_t end_us = start_us + static_cast<std::uint64_t>(options.seconds * 1e6);
     while (bus.now_us() < end_us && !interrupt_request()) {
@@ -51,14 +54,13 @@ int run(const Options& options, Output& output) {
       report(progress, "recording",
              static_cast<double>(bus.now_us() - start_us) / static_cast<double>(end_us - start_us));
     }
-    samples = stream.frames();
-    lost = stream.lost();
+    seconds = static_cast<double>(bus.now_us() - start_us) * 1e-6;
+    status = conclude(stream, output);
   }
   write_output(options.output, csv);
-  const double seconds = static_cast<double>(bus.now_us() - start_us) * 1e-6;
-  output.result = {{"samples", samples}, {"lost", lost}, {"seconds", seconds}};
-  output.say(fmt::format("{} module samples, {} lost, in {:.2f} s -> {}", samples, lost, seconds, options.output));
-  return 0;
+  output.result["seconds"] = seconds;
+  output.say(fmt::format("{:.2f} s -> {}", seconds, options.output));
+  return status;
 }
 
 const Registration kRecord{{
@@ -70,6 +72,7 @@ const Registration kRecord{{
       app.add_option("DESIGN", options->design, "design file")->required();
       app.add_option("-o,--output", options->output, "CSV file")->required();
       add_link_options(app, options->link);
+      add_stream_options(app, options->stream);
       app.add_option("--seconds", options->seconds, "of the link's time")
           ->check(CLI::Range(0.0, 1e6))
           ->capture_default_str();

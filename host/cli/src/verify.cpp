@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "triskin/cli/link_options.hpp"
+#include "triskin/cli/stream_options.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -60,6 +61,10 @@ int run(Options options, Output& output) {
                    {"touched", r.touched},
                    {"findings", std::move(findings)},
                    {"earlier", std::move(earlier)}};
+  if (r.stream) {
+    add_stream_keys(*r.stream, output);
+    for (const std::string& line : sentences(*r.stream)) output.say(line);
+  }
   output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched,
                          r.findings.size()));
   return r.findings.empty() ? 0 : 1;

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "mesh_options.hpp"
+#include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
@@ -50,6 +51,7 @@ int run(Options options, Output& output) {
                          design::kLayoutMethodNames.name(d.layout.method)));
   for (const auto& [limit, count] : d.layout.refused)
     output.say(fmt::format("  {} refused {} further modules", limit, count));
+  report_bus(d.layout.modules.size(), output);
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, r.seconds));
   return 0;
 }

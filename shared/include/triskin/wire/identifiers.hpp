@@ -15,7 +15,8 @@ inline constexpr std::uint16_t kActiveSession = 0xF186, kSerialNumber = 0xF18C, 
                                kHardware = 0xF191, kFirmware = 0xF195, kHello = 0xFD00, kNodeAddress = 0xFD01,
                                kActiveTable = 0xFD02, kModuleStates = 0xFD03, kStatistics = 0xFD04, kStream = 0xFD05,
                                kLineStates = 0xFD06, kTopology = 0xFD07, kRoute = 0xFD08, kImageState = 0xFD09,
-                               kSampling = 0xFD0A, kLiveTaxels = 0xFD10, kFreezeTime = 0xFD21, kFreezeSample = 0xFD22;
+                               kSampling = 0xFD0A, kStreamAccount = 0xFD0B, kLiveTaxels = 0xFD10, kFreezeTime = 0xFD21,
+                               kFreezeSample = 0xFD22;
 }  // namespace did
 
 namespace routine {
@@ -38,7 +39,7 @@ struct Identifier {
   std::string_view value;               ///< fields in order, (bytes of each); little-endian where nothing is said
 };
 
-inline constexpr std::array<Identifier, 19> kIdentifiers{{
+inline constexpr std::array<Identifier, 20> kIdentifiers{{
     {did::kActiveSession, Access::kRead, 1, 1, "identity.hpp", "session (1): 1 default, 2 programming, 3 extended"},
     {did::kSerialNumber, Access::kRead, 12, 12, "identity.hpp", "unique id (12)"},
     {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
@@ -74,6 +75,10 @@ inline constexpr std::array<Identifier, 19> kIdentifiers{{
     {did::kSampling, Access::kReadWrite, 3, 3, "sampling.hpp",
      "decimation (1): 0 256, 1 128, 2 64; every n-th sequence (1): 1 … 255; output (1): 0 the converter's result, 1 "
      "compensated, 8000 at rest; as after power-up: 0, 1, 0"},
+    {did::kStreamAccount, Access::kRead, 10, 314, "stream_account.hpp",
+     "how often sampling began anew (1, modulo 256), time in µs (8), leases (1; 0 … 8), number of each reader (4), "
+     "then "
+     "per row of the table: number of the latest sample (4), samples not read (4), dropped (4), sent (4), waiting (1)"},
     {did::kLiveTaxels, Access::kRead, 12, 428, "live_taxels.hpp",
      "nominal sequences since power-up (4), time in µs (8), then per row of the table: valid taxels (2, a bit each), "
      "12 values of the converter (2 each)"},
