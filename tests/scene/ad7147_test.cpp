@@ -27,6 +27,7 @@ void connect_all(Ad7147& chip) {
                         s < 7 ? std::uint16_t{0} : static_cast<std::uint16_t>(1 << (2 * (s - 7))), 0);
   }
   chip.write_register(0x000, kFullPower12Stages, 0);
+  chip.write_register(0x002, 0x8000, 0);  // CONV_RESET
 }
 
 TEST(Ad7147Chip, holds_reset_values_and_its_id) {
