@@ -26,15 +26,15 @@ TEST(CanBits, BitsThatAlternateNeedNone) {
 }
 
 // An FD frame, 11-bit identifier of alternating bits, rate switched, no data. Arbitration: 17 bits, none stuffed
-// (0 10101010101 0 0 1 0 1), 12 at the end. Data: ESI, DLC 0000 after a 1: five zeros, one stuff bit; stuff count and
-// CRC of 21 bits with 6 fixed stuff bits; CRC delimiter.
+// (0 10101010101 0 0 1 0 1), 12 at the end. Data: ESI, DLC 0000 after a 1: five zeros, whose stuff bit is the first
+// fixed one; stuff count and CRC of 21 bits with 6 fixed stuff bits; CRC delimiter.
 TEST(CanBits, AnFdFrameHasFixedStuffBitsInItsCrc) {
   wire::CanFrame f;
   f.id = 0x555;
   f.fd = f.bit_rate_switch = true;
   EXPECT_EQ(can_bits(f).nominal, 17U + 12U);
-  EXPECT_EQ(can_bits(f).data, 5U + 1U + 21U + 6U + 1U);
-  f.bit_rate_switch = false;  // BRS is a zero then: 1 0 0 | 0 0 0 0 0, the fifth zero comes earlier
+  EXPECT_EQ(can_bits(f).data, 5U + 21U + 6U + 1U);
+  f.bit_rate_switch = false;  // BRS is a zero, too: seven in a row, the stuff bit stands after the fifth
   EXPECT_EQ(can_bits(f).data, 0U);
   EXPECT_EQ(can_bits(f).nominal, 17U + 12U + 5U + 1U + 21U + 6U + 1U);
 }
