@@ -9,7 +9,6 @@
 namespace triskin::design {
 namespace {
 
-constexpr int kMaxLattice = 1'000'000;  // coordinates; far beyond any cover, safely inside int
 constexpr int kMaxCount = 10'000'000;
 
 Vec2 vec2(const JsonValue& v) {
