@@ -7,6 +7,7 @@
 
 #include "live_display.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/design/design_text.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/recording/recording.hpp"
 

@@ -2,7 +2,7 @@
 #include <charconv>
 #include <optional>
 
-#include "triskin/design/design.hpp"
+#include "triskin/design/design_text.hpp"
 #include "triskin/design/json_value.hpp"
 #include "triskin/host/files.hpp"
 

@@ -60,6 +60,7 @@ std::string cause_of(const nlohmann::json::parse_error& e) {
 
 }  // namespace
 
+// A key that stands twice is refused: one of the two would be dropped without a word.
 nlohmann::json parse_json(const std::string& text, const std::string& file) {
   require_shallow(text, file);
   try {

@@ -27,8 +27,6 @@ inline constexpr std::uint16_t kPressureTaxels = [] {
   for (const std::size_t pad : kTemperaturePads) mask &= ~(1U << pad);
   return static_cast<std::uint16_t>(mask);
 }();
-/// Where a taxel that nobody touches reads by design, counts of the converter; pressure lowers it. Single taxels differ.
-inline constexpr double kRestCounts = 0x8000 + 8000;
 inline constexpr int kPressureTaxelsPerModule = kTaxelsPerModule - static_cast<int>(kTemperaturePads.size());
 
 inline constexpr std::size_t kPorts = 3;                        ///< of a module, one a side: A, B, C

@@ -69,8 +69,6 @@ struct TaxelPose {
 /// Reads a design file of version kVersion and checks its form: types, ranges, indices (not the rules: that is
 /// `triskin check`). Errors: InputError naming file and key, for another version naming the remedy. Cost: linear.
 [[nodiscard]] Design read_design(const std::filesystem::path& path);
-/// The same for the text of a design file; errors name it `file`.
-[[nodiscard]] Design parse_design(const std::string& text, const std::string& file);
 /// The same for a design that is to be deployed: its modules and wiring must be those that its id was made of. Errors
 /// besides: InputError when they are not, because the file was changed by hand.
 [[nodiscard]] Design read_intact_design(const std::filesystem::path& path);

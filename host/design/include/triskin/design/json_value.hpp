@@ -82,9 +82,8 @@ class JsonValue {
   std::string place_;
 };
 
-/// Parses JSON text. Errors: InputError naming `file` and the place for text that is not JSON, for an object that holds
-/// a key twice (one of the two would be dropped without a word), or for text that nests deeper than 64 (the parser
-/// recurses). Cost: linear.
+/// Parses JSON text. Errors: InputError naming `file` and the place for text that is not JSON or nests deeper than 64
+/// (the parser recurses). Cost: linear.
 [[nodiscard]] nlohmann::json parse_json(const std::string& text, const std::string& file);
 
 }  // namespace triskin::design

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
+#include "triskin/layout/rest.hpp"
 #include "triskin/session/stream.hpp"
 
 namespace triskin::device {
