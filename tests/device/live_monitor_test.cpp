@@ -90,7 +90,7 @@ TEST(LiveMonitor, draws_the_patch_in_its_shape) {
     for (int k = 0; k < 3; ++k) monitor.add(frame(m, layout::kRestCounts, m * 4'000));
   }
   EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, false), ElementsAre("▲   0 ▼4000 ▲8000 ▼  -- "));
-  EXPECT_THAT(monitor.picture(0, PressureUnit::kPercent, false), ElementsAre("▲  0% ▼ 10% ▲ 20% ▼  -- "));
+  EXPECT_THAT(monitor.picture(0, PressureUnit::kPercent, false), ElementsAre("▲  0% ▼ 12% ▲ 24% ▼  -- "));
   EXPECT_THAT(monitor.picture(0, PressureUnit::kCounts, true)[0], HasSubstr("\033[48;5;172m▼4000\033[0m"));
 }
 

@@ -8,6 +8,7 @@
 
 #include "live_display.hpp"
 #include "live_icub.hpp"
+#include "offset_lines.hpp"
 #include "rest_store.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/host/interrupt.hpp"
@@ -160,10 +161,13 @@ int run(const Options& options, Output& output) {
     throw InputError(fmt::format("--press {}: the design has modules 0 … {}", options.press, modules - 1));
   const auto link = device::open_link(options.link, &design);
   device::Bus bus(*link);
+  nlohmann::json offsets = say_offsets(bus, design, output);
   const RestStore store(design, bus.discover());
   device::LiveMonitor monitor(design, options.tare ? device::RestValues{} : store.read());
   device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { monitor.add(f); });
-  return Show(options, design, *link, bus, stream, monitor, store).run(output);
+  const int status = Show(options, design, *link, bus, stream, monitor, store).run(output);
+  output.result["offsets"] = std::move(offsets);
+  return status;
 }
 
 const Registration kLive{{

@@ -27,7 +27,7 @@ using RestValues = std::vector<std::array<double, layout::kTaxelsPerModule>>;
 class TouchMap {
  public:
   static constexpr double kPressed_counts = 200.0;
-  static constexpr double kRestBand_counts = 1'000.0;
+  static constexpr double kRestBand_counts = layout::kRestBand_counts;
   static constexpr std::size_t kRestSamples = 3;
   /// `design` outlives the map. `rest`: one entry a module, or empty.
   explicit TouchMap(const design::Design& design, const RestValues& rest = {});
