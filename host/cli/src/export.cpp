@@ -10,6 +10,7 @@
 #include "triskin/cli/command.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/view/page.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -21,7 +22,8 @@ struct Format {
 const std::map<std::string, Format> kFormats{{"picture", {".svg", design::picture_svg}},
                                              {"taxels", {".taxels.csv", design::taxels_csv}},
                                              {"assembly", {".assembly.html", design::assembly_html}},
-                                             {"modules", {".modules.obj", design::modules_obj}}};
+                                             {"modules", {".modules.obj", design::modules_obj}},
+                                             {"html", {".html", view::page_html}}};
 
 struct Options {
   std::string design, format, output;
