@@ -20,7 +20,15 @@ export function boxOf(points) {
 }
 
 class Camera {
-  constructor() { this.width = 1; this.height = 1; this.matrix = new Float32Array(16); }
+  width = 1;
+  height = 1;
+  matrix = new Float32Array(16);
+  mm_per_pixel = 1;
+  target = [0, 0, 0];
+  light = [0, 0, 1];
+  back = [0, 0, 1]; // toward the eye
+  numbersOf = "";   // what `numbers` was computed for
+  numbers = /** @type {{k: number, x: number, y: number}[]} */ ([]);
   /** @param {number} width @param {number} height pixels of the pane */
   resize(width, height) { this.width = Math.max(1, width); this.height = Math.max(1, height); this.update(); }
   update() {}
@@ -36,6 +44,10 @@ class Camera {
 
 /** Turns around a point of the body; z points up. */
 export class OrbitCamera extends Camera {
+  radius = 1;
+  distance = 1;
+  yaw = 0;
+  pitch = 0;
   /** @param {{low: number[], high: number[]}} box @param {number[]} toward where most modules face */
   constructor(box, toward) { super(); this.box = box; this.toward = toward; this.reset(); }
   reset() {
@@ -89,7 +101,7 @@ export class OrbitCamera extends Camera {
 
 /** Looks straight down on the plane of the islands. */
 export class PlaneCamera extends Camera {
-  constructor(box) { super(); this.box = box; this.light = this.back = [0, 0, 1]; this.fitted = true; this.reset(); }
+  constructor(box) { super(); this.box = box; this.fitted = true; this.reset(); }
   reset() { this.fitted = true; this.update(); }
   update() {
     if (this.fitted) {

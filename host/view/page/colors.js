@@ -55,7 +55,7 @@ export function modesOf(model) {
     {name: "depth in the tree", color: byValue((k) => model.modules[k].depth, depthMost(model)),
      legend: bar(scale, "entry", `${depthMost(model)} joints`)},
     {name: "loss when it fails", color: byValue((k) => model.subtree(k).length, 16), legend: bar(scale, "0", "16 modules") +
-     "<p>Choose a module: red are lost for good, orange are read over other joints.</p>"},
+     "<p>Choose a module: red are lost for good, orange are read over the blue joints (switched modules).</p>"},
   ];
   model.data.metrics.forEach((metric, row) => {
     const most = metric.limit || Math.max(0.01, ...model.modules.map((m) => m.metrics[row]));

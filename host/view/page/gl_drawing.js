@@ -94,7 +94,7 @@ const sinkOf = (model) => {
 
 /** @param {HTMLCanvasElement} canvas @returns {any} context; null: the browser has no WebGL */
 function contextOf(canvas) {
-  const wish = {antialias: true, alpha: true, preserveDrawingBuffer: true};
+  const wish = {antialias: true, alpha: true};
   return canvas.getContext("webgl2", wish) || canvas.getContext("webgl", wish);
 }
 
@@ -108,7 +108,6 @@ export class GlDrawing {
     this.renderer.setPixelRatio(window.devicePixelRatio || 1);
     this.renderer.setScissorTest(true);
     this.heat = new THREE.InstancedBufferAttribute(new Float32Array(TAXELS * model.count), 1);
-    this.heat.setUsage ? this.heat.setUsage(THREE.DynamicDrawUsage) : 0;
     this.scenes = {cover: this.sceneOf(model.cover, model.data.surface, sinkOf(model)), flat: this.sceneOf(model.flat, null, 0)};
     this.camera = new THREE.Camera();
     this.kind = "webgl";
@@ -132,7 +131,7 @@ export class GlDrawing {
     return {scene, parts};
   }
 
-  /** @param {"cover"|"flat"} view @param {string} name @param {import("./marks.js").Marks|null} marks */
+  /** @param {string} view "cover" or "flat" @param {string} name @param {import("./marks.js").Marks|null} marks */
   setMarks(view, name, marks) {
     const {scene, parts} = this.scenes[view];
     if (parts[name]) { scene.remove(parts[name]); parts[name].geometry.dispose(); parts[name].material.dispose(); delete parts[name]; }

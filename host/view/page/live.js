@@ -45,18 +45,20 @@ export class LiveLink {
   constructor(onFrame, onHealth) {
     this.onFrame = onFrame;
     this.onHealth = onHealth;
-    this.open();
+    this.socket = this.open();
   }
+  /** @returns {WebSocket} */
   open() {
     const address = new URL("live", location.href);
     address.protocol = "ws:";
-    this.socket = new WebSocket(address);
-    this.socket.binaryType = "arraybuffer";
-    this.socket.onmessage = ({data}) => typeof data === "string" ? this.onHealth(JSON.parse(data)) : this.onFrame(data);
-    this.socket.onclose = () => {
+    const socket = new WebSocket(address);
+    socket.binaryType = "arraybuffer";
+    socket.onmessage = ({data}) => typeof data === "string" ? this.onHealth(JSON.parse(data)) : this.onFrame(data);
+    socket.onclose = () => {
       this.onHealth({link: "", live: false, trouble: "triskin view does not answer; start it again", frames: 0, lost: 0});
-      setTimeout(() => this.open(), 1000);
+      setTimeout(() => { this.socket = this.open(); }, 1000);
     };
+    return socket;
   }
   /** @param {object} command */
   send(command) {

@@ -13,6 +13,13 @@ import {byId, drawHistory, fillDesign, fillFaults, fillLegend, fillList, fillMod
 const LOST = [0.85, 0.1, 0.1], REROUTED = [0.95, 0.6, 0.1];
 
 class Page {
+  link = /** @type {LiveLink | null} */ (null);
+  health = /** @type {any} */ (null);
+  healthAt = 0;
+  lastFrame = 0;
+  fresh = false;         // a frame of the skin came since the last drawing
+  faultsChanged = false;
+
   /** @param {Model} model @param {boolean} online the page comes from a server with a live skin */
   constructor(model, online) {
     this.model = model;
@@ -80,7 +87,7 @@ class Page {
   setTheme(name) { document.documentElement.dataset.theme = name; this.dirty = true; this.paintSelection(); }
 
   listen(view, pane) {
-    let drag = null;
+    let drag = /** @type {{x: number, y: number, moved: boolean} | null} */ (null);
     pane.onpointerdown = (e) => { drag = {x: e.clientX, y: e.clientY, moved: false}; pane.setPointerCapture(e.pointerId); };
     pane.onpointermove = (e) => {
       if (!drag) return;
@@ -179,9 +186,10 @@ class Page {
   }
 
   goOnline() {
-    this.link = new LiveLink((bytes) => this.takeFrame(bytes), (health) => this.takeHealth(health));
-    byId("rest").onclick = () => this.link.send({do: "rest"});
-    byId("finger").onchange = () => { if (!byId("finger").checked) this.link.send({do: "lift"}); };
+    const link = new LiveLink((bytes) => this.takeFrame(bytes), (health) => this.takeHealth(health));
+    this.link = link;
+    byId("rest").onclick = () => link.send({do: "rest"});
+    byId("finger").onchange = () => { if (!byId("finger").checked) link.send({do: "lift"}); };
   }
 
   takeFrame(bytes) {
@@ -209,8 +217,9 @@ class Page {
 
   takeHealth(health) {
     const now = performance.now(), seconds = this.healthAt ? (now - this.healthAt) / 1000 : 0;
-    const rate = this.healthBefore && seconds > 0 ? (health.frames - this.healthBefore.frames) / seconds / Math.max(1, this.model.count) : 0;
-    Object.assign(this, {healthAt: now, healthBefore: health, health});
+    const rate = this.health && seconds > 0 ? (health.frames - this.health.frames) / seconds / Math.max(1, this.model.count) : 0;
+    this.healthAt = now;
+    this.health = health;
     const middleOf = (list) => list.length ? list.slice().sort((a, b) => a - b)[list.length >> 1].toFixed(0) : "–";
     const rows = /** @type {[string, string|number][]} */ ([["link", health.link || "–"], ["state", health.live ? "live" : health.link === "none" ? "none" : "no samples"]]);
     if (health.live) rows.push(["samples a second", rate.toFixed(1)], ["received", health.frames], ["lost", health.lost], ["sample to screen", `${middleOf(this.latencies)} ms`],
@@ -304,7 +313,7 @@ class Page {
 
   /** Where a taxel is drawn, in pixels of the window; for tests. */
   placeOf(viewName, module, taxel) {
-    const view = this.views.find((v) => v.name === viewName), stage = byId("stage").getBoundingClientRect();
+    const view = viewName === "cover" ? this.views[0] : this.views[1], stage = byId("stage").getBoundingClientRect();
     const shape = this.model[viewName];
     const [x, y] = taxel < 0 ? view.camera.project(Model.centre(shape.corners, module)) : view.camera.project(shape.taxels, 36 * module + 3 * taxel);
     return [stage.left + view.left + x, stage.top + view.top + y];

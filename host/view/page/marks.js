@@ -79,7 +79,7 @@ export function selectionMarks(model, shape, k, failure, color) {
   for (let side = 0; side < 3; ++side)
     marks.band(corner(shape, k, side), corner(shape, k, (side + 1) % 3), normal(shape, k), 2.2, 0.8, color);
   for (const [child, parent] of failure ? failure.backup : []) {
-    if (parent >= 0) addJoint(marks, shape, model, child, parent, [0.95, 0.55, 0.0], 1.1);
+    if (parent >= 0) addJoint(marks, shape, model, child, parent, [0.1, 0.25, 0.95], 1.3);
   }
   return marks;
 }
