@@ -7,6 +7,7 @@
 #include <string>
 
 #include "triskin/wire/faults.hpp"
+#include "triskin/wire/icub_commands.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
@@ -94,6 +95,11 @@ LiveTaxels live_taxels(const Vector& v) {
   for (std::size_t k = 0; k < values.size(); ++k) t.modules[0].value.at(k) = static_cast<std::uint16_t>(values[k]);
   return t;
 }
+icub::State icub_state(const Vector& v) {
+  const auto f = test::numbers(v.one("fields"), 10);
+  const auto at = [&](std::size_t k) { return static_cast<std::uint8_t>(f.at(k)); };
+  return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), static_cast<std::uint16_t>(f.at(7))};
+}
 Statistics statistics(const Vector& v) {
   const auto n = test::numbers(v.one("counts"), 10);
   const auto at = [&](std::size_t k) { return static_cast<std::uint32_t>(n.at(k)); };
@@ -169,25 +175,17 @@ ActivationResult activation(const Vector& v) {
   return {static_cast<Status>(v.number("table_status"))};
 }
 
-const std::map<std::string, Check> kChecks{{"session", checked<ActiveSession, session>},
-                                           {"serial_number", checked<SerialNumber, serial_number>},
-                                           {"firmware", checked<FirmwareVersion, firmware>},
-                                           {"hello", checked<Hello, hello>},
-                                           {"node_address", checked<NodeAddress, node_address>},
-                                           {"active_table", checked<ActiveTable, active_table>},
-                                           {"module_states", checked<ModuleStates, states>},
-                                           {"self_test", checked<SelfTestResult, self_test>},
-                                           {"statistics", checked<Statistics, statistics>},
-                                           {"stream", checked<StreamSetting, stream>},
-                                           {"line_states", checked<LineStates, line_states>},
-                                           {"discovery", checked<Discovery, discovery>},
-                                           {"sampling", checked<SamplingSetting, sampling>},
-                                           {"image_state", checked<ImageState, image_state>},
-                                           {"live_taxels", checked<LiveTaxels, live_taxels>},
-                                           {"reroute", checked<RerouteResult, reroute>},
-                                           {"activation", checked<ActivationResult, activation>},
-                                           {"faults", checked<FaultList, fault_list>},
-                                           {"freeze", checked<FreezeFrame, freeze>}};
+const std::map<std::string, Check> kChecks{
+    {"session", checked<ActiveSession, session>},         {"serial_number", checked<SerialNumber, serial_number>},
+    {"firmware", checked<FirmwareVersion, firmware>},     {"hello", checked<Hello, hello>},
+    {"node_address", checked<NodeAddress, node_address>}, {"active_table", checked<ActiveTable, active_table>},
+    {"module_states", checked<ModuleStates, states>},     {"self_test", checked<SelfTestResult, self_test>},
+    {"statistics", checked<Statistics, statistics>},      {"icub", checked<icub::State, icub_state>},
+    {"stream", checked<StreamSetting, stream>},           {"line_states", checked<LineStates, line_states>},
+    {"discovery", checked<Discovery, discovery>},         {"sampling", checked<SamplingSetting, sampling>},
+    {"image_state", checked<ImageState, image_state>},    {"live_taxels", checked<LiveTaxels, live_taxels>},
+    {"reroute", checked<RerouteResult, reroute>},         {"activation", checked<ActivationResult, activation>},
+    {"faults", checked<FaultList, fault_list>},           {"freeze", checked<FreezeFrame, freeze>}};
 
 TEST(AnswerVectors, encode_and_decode_as_the_file_says) {
   std::map<std::string, int> taken, refused;
