@@ -145,6 +145,8 @@ const Registration kFlash{{
           ->check(CLI::Range(0, int{layout::kLastNode} - 1));
       app.add_flag("--take-over", options->flash.take_over,
                    "take controllers that hold a table of another design, too");
+      app.add_flag("--positive-input", options->flash.positive_input,
+                   "the electrodes hang on the converters' positive input, as on the installed iCub boards");
       app.add_flag("--force", options->flash.force, "write tables that are equal, too");
       return [options](Output& output) { return run(*options, output); };
     },

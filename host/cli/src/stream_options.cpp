@@ -52,9 +52,7 @@ void add_stream_keys(const device::StreamReport& r, Output& output) {
   output.result["losses"] = losses_of(r);
 }
 
-int conclude(device::Stream& stream, Output& output) {
-  stream.finish();
-  const device::StreamReport r = stream.report();
+int conclude(const device::StreamReport& r, Output& output) {
   for (const std::string& line : sentences(r)) output.say(line);
   add_stream_keys(r, output);
   return r.complete() ? 0 : 1;

@@ -55,7 +55,7 @@ void Stream::find_controllers(const design::Design& design) {
     const layout::PatchImage image = image_of(design, static_cast<int>(p));
     Controller c(bus_, image.node_address);
     const wire::ActiveTable table = c.active_table();
-    if (!table.present() || table.crc != crc32(bytes_of(image))) {
+    if (!table.present() || !holds_image(table.crc, image)) {
       throw DeviceError(
           fmt::format("{}: the controller of patch {} does not hold the table of this design; run triskin flash first",
                       bus_.link().name(), p));

@@ -24,7 +24,7 @@ struct RowAccount {
   bool operator==(const RowAccount&) const = default;
 };
 
-/// FD0B: account of the stream over the port that asks.
+/// FD0C: account of the stream over the port that asks.
 struct StreamAccount {
   static constexpr std::uint16_t kId = did::kStreamAccount;
   static constexpr std::size_t kHeadBytes = 10, kLeaseBytes = 4, kLeastBytes = kHeadBytes,

@@ -14,8 +14,8 @@ void add_stream_options(CLI::App& app, device::StreamOptions& options);
 /// Writes the keys samples, expected, lost, never_heard, every, bus_load, losses, starved and silent into the result.
 void add_stream_keys(const device::StreamReport& report, Output& output);
 
-/// Ends the stream, says what came of what was due, and adds the keys of add_stream_keys. Returns the exit status: 0
-/// when everything came, else 1.
-[[nodiscard]] int conclude(device::Stream& stream, Output& output);
+/// Says what came of what was due, and adds the keys of add_stream_keys. Returns the exit status: 0 when everything
+/// came, else 1.
+[[nodiscard]] int conclude(const device::StreamReport& report, Output& output);
 
 }  // namespace triskin::cli

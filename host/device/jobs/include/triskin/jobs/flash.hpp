@@ -15,7 +15,9 @@ struct FlashOptions {
   bool dry_run = false;  ///< say what would change, write nothing
   bool force = false;    ///< write equal tables too
   RouteChoice route;     ///< the patch of this failure gets the tree that the design prepared for it
-  int per_wire = 1;      ///< controllers at once on one wire; one, so that an analyser on a CAN bus can follow
+  /// The electrodes hang on the converters' positive input (docs/silicon.md); the controllers turn the results round.
+  bool positive_input = false;
+  int per_wire = 1;  ///< controllers at once on one wire; one, so that an analyser on a CAN bus can follow
   /// Patch and unique id (24 upper-case hexadecimal digits) of the controller that is to serve it, whatever it holds.
   struct Assignment {
     int patch = 0;
