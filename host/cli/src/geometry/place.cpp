@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 
+#include "corner_cut_option.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/design/tile.hpp"
 #include "triskin/geometry/placement.hpp"
@@ -32,7 +33,22 @@ double without_sign_of_zero(double value, double least) {
   return std::abs(value) < least ? 0.0 : value;
 }
 
-nlohmann::json result_of(const geometry::Polygon& polygon, const geometry::PlacementResult& r, const Options& options) {
+// Coverage both ways: of the whole triangles, and of what is left of them.
+void add_cut(const geometry::PlacementResult& r, double area_mm2, const Options& options, const Output& output,
+             nlohmann::json& result) {
+  const double cut = options.placement.corner_cut_mm;
+  const double whole = r.modules * design::kModuleArea_mm2 / area_mm2,
+               left = r.modules * design::module_area_mm2(cut) / area_mm2;
+  result["corner_cut_mm"] = cut;
+  result["coverage"] = whole;
+  result["coverage_cut"] = left;
+  output.say(fmt::format("corners cut by {:g} mm: coverage {:.1f} % of whole triangles, {:.1f} % of cut modules", cut,
+                         100.0 * whole, 100.0 * left));
+  say_cut_pads(cut, output);
+}
+
+nlohmann::json result_of(const geometry::Polygon& polygon, const geometry::PlacementResult& r, const Options& options,
+                         const Output& output) {
   nlohmann::json result = {
       {"modules", r.modules},
       {"upper_bound", r.upper_bound},
@@ -45,6 +61,7 @@ nlohmann::json result_of(const geometry::Polygon& polygon, const geometry::Place
       {"cells", r.cells},
       {"search_seconds", r.search_seconds},
       {"seconds", r.seconds}};
+  if (options.placement.corner_cut_mm > 0.0) add_cut(r, geometry::polygon_area(polygon), options, output, result);
   nlohmann::json tiles = nlohmann::json::array();
   for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
   result["tiles"] = std::move(tiles);
@@ -128,7 +145,7 @@ int run(const Options& options, Output& output) {
     results.push_back(geometry::place(polygon, options.placement, output.progress()));
     const geometry::PlacementResult& r = results.back();
     modules += r.modules;
-    pieces.push_back(result_of(polygon, r, options));
+    pieces.push_back(result_of(polygon, r, options, output));
     if (!options.proof.empty()) write_output(options.proof, geometry::proof_text(polygon, r));
     if (!output.json()) say_result(r, options, output);
   }
@@ -193,6 +210,7 @@ void add_options(CLI::App& app, Options& options) {
       ->transform(one_of(kShapes));
   app.add_option("--gap-mm", options.placement.gap_mm, "free space between facing sides of modules")
       ->capture_default_str();
+  add_corner_cut(app, options.placement.corner_cut_mm);
   app.add_option("--time-limit-s", options.placement.time_limit_s, "0: none")->capture_default_str();
   app.add_flag("!--no-clearance", options.placement.largest_clearance,
                "do not look for the placement with the largest clearance");
