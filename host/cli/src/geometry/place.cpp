@@ -34,7 +34,7 @@ double without_sign_of_zero(double value, double least) {
 }
 
 // Coverage both ways: of the whole triangles, and of what is left of them.
-void add_cut(const geometry::PlacementResult& r, double area_mm2, const Options& options, const Output& output,
+void add_cut(const geometry::PlacementResult& r, double area_mm2, const Options& options, Output& output,
              nlohmann::json& result) {
   const double cut = options.placement.corner_cut_mm;
   const double whole = r.modules * design::kModuleArea_mm2 / area_mm2,
@@ -48,7 +48,7 @@ void add_cut(const geometry::PlacementResult& r, double area_mm2, const Options&
 }
 
 nlohmann::json result_of(const geometry::Polygon& polygon, const geometry::PlacementResult& r, const Options& options,
-                         const Output& output) {
+                         Output& output) {
   nlohmann::json result = {
       {"modules", r.modules},
       {"upper_bound", r.upper_bound},
