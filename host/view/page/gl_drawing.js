@@ -92,9 +92,18 @@ const sinkOf = (model) => {
   return 2.5 + Math.max(0, ...model.modules.map((m) => m.metrics[row] || 0));
 };
 
+// Without a GPU each pixel costs processor time: smooth edges are left out there.
+function isSoftware() {
+  const probe = /** @type {any} */ (document.createElement("canvas").getContext("webgl"));
+  const names = probe && probe.getExtension("WEBGL_debug_renderer_info");
+  const renderer = names ? String(probe.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+  if (probe) probe.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(renderer);
+}
+
 /** @param {HTMLCanvasElement} canvas @returns {any} context; null: the browser has no WebGL */
 function contextOf(canvas) {
-  const wish = {antialias: true, alpha: true};
+  const wish = {antialias: !isSoftware(), alpha: true};
   return canvas.getContext("webgl2", wish) || canvas.getContext("webgl", wish);
 }
 
