@@ -7,6 +7,7 @@
 #include <string>
 
 #include "triskin/wire/faults.hpp"
+#include "triskin/wire/icub_commands.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
@@ -107,6 +108,11 @@ Offsets offsets(const Vector& v) {
   for (std::size_t t = 0; t < m.steps.size(); ++t) m.steps[t] = static_cast<std::uint8_t>(steps.at(t));
   return o;
 }
+icub::State icub_state(const Vector& v) {
+  const auto f = test::numbers(v.one("fields"), 10);
+  const auto at = [&](std::size_t k) { return static_cast<std::uint8_t>(f.at(k)); };
+  return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), static_cast<std::uint16_t>(f.at(7))};
+}
 Statistics statistics(const Vector& v) {
   const auto n = test::numbers(v.one("counts"), 10);
   const auto at = [&](std::size_t k) { return static_cast<std::uint32_t>(n.at(k)); };
@@ -194,6 +200,7 @@ const std::map<std::string, Check> kChecks{{"session", checked<ActiveSession, se
                                            {"module_states", checked<ModuleStates, states>},
                                            {"self_test", checked<SelfTestResult, self_test>},
                                            {"statistics", checked<Statistics, statistics>},
+                                           {"icub", checked<icub::State, icub_state>},
                                            {"stream", checked<StreamSetting, stream>},
                                            {"line_states", checked<LineStates, line_states>},
                                            {"discovery", checked<Discovery, discovery>},

@@ -72,6 +72,7 @@ struct Identifiers::Table {
       Row{wire::did::kSampling, read<&Identifiers::sampling>, write<wire::SamplingSetting, set_sampling>},
       Row{wire::did::kOffsets, read<&Identifiers::offsets>},
       Row{wire::did::kLiveTaxels, read<&Identifiers::live_taxels>},
+      Row{wire::did::kIcub, read<&Identifiers::icub>},
   };
   /// Every identifier of the wire that is not the server's or of freeze data has its row, in order, and may be written
   /// where the wire says so.

@@ -16,7 +16,7 @@ inline constexpr std::uint16_t kActiveSession = 0xF186, kSerialNumber = 0xF18C, 
                                kActiveTable = 0xFD02, kModuleStates = 0xFD03, kStatistics = 0xFD04, kStream = 0xFD05,
                                kLineStates = 0xFD06, kTopology = 0xFD07, kRoute = 0xFD08, kImageState = 0xFD09,
                                kSampling = 0xFD0A, kOffsets = 0xFD0B, kLiveTaxels = 0xFD10, kFreezeTime = 0xFD21,
-                               kFreezeSample = 0xFD22;
+                               kFreezeSample = 0xFD22, kIcub = 0xFD30;
 }  // namespace did
 
 namespace routine {
@@ -39,7 +39,7 @@ struct Identifier {
   std::string_view value;               ///< fields in order, (bytes of each); little-endian where nothing is said
 };
 
-inline constexpr std::array<Identifier, 20> kIdentifiers{{
+inline constexpr std::array<Identifier, 21> kIdentifiers{{
     {did::kActiveSession, Access::kRead, 1, 1, "identity.hpp", "session (1): 1 default, 2 programming, 3 extended"},
     {did::kSerialNumber, Access::kRead, 12, 12, "identity.hpp", "unique id (12)"},
     {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
@@ -58,7 +58,7 @@ inline constexpr std::array<Identifier, 20> kIdentifiers{{
      "nominal sequences since power-up (4), bus errors (4), recoveries of lines (4), stream frames lost because the "
      "bus was too slow (4)"},
     {did::kStream, Access::kReadWrite, 1, 1, "sampling.hpp",
-     "stream (1): 0 off, 1 iCub, 2 full (refused on a classic bus)"},
+     "stream (1): 0 off, 1 iCub (refused for node addresses above 14), 2 full (refused on a classic bus)"},
     {did::kLineStates, Access::kRead, 20, 20, "lines.hpp", "per line: 1 when it is held low (1), recoveries (4)"},
     {did::kTopology, Access::kRead, 3, 67, "topology.hpp",
      "modules and joints as found on the route chain: flags (1; 1: switched modules, 2: complete, 4: module 0 is at "
@@ -84,6 +84,11 @@ inline constexpr std::array<Identifier, 20> kIdentifiers{{
     {did::kLiveTaxels, Access::kRead, 12, 428, "live_taxels.hpp",
      "nominal sequences since power-up (4), time in µs (8), then per row of the table: valid taxels (2, a bit each), "
      "12 values of the converter (2 each)"},
+    {did::kIcub, Access::kRead, 9, 9, "icub_commands.hpp",
+     "flags (1; 1: the node address is above 14, so this is no iCub board, 2: an offset of the converter was asked for "
+     "and not written, 4: an address was refused, 8: a command was refused), command refused last (1), commands "
+     "refused (1; 255: as many or more), skin type (1), period in ms (1), value at rest (1), shift of triangle 0 (1), "
+     "enabled triangles (2, a bit each)"},
     {did::kFreezeTime, Access::kFreeze, 4, 4, "faults.hpp", "ms since power-up (4)"},
     {did::kFreezeSample, Access::kFreeze, 4, 4, "faults.hpp", "number of the module's sample (4)"},
 }};

@@ -8,6 +8,7 @@
 #include "triskin/app/identifiers.hpp"
 #include "triskin/logic/fault_memory.hpp"
 #include "triskin/logic/icub_board.hpp"
+#include "triskin/logic/icub_triangles.hpp"
 #include "triskin/logic/offset_store.hpp"
 #include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
@@ -88,6 +89,8 @@ class Application final : private UdsHost, private PatchControl {
   void tick();
   void queue_full(TableRow row);
   void queue_icub();
+  void calibrate();
+  void take_node_address(std::uint8_t address);
 
   const Ports ports_;
   TableStore tables_;
@@ -112,7 +115,7 @@ class Application final : private UdsHost, private PatchControl {
   bool reset_requested_ = false, through_loader_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;
-  std::optional<wire::CanFrame> icub_reply_;
+  IcubTriangles icub_triangles_;
   Identifiers identifiers_;  // of everything above
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "triskin/logic/icub_board.hpp"
 #include "triskin/logic/offset_store.hpp"
 #include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
@@ -36,6 +37,7 @@ struct PatchParts {
   const wire::TaxelOutput& output;
   const std::uint32_t& sequences;  ///< nominal sequences since power-up
   const StreamQueue& stream_queue;
+  const IcubBoard& icub;
 };
 
 /// What writing an identifier sets off. Values are checked before.
@@ -44,7 +46,8 @@ class PatchControl {
   virtual ~PatchControl() = default;
   /// Takes effect after the answer. Errors: kFlashFailed.
   virtual Status set_node_address(std::uint8_t address) = 0;
-  /// To the port that asked. Errors: kOutOfRange (the full stream on a classic bus).
+  /// To the port that asked. Errors: kOutOfRange (the full stream on a classic bus; the iCub stream with a node
+  /// address above 14).
   virtual Status set_stream(wire::StreamMode mode) = 0;
   /// Takes effect at once: every converter is configured anew. kOk always; the decoder has refused what cannot be set.
   virtual Status set_sampling(const wire::SamplingSetting& setting) = 0;
@@ -83,6 +86,7 @@ class Identifiers {
   [[nodiscard]] wire::SamplingSetting sampling() const;
   [[nodiscard]] wire::Offsets offsets() const;
   [[nodiscard]] wire::LiveTaxels live_taxels() const;
+  [[nodiscard]] wire::icub::State icub() const { return parts_.icub.state(parts_.tables.node_address()); }
   [[nodiscard]] wire::Discovery discovery() const;
   [[nodiscard]] wire::SelfTestResult self_test() const;
 
