@@ -77,6 +77,7 @@ void read_alternatives(const JsonValue& v, Design& design) {
   const JsonValue price = v["price"], list = v["alternatives"];
   design.price = {price["controller"].number(), price["jumper"].number(), price["island"].number()};
   for (std::size_t k = 0; k < list.size(); ++k) design.alternatives.push_back(read_alternative(list.at(k)));
+  for (Alternative& a : design.alternatives) a.layout.corner_cut_mm = design.layout.corner_cut_mm;
   design.taken = v["taken"].integer(-1, static_cast<int>(list.size()) - 1);
 }
 

@@ -118,7 +118,7 @@ json patch_json(const Patch& p, int id) {
           {"failures", std::move(failures)}};
 }
 
-json report_json(const Design::Report& r, bool with_jumpers) {
+json report_json(const Design::Report& r, bool with_jumpers, bool is_cut) {
   json report = {{"area_cm2", r.area_cm2},
                  {"coverage", r.coverage},
                  {"upper_bound", r.upper_bound},
@@ -128,6 +128,7 @@ json report_json(const Design::Report& r, bool with_jumpers) {
                  {"max_center_gap_mm", r.max_center_gap_mm},
                  {"seconds", r.seconds}};
   if (with_jumpers) report["jumpers_lower_bound"] = r.jumpers_lower_bound;
+  if (is_cut) report["coverage_cut"] = r.coverage_cut;
   return report;
 }
 
@@ -146,6 +147,7 @@ void write_design(const std::filesystem::path& path, const Design& design) {
     patches.push_back(patch_json(design.patches[p], static_cast<int>(p)));
   json refused = json::object();
   for (const auto& [limit, count] : design.layout.refused) refused[limit] = count;
+  const bool is_cut = design.layout.corner_cut_mm > 0.0;
   const bool with_jumpers = !design.layout.jumpers.empty();
   json file = {{"format", "triskin-design"},
                {"version", with_jumpers ? Design::kJumperVersion : Design::kVersion},
@@ -161,7 +163,8 @@ void write_design(const std::filesystem::path& path, const Design& design) {
                {"modules", std::move(modules)},
                {"patches", std::move(patches)},
                {"refused", std::move(refused)},
-               {"report", report_json(design.report, with_jumpers)}};
+               {"report", report_json(design.report, with_jumpers, is_cut)}};
+  if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // files without a cut stay as they were
   write_alternatives(design, file);
   for (const Jumper& j : design.layout.jumpers) file["jumpers"].push_back(jumper_json(j));
   write_output(path, file.dump() + "\n");

@@ -13,8 +13,11 @@ struct WiredLayout {
   design::ModuleLayout layout;
   std::vector<design::Jumper> places;  ///< where jumpers may be
   int patches = 0, jumpers = 0;        ///< the cheapest found
-  double price = 0.0;
-  [[nodiscard]] double value() const { return static_cast<double>(layout.modules.size()) - price; }
+  double price = 0.0;                  ///< of them and of the islands
+  /// Modules − price; of no module less than anything, since a cover was asked for.
+  [[nodiscard]] double value() const {
+    return layout.modules.empty() ? -1e300 : static_cast<double>(layout.modules.size()) - price;
+  }
 };
 
 /// Finds the places of jumpers and the cheapest controllers of each layout, and sorts by falling value; among equals

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "corner_cut_option.hpp"
 #include "mesh_options.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/pipeline/make_design.hpp"
@@ -77,8 +78,17 @@ int run(Options options, Output& output) {
                    {"modules_surface", methods.surface},
                    {"refused", refused},
                    {"seconds", r.seconds}};
+  if (d.layout.corner_cut_mm > 0.0) {
+    output.result["corner_cut_mm"] = d.layout.corner_cut_mm;
+    output.result["coverage_cut"] = r.coverage_cut;
+  }
   output.say(fmt::format("{}: {:.0f} cm², {} modules placed (at most {} by area), coverage {:.1f} %", d.name,
                          r.area_cm2, d.layout.modules.size(), r.upper_bound, 100.0 * r.coverage));
+  if (d.layout.corner_cut_mm > 0.0) {
+    output.say(fmt::format("corners cut by {:g} mm: coverage {:.1f} % of cut modules", d.layout.corner_cut_mm,
+                           100.0 * r.coverage_cut));
+    say_cut_pads(d.layout.corner_cut_mm, output);
+  }
   output.say(
       fmt::format("{} islands, {} patches (lower bound {}), {} jumpers (lower bound {}); edge error ≤ {:.2f} mm, hinge "
                   "gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm",
@@ -129,6 +139,7 @@ const Registration kDesign{{
       app.add_option("--overrun-mm", l.overrun_mm, "limit over the border")
           ->check(CLI::Range(0.01, 10.0))
           ->capture_default_str();
+      add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--jumper-mm", l.jumper_mm, "limit of a jumper's length along the surface (0: no jumpers)")
           ->check(CLI::Range(0.0, 100.0))
           ->capture_default_str();

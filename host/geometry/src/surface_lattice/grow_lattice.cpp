@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <deque>
 #include <map>
@@ -11,6 +12,7 @@
 #include "canonical.hpp"
 #include "grower.hpp"
 #include "net_price.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
 #include "triskin/host/error.hpp"
@@ -31,6 +33,7 @@ constexpr double kHot = 0.6, kCold = 0.05;         // modules a step may lose, a
 constexpr int kFront = 12;                         // of the layouts that are kept beside the best
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kFinalMargin = 0.98;
+constexpr double kNothing = -1e300;  // value of no layout
 
 struct GrowthTask {
   const Surface& surface;
@@ -41,6 +44,7 @@ struct GrowthTask {
   Clock::time_point start, end;
 
   [[nodiscard]] double value(const LatticeNet& net, NetPrice& price) const {
+    if (net.size() == 0) return kNothing;  // one module is better, although its controller costs more
     return net.size() - price(net) + options.hinge_reward * net.joints();
   }
   [[nodiscard]] double fraction(int steps) const {
@@ -73,6 +77,7 @@ class Chain {
     for (int k = 0; k < most; ++k) {
       if (k > 0 && iterations == 0 && task_.fraction(0) > kStartsShare) break;
       LatticeNet net;
+      net.corner_cut_mm = task_.options.corner_cut_mm;
       grower_.fill(net, {}, random_, static_cast<int>(task_.samples.size()) / 2);
       net.separate();
       const double value = task_.value(net, price_);
@@ -240,6 +245,7 @@ class Chain {
 ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
   ModuleLayout layout;
   layout.method = LayoutMethod::kSurface;
+  layout.corner_cut_mm = net.corner_cut_mm;
   layout.islands = net.islands();
   std::vector<int> index(net.triangles.size(), -1);
   for (std::size_t t = 0; t < net.triangles.size(); ++t) {
@@ -280,7 +286,7 @@ ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, Lattic
     for (std::size_t k = 0; k < triangle_of.size(); ++k) {
       PlacedModule& m = layout.modules[k];
       const auto [known, is_new] = measured.try_emplace(triangle_of[k], m);
-      if (is_new) measure_on_surface(surface, known->second);
+      if (is_new) measure_on_surface(surface, known->second, layout.corner_cut_mm);
       m.center_gap_mm = known->second.center_gap_mm;
       m.edge_depth_mm = known->second.edge_depth_mm;
       m.overrun_mm = known->second.overrun_mm;
@@ -309,6 +315,8 @@ void check_options(const LayoutLimits& l, const SurfaceLatticeOptions& o) {
       throw InputError(
           "lattice: the cost of an island, controller or jumper and the reward of a joint must be 0 … 16 modules");
   }
+  if (!(o.corner_cut_mm >= 0.0 && o.corner_cut_mm <= design::kMostCornerCut_mm))
+    throw InputError(fmt::format("lattice: the corner cut must be 0 … {} mm", design::kMostCornerCut_mm));
   if (!(o.corner_lift_mm >= 0.0)) throw InputError("lattice: the corner lift must not be negative");
   for (const double v :
        {l.edge_error_mm, l.hinge_gap_mm, l.center_gap_mm, l.fold_rad, l.penetration_mm, l.overrun_mm}) {
@@ -384,10 +392,13 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   std::vector<ModuleLayout> layouts{certified(original, copy, std::move(net), limits)};
   layouts[0].refused = std::move(refusals.refused);
   if (!options.front) return layouts;
-  for (const LatticeNet* other : front_of(chains)) {
-    ModuleLayout layout = certified(original, copy, *other, limits);
-    if (!layout.modules.empty()) layouts.push_back(std::move(layout));
-  }
+  const std::vector<const LatticeNet*> others = front_of(chains);
+  layouts.resize(1 + others.size());
+  std::atomic<std::size_t> next{0};
+  in_parallel(chains, [&](const Chain&) {
+    for (std::size_t k = next++; k < others.size(); k = next++)
+      layouts[1 + k] = certified(original, copy, *others[k], limits);
+  });
   return layouts;
 }
 

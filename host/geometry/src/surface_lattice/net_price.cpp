@@ -9,7 +9,8 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr double kModulesAController = 16.0;
-constexpr double kStraight = 0.95;  // a jumper along the surface is a little longer than the straight line
+constexpr double kRoundedUp = 15.0 / 32.0;  // mean of ⌈n / 16⌉ − n / 16
+constexpr double kStraight = 0.95;          // a jumper along the surface is a little longer than the straight line
 
 }  // namespace
 
@@ -21,7 +22,7 @@ double relaxed_price(const std::vector<int>& sizes, const std::vector<int>& grou
     modules[at(group[k])] += sizes[k];
   }
   double controllers = 0.0;
-  for (const int n : modules) controllers += n > 0 ? std::max(1.0, n / kModulesAController) : 0.0;
+  for (const int n : modules) controllers += n > 0 ? std::max(1.0, n / kModulesAController + kRoundedUp) : 0.0;
   const double islands = static_cast<double>(sizes.size());
   return price.controller * controllers + price.jumper * (islands - groups) + price.island * islands;
 }

@@ -9,7 +9,7 @@
 namespace triskin::geometry {
 
 /// Effort of grow_lattice(), and what it maximises: modules + hinge_reward · joints − price, where the price is
-/// relaxed: islands that jumpers can join count n / 16 controllers together. Out of range: InputError.
+/// relaxed: islands that jumpers can join count n / 16 + 15 / 32 controllers together. Out of range: InputError.
 struct SurfaceLatticeOptions {
   double time_limit_s = 20.0;  ///< > 0, wall clock; the search stops within about 0.1 s of it
   int iterations = 0;  ///< > 0: stops after so many ruin-and-recreate steps a chain, as well as at the time limit
@@ -20,6 +20,8 @@ struct SurfaceLatticeOptions {
   bool front = true;            ///< of grow_front(): layouts with other numbers of modules as well
   double corner_lift_mm = 1.5;  ///< ≥ 0: how far corners may stand off a convex surface, so that the gap under the
                                 ///< centre stays in its limit
+  double corner_cut_mm = 0.0;   ///< 0 … design::kMostCornerCut_mm: cut off along each side from every corner; overlap
+                                ///< and border are then those of what is left
 };
 
 /// Grows the isometric lattice directly on the surface (docs/surface_lattice.md): triangles are added edge by edge,
