@@ -6,6 +6,7 @@
 #include "checked_design.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/host/json_cause.hpp"
 
 namespace triskin::check {
 namespace {
@@ -199,7 +200,7 @@ CheckedDesign read_checked_design(const std::filesystem::path& path) {
     return read_all(json::parse(text));
   } catch (const json::exception& e) {
     throw InputError(fmt::format("{}: not a design file of this version ({}); make it again with triskin design",
-                                 path.string(), e.what()));
+                                 path.string(), json_cause(e.what())));
   } catch (const InputError& e) {
     throw InputError(fmt::format("{}: {}", path.string(), e.what()));
   }

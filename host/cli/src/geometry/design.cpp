@@ -6,6 +6,7 @@
 #include "corner_cut_option.hpp"
 #include "mesh_options.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/host/interrupt.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::cli {
@@ -52,12 +53,29 @@ int take(const Options& options, Output& output) {
   return 0;
 }
 
+// Why nothing fits: most often the mesh is in another unit than the one it was read in.
+std::string reason_of_nothing(const design::Design& d, bool unit_given) {
+  design::Vec3 low = design::Vec3::Constant(1e300), high = -low;
+  for (const auto& v : d.surface.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  const design::Vec3 size = d.surface.vertices.empty() ? design::Vec3::Zero() : design::Vec3(high - low);
+  return fmt::format(
+      "no module fits: the surface measures {:.4g} × {:.4g} × {:.4g} mm, a module is a triangle with sides of "
+      "30 mm{}; no design was written",
+      size.x(), size.y(), size.z(),
+      unit_given ? "" : "; the mesh was taken for mm: say --unit cm or --unit m if it is not");
+}
+
 int run(Options options, Output& output) {
   if (options.take >= 0) return take(options, output);
+  catch_interrupts();
   options.design.unit = options.unit.unit;
   pipeline::MethodComparison methods;
   const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &methods);
-  design::write_design(options.output, d);
+  const bool nothing = d.layout.modules.empty();
+  if (!nothing) design::write_design(options.output, d);
   const auto& r = d.report;
   nlohmann::json refused = nlohmann::json::object();
   for (const auto& [limit, count] : d.layout.refused) refused[limit] = count;
@@ -98,6 +116,14 @@ int run(Options options, Output& output) {
                          design::kLayoutMethodNames.name(d.layout.method)));
   for (const auto& [limit, count] : d.layout.refused)
     output.say(fmt::format("  {} refused {} further modules", limit, count));
+  if (nothing) {
+    output.result["reason"] = reason_of_nothing(d, options.unit.unit.has_value());
+    output.say(reason_of_nothing(d, options.unit.unit.has_value()));
+    return 1;
+  }
+  if (interrupt_signal() > 0)
+    output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
+                           d.layout.modules.size()));
   report_alternatives(d, output);
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, r.seconds));
   return 0;

@@ -373,7 +373,8 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));
   in_parallel(chains, [](Chain& c) { c.build(); });
-  for (int round = 1; Clock::now() < end && (options.iterations == 0 || chains[0].steps() < options.iterations);
+  for (int round = 1; Clock::now() < end && !interrupt_request() &&
+                      (options.iterations == 0 || chains[0].steps() < options.iterations);
        ++round) {
     const int steps =
         options.iterations == 0 ? kStepsARound : std::min(kStepsARound, options.iterations - chains[0].steps());

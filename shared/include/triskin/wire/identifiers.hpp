@@ -39,7 +39,7 @@ struct Identifier {
   std::string_view value;               ///< fields in order, (bytes of each); little-endian where nothing is said
 };
 
-inline constexpr std::array<Identifier, 20> kIdentifiers{{
+inline constexpr std::array<Identifier, 21> kIdentifiers{{
     {did::kActiveSession, Access::kRead, 1, 1, "identity.hpp", "session (1): 1 default, 2 programming, 3 extended"},
     {did::kSerialNumber, Access::kRead, 12, 12, "identity.hpp", "unique id (12)"},
     {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
