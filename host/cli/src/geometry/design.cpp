@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <map>
 #include <memory>
 
 #include "mesh_options.hpp"
+#include "repair_text.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
@@ -18,8 +20,8 @@ struct Options {
 
 int run(Options options, Output& output) {
   options.design.unit = options.unit.unit;
-  pipeline::MethodComparison methods;
-  const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &methods);
+  pipeline::DesignNotes notes;
+  const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
   design::write_design(options.output, d);
   const auto& r = d.report;
   nlohmann::json refused = nlohmann::json::object();
@@ -35,10 +37,13 @@ int run(Options options, Output& output) {
                    {"max_hinge_gap_mm", r.max_hinge_gap_mm},
                    {"max_center_gap_mm", r.max_center_gap_mm},
                    {"method", design::kLayoutMethodNames.name(d.layout.method)},
-                   {"modules_pieces", methods.pieces},
-                   {"modules_surface", methods.surface},
+                   {"modules_pieces", notes.pieces},
+                   {"modules_surface", notes.surface},
                    {"refused", refused},
+                   {"repair", geometry::kRepairNames.name(notes.extract.repair)},
+                   {"deviation_mm", notes.extract.deviation.largest_mm},
                    {"seconds", r.seconds}};
+  if (const std::string change = repair_text(notes.extract); !change.empty()) output.say(change);
   output.say(fmt::format("{}: {:.0f} cm², {} modules placed (at most {} by area), coverage {:.1f} %", d.name,
                          r.area_cm2, d.layout.modules.size(), r.upper_bound, 100.0 * r.coverage));
   output.say(
@@ -46,7 +51,7 @@ int run(Options options, Output& output) {
                   "centre gap ≤ {:.2f} mm",
                   d.layout.islands, d.patches.size(), r.patches_lower_bound, r.max_edge_error_mm, r.max_hinge_gap_mm,
                   r.max_center_gap_mm));
-  output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", methods.pieces, methods.surface,
+  output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces, notes.surface,
                          design::kLayoutMethodNames.name(d.layout.method)));
   for (const auto& [limit, count] : d.layout.refused)
     output.say(fmt::format("  {} refused {} further modules", limit, count));
@@ -60,8 +65,13 @@ const Registration kDesign{{
     "triskin design forearm.obj -o forearm.design.json",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF or DAE; mm unless --unit says otherwise")->required();
+      app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise")->required();
       app.add_option("-o,--output", options->output, "design file")->required();
+      app.add_option("--repair", options->design.repair,
+                     "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
+                     "refused")
+          ->transform(one_of(std::map<std::string, pipeline::RepairMode>{{"auto", pipeline::RepairMode::kAuto},
+                                                                         {"never", pipeline::RepairMode::kNever}}));
       app.add_option("--time-limit-s", options->design.time_limit_s, "effort")
           ->check(CLI::Range(0.01, 1e6))
           ->capture_default_str();
