@@ -65,7 +65,9 @@ const Registration kDesign{{
     "triskin design forearm.obj -o forearm.design.json",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise")->required();
+      app.add_option("MESH", options->mesh,
+                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise")
+          ->required();
       app.add_option("-o,--output", options->output, "design file")->required();
       app.add_option("--repair", options->design.repair,
                      "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
