@@ -7,6 +7,7 @@
 #include <iostream>
 #include <memory>
 
+#include "offset_lines.hpp"
 #include "triskin/cli/link_options.hpp"
 
 namespace triskin::cli {
@@ -55,11 +56,9 @@ int run(Options options, Output& output) {
     earlier.push_back(to_json(f));
     output.say(fmt::format("remembered from before, not there now: {}", f.text));
   }
-  output.result = {{"modules_ok", r.modules_ok},
-                   {"modules", r.modules},
-                   {"touched", r.touched},
-                   {"findings", std::move(findings)},
-                   {"earlier", std::move(earlier)}};
+  output.result = {{"modules_ok", r.modules_ok},    {"modules", r.modules},
+                   {"touched", r.touched},          {"findings", std::move(findings)},
+                   {"earlier", std::move(earlier)}, {"offsets", say_offsets(bus, design, output)}};
   output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched,
                          r.findings.size()));
   return r.findings.empty() ? 0 : 1;

@@ -2,14 +2,14 @@
 #include <charconv>
 #include <optional>
 
-#include "triskin/design/design.hpp"
+#include "triskin/design/design_text.hpp"
 #include "triskin/design/json_value.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/host/files.hpp"
 
 namespace triskin::design {
 namespace {
 
-constexpr int kMaxLattice = 1'000'000;  // coordinates; far beyond any cover, safely inside int
 constexpr int kMaxCount = 10'000'000;
 
 Vec2 vec2(const JsonValue& v) {
@@ -157,6 +157,15 @@ Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& modules) {
   return patch;
 }
 
+// Files without the key have whole triangles.
+double read_corner_cut(const JsonValue& v) {
+  if (!v.raw().contains("corner_cut_mm")) return 0.0;
+  const double cut_mm = v["corner_cut_mm"].number();
+  if (!(cut_mm > 0.0 && cut_mm <= kMostCornerCut_mm))
+    v["corner_cut_mm"].fail(fmt::format("must be above 0 and at most {}", kMostCornerCut_mm));
+  return cut_mm;
+}
+
 LayoutMethod read_method(const JsonValue& v) {
   const auto method = kLayoutMethodNames.value(v.text());
   if (!method) v.fail("must be " + kLayoutMethodNames.list());
@@ -173,6 +182,7 @@ Design::Report read_report(const JsonValue& v) {
   r.max_hinge_gap_mm = v["max_hinge_gap_mm"].number();
   r.max_center_gap_mm = v["max_center_gap_mm"].number();
   r.seconds = v["seconds"].number();
+  r.coverage_cut = v.raw().contains("coverage_cut") ? v["coverage_cut"].number() : r.coverage;
   return r;
 }
 
@@ -187,9 +197,8 @@ void check_head(const JsonValue& v) {
 
 }  // namespace
 
-Design read_design(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  const nlohmann::json document = parse_json(read_file(path), file);
+Design parse_design(const std::string& text, const std::string& file) {
+  const nlohmann::json document = parse_json(text, file);
   const JsonValue v(document, file, "");
   check_head(v);
   Design d;
@@ -202,6 +211,7 @@ Design read_design(const std::filesystem::path& path) {
   read_limits(v["limits"], d.limits);
   d.pieces = list(v["pieces"], [&](const JsonValue& p) { return read_piece(p, d.surface.faces.size()); });
   d.layout.method = read_method(v["method"]);
+  d.layout.corner_cut_mm = read_corner_cut(v);
   d.layout.islands = v["islands"].integer(0, kMaxCount);
   const JsonValue modules = v["modules"];
   for (std::size_t k = 0; k < modules.size(); ++k) {
@@ -215,6 +225,10 @@ Design read_design(const std::filesystem::path& path) {
   }
   d.report = read_report(v["report"]);
   return d;
+}
+
+Design read_design(const std::filesystem::path& path) {
+  return parse_design(read_file(path), path.string());
 }
 
 Design read_intact_design(const std::filesystem::path& path) {

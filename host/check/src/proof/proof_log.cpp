@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "triskin/host/error.hpp"
+#include "triskin/host/json_cause.hpp"
 
 namespace triskin::check {
 namespace {
@@ -107,7 +108,7 @@ json parse(const std::string& text, const std::string& name) {
   try {
     return json::parse(text);
   } catch (const json::exception& e) {
-    fail(name, fmt::format("not JSON ({})", e.what()));
+    fail(name, fmt::format("not JSON ({})", json_cause(e.what())));
   }
 }
 
@@ -137,6 +138,7 @@ ProofLog read_proof_log(const std::string& text, const std::string& name) {
     log.shape = kProofShapeNames.value(j["shape"].get<std::string>());
   }
   log.pitch_mm = number(member(j, "pitch_mm", name), "pitch_mm", name);
+  if (j.contains("corner_cut_mm")) log.corner_cut_mm = number(j["corner_cut_mm"], "corner_cut_mm", name);
   log.tolerance_mm = number(member(j, "tolerance_mm", name), "tolerance_mm", name);
   log.modules = count(member(j, "modules", name), "modules", name);
   log.upper_bound = count(member(j, "upper_bound", name), "upper_bound", name);

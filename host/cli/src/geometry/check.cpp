@@ -18,12 +18,15 @@ int run(const std::string& path, Output& output) {
   }
   nlohmann::json limits = nlohmann::json::object();
   for (const auto& [name, value] : report.limits) limits[name] = value;
-  output.result = {{"rules", report.rules.size()},
+  output.result = {{"modules", report.modules},
+                   {"rules", report.rules.size()},
                    {"rule_names", report.rules},
                    {"limits", std::move(limits)},
                    {"violations", std::move(violations)}};
   output.say(fmt::format("{} rules checked, {} violations", report.rules.size(), report.violations.size()));
-  return report.violations.empty() ? 0 : 1;
+  if (report.modules == 0)
+    output.say("the design has no modules: no rule can be broken, and there is nothing to deploy");
+  return report.violations.empty() && report.modules > 0 ? 0 : 1;
 }
 
 const Registration kCheck{{

@@ -4,9 +4,11 @@
 #include <map>
 #include <memory>
 
+#include "corner_cut_option.hpp"
 #include "mesh_options.hpp"
 #include "repair_text.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/host/interrupt.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::cli {
@@ -18,11 +20,28 @@ struct Options {
   pipeline::DesignOptions design;
 };
 
+// Why nothing fits: most often the mesh is in another unit than the one it was read in.
+std::string reason_of_nothing(const design::Design& d, bool unit_given) {
+  design::Vec3 low = design::Vec3::Constant(1e300), high = -low;
+  for (const auto& v : d.surface.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  const design::Vec3 size = d.surface.vertices.empty() ? design::Vec3::Zero() : design::Vec3(high - low);
+  return fmt::format(
+      "no module fits: the surface measures {:.4g} × {:.4g} × {:.4g} mm, a module is a triangle with sides of "
+      "30 mm{}; no design was written",
+      size.x(), size.y(), size.z(),
+      unit_given ? "" : "; the mesh was taken for mm: say --unit cm or --unit m if it is not");
+}
+
 int run(Options options, Output& output) {
+  catch_interrupts();
   options.design.unit = options.unit.unit;
   pipeline::DesignNotes notes;
   const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
-  design::write_design(options.output, d);
+  const bool nothing = d.layout.modules.empty();
+  if (!nothing) design::write_design(options.output, d);
   const auto& r = d.report;
   nlohmann::json refused = nlohmann::json::object();
   for (const auto& [limit, count] : d.layout.refused) refused[limit] = count;
@@ -44,8 +63,17 @@ int run(Options options, Output& output) {
                    {"deviation_mm", notes.extract.deviation.largest_mm},
                    {"seconds", r.seconds}};
   if (const std::string change = repair_text(notes.extract); !change.empty()) output.say(change);
+  if (d.layout.corner_cut_mm > 0.0) {
+    output.result["corner_cut_mm"] = d.layout.corner_cut_mm;
+    output.result["coverage_cut"] = r.coverage_cut;
+  }
   output.say(fmt::format("{}: {:.0f} cm², {} modules placed (at most {} by area), coverage {:.1f} %", d.name,
                          r.area_cm2, d.layout.modules.size(), r.upper_bound, 100.0 * r.coverage));
+  if (d.layout.corner_cut_mm > 0.0) {
+    output.say(fmt::format("corners cut by {:g} mm: coverage {:.1f} % of cut modules", d.layout.corner_cut_mm,
+                           100.0 * r.coverage_cut));
+    say_cut_pads(d.layout.corner_cut_mm, output);
+  }
   output.say(
       fmt::format("{} islands, {} patches (lower bound {}); edge error ≤ {:.2f} mm, hinge gap ≤ {:.2f} mm, "
                   "centre gap ≤ {:.2f} mm",
@@ -55,6 +83,14 @@ int run(Options options, Output& output) {
                          design::kLayoutMethodNames.name(d.layout.method)));
   for (const auto& [limit, count] : d.layout.refused)
     output.say(fmt::format("  {} refused {} further modules", limit, count));
+  if (nothing) {
+    output.result["reason"] = reason_of_nothing(d, options.unit.unit.has_value());
+    output.say(reason_of_nothing(d, options.unit.unit.has_value()));
+    return 1;
+  }
+  if (interrupt_signal() > 0)
+    output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
+                           d.layout.modules.size()));
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, r.seconds));
   return 0;
 }
@@ -98,6 +134,7 @@ const Registration kDesign{{
       app.add_option("--overrun-mm", l.overrun_mm, "limit over the border")
           ->check(CLI::Range(0.01, 10.0))
           ->capture_default_str();
+      add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--island-cost", options->design.island_cost,
                      "modules that an island is worth beside its controllers: 0 most modules, 0.5 few islands")
           ->check(CLI::Range(0.0, 16.0))

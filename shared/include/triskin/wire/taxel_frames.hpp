@@ -13,10 +13,11 @@ namespace triskin::wire {
 
 /// One module's taxels in 8 bits, as an iCub MTB4 board sends them: two CAN frames, id 0x400 | board << 4 | module.
 struct IcubTaxels {
-  std::uint8_t board = 0;                                      ///< 0..15
-  std::uint8_t module = 0;                                     ///< 0..15
-  std::array<std::uint8_t, layout::kTaxelsPerModule> value{};  ///< resting near 240, falling with pressure
-  std::uint16_t out_of_range = 0;                              ///< bit t: taxel t
+  std::uint8_t board = 0;   ///< 0..15
+  std::uint8_t module = 0;  ///< triangle, 4 · line + address: 0..15
+  std::array<std::uint8_t, layout::kTaxelsPerModule>
+      value{};                     ///< 245 at rest unless the host asks for another; falls with pressure
+  std::uint16_t out_of_range = 0;  ///< bit t: taxel t
   bool no_acknowledge = false;
   bool not_connected = false;
   bool operator==(const IcubTaxels&) const = default;

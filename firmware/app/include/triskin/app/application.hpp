@@ -8,6 +8,8 @@
 #include "triskin/app/identifiers.hpp"
 #include "triskin/logic/fault_memory.hpp"
 #include "triskin/logic/icub_board.hpp"
+#include "triskin/logic/icub_triangles.hpp"
+#include "triskin/logic/offset_store.hpp"
 #include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
 #include "triskin/logic/stream_queue.hpp"
@@ -87,11 +89,15 @@ class Application final : private UdsHost, private PatchControl {
   void tick();
   void queue_full(TableRow row);
   void queue_icub();
+  void calibrate();
+  void take_node_address(std::uint8_t address);
 
   const Ports ports_;
   TableStore tables_;
   UdsServer server_;
   FaultMemory faults_;
+  OffsetStore offset_store_;
+  OffsetBook offsets_{};
   std::array<Channel, 2> channels_;  // CAN, USB
   CanPort* asking_;                  // whose request is being answered
   CanPort* stream_port_;             // who wanted the stream
@@ -109,7 +115,7 @@ class Application final : private UdsHost, private PatchControl {
   bool reset_requested_ = false, through_loader_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;
-  std::optional<wire::CanFrame> icub_reply_;
+  IcubTriangles icub_triangles_;
   Identifiers identifiers_;  // of everything above
 };
 
