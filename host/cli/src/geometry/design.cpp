@@ -7,6 +7,7 @@
 #include "corner_cut_option.hpp"
 #include "mesh_options.hpp"
 #include "repair_text.hpp"
+#include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/pipeline/make_design.hpp"
@@ -130,6 +131,7 @@ int run(Options options, Output& output) {
     output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
                            d.layout.modules.size()));
   report_alternatives(d, output);
+  report_bus(d.layout.modules.size(), output);
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, r.seconds));
   return 0;
 }
