@@ -24,13 +24,42 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kPiecesShare = 0.12;                      // of the time; what the growth has left after it
-constexpr double kPieceLeast_s = 0.1;                      // a piece gets, or what a short limit has for it
-constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;  // up to which the limit binds
+constexpr double kRepairShare = 0.4, kRepairLeast_s = 2.0;  // processor time
+constexpr double kUnfoldingShare = 0.3;                     // of what reading and repair leave
+constexpr double kPiecesShare = 0.12;                       // of the time; what the growth has left after it
+constexpr double kPieceLeast_s = 0.1;                       // a piece gets, or what a short limit has for it
+constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;   // up to which the limit binds
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& name, const DesignOptions& options,
+                                const ProgressSink& progress) {
+  if (options.repair == RepairMode::kNever) {
+    geometry::require_manifold(mesh, name);
+    geometry::Extraction e = geometry::extract(mesh, progress);
+    geometry::require_no_self_intersection(e.surface, name);
+    return e;
+  }
+  geometry::ExtractOptions steps;
+  steps.repair = steps.keep_usable = true;
+  steps.outer = steps.wrap = geometry::ExtractOptions::When::kWhenNeeded;
+  steps.repair_s = std::max(kRepairLeast_s, kRepairShare * options.time_limit_s);
+  return geometry::extract(mesh, steps, progress);
+}
+
+// The pieces give up when their share of the time is over, so that the growth has its own; with a fixed number of
+// steps the result must not depend on the time.
+geometry::Net pieces_of(const geometry::Surface& surface, const DesignOptions& options, Clock::time_point start,
+                        const ProgressSink& progress) {
+  geometry::UnfoldingOptions unfolding;
+  unfolding.edge_error_mm = options.limits.edge_error_mm;
+  const double end_s =
+      seconds_since(start) + kUnfoldingShare * std::max(0.0, options.time_limit_s - seconds_since(start));
+  if (options.iterations == 0) unfolding.give_up = [=] { return seconds_since(start) > end_s; };
+  return geometry::unfold(surface, unfolding, progress);
 }
 
 // Large pieces first; each may use what its share of the area leaves of the time.
@@ -116,7 +145,7 @@ design::Design take_alternative(const design::Design& design, int index, const P
 }
 
 design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
-                           const ProgressSink& progress, MethodComparison* comparison) {
+                           const ProgressSink& progress, DesignNotes* notes) {
   const auto start = Clock::now();
   design::Design design;
   design.name = mesh.stem().string();
@@ -126,11 +155,11 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   design.price = options.price;
   const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit);
   design.scale_to_mm = file.report.scale_to_mm;
-  geometry::require_manifold(file.mesh, mesh.string());
-  design.surface = geometry::extract(file.mesh, progress).surface;
-  geometry::require_no_self_intersection(design.surface, mesh.string());
+  geometry::Extraction extraction = surface_of(file.mesh, mesh.string(), options, progress);
+  design.surface = std::move(extraction.surface);
+  if (notes != nullptr) notes->extract = extraction.report;
   const geometry::Surface surface(design.surface);
-  const geometry::Net net = geometry::unfold(surface, {.edge_error_mm = options.limits.edge_error_mm}, progress);
+  const geometry::Net net = pieces_of(surface, options, start, progress);
   const auto placed = place_pieces(design, net, options, start, progress);
   report(progress, "mapping to the surface", -1.0);
   std::vector<design::ModuleLayout> layouts{
@@ -148,8 +177,10 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   lattice.time_limit_s = std::max({0.1, kGrowthShare * (options.time_limit_s - kShortLimit_s),
                                    options.time_limit_s - routing_s - seconds_since(start)});
   std::vector<design::ModuleLayout> grown = geometry::grow_front(surface, options.limits, lattice, progress);
-  if (comparison != nullptr)
-    *comparison = {static_cast<int>(layouts[0].modules.size()), static_cast<int>(grown[0].modules.size())};
+  if (notes != nullptr) {
+    notes->pieces = static_cast<int>(layouts[0].modules.size());
+    notes->surface = static_cast<int>(grown[0].modules.size());
+  }
   std::ranges::move(grown, std::back_inserter(layouts));
   const geometry::RoutingOptions routing = routing_options(design);
   report(progress, "pricing", -1.0, fmt::format("{} layouts", layouts.size()));

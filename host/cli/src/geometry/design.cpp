@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <map>
 #include <memory>
 
 #include "corner_cut_option.hpp"
 #include "mesh_options.hpp"
+#include "repair_text.hpp"
+#include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/pipeline/make_design.hpp"
@@ -72,8 +75,8 @@ int run(Options options, Output& output) {
   if (options.take >= 0) return take(options, output);
   catch_interrupts();
   options.design.unit = options.unit.unit;
-  pipeline::MethodComparison methods;
-  const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &methods);
+  pipeline::DesignNotes notes;
+  const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
   const bool nothing = d.layout.modules.empty();
   if (!nothing) design::write_design(options.output, d);
   const auto& r = d.report;
@@ -92,10 +95,13 @@ int run(Options options, Output& output) {
                    {"max_hinge_gap_mm", r.max_hinge_gap_mm},
                    {"max_center_gap_mm", r.max_center_gap_mm},
                    {"method", design::kLayoutMethodNames.name(d.layout.method)},
-                   {"modules_pieces", methods.pieces},
-                   {"modules_surface", methods.surface},
+                   {"modules_pieces", notes.pieces},
+                   {"modules_surface", notes.surface},
                    {"refused", refused},
+                   {"repair", geometry::kRepairNames.name(notes.extract.repair)},
+                   {"deviation_mm", notes.extract.deviation.largest_mm},
                    {"seconds", r.seconds}};
+  if (const std::string change = repair_text(notes.extract); !change.empty()) output.say(change);
   if (d.layout.corner_cut_mm > 0.0) {
     output.result["corner_cut_mm"] = d.layout.corner_cut_mm;
     output.result["coverage_cut"] = r.coverage_cut;
@@ -112,7 +118,7 @@ int run(Options options, Output& output) {
                   "gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm",
                   d.layout.islands, d.patches.size(), r.patches_lower_bound, d.layout.jumpers.size(),
                   r.jumpers_lower_bound, r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm));
-  output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", methods.pieces, methods.surface,
+  output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces, notes.surface,
                          design::kLayoutMethodNames.name(d.layout.method)));
   for (const auto& [limit, count] : d.layout.refused)
     output.say(fmt::format("  {} refused {} further modules", limit, count));
@@ -125,6 +131,7 @@ int run(Options options, Output& output) {
     output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
                            d.layout.modules.size()));
   report_alternatives(d, output);
+  report_bus(d.layout.modules.size(), output);
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, r.seconds));
   return 0;
 }
@@ -136,11 +143,16 @@ const Registration kDesign{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("MESH", options->mesh,
-                     "OBJ, STL, PLY, OFF or DAE; mm unless --unit says otherwise; with --take a design")
+                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise; with --take a design")
           ->required();
       app.add_option("-o,--output", options->output, "design file")->required();
       app.add_option("--take", options->take, "MESH is a design: take its alternative of this number, without a search")
           ->check(CLI::Range(0, 1000));
+      app.add_option("--repair", options->design.repair,
+                     "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
+                     "refused")
+          ->transform(one_of(std::map<std::string, pipeline::RepairMode>{{"auto", pipeline::RepairMode::kAuto},
+                                                                         {"never", pipeline::RepairMode::kNever}}));
       app.add_option("--time-limit-s", options->design.time_limit_s, "effort")
           ->check(CLI::Range(0.01, 1e6))
           ->capture_default_str();

@@ -1,17 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 
 #include "triskin/design/design.hpp"
+#include "triskin/geometry/extract.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/host/progress.hpp"
 
 namespace triskin::pipeline {
 
+/// What happens to a mesh that cannot be covered as it is.
+enum class RepairMode : std::uint8_t {
+  kAuto,   ///< it is made one that can (geometry::ExtractOptions::repair)
+  kNever,  ///< it is refused
+};
+
 /// Options of make_design(). Out of range: InputError.
 struct DesignOptions {
   std::optional<geometry::LengthUnit> unit;  ///< of the mesh file; none: its own or mm
+  RepairMode repair = RepairMode::kAuto;
   double time_limit_s = 20.0;   ///< > 0, of all steps together; what placement and wiring leave goes to the growth
   std::uint64_t seed = 1;       ///< of every random choice
   design::LayoutLimits limits;  ///< each > 0
@@ -21,9 +30,10 @@ struct DesignOptions {
   design::Price price;  ///< each 0 … 16 modules; jumpers may be as long as limits.jumper_mm
 };
 
-/// Number of modules that each method gave (design::LayoutMethod).
-struct MethodComparison {
+/// How a design came about: number of modules that each method gave (design::LayoutMethod), what was made of the mesh.
+struct DesignNotes {
   int pieces = 0, surface = 0;
+  geometry::ExtractReport extract;
 };
 
 /// The design with the alternative `index` (0-based, design.alternatives) in place of its layout, measured and wired
@@ -35,10 +45,10 @@ struct MethodComparison {
 /// Makes a design of a mesh file: extract, unfold, certified placement of each piece, rigid modules on the surface,
 /// jumpers, controllers and wiring; of the pieces and the lattice grown on the surface the layout of higher value,
 /// modules less price, stays. Fills
-/// `comparison` when it is given. Errors: InputError for unusable meshes and options out of range. Deterministic for
+/// `notes` when it is given. Errors: InputError for unusable meshes and options out of range. Deterministic for
 /// seed, threads and iterations unless the time limit cuts a search short. Cost: about time_limit_s,
 /// less where `iterations` ends the growth sooner.
 [[nodiscard]] design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
-                                         const ProgressSink& progress = {}, MethodComparison* comparison = nullptr);
+                                         const ProgressSink& progress = {}, DesignNotes* notes = nullptr);
 
 }  // namespace triskin::pipeline
