@@ -146,7 +146,7 @@ std::optional<Expected> swapped_cables(Hardware& h, Random& random) {
   h.faults.push_back(f);
   h.used_patches.insert(p);
   h.used_patches.insert(q);
-  return Expected{FindingKind::kWrongPatch, {}, p};
+  return Expected{FindingKind::kWrongPatch, {}, std::min(p, q)};
 }
 
 // The last module at the place of the first, and so on: on a strip of odd length that is its mirror image.
@@ -157,7 +157,7 @@ std::optional<Expected> mirrored(Hardware& h, Random&) {
   for (std::size_t k = 0; k < modules.size(); ++k) {
     modules[k].line = as_meant[modules.size() - 1 - k].line;
     modules[k].address = as_meant[modules.size() - 1 - k].address;
-    if (h.used.contains(modules[k].node)) return std::nullopt;
+    if (!h.used.insert(modules[k].node).second) return std::nullopt;
   }
   h.used_patches.insert(0);
   return Expected{FindingKind::kMirroredPatch, {}, 0};
@@ -336,6 +336,8 @@ device::VerifyResult verify_built(Hardware hardware) {
   scene::Scene scene;
   scene.design = hardware.built;
   scene.faults = hardware.faults;
+  scene.effects.noise_counts = 3.0;
+  scene.effects.taxel_spread_counts = 400.0;
   device::SimLink link(std::move(scene));
   device::Bus bus(link);
   if (!hardware.fresh) (void)device::flash(bus, hardware.flashed.value_or(hardware.intended), {});

@@ -18,7 +18,7 @@ namespace {
 
 using device::FindingKind;
 
-constexpr std::uint64_t kVerifyAt_us = 3'000'000;
+constexpr std::uint64_t kVerifyAt_us = 8'000'000;
 
 struct Score {
   int right = 0, all = 0;

@@ -197,6 +197,17 @@ TEST_F(IcubHost, the_skin_type_chooses_the_compensation) {
   for (std::size_t t = 0; t < 12; ++t) EXPECT_EQ(raw.value[t], (0x8000 + chip(0).counts[t]) & 0xFF);
 }
 
+TEST_F(IcubHost, new_offsets_of_the_converter_are_no_pressure) {
+  power_up();
+  start(2, 245, 2);
+  for (int& c : chip(0).counts) c += 20'000;
+  bench.run(200'000);
+  EXPECT_EQ(listen().at({1, 0}).value[0], 0);
+  EXPECT_EQ(bench.ask({0x31, 0x01, 0x02, 0x06}).at(0), 0x71);
+  bench.run(3'000'000);
+  expect_at_rest(listen().at({1, 0}), 245, "");
+}
+
 TEST_F(IcubHost, a_board_configuration_switches_all_triangles_off_until_they_are_configured) {
   power_up();
   say(0x201, {0x07, 0});

@@ -12,6 +12,7 @@
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
 #include "triskin/wire/module_state.hpp"
+#include "triskin/wire/offsets.hpp"
 #include "triskin/wire/sampling.hpp"
 #include "triskin/wire/statistics.hpp"
 #include "triskin/wire/table_state.hpp"
@@ -100,6 +101,18 @@ icub::State icub_state(const Vector& v) {
   const auto at = [&](std::size_t k) { return static_cast<std::uint8_t>(f.at(k)); };
   return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), static_cast<std::uint16_t>(f.at(7))};
 }
+Offsets offsets(const Vector& v) {
+  Offsets o{v.number("positive") != 0, word(v, "searches"), 0, {}};
+  if (!v.has("steps")) return o;
+  o.count = 1;
+  ModuleOffsets& m = o.modules[0];
+  m.state = static_cast<OffsetState>(v.number("state"));
+  m.latching = static_cast<Latching>(v.number("latching"));
+  m.outside = number<std::uint16_t>(v, "outside");
+  const auto steps = test::numbers(v.one("steps"), 10);
+  for (std::size_t t = 0; t < m.steps.size(); ++t) m.steps[t] = static_cast<std::uint8_t>(steps.at(t));
+  return o;
+}
 Statistics statistics(const Vector& v) {
   const auto n = test::numbers(v.one("counts"), 10);
   const auto at = [&](std::size_t k) { return static_cast<std::uint32_t>(n.at(k)); };
@@ -171,6 +184,9 @@ StreamSetting stream(const Vector& v) {
 RerouteResult reroute(const Vector& v) {
   return {v.number("done") != 0};
 }
+OffsetResult offset_result(const Vector& v) {
+  return {v.number("done") != 0};
+}
 ActivationResult activation(const Vector& v) {
   return {static_cast<Status>(v.number("table_status"))};
 }
@@ -180,10 +196,11 @@ const std::map<std::string, Check> kChecks{
     {"firmware", checked<FirmwareVersion, firmware>},     {"hello", checked<Hello, hello>},
     {"node_address", checked<NodeAddress, node_address>}, {"active_table", checked<ActiveTable, active_table>},
     {"module_states", checked<ModuleStates, states>},     {"self_test", checked<SelfTestResult, self_test>},
-    {"statistics", checked<Statistics, statistics>},      {"icub", checked<icub::State, icub_state>},
-    {"stream", checked<StreamSetting, stream>},           {"line_states", checked<LineStates, line_states>},
-    {"discovery", checked<Discovery, discovery>},         {"sampling", checked<SamplingSetting, sampling>},
-    {"image_state", checked<ImageState, image_state>},    {"live_taxels", checked<LiveTaxels, live_taxels>},
+    {"statistics", checked<Statistics, statistics>},      {"stream", checked<StreamSetting, stream>},
+    {"line_states", checked<LineStates, line_states>},    {"discovery", checked<Discovery, discovery>},
+    {"sampling", checked<SamplingSetting, sampling>},     {"image_state", checked<ImageState, image_state>},
+    {"live_taxels", checked<LiveTaxels, live_taxels>},    {"offsets", checked<Offsets, offsets>},
+    {"icub", checked<icub::State, icub_state>},           {"offset_result", checked<OffsetResult, offset_result>},
     {"reroute", checked<RerouteResult, reroute>},         {"activation", checked<ActivationResult, activation>},
     {"faults", checked<FaultList, fault_list>},           {"freeze", checked<FreezeFrame, freeze>}};
 
@@ -225,7 +242,8 @@ static_assert(FaultCode::of(0x96000F) == FaultCode{ModuleState::kFrozen, 15});
 static_assert(std::ranges::all_of(kIdentifiers, [](const Identifier& i) { return i.most_bytes + 3 <= 512; }));
 
 TEST(Enumerations, take_exactly_the_numbers_that_exist) {
-  int states = 0, streams = 0, decimations = 0, outputs = 0, statuses = 0, sessions = 0;
+  int states = 0, streams = 0, decimations = 0, outputs = 0, statuses = 0, sessions = 0, offset_states = 0,
+      latchings = 0;
   for (unsigned n = 0; n < 256; ++n) {
     const auto b = static_cast<std::uint8_t>(n);
     states += to_module_state(b) ? 1 : 0;
@@ -234,6 +252,8 @@ TEST(Enumerations, take_exactly_the_numbers_that_exist) {
     outputs += to_taxel_output(b) ? 1 : 0;
     statuses += to_status(b) ? 1 : 0;
     sessions += to_session(b) ? 1 : 0;
+    offset_states += to_offset_state(b) ? 1 : 0;
+    latchings += to_latching(b) ? 1 : 0;
   }
   EXPECT_EQ(states, 9);
   EXPECT_EQ(streams, 3);
@@ -241,6 +261,8 @@ TEST(Enumerations, take_exactly_the_numbers_that_exist) {
   EXPECT_EQ(outputs, 2);
   EXPECT_EQ(statuses, 16);
   EXPECT_EQ(sessions, 3);
+  EXPECT_EQ(offset_states, 5);
+  EXPECT_EQ(latchings, 3);
 }
 
 }  // namespace

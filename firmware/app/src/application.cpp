@@ -21,12 +21,13 @@ Application::Application(const Ports& ports)
       tables_(*ports.flash),
       server_(*this, tables_),
       faults_(*ports.flash),
+      offset_store_(*ports.flash),
       channels_{{{ports.can, make_link(1, 8)}, {ports.usb, make_link(1, 8)}}},
       asking_(ports.can),
       stream_port_(ports.can),
       route_(ports.chain),
-      identifiers_({ports_, tables_, route_, lines_, samples_, published_, stream_, sampling_, output_, sample_count_,
-                    stream_queue_, icub_},
+      identifiers_({ports_, tables_, route_, lines_, samples_, published_, offsets_, stream_, sampling_, output_,
+                    sample_count_, stream_queue_, icub_},
                    *this) {
   restart();
 }
@@ -35,6 +36,7 @@ Application::Application(const Ports& ports)
 void Application::restart() {
   tables_.load();
   faults_.load();
+  offset_store_.load(offsets_);
   for (Channel& c : channels()) {
     c.link = make_link(tables_.node_address(), c.port->frame_bytes());
     c.held.reset();
@@ -52,7 +54,9 @@ void Application::restart_sampling() {
   next_tick_us_ = now_us() + ad7147::sequence_us(sampling_.decimation);
   const auto rows = tables_.has_table() ? tables_.table().rows() : std::span<const layout::ModuleRow>{};
   for (std::size_t l = 0; l < lines_.size(); ++l) {
-    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l), rows, samples_, sampling_, now_us());
+    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l),
+                    {rows, samples_, offsets_, tables_.has_table() && tables_.table().positive_input}, sampling_,
+                    now_us());
   }
 }
 
@@ -95,6 +99,7 @@ void Application::step() {
   if (pausing_) keep_route();
   if (now_us() >= next_tick_us_) tick();
   take_samples();
+  offset_store_.step(offsets_);
   send_pending();
   reset_when_answered();
 }
@@ -127,7 +132,7 @@ std::uint64_t Application::next_event_us() const {
   for (const Channel& c : channels()) next = std::min(next, c.link.next_event_us());
   const std::uint64_t now = now_us();
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now));
-  return next;
+  return offset_store_.busy(offsets_) ? now : next;
 }
 
 void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
@@ -337,6 +342,9 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
       return Status::kOk;
     case wire::routine::kSelfTest:
       for (LineSampler& l : lines_) l.request_check();
+      return Status::kOk;
+    case wire::routine::kOffsets:
+      for (LineSampler& l : lines_) l.request_offsets();
       return Status::kOk;
     case wire::routine::kCalibrate:
       calibrate();

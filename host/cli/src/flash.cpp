@@ -117,6 +117,8 @@ const Registration kFlash{{
                      "normal; backup:MODULE or backup:MODULE-MODULE: the tree prepared for the failure of a module or "
                      "of a joint")
           ->capture_default_str();
+      app.add_flag("--positive-input", options->flash.positive_input,
+                   "the electrodes hang on the converters' positive input, as on the installed iCub boards");
       app.add_flag("--force", options->flash.force, "write tables that are equal, too");
       return [options](Output& output) { return run(*options, output); };
     },

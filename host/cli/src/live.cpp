@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "live_icub.hpp"
+#include "offset_lines.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/jobs/touch_map.hpp"
@@ -87,6 +88,7 @@ int run(const Options& options, Output& output) {
     throw InputError(fmt::format("--press {}: the design has modules 0 … {}", options.press, modules - 1));
   const auto link = device::open_link(options.link, &design);
   device::Bus bus(*link);
+  nlohmann::json offsets = say_offsets(bus, design, output);
   device::TouchMap map(design);
   device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { map.add(f); });
   Demonstrator demonstrator(*link, options, modules);
@@ -109,7 +111,10 @@ int run(const Options& options, Output& output) {
   }
   nlohmann::json list = nlohmann::json::array();
   for (const auto& t : pressed) list.push_back(to_json(t));
-  output.result = {{"frames", stream.frames()}, {"lost", stream.lost()}, {"pressed", std::move(list)}};
+  output.result = {{"frames", stream.frames()},
+                   {"lost", stream.lost()},
+                   {"pressed", std::move(list)},
+                   {"offsets", std::move(offsets)}};
   output.say(fmt::format("{} frames, {} samples lost", stream.frames(), stream.lost()));
   return 0;
 }

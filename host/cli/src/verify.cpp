@@ -8,6 +8,7 @@
 #include <iostream>
 #include <memory>
 
+#include "offset_lines.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
@@ -83,11 +84,9 @@ int run(Options options, Output& output) {
     earlier.push_back(to_json(f));
     output.say(fmt::format("remembered from before, not there now: {}", f.text));
   }
-  output.result = {{"modules_ok", r.modules_ok},
-                   {"modules", r.modules},
-                   {"touched", r.touched},
-                   {"findings", std::move(findings)},
-                   {"earlier", std::move(earlier)}};
+  output.result = {{"modules_ok", r.modules_ok},    {"modules", r.modules},
+                   {"touched", r.touched},          {"findings", std::move(findings)},
+                   {"earlier", std::move(earlier)}, {"offsets", say_offsets(bus, design, output)}};
   write_report(options.report, design, r, output.result);
   output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched,
                          r.findings.size()));

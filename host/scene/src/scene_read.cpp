@@ -194,14 +194,22 @@ class Reader {
   std::vector<design::ModuleWiring> wiring_;
 };
 
+void read_electrodes(const JsonValue& v, Effects& e) {
+  constexpr double kMost_pf = 30.0;
+  v.require_size(2);
+  e.electrode_least_pf = number_in(v.at(0), 0.0, kMost_pf);
+  e.electrode_most_pf = number_in(v.at(1), e.electrode_least_pf, kMost_pf);
+}
+
 Effects read_effects(const JsonValue& v) {
-  only_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "bus_bit_rate", "bus_data_bit_rate",
-                "chain_bit_error_rate"});
+  only_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "electrode_pf", "bus_bit_rate",
+                "bus_data_bit_rate", "chain_bit_error_rate"});
   Effects e;
   if (has(v, "chain_bit_error_rate")) e.chain_bit_error_rate = number_in(v["chain_bit_error_rate"], 0.0, 0.5);
   if (has(v, "noise_counts")) e.noise_counts = number_in(v["noise_counts"], 0.0, 1e4);
   if (has(v, "drift_counts_per_s")) e.drift_counts_per_s = number_in(v["drift_counts_per_s"], -1e4, 1e4);
   if (has(v, "taxel_spread_counts")) e.taxel_spread_counts = number_in(v["taxel_spread_counts"], 0.0, 1e4);
+  if (has(v, "electrode_pf")) read_electrodes(v["electrode_pf"], e);
   if (has(v, "bus_bit_rate")) e.bus_bit_rate = static_cast<std::uint64_t>(v["bus_bit_rate"].integer(10'000, 1'000'000));
   if (has(v, "bus_data_bit_rate")) {
     e.bus_data_bit_rate = static_cast<std::uint64_t>(v["bus_data_bit_rate"].integer(10'000, 8'000'000));

@@ -52,8 +52,11 @@ ModuleSkin::ModuleSkin(const Scene& scene, int module, int rotation)
   const auto taxels = design::taxels_of(scene.design.layout.modules[static_cast<std::size_t>(module)], rotation);
   for (std::size_t t = 0; t < taxels.size(); ++t) {
     position_mm_[t] = taxels[t].position_mm;
-    const double spread = scene.effects.taxel_spread_counts * (2.0 * uniform(mix(seed_ + t)) - 1.0);
-    rest_counts_[t] = kRestCounts + spread;
+    const Effects& e = scene.effects;
+    const double spread = e.taxel_spread_counts * (2.0 * uniform(mix(seed_ + t)) - 1.0);
+    const double electrode_pf =
+        e.electrode_least_pf + (e.electrode_most_pf - e.electrode_least_pf) * uniform(mix(seed_ ^ mix(t)));
+    rest_counts_[t] = electrode_pf * kCountsPerPf + spread;
   }
 }
 
@@ -130,6 +133,7 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
   for (std::size_t m = 0; m < places.size(); ++m) {
     const Place& place = places[m];
     chips_.push_back(std::make_unique<Ad7147>(modules_[m], place.device_id));
+    chips_.back()->set_behaviour(scene.effects.converter);
     if (!place.present || (place.away_from_us == 0 && place.away_until_us == kForever)) continue;
     if (switched != nullptr && switched->present())
       attach(*chips_.back(), static_cast<int>(m), place.patch, *switched);

@@ -40,6 +40,7 @@ class VirtualI2cLine final : public fw::I2cLine {
 
   void start(std::uint8_t address, Bytes write, std::span<std::uint8_t> read) override {
     spent_ns_ = 0;
+    started_us_ = clock_.now;
     status_ = transfer(address, write, read);
     done_us_ = at_us() + (status_ == Status::kLineStuck ? kStuckTimeout_us : 0);
     busy_ = true;
@@ -49,6 +50,7 @@ class VirtualI2cLine final : public fw::I2cLine {
     busy_ = false;
     return status_;
   }
+  [[nodiscard]] std::uint64_t started_us() const override { return started_us_; }
   [[nodiscard]] std::uint64_t ended_us() const override { return done_us_; }
   Status recover() override {
     for (int pulse = 0; pulse < 9 && !bus_.sda(); ++pulse) bus_.pulse_scl(clock_.now);
@@ -87,7 +89,7 @@ class VirtualI2cLine final : public fw::I2cLine {
   const VirtualClock& clock_;
   bool busy_ = false;
   Status status_ = Status::kOk;
-  std::uint64_t spent_ns_ = 0, done_us_ = 0;
+  std::uint64_t spent_ns_ = 0, started_us_ = 0, done_us_ = 0;
 };
 
 class VirtualCan final : public fw::CanPort {

@@ -35,12 +35,11 @@ void Diagnosis::examine_cables() {
       concern(e.patch, e.line_b);
       continue;
     }
-    for (const auto& [patch, other] : {std::pair{e.patch, e.other}, {e.other, e.patch}}) {
-      add(FindingKind::kWrongPatch, -1, patch,
-          fmt::format("patch {}: its cable is plugged into the controller of patch {}", patch, other),
-          "exchange the cables of the two controllers");
-      concern(patch, -1);
-    }
+    add(FindingKind::kWrongPatch, -1, e.patch,
+        fmt::format("patches {} and {}: each is plugged into the controller of the other", e.patch, e.other),
+        "exchange the cables of the two controllers");
+    concern(e.patch, -1);
+    concern(e.other, -1);
   }
   Observation o = read_through(map, design_, patches_, touches_);
   patches_ = std::move(o.patches);

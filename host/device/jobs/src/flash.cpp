@@ -239,15 +239,19 @@ bool wait_for_controllers(Bus& bus, std::size_t count, double wait_s) {
   return false;
 }
 
-std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, const RouteChoice& route) {
+std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, const RouteChoice& route,
+                                                 bool positive_input) {
   if (route.module >= 0 && std::ranges::none_of(design.patches, [&](const auto& p) { return concerns(p, route); })) {
     throw InputError(route.other < 0 ? fmt::format("the design has no module {} in a patch", route.module)
                                      : fmt::format("modules {} and {} are not in one patch of the design", route.module,
                                                    route.other));
   }
   std::vector<std::vector<std::uint8_t>> images;
-  for (std::size_t p = 0; p < design.patches.size(); ++p)
-    images.push_back(bytes_of(image_of(design, static_cast<int>(p), route)));
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    layout::PatchImage image = image_of(design, static_cast<int>(p), route);
+    image.positive_input = positive_input;
+    images.push_back(bytes_of(image));
+  }
   return images;
 }
 
@@ -255,7 +259,7 @@ std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, c
 
 FlashResult flash(Bus& bus, const design::Design& design, const FlashOptions& options, const ProgressSink& progress) {
   const std::uint64_t start_us = bus.now_us();
-  const auto images = images_of(design, options.route);
+  const auto images = images_of(design, options.route, options.positive_input);
   FlashResult result;
   for (bool completed = false; !completed;) {
     try {

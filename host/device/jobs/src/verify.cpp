@@ -46,8 +46,7 @@ class ControllerCheck {
     Controller c = p.controller(bus_);
     c.require_versions(c.hello());
     const wire::ActiveTable active = c.active_table();
-    const std::vector<std::uint8_t> expected = bytes_of(p.image);
-    if (active.design_id == design_.design_id && active.crc == crc32(expected)) return true;
+    if (active.design_id == design_.design_id && holds_image(active.crc, p.image)) return true;
     if (active.design_id == design_.design_id && runs_on_backup(p, active.crc, findings)) return true;
     findings.push_back(
         controller_finding(FindingKind::kWrongTable, p.patch,

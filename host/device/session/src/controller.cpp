@@ -205,6 +205,15 @@ void Controller::reroute() {
   (void)run_routine<wire::RerouteResult>(20'000, 100, "chain");
 }
 
+wire::Offsets Controller::offsets() {
+  return value<wire::Offsets>("offsets");
+}
+
+wire::Offsets Controller::search_offsets() {
+  (void)run_routine<wire::OffsetResult>(50'000, 100, "offsets");
+  return offsets();
+}
+
 wire::FoundTopology Controller::topology() {
   return value<wire::FoundTopology>("topology");
 }

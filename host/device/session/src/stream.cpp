@@ -20,7 +20,7 @@ Stream::Stream(Bus& bus, const design::Design& design, OnFrame handler) : bus_(b
     const layout::PatchImage image = image_of(design, static_cast<int>(p));
     Controller c(bus, image.node_address);
     const wire::ActiveTable table = c.active_table();
-    if (!table.present() || table.crc != crc32(bytes_of(image))) {
+    if (!table.present() || !holds_image(table.crc, image)) {
       throw DeviceError(
           fmt::format("{}: the controller of patch {} does not hold the table of this design; run triskin flash first",
                       bus.link().name(), p));

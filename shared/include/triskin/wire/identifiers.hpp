@@ -15,13 +15,13 @@ inline constexpr std::uint16_t kActiveSession = 0xF186, kSerialNumber = 0xF18C, 
                                kHardware = 0xF191, kFirmware = 0xF195, kHello = 0xFD00, kNodeAddress = 0xFD01,
                                kActiveTable = 0xFD02, kModuleStates = 0xFD03, kStatistics = 0xFD04, kStream = 0xFD05,
                                kLineStates = 0xFD06, kTopology = 0xFD07, kRoute = 0xFD08, kImageState = 0xFD09,
-                               kSampling = 0xFD0A, kLiveTaxels = 0xFD10, kFreezeTime = 0xFD21, kFreezeSample = 0xFD22,
-                               kIcub = 0xFD30;
+                               kSampling = 0xFD0A, kOffsets = 0xFD0B, kLiveTaxels = 0xFD10, kFreezeTime = 0xFD21,
+                               kFreezeSample = 0xFD22, kIcub = 0xFD30;
 }  // namespace did
 
 namespace routine {
 inline constexpr std::uint16_t kDiscover = 0x0201, kSelfTest = 0x0202, kCalibrate = 0x0203, kReroute = 0x0204,
-                               kActivate = 0x0205;
+                               kActivate = 0x0205, kOffsets = 0x0206;
 }  // namespace routine
 
 /// Who may do what with an identifier.
@@ -39,7 +39,7 @@ struct Identifier {
   std::string_view value;               ///< fields in order, (bytes of each); little-endian where nothing is said
 };
 
-inline constexpr std::array<Identifier, 20> kIdentifiers{{
+inline constexpr std::array<Identifier, 21> kIdentifiers{{
     {did::kActiveSession, Access::kRead, 1, 1, "identity.hpp", "session (1): 1 default, 2 programming, 3 extended"},
     {did::kSerialNumber, Access::kRead, 12, 12, "identity.hpp", "unique id (12)"},
     {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
@@ -75,6 +75,12 @@ inline constexpr std::array<Identifier, 20> kIdentifiers{{
     {did::kSampling, Access::kReadWrite, 3, 3, "sampling.hpp",
      "decimation (1): 0 256, 1 128, 2 64; every n-th sequence (1): 1 … 255; output (1): 0 the converter's result, 1 "
      "compensated, 8000 at rest; as after power-up: 0, 1, 0"},
+    {did::kOffsets, Access::kRead, 5, 261, "offsets.hpp",
+     "electrodes at the positive input (1): 0 or 1, searches that have ended since power-up (4), then per row of the "
+     "table: state (1): 0 none, 1 searching, 2 kept from the flash, 3 found since power-up, 4 a taxel rests outside "
+     "the "
+     "middle third; results change (1): 0 not seen yet, 1 stage by stage, 2 at the end of the sequence; taxels outside "
+     "the middle third (2, a bit each), offset of each taxel in steps of 0.32 pF (12)"},
     {did::kLiveTaxels, Access::kRead, 12, 428, "live_taxels.hpp",
      "nominal sequences since power-up (4), time in µs (8), then per row of the table: valid taxels (2, a bit each), "
      "12 values of the converter (2 each)"},
@@ -95,7 +101,7 @@ struct Routine {
   std::string_view result;
 };
 
-inline constexpr std::array<Routine, 5> kRoutines{{
+inline constexpr std::array<Routine, 6> kRoutines{{
     {routine::kDiscover, "discover", "looks at all four addresses of the four lines, also without a table", 13, 13,
      "done (1), per line: held low (1), answering addresses (1, a bit each), those with another device id (1, a bit "
      "each)"},
@@ -108,6 +114,10 @@ inline constexpr std::array<Routine, 5> kRoutines{{
      1, 1, "done (1); then read FD07 and FD08"},
     {routine::kActivate, "activate", "checks the download, stores it, makes it active; needs the key", 1, 1,
      "Status (1), in the answer to the start"},
+    {routine::kOffsets, "offsets",
+     "forgets the offsets of all converters and searches them anew; nothing should touch "
+     "the skin meanwhile",
+     1, 1, "done (1); then read FD0B"},
 }};
 
 /// Never defined: a call ends the evaluation of a constant expression.

@@ -9,6 +9,7 @@
 #include "triskin/logic/fault_memory.hpp"
 #include "triskin/logic/icub_board.hpp"
 #include "triskin/logic/icub_triangles.hpp"
+#include "triskin/logic/offset_store.hpp"
 #include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
 #include "triskin/logic/stream_queue.hpp"
@@ -95,6 +96,8 @@ class Application final : private UdsHost, private PatchControl {
   TableStore tables_;
   UdsServer server_;
   FaultMemory faults_;
+  OffsetStore offset_store_;
+  OffsetBook offsets_{};
   std::array<Channel, 2> channels_;  // CAN, USB
   CanPort* asking_;                  // whose request is being answered
   CanPort* stream_port_;             // who wanted the stream

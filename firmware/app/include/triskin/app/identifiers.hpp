@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "triskin/logic/icub_board.hpp"
+#include "triskin/logic/offset_store.hpp"
 #include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
 #include "triskin/logic/stream_queue.hpp"
@@ -13,6 +14,7 @@
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
+#include "triskin/wire/offsets.hpp"
 #include "triskin/wire/statistics.hpp"
 #include "triskin/wire/table_state.hpp"
 #include "triskin/wire/topology.hpp"
@@ -29,6 +31,7 @@ struct PatchParts {
   const std::array<LineSampler, layout::kLines>& lines;
   const std::array<ModuleSample, layout::kMaxModules>& samples;    ///< as read last
   const std::array<ModuleSample, layout::kMaxModules>& published;  ///< read before the last good check of the chain
+  const OffsetBook& offsets;
   const wire::StreamMode& stream;
   const Sampling& sampling;
   const wire::TaxelOutput& output;
@@ -81,6 +84,7 @@ class Identifiers {
   [[nodiscard]] wire::ActiveRoute route() const;
   [[nodiscard]] std::optional<wire::ImageState> image_state() const;
   [[nodiscard]] wire::SamplingSetting sampling() const;
+  [[nodiscard]] wire::Offsets offsets() const;
   [[nodiscard]] wire::LiveTaxels live_taxels() const;
   [[nodiscard]] wire::icub::State icub() const { return parts_.icub.state(parts_.tables.node_address()); }
   [[nodiscard]] wire::Discovery discovery() const;

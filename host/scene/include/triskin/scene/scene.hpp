@@ -11,6 +11,7 @@
 
 #include "triskin/design/design.hpp"
 #include "triskin/host/names.hpp"
+#include "triskin/scene/ad7147.hpp"
 
 namespace triskin::scene {
 
@@ -79,11 +80,14 @@ struct Fault {
   std::uint64_t every_us = 0;
 };
 
-/// Physical effects; each is off, and costs nothing, unless the scene names it.
+/// Physical effects; but for the electrodes each is off, and costs nothing, unless the scene names it.
 struct Effects {
   double noise_counts = 0.0;            ///< standard deviation of a sample
   double drift_counts_per_s = 0.0;      ///< of every taxel
-  double taxel_spread_counts = 0.0;     ///< half range of the resting values
+  double taxel_spread_counts = 0.0;     ///< half range of what is added to the electrodes
+  double electrode_least_pf = 2.0;      ///< capacitance of an electrode, another for each taxel: between this
+  double electrode_most_pf = 18.0;      ///< and this
+  Ad7147Behaviour converter;            ///< of every chip; not in scene files
   std::uint64_t bus_bit_rate = 0;       ///< 0: frames take no time
   std::uint64_t bus_data_bit_rate = 0;  ///< of FD frames with rate switch; 0: as bus_bit_rate
   double chain_bit_error_rate = 0.0;    ///< of the route chain: probability that a bit flips in one module

@@ -15,8 +15,10 @@ struct FlashOptions {
   bool dry_run = false;  ///< say what would change, write nothing
   bool force = false;    ///< write equal tables too
   RouteChoice route;     ///< the patch of this failure gets the tree that the design prepared for it
-  int per_wire = 1;      ///< controllers at once on one wire; one, so that an analyser on a CAN bus can follow
-  double wait_s = 0.0;   ///< how long an unplugged cable is waited for before this is an error
+  /// The electrodes hang on the converters' positive input (docs/silicon.md); the controllers turn the results round.
+  bool positive_input = false;
+  int per_wire = 1;     ///< controllers at once on one wire; one, so that an analyser on a CAN bus can follow
+  double wait_s = 0.0;  ///< how long an unplugged cable is waited for before this is an error
   std::function<void(const std::string&)> say;  ///< called with a sentence when flashing waits and when it continues
 };
 

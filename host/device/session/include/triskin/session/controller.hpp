@@ -12,6 +12,7 @@
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
+#include "triskin/wire/offsets.hpp"
 #include "triskin/wire/statistics.hpp"
 #include "triskin/wire/table_state.hpp"
 #include "triskin/wire/topology.hpp"
@@ -63,6 +64,10 @@ class Controller {
   wire::FaultList faults();
   /// Deletes the fault memory.
   void clear_faults();
+  /// Offsets of the converters, by row of the table.
+  wire::Offsets offsets();
+  /// Lets the controller search all offsets anew; returns when it has them. Takes about 1 s.
+  wire::Offsets search_offsets();
   /// The latest sample of all modules, by row of the table.
   wire::LiveTaxels taxels();
   /// Switches the data stream on or off, for all readers of the link.
