@@ -51,7 +51,7 @@ TEST_F(SceneFile, a_design_file_is_a_scene_without_anything_wrong) {
 
 TEST_F(SceneFile, reads_contacts_faults_and_effects) {
   const Scene s = with(R"("seed":7,
-    "contacts":[{"at_s":0.5,"until_s":1,"module":2,"taxel":3,"force_n":3},{"position_mm":[1,2,3],"radius_mm":4}],
+    "contacts":[{"at_s":0.5,"until_s":1,"module":2,"taxel":3,"force_n":3},{"position_mm":[15,9,3],"radius_mm":4}],
     "faults":[{"kind":"swapped_chips","module":1,"other":2},{"kind":"stuck_line","patch":0,"line":3,"signal":"scl",
      "at_s":2},
               {"kind":"lost_configuration","module":4,"at_s":0.25,"every_s":2}],

@@ -30,7 +30,8 @@ def triskin(*arguments, timeout=60, status=0):
     done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, stdin=subprocess.DEVNULL)
     log.append(f"$ triskin {' '.join(map(str, arguments))}\n{done.stdout[:4000]}{done.stderr[-2000:]}")
     assert done.returncode == status, f"triskin {arguments[0]}: status {done.returncode}, expected {status}: {done.stderr[-500:]}"
-    return json.loads(done.stdout) if done.stdout.strip().startswith("{") else {"error": done.stderr}
+    # live writes an object a line; the last one is its result.
+    return json.loads(done.stdout.strip().splitlines()[-1]) if done.stdout.strip().startswith("{") else {"error": done.stderr}
 
 
 def start(*command, wait_for=None, timeout=30):

@@ -158,8 +158,9 @@ void LineSampler::start(Job job) {
     case Job::kIdentifyUnconfigured:
       return chip_.begin_identify(*line_, address);
     case Job::kConfigure:
-      return chip_.begin_configure(*line_, address, current().configuration_step,
-                                   {polarity(current().after_configuration), current().offsets.offsets()});
+      return chip_.begin_configure(
+          *line_, address, current().configuration_step,
+          {polarity(current().after_configuration), offsets_for(current().after_configuration)});
     case Job::kRead:
     case Job::kProbe:
       return chip_.begin_read(*line_, address);
@@ -179,6 +180,15 @@ void LineSampler::start(Job job) {
 // The input that the electrodes are connected to, but for the check of two chips at one address.
 Ad7147::Polarity LineSampler::polarity(Phase phase) const {
   return (phase == Phase::kOther) != positive_input_ ? Ad7147::Polarity::kPositive : Ad7147::Polarity::kNegative;
+}
+
+// Shifted by so much that the results tell which offsets they were converted with, and stay in range.
+ad7147::Offsets LineSampler::offsets_for(Phase phase) {
+  ad7147::Offsets offsets = current().offsets.offsets();
+  if (phase != Phase::kShifted) return offsets;
+  constexpr std::uint8_t kShift = 4;
+  for (std::uint8_t& o : offsets) o = static_cast<std::uint8_t>(o < kShift ? o + kShift : o - kShift);
+  return offsets;
 }
 
 // Sequences that came and went unread leave out their numbers.
@@ -365,9 +375,13 @@ void LineSampler::finish_read(std::uint64_t now_us) {
   Station& station = current();
   results_ = chip_.results();
   read_ended_us_ = line_->ended_us();
+  burst_us_ = std::min(burst_us_, static_cast<std::uint32_t>(lasted_us()));
   switch (station.phase) {
     case Phase::kOther:
       if (station.offsets.adjust(results_, polarity(Phase::kOther))) return configure(Phase::kOther);
+      station.duplicates.store_other(results_);
+      return configure(Phase::kFirst);
+    case Phase::kShifted:
       station.duplicates.store_other(results_);
       return configure(Phase::kFirst);
     case Phase::kFirst:
@@ -389,13 +403,20 @@ void LineSampler::finish_read(std::uint64_t now_us) {
 bool LineSampler::finish_first_reading(std::uint64_t now_us) {
   Station& station = current();
   schedule_.cancel_errand(current_);
-  if (station.duplicates.passed()) {
-    const bool moved = station.offsets.adjust(results_, polarity(Phase::kFirst));
-    moved ? configure(Phase::kFirst) : begin_run();
-    return !moved;
-  }
   const bool probing = station.latch.wanted();
-  station.latch.compare(station.duplicates.other(), results_);
+  if (probing) station.latch.compare(station.duplicates.other(), results_);
+  if (station.duplicates.passed() && probing) {
+    finish_probing(now_us);
+    return false;
+  }
+  if (station.duplicates.passed()) {
+    if (station.offsets.adjust(results_, polarity(Phase::kFirst))) {
+      configure(Phase::kFirst);
+      return false;
+    }
+    begin_run();
+    return true;
+  }
   switch (station.duplicates.compare(results_)) {
     case DuplicateCheck::Verdict::kSingle:
       if (!probing) {
@@ -418,10 +439,7 @@ bool LineSampler::finish_first_reading(std::uint64_t now_us) {
 // While it was not known how the chip shows its results they may be of two sequences: they are not published.
 void LineSampler::finish_probing(std::uint64_t now_us) {
   Station& station = current();
-  if (station.latch.wanted()) {
-    station.duplicates.forget();
-    return configure(Phase::kOther);
-  }
+  if (station.latch.wanted()) return configure(Phase::kShifted);
   begin_run();
   (void)schedule_.read(current_, now_us);
   schedule_.set_latching(current_, station.latch.latching());
@@ -442,7 +460,7 @@ void LineSampler::finish_verify(Job job, std::uint64_t now_us) {
 
 void LineSampler::use_results(std::uint64_t now_us) {
   Station& station = current();
-  const bool whole = schedule_.in_time(current_, read_ended_us_);
+  const bool whole = schedule_.in_time(current_, read_ended_us_, burst_us_);
   const std::optional<std::uint64_t> end_us = schedule_.read(current_, now_us);
   if (!end_us) return;
   if (!whole) {

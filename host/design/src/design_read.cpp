@@ -2,14 +2,13 @@
 #include <charconv>
 #include <optional>
 
-#include "triskin/design/design.hpp"
+#include "triskin/design/design_text.hpp"
 #include "triskin/design/json_value.hpp"
 #include "triskin/host/files.hpp"
 
 namespace triskin::design {
 namespace {
 
-constexpr int kMaxLattice = 1'000'000;  // coordinates; far beyond any cover, safely inside int
 constexpr int kMaxCount = 10'000'000;
 
 Vec2 vec2(const JsonValue& v) {
@@ -187,9 +186,8 @@ void check_head(const JsonValue& v) {
 
 }  // namespace
 
-Design read_design(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  const nlohmann::json document = parse_json(read_file(path), file);
+Design parse_design(const std::string& text, const std::string& file) {
+  const nlohmann::json document = parse_json(text, file);
   const JsonValue v(document, file, "");
   check_head(v);
   Design d;
@@ -215,6 +213,10 @@ Design read_design(const std::filesystem::path& path) {
   }
   d.report = read_report(v["report"]);
   return d;
+}
+
+Design read_design(const std::filesystem::path& path) {
+  return parse_design(read_file(path), path.string());
 }
 
 Design read_intact_design(const std::filesystem::path& path) {

@@ -75,16 +75,8 @@ double ModuleSkin::counts(int cin, std::uint64_t at_us) const {
 }
 
 bool ModuleSkin::reached_by(const Contact& contact) const {
-  return std::any_of(position_mm_.begin(), position_mm_.end(), [&](const design::Vec3& p) {
-    // A moving contact reaches what is within its radius of its path.
-    design::Vec3 nearest = contact.position_mm;
-    if (contact.to_mm) {
-      const design::Vec3 path = *contact.to_mm - contact.position_mm;
-      const double length2 = path.squaredNorm();
-      if (length2 > 0.0) nearest += path * std::clamp((p - contact.position_mm).dot(path) / length2, 0.0, 1.0);
-    }
-    return (p - nearest).norm() < contact.radius_mm;
-  });
+  return std::any_of(position_mm_.begin(), position_mm_.end(),
+                     [&](const design::Vec3& p) { return distance_mm(contact, p) < contact.radius_mm; });
 }
 
 void ModuleSkin::add(const Touch& touch) {

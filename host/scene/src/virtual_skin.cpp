@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
+#include <string>
 
 #include "triskin/host/error.hpp"
+#include "triskin/host/files.hpp"
+#include "triskin/layout/flash_pages.hpp"
 #include "triskin/scene/bus_time.hpp"
 
 namespace triskin::scene {
@@ -34,6 +38,24 @@ int plugged_patch(const Scene& scene, int patch) {
   return patch;
 }
 
+// The boards remember the faults of their patch. Another scene is another patch: what was remembered is not its own.
+constexpr const char* kHardwareFile = "hardware";
+
+bool is_noted(const std::filesystem::path& folder, const Scene& scene) {
+  std::ifstream in(folder / kHardwareFile);
+  std::string noted;
+  return in >> noted && noted == fmt::format("{:016x}", hardware_id(scene));
+}
+
+void note(const std::filesystem::path& folder, const Scene& scene) {
+  write_file_atomically(folder / kHardwareFile, fmt::format("{:016x}\n", hardware_id(scene)));
+}
+
+void forget_faults(FlashMemory& flash) {
+  for (std::size_t k = 0; k < layout::kFaultPages; ++k)
+    (void)flash.erase_page((layout::kFirstFaultPage + k) * flash.page_bytes());
+}
+
 }  // namespace
 
 std::filesystem::path state_folder_of(const design::Design& design) {
@@ -59,11 +81,13 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
                                    state_folder.string(), error.message()));
     }
   }
+  const bool other_hardware = !state_folder.empty() && !is_noted(state_folder, scene_);
   for (std::size_t p = 0; p < nodes_.size(); ++p) {
     Node& node = nodes_[p];
     node.flash = state_folder.empty() ? std::make_unique<FlashMemory>(kFlashBytes)
                                       : std::make_unique<FlashMemory>(
                                             kFlashBytes, state_folder / fmt::format("controller_{}.flash", p + 1));
+    if (other_hardware) forget_faults(*node.flash);
     const int plugged = plugged_patch(scene_, static_cast<int>(p));
     for (int l = 0; l < layout::kLines; ++l) node.board.lines[static_cast<std::size_t>(l)] = &skin_.line(plugged, l);
     if (switched_.present()) node.board.chain = &switched_.patch(plugged);
@@ -77,6 +101,7 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
     node.board.send = [this, p](const wire::CanFrame& frame) { pending_.push_back({frame, p}); };
     power_up(p);
   }
+  if (other_hardware) note(state_folder, scene_);
 }
 
 VirtualSkin::~VirtualSkin() = default;

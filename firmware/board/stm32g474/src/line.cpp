@@ -26,7 +26,7 @@ constexpr LinePlace kPlaces[4] = {
 constexpr std::uint32_t kInterrupts = kNackInterrupt | kStopInterrupt | kCompleteInterrupt | kErrorInterrupt;
 constexpr auto kTiming = compute_i2c_timing({});
 static_assert(kTiming.has_value());
-constexpr std::uint64_t kSlack_us = 500;      // above the bytes: clock stretching and interrupt latency
+constexpr std::uint64_t kSlack_us = 800;      // above the bytes: slow edges, clock stretching, interrupt latency
 constexpr std::uint32_t kSclLowTimeout = 82;  // (82 + 1) · 2048 / 170 MHz = 1.0 ms of SCL low
 constexpr std::uint64_t kHalfPulse_us = 5;    // bus clear at 100 kHz
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "triskin/host/interrupt.hpp"
 #include "triskin/jobs/flash.hpp"
 #include "triskin/jobs/offset_report.hpp"
 #include "triskin/jobs/verify.hpp"
@@ -249,8 +250,8 @@ std::vector<StepReport> bring_up(const design::Design& design, const BringUpOpti
   Session session(design, options);
   std::vector<StepReport> reports;
   for (const BringUpStep& step : bring_up_steps()) {
-    report(options.progress, "bring-up", static_cast<double>(reports.size()) / bring_up_steps().size(),
-           std::string(step.does));
+    report(options.progress, "bring-up",
+           static_cast<double>(reports.size()) / static_cast<double>(bring_up_steps().size()), std::string(step.does));
     StepAnswer answer = session.run(step);
     reports.push_back({step.number, answer.outcome, std::move(answer.found)});
   }

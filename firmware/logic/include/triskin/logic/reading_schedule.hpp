@@ -72,10 +72,11 @@ class ReadingSchedule {
   /// When due() gives or changes something after `now_us`, if nothing is begun before.
   [[nodiscard]] std::uint64_t next_us(std::uint64_t now_us) const;
 
-  /// A burst that ended on the line at `ended_us` was over before its results could be of two sequences. One that a
-  /// chip has slowed down, or that was made again, may not be.
-  [[nodiscard]] bool in_time(std::size_t station, std::uint64_t ended_us) const {
-    return ended_us <= plans_[station].close_us + SequenceClock::kBurst_us;
+  /// A burst that ended on the line at `ended_us` was over before its results could be of two sequences: one that
+  /// nobody slows down lasts `burst_us`. One that a chip has slowed down, or that was made again, may not be.
+  [[nodiscard]] bool in_time(std::size_t station, std::uint64_t ended_us, std::uint32_t burst_us) const {
+    constexpr std::uint64_t kLatency_us = 20;
+    return ended_us <= plans_[station].close_us + burst_us + kLatency_us;
   }
   /// The results of the present sequence stand, at `now_us`. Result: when it ended, µs; empty: it is not one that is
   /// sampled.

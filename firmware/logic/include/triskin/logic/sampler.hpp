@@ -87,9 +87,9 @@ class LineSampler {
     kStatus,
     kRestart
   };
-  // What a chip is on the way to. Readings of kOther (the input that is not used) and kFirst (the one that is) are not
-  // published: they belong to the checks.
-  enum class Phase : std::uint8_t { kFind, kConfigure, kOther, kFirst, kRun };
+  // What a chip is on the way to. Readings of kOther (the input that is not used), kShifted (the one that is, with
+  // other offsets) and kFirst (as it is used) are not published: they belong to the checks.
+  enum class Phase : std::uint8_t { kFind, kConfigure, kOther, kShifted, kFirst, kRun };
   // One address of the line that the table has a module at.
   struct Station {
     TableRow row{};
@@ -133,6 +133,7 @@ class LineSampler {
   void give_up(wire::ModuleState state, std::uint64_t now_us);
   [[nodiscard]] Station& current() { return stations_[current_]; }
   [[nodiscard]] Ad7147::Polarity polarity(Phase phase) const;
+  [[nodiscard]] ad7147::Offsets offsets_for(Phase phase);
   [[nodiscard]] PlaceOffsets& place_of(const Station& station) {
     return (*offsets_)[static_cast<std::size_t>(line_index_) * layout::kAddressesPerLine + station.address];
   }
@@ -160,7 +161,8 @@ class LineSampler {
   LineRecovery recovery_;
   Job job_ = Job::kIdle;
   bool pausing_ = false;
-  int repeats_ = 0;  // of the transfer that starts a sequence
+  int repeats_ = 0;                                      // of the transfer that starts a sequence
+  std::uint32_t burst_us_ = ReadingSchedule::kBurst_us;  // the shortest so far: nobody slowed it down
   std::uint64_t job_start_us_ = 0, read_ended_us_ = 0;
   std::uint64_t idle_until_us_ = 0;  // nothing is due before; 0: the schedule was not asked since something changed
   std::uint32_t bus_errors_ = 0;

@@ -22,7 +22,6 @@ class SequenceClock {
   static constexpr std::uint32_t kTolerance_percent = 4;  ///< of the oscillator (AD7147 data sheet, table 1)
   static constexpr std::uint64_t kFirstResult_us = 135;   ///< from the start of a burst to its first result: six bytes
   static constexpr std::uint64_t kLastResult_us = 585;    ///< … to the high byte of its last one: 26 bytes
-  static constexpr std::uint64_t kBurst_us = 660;         ///< … to its stop
   static constexpr int kStages = 12;
 
   /// The sequence was started anew at `at_us`; nothing is known about the oscillator.

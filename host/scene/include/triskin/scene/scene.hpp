@@ -103,12 +103,19 @@ struct Scene {
 };
 
 /// Reads a scene file, or a design file (then there are no contacts and no faults). Throws InputError naming
-/// file and key: wrong types or ranges, unknown keys or kinds, a module that the design does not have.
+/// file and key: wrong types or ranges, unknown keys or kinds, keys that stand twice, a module that the design does not
+/// have, a contact that no taxel of the skin can feel.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
+
+/// Number of the hardware of a scene: equal for scenes with the same faults and the same kind of modules.
+[[nodiscard]] std::uint64_t hardware_id(const Scene& scene);
 
 /// Rotation 0..2 of a module (id in the design) as assembled: the design's, changed by the faults of the scene. Throws
 /// std::out_of_range for a module that the design lacks.
 [[nodiscard]] int real_rotation(const Scene& scene, int module);
+
+/// Distance from a point to a contact's centre, or to the path of one that moves, mm.
+[[nodiscard]] double distance_mm(const Contact& contact, const design::Vec3& point_mm);
 
 /// Centroid of a module's corners, mesh frame, mm. Throws std::out_of_range for a module that the design lacks.
 [[nodiscard]] design::Vec3 center_of(const design::Design& design, int module);
