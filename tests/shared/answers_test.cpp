@@ -96,11 +96,6 @@ LiveTaxels live_taxels(const Vector& v) {
   for (std::size_t k = 0; k < values.size(); ++k) t.modules[0].value.at(k) = static_cast<std::uint16_t>(values[k]);
   return t;
 }
-icub::State icub_state(const Vector& v) {
-  const auto f = test::numbers(v.one("fields"), 10);
-  const auto at = [&](std::size_t k) { return static_cast<std::uint8_t>(f.at(k)); };
-  return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), static_cast<std::uint16_t>(f.at(7))};
-}
 Offsets offsets(const Vector& v) {
   Offsets o{v.number("positive") != 0, word(v, "searches"), 0, {}};
   if (!v.has("steps")) return o;
@@ -112,6 +107,11 @@ Offsets offsets(const Vector& v) {
   const auto steps = test::numbers(v.one("steps"), 10);
   for (std::size_t t = 0; t < m.steps.size(); ++t) m.steps[t] = static_cast<std::uint8_t>(steps.at(t));
   return o;
+}
+icub::State icub_state(const Vector& v) {
+  const auto f = test::numbers(v.one("fields"), 10);
+  const auto at = [&](std::size_t k) { return static_cast<std::uint8_t>(f.at(k)); };
+  return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), static_cast<std::uint16_t>(f.at(7))};
 }
 Statistics statistics(const Vector& v) {
   const auto n = test::numbers(v.one("counts"), 10);
@@ -191,18 +191,28 @@ ActivationResult activation(const Vector& v) {
   return {static_cast<Status>(v.number("table_status"))};
 }
 
-const std::map<std::string, Check> kChecks{
-    {"session", checked<ActiveSession, session>},         {"serial_number", checked<SerialNumber, serial_number>},
-    {"firmware", checked<FirmwareVersion, firmware>},     {"hello", checked<Hello, hello>},
-    {"node_address", checked<NodeAddress, node_address>}, {"active_table", checked<ActiveTable, active_table>},
-    {"module_states", checked<ModuleStates, states>},     {"self_test", checked<SelfTestResult, self_test>},
-    {"statistics", checked<Statistics, statistics>},      {"stream", checked<StreamSetting, stream>},
-    {"line_states", checked<LineStates, line_states>},    {"discovery", checked<Discovery, discovery>},
-    {"sampling", checked<SamplingSetting, sampling>},     {"image_state", checked<ImageState, image_state>},
-    {"live_taxels", checked<LiveTaxels, live_taxels>},    {"offsets", checked<Offsets, offsets>},
-    {"icub", checked<icub::State, icub_state>},           {"offset_result", checked<OffsetResult, offset_result>},
-    {"reroute", checked<RerouteResult, reroute>},         {"activation", checked<ActivationResult, activation>},
-    {"faults", checked<FaultList, fault_list>},           {"freeze", checked<FreezeFrame, freeze>}};
+const std::map<std::string, Check> kChecks{{"session", checked<ActiveSession, session>},
+                                           {"serial_number", checked<SerialNumber, serial_number>},
+                                           {"firmware", checked<FirmwareVersion, firmware>},
+                                           {"hello", checked<Hello, hello>},
+                                           {"node_address", checked<NodeAddress, node_address>},
+                                           {"active_table", checked<ActiveTable, active_table>},
+                                           {"module_states", checked<ModuleStates, states>},
+                                           {"self_test", checked<SelfTestResult, self_test>},
+                                           {"statistics", checked<Statistics, statistics>},
+                                           {"icub", checked<icub::State, icub_state>},
+                                           {"stream", checked<StreamSetting, stream>},
+                                           {"line_states", checked<LineStates, line_states>},
+                                           {"discovery", checked<Discovery, discovery>},
+                                           {"sampling", checked<SamplingSetting, sampling>},
+                                           {"image_state", checked<ImageState, image_state>},
+                                           {"live_taxels", checked<LiveTaxels, live_taxels>},
+                                           {"offsets", checked<Offsets, offsets>},
+                                           {"offset_result", checked<OffsetResult, offset_result>},
+                                           {"reroute", checked<RerouteResult, reroute>},
+                                           {"activation", checked<ActivationResult, activation>},
+                                           {"faults", checked<FaultList, fault_list>},
+                                           {"freeze", checked<FreezeFrame, freeze>}};
 
 TEST(AnswerVectors, encode_and_decode_as_the_file_says) {
   std::map<std::string, int> taken, refused;

@@ -35,20 +35,24 @@ class OverrunSearch {
   OverrunSearch(const SurfaceIndex& surface, double past_mm)
       : surface_(surface), past_mm_(past_mm), lack_mm_(std::max(0.0, -past_mm)) {}
 
-  double run(const Triangle3& module) {
-    const P3 c = centroid(module);
-    const double reach = surface_.distance(c) + 2.0 * (module[0] - c).norm();
+  double run(const Outline3& module) {
+    const std::size_t n = module.size();
+    P3 c = P3::Zero();
+    for (const P3& corner : module) c += corner / static_cast<double>(n);
+    double radius = 0.0;
+    for (const P3& corner : module) radius = std::max(radius, (corner - c).norm());
+    const double reach = surface_.distance(c) + 2.0 * radius;
     std::vector<const BorderEdge*> near;
     for (const BorderEdge& e : surface_.border()) {
       if (sight_of(e, c).off.norm() <= reach) near.push_back(&e);
     }
     if (near.empty()) return 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {  // where the largest value is mostly found: the search then ends sooner
+    for (std::size_t k = 0; k < n; ++k) {  // where the largest value is mostly found: the search then ends sooner
       visit(module[k], surface_.distance(module[k]), near);
-      const P3 middle = (module[k] + module[(k + 1) % 3]) / 2;
+      const P3 middle = (module[k] + module[(k + 1) % n]) / 2;
       visit(middle, surface_.distance(middle), near);
     }
-    divide(module, near);
+    for (std::size_t k = 1; k + 1 < n; ++k) divide({module[0], module[k], module[k + 1]}, near);
     return best_;
   }
 
@@ -116,7 +120,7 @@ class OverrunSearch {
 
 }  // namespace
 
-double overrun_of(const Triangle3& module, const SurfaceIndex& surface, double past_mm) {
+double overrun_of(const Outline3& module, const SurfaceIndex& surface, double past_mm) {
   return OverrunSearch(surface, past_mm).run(module);
 }
 

@@ -50,10 +50,11 @@ struct CheckedDesign {
   std::vector<std::array<int, 3>> faces;
   Limits limits;
   int islands;
+  double corner_cut;  ///< mm; 0 where the file has none
   std::vector<Module> modules;
   std::vector<Piece> pieces;
   std::vector<Patch> patches;
-  double area_cm2, coverage, max_edge_error, max_hinge_gap, max_center_gap;
+  double area_cm2, coverage, coverage_cut, max_edge_error, max_hinge_gap, max_center_gap;
   int upper_bound, patches_lower_bound;
   std::string method;
   std::uint64_t design_id;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "checked_design.hpp"
+#include "module_outline.hpp"
 
 namespace triskin::check {
 namespace {
@@ -64,6 +65,7 @@ void check_id(const CheckedDesign& d, Findings& f) {
       for (const int word : {k, m.parent, m.rotation, m.line, m.address}) fnv.add(word);
     }
   }
+  if (d.corner_cut > 0.0) fnv.add(std::llround(d.corner_cut * 1000.0));
   if (fnv.value() != d.design_id) {
     f.broken("design-id", "design",
              fmt::format("states {:016x}, its modules and wiring have {:016x}: the file was changed", d.design_id,
@@ -85,6 +87,8 @@ void check_report(const CheckedDesign& d, Findings& f) {
   const double covered = static_cast<double>(d.modules.size()) * kModule_mm2;
   stated(f, "report-area", d.area_cm2, area / 100, 1e-6 * area);
   stated(f, "report-coverage", d.coverage, covered / area, 1e-9);
+  const double left = static_cast<double>(d.modules.size()) * area_left(d.corner_cut);
+  if (d.corner_cut > 0.0) stated(f, "report-coverage", d.coverage_cut, left / area, 1e-9);
   double edge = 0.0, hinge = 0.0, center = 0.0;
   for (const auto& m : d.modules) {
     edge = std::max(edge, m.edge_error);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "checked_design.hpp"
+#include "module_outline.hpp"
 
 namespace triskin::check {
 namespace {
@@ -142,6 +143,21 @@ void check_taxels(const CheckedDesign& d, Findings& f) {
   }
 }
 
+// With cut corners only: no taxel may have gone with them.
+void check_taxels_left(const CheckedDesign& d, Findings& f) {
+  if (!(d.corner_cut > 0.0)) return;
+  f.rule("taxel-cut");
+  for (std::size_t k = 0; k < d.modules.size(); ++k) {
+    const auto& m = d.modules[k];
+    for (std::size_t t = 0; t < 12; ++t) {
+      const double beyond = beyond_cut(m.corner, d.corner_cut, m.taxel[t]);
+      if (!(beyond < 0.0))
+        f.broken("taxel-cut", module_name(k),
+                 fmt::format("taxel {} lies {:.3f} mm in a corner that is cut off", t, beyond));
+    }
+  }
+}
+
 }  // namespace
 
 std::array<int, 2> corner_vertex(const CheckedDesign::Module& m, int corner) {
@@ -167,6 +183,7 @@ void check_modules(const CheckedDesign& design, Findings& findings) {
   check_islands(design, findings);
   check_hinges(design, findings);
   check_taxels(design, findings);
+  check_taxels_left(design, findings);
 }
 
 }  // namespace triskin::check

@@ -83,9 +83,20 @@ void check_simple(const CheckedDesign::Piece& p, std::size_t k, Findings& f) {
   }
 }
 
+// Each corner gives way to two points, `cut` mm from it along its sides.
+std::vector<P2> without_corners(const std::array<P2, 3>& t, double cut) {
+  if (!(cut > 0.0)) return {t.begin(), t.end()};
+  std::vector<P2> points;
+  for (std::size_t k = 0; k < 3; ++k) {
+    points.emplace_back(t[k] + cut * (t[(k + 2) % 3] - t[k]).normalized());
+    points.emplace_back(t[k] + cut * (t[(k + 1) % 3] - t[k]).normalized());
+  }
+  return points;
+}
+
 // Tiles of the grid inside the moved outline, counted tile by tile: no edge may enter a tile's interior, its centre
 // lies inside.
-int tiles_inside(const CheckedDesign::Piece& p) {
+int tiles_inside(const CheckedDesign::Piece& p, double cut) {
   const double c = std::cos(p.theta), s = std::sin(p.theta), h = kSide * std::sqrt(3.0) / 2;
   std::vector<Edge> edges = edges_of(p);
   Eigen::AlignedBox2d box;
@@ -104,7 +115,7 @@ int tiles_inside(const CheckedDesign::Piece& p) {
     }
     return in;
   };
-  const auto free_of = [&](const std::array<P2, 3>& t, const Edge& e) {
+  const auto free_of = [&](const std::vector<P2>& t, const Edge& e) {
     int left = 0, right = 0;
     for (const P2& q : t) {
       const int o = CGAL::orientation(pt(e.a), pt(e.b), pt(q));
@@ -112,10 +123,9 @@ int tiles_inside(const CheckedDesign::Piece& p) {
       right += o < 0 ? 1 : 0;
     }
     if (left == 0 || right == 0) return true;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (CGAL::orientation(pt(t[k]), pt(t[(k + 1) % 3]), pt(e.a)) <= 0 &&
-          CGAL::orientation(pt(t[k]), pt(t[(k + 1) % 3]), pt(e.b)) <= 0)
-        return true;
+    for (std::size_t k = 0; k < t.size(); ++k) {
+      const Point from = pt(t[k]), to = pt(t[(k + 1) % t.size()]);
+      if (CGAL::orientation(from, to, pt(e.a)) <= 0 && CGAL::orientation(from, to, pt(e.b)) <= 0) return true;
     }
     return false;
   };
@@ -125,8 +135,10 @@ int tiles_inside(const CheckedDesign::Piece& p) {
     for (int i = first; kSide * (i + 0.5 * j) < box.max().x(); ++i) {
       for (const bool up : {true, false}) {
         const auto at = [&](int di, int dj) { return P2(kSide * (i + di + 0.5 * (j + dj)), h * (j + dj)); };
-        std::array<P2, 3> t = up ? std::array{at(0, 0), at(1, 0), at(0, 1)} : std::array{at(1, 0), at(1, 1), at(0, 1)};
-        const P2 middle = (t[0] + t[1] + t[2]) / 3;
+        const std::array<P2, 3> whole =
+            up ? std::array{at(0, 0), at(1, 0), at(0, 1)} : std::array{at(1, 0), at(1, 1), at(0, 1)};
+        const P2 middle = (whole[0] + whole[1] + whole[2]) / 3;
+        std::vector<P2> t = without_corners(whole, cut);
         for (P2& q : t) q = middle + (q - middle) * (1 - 1e-5 / 8.66);  // tolerance of the placement and rounding
         bool free = inside(middle);
         for (std::size_t e = 0; free && e < edges.size(); ++e) free = free_of(t, edges[e]);
@@ -152,7 +164,7 @@ void check_pieces(const CheckedDesign& design, Findings& findings) {
     }
     check_scale(design, k, findings);
     check_simple(p, k, findings);
-    const int tiles = p.modules > 0 ? tiles_inside(p) : 0;
+    const int tiles = p.modules > 0 ? tiles_inside(p, design.corner_cut) : 0;
     if (tiles < p.modules) {
       findings.broken("piece-placement", piece_name(k),
                       fmt::format("states {} modules, {} tiles lie inside", p.modules, tiles));

@@ -38,6 +38,12 @@ int bounded(int value, int low, int high, const char* what) {
   return value;
 }
 
+// Short sides nearer to the centre than the long ones are no cut corners any more.
+double corner_cut(double value) {
+  if (!(value > 0.0 && value <= 10.0)) throw InputError(fmt::format("corner_cut_mm {} is outside 0 … 10", value));
+  return value;
+}
+
 CheckedDesign::Module read_module(const json& j, int n) {
   CheckedDesign::Module m{};
   m.island = j.at("island").get<int>();
@@ -125,6 +131,7 @@ CheckedDesign read_all(const json& j) {
   const json& l = j.at("limits");
   d.limits = {l.at("edge_error_mm"), l.at("hinge_gap_mm"),   l.at("center_gap_mm"),
               l.at("fold_rad"),      l.at("penetration_mm"), l.at("overrun_mm")};
+  if (j.contains("corner_cut_mm")) d.corner_cut = corner_cut(j["corner_cut_mm"].get<double>());
   d.islands = j.at("islands").get<int>();
   d.method = j.at("method").get<std::string>();
   d.design_id = hex_id(j.at("design_id").get<std::string>());
@@ -138,6 +145,7 @@ CheckedDesign read_all(const json& j) {
   const json& r = j.at("report");
   d.area_cm2 = r.at("area_cm2");
   d.coverage = r.at("coverage");
+  d.coverage_cut = d.corner_cut > 0.0 ? r.at("coverage_cut").get<double>() : d.coverage;
   d.upper_bound = r.at("upper_bound");
   d.patches_lower_bound = r.at("patches_lower_bound");
   d.max_edge_error = r.at("max_edge_error_mm");

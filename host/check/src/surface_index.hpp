@@ -6,6 +6,7 @@
 #include <CGAL/Simple_cartesian.h>
 
 #include "checked_design.hpp"
+#include "module_outline.hpp"
 
 namespace triskin::check {
 
@@ -55,6 +56,6 @@ class SurfaceIndex {
 /// is worth stating, but two: the largest over the points that are past the border by `past_mm` = kPast_mm at least,
 /// and with -kPast_mm also over those that lack no more to be past it.
 inline constexpr double kOverrunStep_mm = 0.002, kPast_mm = 0.02;
-[[nodiscard]] double overrun_of(const Triangle3& module, const SurfaceIndex& surface, double past_mm);
+[[nodiscard]] double overrun_of(const Outline3& module, const SurfaceIndex& surface, double past_mm);
 
 }  // namespace triskin::check

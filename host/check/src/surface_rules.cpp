@@ -11,7 +11,7 @@ namespace {
 
 // Stated and measured numbers may differ by how finely the sides are walked and by how normals are interpolated.
 constexpr double kStated_mm = 0.05;
-constexpr int kSamples = 60;  // of a side, for the stated depth
+constexpr double kStep_mm = 0.5;  // along the sides, for the stated depth
 
 void within_limit(Findings& f, const char* rule, std::size_t module, double measured, double limit) {
   if (!(measured <= limit)) f.broken(rule, module_name(module), fmt::format("{:.3f} mm, limit {} mm", measured, limit));
@@ -39,10 +39,26 @@ void check_bend(const CheckedDesign::Module& m, std::size_t k, const SurfaceInde
 
 void check_overrun(const CheckedDesign& d, std::size_t k, const SurfaceIndex& surface, Findings& f) {
   const auto& m = d.modules[k];
-  double measured = overrun_of(m.corner, surface, kPast_mm);
+  const Outline3 outline = module_outline(m.corner, d.corner_cut);
+  double measured = overrun_of(outline, surface, kPast_mm);
   within_limit(f, "overrun", k, measured, d.limits.overrun);
-  if (m.overrun > measured + kStated_mm) measured = std::min(m.overrun, overrun_of(m.corner, surface, -kPast_mm));
+  if (m.overrun > measured + kStated_mm) measured = std::min(m.overrun, overrun_of(outline, surface, -kPast_mm));
   as_stated(f, "overrun", k, measured, m.overrun);
+}
+
+double depth_of_sides(const Outline3& outline, const SurfaceIndex& surface) {
+  double depth = 0.0;
+  for (std::size_t s = 0; s < outline.size(); ++s) {
+    const P3 side = outline[(s + 1) % outline.size()] - outline[s];
+    const double steps = std::max(1.0, std::round(side.norm() / kStep_mm));
+    for (double q = 0.0; q < steps; q += 1.0) {
+      const P3 p = outline[s] + side * (q / steps);
+      const auto h = surface.closest(p);
+      const P3 off = p - h.point;
+      depth = std::max(depth, -off.dot(h.normal));
+    }
+  }
+  return depth;
 }
 
 void check_against_surface(const CheckedDesign& d, Findings& f) {
@@ -60,15 +76,7 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
       f.broken("outward", module_name(k),
                fmt::format("its normal is {:.0f}° off the surface's", std::acos(cosine) * 180 / M_PI));
     check_bend(m, k, surface, hit.normal, f);
-    double depth = 0.0;
-    for (std::size_t s = 0; s < 3; ++s) {
-      for (int q = 0; q < kSamples; ++q) {
-        const P3 p = m.corner[s] + (m.corner[(s + 1) % 3] - m.corner[s]) * (q / static_cast<double>(kSamples));
-        const auto h = surface.closest(p);
-        const P3 off = p - h.point;
-        depth = std::max(depth, -off.dot(h.normal));
-      }
-    }
+    const double depth = depth_of_sides(module_outline(m.corner, d.corner_cut), surface);
     check_overrun(d, k, surface, f);
     if (!(std::abs(depth - m.edge_depth) <= 0.1))
       f.broken("edge-depth", module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", m.edge_depth, depth));
@@ -76,20 +84,19 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
 }
 
 // Where two convex outlines overlap: the least distance that parts them, over the directions of their sides.
-double overlap(const std::array<P2, 3>& a, const std::array<P2, 3>& b) {
+double overlap(const std::vector<P2>& a, const std::vector<P2>& b) {
   double least = std::numeric_limits<double>::infinity();
-  const auto test = [&](const std::array<P2, 3>& t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const P2 e = t[(k + 1) % 3] - t[k];
+  const auto range_of = [](const std::vector<P2>& t, const P2& n) {
+    std::array<double, 2> range{1e300, -1e300};
+    for (const P2& p : t) range = {std::min(range[0], p.dot(n)), std::max(range[1], p.dot(n))};
+    return range;
+  };
+  const auto test = [&](const std::vector<P2>& t) {
+    for (std::size_t k = 0; k < t.size(); ++k) {
+      const P2 e = t[(k + 1) % t.size()] - t[k];
       const P2 n = P2(-e.y(), e.x()) / e.norm();
-      std::array<double, 4> range{1e300, -1e300, 1e300, -1e300};
-      for (std::size_t c = 0; c < 3; ++c) {
-        range[0] = std::min(range[0], a[c].dot(n));
-        range[1] = std::max(range[1], a[c].dot(n));
-        range[2] = std::min(range[2], b[c].dot(n));
-        range[3] = std::max(range[3], b[c].dot(n));
-      }
-      least = std::min({least, range[1] - range[2], range[3] - range[0]});
+      const auto of_a = range_of(a, n), of_b = range_of(b, n);
+      least = std::min({least, of_a[1] - of_b[0], of_b[1] - of_a[0]});
     }
   };
   test(a);
@@ -98,29 +105,38 @@ double overlap(const std::array<P2, 3>& a, const std::array<P2, 3>& b) {
 }
 
 // Two modules lie over each other when their outlines, seen along the mean of their normals, overlap within one layer.
-double module_overlap(const Triangle3& a, const Triangle3& b) {
+double module_overlap(const Triangle3& a, const Triangle3& b, double cut) {
   const P3 na = unit_normal(a), nb = unit_normal(b);
   const P3 between = centroid(b) - centroid(a);
   if (between.norm() > 45.0 || na.dot(nb) < -0.2) return 0.0;
   const P3 n = (na + nb).normalized();
   if (std::abs(between.dot(n)) > 10.0) return 0.0;
   const P3 x = n.unitOrthogonal(), y = n.cross(x);
-  std::array<P2, 3> fa, fb;
-  for (std::size_t k = 0; k < 3; ++k) {
-    fa[k] = {a[k].dot(x), a[k].dot(y)};
-    fb[k] = {b[k].dot(x), b[k].dot(y)};
-  }
-  return overlap(fa, fb);
+  const auto flat = [&](const Triangle3& t) {
+    std::vector<P2> points;
+    for (const P3& p : module_outline(t, cut)) points.emplace_back(p.dot(x), p.dot(y));
+    return points;
+  };
+  return overlap(flat(a), flat(b));
 }
 
-// Open segment against the inside of a triangle. The heights of the ends over the plane say whether the segment crosses
+bool left_of_all_sides(const Outline3& outline, const P3& normal, const P3& p) {
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const P3& from = outline[k];
+    if (!(normal.dot((outline[(k + 1) % outline.size()] - from).cross(p - from)) > 0)) return false;
+  }
+  return true;
+}
+
+// Open segment against the inside of an outline. The heights of the ends over the plane say whether the segment crosses
 // it, and by their ratio where: that point lies on the segment however flat it crosses, so that no determinant that
 // vanishes on flat faces decides, and no tolerance is needed.
-bool pierces(const P3& a, const P3& b, const Triangle3& t) {
+bool pierces(const P3& a, const P3& b, const Outline3& t) {
   const P3 e1 = t[1] - t[0], e2 = t[2] - t[0], normal = e1.cross(e2);
   const double height_a = normal.dot(a - t[0]), height_b = normal.dot(b - t[0]);
   if (!(height_a < 0 && height_b > 0) && !(height_a > 0 && height_b < 0)) return false;
-  const P3 at = a + height_a / (height_a - height_b) * (b - a) - t[0];
+  const P3 hit = a + height_a / (height_a - height_b) * (b - a), at = hit - t[0];
+  if (t.size() > 3) return left_of_all_sides(t, normal, hit);
   // Barycentric coordinates by the Gram matrix of the sides; its determinant is the square of twice the area.
   const double g11 = e1.dot(e1), g12 = e1.dot(e2), g22 = e2.dot(e2), r1 = e1.dot(at), r2 = e2.dot(at);
   const double u = g22 * r1 - g12 * r2, v = g11 * r2 - g12 * r1;
@@ -128,18 +144,17 @@ bool pierces(const P3& a, const P3& b, const Triangle3& t) {
 }
 
 // How far inside the other triangle the piercing goes, in space: shrink one until it no longer pierces.
-bool cross_in_space(const Triangle3& a, const Triangle3& b, double allowed_mm) {
-  const auto shrunk = [&](const Triangle3& t) {
-    const P3 c = centroid(t);
-    const double scale = std::max(
-        0.0, 1.0 - allowed_mm / (kSide * std::sqrt(3.0) / 6.0));  // a limit above the inner radius allows anything
-    return Triangle3{P3(c + scale * (t[0] - c)), P3(c + scale * (t[1] - c)), P3(c + scale * (t[2] - c))};
+bool cross_in_space(const Triangle3& a, const Triangle3& b, double cut, double allowed_mm) {
+  if ((centroid(a) - centroid(b)).norm() > 2.0 * kSide) return false;
+  const Outline3 p = module_outline(a, cut, allowed_mm), q = module_outline(b, cut, allowed_mm);
+  if (p.size() < 3 || q.size() < 3) return false;  // a limit above the inner radius allows anything
+  const auto any_side = [](const Outline3& sides, const Outline3& through) {
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      if (pierces(sides[k], sides[(k + 1) % sides.size()], through)) return true;
+    }
+    return false;
   };
-  const Triangle3 p = shrunk(a), q = shrunk(b);
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (pierces(p[k], p[(k + 1) % 3], q) || pierces(q[k], q[(k + 1) % 3], p)) return true;
-  }
-  return false;
+  return any_side(p, q) || any_side(q, p);
 }
 
 void check_overlap(const CheckedDesign& d, Findings& f) {
@@ -147,14 +162,14 @@ void check_overlap(const CheckedDesign& d, Findings& f) {
   std::vector<double> worst(d.modules.size(), 0.0);
   for (std::size_t a = 0; a < d.modules.size(); ++a) {
     for (std::size_t b = a + 1; b < d.modules.size(); ++b) {
-      const double depth = module_overlap(d.modules[a].corner, d.modules[b].corner);
+      const double depth = module_overlap(d.modules[a].corner, d.modules[b].corner, d.corner_cut);
       worst[a] = std::max(worst[a], depth);
       worst[b] = std::max(worst[b], depth);
       if (!(depth <= d.limits.penetration)) {
         f.broken("penetration", module_name(a),
                  fmt::format("overlaps module {} by {:.3f} mm, limit {} mm", b, depth, d.limits.penetration));
       }
-      if (cross_in_space(d.modules[a].corner, d.modules[b].corner, d.limits.penetration)) {
+      if (cross_in_space(d.modules[a].corner, d.modules[b].corner, d.corner_cut, d.limits.penetration)) {
         f.broken("pierced", module_name(a), fmt::format("passes through module {}", b));
       }
     }

@@ -85,6 +85,7 @@ std::uint64_t design_id_of(const Design& design) {
       for (const int field : {m.node, m.parent, m.rotation, m.line, m.address}) hash.add(field);
     }
   }
+  if (design.layout.corner_cut_mm > 0.0) hash.add_length(design.layout.corner_cut_mm);
   return hash.value();
 }
 

@@ -4,6 +4,7 @@
 
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/json_value.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/host/files.hpp"
 
 namespace triskin::design {
@@ -156,6 +157,15 @@ Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& modules) {
   return patch;
 }
 
+// Files without the key have whole triangles.
+double read_corner_cut(const JsonValue& v) {
+  if (!v.raw().contains("corner_cut_mm")) return 0.0;
+  const double cut_mm = v["corner_cut_mm"].number();
+  if (!(cut_mm > 0.0 && cut_mm <= kMostCornerCut_mm))
+    v["corner_cut_mm"].fail(fmt::format("must be above 0 and at most {}", kMostCornerCut_mm));
+  return cut_mm;
+}
+
 LayoutMethod read_method(const JsonValue& v) {
   const auto method = kLayoutMethodNames.value(v.text());
   if (!method) v.fail("must be " + kLayoutMethodNames.list());
@@ -172,6 +182,7 @@ Design::Report read_report(const JsonValue& v) {
   r.max_hinge_gap_mm = v["max_hinge_gap_mm"].number();
   r.max_center_gap_mm = v["max_center_gap_mm"].number();
   r.seconds = v["seconds"].number();
+  r.coverage_cut = v.raw().contains("coverage_cut") ? v["coverage_cut"].number() : r.coverage;
   return r;
 }
 
@@ -200,6 +211,7 @@ Design parse_design(const std::string& text, const std::string& file) {
   read_limits(v["limits"], d.limits);
   d.pieces = list(v["pieces"], [&](const JsonValue& p) { return read_piece(p, d.surface.faces.size()); });
   d.layout.method = read_method(v["method"]);
+  d.layout.corner_cut_mm = read_corner_cut(v);
   d.layout.islands = v["islands"].integer(0, kMaxCount);
   const JsonValue modules = v["modules"];
   for (std::size_t k = 0; k < modules.size(); ++k) {

@@ -106,15 +106,17 @@ json patch_json(const Patch& p, int id) {
           {"failures", std::move(failures)}};
 }
 
-json report_json(const Design::Report& r) {
-  return {{"area_cm2", r.area_cm2},
-          {"coverage", r.coverage},
-          {"upper_bound", r.upper_bound},
-          {"patches_lower_bound", r.patches_lower_bound},
-          {"max_edge_error_mm", r.max_edge_error_mm},
-          {"max_hinge_gap_mm", r.max_hinge_gap_mm},
-          {"max_center_gap_mm", r.max_center_gap_mm},
-          {"seconds", r.seconds}};
+json report_json(const Design::Report& r, bool is_cut) {
+  json report = {{"area_cm2", r.area_cm2},
+                 {"coverage", r.coverage},
+                 {"upper_bound", r.upper_bound},
+                 {"patches_lower_bound", r.patches_lower_bound},
+                 {"max_edge_error_mm", r.max_edge_error_mm},
+                 {"max_hinge_gap_mm", r.max_hinge_gap_mm},
+                 {"max_center_gap_mm", r.max_center_gap_mm},
+                 {"seconds", r.seconds}};
+  if (is_cut) report["coverage_cut"] = r.coverage_cut;
+  return report;
 }
 
 }  // namespace
@@ -132,21 +134,23 @@ void write_design(const std::filesystem::path& path, const Design& design) {
     patches.push_back(patch_json(design.patches[p], static_cast<int>(p)));
   json refused = json::object();
   for (const auto& [limit, count] : design.layout.refused) refused[limit] = count;
-  const json file = {{"format", "triskin-design"},
-                     {"version", Design::kVersion},
-                     {"name", design.name},
-                     {"design_id", fmt::format("{:016x}", design.design_id)},
-                     {"seed", design.seed},
-                     {"source", {{"file", design.source_file}, {"scale_to_mm", design.scale_to_mm}}},
-                     {"surface", surface_json(design.surface)},
-                     {"limits", limits_json(design.limits)},
-                     {"method", kLayoutMethodNames.name(design.layout.method)},
-                     {"islands", design.layout.islands},
-                     {"pieces", std::move(pieces)},
-                     {"modules", std::move(modules)},
-                     {"patches", std::move(patches)},
-                     {"refused", std::move(refused)},
-                     {"report", report_json(design.report)}};
+  const bool is_cut = design.layout.corner_cut_mm > 0.0;
+  json file = {{"format", "triskin-design"},
+               {"version", Design::kVersion},
+               {"name", design.name},
+               {"design_id", fmt::format("{:016x}", design.design_id)},
+               {"seed", design.seed},
+               {"source", {{"file", design.source_file}, {"scale_to_mm", design.scale_to_mm}}},
+               {"surface", surface_json(design.surface)},
+               {"limits", limits_json(design.limits)},
+               {"method", kLayoutMethodNames.name(design.layout.method)},
+               {"islands", design.layout.islands},
+               {"pieces", std::move(pieces)},
+               {"modules", std::move(modules)},
+               {"patches", std::move(patches)},
+               {"refused", std::move(refused)},
+               {"report", report_json(design.report, is_cut)}};
+  if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // files without a cut stay as they were
   write_output(path, file.dump() + "\n");
 }
 

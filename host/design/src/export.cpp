@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "triskin/design/outline.hpp"
+
 namespace triskin::design {
 namespace {
 
@@ -41,7 +43,7 @@ struct Shape {
   std::string svg;
 };
 
-std::string polygon(const View& view, const std::array<Vec3, 3>& p, const std::string& style) {
+std::string polygon(const View& view, std::span<const Vec3> p, const std::string& style) {
   std::string points;
   for (const Vec3& v : p) {
     const Vec2 q = view.flat(v);
@@ -74,10 +76,11 @@ void add_modules(const Design& d, const View& view, const std::vector<ModuleWiri
     const auto& m = d.layout.modules[k];
     const Vec3 n = (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
     if (n.dot(view.toward()) < 0.05) continue;  // its back side: hidden by the surface
+    const Outline outline = outline_of(m.corner_mm, d.layout.corner_cut_mm);
     const std::string fill = color_of(wiring[k].patch, 45 + 25 * n.dot(view.toward()));
     shapes.push_back(
         {view.height(centroid(m)) + 1.0,
-         polygon(view, m.corner_mm, fmt::format("fill=\"{}\" stroke=\"#222\" stroke-width=\"0.6\"", fill))});
+         polygon(view, outline.points(), fmt::format("fill=\"{}\" stroke=\"#222\" stroke-width=\"0.6\"", fill))});
     const Vec2 at = view.flat(centroid(m));
     const int parent = wiring[k].routed.parent;
     std::string mark = fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{}\" fill=\"#111\"/>\n", at.x(), at.y(),
@@ -90,6 +93,21 @@ void add_modules(const Design& d, const View& view, const std::vector<ModuleWiri
     }
     shapes.push_back({view.height(centroid(m)) + 1e6, mark});  // trees over all modules
   }
+}
+
+std::string cutting_html(double corner_cut_mm) {
+  if (corner_cut_mm <= 0.0) return {};
+  return fmt::format(
+      "<p>Before mounting cut all three corners off every module, {0:g} mm along each side: long sides of {1:g} mm and "
+      "short ones of {0:g} mm stay.</p>\n",
+      corner_cut_mm, kSide_mm - 2.0 * corner_cut_mm);
+}
+
+std::string coverage_text(const Design& design) {
+  const double whole = 100.0 * design.report.coverage, cut = 100.0 * design.report.coverage_cut;
+  if (design.layout.corner_cut_mm <= 0.0) return fmt::format("coverage {:.0f} %", whole);
+  return fmt::format("corners cut by {:g} mm, coverage {:.0f} % ({:.0f} % of whole triangles)",
+                     design.layout.corner_cut_mm, cut, whole);
 }
 
 }  // namespace
@@ -109,9 +127,9 @@ std::string picture_svg(const Design& design) {
   for (const Shape& s : shapes) svg += s.svg;
   svg += fmt::format(
       "<text x=\"{:.1f}\" y=\"{:.1f}\" font-family=\"sans-serif\" font-size=\"{:.1f}\">{}: {} modules, {} controllers, "
-      "coverage {:.0f} %</text>\n</svg>\n",
+      "{}</text>\n</svg>\n",
       low.x() + 10, low.y() + size.y() - 10, size.x() / 32, design.name, design.layout.modules.size(),
-      design.patches.size(), 100 * design.report.coverage);
+      design.patches.size(), coverage_text(design));
   return svg;
 }
 
@@ -138,6 +156,7 @@ std::string assembly_html(const Design& design) {
       "{1:016x}, {2} modules on {3} controllers. "
       "Port A of a module is its input; it faces the parent, at the entry the cable.</p>\n",
       design.name, design.design_id, design.layout.modules.size(), design.patches.size());
+  html += cutting_html(design.layout.corner_cut_mm);
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     const Patch& patch = design.patches[p];
     html += fmt::format("<h2>Controller {} (node address {})</h2>\n<p>Cable to module {}. Cut joints:", p, p + 1,
@@ -161,13 +180,20 @@ std::string assembly_html(const Design& design) {
 
 std::string modules_obj(const Design& design) {
   std::string obj = "# triskin modules, mm\n";
+  std::size_t corners = 3;  // of a module
   for (const auto& m : design.layout.modules) {
-    for (const Vec3& c : m.corner_mm) obj += fmt::format("v {:.6f} {:.6f} {:.6f}\n", c.x(), c.y(), c.z());
+    const Outline outline = outline_of(m.corner_mm, design.layout.corner_cut_mm);
+    corners = outline.size;
+    for (const Vec3& c : outline.points()) obj += fmt::format("v {:.6f} {:.6f} {:.6f}\n", c.x(), c.y(), c.z());
   }
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     obj += fmt::format("g patch_{}\n", p);
-    for (const auto& m : design.patches[p].modules)
-      obj += fmt::format("f {} {} {}\n", 3 * m.node + 1, 3 * m.node + 2, 3 * m.node + 3);
+    for (const auto& m : design.patches[p].modules) {
+      obj += "f";
+      for (std::size_t k = 1; k <= corners; ++k)
+        obj += fmt::format(" {}", corners * static_cast<std::size_t>(m.node) + k);
+      obj += "\n";
+    }
   }
   return obj;
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "triskin/design/module_list.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/geometry/extract.hpp"
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/polygon_io.hpp"
@@ -40,13 +41,14 @@ std::vector<geometry::TiledPiece> place_pieces(design::Design& design, const geo
     const double area = geometry::polygon_area(piece.outline);
     geometry::PlacementOptions p;
     p.seed = options.seed;
+    p.corner_cut_mm = options.corner_cut_mm;
     p.time_limit_s =
         std::max(std::min(kPieceLeast_s, 0.005 * options.time_limit_s),
                  0.7 * (kPiecesShare * options.time_limit_s - seconds_since(start)) * area / std::max(area_left, 1.0));
     area_left -= area;
     geometry::PlacementResult result;
     result.proved = true;  // a piece smaller than a module holds none
-    if (area >= design::kModuleArea_mm2) result = geometry::place(piece.outline, p);
+    if (area >= design::module_area_mm2(options.corner_cut_mm)) result = geometry::place(piece.outline, p);
     report(progress, "placing", -1.0,
            fmt::format("{} modules on piece {} of {}", result.modules, design.pieces.size() + 1, net.pieces.size()));
     design.pieces.push_back({piece, result.placement, result.modules, result.upper_bound, result.proved});
@@ -58,8 +60,10 @@ std::vector<geometry::TiledPiece> place_pieces(design::Design& design, const geo
 void fill_report(design::Design& design, const geometry::Surface& surface) {
   design::Design::Report& r = design.report;
   r.area_cm2 = surface.area_mm2() / 100.0;
-  r.upper_bound = static_cast<int>(std::floor(surface.area_mm2() / design::kModuleArea_mm2));
+  const double cut_mm2 = design::module_area_mm2(design.layout.corner_cut_mm);
+  r.upper_bound = static_cast<int>(std::floor(surface.area_mm2() / cut_mm2));
   r.coverage = static_cast<double>(design.layout.modules.size()) * design::kModuleArea_mm2 / surface.area_mm2();
+  r.coverage_cut = static_cast<double>(design.layout.modules.size()) * cut_mm2 / surface.area_mm2();
   for (const design::PlacedModule& m : design.layout.modules) {
     r.max_edge_error_mm = std::max(r.max_edge_error_mm, m.edge_error_mm);
     r.max_center_gap_mm = std::max(r.max_center_gap_mm, m.center_gap_mm);
@@ -86,10 +90,11 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   const geometry::Net net = geometry::unfold(surface, {.edge_error_mm = options.limits.edge_error_mm}, progress);
   const auto placed = place_pieces(design, net, options, start, progress);
   report(progress, "mapping to the surface", -1.0);
-  design.layout = geometry::map_modules(surface, placed, options.limits);
+  design.layout = geometry::map_modules(surface, placed, options.limits, options.corner_cut_mm);
   geometry::SurfaceLatticeOptions lattice;
   lattice.seed = options.seed;
   lattice.iterations = options.iterations;
+  lattice.corner_cut_mm = options.corner_cut_mm;
   lattice.threads = options.threads;
   lattice.island_cost = options.island_cost;
   lattice.controller_cost = options.controller_cost;

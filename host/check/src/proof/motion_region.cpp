@@ -102,11 +102,12 @@ MotionRegion::Moved MotionRegion::moved(const ProofEdge& edge) const {
 MotionRegion::Verdict MotionRegion::side_frees(const IntervalPoint& center, double sign, const Moved& m,
                                                double allowance_mm) const {
   Verdict best = Verdict::kNever;
-  for (const IntervalPoint& up_normal : polygon_.module().normal) {
-    const IntervalPoint n = scaled(up_normal, sign);
+  const ProofModule& module = polygon_.module();
+  for (std::size_t k = 0; k < module.normal.size(); ++k) {
+    const IntervalPoint n = scaled(module.normal[k], sign);
     bool possible = true, certain = true;
     for (std::size_t e = 0; e < 2 && possible; ++e) {
-      const Interval value = dot(n, m.end[e] - center) - polygon_.module().inradius + Interval(allowance_mm);
+      const Interval value = dot(n, m.end[e] - center) - module.offset[k] + Interval(allowance_mm);
       const double spread =
           (n.x.magnitude() * half_x_ + n.y.magnitude() * half_y_ + dot(n, m.end_turn[e]).magnitude() * half_theta_) *
           (1.0 + 1e-14);

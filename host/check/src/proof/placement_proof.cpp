@@ -152,11 +152,13 @@ class Checker {
   bool proved_ = false;
 };
 
-const ProofModule& require_header(const ProofLog& log, const std::vector<std::array<PlanePoint, 2>>& edges) {
+ProofModule require_header(const ProofLog& log, const std::vector<std::array<PlanePoint, 2>>& edges) {
   if (edges.empty() || edges != edge_set(log.rings))
     throw Rejected{"the polygon of the log is not the polygon of the file"};
   if (!log.shape) throw Rejected{fmt::format("\"shape\" must be {}", kProofShapeNames.list())};
-  const ProofModule& module = proof_module(*log.shape);
+  const double most_cut_mm = *log.shape == ProofShape::kTriangle ? kMostProofCut_mm : 0.0;
+  if (!(log.corner_cut_mm >= 0.0 && log.corner_cut_mm <= most_cut_mm)) throw Rejected{"corner_cut_mm is out of range"};
+  ProofModule module = proof_module(*log.shape, log.corner_cut_mm);
   if (!(log.pitch_mm >= module.least_pitch_mm && log.pitch_mm <= 1000.0)) throw Rejected{"pitch_mm is out of range"};
   if (!(log.tolerance_mm > 0.0 && log.tolerance_mm <= 1.0)) throw Rejected{"tolerance_mm is out of range"};
   if (log.upper_bound < log.modules)
@@ -191,7 +193,7 @@ ProofReport evaluate(const ProofLog& log, const std::vector<Ring>& rings) {
   report.cells = static_cast<std::int64_t>(log.cells.size());
   try {
     const auto edges = edge_set(rings);
-    const ProofModule& module = require_header(log, edges);
+    const ProofModule module = require_header(log, edges);
     const ProofPolygon polygon(edges, log.pivot, module, log.pitch_mm);
     if (polygon.radius_mm() > 1e6) throw Rejected{"the pivot lies too far from the polygon"};
     require_placement(log, polygon);

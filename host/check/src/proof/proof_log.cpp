@@ -137,6 +137,7 @@ ProofLog read_proof_log(const std::string& text, const std::string& name) {
     log.shape = kProofShapeNames.value(j["shape"].get<std::string>());
   }
   log.pitch_mm = number(member(j, "pitch_mm", name), "pitch_mm", name);
+  if (j.contains("corner_cut_mm")) log.corner_cut_mm = number(j["corner_cut_mm"], "corner_cut_mm", name);
   log.tolerance_mm = number(member(j, "tolerance_mm", name), "tolerance_mm", name);
   log.modules = count(member(j, "modules", name), "modules", name);
   log.upper_bound = count(member(j, "upper_bound", name), "upper_bound", name);

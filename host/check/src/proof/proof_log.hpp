@@ -34,6 +34,7 @@ struct ProofLog {
   std::optional<ProofShape> shape = ProofShape::kTriangle;  ///< nullopt: the log names an unknown one
   PlanePoint pivot{};
   double pitch_mm = 0.0, tolerance_mm = 0.0;
+  double corner_cut_mm = 0.0;  ///< 0 where the log has none
   int modules = 0, upper_bound = 0;
   std::array<double, 3> motion{};
   std::vector<ProofTile> tiles;

@@ -14,13 +14,33 @@ ProofModule triangle() {
   return {.normal = {{0.0, -1.0}, {kHalfRoot3, 0.5}, {-kHalfRoot3, 0.5}},
           .corner = {{-kHalfSide_mm, -inradius}, {kHalfSide_mm, -inradius}, {0.0, inradius + inradius}},
           .has_down = true,
-          .inradius = inradius,
+          .offset = {inradius, inradius, inradius},
           .inradius_low_mm = 8.66,
           .circumradius_high_mm = 17.321,
           .least_pitch_mm = kModuleSide_mm,
           .row_height = kHalfRoot3,
           .row_shift = 0.5,
           .period_high_rad = kSixth_rad};
+}
+
+// Two corners for each, on the sides that meet there, and the side between them: its normal points from the centre to
+// the corner that is gone, whose distance is 2/3 of the height.
+void cut_corners(ProofModule& module, double cut_mm) {
+  const Interval part = Interval(cut_mm) * Interval(1.0 / kModuleSide_mm - 1e-17, 1.0 / kModuleSide_mm + 1e-17);
+  const std::vector<IntervalPoint> whole = std::move(module.corner);
+  const auto shifted = [&part](const IntervalPoint& from, const IntervalPoint& to) {
+    return IntervalPoint{from.x + part * (to.x - from.x), from.y + part * (to.y - from.y)};
+  };
+  const Interval far = Interval(kModuleSide_mm) * kHalfRoot3 * (kThird + kThird) - Interval(cut_mm) * kHalfRoot3;
+  module.corner.clear();
+  for (std::size_t k = 0; k < 3; ++k) {
+    module.corner.push_back(shifted(whole[k], whole[(k + 1) % 3]));
+    module.corner.push_back(shifted(whole[(k + 1) % 3], whole[k]));
+  }
+  for (const IntervalPoint& n : {IntervalPoint{-kHalfRoot3, -0.5}, {kHalfRoot3, -0.5}, {0.0, 1.0}}) {
+    module.normal.push_back(n);
+    module.offset.push_back(far);
+  }
 }
 
 ProofModule square() {
@@ -30,7 +50,7 @@ ProofModule square() {
                      {kHalfSide_mm, kHalfSide_mm},
                      {-kHalfSide_mm, kHalfSide_mm}},
           .has_down = false,
-          .inradius = kHalfSide_mm,
+          .offset = std::vector<Interval>(4, kHalfSide_mm),
           .inradius_low_mm = 15.0,
           .circumradius_high_mm = 21.214,
           .least_pitch_mm = kModuleSide_mm,
@@ -51,7 +71,7 @@ ProofModule hexagon() {
                      {-inradius, kHalfSide_mm},
                      {-inradius, -kHalfSide_mm}},
           .has_down = false,
-          .inradius = inradius,
+          .offset = std::vector<Interval>(6, inradius),
           .inradius_low_mm = 25.98,
           .circumradius_high_mm = 30.001,
           .least_pitch_mm = 51.9615242270663,
@@ -69,9 +89,12 @@ IntervalPoint ProofModule::center(const ProofTile& t, double pitch_mm) const {
   return {pitch * Interval(t.i + row_shift * t.j + (t.up ? 0.5 : 1.0)), pitch * row_height * row};
 }
 
-const ProofModule& proof_module(ProofShape shape) {
-  static const ProofModule kTriangle = triangle(), kSquare = square(), kHexagon = hexagon();
-  return shape == ProofShape::kTriangle ? kTriangle : shape == ProofShape::kSquare ? kSquare : kHexagon;
+ProofModule proof_module(ProofShape shape, double corner_cut_mm) {
+  if (shape == ProofShape::kSquare) return square();
+  if (shape == ProofShape::kHexagon) return hexagon();
+  ProofModule module = triangle();
+  if (corner_cut_mm > 0.0) cut_corners(module, corner_cut_mm);
+  return module;
 }
 
 }  // namespace triskin::check

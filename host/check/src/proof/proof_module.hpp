@@ -14,8 +14,9 @@ struct ProofModule {
   std::vector<IntervalPoint> normal, corner;  ///< of the up module around its centre, outward and of unit length; the
                                               ///< down one is its mirror image in the centre
   bool has_down = false;
-  Interval inradius;
-  double inradius_low_mm = 0.0, circumradius_high_mm = 0.0;
+  std::vector<Interval> offset;  ///< of each side from the centre
+  double inradius_low_mm = 0.0,  ///< least offset
+      circumradius_high_mm = 0.0;
   double least_pitch_mm = 0.0;   ///< below it modules would overlap
   Interval row_height;           ///< of the pitch
   double row_shift = 0.0;        ///< of the pitch
@@ -24,7 +25,10 @@ struct ProofModule {
   [[nodiscard]] IntervalPoint center(const ProofTile& tile, double pitch_mm) const;
 };
 
-/// The module of a shape, with sides of 30 mm. Any number of threads.
-[[nodiscard]] const ProofModule& proof_module(ProofShape shape);
+/// The module of a shape, with sides of 30 mm. Of triangles the corners may be cut off, `corner_cut_mm` along each
+/// side, 0 … kMostProofCut_mm; of the others the cut is not looked at. Any number of threads.
+[[nodiscard]] ProofModule proof_module(ProofShape shape, double corner_cut_mm);
+/// With a larger cut the short sides would come nearer to the centre than the long ones.
+inline constexpr double kMostProofCut_mm = 10.0;
 
 }  // namespace triskin::check

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "corner_cut_option.hpp"
 #include "mesh_options.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/pipeline/make_design.hpp"
@@ -39,8 +40,17 @@ int run(Options options, Output& output) {
                    {"modules_surface", methods.surface},
                    {"refused", refused},
                    {"seconds", r.seconds}};
+  if (d.layout.corner_cut_mm > 0.0) {
+    output.result["corner_cut_mm"] = d.layout.corner_cut_mm;
+    output.result["coverage_cut"] = r.coverage_cut;
+  }
   output.say(fmt::format("{}: {:.0f} cm², {} modules placed (at most {} by area), coverage {:.1f} %", d.name,
                          r.area_cm2, d.layout.modules.size(), r.upper_bound, 100.0 * r.coverage));
+  if (d.layout.corner_cut_mm > 0.0) {
+    output.say(fmt::format("corners cut by {:g} mm: coverage {:.1f} % of cut modules", d.layout.corner_cut_mm,
+                           100.0 * r.coverage_cut));
+    say_cut_pads(d.layout.corner_cut_mm, output);
+  }
   output.say(
       fmt::format("{} islands, {} patches (lower bound {}); edge error ≤ {:.2f} mm, hinge gap ≤ {:.2f} mm, "
                   "centre gap ≤ {:.2f} mm",
@@ -86,6 +96,7 @@ const Registration kDesign{{
       app.add_option("--overrun-mm", l.overrun_mm, "limit over the border")
           ->check(CLI::Range(0.01, 10.0))
           ->capture_default_str();
+      add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--island-cost", options->design.island_cost,
                      "modules that an island is worth beside its controllers: 0 most modules, 0.5 few islands")
           ->check(CLI::Range(0.0, 16.0))

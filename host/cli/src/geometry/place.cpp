@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "corner_cut_option.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/geometry/placement.hpp"
 #include "triskin/geometry/polygon_io.hpp"
@@ -22,6 +23,19 @@ struct Options {
   geometry::PlacementOptions placement;
 };
 
+// Coverage both ways: of the whole triangles, and of what is left of them.
+void add_cut(const geometry::PlacementResult& r, double area_mm2, const Options& options, Output& output) {
+  const double cut = options.placement.corner_cut_mm;
+  const double whole = r.modules * design::kModuleArea_mm2 / area_mm2,
+               left = r.modules * design::module_area_mm2(cut) / area_mm2;
+  output.result["corner_cut_mm"] = cut;
+  output.result["coverage"] = whole;
+  output.result["coverage_cut"] = left;
+  output.say(fmt::format("corners cut by {:g} mm: coverage {:.1f} % of whole triangles, {:.1f} % of cut modules", cut,
+                         100.0 * whole, 100.0 * left));
+  say_cut_pads(cut, output);
+}
+
 int run(const Options& options, Output& output) {
   const geometry::Polygon polygon = geometry::read_polygon(options.polygon);
   const geometry::PlacementResult r = geometry::place(polygon, options.placement, output.progress());
@@ -37,6 +51,7 @@ int run(const Options& options, Output& output) {
       {"cells", r.cells},
       {"search_seconds", r.search_seconds},
       {"seconds", r.seconds}};
+  if (options.placement.corner_cut_mm > 0.0) add_cut(r, geometry::polygon_area(polygon), options, output);
   nlohmann::json tiles = nlohmann::json::array();
   for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
   output.result["tiles"] = std::move(tiles);
@@ -117,6 +132,7 @@ void add_options(CLI::App& app, Options& options) {
       ->transform(one_of(kShapes));
   app.add_option("--gap-mm", options.placement.gap_mm, "free space between facing sides of modules")
       ->capture_default_str();
+  add_corner_cut(app, options.placement.corner_cut_mm);
   app.add_option("--time-limit-s", options.placement.time_limit_s, "0: none")->capture_default_str();
   app.add_flag("!--no-clearance", options.placement.largest_clearance,
                "do not look for the placement with the largest clearance");

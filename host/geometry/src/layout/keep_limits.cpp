@@ -16,7 +16,8 @@ class Keeper {
       : surface_(surface), limits_(limits), layout_(layout) {}
 
   void run() {
-    for (PlacedModule& m : layout_.modules) measure_on_surface(surface_, m);  // nothing moves from here on
+    for (PlacedModule& m : layout_.modules)
+      measure_on_surface(surface_, m, layout_.corner_cut_mm);  // nothing moves from here on
     give_up_turned();
     give_up_bad();
     number_islands();

@@ -17,7 +17,9 @@ namespace {
 // Point of the flat piece → point of the surface.
 class PieceMap {
  public:
-  PieceMap(const Surface& surface, const TiledPiece& placed) : surface_(surface), placed_(placed) {
+  // Grid vertices may lie outside the piece by `overhang_mm`.
+  PieceMap(const Surface& surface, const TiledPiece& placed, double overhang_mm)
+      : surface_(surface), placed_(placed), overhang_mm_(overhang_mm) {
     for (const auto& t : placed.piece->flat) {
       const Vec2 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
       boxes_.push_back({low, high});
@@ -37,14 +39,16 @@ class PieceMap {
     Vec3 best_weights = Vec3::Zero();
     std::size_t best_triangle = 0;
     for (std::size_t k = 0; k < boxes_.size(); ++k) {
-      if ((p - boxes_[k][0]).minCoeff() < -1.0 || (boxes_[k][1] - p).minCoeff() < -1.0) continue;
+      const double room = -1.0 - overhang_mm_;
+      if ((p - boxes_[k][0]).minCoeff() < room || (boxes_[k][1] - p).minCoeff() < room) continue;
       const auto& t = placed_.piece->flat[k];
       const auto area = [](const Vec2& u, const Vec2& v) { return u.x() * v.y() - u.y() * v.x(); };
       const double total = area(t[1] - t[0], t[2] - t[0]);
       const Vec3 w(area(t[1] - p, t[2] - p) / total, area(t[2] - p, t[0] - p) / total,
                    area(t[0] - p, t[1] - p) / total);
-      if (w.minCoeff() > best) {
-        best = w.minCoeff();
+      const double inside = overhang_mm_ > 0.0 ? least_height_mm(t, w, total) : w.minCoeff();
+      if (inside > best) {
+        best = inside;
         best_weights = w;
         best_triangle = k;
       }
@@ -54,15 +58,27 @@ class PieceMap {
     return best_weights[0] * v[at(face[0])] + best_weights[1] * v[at(face[1])] + best_weights[2] * v[at(face[2])];
   }
 
+  // How far inside a triangle a point with these weights lies, negative outside: small triangles near the point must
+  // not lose against large ones far away.
+  static double least_height_mm(const std::array<Vec2, 3>& t, const Vec3& weights, double twice_area) {
+    double least = 1e300;
+    for (int k = 0; k < 3; ++k)
+      least = std::min(least, weights[k] * std::abs(twice_area) / (t[at((k + 2) % 3)] - t[at((k + 1) % 3)]).norm());
+    return least;
+  }
+
   const Surface& surface_;
   const TiledPiece& placed_;
+  double overhang_mm_;
   std::vector<std::array<Vec2, 2>> boxes_;
 };
 
 class Mapper {
  public:
-  Mapper(const Surface& surface, const LayoutLimits& limits) : surface_(surface), limits_(limits) {
+  Mapper(const Surface& surface, const LayoutLimits& limits, double corner_cut_mm)
+      : surface_(surface), limits_(limits), overhang_mm_(design::cut_height_mm(corner_cut_mm)) {
     layout_.method = LayoutMethod::kPieces;
+    layout_.corner_cut_mm = corner_cut_mm;
   }
 
   ModuleLayout run(const std::vector<TiledPiece>& pieces) {
@@ -74,7 +90,7 @@ class Mapper {
 
  private:
   void add_piece(const TiledPiece& placed, int piece) {
-    const PieceMap map(surface_, placed);
+    const PieceMap map(surface_, placed, overhang_mm_);
     std::map<Tile, int> index;
     for (const Tile& tile : placed.tiles) {
       PlacedModule m;
@@ -118,18 +134,20 @@ class Mapper {
       sum += layout_.modules[at(m.neighbour[at(s)])].corner_mm[at(s == c ? (t + 1) % 3 : t)];
       ++n;
     }
-    return surface_.closest(sum / n).position_mm;
+    return held_to_surface(surface_, sum / n, overhang_mm_);
   }
 
   const Surface& surface_;
   const LayoutLimits limits_;
+  const double overhang_mm_;  // of corners over the border: they are cut off
   ModuleLayout layout_;
 };
 
 }  // namespace
 
-ModuleLayout map_modules(const Surface& surface, const std::vector<TiledPiece>& pieces, const LayoutLimits& limits) {
-  return Mapper(surface, limits).run(pieces);
+ModuleLayout map_modules(const Surface& surface, const std::vector<TiledPiece>& pieces, const LayoutLimits& limits,
+                         double corner_cut_mm) {
+  return Mapper(surface, limits, corner_cut_mm).run(pieces);
 }
 
 }  // namespace triskin::geometry

@@ -6,14 +6,15 @@
 
 #include "index.hpp"
 #include "rigid.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/geometry/map_modules.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-constexpr double kNear_mm = 45.0;   // centroids farther apart than two circumradii and some height cannot touch
-constexpr double kLayer_mm = 10.0;  // modules this far apart along the normal lie on different sheets
-constexpr int kSideSamples = 60;    // every 0.5 mm, as the definition of the metrics says (docs/design_file.md)
+constexpr double kNear_mm = 45.0;     // centroids farther apart than two circumradii and some height cannot touch
+constexpr double kLayer_mm = 10.0;    // modules this far apart along the normal lie on different sheets
+constexpr double kSideStep_mm = 0.5;  // as the definition of the metrics says (docs/design_file.md)
 
 Vec3 normal_of(const std::array<Vec3, 3>& t) {
   return (t[1] - t[0]).cross(t[2] - t[0]).normalized();
@@ -26,15 +27,16 @@ double angle_between(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// Smallest overlap of the two projected triangles over the directions normal to their six sides (separating axes).
-double planar_depth(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
+// Smallest overlap of the two projected outlines over the directions normal to their sides (separating axes).
+template <std::size_t N>
+double planar_depth(const std::array<Vec2, N>& a, const std::array<Vec2, N>& b) {
   double least = std::numeric_limits<double>::infinity();
   for (const auto* t : {&a, &b}) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec2 d = ((*t)[(k + 1) % 3] - (*t)[k]).normalized();
+    for (std::size_t k = 0; k < N; ++k) {
+      const Vec2 d = ((*t)[(k + 1) % N] - (*t)[k]).normalized();
       const Vec2 n(d.y(), -d.x());
       double a_low = 1e300, a_high = -1e300, b_low = 1e300, b_high = -1e300;
-      for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t c = 0; c < N; ++c) {
         a_low = std::min(a_low, n.dot(a[c]));
         a_high = std::max(a_high, n.dot(a[c]));
         b_low = std::min(b_low, n.dot(b[c]));
@@ -72,7 +74,7 @@ void measure_joint(const std::vector<PlacedModule>& modules, PlacedModule& m, in
 
 }  // namespace
 
-double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b, double corner_cut_mm) {
   const Vec3 ca = centroid_of(a), cb = centroid_of(b);
   if ((ca - cb).norm() > kNear_mm) return 0.0;
   const Vec3 na = normal_of(a), nb = normal_of(b);
@@ -83,14 +85,23 @@ double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>
   const auto flat = [&](const std::array<Vec3, 3>& t) {
     return std::array{Vec2(x.dot(t[0]), y.dot(t[0])), Vec2(x.dot(t[1]), y.dot(t[1])), Vec2(x.dot(t[2]), y.dot(t[2]))};
   };
-  return planar_depth(flat(a), flat(b));
+  const double whole = planar_depth(flat(a), flat(b));
+  if (corner_cut_mm <= 0.0 || whole <= 0.0) return whole;
+  const auto flat_outline = [&](const std::array<Vec3, 3>& t) {
+    const design::Outline o = design::outline_of(t, corner_cut_mm);
+    std::array<Vec2, 6> points;
+    for (std::size_t k = 0; k < 6; ++k) points[k] = {x.dot(o.point[k]), y.dot(o.point[k])};
+    return points;
+  };
+  return planar_depth(flat_outline(a), flat_outline(b));
 }
 
-void measure_on_surface(const Surface& surface, PlacedModule& m) {
+void measure_on_surface(const Surface& surface, PlacedModule& m, double corner_cut_mm) {
+  const design::Outline outline = design::outline_of(m.corner_mm, corner_cut_mm);
   m.center_gap_mm = surface.closest(centroid_of(m.corner_mm)).distance_mm;
-  const SideMetrics sides = walk_sides(surface, m.corner_mm, kSideSamples);
+  const SideMetrics sides = walk_sides(surface, outline, kSideStep_mm);
   m.edge_depth_mm = sides.depth_mm;
-  m.overrun_mm = overrun_of_area(surface, m.corner_mm, sides.overrun_mm);
+  m.overrun_mm = overrun_of_area(surface, outline, sides.overrun_mm);
   m.bend_radius_mm = smallest_radius(surface, m.corner_mm);
 }
 
@@ -103,7 +114,7 @@ void measure_between(ModuleLayout& layout) {
   }
   for (std::size_t a = 0; a < modules.size(); ++a) {
     for (std::size_t b = a + 1; b < modules.size(); ++b) {
-      const double depth = penetration_depth(modules[a].corner_mm, modules[b].corner_mm);
+      const double depth = penetration_depth(modules[a].corner_mm, modules[b].corner_mm, layout.corner_cut_mm);
       modules[a].penetration_mm = std::max(modules[a].penetration_mm, depth);
       modules[b].penetration_mm = std::max(modules[b].penetration_mm, depth);
     }
@@ -111,7 +122,7 @@ void measure_between(ModuleLayout& layout) {
 }
 
 void measure(const Surface& surface, ModuleLayout& layout) {
-  for (PlacedModule& m : layout.modules) measure_on_surface(surface, m);
+  for (PlacedModule& m : layout.modules) measure_on_surface(surface, m, layout.corner_cut_mm);
   measure_between(layout);
 }
 

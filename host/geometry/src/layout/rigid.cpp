@@ -82,24 +82,42 @@ void search_over_border(const Surface& surface, const std::array<Vec3, 3>& part,
 
 }  // namespace
 
-SideMetrics walk_sides(const Surface& surface, const std::array<Vec3, 3>& corners, int samples) {
+SideMetrics walk_sides(const Surface& surface, const design::Outline& outline, double step_mm) {
   SideMetrics m;
-  for (std::size_t s = 0; s < 3; ++s) {
+  const auto corners = outline.points();
+  const std::size_t n = corners.size();
+  for (std::size_t s = 0; s < n; ++s) {
     visit(surface, corners[s], m.overrun_mm);
+    const Vec3 side = corners[(s + 1) % n] - corners[s];
+    const int samples = std::max(1, static_cast<int>(std::lround(side.norm() / step_mm)));
     for (int k = 0; k < samples; ++k) {
-      const Vec3 p = corners[s] + (corners[(s + 1) % 3] - corners[s]) * (static_cast<double>(k) / samples);
+      const Vec3 p = corners[s] + side * (static_cast<double>(k) / samples);
       const SurfacePoint c = surface.closest(p);
       m.depth_mm = std::max(m.depth_mm, (c.position_mm - p).dot(surface.normal_at(c)));
     }
   }
-  for (std::size_t s = 0; s < 3; ++s) walk_over_border(surface, corners[s], corners[(s + 1) % 3], m.overrun_mm);
+  for (std::size_t s = 0; s < n; ++s) walk_over_border(surface, corners[s], corners[(s + 1) % n], m.overrun_mm);
   return m;
 }
 
-double overrun_of_area(const Surface& surface, const std::array<Vec3, 3>& corners, double known_mm) {
-  const Vec3 c = (corners[0] + corners[1] + corners[2]) / 3.0;
-  search_over_border(surface, corners, (corners[0] - c).norm(), known_mm);
+double overrun_of_area(const Surface& surface, const design::Outline& outline, double known_mm) {
+  const auto search = [&](const std::array<Vec3, 3>& part) {
+    const Vec3 c = (part[0] + part[1] + part[2]) / 3.0;
+    double reach = 0.0;
+    for (const Vec3& p : part) reach = std::max(reach, (p - c).norm());
+    search_over_border(surface, part, reach, known_mm);
+  };
+  const auto points = outline.points();
+  for (std::size_t k = 1; k + 1 < points.size(); ++k) search({points[0], points[k], points[k + 1]});
   return known_mm;
+}
+
+Vec3 held_to_surface(const Surface& surface, const Vec3& p, double overhang_mm) {
+  const SurfacePoint foot = surface.closest(p);
+  if (overhang_mm <= 0.0 || !(surface.border_distance(foot.position_mm) <= 1e-6)) return foot.position_mm;
+  const Vec3 off = p - foot.position_mm, n = surface.normal_at(foot), over = off - off.dot(n) * n;
+  const double length = over.norm();
+  return length <= overhang_mm ? Vec3(foot.position_mm + over) : Vec3(foot.position_mm + overhang_mm / length * over);
 }
 
 }  // namespace triskin::geometry

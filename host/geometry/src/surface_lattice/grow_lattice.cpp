@@ -10,6 +10,7 @@
 
 #include "canonical.hpp"
 #include "grower.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
 #include "triskin/host/error.hpp"
@@ -71,6 +72,7 @@ class Chain {
     for (int k = 0; k < most; ++k) {
       if (k > 0 && iterations == 0 && task_.fraction(0) > kStartsShare) break;
       LatticeNet net;
+      net.corner_cut_mm = task_.options.corner_cut_mm;
       grower_.fill(net, {}, random_, static_cast<int>(task_.samples.size()) / 2);
       net.separate();
       const double value = task_.value(net);
@@ -232,6 +234,7 @@ class Chain {
 ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
   ModuleLayout layout;
   layout.method = LayoutMethod::kSurface;
+  layout.corner_cut_mm = net.corner_cut_mm;
   layout.islands = net.islands();
   std::vector<int> index(net.triangles.size(), -1);
   for (std::size_t t = 0; t < net.triangles.size(); ++t) {
@@ -272,7 +275,7 @@ ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, Lattic
     for (std::size_t k = 0; k < triangle_of.size(); ++k) {
       PlacedModule& m = layout.modules[k];
       const auto [known, is_new] = measured.try_emplace(triangle_of[k], m);
-      if (is_new) measure_on_surface(surface, known->second);
+      if (is_new) measure_on_surface(surface, known->second, layout.corner_cut_mm);
       m.center_gap_mm = known->second.center_gap_mm;
       m.edge_depth_mm = known->second.edge_depth_mm;
       m.overrun_mm = known->second.overrun_mm;
@@ -300,6 +303,8 @@ void check_options(const LayoutLimits& l, const SurfaceLatticeOptions& o) {
     if (!(cost >= 0.0 && cost <= 16.0))
       throw InputError("lattice: the cost of an island or controller and the reward of a joint must be 0 … 16 modules");
   }
+  if (!(o.corner_cut_mm >= 0.0 && o.corner_cut_mm <= design::kMostCornerCut_mm))
+    throw InputError(fmt::format("lattice: the corner cut must be 0 … {} mm", design::kMostCornerCut_mm));
   if (!(o.corner_lift_mm >= 0.0)) throw InputError("lattice: the corner lift must not be negative");
   for (const double v :
        {l.edge_error_mm, l.hinge_gap_mm, l.center_gap_mm, l.fold_rad, l.penetration_mm, l.overrun_mm}) {

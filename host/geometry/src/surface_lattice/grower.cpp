@@ -17,8 +17,9 @@ constexpr double kShort_mm = 6.0;    // an apex that the border holds back by mo
 constexpr double kReach_mm = 45.0;
 constexpr double kSurroundings_mm = 45.0;  // farther modules hardly decide whether one more fits
 
-NetTriangle loose(const Triangle& corners) {
+NetTriangle loose(const Triangle& corners, double corner_cut_mm) {
   NetTriangle t;
+  t.corner_cut_mm = corner_cut_mm;
   t.rigid = fit_rigid(corners);
   t.center = (t.rigid[0] + t.rigid[1] + t.rigid[2]) / 3.0;
   t.normal = (t.rigid[1] - t.rigid[0]).cross(t.rigid[2] - t.rigid[0]).normalized();
@@ -113,7 +114,7 @@ bool Grower::keep_or_revert(LatticeNet& net, int triangle) {
 
 // Hopeless places are found before the costly relaxing.
 bool Grower::crowded(const LatticeNet& net, const Triangle& corners, int beside) const {
-  const NetTriangle candidate = loose(corners);
+  const NetTriangle candidate = loose(corners, net.corner_cut_mm);
   for (int k = 0; k < static_cast<int>(net.triangles.size()); ++k) {
     const NetTriangle& t = net.triangles[at(k)];
     if (k == beside || t.island < 0 || (t.center - candidate.center).squaredNorm() > kReach_mm * kReach_mm) continue;

@@ -138,6 +138,7 @@ void LatticeNet::remove_triangle(int triangle) {
 
 void LatticeNet::fit(int triangle) {
   NetTriangle& t = triangles[at(triangle)];
+  t.corner_cut_mm = corner_cut_mm;
   t.rigid =
       fit_rigid({vertices[at(t.vertex[0])].point, vertices[at(t.vertex[1])].point, vertices[at(t.vertex[2])].point});
   t.center = (t.rigid[0] + t.rigid[1] + t.rigid[2]) / 3.0;

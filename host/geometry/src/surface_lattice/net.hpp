@@ -29,7 +29,8 @@ struct NetTriangle {
   std::array<int, 3> vertex{};
   Tile tile;
   int island = -1;  ///< -1: unused
-  Triangle rigid;
+  double corner_cut_mm = 0.0;
+  Triangle rigid;  ///< corners of the whole triangle
   Vec3 center = Vec3::Zero(), normal = Vec3::UnitZ();
 };
 
@@ -39,6 +40,7 @@ class LatticeNet {
  public:
   std::vector<NetVertex> vertices;
   std::vector<NetTriangle> triangles;
+  double corner_cut_mm = 0.0;  ///< of every module (design/outline.hpp); set before the first one is added
 
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] bool used(int triangle) const { return triangles[at(triangle)].island >= 0; }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "cut_overlap.hpp"
+
 namespace triskin::geometry::surface_lattice {
 namespace {
 
@@ -26,12 +28,10 @@ bool passes(const Vec3& from, const Vec3& to, const Triangle& t) {
   return true;
 }
 
-}  // namespace
-
 // Two convex outlines are apart when all of one lies beyond a side of the other, and the least motion that parts them
 // is normal to a side: only outward directions have to be tried. Nothing is normalized before it is known that they
 // overlap.
-Overlap overlap_of(const NetTriangle& a, const NetTriangle& b, int& first_axis) {
+Overlap overlap_of_triangles(const NetTriangle& a, const NetTriangle& b, int& first_axis) {
   Overlap result;
   const Vec3 between = a.center - b.center;
   if (between.squaredNorm() > kApart_mm * kApart_mm || a.normal.dot(b.normal) < kOpposite) return result;
@@ -61,12 +61,20 @@ Overlap overlap_of(const NetTriangle& a, const NetTriangle& b, int& first_axis) 
   return result;
 }
 
+}  // namespace
+
+Overlap overlap_of(const NetTriangle& a, const NetTriangle& b, int& first_axis) {
+  const Overlap whole = overlap_of_triangles(a, b, first_axis);
+  return a.corner_cut_mm > 0.0 && whole.depth_mm > 0.0 ? overlap_of_cut(a, b) : whole;
+}
+
 Overlap overlap_of(const NetTriangle& a, const NetTriangle& b) {
   int axis = 0;
   return overlap_of(a, b, axis);
 }
 
 bool pierced(const NetTriangle& a, const NetTriangle& b, double allowed_mm) {
+  if (a.corner_cut_mm > 0.0) return pierced_cut(a, b, allowed_mm);
   constexpr double kInradius_mm = kHeight_mm / 3.0;
   if ((a.center - b.center).norm() > 4.0 * kInradius_mm) return false;
   const double scale = 1.0 - allowed_mm / kInradius_mm;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "triskin/design/outline.hpp"
+
 namespace triskin::geometry::surface_lattice {
 namespace {
 
@@ -24,6 +26,7 @@ constexpr double kLongest_mm = 5.0;    // of one step
 }  // namespace
 
 bool Relaxer::relax(LatticeNet& net, int triangle, double radius_mm, int steps) {
+  overhang_mm_ = design::cut_height_mm(net.corner_cut_mm);
   choose(net, net.triangles[at(triangle)].center, radius_mm);
   find_pairs(net);
   bool hope = true;
@@ -145,19 +148,27 @@ void Relaxer::add_border(const LatticeNet& net) {
 }
 
 void Relaxer::add_side_at_border(const NetTriangle& triangle, std::size_t side) {
-  const Vec3 &a = triangle.rigid[side], &b = triangle.rigid[(side + 1) % 3];
-  for (const double x : {0.0, 0.2, 0.4, 0.6, 0.8}) {
-    const Vec3 p = a + x * (b - a);
-    if (!surface_.may_be_over_border(p)) continue;
-    const Foot foot = surface_.closest(p);
-    if (!foot.on_border) continue;
-    const Vec3 off = p - foot.point, over = off - off.dot(foot.normal) * foot.normal;
-    const double depth = over.norm();
-    if (depth < 0.15 || depth > 10.0) continue;
-    const Vec3 out = over / depth;
-    add_residual(depth - 0.15, 2.0, {triangle.vertex[side], triangle.vertex[(side + 1) % 3]},
-                 {Vec3((1 - x) * out), Vec3(x * out)});
+  if (triangle.corner_cut_mm > 0.0) {
+    const double cut = triangle.corner_cut_mm / kSide_mm;
+    for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0}) add_point_at_border(triangle, side, cut + x * (1.0 - 2.0 * cut));
+    return;
   }
+  for (const double x : {0.0, 0.2, 0.4, 0.6, 0.8}) add_point_at_border(triangle, side, x);
+}
+
+// The point at part x of a side.
+void Relaxer::add_point_at_border(const NetTriangle& triangle, std::size_t side, double x) {
+  const Vec3 &a = triangle.rigid[side], &b = triangle.rigid[(side + 1) % 3];
+  const Vec3 p = a + x * (b - a);
+  if (!surface_.may_be_over_border(p)) return;
+  const Foot foot = surface_.closest(p);
+  if (!foot.on_border) return;
+  const Vec3 off = p - foot.point, over = off - off.dot(foot.normal) * foot.normal;
+  const double depth = over.norm();
+  if (depth < 0.15 || depth > 10.0) return;
+  const Vec3 out = over / depth;
+  add_residual(depth - 0.15, 2.0, {triangle.vertex[side], triangle.vertex[(side + 1) % 3]},
+               {Vec3((1 - x) * out), Vec3(x * out)});
 }
 
 void Relaxer::solve() {
@@ -222,7 +233,8 @@ void Relaxer::move(LatticeNet& net, const Moving& moving, const Vec3& by) {
   if (!foot.on_border) return;
   const Vec3 off = wanted - foot.point, over = off - off.dot(v.normal) * v.normal;
   const double length = over.norm();
-  v.on_border = length > 1e-3;
+  v.on_border = length > overhang_mm_ + 1e-3;
+  if (overhang_mm_ > 0.0) v.point += std::min(1.0, overhang_mm_ / std::max(length, 1e-12)) * over;
   if (v.on_border) v.outward = over / length;
 }
 

@@ -46,6 +46,7 @@ class Relaxer {
   void add_pairs(const LatticeNet& net);
   void add_border(const LatticeNet& net);
   void add_side_at_border(const NetTriangle& triangle, std::size_t side);
+  void add_point_at_border(const NetTriangle& triangle, std::size_t side, double x);
   void add_residual(double value, double weight, const std::array<int, 2>& vertex, const std::array<Vec3, 2>& gradient);
   void solve();
   void move(LatticeNet& net, const Moving& moving, const Vec3& by);
@@ -54,7 +55,8 @@ class Relaxer {
 
   NearSurface& surface_;
   double lift_mm_;
-  std::vector<int> local_;  // vertex → index among the moving ones, or -1
+  double overhang_mm_ = 0.0;  // of corners over the border, which are cut off
+  std::vector<int> local_;    // vertex → index among the moving ones, or -1
   std::vector<Moving> moving_;
   std::vector<int> triangles_, near_, changed_;
   std::vector<char> is_local_;  // triangle → in triangles_

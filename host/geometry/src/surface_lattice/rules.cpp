@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "overlap.hpp"
+#include "triskin/design/outline.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {
@@ -27,6 +28,14 @@ Vec3 corner_at(const LatticeNet& net, int triangle, int vertex) {
   return t.vertex[0] == vertex ? t.rigid[0] : t.vertex[1] == vertex ? t.rigid[1] : t.rigid[2];
 }
 
+// Of a point over the whole triangle.
+bool in_cut_corner(const NetTriangle& t, const Vec3& p) {
+  constexpr double kCircumradius_mm = 2.0 * kHeight_mm / 3.0;
+  const double limit = kCircumradius_mm * design::short_side_offset_mm(t.corner_cut_mm);
+  return std::ranges::any_of(t.rigid,
+                             [&](const Vec3& corner) { return (corner - t.center).dot(p - t.center) > limit; });
+}
+
 // Seen along the module's normal, and near its plane.
 bool covers(const NetTriangle& t, const Vec3& p) {
   const Vec3 d = p - t.center;
@@ -34,7 +43,7 @@ bool covers(const NetTriangle& t, const Vec3& p) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (t.normal.cross(t.rigid[(k + 1) % 3] - t.rigid[k]).dot(p - t.rigid[k]) < 0) return false;
   }
-  return true;
+  return t.corner_cut_mm <= 0.0 || !in_cut_corner(t, p);
 }
 
 }  // namespace
@@ -111,15 +120,26 @@ bool Rules::over_border(NearSurface& surface, const LatticeNet& net, int triangl
   if (surface.border_at_least(t.center) >= kFar_mm) return false;
   for (std::size_t s = 0; s < 3; ++s) {
     // A notch under a joined side opens under a free one or is met by the probes.
-    if (net.neighbour(triangle, static_cast<int>(s)) < 0 && side_over_border(surface, t.rigid[s], t.rigid[(s + 1) % 3]))
+    const bool is_free = net.neighbour(triangle, static_cast<int>(s)) < 0;
+    if (t.corner_cut_mm > 0.0 ? cut_sides_over_border(surface, t, s, is_free)
+                              : is_free && side_over_border(surface, t.rigid[s], t.rigid[(s + 1) % 3], kSide_mm))
       return true;
   }
   return std::ranges::any_of(probes_, [&](const Vec3& p) { return covers(t, p); });
 }
 
-bool Rules::side_over_border(NearSurface& surface, const Vec3& from, const Vec3& to) const {
-  const Vec3 d = (to - from) / kSide_mm;
-  for (double x = 0.0; x <= kSide_mm;) {
+// The long side s, when it is free, and the short one at its end: a hole may lie where the cut corners of several
+// modules meet.
+bool Rules::cut_sides_over_border(NearSurface& surface, const NetTriangle& t, std::size_t s, bool is_free) const {
+  const design::Outline outline = design::outline_of(t.rigid, t.corner_cut_mm);
+  const Vec3 &from = outline.point[2 * s], &to = outline.point[2 * s + 1], &next = outline.point[(2 * s + 2) % 6];
+  return (is_free && side_over_border(surface, from, to, kSide_mm - 2.0 * t.corner_cut_mm)) ||
+         side_over_border(surface, to, next, t.corner_cut_mm);
+}
+
+bool Rules::side_over_border(NearSurface& surface, const Vec3& from, const Vec3& to, double length_mm) const {
+  const Vec3 d = (to - from) / length_mm;
+  for (double x = 0.0; x <= length_mm;) {
     const Vec3 p = from + x * d;
     const double border = surface.border_at_least(p);
     if (border < kClear_mm && surface.may_be_over_border(p)) {

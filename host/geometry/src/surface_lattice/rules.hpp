@@ -31,7 +31,9 @@ class Rules {
   [[nodiscard]] Refusal evaluate_joints(const LatticeNet& net, int triangle) const;
   [[nodiscard]] bool overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const;
   [[nodiscard]] bool over_border(NearSurface& surface, const LatticeNet& net, int triangle) const;
-  [[nodiscard]] bool side_over_border(NearSurface& surface, const Vec3& from, const Vec3& to) const;
+  [[nodiscard]] bool side_over_border(NearSurface& surface, const Vec3& from, const Vec3& to, double length_mm) const;
+  [[nodiscard]] bool cut_sides_over_border(NearSurface& surface, const NetTriangle& triangle, std::size_t side,
+                                           bool is_free) const;
 
   LayoutLimits limits_;  // with the margin taken off
   double fold_cosine_;

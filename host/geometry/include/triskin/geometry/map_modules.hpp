@@ -16,11 +16,12 @@ struct TiledPiece {
 
 /// Brings placed tiles back to the surface as rigid modules: corners through the flat triangles, then joined corners
 /// are averaged, projected and refitted (Kabsch) until they settle; modules and joints that break a limit are given up,
-/// the worst first. Islands are what stays joined. The metrics of each module are those of measure().
+/// the worst first. Islands are what stays joined. The metrics of each module are those of measure(). `corner_cut_mm`
+/// (design/outline.hpp): that of the tiles; corners that are cut off may stand over the border.
 /// Errors: none for pieces of this surface. Deterministic; thread-safe. Cost: that of measure() a round of refitting.
 /// Source: W. Kabsch, Acta Cryst. A32 (1976).
 [[nodiscard]] ModuleLayout map_modules(const Surface& surface, const std::vector<TiledPiece>& pieces,
-                                       const LayoutLimits& limits);
+                                       const LayoutLimits& limits, double corner_cut_mm = 0.0);
 
 /// Measures the layout and gives up what breaks a limit, the worst first: joints become slits, modules go (counted in
 /// layout.refused, names as in design files). Numbers the islands anew by what stays joined. Cost: measure() once, then
@@ -32,16 +33,18 @@ void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayou
 void measure(const Surface& surface, ModuleLayout& layout);
 
 /// Measures what depends on the surface alone: gap under the centre, depth, overrun (mm, to 0.02 mm below), bend
-/// radius. Sides are walked every 0.5 mm for the depth, by bisection where they leave the surface; its area is searched
-/// for border under it. Cost: ~200 closest-point queries.
-void measure_on_surface(const Surface& surface, PlacedModule& module);
+/// radius. All but gap and radius are those of the outline that the cut leaves. Sides are walked every 0.5 mm for the
+/// depth, by bisection where they leave the surface; its area is searched for border under it. Cost: ~200 closest-point
+/// queries.
+void measure_on_surface(const Surface& surface, PlacedModule& module, double corner_cut_mm = 0.0);
 
 /// Measures what depends on the other modules: edge error, hinge gap and fold of each joint, penetration. Cost: n² / 2
 /// distances.
 void measure_between(ModuleLayout& layout);
 
-/// Depth of overlap of two modules (corners in mm, counter-clockwise) in the plane of their mean normal, mm; 0 when
-/// they are apart or do not lie over each other. Separating axes; constant cost.
-[[nodiscard]] double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);
+/// Depth of overlap of two modules (corners in mm, counter-clockwise; less their corner cut) in the plane of their mean
+/// normal, mm; 0 when they are apart or do not lie over each other. Separating axes; constant cost.
+[[nodiscard]] double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b,
+                                       double corner_cut_mm = 0.0);
 
 }  // namespace triskin::geometry

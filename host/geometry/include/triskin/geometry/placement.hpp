@@ -46,6 +46,9 @@ struct PlacementOptions {
   TileShape shape = TileShape::kTriangle;
   double tolerance_mm = 1e-6;  ///< 1e-8 … 1: a tile may stand over the outline by this much
   double gap_mm = 0.0;         ///< 0 … 100: free space between facing sides of modules
+  /// 0 … design::kMostCornerCut_mm, triangles only: cut off along each side from every corner. Tiles then count when
+  /// what is left of them lies inside.
+  double corner_cut_mm = 0.0;
   double time_limit_s = 60.0;  ///< ≤ 0: none
   int threads = 0;             ///< 0: all cores; the answer does not depend on it
   std::uint64_t seed = 1;
@@ -66,6 +69,7 @@ struct PlacementProof {
   TileShape shape = TileShape::kTriangle;
   Vec2 pivot = Vec2::Zero();
   double pitch_mm = kSide_mm;
+  double corner_cut_mm = 0.0;
   std::array<double, 3> motion{};            ///< x, y, theta of the answer
   std::vector<std::array<double, 6>> cells;  ///< boxes x0, x1, y0, y1, theta0, theta1 that cover one period
 };
@@ -106,11 +110,11 @@ struct PlacementResult {
 [[nodiscard]] PlacementResult place(const Polygon& polygon, const PlacementOptions& options = {},
                                     const ProgressSink& progress = {});
 
-/// The triangles that lie in the moved polygon, holes taken into account, each allowed to stand over by `tolerance_mm`,
-/// sorted. `polygon` must be normalized (polygon_io.hpp); nothing is checked. Thread-safe. Cost: O(edges · tiles that
-/// they pass).
+/// The triangles, less `corner_cut_mm` along each side at every corner, that lie in the moved polygon, holes taken into
+/// account, each allowed to stand over by `tolerance_mm`, sorted. `polygon` must be normalized (polygon_io.hpp);
+/// nothing is checked. Thread-safe. Cost: O(edges · tiles that they pass).
 [[nodiscard]] std::vector<Tile> tiles_inside(const Polygon& polygon, const Placement& placement, double tolerance_mm,
-                                             double gap_mm = 0.0);
+                                             double gap_mm = 0.0, double corner_cut_mm = 0.0);
 
 /// The log of `triskin place --proof` as JSON text (docs/placement.md), for the polygon that was placed. It holds cells
 /// only when PlacementOptions::keep_proof was set; without them the checker rejects it. Cost: linear in the cells.

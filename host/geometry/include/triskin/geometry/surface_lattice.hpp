@@ -21,6 +21,8 @@ struct SurfaceLatticeOptions {
   double hinge_reward = 0.01;   ///< 0 … 16 modules a joint is worth
   double corner_lift_mm = 1.5;  ///< ≥ 0: how far corners may stand off a convex surface, so that the gap under the
                                 ///< centre stays in its limit
+  double corner_cut_mm = 0.0;   ///< 0 … design::kMostCornerCut_mm: cut off along each side from every corner; overlap
+                                ///< and border are then those of what is left
 };
 
 /// Value of a layout, in modules: modules − island_cost · islands − controller_cost · controllers + hinge_reward ·

@@ -14,7 +14,7 @@ std::vector<Tile> largest_component(const TileGrid& grid, const std::vector<Tile
     seen[first] = true;
     for (std::size_t k = 0; k < members.size(); ++k) {
       const auto next = neighbours(grid, tiles[members[k]]);
-      for (auto n = next.begin(); n != next.begin() + grid.corners; ++n) {
+      for (auto n = next.begin(); n != next.begin() + grid.neighbours; ++n) {
         const auto found = std::ranges::lower_bound(tiles, *n);
         if (found == tiles.end() || *found != *n) continue;
         const auto at = static_cast<std::size_t>(found - tiles.begin());

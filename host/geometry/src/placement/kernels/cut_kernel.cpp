@@ -33,7 +33,8 @@ using Bytes = std::int8_t __attribute__((vector_size(kLanes)));
   for (int k = 0; k < grid.corners; ++k) {
     const double mx = grid.normal[static_cast<std::size_t>(k)].x(), my = grid.normal[static_cast<std::size_t>(k)].y();
     const Vector a = mx * sax + my * say, b = mx * sbx + my * sby, nearer = a < b ? a : b;
-    beyond = nearer > beyond ? nearer : beyond;
+    const Vector room = nearer - grid.offset_mm[static_cast<std::size_t>(k)];
+    beyond = room > beyond ? room : beyond;
   }
   // All corners on one side of the edge's line.
   const Vector level = nx * ax + ny * ay, snx = sign * nx, sny = sign * ny;
@@ -44,8 +45,7 @@ using Bytes = std::int8_t __attribute__((vector_size(kLanes)));
     low = side < low ? side : low;
     high = side > high ? side : high;
   }
-  Vector separation = beyond - grid.inradius_mm;
-  separation = low > separation ? low : separation;
+  Vector separation = low > beyond ? low : beyond;
   separation = -high > separation ? -high : separation;
   const auto truth = __builtin_convertvector(separation < zero + inset, Bytes);
   std::memcpy(cut, &truth, sizeof truth);

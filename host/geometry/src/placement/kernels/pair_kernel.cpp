@@ -173,7 +173,7 @@ template <int J>
     Vector value[2], slope[2], size[2], inverse[2];
     for (int e = 0; e < 2; ++e) {
       const Vector ex = vector_at(in.end_x[e]), ey = vector_at(in.end_y[e]);
-      value[e] = sign * (nx * (ex - x) + ny * (ey - y)) - grid.inradius_mm;
+      value[e] = sign * (nx * (ex - x) + ny * (ey - y)) - grid.offset_mm[static_cast<std::size_t>(k)];
       slope[e] = sign * (ny * ex - nx * ey);
       bounded_size(slope[e], size[e]);
       vector_at(out.level[static_cast<std::size_t>(J + 2 * k + e)].data()) = value[e];

@@ -111,11 +111,12 @@ void SliceRaster::scan_edge(const CellFrame& f, std::size_t edge, double sign, K
   touched_.clear();
   for (int k = 0; k < grid_.corners; ++k) {
     const Vec2 m = sign * grid_.normal[static_cast<std::size_t>(k)];
-    const double spread = m.cwiseAbs().dot(half), ma = m.dot(a), mb = m.dot(b), turn_a = turn * std::abs(cross(m, a)),
+    const double spread = m.cwiseAbs().dot(half), offset_mm = grid_.offset_mm[static_cast<std::size_t>(k)],
+                 ma = m.dot(a), mb = m.dot(b), turn_a = turn * std::abs(cross(m, a)),
                  turn_b = turn * std::abs(cross(m, b));
     // Beyond the side by `touched` whatever the motion, or nowhere by `cut`.
-    touched_.push_back({-m, -(std::min(ma - turn_a, mb - turn_b) - spread - grid_.inradius_mm - touched)});
-    cut_.push_back({-m, -(std::min(ma + turn_a, mb + turn_b) + spread - grid_.inradius_mm - cut)});
+    touched_.push_back({-m, -(std::min(ma - turn_a, mb - turn_b) - spread - offset_mm - touched)});
+    cut_.push_back({-m, -(std::min(ma + turn_a, mb + turn_b) + spread - offset_mm - cut)});
   }
   double least = 1e300, most = -1e300;
   Vec2 right = Vec2::Zero(), left = right;

@@ -11,6 +11,7 @@ namespace triskin::geometry {
 struct TileGrid {
   int corners = 3;
   int kinds = 2;
+  int neighbours = 3;          ///< tiles across a side of full length
   double row_step_mm = 0.0;    ///< x step inside a row; the lattice repeats after it
   double row_height_mm = 0.0;  ///< y step from row to row
   double row_shift_mm = 0.0;   ///< x shift from row to row
@@ -18,6 +19,7 @@ struct TileGrid {
   double inradius_mm = 0.0, circumradius_mm = 0.0, area_mm2 = 0.0;
   std::array<Vec2, 2> origin;          ///< centre of tile (0, 0): [1] up, [0] down
   std::array<Vec2, 6> corner, normal;  ///< of the up tile around its centre, counter-clockwise; normals outward
+  std::array<double, 6> offset_mm{};   ///< distance of each side from the centre, none below inradius_mm
 
   [[nodiscard]] Vec2 center(const Tile& t) const {
     const Vec2& o = origin[t.up ? 1 : 0];
@@ -25,10 +27,12 @@ struct TileGrid {
   }
 };
 
-/// The tiles that share a side with `t`: as many as a tile has corners, the rest of the array is unused.
+/// The tiles that share a side with `t`: grid.neighbours of them, the rest of the array is unused.
 [[nodiscard]] std::array<Tile, 6> neighbours(const TileGrid& grid, const Tile& t);
 
-/// Modules with sides of 30 mm; `gap_mm` is the free space between facing sides.
-[[nodiscard]] TileGrid tile_grid(TileShape shape, double gap_mm);
+/// Modules with sides of 30 mm; `gap_mm` is the free space between facing sides. Triangles may have their corners cut
+/// off, `corner_cut_mm` along each side (design/outline.hpp): tiles of six corners, long sides and short ones in turn,
+/// on the places of the triangles.
+[[nodiscard]] TileGrid tile_grid(TileShape shape, double gap_mm, double corner_cut_mm = 0.0);
 
 }  // namespace triskin::geometry

@@ -11,6 +11,7 @@
 #include "placement/search/branch_and_bound.hpp"
 #include "placement/search/clearance.hpp"
 #include "placement/search/scans.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/geometry/placement.hpp"
 #include "triskin/geometry/polygon_io.hpp"
 #include "triskin/host/error.hpp"
@@ -32,6 +33,18 @@ bool is_of_paper(PlacementMethod m) {
   return m >= PlacementMethod::kR1 && m <= PlacementMethod::kR7;
 }
 
+void require_corner_cut(const PlacementOptions& o) {
+  const double cut = o.corner_cut_mm;
+  if (!(cut >= 0.0 && cut <= design::kMostCornerCut_mm)) {
+    throw InputError(fmt::format("corner cut {} mm: must be in 0 … {}; with more, taxels would lie in the cut part",
+                                 cut, design::kMostCornerCut_mm));
+  }
+  if (cut == 0.0) return;
+  if (o.shape != TileShape::kTriangle) throw InputError("corner cut: only triangles have corners that are cut");
+  if (is_of_paper(o.method))
+    throw InputError("corner cut: methods r1 … r7 place whole triangles; bnb and the scans take cut corners");
+}
+
 void require_sane(const PlacementOptions& o) {
   if (!(o.tolerance_mm >= 1e-8 && o.tolerance_mm <= 1.0)) {
     throw InputError(fmt::format("tolerance {} mm: must be in 1e-8 … 1 (the rounding pad is 1e-9)", o.tolerance_mm));
@@ -45,6 +58,7 @@ void require_sane(const PlacementOptions& o) {
     throw InputError("connected modules and weights: there is no proof file and no deficit for them");
   const bool gap_in_range = o.gap_mm >= 0.0 && o.gap_mm <= 100.0;
   if (!gap_in_range) throw InputError(fmt::format("gap {} mm: must be in 0 … 100", o.gap_mm));
+  require_corner_cut(o);
 }
 
 // One call of place().
@@ -188,9 +202,10 @@ struct Placing {
 
 }  // namespace
 
-std::vector<Tile> tiles_inside(const Polygon& polygon, const Placement& placement, double tolerance_mm, double gap_mm) {
+std::vector<Tile> tiles_inside(const Polygon& polygon, const Placement& placement, double tolerance_mm, double gap_mm,
+                               double corner_cut_mm) {
   const PreparedPolygon p = prepare(polygon);
-  const TileGrid grid = tile_grid(TileShape::kTriangle, gap_mm);
+  const TileGrid grid = tile_grid(TileShape::kTriangle, gap_mm, corner_cut_mm);
   return Evaluator(p, grid).tiles(to_motion(p, placement), -tolerance_mm);
 }
 
@@ -199,7 +214,7 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   const auto start = Clock::now();
   const Polygon normalized = normalize_polygon(input, "polygon");
   const PreparedPolygon polygon = prepare(normalized);
-  const TileGrid grid = tile_grid(options.shape, options.gap_mm);
+  const TileGrid grid = tile_grid(options.shape, options.gap_mm, options.corner_cut_mm);
   if (polygon_area(input) > kMostTiles * grid.area_mm2) {
     throw InputError(fmt::format("polygon: {:.4g} m² would take more than {:.0g} modules; are the coordinates in mm?",
                                  1e-6 * polygon_area(input), kMostTiles));
@@ -226,6 +241,7 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   result.proof.shape = options.shape;
   result.proof.pivot = polygon.first + polygon.center;
   result.proof.pitch_mm = grid.row_step_mm;
+  result.proof.corner_cut_mm = options.corner_cut_mm;
   result.proof.motion = {placing.motion.x, placing.motion.y, placing.motion.theta};
   require_exact(polygon, placing.motion, result.tiles, options.tolerance_mm, grid);
   result.seconds = std::chrono::duration<double>(Clock::now() - start).count();

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "overlap.hpp"
+
+namespace triskin::geometry::surface_lattice {
+
+/// overlap_of() for modules with cut corners, whose whole triangles overlap (else they do not either). Its corners are
+/// those of the triangles that are nearest to the points of the outlines that touch.
+[[nodiscard]] Overlap overlap_of_cut(const NetTriangle& a, const NetTriangle& b);
+
+/// pierced() for modules with cut corners.
+[[nodiscard]] bool pierced_cut(const NetTriangle& a, const NetTriangle& b, double allowed_mm);
+
+}  // namespace triskin::geometry::surface_lattice
