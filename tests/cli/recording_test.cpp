@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // record, recover, replay and live as a shell sees them.
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pty.h>
@@ -45,12 +46,12 @@ class Recordings : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   [[nodiscard]] std::string line(const std::string& arguments) const {
-    return "cd '" + folder_.string() + "' && XDG_STATE_HOME=state exec " TRISKIN_PROGRAM " " + arguments;
+    return fmt::format("cd '{}' && XDG_STATE_HOME=state exec {} {}", folder_.string(), TRISKIN_PROGRAM, arguments);
   }
   [[nodiscard]] Outcome run(const std::string& arguments) const {
     Outcome outcome;
-    const std::string command = "(" + line(arguments) + " >out 2>messages)";
-    outcome.status = WEXITSTATUS(std::system(("cd '" + folder_.string() + "' && " + command).c_str()));
+    const std::string command = line(arguments) + " >out 2>messages";
+    outcome.status = WEXITSTATUS(std::system(command.c_str()));
     outcome.out = read_file(folder_ / "out");
     outcome.messages = read_file(folder_ / "messages");
     return outcome;

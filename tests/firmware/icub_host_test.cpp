@@ -192,9 +192,11 @@ TEST_F(IcubHost, the_skin_type_chooses_the_compensation) {
   start(1, 200, 2);  // the gains of a palm are all zero
   warm(80);
   for (const int v : listen().at({1, 0}).value) EXPECT_EQ(v, 180);
-  start(7, 200, 2);
+  start(7, 200, 2);  // low bytes of results whose middle the converter's offsets have moved
+  const Triangle before = listen().at({1, 0});
+  warm(5);
   const Triangle& raw = listen().at({1, 0});
-  for (std::size_t t = 0; t < 12; ++t) EXPECT_EQ(raw.value[t], (0x8000 + chip(0).counts[t]) & 0xFF);
+  for (std::size_t t = 0; t < 12; ++t) EXPECT_EQ(raw.value[t], (before.value[t] + 5) & 0xFF);
 }
 
 TEST_F(IcubHost, new_offsets_of_the_converter_are_no_pressure) {

@@ -10,7 +10,7 @@ import path from "node:path";
 const [triskin, writeStrip, nodeModules] = process.argv.slice(2);
 let validator;
 try {
-  validator = createRequire(path.join(nodeModules, "x.js"))("gltf-validator");
+  validator = createRequire(path.resolve(nodeModules, "x.js"))("gltf-validator");
 } catch {
   console.log("left out: gltf-validator is not installed (tools/setup test installs it where npm is)");
   process.exit(77);

@@ -15,7 +15,7 @@ const MODULES = 40;
 function findPlaywright() {
   for (const folder of [nodeModules, path.join(process.cwd(), "node_modules")]) {
     try {
-      return createRequire(path.join(folder, "x.js"))("playwright-core");
+      return createRequire(path.resolve(folder, "x.js"))("playwright-core");
     } catch {
       // look in the next folder
     }
@@ -64,6 +64,17 @@ const colorAt = (page, view, module, taxel) => page.evaluate(([v, m, t]) => {
 const isHot = ([r, g, b]) => r > 200 && b < 0.8 * r;
 const isPick = ([r, g, b]) => r > 150 && g < 60 && b > 120;
 
+/** Brings a module to the middle of both views, 0.4 mm a pixel, so that a taxel is some pixels wide. */
+const bringNear = (page, module) => page.evaluate((m) => {
+  const triskin = window.triskin;
+  for (const {name, camera} of triskin.views) {
+    const shape = triskin.model[name], p = shape.corners.subarray(9 * m, 9 * m + 9);
+    camera.focus([0, 1, 2].map((x) => (p[x] + p[3 + x] + p[6 + x]) / 3), Array.from(shape.normals.subarray(3 * m, 3 * m + 3)));
+    camera.zoom(0.4 / camera.mm_per_pixel);
+  }
+  triskin.dirty = true;
+}, module);
+
 /** Clicks the centre of a module as a person would. */
 async function clickModule(page, view, module) {
   const [x, y] = await page.evaluate(([v, m]) => window.triskin.placeOf(v, m, -1), [view, module]);
@@ -87,7 +98,7 @@ const outlineAt = (page, view, module) => page.evaluate(([v, m]) => {
 }, [view, module]);
 
 async function checkSelection(page) {
-  await page.evaluate(() => ["cover", "flat"].forEach((v, k) => { window.triskin.views[k].camera.reset(); window.triskin.dirty = true; }));
+  await bringNear(page, 10);
   assert.equal(await clickModule(page, "cover", 9), 9, "a click on the cover chooses the module under it");
   assert.equal(await page.inputValue("#find"), "9");
   for (const view of ["cover", "flat"]) assert(isPick(await outlineAt(page, view, 9)), `module 9 is outlined: ${view}`);
@@ -118,13 +129,20 @@ async function live() {
   // Rest values are known after three samples of every module.
   await page.waitForFunction((n) => window.triskin.live.heard.every((h) => h) && window.triskin.health?.frames > 10 * n, MODULES);
   await page.evaluate(() => { window.triskin.setMode(1); window.triskin.shown.numbers = false; });
+  await bringNear(page, 7);
   for (const view of ["cover", "flat"]) assert(!isHot(await colorAt(page, view, 7, 3)), `taxel 3 rests: ${view}`);
   await page.evaluate(() => window.triskin.link.send({do: "press", module: 7, taxel: 3}));
   await page.waitForFunction(() => window.triskin.pressed(7).includes(3));
   for (const view of ["cover", "flat"]) {
     assert(isHot(await colorAt(page, view, 7, 3)), `the pressed taxel is lit: ${view}`);
-    assert(!isHot(await colorAt(page, view, 30, 3)), `a taxel elsewhere is not: ${view}`);
+    assert(!isHot(await colorAt(page, view, 11, 3)), `a taxel elsewhere is not: ${view}`);
   }
+  const contacts = await page.evaluate(() => { window.triskin.contactsAt = 0; window.triskin.showContacts(); return window.triskin.contacts; });
+  const place = await page.evaluate(() => Array.from(window.triskin.model.cover.taxels.slice(36 * 7 + 9, 36 * 7 + 12)));
+  assert.equal(contacts.length, 1, "one finger is one contact");
+  assert.equal(contacts[0].module, 7);
+  assert(Math.hypot(...place.map((v, x) => v - contacts[0].centre[x])) < 4, "the contact lies within a taxel's pitch of the finger");
+  assert.match(await page.textContent("#contacts"), /module 7: \d+ taxels/);
   await page.evaluate(() => window.triskin.link.send({do: "lift"}));
   await page.waitForFunction(() => window.triskin.pressed(7).length === 0);
   assert(!isHot(await colorAt(page, "flat", 7, 3)), "the lifted taxel is dark again");

@@ -36,13 +36,12 @@ void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, cons
     // Two bits an input: 11 to BIAS, 10 to the positive side, 01 to the negative. High word: CIN7 … 12, then 01 or 10
     // for single ended, positive or negative.
     const bool positive = stages.polarity == Polarity::kPositive;
-    const unsigned offset = stages.offsets[static_cast<std::size_t>(step)];
     const unsigned cleared = 1U << (2 * (step < 7 ? step : step - 7) + (positive ? 0 : 1));
     const unsigned low = step < 7 ? 0x3FFFU & ~cleared : 0x3FFFU;
     const unsigned high = step < 7 ? 0x0FFFU : 0x0FFFU & ~cleared;
     w.be16(static_cast<std::uint16_t>(low));
     w.be16(static_cast<std::uint16_t>((positive ? 0x1000U : 0x2000U) | high));
-    w.be16(static_cast<std::uint16_t>(positive ? offset << ad7147::kPositiveOffset : offset));
+    w.be16(offset_word(stages, step));
     w.be16(0x2626);  // sensitivity: data sheet's typical
     w.be16(0x2710);  // offset low
     w.be16(0x2710);  // offset high
@@ -61,6 +60,21 @@ void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, cons
   } else {
     return begin_restart(line, address);
   }
+  line.start(address, w.written(), {});
+}
+
+std::uint16_t Ad7147::offset_word(const Stages& stages, int stage) {
+  const unsigned offset = stages.offsets[static_cast<std::size_t>(stage)];
+  return static_cast<std::uint16_t>(stages.polarity == Polarity::kPositive ? offset << ad7147::kPositiveOffset
+                                                                           : offset);
+}
+
+void Ad7147::begin_offsets(I2cLine& line, std::uint8_t address, int step, const Stages& stages) {
+  if (step == 0 || step + 1 == kOffsetSteps) return begin_restart(line, address);
+  const int stage = step - 1;
+  ByteWriter w(out_);
+  w.be16(static_cast<std::uint16_t>(ad7147::kStage + stage * ad7147::kStageStride + ad7147::kOffsetInStage));
+  w.be16(offset_word(stages, stage));
   line.start(address, w.written(), {});
 }
 

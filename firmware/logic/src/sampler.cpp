@@ -158,9 +158,7 @@ void LineSampler::start(Job job) {
     case Job::kIdentifyUnconfigured:
       return chip_.begin_identify(*line_, address);
     case Job::kConfigure:
-      return chip_.begin_configure(
-          *line_, address, current().configuration_step,
-          {polarity(current().after_configuration), offsets_for(current().after_configuration)});
+      return begin_configuration(address);
     case Job::kRead:
     case Job::kProbe:
       return chip_.begin_read(*line_, address);
@@ -177,6 +175,13 @@ void LineSampler::start(Job job) {
   }
 }
 
+void LineSampler::begin_configuration(std::uint8_t address) {
+  const Station& station = current();
+  const Ad7147::Stages stages{polarity(station.after_configuration), offsets_for(station.after_configuration)};
+  if (station.offsets_only) return chip_.begin_offsets(*line_, address, station.configuration_step, stages);
+  chip_.begin_configure(*line_, address, station.configuration_step, stages);
+}
+
 // The input that the electrodes are connected to, but for the check of two chips at one address.
 Ad7147::Polarity LineSampler::polarity(Phase phase) const {
   return (phase == Phase::kOther) != positive_input_ ? Ad7147::Polarity::kPositive : Ad7147::Polarity::kNegative;
@@ -187,7 +192,8 @@ ad7147::Offsets LineSampler::offsets_for(Phase phase) {
   ad7147::Offsets offsets = current().offsets.offsets();
   if (phase != Phase::kShifted) return offsets;
   constexpr std::uint8_t kShift = 4;
-  for (std::uint8_t& o : offsets) o = static_cast<std::uint8_t>(o < kShift ? o + kShift : o - kShift);
+  for (std::uint8_t& o : std::span(offsets).first(LatchProbe::kStages))
+    o = static_cast<std::uint8_t>(o < kShift ? o + kShift : o - kShift);
   return offsets;
 }
 
@@ -333,16 +339,24 @@ void LineSampler::configure(Phase next) {
   station.phase = Phase::kConfigure;
   station.after_configuration = next;
   station.configuration_step = 0;
+  station.offsets_only = false;
   schedule_.stop(current_);
   schedule_.plan_errand(current_, 0, ReadingSchedule::kLong_us);
+}
+
+// The same, for the first stages' offsets alone.
+void LineSampler::configure_offsets(Phase next) {
+  configure(next);
+  current().offsets_only = true;
 }
 
 void LineSampler::finish_configure() {
   Station& station = current();
   if (station.phase != Phase::kConfigure) return;  // a new check was asked for meanwhile
-  const bool last = station.configuration_step + 1 == Ad7147::kConfigurationSteps;
+  const bool last = station.configuration_step + 1 == configuration_steps();
   if (last && must_repeat_start()) return;
-  if (++station.configuration_step < Ad7147::kConfigurationSteps) return;
+  if (station.offsets_only && station.configuration_step == 0) station.offsets_begun_us = line_->ended_us();
+  if (++station.configuration_step < configuration_steps()) return;
   station.phase = station.after_configuration;
   station.configuration.confirmed();
   station.frozen.restart();
@@ -350,11 +364,13 @@ void LineSampler::finish_configure() {
   if (station.phase == Phase::kFirst) plan_probe();
 }
 
-// The input has just changed: now the results show whether they change stage by stage.
+// The offsets have just changed, and no sequence has ended since the results were read: now these show whether they
+// change stage by stage.
 void LineSampler::plan_probe() {
   Station& station = current();
   station.latch.skip();
-  if (!station.latch.wanted()) return;
+  const std::uint64_t shortest_us = sequence_us() / 100 * LatchProbe::kEnd_percent;
+  if (!station.offsets_only || line_->ended_us() - station.offsets_begun_us > shortest_us) return;
   const std::uint64_t after_us = sequence_us() / 100 * LatchProbe::kBegin_percent;
   schedule_.plan_errand(current_, line_->ended_us() + after_us, ReadingSchedule::kBurst_us);
 }
@@ -383,7 +399,7 @@ void LineSampler::finish_read(std::uint64_t now_us) {
       return configure(Phase::kFirst);
     case Phase::kShifted:
       station.duplicates.store_other(results_);
-      return configure(Phase::kFirst);
+      return configure_offsets(Phase::kFirst);
     case Phase::kFirst:
       if (!finish_first_reading(now_us)) return;
       break;
@@ -403,9 +419,7 @@ void LineSampler::finish_read(std::uint64_t now_us) {
 bool LineSampler::finish_first_reading(std::uint64_t now_us) {
   Station& station = current();
   schedule_.cancel_errand(current_);
-  const bool probing = station.latch.wanted();
-  if (probing) station.latch.compare(station.duplicates.other(), results_);
-  if (station.duplicates.passed() && probing) {
+  if (station.duplicates.passed() && station.latch.wanted()) {
     finish_probing(now_us);
     return false;
   }
@@ -419,12 +433,12 @@ bool LineSampler::finish_first_reading(std::uint64_t now_us) {
   }
   switch (station.duplicates.compare(results_)) {
     case DuplicateCheck::Verdict::kSingle:
-      if (!probing) {
-        begin_run();
-        return true;
+      if (station.latch.wanted()) {
+        configure_offsets(Phase::kShifted);
+        return false;
       }
-      finish_probing(now_us);
-      return false;
+      begin_run();
+      return true;
     case DuplicateCheck::Verdict::kSuspected:
       configure(Phase::kOther);
       return false;
@@ -439,7 +453,8 @@ bool LineSampler::finish_first_reading(std::uint64_t now_us) {
 // While it was not known how the chip shows its results they may be of two sequences: they are not published.
 void LineSampler::finish_probing(std::uint64_t now_us) {
   Station& station = current();
-  if (station.latch.wanted()) return configure(Phase::kShifted);
+  station.latch.compare(station.duplicates.other(), results_);
+  if (station.latch.wanted()) return configure_offsets(Phase::kShifted);
   begin_run();
   (void)schedule_.read(current_, now_us);
   schedule_.set_latching(current_, station.latch.latching());

@@ -9,6 +9,7 @@
 #include <memory>
 #include <new>
 
+#include "did_you_mean.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/interrupt.hpp"
@@ -103,7 +104,10 @@ int main(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return program.exit(e) == 0 ? EXIT_SUCCESS : 2;
+    if (program.exit(e) == 0) return EXIT_SUCCESS;
+    if (const std::string question = triskin::cli::did_you_mean(program, argc, argv); !question.empty())
+      std::fputs((question + "\n").c_str(), stderr);
+    return 2;
   }
   for (const auto& entry : entries) {
     if (entry->app->parsed()) return run_entry(*entry);

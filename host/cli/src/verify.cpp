@@ -10,6 +10,7 @@
 
 #include "offset_lines.hpp"
 #include "triskin/cli/link_options.hpp"
+#include "triskin/cli/stream_options.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/jobs/verify_report.hpp"
@@ -87,6 +88,10 @@ int run(Options options, Output& output) {
   output.result = {{"modules_ok", r.modules_ok},    {"modules", r.modules},
                    {"touched", r.touched},          {"findings", std::move(findings)},
                    {"earlier", std::move(earlier)}, {"offsets", say_offsets(bus, design, output)}};
+  if (r.stream) {
+    add_stream_keys(*r.stream, output);
+    for (const std::string& line : sentences(*r.stream)) output.say(line);
+  }
   write_report(options.report, design, r, output.result);
   output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched,
                          r.findings.size()));

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <ranges>
 
+#include "metres.hpp"
 #include "triskin/design/export.hpp"
 #include "triskin/host/base64.hpp"
 #include "triskin/host/error.hpp"
@@ -19,7 +20,6 @@ using nlohmann::json;
 
 // Numbers of the glTF 2.0 specification.
 constexpr int kFloat = 5126, kUnsignedInt = 5125, kArrayBuffer = 34962, kElementArrayBuffer = 34963;
-constexpr double kMetres_per_mm = 1e-3;
 
 // One buffer, its views and accessors; values are little-endian on every computer.
 class Buffer {

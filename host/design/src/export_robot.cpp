@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "metres.hpp"
 #include "triskin/design/export.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::design {
 namespace {
-
-constexpr double kMetres_per_mm = 1e-3;
 
 // Text inside XML; characters that XML cannot hold become "?".
 std::string escaped(const std::string& text) {

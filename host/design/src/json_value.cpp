@@ -2,8 +2,9 @@
 #include "triskin/design/json_value.hpp"
 
 #include <set>
-#include <string_view>
 #include <vector>
+
+#include "triskin/host/json_cause.hpp"
 
 namespace triskin::design {
 namespace {
@@ -46,18 +47,6 @@ class KeysOnce {
   std::vector<std::set<std::string>> open_;
 };
 
-// What the parser says, without its own names and codes: "line 1, column 5: …".
-std::string cause_of(const nlohmann::json::parse_error& e) {
-  std::string_view what = e.what();
-  if (const auto head = what.find("at line "); head != std::string_view::npos) what.remove_prefix(head + 3);
-  if (const auto head = what.find("syntax error while parsing "); head != std::string_view::npos) {
-    const std::string place(what.substr(0, head));
-    what.remove_prefix(head + std::string_view("syntax error while parsing ").size());
-    return place + "cannot read " + std::string(what);
-  }
-  return std::string(what);
-}
-
 }  // namespace
 
 // A key that stands twice is refused: one of the two would be dropped without a word.
@@ -66,7 +55,7 @@ nlohmann::json parse_json(const std::string& text, const std::string& file) {
   try {
     return nlohmann::json::parse(text, KeysOnce(file));
   } catch (const nlohmann::json::parse_error& e) {
-    throw InputError(fmt::format("{}: is not JSON: {}", file, cause_of(e)));
+    throw InputError(fmt::format("{}: is not JSON: {}", file, json_cause(e.what())));
   } catch (const nlohmann::json::exception&) {
     throw InputError(fmt::format("{}: is not JSON: a number is out of range", file));
   }

@@ -60,8 +60,8 @@ function moduleGeometry(shape) {
   return trianglesOf(points, normals, new Float32Array(9 * n));
 }
 
-function taxelGeometry(shape, heat) {
-  const geometry = new THREE.InstancedBufferGeometry(), rim = 10, disc = [];
+function taxelGeometry(shape, heat, rim) {
+  const geometry = new THREE.InstancedBufferGeometry(), disc = [];
   for (let k = 0; k < rim; ++k) {
     const a = 2 * Math.PI * k / rim, b = 2 * Math.PI * (k + 1) / rim;
     disc.push(0, 0, 0, Math.cos(a), Math.sin(a), 0, Math.cos(b), Math.sin(b), 0);
@@ -92,21 +92,31 @@ const sinkOf = (model) => {
   return 2.5 + Math.max(0, ...model.modules.map((m) => m.metrics[row] || 0));
 };
 
-/** @param {HTMLCanvasElement} canvas @returns {any} context; null: the browser has no WebGL */
-function contextOf(canvas) {
-  const wish = {antialias: true, alpha: true};
+// Without a GPU each pixel and corner costs processor time: smooth edges and round taxels are left out there.
+function isSoftware() {
+  const probe = /** @type {any} */ (document.createElement("canvas").getContext("webgl"));
+  const names = probe && probe.getExtension("WEBGL_debug_renderer_info");
+  const renderer = names ? String(probe.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+  if (probe) probe.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(renderer);
+}
+
+/** @param {HTMLCanvasElement} canvas @param {boolean} antialias @returns {any} context; null: the browser has no WebGL */
+function contextOf(canvas, antialias) {
+  const wish = {antialias, alpha: true};
   return canvas.getContext("webgl2", wish) || canvas.getContext("webgl", wish);
 }
 
 export class GlDrawing {
   /** Throws where the browser has no WebGL. @param {HTMLCanvasElement} canvas */
   constructor(canvas, model) {
-    const context = contextOf(canvas);
+    const software = isSoftware(), context = contextOf(canvas, !software);
     if (!context) throw new Error("no WebGL");
-    this.renderer = new THREE.WebGLRenderer({canvas, context, antialias: true, alpha: true});
+    this.renderer = new THREE.WebGLRenderer({canvas, context, alpha: true});
     this.renderer.autoClear = false;
     this.renderer.setPixelRatio(window.devicePixelRatio || 1);
     this.renderer.setScissorTest(true);
+    this.rim = software ? 4 : 10;
     this.heat = new THREE.InstancedBufferAttribute(new Float32Array(TAXELS * model.count), 1);
     this.scenes = {cover: this.sceneOf(model.cover, model.data.surface, sinkOf(model)), flat: this.sceneOf(model.flat, null, 0)};
     this.camera = new THREE.Camera();
@@ -127,7 +137,7 @@ export class GlDrawing {
       parts.surface.material.uniforms.sink.value = sink;
     }
     add("modules", moduleGeometry(shape), material(SHADED, TWO_SIDED), 0.4, surface ? 1 : 0);
-    add("taxels", taxelGeometry(shape, this.heat), material(TAXEL, PLAIN), 1.0, 0);
+    add("taxels", taxelGeometry(shape, this.heat, this.rim), material(TAXEL, PLAIN), 1.0, 0);
     return {scene, parts};
   }
 

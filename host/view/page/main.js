@@ -3,12 +3,13 @@
 // Puts the page together: model, cameras, drawing, live skin, keys.
 import {CanvasDrawing} from "./canvas_drawing.js";
 import {boxOf, OrbitCamera, pick, PlaneCamera} from "./camera.js";
+import {contactsOf} from "./contacts.js";
 import {FAULT, heatOf, modesOf} from "./colors.js";
 import {GlDrawing} from "./gl_drawing.js";
 import {FIRST_FAULT, LiveLink, LiveSkin} from "./live.js";
 import {seamMarks, selectionMarks, treeMarks} from "./marks.js";
 import {Model, TAXELS} from "./model.js";
-import {byId, drawHistory, fillDesign, fillFaults, fillLegend, fillList, fillModule, pressedOf} from "./panel.js";
+import {byId, drawHistory, fillContacts, fillDesign, fillFaults, fillLegend, fillList, fillModule, pressedOf} from "./panel.js";
 
 const LOST = [0.85, 0.1, 0.1], REROUTED = [0.95, 0.6, 0.1];
 
@@ -16,6 +17,8 @@ class Page {
   link = /** @type {LiveLink | null} */ (null);
   health = /** @type {any} */ (null);
   healthAt = 0;
+  contactsAt = 0;
+  contacts = /** @type {import("./contacts.js").Contact[]} */ ([]);
   lastFrame = 0;
   fresh = false;         // a frame of the skin came since the last drawing
   faultsChanged = false;
@@ -44,7 +47,7 @@ class Page {
     fillDesign(model);
     this.resetHeat();
     if (online) this.goOnline();
-    for (const id of online ? [] : ["live-part", "fault-part", "history"]) byId(id).hidden = true;
+    for (const id of online ? [] : ["live-part", "contact-part", "fault-part", "history"]) byId(id).hidden = true;
     new ResizeObserver(() => this.resize()).observe(byId("stage"));
     this.setMode(0);
     this.resize();
@@ -232,6 +235,15 @@ class Page {
     if (this.selected >= 0) drawHistory(this.history, now);
   }
 
+  /** Contacts are listed ten times a second at most: a person reads no faster. */
+  showContacts() {
+    const now = performance.now();
+    if (now - this.contactsAt < 100) return;
+    this.contactsAt = now;
+    this.contacts = contactsOf(this.model, this.live);
+    fillContacts(this.contacts, (k) => this.select(k, true));
+  }
+
   resize() {
     const stage = byId("stage"), labels = byId("labels"), ratio = window.devicePixelRatio || 1;
     const wide = stage.clientWidth, high = stage.clientHeight, half = Math.floor(wide / 2);
@@ -251,6 +263,7 @@ class Page {
     this.drawLabels();
     if (this.lastFrame) keep(this.intervals, at - this.lastFrame);
     this.lastFrame = at;
+    if (this.fresh) this.showContacts();
     if (this.fresh) keep(this.latencies, Date.now() - this.live.newest_ms);
     this.fresh = false;
     document.documentElement.dataset.ready = "yes";
@@ -269,6 +282,7 @@ class Page {
       this.labels.restore();
     }
     this.drawRuler(this.views[1]);
+    this.drawContacts(this.views[0]);
   }
 
   // Which modules show their front unhidden changes only with the camera.
@@ -295,6 +309,20 @@ class Page {
       this.labels.strokeText(String(k), x, y);
       this.labels.fillText(String(k), x, y);
     }
+  }
+
+  // A ring around each contact on the cover, also where the body hides it: then it is dashed.
+  drawContacts({left, camera}) {
+    for (const contact of this.contacts.slice(0, 8)) {
+      const [x, y] = camera.project(contact.centre);
+      const hidden = !this.faces(camera, this.model.cover, contact.module);
+      this.labels.setLineDash(hidden ? [4, 4] : []);
+      Object.assign(this.labels, {lineWidth: 2, strokeStyle: getComputedStyle(document.documentElement).getPropertyValue("--pick")});
+      this.labels.beginPath();
+      this.labels.arc(left + x, y, Math.max(9, 8 * Math.sqrt(contact.taxels.length) / camera.mm_per_pixel / 2), 0, 2 * Math.PI);
+      this.labels.stroke();
+    }
+    this.labels.setLineDash([]);
   }
 
   faces(camera, shape, k) {

@@ -59,18 +59,31 @@ export function pressedOf(model, live, k) {
   return found;
 }
 
+/** A row that chooses a module. @param {string} text @param {() => void} act */
+function rowOf(text, act) {
+  const item = document.createElement("li"), button = document.createElement("button");
+  button.type = "button";
+  button.textContent = text;
+  button.onclick = act;
+  item.append(button);
+  return item;
+}
+
+/** @param {import("./contacts.js").Contact[]} contacts @param {(module: number) => void} choose */
+export function fillContacts(contacts, choose) {
+  const rows = contacts.slice(0, 8).map((c) => rowOf(
+    `module ${c.module}: ${c.taxels.length} taxels, ${Math.round(c.sum)} counts at ${c.centre.map((v) => v.toFixed(1)).join(", ")} mm`, () => choose(c.module)));
+  if (rows.length === 0) { rows.push(document.createElement("li")); rows[0].textContent = "none"; }
+  byId("contacts").replaceChildren(...rows);
+}
+
 /** @param {import("./live.js").LiveSkin} live @param {(module: number) => void} choose */
 export function fillFaults(live, choose) {
   const most = 200, rows = [];
   for (let k = 0; k < live.state.length && rows.length < most; ++k) {
     const text = !live.heard[k] ? "never heard" : live.state[k] >= FIRST_FAULT ? STATES[live.state[k]] || "?" : "";
     if (!text) continue;
-    const item = document.createElement("li"), button = document.createElement("button");
-    button.type = "button";
-    button.textContent = `module ${k}: ${text}`;
-    button.onclick = () => choose(k);
-    item.append(button);
-    rows.push(item);
+    rows.push(rowOf(`module ${k}: ${text}`, () => choose(k)));
   }
   if (rows.length === 0) { rows.push(document.createElement("li")); rows[0].textContent = "none"; }
   byId("faults").replaceChildren(...rows);

@@ -24,7 +24,7 @@ inline constexpr std::uint16_t kAllStages = layout::kAllTaxels;
 inline constexpr std::uint16_t kId = 0x1470, kIdMask = 0xFFF0;  ///< low nibble: revision
 inline constexpr int kStages = layout::kTaxelsPerModule;
 using Results = std::array<std::uint16_t, kStages>;
-inline constexpr std::uint16_t kStageStride = 8;
+inline constexpr std::uint16_t kStageStride = 8, kOffsetInStage = 2;
 /// In kAmbientControl; clears itself: the sequence begins anew with stage 0, the results stay.
 inline constexpr std::uint16_t kConvReset = 0x8000;
 /// Offset of each stage, in steps of 0.32 pF: what the converter takes away from the electrode's capacitance.
@@ -34,8 +34,7 @@ inline constexpr unsigned kPositiveOffset = 8;       ///< bit of the register wh
 inline constexpr std::int32_t kOffsetCounts = 1311;  ///< by which a step moves the result: 0.32 pF of 8 pF / 32768
 /// Conversion time of twelve stages (data sheet table 11), µs.
 [[nodiscard]] constexpr std::uint32_t sequence_us(wire::Decimation d) {
-  constexpr std::array<std::uint32_t, 3> kTimes{36'900, 18'400, 9'200};
-  return kTimes[static_cast<std::size_t>(d)];
+  return wire::sequence_us(d);
 }
 inline constexpr std::uint32_t kMidScale = 0x8000;
 /// A result that is at neither end of the converter's range; a chip without configuration gives 0.
@@ -69,6 +68,12 @@ class Ad7147 {
   /// Starts transfer `step`, 0 … kConfigurationSteps − 1, in this order.
   void begin_configure(I2cLine& line, std::uint8_t address, int step, const Stages& stages);
 
+  /// Writes the offsets of the first `kOffsetStages` stages alone, in `kOffsetSteps` transfers between two restarts of
+  /// the sequence: none ends meanwhile.
+  static constexpr int kOffsetStages = 5, kOffsetSteps = kOffsetStages + 2;
+  /// Starts transfer `step`, 0 … kOffsetSteps − 1, in this order.
+  void begin_offsets(I2cLine& line, std::uint8_t address, int step, const Stages& stages);
+
   /// The decimation that begin_configure writes.
   void set_decimation(wire::Decimation d) { power_ = ad7147::power_control(d); }
   /// Writes CONV_RESET: the sequence begins anew, the results stay.
@@ -92,6 +97,7 @@ class Ad7147 {
 
  private:
   void write_register(std::uint16_t reg);
+  [[nodiscard]] static std::uint16_t offset_word(const Stages& stages, int stage);
   std::uint16_t power_ = ad7147::power_control(wire::Decimation::k256);
   std::array<std::uint8_t, 2 + 2 * 8> out_{};
   std::array<std::uint8_t, 2 * ad7147::kStages> in_{};

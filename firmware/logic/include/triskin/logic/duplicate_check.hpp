@@ -31,7 +31,7 @@ class DuplicateCheck {
   void confirm() { passed_ = true; }
   /// Results of the input that is not used later, to be compared with the next ones of the other.
   void store_other(const ad7147::Results& results) { other_ = results; }
-  /// What store_other() was given.
+  /// What store_other() was given last; once the check has passed the caller may keep other results there.
   [[nodiscard]] const ad7147::Results& other() const { return other_; }
   /// Results of the input that is used, with the same offsets. Taxels at an end of their range in either reading do not
   /// count.

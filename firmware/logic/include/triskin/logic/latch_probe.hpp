@@ -8,13 +8,14 @@
 namespace triskin::fw {
 
 /// Finds out when a chip shows its results, which the data sheet leaves open: each at the end of its stage, or all at
-/// the end of the sequence. A chip whose configuration changed is read in mid-sequence: the results of the first stages
-/// are already those of the new configuration, or still those of the old one. Pure: results in, verdict out.
+/// the end of the sequence. A chip whose offsets changed between two restarts of its sequence is read in mid-sequence:
+/// the results of the first stages are already those with the new offsets, or still those with the old ones. Pure:
+/// results in, verdict out.
 class LatchProbe {
  public:
   static constexpr std::uint32_t kBegin_percent = 55;  ///< of the nominal sequence after its start: the probe may begin
   static constexpr std::uint32_t kEnd_percent = 96;    ///< the end of the sequence of the fastest oscillator
-  static constexpr int kStages = 5;                    ///< first stages, which have ended by then
+  static constexpr int kStages = Ad7147::kOffsetStages;  ///< first stages, which have ended by then
   static constexpr int kMostProbes = 3;
 
   /// Nothing is known about the chip.

@@ -96,6 +96,8 @@ class LineSampler {
     std::uint8_t address = 0;  // on the line, 0..3
     Phase phase = Phase::kFind, after_configuration = Phase::kFind;
     std::uint8_t configuration_step = 0;
+    bool offsets_only = false;           // the configuration under way
+    std::uint64_t offsets_begun_us = 0;  // the restart before the offsets
     Presence presence;
     OffsetSearch offsets;
     DuplicateCheck duplicates;
@@ -130,6 +132,11 @@ class LineSampler {
   void count_missed();
   void find(Station& station, std::uint64_t at_us);
   void configure(Phase next);
+  void configure_offsets(Phase next);
+  [[nodiscard]] int configuration_steps() {
+    return current().offsets_only ? Ad7147::kOffsetSteps : Ad7147::kConfigurationSteps;
+  }
+  void begin_configuration(std::uint8_t address);
   void give_up(wire::ModuleState state, std::uint64_t now_us);
   [[nodiscard]] Station& current() { return stations_[current_]; }
   [[nodiscard]] Ad7147::Polarity polarity(Phase phase) const;

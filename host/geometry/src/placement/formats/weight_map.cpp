@@ -9,6 +9,7 @@
 
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/host/json_cause.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -162,7 +163,7 @@ WeightMap read_weight_map(const std::filesystem::path& file) {
     throw InputError(
         fmt::format("{}: not a map of weights ({}); it needs \"step_mm\" and \"origin_mm\": [x, y], \"rows\": [[…], "
                     "…], or \"vertices\": [[x, y, weight], …], \"faces\": [[a, b, c], …]",
-                    file.string(), e.what()));
+                    file.string(), json_cause(e.what())));
   } catch (const InputError& e) {
     throw InputError(fmt::format("{}: {}", file.string(), e.what()));
   }
