@@ -93,7 +93,7 @@ class Recordings : public testing::Test {
     wait_for_text("served", "end with Ctrl-C");
     const std::string text = read_file(folder_ / "served");
     const auto at = text.find("sim:127.0.0.1:");
-    return text.substr(at, text.find_first_of(" ,\n", at) - at);
+    return text.substr(at, text.find_first_of(" ,;\n", at) - at);
   }
   fs::path folder_;
 };
