@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "support/strip_design.hpp"
-#include "triskin/scene/bus_time.hpp"
+#include "triskin/wire/bus_load.hpp"
 
 namespace triskin::scene {
 namespace {
@@ -121,10 +121,10 @@ TEST(BusTime, classic_frames_have_the_worst_case_length) {
   wire::CanFrame frame;
   frame.extended = true;
   frame.size = 8;
-  EXPECT_EQ(bits_of(frame).nominal, 118 + 29 + 13);
+  EXPECT_EQ(wire::bits_of(frame).nominal, 118 + 29 + 13);
   frame.extended = false;
-  EXPECT_EQ(bits_of(frame).nominal, 98 + 24 + 13);
-  EXPECT_EQ(bits_of(frame).data, 0);
+  EXPECT_EQ(wire::bits_of(frame).nominal, 98 + 24 + 13);
+  EXPECT_EQ(wire::bits_of(frame).data, 0);
 }
 
 }  // namespace

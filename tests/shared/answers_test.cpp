@@ -15,6 +15,7 @@
 #include "triskin/wire/offsets.hpp"
 #include "triskin/wire/sampling.hpp"
 #include "triskin/wire/statistics.hpp"
+#include "triskin/wire/stream_account.hpp"
 #include "triskin/wire/table_state.hpp"
 #include "triskin/wire/topology.hpp"
 #include "vectors/vector_file.hpp"
@@ -181,6 +182,20 @@ SelfTestResult self_test(const Vector& v) {
 StreamSetting stream(const Vector& v) {
   return {static_cast<StreamMode>(v.number("mode"))};
 }
+// number.unread.dropped.sent.waiting of each row
+StreamAccount stream_account(const Vector& v) {
+  StreamAccount a{byte(v, "starts"), v.number("time_us")};
+  for (const std::uint64_t n : test::numbers(v.one("readers"), 10))
+    a.reader.at(a.readers++) = static_cast<std::uint32_t>(n);
+  std::istringstream in(v.one("rows"));
+  std::uint32_t waiting = 0;
+  char dot = 0;
+  for (RowAccount r; in >> r.number >> dot >> r.unread >> dot >> r.dropped >> dot >> r.sent >> dot >> waiting;) {
+    r.waiting = static_cast<std::uint8_t>(waiting);
+    a.modules.at(a.count++) = r;
+  }
+  return a;
+}
 RerouteResult reroute(const Vector& v) {
   return {v.number("done") != 0};
 }
@@ -202,6 +217,7 @@ const std::map<std::string, Check> kChecks{{"session", checked<ActiveSession, se
                                            {"statistics", checked<Statistics, statistics>},
                                            {"icub", checked<icub::State, icub_state>},
                                            {"stream", checked<StreamSetting, stream>},
+                                           {"stream_account", checked<StreamAccount, stream_account>},
                                            {"line_states", checked<LineStates, line_states>},
                                            {"discovery", checked<Discovery, discovery>},
                                            {"sampling", checked<SamplingSetting, sampling>},

@@ -27,7 +27,7 @@ Application::Application(const Ports& ports)
       stream_port_(ports.can),
       route_(ports.chain),
       identifiers_({ports_, tables_, route_, lines_, samples_, published_, offsets_, stream_, sampling_, output_,
-                    sample_count_, stream_queue_, icub_},
+                    sample_count_, icub_},
                    *this) {
   restart();
 }
@@ -49,6 +49,8 @@ void Application::restart_sampling() {
   for (auto* samples : {&samples_, &published_}) {
     for (ModuleSample& s : *samples) s = ModuleSample{};
   }
+  ++starts_;
+  for (Channel& c : channels()) c.stream.restart(starts_);
   icub_triangles_.calibrate();
   route_.begin(tables_.has_table() ? &tables_.table() : nullptr);
   next_tick_us_ = now_us() + ad7147::sequence_us(sampling_.decimation);
@@ -91,6 +93,7 @@ void Application::step() {
   for (Channel& c : channels()) {
     while (const auto frame = c.port->receive()) handle_frame(c, *frame);
     (void)c.link.tick(now_us());
+    c.stream.tick(now_us());
   }
   server_.tick();
   keep_route();
@@ -118,6 +121,7 @@ void Application::reset_when_answered() {
   reset_at_us_ = UINT64_MAX;
   reset_requested_ = through_loader_ = false;
   stream_ = StreamMode::kOff;
+  for (Channel& c : channels()) c.stream = {};
   sampling_ = {};
   output_ = wire::TaxelOutput::kRaw;
   server_.restart();
@@ -129,8 +133,11 @@ std::uint64_t Application::next_event_us() const {
   std::uint64_t next =
       std::min({next_tick_us_, reset_at_us_,
                 pausing_ ? UINT64_MAX : route_.next_event_us()});  // pausing: the lines report their own ends
-  for (const Channel& c : channels()) next = std::min(next, c.link.next_event_us());
   const std::uint64_t now = now_us();
+  for (const Channel& c : channels()) {
+    if (!c.held) next = std::min(next, c.link.next_event_us());                           // else it waits for room
+    if (c.stream.next_event_us() > now) next = std::min(next, c.stream.next_event_us());  // else it waits for room
+  }
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now));
   return offset_store_.busy(offsets_) ? now : next;
 }
@@ -141,6 +148,10 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
     return;
   }
   if (handle_claim_frame(c, frame)) return;
+  if (const auto lease = wire::decode_lease(frame)) {
+    if (c.port->fd()) c.stream.renew(*lease, now_us());
+    return;
+  }
   const bool functional = frame.id == wire::kFunctionalId;
   if (!functional && frame.id != c.link.rx_id()) return;
   if (functional) {  // single frames only (ISO 15765-4)
@@ -210,11 +221,17 @@ void Application::send_pending() {
 void Application::send_stream() {
   const bool held = std::ranges::any_of(channels(), [&](const Channel& c) { return c.port == stream_port_ && c.held; });
   while (!held && !stream_queue_.empty() && stream_port_->send(stream_queue_.front())) stream_queue_.pop();
+  const std::uint64_t now = now_us();
+  for (Channel& c : channels()) {
+    while (!c.held && c.stream.due(now) && c.port->send(c.stream.front())) c.stream.pop(now);
+  }
 }
 
 bool Application::frames_wait() const {
-  const bool channel_waits = std::ranges::any_of(
-      channels(), [](const Channel& c) { return (c.held || c.claim_at < c.claim.size()) && c.port->has_room(); });
+  const std::uint64_t now = now_us();
+  const bool channel_waits = std::ranges::any_of(channels(), [&](const Channel& c) {
+    return (c.held || c.claim_at < c.claim.size() || c.stream.due(now)) && c.port->has_room();
+  });
   return channel_waits || (icub_.reply() != nullptr && ports_.can->has_room()) ||
          (!stream_queue_.empty() && stream_port_->has_room());
 }
@@ -223,7 +240,7 @@ void Application::publish(std::size_t module) {
   samples_[module].fresh = false;
   published_[module] = samples_[module];
   icub_triangles_.read(module, samples_[module]);
-  if (stream_ == StreamMode::kFull && !server_.transferring()) queue_full(table_row(module));
+  stream_full(table_row(module));
 }
 
 void Application::step_during_flash() {
@@ -276,12 +293,17 @@ void Application::tick() {
   if (stream_ == StreamMode::kIcub && !server_.transferring() && icub_.due(now_us())) queue_icub();
 }
 
-void Application::queue_full(TableRow row) {
+// Each port counts every sample, also those that nobody reads over it.
+void Application::stream_full(TableRow row) {
   const ModuleSample& s = samples_[index_of(row)];
-  const auto& value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output();
-  const std::array frames{wire::encode_full(
-      {tables_.node_address(), static_cast<std::uint8_t>(row), s.number, s.time_us, s.valid, s.state, value})};
-  (void)stream_queue_.push(frames);
+  const wire::FullTaxels sample{.node_address = tables_.node_address(),
+                                .module = static_cast<std::uint8_t>(row),
+                                .sample = s.number,
+                                .device_time_us = s.time_us,
+                                .valid = s.valid,
+                                .state = s.state,
+                                .value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output()};
+  for (Channel& c : channels()) c.stream.add(sample, rows(), server_.transferring());
 }
 
 // Every enabled triangle, also where no module is: an MTB4 board does the same, and hosts take silence for pressure.
@@ -332,7 +354,19 @@ Status Application::set_stream(StreamMode mode) {
   stream_port_ = asking_;
   stream_queue_.clear();
   stream_ = mode;
+  for (Channel& c : channels()) c.stream.hold(mode == StreamMode::kFull && c.port == asking_);
   return Status::kOk;
+}
+
+wire::StreamAccount Application::stream_account() const {
+  const auto asking = std::ranges::find(channels(), asking_, &Channel::port);
+  return asking->stream.account(rows(), now_us());
+}
+
+std::uint32_t Application::dropped_samples() const {
+  std::uint32_t dropped = stream_queue_.dropped();
+  for (const Channel& c : channels()) dropped += c.stream.dropped();
+  return dropped;
 }
 
 Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {

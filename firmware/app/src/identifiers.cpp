@@ -71,6 +71,7 @@ struct Identifiers::Table {
       Row{wire::did::kImageState, read<&Identifiers::image_state>},
       Row{wire::did::kSampling, read<&Identifiers::sampling>, write<wire::SamplingSetting, set_sampling>},
       Row{wire::did::kOffsets, read<&Identifiers::offsets>},
+      Row{wire::did::kStreamAccount, read<&Identifiers::stream_account>},
       Row{wire::did::kLiveTaxels, read<&Identifiers::live_taxels>},
       Row{wire::did::kIcub, read<&Identifiers::icub>},
   };
@@ -149,7 +150,7 @@ std::optional<wire::ModuleStates> Identifiers::module_states() const {
 }
 
 wire::Statistics Identifiers::statistics() const {
-  wire::Statistics s{parts_.sequences, 0, 0, parts_.stream_queue.dropped()};
+  wire::Statistics s{parts_.sequences, 0, 0, control_.dropped_samples()};
   for (const LineSampler& l : parts_.lines) {
     s.bus_errors += l.bus_errors();
     s.recoveries += l.recoveries();

@@ -8,7 +8,8 @@ namespace {
 
 std::atomic<bool> requested = false;
 std::atomic<int> caught = 0;
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free, "a signal handler writes it");
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+              "a signal handler writes it");
 
 }  // namespace
 

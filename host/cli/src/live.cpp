@@ -11,6 +11,7 @@
 #include "offset_lines.hpp"
 #include "rest_store.hpp"
 #include "triskin/cli/link_options.hpp"
+#include "triskin/cli/stream_options.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/jobs/live_monitor.hpp"
 #include "triskin/layout/module.hpp"
@@ -24,6 +25,7 @@ struct Options {
   std::string design;
   std::string protocol = "triskin";
   device::LinkOptions link;
+  device::StreamOptions stream;
   double seconds = 0.0;
   int press = kWalk;  // module, kNobody, or kWalk
   int taxel = -1;
@@ -93,8 +95,8 @@ class Show {
     output.result = to_json(monitor_, state());
     if (!last_pressed_.is_null()) output.result["pressed"] = last_pressed_;
     if (!note_.empty()) output.say(note_);
-    output.say(fmt::format("{} frames, {} samples lost", stream_.frames(), stream_.lost()));
-    return 0;
+    stream_.finish();
+    return conclude(stream_.report(), output);
   }
 
  private:
@@ -164,7 +166,7 @@ int run(const Options& options, Output& output) {
   nlohmann::json offsets = say_offsets(bus, design, output);
   const RestStore store(design, bus.discover());
   device::LiveMonitor monitor(design, options.tare ? device::RestValues{} : store.read());
-  device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { monitor.add(f); });
+  device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { monitor.add(f); }, speaking(options.stream));
   const int status = Show(options, design, *link, bus, stream, monitor, store).run(output);
   output.result["offsets"] = std::move(offsets);
   return status;
@@ -181,6 +183,7 @@ const Registration kLive{{
                      "triskin: full stream; icub: what MTB4 skin boards send, 8 bits a taxel")
           ->check(CLI::IsMember({"triskin", "icub"}));
       add_link_options(app, options->link);
+      add_stream_options(app, options->stream);
       app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));
       app.add_option("--press", options->press,

@@ -6,12 +6,12 @@
 #include <optional>
 
 #include "triskin/cli/link_options.hpp"
+#include "triskin/cli/stream_options.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/jobs/touch_map.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/session/stream.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -23,6 +23,7 @@ struct Options {
   std::string output;
   std::string to;
   device::LinkOptions link;
+  device::StreamOptions stream;
   double seconds = 10.0;
   double cloud_hz = 0.0;
 };
@@ -103,7 +104,7 @@ class Session {
 
  private:
   void receive(device::Bus& bus, Output& output) {
-    device::Stream stream(bus, design_, [&](const device::ModuleFrame& f) { add(f); });
+    device::Stream stream(bus, design_, [&](const device::ModuleFrame& f) { add(f); }, speaking(options_.stream));
     begin();
     const ProgressSink progress = output.progress();
     const std::uint64_t end_us = start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6);
@@ -118,7 +119,9 @@ class Session {
     } catch (const Cancelled&) {
       // A person ends it: what came until now is kept.
     }
-    lost_ = stream.lost();
+    stream.finish();
+    account_ = stream.report();
+    lost_ = account_->total.lost();
   }
 
   void begin() {
@@ -153,8 +156,11 @@ class Session {
   }
 
   int report(Output& output, const std::optional<std::string>& trouble, int status) const {
-    output.result = {{"samples", samples_}, {"lost", lost_}, {"seconds", seconds_}, {"file", file_.name()}};
-    output.say(fmt::format("{} module samples, {} lost, in {:.2f} s -> {}", samples_, lost_, seconds_, file_.name()));
+    output.result = {{"samples", samples_}, {"lost", lost_}};
+    if (account_) status = std::max(status, conclude(*account_, output));
+    output.result["seconds"] = seconds_;
+    output.result["file"] = file_.name();
+    output.say(fmt::format("{} module samples in {:.2f} s -> {}", samples_, seconds_, file_.name()));
     if (trouble) {
       output.result["ended_by"] = *trouble;
       throw DeviceError(
@@ -173,6 +179,7 @@ class Session {
   recording::Origin origin_;
   std::unique_ptr<recording::Recorder> recorder_;
   std::uint64_t start_us_ = 0, samples_ = 0, lost_ = 0;
+  std::optional<device::StreamReport> account_;
   double seconds_ = 0.0;
   bool had_contacts_ = false;
 };
@@ -196,6 +203,7 @@ const Registration kRecord{{
       app.add_option("--to", options->to, "format; default: by the extension of -o")
           ->check(CLI::IsMember({"mcap", "csv"}));
       add_link_options(app, options->link);
+      add_stream_options(app, options->stream);
       app.add_option("--seconds", options->seconds, "of the link's time")
           ->check(CLI::Range(0.0, 1e6))
           ->capture_default_str();

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "triskin/design/json_value.hpp"
+#include "triskin/design/module_graph.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/scene/scene.hpp"
 
@@ -185,8 +186,7 @@ class Reader {
     if (f.kind == FaultKind::kOpenJoint || f.kind == FaultKind::kShortedJoint || f.kind == FaultKind::kExtraJoint) {
       f.other = module(v["other"]);
       if (f.other == f.module) v["other"].fail("must be another module");
-      const bool neighbours =
-          std::ranges::count(design_.layout.modules[static_cast<std::size_t>(f.module)].neighbour, f.other) > 0;
+      const bool neighbours = std::ranges::count(design::joined_to(design_.layout, f.module), f.other) > 0;
       if (!neighbours && f.kind != FaultKind::kExtraJoint) v["other"].fail("has no joint with \"module\"");
     }
     if (has(v, "at_s")) f.from_us = time_us(v["at_s"]);

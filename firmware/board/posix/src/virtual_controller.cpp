@@ -96,7 +96,9 @@ class VirtualCan final : public fw::CanPort {
  public:
   explicit VirtualCan(const VirtualBoard& board) : board_(board) {}
   [[nodiscard]] bool fd() const override { return board_.can_fd; }
+  [[nodiscard]] bool has_room() const override { return !board_.room || board_.room(); }
   bool send(const wire::CanFrame& frame) override {
+    if (!has_room()) return false;
     board_.send(frame);
     return true;
   }
@@ -193,7 +195,7 @@ class Controller final : public VirtualController, private fw::Restart {
     if (!can_.queue.empty()) return clock_.now;
     if (dfu_) return dfu_->wants_to_reconnect() ? clock_.now : dfu_->next_event_us();
     if (loader_) return loader_end_us();
-    if (usb_->frame_waits() || wants_dfu()) return clock_.now;
+    if (usb_->frame_waits() || wants_dfu() || application_->frames_wait()) return clock_.now;
     std::uint64_t next = std::min(application_->next_event_us(), confirm_at_us_);
     for (const VirtualI2cLine& line : lines_) next = std::min(next, line.done_us());
     return next;

@@ -4,7 +4,9 @@
 #include <memory>
 
 #include "triskin/check/design_rules.hpp"
+#include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/design/design.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -23,6 +25,8 @@ int run(const std::string& path, Output& output) {
                    {"rule_names", report.rules},
                    {"limits", std::move(limits)},
                    {"violations", std::move(violations)}};
+  // A design that breaks rules may have no modules that could be counted.
+  if (report.violations.empty()) add_bus_keys(design::read_design(path).layout.modules.size(), output);
   output.say(fmt::format("{} rules checked, {} violations", report.rules.size(), report.violations.size()));
   if (report.modules == 0)
     output.say("the design has no modules: no rule can be broken, and there is nothing to deploy");

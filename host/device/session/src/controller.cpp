@@ -259,6 +259,22 @@ wire::LiveTaxels Controller::taxels() {
   return value<wire::LiveTaxels>("taxels");
 }
 
+wire::SamplingSetting Controller::sampling() {
+  return value<wire::SamplingSetting>("sampling");
+}
+
+wire::StreamAccount Controller::stream_account() {
+  try {
+    return value<wire::StreamAccount>("stream");
+  } catch (const Refused& e) {
+    if (e.code() != wire::nrc::kOutOfRange) throw;
+    throw DeviceError(
+        fmt::format("{}: controller {} cannot say how many samples it lost; update its firmware (triskin "
+                    "flash --firmware)",
+                    bus_.link().name(), node_));
+  }
+}
+
 void Controller::set_stream(wire::StreamMode mode) {
   unlock(wire::Session::kExtended);
   const auto id = wire::did::kStream;

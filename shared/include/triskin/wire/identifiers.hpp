@@ -15,8 +15,8 @@ inline constexpr std::uint16_t kActiveSession = 0xF186, kSerialNumber = 0xF18C, 
                                kHardware = 0xF191, kFirmware = 0xF195, kHello = 0xFD00, kNodeAddress = 0xFD01,
                                kActiveTable = 0xFD02, kModuleStates = 0xFD03, kStatistics = 0xFD04, kStream = 0xFD05,
                                kLineStates = 0xFD06, kTopology = 0xFD07, kRoute = 0xFD08, kImageState = 0xFD09,
-                               kSampling = 0xFD0A, kOffsets = 0xFD0B, kLiveTaxels = 0xFD10, kFreezeTime = 0xFD21,
-                               kFreezeSample = 0xFD22, kIcub = 0xFD30;
+                               kSampling = 0xFD0A, kOffsets = 0xFD0B, kStreamAccount = 0xFD0C, kLiveTaxels = 0xFD10,
+                               kFreezeTime = 0xFD21, kFreezeSample = 0xFD22, kIcub = 0xFD30;
 }  // namespace did
 
 namespace routine {
@@ -39,7 +39,7 @@ struct Identifier {
   std::string_view value;               ///< fields in order, (bytes of each); little-endian where nothing is said
 };
 
-inline constexpr std::array<Identifier, 21> kIdentifiers{{
+inline constexpr std::array<Identifier, 22> kIdentifiers{{
     {did::kActiveSession, Access::kRead, 1, 1, "identity.hpp", "session (1): 1 default, 2 programming, 3 extended"},
     {did::kSerialNumber, Access::kRead, 12, 12, "identity.hpp", "unique id (12)"},
     {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
@@ -81,6 +81,10 @@ inline constexpr std::array<Identifier, 21> kIdentifiers{{
      "the "
      "middle third; results change (1): 0 not seen yet, 1 stage by stage, 2 at the end of the sequence; taxels outside "
      "the middle third (2, a bit each), offset of each taxel in steps of 0.32 pF (12)"},
+    {did::kStreamAccount, Access::kRead, 10, 314, "stream_account.hpp",
+     "how often sampling began anew (1, modulo 256), time in µs (8), leases (1; 0 … 8), number of each reader (4), "
+     "then "
+     "per row of the table: number of the latest sample (4), samples not read (4), dropped (4), sent (4), waiting (1)"},
     {did::kLiveTaxels, Access::kRead, 12, 428, "live_taxels.hpp",
      "nominal sequences since power-up (4), time in µs (8), then per row of the table: valid taxels (2, a bit each), "
      "12 values of the converter (2 each)"},

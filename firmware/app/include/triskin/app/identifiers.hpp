@@ -8,7 +8,6 @@
 #include "triskin/logic/offset_store.hpp"
 #include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
-#include "triskin/logic/stream_queue.hpp"
 #include "triskin/logic/table_store.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/identity.hpp"
@@ -16,6 +15,7 @@
 #include "triskin/wire/live_taxels.hpp"
 #include "triskin/wire/offsets.hpp"
 #include "triskin/wire/statistics.hpp"
+#include "triskin/wire/stream_account.hpp"
 #include "triskin/wire/table_state.hpp"
 #include "triskin/wire/topology.hpp"
 
@@ -36,11 +36,10 @@ struct PatchParts {
   const Sampling& sampling;
   const wire::TaxelOutput& output;
   const std::uint32_t& sequences;  ///< nominal sequences since power-up
-  const StreamQueue& stream_queue;
   const IcubBoard& icub;
 };
 
-/// What writing an identifier sets off. Values are checked before.
+/// What writing an identifier sets off, and what the application alone knows. Values are checked before.
 class PatchControl {
  public:
   virtual ~PatchControl() = default;
@@ -51,6 +50,10 @@ class PatchControl {
   virtual Status set_stream(wire::StreamMode mode) = 0;
   /// Takes effect at once: every converter is configured anew. kOk always; the decoder has refused what cannot be set.
   virtual Status set_sampling(const wire::SamplingSetting& setting) = 0;
+  /// Account of the full stream over the port that asks.
+  [[nodiscard]] virtual wire::StreamAccount stream_account() const = 0;
+  /// Samples and iCub frames that found no room since power-up, all ports.
+  [[nodiscard]] virtual std::uint32_t dropped_samples() const = 0;
 };
 
 /// The identifiers of the controller, one row each: what reads it, what writes it. The session (F186) belongs to the
@@ -84,6 +87,7 @@ class Identifiers {
   [[nodiscard]] wire::ActiveRoute route() const;
   [[nodiscard]] std::optional<wire::ImageState> image_state() const;
   [[nodiscard]] wire::SamplingSetting sampling() const;
+  [[nodiscard]] wire::StreamAccount stream_account() const { return control_.stream_account(); }
   [[nodiscard]] wire::Offsets offsets() const;
   [[nodiscard]] wire::LiveTaxels live_taxels() const;
   [[nodiscard]] wire::icub::State icub() const { return parts_.icub.state(parts_.tables.node_address()); }

@@ -34,8 +34,7 @@ inline constexpr unsigned kPositiveOffset = 8;       ///< bit of the register wh
 inline constexpr std::int32_t kOffsetCounts = 1311;  ///< by which a step moves the result: 0.32 pF of 8 pF / 32768
 /// Conversion time of twelve stages (data sheet table 11), µs.
 [[nodiscard]] constexpr std::uint32_t sequence_us(wire::Decimation d) {
-  constexpr std::array<std::uint32_t, 3> kTimes{36'900, 18'400, 9'200};
-  return kTimes[static_cast<std::size_t>(d)];
+  return wire::sequence_us(d);
 }
 inline constexpr std::uint32_t kMidScale = 0x8000;
 /// A result that is at neither end of the converter's range; a chip without configuration gives 0.

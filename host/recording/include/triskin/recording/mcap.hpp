@@ -83,20 +83,27 @@ struct ChunkHead {
 /// Bytes that grow, with the types of the format.
 class Buffer {
  public:
+  /// Appends one byte.
   void u8(std::uint8_t v) { bytes_.push_back(v); }
+  /// Appends two bytes.
   void le16(std::uint16_t v) { little(v, 2); }
+  /// Appends four bytes.
   void le32(std::uint32_t v) { little(v, 4); }
+  /// Appends eight bytes.
   void le64(std::uint64_t v) { little(v, 8); }
-  /// As they are.
+  /// Appends bytes as they are.
   void bytes(Bytes in);
-  /// Length in 4 bytes, then the text.
+  /// Appends the length in 4 bytes, then the text. Throws nothing of its own.
   void text(std::string_view text);
-  /// Length in 4 bytes, then keys and values.
+  /// Appends the length in 4 bytes, then keys and values.
   void text_map(const TextMap& map);
-  /// A record: kind, length, contents.
+  /// Appends a record: kind, length, contents.
   void record(Kind kind, const Buffer& contents);
+  /// Drops everything.
   void clear() { bytes_.clear(); }
+  /// Bytes so far.
   [[nodiscard]] std::size_t size() const { return bytes_.size(); }
+  /// The bytes so far; valid until more is appended.
   [[nodiscard]] Bytes view() const { return bytes_; }
 
  private:
@@ -104,22 +111,31 @@ class Buffer {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// Contents of a record, without its head.
+/// Contents of the record of a schema, without its head. Throws nothing of its own.
 [[nodiscard]] Buffer encode(const Schema& schema);
+/// Contents of the record of a channel, without its head. Throws nothing of its own.
 [[nodiscard]] Buffer encode(const Channel& channel);
+/// Contents of the record of a message, without its head. Throws nothing of its own.
 [[nodiscard]] Buffer encode(const Message& message);
-[[nodiscard]] Buffer encode(const Attachment& attachment);  ///< with its CRC
+/// Contents of the record of a attachment, without its head, with its CRC. Throws nothing of its own.
+[[nodiscard]] Buffer encode(const Attachment& attachment);
+/// Contents of the record of a metadata, without its head. Throws nothing of its own.
 [[nodiscard]] Buffer encode(const Metadata& metadata);
 /// A whole chunk record without compression, of `records`, whose messages lie in start_ns … end_ns.
 [[nodiscard]] Buffer encode_chunk(std::uint64_t start_ns, std::uint64_t end_ns, const Buffer& records);
 
-/// Each reads the contents of a record; false: it is malformed, or the CRC of an attachment is wrong.
+/// Reads the contents of the record of a schema; false: it is malformed. Throws nothing of its own.
 [[nodiscard]] bool decode(Bytes contents, Schema& schema);
+/// Reads the contents of the record of a channel; false: it is malformed. Throws nothing of its own.
 [[nodiscard]] bool decode(Bytes contents, Channel& channel);
+/// Reads the contents of the record of a message; false: it is malformed. Throws nothing of its own.
 [[nodiscard]] bool decode(Bytes contents, Message& message);
+/// Reads the contents of the record of a attachment; false: it is malformed, or its CRC is wrong. Throws nothing of its
+/// own.
 [[nodiscard]] bool decode(Bytes contents, Attachment& attachment);
+/// Reads the contents of the record of a metadata; false: it is malformed. Throws nothing of its own.
 [[nodiscard]] bool decode(Bytes contents, Metadata& metadata);
-/// Reads the head of a chunk from the first bytes of its contents.
+/// Reads the head of a chunk from the first bytes of its contents; false: it is malformed. Throws nothing of its own.
 [[nodiscard]] bool decode(Bytes contents, ChunkHead& head);
 /// Bytes of a chunk's contents before its records.
 [[nodiscard]] std::size_t head_bytes(const ChunkHead& head);

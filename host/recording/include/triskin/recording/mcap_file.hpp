@@ -23,17 +23,19 @@ class Writer {
   /// Writes the header. `file` outlives the writer. Throws WriteFailed, as every function of this class.
   Writer(OutputFile& file, std::string_view profile, std::string_view library, ChunkLimits limits = {});
 
-  /// Adds a schema (1 …), or a channel of a schema with messages in CDR (1 …); returns its number.
+  /// Adds a schema; returns its number, 1 …. Throws WriteFailed.
   std::uint16_t add_schema(std::string_view name, std::string_view definition);
+  /// Adds a channel of a schema, with messages in CDR; returns its number, 1 …. Throws WriteFailed.
   std::uint16_t add_channel(std::uint16_t schema, std::string_view topic, const TextMap& metadata);
-  /// Adds a message to the chunk. `log_ns`: when it was recorded, ns since 1970.
+  /// Adds a message to the chunk. `log_ns`: when it was recorded, ns since 1970. Throws WriteFailed.
   void write(std::uint16_t channel, std::uint64_t log_ns, Bytes data);
-  /// Closes the chunk and adds a file, or a table.
+  /// Closes the chunk and adds a file. Throws WriteFailed.
   void attach(const Attachment& attachment);
+  /// Closes the chunk and adds a table. Throws WriteFailed.
   void describe(const Metadata& metadata);
-  /// Closes the chunk: what was written until now can be read from the file.
+  /// Closes the chunk: what was written until now can be read from the file. Throws WriteFailed.
   void flush();
-  /// Closes the chunk and writes the summary. Nothing can be written then.
+  /// Closes the chunk and writes the summary; nothing can be written then. Throws WriteFailed.
   void finish();
   /// Messages of the open chunk.
   [[nodiscard]] std::uint64_t waiting() const { return waiting_; }
@@ -60,11 +62,15 @@ void finish_file(OutputFile& file, std::uint32_t data_crc);
 class Visitor {
  public:
   virtual ~Visitor() = default;
+  /// A definition of messages, before the channels that use it.
   virtual void on_schema(const Schema& /*schema*/) {}
+  /// A topic, before its messages.
   virtual void on_channel(const Channel& /*channel*/) {}
-  /// The data is valid during the call only.
+  /// A message; its data is valid during the call only.
   virtual void on_message(const Message& /*message*/) {}
+  /// A file inside the file.
   virtual void on_attachment(const Attachment& /*attachment*/) {}
+  /// A table of texts.
   virtual void on_metadata(const Metadata& /*metadata*/) {}
 };
 
@@ -82,7 +88,7 @@ struct ReadReport {
 /// program does not read.
 ReadReport read_file(const ByteSource& source, const std::string& name, Visitor& visitor);
 
-/// Index records of a chunk with these records, and nothing before or behind them.
+/// Index records of a chunk with these records, one after the other. Throws nothing of its own. Cost: linear.
 [[nodiscard]] Buffer index_of(Bytes records);
 
 }  // namespace triskin::recording::mcap

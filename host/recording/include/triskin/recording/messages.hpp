@@ -35,22 +35,26 @@ struct MessageType {
 };
 extern const MessageType kRawFrameType, kLayoutType, kContactsType, kPointCloudType;
 
-/// Samples of modules of one controller that have one sample number and device times within 30 min; not empty.
+/// The raw frame of samples of one controller that have one sample number and device times within 30 min; not empty.
+/// Throws nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_raw(std::span<const ModuleSample> samples);
-/// nullopt: malformed.
+/// The samples of a raw frame; nullopt: it is malformed.
 [[nodiscard]] std::optional<std::vector<ModuleSample>> decode_raw(Bytes message);
-/// Where each taxel is, lengths in m. Cost: linear.
+/// The message that says where each taxel is, lengths in m. Throws std::out_of_range for a patch that names a module
+/// the layout lacks. Cost: linear.
 [[nodiscard]] std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint64_t stamp_ns);
-/// Taxels under pressure, lengths in m.
+/// The message of taxels under pressure, lengths in m. Throws nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns);
 
 /// All taxels of a design as sensor_msgs/msg/PointCloud2, with their latest values.
 class PointCloud {
  public:
+  /// Knows every taxel, none of them valid yet. Throws std::out_of_range as design::wiring_of.
   explicit PointCloud(const design::Design& design);
   /// Takes the values of a module.
   void add(const ModuleSample& sample);
   /// One point a taxel: x, y, z (m), normal_x, normal_y, normal_z, module, value (counts), valid (1 or 0), taxel.
+  /// Throws nothing of its own.
   [[nodiscard]] std::vector<std::uint8_t> encode(std::uint64_t stamp_ns) const;
 
  private:
