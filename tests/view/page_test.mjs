@@ -127,7 +127,8 @@ async function live() {
   const origin = new URL(printed.trim()).origin;
   const {page, wrong} = await open(browser, printed.trim(), (url) => url.startsWith(origin));
   // Rest values are known after three samples of every module.
-  await page.waitForFunction((n) => window.triskin.live.heard.every((h) => h) && window.triskin.health?.frames > 10 * n, MODULES);
+  await page.waitForFunction((n) => window.triskin.live.heard.every((h) => h) && window.triskin.health?.frames > 10 * n, MODULES)
+    .catch(async (e) => { throw new Error(`${e.message}; ${await page.evaluate(() => JSON.stringify(window.triskin.health))}; ${wrong}`); });
   await page.evaluate(() => { window.triskin.setMode(1); window.triskin.shown.numbers = false; });
   await bringNear(page, 7);
   for (const view of ["cover", "flat"]) assert(!isHot(await colorAt(page, view, 7, 3)), `taxel 3 rests: ${view}`);
