@@ -107,6 +107,7 @@ void check_report(const CheckedDesign& d, Findings& f) {
 DesignReport check_design(const std::filesystem::path& path) {
   const CheckedDesign design = read_checked_design(path);
   DesignReport report;
+  report.corner_cut_mm = design.corner_cut;
   Findings findings(report);
   check_limits(design.limits, report, findings);
   check_modules(design, findings);

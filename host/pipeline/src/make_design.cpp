@@ -9,6 +9,7 @@
 
 #include "triskin/design/module_list.hpp"
 #include "triskin/design/outline.hpp"
+#include "triskin/geometry/bend_seams.hpp"
 #include "triskin/geometry/extract.hpp"
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/polygon_io.hpp"
@@ -87,7 +88,10 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   design.surface = geometry::extract(file.mesh, progress).surface;
   geometry::require_no_self_intersection(design.surface, mesh.string());
   const geometry::Surface surface(design.surface);
-  const geometry::Net net = geometry::unfold(surface, {.edge_error_mm = options.limits.edge_error_mm}, progress);
+  geometry::UnfoldingOptions unfolding;
+  unfolding.edge_error_mm = options.limits.edge_error_mm;
+  if (options.bend_radius_mm > 0.0) unfolding.seams = geometry::seams_along_bends(surface, options.bend_radius_mm);
+  const geometry::Net net = geometry::unfold(surface, unfolding, progress);
   const auto placed = place_pieces(design, net, options, start, progress);
   report(progress, "mapping to the surface", -1.0);
   design.layout = geometry::map_modules(surface, placed, options.limits, options.corner_cut_mm);

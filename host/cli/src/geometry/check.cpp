@@ -22,6 +22,10 @@ int run(const std::string& path, Output& output) {
                    {"rule_names", report.rules},
                    {"limits", std::move(limits)},
                    {"violations", std::move(violations)}};
+  if (report.corner_cut_mm > 0.0) {
+    output.result["corner_cut_mm"] = report.corner_cut_mm;
+    output.say(fmt::format("modules measured with corners cut by {:g} mm", report.corner_cut_mm));
+  }
   output.say(fmt::format("{} rules checked, {} violations", report.rules.size(), report.violations.size()));
   return report.violations.empty() ? 0 : 1;
 }

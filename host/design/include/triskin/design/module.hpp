@@ -53,10 +53,10 @@ inline constexpr NameTable kLayoutMethodNames{std::array<std::pair<LayoutMethod,
 struct ModuleLayout {
   std::vector<PlacedModule> modules;
   int islands = 0;
-  double corner_cut_mm = 0.0;  ///< of every module (outline.hpp); corner_mm stay those of the whole triangle
   LayoutMethod method = LayoutMethod::kPieces;
   /// Modules that were refused, per limit that refused them (name → count), for the report.
   std::vector<std::pair<std::string, int>> refused;
+  double corner_cut_mm = 0.0;  ///< of every module (outline.hpp); corner_mm stay those of the whole triangle
 };
 
 }  // namespace triskin::design
