@@ -15,6 +15,8 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   # CGAL 5.5 has templates that nobody instantiates and that name a member that is not there (boost/graph/iterator.h); clang 19 looks at once.
   target_compile_options(triskin_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-fdelayed-template-parsing>
                          $<$<COMPILE_LANGUAGE:CXX>:-Wno-delayed-template-parsing-in-cxx20>)
+  # Delayed bodies of libstdc++'s <algorithm> do not come back whole from a precompiled header (__is_signed is read as a keyword).
+  set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()
 if(TRISKIN_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)

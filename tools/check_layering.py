@@ -36,21 +36,24 @@ PARTS = [
     Part("host/pipeline", "pipeline", "host design geometry", HOST_BASE, "triskin_pipeline"),
     Part("host/check", "check", "host", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
     Part("host/scene", "scene", "host design base wire layout sim", HOST_BASE, "triskin_scene"),
+    Part("host/recording", "recording", "host design base wire layout", HOST_BASE, "triskin_recording"),
     Part("host/device/link", "link", "host base wire layout", "fmt libusb hidapi", "triskin_link"),
     Part("host/device/session", "session", "host design base wire layout link", HOST_BASE + " boost_fiber",
          "triskin_session"),
     Part("host/device/jobs", "jobs", "host design base wire layout link session", HOST_BASE, "triskin_jobs"),
     Part("host/simlink", "simlink", "host design base wire layout sim scene link", HOST_BASE, "triskin_simlink"),
+    Part("host/view", "view", "host design base wire layout", HOST_BASE + " boost_beast", "triskin_view"),
     Part("host/cli/src/geometry", "",
-         "cli host design geometry pipeline check base wire layout sim scene link session jobs simlink",
+         "cli host design geometry pipeline check base wire layout sim scene recording link session jobs simlink view",
          HOST_BASE + " CLI"),
-    Part("host/cli", "cli", "host design base wire layout sim scene link session jobs simlink", HOST_BASE + " CLI",
+    Part("host/cli", "cli", "host design base wire layout sim scene recording link session jobs simlink view", HOST_BASE + " CLI",
          "triskin"),
     Part("tools/machine", "machine", "host base wire layout sim", "fmt unicorn", "triskin_machine"),
 ]
 # Include paths of libraries that only the parts that name them may include.
 FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "fmt": r"^fmt/", "tbb": r"^(tbb|oneapi)/",
-           "assimp": r"^assimp/", "boost": r"^boost/(?!fiber/)", "boost_fiber": r"^boost/fiber/", "CLI": r"^CLI/",
+           "assimp": r"^assimp/", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
+           "boost_beast": r"^boost/(beast|asio)/", "CLI": r"^CLI/",
            "Cbc": r"^(Cbc|Coin|Osi|Cgl|Clp)", "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
            "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).

@@ -42,7 +42,7 @@ TEST_P(Wires, unplugged_after_any_frame_of_a_flash_then_plugged_in_and_repeated)
     Bus bus(wire);
     bool completed = true;
     try {
-      (void)flash(bus, fixture.design());
+      (void)flash(bus, fixture.design(), taking_over());
     } catch (const DeviceError& e) {
       completed = false;
       ++failed;
@@ -51,7 +51,7 @@ TEST_P(Wires, unplugged_after_any_frame_of_a_flash_then_plugged_in_and_repeated)
     const auto now = active(fixture, new_image.size());
     ASSERT_TRUE(now == old_image || now == new_image) << "frame " << n;
     wire.frames_left.reset();
-    (void)flash(bus, fixture.design());
+    (void)flash(bus, fixture.design(), taking_over());
     ASSERT_EQ(active(fixture, new_image.size()), new_image) << "frame " << n;
     if (completed) break;
   }
@@ -72,7 +72,7 @@ TEST_P(Wires, frames_lost_doubled_reordered_and_delayed) {
     std::string trail;
     for (int attempt = 0; attempt < 30 && !completed; ++attempt) {
       try {
-        completed = flash(bus, fixture.design()).patches.size() == 1;
+        completed = flash(bus, fixture.design(), taking_over()).patches.size() == 1;
       } catch (const DeviceError& e) {
         ++failed;
         EXPECT_GT(std::string(e.what()).size(), 30U) << e.what();
@@ -104,7 +104,7 @@ TEST_P(Wires, another_tester_asks_in_between) {
   bool completed = false;
   for (int attempt = 0; attempt < 20 && !completed; ++attempt) {
     try {
-      completed = flash(bus, fixture.design()).patches.size() == 1;
+      completed = flash(bus, fixture.design(), taking_over()).patches.size() == 1;
     } catch (const DeviceError&) {
     }
   }

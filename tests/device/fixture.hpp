@@ -15,6 +15,13 @@ namespace triskin::device {
 
 using test::strip;
 
+/// Tests that begin with the table of another design.
+inline FlashOptions taking_over() {
+  FlashOptions options;
+  options.take_over = true;
+  return options;
+}
+
 /// A simulated strip on an in-process link; `restart` power-cycles everything with other faults and the same flash
 /// files.
 class Fixture {
@@ -29,7 +36,7 @@ class Fixture {
   [[nodiscard]] const design::Design& design() const { return link_->skin().scene().design; }
   [[nodiscard]] Bus& bus() { return *bus_; }
   [[nodiscard]] scene::VirtualSkin& skin() { return link_->skin(); }
-  FlashResult flash(const FlashOptions& options = {}) { return device::flash(*bus_, design(), options); }
+  FlashResult flash(const FlashOptions& options = taking_over()) { return device::flash(*bus_, design(), options); }
   VerifyResult verify(bool touch = true) {
     VerifyOptions options;
     options.touch = touch;

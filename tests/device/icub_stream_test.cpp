@@ -17,7 +17,9 @@ TEST(IcubStream, reads_our_controllers_as_skin_boards) {
   std::map<std::pair<int, int>, wire::IcubTaxels> rest, pressed;
   auto* to = &rest;
   {
-    IcubStream stream(fixture.bus(), [&](const wire::IcubTaxels& t) { (*to)[{t.board, t.module}] = t; });
+    IcubStream stream(fixture.bus(), [&](const wire::IcubTaxels& t) {
+      if (!t.not_connected) (*to)[{t.board, t.module}] = t;
+    });
     ASSERT_EQ(stream.boards().size(), 2U);
     EXPECT_EQ(stream.boards()[1].address, 2);
     stream.run_until(fixture.bus().now_us() + 400'000);
@@ -26,7 +28,7 @@ TEST(IcubStream, reads_our_controllers_as_skin_boards) {
     (void)fixture.skin().press_module(17);  // board 2, triangle 1
     stream.run_until(fixture.bus().now_us() + 400'000);
     EXPECT_EQ(stream.lost(), 0U);
-    EXPECT_GE(stream.frames(), 20U * 12);
+    EXPECT_GE(stream.frames(), 32U * 12);  // also places without a module
   }
   int changed = 0;
   for (std::size_t t = 0; t < 12; ++t) changed += (pressed[{2, 1}].value[t] != rest[{2, 1}].value[t]) ? 1 : 0;
@@ -90,7 +92,7 @@ TEST(IcubStream, reads_a_board_that_is_not_ours) {
   EXPECT_EQ(got[0].value, (std::array<std::uint8_t, 12>{240, 239, 238, 237, 236, 235, 234, 100, 101, 102, 103, 104}));
   // Discovery, board, triangles, start; stopped at the end.
   ASSERT_EQ(board.sent.size(), 5U);
-  EXPECT_EQ(board.sent[1], Mtb4::frame(0x203, {0x4D, 1, 50, 245}));
+  EXPECT_EQ(board.sent[1], Mtb4::frame(0x203, {0x4D, 0, 50, 245}));
   EXPECT_EQ(board.sent[2], Mtb4::frame(0x203, {0x50, 0, 15, 6, 1, 0, 0x22}));
   EXPECT_EQ(board.sent[4], Mtb4::frame(0x203, {0x07, 1}));
 }

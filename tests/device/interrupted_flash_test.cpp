@@ -38,7 +38,7 @@ TEST(Cancelled, at_any_frame_every_controller_has_its_old_or_its_new_table_and_t
     Bus bus(wire);
     std::string said;
     try {
-      (void)flash(bus, fixture.design());
+      (void)flash(bus, fixture.design(), taking_over());
     } catch (const Cancelled& e) {
       said = e.what();
     }

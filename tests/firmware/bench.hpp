@@ -143,7 +143,7 @@ inline void place_six(Bench& bench) {
     ChipDouble chip;
     chip.address = layout::cdc_address(k % 2);
     for (int t = 0; t < layout::kTaxelsPerModule; ++t)
-      chip.counts[static_cast<std::size_t>(t)] = -8000 + 97 * k + 31 * t;
+      chip.counts[static_cast<std::size_t>(t)] = 8000 + 97 * k + 31 * t;
     bench.lines[static_cast<std::size_t>(k / 2)].chips.push_back(chip);
   }
 }

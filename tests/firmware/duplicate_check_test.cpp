@@ -15,7 +15,7 @@ ad7147::Results all(std::uint16_t value) {
 }
 
 Verdict compare(DuplicateCheck& check, std::uint16_t positive, std::uint16_t negative) {
-  check.store_positive(all(positive));
+  check.store_other(all(positive));
   return check.compare(all(negative));
 }
 
@@ -53,7 +53,7 @@ TEST(DuplicateCheck, SuspectsAboveAMeanOf32Counts) {
 TEST(DuplicateCheck, TheMeanOfAllTaxelsCounts) {
   DuplicateCheck check;
   ad7147::Results negative = all(0x7000);
-  check.store_positive(all(0x9000));
+  check.store_other(all(0x9000));
   negative[3] = 0x7000 - 384;
   EXPECT_EQ(check.compare(negative), Verdict::kSingle);
   negative[3] = 0x7000 - 385;
@@ -66,11 +66,11 @@ TEST(DuplicateCheck, TaxelsAtTheEndOfTheirRangeDoNotCount) {
   DuplicateCheck check;
   ad7147::Results positive = all(0x9000), negative = all(0x7000);
   negative[3] = 0;
-  check.store_positive(positive);
+  check.store_other(positive);
   EXPECT_EQ(check.compare(negative), Verdict::kSingle);
   positive[3] = 0;
   negative[3] = 0x1000;
-  check.store_positive(positive);
+  check.store_other(positive);
   EXPECT_EQ(check.compare(negative), Verdict::kSingle);
   EXPECT_EQ(compare(check, 0xFFFF, 0), Verdict::kSingle);  // nothing to compare
 }

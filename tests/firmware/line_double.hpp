@@ -12,13 +12,13 @@ namespace triskin::test {
 
 /// An AD7147 as far as the data sheet binds the firmware: registers, device id, results of the connected inputs.
 /// Written for these tests alone, apart from the chips of host/scene. Stage after stage ends; a sequence takes 36.9 ms
-/// from the writing of power control.
+/// from the writing of CONV_RESET.
 struct ChipDouble {
   static constexpr std::uint64_t kSequence_us = 36'900;
   std::uint8_t address = 0x2C;
   std::uint16_t device_id = 0x1470;
   bool powered = true;
-  std::array<int, 12> counts{};  ///< at the positive input, above mid scale
+  std::array<int, 12> counts{};  ///< capacitance of each electrode, 8 pF / 32768
   int noise = 3;                 ///< amplitude of a change from sequence to sequence
   std::uint16_t frozen = 0;      ///< bit t: no noise at input t
   std::map<std::uint16_t, std::uint16_t> registers;
@@ -34,15 +34,26 @@ struct ChipDouble {
     return registers[reg];
   }
   void write(std::uint16_t reg, std::uint16_t value, std::uint64_t now_us) {
+    if (reg >= 0x080 && registers[reg] != value) hold(now_us);
     registers[reg] = value;
-    if (reg != 0) return;
+    if (reg == 0) ++configurations;
+    if (reg != 0x002 || (value & 0x8000) == 0) return;
+    registers[reg] = value & 0x7FFF;
+    hold(now_us);
     started_us = status_us_ = now_us;
-    ++configurations;
   }
 
  private:
   std::uint64_t status_us_ = 0;
+  std::array<std::uint16_t, 12> held_{};  // results until a stage ends anew
+  std::uint64_t held_us_ = 0;
 
+  void hold(std::uint64_t now_us) {
+    std::array<std::uint16_t, 12> shown{};
+    for (int s = 0; s < 12; ++s) shown[static_cast<std::size_t>(s)] = result(s, now_us);
+    held_ = shown;
+    held_us_ = now_us;
+  }
   // How often a stage has ended since the start; the status tells of those since it was read.
   [[nodiscard]] std::uint64_t ends(unsigned stage, std::uint64_t at_us) const {
     return (at_us - started_us + kSequence_us * (11 - stage) / 12) / kSequence_us;
@@ -55,8 +66,10 @@ struct ChipDouble {
     return static_cast<std::uint16_t>(bits);
   }
   std::uint16_t result(int stage, std::uint64_t now_us) {
-    const auto sequence = registers[0] == 0x00B0 ? ends(static_cast<unsigned>(stage), now_us) : 0;
-    if (sequence == 0) return 0;
+    if (registers[0] != 0x00B0) return 0;
+    const auto sequence = ends(static_cast<unsigned>(stage), now_us);
+    if (sequence == ends(static_cast<unsigned>(stage), std::max(held_us_, started_us)))
+      return held_[static_cast<std::size_t>(stage)];
     const auto base = static_cast<std::uint16_t>(0x080 + 8 * stage);
     const unsigned both = registers[base] | static_cast<unsigned>(registers[static_cast<std::uint16_t>(base + 1)])
                                                 << 14;
@@ -65,7 +78,9 @@ struct ChipDouble {
     const int wobble = (frozen >> stage & 1) != 0
                            ? 0
                            : static_cast<int>((sequence * 7 + static_cast<unsigned>(stage) * 5) % 11) * noise / 10;
-    const int value = 0x8000 + (connection == 2 ? 1 : -1) * (counts[static_cast<std::size_t>(stage)] + wobble);
+    const unsigned afe = registers[static_cast<std::uint16_t>(base + 2)];  // steps of 0.32 pF: low byte negative input
+    const auto offset = static_cast<int>(std::lround((connection == 2 ? afe >> 8 & 0x3F : afe & 0x3F) * 0.32 * 4096));
+    const int value = 0x8000 + (connection == 2 ? 1 : -1) * (counts[static_cast<std::size_t>(stage)] - offset + wobble);
     return static_cast<std::uint16_t>(std::min(0xFFFF, std::max(0, value)));
   }
 };

@@ -338,5 +338,17 @@ TEST(ReadingSchedule, SamplesEachSequenceOfAChipThatIsAlone) {
   EXPECT_EQ(line.restarts, 0);
 }
 
+// A burst of 640 µs may begin until the window closes; one that was slowed down ends later.
+TEST(ReadingSchedule, ABurstThatEndedTooLateIsNotInTime) {
+  ReadingSchedule schedule;
+  schedule.begin(1, 9'200, 1);
+  schedule.start(0, 1'000'000);
+  SequenceClock clock;
+  clock.start(1'000'000, 9'200);
+  EXPECT_TRUE(schedule.in_time(0, clock.last_start_us() + 640, 640));
+  EXPECT_TRUE(schedule.in_time(0, clock.last_start_us() + 640 + 20, 640));
+  EXPECT_FALSE(schedule.in_time(0, clock.last_start_us() + 640 + 21, 640));
+}
+
 }  // namespace
 }  // namespace triskin::fw

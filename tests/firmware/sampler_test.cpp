@@ -38,7 +38,7 @@ TEST_F(Faults, NoneOnAHealthySkin) {
   start();
   expect_all_ok_but({}, ModuleState::kOk);
   EXPECT_EQ(statistic(1), 0U);           // bus errors
-  EXPECT_EQ(chip(0).configurations, 2);  // mirrored once, then for good
+  EXPECT_EQ(chip(0).configurations, 3);  // offsets, then mirrored once, then for good
   const Message dtcs = bench.ask({0x19, 0x02, 0xFF});
   EXPECT_EQ(dtcs, (Message{0x59, 0x02, 0x09}));  // and none was seen on the way
 }
@@ -50,7 +50,11 @@ TEST_F(Faults, FirstReadingsAreReal) {
   ByteReader r(Bytes(live).subspan(3 + 12));
   for (int k = 0; k < 6; ++k) {
     EXPECT_EQ(r.le16(), 0x0FFF) << k;
-    for (int t = 0; t < 12; ++t) EXPECT_NEAR(r.le16(), 0x8000 + 8000 - 97 * k - 31 * t, 4);
+    for (int t = 0; t < 12; ++t) {
+      const double counts = r.le16() - 0x8000, steps = (counts + 8000 + 97 * k + 31 * t) / (0.32 * 4096);
+      EXPECT_LE(std::abs(counts), 0.32 * 4096);  // an offset takes the electrode away
+      EXPECT_NEAR(steps, std::round(steps), 4 / (0.32 * 4096));
+    }
   }
 }
 
@@ -114,7 +118,7 @@ TEST_F(Faults, AFingerDuringTheCheckIsNoSecondChip) {
 }
 
 TEST_F(Faults, SaturatedTaxel) {
-  chip(0).counts[11] = 40'000;
+  chip(0).counts[11] = 140'000;  // 34 pF: no offset reaches it
   start();
   expect_all_ok_but({0}, ModuleState::kSaturated);
   const Message live = bench.ask({0x22, 0xFD, 0x10});

@@ -139,5 +139,17 @@ TEST(SequenceClock, WindowOfABurstLiesBetweenTheStages) {
   EXPECT_NEAR(static_cast<double>(clock.doubt_us()), 9'225 - 8'807, 1.0);
 }
 
+// By hand, the same start: after the latest end, and before the earliest next one, 8,832 µs after the earliest end.
+TEST(SequenceClock, ResultsThatChangeAtTheEndAreReadBetweenTwoEnds) {
+  for (const wire::Latching latching : {wire::Latching::kEndOfSequence, wire::Latching::kUnknown}) {
+    SequenceClock clock;
+    clock.start(1'000'000, 9'200, latching);
+    EXPECT_NEAR(static_cast<double>(clock.read_us()), 1'009'593 + 25 - 135, 1.0);
+    EXPECT_NEAR(static_cast<double>(clock.last_start_us()), 1'008'807 + 8'832 - 585 - 25, 1.0);
+    clock.set_latching(wire::Latching::kEachStage);
+    EXPECT_NEAR(static_cast<double>(clock.read_us()), 1'009'593 + 25 - 585, 1.0);
+  }
+}
+
 }  // namespace
 }  // namespace triskin::fw

@@ -155,7 +155,8 @@ TEST(NodeAddress, IsKeptOverManyChangesAndPowerCuts) {
   EXPECT_EQ(store.set_node_address(127), Status::kOutOfRange);
   std::uint8_t old = 1;
   for (int change = 0; change < 700; ++change) {  // fills both pages
-    const auto wanted = static_cast<std::uint8_t>(layout::kFirstNode + (change * 37 + 1) % layout::kMaxNodes);
+    const auto wanted =
+        static_cast<std::uint8_t>(layout::kFirstNode + static_cast<std::size_t>(change * 37 + 1) % layout::kMaxNodes);
     if (change % 3 == 0) flash.cut_after(change % 2, change % 5 == 0 ? Tear::kHalf : Tear::kNothing);
     try {
       ASSERT_EQ(store.set_node_address(wanted), Status::kOk);

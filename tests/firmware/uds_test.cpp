@@ -155,16 +155,16 @@ TEST(Stream, IcubFramesFallWithPressure) {
   bench.run(1'000'000);
   bench.unlock();
   ASSERT_EQ(bench.ask({0x2E, 0xFD, 0x05, 0x01}).at(0), 0x6E);
-  bench.lines[1].chips[0].counts[7] += 6400;  // module 2
+  bench.lines[1].chips[0].counts[7] += 400;  // module 2
   bench.run(200'000);
   bench.stream.clear();
   bench.run(60'000);
-  ASSERT_GE(bench.stream.size(), 12U);
-  const auto t = wire::decode_icub(bench.stream[4], bench.stream[5]);
+  ASSERT_GE(bench.stream.size(), 32U);
+  const auto t = wire::decode_icub(bench.stream[8], bench.stream[9]);
   ASSERT_TRUE(t);
-  EXPECT_EQ(t->module, 2);
+  EXPECT_EQ(t->module, 4);  // line 1, address 0
   EXPECT_EQ(t->board, 1);
-  for (std::size_t k = 0; k < layout::kTaxelsPerModule; ++k) EXPECT_NEAR(t->value[k], k == 7 ? 140 : 240, 1);
+  for (std::size_t k = 0; k < layout::kTaxelsPerModule; ++k) EXPECT_NEAR(t->value[k], k == 7 ? 145 : 245, 1);
 }
 
 TEST(Stream, FullFramesAreRefusedOnAClassicBus) {

@@ -11,7 +11,7 @@
 #include "triskin/host/error.hpp"
 #include "triskin/layout/firmware_package.hpp"
 #include "triskin/layout/patch_image.hpp"
-#include "triskin/logic/icub_board.hpp"
+#include "triskin/logic/icub_triangles.hpp"
 #include "triskin/logic/table_store.hpp"
 #include "triskin/logic/uds_server.hpp"
 #include "triskin/logic/usb_device.hpp"
@@ -188,13 +188,27 @@ void loader(Bytes input) {
   });
 }
 
+void ad7147_results(Bytes piece, fw::ModuleSample& sample) {
+  fw::ad7147::Results results{};
+  for (std::size_t t = 0; t < results.size(); ++t)
+    results[t] = static_cast<std::uint16_t>(piece[t % piece.size()] << 8 | piece[0]);
+  sample.store(results, 0);
+}
+
 void icub(Bytes input) {
   fw::IcubBoard board;
+  fw::IcubTriangles triangles;
+  fw::ModuleSample sample;
+  const wire::UniqueId unique_id{1, 2, 3};
   each_piece(input, [&](Bytes piece) {
     if (piece.size() < 2) return;
     const auto id = static_cast<std::uint32_t>(piece[0]) << 4 | 1U;
-    (void)board.handle(frame_of(piece.subspan(1, std::min<std::size_t>(piece.size() - 1, 8)), id & 0x7FF, false), 1, 0);
-    for (std::size_t k = 0; k < 16; ++k) (void)board.value(k, static_cast<int>(piece[0] << 8 | piece[1]) - 0x8000);
+    const wire::CanFrame f = frame_of(piece.subspan(1, std::min<std::size_t>(piece.size() - 1, 8)), id & 0x7FF, false);
+    if (board.handle(f, {1, 0, unique_id, piece[0]}).calibrate) triangles.calibrate();
+    if (piece[0] % 2 == 0) board.pop_reply();
+    ad7147_results(piece, sample);
+    triangles.read(0, sample);
+    for (std::size_t k = 0; k < 16; ++k) (void)triangles.taxels(0, sample, board, k);
   });
 }
 

@@ -54,8 +54,17 @@ void Bench::power_up(bool will_be_cut) {
   setup.watch_reads = watch_reads;
   setup.boot_pin_high = boot_pin_high;
   setup.scl_rise_ns = scl_rise_ns;
-  setup.bus_errors_per_hour = bus_errors_per_hour;
+  setup.disturbances = disturbances;
   machine = std::make_unique<Machine>(setup);
+}
+
+void Bench::behave(const scene::Ad7147Behaviour& behaviour) {
+  for (SkinLine& line : lines) {
+    for (const auto& m : line.modules) {
+      m->behaviour = behaviour;
+      m->chip->set_behaviour(behaviour);
+    }
+  }
 }
 
 void Bench::run_for(std::uint64_t us) {

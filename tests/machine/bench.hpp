@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "behaviours.hpp"
 #include "skin_line.hpp"
 #include "tables_flash.hpp"
 #include "triskin/layout/patch_image.hpp"
@@ -35,6 +36,18 @@ namespace triskin::machine {
   return wanted != nullptr && std::string_view(wanted) == "b" ? 1 : 0;
 }
 
+/// The whole suite runs with another behaviour of the converters with its name (kBehaviours) in TRISKIN_CHIP.
+[[nodiscard]] inline const scene::Ad7147Behaviour& wanted_behaviour() {
+  const char* wanted = std::getenv("TRISKIN_CHIP");
+  return behaviour_named(wanted != nullptr ? wanted : "");
+}
+
+/// … and with SCL rising as slowly as TRISKIN_RISE_NS says, where a test says nothing of its own.
+[[nodiscard]] inline std::uint32_t wanted_rise_ns() {
+  const char* wanted = std::getenv("TRISKIN_RISE_NS");
+  return wanted != nullptr ? static_cast<std::uint32_t>(std::atoi(wanted)) : 0;
+}
+
 class Bench : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -42,12 +55,15 @@ class Bench : public ::testing::Test {
       GTEST_SKIP() << "no firmware image: install gcc-arm-none-eabi and build again";
     for (int k = 0; k < layout::kMaxModules; ++k)
       lines[static_cast<std::size_t>(k % layout::kLines)].add(static_cast<std::uint8_t>(k / layout::kLines), k);
+    behave(wanted_behaviour());
     flash.store(read_elf(firmware("triskin_loader.elf")));
     flash.options &= ~(1U << 26);  // nSWBOOT0 = 0: the board was brought up (docs/bring_up.md)
     application = read_elf(firmware(running_slot == 0 ? "triskin_app_a.elf" : "triskin_app_b.elf"));
     flash.store_application(application, 0x3C000, 1);
   }
   void power_up(bool will_be_cut = false);
+  /// All chips behave so. Before power-up.
+  void behave(const scene::Ad7147Behaviour& behaviour);
   [[nodiscard]] SkinLine& line_of(int module) { return lines[static_cast<std::size_t>(module % 4)]; }
   [[nodiscard]] SkinModule& module_at(int module) {
     return *line_of(module).modules[static_cast<std::size_t>(module / 4)];
@@ -79,8 +95,8 @@ class Bench : public ::testing::Test {
   VcdTrace* trace = nullptr;
   bool crystal_works = true;
   bool boot_pin_high = true;
-  double bus_errors_per_hour = 0;
-  std::uint32_t scl_rise_ns = 0;
+  Disturbances disturbances;
+  std::uint32_t scl_rise_ns = wanted_rise_ns();
   /// Where the application lies: 0 is A. The whole suite runs from B with TRISKIN_SLOT=b in the environment.
   int running_slot = wanted_slot();
   bool watch_reads = false;  ///< loads from a busy bank stall, too

@@ -22,7 +22,7 @@ class BusErrors : public Sampling {
 };
 
 TEST_F(BusErrors, AreClearedAndCountedAndNothingIsLost) {
-  bus_errors_per_hour = minutes() >= 60 ? kPerHour * 1.05 : kPerHour * 60 / minutes();
+  disturbances.bus_errors = minutes() >= 60 ? kPerHour * 1.05 : kPerHour * 60 / minutes();
   // The shortest sequence, or the firmware's own when it is to last.
   start(16, {minutes() < 10 ? wire::Decimation::k64 : wire::Decimation::k256, 1});
   run_for(1'000'000);

@@ -2,6 +2,7 @@
 #include "skin_line.hpp"
 
 #include <cmath>
+#include <random>
 
 namespace triskin::machine {
 namespace {
@@ -30,6 +31,14 @@ SkinModule& SkinLine::add(std::uint8_t address, int index, std::uint16_t device_
 void SkinLine::exchange(SkinModule& m, std::uint16_t device_id, int index) {
   m.chip = std::make_unique<scene::Ad7147>(m.source, device_id);
   m.chip->set_noise(static_cast<std::uint64_t>(1000 + index));
+  m.chip->set_behaviour(m.behaviour);
+}
+
+void SkinLine::solder_electrodes(SkinModule& m, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> pf(2.0, 18.0);
+  for (int t = 0; t < layout::kTaxelsPerModule; ++t)
+    m.source.level[static_cast<std::size_t>(t)] = pf(random) * 32768.0 / 8.0;
 }
 
 void SkinLine::freeze(SkinModule& m, int taxel, std::uint64_t now_us) {

@@ -27,6 +27,7 @@ struct PadSource final : scene::CapacitanceSource {
 struct SkinModule {
   PadSource source;
   std::unique_ptr<scene::Ad7147> chip;
+  scene::Ad7147Behaviour behaviour{};
   std::uint8_t address = 0;  ///< strapped, 0..3
   bool present = true;
   std::uint16_t frozen = 0;  ///< bit t: taxel t keeps `frozen_value`
@@ -54,6 +55,8 @@ class SkinLine final : public sim::I2cBus {
   SkinModule& add(std::uint8_t address, int index, std::uint16_t device_id = scene::Ad7147::kDeviceId);
   /// Another chip is put in its place: registers at their reset values.
   static void exchange(SkinModule& m, std::uint16_t device_id, int index);
+  /// Electrodes of 2 … 18 pF, another for each taxel; equal seeds give equal ones.
+  static void solder_electrodes(SkinModule& m, unsigned seed);
   void dip(SkinModule& m, std::uint64_t now_us) { m.chip->write_register(0, 1U << 10, now_us - origin_us); }
   void freeze(SkinModule& m, int taxel, std::uint64_t now_us);
 

@@ -155,41 +155,5 @@ TEST(Routing, a_long_cable_is_reported) {
   EXPECT_DOUBLE_EQ(r.patches[0].lines[0].max_bus_hz, 100e3);
 }
 
-TEST(Jumpers, join_facing_sides_of_two_islands_and_save_a_controller) {
-  // Two pairs of tiles, 5 mm apart across a straight seam: alone two patches, with the jumper one.
-  geometry::ModuleGraph graph;
-  std::vector<std::array<std::array<double, 3>, 3>> sides;
-  const Tiles tiles{{0, 0, true}, {0, 0, false}};
-  for (int island = 0; island < 2; ++island) {
-    const Listed one = listed(tiles);
-    for (std::size_t k = 0; k < one.tiles.size(); ++k) {
-      geometry::ModuleGraph::Node node = one.graph.nodes[k];
-      for (int& w : node.neighbour) w = w < 0 ? -1 : w + 2 * island;
-      node.island = island;
-      const auto place = [&](const geometry::Vec2& p) {
-        return std::array{p.x() * 30.0 + island * 35.0, p.y() * 30.0, 0.0};
-      };
-      node.center_mm = place(center(one.tiles[k]));
-      std::array<std::array<double, 3>, 3> mid{};
-      for (int s = 0; s < 3; ++s) {
-        const auto a = geometry::tile_corner_index(one.tiles[k], s),
-                   b = geometry::tile_corner_index(one.tiles[k], (s + 1) % 3);
-        mid[static_cast<std::size_t>(s)] =
-            place((geometry::grid_point(a[0], a[1], 1.0) + geometry::grid_point(b[0], b[1], 1.0)) / 2.0);
-      }
-      graph.nodes.push_back(node);
-      sides.push_back(mid);
-    }
-  }
-  const auto jumpers = geometry::find_jumpers(graph, sides, 6.0);
-  ASSERT_EQ(jumpers.size(), 1U);
-  EXPECT_NEAR(jumpers[0].length_mm, 5.0, 1e-9);
-  EXPECT_EQ(geometry::route(graph).lower_bound, 2);
-  const geometry::RoutingResult joined = geometry::route(geometry::with_jumpers(graph, jumpers));
-  EXPECT_EQ(joined.lower_bound, 1);
-  EXPECT_EQ(joined.patches.size(), 1U);
-  EXPECT_TRUE(geometry::find_jumpers(graph, sides, 4.0).empty());
-}
-
 }  // namespace
 }  // namespace triskin::testing

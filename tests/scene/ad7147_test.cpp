@@ -27,6 +27,7 @@ void connect_all(Ad7147& chip) {
                         s < 7 ? std::uint16_t{0} : static_cast<std::uint16_t>(1 << (2 * (s - 7))), 0);
   }
   chip.write_register(0x000, kFullPower12Stages, 0);
+  chip.write_register(0x002, 0x8000, 0);  // CONV_RESET
 }
 
 TEST(Ad7147Chip, holds_reset_values_and_its_id) {
@@ -81,6 +82,56 @@ TEST(Ad7147Chip, a_result_changes_only_when_its_stage_has_ended) {
   // 9225 + 26·36900 = 968,625 is before the change at 1 s; 1,005,525 is after it.
   EXPECT_EQ(chip.read_register(0x00D, 1'005'524), 0x8000 - 200);
   EXPECT_EQ(chip.read_register(0x00D, 1'005'525), 0x8000 - 1200);
+}
+
+TEST(Ad7147Chip, only_conv_reset_begins_the_sequence_anew_unless_power_control_is_asked_to) {
+  const Source source;
+  for (const bool restarts : {false, true}) {
+    Ad7147 chip(source);
+    chip.set_behaviour({.power_control_restarts = restarts});
+    connect_all(chip);
+    (void)chip.read_register(0x00A, 40'000);
+    chip.write_register(0x000, kFullPower12Stages, 40'000);  // the same value, in mid-sequence
+    // Stage 1 ends at 43,050 µs in the sequence that began at 36,900; stage 0 at 43,075 in one that began anew.
+    EXPECT_EQ(chip.read_register(0x00A, 43'080), restarts ? 0x001 : 0x002);
+    chip.write_register(0x002, 0x8000, 50'000);
+    EXPECT_EQ(chip.read_register(0x002, 50'000), 0);  // clears itself
+    (void)chip.read_register(0x00A, 50'000);
+    EXPECT_EQ(chip.read_register(0x00A, 53'074), 0x000);
+    EXPECT_EQ(chip.read_register(0x00A, 53'076), 0x001);
+  }
+}
+
+TEST(Ad7147Chip, a_stop_in_mid_sequence_may_shift_the_results_until_conv_reset) {
+  const Source source;
+  Ad7147 chip(source);
+  chip.set_behaviour({.shifted_after_stop = true});
+  connect_all(chip);
+  EXPECT_EQ(chip.read_register(0x00B + 5, 50'000), 0x8000 - 500);
+  chip.write_register(0x000, 0x01B0, 60'000);
+  EXPECT_EQ(chip.read_register(0x00B + 5, 200'000), 0x8000 - 400);
+  EXPECT_EQ(chip.read_register(0x00B, 200'000), 0x8000 - 1100);
+  chip.write_register(0x002, 0x8000, 200'000);
+  EXPECT_EQ(chip.read_register(0x00B + 5, 300'000), 0x8000 - 500);
+}
+
+TEST(Ad7147Chip, results_may_change_together_at_the_end_of_the_sequence) {
+  const Source source;
+  Ad7147 chip(source);
+  chip.set_behaviour({.latched_at_end = true});
+  connect_all(chip);
+  EXPECT_EQ(chip.read_register(0x00B, 36'899), 0);  // stage 0 has ended long ago
+  EXPECT_EQ(chip.read_register(0x00B, 36'900), 0x8000);
+  EXPECT_EQ(chip.read_register(0x00B + 11, 36'900), 0x8000 - 1100);
+}
+
+TEST(Ad7147Chip, results_from_before_a_change_of_the_setup_stay_until_the_stage_ends) {
+  const Source source;
+  Ad7147 chip(source);
+  connect_all(chip);
+  chip.write_register(0x082 + 8 * 5, 0x0001, 50'000);  // one step more
+  EXPECT_EQ(chip.read_register(0x00B + 5, 50'001), 0x8000 - 500);
+  EXPECT_EQ(chip.read_register(0x00B + 5, 36'900 + 6 * 3'075), 0x8000 - 500 + 1311);
 }
 
 TEST(Ad7147Chip, complete_status_is_cleared_by_reading) {

@@ -51,11 +51,11 @@ TEST_F(SceneFile, a_design_file_is_a_scene_without_anything_wrong) {
 
 TEST_F(SceneFile, reads_contacts_faults_and_effects) {
   const Scene s = with(R"("seed":7,
-    "contacts":[{"at_s":0.5,"until_s":1,"module":2,"taxel":3,"force_n":3},{"position_mm":[1,2,3],"radius_mm":4}],
+    "contacts":[{"at_s":0.5,"until_s":1,"module":2,"taxel":3,"force_n":3},{"position_mm":[15,9,3],"radius_mm":4}],
     "faults":[{"kind":"swapped_chips","module":1,"other":2},{"kind":"stuck_line","patch":0,"line":3,"signal":"scl",
      "at_s":2},
               {"kind":"lost_configuration","module":4,"at_s":0.25,"every_s":2}],
-    "effects":{"noise_counts":3,"bus_bit_rate":1000000})");
+    "effects":{"noise_counts":3,"electrode_pf":[5,6.5],"bus_bit_rate":1000000})");
   EXPECT_EQ(s.seed, 7U);
   ASSERT_EQ(s.contacts.size(), 2U);
   EXPECT_EQ(s.contacts[0].from_us, 500'000U);
@@ -67,6 +67,8 @@ TEST_F(SceneFile, reads_contacts_faults_and_effects) {
   EXPECT_TRUE(s.faults[1].stuck_scl);
   EXPECT_EQ(s.faults[2].every_us, 2'000'000U);
   EXPECT_DOUBLE_EQ(s.effects.noise_counts, 3.0);
+  EXPECT_DOUBLE_EQ(s.effects.electrode_least_pf, 5.0);
+  EXPECT_DOUBLE_EQ(s.effects.electrode_most_pf, 6.5);
 }
 
 TEST_F(SceneFile, names_what_is_wrong) {
@@ -93,6 +95,8 @@ TEST_F(SceneFile, names_what_is_wrong) {
       {R"("contacts":[{"module":1,"to_mm":[0,0,0]}])", "contacts[0].to_mm"},
       {R"("contacts":[{"module":1,"radius_mm":0}])", "contacts[0].radius_mm"},
       {R"("effects":{"noise_counts":-1})", "effects.noise_counts"},
+      {R"("effects":{"electrode_pf":[6,5]})", "effects.electrode_pf[1]"},
+      {R"("effects":{"electrode_pf":[6]})", "effects.electrode_pf"},
       {R"("effects":{"wind":1})", "key \"wind\" is unknown"},
       {R"("seed":-1)", "seed"},
   };

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "support/strip_design.hpp"
-#include "triskin/scene/bus_time.hpp"
+#include "triskin/wire/bus_load.hpp"
 
 namespace triskin::scene {
 namespace {
@@ -25,15 +25,16 @@ TEST(SkinModel, pressure_is_that_of_hertz) {
   const Touch touch{1, {100, 200, center_of(scene.design, 0), {}, 10.0, 2.0}};
   ModuleSkin skin(scene, 0, 0);
   skin.add(touch);
-  EXPECT_DOUBLE_EQ(skin.counts(3, 99), kRestCounts);
-  EXPECT_NEAR(skin.counts(3, 100), kRestCounts + 9.5493 * kCountsPerKpa, 0.01);
-  EXPECT_NEAR(skin.counts(0, 150), kRestCounts + 9.5493 * kCountsPerKpa * std::sqrt(1 - 0.6533 * 0.6533), 0.01);
-  EXPECT_DOUBLE_EQ(skin.counts(3, 200), kRestCounts);
+  const auto rest = [&](int taxel) { return skin.rest_counts(taxel); };
+  EXPECT_DOUBLE_EQ(skin.counts(3, 99), rest(3));
+  EXPECT_NEAR(skin.counts(3, 100), rest(3) + 9.5493 * kCountsPerKpa, 0.01);
+  EXPECT_NEAR(skin.counts(0, 150), rest(0) + 9.5493 * kCountsPerKpa * std::sqrt(1 - 0.6533 * 0.6533), 0.01);
+  EXPECT_DOUBLE_EQ(skin.counts(3, 200), rest(3));
   // Taxel 10 (7.507 mm) measures temperature; pin 12 is open.
-  EXPECT_DOUBLE_EQ(skin.counts(10, 150), kRestCounts);
+  EXPECT_DOUBLE_EQ(skin.counts(10, 150), rest(10));
   EXPECT_DOUBLE_EQ(skin.counts(12, 150), 0.0);
   skin.remove(1);
-  EXPECT_DOUBLE_EQ(skin.counts(3, 150), kRestCounts);
+  EXPECT_DOUBLE_EQ(skin.counts(3, 150), rest(3));
 }
 
 TEST(SkinModel, a_moving_contact_passes_over_the_pads) {
@@ -43,8 +44,8 @@ TEST(SkinModel, a_moving_contact_passes_over_the_pads) {
   ModuleSkin far(scene, 2, 0);
   ASSERT_TRUE(far.reached_by(touch.contact));
   far.add(touch);
-  EXPECT_DOUBLE_EQ(far.counts(3, 0), kRestCounts);
-  EXPECT_GT(far.counts(3, 999), kRestCounts + 100);
+  EXPECT_DOUBLE_EQ(far.counts(3, 0), far.rest_counts(3));
+  EXPECT_GT(far.counts(3, 999), far.rest_counts(3) + 100);
   EXPECT_FALSE(ModuleSkin(scene, 3, 0).reached_by({0, 1, center_of(scene.design, 0), {}, 4.0, 1.0}));
 }
 
@@ -59,15 +60,33 @@ TEST(SkinModel, noise_is_seeded_and_has_the_deviation_asked_for) {
   constexpr int kSamples = 20'000;
   for (int k = 0; k < kSamples; ++k) {
     const auto t = static_cast<std::uint64_t>(k) * 36'900;
-    const double x = a.counts(1, t) - kRestCounts;
-    EXPECT_DOUBLE_EQ(same.counts(1, t) - kRestCounts, x);
-    equal += other.counts(1, t) - kRestCounts == x ? 1 : 0;
+    const double x = a.counts(1, t) - a.rest_counts(1);
+    EXPECT_DOUBLE_EQ(same.counts(1, t) - same.rest_counts(1), x);
+    equal += other.counts(1, t) - other.rest_counts(1) == x ? 1 : 0;
     sum += x;
     sum2 += x * x;
   }
   EXPECT_NEAR(sum / kSamples, 0.0, 0.15);  // four standard errors
   EXPECT_NEAR(std::sqrt(sum2 / kSamples), 5.0, 0.1);
   EXPECT_EQ(equal, 0);
+}
+
+TEST(SkinModel, each_taxel_has_its_own_electrode_of_2_to_18_pF) {
+  Scene scene = scene_of(4);
+  double least = 1e9, most = 0.0;
+  for (int m = 0; m < 4; ++m) {
+    const ModuleSkin skin(scene, m, 0), same(scene, m, 0);
+    for (int t = 0; t < 12; ++t) {
+      EXPECT_EQ(skin.rest_counts(t), same.rest_counts(t));
+      least = std::min(least, skin.rest_counts(t));
+      most = std::max(most, skin.rest_counts(t));
+    }
+  }
+  EXPECT_GE(least, 2.0 * 4096);
+  EXPECT_LE(most, 18.0 * 4096);
+  EXPECT_GT(most - least, 12.0 * 4096);
+  scene.effects.electrode_least_pf = scene.effects.electrode_most_pf = 7.0;
+  EXPECT_DOUBLE_EQ(ModuleSkin(scene, 0, 0).rest_counts(5), 7.0 * 4096);
 }
 
 bool answers(Skin& skin, int line, int address) {
@@ -102,10 +121,10 @@ TEST(BusTime, classic_frames_have_the_worst_case_length) {
   wire::CanFrame frame;
   frame.extended = true;
   frame.size = 8;
-  EXPECT_EQ(bits_of(frame).nominal, 118 + 29 + 13);
+  EXPECT_EQ(wire::bits_of(frame).nominal, 118 + 29 + 13);
   frame.extended = false;
-  EXPECT_EQ(bits_of(frame).nominal, 98 + 24 + 13);
-  EXPECT_EQ(bits_of(frame).data, 0);
+  EXPECT_EQ(wire::bits_of(frame).nominal, 98 + 24 + 13);
+  EXPECT_EQ(wire::bits_of(frame).data, 0);
 }
 
 }  // namespace

@@ -7,12 +7,15 @@
 #include <string>
 
 #include "triskin/wire/faults.hpp"
+#include "triskin/wire/icub_commands.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
 #include "triskin/wire/module_state.hpp"
+#include "triskin/wire/offsets.hpp"
 #include "triskin/wire/sampling.hpp"
 #include "triskin/wire/statistics.hpp"
+#include "triskin/wire/stream_account.hpp"
 #include "triskin/wire/table_state.hpp"
 #include "triskin/wire/topology.hpp"
 #include "vectors/vector_file.hpp"
@@ -94,6 +97,23 @@ LiveTaxels live_taxels(const Vector& v) {
   for (std::size_t k = 0; k < values.size(); ++k) t.modules[0].value.at(k) = static_cast<std::uint16_t>(values[k]);
   return t;
 }
+Offsets offsets(const Vector& v) {
+  Offsets o{v.number("positive") != 0, word(v, "searches"), 0, {}};
+  if (!v.has("steps")) return o;
+  o.count = 1;
+  ModuleOffsets& m = o.modules[0];
+  m.state = static_cast<OffsetState>(v.number("state"));
+  m.latching = static_cast<Latching>(v.number("latching"));
+  m.outside = number<std::uint16_t>(v, "outside");
+  const auto steps = test::numbers(v.one("steps"), 10);
+  for (std::size_t t = 0; t < m.steps.size(); ++t) m.steps[t] = static_cast<std::uint8_t>(steps.at(t));
+  return o;
+}
+icub::State icub_state(const Vector& v) {
+  const auto f = test::numbers(v.one("fields"), 10);
+  const auto at = [&](std::size_t k) { return static_cast<std::uint8_t>(f.at(k)); };
+  return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), static_cast<std::uint16_t>(f.at(7))};
+}
 Statistics statistics(const Vector& v) {
   const auto n = test::numbers(v.one("counts"), 10);
   const auto at = [&](std::size_t k) { return static_cast<std::uint32_t>(n.at(k)); };
@@ -162,7 +182,24 @@ SelfTestResult self_test(const Vector& v) {
 StreamSetting stream(const Vector& v) {
   return {static_cast<StreamMode>(v.number("mode"))};
 }
+// number.unread.dropped.sent.waiting of each row
+StreamAccount stream_account(const Vector& v) {
+  StreamAccount a{byte(v, "starts"), v.number("time_us")};
+  for (const std::uint64_t n : test::numbers(v.one("readers"), 10))
+    a.reader.at(a.readers++) = static_cast<std::uint32_t>(n);
+  std::istringstream in(v.one("rows"));
+  std::uint32_t waiting = 0;
+  char dot = 0;
+  for (RowAccount r; in >> r.number >> dot >> r.unread >> dot >> r.dropped >> dot >> r.sent >> dot >> waiting;) {
+    r.waiting = static_cast<std::uint8_t>(waiting);
+    a.modules.at(a.count++) = r;
+  }
+  return a;
+}
 RerouteResult reroute(const Vector& v) {
+  return {v.number("done") != 0};
+}
+OffsetResult offset_result(const Vector& v) {
   return {v.number("done") != 0};
 }
 ActivationResult activation(const Vector& v) {
@@ -178,12 +215,16 @@ const std::map<std::string, Check> kChecks{{"session", checked<ActiveSession, se
                                            {"module_states", checked<ModuleStates, states>},
                                            {"self_test", checked<SelfTestResult, self_test>},
                                            {"statistics", checked<Statistics, statistics>},
+                                           {"icub", checked<icub::State, icub_state>},
                                            {"stream", checked<StreamSetting, stream>},
+                                           {"stream_account", checked<StreamAccount, stream_account>},
                                            {"line_states", checked<LineStates, line_states>},
                                            {"discovery", checked<Discovery, discovery>},
                                            {"sampling", checked<SamplingSetting, sampling>},
                                            {"image_state", checked<ImageState, image_state>},
                                            {"live_taxels", checked<LiveTaxels, live_taxels>},
+                                           {"offsets", checked<Offsets, offsets>},
+                                           {"offset_result", checked<OffsetResult, offset_result>},
                                            {"reroute", checked<RerouteResult, reroute>},
                                            {"activation", checked<ActivationResult, activation>},
                                            {"faults", checked<FaultList, fault_list>},
@@ -227,7 +268,8 @@ static_assert(FaultCode::of(0x96000F) == FaultCode{ModuleState::kFrozen, 15});
 static_assert(std::ranges::all_of(kIdentifiers, [](const Identifier& i) { return i.most_bytes + 3 <= 512; }));
 
 TEST(Enumerations, take_exactly_the_numbers_that_exist) {
-  int states = 0, streams = 0, decimations = 0, outputs = 0, statuses = 0, sessions = 0;
+  int states = 0, streams = 0, decimations = 0, outputs = 0, statuses = 0, sessions = 0, offset_states = 0,
+      latchings = 0;
   for (unsigned n = 0; n < 256; ++n) {
     const auto b = static_cast<std::uint8_t>(n);
     states += to_module_state(b) ? 1 : 0;
@@ -236,6 +278,8 @@ TEST(Enumerations, take_exactly_the_numbers_that_exist) {
     outputs += to_taxel_output(b) ? 1 : 0;
     statuses += to_status(b) ? 1 : 0;
     sessions += to_session(b) ? 1 : 0;
+    offset_states += to_offset_state(b) ? 1 : 0;
+    latchings += to_latching(b) ? 1 : 0;
   }
   EXPECT_EQ(states, 9);
   EXPECT_EQ(streams, 3);
@@ -243,6 +287,8 @@ TEST(Enumerations, take_exactly_the_numbers_that_exist) {
   EXPECT_EQ(outputs, 2);
   EXPECT_EQ(statuses, 16);
   EXPECT_EQ(sessions, 3);
+  EXPECT_EQ(offset_states, 5);
+  EXPECT_EQ(latchings, 3);
 }
 
 }  // namespace

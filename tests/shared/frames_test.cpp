@@ -2,7 +2,9 @@
 // The frames of tests/vectors/frames.txt, which docs/protocol.md shows.
 #include <gtest/gtest.h>
 
+#include "triskin/wire/bus_load.hpp"
 #include "triskin/wire/node_claim.hpp"
+#include "triskin/wire/stream_lease.hpp"
 #include "triskin/wire/usb_packet.hpp"
 #include "vectors/frame_text.hpp"
 
@@ -40,6 +42,45 @@ TEST(FrameVectors, the_search_for_controllers) {
   const auto node = [](const Vector& v) { return static_cast<std::uint8_t>(v.number("node")); };
   expect_frames(claim, encode_claim({unique_id_of(claim), node(claim), claim.number("has_table") != 0}));
   expect_frames(assignment, encode_assignment(unique_id_of(assignment), node(assignment)));
+}
+
+TEST(FrameVectors, leases) {
+  for (const char* name : {"a lease", "the end of a lease"}) {
+    const Vector v = vector_named(name);
+    const StreamLease lease{
+        static_cast<std::uint32_t>(v.number("reader")), static_cast<std::uint8_t>(v.number("lasts_10ms")),
+        static_cast<std::uint8_t>(v.number("every")), static_cast<std::uint16_t>(v.number("pace_100us"))};
+    expect_frames(v, std::array{encode_lease(lease)});
+    EXPECT_EQ(decode_lease(frame_of(v.one("frame"))), lease);
+  }
+}
+
+TEST(Leases, damaged_ones_are_refused) {
+  const CanFrame good = encode_lease({1, 100, 1, 0});
+  ASSERT_TRUE(decode_lease(good));
+  CanFrame f = good;
+  f.size = 7;
+  EXPECT_EQ(decode_lease(f).error(), Status::kBadLength);
+  f = good;
+  f.data[0] = 0;  // no reader
+  EXPECT_EQ(decode_lease(f).error(), Status::kOutOfRange);
+  f = good;
+  f.data[5] = 0;  // no n-th sample
+  EXPECT_EQ(decode_lease(f).error(), Status::kOutOfRange);
+  f = good;
+  f.extended = false;
+  EXPECT_EQ(decode_lease(f).error(), Status::kOutOfRange);
+}
+
+// Worked from ISO 11898-1: 36 + 9 + 13 bits at 1 Mbit/s, then 6 + 384 + 97 + 4 + 21 + 7 at 2 Mbit/s. 193 modules
+// at 36.9 ms are 1.66 of such a bus; of a classic one the iCub stream of 16 modules at 50 ms is 0.09.
+TEST(BusLoad, of_the_stream) {
+  const BitRates fd{1'000'000, 2'000'000}, classic{1'000'000, 0};
+  EXPECT_EQ(full_sample_ns(fd), 58'000U + 259'500U);
+  EXPECT_NEAR(stream_load(193, full_sample_ns(fd), 36'900), 1.6606, 1e-4);
+  EXPECT_EQ(icub_sample_ns(classic), 2 * 135'000U);
+  EXPECT_NEAR(stream_load(16, icub_sample_ns(classic), 50'000), 0.0864, 1e-4);
+  EXPECT_EQ(full_sample_ns({}), 0U);
 }
 
 TEST(FrameVectors, frames_in_usb_packets) {

@@ -55,6 +55,7 @@ PatchImage image_of(const Vector& v) {
   PatchImage image;
   image.design_id = v.number("design_id");
   image.node_address = static_cast<std::uint8_t>(v.number("node"));
+  image.positive_input = v.has("positive_input");
   for (const std::string& row : v.all("module")) image.modules[image.module_count++] = row_of(row);
   return image;
 }

@@ -34,6 +34,10 @@ FullTaxels full_of(const Vector& v) {
   t.state = static_cast<ModuleState>(v.number("state"));
   const auto values = test::numbers(v.one("values"), 10);
   for (std::size_t k = 0; k < t.value.size(); ++k) t.value[k] = static_cast<std::uint16_t>(values.at(k));
+  if (!v.has("dropped")) return t;
+  t.dropped = static_cast<std::uint32_t>(v.number("dropped"));
+  t.unread = static_cast<std::uint16_t>(v.number("unread"));
+  t.starts = static_cast<std::uint8_t>(v.number("starts"));
   return t;
 }
 
@@ -56,7 +60,7 @@ TEST(TaxelVectors, EncodeAndDecodeAsTheFileSays) {
     }
   }
   EXPECT_GE(icub, 4);
-  EXPECT_GE(full, 1);
+  EXPECT_GE(full, 2);
 }
 
 TEST(TaxelFrames, ForeignFramesAreRefused) {

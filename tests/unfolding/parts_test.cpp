@@ -8,6 +8,8 @@
 
 #include "support/covers.hpp"
 #include "triskin/check/design_rules.hpp"
+#include "triskin/geometry/surface.hpp"
+#include "triskin/geometry/unfolding.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
@@ -83,20 +85,43 @@ TEST(HardMeshes, end_in_a_result_or_a_clear_error) {
   }
 }
 
-TEST(HardMeshes, generated_shell_ends_in_a_clear_error) {
+TEST(HardMeshes, generated_shell_is_repaired_or_refused_as_asked) {
   const auto mesh = test::cover_file({"dirty-shell"});
-  EXPECT_THROW((void)pipeline::make_design(mesh->path(), {}), InputError);
-  expect_design_or_clear_error("dirty-shell", mesh->path());
+  pipeline::DesignOptions options;
+  options.time_limit_s = 2.0;
+  options.repair = pipeline::RepairMode::kNever;
+  EXPECT_THROW((void)pipeline::make_design(mesh->path(), options), InputError);
+  options.repair = pipeline::RepairMode::kAuto;
+  pipeline::DesignNotes notes;
+  EXPECT_GT(pipeline::make_design(mesh->path(), options, {}, &notes).layout.modules.size(), 0U);
+  EXPECT_GT(notes.extract.deviation.largest_mm, 0.0);
+}
+
+// Pieces that cannot win in their share of the time leave it to the growth: without a piece there is still a layout.
+TEST(TimeLimit, pieces_give_up_and_the_growth_still_gives_a_layout) {
+  const auto mesh = test::cover_file({"thigh"});
+  const geometry::Surface surface(geometry::read_mesh(mesh->path()).mesh);
+  int asked = 0;  // stands for a clock
+  geometry::UnfoldingOptions options;
+  options.give_up = [&] { return ++asked > 3; };
+  EXPECT_TRUE(geometry::unfold(surface, options).pieces.empty());
+  EXPECT_LT(asked, 12);  // it stops soon after
+  const std::size_t whole = geometry::unfold(surface).pieces.size();
+  asked = -1000;
+  EXPECT_GT(geometry::unfold(surface, {}).pieces.size(), 0U);
+  EXPECT_GE(geometry::unfold(surface, options).pieces.size(), whole);
 }
 
 std::string error_of(const std::string& file_name, const std::string& content,
-                     std::optional<geometry::LengthUnit> unit = {}) {
+                     std::optional<geometry::LengthUnit> unit = {},
+                     pipeline::RepairMode repair = pipeline::RepairMode::kAuto) {
   const fs::path path = fs::temp_directory_path() / (std::to_string(::getpid()) + "." + file_name);
   std::ofstream(path, std::ios::binary) << content;
   std::string message;
   try {
     pipeline::DesignOptions options;
     options.unit = unit;
+    options.repair = repair;
     options.time_limit_s = 1.0;
     (void)pipeline::make_design(path, options);
   } catch (const InputError& e) {
@@ -118,8 +143,10 @@ TEST(BadMeshes, are_named_with_the_reason) {
   EXPECT_TRUE(has(error_of("huge.obj", "v 0 0 0\nv 3e5 0 0\nv 0 3e5 0\nf 1 2 3\n"), "larger than a body part"));
   EXPECT_NE(error_of("nan.obj", "v nan 0 0\nv 100 0 0\nv 0 100 0\nf 1 2 3\n"), "");
   EXPECT_TRUE(
-      has(error_of("fan.obj", "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 -100 0\nv 0 0 100\nf 1 2 3\nf 2 1 4\nf 1 2 5\n"),
+      has(error_of("fan.obj", "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 -100 0\nv 0 0 100\nf 1 2 3\nf 2 1 4\nf 1 2 5\n", {},
+                   pipeline::RepairMode::kNever),
           "not a manifold"));
+  EXPECT_TRUE(has(error_of("tall.obj", "v 0 0 0\nv 3500 0 0\nv 0 30 0\nf 1 2 3\n"), "--unit mm"));
 }
 
 }  // namespace

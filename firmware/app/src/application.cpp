@@ -21,12 +21,13 @@ Application::Application(const Ports& ports)
       tables_(*ports.flash),
       server_(*this, tables_),
       faults_(*ports.flash),
+      offset_store_(*ports.flash),
       channels_{{{ports.can, make_link(1, 8)}, {ports.usb, make_link(1, 8)}}},
       asking_(ports.can),
       stream_port_(ports.can),
       route_(ports.chain),
-      identifiers_({ports_, tables_, route_, lines_, samples_, published_, stream_, sampling_, output_, sample_count_,
-                    stream_queue_},
+      identifiers_({ports_, tables_, route_, lines_, samples_, published_, offsets_, stream_, sampling_, output_,
+                    sample_count_, icub_},
                    *this) {
   restart();
 }
@@ -35,10 +36,12 @@ Application::Application(const Ports& ports)
 void Application::restart() {
   tables_.load();
   faults_.load();
+  offset_store_.load(offsets_);
   for (Channel& c : channels()) {
     c.link = make_link(tables_.node_address(), c.port->frame_bytes());
     c.held.reset();
   }
+  if (stream_ == StreamMode::kIcub && !wire::icub::is_board(tables_.node_address())) stream_ = StreamMode::kOff;
   restart_sampling();
 }
 
@@ -46,11 +49,16 @@ void Application::restart_sampling() {
   for (auto* samples : {&samples_, &published_}) {
     for (ModuleSample& s : *samples) s = ModuleSample{};
   }
+  ++starts_;
+  for (Channel& c : channels()) c.stream.restart(starts_);
+  icub_triangles_.calibrate();
   route_.begin(tables_.has_table() ? &tables_.table() : nullptr);
   next_tick_us_ = now_us() + ad7147::sequence_us(sampling_.decimation);
   const auto rows = tables_.has_table() ? tables_.table().rows() : std::span<const layout::ModuleRow>{};
   for (std::size_t l = 0; l < lines_.size(); ++l) {
-    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l), rows, samples_, sampling_, now_us());
+    lines_[l].begin(*ports_.lines[l], static_cast<std::uint8_t>(l),
+                    {rows, samples_, offsets_, tables_.has_table() && tables_.table().positive_input}, sampling_,
+                    now_us());
   }
 }
 
@@ -85,6 +93,7 @@ void Application::step() {
   for (Channel& c : channels()) {
     while (const auto frame = c.port->receive()) handle_frame(c, *frame);
     (void)c.link.tick(now_us());
+    c.stream.tick(now_us());
   }
   server_.tick();
   keep_route();
@@ -93,6 +102,7 @@ void Application::step() {
   if (pausing_) keep_route();
   if (now_us() >= next_tick_us_) tick();
   take_samples();
+  offset_store_.step(offsets_);
   send_pending();
   reset_when_answered();
 }
@@ -111,6 +121,7 @@ void Application::reset_when_answered() {
   reset_at_us_ = UINT64_MAX;
   reset_requested_ = through_loader_ = false;
   stream_ = StreamMode::kOff;
+  for (Channel& c : channels()) c.stream = {};
   sampling_ = {};
   output_ = wire::TaxelOutput::kRaw;
   server_.restart();
@@ -122,10 +133,13 @@ std::uint64_t Application::next_event_us() const {
   std::uint64_t next =
       std::min({next_tick_us_, reset_at_us_,
                 pausing_ ? UINT64_MAX : route_.next_event_us()});  // pausing: the lines report their own ends
-  for (const Channel& c : channels()) next = std::min(next, c.link.next_event_us());
   const std::uint64_t now = now_us();
+  for (const Channel& c : channels()) {
+    if (!c.held) next = std::min(next, c.link.next_event_us());                           // else it waits for room
+    if (c.stream.next_event_us() > now) next = std::min(next, c.stream.next_event_us());  // else it waits for room
+  }
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now));
-  return next;
+  return offset_store_.busy(offsets_) ? now : next;
 }
 
 void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
@@ -134,6 +148,10 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
     return;
   }
   if (handle_claim_frame(c, frame)) return;
+  if (const auto lease = wire::decode_lease(frame)) {
+    if (c.port->fd()) c.stream.renew(*lease, now_us());
+    return;
+  }
   const bool functional = frame.id == wire::kFunctionalId;
   if (!functional && frame.id != c.link.rx_id()) return;
   if (functional) {  // single frames only (ISO 15765-4)
@@ -153,14 +171,21 @@ void Application::answer(Channel& c, Bytes request, bool functional) {
 }
 
 void Application::handle_icub_frame(const wire::CanFrame& frame) {
-  const IcubBoard::Reaction reaction = icub_.handle(frame, tables_.node_address(), kFirmwareVersion);
-  if (reaction.reply) icub_reply_ = reaction.reply;
+  const IcubBoard::Reaction reaction =
+      icub_.handle(frame, {tables_.node_address(), kFirmwareVersion, ports_.unique_id, now_us()});
+  if (reaction.calibrate) calibrate();
+  if (reaction.restart) reset_requested_ = through_loader_ = true;
+  if (reaction.node_address) take_node_address(*reaction.node_address);
   if (!reaction.transmit) return;
   stream_port_ = ports_.can;
   if (*reaction.transmit)
     stream_ = StreamMode::kIcub;
   else if (stream_ == StreamMode::kIcub)
     stream_ = StreamMode::kOff;
+}
+
+void Application::take_node_address(std::uint8_t address) {
+  if (address != tables_.node_address() && tables_.set_node_address(address) == Status::kOk) restart();
 }
 
 // Discovery and assignment by unique id: works while several fresh boards share the default address.
@@ -174,7 +199,7 @@ bool Application::handle_claim_frame(Channel& c, const wire::CanFrame& frame) {
   const auto wanted = c.assignment.add(frame);
   if (!wanted || wanted->unique_id != ports_.unique_id) return true;
   if (wanted->b != wire::assignment_key(wanted->unique_id, wanted->a)) return true;
-  if (wanted->a != tables_.node_address() && tables_.set_node_address(wanted->a) == Status::kOk) restart();
+  take_node_address(wanted->a);
   return true;
 }
 
@@ -188,7 +213,7 @@ void Application::send_pending(Channel& c, std::uint64_t now_us) {
 }
 
 void Application::send_pending() {
-  if (icub_reply_ && ports_.can->send(*icub_reply_)) icub_reply_.reset();
+  while (icub_.reply() != nullptr && ports_.can->send(*icub_.reply())) icub_.pop_reply();
   for (Channel& c : channels()) send_pending(c, now_us());
   send_stream();
 }
@@ -196,19 +221,26 @@ void Application::send_pending() {
 void Application::send_stream() {
   const bool held = std::ranges::any_of(channels(), [&](const Channel& c) { return c.port == stream_port_ && c.held; });
   while (!held && !stream_queue_.empty() && stream_port_->send(stream_queue_.front())) stream_queue_.pop();
+  const std::uint64_t now = now_us();
+  for (Channel& c : channels()) {
+    while (!c.held && c.stream.due(now) && c.port->send(c.stream.front())) c.stream.pop(now);
+  }
 }
 
 bool Application::frames_wait() const {
-  const bool channel_waits = std::ranges::any_of(
-      channels(), [](const Channel& c) { return (c.held || c.claim_at < c.claim.size()) && c.port->has_room(); });
-  return channel_waits || (icub_reply_ && ports_.can->has_room()) ||
+  const std::uint64_t now = now_us();
+  const bool channel_waits = std::ranges::any_of(channels(), [&](const Channel& c) {
+    return (c.held || c.claim_at < c.claim.size() || c.stream.due(now)) && c.port->has_room();
+  });
+  return channel_waits || (icub_.reply() != nullptr && ports_.can->has_room()) ||
          (!stream_queue_.empty() && stream_port_->has_room());
 }
 
 void Application::publish(std::size_t module) {
   samples_[module].fresh = false;
   published_[module] = samples_[module];
-  if (stream_ == StreamMode::kFull && !server_.transferring()) queue_full(table_row(module));
+  icub_triangles_.read(module, samples_[module]);
+  stream_full(table_row(module));
 }
 
 void Application::step_during_flash() {
@@ -261,27 +293,37 @@ void Application::tick() {
   if (stream_ == StreamMode::kIcub && !server_.transferring() && icub_.due(now_us())) queue_icub();
 }
 
-void Application::queue_full(TableRow row) {
+// Each port counts every sample, also those that nobody reads over it.
+void Application::stream_full(TableRow row) {
   const ModuleSample& s = samples_[index_of(row)];
-  const auto& value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output();
-  const std::array frames{wire::encode_full(
-      {tables_.node_address(), static_cast<std::uint8_t>(row), s.number, s.time_us, s.valid, s.state, value})};
-  (void)stream_queue_.push(frames);
+  const wire::FullTaxels sample{.node_address = tables_.node_address(),
+                                .module = static_cast<std::uint8_t>(row),
+                                .sample = s.number,
+                                .device_time_us = s.time_us,
+                                .valid = s.valid,
+                                .state = s.state,
+                                .value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output()};
+  for (Channel& c : channels()) c.stream.add(sample, rows(), server_.transferring());
 }
 
+// Every enabled triangle, also where no module is: an MTB4 board does the same, and hosts take silence for pressure.
 void Application::queue_icub() {
-  for (std::size_t k = 0; k < tables_.table().module_count; ++k) {
-    const ModuleSample& s = samples_[k];
-    if (!icub_.enabled(k)) continue;
-    wire::IcubTaxels t;
+  const auto rows = tables_.table().rows();
+  for (std::size_t triangle = 0; triangle < wire::icub::kTriangles; ++triangle) {
+    if (!icub_.enabled(triangle)) continue;
+    const auto row =
+        std::ranges::find_if(rows, [&](const layout::ModuleRow& m) { return 4U * m.line + m.address == triangle; });
+    const auto k = static_cast<std::size_t>(row - rows.begin());
+    wire::IcubTaxels t = row == rows.end() ? IcubTriangles::nobody(icub_, triangle)
+                                           : icub_triangles_.taxels(k, published_[k], icub_, triangle);
     t.board = tables_.node_address() & 0xF;
-    t.module = static_cast<std::uint8_t>(k);
-    for (std::size_t x = 0; x < t.value.size(); ++x) t.value[x] = icub_.value(k, s.compensation.change(x));
-    t.out_of_range = s.state == ModuleState::kSaturated ? static_cast<std::uint16_t>(~s.valid & 0xFFF) : 0;
-    t.no_acknowledge = s.state == ModuleState::kAbsent || s.state == ModuleState::kLineStuck;
-    t.not_connected = s.state == ModuleState::kUnknown || s.state == ModuleState::kWrongId;
     (void)stream_queue_.push(wire::encode_icub(t));
   }
+}
+
+void Application::calibrate() {
+  for (ModuleSample& s : samples_) s.compensation.restart();  // the next reading becomes the baseline
+  icub_triangles_.calibrate();
 }
 
 bool Application::read_fault(std::uint32_t dtc, ByteWriter& out) {
@@ -308,10 +350,23 @@ Status Application::set_node_address(std::uint8_t address) {
 
 Status Application::set_stream(StreamMode mode) {
   if (mode == StreamMode::kFull && !asking_->fd()) return Status::kOutOfRange;
+  if (mode == StreamMode::kIcub && !wire::icub::is_board(tables_.node_address())) return Status::kOutOfRange;
   stream_port_ = asking_;
   stream_queue_.clear();
   stream_ = mode;
+  for (Channel& c : channels()) c.stream.hold(mode == StreamMode::kFull && c.port == asking_);
   return Status::kOk;
+}
+
+wire::StreamAccount Application::stream_account() const {
+  const auto asking = std::ranges::find(channels(), asking_, &Channel::port);
+  return asking->stream.account(rows(), now_us());
+}
+
+std::uint32_t Application::dropped_samples() const {
+  std::uint32_t dropped = stream_queue_.dropped();
+  for (const Channel& c : channels()) dropped += c.stream.dropped();
+  return dropped;
 }
 
 Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
@@ -322,8 +377,11 @@ Status Application::start_routine(std::uint16_t routine, Bytes, ByteWriter&) {
     case wire::routine::kSelfTest:
       for (LineSampler& l : lines_) l.request_check();
       return Status::kOk;
+    case wire::routine::kOffsets:
+      for (LineSampler& l : lines_) l.request_offsets();
+      return Status::kOk;
     case wire::routine::kCalibrate:
-      for (ModuleSample& s : samples_) s.compensation.restart();  // the next reading becomes the baseline
+      calibrate();
       return Status::kOk;
     case wire::routine::kReroute:
       route_.request();

@@ -70,7 +70,10 @@ struct Identifiers::Table {
       Row{wire::did::kRoute, read<&Identifiers::route>},
       Row{wire::did::kImageState, read<&Identifiers::image_state>},
       Row{wire::did::kSampling, read<&Identifiers::sampling>, write<wire::SamplingSetting, set_sampling>},
+      Row{wire::did::kOffsets, read<&Identifiers::offsets>},
+      Row{wire::did::kStreamAccount, read<&Identifiers::stream_account>},
       Row{wire::did::kLiveTaxels, read<&Identifiers::live_taxels>},
+      Row{wire::did::kIcub, read<&Identifiers::icub>},
   };
   /// Every identifier of the wire that is not the server's or of freeze data has its row, in order, and may be written
   /// where the wire says so.
@@ -110,6 +113,10 @@ Status Identifiers::routine_result(std::uint16_t routine, ByteWriter& out) const
     case wire::routine::kSelfTest:
       self_test().encode(out);
       return Status::kOk;
+    case wire::routine::kOffsets:
+      wire::OffsetResult{std::ranges::all_of(parts_.lines, [](const LineSampler& l) { return l.checked(); })}.encode(
+          out);
+      return Status::kOk;
     case wire::routine::kReroute:
       wire::RerouteResult{!parts_.route.route().busy}.encode(out);
       return Status::kOk;
@@ -143,7 +150,7 @@ std::optional<wire::ModuleStates> Identifiers::module_states() const {
 }
 
 wire::Statistics Identifiers::statistics() const {
-  wire::Statistics s{parts_.sequences, 0, 0, parts_.stream_queue.dropped()};
+  wire::Statistics s{parts_.sequences, 0, 0, control_.dropped_samples()};
   for (const LineSampler& l : parts_.lines) {
     s.bus_errors += l.bus_errors();
     s.recoveries += l.recoveries();
@@ -170,6 +177,20 @@ std::optional<wire::ImageState> Identifiers::image_state() const {
 
 wire::SamplingSetting Identifiers::sampling() const {
   return {parts_.sampling.decimation, parts_.sampling.every, parts_.output};
+}
+
+wire::Offsets Identifiers::offsets() const {
+  wire::Offsets o;
+  o.count = rows();
+  if (o.count > 0) o.positive_input = parts_.tables.table().positive_input;
+  for (std::size_t k = 0; k < o.count; ++k) {
+    const layout::ModuleRow& row = parts_.tables.table().modules[k];
+    const PlaceOffsets& p =
+        parts_.offsets[static_cast<std::size_t>(row.line * layout::kAddressesPerLine + row.address)];
+    o.searches += p.searches;
+    o.modules[k] = {p.state, p.latching, p.outside, p.steps};
+  }
+  return o;
 }
 
 wire::LiveTaxels Identifiers::live_taxels() const {

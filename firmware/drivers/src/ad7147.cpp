@@ -24,27 +24,32 @@ Status Ad7147::finish_identify() const {
   return (big16(in_) & ad7147::kIdMask) == ad7147::kId ? Status::kOk : Status::kWrongId;
 }
 
-void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, Polarity polarity) {
+std::uint16_t Ad7147::device_id() const {
+  return big16(in_);
+}
+
+void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, const Stages& stages) {
   ByteWriter w(out_);
   if (step < ad7147::kStages) {
-    // Stage s converts input s alone, single ended; offsets mid-range, clamps wide open.
+    // Stage s converts input s alone, single ended; its capacitance taken away at the same input; clamps wide open.
     w.be16(static_cast<std::uint16_t>(ad7147::kStage + step * ad7147::kStageStride));
     // Two bits an input: 11 to BIAS, 10 to the positive side, 01 to the negative. High word: CIN7 … 12, then 01 or 10
     // for single ended, positive or negative.
-    const bool positive = polarity == Polarity::kPositive;
+    const bool positive = stages.polarity == Polarity::kPositive;
     const unsigned cleared = 1U << (2 * (step < 7 ? step : step - 7) + (positive ? 0 : 1));
     const unsigned low = step < 7 ? 0x3FFFU & ~cleared : 0x3FFFU;
     const unsigned high = step < 7 ? 0x0FFFU : 0x0FFFU & ~cleared;
     w.be16(static_cast<std::uint16_t>(low));
     w.be16(static_cast<std::uint16_t>((positive ? 0x1000U : 0x2000U) | high));
-    w.be16(0x0000);  // AFE offset
+    w.be16(offset_word(stages, step));
     w.be16(0x2626);  // sensitivity: data sheet's typical
     w.be16(0x2710);  // offset low
     w.be16(0x2710);  // offset high
     w.be16(0x7530);  // high clamp
     w.be16(0x0000);  // low clamp
   } else if (step == ad7147::kStages) {
-    w.be16(ad7147::kStageCalibration);
+    w.be16(ad7147::kPowerControl);
+    w.be16(power_);
     w.be16(ad7147::kAllStages);
     w.be16(0x0000);  // ambient compensation off: the controller compensates itself
     w.be16(0x0000);
@@ -58,10 +63,25 @@ void Ad7147::begin_configure(I2cLine& line, std::uint8_t address, int step, Pola
   line.start(address, w.written(), {});
 }
 
+std::uint16_t Ad7147::offset_word(const Stages& stages, int stage) {
+  const unsigned offset = stages.offsets[static_cast<std::size_t>(stage)];
+  return static_cast<std::uint16_t>(stages.polarity == Polarity::kPositive ? offset << ad7147::kPositiveOffset
+                                                                           : offset);
+}
+
+void Ad7147::begin_offsets(I2cLine& line, std::uint8_t address, int step, const Stages& stages) {
+  if (step == 0 || step + 1 == kOffsetSteps) return begin_restart(line, address);
+  const int stage = step - 1;
+  ByteWriter w(out_);
+  w.be16(static_cast<std::uint16_t>(ad7147::kStage + stage * ad7147::kStageStride + ad7147::kOffsetInStage));
+  w.be16(offset_word(stages, stage));
+  line.start(address, w.written(), {});
+}
+
 void Ad7147::begin_restart(I2cLine& line, std::uint8_t address) {
   ByteWriter w(out_);
-  w.be16(ad7147::kPowerControl);
-  w.be16(power_);
+  w.be16(ad7147::kAmbientControl);
+  w.be16(ad7147::kConvReset);
   line.start(address, w.written(), {});
 }
 

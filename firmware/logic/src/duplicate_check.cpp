@@ -3,12 +3,12 @@
 
 namespace triskin::fw {
 
-DuplicateCheck::Verdict DuplicateCheck::compare(const ad7147::Results& negative) {
+DuplicateCheck::Verdict DuplicateCheck::compare(const ad7147::Results& used) {
   std::int64_t deficit = 0;
   int compared = 0;
-  for (std::size_t t = 0; t < negative.size(); ++t) {
-    if (!ad7147::in_range(negative[t]) || !ad7147::in_range(positive_[t])) continue;
-    deficit += 2 * static_cast<std::int64_t>(ad7147::kMidScale) - negative[t] - positive_[t];
+  for (std::size_t t = 0; t < used.size(); ++t) {
+    if (!ad7147::in_range(used[t]) || !ad7147::in_range(other_[t])) continue;
+    deficit += 2 * static_cast<std::int64_t>(ad7147::kMidScale) - used[t] - other_[t];
     ++compared;
   }
   if (deficit <= static_cast<std::int64_t>(kMinDeficit) * compared) {

@@ -52,12 +52,17 @@ void ReadingSchedule::cancel_errand(std::size_t station) {
   plans_[station].errand_us = kNever_us;
 }
 
-void ReadingSchedule::start(std::size_t station, std::uint64_t at_us) {
+void ReadingSchedule::start(std::size_t station, std::uint64_t at_us, wire::Latching latching) {
   Plan& plan = plans_[station];
   plan = Plan{};
   plan.running = plan.clear_wanted = true;
-  plan.clock.start(at_us, nominal_us_);
+  plan.clock.start(at_us, nominal_us_, latching);
   plan.clock_changed();
+}
+
+void ReadingSchedule::set_latching(std::size_t station, wire::Latching latching) {
+  plans_[station].clock.set_latching(latching);
+  plans_[station].clock_changed();
 }
 
 void ReadingSchedule::stop(std::size_t station) {

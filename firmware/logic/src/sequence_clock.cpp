@@ -5,8 +5,9 @@
 
 namespace triskin::fw {
 
-void SequenceClock::start(std::uint64_t at_us, std::uint32_t nominal_us) {
+void SequenceClock::start(std::uint64_t at_us, std::uint32_t nominal_us, wire::Latching latching) {
   nominal_us_ = nominal_us;
+  latching_ = latching;
   const std::uint64_t nominal = std::uint64_t{nominal_us} << kFraction;
   shortest_ = nominal * (100 - kTolerance_percent) / 100;
   longest_ = nominal * (100 + kTolerance_percent) / 100;
@@ -14,7 +15,7 @@ void SequenceClock::start(std::uint64_t at_us, std::uint32_t nominal_us) {
 }
 
 void SequenceClock::restart(std::uint64_t at_us) {
-  if (contradictions_ >= kMaxContradictions) return start(at_us, nominal_us_);
+  if (contradictions_ >= kMaxContradictions) return start(at_us, nominal_us_, latching_);
   begin(at_us);
 }
 

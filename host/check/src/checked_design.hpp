@@ -23,6 +23,7 @@ struct CheckedDesign {
     bool up;
     Triangle3 corner;
     std::array<int, 3> neighbour;
+    std::array<int, 3> beside;  ///< neighbours, and what a jumper leads to
     double edge_error, center_gap, edge_depth, penetration, overrun, bend_radius;
     std::array<double, 3> hinge_gap, fold;
     int patch, line, address, rotation, parent, depth;
@@ -43,8 +44,14 @@ struct CheckedDesign {
     std::vector<int> modules;
     std::vector<std::array<int, 2>> cut_joints;
   };
+  struct Jumper {
+    std::string kind;
+    std::array<int, 2> module, side;
+    double length, fold;
+  };
   struct Limits {
     double edge_error, hinge_gap, center_gap, fold, penetration, overrun;
+    double jumper;  ///< beside jumpers only, else 0
   };
   std::vector<P3> vertices;
   std::vector<std::array<int, 3>> faces;
@@ -52,10 +59,11 @@ struct CheckedDesign {
   int islands;
   double corner_cut;  ///< mm; 0 where the file has none
   std::vector<Module> modules;
+  std::vector<Jumper> jumpers;
   std::vector<Piece> pieces;
   std::vector<Patch> patches;
   double area_cm2, coverage, coverage_cut, max_edge_error, max_hinge_gap, max_center_gap;
-  int upper_bound, patches_lower_bound;
+  int upper_bound, patches_lower_bound, jumpers_lower_bound;
   std::string method;
   std::uint64_t design_id;
 };
@@ -78,6 +86,7 @@ class Findings {
 void check_modules(const CheckedDesign& design, Findings& findings);  ///< lattice, rigidity, joints
 void check_surface(const CheckedDesign& design, Findings& findings);  ///< gaps, border, overlap, orientation
 void check_pieces(const CheckedDesign& design, Findings& findings);   ///< nets and placements on the plane
+void check_jumpers(const CheckedDesign& design, Findings& findings);  ///< joints between islands
 void check_patches(const CheckedDesign& design, Findings& findings);  ///< wiring
 void check_report(const CheckedDesign& design, Findings& findings);   ///< the numbers and the id that the file states
 

@@ -20,11 +20,12 @@ void stated(Findings& f, const char* rule, double says, double is, double tolera
 
 // Limits are the user's choice and say what the design is measured against; one that is no length or angle makes every
 // comparison void.
-void check_limits(const CheckedDesign::Limits& l, DesignReport& report, Findings& f) {
+void check_limits(const CheckedDesign::Limits& l, bool with_jumpers, DesignReport& report, Findings& f) {
   f.rule("limits");
-  const std::pair<const char*, double> limits[] = {{"edge_error_mm", l.edge_error},   {"hinge_gap_mm", l.hinge_gap},
-                                                   {"center_gap_mm", l.center_gap},   {"fold_rad", l.fold},
-                                                   {"penetration_mm", l.penetration}, {"overrun_mm", l.overrun}};
+  std::vector<std::pair<const char*, double>> limits{{"edge_error_mm", l.edge_error},   {"hinge_gap_mm", l.hinge_gap},
+                                                     {"center_gap_mm", l.center_gap},   {"fold_rad", l.fold},
+                                                     {"penetration_mm", l.penetration}, {"overrun_mm", l.overrun}};
+  if (with_jumpers) limits.emplace_back("jumper_mm", l.jumper);
   for (const auto& [name, value] : limits) {
     report.limits.emplace_back(name, value);
     if (!(std::isfinite(value) && value >= 0.0))
@@ -55,6 +56,9 @@ void check_id(const CheckedDesign& d, Findings& f) {
       for (int axis = 0; axis < 3; ++axis) fnv.add(std::llround(std::clamp(c[axis], -1e9, 1e9) * 1000.0));
     }
     for (const int n : m.neighbour) fnv.add(n);
+  }
+  for (const auto& j : d.jumpers) {
+    for (const int word : {j.module[0], j.side[0], j.module[1], j.side[1]}) fnv.add(word);
   }
   for (const auto& p : d.patches) {
     fnv.add(p.entry);
@@ -108,11 +112,13 @@ DesignReport check_design(const std::filesystem::path& path) {
   const CheckedDesign design = read_checked_design(path);
   DesignReport report;
   report.corner_cut_mm = design.corner_cut;
+  report.modules = design.modules.size();
   Findings findings(report);
-  check_limits(design.limits, report, findings);
+  check_limits(design.limits, !design.jumpers.empty(), report, findings);
   check_modules(design, findings);
   check_surface(design, findings);
   check_pieces(design, findings);
+  check_jumpers(design, findings);
   check_patches(design, findings);
   check_report(design, findings);
   return report;

@@ -42,9 +42,19 @@ class PatchChecker {
     for (const int m : members_) {
       if (module(m).patch != static_cast<int>(index_))
         broken("patch-members", fmt::format("lists module {}, which says it belongs to patch {}", m, module(m).patch));
-      if (module(m).island != module(p_.modules.front()).island)
-        broken("patch-island", fmt::format("module {} lies on another island", m));
     }
+    islands();
+  }
+
+  // Islands hang together by jumpers only; the tree rules say whether they do.
+  void islands() {
+    std::set<int> islands;
+    for (const int m : members_) islands.insert(module(m).island);
+    const auto jumpers = std::ranges::count_if(d_.jumpers, [&](const CheckedDesign::Jumper& j) {
+      return members_.contains(j.module[0]) && members_.contains(j.module[1]);
+    });
+    if (static_cast<int>(islands.size()) > 1 + static_cast<int>(jumpers))
+      broken("patch-island", fmt::format("spans {} islands, {} jumpers join them", islands.size(), jumpers));
   }
 
   void addresses() {
@@ -100,7 +110,7 @@ class PatchChecker {
   void check_input_side(int m, const CheckedDesign::Module& x) {
     if (x.rotation < 0 || x.rotation > 2)
       return broken("rotation", fmt::format("module {} has rotation {}", m, x.rotation));
-    if (x.neighbour[static_cast<std::size_t>(x.rotation)] != x.parent) {
+    if (x.beside[static_cast<std::size_t>(x.rotation)] != x.parent) {
       broken("rotation",
              fmt::format("module {}: its input port lies at side {}, its parent {} does not", m, x.rotation, x.parent));
     }
@@ -111,7 +121,7 @@ class PatchChecker {
     std::set<std::pair<int, int>> cut;
     for (const auto& c : p_.cut_joints) cut.insert(std::minmax(c[0], c[1]));
     for (const int m : p_.modules) {
-      for (const int n : module(m).neighbour) {
+      for (const int n : module(m).beside) {
         if (n < m || !members_.contains(n)) continue;
         const bool in_tree = module(m).parent == n || module(n).parent == m;
         if (in_tree == cut.contains({m, n}))
@@ -124,7 +134,7 @@ class PatchChecker {
     const auto& e = module(p_.entry);
     if (e.rotation < 0 || e.rotation > 2)
       return broken("rotation", fmt::format("entry {} has rotation {}", p_.entry, e.rotation));
-    const int behind_cable = e.neighbour[static_cast<std::size_t>(e.rotation)];
+    const int behind_cable = e.beside[static_cast<std::size_t>(e.rotation)];
     if (behind_cable >= 0 && members_.contains(behind_cable) && module(behind_cable).parent == p_.entry) {
       broken("entry-cable", fmt::format("the cable enters module {} where module {} hangs", p_.entry, behind_cable));
     }
@@ -135,7 +145,7 @@ class PatchChecker {
     if (p_.second_entry < 0) return;
     if (!members_.contains(p_.second_entry))
       return broken("second-entry", fmt::format("second entry {} is not in the patch", p_.second_entry));
-    const int beyond = module(p_.second_entry).neighbour[static_cast<std::size_t>(p_.second_entry_side)];
+    const int beyond = module(p_.second_entry).beside[static_cast<std::size_t>(p_.second_entry_side)];
     if (beyond >= 0 && members_.contains(beyond)) {
       broken("second-entry",
              fmt::format("the second cable enters module {} where module {} is joined", p_.second_entry, beyond));

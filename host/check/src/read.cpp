@@ -6,6 +6,7 @@
 #include "checked_design.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/host/json_cause.hpp"
 
 namespace triskin::check {
 namespace {
@@ -53,6 +54,7 @@ CheckedDesign::Module read_module(const json& j, int n) {
   for (std::size_t k = 0; k < 3; ++k) m.corner[k] = p3(j.at("corners").at(k));
   m.neighbour = three_ints(j.at("neighbours"));
   for (const int v : m.neighbour) bounded(v, -1, n - 1, "neighbour");
+  m.beside = m.neighbour;
   m.edge_error = j.at("edge_error_mm").get<double>();
   m.center_gap = j.at("center_gap_mm").get<double>();
   m.edge_depth = j.at("edge_depth_mm").get<double>();
@@ -109,6 +111,24 @@ CheckedDesign::Patch read_patch(const json& j, int n) {
   return p;
 }
 
+void read_jumpers(const json& list, CheckedDesign& d) {
+  const int n = static_cast<int>(d.modules.size());
+  for (const json& j : list) {
+    CheckedDesign::Jumper jumper{
+        j.at("kind").get<std::string>(), {}, {}, j.at("length_mm").get<double>(), j.at("fold_rad").get<double>()};
+    for (std::size_t k = 0; k < 2; ++k) {
+      jumper.module[k] = bounded(j.at("modules").at(k).get<int>(), 0, n - 1, "module of a jumper");
+      jumper.side[k] = bounded(j.at("sides").at(k).get<int>(), 0, 2, "side of a jumper");
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+      int& beside =
+          d.modules[static_cast<std::size_t>(jumper.module[k])].beside[static_cast<std::size_t>(jumper.side[k])];
+      if (beside < 0) beside = jumper.module[1 - k];  // an occupied side is named by jumper-side
+    }
+    d.jumpers.push_back(std::move(jumper));
+  }
+}
+
 std::uint64_t hex_id(const std::string& text) {
   std::uint64_t id = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id, 16);
@@ -119,8 +139,9 @@ std::uint64_t hex_id(const std::string& text) {
 
 CheckedDesign read_all(const json& j) {
   CheckedDesign d{};
-  if (j.at("format") != "triskin-design" || j.at("version") != 1)
-    throw InputError("not a design file of version 1; make the design again");
+  const bool with_jumpers = j.contains("jumpers");
+  if (j.at("format") != "triskin-design" || j.at("version") != (with_jumpers ? 2 : 1))
+    throw InputError("not a design file of version 1, or 2 with jumpers; make the design again");
   d.vertices = all(j.at("surface").at("vertices"), p3);
   const int n_vertices = static_cast<int>(d.vertices.size());
   d.faces = all(j.at("surface").at("faces"), three_ints);
@@ -129,8 +150,13 @@ CheckedDesign read_all(const json& j) {
   }
   if (d.faces.empty()) throw InputError("the surface has no faces");
   const json& l = j.at("limits");
-  d.limits = {l.at("edge_error_mm"), l.at("hinge_gap_mm"),   l.at("center_gap_mm"),
-              l.at("fold_rad"),      l.at("penetration_mm"), l.at("overrun_mm")};
+  d.limits = {l.at("edge_error_mm"),
+              l.at("hinge_gap_mm"),
+              l.at("center_gap_mm"),
+              l.at("fold_rad"),
+              l.at("penetration_mm"),
+              l.at("overrun_mm"),
+              with_jumpers ? l.at("jumper_mm").get<double>() : 0.0};
   if (j.contains("corner_cut_mm")) d.corner_cut = corner_cut(j["corner_cut_mm"].get<double>());
   d.islands = j.at("islands").get<int>();
   d.method = j.at("method").get<std::string>();
@@ -140,6 +166,7 @@ CheckedDesign read_all(const json& j) {
     bounded(m.at("id").get<int>(), static_cast<int>(d.modules.size()), static_cast<int>(d.modules.size()), "module id");
     d.modules.push_back(read_module(m, n));
   }
+  if (with_jumpers) read_jumpers(j.at("jumpers"), d);
   for (const json& p : j.at("pieces")) d.pieces.push_back(read_piece(p, static_cast<int>(d.faces.size())));
   for (const json& p : j.at("patches")) d.patches.push_back(read_patch(p, n));
   const json& r = j.at("report");
@@ -148,6 +175,7 @@ CheckedDesign read_all(const json& j) {
   d.coverage_cut = d.corner_cut > 0.0 ? r.at("coverage_cut").get<double>() : d.coverage;
   d.upper_bound = r.at("upper_bound");
   d.patches_lower_bound = r.at("patches_lower_bound");
+  d.jumpers_lower_bound = with_jumpers ? r.at("jumpers_lower_bound").get<int>() : 0;
   d.max_edge_error = r.at("max_edge_error_mm");
   d.max_hinge_gap = r.at("max_hinge_gap_mm");
   d.max_center_gap = r.at("max_center_gap_mm");
@@ -172,7 +200,7 @@ CheckedDesign read_checked_design(const std::filesystem::path& path) {
     return read_all(json::parse(text));
   } catch (const json::exception& e) {
     throw InputError(fmt::format("{}: not a design file of this version ({}); make it again with triskin design",
-                                 path.string(), e.what()));
+                                 path.string(), json_cause(e.what())));
   } catch (const InputError& e) {
     throw InputError(fmt::format("{}: {}", path.string(), e.what()));
   }

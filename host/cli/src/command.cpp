@@ -86,6 +86,12 @@ class Bar {
 
 }  // namespace
 
+void Output::each(const nlohmann::json& object) const {
+  if (!json_) return;
+  std::fputs((object.dump() + "\n").c_str(), stdout);
+  std::fflush(stdout);
+}
+
 void Output::say(const std::string& line) const {
   std::FILE* out = messages_aside_ ? stderr : stdout;
   std::fputs((line + "\n").c_str(), out);

@@ -10,6 +10,7 @@
 #include "triskin/cli/command.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/view/page.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -21,7 +22,11 @@ struct Format {
 const std::map<std::string, Format> kFormats{{"picture", {".svg", design::picture_svg}},
                                              {"taxels", {".taxels.csv", design::taxels_csv}},
                                              {"assembly", {".assembly.html", design::assembly_html}},
-                                             {"modules", {".modules.obj", design::modules_obj}}};
+                                             {"modules", {".modules.obj", design::modules_obj}},
+                                             {"html", {".html", view::page_html}},
+                                             {"gltf", {".gltf", design::gltf}},
+                                             {"urdf", {".urdf", design::urdf}},
+                                             {"sdf", {".sdf", design::sdf}}};
 
 struct Options {
   std::string design, format, output;
@@ -41,7 +46,9 @@ const Format& format_of(const Options& options) {
     for (const auto& [name, format] : kFormats) {
       if (has_file && extension_of(options.output) == extension_of(format)) return format;
     }
-    throw InputError("export: say what to write with --format, or by the extension of -o: .svg, .csv, .html or .obj");
+    throw InputError(
+        "export: say what to write with --format, or by the extension of -o: .svg, .csv, .html, .obj, .gltf, .urdf or "
+        ".sdf");
   }
   const Format& format = kFormats.at(options.format);
   if (has_file && extension_of(options.output) != extension_of(format)) {
@@ -66,7 +73,7 @@ int run(const Options& options, Output& output) {
 
 const Registration kExport{{
     "export",
-    "write a picture, the taxel list, the assembly sheet or the modules as a mesh",
+    "write a picture, the taxel list, the assembly sheet, a page, or the modules for other programs",
     "triskin export forearm.design.json --format picture -o forearm.svg",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();

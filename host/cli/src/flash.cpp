@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
 #include <optional>
 
+#include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/jobs/firmware_update.hpp"
 #include "triskin/layout/module.hpp"
@@ -21,7 +23,24 @@ struct Options {
   device::FlashOptions flash;
   std::string route = "normal";
   std::string firmware;
+  std::vector<std::string> assign;
 };
+
+// PATCH=SERIAL, as triskin discover shows the serial number.
+device::FlashOptions::Assignment parse_assignment(const std::string& text) {
+  const std::size_t at = text.find('=');
+  const std::string patch = text.substr(0, at);
+  std::string serial = at == std::string::npos ? "" : text.substr(at + 1);
+  std::ranges::transform(serial, serial.begin(),
+                         [](char c) { return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c; });
+  if (patch.empty() || patch.size() > 6 || patch.find_first_not_of("0123456789") != std::string::npos ||
+      serial.size() != 24 || serial.find_first_not_of("0123456789ABCDEF") != std::string::npos) {
+    throw InputError(fmt::format(
+        "--assign {}: give PATCH=SERIAL, where SERIAL has 24 hexadecimal digits, as triskin discover shows them",
+        text));
+  }
+  return {std::stoi(patch), serial};
+}
 
 // Controllers have addresses of their own by now: the tables were written before.
 nlohmann::json update_all(device::Bus& bus, const device::FirmwarePackage& package, const Options& options,
@@ -52,6 +71,7 @@ std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
 int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   options.flash.route = device::parse_route(options.route);
+  for (const std::string& text : options.assign) options.flash.assign.push_back(parse_assignment(text));
   const design::Design design = design::read_intact_design(options.design);
   std::optional<device::FirmwarePackage> firmware;
   if (!options.firmware.empty()) {
@@ -87,6 +107,7 @@ int run(Options options, Output& output) {
                    {"route", options.route},
                    {"patches", std::move(patches)},
                    {"firmware", std::move(updated)}};
+  report_bus(design.layout.modules.size(), output);
   output.say(fmt::format("{} controllers, {} bytes written, {} skipped as equal; {:.2f} s", r.patches.size(), r.bytes,
                          r.skipped, seconds));
   return 0;
@@ -117,6 +138,15 @@ const Registration kFlash{{
                      "normal; backup:MODULE or backup:MODULE-MODULE: the tree prepared for the failure of a module or "
                      "of a joint")
           ->capture_default_str();
+      app.add_option("--assign", options->assign,
+                     "PATCH=SERIAL: the controller with this serial number serves the patch, whatever it holds; may be "
+                     "given several times");
+      app.add_option("--patch", options->flash.patch, "this patch alone, with its one controller on the link")
+          ->check(CLI::Range(0, int{layout::kLastNode} - 1));
+      app.add_flag("--take-over", options->flash.take_over,
+                   "take controllers that hold a table of another design, too");
+      app.add_flag("--positive-input", options->flash.positive_input,
+                   "the electrodes hang on the converters' positive input, as on the installed iCub boards");
       app.add_flag("--force", options->flash.force, "write tables that are equal, too");
       return [options](Output& output) { return run(*options, output); };
     },

@@ -6,10 +6,14 @@
 #include <memory>
 #include <optional>
 
+#include "live_display.hpp"
 #include "live_icub.hpp"
+#include "offset_lines.hpp"
+#include "rest_store.hpp"
 #include "triskin/cli/link_options.hpp"
+#include "triskin/cli/stream_options.hpp"
 #include "triskin/host/interrupt.hpp"
-#include "triskin/jobs/touch_map.hpp"
+#include "triskin/jobs/live_monitor.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::cli {
@@ -21,35 +25,25 @@ struct Options {
   std::string design;
   std::string protocol = "triskin";
   device::LinkOptions link;
+  device::StreamOptions stream;
   double seconds = 0.0;
   int press = kWalk;  // module, kNobody, or kWalk
   int taxel = -1;
+  bool tare = false;
 };
 
 constexpr std::uint64_t kLine_us = 200'000;
+constexpr std::uint64_t kTareMost_us = 2'000'000;
 constexpr std::uint64_t kRest_us = 150'000;
 constexpr std::uint64_t kFingerMoves_us = 2'000'000;
 
-nlohmann::json to_json(const device::PressedTaxel& t) {
-  return {{"module", t.module},
-          {"taxel", t.taxel},
-          {"change_counts", t.change_counts},
-          {"position_mm", {t.position_mm.x(), t.position_mm.y(), t.position_mm.z()}},
-          {"normal", {t.normal.x(), t.normal.y(), t.normal.z()}}};
-}
-
-std::string to_line(const device::PressedTaxel& t, double time_s, std::size_t others) {
-  const auto bar = std::string(static_cast<std::size_t>(std::clamp(t.change_counts / 500.0, 1.0, 24.0)), '#');
-  return fmt::format("{:7.2f} s  module {:4} taxel {:2}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm  {:6.0f} {:<24} +{} taxels",
-                     time_s, t.module, t.taxel, t.position_mm.x(), t.position_mm.y(), t.position_mm.z(),
-                     t.change_counts, bar, others);
-}
-
-// On a simulated link without a scene nobody would touch the skin: the virtual finger tips on one taxel after another.
+// In a simulation of our own without a scene nobody would touch the skin: the virtual finger tips on one taxel after
+// another. A simulation that somebody else serves has contacts of its own, so there it presses only what it is told to.
 class Demonstrator {
  public:
   Demonstrator(device::Link& link, const Options& options, int modules)
-      : finger_(options.link.scene.empty() || options.press >= 0 ? link.finger() : nullptr),
+      : finger_(options.press >= 0 || (options.link.link == "sim" && options.link.scene.empty()) ? link.finger()
+                                                                                                 : nullptr),
         options_(options),
         modules_(modules) {}
   void step(std::uint64_t elapsed_us) {
@@ -78,6 +72,88 @@ int run_icub(const Options& options, Output& output) {
   return live_icub(options.link, design ? &*design : nullptr, options.seconds, output);
 }
 
+// One run of the command: receives, shows, and does what the keys ask for.
+class Show {
+ public:
+  Show(const Options& options, const design::Design& design, device::Link& link, device::Bus& bus,
+       device::Stream& stream, device::LiveMonitor& monitor, const RestStore& store)
+      : options_(options),
+        design_(design),
+        bus_(bus),
+        stream_(stream),
+        monitor_(monitor),
+        store_(store),
+        demonstrator_(link, options, static_cast<int>(design.layout.modules.size())) {}
+
+  int run(Output& output) {
+    start_us_ = bus_.now_us();
+    if (options_.tare) tare();
+    {
+      const auto display = make_display(design_, output);
+      receive(*display);
+    }
+    output.result = to_json(monitor_, state());
+    if (!last_pressed_.is_null()) output.result["pressed"] = last_pressed_;
+    if (!note_.empty()) output.say(note_);
+    stream_.finish();
+    return conclude(stream_.report(), output);
+  }
+
+ private:
+  [[nodiscard]] std::uint64_t elapsed_us() const { return bus_.now_us() - start_us_; }
+  [[nodiscard]] LiveState state() const {
+    return {static_cast<double>(elapsed_us()) * 1e-6, stream_.frames(), stream_.lost(), note_};
+  }
+
+  void receive(LiveDisplay& display) {
+    const auto end_us = static_cast<std::uint64_t>(options_.seconds * 1e6);
+    while ((end_us == 0 || elapsed_us() < end_us) && !interrupt_request()) {
+      demonstrator_.step(elapsed_us());
+      const std::uint64_t before_us = elapsed_us();
+      const std::uint64_t until_us = end_us == 0 ? before_us + kLine_us : std::min(before_us + kLine_us, end_us);
+      try {
+        stream_.run_until(start_us_ + until_us);
+      } catch (const Cancelled&) {
+        return;  // Ctrl-C is the usual end
+      }
+      monitor_.close_period(static_cast<double>(elapsed_us() - before_us + 1) * 1e-6);
+      const auto wish = display.show(monitor_, state());
+      nlohmann::json now = to_json(monitor_, state())["pressed"];
+      if (!now.empty()) last_pressed_ = std::move(now);
+      if (wish == LiveDisplay::Wish::kEnd) return;
+      if (wish == LiveDisplay::Wish::kTare) tare();
+    }
+  }
+
+  // Takes the present values for those of a skin that nobody touches, and keeps them for the next time.
+  void tare() {
+    monitor_.touches().tare();
+    const std::uint64_t end_us = bus_.now_us() + kTareMost_us;
+    const std::uint64_t frames = stream_.frames();
+    try {
+      do {
+        stream_.run_until(bus_.now_us() + kLine_us);
+      } while (!monitor_.touches().tared() && bus_.now_us() < end_us);
+    } catch (const Cancelled&) {
+      return;
+    }
+    if (stream_.frames() == frames) throw DeviceError(bus_.name() + ": no sample came, so there is nothing to tare");
+    store_.write(monitor_.touches().rest());
+    note_ = fmt::format("rest values were taken and are kept in {}", store_.file().string());
+  }
+
+  const Options& options_;
+  const design::Design& design_;
+  device::Bus& bus_;
+  device::Stream& stream_;
+  device::LiveMonitor& monitor_;
+  const RestStore& store_;
+  Demonstrator demonstrator_;
+  std::uint64_t start_us_ = 0;
+  std::string note_;
+  nlohmann::json last_pressed_;
+};
+
 int run(const Options& options, Output& output) {
   if (options.protocol == "icub") return run_icub(options, output);
   if (options.design.empty()) throw InputError("live: give the design file; only --protocol icub works without");
@@ -87,36 +163,18 @@ int run(const Options& options, Output& output) {
     throw InputError(fmt::format("--press {}: the design has modules 0 … {}", options.press, modules - 1));
   const auto link = device::open_link(options.link, &design);
   device::Bus bus(*link);
-  device::TouchMap map(design);
-  device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { map.add(f); });
-  Demonstrator demonstrator(*link, options, modules);
-  const std::uint64_t start_us = bus.now_us();
-  const auto end_us = static_cast<std::uint64_t>(options.seconds * 1e6);
-  std::vector<device::PressedTaxel> pressed;
-  while ((options.seconds <= 0.0 || bus.now_us() - start_us < end_us) && !interrupt_request()) {
-    demonstrator.step(bus.now_us() - start_us);
-    const std::uint64_t next_us = bus.now_us() + kLine_us;
-    try {
-      stream.run_until(options.seconds > 0.0 ? std::min(next_us, start_us + end_us) : next_us);
-    } catch (const Cancelled&) {
-      break;  // Ctrl-C is the usual end
-    }
-    const auto now = map.pressed();
-    if (!now.empty()) {
-      pressed = now;
-      output.say(to_line(now.front(), static_cast<double>(bus.now_us() - start_us) * 1e-6, now.size() - 1));
-    }
-  }
-  nlohmann::json list = nlohmann::json::array();
-  for (const auto& t : pressed) list.push_back(to_json(t));
-  output.result = {{"frames", stream.frames()}, {"lost", stream.lost()}, {"pressed", std::move(list)}};
-  output.say(fmt::format("{} frames, {} samples lost", stream.frames(), stream.lost()));
-  return 0;
+  nlohmann::json offsets = say_offsets(bus, design, output);
+  const RestStore store(design, bus.discover());
+  device::LiveMonitor monitor(design, options.tare ? device::RestValues{} : store.read());
+  device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { monitor.add(f); }, speaking(options.stream));
+  const int status = Show(options, design, *link, bus, stream, monitor, store).run(output);
+  output.result["offsets"] = std::move(offsets);
+  return status;
 }
 
 const Registration kLive{{
     "live",
-    "taxels under pressure on the terminal, each at its place on the surface",
+    "taxels under pressure: a picture on a terminal, else lines; --json gives an object a line",
     "triskin live forearm.json --link sim --seconds 2",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
@@ -125,13 +183,17 @@ const Registration kLive{{
                      "triskin: full stream; icub: what MTB4 skin boards send, 8 bits a taxel")
           ->check(CLI::IsMember({"triskin", "icub"}));
       add_link_options(app, options->link);
+      add_stream_options(app, options->stream);
       app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));
       app.add_option("--press", options->press,
-                     "simulated link: the virtual finger presses this module (-1: none; without a scene it walks)")
+                     "simulated link: the virtual finger presses this module (-1: none; by default it walks on --link "
+                     "sim without a scene)")
           ->check(CLI::Range(kNobody, 1'000'000));
       app.add_option("--taxel", options->taxel, "with --press: one taxel of the module, with the finger tip")
           ->check(CLI::Range(0, 11));
+      app.add_flag("--tare", options->tare,
+                   "first take the present values as those at rest, and keep them: nobody may touch the skin");
       return [options](Output& output) { return run(*options, output); };
     },
 }};

@@ -15,10 +15,7 @@ namespace {
 constexpr std::uint64_t kLine_us = 500'000;
 
 std::string to_line(const wire::IcubTaxels& t) {
-  const char* trouble = t.no_acknowledge      ? "  no acknowledge"
-                        : t.not_connected     ? "  not connected"
-                        : t.out_of_range != 0 ? "  out of range"
-                                              : "";
+  const char* trouble = t.no_acknowledge ? "  no acknowledge" : t.out_of_range != 0 ? "  out of range" : "";
   return fmt::format("board {:2} triangle {:2}  {:3}{}", t.board, t.module, fmt::join(t.value, " "), trouble);
 }
 
@@ -43,20 +40,26 @@ int live_icub(const device::LinkOptions& link_options, const design::Design* des
     } catch (const Cancelled&) {
       break;  // Ctrl-C is the usual end
     }
-    for (const auto& [place, taxels] : now) output.say(to_line(taxels));
+    for (const auto& [place, taxels] : now) {
+      if (!taxels.not_connected) output.say(to_line(taxels));
+    }
   }
-  nlohmann::json triangles = nlohmann::json::array();
+  nlohmann::json triangles = nlohmann::json::array(), not_connected = nlohmann::json::array();
   for (const auto& [place, t] : now) {
-    triangles.push_back({{"board", t.board},
-                         {"triangle", t.module},
-                         {"values", t.value},
-                         {"no_acknowledge", t.no_acknowledge},
-                         {"not_connected", t.not_connected}});
+    if (t.not_connected) {
+      not_connected.push_back({{"board", t.board}, {"triangle", t.module}});
+      continue;
+    }
+    triangles.push_back(
+        {{"board", t.board}, {"triangle", t.module}, {"values", t.value}, {"no_acknowledge", t.no_acknowledge}});
   }
+  if (!not_connected.empty())
+    output.say(fmt::format("{} triangles are not connected: no module there, or a dead one", not_connected.size()));
   output.result = {{"boards", std::move(boards)},
                    {"frames", stream.frames()},
                    {"lost", stream.lost()},
-                   {"triangles", std::move(triangles)}};
+                   {"triangles", std::move(triangles)},
+                   {"not_connected", std::move(not_connected)}};
   return 0;
 }
 

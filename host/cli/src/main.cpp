@@ -9,8 +9,10 @@
 #include <memory>
 #include <new>
 
+#include "did_you_mean.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/host/error.hpp"
+#include "triskin/host/interrupt.hpp"
 
 namespace {
 
@@ -48,6 +50,12 @@ void require_other_than_inputs(const CLI::App& app, const std::string& output) {
   }
 }
 
+// A command that a signal ended says so in its status as a shell does: 128 and the number of the signal.
+int unless_ended(int status) {
+  constexpr int kSignalled = 128;
+  return triskin::interrupt_signal() > 0 ? kSignalled + triskin::interrupt_signal() : status;
+}
+
 // Runs one command and turns what it throws into its exit status.
 int run_entry(const Entry& entry) {
   try {
@@ -60,9 +68,9 @@ int run_entry(const Entry& entry) {
     if (entry.json) std::fputs((output.result.dump() + "\n").c_str(), stdout);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       return fail("standard output: cannot write; check the disk or the pipe", 2);
-    return status;
+    return unless_ended(status);
   } catch (const triskin::Error& e) {
-    return fail(e.what(), e.exit_status());
+    return unless_ended(fail(e.what(), e.exit_status()));
   } catch (const std::bad_alloc&) {
     return fail("out of memory; use a smaller input", 2);
   } catch (const std::exception& e) {
@@ -96,7 +104,10 @@ int main(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return program.exit(e) == 0 ? EXIT_SUCCESS : 2;
+    if (program.exit(e) == 0) return EXIT_SUCCESS;
+    if (const std::string question = triskin::cli::did_you_mean(program, argc, argv); !question.empty())
+      std::fputs((question + "\n").c_str(), stderr);
+    return 2;
   }
   for (const auto& entry : entries) {
     if (entry->app->parsed()) return run_entry(*entry);

@@ -7,7 +7,9 @@
 #include <iostream>
 #include <memory>
 
+#include "offset_lines.hpp"
 #include "triskin/cli/link_options.hpp"
+#include "triskin/cli/stream_options.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -55,11 +57,13 @@ int run(Options options, Output& output) {
     earlier.push_back(to_json(f));
     output.say(fmt::format("remembered from before, not there now: {}", f.text));
   }
-  output.result = {{"modules_ok", r.modules_ok},
-                   {"modules", r.modules},
-                   {"touched", r.touched},
-                   {"findings", std::move(findings)},
-                   {"earlier", std::move(earlier)}};
+  output.result = {{"modules_ok", r.modules_ok},    {"modules", r.modules},
+                   {"touched", r.touched},          {"findings", std::move(findings)},
+                   {"earlier", std::move(earlier)}, {"offsets", say_offsets(bus, design, output)}};
+  if (r.stream) {
+    add_stream_keys(*r.stream, output);
+    for (const std::string& line : sentences(*r.stream)) output.say(line);
+  }
   output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched,
                          r.findings.size()));
   return r.findings.empty() ? 0 : 1;

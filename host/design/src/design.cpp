@@ -77,6 +77,9 @@ std::uint64_t design_id_of(const Design& design) {
     }
     for (const int n : m.neighbour) hash.add(n);
   }
+  for (const Jumper& j : design.layout.jumpers) {
+    for (const int field : {j.node[0], j.side[0], j.node[1], j.side[1]}) hash.add(field);
+  }
   for (const Patch& patch : design.patches) {
     hash.add(patch.entry);
     hash.add(patch.second_entry);

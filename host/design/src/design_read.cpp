@@ -2,7 +2,9 @@
 #include <charconv>
 #include <optional>
 
+#include "alternatives_json.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/design/design_text.hpp"
 #include "triskin/design/json_value.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/host/files.hpp"
@@ -10,7 +12,6 @@
 namespace triskin::design {
 namespace {
 
-constexpr int kMaxLattice = 1'000'000;  // coordinates; far beyond any cover, safely inside int
 constexpr int kMaxCount = 10'000'000;
 
 Vec2 vec2(const JsonValue& v) {
@@ -45,6 +46,10 @@ auto index_or_none(std::size_t n) {
   return [n](const JsonValue& v) { return v.integer(-1, static_cast<int>(n) - 1); };
 }
 
+bool has(const JsonValue& v, const char* key) {
+  return v.raw().is_object() && v.raw().contains(key);
+}
+
 double number(const JsonValue& v) {
   return v.number();
 }
@@ -64,6 +69,25 @@ void read_limits(const JsonValue& v, LayoutLimits& l) {
   l.fold_rad = v["fold_rad"].number();
   l.penetration_mm = v["penetration_mm"].number();
   l.overrun_mm = v["overrun_mm"].number();
+  if (has(v, "jumper_mm")) l.jumper_mm = v["jumper_mm"].number();
+}
+
+Jumper read_jumper(const JsonValue& v, std::size_t n_modules) {
+  Jumper j;
+  const auto kind = kJumperKindNames.value(v["kind"].text());
+  if (!kind) v["kind"].fail("must be " + kJumperKindNames.list());
+  j.kind = *kind;
+  const JsonValue modules = v["modules"], sides = v["sides"];
+  modules.require_size(2);
+  sides.require_size(2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    j.node[k] = index_below(n_modules)(modules.at(k));
+    j.side[k] = sides.at(k).integer(0, 2);
+  }
+  if (j.node[0] >= j.node[1]) modules.fail("must name two modules, the lesser id first");
+  j.length_mm = v["length_mm"].number();
+  j.fold_rad = v["fold_rad"].number();
+  return j;
 }
 
 Mesh read_surface(const JsonValue& v) {
@@ -183,6 +207,7 @@ Design::Report read_report(const JsonValue& v) {
   r.max_hinge_gap_mm = v["max_hinge_gap_mm"].number();
   r.max_center_gap_mm = v["max_center_gap_mm"].number();
   r.seconds = v["seconds"].number();
+  if (has(v, "jumpers_lower_bound")) r.jumpers_lower_bound = v["jumpers_lower_bound"].integer(0, kMaxCount);
   r.coverage_cut = v.raw().contains("coverage_cut") ? v["coverage_cut"].number() : r.coverage;
   return r;
 }
@@ -190,17 +215,19 @@ Design::Report read_report(const JsonValue& v) {
 void check_head(const JsonValue& v) {
   if (v["format"].text() != "triskin-design") v["format"].fail("must be \"triskin-design\"");
   const int version = v["version"].integer(0, kMaxCount);
-  if (version != Design::kVersion) {
-    v["version"].fail(fmt::format("is {}, this program reads {}; make the design again or use the matching release",
-                                  version, Design::kVersion));
+  if (version != Design::kVersion && version != Design::kJumperVersion) {
+    v["version"].fail(
+        fmt::format("is {}, this program reads {} and {}; make the design again or use the matching release", version,
+                    Design::kVersion, Design::kJumperVersion));
   }
+  if (has(v, "jumpers") != (version == Design::kJumperVersion))
+    v["version"].fail(fmt::format("is {}: version {} and no other has \"jumpers\"", version, Design::kJumperVersion));
 }
 
 }  // namespace
 
-Design read_design(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  const nlohmann::json document = parse_json(read_file(path), file);
+Design parse_design(const std::string& text, const std::string& file) {
+  const nlohmann::json document = parse_json(text, file);
   const JsonValue v(document, file, "");
   check_head(v);
   Design d;
@@ -219,6 +246,8 @@ Design read_design(const std::filesystem::path& path) {
   for (std::size_t k = 0; k < modules.size(); ++k) {
     d.layout.modules.push_back(read_module(modules.at(k), k, modules.size()));
   }
+  if (has(v, "jumpers"))
+    d.layout.jumpers = list(v["jumpers"], [&](const JsonValue& j) { return read_jumper(j, modules.size()); });
   const JsonValue patches = v["patches"];
   for (std::size_t p = 0; p < patches.size(); ++p) d.patches.push_back(read_patch(patches.at(p), p, modules));
   if (!v["refused"].raw().is_object()) v["refused"].fail("must be an object");
@@ -226,7 +255,12 @@ Design read_design(const std::filesystem::path& path) {
     d.layout.refused.emplace_back(limit, v["refused"][limit.c_str()].integer(0, kMaxCount));
   }
   d.report = read_report(v["report"]);
+  read_alternatives(v, d);
   return d;
+}
+
+Design read_design(const std::filesystem::path& path) {
+  return parse_design(read_file(path), path.string());
 }
 
 Design read_intact_design(const std::filesystem::path& path) {

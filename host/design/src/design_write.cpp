@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "alternatives_json.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/host/files.hpp"
 
@@ -29,9 +30,20 @@ json surface_json(const Mesh& mesh) {
   return {{"vertices", list(mesh.vertices)}, {"faces", mesh.faces}};
 }
 
-json limits_json(const LayoutLimits& l) {
-  return {{"edge_error_mm", l.edge_error_mm}, {"hinge_gap_mm", l.hinge_gap_mm},     {"center_gap_mm", l.center_gap_mm},
-          {"fold_rad", l.fold_rad},           {"penetration_mm", l.penetration_mm}, {"overrun_mm", l.overrun_mm}};
+json limits_json(const LayoutLimits& l, bool with_jumpers) {
+  json limits = {{"edge_error_mm", l.edge_error_mm},   {"hinge_gap_mm", l.hinge_gap_mm},
+                 {"center_gap_mm", l.center_gap_mm},   {"fold_rad", l.fold_rad},
+                 {"penetration_mm", l.penetration_mm}, {"overrun_mm", l.overrun_mm}};
+  if (with_jumpers) limits["jumper_mm"] = l.jumper_mm;
+  return limits;
+}
+
+json jumper_json(const Jumper& j) {
+  return {{"kind", kJumperKindNames.name(j.kind)},
+          {"modules", j.node},
+          {"sides", j.side},
+          {"length_mm", j.length_mm},
+          {"fold_rad", j.fold_rad}};
 }
 
 json piece_json(const PlacedPiece& p) {
@@ -106,7 +118,7 @@ json patch_json(const Patch& p, int id) {
           {"failures", std::move(failures)}};
 }
 
-json report_json(const Design::Report& r, bool is_cut) {
+json report_json(const Design::Report& r, bool with_jumpers, bool is_cut) {
   json report = {{"area_cm2", r.area_cm2},
                  {"coverage", r.coverage},
                  {"upper_bound", r.upper_bound},
@@ -115,6 +127,7 @@ json report_json(const Design::Report& r, bool is_cut) {
                  {"max_hinge_gap_mm", r.max_hinge_gap_mm},
                  {"max_center_gap_mm", r.max_center_gap_mm},
                  {"seconds", r.seconds}};
+  if (with_jumpers) report["jumpers_lower_bound"] = r.jumpers_lower_bound;
   if (is_cut) report["coverage_cut"] = r.coverage_cut;
   return report;
 }
@@ -135,22 +148,25 @@ void write_design(const std::filesystem::path& path, const Design& design) {
   json refused = json::object();
   for (const auto& [limit, count] : design.layout.refused) refused[limit] = count;
   const bool is_cut = design.layout.corner_cut_mm > 0.0;
+  const bool with_jumpers = !design.layout.jumpers.empty();
   json file = {{"format", "triskin-design"},
-               {"version", Design::kVersion},
+               {"version", with_jumpers ? Design::kJumperVersion : Design::kVersion},
                {"name", design.name},
                {"design_id", fmt::format("{:016x}", design.design_id)},
                {"seed", design.seed},
                {"source", {{"file", design.source_file}, {"scale_to_mm", design.scale_to_mm}}},
                {"surface", surface_json(design.surface)},
-               {"limits", limits_json(design.limits)},
+               {"limits", limits_json(design.limits, with_jumpers)},
                {"method", kLayoutMethodNames.name(design.layout.method)},
                {"islands", design.layout.islands},
                {"pieces", std::move(pieces)},
                {"modules", std::move(modules)},
                {"patches", std::move(patches)},
                {"refused", std::move(refused)},
-               {"report", report_json(design.report, is_cut)}};
+               {"report", report_json(design.report, with_jumpers, is_cut)}};
   if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // files without a cut stay as they were
+  write_alternatives(design, file);
+  for (const Jumper& j : design.layout.jumpers) file["jumpers"].push_back(jumper_json(j));
   write_output(path, file.dump() + "\n");
 }
 

@@ -95,6 +95,38 @@ void add_modules(const Design& d, const View& view, const std::vector<ModuleWiri
   }
 }
 
+void add_jumpers(const Design& d, const View& view, std::vector<Shape>& shapes) {
+  for (const Jumper& j : d.layout.jumpers) {
+    std::array<Vec3, 2> end;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto& corner = d.layout.modules.at(static_cast<std::size_t>(j.node[k])).corner_mm;
+      const auto s = static_cast<std::size_t>(j.side[k]);
+      end[k] = (corner[s] + corner[(s + 1) % 3]) / 2.0;
+    }
+    const Vec2 a = view.flat(end[0]), b = view.flat(end[1]);
+    shapes.push_back({view.height(end[0]) + 2e6,
+                      fmt::format("<line class=\"jumper\" x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" "
+                                  "stroke=\"#d00\" stroke-width=\"3\" stroke-linecap=\"round\"/>\n",
+                                  a.x(), a.y(), b.x(), b.y())});
+  }
+}
+
+std::string jumpers_html(const Design& design, const Patch& patch) {
+  std::string rows;
+  for (const Jumper& j : design.layout.jumpers) {
+    if (std::ranges::find(patch.modules, j.node[0], &RoutedModule::node) == patch.modules.end()) continue;
+    const auto port = [&](std::size_t k) {
+      const auto found = std::ranges::find(patch.modules, j.node[k], &RoutedModule::node);
+      const int rotation = found == patch.modules.end() ? 0 : found->rotation;
+      return static_cast<char>('A' + (j.side[k] + 3 - rotation) % 3);
+    };
+    rows += fmt::format("<tr><td>{}, port {}</td><td>{}, port {}</td><td>{}</td><td>{:.0f} mm</td></tr>\n", j.node[0],
+                        port(0), j.node[1], port(1), kJumperKindNames.name(j.kind), std::ceil(j.length_mm));
+  }
+  if (rows.empty()) return {};
+  return "<table><tr><th>jumper from</th><th>to</th><th>kind</th><th>length</th></tr>\n" + rows + "</table>\n";
+}
+
 std::string cutting_html(double corner_cut_mm) {
   if (corner_cut_mm <= 0.0) return {};
   return fmt::format(
@@ -117,6 +149,7 @@ std::string picture_svg(const Design& design) {
   std::vector<Shape> shapes;
   add_surface(design, view, shapes);
   add_modules(design, view, wiring_of(design), shapes);
+  add_jumpers(design, view, shapes);
   std::ranges::stable_sort(shapes, {}, &Shape::height);
   const Vec2 low = view.box().min() - Vec2(10, 10), size = view.box().sizes() + Vec2(20, 34);
   std::string svg = fmt::format(
@@ -173,7 +206,7 @@ std::string assembly_html(const Design& design) {
           m.line, m.address, layout::cdc_address(m.address), 120 * m.rotation,
           m.parent < 0 ? "cable" : std::to_string(m.parent), tile.i, tile.j, tile.up ? "up" : "down");
     }
-    html += "</table>\n";
+    html += "</table>\n" + jumpers_html(design, patch);
   }
   return html;
 }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "triskin/design/module_graph.hpp"
+
 namespace triskin::design {
 
 PortEnds joints_of(const Design& design, int patch_index, std::span<const int> rotations) {
@@ -17,13 +19,12 @@ PortEnds joints_of(const Design& design, int patch_index, std::span<const int> r
   };
   PortEnds ends(routed.size());
   for (std::size_t k = 0; k < routed.size(); ++k) {
-    const auto& neighbour = design.layout.modules.at(static_cast<std::size_t>(routed[k].node)).neighbour;
+    const std::array<int, 3> neighbour = joined_to(design.layout, routed[k].node);
     for (int side = 0; side < 3; ++side) {
       const int other =
           neighbour[static_cast<std::size_t>(side)] < 0 ? -1 : row_of(neighbour[static_cast<std::size_t>(side)]);
       if (other < 0 || (k == 0 && side == routed[0].rotation)) continue;
-      const auto& back =
-          design.layout.modules[static_cast<std::size_t>(routed[static_cast<std::size_t>(other)].node)].neighbour;
+      const std::array<int, 3> back = joined_to(design.layout, routed[static_cast<std::size_t>(other)].node);
       const auto far = std::ranges::find(back, routed[k].node);
       const int far_side = static_cast<int>(far - back.begin());
       if (far == back.end() || (other == 0 && far_side == routed[0].rotation)) continue;

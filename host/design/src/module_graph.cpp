@@ -14,7 +14,28 @@ ModuleGraph graph_of(const ModuleLayout& layout) {
     node.center_mm = {center.x(), center.y(), center.z()};
     graph.nodes.push_back(node);
   }
+  return with_jumpers(std::move(graph), layout.jumpers);
+}
+
+ModuleGraph with_jumpers(ModuleGraph graph, const std::vector<Jumper>& jumpers) {
+  for (const Jumper& j : jumpers) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      ModuleGraph::Node& node = graph.nodes.at(static_cast<std::size_t>(j.node[k]));
+      node.neighbour.at(static_cast<std::size_t>(j.side[k])) = j.node[1 - k];
+      node.border.at(static_cast<std::size_t>(j.side[k])) = false;
+    }
+  }
   return graph;
+}
+
+std::array<int, 3> joined_to(const ModuleLayout& layout, int id) {
+  std::array<int, 3> joined = layout.modules.at(static_cast<std::size_t>(id)).neighbour;
+  for (const Jumper& j : layout.jumpers) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (j.node[k] == id) joined.at(static_cast<std::size_t>(j.side[k])) = j.node[1 - k];
+    }
+  }
+  return joined;
 }
 
 }  // namespace triskin::design

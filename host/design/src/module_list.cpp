@@ -10,8 +10,6 @@
 namespace triskin::design {
 namespace {
 
-constexpr int kMaxLattice = 1'000'000;
-
 bool has(const JsonValue& v, const char* key) {
   return v.raw().is_object() && v.raw().contains(key);
 }

@@ -7,28 +7,61 @@
 #include <chrono>
 #include <cmath>
 
+#include "choose_layout.hpp"
 #include "triskin/design/module_list.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/geometry/bend_seams.hpp"
 #include "triskin/geometry/extract.hpp"
+#include "triskin/geometry/jumpers.hpp"
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/polygon_io.hpp"
 #include "triskin/geometry/routing.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
+#include "triskin/host/error.hpp"
 
 namespace triskin::pipeline {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kPiecesShare = 0.12;                      // of the time; what the growth has left after it
-constexpr double kPieceLeast_s = 0.1;                      // a piece gets, or what a short limit has for it
-constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;  // up to which the limit binds
-constexpr double kRoutingShare = 0.1, kRoutingMost_s = 0.8;
+constexpr double kRepairShare = 0.4, kRepairLeast_s = 2.0;  // processor time
+constexpr double kUnfoldingShare = 0.3;                     // of what reading and repair leave
+constexpr double kPiecesShare = 0.12;                       // of the time; what the growth has left after it
+constexpr double kPieceLeast_s = 0.1;                       // a piece gets, or what a short limit has for it
+constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;   // up to which the limit binds
+constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& name, const DesignOptions& options,
+                                const ProgressSink& progress) {
+  if (options.repair == RepairMode::kNever) {
+    geometry::require_manifold(mesh, name);
+    geometry::Extraction e = geometry::extract(mesh, progress);
+    geometry::require_no_self_intersection(e.surface, name);
+    return e;
+  }
+  geometry::ExtractOptions steps;
+  steps.repair = steps.keep_usable = true;
+  steps.outer = steps.wrap = geometry::ExtractOptions::When::kWhenNeeded;
+  steps.repair_s = std::max(kRepairLeast_s, kRepairShare * options.time_limit_s);
+  return geometry::extract(mesh, steps, progress);
+}
+
+// The pieces give up when their share of the time is over, so that the growth has its own; with a fixed number of
+// steps the result must not depend on the time.
+geometry::Net pieces_of(const geometry::Surface& surface, const DesignOptions& options, Clock::time_point start,
+                        const ProgressSink& progress) {
+  geometry::UnfoldingOptions unfolding;
+  unfolding.edge_error_mm = options.limits.edge_error_mm;
+  if (options.bend_radius_mm > 0.0) unfolding.seams = geometry::seams_along_bends(surface, options.bend_radius_mm);
+  const double end_s =
+      seconds_since(start) + kUnfoldingShare * std::max(0.0, options.time_limit_s - seconds_since(start));
+  if (options.iterations == 0) unfolding.give_up = [=] { return seconds_since(start) > end_s; };
+  return geometry::unfold(surface, unfolding, progress);
 }
 
 // Large pieces first; each may use what its share of the area leaves of the time.
@@ -72,53 +105,95 @@ void fill_report(design::Design& design, const geometry::Surface& surface) {
   }
 }
 
+geometry::RoutingOptions routing_options(const design::Design& design) {
+  geometry::RoutingOptions routing;
+  routing.seed = design.seed;
+  routing.price = design.price;
+  return routing;
+}
+
+// Controllers, jumpers and report of the layout.
+void wire(design::Design& design, const geometry::Surface& surface, const std::vector<design::Jumper>& places,
+          const ProgressSink& progress) {
+  geometry::RoutingResult routes =
+      geometry::route(design::graph_of(design.layout), places, routing_options(design), progress);
+  design.layout.jumpers = std::move(routes.jumpers);
+  design.patches = std::move(routes.patches);
+  design.report = {};
+  fill_report(design, surface);
+  design.report.patches_lower_bound = routes.lower_bound;
+  design.report.jumpers_lower_bound = routes.jumpers_lower_bound;
+  design.design_id = design::design_id_of(design);
+}
+
 }  // namespace
 
+design::Design take_alternative(const design::Design& design, int index, const ProgressSink& progress) {
+  const auto start = Clock::now();
+  if (index < 0 || index >= static_cast<int>(design.alternatives.size())) {
+    throw InputError(
+        design.alternatives.empty()
+            ? std::string("the design has no alternatives; make it again with triskin design")
+            : fmt::format("alternative {} is not there; 0 … {} are", index, design.alternatives.size() - 1));
+  }
+  design::Design taken = design;
+  const geometry::Surface surface(taken.surface);
+  taken.layout = taken.alternatives[static_cast<std::size_t>(index)].layout;
+  taken.taken = index;
+  geometry::measure(surface, taken.layout);
+  wire(taken, surface, geometry::find_jumpers(surface, taken.layout, taken.limits), progress);
+  taken.report.seconds = seconds_since(start);
+  return taken;
+}
+
 design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
-                           const ProgressSink& progress, MethodComparison* comparison) {
+                           const ProgressSink& progress, DesignNotes* notes) {
   const auto start = Clock::now();
   design::Design design;
   design.name = mesh.stem().string();
   design.source_file = mesh.filename().string();
   design.seed = options.seed;
   design.limits = options.limits;
+  design.price = options.price;
   const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit);
   design.scale_to_mm = file.report.scale_to_mm;
-  geometry::require_manifold(file.mesh, mesh.string());
-  design.surface = geometry::extract(file.mesh, progress).surface;
-  geometry::require_no_self_intersection(design.surface, mesh.string());
+  geometry::Extraction extraction = surface_of(file.mesh, mesh.string(), options, progress);
+  design.surface = std::move(extraction.surface);
+  if (notes != nullptr) notes->extract = extraction.report;
   const geometry::Surface surface(design.surface);
-  geometry::UnfoldingOptions unfolding;
-  unfolding.edge_error_mm = options.limits.edge_error_mm;
-  if (options.bend_radius_mm > 0.0) unfolding.seams = geometry::seams_along_bends(surface, options.bend_radius_mm);
-  const geometry::Net net = geometry::unfold(surface, unfolding, progress);
+  const geometry::Net net = pieces_of(surface, options, start, progress);
   const auto placed = place_pieces(design, net, options, start, progress);
   report(progress, "mapping to the surface", -1.0);
-  design.layout = geometry::map_modules(surface, placed, options.limits, options.corner_cut_mm);
+  std::vector<design::ModuleLayout> layouts{
+      geometry::map_modules(surface, placed, options.limits, options.corner_cut_mm)};
   geometry::SurfaceLatticeOptions lattice;
   lattice.seed = options.seed;
   lattice.iterations = options.iterations;
   lattice.corner_cut_mm = options.corner_cut_mm;
   lattice.threads = options.threads;
-  lattice.island_cost = options.island_cost;
-  lattice.controller_cost = options.controller_cost;
+  lattice.price = options.price;
+  lattice.front = options.iterations > 0 || options.time_limit_s > kShortLimit_s;
   const double routing_s = std::min(kRoutingShare * options.time_limit_s, kRoutingMost_s);
   // The pieces of a fine mesh may take longer than the whole limit on a busy machine: the growth keeps its share all
   // the same.
   lattice.time_limit_s = std::max({0.1, kGrowthShare * (options.time_limit_s - kShortLimit_s),
                                    options.time_limit_s - routing_s - seconds_since(start)});
-  design::ModuleLayout grown = geometry::grow_lattice(surface, options.limits, lattice, progress);
-  if (comparison != nullptr)
-    *comparison = {static_cast<int>(design.layout.modules.size()), static_cast<int>(grown.modules.size())};
-  if (geometry::layout_value(grown, lattice) > geometry::layout_value(design.layout, lattice))
-    design.layout = std::move(grown);
-  geometry::RoutingOptions routing;
-  routing.seed = options.seed;
-  geometry::RoutingResult routes = geometry::route(design::graph_of(design.layout), routing, progress);
-  design.patches = std::move(routes.patches);
-  fill_report(design, surface);
-  design.report.patches_lower_bound = routes.lower_bound;
-  design.design_id = design::design_id_of(design);
+  std::vector<design::ModuleLayout> grown = geometry::grow_front(surface, options.limits, lattice, progress);
+  if (notes != nullptr) {
+    notes->pieces = static_cast<int>(layouts[0].modules.size());
+    notes->surface = static_cast<int>(grown[0].modules.size());
+  }
+  std::ranges::move(grown, std::back_inserter(layouts));
+  const geometry::RoutingOptions routing = routing_options(design);
+  report(progress, "pricing", -1.0, fmt::format("{} layouts", layouts.size()));
+  std::vector<WiredLayout> choices = by_value(surface, std::move(layouts), options.limits, routing, options.threads);
+  design.alternatives = front_of(choices);
+  design.layout = std::move(choices[0].layout);
+  for (std::size_t k = 0; k < design.alternatives.size(); ++k) {
+    if (design.alternatives[k].layout.modules.size() == design.layout.modules.size())
+      design.taken = static_cast<int>(k);
+  }
+  wire(design, surface, choices[0].places, progress);
   design.report.seconds = seconds_since(start);
   return design;
 }

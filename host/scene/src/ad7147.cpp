@@ -9,6 +9,8 @@ namespace {
 
 // Register names and fields: AD7147 data sheet rev. E, tables 20 to 24 and 48 to 52.
 constexpr std::uint16_t kPwrControl = 0x000;
+constexpr std::uint16_t kAmbCompControl0 = 0x002;
+constexpr std::uint16_t kConvReset = 0x8000;  // clears itself
 constexpr std::uint16_t kStageCompleteStatus = 0x00A;
 constexpr std::uint16_t kResults = 0x00B;
 constexpr std::uint16_t kDeviceIdRegister = 0x017;
@@ -18,7 +20,7 @@ constexpr int kPins = 13;
 constexpr int kPinsInLowRegister = 7;
 
 constexpr int kMidScale = 0x8000;
-constexpr double kCountsPerAfeStep = 0.32 / 8.0 * 32768.0;  // offset DAC: 0.32 pF a step; converter: ±8 pF
+constexpr double kCountsPerPf = 32768.0 / 8.0;  // the converter's range is ±8 pF
 
 constexpr std::uint64_t kSequenceUs[] = {36'900, 18'400, 9'200, 9'200};  // 12 stages, per decimation field
 constexpr std::uint64_t kLowPowerDelayUs[] = {200'000, 400'000, 600'000, 800'000};
@@ -33,14 +35,14 @@ int connection(const std::uint16_t* stage, int pin) {
   return (stage[low ? 0 : 1] >> (2 * (low ? pin : pin - kPinsInLowRegister))) & 3;
 }
 
+}  // namespace
+
 // A six-bit offset step count with its swap bit (bit 7 of the field): positive adds to the result.
-double afe_counts(std::uint16_t afe) {
+double Ad7147::afe_counts(std::uint16_t afe) const {
   const double negative = (afe & 0x3F) * ((afe & 0x80) != 0 ? -1.0 : 1.0);
   const double positive = ((afe >> 8) & 0x3F) * ((afe & 0x8000) != 0 ? -1.0 : 1.0);
-  return (negative - positive) * kCountsPerAfeStep;
+  return (negative - positive) * behaviour_.afe_step_pf * kCountsPerPf;
 }
-
-}  // namespace
 
 void Ad7147::schedule_power_dip(std::uint64_t at_us, std::uint64_t every_us) {
   next_dip_us_ = at_us;
@@ -51,6 +53,8 @@ void Ad7147::reset(std::uint64_t now_us) {
   setup_.fill(0);
   stage_.fill(0);
   latched_.fill(0);
+  changed_us_.fill(now_us);
+  shifted_ = false;
   restart_us_ = status_read_us_ = now_us;
 }
 
@@ -101,18 +105,48 @@ std::uint16_t Ad7147::read_register(std::uint16_t address, std::uint64_t now_us)
 
 void Ad7147::write_register(std::uint16_t address, std::uint16_t value, std::uint64_t now_us) {
   apply_power_dips(now_us);
-  if (address == kPwrControl) {
-    constexpr std::uint16_t kSoftwareReset = 1U << 10;
-    if ((value & kSoftwareReset) != 0) return reset(now_us);
-    latch_results(now_us);
-    restart_us_ = now_us;
+  if (address == kPwrControl) return write_power_control(value, now_us);
+  if (address == kAmbCompControl0 && (value & kConvReset) != 0) {
+    restart_sequence(now_us);
+    value = static_cast<std::uint16_t>(value & ~kConvReset);
   }
   if (address < kSetupRegisters) setup_[address] = value;
-  if (address >= kStageSetup && address < kStageSetup + kStageRegisters) stage_[address - kStageSetup] = value;
+  if (address < kStageSetup || address >= kStageSetup + kStageRegisters) return;
+  const auto at = static_cast<std::size_t>(address - kStageSetup);
+  if (stage_[at] == value) return;
+  latch_results(now_us);
+  changed_us_[at / std::size_t{kRegistersPerStage}] = now_us;
+  stage_[at] = value;
 }
 
+void Ad7147::write_power_control(std::uint16_t value, std::uint64_t now_us) {
+  constexpr std::uint16_t kSoftwareReset = 1U << 10;
+  if ((value & kSoftwareReset) != 0) return reset(now_us);
+  const bool changed = value != setup_[kPwrControl];
+  if (changed) {
+    latch_results(now_us);
+    changed_us_.fill(now_us);
+  }
+  setup_[kPwrControl] = value;
+  if (behaviour_.power_control_restarts) return restart_sequence(now_us);
+  if (!changed) return;
+  shifted_ = behaviour_.shifted_after_stop;
+  // The sequencer goes on somewhere: the golden ratio spreads the phases.
+  const std::uint64_t phase_us = now_us * 0x9E3779B97F4A7C15ULL % (period_ns() / 1000);
+  restart_us_ = now_us - std::min(now_us, phase_us);
+}
+
+void Ad7147::restart_sequence(std::uint64_t now_us) {
+  latch_results(now_us);
+  shifted_ = false;
+  restart_us_ = now_us;
+}
+
+// What the registers show stays until a stage ends anew.
 void Ad7147::latch_results(std::uint64_t now_us) {
-  for (int s = 0; s < kStages; ++s) latched_[static_cast<std::size_t>(s)] = result(s, now_us);
+  std::array<std::uint16_t, kStages> shown{};
+  for (int s = 0; s < kStages; ++s) shown[static_cast<std::size_t>(s)] = result(s, now_us);
+  latched_ = shown;
 }
 
 int Ad7147::stages_on() const {
@@ -175,9 +209,22 @@ std::uint16_t Ad7147::convert(int stage, const Conversion& conversion) const {
   return static_cast<std::uint16_t>(std::clamp(std::lround(value), 0L, 0xFFFFL));
 }
 
-std::uint16_t Ad7147::result(int stage, std::uint64_t now_us) const {
-  const Conversion last = last_conversion(stage, now_us);
-  return last.at_us == kNever ? latched_[static_cast<std::size_t>(stage)] : convert(stage, last);
+Ad7147::Conversion Ad7147::shown_conversion(int stage, std::uint64_t now_us) const {
+  Conversion last = last_conversion(stage, now_us);
+  if (!behaviour_.latched_at_end || last.at_us == kNever) return last;
+  const Conversion end = last_conversion(stages_on() - 1, now_us);
+  if (end.at_us == kNever) return {};
+  if (end.number == last.number) return last;
+  return {restart_us_ + (stage_ns() * static_cast<std::uint64_t>(stage + 1) + end.number * period_ns()) / 1000,
+          end.number};
+}
+
+std::uint16_t Ad7147::result(int place, std::uint64_t now_us) const {
+  const int stage = shifted_ ? (place + kStages - 1) % kStages : place;
+  const Conversion shown = shown_conversion(stage, now_us);
+  // A conversion that ended before the setup changed has left its result.
+  const bool stale = shown.at_us == kNever || shown.at_us <= changed_us_[static_cast<std::size_t>(stage)];
+  return stale ? latched_[static_cast<std::size_t>(place)] : convert(stage, shown);
 }
 
 std::uint16_t Ad7147::complete_status(std::uint64_t now_us) {

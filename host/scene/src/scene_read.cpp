@@ -3,10 +3,12 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <string_view>
 #include <utility>
 
 #include "triskin/design/json_value.hpp"
+#include "triskin/design/module_graph.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/scene/scene.hpp"
 
@@ -71,6 +73,7 @@ class Reader {
     if (c.to_mm && c.until_us == kForever) v["to_mm"].fail("needs \"until_s\": the time at which it arrives");
     if (has(v, "radius_mm")) c.radius_mm = number_in(v["radius_mm"], 0.1, 1000.0);
     if (has(v, "force_n")) c.force_n = number_in(v["force_n"], 0.0, 1000.0);
+    require_felt(v, c);
     return c;
   }
 
@@ -104,6 +107,25 @@ class Reader {
     const auto k = static_cast<std::size_t>(m);
     const auto taxels = design::taxels_of(design_.layout.modules[k], wiring_[k].routed.rotation);
     return taxels[static_cast<std::size_t>(v["taxel"].integer(0, 11))].position_mm;
+  }
+
+  // A contact that no taxel feels is a mistake in the scene, which would otherwise look like a dead skin.
+  void require_felt(const JsonValue& v, const Contact& c) const {
+    if (has(v, "taxel") && !layout::measures_pressure(static_cast<std::size_t>(v["taxel"].raw().get<int>())))
+      v["taxel"].fail(fmt::format("pad {} measures temperature and feels no finger; choose another taxel",
+                                  v["taxel"].raw().get<int>()));
+    double nearest_mm = std::numeric_limits<double>::infinity();
+    for (std::size_t m = 0; m < wiring_.size(); ++m) {
+      const auto taxels = design::taxels_of(design_.layout.modules[m], wiring_[m].routed.rotation);
+      for (std::size_t t = 0; t < taxels.size(); ++t) {
+        if (layout::measures_pressure(t)) nearest_mm = std::min(nearest_mm, distance_mm(c, taxels[t].position_mm));
+      }
+    }
+    if (nearest_mm >= c.radius_mm)
+      v.fail(
+          fmt::format("no taxel feels this contact: the nearest is {:.1f} mm away, its radius is {:.1f} mm; the "
+                      "positions stand in the design file, in mm",
+                      nearest_mm, c.radius_mm));
   }
 
   void read_keys(const JsonValue& v, Fault& f) const {
@@ -164,8 +186,7 @@ class Reader {
     if (f.kind == FaultKind::kOpenJoint || f.kind == FaultKind::kShortedJoint || f.kind == FaultKind::kExtraJoint) {
       f.other = module(v["other"]);
       if (f.other == f.module) v["other"].fail("must be another module");
-      const bool neighbours =
-          std::ranges::count(design_.layout.modules[static_cast<std::size_t>(f.module)].neighbour, f.other) > 0;
+      const bool neighbours = std::ranges::count(design::joined_to(design_.layout, f.module), f.other) > 0;
       if (!neighbours && f.kind != FaultKind::kExtraJoint) v["other"].fail("has no joint with \"module\"");
     }
     if (has(v, "at_s")) f.from_us = time_us(v["at_s"]);
@@ -191,14 +212,27 @@ class Reader {
   std::vector<design::ModuleWiring> wiring_;
 };
 
+void hash_in(std::uint64_t& hash, std::uint64_t value) {
+  constexpr std::uint64_t kPrime = 0x100000001B3ULL;
+  for (int k = 0; k < 64; k += 8) hash = (hash ^ (value >> k & 0xFF)) * kPrime;
+}
+
+void read_electrodes(const JsonValue& v, Effects& e) {
+  constexpr double kMost_pf = 30.0;
+  v.require_size(2);
+  e.electrode_least_pf = number_in(v.at(0), 0.0, kMost_pf);
+  e.electrode_most_pf = number_in(v.at(1), e.electrode_least_pf, kMost_pf);
+}
+
 Effects read_effects(const JsonValue& v) {
-  only_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "bus_bit_rate", "bus_data_bit_rate",
-                "chain_bit_error_rate"});
+  only_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "electrode_pf", "bus_bit_rate",
+                "bus_data_bit_rate", "chain_bit_error_rate"});
   Effects e;
   if (has(v, "chain_bit_error_rate")) e.chain_bit_error_rate = number_in(v["chain_bit_error_rate"], 0.0, 0.5);
   if (has(v, "noise_counts")) e.noise_counts = number_in(v["noise_counts"], 0.0, 1e4);
   if (has(v, "drift_counts_per_s")) e.drift_counts_per_s = number_in(v["drift_counts_per_s"], -1e4, 1e4);
   if (has(v, "taxel_spread_counts")) e.taxel_spread_counts = number_in(v["taxel_spread_counts"], 0.0, 1e4);
+  if (has(v, "electrode_pf")) read_electrodes(v["electrode_pf"], e);
   if (has(v, "bus_bit_rate")) e.bus_bit_rate = static_cast<std::uint64_t>(v["bus_bit_rate"].integer(10'000, 1'000'000));
   if (has(v, "bus_data_bit_rate")) {
     e.bus_data_bit_rate = static_cast<std::uint64_t>(v["bus_data_bit_rate"].integer(10'000, 8'000'000));
@@ -215,6 +249,28 @@ void read_head(const JsonValue& v) {
 }
 
 }  // namespace
+
+std::uint64_t hardware_id(const Scene& scene) {
+  std::uint64_t hash = 0xCBF29CE484222325ULL;  // FNV-1a
+  hash_in(hash, scene.switched ? 1 : 0);
+  for (const Fault& f : scene.faults) {
+    for (const int v : {static_cast<int>(f.kind), f.module, f.other, f.patch, f.line, f.address, f.taxel, f.value,
+                        f.bit, f.stuck_scl ? 1 : 0, f.frees_after_pulses})
+      hash_in(hash, static_cast<std::uint64_t>(static_cast<std::int64_t>(v)));
+    for (const std::uint64_t t : {f.from_us, f.until_us, f.every_us}) hash_in(hash, t);
+  }
+  return hash;
+}
+
+double distance_mm(const Contact& contact, const design::Vec3& point_mm) {
+  design::Vec3 nearest = contact.position_mm;
+  if (contact.to_mm) {
+    const design::Vec3 path = *contact.to_mm - contact.position_mm;
+    const double length2 = path.squaredNorm();
+    if (length2 > 0.0) nearest += path * std::clamp((point_mm - contact.position_mm).dot(path) / length2, 0.0, 1.0);
+  }
+  return (point_mm - nearest).norm();
+}
 
 int real_rotation(const Scene& scene, int module) {
   const auto wiring = design::wiring_of(scene.design);

@@ -52,8 +52,11 @@ ModuleSkin::ModuleSkin(const Scene& scene, int module, int rotation)
   const auto taxels = design::taxels_of(scene.design.layout.modules[static_cast<std::size_t>(module)], rotation);
   for (std::size_t t = 0; t < taxels.size(); ++t) {
     position_mm_[t] = taxels[t].position_mm;
-    const double spread = scene.effects.taxel_spread_counts * (2.0 * uniform(mix(seed_ + t)) - 1.0);
-    rest_counts_[t] = kRestCounts + spread;
+    const Effects& e = scene.effects;
+    const double spread = e.taxel_spread_counts * (2.0 * uniform(mix(seed_ + t)) - 1.0);
+    const double electrode_pf =
+        e.electrode_least_pf + (e.electrode_most_pf - e.electrode_least_pf) * uniform(mix(seed_ ^ mix(t)));
+    rest_counts_[t] = electrode_pf * kCountsPerPf + spread;
   }
 }
 
@@ -72,16 +75,8 @@ double ModuleSkin::counts(int cin, std::uint64_t at_us) const {
 }
 
 bool ModuleSkin::reached_by(const Contact& contact) const {
-  return std::any_of(position_mm_.begin(), position_mm_.end(), [&](const design::Vec3& p) {
-    // A moving contact reaches what is within its radius of its path.
-    design::Vec3 nearest = contact.position_mm;
-    if (contact.to_mm) {
-      const design::Vec3 path = *contact.to_mm - contact.position_mm;
-      const double length2 = path.squaredNorm();
-      if (length2 > 0.0) nearest += path * std::clamp((p - contact.position_mm).dot(path) / length2, 0.0, 1.0);
-    }
-    return (p - nearest).norm() < contact.radius_mm;
-  });
+  return std::any_of(position_mm_.begin(), position_mm_.end(),
+                     [&](const design::Vec3& p) { return distance_mm(contact, p) < contact.radius_mm; });
 }
 
 void ModuleSkin::add(const Touch& touch) {
@@ -127,6 +122,7 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
   for (std::size_t m = 0; m < places.size(); ++m) {
     const Place& place = places[m];
     chips_.push_back(std::make_unique<Ad7147>(modules_[m], place.device_id));
+    chips_.back()->set_behaviour(scene.effects.converter);
     if (!place.present) continue;
     if (switched != nullptr && switched->present())
       attach(*chips_.back(), static_cast<int>(m), place.patch, *switched);

@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
+#include <string>
 
 #include "triskin/host/error.hpp"
-#include "triskin/scene/bus_time.hpp"
+#include "triskin/host/files.hpp"
+#include "triskin/layout/flash_pages.hpp"
 
 namespace triskin::scene {
 namespace {
@@ -32,6 +35,24 @@ int plugged_patch(const Scene& scene, int patch) {
     if (f.other == patch) return f.patch;
   }
   return patch;
+}
+
+// The boards remember the faults of their patch. Another scene is another patch: what was remembered is not its own.
+constexpr const char* kHardwareFile = "hardware";
+
+bool is_noted(const std::filesystem::path& folder, const Scene& scene) {
+  std::ifstream in(folder / kHardwareFile);
+  std::string noted;
+  return in >> noted && noted == fmt::format("{:016x}", hardware_id(scene));
+}
+
+void note(const std::filesystem::path& folder, const Scene& scene) {
+  write_file_atomically(folder / kHardwareFile, fmt::format("{:016x}\n", hardware_id(scene)));
+}
+
+void forget_faults(FlashMemory& flash) {
+  for (std::size_t k = 0; k < layout::kFaultPages; ++k)
+    (void)flash.erase_page((layout::kFirstFaultPage + k) * flash.page_bytes());
 }
 
 }  // namespace
@@ -59,11 +80,13 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
                                    state_folder.string(), error.message()));
     }
   }
+  const bool other_hardware = !state_folder.empty() && !is_noted(state_folder, scene_);
   for (std::size_t p = 0; p < nodes_.size(); ++p) {
     Node& node = nodes_[p];
     node.flash = state_folder.empty() ? std::make_unique<FlashMemory>(kFlashBytes)
                                       : std::make_unique<FlashMemory>(
                                             kFlashBytes, state_folder / fmt::format("controller_{}.flash", p + 1));
+    if (other_hardware) forget_faults(*node.flash);
     const int plugged = plugged_patch(scene_, static_cast<int>(p));
     for (int l = 0; l < layout::kLines; ++l) node.board.lines[static_cast<std::size_t>(l)] = &skin_.line(plugged, l);
     if (switched_.present()) node.board.chain = &switched_.patch(plugged);
@@ -74,9 +97,15 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
     node.board.flash = node.flash.get();
     node.board.slots = node.slots.get();
     node.board.unique_id = unique_id_of(scene_.design.design_id, p);
-    node.board.send = [this, p](const wire::CanFrame& frame) { pending_.push_back({frame, p}); };
+    node.board.send = [this, p](const wire::CanFrame& frame) {
+      pending_.push_back({frame, p});
+      ++nodes_[p].in_buffers;
+    };
+    // As the FDCAN of the microcontroller: what waits for the bus waits in three buffers, the rest in the controller.
+    node.board.room = [this, p] { return scene_.effects.bus_bit_rate == 0 || nodes_[p].in_buffers < kBuffers; };
     power_up(p);
   }
+  if (other_hardware) note(state_folder, scene_);
 }
 
 VirtualSkin::~VirtualSkin() = default;
@@ -121,13 +150,36 @@ void VirtualSkin::deliver(const Pending& pending) {
   if (on_frame_) on_frame_(pending.frame, now_us_);
 }
 
-std::uint64_t VirtualSkin::frame_us(const wire::CanFrame& frame) const {
+wire::BitRates VirtualSkin::bit_rates() const {
   const Effects& e = scene_.effects;
-  if (e.bus_bit_rate == 0) return 0;
-  const FrameBits bits = bits_of(frame);
-  const std::uint64_t data_rate = e.bus_data_bit_rate != 0 ? e.bus_data_bit_rate : e.bus_bit_rate;
-  return static_cast<std::uint64_t>(bits.nominal) * 1'000'000 / e.bus_bit_rate +
+  return {static_cast<std::uint32_t>(e.bus_bit_rate), static_cast<std::uint32_t>(e.bus_data_bit_rate)};
+}
+
+std::uint64_t VirtualSkin::frame_us(const wire::CanFrame& frame) const {
+  const wire::BitRates rates = bit_rates();
+  if (rates.nominal == 0) return 0;
+  const wire::FrameBits bits = wire::bits_of(frame);
+  const std::uint64_t data_rate = rates.data != 0 ? rates.data : rates.nominal;
+  return static_cast<std::uint64_t>(bits.nominal) * 1'000'000 / rates.nominal +
          static_cast<std::uint64_t>(bits.data) * 1'000'000 / data_rate;
+}
+
+// Arbitration: the lowest base identifier wins, and at equal ones the 11-bit frame. Frames of one sender leave in the
+// order in which it sent them, so only its first one takes part.
+std::deque<VirtualSkin::Pending>::iterator VirtualSkin::winner() {
+  const auto priority = [](const Pending& p) {
+    const std::uint32_t base = p.frame.extended ? p.frame.id >> 18 : p.frame.id;
+    return std::pair{(base << 1) | (p.frame.extended ? 1U : 0U), p.frame.id};
+  };
+  std::vector<bool> heard(nodes_.size() + 1, false);  // the last one: the host
+  auto best = pending_.end();
+  for (auto p = pending_.begin(); p != pending_.end(); ++p) {
+    const std::size_t sender = std::min(p->from, nodes_.size());
+    if (heard[sender]) continue;
+    heard[sender] = true;
+    if (best == pending_.end() || priority(*p) < priority(*best)) best = p;
+  }
+  return best;
 }
 
 // Moves at most one frame on; true: something changed at this instant.
@@ -140,18 +192,13 @@ bool VirtualSkin::advance_bus() {
     return true;
   }
   if (pending_.empty()) return false;
-  auto first = pending_.begin();
-  if (scene_.effects.bus_bit_rate != 0) {
-    // Arbitration: the lowest base identifier wins, and at equal ones the 11-bit frame.
-    const auto priority = [](const Pending& p) {
-      const std::uint32_t base = p.frame.extended ? p.frame.id >> 18 : p.frame.id;
-      return std::pair{(base << 1) | (p.frame.extended ? 1U : 0U), p.frame.id};
-    };
-    first = std::min_element(pending_.begin(), pending_.end(),
-                             [&](const auto& a, const auto& b) { return priority(a) < priority(b); });
-  }
+  const auto first = scene_.effects.bus_bit_rate != 0 ? winner() : pending_.begin();
   const Pending next = *first;
   pending_.erase(first);
+  if (next.from != kHost) {
+    --nodes_[next.from].in_buffers;
+    nodes_[next.from].run_again_us = now_us_;
+  }
   const std::uint64_t duration_us = frame_us(next.frame);
   bus_busy_us_ += duration_us;
   if (duration_us == 0) {

@@ -86,6 +86,11 @@ void SimServer::accept_client() {
   const int on = 1;
   (void)::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   clients_.push_back({socket, {}, {}, 0, false});
+  std::array<std::uint8_t, 8> rates{};
+  ByteWriter w(rates);
+  w.le32(skin_.bit_rates().nominal);
+  w.le32(skin_.bit_rates().data);
+  record::put(clients_.back().out, record::kBitRates, rates);
 }
 
 void SimServer::read_client(Client& client) {

@@ -144,6 +144,9 @@ std::optional<wire::CanFrame> TcpLink::receive(std::uint64_t until_us) {
   while (true) {
     while (const auto r = record::take(in_)) {
       if (r->kind == record::kCanFrame) return record::frame_of(*r);
+      ByteReader reader(r->contents);
+      const wire::BitRates rates{reader.le32(), reader.le32()};
+      if (r->kind == record::kBitRates && reader.ok()) rates_ = rates;
     }
     const std::uint64_t now = now_us();
     const std::uint64_t left_us = until_us > now ? until_us - now : 0;

@@ -260,7 +260,8 @@ void Machine::Core::reset_core() {
   gpio_.set_boot_pin(setup_.boot_pin_high);
   cell_writes_.clear();
   exception_entry_.clear();
-  book_bus_error();
+  for (const Trouble t : {Trouble::kBusError, Trouble::kArbitrationLoss, Trouble::kStretch, Trouble::kCanError})
+    book(t);
   sleeping_ = fp_active_ = nmi_ = reset_wanted_ = stalled_ = false;
   in_rom_loader_ = boots_from_rom();
   sleeping_ = in_rom_loader_;  // it waits for a host on UART, I²C, SPI, USB or CAN, which nobody here is
@@ -407,23 +408,52 @@ void Machine::Core::run_until(Time until) {
   }
 }
 
-// The next spurious bus error, on whichever line is busy then; the times between two are exponential.
-void Machine::Core::book_bus_error() {
-  if (setup_.bus_errors_per_hour <= 0) return;
-  const double mean_s = 3600 / setup_.bus_errors_per_hour;
-  const double wait_s = std::exponential_distribution<double>(1 / mean_s)(random_);
-  time_.after(static_cast<Time>(wait_s * static_cast<double>(kSecond)), [this] { spoil_a_transfer(); });
+double Machine::Core::per_hour(Trouble trouble) const {
+  const Disturbances& d = setup_.disturbances;
+  switch (trouble) {
+    case Trouble::kBusError:
+      return d.bus_errors;
+    case Trouble::kArbitrationLoss:
+      return d.arbitration_losses;
+    case Trouble::kStretch:
+      return d.clock_stretches;
+    case Trouble::kCanError:
+      break;
+  }
+  return d.can_errors;
 }
 
-// When no line is busy the error waits for the next transfer.
-void Machine::Core::spoil_a_transfer() {
+// The next one; the times between two are exponential.
+void Machine::Core::book(Trouble trouble) {
+  if (per_hour(trouble) <= 0) return;
+  const double mean_s = 3600 / per_hour(trouble);
+  const double wait_s = std::exponential_distribution<double>(1 / mean_s)(random_);
+  time_.after(static_cast<Time>(wait_s * static_cast<double>(kSecond)), [this, trouble] { make(trouble); });
+}
+
+// When nothing is under way it waits for the next transfer or frame.
+void Machine::Core::make(Trouble trouble) {
+  if (disturb(trouble)) return book(trouble);
+  time_.after(17 * kMicrosecond, [this, trouble] { make(trouble); });
+}
+
+// On whichever line is busy.
+bool Machine::Core::disturb(Trouble trouble) {
+  if (trouble == Trouble::kCanError) {
+    const bool spoilt = can_.spoil_frame();
+    counts_.can_errors += spoilt ? 1 : 0;
+    counts_.bus_offs = can_.bus_offs();
+    return spoilt;
+  }
   const std::size_t first = random_() % i2c_.size();
   for (std::size_t k = 0; k < i2c_.size(); ++k) {
-    if (!i2c_[(first + k) % i2c_.size()]->spurious_bus_error()) continue;
-    ++counts_.spurious_bus_errors;
-    return book_bus_error();
+    I2cController& line = *i2c_[(first + k) % i2c_.size()];
+    if (trouble == Trouble::kBusError && line.spurious_bus_error()) return ++counts_.spurious_bus_errors > 0;
+    if (trouble == Trouble::kArbitrationLoss && line.lose_arbitration()) return ++counts_.arbitration_losses > 0;
+    const Time stretch = (60 + random_() % 340) * kMicrosecond;
+    if (trouble == Trouble::kStretch && line.stretch(stretch)) return ++counts_.clock_stretches > 0;
   }
-  time_.after(17 * kMicrosecond, [this] { spoil_a_transfer(); });
+  return false;
 }
 
 // The core waits for an instruction from the bank that is being written (RM0440 §3.3.5): nothing else happens in it, no

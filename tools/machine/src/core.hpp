@@ -74,8 +74,11 @@ class Machine::Core final : public Surroundings {
   bool gate_open(const Window& w);
 
   void execute(Time until);
-  void book_bus_error();
-  void spoil_a_transfer();
+  enum class Trouble : std::uint8_t { kBusError, kArbitrationLoss, kStretch, kCanError };
+  [[nodiscard]] double per_hour(Trouble trouble) const;
+  void book(Trouble trouble);
+  void make(Trouble trouble);
+  [[nodiscard]] bool disturb(Trouble trouble);
   void wait_for_flash(Time until);
   void finish_it_block();
   void after_execution(uc_err error);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "can_bits.hpp"
 #include "map.hpp"
 
 namespace triskin::machine {
@@ -14,7 +15,9 @@ constexpr std::uint32_t kDbtp = 0x0C, kCccr = 0x18, kNbtp = 0x1C, kTdcr = 0x48, 
                         kRxgfc = 0x80, kTxbc = 0xC0;
 constexpr std::uint32_t kFifo0 = 0x0B0, kTx = 0x278, kElement = 72, kExtFilters = 0x070;
 constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
-constexpr std::uint32_t kNewMessage = 1, kFull = 2, kLost = 4, kTxDone = 1U << 7;
+constexpr std::uint32_t kNewMessage = 1, kFull = 2, kLost = 4, kTxDone = 1U << 7, kPassiveChanged = 1U << 17,
+                        kWarningChanged = 1U << 18, kOffChanged = 1U << 19;
+constexpr std::uint32_t kWarning = 96, kPassive = 128, kOff = 256;  // error counters (ISO 11898-1)
 
 }  // namespace
 
@@ -27,7 +30,9 @@ void Fdcan::reset() {
   incoming_.clear();
   to_send_.clear();
   fill_ = get_ = put_ = tx_put_ = 0;
-  bus_busy_ = false;
+  bus_busy_ = bus_off_ = false;
+  send_errors_ = receive_errors_ = 0;
+  joins_at_ = 0;
   update_irqs();
 }
 
@@ -35,16 +40,74 @@ void Fdcan::update_irqs() {
   around_.set_irq(map::kFdcanIrq, (regs_[kIr / 4] & regs_[kIe / 4]) != 0 && (regs_[kIle / 4] & 1) != 0);
 }
 
-// Bits without stuffing: 11-bit frames 47 + 8n, 29-bit 67 + 8n; FD frames have their data phase at the data rate.
+Time Fdcan::nominal_bit() const {
+  const std::uint32_t n = regs_[kNbtp / 4];
+  return ((n >> 16 & 511) + 1) * ((n >> 8 & 255) + 1 + (n & 127) + 1 + 1) * (kSecond / around_.sysclk_hz());
+}
+
 Time Fdcan::frame_time(const wire::CanFrame& frame) const {
-  const Time clock = kSecond / around_.sysclk_hz();
-  const std::uint32_t n = regs_[kNbtp / 4], d = regs_[kDbtp / 4];
-  const Time nominal = ((n >> 16 & 511) + 1) * ((n >> 8 & 255) + 1 + (n & 127) + 1 + 1) * clock;
-  const Time data = ((d >> 16 & 31) + 1) * ((d >> 8 & 31) + 1 + (d >> 4 & 15) + 1 + 1) * clock;
-  if (!frame.fd) return nominal * ((frame.extended ? 67U : 47U) + 8U * frame.size);
-  const Time crc = frame.size > 16 ? 26 : 22;
-  return nominal * (frame.extended ? 48U : 29U) +
-         (frame.bit_rate_switch ? data : nominal) * (9 + 8U * frame.size + crc);
+  const std::uint32_t d = regs_[kDbtp / 4];
+  const Time data =
+      ((d >> 16 & 31) + 1) * ((d >> 8 & 31) + 1 + (d >> 4 & 15) + 1 + 1) * (kSecond / around_.sysclk_hz());
+  const CanBits bits = can_bits(frame);
+  return nominal_bit() * bits.nominal + data * bits.data;
+}
+
+// Who sees an error while it sends counts eight, while it receives one; each frame without error takes one away.
+void Fdcan::count_error() {
+  const auto state = [&] { return protocol_status() & 0xE0U; };
+  const std::uint32_t before = state();
+  if (own_frame_)
+    send_errors_ += 8;
+  else
+    receive_errors_ = std::min(receive_errors_ + 1, kPassive);
+  if (send_errors_ >= kOff) return leave_bus();
+  const std::uint32_t changed = before ^ state();
+  if ((changed & 1U << 5) != 0) regs_[kIr / 4] |= kPassiveChanged;
+  if ((changed & 1U << 6) != 0) regs_[kIr / 4] |= kWarningChanged;
+}
+
+void Fdcan::count_success(bool mine) {
+  std::uint32_t& count = mine ? send_errors_ : receive_errors_;
+  count -= std::min(count, 1U);
+}
+
+// Bus-off: the block stops by itself, and may come back after 129 times eleven recessive bits once INIT is cleared.
+void Fdcan::leave_bus() {
+  bus_off_ = true;
+  ++bus_offs_;
+  regs_[kCccr / 4] |= 1;
+  regs_[kIr / 4] |= kOffChanged;
+}
+
+// PSR: error passive, warning, bus-off.
+std::uint32_t Fdcan::protocol_status() const {
+  const std::uint32_t most = std::max(send_errors_, receive_errors_);
+  return (most >= kPassive ? 1U << 5 : 0U) | (most >= kWarning ? 1U << 6 : 0U) | (bus_off_ ? 1U << 7 : 0U);
+}
+
+void Fdcan::rejoin() {
+  const Time wait = nominal_bit() * (129 * 11);
+  bus_off_ = false;
+  send_errors_ = receive_errors_ = 0;
+  joins_at_ = around_.time().now() + wait;
+  around_.time().after(wait, [this, g = generation_] {
+    if (g == generation_) next_on_bus();
+  });
+}
+
+bool Fdcan::spoil_frame() {
+  if (!bus_busy_ || !running()) return false;
+  ++generation_;  // the frame does not end
+  count_error();
+  around_.time().after(nominal_bit() * kErrorFrameBits, [this, g = generation_] {
+    if (g != generation_) return;
+    bus_busy_ = false;
+    if (trace_ != nullptr) trace_->can_busy(false, around_.time().now());
+    next_on_bus();
+  });
+  update_irqs();
+  return true;
 }
 
 wire::CanFrame Fdcan::read_element(std::uint32_t offset) const {
@@ -110,6 +173,7 @@ void Fdcan::from_bus(const wire::CanFrame& frame) {
 // One frame at a time; the lower identifier wins (11-bit before 29-bit with equal leading bits).
 void Fdcan::next_on_bus() {
   if (bus_busy_ || (incoming_.empty() && (to_send_.empty() || !running()))) return;
+  if (around_.time().now() < joins_at_) return;
   const auto rank = [](const wire::CanFrame& f) {
     return f.extended ? static_cast<std::uint64_t>(f.id) << 1 | 1 : static_cast<std::uint64_t>(f.id) << 19;
   };
@@ -118,21 +182,26 @@ void Fdcan::next_on_bus() {
   const bool mine = can_send && (incoming_.empty() || rank(own) < rank(incoming_.front()));
   const wire::CanFrame frame = mine ? own : incoming_.front();
   bus_busy_ = true;
+  own_frame_ = mine;
   if (trace_ != nullptr) trace_->can_busy(mine, around_.time().now());
   around_.time().after(frame_time(frame), [this, mine, frame, g = generation_] {
-    if (g != generation_) return;
-    bus_busy_ = false;
-    if (trace_ != nullptr) trace_->can_busy(false, around_.time().now());
-    if (mine) {
-      const std::uint32_t index = to_send_.front();
-      to_send_.pop_front();
-      sent(index, frame);
-    } else {
-      incoming_.pop_front();
-      deliver(frame);
-    }
-    next_on_bus();
+    if (g == generation_) end_frame(mine, frame);
   });
+}
+
+void Fdcan::end_frame(bool mine, const wire::CanFrame& frame) {
+  bus_busy_ = false;
+  if (trace_ != nullptr) trace_->can_busy(false, around_.time().now());
+  count_success(mine);
+  if (mine) {
+    const std::uint32_t index = to_send_.front();
+    to_send_.pop_front();
+    sent(index, frame);
+  } else {
+    incoming_.pop_front();
+    deliver(frame);
+  }
+  next_on_bus();
 }
 
 void Fdcan::sent(std::uint32_t index, const wire::CanFrame& frame) {
@@ -170,6 +239,9 @@ void Fdcan::check_start() {
 std::uint32_t Fdcan::read(std::uint32_t offset, unsigned) {
   if (offset == 0x00) return 0x32141218;  // CREL
   if (offset == 0x04) return 0x87654321;  // ENDN
+  if (offset == 0x40)
+    return send_errors_ | std::min(receive_errors_, 127U) << 8 | (receive_errors_ > 127 ? 1U << 15 : 0U);
+  if (offset == 0x44) return protocol_status();
   if (offset == 0x90) return fill_ | get_ << 8 | put_ << 16 | (fill_ == 3 ? 1U << 24 : 0U);
   if (offset == 0xC4) {
     const auto waiting = static_cast<std::uint32_t>(to_send_.size());
@@ -192,6 +264,7 @@ void Fdcan::write(std::uint32_t offset, std::uint32_t value, unsigned) {
       if ((value & 0x300) != (cccr & 0x300) && (cccr & 3) != 3)
         around_.violation("FDCAN: FDOE or BRSE changed without INIT and CCE");
       if ((value & 1) == 0 && (cccr & 1) != 0) check_start();
+      if ((value & 1) == 0 && bus_off_) rejoin();
       cccr = (value & 1) == 0 ? value & ~2U : value;
       break;
     }

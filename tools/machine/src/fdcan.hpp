@@ -11,7 +11,8 @@
 namespace triskin::machine {
 
 /// FDCAN1 and its message RAM (RM0440 §44): initialization rules, filters, receive FIFO 0 of three, transmit FIFO of
-/// three, interrupts; frames take the time of their bits at the programmed rates.
+/// three, interrupts; frames take the time of their bits, stuff bits too, at the programmed rates. A spoilt frame is
+/// followed by an error frame and sent again; error counters, error states, bus-off (§44.3.3).
 class Fdcan final : public Peripheral {
  public:
   using Sink = std::function<void(const wire::CanFrame&, std::uint64_t now_us)>;
@@ -26,9 +27,20 @@ class Fdcan final : public Peripheral {
   void write_ram(std::uint32_t offset, std::uint32_t value) { ram_[offset / 4] = value; }
   /// A frame from another node; waits its turn on the bus.
   void from_bus(const wire::CanFrame& frame);
+  /// The frame that is under way is spoilt: an error frame, and its sender begins again. False: the bus is idle.
+  bool spoil_frame();
+  /// How often it left the bus.
+  [[nodiscard]] std::uint64_t bus_offs() const { return bus_offs_; }
 
  private:
+  [[nodiscard]] Time nominal_bit() const;
   [[nodiscard]] Time frame_time(const wire::CanFrame& frame) const;
+  void count_error();
+  void count_success(bool mine);
+  void leave_bus();
+  void rejoin();
+  [[nodiscard]] std::uint32_t protocol_status() const;
+  void end_frame(bool mine, const wire::CanFrame& frame);
   [[nodiscard]] wire::CanFrame read_element(std::uint32_t offset) const;
   void write_element(std::uint32_t offset, const wire::CanFrame& frame);
   [[nodiscard]] bool accepted(const wire::CanFrame& frame) const;
@@ -48,7 +60,10 @@ class Fdcan final : public Peripheral {
   std::deque<wire::CanFrame> incoming_;
   std::deque<std::uint32_t> to_send_;
   std::uint32_t fill_ = 0, get_ = 0, put_ = 0, tx_put_ = 0;
-  bool bus_busy_ = false;
+  bool bus_busy_ = false, own_frame_ = false, bus_off_ = false;
+  std::uint32_t send_errors_ = 0, receive_errors_ = 0;
+  std::uint64_t bus_offs_ = 0;
+  Time joins_at_ = 0;  // after bus-off: no frame before
   std::uint64_t generation_ = 0;
 };
 

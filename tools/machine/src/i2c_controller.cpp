@@ -20,6 +20,7 @@ void I2cController::reset() {
   cr1_ = cr2_ = timing_ = timeout_ = 0;
   isr_ = kTxEmpty;
   tx_waits_ = shifting_ = stretched_ = on_bus_ = false;
+  stretch_ = 0;
   update_irqs();
 }
 
@@ -92,6 +93,23 @@ bool I2cController::spurious_bus_error() {
   if (!on_bus_ || (cr1_ & 1) == 0 || (isr_ & kBusError) != 0) return false;
   isr_ |= kBusError;
   update_irqs();
+  return true;
+}
+
+bool I2cController::lose_arbitration() {
+  if (!on_bus_ || (cr1_ & 1) == 0) return false;
+  ++generation_;  // nothing that was under way ends
+  cr2_ &= ~kStartBit;
+  tx_waits_ = shifting_ = stretched_ = on_bus_ = false;
+  busy_time_ += around_.time().now() - busy_since_;
+  isr_ = (isr_ & ~(kTxIs | kTc)) | kArbitrationLost | kBusy;
+  update_irqs();
+  return true;
+}
+
+bool I2cController::stretch(Time by) {
+  if (!on_bus_ || stretch_ != 0) return false;
+  stretch_ = by;
   return true;
 }
 
@@ -180,6 +198,10 @@ void I2cController::begin() {
   reading_ = (cr2_ & kReadBit) != 0;
   count_ = cr2_ >> 16 & 255;
   loaded_ = moved_ = 0;
+  if ((isr_ & kBusy) != 0 && !on_bus_) {
+    around_.violation(fmt::format("I2C{}: start after lost arbitration before the bus was cleared", line_ + 1));
+    return;
+  }
   if (tx_waits_)
     around_.violation(fmt::format("I2C{}: start while TXDR still holds a byte of the transfer before", line_ + 1));
   tx_waits_ = shifting_ = stretched_ = false;
@@ -227,7 +249,7 @@ void I2cController::shift_out() {
   shifting_ = true;
   tx_waits_ = false;
   if (loaded_ < count_) isr_ |= kTxIs;
-  after(scl_period() * 9, [this, byte = tx_] {
+  after(scl_period() * 9 + std::exchange(stretch_, 0), [this, byte = tx_] {
     shifting_ = false;
     const bool acknowledged = bus_.write(byte, around_.time().now_us());
     if (!lines_free()) return hang();
@@ -245,7 +267,7 @@ void I2cController::shift_out() {
 }
 
 void I2cController::shift_in() {
-  after(scl_period() * 9, [this] {
+  after(scl_period() * 9 + std::exchange(stretch_, 0), [this] {
     const bool more = moved_ + 1 < count_;
     held_ = bus_.read(more, around_.time().now_us());
     if (!lines_free()) return hang();

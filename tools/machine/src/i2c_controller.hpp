@@ -33,6 +33,11 @@ class I2cController final : public Peripheral {
   /// A transfer sees a bus error where none is and goes on (errata ES0430, 2.15.2). False: no transfer is under way, or
   /// the last one still stands.
   bool spurious_bus_error();
+  /// The controller takes a disturbance for another master: it lets go in the middle of a transfer, and the chips are
+  /// left where they are. The bus counts as busy until a stop. False: no transfer is under way.
+  bool lose_arbitration();
+  /// A chip holds SCL low for so long after the next byte. False: no transfer is under way.
+  bool stretch(Time by);
   [[nodiscard]] Time busy_time() const { return busy_time_; }
   [[nodiscard]] Time scl_period() const;
   /// Rise time of SCL from 30 to 70 %, ns, as UM10204 counts it.
@@ -72,6 +77,7 @@ class I2cController final : public Peripheral {
   std::uint32_t rise_ns_ = 0;
   std::uint64_t generation_ = 0;
   bool on_bus_ = false;
+  Time stretch_ = 0;
   Time busy_since_ = 0, busy_time_ = 0;
 };
 

@@ -40,6 +40,7 @@ class VirtualI2cLine final : public fw::I2cLine {
 
   void start(std::uint8_t address, Bytes write, std::span<std::uint8_t> read) override {
     spent_ns_ = 0;
+    started_us_ = clock_.now;
     status_ = transfer(address, write, read);
     done_us_ = at_us() + (status_ == Status::kLineStuck ? kStuckTimeout_us : 0);
     busy_ = true;
@@ -49,6 +50,7 @@ class VirtualI2cLine final : public fw::I2cLine {
     busy_ = false;
     return status_;
   }
+  [[nodiscard]] std::uint64_t started_us() const override { return started_us_; }
   [[nodiscard]] std::uint64_t ended_us() const override { return done_us_; }
   Status recover() override {
     for (int pulse = 0; pulse < 9 && !bus_.sda(); ++pulse) bus_.pulse_scl(clock_.now);
@@ -87,14 +89,16 @@ class VirtualI2cLine final : public fw::I2cLine {
   const VirtualClock& clock_;
   bool busy_ = false;
   Status status_ = Status::kOk;
-  std::uint64_t spent_ns_ = 0, done_us_ = 0;
+  std::uint64_t spent_ns_ = 0, started_us_ = 0, done_us_ = 0;
 };
 
 class VirtualCan final : public fw::CanPort {
  public:
   explicit VirtualCan(const VirtualBoard& board) : board_(board) {}
   [[nodiscard]] bool fd() const override { return board_.can_fd; }
+  [[nodiscard]] bool has_room() const override { return !board_.room || board_.room(); }
   bool send(const wire::CanFrame& frame) override {
+    if (!has_room()) return false;
     board_.send(frame);
     return true;
   }
@@ -191,7 +195,7 @@ class Controller final : public VirtualController, private fw::Restart {
     if (!can_.queue.empty()) return clock_.now;
     if (dfu_) return dfu_->wants_to_reconnect() ? clock_.now : dfu_->next_event_us();
     if (loader_) return loader_end_us();
-    if (usb_->frame_waits() || wants_dfu()) return clock_.now;
+    if (usb_->frame_waits() || wants_dfu() || application_->frames_wait()) return clock_.now;
     std::uint64_t next = std::min(application_->next_event_us(), confirm_at_us_);
     for (const VirtualI2cLine& line : lines_) next = std::min(next, line.done_us());
     return next;

@@ -26,7 +26,7 @@ constexpr LinePlace kPlaces[4] = {
 constexpr std::uint32_t kInterrupts = kNackInterrupt | kStopInterrupt | kCompleteInterrupt | kErrorInterrupt;
 constexpr auto kTiming = compute_i2c_timing({});
 static_assert(kTiming.has_value());
-constexpr std::uint64_t kSlack_us = 500;      // above the bytes: clock stretching and interrupt latency
+constexpr std::uint64_t kSlack_us = 800;      // above the bytes: slow edges, clock stretching, interrupt latency
 constexpr std::uint32_t kSclLowTimeout = 82;  // (82 + 1) · 2048 / 170 MHz = 1.0 ms of SCL low
 constexpr std::uint64_t kHalfPulse_us = 5;    // bus clear at 100 kHz
 
@@ -90,18 +90,25 @@ void Stm32I2cLine::disable() {
 }
 
 void Stm32I2cLine::start(std::uint8_t address, Bytes write, std::span<std::uint8_t> read) {
+  write_ = write;
   read_ = read;
   address_ = address;
-  nack_ = false;
-  reading_ = write.empty();
-  outcome_ = Outcome::kRunning;
-  deadline_us_ = microseconds() + (write.size() + read.size() + 2) * 23 + kSlack_us;
+  repeated_ = false;
   active_ = true;
+  started_us_ = microseconds();
+  begin_transfer();
+}
+
+void Stm32I2cLine::begin_transfer() {
+  nack_ = false;
+  reading_ = write_.empty();
+  outcome_ = Outcome::kRunning;
+  deadline_us_ = microseconds() + (write_.size() + read_.size() + 2) * 23 + kSlack_us;
   if (reading_) return begin_reading();
   asm volatile("dmb" ::: "memory");  // what was written to the buffer is there before the DMA looks
-  sender().start(address_of(write.data()), write.size(), true);
-  reg(kCr2).write(static_cast<std::uint32_t>(address) << 1 | static_cast<std::uint32_t>(write.size()) << kBytesShift |
-                  (read.empty() ? kAutoEnd : 0U) | kStart);
+  sender().start(address_of(write_.data()), write_.size(), true);
+  reg(kCr2).write(static_cast<std::uint32_t>(address_) << 1 | static_cast<std::uint32_t>(write_.size()) << kBytesShift |
+                  (read_.empty() ? kAutoEnd : 0U) | kStart);
 }
 
 void Stm32I2cLine::begin_reading() {
@@ -133,7 +140,11 @@ void Stm32I2cLine::on_error() {
   reg(kIcr).write(kBusError | kArbitrationLost | kTimeout);
   // A bus error may be seen by a master where none is; the transfer goes on (errata ES0430, 2.15.2).
   if ((status & kBusError) != 0) ++triskin_budget.bus_errors;
-  if ((status & (kArbitrationLost | kTimeout)) != 0) end(Outcome::kStuck);
+  if ((status & kTimeout) != 0) return end(Outcome::kStuck);
+  if ((status & kArbitrationLost) != 0) {
+    ++triskin_budget.arbitration_losses;
+    end(Outcome::kLost);
+  }
 }
 
 void Stm32I2cLine::end(Outcome outcome) {
@@ -148,18 +159,31 @@ std::optional<Status> Stm32I2cLine::poll() {
     if (microseconds() < deadline_us_) return std::nullopt;
     end(Outcome::kStuck);
   }
+  if (outcome_ == Outcome::kLost && repeat()) return std::nullopt;
   active_ = false;
   const bool whole = (reading_ ? receiver() : sender()).remaining() == 0;
   receiver().stop();
   sender().stop();
   asm volatile("dmb" ::: "memory");  // what the DMA wrote is read after this
-  if (outcome_ == Outcome::kStuck) {
+  if (outcome_ == Outcome::kStuck || outcome_ == Outcome::kLost) {
     disable();
     enable();
     return Status::kLineStuck;
   }
   if (outcome_ == Outcome::kNack) return Status::kBusError;
   return whole ? Status::kOk : Status::kBusError;
+}
+
+// There is no other master: a disturbance looked like one. The bus counts as busy and a chip may hold it in the middle
+// of a byte, so it is cleared; then the transfer is made once more.
+bool Stm32I2cLine::repeat() {
+  if (repeated_) return false;
+  repeated_ = true;
+  receiver().stop();
+  sender().stop();
+  if (recover() != Status::kOk) return false;
+  begin_transfer();
+  return true;
 }
 
 // Bus clear (UM10204 §3.1.16) by hand: up to nine pulses until SDA is free, then a stop. At most 120 µs.

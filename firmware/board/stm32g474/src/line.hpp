@@ -25,6 +25,7 @@ class Stm32I2cLine final : public fw::I2cLine {
   void open(const LinePlace& place);
   void start(std::uint8_t address, Bytes write, std::span<std::uint8_t> read) override;
   std::optional<Status> poll() override;
+  [[nodiscard]] std::uint64_t started_us() const override { return started_us_; }
   [[nodiscard]] std::uint64_t ended_us() const override { return ended_us_; }
   Status recover() override;
   /// When poll() must be called although no interrupt came; max when nothing is under way.
@@ -38,10 +39,12 @@ class Stm32I2cLine final : public fw::I2cLine {
   void on_error();
 
  private:
-  enum class Outcome : std::uint8_t { kRunning, kDone, kNack, kStuck };
+  enum class Outcome : std::uint8_t { kRunning, kDone, kNack, kStuck, kLost };
   [[nodiscard]] dma_reg::Channel sender() const { return dma_reg::Channel(4 + place_.index); }
   [[nodiscard]] dma_reg::Channel receiver() const { return dma_reg::Channel(place_.index); }
+  void begin_transfer();
   void begin_reading();
+  [[nodiscard]] bool repeat();
   [[nodiscard]] Register reg(std::uint32_t offset) const { return Register(place_.base + offset); }
   void enable();
   void disable();
@@ -49,11 +52,12 @@ class Stm32I2cLine final : public fw::I2cLine {
   void pins_to_bus() const;
 
   LinePlace place_{};
+  Bytes write_;
   std::span<std::uint8_t> read_;
   std::uint8_t address_ = 0;
-  bool reading_ = false, active_ = false, nack_ = false;
+  bool reading_ = false, active_ = false, nack_ = false, repeated_ = false;
   volatile Outcome outcome_ = Outcome::kRunning;
-  std::uint64_t deadline_us_ = 0, ended_us_ = 0;
+  std::uint64_t deadline_us_ = 0, started_us_ = 0, ended_us_ = 0;
 };
 
 extern Stm32I2cLine lines[4];

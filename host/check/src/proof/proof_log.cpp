@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "triskin/host/error.hpp"
+#include "triskin/host/json_cause.hpp"
 
 namespace triskin::check {
 namespace {
@@ -107,7 +108,7 @@ json parse(const std::string& text, const std::string& name) {
   try {
     return json::parse(text);
   } catch (const json::exception& e) {
-    fail(name, fmt::format("not JSON ({})", e.what()));
+    fail(name, fmt::format("not JSON ({})", json_cause(e.what())));
   }
 }
 

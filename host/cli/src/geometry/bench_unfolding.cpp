@@ -145,7 +145,7 @@ class Rows {
     for (const double cost : {0.0, 0.02, 0.1, 0.3, 1.0}) {
       geometry::SurfaceLatticeOptions o;
       o.time_limit_s = quick_ ? 1.0 : 10.0;
-      o.island_cost = cost;
+      o.price.island = cost;
       grow("island cost", "sheet", surface, {}, o)["island_cost"] = cost;
     }
   }

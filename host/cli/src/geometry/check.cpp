@@ -4,7 +4,9 @@
 #include <memory>
 
 #include "triskin/check/design_rules.hpp"
+#include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/design/design.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -18,7 +20,8 @@ int run(const std::string& path, Output& output) {
   }
   nlohmann::json limits = nlohmann::json::object();
   for (const auto& [name, value] : report.limits) limits[name] = value;
-  output.result = {{"rules", report.rules.size()},
+  output.result = {{"modules", report.modules},
+                   {"rules", report.rules.size()},
                    {"rule_names", report.rules},
                    {"limits", std::move(limits)},
                    {"violations", std::move(violations)}};
@@ -26,8 +29,12 @@ int run(const std::string& path, Output& output) {
     output.result["corner_cut_mm"] = report.corner_cut_mm;
     output.say(fmt::format("modules measured with corners cut by {:g} mm", report.corner_cut_mm));
   }
+  // A design that breaks rules may have no modules that could be counted.
+  if (report.violations.empty()) add_bus_keys(design::read_design(path).layout.modules.size(), output);
   output.say(fmt::format("{} rules checked, {} violations", report.rules.size(), report.violations.size()));
-  return report.violations.empty() ? 0 : 1;
+  if (report.modules == 0)
+    output.say("the design has no modules: no rule can be broken, and there is nothing to deploy");
+  return report.violations.empty() && report.modules > 0 ? 0 : 1;
 }
 
 const Registration kCheck{{

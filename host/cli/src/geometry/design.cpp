@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <map>
 #include <memory>
 
 #include "corner_cut_option.hpp"
 #include "mesh_options.hpp"
+#include "repair_text.hpp"
+#include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/host/interrupt.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::cli {
@@ -15,13 +19,66 @@ struct Options {
   std::string mesh, output;
   UnitOption unit;
   pipeline::DesignOptions design;
+  int take = -1;
 };
 
-int run(Options options, Output& output) {
-  options.design.unit = options.unit.unit;
-  pipeline::MethodComparison methods;
-  const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &methods);
+// Modules against price, the layout that is taken marked.
+void report_alternatives(const design::Design& d, Output& output) {
+  output.result["price"] =
+      d.price.of(static_cast<int>(d.patches.size()), static_cast<int>(d.layout.jumpers.size()), d.layout.islands);
+  output.result["taken"] = d.taken;
+  output.result["alternatives"] = nlohmann::json::array();
+  for (std::size_t k = 0; k < d.alternatives.size(); ++k) {
+    const design::Alternative& a = d.alternatives[k];
+    const std::size_t n = a.layout.modules.size();
+    output.result["alternatives"].push_back({{"modules", n},
+                                             {"patches", a.patches},
+                                             {"jumpers", a.jumpers},
+                                             {"islands", a.layout.islands},
+                                             {"price", a.price}});
+    output.say(
+        fmt::format("{} alternative {}: {} modules, {} controllers, {} jumpers, {} islands: price {:.2f}, value {:.2f}",
+                    static_cast<int>(k) == d.taken ? "*" : " ", k, n, a.patches, a.jumpers, a.layout.islands, a.price,
+                    static_cast<double>(n) - a.price));
+  }
+}
+
+int take(const Options& options, Output& output) {
+  const design::Design d =
+      pipeline::take_alternative(design::read_design(options.mesh), options.take, output.progress());
   design::write_design(options.output, d);
+  output.result = {{"modules", d.layout.modules.size()}, {"islands", d.layout.islands},
+                   {"patches", d.patches.size()},        {"patches_lower_bound", d.report.patches_lower_bound},
+                   {"jumpers", d.layout.jumpers.size()}, {"jumpers_lower_bound", d.report.jumpers_lower_bound},
+                   {"coverage", d.report.coverage},      {"seconds", d.report.seconds}};
+  report_alternatives(d, output);
+  output.say(fmt::format("design {:016x} written to {}", d.design_id, options.output));
+  return 0;
+}
+
+// Why nothing fits: most often the mesh is in another unit than the one it was read in.
+std::string reason_of_nothing(const design::Design& d, bool unit_given) {
+  design::Vec3 low = design::Vec3::Constant(1e300), high = -low;
+  for (const auto& v : d.surface.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  const design::Vec3 size = d.surface.vertices.empty() ? design::Vec3::Zero() : design::Vec3(high - low);
+  return fmt::format(
+      "no module fits: the surface measures {:.4g} × {:.4g} × {:.4g} mm, a module is a triangle with sides of "
+      "30 mm{}; no design was written",
+      size.x(), size.y(), size.z(),
+      unit_given ? "" : "; the mesh was taken for mm: say --unit cm or --unit m if it is not");
+}
+
+int run(Options options, Output& output) {
+  if (options.take >= 0) return take(options, output);
+  catch_interrupts();
+  options.design.unit = options.unit.unit;
+  pipeline::DesignNotes notes;
+  const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
+  const bool nothing = d.layout.modules.empty();
+  if (!nothing) design::write_design(options.output, d);
   const auto& r = d.report;
   nlohmann::json refused = nlohmann::json::object();
   for (const auto& [limit, count] : d.layout.refused) refused[limit] = count;
@@ -32,14 +89,19 @@ int run(Options options, Output& output) {
                    {"islands", d.layout.islands},
                    {"patches", d.patches.size()},
                    {"patches_lower_bound", r.patches_lower_bound},
+                   {"jumpers", d.layout.jumpers.size()},
+                   {"jumpers_lower_bound", r.jumpers_lower_bound},
                    {"max_edge_error_mm", r.max_edge_error_mm},
                    {"max_hinge_gap_mm", r.max_hinge_gap_mm},
                    {"max_center_gap_mm", r.max_center_gap_mm},
                    {"method", design::kLayoutMethodNames.name(d.layout.method)},
-                   {"modules_pieces", methods.pieces},
-                   {"modules_surface", methods.surface},
+                   {"modules_pieces", notes.pieces},
+                   {"modules_surface", notes.surface},
                    {"refused", refused},
+                   {"repair", geometry::kRepairNames.name(notes.extract.repair)},
+                   {"deviation_mm", notes.extract.deviation.largest_mm},
                    {"seconds", r.seconds}};
+  if (const std::string change = repair_text(notes.extract); !change.empty()) output.say(change);
   if (d.layout.corner_cut_mm > 0.0) {
     output.result["corner_cut_mm"] = d.layout.corner_cut_mm;
     output.result["coverage_cut"] = r.coverage_cut;
@@ -52,14 +114,24 @@ int run(Options options, Output& output) {
     say_cut_pads(d.layout.corner_cut_mm, output);
   }
   output.say(
-      fmt::format("{} islands, {} patches (lower bound {}); edge error ≤ {:.2f} mm, hinge gap ≤ {:.2f} mm, "
-                  "centre gap ≤ {:.2f} mm",
-                  d.layout.islands, d.patches.size(), r.patches_lower_bound, r.max_edge_error_mm, r.max_hinge_gap_mm,
-                  r.max_center_gap_mm));
-  output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", methods.pieces, methods.surface,
+      fmt::format("{} islands, {} patches (lower bound {}), {} jumpers (lower bound {}); edge error ≤ {:.2f} mm, hinge "
+                  "gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm",
+                  d.layout.islands, d.patches.size(), r.patches_lower_bound, d.layout.jumpers.size(),
+                  r.jumpers_lower_bound, r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm));
+  output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces, notes.surface,
                          design::kLayoutMethodNames.name(d.layout.method)));
   for (const auto& [limit, count] : d.layout.refused)
     output.say(fmt::format("  {} refused {} further modules", limit, count));
+  if (nothing) {
+    output.result["reason"] = reason_of_nothing(d, options.unit.unit.has_value());
+    output.say(reason_of_nothing(d, options.unit.unit.has_value()));
+    return 1;
+  }
+  if (interrupt_signal() > 0)
+    output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
+                           d.layout.modules.size()));
+  report_alternatives(d, output);
+  report_bus(d.layout.modules.size(), output);
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, r.seconds));
   return 0;
 }
@@ -70,8 +142,17 @@ const Registration kDesign{{
     "triskin design forearm.obj -o forearm.design.json",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF or DAE; mm unless --unit says otherwise")->required();
+      app.add_option("MESH", options->mesh,
+                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise; with --take a design")
+          ->required();
       app.add_option("-o,--output", options->output, "design file")->required();
+      app.add_option("--take", options->take, "MESH is a design: take its alternative of this number, without a search")
+          ->check(CLI::Range(0, 1000));
+      app.add_option("--repair", options->design.repair,
+                     "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
+                     "refused")
+          ->transform(one_of(std::map<std::string, pipeline::RepairMode>{{"auto", pipeline::RepairMode::kAuto},
+                                                                         {"never", pipeline::RepairMode::kNever}}));
       app.add_option("--time-limit-s", options->design.time_limit_s, "effort")
           ->check(CLI::Range(0.01, 1e6))
           ->capture_default_str();
@@ -101,12 +182,17 @@ const Registration kDesign{{
                      "part the pieces from what bends more than this, as the reference paper does at 50 (0: no)")
           ->check(CLI::Range(0.0, 1e4))
           ->capture_default_str();
-      app.add_option("--island-cost", options->design.island_cost,
-                     "modules that an island is worth beside its controllers: 0 most modules, 0.5 few islands")
+      app.add_option("--jumper-mm", l.jumper_mm, "limit of a jumper's length along the surface (0: no jumpers)")
+          ->check(CLI::Range(0.0, 100.0))
+          ->capture_default_str();
+      auto& price = options->design.price;
+      app.add_option("--controller-cost", price.controller, "modules that a controller with its cable is worth")
           ->check(CLI::Range(0.0, 16.0))
           ->capture_default_str();
-      app.add_option("--controller-cost", options->design.controller_cost,
-                     "modules that a controller is worth (an island needs one for every 16 modules)")
+      app.add_option("--jumper-cost", price.jumper, "modules that a jumper is worth")
+          ->check(CLI::Range(0.0, 16.0))
+          ->capture_default_str();
+      app.add_option("--island-cost", price.island, "modules that an island is worth; all costs 0: most modules")
           ->check(CLI::Range(0.0, 16.0))
           ->capture_default_str();
       app.add_option("--threads", options->design.threads, "chains of the growth; part of what a result depends on")

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "mesh_options.hpp"
+#include "repair_text.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/host/error.hpp"
@@ -78,7 +79,12 @@ int run(Options options, Output& output) {
                    {"outer", e.report.outer},
                    {"wrapped", e.report.wrapped},
                    {"kept_out_cm2", e.report.kept_out_mm2 / 100.0},
+                   {"repair", geometry::kRepairNames.name(e.report.repair)},
+                   {"crossings", e.report.crossings},
+                   {"deviation_mm", e.report.deviation.largest_mm},
+                   {"mean_deviation_mm", e.report.deviation.mean_mm},
                    {"seconds", seconds}};
+  if (const std::string change = repair_text(e.report); !change.empty()) output.say(change);
   output.say(fmt::format("{} faces, {:.1f} cm², {} border loops; {} parts removed, {} faces turned; {:.2f} s",
                          e.surface.faces.size(), area_cm2, e.report.boundary_loops, e.report.removed_components,
                          e.report.flipped_faces, seconds));
@@ -91,12 +97,13 @@ const Registration kExtract{{
     "triskin extract cover.stl -o surface.obj",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF or DAE")->required();
+      app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF")->required();
       app.add_option("-o,--output", options->output, "surface (OBJ, mm)")->required();
       options->unit.add_to(app);
       const std::map<std::string, When> when{
           {"never", When::kNever}, {"auto", When::kWhenNeeded}, {"always", When::kAlways}};
       auto& s = options->steps;
+      s.repair = true;
       s.outer = s.wrap = When::kWhenNeeded;
       app.add_option("--outer", s.outer,
                      "drop hidden faces: never, auto (several parts, or edges with more than two faces), always")

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
+#include <set>
 
 #include "corner_cut_option.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/design/tile.hpp"
 #include "triskin/geometry/placement.hpp"
 #include "triskin/geometry/polygon_io.hpp"
 #include "triskin/host/error.hpp"
@@ -19,27 +22,34 @@ struct Options {
   std::string polygon;
   std::string proof;
   std::string weights;
+  std::string output;
+  int piece = -1;  // of a net; −1: all
   std::vector<int> node{0, 0};
   geometry::PlacementOptions placement;
 };
 
+// A number that is shown as 0 has no sign.
+double without_sign_of_zero(double value, double least) {
+  return std::abs(value) < least ? 0.0 : value;
+}
+
 // Coverage both ways: of the whole triangles, and of what is left of them.
-void add_cut(const geometry::PlacementResult& r, double area_mm2, const Options& options, Output& output) {
+void add_cut(const geometry::PlacementResult& r, double area_mm2, const Options& options, Output& output,
+             nlohmann::json& result) {
   const double cut = options.placement.corner_cut_mm;
   const double whole = r.modules * design::kModuleArea_mm2 / area_mm2,
                left = r.modules * design::module_area_mm2(cut) / area_mm2;
-  output.result["corner_cut_mm"] = cut;
-  output.result["coverage"] = whole;
-  output.result["coverage_cut"] = left;
+  result["corner_cut_mm"] = cut;
+  result["coverage"] = whole;
+  result["coverage_cut"] = left;
   output.say(fmt::format("corners cut by {:g} mm: coverage {:.1f} % of whole triangles, {:.1f} % of cut modules", cut,
                          100.0 * whole, 100.0 * left));
   say_cut_pads(cut, output);
 }
 
-int run(const Options& options, Output& output) {
-  const geometry::Polygon polygon = geometry::read_polygon(options.polygon);
-  const geometry::PlacementResult r = geometry::place(polygon, options.placement, output.progress());
-  output.result = {
+nlohmann::json result_of(const geometry::Polygon& polygon, const geometry::PlacementResult& r, const Options& options,
+                         Output& output) {
+  nlohmann::json result = {
       {"modules", r.modules},
       {"upper_bound", r.upper_bound},
       {"proved", r.proved},
@@ -51,40 +61,104 @@ int run(const Options& options, Output& output) {
       {"cells", r.cells},
       {"search_seconds", r.search_seconds},
       {"seconds", r.seconds}};
-  if (options.placement.corner_cut_mm > 0.0) add_cut(r, geometry::polygon_area(polygon), options, output);
+  if (options.placement.corner_cut_mm > 0.0) add_cut(r, geometry::polygon_area(polygon), options, output, result);
   nlohmann::json tiles = nlohmann::json::array();
   for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
   for (std::size_t k = 0; k < r.tile_weights.size(); ++k) tiles[k]["weight"] = r.tile_weights[k];
-  output.result["tiles"] = std::move(tiles);
+  result["tiles"] = std::move(tiles);
   if (r.pivoted) {
     const geometry::Vec2& pivot = polygon.outer.at(static_cast<std::size_t>(r.pivoted->vertex));
-    output.result["pivoted_placement"] = {{"x_mm", r.pivoted->x_mm},
-                                          {"y_mm", r.pivoted->y_mm},
-                                          {"theta_rad", r.pivoted->theta_rad},
-                                          {"vertex", r.pivoted->vertex},
-                                          {"pivot_mm", {pivot.x(), pivot.y()}}};
+    result["pivoted_placement"] = {{"x_mm", r.pivoted->x_mm},
+                                   {"y_mm", r.pivoted->y_mm},
+                                   {"theta_rad", r.pivoted->theta_rad},
+                                   {"vertex", r.pivoted->vertex},
+                                   {"pivot_mm", {pivot.x(), pivot.y()}}};
   }
   if (options.placement.weights) {
-    output.result["weight"] = r.weight;
-    output.result["weight_bound"] = r.weight_bound;
+    result["weight"] = r.weight;
+    result["weight_bound"] = r.weight_bound;
   }
   if (options.placement.deficit) {
-    output.result["deficit_mm"] = r.deficit_mm ? nlohmann::json(*r.deficit_mm) : nlohmann::json();
-    output.result["deficit_bound_mm"] = r.deficit_bound_mm;
+    result["deficit_mm"] = r.deficit_mm ? nlohmann::json(*r.deficit_mm) : nlohmann::json();
+    result["deficit_bound_mm"] = r.deficit_bound_mm;
   }
-  if (!options.proof.empty()) write_output(options.proof, geometry::proof_text(polygon, r));
-  if (!output.json()) {
-    output.say(fmt::format("{} modules, upper bound {}{}; clearance {:.4f} mm at tolerance {:g} mm", r.modules,
-                           r.upper_bound, r.proved ? " (proved optimal)" : "", r.clearance_mm, r.tolerance_mm));
-    output.say(fmt::format("placement x {:.6f} mm, y {:.6f} mm, theta {:.9f} rad; {} cells, {:.3f} s", r.placement.x_mm,
-                           r.placement.y_mm, r.placement.theta_rad, r.cells, r.seconds));
-    if (options.placement.weights)
-      output.say(fmt::format("weight {:.6g}, none above {:.6g}", r.weight, r.weight_bound));
-    if (r.deficit_mm)
-      output.say(
-          fmt::format("one module more would fit if every side gave way by {:.4f} mm, not by less than {:.4f} mm",
-                      *r.deficit_mm, r.deficit_bound_mm));
+  return result;
+}
+
+void say_result(const geometry::PlacementResult& r, const Options& options, const Output& output) {
+  output.say(fmt::format("{} modules, upper bound {}{}; clearance {:.4f} mm at tolerance {:g} mm", r.modules,
+                         r.upper_bound, r.proved ? " (proved optimal)" : "", without_sign_of_zero(r.clearance_mm, 5e-5),
+                         r.tolerance_mm));
+  output.say(fmt::format("placement x {:.6f} mm, y {:.6f} mm, theta {:.9f} rad; {} cells, {:.3f} s",
+                         without_sign_of_zero(r.placement.x_mm, 5e-7), without_sign_of_zero(r.placement.y_mm, 5e-7),
+                         without_sign_of_zero(r.placement.theta_rad, 5e-10), r.cells, r.seconds));
+  if (options.placement.weights) output.say(fmt::format("weight {:.6g}, none above {:.6g}", r.weight, r.weight_bound));
+  if (r.deficit_mm)
+    output.say(fmt::format("one module more would fit if every side gave way by {:.4f} mm, not by less than {:.4f} mm",
+                           *r.deficit_mm, r.deficit_bound_mm));
+}
+
+// The modules as route reads them: every piece is an island. The cable of a controller reaches the rim of a piece.
+std::string module_list(const std::vector<geometry::PlacementResult>& results) {
+  nlohmann::json modules = nlohmann::json::array();
+  for (std::size_t island = 0; island < results.size(); ++island) {
+    const std::set<design::Tile> tiles(results[island].tiles.begin(), results[island].tiles.end());
+    for (const design::Tile& t : results[island].tiles) {
+      bool border = false;
+      for (int s = 0; s < 3; ++s) border = border || !tiles.contains(design::across(t, s).tile);
+      modules.push_back(
+          {{"id", modules.size()}, {"i", t.i}, {"j", t.j}, {"up", t.up}, {"island", island}, {"border", border}});
+    }
   }
+  return nlohmann::json{{"modules", std::move(modules)}}.dump() + "\n";
+}
+
+std::vector<geometry::Polygon> polygons_of(const Options& options) {
+  std::vector<geometry::Polygon> polygons = geometry::read_polygons(options.polygon);
+  const int pieces = static_cast<int>(polygons.size());
+  if (options.piece >= pieces)
+    throw InputError(fmt::format("--piece {}: {} has pieces 0 … {}", options.piece, options.polygon, pieces - 1));
+  if (options.piece >= 0) return {polygons[static_cast<std::size_t>(options.piece)]};
+  if (pieces > 1 && (!options.proof.empty() || options.placement.weights))
+    throw InputError(
+        fmt::format("{}: has {} pieces; choose one with --piece for --proof or --weights", options.polygon, pieces));
+  return polygons;
+}
+
+nlohmann::json total_of(const nlohmann::json& pieces) {
+  nlohmann::json total = {{"modules", 0}, {"upper_bound", 0}, {"proved", true}, {"seconds", 0.0}, {"pieces", pieces}};
+  for (const nlohmann::json& piece : pieces) {
+    for (const char* key : {"modules", "upper_bound"}) total[key] = total[key].get<int>() + piece[key].get<int>();
+    total["seconds"] = total["seconds"].get<double>() + piece["seconds"].get<double>();
+    total["proved"] = total["proved"].get<bool>() && piece["proved"].get<bool>();
+  }
+  return total;
+}
+
+int run(const Options& options, Output& output) {
+  if (!options.output.empty() && options.placement.shape != geometry::TileShape::kTriangle)
+    throw InputError("-o: only triangles can be routed; leave --shape or -o out");
+  const std::vector<geometry::Polygon> polygons = polygons_of(options);
+  std::vector<geometry::PlacementResult> results;
+  nlohmann::json pieces = nlohmann::json::array();
+  int modules = 0;
+  for (const geometry::Polygon& polygon : polygons) {
+    results.push_back(geometry::place(polygon, options.placement, output.progress()));
+    const geometry::PlacementResult& r = results.back();
+    modules += r.modules;
+    pieces.push_back(result_of(polygon, r, options, output));
+    if (!options.proof.empty()) write_output(options.proof, geometry::proof_text(polygon, r));
+    if (!output.json()) say_result(r, options, output);
+  }
+  output.result = pieces.size() == 1 ? pieces[0] : total_of(pieces);
+  if (pieces.size() > 1)
+    output.say(fmt::format("{} modules on {} pieces, upper bound {}", modules, pieces.size(),
+                           output.result["upper_bound"].get<int>()));
+  if (modules == 0) {
+    output.say("no module fits: a module is a triangle with sides of 30 mm, and lengths are mm");
+    return 1;
+  }
+  if (!options.output.empty()) write_output(options.output, module_list(results));
   return 0;
 }
 
@@ -122,7 +196,11 @@ void add_method(CLI::App& app, Options& options) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("POLYGON", options.polygon, "GeoJSON or WKT polygon in mm, holes allowed")->required();
+  app.add_option("POLYGON", options.polygon,
+                 "GeoJSON or WKT polygon in mm, holes allowed; or the net that unfold writes")
+      ->required();
+  app.add_option("-o,--output", options.output, "the modules, as route reads them (JSON); each piece is an island");
+  app.add_option("--piece", options.piece, "of a net: only this one; default: all")->check(CLI::Range(0, 1'000'000));
   add_method(app, options);
   app.add_option("--tolerance-mm", options.placement.tolerance_mm, "a module may stand over by this much")
       ->capture_default_str();

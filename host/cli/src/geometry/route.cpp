@@ -10,6 +10,7 @@
 #include "triskin/design/module_list.hpp"
 #include "triskin/design/route_picture.hpp"
 #include "triskin/design/skingui.hpp"
+#include "triskin/geometry/jumpers.hpp"
 #include "triskin/geometry/routing.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
@@ -117,28 +118,25 @@ nlohmann::json result_json(const geometry::RoutingResult& r, const Ids& ids) {
           {"routes", patches_json(r, ids)}};
 }
 
-// A design's modules with their slits, and jumpers over its seams: where they lie in space is known only there.
-geometry::ModuleGraph bridged_graph(const std::string& path, double jumpers_mm, design::ModuleList& list,
-                                    nlohmann::json& jumpers_json) {
-  const design::Design design = design::read_design(path);
-  std::vector<std::array<std::array<double, 3>, 3>> side_mm;
+// A design's modules with their slits, and the places of jumpers over its seams: where they lie in space is known only
+// there.
+std::vector<geometry::Jumper> jumper_places(const std::string& path, double jumpers_mm, design::ModuleList& list) {
+  design::Design design = design::read_design(path);
+  design.layout.jumpers.clear();
+  design.limits.jumper_mm = jumpers_mm;
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
-    const geometry::PlacedModule& m = design.layout.modules[k];
     list.ids.push_back(static_cast<int>(k));
-    list.tiles.push_back(m.tile);
-    side_mm.emplace_back();
-    for (std::size_t s = 0; s < 3; ++s) {
-      const geometry::Vec3 middle = (m.corner_mm[s] + m.corner_mm[(s + 1) % 3]) / 2.0;
-      side_mm.back()[s] = {middle.x(), middle.y(), middle.z()};
-    }
+    list.tiles.push_back(design.layout.modules[k].tile);
   }
   list.graph = design::graph_of(design.layout);
-  const std::vector<geometry::Jumper> jumpers = geometry::find_jumpers(list.graph, side_mm, jumpers_mm);
-  jumpers_json = nlohmann::json::array();
-  for (const geometry::Jumper& j : jumpers) {
-    jumpers_json.push_back({{"modules", j.node}, {"sides", j.side}, {"length_mm", j.length_mm}});
-  }
-  return geometry::with_jumpers(list.graph, jumpers);
+  return geometry::find_jumpers(geometry::Surface(design.surface), design.layout, design.limits);
+}
+
+nlohmann::json jumpers_json(const std::vector<geometry::Jumper>& jumpers) {
+  nlohmann::json result = nlohmann::json::array();
+  for (const geometry::Jumper& j : jumpers)
+    result.push_back({{"modules", j.node}, {"sides", j.side}, {"length_mm", j.length_mm}});
+  return result;
 }
 
 int report_check(const check::DesignReport& report, Output& output) {
@@ -157,10 +155,9 @@ int run(const Options& options, Output& output) {
   if (options.jumpers_mm > 0.0 && (options.skingui || !options.checked.empty()))
     throw InputError("--jumpers-mm: needs a design file, which alone knows where the sides lie in space");
   design::SkinGuiLayout layout;
-  nlohmann::json jumpers;
-  geometry::ModuleGraph bridged;
+  std::vector<geometry::Jumper> places;
   if (options.jumpers_mm > 0.0)
-    bridged = bridged_graph(options.modules, options.jumpers_mm, layout.list, jumpers);
+    places = jumper_places(options.modules, options.jumpers_mm, layout.list);
   else if (options.skingui)
     layout = design::read_skingui(options.modules, options.part);
   else
@@ -176,20 +173,24 @@ int run(const Options& options, Output& output) {
   }
   geometry::RoutingOptions routing = options.routing;
   if (options.hops_first) routing.objective = geometry::RouteObjective::kHopsFirst;
-  const geometry::RoutingResult r =
-      geometry::route(options.jumpers_mm > 0.0 ? bridged : list.graph, routing, output.progress());
+  const geometry::RoutingResult r = geometry::route(list.graph, places, routing, output.progress());
   output.result = result_json(r, list.ids);
   if (options.jumpers_mm > 0.0) {
     geometry::RoutingOptions count_only = routing;
     count_only.failure_analysis = false;
     count_only.recombinations = 0;
     const geometry::RoutingResult apart = geometry::route(list.graph, count_only);
-    output.say(fmt::format("{} jumpers up to {:g} mm: {} controllers instead of {}, lower bound {} instead of {}",
-                           jumpers.size(), options.jumpers_mm, r.patches.size(), apart.patches.size(), r.lower_bound,
-                           apart.lower_bound));
+    output.say(
+        fmt::format("{} jumpers (at least {}) of {} places up to {:g} mm: {} controllers instead of {}, lower "
+                    "bound {} instead of {}",
+                    r.jumpers.size(), r.jumpers_lower_bound, places.size(), options.jumpers_mm, r.patches.size(),
+                    apart.patches.size(), r.lower_bound, apart.lower_bound));
     output.result["patches_without_jumpers"] = apart.patches.size();
     output.result["lower_bound_without_jumpers"] = apart.lower_bound;
-    output.result["jumpers"] = std::move(jumpers);
+    output.result["jumpers"] = jumpers_json(r.jumpers);
+    output.result["jumpers_lower_bound"] = r.jumpers_lower_bound;
+    output.result["jumper_places"] = places.size();
+    output.result["price_proved"] = r.price_proved;
   }
   if (options.skingui) {
     output.result["boards_today"] = layout.boards;
@@ -228,8 +229,14 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--part", o.part, "part of the collection, e.g. torso");
   app.add_option("--write-modules", o.module_output, "write the module list that was read to this file");
   app.add_option("--jumpers-mm", o.jumpers_mm,
-                 "MODULES is a design; sides of different islands that face each other within this may be bridged")
+                 "MODULES is a design; jumpers up to this long may join its islands where that saves controllers")
       ->check(CLI::Range(0.0, 1000.0));
+  app.add_option("--jumper-cost", o.routing.price.jumper, "price of a jumper")
+      ->check(CLI::Range(0.0, 16.0))
+      ->capture_default_str();
+  app.add_option("--controller-cost", o.routing.price.controller, "price of a controller, to weigh jumpers against")
+      ->check(CLI::Range(0.0, 16.0))
+      ->capture_default_str();
   app.add_option("--picture", o.picture, "draw the routes to this file (SVG)");
   app.add_option("--seed", o.routing.seed, "of the random trees")->capture_default_str();
   app.add_option("--time-limit-s", o.routing.time_limit_s,

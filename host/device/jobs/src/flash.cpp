@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <map>
 #include <set>
 #include <thread>
 
+#include "board_match.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -20,54 +20,12 @@ namespace {
 
 constexpr std::uint64_t kRestart_us = 20'000;  // a controller starts anew under its new address
 
-struct Board {
-  wire::NodeClaim claim;
-  int patch = -1;  // -1: not needed for this design
-};
-
-// A controller whose address nobody shares can be asked which design it serves.
-bool serves(Bus& bus, const wire::NodeClaim& claim, const design::Design& design) {
-  if (!claim.has_table || claim.node_address < 1 || claim.node_address > design.patches.size()) return false;
-  const wire::ActiveTable table = Controller(bus, claim.node_address).active_table();
-  return table.present() && table.design_id == design.design_id;
-}
-
-std::vector<Board> match_boards(Bus& bus, const design::Design& design) {
-  const std::vector<wire::NodeClaim> claims = bus.discover();
-  const std::size_t n_patches = design.patches.size();
-  if (claims.empty()) {
-    throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.link().name()));
-  }
-  if (claims.size() < n_patches) {
-    throw DeviceError(
-        fmt::format("{}: the design has {} patches, {} controllers answer; connect the others, nothing was written",
-                    bus.link().name(), n_patches, claims.size()));
-  }
-  std::map<int, int> users;
-  for (const auto& c : claims) ++users[c.node_address];
-  std::vector<Board> boards;
-  std::vector<bool> taken(n_patches, false);
-  for (const auto& c : claims) {
-    Board board{c};
-    if (users[c.node_address] == 1 && serves(bus, c, design)) {
-      board.patch = c.node_address - 1;
-      taken[static_cast<std::size_t>(board.patch)] = true;
-    }
-    boards.push_back(board);
-  }
-  std::size_t next = 0;
-  for (Board& board : boards) {
-    while (next < n_patches && taken[next]) ++next;
-    if (board.patch >= 0 || next == n_patches) continue;
-    board.patch = static_cast<int>(next++);
-  }
-  return boards;
-}
-
-// Addresses 1 … patches belong to the patches; a spare controller that sits there moves behind them.
+// The boards of the patches get the addresses of the patches; one that nobody needs and that sits there moves behind
+// them.
 void assign_addresses(Bus& bus, const std::vector<Board>& boards, std::size_t n_patches) {
-  std::set<int> used;
+  std::set<int> used, needed;
   for (const Board& b : boards) {
+    if (b.patch >= 0) needed.insert(b.patch + 1);
     if (b.patch < 0 && b.claim.node_address > n_patches) used.insert(b.claim.node_address);
   }
   bool changed = false;
@@ -75,7 +33,7 @@ void assign_addresses(Bus& bus, const std::vector<Board>& boards, std::size_t n_
   for (const Board& b : boards) {
     int wanted = b.patch + 1;
     if (b.patch < 0) {
-      if (b.claim.node_address > n_patches) continue;
+      if (!needed.contains(b.claim.node_address)) continue;
       while (used.contains(spare_address)) ++spare_address;
       wanted = spare_address++;
       if (wanted > layout::kLastNode)
@@ -119,7 +77,7 @@ class Pass {
   // `results` has what is done, also when this throws.
   void run(std::vector<FlashResult::Patch>& results) {
     report(progress_, "finding controllers", -1.0);
-    boards_ = match_boards(bus_, design_);
+    boards_ = match_boards(bus_, design_, options_);
     if (!options_.dry_run) assign_addresses(bus_, boards_, design_.patches.size());
     std::erase_if(boards_, [](const Board& b) { return b.patch < 0; });
     std::ranges::sort(boards_, {}, &Board::patch);
@@ -239,15 +197,19 @@ bool wait_for_controllers(Bus& bus, std::size_t count, double wait_s) {
   return false;
 }
 
-std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, const RouteChoice& route) {
+std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, const RouteChoice& route,
+                                                 bool positive_input) {
   if (route.module >= 0 && std::ranges::none_of(design.patches, [&](const auto& p) { return concerns(p, route); })) {
     throw InputError(route.other < 0 ? fmt::format("the design has no module {} in a patch", route.module)
                                      : fmt::format("modules {} and {} are not in one patch of the design", route.module,
                                                    route.other));
   }
   std::vector<std::vector<std::uint8_t>> images;
-  for (std::size_t p = 0; p < design.patches.size(); ++p)
-    images.push_back(bytes_of(image_of(design, static_cast<int>(p), route)));
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    layout::PatchImage image = image_of(design, static_cast<int>(p), route);
+    image.positive_input = positive_input;
+    images.push_back(bytes_of(image));
+  }
   return images;
 }
 
@@ -255,7 +217,7 @@ std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, c
 
 FlashResult flash(Bus& bus, const design::Design& design, const FlashOptions& options, const ProgressSink& progress) {
   const std::uint64_t start_us = bus.now_us();
-  const auto images = images_of(design, options.route);
+  const auto images = images_of(design, options.route, options.positive_input);
   FlashResult result;
   for (bool completed = false; !completed;) {
     try {
@@ -265,7 +227,7 @@ FlashResult flash(Bus& bus, const design::Design& design, const FlashOptions& op
       if (options.wait_s <= 0.0) throw;
       if (options.say)
         options.say(fmt::format("{}; waiting {:.0f} s for the cable (Ctrl-C ends)", e.what(), options.wait_s));
-      if (!wait_for_controllers(bus, design.patches.size(), options.wait_s)) throw;
+      if (!wait_for_controllers(bus, options.patch >= 0 ? 1 : design.patches.size(), options.wait_s)) throw;
       if (options.say) options.say("all controllers answer again, going on");
     }
   }

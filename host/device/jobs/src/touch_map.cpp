@@ -6,20 +6,80 @@
 
 namespace triskin::device {
 
-void TouchMap::add(const ModuleFrame& frame) {
-  Module& m = modules_[static_cast<std::size_t>(frame.module)];
-  for (std::size_t t = 0; t < frame.sample.value.size(); ++t) {
-    const bool valid = (frame.sample.valid >> t & 1) != 0;
-    if (valid && m.seen[t] < kRestSamples) {
-      m.first[t][m.seen[t]++] = frame.sample.value[t];
-      if (m.seen[t] == kRestSamples) {
-        std::ranges::sort(m.first[t]);
-        m.rest[t] = m.first[t][kRestSamples / 2];
-      }
+TouchMap::TouchMap(const design::Design& design, const RestValues& rest)
+    : design_(design),
+      wiring_(design::wiring_of(design)),
+      modules_(design.layout.modules.size()),
+      by_design_(rest.size() != modules_.size()) {
+  if (by_design_) return;
+  for (std::size_t m = 0; m < modules_.size(); ++m) {
+    for (std::size_t t = 0; t < modules_[m].size(); ++t) {
+      Taxel& taxel = modules_[m][t];
+      taxel.rest = taxel.now = rest[m][t];
+      taxel.seen = kRestSamples;
     }
-    m.now[t] = valid && m.seen[t] == kRestSamples ? frame.sample.value[t]
-                                                  : m.rest[t];  // an invalid or new taxel is unknown, not pressed
   }
+}
+
+// The median tolerates one sample of a finger that was lifted just before.
+void TouchMap::settle(Taxel& taxel) const {
+  std::ranges::sort(taxel.first);
+  const double median = taxel.first[kRestSamples / 2];
+  const bool at_rest = !by_design_ || std::abs(median - layout::kRestCounts) <= kRestBand_counts;
+  taxel.rest = at_rest ? median : layout::kRestCounts;
+  taxel.follows = by_design_ && at_rest;
+}
+
+void TouchMap::take(Taxel& taxel, double value) const {
+  if (taxel.seen < kRestSamples) {
+    taxel.first[taxel.seen++] = value;
+    if (taxel.seen < kRestSamples) return;
+    settle(taxel);
+  }
+  taxel.now = value;
+  // A light touch at the start was within the band; when it ends, the taxel shows where it rests.
+  if (taxel.follows) taxel.rest = std::max(taxel.rest, value);
+}
+
+void TouchMap::add(const ModuleFrame& frame) {
+  Module& module = modules_[static_cast<std::size_t>(frame.module)];
+  for (std::size_t t = 0; t < module.size(); ++t) {
+    if ((frame.sample.valid >> t & 1) != 0)
+      take(module[t], frame.sample.value[t]);
+    else
+      module[t].now = module[t].rest;  // an invalid taxel is unknown, not pressed
+  }
+}
+
+void TouchMap::tare() {
+  by_design_ = false;
+  for (Module& module : modules_) {
+    for (Taxel& taxel : module) taxel = Taxel{};
+  }
+}
+
+bool TouchMap::tared() const {
+  return std::ranges::all_of(modules_, [](const Module& module) {
+    return std::ranges::all_of(module, [](const Taxel& t) { return t.seen == 0 || t.seen == kRestSamples; });
+  });
+}
+
+RestValues TouchMap::rest() const {
+  RestValues rest(modules_.size());
+  for (std::size_t m = 0; m < modules_.size(); ++m) {
+    for (std::size_t t = 0; t < modules_[m].size(); ++t)
+      rest[m][t] = modules_[m][t].seen == kRestSamples ? modules_[m][t].rest : layout::kRestCounts;
+  }
+  return rest;
+}
+
+std::array<double, layout::kTaxelsPerModule> TouchMap::change(int module) const {
+  std::array<double, layout::kTaxelsPerModule> change{};
+  const Module& m = modules_[static_cast<std::size_t>(module)];
+  for (std::size_t t = 0; t < m.size(); ++t) {
+    if (m[t].seen == kRestSamples && layout::measures_pressure(t)) change[t] = m[t].rest - m[t].now;
+  }
+  return change;
 }
 
 std::vector<PressedTaxel> TouchMap::pressed() const {
@@ -27,12 +87,13 @@ std::vector<PressedTaxel> TouchMap::pressed() const {
   for (std::size_t k = 0; k < modules_.size(); ++k) {
     std::array<design::TaxelPose, layout::kTaxelsPerModule> poses;
     bool posed = false;
-    for (std::size_t t = 0; t < modules_[k].now.size(); ++t) {
-      const double change = std::abs(modules_[k].now[t] - modules_[k].rest[t]);
-      if (change < kPressed_counts) continue;
+    const auto changes = change(static_cast<int>(k));
+    for (std::size_t t = 0; t < changes.size(); ++t) {
+      const double size = std::abs(changes[t]);
+      if (size < kPressed_counts) continue;
       if (!posed) poses = design::taxels_of(design_.layout.modules[k], wiring_[k].routed.rotation);
       posed = true;
-      pressed.push_back({static_cast<int>(k), static_cast<int>(t), change, poses[t].position_mm, poses[t].normal});
+      pressed.push_back({static_cast<int>(k), static_cast<int>(t), size, poses[t].position_mm, poses[t].normal});
     }
   }
   std::ranges::sort(pressed, std::greater{}, &PressedTaxel::change_counts);

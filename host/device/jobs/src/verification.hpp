@@ -15,7 +15,8 @@ namespace triskin::device {
 struct PatchState {
   int patch = 0;
   layout::PatchImage image;
-  bool usable = false;  ///< its controller answers and holds this table
+  bool on_backup = false;  ///< `image` is the table that the design prepared for a failure
+  bool usable = false;     ///< its controller answers and holds this table
   wire::ModuleStates states;
   std::array<wire::LineReport, layout::kLines> lines{};
   wire::LineStates line_states;

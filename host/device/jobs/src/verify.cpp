@@ -7,6 +7,7 @@
 #include <map>
 
 #include "triskin/session/scheduler.hpp"
+#include "triskin/session/stream.hpp"
 #include "verification.hpp"
 
 namespace triskin::device {
@@ -46,8 +47,7 @@ class ControllerCheck {
     Controller c = p.controller(bus_);
     c.require_versions(c.hello());
     const wire::ActiveTable active = c.active_table();
-    const std::vector<std::uint8_t> expected = bytes_of(p.image);
-    if (active.design_id == design_.design_id && active.crc == crc32(expected)) return true;
+    if (active.design_id == design_.design_id && holds_image(active.crc, p.image)) return true;
     if (active.design_id == design_.design_id && runs_on_backup(p, active.crc, findings)) return true;
     findings.push_back(
         controller_finding(FindingKind::kWrongTable, p.patch,
@@ -74,6 +74,7 @@ class ControllerCheck {
                       what, image.module_count, p.image.module_count),
           "repair it, then run triskin flash without --route"));
       p.image = image;
+      p.on_backup = true;
       return true;
     }
     return false;
@@ -174,6 +175,28 @@ std::vector<TouchOutcome> touch_all(Bus& bus, std::vector<PatchState>& patches, 
   return outcomes;
 }
 
+// The stream for a while: what was due and did not come is a finding of its patch.
+void watch_stream(Bus& bus, const design::Design& design, std::uint64_t until_us, VerifyResult& result) {
+  constexpr std::uint64_t kLeast_us = 500'000;
+  Stream stream(bus, design, {});
+  stream.run_until(std::max(until_us, bus.now_us() + kLeast_us));
+  stream.finish();
+  result.stream = stream.report();
+  std::map<int, SampleCounts> patches;
+  for (const ModuleCounts& m : result.stream->modules) patches[m.patch] += m.counts;
+  for (const auto& [patch, c] : patches) {
+    const std::uint64_t lost = c.dropped + c.on_the_way + c.silent;  // what is not read has findings of its own
+    if (lost == 0) continue;
+    result.findings.push_back(controller_finding(
+        FindingKind::kLostSamples, patch,
+        fmt::format(
+            "patch {}: {} of {} samples did not arrive: {} found no room on the bus, {} were lost on the way, {} "
+            "while the controller was silent",
+            patch, lost, c.expected, c.dropped, c.on_the_way, c.silent),
+        fmt::format("check cable and termination; {}", describe(result.stream->budget))));
+  }
+}
+
 }  // namespace
 
 VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions& options,
@@ -199,7 +222,12 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
   std::vector<TouchOutcome> touches;
   if (options.touch) touches = touch_all(bus, patches, options, progress);
   const auto watch_us = static_cast<std::uint64_t>(std::max(0.0, options.watch_s) * 1e6);
-  if (std::ranges::any_of(patches, &PatchState::usable)) bus.listen(start_us + watch_us);
+  const auto as_designed = [](const PatchState& p) { return p.usable && !p.on_backup; };
+  if (bus.link().fd() && std::ranges::all_of(patches, as_designed)) {
+    watch_stream(bus, design, start_us + watch_us, result);
+  } else if (std::ranges::any_of(patches, &PatchState::usable)) {
+    bus.listen(start_us + watch_us);
+  }
   ask_all(bus, patches, read_patch);
   result.touched = static_cast<int>(touches.size());
   Diagnosis(design, patches, std::move(touches)).run(result);

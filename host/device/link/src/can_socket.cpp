@@ -76,6 +76,7 @@ CanSocket::CanSocket(const std::string& interface) : interface_(interface) {
     fd_ = request.ifr_mtu >= static_cast<int>(CANFD_MTU);
     const int on = 1;
     const can_err_mask_t errors = CAN_ERR_MASK;
+    (void)set_option(socket_, SOL_SOCKET, SO_RXQ_OVFL, on);
     if (fd_ && !set_option(socket_, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on)) fd_ = false;
     (void)set_option(socket_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, errors);
     const int buffer_bytes = 4 << 20;  // a stream of 16 patches for a second
@@ -141,10 +142,27 @@ void CanSocket::send(const wire::CanFrame& frame) {
   }
 }
 
+// With each frame the kernel says how many found the queue full until then.
+ssize_t CanSocket::read_frame(canfd_frame* frame) {
+  iovec bytes{frame, sizeof *frame};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::uint32_t))> control{};
+  msghdr message{};
+  message.msg_iov = &bytes;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  const ssize_t n = ::recvmsg(socket_, &message, 0);
+  for (cmsghdr* c = n < 0 ? nullptr : CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
+    if (c->cmsg_level == SOL_SOCKET && c->cmsg_type == SO_RXQ_OVFL)
+      std::memcpy(&thrown_away_, CMSG_DATA(c), sizeof thrown_away_);
+  }
+  return n;
+}
+
 std::optional<wire::CanFrame> CanSocket::receive() {
   while (true) {
     canfd_frame k{};
-    const ssize_t n = ::read(socket_, &k, sizeof k);
+    const ssize_t n = read_frame(&k);
     if (n < 0) {
       if (errno == EINTR) continue;
       if (errno == EAGAIN) return std::nullopt;

@@ -83,6 +83,17 @@ std::unique_ptr<MessageChannel> CombinedLink::open_channel(std::uint32_t tx_id, 
   return link ? links_[static_cast<std::size_t>(*link)]->open_channel(tx_id, rx_id) : nullptr;
 }
 
+std::uint64_t CombinedLink::sample_ns(std::uint8_t node) const {
+  const auto link = nodes_.wire_of(node);
+  return link ? links_[static_cast<std::size_t>(*link)]->sample_ns(node) : 0;
+}
+
+std::uint64_t CombinedLink::thrown_away() const {
+  std::uint64_t frames = 0;
+  for (const auto& l : links_) frames += l->thrown_away();
+  return frames;
+}
+
 void CombinedLink::reconnect() {
   for (auto& l : links_) l->reconnect();
 }

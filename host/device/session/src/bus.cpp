@@ -241,6 +241,12 @@ void Bus::reconnect() {
   link_.reconnect();
 }
 
+void Bus::poll() {
+  while (const auto frame = link_.receive(link_.now_us())) {
+    if (!is_answer_id(*frame) && on_stream_) on_stream_(*frame);
+  }
+}
+
 void Bus::listen(std::uint64_t until_us) {
   while (link_.now_us() < until_us) {
     const auto frame = receive(until_us);

@@ -205,6 +205,15 @@ void Controller::reroute() {
   (void)run_routine<wire::RerouteResult>(20'000, 100, "chain");
 }
 
+wire::Offsets Controller::offsets() {
+  return value<wire::Offsets>("offsets");
+}
+
+wire::Offsets Controller::search_offsets() {
+  (void)run_routine<wire::OffsetResult>(50'000, 100, "offsets");
+  return offsets();
+}
+
 wire::FoundTopology Controller::topology() {
   return value<wire::FoundTopology>("topology");
 }
@@ -248,6 +257,22 @@ void Controller::clear_faults() {
 
 wire::LiveTaxels Controller::taxels() {
   return value<wire::LiveTaxels>("taxels");
+}
+
+wire::SamplingSetting Controller::sampling() {
+  return value<wire::SamplingSetting>("sampling");
+}
+
+wire::StreamAccount Controller::stream_account() {
+  try {
+    return value<wire::StreamAccount>("stream");
+  } catch (const Refused& e) {
+    if (e.code() != wire::nrc::kOutOfRange) throw;
+    throw DeviceError(
+        fmt::format("{}: controller {} cannot say how many samples it lost; update its firmware (triskin "
+                    "flash --firmware)",
+                    bus_.link().name(), node_));
+  }
 }
 
 void Controller::set_stream(wire::StreamMode mode) {

@@ -13,7 +13,7 @@ namespace {
 using namespace wire;
 
 constexpr std::uint64_t kAnswers_us = 200'000;
-constexpr std::uint8_t kPeriod_ms = 50, kRest = 245, kSkinType = 1, kShift = 6;
+constexpr std::uint8_t kPeriod_ms = 50, kRest = 245, kSkinType = 0, kShift = 6;
 
 CanFrame command(std::uint32_t message_class, std::uint8_t board, std::initializer_list<std::uint8_t> bytes) {
   CanFrame f;

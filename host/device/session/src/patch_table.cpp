@@ -162,4 +162,10 @@ std::vector<std::uint8_t> bytes_of(const layout::PatchImage& image) {
   return bytes;
 }
 
+bool holds_image(std::uint32_t crc, const layout::PatchImage& image) {
+  layout::PatchImage other = image;
+  other.positive_input = !image.positive_input;
+  return crc == crc32(bytes_of(image)) || crc == crc32(bytes_of(other));
+}
+
 }  // namespace triskin::device

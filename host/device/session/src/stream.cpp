@@ -4,64 +4,223 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <random>
 
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
+#include "triskin/wire/stream_lease.hpp"
 
 namespace triskin::device {
+namespace {
 
-Stream::Stream(Bus& bus, const design::Design& design, OnFrame handler) : bus_(bus), handler_(std::move(handler)) {
+constexpr std::uint8_t kLease_10ms = 100;
+constexpr std::uint64_t kLease_us = std::uint64_t{kLease_10ms} * 10'000;
+constexpr std::uint64_t kRenew_us = 200'000;
+constexpr std::uint64_t kSlice_us = 50'000;     // between two looks for silent controllers
+constexpr std::uint64_t kSilence_us = 400'000;  // with a slice below half a second
+constexpr std::uint64_t kRest_us = 300'000;
+constexpr std::uint64_t kSettle_us = 2'000;  // a lease is on its way
+constexpr int kAttempts = 5;
+
+std::uint32_t draw_reader() {
+  std::random_device random;
+  std::uint32_t number = 0;
+  while (number == 0) number = static_cast<std::uint32_t>(random());
+  return number;
+}
+
+}  // namespace
+
+Stream::Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOptions options)
+    : bus_(bus), handler_(std::move(handler)), say_(std::move(options.say)), reader_(draw_reader()) {
   if (!bus.link().fd())
     throw InputError(fmt::format(
         "{}: carries classic frames only, and the full stream needs CAN FD; bring the interface up with fd on",
         bus.link().name()));
+  find_controllers(design);
+  choose_rate(options);
+  thrown_away_before_ = bus_.link().thrown_away();
+  bus_.on_stream([this](const wire::CanFrame& frame) { handle(frame); });
+  try {
+    send_lease(kLease_10ms);
+    for (auto& [address, node] : nodes_) begin(address, node);
+  } catch (...) {
+    bus_.on_stream({});
+    throw;  // what was leased ends by itself
+  }
+}
+
+void Stream::find_controllers(const design::Design& design) {
   for (std::size_t p = 0; p < design.patches.size(); ++p) {
     const layout::PatchImage image = image_of(design, static_cast<int>(p));
-    Controller c(bus, image.node_address);
+    Controller c(bus_, image.node_address);
     const wire::ActiveTable table = c.active_table();
-    if (!table.present() || table.crc != crc32(bytes_of(image))) {
+    if (!table.present() || !holds_image(table.crc, image)) {
       throw DeviceError(
           fmt::format("{}: the controller of patch {} does not hold the table of this design; run triskin flash first",
-                      bus.link().name(), p));
+                      bus_.link().name(), p));
     }
+    const wire::SamplingSetting sampling = c.sampling();
     Node node;
+    node.patch = static_cast<int>(p);
+    node.interval_us = std::uint64_t{wire::sequence_us(sampling.decimation)} * sampling.every;
     for (const auto& row : image.rows()) node.modules.push_back(row.module_id);
-    node.last.assign(node.modules.size(), 0);
     nodes_[image.node_address] = std::move(node);
   }
-  bus_.on_stream([this](const wire::CanFrame& frame) { handle(frame); });
-  for (const auto& [address, node] : nodes_) Controller(bus_, address).set_stream(wire::StreamMode::kFull);
+}
+
+void Stream::choose_rate(const StreamOptions& options) {
+  std::vector<StreamDemand> demands;
+  for (const auto& [address, node] : nodes_) demands.push_back({address, node.modules.size(), node.interval_us});
+  budget_ = make_budget(bus_.link(), demands, options.every);
+  if (!budget_.fits && !(options.every > 0 && options.overload)) {
+    throw InputError(fmt::format("{}: {}{}", bus_.link().name(), describe(budget_),
+                                 options.every > 0 ? " (--overload streams it all the same)" : ""));
+  }
+  if (budget_.every > 1 && options.every == 0 && say_) {
+    say_(fmt::format("every sample would be {:.0f} % of the bus; {}", 100.0 * budget_.full, describe(budget_)));
+  }
+  for (auto& [address, node] : nodes_) {
+    for (std::size_t k = 0; k < node.modules.size(); ++k) node.counts.emplace_back(budget_.every, node.interval_us);
+  }
+}
+
+void Stream::send_lease(std::uint8_t lasts_10ms) {
+  const auto pace = static_cast<std::uint16_t>(std::min<std::uint64_t>((budget_.pace_us + 99) / 100, UINT16_MAX));
+  bus_.link().send(wire::encode_lease({reader_, lasts_10ms, static_cast<std::uint8_t>(budget_.every), pace}));
+  renewed_us_ = bus_.now_us();
+}
+
+// The account says whether the lease arrived; numbers up to it are none of this reader's.
+void Stream::begin(std::uint8_t address, Node& node) {
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    renew_when_due();
+    const wire::StreamAccount account = Controller(bus_, address).stream_account();
+    if (account.serves(reader_) && account.count == node.counts.size()) {
+      for (std::size_t k = 0; k < node.counts.size(); ++k)
+        node.counts[k].begin(account.starts, account.modules[k], bus_.now_us());
+      node.begin_device_us = account.time_us;
+      node.heard_us = bus_.now_us();
+      return;
+    }
+    if (account.readers == wire::kMaxLeases) break;
+    send_lease(kLease_10ms);
+    bus_.listen(bus_.now_us() + kSettle_us);
+  }
+  throw DeviceError(
+      fmt::format("{}: controller {} takes no reader: {} read already is the most; end another program that reads, or "
+                  "wait a second for one that died",
+                  bus_.link().name(), address, wire::kMaxLeases));
 }
 
 Stream::~Stream() {
-  bus_.on_stream({});
-  const Bus::Uninterrupted guard(bus_);
-  for (const auto& [address, node] : nodes_) {
-    try {
-      Controller(bus_, address).set_stream(wire::StreamMode::kOff);
-    } catch (const Error&) {
-      return;  // the link is gone, and so is the stream
-    }
-  }
+  finish();
+}
+
+void Stream::renew_when_due() {
+  const std::uint64_t since_us = bus_.now_us() - renewed_us_;
+  if (since_us > kLease_us) ++lapses_;
+  if (since_us >= kRenew_us) send_lease(kLease_10ms);
 }
 
 void Stream::run_until(std::uint64_t until_us) {
-  bus_.listen(until_us);
+  do {
+    renew_when_due();
+    bus_.listen(std::min(until_us, bus_.now_us() + kSlice_us));
+    bus_.poll();
+    watch();
+  } while (bus_.now_us() < until_us);
+}
+
+// Between two samples of a controller may be more than half a second, when few are wanted.
+std::uint64_t Stream::silence_us(const Node& node) const {
+  return std::max(kSilence_us,
+                  3 * std::max(budget_.pace_us, node.interval_us * static_cast<std::uint64_t>(budget_.every)));
+}
+
+void Stream::watch() {
+  for (auto& [address, node] : nodes_) {
+    const bool silent = bus_.now_us() - node.heard_us > silence_us(node);
+    if (silent == node.silent) continue;
+    node.silent = silent;
+    if (say_)
+      say_(silent ? fmt::format("patch {}: its controller {} is silent; check power and cable", node.patch, address)
+                  : fmt::format("patch {}: its controller {} speaks again", node.patch, address));
+  }
 }
 
 void Stream::handle(const wire::CanFrame& frame) {
   const auto decoded = wire::decode_full(frame);
   if (!decoded) return;
-  const auto node = nodes_.find(decoded->node_address);
-  if (node == nodes_.end() || decoded->module >= node->second.modules.size()) return;
-  std::uint32_t& last = node->second.last[decoded->module];
-  if (last != 0 && decoded->sample > last + 1) lost_ += decoded->sample - last - 1;
-  last = decoded->sample;
+  const auto found = nodes_.find(decoded->node_address);
+  if (found == nodes_.end() || decoded->module >= found->second.modules.size()) return;
+  Node& node = found->second;
+  const std::uint64_t now_us = bus_.now_us();
+  node.heard_us = now_us;
+  if (!node.counts[decoded->module].add(*decoded, now_us)) return;
   ++frames_;
-  if (handler_) {
-    handler_({node->second.modules[decoded->module], bus_.now_us(), *decoded});
+  if (handler_) handler_({node.modules[decoded->module], now_us, *decoded});
+}
+
+// A controller that is silent is asked once: five attempts on a dead one would take seconds.
+void Stream::end(std::uint8_t address, Node& node) {
+  try {
+    if (bus_.now_us() - node.heard_us > silence_us(node)) {
+      (void)bus_.request(address, std::array<std::uint8_t, 2>{wire::service::kTesterPresent, 0}, Bus::Repeat::kNever);
+    }
+    const wire::StreamAccount account = Controller(bus_, address).stream_account();
+    for (std::size_t k = 0; k < node.counts.size() && k < account.count; ++k)
+      node.counts[k].end(account.starts, account.modules[k], bus_.now_us());
+    if (account.time_us > node.begin_device_us)
+      node.due = (account.time_us - node.begin_device_us) / node.interval_us / static_cast<unsigned>(budget_.every);
+  } catch (const Error&) {
+    node.silent = true;
+    for (SampleAccount& c : node.counts) c.end_silent(bus_.now_us());
   }
+}
+
+void Stream::wait_for_rest() {
+  const std::uint64_t until_us = bus_.now_us() + kRest_us + 3 * budget_.pace_us;
+  const auto waiting = [](const auto& entry) {
+    return !entry.second.silent && !std::ranges::all_of(entry.second.counts, &SampleAccount::complete);
+  };
+  while (bus_.now_us() < until_us && std::ranges::any_of(nodes_, waiting)) {
+    renew_when_due();
+    bus_.listen(std::min(until_us, bus_.now_us() + kSlice_us / 10));
+  }
+}
+
+void Stream::finish() {
+  if (finished_) return;
+  finished_ = true;
+  const Bus::Uninterrupted guard(bus_);
+  try {
+    renew_when_due();
+    for (auto& [address, node] : nodes_) end(address, node);
+    wait_for_rest();
+    send_lease(0);
+  } catch (const Error&) {  // the link is gone, and the lease ends by itself
+    for (auto& [address, node] : nodes_) {
+      for (SampleAccount& c : node.counts) c.end_silent(bus_.now_us());
+    }
+  }
+  bus_.on_stream({});
+}
+
+StreamReport Stream::report() const {
+  StreamReport r;
+  for (const auto& [address, node] : nodes_) {
+    for (std::size_t k = 0; k < node.counts.size(); ++k) {
+      const SampleCounts c = node.counts[k].counts();
+      const bool slow = 10 * (c.expected + 2) < 9 * node.due;
+      r.modules.push_back({node.modules[k], node.patch, c, slow});
+    }
+    if (node.silent) r.silent.push_back(node.patch);
+  }
+  r.lapses = lapses_;
+  r.budget = budget_;
+  sum_up(r, bus_.link().thrown_away() - thrown_away_before_);
+  return r;
 }
 
 }  // namespace triskin::device

@@ -24,8 +24,8 @@ double allowed_rise_ns(double bus_hz) {
 LineElectrical electrical_state(const ElectricalModel& model, const LineLoad& load) {
   LineElectrical e;
   e.modules = load.modules;
-  e.capacitance_pf = model.cable_pf_per_m * load.cable_m + model.joint_pf * load.joints + model.pin_pf * load.modules +
-                     model.switch_pf * load.passed;
+  e.capacitance_pf = model.cable_pf_per_m * (load.cable_m + load.jumper_m) + model.joint_pf * load.joints +
+                     model.jumper_pf * load.jumpers + model.pin_pf * load.modules + model.switch_pf * load.passed;
   e.pull_up_min_ohm = (model.supply_v - model.low_level_v) / (model.sink_ma * 1e-3);
   e.pull_up_max_ohm = e.capacitance_pf > 0 ? allowed_rise_ns(model.bus_hz) * 1e3 / (kRise * e.capacitance_pf) : 1e9;
   e.rise_time_ns = kRise * e.pull_up_min_ohm * e.capacitance_pf * 1e-3;
@@ -40,7 +40,8 @@ bool violates(const ElectricalModel& model, const LineElectrical& line) {
 }
 
 std::vector<LineLoad> line_loads(const ElectricalModel& model, const std::vector<int>& parent,
-                                 const std::vector<int>& line, int lines, double cable_m) {
+                                 const std::vector<int>& line, int lines, double cable_m,
+                                 const std::vector<double>& jumper_m) {
   const int n = static_cast<int>(parent.size());
   std::vector<unsigned> below(parent.size(), 0);  // lines used at or below a node
   for (std::size_t v = parent.size(); v-- > 0;) {
@@ -57,6 +58,11 @@ std::vector<LineLoad> line_loads(const ElectricalModel& model, const std::vector
       reached = static_cast<int>(std::ranges::count_if(below, [l](unsigned b) { return (b >> l & 1U) != 0; }));
     load.joints = std::max(0, reached - 1);
     load.passed = reached - load.modules;
+    for (std::size_t v = 0; v < jumper_m.size(); ++v) {
+      if (jumper_m[v] < 0.0 || (!model.all_lines_on_all_joints && (below[v] >> l & 1U) == 0)) continue;
+      ++load.jumpers;
+      load.jumper_m += jumper_m[v];
+    }
   }
   return loads;
 }

@@ -10,7 +10,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kNoBorder = 20'000, kLost = 24, kDepth = 3;
+constexpr int kJumper = 1'000'000, kNoBorder = 20'000, kLost = 24, kDepth = 3;
 constexpr int kFirstThreshold = 120;
 constexpr int kExchanges = 8;  // single modules tried on each pair of parts
 
@@ -30,8 +30,9 @@ int pick(std::uint32_t set, Dice& random) {
 class Recombiner {
  public:
   Recombiner(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, Dice& random,
-             Partition& partition)
+             Partition& partition, const std::vector<std::array<bool, 3>>* over_jumper)
       : g_(g),
+        over_jumper_(over_jumper),
         capacity_(options.capacity),
         random_(random),
         p_(partition),
@@ -77,15 +78,25 @@ class Recombiner {
       for (std::size_t s = 0; s < 3; ++s)
         both_.neighbour[k][s] = g_.neighbour[at(v)][s] < 0 ? -1 : slot_[at(g_.neighbour[at(v)][s])];
       if (border_[at(v)]) around_.border |= 1U << k;
+      if (over_jumper_ != nullptr) mark_jumpers(k);
       around_.cable_cm[k] = cable_cm_[at(v)];
     }
     for (const int v : both_.node) slot_[at(v)] = -1;
     bits_.emplace(both_);
   }
 
+  void mark_jumpers(std::size_t k) {
+    around_.jumpers = true;
+    around_.over_jumper[k] = 0;
+    for (std::size_t s = 0; s < 3; ++s) {
+      const int w = both_.neighbour[k][s];
+      if (w >= 0 && (*over_jumper_)[at(both_.node[k])][s]) around_.over_jumper[k] |= bit(w);
+    }
+  }
+
   void move(int threshold) {
     int a = 0, b = 0;
-    for (int tries = 0; tries < 64 && a == b; ++tries) {
+    for (int tries = 0; tries < 64 && a == b && !joints_.empty(); ++tries) {
       const auto& [v, w] = joints_[at(random_.below(static_cast<int>(joints_.size())))];
       a = p_.part_of[at(v)];
       b = p_.part_of[at(w)];
@@ -157,6 +168,7 @@ class Recombiner {
   }
 
   const LocalGraph& g_;
+  const std::vector<std::array<bool, 3>>* over_jumper_;
   int capacity_;
   Dice& random_;
   Partition& p_;
@@ -172,6 +184,23 @@ class Recombiner {
   std::uint32_t first_ = 0;
   int now_ = 0;
 };
+
+// Jumpers that hold a part together: its pieces without them, less one.
+int jumpers_within(const PartBits& bits, const PartSurroundings& around, std::uint32_t part) {
+  int pieces = 0;
+  for (std::uint32_t rest = part; rest != 0; ++pieces) {
+    std::uint32_t seen = rest & (~rest + 1), front = seen;
+    while (front != 0) {
+      std::uint32_t next = 0;
+      for (; front != 0; front &= front - 1)
+        next |= bits.joined[at(lowest(front))] & ~around.over_jumper[at(lowest(front))];
+      front = next & part & ~seen;
+      seen |= front;
+    }
+    rest &= ~seen;
+  }
+  return pieces - 1;
+}
 
 // Modules lost beyond the failed one, over all single module failures, with `entry` and the best second entry.
 int lost_with_two_entries(const PartBits& bits, std::uint32_t part, int entry) {
@@ -211,13 +240,14 @@ int secondary_cost(const PartBits& bits, const PartSurroundings& around, std::ui
     best = cost;
     entry = v;
   }
-  return (on_border ? 0 : kNoBorder) + kLost * lost_with_two_entries(bits, part, entry) + best;
+  const int jumpers = around.jumpers ? kJumper * jumpers_within(bits, around, part) : 0;
+  return jumpers + (on_border ? 0 : kNoBorder) + kLost * lost_with_two_entries(bits, part, entry) + best;
 }
 
 void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Dice& random,
-               Partition& partition) {
+               Partition& partition, const std::vector<std::array<bool, 3>>* over_jumper) {
   if (partition.parts < 2) return;
-  Recombiner(graph, g, options, random, partition).run(moves);
+  Recombiner(graph, g, options, random, partition, over_jumper).run(moves);
 }
 
 }  // namespace triskin::geometry

@@ -9,17 +9,20 @@ namespace triskin::geometry {
 struct PartSurroundings {
   std::uint32_t border = 0;        ///< nodes with a side that a cable reaches
   std::array<int, 32> cable_cm{};  ///< from the controller place, zeros when none is given
+  bool jumpers = false;
+  std::array<std::uint32_t, 32> over_jumper{};  ///< neighbours of each node that a jumper leads to
 };
 
-/// Secondary cost of the connected set `part`, in integers so that every compiler decides alike: no border side ≫
-/// modules lost beyond the failed one, summed over all module failures, with the best second entry > Σ depth from the
-/// entry.
+/// Secondary cost of the connected set `part`, in integers so that every compiler decides alike: jumpers ≫ no border
+/// side ≫ modules lost beyond the failed one, summed over all module failures, with the best second entry > Σ depth
+/// from the entry.
 [[nodiscard]] int secondary_cost(const PartBits& bits, const PartSurroundings& around, std::uint32_t part);
 
 /// Lowers the sum of secondary costs under a fixed number of parts. A move takes two neighbouring parts and either
 /// draws a random tree over both and cuts it elsewhere (ReCom: DeFord, Duchin and Solomon, 2021) or moves or swaps
-/// single modules; it is accepted under a falling threshold. `moves` in all; about 10 µs each.
+/// single modules; it is accepted under a falling threshold. `moves` in all; about 10 µs each. `over_jumper` says by
+/// local node and side which joints are jumpers (null: none); their number does not grow.
 void recombine(const ModuleGraph& graph, const LocalGraph& g, const RoutingOptions& options, int moves, Dice& random,
-               Partition& partition);
+               Partition& partition, const std::vector<std::array<bool, 3>>* over_jumper = nullptr);
 
 }  // namespace triskin::geometry

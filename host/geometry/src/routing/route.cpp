@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 #include <string_view>
 
 #include "failures.hpp"
+#include "jumper_partition.hpp"
 #include "milp.hpp"
 #include "partition.hpp"
 #include "recombination.hpp"
+#include "triskin/design/module_graph.hpp"
 #include "triskin/geometry/routing.hpp"
 #include "triskin/host/error.hpp"
 #include "wiring.hpp"
@@ -45,10 +48,49 @@ void require_options(const RoutingOptions& o) {
   }
 }
 
+// The shortest of the places that hold each part together, given what holds without them: fewest by number.
+std::vector<Jumper> fitted_jumpers(const JumperGraph& g, const std::vector<Jumper>& places,
+                                   const std::vector<int>& part_of) {
+  std::vector<int> leader(part_of.size());
+  std::iota(leader.begin(), leader.end(), 0);
+  const auto find = [&](int v) {
+    while (leader[at(v)] != v) v = leader[at(v)] = leader[at(leader[at(v)])];
+    return v;
+  };
+  for (int v = 0; v < g.apart.size(); ++v) {
+    for (const int w : g.apart.neighbour[at(v)]) {
+      if (w >= 0 && part_of[at(w)] == part_of[at(v)]) leader[at(find(v))] = find(w);
+    }
+  }
+  const auto local = [&](int node) {
+    const auto found = std::ranges::lower_bound(g.joined.node, node);
+    return found != g.joined.node.end() && *found == node ? static_cast<int>(found - g.joined.node.begin()) : -1;
+  };
+  std::vector<Jumper> fitted;
+  for (const Jumper& j : places) {
+    const int a = local(j.node[0]), b = local(j.node[1]);
+    if (a < 0 || b < 0 || part_of[at(a)] != part_of[at(b)] || find(a) == find(b)) continue;
+    leader[at(find(a))] = find(b);
+    fitted.push_back(j);
+  }
+  return fitted;
+}
+
 class Router {
  public:
-  Router(const ModuleGraph& graph, const RoutingOptions& options)
-      : graph_(graph), options_(options), lines_(options.lines, options.addresses) {}
+  Router(const ModuleGraph& graph, const std::vector<Jumper>& places, const RoutingOptions& options)
+      : apart_(graph), graph_(graph), places_(places), options_(options), lines_(options.lines, options.addresses) {
+    std::ranges::stable_sort(places_, {}, &Jumper::length_mm);
+  }
+
+  void run(const ProgressSink& progress) {
+    const auto islands = components(places_.empty() ? graph_ : design::with_jumpers(apart_, places_));
+    for (std::size_t k = 0; k < islands.size(); ++k) {
+      report(progress, "routing", static_cast<double>(k) / static_cast<double>(islands.size()));
+      places_.empty() ? route_island(islands[k]) : route_with_jumpers(islands[k]);
+    }
+    std::ranges::sort(result_.jumpers, {}, &Jumper::node);
+  }
 
   void route_island(const std::vector<int>& nodes) {
     const LocalGraph g = localize(graph_, nodes);
@@ -56,12 +98,30 @@ class Router {
     Partition p = partition(g, options_.capacity, options_.seed, milp_s);
     Dice random(options_.seed + 1);
     recombine(graph_, g, options_, std::min(kMostMoves, options_.recombinations * p.parts), random, p);
-    std::vector<std::vector<int>> parts(at(p.parts));
-    for (int v = 0; v < g.size(); ++v) parts[at(p.part_of[at(v)])].push_back(g.node[at(v)]);
-    std::ranges::sort(parts);
-    for (const auto& part : parts) result_.patches.push_back(wire(graph_, part, options_, lines_));
+    wire_parts(g, p);
     result_.lower_bound += p.lower_bound;
     result_.proof = std::max(result_.proof, p.proof);
+    price_proved_ = price_proved_ && p.parts == p.lower_bound;
+  }
+
+  void route_with_jumpers(const std::vector<int>& nodes) {
+    const JumperGraph possible = jumper_graph(design::with_jumpers(apart_, places_), apart_, nodes);
+    const JumperPartition cheapest = partition_with_jumpers(possible, options_.capacity, options_.price, options_.seed);
+    fit(fitted_jumpers(possible, places_, cheapest.part_of));
+    const JumperGraph g = jumper_graph(graph_, apart_, nodes);
+    Partition p{cheapest.part_of, cheapest.parts, cheapest.parts_bound, PartitionProof::kOpen};
+    Dice random(options_.seed + 1);
+    recombine(graph_, g.joined, options_, std::min(kMostMoves, options_.recombinations * p.parts), random, p,
+              &g.over_jumper);
+    const std::vector<Jumper> kept = fitted_jumpers(g, fitted_, p.part_of);
+    fit(kept);
+    wire_parts(localize(graph_, nodes), p);
+    result_.jumpers.insert(result_.jumpers.end(), kept.begin(), kept.end());
+    result_.lower_bound += cheapest.parts_bound;
+    result_.jumpers_lower_bound += cheapest.jumpers_bound;
+    result_.proof =
+        std::max(result_.proof, cheapest.parts == cheapest.parts_bound ? PartitionProof::kSize : PartitionProof::kOpen);
+    price_proved_ = price_proved_ && cheapest.proved;
   }
 
   RoutingResult finish() {
@@ -87,11 +147,30 @@ class Router {
       result_.mean_loss_strapped = strapped / failures;
     }
     result_.proved = static_cast<int>(result_.patches.size()) == result_.lower_bound;
+    result_.price_proved = price_proved_;
     return std::move(result_);
   }
 
  private:
-  const ModuleGraph& graph_;
+  void wire_parts(const LocalGraph& g, const Partition& p) {
+    std::vector<std::vector<int>> parts(at(p.parts));
+    for (int v = 0; v < g.size(); ++v) parts[at(p.part_of[at(v)])].push_back(g.node[at(v)]);
+    std::ranges::sort(parts);
+    for (const auto& part : parts) result_.patches.push_back(wire(graph_, part, options_, lines_, fitted_));
+  }
+
+  // The jumpers of the islands before, and these.
+  void fit(const std::vector<Jumper>& jumpers) {
+    fitted_ = result_.jumpers;
+    fitted_.insert(fitted_.end(), jumpers.begin(), jumpers.end());
+    graph_ = design::with_jumpers(apart_, fitted_);
+  }
+
+  const ModuleGraph& apart_;    // without jumpers
+  ModuleGraph graph_;           // with those that are fitted
+  std::vector<Jumper> places_;  // shortest first
+  std::vector<Jumper> fitted_;
+  bool price_proved_ = true;
   const RoutingOptions& options_;
   LineAssigner lines_;
   RoutingResult result_;
@@ -100,15 +179,16 @@ class Router {
 }  // namespace
 
 RoutingResult route(const ModuleGraph& graph, const RoutingOptions& options, const ProgressSink& progress) {
+  return route(graph, {}, options, progress);
+}
+
+RoutingResult route(const ModuleGraph& graph, const std::vector<Jumper>& places, const RoutingOptions& options,
+                    const ProgressSink& progress) {
   require_joints(graph);
   require_options(options);
   const auto start = std::chrono::steady_clock::now();
-  Router router(graph, options);
-  const auto islands = components(graph);
-  for (std::size_t k = 0; k < islands.size(); ++k) {
-    report(progress, "routing", static_cast<double>(k) / static_cast<double>(islands.size()));
-    router.route_island(islands[k]);
-  }
+  Router router(graph, places, options);
+  router.run(progress);
   RoutingResult result = router.finish();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

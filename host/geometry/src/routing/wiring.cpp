@@ -22,8 +22,11 @@ struct RootedTree {
 
 class Wirer {
  public:
-  Wirer(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options, LineAssigner& lines)
+  Wirer(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options, LineAssigner& lines,
+        const std::vector<Jumper>& jumpers)
       : graph_(graph), g_(localize(graph, part)), options_(options), lines_(lines), tree_(at(g_.size())) {
+    std::ranges::copy_if(jumpers, std::back_inserter(jumpers_),
+                         [&](const Jumper& j) { return std::ranges::binary_search(g_.node, j.node[0]); });
     for (int v = 0; v < g_.size(); ++v) {
       for (int s = 0; s < 3; ++s) has_border_ = has_border_ || is_border(graph_, g_.node[at(v)], s);
     }
@@ -105,10 +108,24 @@ class Wirer {
   [[nodiscard]] std::vector<LineElectrical> electrical(const std::vector<int>& line, int root) const {
     std::vector<LineElectrical> state;
     const double cable = cable_m(graph_, g_.node[at(root)], options_);
-    for (const LineLoad& load : line_loads(options_.electrical, now_.parent, line, options_.lines, cable)) {
+    const std::vector<double> jumper_m = jumper_lengths_m();
+    for (const LineLoad& load : line_loads(options_.electrical, now_.parent, line, options_.lines, cable, jumper_m)) {
       state.push_back(electrical_state(options_.electrical, load));
     }
     return state;
+  }
+
+  // Of the joint from each node of the tree to its parent; -1: no jumper. Empty: none at all.
+  [[nodiscard]] std::vector<double> jumper_lengths_m() const {
+    if (jumpers_.empty()) return {};
+    std::vector<double> length_m(now_.order.size(), -1.0);
+    for (std::size_t k = 1; k < now_.order.size(); ++k) {
+      const int v = g_.node[at(now_.order[k])], p = g_.node[at(now_.order[at(now_.parent[k])])];
+      for (const Jumper& j : jumpers_) {
+        if (j.node == std::array{std::min(v, p), std::max(v, p)}) length_m[k] = j.length_mm * 1e-3;
+      }
+    }
+    return length_m;
   }
 
   Patch assemble() const {
@@ -146,6 +163,7 @@ class Wirer {
   LocalGraph g_;
   const RoutingOptions& options_;
   LineAssigner& lines_;
+  std::vector<Jumper> jumpers_;  // that begin in this part
   std::vector<std::vector<int>> tree_;
   bool has_border_ = false, found_ = false;
   RootedTree now_, best_;
@@ -172,8 +190,9 @@ double cable_m(const ModuleGraph& graph, int node, const RoutingOptions& options
   return std::sqrt(square) * 1e-3;
 }
 
-Patch wire(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options, LineAssigner& lines) {
-  return Wirer(graph, part, options, lines).run();
+Patch wire(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options, LineAssigner& lines,
+           const std::vector<Jumper>& jumpers) {
+  return Wirer(graph, part, options, lines, jumpers).run();
 }
 
 }  // namespace triskin::geometry

@@ -10,9 +10,9 @@ namespace triskin::geometry {
 /// Wires one connected part: the least (no border entry, lines against the electrical rule, Σ depth, line hops, depth)
 /// over all spanning trees and entries, exact; with kHopsFirst the line hops come before Σ depth. Trees that cannot
 /// win by ⌈size / addresses⌉ are not assigned. Ties go to the first tree and the least node. `lines` must fit the
-/// options.
+/// options. `jumpers`: which joints of the graph are jumpers, for their capacitance.
 [[nodiscard]] Patch wire(const ModuleGraph& graph, const std::vector<int>& part, const RoutingOptions& options,
-                         LineAssigner& lines);
+                         LineAssigner& lines, const std::vector<Jumper>& jumpers = {});
 
 /// Metres of entry cable to a module: from the controller place where one is given.
 [[nodiscard]] double cable_m(const ModuleGraph& graph, int node, const RoutingOptions& options);

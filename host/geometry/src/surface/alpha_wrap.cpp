@@ -3,11 +3,14 @@
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/alpha_wrap_3.h>
 
+#include "clean.hpp"
 #include "extract_steps.hpp"
+#include "isolated.hpp"
 
 namespace triskin::geometry {
+namespace {
 
-Mesh wrapped(const Mesh& mesh, double alpha_mm, double offset_mm) {
+Mesh wrap_of(const Mesh& mesh, double alpha_mm, double offset_mm) {
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using Wrap = CGAL::Surface_mesh<Kernel::Point_3>;
   std::vector<Kernel::Point_3> points;
@@ -30,6 +33,14 @@ Mesh wrapped(const Mesh& mesh, double alpha_mm, double offset_mm) {
     result.faces.push_back(corners);
   }
   return result;
+}
+
+}  // namespace
+
+std::optional<Mesh> wrapped(const Mesh& mesh, double alpha_mm, double offset_mm, unsigned cpu_s) {
+  const auto answer = run_isolated([&] { return bytes_of(wrap_of(mesh, alpha_mm, offset_mm)); }, cpu_s);
+  if (!answer) return std::nullopt;
+  return mesh_of(*answer);
 }
 
 }  // namespace triskin::geometry

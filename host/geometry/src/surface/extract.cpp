@@ -207,6 +207,7 @@ class Extractor {
   ExtractReport report_;
 };
 
+constexpr unsigned kWrap_s = 600;   // processor time
 constexpr double kShattered = 0.6;  // share of the area that the largest part should have
 
 double largest_share(const Mesh& mesh) {
@@ -251,43 +252,124 @@ void repair_again(Extraction& e, const Mesh& mesh, const char* step) {
   e.report.crowded_edges = before.crowded_edges;
   e.report.outer = before.outer;
   e.report.wrapped = before.wrapped;
+  e.report.repair = before.repair;
+  e.report.crossings = before.crossings;
+  e.report.deviation = before.deviation;
+}
+
+bool messy(const ExtractReport& r) {
+  return r.components > 1 || r.crowded_edges > 0;
+}
+
+void drop_hidden(Extraction& e, const ExtractOptions& options, const ProgressSink& progress) {
+  report(progress, "looking for the outside", 0.3);
+  const std::size_t before = e.surface.faces.size();
+  e.report.outer = true;
+  repair_again(e, outer_faces(e.surface, options.sky_fraction), "dropping the faces that see little of the sky");
+  e.report.removed_faces += static_cast<int>(before - e.surface.faces.size());
+}
+
+// The steps that were asked for, as they are; the result may be one that design() refuses.
+Extraction stepwise(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
+  using When = ExtractOptions::When;
+  Extraction e = joined(mesh);
+  const bool was_messy = messy(e.report);
+  if (options.outer == When::kAlways || (options.outer == When::kWhenNeeded && was_messy))
+    drop_hidden(e, options, progress);
+  const bool bad = options.wrap == When::kWhenNeeded && was_messy &&
+                   (largest_share(e.surface) < kShattered || crosses_itself(e.surface));
+  if (options.wrap != When::kAlways && !bad) return e;
+  report(progress, "wrapping", 0.6);
+  const auto wrap = wrapped(mesh, options.wrap_alpha_mm, options.wrap_offset_mm, kWrap_s);
+  if (!wrap)
+    throw InputError(fmt::format("surface: the wrap takes longer than {} s; give a larger --wrap-alpha-mm", kWrap_s));
+  e.report.wrapped = true;
+  repair_again(e, *wrap, "wrapping");
+  if (options.outer != When::kNever) drop_hidden(e, options, progress);
+  return e;
+}
+
+// Closed parts whose front is inside are turned; those in the box of another part stay: they may be its cavities.
+int turn_outward(Mesh& mesh) {
+  struct Part {
+    std::vector<int> faces;
+    Eigen::AlignedBox3d box;
+    double volume = 0.0;
+    bool closed = true;
+  };
+  const Surface surface(mesh);
+  std::vector<Part> parts;
+  std::vector<bool> seen(mesh.faces.size(), false);
+  for (std::size_t first = 0; first < seen.size(); ++first) {
+    if (seen[first]) continue;
+    Part part;
+    part.faces.push_back(static_cast<int>(first));
+    seen[first] = true;
+    for (std::size_t q = 0; q < part.faces.size(); ++q) {
+      const auto& f = mesh.faces[at(part.faces[q])];
+      const Vec3 &a = mesh.vertices[at(f[0])], &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];
+      part.volume += a.dot(b.cross(c)) / 6.0;
+      part.box.extend(a).extend(b).extend(c);
+      for (const int n : surface.neighbours(part.faces[q])) {
+        part.closed = part.closed && n >= 0;
+        if (n < 0 || seen[at(n)]) continue;
+        seen[at(n)] = true;
+        part.faces.push_back(n);
+      }
+    }
+    parts.push_back(std::move(part));
+  }
+  int turned = 0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (!parts[p].closed || parts[p].volume >= 0.0) continue;
+    const bool inner =
+        std::ranges::any_of(parts, [&](const Part& o) { return &o != &parts[p] && o.box.contains(parts[p].box); });
+    if (inner) continue;
+    for (const int f : parts[p].faces) std::swap(mesh.faces[at(f)][1], mesh.faces[at(f)][2]);
+    turned += static_cast<int>(parts[p].faces.size());
+  }
+  return turned;
+}
+
+// The steps where they lead to a surface that design() takes, and else the repair.
+Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
+  if (options.keep_usable && usable(mesh)) return joined(mesh);
+  ExtractOptions first = options;
+  if (first.wrap == ExtractOptions::When::kWhenNeeded) first.wrap = ExtractOptions::When::kNever;
+  try {
+    Extraction e = stepwise(mesh, first, progress);
+    const bool shattered = messy(e.report) && e.report.outer && largest_share(e.surface) < kShattered;
+    if (!shattered && usable(e.surface)) return e;
+  } catch (const InputError&) {
+    // nothing is left of the steps alone
+  }
+  return repaired(mesh, options, progress);
 }
 
 }  // namespace
 
-Extraction extract(const Mesh& mesh, const ProgressSink& progress) {
-  report(progress, "extracting", 0.0);
+Extraction joined(const Mesh& mesh) {
   return Extractor(mesh).run();
 }
 
+Extraction extract(const Mesh& mesh, const ProgressSink& progress) {
+  report(progress, "extracting", 0.0);
+  return joined(mesh);
+}
+
 Extraction extract(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
-  using When = ExtractOptions::When;
-  Extraction e = extract(mesh, progress);
-  const bool messy = e.report.components > 1 || e.report.crowded_edges > 0;
-  const auto drop_hidden = [&] {
-    report(progress, "looking for the outside", 0.3);
-    const std::size_t before = e.surface.faces.size();
-    e.report.outer = true;
-    repair_again(e, outer_faces(e.surface, options.sky_fraction), "dropping the faces that see little of the sky");
-    e.report.removed_faces += static_cast<int>(before - e.surface.faces.size());
-  };
-  if (options.outer == When::kAlways || (options.outer == When::kWhenNeeded && messy)) drop_hidden();
-  const bool bad = options.wrap == When::kWhenNeeded && messy &&
-                   (largest_share(e.surface) < kShattered || crosses_itself(e.surface));
-  if (options.wrap == When::kAlways || bad) {
-    report(progress, "wrapping", 0.6);
-    e.report.wrapped = true;
-    repair_again(e, wrapped(mesh, options.wrap_alpha_mm, options.wrap_offset_mm), "wrapping");
-    if (options.outer != When::kNever) drop_hidden();
-  }
+  report(progress, "extracting", 0.0);
+  Extraction e = options.repair ? chosen(mesh, options, progress) : stepwise(mesh, options, progress);
   if (!options.spheres.empty() || !options.boxes.empty() || options.keep_out) {
     report(progress, "keeping out", 0.9);
     const double before_mm2 = area_of(e.surface);
     const Mesh kept = without_keep_outs(e.surface, options);
-    const double after_mm2 = area_of(kept);
     repair_again(e, kept, "taking the keep-outs away");
-    e.report.kept_out_mm2 = before_mm2 - after_mm2;
+    if (options.repair && !usable(e.surface)) e.surface = settled(e.surface).surface;
+    e.report.kept_out_mm2 = before_mm2 - area_of(e.surface);
   }
+  if (options.repair) e.report.flipped_faces += turn_outward(e.surface);
+  e.report.boundary_loops = static_cast<int>(Surface(e.surface).border_loops().size());
   return e;
 }
 

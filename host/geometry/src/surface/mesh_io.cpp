@@ -11,13 +11,12 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
-#include <limits>
-#include <map>
-#include <set>
-#include <unordered_map>
 
+#include "clean.hpp"
 #include "isolated.hpp"
 #include "off_reader.hpp"
+#include "ply_reader.hpp"
+#include "text_readers.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
 
@@ -25,16 +24,18 @@ namespace triskin::geometry {
 namespace {
 
 constexpr double kSmallestPart_mm = 20.0;
+constexpr double kLargestGuess_mm = 3000.0;  // without a unit
 constexpr double kLargestPart_mm = 5000.0;
 
 // COLLADA states its unit; assimp hands it over as a scene or root property. Other formats have none.
+// 0: none.
 double file_scale(const aiScene& scene) {
   double metres = 0.0;
   float single = 0.0F;
-  if (scene.mMetaData == nullptr) return 1.0;
+  if (scene.mMetaData == nullptr) return 0.0;
   if (scene.mMetaData->Get("UnitScaleFactor", metres) && metres > 0.0) return metres * 10.0;
   if (scene.mMetaData->Get("UnitScaleFactor", single) && single > 0.0F) return static_cast<double>(single) * 10.0;
-  return 1.0;
+  return 0.0;
 }
 
 void collect(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent, Mesh& out) {
@@ -65,93 +66,39 @@ void require_finite(const std::filesystem::path& path, const Mesh& mesh) {
   }
 }
 
-double diagonal(const Mesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& v : mesh.vertices) box.extend(v);
-  return mesh.vertices.empty() ? 0.0 : box.diagonal().norm();
-}
-
-// Makes coincident corners one vertex. Files store single precision, so equality is taken on a grid of 1e-7 of the
-// size.
-void weld(Mesh& mesh, MeshReadReport& report) {
-  const double cell = std::max(1e-7 * diagonal(mesh), std::numeric_limits<double>::min());
-  std::map<std::array<std::int64_t, 3>, int> first;
-  std::vector<int> target(mesh.vertices.size());
-  std::vector<Vec3> kept;
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    const Vec3 q = mesh.vertices[v] / cell;
-    const std::array key{std::llround(q.x()), std::llround(q.y()), std::llround(q.z())};
-    const auto [entry, is_new] = first.try_emplace({key[0], key[1], key[2]}, static_cast<int>(kept.size()));
-    if (is_new) kept.push_back(mesh.vertices[v]);
-    target[v] = entry->second;
-  }
-  report.welded_vertices = static_cast<int>(mesh.vertices.size() - kept.size());
-  mesh.vertices = std::move(kept);
-  for (auto& face : mesh.faces) {
-    for (int& v : face) v = target[static_cast<std::size_t>(v)];
-  }
-}
-
-void drop_bad_faces(Mesh& mesh, MeshReadReport& report) {
-  std::set<std::array<int, 3>> seen;
-  std::vector<std::array<int, 3>> kept;
-  for (const auto& f : mesh.faces) {
-    const auto at = [&](int k) -> const Vec3& {
-      return mesh.vertices[static_cast<std::size_t>(f[static_cast<std::size_t>(k)])];
-    };
-    const double longest = std::max({(at(1) - at(0)).norm(), (at(2) - at(1)).norm(), (at(0) - at(2)).norm()});
-    const double area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
-    if (!(area > 1e-9 * longest * longest)) {
-      ++report.degenerate_faces;
-      continue;
-    }
-    std::array<int, 3> key = f;
-    std::ranges::sort(key);
-    if (!seen.insert(key).second) {
-      ++report.duplicate_faces;
-      continue;
-    }
-    kept.push_back(f);
-  }
-  mesh.faces = std::move(kept);
-}
-
-void drop_unused_vertices(Mesh& mesh) {
-  std::vector<int> target(mesh.vertices.size(), -1);
-  std::vector<Vec3> kept;
-  for (auto& face : mesh.faces) {
-    for (int& v : face) {
-      int& t = target[static_cast<std::size_t>(v)];
-      if (t < 0) {
-        t = static_cast<int>(kept.size());
-        kept.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
-      }
-      v = t;
-    }
-  }
-  mesh.vertices = std::move(kept);
-}
-
-void require_size(const std::filesystem::path& path, const Mesh& mesh) {
-  const double size_mm = diagonal(mesh);
+// Without a unit from the person or the file, a size that no part has is a question.
+void require_size(const std::filesystem::path& path, const Mesh& mesh, bool unit_is_known) {
+  const double size_mm = diagonal_of(mesh);
   if (size_mm < kSmallestPart_mm) {
+    const bool metres = 1000.0 * size_mm <= kLargestGuess_mm;
     throw InputError(
-        fmt::format("{}: the mesh is only {:.3g} mm across, no module of 30 mm fits; if its numbers are metres or "
-                    "centimetres pass --unit m or --unit cm",
-                    path.string(), size_mm));
+        fmt::format("{}: the mesh is only {:.3g} mm across, no module of 30 mm fits; are its numbers {}? Then pass "
+                    "{} (--unit m or --unit cm)",
+                    path.string(), size_mm, metres ? "metres" : "centimetres", metres ? "--unit m" : "--unit cm"));
   }
   if (size_mm > kLargestPart_mm) {
     throw InputError(
         fmt::format("{}: the mesh is {:.3g} m across, larger than a body part (5 m); check its unit (--unit mm|cm|m)",
                     path.string(), size_mm / 1000.0));
   }
+  if (size_mm > kLargestGuess_mm && !unit_is_known) {
+    throw InputError(
+        fmt::format("{}: the mesh is {:.3g} m across if its numbers are millimetres; are they? Then pass "
+                    "--unit mm",
+                    path.string(), size_mm / 1000.0));
+  }
 }
 
-bool is_off(const std::filesystem::path& path, const std::string& bytes) {
+std::string extension_of(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::ranges::transform(extension, extension.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".off" || bytes.starts_with("OFF") || bytes.starts_with("COFF") || bytes.starts_with("NOFF");
+  return extension;
+}
+
+bool is_off(const std::filesystem::path& path, const std::string& bytes) {
+  return extension_of(path) == ".off" || bytes.starts_with("OFF") || bytes.starts_with("COFF") ||
+         bytes.starts_with("NOFF");
 }
 
 // What the child process hands over: scale, counts, vertices, faces; or a message.
@@ -181,8 +128,8 @@ std::string library_answer(const std::filesystem::path& path) {
 void read_with_library(const std::filesystem::path& path, std::size_t size, MeshFile& file) {
   const auto answer = run_isolated([&] { return library_answer(path); }, static_cast<unsigned>(1 + size / 500'000));
   const auto damaged = [&](const std::string& why) {
-    throw InputError(
-        fmt::format("{}: not a mesh that can be read ({}); give OBJ, STL, PLY, OFF or DAE", path.string(), why));
+    throw InputError(fmt::format("{}: not a mesh that can be read ({}); give OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF",
+                                 path.string(), why));
   };
   if (!answer || answer->empty()) return damaged("the file is damaged");
   if (answer->front() == '!') return damaged(answer->substr(1));
@@ -193,7 +140,12 @@ void read_with_library(const std::filesystem::path& path, std::size_t size, Mesh
     at += bytes;
   };
   std::array<std::size_t, 2> counts{};
-  take(&file.report.scale_to_mm, 1);
+  double scale = 0.0;
+  take(&scale, 1);
+  const std::string extension = extension_of(path);
+  if (extension == ".gltf" || extension == ".glb") scale = 1000.0;  // both are in metres by their standard
+  file.report.unit_from_file = scale > 0.0;
+  if (scale > 0.0) file.report.scale_to_mm = scale;
   take(counts.data(), 2);
   file.mesh.vertices.resize(counts[0]);
   file.mesh.faces.resize(counts[1]);
@@ -218,26 +170,30 @@ MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> 
   const std::string bytes = read_file(path);  // names the file when it cannot be read
   if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty", path.string()));
   MeshFile file;
+  const std::string extension = extension_of(path);
   if (is_off(path, bytes)) {
     file.mesh = read_off(bytes, path.string());
-    file.report.scale_to_mm = 1.0;
+  } else if (extension == ".obj") {
+    file.mesh = read_obj(bytes, path.string());
+  } else if (extension == ".stl") {
+    file.mesh = is_binary_stl(bytes) ? read_binary_stl(bytes) : read_text_stl(bytes, path.string());
+  } else if (extension == ".ply") {
+    file.mesh = read_ply(bytes, path.string());
   } else {
     read_with_library(path, bytes.size(), file);
   }
   if (unit) file.report.scale_to_mm = scale_of(*unit);
   require_finite(path, file.mesh);
   for (Vec3& v : file.mesh.vertices) v *= file.report.scale_to_mm;
-  weld(file.mesh, file.report);
-  drop_bad_faces(file.mesh, file.report);
-  drop_unused_vertices(file.mesh);
+  clean(file.mesh, file.report);
   if (file.mesh.faces.empty()) throw InputError(fmt::format("{}: no triangle with an area in it", path.string()));
-  require_size(path, file.mesh);
+  require_size(path, file.mesh, unit.has_value() || file.report.unit_from_file);
   return file;
 }
 
 void write_obj(const std::filesystem::path& path, const Mesh& mesh) {
   std::string text = "# triskin, mm\n";
-  for (const Vec3& v : mesh.vertices) text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", v.x(), v.y(), v.z());
+  for (const Vec3& v : mesh.vertices) text += fmt::format("v {} {} {}\n", v.x(), v.y(), v.z());
   for (const auto& f : mesh.faces) text += fmt::format("f {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1);
   write_output(path, text);
 }

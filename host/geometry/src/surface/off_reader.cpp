@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <sstream>
+#include <utility>
 
+#include "polygon_faces.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::geometry {
@@ -63,7 +65,7 @@ class OffReader {
         fail("a face names a vertex that does not exist");
       index.push_back(static_cast<int>(v));
     }
-    for (std::size_t k = 2; k < index.size(); ++k) mesh.faces.push_back({index[0], index[k - 1], index[k]});
+    add_polygon(mesh, std::move(index));
   }
 
   [[noreturn]] void fail(const std::string& what) const {

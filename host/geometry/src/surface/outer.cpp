@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "extract_steps.hpp"
 #include "index.hpp"
@@ -112,7 +113,7 @@ double area_of(const Mesh& mesh) {
   return area;
 }
 
-std::vector<Sky> sky_of(const Mesh& mesh) {
+std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces) {
   Triangles triangles;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     const auto c = corners_of(mesh, f);
@@ -120,19 +121,22 @@ std::vector<Sky> sky_of(const Mesh& mesh) {
   }
   Tree tree(triangles.cbegin(), triangles.cend());
   tree.build();
-  std::vector<Sky> sky(mesh.faces.size());
-  tbb::parallel_for(std::size_t{0}, mesh.faces.size(), [&](std::size_t f) {
+  std::vector<Sky> sky(faces.size());
+  tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t k) {
+    const std::size_t f = at(faces[k]);
     const auto c = corners_of(mesh, f);
     const Vec3 normal = cross_of(mesh, f).normalized(), middle = (c[0] + c[1] + c[2]) / 3.0;
     if (!(normal.squaredNorm() > 0.5)) return;
-    sky[f] = {share_free(tree, middle, normal), share_free(tree, middle, -normal)};
+    sky[k] = {share_free(tree, middle, normal), share_free(tree, middle, -normal)};
   });
   return sky;
 }
 
 Mesh outer_faces(const Mesh& mesh, double sky_fraction) {
   Mesh result = mesh;
-  std::vector<Sky> sky = sky_of(mesh);
+  std::vector<int> all(mesh.faces.size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<Sky> sky = sky_of(mesh, all);
   const auto neighbour = neighbours_of(mesh);
   turn_parts(result, sky, neighbour);
   std::vector<bool> kept(mesh.faces.size());

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 
+#include "extract_steps.hpp"
 #include "index.hpp"
 #include "triskin/geometry/extract.hpp"
 #include "triskin/host/error.hpp"
@@ -38,7 +39,7 @@ void require_manifold(const Mesh& mesh, const std::string& name) {
       total));
 }
 
-void require_no_self_intersection(const Mesh& surface, const std::string& name) {
+std::vector<std::pair<int, int>> crossing_faces(const Mesh& surface) {
   SurfaceMesh mesh;
   std::vector<SurfaceMesh::Vertex_index> vertex;
   for (const Vec3& v : surface.vertices) vertex.push_back(mesh.add_vertex({v.x(), v.y(), v.z()}));
@@ -50,8 +51,16 @@ void require_no_self_intersection(const Mesh& surface, const std::string& name) 
   }
   std::vector<std::pair<SurfaceMesh::Face_index, SurfaceMesh::Face_index>> crossings;
   CGAL::Polygon_mesh_processing::self_intersections(mesh, std::back_inserter(crossings));
+  std::vector<std::pair<int, int>> pairs;
+  for (const auto& [a, b] : crossings) pairs.push_back(std::minmax({index.at(a), index.at(b)}));
+  std::ranges::sort(pairs);
+  return pairs;
+}
+
+void require_no_self_intersection(const Mesh& surface, const std::string& name) {
+  const auto crossings = crossing_faces(surface);
   if (crossings.empty()) return;
-  const auto& f = surface.faces[at(index.at(crossings.front().first))];
+  const auto& f = surface.faces[at(crossings.front().first)];
   const Vec3 middle = (surface.vertices[at(f[0])] + surface.vertices[at(f[1])] + surface.vertices[at(f[2])]) / 3.0;
   throw InputError(fmt::format("{}: the surface intersects itself near {} ({} pairs of faces); repair the mesh there",
                                name, place(middle), crossings.size()));

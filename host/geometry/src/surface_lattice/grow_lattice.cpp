@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <deque>
 #include <map>
@@ -10,6 +11,7 @@
 
 #include "canonical.hpp"
 #include "grower.hpp"
+#include "net_price.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
@@ -28,26 +30,22 @@ constexpr double kStartsShare = 0.08, kRaceShare = 0.08;  // of the time: all st
 constexpr double kRaceHeat = 0.1;
 constexpr int kStepsAModule = 40, kMostRuns = 20;  // of one annealing
 constexpr double kHot = 0.6, kCold = 0.05;         // modules a step may lose, at the start and at the end
-constexpr int kModulesAController = 16;
+constexpr int kFront = 12;                         // of the layouts that are kept beside the best
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kFinalMargin = 0.98;
-
-double cost_of_islands(const std::vector<int>& sizes, const SurfaceLatticeOptions& options) {
-  double cost = 0.0;
-  for (const int size : sizes)
-    cost += options.island_cost + options.controller_cost * ((size + kModulesAController - 1) / kModulesAController);
-  return cost;
-}
+constexpr double kNothing = -1e300;  // value of no layout
 
 struct GrowthTask {
   const Surface& surface;
   const Rules& rules;
   const SurfaceLatticeOptions& options;
   const std::vector<Sample>& samples;
+  double jumper_mm;
   Clock::time_point start, end;
 
-  [[nodiscard]] double value(const LatticeNet& net) const {
-    return net.size() - cost_of_islands(net.island_sizes(), options) + options.hinge_reward * net.joints();
+  [[nodiscard]] double value(const LatticeNet& net, NetPrice& price) const {
+    if (net.size() == 0) return kNothing;  // one module is better, although its controller costs more
+    return net.size() - price(net) + options.hinge_reward * net.joints();
   }
   [[nodiscard]] double fraction(int steps) const {
     if (options.iterations > 0) return std::min(1.0, static_cast<double>(steps) / options.iterations);
@@ -55,12 +53,19 @@ struct GrowthTask {
   }
 };
 
+struct Start {
+  LatticeNet net;
+  double value;
+};
+using Front = std::map<int, Start>;  // by number of modules: the best found
+
 // One annealed sequence of ruin and recreate.
 class Chain {
  public:
   Chain(const GrowthTask& task, std::uint64_t seed)
       : task_(task),
         random_(seed),
+        price_(task.options.price, task.jumper_mm),
         grower_(task.surface, task.rules, task.samples, task.options.corner_lift_mm, task.end) {}
 
   // Makes complete layouts from several starts: place and turn of the first module decide more than later steps mend.
@@ -75,7 +80,7 @@ class Chain {
       net.corner_cut_mm = task_.options.corner_cut_mm;
       grower_.fill(net, {}, random_, static_cast<int>(task_.samples.size()) / 2);
       net.separate();
-      const double value = task_.value(net);
+      const double value = task_.value(net, price_);
       starts.push_back({std::move(net), value});
     }
     const double before = task_.fraction(steps_);
@@ -97,7 +102,7 @@ class Chain {
 
   void adopt(const LatticeNet& net) {
     now_ = net;
-    value_ = task_.value(net);
+    value_ = task_.value(net, price_);
     if (value_ > best_value_) {
       best_ = net;
       best_value_ = value_;
@@ -106,16 +111,12 @@ class Chain {
 
   [[nodiscard]] const LatticeNet& best() const { return best_; }
   [[nodiscard]] double best_value() const { return best_value_; }
+  [[nodiscard]] const Front& front() const { return front_; }
   [[nodiscard]] int steps() const { return steps_; }
   /// In the last of its annealings: what others found may be taken over.
   [[nodiscard]] bool in_last_run() const { return run_ == runs_ - 1; }
 
  private:
-  struct Start {
-    LatticeNet net;
-    double value;
-  };
-
   static void keep_best(std::vector<Start>& starts, std::size_t count) {
     std::ranges::stable_sort(starts, std::greater{}, &Start::value);
     starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(count), starts.end());
@@ -148,7 +149,7 @@ class Chain {
       now_ = LatticeNet();
       grower_.fill(now_, {}, random_, static_cast<int>(task_.samples.size()) / 2);
       now_.separate();
-      value_ = task_.value(now_);
+      value_ = task_.value(now_, price_);
     }
     return runs - run;
   }
@@ -165,14 +166,22 @@ class Chain {
     grower_.fill(next, around, random_, 4);
     if (grower_.late()) return;
     next.separate();
-    const double value = task_.value(next);
+    const double value = task_.value(next, price_);
     if (value < value_ + heat * std::log(std::max(1e-12, random_.unit()))) return;
     now_ = std::move(next);
     value_ = value;
+    archive(now_, value_);
     if (value_ > best_value_ + 1e-9) {
       best_ = now_;
       best_value_ = value_;
     }
+  }
+
+  // The best of each number of modules.
+  void archive(const LatticeNet& net, double value) {
+    const auto [found, is_new] = front_.try_emplace(net.size());
+    if (!is_new && value <= found->second.value) return;
+    found->second = {net, value};
   }
 
   // Around an uncovered place when one is found quickly, else around any module.
@@ -221,8 +230,10 @@ class Chain {
 
   const GrowthTask& task_;
   Dice random_;
+  NetPrice price_;
   Grower grower_;
   LatticeNet now_, best_;
+  Front front_;
   double value_ = -1e300, best_value_ = -1e300;
   double heat_ = 0.0;  // > 0: instead of the schedule
   double begun_at_ = 0.0;
@@ -299,9 +310,10 @@ void check_options(const LayoutLimits& l, const SurfaceLatticeOptions& o) {
   if (!(o.time_limit_s > 0.0)) throw InputError("lattice: the time limit must be positive");
   if (o.threads < 1 || o.threads > 256) throw InputError("lattice: the number of threads must be 1 … 256");
   if (o.iterations < 0) throw InputError("lattice: the number of iterations must not be negative");
-  for (const double cost : {o.island_cost, o.controller_cost, o.hinge_reward}) {
+  for (const double cost : {o.price.island, o.price.controller, o.price.jumper, o.hinge_reward}) {
     if (!(cost >= 0.0 && cost <= 16.0))
-      throw InputError("lattice: the cost of an island or controller and the reward of a joint must be 0 … 16 modules");
+      throw InputError(
+          "lattice: the cost of an island, controller or jumper and the reward of a joint must be 0 … 16 modules");
   }
   if (!(o.corner_cut_mm >= 0.0 && o.corner_cut_mm <= design::kMostCornerCut_mm))
     throw InputError(fmt::format("lattice: the corner cut must be 0 … {} mm", design::kMostCornerCut_mm));
@@ -317,6 +329,23 @@ const Chain& best_of(const std::deque<Chain>& chains) {
                                    [](const Chain& a, const Chain& b) { return a.best_value() < b.best_value(); });
 }
 
+// The best of all chains for each number of modules, most modules first; not the best of all, which is kept anyway.
+std::vector<const LatticeNet*> front_of(const std::deque<Chain>& chains) {
+  std::map<int, const Start*, std::greater<>> by_size;
+  for (const Chain& chain : chains) {
+    for (const auto& [size, start] : chain.front()) {
+      const Start*& best = by_size[size];
+      if (best == nullptr || start.value > best->value) best = &start;
+    }
+  }
+  std::vector<const LatticeNet*> nets;
+  const int best = best_of(chains).best().size();
+  for (const auto& [size, start] : by_size) {
+    if (size != best && size >= best - kFront) nets.push_back(&start->net);
+  }
+  return nets;
+}
+
 // Counts, for the report, the limits that refuse further modules; a module that fits after all is kept.
 void count_refusals(const GrowthTask& task, LatticeNet& net, ModuleLayout& layout) {
   Dice random(task.options.seed);
@@ -329,18 +358,8 @@ void count_refusals(const GrowthTask& task, LatticeNet& net, ModuleLayout& layou
 
 }  // namespace
 
-double layout_value(const ModuleLayout& layout, const SurfaceLatticeOptions& options) {
-  double sides = 0.0;
-  for (const PlacedModule& m : layout.modules)
-    sides += static_cast<double>(std::ranges::count_if(m.neighbour, [](int n) { return n >= 0; }));
-  std::vector<int> sizes(at(layout.islands));
-  for (const PlacedModule& m : layout.modules) ++sizes[at(m.island)];
-  return static_cast<double>(layout.modules.size()) - cost_of_islands(sizes, options) +
-         0.5 * options.hinge_reward * sides;
-}
-
-ModuleLayout grow_lattice(const Surface& original, const LayoutLimits& limits, const SurfaceLatticeOptions& options,
-                          const ProgressSink& progress) {
+std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits& limits,
+                                     const SurfaceLatticeOptions& options, const ProgressSink& progress) {
   check_options(limits, options);
   const auto start = Clock::now();
   const CanonicalCopy copy(original.mesh());
@@ -349,12 +368,13 @@ ModuleLayout grow_lattice(const Surface& original, const LayoutLimits& limits, c
       start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
   const Rules rules(surface, limits);
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
-  const GrowthTask task{surface, rules, options, samples, start, end};
+  const GrowthTask task{surface, rules, options, samples, limits.jumper_mm, start, end};
   std::deque<Chain> chains;
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));
   in_parallel(chains, [](Chain& c) { c.build(); });
-  for (int round = 1; Clock::now() < end && (options.iterations == 0 || chains[0].steps() < options.iterations);
+  for (int round = 1; Clock::now() < end && !interrupt_request() &&
+                      (options.iterations == 0 || chains[0].steps() < options.iterations);
        ++round) {
     const int steps =
         options.iterations == 0 ? kStepsARound : std::min(kStepsARound, options.iterations - chains[0].steps());
@@ -370,9 +390,24 @@ ModuleLayout grow_lattice(const Surface& original, const LayoutLimits& limits, c
   LatticeNet net = best_of(chains).best();
   ModuleLayout refusals;
   count_refusals(task, net, refusals);
-  ModuleLayout layout = certified(original, copy, std::move(net), limits);
-  layout.refused = std::move(refusals.refused);
-  return layout;
+  std::vector<ModuleLayout> layouts{certified(original, copy, std::move(net), limits)};
+  layouts[0].refused = std::move(refusals.refused);
+  if (!options.front) return layouts;
+  const std::vector<const LatticeNet*> others = front_of(chains);
+  layouts.resize(1 + others.size());
+  std::atomic<std::size_t> next{0};
+  in_parallel(chains, [&](const Chain&) {
+    for (std::size_t k = next++; k < others.size(); k = next++)
+      layouts[1 + k] = certified(original, copy, *others[k], limits);
+  });
+  return layouts;
+}
+
+ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits, const SurfaceLatticeOptions& options,
+                          const ProgressSink& progress) {
+  SurfaceLatticeOptions one = options;
+  one.front = false;
+  return std::move(grow_front(surface, limits, one, progress).front());
 }
 
 }  // namespace triskin::geometry

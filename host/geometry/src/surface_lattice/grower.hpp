@@ -8,6 +8,7 @@
 #include "relax.hpp"
 #include "rules.hpp"
 #include "triskin/host/dice.hpp"
+#include "triskin/host/interrupt.hpp"
 
 namespace triskin::geometry::surface_lattice {
 
@@ -40,7 +41,7 @@ class Grower {
   void fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts);
 
   [[nodiscard]] bool covered(const LatticeNet& net, const Vec3& p) const;
-  [[nodiscard]] bool late() const { return Clock::now() > end_; }
+  [[nodiscard]] bool late() const { return Clock::now() > end_ || interrupt_request(); }
   /// Number of refusals by limit since the last reset.
   std::array<int, kRefusals> refused{};
 

@@ -222,7 +222,8 @@ void even_out(FlatChart& c, Solver& solver, double limit_mm) {
 
 }  // namespace
 
-FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm) {
+FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm,
+                  const std::function<bool()>& give_up) {
   constexpr int kCheckEvery = 10;                 // steps between two measurements of the error
   constexpr double kHopeless = 6.0, kNear = 2.5;  // times the limit
   const Surface& surface = cut.surface();
@@ -235,6 +236,7 @@ FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iter
   double error = 0.0, before = 1e300;
   // An open dart swings slowly to its place: as long as that pays, a few times the steps.
   for (int k = 1; k <= iterations || (k <= 5 * iterations && error < 0.98 * before); ++k) {
+    if (give_up && give_up()) break;
     step(chart, solver);
     if (k % kCheckEvery != 0 && k != iterations) continue;
     before = error;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "cut_surface.hpp"
@@ -19,8 +20,9 @@ struct FlatChart {
 /// and Alexa, 2007; Liu et al., 2008). The sum of squares leaves its largest error at the border (on a spherical cap
 /// a·K·ρ²/8); where that is over `limit_mm` but near it, faces are weighted by their error (Lawson, 1961) until the
 /// largest error is evened out (a·K·ρ²/12). Stops early when the limit is out of reach. Cost: `iterations` sparse
-/// solves, and some 40 more with 8 factorizations when weighting.
-[[nodiscard]] FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm);
+/// solves, and some 40 more with 8 factorizations when weighting; ends between solves where `give_up` says so.
+[[nodiscard]] FlatChart flatten(const CutSurface& cut, const std::vector<int>& faces, int iterations, double limit_mm,
+                                const std::function<bool()>& give_up = {});
 
 /// Largest and root mean square |flat − surface| length of an edge, scaled to an edge of 30 mm.
 struct EdgeError {

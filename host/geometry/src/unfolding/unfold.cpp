@@ -52,6 +52,7 @@ class Unfolder {
     std::vector<std::vector<int>> open = connected(all);
     std::size_t done = 0;
     while (!open.empty()) {
+      if (gave_up()) return {};
       std::vector<int> faces = std::move(open.back());
       open.pop_back();
       auto piece = try_piece(faces);
@@ -94,8 +95,8 @@ class Unfolder {
   }
 
   std::optional<Piece> try_piece(const std::vector<int>& faces) {
-    if (faces.size() > 1 && turns_too_far(faces)) return std::nullopt;
-    const FlatChart chart = flatten(cut_, faces, options_.iterations, options_.edge_error_mm);
+    if (gave_up() || (faces.size() > 1 && turns_too_far(faces))) return std::nullopt;
+    const FlatChart chart = flatten(cut_, faces, options_.iterations, options_.edge_error_mm, options_.give_up);
     const EdgeError error = edge_error(surface_, chart);
     if (faces.size() > 1 && (has_flip(chart) || !(error.max_mm <= options_.edge_error_mm))) return std::nullopt;
     Piece piece;
@@ -116,6 +117,8 @@ class Unfolder {
     }
     return simple(piece) ? std::optional(std::move(piece)) : std::nullopt;
   }
+
+  [[nodiscard]] bool gave_up() const { return options_.give_up && options_.give_up(); }
 
   // A full turn of the normals (a tube, a ball) never flattens unless a seam of the user opens it: saves the solve.
   bool turns_too_far(const std::vector<int>& faces) const {

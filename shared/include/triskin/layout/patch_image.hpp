@@ -19,6 +19,7 @@ inline constexpr std::uint8_t kNoParent = 0xFF;
 inline constexpr std::uint8_t kCable = kPorts;  ///< parent_port of the entry module
 inline constexpr std::size_t kHeaderBytes = 32;
 inline constexpr std::size_t kRowBytes = 12;
+inline constexpr std::uint8_t kPositiveInput = 1;  ///< flag of the header
 inline constexpr std::size_t kMaxImageBytes = kHeaderBytes + kMaxModules * kRowBytes;
 
 /// One module: address table and route table in one row, so that they cannot disagree.
@@ -40,6 +41,8 @@ struct PatchImage {
   std::uint8_t node_address = kFirstNode;  ///< kFirstNode … kLastNode: the controller that this image is for
   std::uint8_t module_count = 0;           ///< 1..16
   std::uint8_t second_entry = 0;           ///< port with the second cable (joint_to), 0: none; switched modules only
+  /// The electrodes hang on the converter's positive input; the controller turns the results round. False: negative.
+  bool positive_input = false;
   std::array<ModuleRow, kMaxModules> modules{};
   /// Rows of the modules in use, parents before children.
   [[nodiscard]] constexpr std::span<const ModuleRow> rows() const { return {modules.data(), module_count}; }
@@ -132,8 +135,8 @@ struct PatchImage {
   return check_joints(image);
 }
 
-/// Header: magic, layout version, header bytes, total bytes, node address, module count, design id, second entry, 7
-/// reserved zeros, CRC-32 of everything else. Returns the bytes written. Errors: what check() says; kNoSpace.
+/// Header: magic, layout version, header bytes, total bytes, node address, module count, design id, second entry,
+/// flags, 6 reserved zeros, CRC-32 of everything else. Returns the bytes written. Errors: what check() says; kNoSpace.
 [[nodiscard]] constexpr Result<std::size_t> encode(const PatchImage& image, std::span<std::uint8_t> out) {
   if (const Status s = check(image); s != Status::kOk) return std::unexpected(s);
   const std::size_t total = kHeaderBytes + image.module_count * kRowBytes;
@@ -147,7 +150,8 @@ struct PatchImage {
   w.u8(image.module_count);
   w.le64(image.design_id);
   w.u8(image.second_entry);
-  w.bytes(std::array<std::uint8_t, 7>{});
+  w.u8(image.positive_input ? kPositiveInput : std::uint8_t{0});
+  w.bytes(std::array<std::uint8_t, 6>{});
   w.le32(0);  // CRC, below
   const auto kept = kept_ports(image);
   for (std::size_t k = 0; k < image.module_count; ++k) {
@@ -184,8 +188,10 @@ struct PatchImage {
   if (bytes.size() < total) return std::unexpected(Status::kTooShort);
   image.design_id = r.le64();
   image.second_entry = r.u8();
-  std::uint8_t reserved = 0;
-  for (int k = 0; k < 7; ++k) reserved = static_cast<std::uint8_t>(reserved | r.u8());
+  const std::uint8_t flags = r.u8();
+  image.positive_input = (flags & kPositiveInput) != 0;
+  std::uint8_t reserved = static_cast<std::uint8_t>(flags & ~kPositiveInput);
+  for (int k = 0; k < 6; ++k) reserved = static_cast<std::uint8_t>(reserved | r.u8());
   const std::uint32_t stated = r.le32();
   constexpr std::array<std::uint8_t, 4> kZeros{};
   const std::uint32_t crc = crc32(bytes.subspan(32, total - 32), crc32(kZeros, crc32(bytes.first(28))));

@@ -24,6 +24,7 @@ struct VirtualBoard {
   bool can_fd = true;                               ///< the bus carries FD frames
   ChainModel* chain = nullptr;                      ///< of switched modules; null: the board has no chain
   FlashModel* slots = nullptr;  ///< the two application slots, one after the other; null: no loader, no firmware update
+  std::function<bool()> room{};  ///< a transmit buffer is free; empty: there is always one
 };
 
 /// Bytes of the two application slots.

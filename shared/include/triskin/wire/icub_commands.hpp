@@ -2,27 +2,87 @@
 #pragma once
 #include <cstdint>
 
+#include "triskin/base/bytes.hpp"
+#include "triskin/base/status.hpp"
 #include "triskin/wire/can_frame.hpp"
+#include "triskin/wire/identifiers.hpp"
 
 /// Commands that iCub hosts send to a skin board on 11-bit identifiers: class << 8 | source << 4 | destination.
-/// docs/protocol.md, "iCub commands". Taxels themselves are in taxel_frames.hpp.
+/// docs/icub.md. Taxels themselves are in taxel_frames.hpp.
 namespace triskin::wire::icub {
 
 inline constexpr std::uint32_t kPollingClass = 0x200, kLoaderClass = 0x700, kClassMask = 0x700;
 inline constexpr std::uint8_t kEverybody = 0xF;
 inline constexpr std::uint8_t kMaxBoard = 14;  ///< a controller with a higher node address is no iCub board
+inline constexpr int kTriangles = 16;          ///< of a board: 4 · line + address
 
+/// Polling class; the highest bit of the command says nothing there.
+inline constexpr std::uint8_t kCommandMask = 0x7F;
 inline constexpr std::uint8_t kSetTransmission = 0x07;  ///< data 1: 0 starts, anything else stops
-inline constexpr std::uint8_t kSetupObsolete = 0x4C;    ///< starts too
+inline constexpr std::uint8_t kGetVersion = 0x1C;       ///< wanted protocol, major and minor; answered
+inline constexpr std::uint8_t kSetAddress = 0x32;       ///< in both classes: new address; loader: also FF and a mask
+inline constexpr std::uint8_t kSetupObsolete = 0x4C;    ///< defaults at 40 ms; calibrates and starts
 inline constexpr std::uint8_t kSetBoard = 0x4D;         ///< skin type, period in ms, value at rest
 inline constexpr std::uint8_t kSetTriangles = 0x50;     ///< first, last, shift, bit 0 enabled, 16-bit offset
-inline constexpr std::uint8_t kDiscover = 0xFF;         ///< in the loader class; answered with type and version
 
-inline constexpr std::uint8_t kBoardType = 11;  ///< MTB4
+/// Loader class.
+inline constexpr std::uint8_t kRestart = 0x00;
+inline constexpr std::uint8_t kGetDescription = 0x0C;  ///< answered with eight frames of four characters
+inline constexpr std::uint8_t kGetTimeOfLife = 0x0E;   ///< answered with µs since power-up, 7 bytes
+inline constexpr std::uint8_t kDiscover = 0xFF;        ///< answered with type and version
+
+inline constexpr std::uint8_t kBoardType = 11;                         ///< MTB4
+inline constexpr std::uint8_t kProtocolMajor = 2, kProtocolMinor = 0;  ///< of its CAN commands
+inline constexpr std::uint16_t kUsualOffset = 0x2200;                  ///< of the converter, as every host asks for
+
+/// What is taken out of a taxel's value. Another number on the wire: as kUncompensated.
+enum class SkinType : std::uint8_t {
+  kCompensated = 0,    ///< temperature
+  kPalm = 1,           ///< nothing: its gains are zero
+  kUncompensated = 2,  ///< nothing but the value at the calibration
+  kRaw = 7,            ///< low byte of the converter's result, for tests
+};
 
 [[nodiscard]] constexpr std::uint32_t can_id(std::uint32_t message_class, std::uint8_t source,
                                              std::uint8_t destination) {
   return message_class | static_cast<std::uint32_t>(source & 0xF) << 4 | (destination & 0xFU);
 }
+
+/// Whether the controller with this node address is an iCub board: frames of others would look like those of a board.
+[[nodiscard]] constexpr bool is_board(std::uint8_t node_address) {
+  return node_address >= 1 && node_address <= kMaxBoard;
+}
+
+/// FD30: how the controller stands towards iCub hosts.
+struct State {
+  static constexpr std::uint16_t kId = did::kIcub;
+  static constexpr std::size_t kLeastBytes = 9, kMostBytes = 9;
+  static constexpr std::uint8_t kNoBoard = 1, kOffsetRefused = 2, kAddressRefused = 4, kCommandRefused = 8;
+  static constexpr std::uint8_t kAllFlags = 15;
+  std::uint8_t flags = 0;
+  std::uint8_t last_refused = 0;                                      ///< command; 0 before the first
+  std::uint8_t refused = 0;                                           ///< commands since power-up, 255: as many or more
+  std::uint8_t skin_type = 0, period_ms = 0, no_load = 0, shift = 0;  ///< shift: of triangle 0
+  std::uint16_t enabled = 0;                                          ///< bit t: triangle t
+
+  /// Appends the value as it stands on the wire.
+  constexpr void encode(ByteWriter& out) const {
+    for (const std::uint8_t b : {flags, last_refused, refused, skin_type, period_ms, no_load, shift}) out.u8(b);
+    out.le16(enabled);
+  }
+  /// Errors: kBadLength, kOutOfRange (a flag that does not exist).
+  [[nodiscard]] static constexpr Result<State> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    State s;
+    for (std::uint8_t* b : {&s.flags, &s.last_refused, &s.refused, &s.skin_type, &s.period_ms, &s.no_load, &s.shift})
+      *b = r.u8();
+    s.enabled = r.le16();
+    if (s.flags > kAllFlags) return std::unexpected(Status::kOutOfRange);
+    return s;
+  }
+  bool operator==(const State&) const = default;
+};
+static_assert(kLengthsAsInTable<State>);
 
 }  // namespace triskin::wire::icub

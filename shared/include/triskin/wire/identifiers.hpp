@@ -15,12 +15,13 @@ inline constexpr std::uint16_t kActiveSession = 0xF186, kSerialNumber = 0xF18C, 
                                kHardware = 0xF191, kFirmware = 0xF195, kHello = 0xFD00, kNodeAddress = 0xFD01,
                                kActiveTable = 0xFD02, kModuleStates = 0xFD03, kStatistics = 0xFD04, kStream = 0xFD05,
                                kLineStates = 0xFD06, kTopology = 0xFD07, kRoute = 0xFD08, kImageState = 0xFD09,
-                               kSampling = 0xFD0A, kLiveTaxels = 0xFD10, kFreezeTime = 0xFD21, kFreezeSample = 0xFD22;
+                               kSampling = 0xFD0A, kOffsets = 0xFD0B, kStreamAccount = 0xFD0C, kLiveTaxels = 0xFD10,
+                               kFreezeTime = 0xFD21, kFreezeSample = 0xFD22, kIcub = 0xFD30;
 }  // namespace did
 
 namespace routine {
 inline constexpr std::uint16_t kDiscover = 0x0201, kSelfTest = 0x0202, kCalibrate = 0x0203, kReroute = 0x0204,
-                               kActivate = 0x0205;
+                               kActivate = 0x0205, kOffsets = 0x0206;
 }  // namespace routine
 
 /// Who may do what with an identifier.
@@ -38,7 +39,7 @@ struct Identifier {
   std::string_view value;               ///< fields in order, (bytes of each); little-endian where nothing is said
 };
 
-inline constexpr std::array<Identifier, 19> kIdentifiers{{
+inline constexpr std::array<Identifier, 22> kIdentifiers{{
     {did::kActiveSession, Access::kRead, 1, 1, "identity.hpp", "session (1): 1 default, 2 programming, 3 extended"},
     {did::kSerialNumber, Access::kRead, 12, 12, "identity.hpp", "unique id (12)"},
     {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
@@ -57,7 +58,7 @@ inline constexpr std::array<Identifier, 19> kIdentifiers{{
      "nominal sequences since power-up (4), bus errors (4), recoveries of lines (4), stream frames lost because the "
      "bus was too slow (4)"},
     {did::kStream, Access::kReadWrite, 1, 1, "sampling.hpp",
-     "stream (1): 0 off, 1 iCub, 2 full (refused on a classic bus)"},
+     "stream (1): 0 off, 1 iCub (refused for node addresses above 14), 2 full (refused on a classic bus)"},
     {did::kLineStates, Access::kRead, 20, 20, "lines.hpp", "per line: 1 when it is held low (1), recoveries (4)"},
     {did::kTopology, Access::kRead, 3, 67, "topology.hpp",
      "modules and joints as found on the route chain: flags (1; 1: switched modules, 2: complete, 4: module 0 is at "
@@ -74,9 +75,24 @@ inline constexpr std::array<Identifier, 19> kIdentifiers{{
     {did::kSampling, Access::kReadWrite, 3, 3, "sampling.hpp",
      "decimation (1): 0 256, 1 128, 2 64; every n-th sequence (1): 1 … 255; output (1): 0 the converter's result, 1 "
      "compensated, 8000 at rest; as after power-up: 0, 1, 0"},
+    {did::kOffsets, Access::kRead, 5, 261, "offsets.hpp",
+     "electrodes at the positive input (1): 0 or 1, searches that have ended since power-up (4), then per row of the "
+     "table: state (1): 0 none, 1 searching, 2 kept from the flash, 3 found since power-up, 4 a taxel rests outside "
+     "the "
+     "middle third; results change (1): 0 not seen yet, 1 stage by stage, 2 at the end of the sequence; taxels outside "
+     "the middle third (2, a bit each), offset of each taxel in steps of 0.32 pF (12)"},
+    {did::kStreamAccount, Access::kRead, 10, 314, "stream_account.hpp",
+     "how often sampling began anew (1, modulo 256), time in µs (8), leases (1; 0 … 8), number of each reader (4), "
+     "then "
+     "per row of the table: number of the latest sample (4), samples not read (4), dropped (4), sent (4), waiting (1)"},
     {did::kLiveTaxels, Access::kRead, 12, 428, "live_taxels.hpp",
      "nominal sequences since power-up (4), time in µs (8), then per row of the table: valid taxels (2, a bit each), "
      "12 values of the converter (2 each)"},
+    {did::kIcub, Access::kRead, 9, 9, "icub_commands.hpp",
+     "flags (1; 1: the node address is above 14, so this is no iCub board, 2: an offset of the converter was asked for "
+     "and not written, 4: an address was refused, 8: a command was refused), command refused last (1), commands "
+     "refused (1; 255: as many or more), skin type (1), period in ms (1), value at rest (1), shift of triangle 0 (1), "
+     "enabled triangles (2, a bit each)"},
     {did::kFreezeTime, Access::kFreeze, 4, 4, "faults.hpp", "ms since power-up (4)"},
     {did::kFreezeSample, Access::kFreeze, 4, 4, "faults.hpp", "number of the module's sample (4)"},
 }};
@@ -89,7 +105,7 @@ struct Routine {
   std::string_view result;
 };
 
-inline constexpr std::array<Routine, 5> kRoutines{{
+inline constexpr std::array<Routine, 6> kRoutines{{
     {routine::kDiscover, "discover", "looks at all four addresses of the four lines, also without a table", 13, 13,
      "done (1), per line: held low (1), answering addresses (1, a bit each), those with another device id (1, a bit "
      "each)"},
@@ -102,6 +118,10 @@ inline constexpr std::array<Routine, 5> kRoutines{{
      1, 1, "done (1); then read FD07 and FD08"},
     {routine::kActivate, "activate", "checks the download, stores it, makes it active; needs the key", 1, 1,
      "Status (1), in the answer to the start"},
+    {routine::kOffsets, "offsets",
+     "forgets the offsets of all converters and searches them anew; nothing should touch "
+     "the skin meanwhile",
+     1, 1, "done (1); then read FD0B"},
 }};
 
 /// Never defined: a call ends the evaluation of a constant expression.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 
 #include "triskin/base/bytes.hpp"
@@ -19,6 +20,12 @@ enum class StreamMode : std::uint8_t {
 /// Readings that the converter adds up for one result: more of them, less noise and fewer samples. As in its power
 /// control.
 enum class Decimation : std::uint8_t { k256 = 0, k128 = 1, k64 = 2 };
+
+/// Conversion time of the twelve stages of a converter (data sheet table 11), µs: nominal time between two samples.
+[[nodiscard]] constexpr std::uint32_t sequence_us(Decimation d) {
+  constexpr std::array<std::uint32_t, 3> kTimes{36'900, 18'400, 9'200};
+  return kTimes[static_cast<std::size_t>(d)];
+}
 
 /// What a taxel's 16 bits are.
 enum class TaxelOutput : std::uint8_t {

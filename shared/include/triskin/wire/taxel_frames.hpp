@@ -13,10 +13,11 @@ namespace triskin::wire {
 
 /// One module's taxels in 8 bits, as an iCub MTB4 board sends them: two CAN frames, id 0x400 | board << 4 | module.
 struct IcubTaxels {
-  std::uint8_t board = 0;                                      ///< 0..15
-  std::uint8_t module = 0;                                     ///< 0..15
-  std::array<std::uint8_t, layout::kTaxelsPerModule> value{};  ///< resting near 240, falling with pressure
-  std::uint16_t out_of_range = 0;                              ///< bit t: taxel t
+  std::uint8_t board = 0;   ///< 0..15
+  std::uint8_t module = 0;  ///< triangle, 4 · line + address: 0..15
+  std::array<std::uint8_t, layout::kTaxelsPerModule>
+      value{};                     ///< 245 at rest unless the host asks for another; falls with pressure
+  std::uint16_t out_of_range = 0;  ///< bit t: taxel t
   bool no_acknowledge = false;
   bool not_connected = false;
   bool operator==(const IcubTaxels&) const = default;
@@ -61,11 +62,15 @@ inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
 struct FullTaxels {
   std::uint8_t node_address = 0;
   std::uint8_t module = 0;   ///< row in the table
-  std::uint32_t sample = 0;  ///< counts every sample of the patch: a gap is a lost sample
+  std::uint32_t sample = 0;  ///< counts the module's samples that were due: a gap is a lost sample
   std::uint64_t device_time_us = 0;
   std::uint16_t valid = 0;  ///< bit t: taxel t
   ModuleState state = ModuleState::kUnknown;
   std::array<std::uint16_t, layout::kTaxelsPerModule> value{};
+  // The trailer: 0 in each field from a controller that does not know it.
+  std::uint32_t dropped = 0;  ///< samples of this module that found no room before this one (RowAccount::dropped)
+  std::uint16_t unread = 0;   ///< those that were not read in time, modulo 65536 (RowAccount::unread)
+  std::uint8_t starts = 0;    ///< how often sampling began anew, modulo 256 (StreamAccount::starts)
   bool operator==(const FullTaxels&) const = default;
 };
 inline constexpr std::uint32_t kFullBase = 0x18F00000;
@@ -84,7 +89,10 @@ inline constexpr std::uint8_t kFullBytes = 48;
   w.u8(wire_number(t.state));
   w.u8(t.module);
   for (const std::uint16_t v : t.value) w.le16(v);
-  while (w.size() < kFullBytes) w.u8(0);
+  w.le32(t.dropped);
+  w.le16(t.unread);
+  w.u8(t.starts);
+  w.u8(0);
   return f;
 }
 
@@ -104,6 +112,9 @@ inline constexpr std::uint8_t kFullBytes = 48;
   t.state = *state;
   if (t.module >= layout::kMaxModules || t.module != (f.id & 0xFF)) return std::unexpected(Status::kOutOfRange);
   for (std::uint16_t& v : t.value) v = r.le16();
+  t.dropped = r.le32();
+  t.unread = r.le16();
+  t.starts = r.u8();
   return t;
 }
 

@@ -7,7 +7,10 @@
 
 #include "triskin/app/identifiers.hpp"
 #include "triskin/logic/fault_memory.hpp"
+#include "triskin/logic/full_stream.hpp"
 #include "triskin/logic/icub_board.hpp"
+#include "triskin/logic/icub_triangles.hpp"
+#include "triskin/logic/offset_store.hpp"
 #include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
 #include "triskin/logic/stream_queue.hpp"
@@ -49,6 +52,8 @@ class Application final : private UdsHost, private PatchControl {
   Status set_node_address(std::uint8_t address) override;
   Status set_stream(wire::StreamMode mode) override;
   Status set_sampling(const wire::SamplingSetting& setting) override;
+  [[nodiscard]] wire::StreamAccount stream_account() const override;
+  [[nodiscard]] std::uint32_t dropped_samples() const override;
   Status clear_faults() override { return faults_.clear() ? Status::kOk : Status::kFlashFailed; }
   void read_faults(std::uint8_t mask, ByteWriter& out) override { faults_.report(mask, out); }
   bool read_fault(std::uint32_t dtc, ByteWriter& out) override;
@@ -63,6 +68,7 @@ class Application final : private UdsHost, private PatchControl {
     std::array<wire::CanFrame, wire::kClaimFrames> claim{};
     std::size_t claim_at = wire::kClaimFrames;  // next frame of claim to send
     wire::IdFrames assignment{};
+    FullStream stream{};
   };
   static constexpr std::size_t kCan = 0;
 
@@ -85,16 +91,21 @@ class Application final : private UdsHost, private PatchControl {
   void publish(std::size_t module);
   void send_stream();
   void tick();
-  void queue_full(TableRow row);
+  void stream_full(TableRow row);
+  [[nodiscard]] std::size_t rows() const { return tables_.has_table() ? tables_.table().module_count : 0; }
   void queue_icub();
+  void calibrate();
+  void take_node_address(std::uint8_t address);
 
   const Ports ports_;
   TableStore tables_;
   UdsServer server_;
   FaultMemory faults_;
+  OffsetStore offset_store_;
+  OffsetBook offsets_{};
   std::array<Channel, 2> channels_;  // CAN, USB
   CanPort* asking_;                  // whose request is being answered
-  CanPort* stream_port_;             // who wanted the stream
+  CanPort* stream_port_;             // who wanted the iCub stream
   std::array<LineSampler, layout::kLines> lines_;
   std::array<ModuleSample, layout::kMaxModules> samples_{};
   std::array<ModuleSample, layout::kMaxModules> published_{};
@@ -105,11 +116,12 @@ class Application final : private UdsHost, private PatchControl {
   std::uint64_t next_tick_us_ = 0;
   std::uint32_t sample_count_ = 0;
   wire::StreamMode stream_ = wire::StreamMode::kOff;
-  StreamQueue stream_queue_;
+  StreamQueue stream_queue_;  // of the iCub stream
+  std::uint8_t starts_ = 0;   // of the sampling since power-up, modulo 256
   bool reset_requested_ = false, through_loader_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;
-  std::optional<wire::CanFrame> icub_reply_;
+  IcubTriangles icub_triangles_;
   Identifiers identifiers_;  // of everything above
 };
 

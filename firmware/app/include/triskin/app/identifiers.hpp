@@ -4,15 +4,18 @@
 #include <cstdint>
 #include <optional>
 
+#include "triskin/logic/icub_board.hpp"
+#include "triskin/logic/offset_store.hpp"
 #include "triskin/logic/route_keeper.hpp"
 #include "triskin/logic/sampler.hpp"
-#include "triskin/logic/stream_queue.hpp"
 #include "triskin/logic/table_store.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
+#include "triskin/wire/offsets.hpp"
 #include "triskin/wire/statistics.hpp"
+#include "triskin/wire/stream_account.hpp"
 #include "triskin/wire/table_state.hpp"
 #include "triskin/wire/topology.hpp"
 
@@ -28,23 +31,29 @@ struct PatchParts {
   const std::array<LineSampler, layout::kLines>& lines;
   const std::array<ModuleSample, layout::kMaxModules>& samples;    ///< as read last
   const std::array<ModuleSample, layout::kMaxModules>& published;  ///< read before the last good check of the chain
+  const OffsetBook& offsets;
   const wire::StreamMode& stream;
   const Sampling& sampling;
   const wire::TaxelOutput& output;
   const std::uint32_t& sequences;  ///< nominal sequences since power-up
-  const StreamQueue& stream_queue;
+  const IcubBoard& icub;
 };
 
-/// What writing an identifier sets off. Values are checked before.
+/// What writing an identifier sets off, and what the application alone knows. Values are checked before.
 class PatchControl {
  public:
   virtual ~PatchControl() = default;
   /// Takes effect after the answer. Errors: kFlashFailed.
   virtual Status set_node_address(std::uint8_t address) = 0;
-  /// To the port that asked. Errors: kOutOfRange (the full stream on a classic bus).
+  /// To the port that asked. Errors: kOutOfRange (the full stream on a classic bus; the iCub stream with a node
+  /// address above 14).
   virtual Status set_stream(wire::StreamMode mode) = 0;
   /// Takes effect at once: every converter is configured anew. kOk always; the decoder has refused what cannot be set.
   virtual Status set_sampling(const wire::SamplingSetting& setting) = 0;
+  /// Account of the full stream over the port that asks.
+  [[nodiscard]] virtual wire::StreamAccount stream_account() const = 0;
+  /// Samples and iCub frames that found no room since power-up, all ports.
+  [[nodiscard]] virtual std::uint32_t dropped_samples() const = 0;
 };
 
 /// The identifiers of the controller, one row each: what reads it, what writes it. The session (F186) belongs to the
@@ -78,7 +87,10 @@ class Identifiers {
   [[nodiscard]] wire::ActiveRoute route() const;
   [[nodiscard]] std::optional<wire::ImageState> image_state() const;
   [[nodiscard]] wire::SamplingSetting sampling() const;
+  [[nodiscard]] wire::StreamAccount stream_account() const { return control_.stream_account(); }
+  [[nodiscard]] wire::Offsets offsets() const;
   [[nodiscard]] wire::LiveTaxels live_taxels() const;
+  [[nodiscard]] wire::icub::State icub() const { return parts_.icub.state(parts_.tables.node_address()); }
   [[nodiscard]] wire::Discovery discovery() const;
   [[nodiscard]] wire::SelfTestResult self_test() const;
 

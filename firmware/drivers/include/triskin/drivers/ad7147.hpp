@@ -24,11 +24,17 @@ inline constexpr std::uint16_t kAllStages = layout::kAllTaxels;
 inline constexpr std::uint16_t kId = 0x1470, kIdMask = 0xFFF0;  ///< low nibble: revision
 inline constexpr int kStages = layout::kTaxelsPerModule;
 using Results = std::array<std::uint16_t, kStages>;
-inline constexpr std::uint16_t kStageStride = 8;
+inline constexpr std::uint16_t kStageStride = 8, kOffsetInStage = 2;
+/// In kAmbientControl; clears itself: the sequence begins anew with stage 0, the results stay.
+inline constexpr std::uint16_t kConvReset = 0x8000;
+/// Offset of each stage, in steps of 0.32 pF: what the converter takes away from the electrode's capacitance.
+using Offsets = std::array<std::uint8_t, kStages>;
+inline constexpr std::uint8_t kMostOffset = 63;
+inline constexpr unsigned kPositiveOffset = 8;       ///< bit of the register where the positive input's begins
+inline constexpr std::int32_t kOffsetCounts = 1311;  ///< by which a step moves the result: 0.32 pF of 8 pF / 32768
 /// Conversion time of twelve stages (data sheet table 11), µs.
 [[nodiscard]] constexpr std::uint32_t sequence_us(wire::Decimation d) {
-  constexpr std::array<std::uint32_t, 3> kTimes{36'900, 18'400, 9'200};
-  return kTimes[static_cast<std::size_t>(d)];
+  return wire::sequence_us(d);
 }
 inline constexpr std::uint32_t kMidScale = 0x8000;
 /// A result that is at neither end of the converter's range; a chip without configuration gives 0.
@@ -45,18 +51,32 @@ class Ad7147 {
   void begin_identify(I2cLine& line, std::uint8_t address);
   /// kOk; kWrongId when the chip is no AD7147. The lower four bits, the revision, may be anything.
   [[nodiscard]] Status finish_identify() const;
+  /// The id that was read, with its revision.
+  [[nodiscard]] std::uint16_t device_id() const;
 
-  /// Input of the converter that the pads are connected to. It measures at the negative one: pressure lowers the
-  /// result, as on the iCub skin. The positive one gives the same number mirrored at mid scale.
+  /// Input of the converter that the pads are connected to. At the negative one pressure lowers the result; at the
+  /// positive one it raises it: the same number mirrored at mid scale.
   enum class Polarity : std::uint8_t { kPositive, kNegative };
-  /// Writes configuration in `kConfigurationSteps` transfers: stages first, power last, which restarts the sequence.
+  /// What the stages are set up for.
+  struct Stages {
+    Polarity polarity = Polarity::kNegative;
+    ad7147::Offsets offsets{};  ///< 0 … kMostOffset each
+  };
+  /// Writes configuration in `kConfigurationSteps` transfers: stages first, then power and calibration, at last the
+  /// restart of the sequence. A write to power control may, on its own, leave the sequence anywhere.
   static constexpr int kConfigurationSteps = ad7147::kStages + 2;
   /// Starts transfer `step`, 0 … kConfigurationSteps − 1, in this order.
-  void begin_configure(I2cLine& line, std::uint8_t address, int step, Polarity polarity);
+  void begin_configure(I2cLine& line, std::uint8_t address, int step, const Stages& stages);
 
-  /// The decimation that begin_configure and begin_restart write.
+  /// Writes the offsets of the first `kOffsetStages` stages alone, in `kOffsetSteps` transfers between two restarts of
+  /// the sequence: none ends meanwhile.
+  static constexpr int kOffsetStages = 5, kOffsetSteps = kOffsetStages + 2;
+  /// Starts transfer `step`, 0 … kOffsetSteps − 1, in this order.
+  void begin_offsets(I2cLine& line, std::uint8_t address, int step, const Stages& stages);
+
+  /// The decimation that begin_configure writes.
   void set_decimation(wire::Decimation d) { power_ = ad7147::power_control(d); }
-  /// Writes power control alone: the sequence begins anew, the results stay.
+  /// Writes CONV_RESET: the sequence begins anew, the results stay.
   void begin_restart(I2cLine& line, std::uint8_t address);
 
   /// Reads and so clears the stage-complete status: bit s is set when stage s has been converted since the last
@@ -77,6 +97,7 @@ class Ad7147 {
 
  private:
   void write_register(std::uint16_t reg);
+  [[nodiscard]] static std::uint16_t offset_word(const Stages& stages, int stage);
   std::uint16_t power_ = ad7147::power_control(wire::Decimation::k256);
   std::array<std::uint8_t, 2 + 2 * 8> out_{};
   std::array<std::uint8_t, 2 * ad7147::kStages> in_{};

@@ -29,13 +29,16 @@ class DuplicateCheck {
   void forget() { passed_ = false; }
   /// The chip of before is still there.
   void confirm() { passed_ = true; }
-  /// Results of the positive input, to be compared with the next ones of the negative.
-  void store_positive(const ad7147::Results& results) { positive_ = results; }
-  /// Results of the negative input. Taxels at an end of their range in either reading do not count.
-  [[nodiscard]] Verdict compare(const ad7147::Results& negative);
+  /// Results of the input that is not used later, to be compared with the next ones of the other.
+  void store_other(const ad7147::Results& results) { other_ = results; }
+  /// What store_other() was given last; once the check has passed the caller may keep other results there.
+  [[nodiscard]] const ad7147::Results& other() const { return other_; }
+  /// Results of the input that is used, with the same offsets. Taxels at an end of their range in either reading do not
+  /// count.
+  [[nodiscard]] Verdict compare(const ad7147::Results& used);
 
  private:
-  ad7147::Results positive_{};
+  ad7147::Results other_{};
   int suspicions_ = 0;
   bool passed_ = false;
 };

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "triskin/base/bytes.hpp"
+#include "triskin/layout/flash_pages.hpp"
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/logic/table_row.hpp"
 #include "triskin/ports/ports.hpp"
@@ -18,7 +19,8 @@ namespace triskin::fw {
 /// written once until it is cleared, so that a loose contact does not wear the flash.
 class FaultMemory {
  public:
-  static constexpr std::size_t kFirstPage = 4;  ///< and the next one; a smaller flash keeps nothing
+  static constexpr std::size_t kFirstPage =
+      layout::kFirstFaultPage;  ///< and the next one; a smaller flash keeps nothing
   static constexpr std::size_t kRecordBytes = 16;
 
   using Freeze = wire::Freeze;

@@ -4,42 +4,78 @@
 #include <cstdint>
 #include <optional>
 
-#include "triskin/layout/patch_image.hpp"
 #include "triskin/wire/can_frame.hpp"
+#include "triskin/wire/icub_commands.hpp"
+#include "triskin/wire/unique_id.hpp"
 
 namespace triskin::fw {
 
-/// The controller as an iCub host sees it: answers and obeys the commands of an MTB4 skin board. Kept in RAM, as there.
+/// The controller as an iCub host sees it: answers and obeys the commands of an MTB4 skin board. Settings are kept in
+/// RAM, as there. What is refused stands in state(). docs/icub.md.
 class IcubBoard {
  public:
-  struct Reaction {
-    std::optional<wire::CanFrame> reply;
-    std::optional<bool> transmit;  ///< start or stop the stream
+  /// Who is spoken to.
+  struct Self {
+    std::uint8_t node_address;
+    std::uint32_t version;  ///< major, minor, patch, build from the high byte down
+    const wire::UniqueId& unique_id;
+    std::uint64_t now_us;
   };
-  /// `frame` has an 11-bit identifier. `version` is major, minor, patch, build from the high byte down.
-  [[nodiscard]] Reaction handle(const wire::CanFrame& frame, std::uint8_t node_address, std::uint32_t version);
+  /// What a command sets off besides its answers.
+  struct Reaction {
+    std::optional<bool> transmit;              ///< start or stop the stream
+    bool calibrate = false;                    ///< the next reading of each triangle is at rest
+    bool restart = false;                      ///< as after power-up
+    std::optional<std::uint8_t> node_address;  ///< 1 … 14, to be kept
+  };
+  /// `frame` has an 11-bit identifier. Answers wait in reply().
+  [[nodiscard]] Reaction handle(const wire::CanFrame& frame, const Self& self);
 
-  /// True when module 0..15 takes part in the stream.
+  /// The answer that waits longest; nullptr: none.
+  [[nodiscard]] const wire::CanFrame* reply() const {
+    return reply_at_ < reply_count_ ? &replies_[reply_at_] : nullptr;
+  }
+  /// Takes reply() out, which was sent.
+  void pop_reply() { ++reply_at_; }
+
+  /// True when triangle 0 … 15 takes part in the stream.
   [[nodiscard]] bool enabled(std::size_t triangle) const { return (enabled_ >> triangle & 1) != 0; }
-  /// 8-bit value of a taxel: what it has at rest, and the compensated change in converter counts, made smaller by the
-  /// triangle's shift.
-  [[nodiscard]] std::uint8_t value(std::size_t triangle, int change) const;
+  /// Bits by which the change of a triangle is shifted, 0 … 15.
+  [[nodiscard]] int shift(std::size_t triangle) const { return shift_[triangle]; }
+  /// Value at rest.
+  [[nodiscard]] int no_load() const { return no_load_; }
+  [[nodiscard]] wire::icub::SkinType skin_type() const { return skin_type_; }
   /// Whether a sample at `now_us` is to be sent; keeps the mean period that the host asked for.
   [[nodiscard]] bool due(std::uint64_t now_us);
+  /// FD30.
+  [[nodiscard]] wire::icub::State state(std::uint8_t node_address) const;
 
  private:
-  static constexpr std::uint8_t kResting = 240, kShift = 6;
-  void poll(const wire::CanFrame& frame, Reaction& reaction);
-  void set_triangles(const wire::CanFrame& frame);
+  static constexpr std::uint8_t kNoLoad = 245, kShift = 2, kPeriod_ms = 50, kObsoletePeriod_ms = 40;
+  void poll(const wire::CanFrame& frame, const Self& self, Reaction& reaction);
+  void load(const wire::CanFrame& frame, const Self& self, Reaction& reaction);
+  void set_defaults();
+  void set_board(const wire::CanFrame& frame);
+  void set_triangles(const wire::CanFrame& frame, Reaction& reaction);
+  void set_address(const wire::CanFrame& frame, const Self& self, std::uint16_t excluded, Reaction& reaction);
+  void refuse(const wire::CanFrame& frame, std::uint8_t flag);
+  void answer(const wire::CanFrame& asked, const Self& self, std::initializer_list<std::uint8_t> bytes);
+  void answer_version(const wire::CanFrame& asked, const Self& self);
+  void answer_description(const wire::CanFrame& asked, const Self& self);
+  void answer_time(const wire::CanFrame& asked, const Self& self);
 
-  std::uint8_t resting_ = kResting;
-  std::array<std::uint8_t, layout::kMaxModules> shift_ = [] {
-    std::array<std::uint8_t, layout::kMaxModules> all{};
+  wire::icub::SkinType skin_type_ = wire::icub::SkinType::kCompensated;
+  std::uint8_t no_load_ = kNoLoad, period_ms_ = kPeriod_ms;
+  std::array<std::uint8_t, wire::icub::kTriangles> shift_ = [] {
+    std::array<std::uint8_t, wire::icub::kTriangles> all{};
     all.fill(kShift);
     return all;
   }();
   std::uint16_t enabled_ = 0xFFFF;
-  std::uint64_t period_us_ = 0, next_us_ = 0;
+  std::uint64_t next_us_ = 0;
+  std::uint8_t flags_ = 0, last_refused_ = 0, refused_ = 0;
+  std::array<wire::CanFrame, 16> replies_{};  // what finds no room is not answered: the host asks again
+  std::size_t reply_at_ = 0, reply_count_ = 0;
 };
 
 }  // namespace triskin::fw

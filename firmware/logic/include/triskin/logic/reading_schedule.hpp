@@ -50,11 +50,16 @@ class ReadingSchedule {
   /// The station asks for a transfer of the caller's, not before `at_us`, that takes `length_us` at most. One at a
   /// time: the last one counts.
   void plan_errand(std::size_t station, std::uint64_t at_us, std::uint64_t length_us);
+  /// When the errand of the station may begin; kNever_us: it has none.
+  [[nodiscard]] std::uint64_t errand_us(std::size_t station) const { return plans_[station].errand_us; }
   /// The station asks for no errand any more.
   void cancel_errand(std::size_t station);
 
   /// The chip's first sequence was started at `at_us`; nothing is known about its oscillator. No errand is left.
-  void start(std::size_t station, std::uint64_t at_us);
+  /// `latching`: when it shows its results.
+  void start(std::size_t station, std::uint64_t at_us, wire::Latching latching = wire::Latching::kEachStage);
+  /// When the chip shows its results, which was not known at its start.
+  void set_latching(std::size_t station, wire::Latching latching);
   /// The chip is not read any more.
   void stop(std::size_t station);
   /// A stopped chip is read again, as if it had gone on converting.
@@ -67,6 +72,12 @@ class ReadingSchedule {
   /// When due() gives or changes something after `now_us`, if nothing is begun before.
   [[nodiscard]] std::uint64_t next_us(std::uint64_t now_us) const;
 
+  /// A burst that ended on the line at `ended_us` was over before its results could be of two sequences: one that
+  /// nobody slows down lasts `burst_us`. One that a chip has slowed down, or that was made again, may not be.
+  [[nodiscard]] bool in_time(std::size_t station, std::uint64_t ended_us, std::uint32_t burst_us) const {
+    constexpr std::uint64_t kLatency_us = 20;
+    return ended_us <= plans_[station].close_us + burst_us + kLatency_us;
+  }
   /// The results of the present sequence stand, at `now_us`. Result: when it ended, µs; empty: it is not one that is
   /// sampled.
   [[nodiscard]] std::optional<std::uint64_t> read(std::size_t station, std::uint64_t now_us);

@@ -9,8 +9,11 @@
 #include "triskin/logic/configuration_check.hpp"
 #include "triskin/logic/duplicate_check.hpp"
 #include "triskin/logic/frozen_taxels.hpp"
+#include "triskin/logic/latch_probe.hpp"
 #include "triskin/logic/line_recovery.hpp"
 #include "triskin/logic/module_sample.hpp"
+#include "triskin/logic/offset_search.hpp"
+#include "triskin/logic/offset_store.hpp"
 #include "triskin/logic/presence.hpp"
 #include "triskin/logic/reading_schedule.hpp"
 #include "triskin/logic/table_row.hpp"
@@ -28,18 +31,27 @@ struct Sampling {
 
 /// Drives one line: finds, configures, checks and reads its chips. step() never waits. It makes the transfers and hands
 /// their results to the parts that decide: AddressScan (what answers), Presence (when an address is asked for its
-/// chip), DuplicateCheck (one chip or two), ConfigurationCheck (when to read it back), ReadingSchedule (whose transfer
-/// is due), LineRecovery (what to do about a line that is held low). One bad chip or line stops no other.
+/// chip), OffsetSearch (what each stage takes away), DuplicateCheck (one chip or two), LatchProbe (when a chip shows
+/// its results), ConfigurationCheck (when to read it back), ReadingSchedule (whose transfer is due), LineRecovery (what
+/// to do about a line that is held low). One bad chip or line stops no other.
 class LineSampler {
  public:
-  /// Forgets everything and starts anew with those modules of the table, one a row, that hang on this line. `samples`
-  /// has an entry for each row and outlives the sampler; `rows` need not.
-  void begin(I2cLine& line, std::uint8_t line_index, std::span<const layout::ModuleRow> rows,
-             std::span<ModuleSample> samples, const Sampling& sampling, std::uint64_t now_us);
+  /// What all lines share. Samples and offsets outlive the sampler, the table need not.
+  struct Patch {
+    std::span<const layout::ModuleRow> rows;  ///< of the table
+    std::span<ModuleSample> samples;          ///< one a row
+    OffsetBook& offsets;
+    bool positive_input = false;  ///< the electrodes hang there: results are turned round
+  };
+  /// Forgets everything but the offsets and starts anew with those modules of the table that hang on this line.
+  void begin(I2cLine& line, std::uint8_t line_index, const Patch& patch, const Sampling& sampling,
+             std::uint64_t now_us);
   /// Also without a table: finds what answers at the four addresses; scan() has the result.
   void request_scan();
   /// Finds, configures and checks every chip of the line again.
   void request_check();
+  /// The same, and the offsets are searched from the beginning.
+  void request_offsets();
   /// Every chip of the table has been through its checks, or cannot be.
   [[nodiscard]] bool checked() const;
   /// Starts nothing new until resume(). True: no transfer is under way.
@@ -69,25 +81,33 @@ class LineSampler {
     kIdentifyUnconfigured,  // the chip does not hold its configuration: is it an AD7147 still?
     kConfigure,
     kRead,
+    kProbe,  // results in mid-sequence, for LatchProbe
     kVerify,
     kVerifyReading,  // the results that were read count only when the configuration holds
     kStatus,
     kRestart
   };
-  // What a chip is on the way to. Readings of kPositive and kFirst are not published: they belong to the checks.
-  enum class Phase : std::uint8_t { kFind, kConfigure, kPositive, kFirst, kRun };
+  // What a chip is on the way to. Readings of kOther (the input that is not used), kShifted (the one that is, with
+  // other offsets) and kFirst (as it is used) are not published: they belong to the checks.
+  enum class Phase : std::uint8_t { kFind, kConfigure, kOther, kShifted, kFirst, kRun };
   // One address of the line that the table has a module at.
   struct Station {
     TableRow row{};
     std::uint8_t address = 0;  // on the line, 0..3
     Phase phase = Phase::kFind, after_configuration = Phase::kFind;
     std::uint8_t configuration_step = 0;
+    bool offsets_only = false;           // the configuration under way
+    std::uint64_t offsets_begun_us = 0;  // the restart before the offsets
     Presence presence;
+    OffsetSearch offsets;
     DuplicateCheck duplicates;
+    LatchProbe latch;
     ConfigurationCheck configuration;
     FrozenTaxels frozen;
   };
 
+  [[nodiscard]] std::uint64_t lasted_us() const { return line_->ended_us() - line_->started_us(); }
+  [[nodiscard]] bool must_repeat_start();
   void start_next(std::uint64_t now_us);
   void start_errand();
   void start(Job job);
@@ -97,16 +117,33 @@ class LineSampler {
   void handle_stuck(std::uint64_t now_us);
   void finish_job(Job job, std::uint64_t now_us);
   void finish_identify(std::uint64_t now_us);
+  void begin_offsets();
+  void settle_offsets();
   void finish_configure();
+  void plan_probe();
+  void start_probe();
   void finish_read(std::uint64_t now_us);
-  void finish_first_reading(std::uint64_t now_us);
+  void finish_probe();
+  [[nodiscard]] bool finish_first_reading(std::uint64_t now_us);
+  void finish_probing(std::uint64_t now_us);
+  void begin_run();
   void finish_verify(Job job, std::uint64_t now_us);
   void use_results(std::uint64_t now_us);
   void count_missed();
   void find(Station& station, std::uint64_t at_us);
   void configure(Phase next);
+  void configure_offsets(Phase next);
+  [[nodiscard]] int configuration_steps() {
+    return current().offsets_only ? Ad7147::kOffsetSteps : Ad7147::kConfigurationSteps;
+  }
+  void begin_configuration(std::uint8_t address);
   void give_up(wire::ModuleState state, std::uint64_t now_us);
   [[nodiscard]] Station& current() { return stations_[current_]; }
+  [[nodiscard]] Ad7147::Polarity polarity(Phase phase) const;
+  [[nodiscard]] ad7147::Offsets offsets_for(Phase phase);
+  [[nodiscard]] PlaceOffsets& place_of(const Station& station) {
+    return (*offsets_)[static_cast<std::size_t>(line_index_) * layout::kAddressesPerLine + station.address];
+  }
   [[nodiscard]] ModuleSample& sample_of(const Station& station) { return samples_[index_of(station.row)]; }
   [[nodiscard]] std::size_t number_of(const Station& station) const {
     return static_cast<std::size_t>(&station - stations_.data());
@@ -117,7 +154,10 @@ class LineSampler {
   [[nodiscard]] std::span<const Station> stations() const { return {stations_.data(), station_count_}; }
 
   I2cLine* line_ = nullptr;
+  std::uint8_t line_index_ = 0;
   std::span<ModuleSample> samples_;
+  OffsetBook* offsets_ = nullptr;
+  bool positive_input_ = false;
   Sampling sampling_;
   std::array<Station, layout::kAddressesPerLine> stations_{};
   std::size_t station_count_ = 0, current_ = 0;  // current: whose transfer is under way
@@ -128,7 +168,9 @@ class LineSampler {
   LineRecovery recovery_;
   Job job_ = Job::kIdle;
   bool pausing_ = false;
-  std::uint64_t job_start_us_ = 0;
+  int repeats_ = 0;                                      // of the transfer that starts a sequence
+  std::uint32_t burst_us_ = ReadingSchedule::kBurst_us;  // the shortest so far: nobody slowed it down
+  std::uint64_t job_start_us_ = 0, read_ended_us_ = 0;
   std::uint64_t idle_until_us_ = 0;  // nothing is due before; 0: the schedule was not asked since something changed
   std::uint32_t bus_errors_ = 0;
 };

@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 
+#include "triskin/wire/offsets.hpp"
+
 namespace triskin::fw {
 
 /// When one converter's sequence of twelve stages ends. The chip runs on its own oscillator (± 4 %) and signals no end.
@@ -12,7 +14,9 @@ namespace triskin::fw {
 ///
 /// A burst of twelve results is whole when the last result is read after the end of the sequence and the first one
 /// before stage 0 of the next is complete, wherever in the interval the end is: that is the window of read_us() …
-/// last_start_us().
+/// last_start_us(). A chip that shows all results at the end of the sequence is read whole when the first result is
+/// read after that end and the last one before the next. While it is not known which kind a chip is, the second window
+/// counts: its results may then be of two sequences, but none is from before the start.
 class SequenceClock {
  public:
   static constexpr std::uint32_t kTolerance_percent = 4;  ///< of the oscillator (AD7147 data sheet, table 1)
@@ -21,7 +25,9 @@ class SequenceClock {
   static constexpr int kStages = 12;
 
   /// The sequence was started anew at `at_us`; nothing is known about the oscillator.
-  void start(std::uint64_t at_us, std::uint32_t nominal_us);
+  void start(std::uint64_t at_us, std::uint32_t nominal_us, wire::Latching latching = wire::Latching::kEachStage);
+  /// When the chip shows its results, as was found out since the start.
+  void set_latching(wire::Latching latching) { latching_ = latching; }
   /// The same, of a chip whose oscillator is known from before; unless the status contradicted that.
   void restart(std::uint64_t at_us);
 
@@ -33,9 +39,12 @@ class SequenceClock {
   /// How many sequences, 1 to `most`, may pass without a refinement: the period is known that well.
   [[nodiscard]] std::uint32_t may_pass(std::uint32_t most) const;
   /// First and last moment to start the burst for the present sequence.
-  [[nodiscard]] std::uint64_t read_us() const { return (last_ >> kFraction) + kMargin_us - kLastResult_us; }
+  [[nodiscard]] std::uint64_t read_us() const {
+    return (last_ >> kFraction) + kMargin_us - (stage_by_stage() ? kLastResult_us : kFirstResult_us);
+  }
   [[nodiscard]] std::uint64_t last_start_us() const {
-    return (first_ >> kFraction) + stage_us() - kFirstResult_us - kMargin_us;
+    return (first_ >> kFraction) + (stage_by_stage() ? stage_us() - kFirstResult_us : sequence_us() - kLastResult_us) -
+           kMargin_us;
   }
 
   /// The end of the present sequence is not known well enough.
@@ -63,7 +72,9 @@ class SequenceClock {
   static constexpr int kMaxContradictions = 4;
 
   // Of 32 bits: the loop asks for it all the time, and the core divides no wider ones.
-  [[nodiscard]] std::uint32_t stage_us() const { return static_cast<std::uint32_t>(shortest_ >> kFraction) / kStages; }
+  [[nodiscard]] std::uint32_t stage_us() const { return sequence_us() / kStages; }
+  [[nodiscard]] std::uint32_t sequence_us() const { return static_cast<std::uint32_t>(shortest_ >> kFraction); }
+  [[nodiscard]] bool stage_by_stage() const { return latching_ == wire::Latching::kEachStage; }
   [[nodiscard]] std::uint64_t wander(std::uint64_t sequences) const;
   void begin(std::uint64_t at_us);
   void contradict(std::uint64_t end);
@@ -74,6 +85,7 @@ class SequenceClock {
   std::uint64_t anchor_first_ = 0, anchor_last_ = 0;  // an earlier end, or the start
   std::uint32_t since_anchor_ = 0, nominal_us_ = 0;
   int contradictions_ = 0;
+  wire::Latching latching_ = wire::Latching::kEachStage;
 };
 
 }  // namespace triskin::fw

@@ -10,7 +10,7 @@
 
 namespace triskin::fw {
 
-/// Frames of the sample stream that wait for room in a port, first in, first out. What finds no room is dropped and
+/// Frames of the iCub stream that wait for room in a port, first in, first out. What finds no room is dropped and
 /// counted: the bus is slower than the stream.
 class StreamQueue {
  public:

@@ -27,7 +27,9 @@ class I2cLine {
   virtual void start(std::uint8_t address, Bytes write, std::span<std::uint8_t> read) = 0;
   /// Empty while busy; then kOk, kBusError (no acknowledgement) or kLineStuck. Reported once.
   virtual std::optional<Status> poll() = 0;
-  /// When the last transfer that poll() reported ended on the line.
+  /// When the last transfer that poll() reported began and ended on the line. A chip that stretches the clock, or a
+  /// transfer that the line had to make again, makes it longer.
+  [[nodiscard]] virtual std::uint64_t started_us() const = 0;
   [[nodiscard]] virtual std::uint64_t ended_us() const = 0;
   /// Bus clear (UM10204 3.1.16): up to nine clock pulses, stop, re-initialization. Takes under 200 µs. kOk: both wires
   /// are high; kLineStuck: one is still held low.

@@ -14,8 +14,11 @@ class Cancelled : public Error {
   [[nodiscard]] int exit_status() const override { return 3; }
 };
 
-/// From now on the first SIGINT or SIGTERM only sets interrupt_request(); a second one ends the process at once.
+/// From now on the first SIGINT, SIGTERM or SIGHUP only sets interrupt_request(); a second one ends the process at
+/// once.
 void catch_interrupts();
+/// Number of the signal that was caught; 0: none. Lock-free.
+[[nodiscard]] int interrupt_signal();
 /// True when the process was asked to end. Long work reads it at points where it can stop safely. Lock-free; tests may
 /// set it.
 [[nodiscard]] std::atomic<bool>& interrupt_request();

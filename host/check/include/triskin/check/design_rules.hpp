@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@ struct Violation {
 
 /// Result of a check: the design keeps all rules when `violations` is empty.
 struct DesignReport {
+  std::size_t modules = 0;         ///< of the design; without any there is nothing to break a rule
   std::vector<std::string> rules;  ///< every rule that was checked
   std::vector<Violation> violations;
   std::vector<std::pair<std::string, double>> limits;  ///< of the file, name and value: what was measured against

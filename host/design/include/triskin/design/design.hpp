@@ -10,15 +10,25 @@
 #include "triskin/design/module.hpp"
 #include "triskin/design/patch.hpp"
 #include "triskin/design/piece.hpp"
+#include "triskin/design/price.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::design {
+
+/// A layout that was found and not taken, or the one that was: a point of the front of modules against price.
+struct Alternative {
+  ModuleLayout layout;  ///< modules without metrics, no jumpers: both are computed when it is taken
+  int patches = 0;
+  int jumpers = 0;
+  double price = 0.0;  ///< in modules, by Design::price
+};
 
 /// Design of a cover: the only thing that passes between geometry and the device side (docs/design_file.md has the
 /// schema). A module is named by its id = index in layout.modules; Patch speaks of nodes, which in a design are the
 /// same numbers.
 struct Design {
-  static constexpr int kVersion = 1;
+  static constexpr int kVersion = 1;        ///< of a file without jumpers
+  static constexpr int kJumperVersion = 2;  ///< of a file with jumpers; a reader of version 1 would part its patches
 
   /// Figures of the whole design.
   struct Report {
@@ -26,6 +36,7 @@ struct Design {
     double coverage = 0.0;  ///< modules · 389.7 mm² / area
     int upper_bound = 0;    ///< no layout on this surface has more modules (area), or Σ of the pieces' bounds
     int patches_lower_bound = 0;
+    int jumpers_lower_bound = 0;  ///< with as many patches no fewer jumpers do; in the file only beside jumpers
     double max_edge_error_mm = 0.0, max_hinge_gap_mm = 0.0, max_center_gap_mm = 0.0;
     double seconds = 0.0;
     double coverage_cut = 0.0;  ///< modules · what corner cuts leave of 389.7 mm² / area; in the file only with a cut
@@ -41,6 +52,10 @@ struct Design {
   std::vector<PlacedPiece> pieces;
   ModuleLayout layout;         ///< module index = id
   std::vector<Patch> patches;  ///< patch p has the CAN node address p + 1
+  Price price;                 ///< in the file only beside alternatives
+  /// Most modules first, falling price. `taken`: index of the one in `layout`, -1 where there are none.
+  std::vector<Alternative> alternatives;
+  int taken = -1;
   Report report;
 };
 
@@ -63,12 +78,13 @@ struct TaxelPose {
 /// cost.
 [[nodiscard]] std::array<TaxelPose, layout::kTaxelsPerModule> taxels_of(const PlacedModule& module, int rotation);
 
-/// FNV-1a over the modules, patches and wiring, in file order: equal designs have equal ids on every compiler.
+/// FNV-1a over the modules, jumpers, patches and wiring, in file order: equal designs have equal ids on every compiler.
 /// Cost: O(n).
 [[nodiscard]] std::uint64_t design_id_of(const Design& design);
 
-/// Reads a design file of version kVersion and checks its form: types, ranges, indices (not the rules: that is
-/// `triskin check`). Errors: InputError naming file and key, for another version naming the remedy. Cost: linear.
+/// Reads a design file of version kVersion or kJumperVersion and checks its form: types, ranges, indices (not the
+/// rules: that is `triskin check`). Errors: InputError naming file and key, for another version naming the remedy.
+/// Cost: linear.
 [[nodiscard]] Design read_design(const std::filesystem::path& path);
 /// The same for a design that is to be deployed: its modules and wiring must be those that its id was made of. Errors
 /// besides: InputError when they are not, because the file was changed by hand.

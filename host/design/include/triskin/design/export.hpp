@@ -21,4 +21,23 @@ namespace triskin::design {
 /// Modules as a mesh (OBJ, mm, mesh frame), one triangle a module and one group a patch. Cost: O(modules).
 [[nodiscard]] std::string modules_obj(const Design& design);
 
+/// Frame of a module, mesh frame: x along side 0 (from corner 0 to corner 1), z outward, origin at the centroid.
+struct ModulePose {
+  Vec3 origin_mm;
+  Eigen::Matrix3d axes;  ///< columns x, y, z: unit vectors in the mesh frame
+};
+/// Frame of `module` (docs/export.md). Cost: constant.
+[[nodiscard]] ModulePose frame_of(const PlacedModule& module);
+
+/// Cover, modules and taxels as a scene (glTF 2.0, JSON with the data inside; metres, axes of the mesh frame). Nodes
+/// have names and "extras" with their wiring. Throws InputError for a design without surface. Cost: O(faces + modules).
+[[nodiscard]] std::string gltf(const Design& design);
+
+/// Link "cover" and a fixed link for each module in its frame (URDF; m, rad), with the table of taxels. Cost:
+/// O(modules).
+[[nodiscard]] std::string urdf(const Design& design);
+
+/// Static model with a frame for each module and the table of taxels (SDFormat 1.7; m, rad). Cost: O(modules).
+[[nodiscard]] std::string sdf(const Design& design);
+
 }  // namespace triskin::design

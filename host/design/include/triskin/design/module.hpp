@@ -4,14 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "triskin/design/jumper.hpp"
 #include "triskin/design/mesh.hpp"
 #include "triskin/design/tile.hpp"
 #include "triskin/host/names.hpp"
 
 namespace triskin::design {
 
-/// Limits that a semi-rigid module and its hinges tolerate; each > 0. docs/design_file.md defines every metric.
-/// Defaults: the installed iCub skin (30 mm modules on 32 mm pitch).
+/// Limits that a semi-rigid module and its hinges tolerate; each > 0 but the last. docs/design_file.md defines every
+/// metric. Defaults: the installed iCub skin (30 mm modules on 32 mm pitch).
 struct LayoutLimits {
   double edge_error_mm = 1.0;            ///< largest |length on the net − length of the rigid module| of an edge
   double hinge_gap_mm = 2.0;             ///< largest distance between joined corners of two neighbours
@@ -19,6 +20,7 @@ struct LayoutLimits {
   double fold_rad = 1.0471975511965976;  ///< largest angle between the planes of joined modules (60°)
   double penetration_mm = 0.5;           ///< largest depth by which two modules may overlap
   double overrun_mm = 0.5;  ///< largest distance by which a module may stand over the border of the surface
+  double jumper_mm = 15.0;  ///< longest jumper along the surface; 0: no jumpers. In the file only beside jumpers
 };
 
 /// One rigid module on the surface. Its id is its index in ModuleLayout::modules. Corners are those of its tile, in
@@ -52,6 +54,8 @@ inline constexpr NameTable kLayoutMethodNames{std::array<std::pair<LayoutMethod,
 /// and need not share a lattice.
 struct ModuleLayout {
   std::vector<PlacedModule> modules;
+  /// Joints between islands. PlacedModule::neighbour does not show them; graph_of() and joints_of() do.
+  std::vector<Jumper> jumpers;
   int islands = 0;
   LayoutMethod method = LayoutMethod::kPieces;
   /// Modules that were refused, per limit that refused them (name → count), for the report.

@@ -22,7 +22,16 @@ struct ModuleGraph {
   std::vector<Node> nodes;
 };
 
-/// The graph of a layout: its joints, and free sides as border; node v is the module with id v. Cost: O(n).
+/// The graph of a layout: its joints, jumpers among them, and free sides as border; node v is the module with id v.
+/// Errors: std::out_of_range for a jumper of a module that the layout lacks. Cost: O(n).
 [[nodiscard]] ModuleGraph graph_of(const ModuleLayout& layout);
+
+/// The graph with jumpers as joints; their sides are no border any more. Errors: std::out_of_range for a node or side
+/// that the graph lacks. Cost: O(n).
+[[nodiscard]] ModuleGraph with_jumpers(ModuleGraph graph, const std::vector<Jumper>& jumpers);
+
+/// What is joined to each side of a module, over jumpers too: node, or -1. Errors: std::out_of_range for an id that the
+/// layout lacks. Cost: O(jumpers).
+[[nodiscard]] std::array<int, 3> joined_to(const ModuleLayout& layout, int id);
 
 }  // namespace triskin::design

@@ -15,6 +15,9 @@ inline constexpr double kHeight_mm = 25.980762113533160;
 /// Area a·h/2 of a module, mm².
 inline constexpr double kModuleArea_mm2 = 389.71143170299738;
 
+/// Largest lattice coordinate that a file may name: far beyond any cover, safely inside int.
+inline constexpr int kMaxLattice = 1'000'000;
+
 /// One triangle of the isometric grid (docs/design_file.md): grid vertex (i, j) lies at (a(i + j/2), h·j).
 /// The up triangle (i, j) has corners (i,j), (i+1,j), (i,j+1); the down one (i, j) has (i+1,j), (i+1,j+1), (i,j+1).
 /// Both are listed counter-clockwise; side s runs from corner s to corner (s+1) % 3.

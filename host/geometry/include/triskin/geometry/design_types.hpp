@@ -6,12 +6,15 @@
 #include "triskin/design/patch.hpp"
 #include "triskin/design/piece.hpp"
 #include "triskin/design/polygon.hpp"
+#include "triskin/design/price.hpp"
 #include "triskin/design/tile.hpp"
 
 /// Names of host/design in which the solvers take their input and give their results; their contracts stand there.
 namespace triskin::geometry {
 
 using design::FailureLoss;
+using design::Jumper;
+using design::JumperKind;
 using design::LayoutLimits;
 using design::LayoutMethod;
 using design::LineElectrical;
@@ -23,6 +26,7 @@ using design::Piece;
 using design::PlacedModule;
 using design::Placement;
 using design::Polygon;
+using design::Price;
 using design::RoutedModule;
 using design::Tile;
 using design::TileSide;

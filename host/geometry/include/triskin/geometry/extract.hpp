@@ -1,13 +1,38 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "triskin/geometry/design_types.hpp"
+#include "triskin/host/names.hpp"
 #include "triskin/host/progress.hpp"
 
 namespace triskin::geometry {
+
+/// How far a repaired surface is from the outside of its input: from the faces of the input that see the share
+/// `sky_fraction` of the sky to the surface, and from all of the surface to the input.
+struct Deviation {
+  double mean_mm = 0.0;          ///< over the area, of the direction in which it is larger
+  double largest_mm = 0.0;       ///< no point is farther; at most 0.02 mm above the largest distance found, typically
+  Vec3 where_mm = Vec3::Zero();  ///< of the largest
+};
+
+/// What extract() did to make a surface that design() takes, in the order in which it is tried.
+enum class Repair : std::uint8_t {
+  kNone,   ///< nothing: it was one
+  kLocal,  ///< faces that cross were divided along their common lines, hidden parts dropped; the others are as they
+           ///< were
+  kWrap,   ///< shrink-wrapped
+  kGrid,   ///< surface of a grid around the input
+};
+/// Names in the output of the command line.
+inline constexpr NameTable kRepairNames{std::array<std::pair<Repair, std::string_view>, 4>{
+    {{Repair::kNone, "none"}, {Repair::kLocal, "local"}, {Repair::kWrap, "wrap"}, {Repair::kGrid, "grid"}}}};
 
 /// Changes that extract() made to a raw mesh, as counts unless the name says otherwise.
 struct ExtractReport {
@@ -19,6 +44,9 @@ struct ExtractReport {
   int components = 0;                   ///< connected parts that are left
   bool outer = false, wrapped = false;  ///< which of the steps on demand were taken
   double kept_out_mm2 = 0.0;            ///< area that the keep-outs took
+  Repair repair = Repair::kNone;        ///< what was needed; only with ExtractOptions::repair
+  int crossings = 0;                    ///< pairs of faces of the raw mesh that pass through each other; likewise
+  Deviation deviation;                  ///< of the repair; 0 with Repair::kNone, before keep-outs
 };
 
 /// Ball that no module may cover; radius > 0.
@@ -35,6 +63,9 @@ struct KeepOutBox {
 struct ExtractOptions {
   /// When a step is taken.
   enum class When { kNever, kWhenNeeded, kAlways };
+  bool repair = false;       ///< the result is one that usable() accepts, whatever the input; closed parts face outward
+  bool keep_usable = false;  ///< with `repair`: a mesh that usable() accepts takes no other step
+  double repair_s = 60.0;    ///< > 0: processor time of the repair; a coarser one where it does not suffice
   When outer = When::kNever;    ///< drop what sees little of the sky; needed: several large parts, or edges with more
                                 ///< than two faces
   double sky_fraction = 0.25;   ///< 0 … 1: cosine-weighted share of the half sphere above a face that must be free
@@ -64,6 +95,11 @@ struct Extraction {
 /// the step that took it. Cost: as above; `outer` 128 rays a face on all cores, `wrap` seconds (CGAL alpha wrap:
 /// Portaneri et al., 2022).
 [[nodiscard]] Extraction extract(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress = {});
+
+/// The test of design(): the mesh stays as it is when it is written and read, is an oriented manifold with a part as
+/// large as a module, and no two of its faces pass through or touch each other beyond a common edge or corner. What
+/// extract() gives with `repair` passes. Cost: O(n log n) typical.
+[[nodiscard]] bool usable(const Mesh& mesh);
 
 /// Checks that no edge of the mesh has more than two faces. Errors: InputError naming `name` and the place otherwise.
 /// Cost: O(n log n).

@@ -16,10 +16,11 @@ enum class LengthUnit { kMillimetre, kCentimetre, kMetre };
 /// Changes that reading made to the file's triangles, for the report.
 struct MeshReadReport {
   double scale_to_mm = 1.0;
-  int welded_vertices = 0;   ///< corners at the same place that became one vertex (relative 1e-7 of the size)
-  int degenerate_faces = 0;  ///< faces without area, dropped
-  int duplicate_faces = 0;   ///< faces with the same three vertices as an earlier one, dropped
-  int flipped_faces = 0;     ///< faces turned so that neighbours agree
+  bool unit_from_file = false;  ///< the file said its unit (DAE), or its format has one (glTF, GLB: metres)
+  int welded_vertices = 0;      ///< corners at the same place that became one vertex (relative 1e-7 of the size)
+  int degenerate_faces = 0;     ///< faces without area, dropped
+  int duplicate_faces = 0;      ///< faces with the same three vertices as an earlier one, dropped
+  int flipped_faces = 0;        ///< faces turned so that neighbours agree
 };
 
 /// Result of read_mesh().
@@ -28,9 +29,10 @@ struct MeshFile {
   MeshReadReport report;
 };
 
-/// Reads OBJ, STL, PLY, OFF or DAE (by content and extension). Without `unit` the file's numbers are mm (DAE: its
-/// own unit). Errors: InputError naming the file for unreadable, empty, non-finite or face-less files, and for
-/// sizes that cannot be a body part: under 20 mm (with the hint to pass --unit m or cm) or over 5 m.
+/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF (by content and extension); the first four in the
+/// precision of the file. Without `unit` the file's numbers are mm, or in the unit of the file (DAE) or format (glTF,
+/// GLB: m). Errors: InputError naming the file for unreadable, empty, non-finite or face-less files, for sizes that
+/// cannot be a body part (under 20 mm, with a guess of the unit; over 5 m), and over 3 m where nobody said the unit.
 /// Cost: O(n log n). Thread-safe. Formats that
 /// assimp reads are read in a child process: a crash of the library is an InputError.
 [[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt);

@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "triskin/geometry/design_types.hpp"
 
@@ -14,6 +15,12 @@ namespace triskin::geometry {
 
 /// The same from text; `name` stands for the file in messages.
 [[nodiscard]] Polygon parse_polygon(const std::string& text, const std::string& name);
+
+/// The outlines of the pieces of a net, as `triskin unfold` writes it (docs/unfolding.md), in its order; of a file with
+/// one polygon that polygon. Errors: as read_polygon, and for a net without pieces.
+[[nodiscard]] std::vector<Polygon> read_polygons(const std::filesystem::path& path);
+/// The same from text.
+[[nodiscard]] std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name);
 
 /// Drops closing and repeated vertices, orients the outer ring counter-clockwise and holes clockwise. Edges of one
 /// polygon may touch (a crack of zero width is a cut), but not cross. Errors: InputError naming `name`, ring and vertex

@@ -20,6 +20,7 @@ struct ElectricalModel {
   double cable_pf_per_m = 60.0;  ///< entry cable
   double cable_m = 0.5;          ///< where no controller place is given
   double joint_pf = 2.0;
+  double jumper_pf = 2.0;               ///< two plugs of a jumper, beside a joint's and that of its length of cable
   double pin_pf = 10.0;                 ///< converter and multiplexer of a module on the line
   double switch_pf = 6.0;               ///< bus switch of a module that the line passes
   bool all_lines_on_all_joints = true;  ///< false: a line ends at its last module
@@ -45,6 +46,7 @@ struct RoutingOptions {
   int recombinations = 60;                ///< secondary-cost moves a patch; 0: keep the first partition
   bool has_controller_place = false;      ///< cable lengths count in the secondary cost
   std::array<double, 3> controller_mm{};  ///< mesh frame
+  Price price;                            ///< of a controller and a jumper; read only where jumpers are possible
 };
 
 /// Proof by which a lower bound of controllers was met, in order of effort.
@@ -66,8 +68,11 @@ inline constexpr NameTable kPartitionProofNames{
 /// Result of route(). Every node is an index in the nodes of the graph that was given.
 struct RoutingResult {
   std::vector<Patch> patches;
-  int lower_bound = 0;  ///< no partition has fewer patches
-  bool proved = false;  ///< patches.size() == lower_bound
+  int lower_bound = 0;          ///< no partition has fewer patches
+  bool proved = false;          ///< patches.size() == lower_bound
+  std::vector<Jumper> jumpers;  ///< those of the places that are fitted, as given; each within one patch
+  int jumpers_lower_bound = 0;  ///< no partition into as many patches has fewer jumpers
+  bool price_proved = false;    ///< no partition costs less, controllers and jumpers together
   int line_hops = 0;
   int max_depth = 0;
   double mean_loss = 0.0;  ///< extra modules lost, beyond the failed one: mean over all single failures of modules and
@@ -81,23 +86,6 @@ struct RoutingResult {
   PartitionProof proof = PartitionProof::kSize;
 };
 
-/// A pair of free module sides of different islands that a jumper can bridge.
-struct Jumper {
-  std::array<int, 2> node{};  ///< indices in ModuleGraph::nodes
-  std::array<int, 2> side{};  ///< tile side 0 … 2 of each
-  double length_mm = 0.0;
-};
-/// Free sides of different islands whose midpoints lie within max_length_mm and whose outward directions face each
-/// other (angle above 120°). Shortest first, each side and each pair of modules once. `side_mm[v][s]`: midpoint of
-/// side s of node v, mesh frame; center_mm of every node must be set. Cost: O(sides · log sides) with sides sorted
-/// along x.
-[[nodiscard]] std::vector<Jumper> find_jumpers(const ModuleGraph& graph,
-                                               const std::vector<std::array<std::array<double, 3>, 3>>& side_mm,
-                                               double max_length_mm);
-/// The graph with the jumpers as joints; their sides are no border any more. Jumpers must come from find_jumpers() of
-/// the same graph. Cost: O(n).
-[[nodiscard]] ModuleGraph with_jumpers(ModuleGraph graph, const std::vector<Jumper>& jumpers);
-
 /// Divides the graph into the fewest connected patches and wires each one: border entry, then least lines against the
 /// electrical rule, least expected loss (sum of depths), least line hops, least depth; exact over all trees and
 /// entries. Deterministic for a seed on every machine and compiler, except where the integer programme runs
@@ -105,6 +93,12 @@ struct Jumper {
 /// of range. One thread; thread-safe. Cost: about 0.1 s for 142 modules, 1 s for 2600. Sources: docs/routing.md.
 [[nodiscard]] RoutingResult route(const ModuleGraph& graph, const RoutingOptions& options = {},
                                   const ProgressSink& progress = {});
+/// The same where jumpers may join islands: `places` as find_jumpers() lists them for the layout that `graph` shows
+/// without jumpers. Of controllers and jumpers together the cheapest are fitted (options.price); within a patch the
+/// shortest. A jumper counts as a joint in all that follows: trees, lines, failures. With empty places the same as
+/// above. Errors besides: std::out_of_range for a place whose node the graph lacks. Cost: 0.4 s more for 150 modules.
+[[nodiscard]] RoutingResult route(const ModuleGraph& graph, const std::vector<Jumper>& places,
+                                  const RoutingOptions& options = {}, const ProgressSink& progress = {});
 
 /// Interval that holds the fewest controllers. `upper` is 0 when the time limit passed before a partition of each
 /// island was found.

@@ -8,26 +8,21 @@
 
 namespace triskin::geometry {
 
-/// Effort of grow_lattice(), and the weights of layout_value(). Out of range: InputError.
+/// Effort of grow_lattice(), and what it maximises: modules + hinge_reward · joints − price, where the price is
+/// relaxed: islands that jumpers can join count n / 16 + 15 / 32 controllers together. Out of range: InputError.
 struct SurfaceLatticeOptions {
   double time_limit_s = 20.0;  ///< > 0, wall clock; the search stops within about 0.1 s of it
   int iterations = 0;  ///< > 0: stops after so many ruin-and-recreate steps a chain, as well as at the time limit
   std::uint64_t seed = 1;
   int threads = 2;  ///< 1 … 256 independent chains that exchange the best layout; part of what a result depends on
-  double island_cost = 0.05;  ///< 0 … 16 modules an island is worth (its cable); with controller_cost 0.02 in all gives
-                              ///< most modules, 0.3 few islands
-  double controller_cost =
-      0.05;  ///< 0 … 16 modules a controller is worth: an island of n modules needs n / 16 at least, rounded up
+  Price price;      ///< each 0 … 16 modules
   double hinge_reward = 0.01;   ///< 0 … 16 modules a joint is worth
+  bool front = true;            ///< of grow_front(): layouts with other numbers of modules as well
   double corner_lift_mm = 1.5;  ///< ≥ 0: how far corners may stand off a convex surface, so that the gap under the
                                 ///< centre stays in its limit
   double corner_cut_mm = 0.0;   ///< 0 … design::kMostCornerCut_mm: cut off along each side from every corner; overlap
                                 ///< and border are then those of what is left
 };
-
-/// Value of a layout, in modules: modules − island_cost · islands − controller_cost · controllers + hinge_reward ·
-/// joints. An island of n modules counts ⌈n / 16⌉ controllers. Cost: O(n).
-[[nodiscard]] double layout_value(const ModuleLayout& layout, const SurfaceLatticeOptions& options);
 
 /// Grows the isometric lattice directly on the surface (docs/surface_lattice.md): triangles are added edge by edge,
 /// their shared corners slide on the surface until every rigid module keeps the limits; what is left is filled with
@@ -38,5 +33,11 @@ struct SurfaceLatticeOptions {
 /// `iterations` ends it sooner.
 [[nodiscard]] ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits,
                                         const SurfaceLatticeOptions& options = {}, const ProgressSink& progress = {});
+
+/// The same; the best layout, and after it the best found with more modules and with up to twelve fewer, most modules
+/// first. Which of them has the highest value is known only when they are wired. Cost: about 0.1 s a layout more.
+[[nodiscard]] std::vector<ModuleLayout> grow_front(const Surface& surface, const LayoutLimits& limits,
+                                                   const SurfaceLatticeOptions& options = {},
+                                                   const ProgressSink& progress = {});
 
 }  // namespace triskin::geometry

@@ -12,6 +12,7 @@
 
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/host/json_cause.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -215,6 +216,31 @@ bool inside_or_on(const std::vector<Vec2>& ring, const Vec2& p) {
   return inside;
 }
 
+std::vector<Vec2> net_ring(const json& ring, const std::string& name, std::size_t piece) {
+  std::vector<Vec2> points;
+  for (const json& p : ring) {
+    if (!p.is_array() || p.size() != 2 || !p[0].is_number() || !p[1].is_number())
+      fail(name, fmt::format("piece {}: a vertex must be two numbers (mm)", piece));
+    points.emplace_back(p[0].get<double>(), p[1].get<double>());
+  }
+  return points;
+}
+
+// Outlines of a net as unfold writes it (docs/unfolding.md).
+std::vector<Polygon> pieces_of_net(const json& net, const std::string& name) {
+  const json pieces = net.value("pieces", json());
+  if (!pieces.is_array() || pieces.empty()) fail(name, "the net has no pieces");
+  std::vector<Polygon> polygons;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    if (!pieces[k].is_object() || !pieces[k].contains("outline")) fail(name, fmt::format("piece {} has no outline", k));
+    Polygon polygon;
+    polygon.outer = net_ring(pieces[k]["outline"], name, k);
+    for (const json& hole : pieces[k].value("holes", json::array())) polygon.holes.push_back(net_ring(hole, name, k));
+    polygons.push_back(normalize_polygon(std::move(polygon), fmt::format("{}, piece {}", name, k)));
+  }
+  return polygons;
+}
+
 }  // namespace
 
 double ring_area(const std::vector<Vec2>& ring) {
@@ -251,17 +277,28 @@ Polygon normalize_polygon(Polygon polygon, const std::string& name) {
   return polygon;
 }
 
-Polygon parse_polygon(const std::string& text, const std::string& name) {
+std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name) {
   const auto first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  if (first == std::string::npos) fail(name, "the file is empty; give a GeoJSON or WKT polygon in mm");
-  if (text[first] != '{') return normalize_polygon(WktReader(text, name).read(), name);
+  if (first == std::string::npos) fail(name, "the file is empty; give a GeoJSON or WKT polygon in mm, or a net");
+  if (text[first] != '{') return {normalize_polygon(WktReader(text, name).read(), name)};
   json document;
   try {
     document = json::parse(text.begin() + static_cast<std::ptrdiff_t>(first), text.end());
   } catch (const json::exception& e) {
-    fail(name, fmt::format("not JSON ({})", e.what()));
+    fail(name, fmt::format("not JSON ({})", json_cause(e.what())));
   }
-  return normalize_polygon(from_geojson(document, name), name);
+  if (document.value("format", json()) == "triskin-net") return pieces_of_net(document, name);
+  return {normalize_polygon(from_geojson(document, name), name)};
+}
+
+Polygon parse_polygon(const std::string& text, const std::string& name) {
+  std::vector<Polygon> polygons = parse_polygons(text, name);
+  if (polygons.size() != 1) fail(name, fmt::format("is a net of {} pieces; choose one with --piece", polygons.size()));
+  return std::move(polygons.front());
+}
+
+std::vector<Polygon> read_polygons(const std::filesystem::path& path) {
+  return parse_polygons(read_file(path), path.string());
 }
 
 Polygon read_polygon(const std::filesystem::path& path) {

@@ -10,6 +10,7 @@
 #include "triskin/geometry/weight_regions.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/host/json_cause.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -184,7 +185,7 @@ WeightMap read_weight_map(const std::filesystem::path& file) {
         "{}: not a map of weights ({}); it needs \"step_mm\" and \"origin_mm\": [x, y], \"rows\": [[…], "
         "…], or \"vertices\": [[x, y, weight], …], \"faces\": [[a, b, c], …], or \"regions\": [{{\"weight\": w, "
         "\"outline_mm\": [[x, y], …]}}, …], \"elsewhere\": w",
-        file.string(), e.what()));
+        file.string(), json_cause(e.what())));
   } catch (const InputError& e) {
     throw InputError(fmt::format("{}: {}", file.string(), e.what()));
   }

@@ -1,39 +1,55 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 
 #include "triskin/design/design.hpp"
+#include "triskin/geometry/extract.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/host/progress.hpp"
 
 namespace triskin::pipeline {
 
+/// What happens to a mesh that cannot be covered as it is.
+enum class RepairMode : std::uint8_t {
+  kAuto,   ///< it is made one that can (geometry::ExtractOptions::repair)
+  kNever,  ///< it is refused
+};
+
 /// Options of make_design(). Out of range: InputError.
 struct DesignOptions {
   std::optional<geometry::LengthUnit> unit;  ///< of the mesh file; none: its own or mm
+  RepairMode repair = RepairMode::kAuto;
   double time_limit_s = 20.0;   ///< > 0, of all steps together; what placement and wiring leave goes to the growth
   std::uint64_t seed = 1;       ///< of every random choice
   design::LayoutLimits limits;  ///< each > 0
   double bend_radius_mm = 0.0;  ///< > 0: pieces are parted from what bends more (bend_seams.hpp); 0: not for that alone
   double corner_cut_mm = 0.0;   ///< 0 … design::kMostCornerCut_mm: of every module
-  int iterations = 0;         ///< ≥ 0; > 0: the growth ends after so many steps: repeatable whatever the machine's load
-  int threads = 2;            ///< 1 … 256 chains of the growth; part of what a result depends on
-  double island_cost = 0.05;  ///< 0 … 16 modules that an island (its cable) is worth
-  double controller_cost = 0.05;  ///< 0 … 16 modules that a controller is worth
+  int iterations = 0;   ///< ≥ 0; > 0: the growth ends after so many steps: repeatable whatever the machine's load
+  int threads = 2;      ///< 1 … 256 chains of the growth; part of what a result depends on
+  design::Price price;  ///< each 0 … 16 modules; jumpers may be as long as limits.jumper_mm
 };
 
-/// Number of modules that each method gave (design::LayoutMethod).
-struct MethodComparison {
+/// How a design came about: number of modules that each method gave (design::LayoutMethod), what was made of the mesh.
+struct DesignNotes {
   int pieces = 0, surface = 0;
+  geometry::ExtractReport extract;
 };
+
+/// The design with the alternative `index` (0-based, design.alternatives) in place of its layout, measured and wired
+/// anew: without a search. Alternatives stay. Errors: InputError naming the range for an index that is not there.
+/// Deterministic for the seed of the design. Cost: about 0.5 s for 150 modules.
+[[nodiscard]] design::Design take_alternative(const design::Design& design, int index,
+                                              const ProgressSink& progress = {});
 
 /// Makes a design of a mesh file: extract, unfold, certified placement of each piece, rigid modules on the surface,
-/// controllers and wiring; of the pieces and the lattice grown on the surface the layout of higher value stays. Fills
-/// `comparison` when it is given. Errors: InputError for unusable meshes and options out of range. Deterministic for
+/// jumpers, controllers and wiring; of the pieces and the lattice grown on the surface the layout of higher value,
+/// modules less price, stays. Fills
+/// `notes` when it is given. Errors: InputError for unusable meshes and options out of range. Deterministic for
 /// seed, threads and iterations unless the time limit cuts a search short. Cost: about time_limit_s,
 /// less where `iterations` ends the growth sooner.
 [[nodiscard]] design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
-                                         const ProgressSink& progress = {}, MethodComparison* comparison = nullptr);
+                                         const ProgressSink& progress = {}, DesignNotes* notes = nullptr);
 
 }  // namespace triskin::pipeline

@@ -16,10 +16,25 @@ class CapacitanceSource {
   [[nodiscard]] virtual double counts(int cin, std::uint64_t at_us) const = 0;
 };
 
+/// How a chip behaves where the data sheet leaves it open or the parts of a series differ (docs/silicon.md). The
+/// firmware must work with each combination.
+struct Ad7147Behaviour {
+  /// A write to PWR_CONTROL begins the sequence anew. False: only CONV_RESET does; a write that changes PWR_CONTROL
+  /// then leaves the sequence at an arbitrary stage.
+  bool power_control_restarts = false;
+  /// A change of PWR_CONTROL in mid-sequence shifts the results by one stage until the next CONV_RESET.
+  bool shifted_after_stop = false;
+  /// All results change together at the end of the sequence. False: each at the end of its stage.
+  bool latched_at_end = false;
+  /// One step of the offset DAC, pF.
+  double afe_step_pf = 0.32;
+};
+
 /// AD7147 at register level (data sheet rev. E): 16-bit registers at 16-bit addresses, big endian, address increment,
-/// 12 stages converted one after another, results latched at the end of each stage. Not thread-safe.
-/// Modelled: power modes, stage count, decimation, software reset, input connections, AFE offsets, stage-complete
-/// status, device id, loss of the configuration in a power dip. Not modelled: interrupts, environmental calibration.
+/// 12 stages converted one after another. Not thread-safe.
+/// Modelled: power modes, stage count, decimation, software reset, restart of the sequence by CONV_RESET, input
+/// connections, AFE offsets, stage-complete status, device id, loss of the configuration in a power dip. Not modelled:
+/// interrupts, environmental calibration.
 class Ad7147 {
  public:
   static constexpr int kStages = layout::kTaxelsPerModule;
@@ -38,6 +53,8 @@ class Ad7147 {
   /// Adds the converter's own noise: 12, 7 or 3 counts peak to peak at decimation 64, 128, 256 (data sheet, table 1).
   /// Equal seeds give equal noise for equal numbers of conversions since the sequence was started.
   void set_noise(std::uint64_t seed) { noise_seed_ = seed; }
+  /// Another of the behaviours that the data sheet leaves open. Before the chip is used.
+  void set_behaviour(const Ad7147Behaviour& behaviour) { behaviour_ = behaviour; }
 
   // Bus side: what an I²C target sees between start and stop. `now_us`: virtual time, never decreasing.
 
@@ -64,6 +81,8 @@ class Ad7147 {
 
   void reset(std::uint64_t now_us);
   void apply_power_dips(std::uint64_t now_us);
+  void write_power_control(std::uint16_t value, std::uint64_t now_us);
+  void restart_sequence(std::uint64_t now_us);
   void latch_results(std::uint64_t now_us);
   [[nodiscard]] std::uint64_t stage_ns() const;
   [[nodiscard]] std::uint64_t period_ns() const;
@@ -75,16 +94,22 @@ class Ad7147 {
   };
   /// The latest conversion of `stage` up to now.
   [[nodiscard]] Conversion last_conversion(int stage, std::uint64_t now_us) const;
+  /// The one whose result is shown.
+  [[nodiscard]] Conversion shown_conversion(int stage, std::uint64_t now_us) const;
+  [[nodiscard]] double afe_counts(std::uint16_t afe) const;
   [[nodiscard]] std::uint16_t convert(int stage, const Conversion& conversion) const;
   [[nodiscard]] double noise(int stage, std::uint64_t number) const;
-  [[nodiscard]] std::uint16_t result(int stage, std::uint64_t now_us) const;
+  [[nodiscard]] std::uint16_t result(int place, std::uint64_t now_us) const;
   [[nodiscard]] std::uint16_t complete_status(std::uint64_t now_us);
 
   const CapacitanceSource* source_;
   std::uint16_t device_id_;
   std::array<std::uint16_t, kSetupRegisters> setup_{};
   std::array<std::uint16_t, kStageRegisters> stage_{};
-  std::array<std::uint16_t, kStages> latched_{};  // results from before the last restart of the sequence
+  std::array<std::uint16_t, kStages> latched_{};     // results from before the last restart, or change of a setup
+  std::array<std::uint64_t, kStages> changed_us_{};  // when the setup of each stage changed last
+  bool shifted_ = false;
+  Ad7147Behaviour behaviour_;
   int clock_ppm_ = 0;
   std::uint64_t noise_seed_ = 0;  // 0: none
   std::uint64_t restart_us_ = 0;

@@ -11,6 +11,7 @@
 
 #include "triskin/design/design.hpp"
 #include "triskin/host/names.hpp"
+#include "triskin/scene/ad7147.hpp"
 
 namespace triskin::scene {
 
@@ -79,11 +80,14 @@ struct Fault {
   std::uint64_t every_us = 0;
 };
 
-/// Physical effects; each is off, and costs nothing, unless the scene names it.
+/// Physical effects; but for the electrodes each is off, and costs nothing, unless the scene names it.
 struct Effects {
   double noise_counts = 0.0;            ///< standard deviation of a sample
   double drift_counts_per_s = 0.0;      ///< of every taxel
-  double taxel_spread_counts = 0.0;     ///< half range of the resting values
+  double taxel_spread_counts = 0.0;     ///< half range of what is added to the electrodes
+  double electrode_least_pf = 2.0;      ///< capacitance of an electrode, another for each taxel: between this
+  double electrode_most_pf = 18.0;      ///< and this
+  Ad7147Behaviour converter;            ///< of every chip; not in scene files
   std::uint64_t bus_bit_rate = 0;       ///< 0: frames take no time
   std::uint64_t bus_data_bit_rate = 0;  ///< of FD frames with rate switch; 0: as bus_bit_rate
   double chain_bit_error_rate = 0.0;    ///< of the route chain: probability that a bit flips in one module
@@ -99,12 +103,19 @@ struct Scene {
 };
 
 /// Reads a scene file, or a design file (then there are no contacts and no faults). Throws InputError naming
-/// file and key: wrong types or ranges, unknown keys or kinds, a module that the design does not have.
+/// file and key: wrong types or ranges, unknown keys or kinds, keys that stand twice, a module that the design does not
+/// have, a contact that no taxel of the skin can feel.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
+
+/// Number of the hardware of a scene: equal for scenes with the same faults and the same kind of modules.
+[[nodiscard]] std::uint64_t hardware_id(const Scene& scene);
 
 /// Rotation 0..2 of a module (id in the design) as assembled: the design's, changed by the faults of the scene. Throws
 /// std::out_of_range for a module that the design lacks.
 [[nodiscard]] int real_rotation(const Scene& scene, int module);
+
+/// Distance from a point to a contact's centre, or to the path of one that moves, mm.
+[[nodiscard]] double distance_mm(const Contact& contact, const design::Vec3& point_mm);
 
 /// Centroid of a module's corners, mesh frame, mm. Throws std::out_of_range for a module that the design lacks.
 [[nodiscard]] design::Vec3 center_of(const design::Design& design, int module);

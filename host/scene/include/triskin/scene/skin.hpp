@@ -15,10 +15,10 @@
 
 namespace triskin::scene {
 
-// The electrical side of a taxel, in converter counts. A pad under pressure gains capacitance; with the pad at the
-// converter's negative input the result falls, as the iCub skin's does.
-inline constexpr double kRestCounts = -8000.0;
+/// The electrical side of a taxel, in converter counts. An electrode has the capacitance that the effects of the scene
+/// allow (Effects::electrode_least_pf), another for each taxel; under pressure it gains this.
 inline constexpr double kCountsPerKpa = 150.0;
+inline constexpr double kCountsPerPf = 32768.0 / 8.0;  ///< of the converter
 
 /// A contact with its reach: which taxels of which modules it can press.
 struct Touch {
@@ -28,12 +28,14 @@ struct Touch {
   [[nodiscard]] double pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const;
 };
 
-/// The pads of one module as its converter sees them.
+/// The pads of one module as its converter sees them. Equal scenes give equal electrodes.
 class ModuleSkin final : public CapacitanceSource {
  public:
   /// Module `module` (id in the design), turned by `rotation` 0..2. Copies what it needs of the scene.
   ModuleSkin(const Scene& scene, int module, int rotation);
   [[nodiscard]] double counts(int cin, std::uint64_t at_us) const override;
+  /// Capacitance of taxel 0..11 without touch, drift and noise, counts.
+  [[nodiscard]] double rest_counts(int taxel) const { return rest_counts_[static_cast<std::size_t>(taxel)]; }
 
   /// A contact that may press the pads; it outlives its presence here.
   void add(const Touch& touch);

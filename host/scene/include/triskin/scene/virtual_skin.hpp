@@ -11,6 +11,7 @@
 #include "triskin/scene/scene.hpp"
 #include "triskin/scene/skin.hpp"
 #include "triskin/sim/virtual_controller.hpp"
+#include "triskin/wire/bus_load.hpp"
 
 namespace triskin::scene {
 
@@ -73,6 +74,8 @@ class VirtualSkin {
   /// Lets the controller run at the current virtual time.
   void wake(std::size_t patch) { nodes_.at(patch).run_again_us = now_us_; }
 
+  /// Bit rates of the bus; 0 where the scene sets none.
+  [[nodiscard]] wire::BitRates bit_rates() const;
   /// Frames that went over the bus since construction.
   [[nodiscard]] std::uint64_t bus_frames() const { return bus_frames_; }
   /// Time during which the bus was busy, µs; 0 where the scene sets no bit rate.
@@ -84,7 +87,9 @@ class VirtualSkin {
     sim::VirtualBoard board;
     std::unique_ptr<sim::VirtualController> controller;
     std::uint64_t run_again_us = 0;
+    std::size_t in_buffers = 0;  // frames that it has given to the bus and that wait for it
   };
+  static constexpr std::size_t kBuffers = 3;
   struct Pending {
     wire::CanFrame frame;
     std::size_t from;  // node, or kHost
@@ -95,6 +100,7 @@ class VirtualSkin {
   void power_up(std::size_t patch);
   void run_controllers();
   void deliver(const Pending& pending);
+  [[nodiscard]] std::deque<Pending>::iterator winner();
   bool advance_bus();
   [[nodiscard]] std::uint64_t next_event_us() const;
   [[nodiscard]] std::uint64_t frame_us(const wire::CanFrame& frame) const;

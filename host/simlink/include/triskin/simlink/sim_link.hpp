@@ -21,6 +21,7 @@ class SimLink final : public Link, private Finger {
   [[nodiscard]] std::uint64_t answer_us() const override;
   [[nodiscard]] std::string name() const override { return "sim"; }
   [[nodiscard]] Finger* finger() override { return this; }
+  [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override { return wire::full_sample_ns(skin_.bit_rates()); }
   /// The simulated hardware, to change it while it runs.
   [[nodiscard]] scene::VirtualSkin& skin() { return skin_; }
 

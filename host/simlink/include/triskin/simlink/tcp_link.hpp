@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "triskin/link/link.hpp"
+#include "triskin/wire/bus_load.hpp"
 
 namespace triskin::device {
 
@@ -26,6 +27,8 @@ inline constexpr std::uint8_t kPress =
     2;  ///< module (4), taxel (1) or kWholeModule: the virtual finger presses it, nothing else
 inline constexpr std::uint8_t kWholeModule = 0xFF;
 inline constexpr std::uint8_t kLift = 3;
+inline constexpr std::uint8_t kBitRates =
+    4;  ///< nominal (4), data (4) of the simulated bus: first record of the server
 inline constexpr std::size_t kMaxBytes = 4096;
 
 /// Appends a record of at most kMaxBytes to `out`.
@@ -60,6 +63,8 @@ class TcpLink final : public Link, private Finger {
   [[nodiscard]] std::uint64_t answer_us() const override { return 2'000'000; }
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] Finger* finger() override { return this; }
+  /// Known once the first frame has come.
+  [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override { return wire::full_sample_ns(rates_); }
 
  private:
   void press(int module, int taxel) override;
@@ -71,6 +76,7 @@ class TcpLink final : public Link, private Finger {
   int socket_ = -1;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::vector<std::uint8_t> in_;
+  wire::BitRates rates_;
 };
 
 }  // namespace triskin::device

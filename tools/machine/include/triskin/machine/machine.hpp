@@ -17,6 +17,14 @@
 
 namespace triskin::machine {
 
+/// How often something disturbs the buses, times an hour; each waits for a transfer or frame to spoil.
+struct Disturbances {
+  double bus_errors = 0;          ///< spurious I²C bus errors (errata ES0430, 2.15.2)
+  double arbitration_losses = 0;  ///< an I²C controller takes a disturbance for another master
+  double clock_stretches = 0;     ///< a chip holds SCL low, for 60 … 400 µs
+  double can_errors = 0;          ///< a frame on the CAN bus is spoilt, and sent again
+};
+
 /// Hardware around the microcontroller. Everything must outlive the machine.
 struct MachineSetup {
   std::array<sim::I2cBus*, 4> lines{};  ///< none null
@@ -29,7 +37,7 @@ struct MachineSetup {
   bool watch_reads = false;          ///< loads from a bank that is written stall, too: reading is slower
   sim::ChainModel* chain = nullptr;  ///< of switched modules; may be null
   std::uint32_t scl_rise_ns = 0;     ///< of all lines, 30 to 70 %: SCL's period grows by 1.42 of it
-  double bus_errors_per_hour = 0;    ///< spurious ones, at random times on random busy I²C lines
+  Disturbances disturbances;         ///< at random times
   bool boot_pin_high = true;         ///< PB8 at a reset: the CAN transceiver's output, high on an idle bus
 };
 
@@ -42,7 +50,8 @@ struct MachineCounts {
   Time flash_stall = 0;                        ///< the core waited for a bank that was written
   std::uint64_t flash_read_stalls = 0;         ///< loads among these, with MachineSetup::watch_reads
   std::array<std::uint64_t, 4> i2c_busy_us{};  ///< start to stop, summed
-  std::uint64_t spurious_bus_errors = 0;       ///< injected
+  std::uint64_t spurious_bus_errors = 0, arbitration_losses = 0, clock_stretches = 0, can_errors = 0;  ///< injected
+  std::uint64_t bus_offs = 0;  ///< of the CAN block
 };
 
 /// An STM32G474 that runs an unmodified image (docs/machine.md). Deterministic. Not thread-safe; one instruction counts

@@ -17,6 +17,7 @@ enum class FindingKind {
   kNotFlashed,           ///< no controller has the table of the patch, and some have none
   kWrongTable,           ///< the controller holds another table
   kBackupRoute,          ///< it holds the table that the design prepared for a failure
+  kLostSamples,          ///< samples of the stream did not arrive
   kWrongPatch,           ///< its cable leads to the modules of another patch
 
   kAbsentModule,        ///< no chip answers at the module's place
@@ -43,12 +44,13 @@ enum class FindingKind {
 };
 
 /// Names in reports and in --json.
-inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 26>{{
+inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 27>{{
     {FindingKind::kAbsentController, "absent_controller"},
     {FindingKind::kDuplicateController, "duplicate_controller"},
     {FindingKind::kNotFlashed, "not_flashed"},
     {FindingKind::kWrongTable, "wrong_table"},
     {FindingKind::kBackupRoute, "backup_route"},
+    {FindingKind::kLostSamples, "lost_samples"},
     {FindingKind::kWrongPatch, "wrong_patch"},
     {FindingKind::kAbsentModule, "absent_module"},
     {FindingKind::kWrongAddress, "wrong_address"},

@@ -15,8 +15,18 @@ struct FlashOptions {
   bool dry_run = false;  ///< say what would change, write nothing
   bool force = false;    ///< write equal tables too
   RouteChoice route;     ///< the patch of this failure gets the tree that the design prepared for it
-  int per_wire = 1;      ///< controllers at once on one wire; one, so that an analyser on a CAN bus can follow
-  double wait_s = 0.0;   ///< how long an unplugged cable is waited for before this is an error
+  /// The electrodes hang on the converters' positive input (docs/silicon.md); the controllers turn the results round.
+  bool positive_input = false;
+  int per_wire = 1;  ///< controllers at once on one wire; one, so that an analyser on a CAN bus can follow
+  /// Patch and unique id (24 upper-case hexadecimal digits) of the controller that is to serve it, whatever it holds.
+  struct Assignment {
+    int patch = 0;
+    std::string serial;
+  };
+  std::vector<Assignment> assign;
+  int patch = -1;                               ///< this patch alone; −1: all
+  bool take_over = false;                       ///< controllers that hold a table of another design may be taken
+  double wait_s = 0.0;                          ///< how long an unplugged cable is waited for before this is an error
   std::function<void(const std::string&)> say;  ///< called with a sentence when flashing waits and when it continues
 };
 
@@ -38,8 +48,10 @@ struct FlashResult {
 
 /// Puts the tables of a design into the controllers on the bus: finds them by unique id, gives each patch a controller
 /// and an address of its own, skips equal tables, writes the others, reads them back and compares every byte.
-/// Controllers that hold a table of this design keep their patch; others are taken in the order of their unique ids.
-/// Throws DeviceError when there are fewer controllers than patches (nothing is written then), when one does not answer
+/// Controllers that `options.assign` names get that patch, those that hold a table of this design keep theirs; others
+/// without a table are taken in the order of their unique ids. A controller that holds a table of another design is
+/// written only when it is named, or with `options.take_over`. Throws InputError for a name that cannot be; DeviceError
+/// when a patch finds no controller (nothing is written then), when one does not answer
 /// or refuses, or when a table read back differs; Cancelled when the process was asked to end. Both say what was done
 /// before; each controller then has its old table or its new one, whole, and running it again continues. Controllers on
 /// different wires are served side by side; when one fails, the others are served all the same. Progress has a part for

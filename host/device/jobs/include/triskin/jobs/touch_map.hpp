@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
+#include "triskin/layout/rest.hpp"
 #include "triskin/session/stream.hpp"
 
 namespace triskin::device {
@@ -16,30 +17,49 @@ struct PressedTaxel {
   design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};  ///< centre, outward unit normal
 };
 
-/// Keeps the rest value of every taxel and lists the taxels under pressure. The rest value is the median of the first
-/// three valid samples of the taxel: nothing should touch the skin then; the median tolerates one sample of a finger
-/// that was lifted just before. Not thread-safe.
+/// Values of the taxels of a skin that nobody touches, by module; empty: they were never taken.
+using RestValues = std::vector<std::array<double, layout::kTaxelsPerModule>>;
+
+/// Knows the rest value of every taxel and lists the taxels under pressure. Rest values are those that were given, or
+/// taken by tare(). Without them a taxel rests where a module rests by its design (layout::kRestCounts): if its first
+/// valid values are within kRestBand_counts of that, their median is its rest value, which then follows it upwards;
+/// else it is under pressure from the start. Not thread-safe.
 class TouchMap {
  public:
   static constexpr double kPressed_counts = 200.0;
+  static constexpr double kRestBand_counts = layout::kRestBand_counts;
   static constexpr std::size_t kRestSamples = 3;
-  /// `design` outlives the map.
-  explicit TouchMap(const design::Design& design)
-      : design_(design), wiring_(design::wiring_of(design)), modules_(design.layout.modules.size()) {}
+  /// `design` outlives the map. `rest`: one entry a module, or empty.
+  explicit TouchMap(const design::Design& design, const RestValues& rest = {});
   /// Takes a sample; invalid values are ignored.
   void add(const ModuleFrame& frame);
+  /// From now on the median of the next three valid samples of each taxel is its rest value: nothing may touch the
+  /// skin.
+  void tare();
+  /// True when every taxel that gave valid samples since tare() has its rest value.
+  [[nodiscard]] bool tared() const;
+  /// Rest value of every taxel.
+  [[nodiscard]] RestValues rest() const;
+  /// Pressure of each taxel of a module: by how many counts it reads below rest; 0 where it is not known.
+  [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change(int module) const;
   /// Taxels whose latest value differs from rest by kPressed_counts or more, strongest first.
   [[nodiscard]] std::vector<PressedTaxel> pressed() const;
 
  private:
-  struct Module {
-    std::array<std::uint8_t, layout::kTaxelsPerModule> seen{};  // valid samples, up to kRestSamples
-    std::array<std::array<double, kRestSamples>, layout::kTaxelsPerModule> first{};
-    std::array<double, layout::kTaxelsPerModule> rest{}, now{};
+  struct Taxel {
+    std::array<double, kRestSamples> first{};  // valid samples of the tare
+    std::size_t seen = 0;                      // of them; kRestSamples: `rest` is known
+    double rest = 0.0, now = 0.0;
+    bool follows = false;  // upwards: away from pressure
   };
+  using Module = std::array<Taxel, layout::kTaxelsPerModule>;
+  void take(Taxel& taxel, double value) const;
+  void settle(Taxel& taxel) const;
+
   const design::Design& design_;
   std::vector<design::ModuleWiring> wiring_;
   std::vector<Module> modules_;
+  bool by_design_ = false;  // rest values are judged by the design
 };
 
 }  // namespace triskin::device

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "triskin/host/progress.hpp"
 #include "triskin/jobs/finding_kind.hpp"
 #include "triskin/session/bus.hpp"
+#include "triskin/session/stream_report.hpp"
 
 namespace triskin::device {
 
@@ -40,6 +42,9 @@ struct VerifyResult {
   /// What the controllers remember from before, and is not there now (kLostConfiguration, kIntermittentModule).
   /// It was deleted from their memories, so that what comes again is found again.
   std::vector<Finding> earlier;
+  /// What came of the samples that were due in half a second at least; empty where the link carries no full stream, or
+  /// a controller has no table or that of a failure.
+  std::optional<StreamReport> stream;
 };
 
 /// Compares the hardware with the design: controllers, tables, modules, taxels, joints. Clears the fault memories of

@@ -7,6 +7,7 @@
 #include "triskin/link/can_channel.hpp"
 #include "triskin/link/can_socket.hpp"
 #include "triskin/link/link.hpp"
+#include "triskin/wire/bus_load.hpp"
 
 namespace triskin::device {
 
@@ -26,6 +27,10 @@ class CanLink final : public Link {
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] std::string trouble() const override { return socket_->trouble(); }
   [[nodiscard]] std::unique_ptr<MessageChannel> open_channel(std::uint32_t tx_id, std::uint32_t rx_id) override;
+  [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override {
+    return fd() ? wire::full_sample_ns(wire::kControllerRates) : 0;
+  }
+  [[nodiscard]] std::uint64_t thrown_away() const override { return socket_->thrown_away(); }
   void reconnect() override;
 
  private:

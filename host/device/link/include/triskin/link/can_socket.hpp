@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 
 #include "triskin/wire/can_frame.hpp"
+
+struct canfd_frame;
 
 namespace triskin::device {
 
@@ -42,10 +45,13 @@ class CanSocket {
   [[nodiscard]] const Errors& errors() const { return errors_; }
   /// False: the interface was gone or down at the last send or receive.
   [[nodiscard]] bool alive() const { return alive_; }
+  /// Frames that found the receive queue full since the socket was opened.
+  [[nodiscard]] std::uint32_t thrown_away() const { return thrown_away_; }
   /// One sentence on errors() with the remedy; empty: no errors.
   [[nodiscard]] std::string trouble() const;
 
  private:
+  std::ptrdiff_t read_frame(canfd_frame* frame);
   void note_error(std::uint32_t error_class, const std::uint8_t* data);
   [[noreturn]] void fail(const std::string& what, int error);
 
@@ -53,6 +59,7 @@ class CanSocket {
   int socket_ = -1;
   bool fd_ = false, alive_ = true;
   Errors errors_;
+  std::uint32_t thrown_away_ = 0;
 };
 
 }  // namespace triskin::device

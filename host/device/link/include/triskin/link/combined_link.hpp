@@ -25,6 +25,8 @@ class CombinedLink final : public Link {
   [[nodiscard]] std::string trouble() const override;
   [[nodiscard]] std::unique_ptr<MessageChannel> open_channel(std::uint32_t tx_id, std::uint32_t rx_id) override;
   [[nodiscard]] int wire_of(std::uint8_t node) const override;
+  [[nodiscard]] std::uint64_t sample_ns(std::uint8_t node) const override;
+  [[nodiscard]] std::uint64_t thrown_away() const override;
   void reconnect() override;
 
  private:

@@ -84,6 +84,13 @@ class Link {
     (void)node;
     return 0;
   }
+  /// Longest time that one sample of the full stream of controller `node` occupies its wire, ns; 0: not known, or none.
+  [[nodiscard]] virtual std::uint64_t sample_ns(std::uint8_t node) const {
+    (void)node;
+    return 0;
+  }
+  /// Frames that came and that this computer threw away since the link was opened, because nobody took them in time.
+  [[nodiscard]] virtual std::uint64_t thrown_away() const { return 0; }
   /// Restores a link that was cut; without effect on one that works. Throws DeviceError when it stays cut.
   virtual void reconnect() {}
 };

@@ -11,6 +11,7 @@
 
 #include "triskin/link/link.hpp"
 #include "triskin/link/node_map.hpp"
+#include "triskin/wire/bus_load.hpp"
 #include "triskin/wire/usb_packet.hpp"
 
 namespace triskin::device {
@@ -70,6 +71,9 @@ class UsbLink final : public Link {
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] std::string trouble() const override;
   [[nodiscard]] int wire_of(std::uint8_t node) const override;
+  [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override {
+    return driver_->name() == "hid" ? wire::kUsbHidFrame_ns : wire::kUsbBulkFrame_ns;
+  }
   void reconnect() override;
 
  private:

@@ -67,6 +67,8 @@ class Bus {
   void on_stream(OnFrame handler) { on_stream_ = std::move(handler); }
   /// Waits until `until_us` of the link's clock; stream frames go to the handler. Throws Unreachable.
   void listen(std::uint64_t until_us);
+  /// Hands the frames that have come already to the handler; does not wait. Throws Unreachable.
+  void poll();
   /// Waits for one frame of any kind until `until_us`; may return empty before, at the latest after 0.2 s. Throws
   /// Unreachable.
   std::optional<wire::CanFrame> receive(std::uint64_t until_us);

@@ -12,7 +12,10 @@
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
+#include "triskin/wire/offsets.hpp"
+#include "triskin/wire/sampling.hpp"
 #include "triskin/wire/statistics.hpp"
+#include "triskin/wire/stream_account.hpp"
 #include "triskin/wire/table_state.hpp"
 #include "triskin/wire/topology.hpp"
 #include "triskin/wire/uds.hpp"
@@ -63,9 +66,18 @@ class Controller {
   wire::FaultList faults();
   /// Deletes the fault memory.
   void clear_faults();
+  /// Offsets of the converters, by row of the table.
+  wire::Offsets offsets();
+  /// Lets the controller search all offsets anew; returns when it has them. Takes about 1 s.
+  wire::Offsets search_offsets();
   /// The latest sample of all modules, by row of the table.
   wire::LiveTaxels taxels();
-  /// Switches the data stream on or off, for all readers of the link.
+  /// How the controller samples.
+  wire::SamplingSetting sampling();
+  /// What became of each module's samples, and who reads them over this link. Throws DeviceError naming the remedy when
+  /// the firmware is too old to say so.
+  wire::StreamAccount stream_account();
+  /// Switches the data stream on or off, for all readers of the link and without a lease.
   void set_stream(wire::StreamMode mode);
 
  private:

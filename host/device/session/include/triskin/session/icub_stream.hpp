@@ -22,9 +22,9 @@ class IcubStream {
  public:
   using OnTaxels = std::function<void(const wire::IcubTaxels&)>;
 
-  /// Discovers the boards (0.2 s), configures the skin boards as an iCub host does (period 50 ms, rest at 245, all
-  /// triangles on), and starts them. `bus` outlives the stream; `handler` is called inside the waiting calls of the
-  /// bus. Throws DeviceError when no skin board answers.
+  /// Discovers the boards (0.2 s), configures the skin boards as an iCub host does (period 50 ms, rest at 245,
+  /// temperature compensated, all triangles on), and starts them. `bus` outlives the stream; `handler` is called inside
+  /// the waiting calls of the bus. Throws DeviceError when no skin board answers.
   IcubStream(Bus& bus, OnTaxels handler);
   /// Stops the boards, if the link still works.
   ~IcubStream();

@@ -31,4 +31,8 @@ struct RouteChoice {
 /// Bytes of an image as they are flashed (docs/flash_layout.md). Throws InputError when it cannot be encoded.
 [[nodiscard]] std::vector<std::uint8_t> bytes_of(const layout::PatchImage& image);
 
+/// True: a table with the checksum `crc` is `image`, or `image` for electrodes at the other input of the converters,
+/// which is the hardware's choice and not the design's (triskin flash --positive-input). Throws InputError.
+[[nodiscard]] bool holds_image(std::uint32_t crc, const layout::PatchImage& image);
+
 }  // namespace triskin::device

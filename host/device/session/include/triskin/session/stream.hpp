@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "triskin/design/design.hpp"
 #include "triskin/session/bus.hpp"
+#include "triskin/session/bus_budget.hpp"
+#include "triskin/session/sample_account.hpp"
+#include "triskin/session/stream_report.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
 namespace triskin::device {
@@ -19,39 +23,79 @@ struct ModuleFrame {
   wire::FullTaxels sample;
 };
 
-/// The data stream of all controllers of a design. Each frame is joined with its module; gaps in the sample numbers are
-/// counted, so a lost sample is never taken for a quiet skin.
+struct StreamOptions {
+  int every = 0;          ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
+  bool overload = false;  ///< streams `every` also where it does not fit; every module then gets an equal share
+  /// Called with one sentence when a controller falls silent, when it speaks again, and when another n-th sample was
+  /// chosen than every one. May be empty.
+  std::function<void(const std::string&)> say;
+};
+
+/// A reader of the data stream of all controllers of a design. It has a lease on the stream and renews it; the ends of
+/// other readers leave it alone. Every sample that was due is accounted for: received, or lost and where.
 class Stream {
  public:
   using OnFrame = std::function<void(const ModuleFrame&)>;
 
-  /// Switches the full stream on in every controller of the design. `bus` outlives the stream; `handler` is called
-  /// inside the waiting calls of the bus. Throws DeviceError when a controller is missing or holds another table,
-  /// InputError when the link cannot carry the full stream (no FD frames).
-  Stream(Bus& bus, const design::Design& design, OnFrame handler);
-  /// Switches the stream off, if the link still works.
+  /// Takes a lease from every controller of the design. `bus` outlives the stream; `handler` is called inside the
+  /// waiting calls of the bus, with samples of the lease only. Throws DeviceError when a controller is missing, holds
+  /// another table, has a firmware that keeps no account, or serves as many readers as it can; InputError when the link
+  /// cannot carry the full stream (no FD frames) or what `options` asks for does not fit the bus.
+  Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOptions options = {});
+  /// Gives the lease back, if the link still works.
   ~Stream();
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  /// Receives until `until_us` of the link's clock. Throws Unreachable, Cancelled.
+  /// Receives until `until_us` of the link's clock, and takes what has come already. Renews the lease: call it at least
+  /// once a second. Throws Unreachable, Cancelled.
   void run_until(std::uint64_t until_us);
+  /// Ends the lease: asks the controllers what they sent, waits for samples that are under way (at most 0.3 s beside
+  /// the pace), gives the lease back. Controllers that do not answer are counted by their rate. Further calls do
+  /// nothing. Throws nothing.
+  void finish();
   /// Module frames received.
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
-  /// Module frames missing between two received ones of the same module; those before the first do not count.
-  [[nodiscard]] std::uint64_t lost() const { return lost_; }
+  /// Samples that were due and did not come, up to the latest sample of each module; after finish() of the whole lease.
+  [[nodiscard]] std::uint64_t lost() const { return report().total.lost(); }
+  /// Account of every module and of the bus.
+  [[nodiscard]] StreamReport report() const;
+  /// How the samples fit the bus.
+  [[nodiscard]] const BusBudget& budget() const { return budget_; }
 
  private:
   struct Node {
-    std::vector<int> modules;         // of row k
-    std::vector<std::uint32_t> last;  // sample number of row k, 0: none yet
+    int patch = 0;
+    std::vector<int> modules;           // of row k
+    std::vector<SampleAccount> counts;  // of row k
+    std::uint64_t interval_us = 0;      // between two samples of a module
+    std::uint64_t heard_us = 0;         // clock of the link at its latest frame
+    std::uint64_t begin_device_us = 0;
+    std::uint64_t due = 0;  // samples of a module by the rate, known at the end
+    bool silent = false;
   };
+  void find_controllers(const design::Design& design);
+  void choose_rate(const StreamOptions& options);
+  void begin(std::uint8_t address, Node& node);
+  void send_lease(std::uint8_t lasts_10ms);
+  void renew_when_due();
+  void watch();
   void handle(const wire::CanFrame& frame);
+  void end(std::uint8_t address, Node& node);
+  void wait_for_rest();
+  [[nodiscard]] std::uint64_t silence_us(const Node& node) const;
 
   Bus& bus_;
   OnFrame handler_;
+  std::function<void(const std::string&)> say_;
   std::map<std::uint8_t, Node> nodes_;
-  std::uint64_t frames_ = 0, lost_ = 0;
+  BusBudget budget_;
+  std::uint32_t reader_ = 0;
+  std::uint64_t renewed_us_ = 0;
+  std::uint64_t frames_ = 0;
+  std::uint64_t thrown_away_before_ = 0;
+  int lapses_ = 0;
+  bool finished_ = false;
 };
 
 }  // namespace triskin::device

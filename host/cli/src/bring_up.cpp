@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/jobs/bring_up.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include "triskin/cli/link_options.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::cli {
+namespace {
+
+struct Options {
+  std::string design, report;
+  device::LinkOptions link;
+  bool no_questions = false;
+  double seconds = 2.0;
+};
+
+// Enter: as it should be; a text beginning with "!": not so; "s": not done; anything else is what was measured.
+device::StepAnswer ask_person(const device::BringUpStep& step) {
+  std::cerr << fmt::format(
+                   "\nStep {}. {}\n  Measure: {}\n  Should be: {}\n  Otherwise: {}\n  Enter: as it should be; VALUE: "
+                   "measured "
+                   "and right; ! VALUE: measured and wrong; s: skip > ",
+                   step.number, step.does, step.measures, step.expects, step.otherwise)
+            << std::flush;
+  std::string line;
+  if (!std::getline(std::cin, line) || line == "s") return {device::StepOutcome::kSkipped, "not done"};
+  if (line.starts_with('!')) return {device::StepOutcome::kFailed, line.substr(std::min<std::size_t>(line.size(), 2))};
+  return {device::StepOutcome::kPassed, line.empty() ? "as it should be" : line};
+}
+
+int run(const Options& options, Output& output) {
+  const design::Design design = design::read_intact_design(options.design);
+  device::BringUpOptions steps;
+  if (!options.no_questions) steps.ask = ask_person;
+  steps.open = [&] { return device::open_link(options.link, &design); };
+  steps.stream_s = options.seconds;
+  if (options.no_questions) steps.progress = output.progress();
+  const auto reports = device::bring_up(design, steps);
+  nlohmann::json list = nlohmann::json::array();
+  for (const device::StepReport& r : reports) {
+    const auto outcome = device::kStepOutcomeNames.name(r.outcome);
+    list.push_back({{"step", r.number}, {"outcome", outcome}, {"found", r.found}});
+    output.say(fmt::format("step {:2}  {:7}  {}", r.number, outcome, r.found));
+  }
+  if (!options.report.empty()) write_output(options.report, device::to_markdown(reports, options.link.link));
+  output.result = {{"steps", std::move(list)}};
+  const bool bad = std::ranges::count(reports, device::StepOutcome::kFailed, &device::StepReport::outcome) > 0;
+  return bad ? 1 : 0;
+}
+
+const Registration kBringUp{{
+    "bring-up",
+    "lead through the twelve steps from a bare board to a streaming patch, and write a report",
+    "triskin bring-up forearm.json --link can:can0 -o report.md",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      app.add_option("DESIGN", options->design, "design file")->required();
+      add_link_options(app, options->link);
+      app.add_option("-o,--output", options->report, "report (Markdown)");
+      app.add_flag("--no-questions", options->no_questions, "only what the link shows; nobody is asked");
+      app.add_option("--seconds", options->seconds, "how long the samples of the last step are watched")
+          ->check(CLI::Range(0.2, 3600.0))
+          ->capture_default_str();
+      return [options](Output& output) { return run(*options, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/cli/bus_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "triskin/session/bus_budget.hpp"
+#include "triskin/wire/bus_load.hpp"
+#include "triskin/wire/sampling.hpp"
+
+namespace triskin::cli {
+
+void add_bus_keys(std::size_t modules, Output& output) {
+  constexpr std::uint64_t kIcubPeriod_us = 50'000;
+  constexpr wire::BitRates kClassic{wire::kControllerRates.nominal, 0};
+  const double can_fd = device::kFastestClock * wire::stream_load(modules, wire::full_sample_ns(wire::kControllerRates),
+                                                                  wire::sequence_us(wire::Decimation::k256));
+  const double icub = wire::stream_load(modules, wire::icub_sample_ns(kClassic), kIcubPeriod_us);
+  const int every = std::max(1, static_cast<int>(std::ceil(can_fd / wire::kStreamShare)));
+  output.result["bus"] = {{"can_fd", can_fd}, {"every", every}, {"icub", icub}};
+}
+
+void report_bus(std::size_t modules, Output& output) {
+  add_bus_keys(modules, output);
+  const int every = output.result["bus"]["every"].get<int>();
+  if (every == 1) return;
+  output.say(fmt::format(
+      "every sample of all {} modules is {:.0f} % of one bus with 1 and 2 Mbit/s: each sample of {} fits, or "
+      "{} buses carry all",
+      modules, 100.0 * output.result["bus"]["can_fd"].get<double>(), every, every));
+}
+
+}  // namespace triskin::cli

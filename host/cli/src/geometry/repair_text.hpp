@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <fmt/format.h>
+
+#include <string>
+
+#include "triskin/geometry/extract.hpp"
+
+namespace triskin::cli {
+
+/// What the repair of a mesh changed, in mm and where; empty when there was none.
+[[nodiscard]] inline std::string repair_text(const geometry::ExtractReport& r) {
+  static constexpr std::array<const char*, 4> kDone{
+      "", "faces that cross were divided along their common lines and hidden parts dropped",
+      "a surface was wrapped around it", "a surface was wrapped around it on a grid"};
+  if (r.repair == geometry::Repair::kNone) return {};
+  const geometry::Deviation& d = r.deviation;
+  return fmt::format(
+      "the mesh was repaired ({} pairs of faces cross, {} edges have more than two faces): {}; it moved by {:.3f} mm "
+      "in "
+      "the mean and by at most {:.2f} mm, near ({:.1f}, {:.1f}, {:.1f}) mm",
+      r.crossings, r.crowded_edges, kDone[static_cast<std::size_t>(r.repair)], d.mean_mm, d.largest_mm, d.where_mm.x(),
+      d.where_mm.y(), d.where_mm.z());
+}
+
+}  // namespace triskin::cli

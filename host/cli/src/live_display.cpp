@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "live_display.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "terminal.hpp"
+
+namespace triskin::cli {
+namespace {
+
+using device::LiveMonitor;
+using device::PressedTaxel;
+using device::PressureUnit;
+
+std::string place_of(const PressedTaxel& t) {
+  return fmt::format("module {:4} taxel {:2}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm  {:6.0f}", t.module, t.taxel,
+                     t.position_mm.x(), t.position_mm.y(), t.position_mm.z(), t.change_counts);
+}
+
+class Lines final : public LiveDisplay {
+ public:
+  explicit Lines(const Output& output) : output_(output) {}
+  Wish show(LiveMonitor& monitor, const LiveState& state) override {
+    const auto pressed = monitor.touches().pressed();
+    if (pressed.empty()) return Wish::kNothing;
+    const auto& first = pressed.front();
+    const auto bar = std::string(static_cast<std::size_t>(std::clamp(first.change_counts / 500.0, 1.0, 24.0)), '#');
+    output_.say(fmt::format("{:7.2f} s  {} {:<24} +{} taxels", state.time_s, place_of(first), bar, pressed.size() - 1));
+    return Wish::kNothing;
+  }
+
+ private:
+  const Output& output_;
+};
+
+class Objects final : public LiveDisplay {
+ public:
+  explicit Objects(const Output& output) : output_(output) {}
+  Wish show(LiveMonitor& monitor, const LiveState& state) override {
+    output_.each(to_json(monitor, state));
+    return Wish::kNothing;
+  }
+
+ private:
+  const Output& output_;
+};
+
+class Screen final : public LiveDisplay {
+ public:
+  explicit Screen(const design::Design& design) : design_(design) {}
+
+  Wish show(LiveMonitor& monitor, const LiveState& state) override {
+    Wish wish = Wish::kNothing;
+    while (const char key = terminal_.key()) {
+      const Wish asked = take(key);
+      if (asked != Wish::kNothing) wish = asked;
+    }
+    terminal_.draw(page(monitor, state));
+    // A simulation of our own is faster than a person can look.
+    std::this_thread::sleep_until(start_ + std::chrono::microseconds(static_cast<std::int64_t>(state.time_s * 1e6)));
+    return wish;
+  }
+
+ private:
+  Wish take(char key) {
+    const int patches = static_cast<int>(design_.patches.size());
+    if (key == 'q') return Wish::kEnd;
+    if (key == 't') return Wish::kTare;
+    if (key == 'n') patch_ = (patch_ + 1) % patches;
+    if (key == 'p') patch_ = (patch_ + patches - 1) % patches;
+    if (key == 'u') unit_ = unit_ == PressureUnit::kCounts ? PressureUnit::kPercent : PressureUnit::kCounts;
+    return Wish::kNothing;
+  }
+
+  [[nodiscard]] std::vector<std::string> page(const LiveMonitor& monitor, const LiveState& state) const {
+    std::vector<std::string> lines;
+    lines.push_back(
+        fmt::format("{}  {:.1f} s  {} samples, {} lost", design_.name, state.time_s, state.frames, state.lost));
+    for (int p = 0; p < static_cast<int>(design_.patches.size()); ++p) lines.push_back(line_of(monitor, p));
+    lines.emplace_back();
+    for (std::string& line : monitor.picture(patch_, unit_, true)) lines.push_back(std::move(line));
+    lines.emplace_back();
+    constexpr std::size_t kMostTaxels = 5;
+    const auto pressed = monitor.touches().pressed();
+    for (std::size_t k = 0; k < std::min(kMostTaxels, pressed.size()); ++k) lines.push_back(place_of(pressed[k]));
+    if (pressed.size() > kMostTaxels) lines.push_back(fmt::format("+{} taxels", pressed.size() - kMostTaxels));
+    if (!state.note.empty()) lines.push_back(state.note);
+    lines.push_back(fmt::format("n, p: patch   u: unit ({})   t: tare, nobody may touch the skin   q: end",
+                                unit_ == PressureUnit::kCounts ? "counts" : "% of range"));
+    return lines;
+  }
+
+  [[nodiscard]] std::string line_of(const LiveMonitor& monitor, int patch) const {
+    return fmt::format("{} patch {:3}  {:3} modules  {:5.1f} samples/s  {} faults  {} never heard",
+                       patch == patch_ ? ">" : " ", patch,
+                       design_.patches[static_cast<std::size_t>(patch)].modules.size(), monitor.rate_hz(patch),
+                       monitor.faults(patch), monitor.unheard(patch));
+  }
+
+  const design::Design& design_;
+  Terminal terminal_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  int patch_ = 0;
+  PressureUnit unit_ = PressureUnit::kCounts;
+};
+
+}  // namespace
+
+nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
+  nlohmann::json pressed = nlohmann::json::array();
+  for (const PressedTaxel& t : monitor.touches().pressed()) {
+    pressed.push_back({{"module", t.module},
+                       {"taxel", t.taxel},
+                       {"change_counts", t.change_counts},
+                       {"position_mm", {t.position_mm.x(), t.position_mm.y(), t.position_mm.z()}},
+                       {"normal", {t.normal.x(), t.normal.y(), t.normal.z()}}});
+  }
+  return {{"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", std::move(pressed)}};
+}
+
+std::unique_ptr<LiveDisplay> make_display(const design::Design& design, const Output& output) {
+  if (output.json()) return std::make_unique<Objects>(output);
+  if (Terminal::there() && !design.patches.empty()) return std::make_unique<Screen>(design);
+  return std::make_unique<Lines>(output);
+}
+
+}  // namespace triskin::cli

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "triskin/cli/command.hpp"
+#include "triskin/jobs/live_monitor.hpp"
+
+namespace triskin::cli {
+
+/// What a display says besides the skin itself.
+struct LiveState {
+  double time_s = 0.0;
+  std::uint64_t frames = 0, lost = 0;
+  std::string note;  ///< a line for a person, may be empty
+};
+
+/// Shows a skin while its samples come: a picture on a terminal, a line for each change elsewhere, an object a line
+/// with
+/// --json.
+class LiveDisplay {
+ public:
+  /// What the person asks for with a key.
+  enum class Wish { kNothing, kTare, kEnd };
+  virtual ~LiveDisplay() = default;
+  /// Shows the present state; returns what was asked for since the last call.
+  virtual Wish show(device::LiveMonitor& monitor, const LiveState& state) = 0;
+};
+
+/// The display for an output. `design` and `output` outlive it.
+[[nodiscard]] std::unique_ptr<LiveDisplay> make_display(const design::Design& design, const Output& output);
+/// Keys "time_s", "frames", "lost" and "pressed" of a line.
+[[nodiscard]] nlohmann::json to_json(const device::LiveMonitor& monitor, const LiveState& state);
+
+}  // namespace triskin::cli

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include "live_display.hpp"
+#include "triskin/cli/command.hpp"
+#include "triskin/design/design_text.hpp"
+#include "triskin/host/interrupt.hpp"
+#include "triskin/recording/recording.hpp"
+
+namespace triskin::cli {
+namespace {
+
+struct Options {
+  std::string file;
+  double speed = 1.0;
+};
+
+struct Ended {};  // a person ends the replay
+
+// Plays samples into the display of `live`, in the time in which they came.
+class Player {
+ public:
+  Player(const Options& options, const design::Design& design, LiveDisplay& display)
+      : options_(options), monitor_(design), display_(display) {}
+
+  void take(const recording::ModuleSample& s) {
+    if (static_cast<std::size_t>(s.module) >= modules_) return;
+    if (frames_ == 0) start_us_ = period_us_ = s.link_time_us;
+    while (s.link_time_us >= period_us_ + kPeriod_us) show(period_us_ + kPeriod_us);
+    monitor_.add({s.module, s.link_time_us, s.sample});
+    ++frames_;
+    last_us_ = s.link_time_us;
+  }
+  void show_rest() {
+    if (frames_ > 0) show(last_us_);
+  }
+  void modules(std::size_t count) { modules_ = count; }
+  [[nodiscard]] LiveState state() const { return {static_cast<double>(period_us_ - start_us_) * 1e-6, frames_, 0, {}}; }
+  [[nodiscard]] const device::LiveMonitor& monitor() const { return monitor_; }
+
+ private:
+  static constexpr std::uint64_t kPeriod_us = 200'000;
+
+  void show(std::uint64_t now_us) {
+    wait(now_us - period_us_);
+    monitor_.close_period(static_cast<double>(now_us - period_us_ + 1) * 1e-6);
+    period_us_ = now_us;
+    const auto wish = display_.show(monitor_, state());
+    if (wish == LiveDisplay::Wish::kEnd || interrupt_request()) throw Ended{};
+    if (wish == LiveDisplay::Wish::kTare) monitor_.touches().tare();
+  }
+  void wait(std::uint64_t span_us) const {
+    if (options_.speed <= 0.0) return;
+    std::this_thread::sleep_for(
+        std::chrono::duration<double, std::micro>(static_cast<double>(span_us) / options_.speed));
+  }
+
+  const Options& options_;
+  device::LiveMonitor monitor_;
+  LiveDisplay& display_;
+  std::size_t modules_ = 0;
+  std::uint64_t start_us_ = 0, period_us_ = 0, last_us_ = 0, frames_ = 0;
+};
+
+int run(const Options& options, Output& output) {
+  catch_interrupts();
+  const recording::Summary origin = recording::read_origin(options.file);
+  if (origin.design_text.empty())
+    throw InputError(fmt::format("{}: holds no design: is it a recording of triskin?", options.file));
+  const design::Design design = design::parse_design(origin.design_text, options.file + ": design.json");
+  recording::Summary summary;
+  auto display = make_display(design, output);
+  Player player(options, design, *display);
+  player.modules(design.layout.modules.size());
+  try {
+    summary = recording::read_recording(options.file, [&](const recording::ModuleSample& s) { player.take(s); });
+    player.show_rest();
+  } catch (const Ended&) {
+    summary.file.complete = true;  // how far it goes was not looked at
+  }
+  display.reset();  // the page of the terminal goes away
+  output.result = to_json(player.monitor(), player.state());
+  output.result["samples"] = player.state().frames;
+  output.result["seconds"] = player.state().time_s;
+  output.result["complete"] = summary.file.complete;
+  output.say(fmt::format("{} module samples in {:.2f} s", player.state().frames, player.state().time_s));
+  if (!summary.file.complete)
+    output.say(fmt::format("the recording {}; triskin recover makes it whole", summary.file.problem));
+  return player.state().frames == 0 ? 1 : 0;
+}
+
+const Registration kReplay{{
+    "replay",
+    "play a recording as live shows it",
+    "triskin replay touch.mcap --speed 2",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      app.add_option("FILE", options->file, "recording (.mcap)")->required();
+      app.add_option("--speed", options->speed, "times the speed at which it was recorded; 0: as fast as possible")
+          ->check(CLI::Range(0.0, 1000.0))
+          ->capture_default_str();
+      return [options](Output& output) { return run(*options, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli

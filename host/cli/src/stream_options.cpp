@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/cli/stream_options.hpp"
+
+#include <cstdio>
+
+namespace triskin::cli {
+namespace {
+
+nlohmann::json losses_of(const device::StreamReport& r) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const device::ModuleCounts& m : r.modules) {
+    if (m.counts.lost() == 0 && !m.never_heard() && !m.slow) continue;
+    rows.push_back({{"module", m.module},
+                    {"patch", m.patch},
+                    {"expected", m.counts.expected},
+                    {"received", m.counts.received},
+                    {"with_data", m.counts.with_data},
+                    {"unread", m.counts.unread},
+                    {"dropped", m.counts.dropped},
+                    {"on_the_way", m.counts.on_the_way},
+                    {"silent", m.counts.silent}});
+  }
+  return rows;
+}
+
+}  // namespace
+
+void add_stream_options(CLI::App& app, device::StreamOptions& options) {
+  app.add_option("--every", options.every,
+                 "each n-th sample; 0: the smallest n that fits the bus. What does not fit is refused")
+      ->check(CLI::Range(0, 255))
+      ->capture_default_str();
+  app.add_flag("--overload", options.overload,
+               "with --every: stream it also where it does not fit; each module then gets an equal share, and what is "
+               "missing is counted");
+}
+
+device::StreamOptions speaking(device::StreamOptions options) {
+  options.say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
+  return options;
+}
+
+void add_stream_keys(const device::StreamReport& r, Output& output) {
+  output.result["samples"] = r.total.received;
+  output.result["expected"] = r.total.expected;
+  output.result["lost"] = r.total.lost();
+  output.result["never_heard"] = r.never_heard;
+  output.result["every"] = r.budget.every;
+  output.result["bus_load"] = r.budget.load;
+  output.result["starved"] = r.starved;
+  output.result["silent"] = r.silent;
+  output.result["losses"] = losses_of(r);
+}
+
+int conclude(const device::StreamReport& r, Output& output) {
+  for (const std::string& line : sentences(r)) output.say(line);
+  add_stream_keys(r, output);
+  return r.complete() ? 0 : 1;
+}
+
+}  // namespace triskin::cli

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <memory>
+#include <thread>
+
+#include "triskin/cli/link_options.hpp"
+#include "triskin/host/interrupt.hpp"
+#include "view_feed.hpp"
+
+namespace triskin::cli {
+namespace {
+
+struct Options {
+  std::string design;
+  device::LinkOptions link;
+  std::uint16_t port = 0;
+  bool no_open = false;
+};
+
+// The address holds the token, and standard output is the only place that prints it. A missing browser is no error.
+void open_browser(std::string address) {
+  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
+  std::string program = "xdg-open";
+  char* const arguments[] = {program.data(), address.data(), nullptr};
+  pid_t child = 0;
+  (void)::posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ);
+}
+
+void wait_for_interrupt() {
+  while (!interrupt_request()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+}
+
+int run(const Options& options, Output& output) {
+  const bool has_link = options.link.link != "none";
+  const design::Design design =
+      has_link ? design::read_intact_design(options.design) : design::read_design(options.design);
+  view::LiveSkin live(design.layout.modules.size());
+  live.set_health({options.link.link, false, "", 0, 0});
+  CommandQueue commands;
+  catch_interrupts();
+  const view::Server server(view::site_of(design), live, options.port,
+                            [&](const view::Command& c) { commands.push(c); }, {});
+  output.say(server.address());
+  if (!options.no_open) open_browser(server.address());
+  FeedTotals totals;
+  if (has_link) {
+    totals = feed(options.link, design, live, commands);
+  } else {
+    wait_for_interrupt();
+  }
+  output.result = {{"port", server.port()}, {"frames", totals.frames}, {"lost", totals.lost}};
+  return 0;
+}
+
+const Registration kView{{
+    "view",
+    "a page in the browser: the cover in 3-D and flat, its wiring, and the live skin",
+    "triskin view forearm.json --link sim",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      app.add_option("DESIGN", options->design, "design file")->required();
+      add_link_options(app, options->link);
+      app.get_option("--link")->description(app.get_option("--link")->get_description() +
+                                            "; none: the design without live samples");
+      app.add_option("--port", options->port, "of the page on 127.0.0.1; 0 takes a free one")->capture_default_str();
+      app.add_flag("--no-open", options->no_open, "do not start a browser");
+      return [options](Output& output) { return run(*options, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "triskin/session/bus_budget.hpp"
+#include "triskin/session/sample_account.hpp"
+
+namespace triskin::device {
+
+/// Account of one module.
+struct ModuleCounts {
+  int module = 0;  ///< id in the design
+  int patch = 0;
+  SampleCounts counts;
+  bool slow = false;  ///< its controller took fewer than 0.9 of the samples that the rate says
+  /// True: samples were due and none with data came.
+  [[nodiscard]] bool never_heard() const { return counts.expected > 0 && counts.with_data == 0; }
+};
+
+/// What a reader of the stream got of what was due.
+struct StreamReport {
+  std::vector<ModuleCounts> modules;  ///< by patch, then by row of the table
+  SampleCounts total;
+  std::uint64_t lost_bus = 0;    ///< part of total.on_the_way: between controller and this computer
+  std::uint64_t lost_host = 0;   ///< the rest of it: this computer threw them away, or let its lease lapse
+  std::vector<int> never_heard;  ///< modules of which no sample with data came
+  std::vector<int> slow;         ///< modules of which fewer samples were taken than the rate says
+  std::vector<int> starved;      ///< patches of which more than 1 % of the samples found no room on the bus
+  std::vector<int> silent;       ///< patches whose controller was away
+  int lapses = 0;                ///< times that this computer renewed its lease too late
+  BusBudget budget;
+  /// True: every sample that was due came, with data from every module.
+  [[nodiscard]] bool complete() const {
+    return total.lost() == 0 && never_heard.empty() && slow.empty() && silent.empty();
+  }
+};
+
+/// Fills everything that follows from `modules`. `thrown_away`: frames that this computer threw away.
+void sum_up(StreamReport& report, std::uint64_t thrown_away);
+
+/// What a person is told: the counts in one sentence, then one for each thing that is missing, with the remedy.
+[[nodiscard]] std::vector<std::string> sentences(const StreamReport& report);
+
+}  // namespace triskin::device

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/session/stream_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+namespace triskin::device {
+namespace {
+
+// "0–12, 15": neighbours joined.
+std::string ranges(std::vector<int> numbers) {
+  std::ranges::sort(numbers);
+  std::string text;
+  for (std::size_t k = 0; k < numbers.size();) {
+    std::size_t last = k;
+    while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
+    if (!text.empty()) text += ", ";
+    text += last == k ? fmt::format("{}", numbers[k])
+                      : fmt::format("{}{}{}", numbers[k], last == k + 1 ? ", " : "–", numbers[last]);
+    k = last + 1;
+  }
+  return text;
+}
+
+const char* plural(std::size_t n) {
+  return n == 1 ? "" : "s";
+}
+
+double percent(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+std::string places(const StreamReport& r) {
+  std::string text;
+  const auto add = [&](std::uint64_t n, const char* where) {
+    if (n > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, where);
+  };
+  add(r.total.unread, "not read by the controller");
+  add(r.total.dropped, "without room on the bus");
+  add(r.lost_bus, "between controller and computer");
+  add(r.lost_host, "in this computer");
+  add(r.total.silent, "while a controller was away");
+  return text;
+}
+
+}  // namespace
+
+void sum_up(StreamReport& r, std::uint64_t thrown_away) {
+  std::map<int, SampleCounts> patches;
+  for (const ModuleCounts& m : r.modules) {
+    r.total += m.counts;
+    patches[m.patch] += m.counts;
+    if (m.never_heard()) r.never_heard.push_back(m.module);
+    if (m.slow) r.slow.push_back(m.module);
+  }
+  for (const auto& [patch, counts] : patches) {
+    if (percent(counts.dropped, counts.expected) > 1.0) r.starved.push_back(patch);
+  }
+  // A lapse stops the stream for everybody who has no other reader: those samples are not on the bus.
+  r.lost_host = r.lapses > 0 ? r.total.on_the_way : std::min(r.total.on_the_way, thrown_away);
+  r.lost_bus = r.total.on_the_way - r.lost_host;
+}
+
+std::vector<std::string> sentences(const StreamReport& r) {
+  std::vector<std::string> lines;
+  std::string first =
+      fmt::format("{} of {} samples of {} modules", r.total.received, r.total.expected, r.modules.size());
+  if (r.total.lost() == 0)
+    first += ", 0 lost";
+  else
+    first +=
+        fmt::format("; {} lost ({:.1f} %): {}", r.total.lost(), percent(r.total.lost(), r.total.expected), places(r));
+  lines.push_back(std::move(first));
+  if (!r.starved.empty())
+    lines.push_back(fmt::format("the bus is too slow for the controller{} of patch{} {}: {}", plural(r.starved.size()),
+                                r.starved.size() == 1 ? "" : "es", ranges(r.starved), describe(r.budget)));
+  if (!r.silent.empty())
+    lines.push_back(fmt::format("silent: the controller{} of patch{} {}; check power and cable",
+                                plural(r.silent.size()), r.silent.size() == 1 ? "" : "es", ranges(r.silent)));
+  if (!r.never_heard.empty())
+    lines.push_back(fmt::format("never heard: module{} {}; run triskin verify", plural(r.never_heard.size()),
+                                ranges(r.never_heard)));
+  if (!r.slow.empty())
+    lines.push_back(fmt::format("fewer samples than the rate says: module{} {}; run triskin verify",
+                                plural(r.slow.size()), ranges(r.slow)));
+  if (r.lapses > 0)
+    lines.push_back(fmt::format("this computer was too busy to renew its lease, {} time{}; close other programs",
+                                r.lapses, plural(static_cast<std::size_t>(r.lapses))));
+  return lines;
+}
+
+}  // namespace triskin::device

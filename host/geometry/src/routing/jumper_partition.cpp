@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "jumper_partition.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "jumper_frontier.hpp"
+#include "partition.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+constexpr int kCapacityMost = 16;
+constexpr int kTrees = 100;
+constexpr int kMovesAPart = 400;
+constexpr long kExactBudget = 2'000'000;  // state transitions: about 0.3 s
+
+// A spanning tree of some nodes, and the most that can be saved by joining its nodes into parts.
+class TreeDivision {
+ public:
+  TreeDivision(const JumperGraph& g, int capacity, const IntegerPrice& price)
+      : g_(g),
+        capacity_(capacity),
+        price_(price),
+        parent_(at(g.joined.size())),
+        by_jumper_(at(g.joined.size())),
+        seen_(at(g.joined.size()), 0),
+        saved_(at(g.joined.size())),
+        best_(at(g.joined.size())),
+        taken_(at(g.joined.size())) {}
+
+  // Random tree over the nodes v with scope[v] == stamp, which are connected; joints before jumpers, but for one tree
+  // in four.
+  void draw(const std::vector<int>& scope, int stamp, int root, Dice& random) {
+    struct Step {
+      int from, to;
+      bool jumper;
+    };
+    order_.clear();
+    ++now_;
+    std::vector<Step> front, late;
+    const bool mixed = random.below(4) == 0;
+    const int depth_first_of_8 = random.below(9);
+    Step step{-1, root, false};
+    for (;;) {
+      if (seen_[at(step.to)] != now_) {
+        seen_[at(step.to)] = now_;
+        parent_[at(step.to)] = step.from;
+        by_jumper_[at(step.to)] = step.jumper;
+        order_.push_back(step.to);
+        const int first = random.below(3);
+        for (int k = 0; k < 3; ++k) {
+          const std::size_t s = at((first + k) % 3);
+          const int w = g_.joined.neighbour[at(step.to)][s];
+          if (w < 0 || scope[at(w)] != stamp || seen_[at(w)] == now_) continue;
+          const bool jumper = g_.over_jumper[at(step.to)][s];
+          (jumper && !mixed ? late : front).push_back({step.to, w, jumper});
+        }
+      }
+      auto& list = front.empty() ? late : front;
+      if (list.empty()) return;
+      if (&list == &late || random.below(8) >= depth_first_of_8)
+        std::swap(list[at(random.below(static_cast<int>(list.size())))], list.back());
+      step = list.back();
+      list.pop_back();
+    }
+  }
+
+  // The cheapest parts that the tree allows, exact: by node and weight of the part at it, the most that joining saves.
+  // Numbers the parts from `first` on; returns how many there are.
+  int divide(int first, std::vector<int>& part_of) {
+    for (const int v : order_) {
+      saved_[at(v)].fill(kNever);
+      saved_[at(v)][1] = 0;
+    }
+    for (std::size_t k = order_.size(); k-- > 1;) {
+      const int v = order_[k];
+      best_[at(v)] = static_cast<int>(std::ranges::max_element(saved_[at(v)]) - saved_[at(v)].begin());
+      join(v, parent_[at(v)]);
+    }
+    const int root = order_[0];
+    best_[at(root)] = static_cast<int>(std::ranges::max_element(saved_[at(root)]) - saved_[at(root)].begin());
+    return number_parts(first, part_of);
+  }
+
+  [[nodiscard]] const std::vector<int>& order() const { return order_; }
+
+ private:
+  using Row = std::array<std::int64_t, kCapacityMost + 1>;
+  static constexpr std::int64_t kNever = -(std::int64_t{1} << 60);
+
+  void join(int child, int parent) {
+    const Row mine = saved_[at(parent)], &theirs = saved_[at(child)];
+    Row& out = saved_[at(parent)];
+    auto& taken = taken_[at(child)];
+    const std::int64_t apart = theirs[at(best_[at(child)])],
+                       saves = price_.part - (by_jumper_[at(child)] ? price_.jumper : 0);
+    for (std::size_t w = 1; w <= at(capacity_); ++w) {
+      out[w] = mine[w] == kNever ? kNever : mine[w] + apart;
+      taken[w] = 0;
+      for (std::size_t c = 1; c < w; ++c) {
+        if (mine[w - c] == kNever || theirs[c] == kNever) continue;
+        const std::int64_t together = mine[w - c] + theirs[c] + saves;
+        if (together <= out[w]) continue;
+        out[w] = together;
+        taken[w] = static_cast<int>(c);
+      }
+    }
+  }
+
+  // Children were joined in the reverse of the order, so the weights are read back in the order.
+  int number_parts(int first, std::vector<int>& part_of) {
+    std::vector<int>& weight = weight_;
+    weight.resize(at(g_.joined.size()));
+    int parts = 0;
+    for (const int v : order_) {
+      const int p = parent_[at(v)];
+      const int mine = p < 0 ? 0 : taken_[at(v)][at(weight[at(p)])];
+      if (mine > 0) {
+        weight[at(p)] -= mine;
+        weight[at(v)] = mine;
+        part_of[at(v)] = part_of[at(p)];
+      } else {
+        weight[at(v)] = best_[at(v)];
+        part_of[at(v)] = first + parts++;
+      }
+    }
+    return parts;
+  }
+
+  const JumperGraph& g_;
+  int capacity_;
+  const IntegerPrice& price_;
+  std::vector<int> order_, parent_, weight_;
+  std::vector<bool> by_jumper_;
+  std::vector<int> seen_;
+  std::vector<Row> saved_;
+  std::vector<int> best_;
+  std::vector<std::array<int, kCapacityMost + 1>> taken_;
+  int now_ = 0;
+};
+
+class JumperPartitioner {
+ public:
+  JumperPartitioner(const JumperGraph& g, int capacity, const Price& price, std::uint64_t seed)
+      : g_(g), capacity_(capacity), price_(price), seed_(seed), random_(seed), trees_(g, capacity, price_) {}
+
+  JumperPartition run() {
+    const Partition together = partition(g_.joined, capacity_, seed_, 0.0);
+    parts_bound_ = together.lower_bound;
+    offer_islands();
+    offer(together.part_of, together.parts);
+    best_.parts_bound = parts_bound_;
+    if (price_.jumpers_pay()) search();
+    best_.jumpers_bound = std::max(0, pieces_bound_ - best_.parts);
+    best_.proved = met() || prove();
+    if (best_.proved) best_.jumpers_bound = best_.jumpers;
+    return std::move(best_);
+  }
+
+ private:
+  [[nodiscard]] std::int64_t bound() const {
+    if (!price_.jumpers_pay()) return price_.of(pieces_bound_, 0);
+    return price_.of(parts_bound_, std::max(0, pieces_bound_ - parts_bound_));
+  }
+  [[nodiscard]] std::int64_t cost() const { return price_.of(best_.parts, best_.jumpers); }
+  [[nodiscard]] bool met() const { return cost() <= bound(); }
+
+  void offer(const std::vector<int>& part_of, int parts) {
+    const int jumpers = jumpers_of(g_, part_of, parts);
+    if (best_.parts > 0 && price_.of(parts, jumpers) >= cost()) return;
+    best_.part_of = part_of;
+    best_.parts = parts;
+    best_.jumpers = jumpers;
+  }
+
+  // Every island alone: what is needed without jumpers, and how many pieces the islands fall into at least.
+  void offer_islands() {
+    std::vector<int> part_of(at(g_.apart.size()), -1), local(at(g_.apart.size()), -1);
+    int parts = 0;
+    for (int start = 0; start < g_.apart.size(); ++start) {
+      if (part_of[at(start)] >= 0) continue;
+      LocalGraph island;
+      island.node.push_back(start);
+      local[at(start)] = 0;
+      for (std::size_t k = 0; k < island.node.size(); ++k) {
+        for (const int w : g_.apart.neighbour[at(island.node[k])]) {
+          if (w < 0 || local[at(w)] >= 0) continue;
+          local[at(w)] = island.size();
+          island.node.push_back(w);
+        }
+      }
+      for (const int v : island.node) {
+        island.neighbour.push_back(g_.apart.neighbour[at(v)]);
+        for (int& w : island.neighbour.back()) w = w < 0 ? -1 : local[at(w)];
+      }
+      const Partition p = partition(island, capacity_, seed_, 0.0);
+      pieces_bound_ += p.lower_bound;
+      for (int k = 0; k < island.size(); ++k) part_of[at(island.node[at(k)])] = parts + p.part_of[at(k)];
+      parts += p.parts;
+    }
+    offer(part_of, parts);
+  }
+
+  void search() {
+    std::vector<int> part_of(at(g_.joined.size()), -1);
+    const std::vector<int> whole(at(g_.joined.size()), 0);
+    for (int k = 0; k < kTrees && !met(); ++k) {
+      trees_.draw(whole, 0, random_.below(g_.joined.size()), random_);
+      const int parts = trees_.divide(0, part_of);
+      offer(part_of, parts);
+    }
+    if (!met()) improve();
+  }
+
+  // Some neighbouring parts are joined and divided along another tree. Equal prices are taken, in the first half of the
+  // moves sometimes also one jumper more.
+  void improve() {
+    now_ = best_.part_of;
+    members_.assign(at(best_.parts), {});
+    for (int v = 0; v < g_.joined.size(); ++v) members_[at(now_[at(v)])].push_back(v);
+    scope_.assign(at(g_.joined.size()), 0);
+    divided_.assign(at(g_.joined.size()), -1);
+    std::int64_t now = cost();
+    const int moves = kMovesAPart * best_.parts;
+    for (int k = 0; k < moves && !met(); ++k) {
+      const bool loose = 2 * k < moves && random_.below(16) == 0;
+      now += move(loose ? price_.jumper : 0);
+      if (now < cost()) store();
+    }
+  }
+
+  // Parts of the move: one, and neighbours of what is taken until there are two to five.
+  void choose() {
+    ++stamp_;
+    chosen_.clear();
+    take(now_[at(random_.below(g_.joined.size()))]);
+    const int wanted = 2 + random_.below(4);
+    for (int tries = 0; tries < 32 && static_cast<int>(chosen_.size()) < wanted; ++tries) {
+      const auto& from = members_[at(chosen_[at(random_.below(static_cast<int>(chosen_.size())))])];
+      const int v = from[at(random_.below(static_cast<int>(from.size())))];
+      const int w = g_.joined.neighbour[at(v)][at(random_.below(3))];
+      if (w >= 0 && scope_[at(w)] != stamp_) take(now_[at(w)]);
+    }
+  }
+  void take(int part) {
+    chosen_.push_back(part);
+    for (const int v : members_[at(part)]) scope_[at(v)] = stamp_;
+  }
+
+  // The change of the price, 0 when the move is refused.
+  std::int64_t move(std::int64_t allowed) {
+    choose();
+    std::int64_t before = 0;
+    for (const int p : chosen_) before += price_.of(1, pieces(members_[at(p)], now_) - 1);
+    const int root = members_[at(chosen_[0])][at(random_.below(static_cast<int>(members_[at(chosen_[0])].size())))];
+    trees_.draw(scope_, stamp_, root, random_);
+    const int parts = trees_.divide(0, divided_);
+    std::vector<std::vector<int>> fresh(at(parts));
+    for (const int v : trees_.order()) fresh[at(divided_[at(v)])].push_back(v);
+    std::int64_t after = 0;
+    for (const auto& part : fresh) after += price_.of(1, pieces(part, divided_) - 1);
+    const bool take = after <= before + allowed;
+    for (const int v : trees_.order()) divided_[at(v)] = -1;
+    if (!take) return 0;
+    replace(std::move(fresh));
+    return after - before;
+  }
+
+  void replace(std::vector<std::vector<int>> fresh) {
+    std::ranges::sort(chosen_);
+    for (std::size_t k = 0; k < fresh.size(); ++k) {
+      if (k < chosen_.size()) {
+        members_[at(chosen_[k])] = std::move(fresh[k]);
+        renumber(chosen_[k]);
+      } else {
+        members_.push_back(std::move(fresh[k]));
+        renumber(static_cast<int>(members_.size()) - 1);
+      }
+    }
+    for (std::size_t k = chosen_.size(); k > fresh.size(); --k) {  // the last part takes the number that is free
+      const int free = chosen_[k - 1];
+      if (free + 1 < static_cast<int>(members_.size())) {
+        members_[at(free)] = std::move(members_.back());
+        renumber(free);
+      }
+      members_.pop_back();
+    }
+  }
+  void renumber(int part) {
+    for (const int v : members_[at(part)]) now_[at(v)] = part;
+  }
+  void store() {
+    best_.part_of = now_;
+    best_.parts = static_cast<int>(members_.size());
+    best_.jumpers = jumpers_of(g_, now_, best_.parts);
+  }
+
+  // Number of pieces of a part without its jumpers.
+  int pieces(const std::vector<int>& part, const std::vector<int>& part_of) {
+    visited_.resize(at(g_.apart.size()), 0);
+    ++visit_;
+    int count = 0;
+    for (const int start : part) {
+      if (visited_[at(start)] == visit_) continue;
+      ++count;
+      queue_.assign(1, start);
+      visited_[at(start)] = visit_;
+      for (std::size_t k = 0; k < queue_.size(); ++k) {
+        for (const int w : g_.apart.neighbour[at(queue_[k])]) {
+          if (w < 0 || visited_[at(w)] == visit_ || part_of[at(w)] != part_of[at(start)]) continue;
+          visited_[at(w)] = visit_;
+          queue_.push_back(w);
+        }
+      }
+    }
+    return count;
+  }
+
+  bool prove() {
+    if (!price_.jumpers_pay()) return false;
+    const CheapestParts exact = cheapest_parts(g_, capacity_, price_, cost(), kExactBudget);
+    if (exact.decided && !exact.part_of.empty()) offer(exact.part_of, exact.parts);
+    return exact.decided;
+  }
+
+  const JumperGraph& g_;
+  int capacity_;
+  IntegerPrice price_;
+  std::uint64_t seed_;
+  Dice random_;
+  TreeDivision trees_;
+  JumperPartition best_;
+  int parts_bound_ = 0, pieces_bound_ = 0;
+  std::vector<int> now_, scope_, divided_, chosen_, visited_, queue_;
+  std::vector<std::vector<int>> members_;
+  int stamp_ = 0, visit_ = 0;
+};
+
+}  // namespace
+
+IntegerPrice::IntegerPrice(const Price& price)
+    : part(std::llround(price.controller * 1e6) * 4096 + 64), jumper(std::llround(price.jumper * 1e6) * 4096 + 1) {}
+
+JumperGraph jumper_graph(const ModuleGraph& with, const ModuleGraph& without, const std::vector<int>& nodes) {
+  JumperGraph g{localize(with, nodes), localize(without, nodes), {}};
+  g.over_jumper.resize(g.joined.neighbour.size());
+  for (std::size_t v = 0; v < g.over_jumper.size(); ++v) {
+    for (std::size_t s = 0; s < 3; ++s)
+      g.over_jumper[v][s] = g.joined.neighbour[v][s] >= 0 && g.apart.neighbour[v][s] < 0;
+  }
+  return g;
+}
+
+int jumpers_of(const JumperGraph& g, const std::vector<int>& part_of, int parts) {
+  std::vector<bool> seen(part_of.size(), false);
+  std::vector<int> queue;
+  int pieces = 0;
+  for (std::size_t start = 0; start < part_of.size(); ++start) {
+    if (seen[start]) continue;
+    ++pieces;
+    seen[start] = true;
+    queue.assign(1, static_cast<int>(start));
+    for (std::size_t k = 0; k < queue.size(); ++k) {
+      for (const int w : g.apart.neighbour[at(queue[k])]) {
+        if (w < 0 || seen[at(w)] || part_of[at(w)] != part_of[start]) continue;
+        seen[at(w)] = true;
+        queue.push_back(w);
+      }
+    }
+  }
+  return pieces - parts;
+}
+
+JumperPartition partition_with_jumpers(const JumperGraph& g, int capacity, const Price& price, std::uint64_t seed) {
+  return JumperPartitioner(g, capacity, price, seed).run();
+}
+
+}  // namespace triskin::geometry

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+namespace triskin::recording {
+
+/// Bytes that can be read at any place.
+class ByteSource {
+ public:
+  virtual ~ByteSource() = default;
+  /// Bytes that are there.
+  [[nodiscard]] virtual std::uint64_t size() const = 0;
+  /// Reads `into.size()` bytes from `offset`; false: not so many are there, or they cannot be read.
+  [[nodiscard]] virtual bool read(std::uint64_t offset, std::span<std::uint8_t> into) const = 0;
+};
+
+/// A file that is read. Threads: one.
+class InputFile final : public ByteSource {
+ public:
+  /// Opens `path`. Throws InputError naming the file and the cause; a folder, device or pipe is refused.
+  explicit InputFile(const std::filesystem::path& path);
+  ~InputFile() override;
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+  [[nodiscard]] std::uint64_t size() const override;
+  [[nodiscard]] bool read(std::uint64_t offset, std::span<std::uint8_t> into) const override;
+
+ private:
+  int file_ = -1;
+};
+
+}  // namespace triskin::recording

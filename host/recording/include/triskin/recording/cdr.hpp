@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "triskin/base/bytes.hpp"
+
+/// CDR as ROS 2 writes it (OMG DDSI-RTPS 10.2, plain CDR version 1, little-endian): four bytes that name the encoding,
+/// then the fields, each aligned to its size.
+namespace triskin::recording {
+
+/// Writes one message.
+class CdrWriter {
+ public:
+  CdrWriter() : bytes_{0, 1, 0, 0} {}
+  /// Appends one byte.
+  void u8(std::uint8_t v) { bytes_.push_back(v); }
+  /// Appends two bytes at a multiple of two.
+  void u16(std::uint16_t v) { put(v, 2); }
+  /// Appends four bytes at a multiple of four.
+  void u32(std::uint32_t v) { put(v, 4); }
+  /// Appends eight bytes at a multiple of eight.
+  void u64(std::uint64_t v) { put(v, 8); }
+  /// Appends a number of single precision as u32 does.
+  void f32(float v) { put(std::bit_cast<std::uint32_t>(v), 4); }
+  /// Appends a number of double precision as u64 does.
+  void f64(double v) { put(std::bit_cast<std::uint64_t>(v), 8); }
+  /// Appends a text: length with the closing 0, then the characters and 0.
+  void text(std::string_view text) {
+    u32(static_cast<std::uint32_t>(text.size() + 1));
+    bytes_.insert(bytes_.end(), text.begin(), text.end());
+    bytes_.push_back(0);
+  }
+  /// Appends the number of elements of a sequence, which follow.
+  void count(std::size_t n) { u32(static_cast<std::uint32_t>(n)); }
+  /// The message so far; valid until more is appended.
+  [[nodiscard]] Bytes message() const { return bytes_; }
+
+ private:
+  static constexpr std::size_t kHead = 4;
+  void put(std::uint64_t v, std::size_t n) {
+    while ((bytes_.size() - kHead) % n != 0) bytes_.push_back(0);
+    for (std::size_t k = 0; k < n; ++k) bytes_.push_back(static_cast<std::uint8_t>(v >> (8 * k)));
+  }
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// Reads one message. Reading over the end gives 0 and sets ok() to false.
+class CdrReader {
+ public:
+  /// `message` outlives the reader. ok() is false for another encoding.
+  explicit CdrReader(Bytes message) : in_(message) { ok_ = in_.size() >= kHead && in_[0] == 0 && in_[1] == 1; }
+  /// Takes one byte; 0 behind the end, as all of these.
+  std::uint8_t u8() { return static_cast<std::uint8_t>(take(1)); }
+  /// Takes two bytes at a multiple of two.
+  std::uint16_t u16() { return static_cast<std::uint16_t>(take(2)); }
+  /// Takes four bytes at a multiple of four.
+  std::uint32_t u32() { return static_cast<std::uint32_t>(take(4)); }
+  /// Takes eight bytes at a multiple of eight.
+  std::uint64_t u64() { return take(8); }
+  /// Takes a number of single precision.
+  float f32() { return std::bit_cast<float>(u32()); }
+  /// Takes a number of double precision.
+  double f64() { return std::bit_cast<double>(u64()); }
+  /// Takes a text; empty when it is not all there.
+  std::string text() {
+    const std::size_t n = count(1);
+    std::string text(reinterpret_cast<const char*>(in_.data()) + at_, n == 0 ? 0 : n - 1);
+    at_ += n;
+    return text;
+  }
+  /// Takes the number of elements of a sequence whose elements take `least_bytes` or more; 0 and not ok when they
+  /// cannot be there.
+  std::size_t count(std::size_t least_bytes) {
+    const std::uint32_t n = u32();
+    if (ok_ && n <= (in_.size() - at_) / least_bytes) return n;
+    ok_ = false;
+    return 0;
+  }
+  /// False once something was taken from behind the end, or when the encoding is another.
+  [[nodiscard]] bool ok() const { return ok_; }
+
+ private:
+  static constexpr std::size_t kHead = 4;
+  std::uint64_t take(std::size_t n) {
+    at_ += (n - (at_ - kHead) % n) % n;
+    if (!ok_ || at_ + n > in_.size()) {
+      ok_ = false;
+      return 0;
+    }
+    std::uint64_t v = 0;
+    for (std::size_t k = 0; k < n; ++k) v |= static_cast<std::uint64_t>(in_[at_++]) << (8 * k);
+    return v;
+  }
+  Bytes in_;
+  std::size_t at_ = kHead;
+  bool ok_ = false;
+};
+
+}  // namespace triskin::recording

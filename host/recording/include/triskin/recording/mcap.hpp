@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "triskin/base/bytes.hpp"
+
+/// Records of a file in the format MCAP, version 0, after its public specification (mcap.dev/spec). All numbers are
+/// little-endian; every record is its kind (1 byte), the length of its contents (8) and the contents.
+namespace triskin::recording::mcap {
+
+inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+inline constexpr std::size_t kHeadBytes = 9;  ///< kind and length of a record
+
+/// Kinds of records.
+enum class Kind : std::uint8_t {
+  kHeader = 1,
+  kFooter = 2,
+  kSchema = 3,
+  kChannel = 4,
+  kMessage = 5,
+  kChunk = 6,
+  kMessageIndex = 7,
+  kChunkIndex = 8,
+  kAttachment = 9,
+  kAttachmentIndex = 10,
+  kStatistics = 11,
+  kMetadata = 12,
+  kMetadataIndex = 13,
+  kSummaryOffset = 14,
+  kDataEnd = 15,
+};
+
+using TextMap = std::map<std::string, std::string>;
+
+/// Definition of a message type.
+struct Schema {
+  std::uint16_t id = 0;  ///< 1..
+  std::string name, encoding, definition;
+  bool operator==(const Schema&) const = default;
+};
+
+/// A topic with messages of one schema.
+struct Channel {
+  std::uint16_t id = 0, schema = 0;
+  std::string topic, encoding;
+  TextMap metadata;
+  bool operator==(const Channel&) const = default;
+};
+
+/// One message; `data` is valid as long as the buffer that it was read from.
+struct Message {
+  std::uint16_t channel = 0;
+  std::uint32_t sequence = 0;
+  std::uint64_t log_ns = 0, publish_ns = 0;
+  Bytes data;
+};
+
+/// A file inside the file.
+struct Attachment {
+  std::uint64_t log_ns = 0, create_ns = 0;
+  std::string name, media_type, data;
+};
+
+/// A table of texts.
+struct Metadata {
+  std::string name;
+  TextMap entries;
+};
+
+/// Head of a chunk: what stands before its records.
+struct ChunkHead {
+  std::uint64_t start_ns = 0, end_ns = 0, size_bytes = 0;  ///< earliest and latest message; of the records
+  std::uint32_t crc = 0;                                   ///< of the records; 0: none
+  std::string compression;                                 ///< empty: none
+  std::uint64_t stored_bytes = 0;                          ///< of the records in the file
+};
+
+/// Bytes that grow, with the types of the format.
+class Buffer {
+ public:
+  /// Appends one byte.
+  void u8(std::uint8_t v) { bytes_.push_back(v); }
+  /// Appends two bytes.
+  void le16(std::uint16_t v) { little(v, 2); }
+  /// Appends four bytes.
+  void le32(std::uint32_t v) { little(v, 4); }
+  /// Appends eight bytes.
+  void le64(std::uint64_t v) { little(v, 8); }
+  /// Appends bytes as they are.
+  void bytes(Bytes in);
+  /// Appends the length in 4 bytes, then the text. Throws nothing of its own.
+  void text(std::string_view text);
+  /// Appends the length in 4 bytes, then keys and values.
+  void text_map(const TextMap& map);
+  /// Appends a record: kind, length, contents.
+  void record(Kind kind, const Buffer& contents);
+  /// Drops everything.
+  void clear() { bytes_.clear(); }
+  /// Bytes so far.
+  [[nodiscard]] std::size_t size() const { return bytes_.size(); }
+  /// The bytes so far; valid until more is appended.
+  [[nodiscard]] Bytes view() const { return bytes_; }
+
+ private:
+  void little(std::uint64_t v, int n);
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// Contents of the record of a schema, without its head. Throws nothing of its own.
+[[nodiscard]] Buffer encode(const Schema& schema);
+/// Contents of the record of a channel, without its head. Throws nothing of its own.
+[[nodiscard]] Buffer encode(const Channel& channel);
+/// Contents of the record of a message, without its head. Throws nothing of its own.
+[[nodiscard]] Buffer encode(const Message& message);
+/// Contents of the record of a attachment, without its head, with its CRC. Throws nothing of its own.
+[[nodiscard]] Buffer encode(const Attachment& attachment);
+/// Contents of the record of a metadata, without its head. Throws nothing of its own.
+[[nodiscard]] Buffer encode(const Metadata& metadata);
+/// A whole chunk record without compression, of `records`, whose messages lie in start_ns … end_ns.
+[[nodiscard]] Buffer encode_chunk(std::uint64_t start_ns, std::uint64_t end_ns, const Buffer& records);
+
+/// Reads the contents of the record of a schema; false: it is malformed. Throws nothing of its own.
+[[nodiscard]] bool decode(Bytes contents, Schema& schema);
+/// Reads the contents of the record of a channel; false: it is malformed. Throws nothing of its own.
+[[nodiscard]] bool decode(Bytes contents, Channel& channel);
+/// Reads the contents of the record of a message; false: it is malformed. Throws nothing of its own.
+[[nodiscard]] bool decode(Bytes contents, Message& message);
+/// Reads the contents of the record of a attachment; false: it is malformed, or its CRC is wrong. Throws nothing of its
+/// own.
+[[nodiscard]] bool decode(Bytes contents, Attachment& attachment);
+/// Reads the contents of the record of a metadata; false: it is malformed. Throws nothing of its own.
+[[nodiscard]] bool decode(Bytes contents, Metadata& metadata);
+/// Reads the head of a chunk from the first bytes of its contents; false: it is malformed. Throws nothing of its own.
+[[nodiscard]] bool decode(Bytes contents, ChunkHead& head);
+/// Bytes of a chunk's contents before its records.
+[[nodiscard]] std::size_t head_bytes(const ChunkHead& head);
+
+}  // namespace triskin::recording::mcap

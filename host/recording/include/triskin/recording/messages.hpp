@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/wire/taxel_frames.hpp"
+
+/// The messages of a recording, in CDR, and their definitions as ROS 2 reads them (docs/recording.md).
+namespace triskin::recording {
+
+/// One sample of one module.
+struct ModuleSample {
+  int module = 0;                  ///< id in the design
+  std::uint64_t link_time_us = 0;  ///< when it came, clock of the link
+  wire::FullTaxels sample;         ///< `sample.module` is the row in the controller's table
+  bool operator==(const ModuleSample&) const = default;
+};
+
+/// A taxel under pressure, mesh frame.
+struct Contact {
+  int module = 0, taxel = 0;
+  double change_counts = 0.0;
+  design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};
+};
+
+/// Name and definition of a message type.
+struct MessageType {
+  std::string_view name, definition;
+};
+extern const MessageType kRawFrameType, kLayoutType, kContactsType, kPointCloudType;
+
+/// The raw frame of samples of one controller that have one sample number and device times within 30 min; not empty.
+/// Throws nothing of its own.
+[[nodiscard]] std::vector<std::uint8_t> encode_raw(std::span<const ModuleSample> samples);
+/// The samples of a raw frame; nullopt: it is malformed.
+[[nodiscard]] std::optional<std::vector<ModuleSample>> decode_raw(Bytes message);
+/// The message that says where each taxel is, lengths in m. Throws std::out_of_range for a patch that names a module
+/// the layout lacks. Cost: linear.
+[[nodiscard]] std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint64_t stamp_ns);
+/// The message of taxels under pressure, lengths in m. Throws nothing of its own.
+[[nodiscard]] std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns);
+
+/// All taxels of a design as sensor_msgs/msg/PointCloud2, with their latest values.
+class PointCloud {
+ public:
+  /// Knows every taxel, none of them valid yet. Throws std::out_of_range as design::wiring_of.
+  explicit PointCloud(const design::Design& design);
+  /// Takes the values of a module.
+  void add(const ModuleSample& sample);
+  /// One point a taxel: x, y, z (m), normal_x, normal_y, normal_z, module, value (counts), valid (1 or 0), taxel.
+  /// Throws nothing of its own.
+  [[nodiscard]] std::vector<std::uint8_t> encode(std::uint64_t stamp_ns) const;
+
+ private:
+  struct Point {
+    design::Vec3 position_mm, normal;
+    std::uint16_t value = 0;
+    bool valid = false;
+  };
+  std::vector<std::array<Point, layout::kTaxelsPerModule>> points_;  // by module
+};
+
+}  // namespace triskin::recording

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "triskin/design/design.hpp"
+#include "triskin/host/names.hpp"
+#include "triskin/recording/messages.hpp"
+#include "triskin/recording/output_file.hpp"
+
+namespace triskin::recording {
+
+/// Formats of a recording.
+enum class Format {
+  kMcap,  ///< docs/recording.md
+  kCsv,   ///< one line a sample of a module
+};
+/// Names of the option --to, which are the extensions of the files too.
+inline constexpr NameTable kFormatNames{
+    std::array<std::pair<Format, std::string_view>, 2>{{{Format::kMcap, "mcap"}, {Format::kCsv, "csv"}}}};
+
+/// What a recording says of itself.
+struct Origin {
+  std::string design_text;                   ///< the design file as it is
+  std::uint64_t link_start_us = 0;           ///< clock of the link at the start
+  std::uint64_t unix_start_ns = 0;           ///< at the same moment, since 1970
+  std::map<std::string, std::string> facts;  ///< further entries of the metadata: link, versions, firmware
+  std::uint64_t cloud_period_us = 0;         ///< between two point clouds; 0: none
+};
+
+/// Writes samples as they come. Memory is bounded; every function throws WriteFailed when the file takes no more.
+/// Threads: one.
+class Recorder {
+ public:
+  virtual ~Recorder() = default;
+  /// Takes a sample.
+  virtual void add(const ModuleSample& sample) = 0;
+  /// Takes the taxels under pressure at a time of the link. Formats without contacts do nothing.
+  virtual void add_contacts(std::uint64_t link_time_us, std::span<const Contact> contacts) = 0;
+  /// To be called now and then with a clock that always runs, µs: what has waited for 0.5 s is written.
+  virtual void tick(std::uint64_t steady_us) = 0;
+  /// Writes what waits and ends the file. `result` tells how the recording went. To be called once, also after a
+  /// failure of the link.
+  virtual void finish(const std::map<std::string, std::string>& result) = 0;
+};
+
+/// Begins a recording of `design`. `file` and `design` outlive it. Throws WriteFailed.
+[[nodiscard]] std::unique_ptr<Recorder> make_recorder(Format format, OutputFile& file, const design::Design& design,
+                                                      Origin origin);
+
+}  // namespace triskin::recording

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mcap_recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace triskin::recording {
+namespace {
+
+constexpr std::uint64_t kMostWait_us = 500'000;
+// Modules of one sample come within a few ms; what is older than this waits for nothing any more.
+constexpr std::uint64_t kFrameSpan_us = 100'000;
+constexpr std::uint64_t kAll = ~std::uint64_t{0};
+
+mcap::TextMap qos() {
+  return {{"offered_qos_profiles", ""}};
+}
+
+}  // namespace
+
+McapRecorder::McapRecorder(OutputFile& file, const design::Design& design, Origin origin)
+    : origin_(std::move(origin)), writer_(file, "ros2", "triskin") {
+  begin(design);
+}
+
+std::uint64_t McapRecorder::unix_ns(std::uint64_t link_time_us) const {
+  return origin_.unix_start_ns + (link_time_us - origin_.link_start_us) * 1000;
+}
+
+void McapRecorder::begin(const design::Design& design) {
+  const auto channel = [&](const MessageType& type, const char* topic) {
+    return writer_.add_channel(writer_.add_schema(type.name, type.definition), topic, qos());
+  };
+  raw_ = channel(kRawFrameType, "/skin/raw");
+  layout_ = channel(kLayoutType, "/skin/layout");
+  contacts_ = channel(kContactsType, "/skin/contacts");
+  if (origin_.cloud_period_us > 0) {
+    cloud_channel_ = channel(kPointCloudType, "/skin/points");
+    cloud_.emplace(design);
+  }
+  const std::uint64_t start_ns = origin_.unix_start_ns;
+  writer_.attach({start_ns, 0, "design.json", "application/json", origin_.design_text});
+  mcap::TextMap facts = origin_.facts;
+  facts["design_id"] = fmt::format("{:016x}", design.design_id);
+  facts["design"] = design.name;
+  facts["unix_start_ns"] = fmt::format("{}", start_ns);
+  facts["link_start_us"] = fmt::format("{}", origin_.link_start_us);
+  facts["clock"] = "log time: ns since 1970, from the clock of the link in µs since link_start_us";
+  facts["units"] = "values: converter counts, not calibrated; lengths: m";
+  writer_.describe({"triskin", facts});
+  writer_.write(layout_, start_ns, encode_layout(design, start_ns));
+  writer_.flush();
+}
+
+void McapRecorder::write_frame(Frame& frame) {
+  if (frame.empty()) return;
+  writer_.write(raw_, unix_ns(frame.front().link_time_us), encode_raw(frame));
+  frame.clear();
+}
+
+// Those whose first module came before `before_us`.
+void McapRecorder::write_frames(std::uint64_t before_us) {
+  for (auto& [node, frame] : frames_) {
+    if (!frame.empty() && frame.front().link_time_us < before_us) write_frame(frame);
+  }
+}
+
+void McapRecorder::add(const ModuleSample& sample) {
+  Frame& frame = frames_[sample.sample.node_address];
+  if (!frame.empty()) {
+    const ModuleSample& first = frame.front();
+    const bool fits =
+        first.sample.sample == sample.sample.sample && sample.link_time_us - first.link_time_us < kFrameSpan_us;
+    if (!fits) write_frame(frame);
+  }
+  frame.push_back(sample);
+  waiting_ = true;
+  if (sample.link_time_us >= next_sweep_us_) {
+    write_frames(sample.link_time_us - std::min(sample.link_time_us, kFrameSpan_us));
+    next_sweep_us_ = sample.link_time_us + kFrameSpan_us;
+  }
+  if (!cloud_) return;
+  cloud_->add(sample);
+  if (sample.link_time_us < next_cloud_us_) return;
+  writer_.write(cloud_channel_, unix_ns(sample.link_time_us), cloud_->encode(unix_ns(sample.link_time_us)));
+  next_cloud_us_ = sample.link_time_us + origin_.cloud_period_us;
+}
+
+void McapRecorder::add_contacts(std::uint64_t link_time_us, std::span<const Contact> contacts) {
+  writer_.write(contacts_, unix_ns(link_time_us), encode_contacts(contacts, unix_ns(link_time_us)));
+}
+
+void McapRecorder::tick(std::uint64_t steady_us) {
+  if (!waiting_) return;
+  if (!waiting_since_us_) waiting_since_us_ = steady_us;
+  if (steady_us - *waiting_since_us_ < kMostWait_us) return;
+  write_frames(kAll);
+  writer_.flush();
+  waiting_ = false;
+  waiting_since_us_.reset();
+}
+
+void McapRecorder::finish(const std::map<std::string, std::string>& result) {
+  write_frames(kAll);
+  writer_.describe({"triskin_result", result});
+  writer_.finish();
+}
+
+}  // namespace triskin::recording

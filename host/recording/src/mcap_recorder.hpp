@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "triskin/recording/mcap_file.hpp"
+#include "triskin/recording/recorder.hpp"
+
+namespace triskin::recording {
+
+/// A recording as MCAP.
+class McapRecorder final : public Recorder {
+ public:
+  McapRecorder(OutputFile& file, const design::Design& design, Origin origin);
+  void add(const ModuleSample& sample) override;
+  void add_contacts(std::uint64_t link_time_us, std::span<const Contact> contacts) override;
+  void tick(std::uint64_t steady_us) override;
+  void finish(const std::map<std::string, std::string>& result) override;
+
+ private:
+  using Frame = std::vector<ModuleSample>;
+  [[nodiscard]] std::uint64_t unix_ns(std::uint64_t link_time_us) const;
+  void begin(const design::Design& design);
+  void write_frame(Frame& frame);
+  void write_frames(std::uint64_t before_us);
+
+  Origin origin_;
+  mcap::Writer writer_;
+  std::uint16_t raw_ = 0, layout_ = 0, contacts_ = 0, cloud_channel_ = 0;
+  std::map<std::uint8_t, Frame> frames_;  // by node: modules of its latest sample
+  std::optional<PointCloud> cloud_;
+  std::uint64_t next_cloud_us_ = 0, next_sweep_us_ = 0;
+  bool waiting_ = false;  // something came since the last flush
+  std::optional<std::uint64_t> waiting_since_us_;
+};
+
+}  // namespace triskin::recording

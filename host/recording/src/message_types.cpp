@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/recording/messages.hpp"
+
+namespace triskin::recording {
+namespace {
+
+// Types of others, as far as ours use them: fields and order are those of ROS 2.
+#define TRISKIN_RULE "================================================================================\n"
+#define TRISKIN_HEADER              \
+  TRISKIN_RULE                      \
+  "MSG: std_msgs/Header\n"          \
+  "builtin_interfaces/Time stamp\n" \
+  "string frame_id\n" TRISKIN_RULE  \
+  "MSG: builtin_interfaces/Time\n"  \
+  "int32 sec\n"                     \
+  "uint32 nanosec\n"
+
+constexpr std::string_view kRawFrame =
+    "# Samples of modules of one controller with one sample number\n"
+    "uint8 node               # address of the controller\n"
+    "uint32 sample            # number of the sample in the controller\n"
+    "uint64 device_time_us    # clock of the controller, of the first module\n"
+    "uint64 link_time_us      # clock of the link when the first module came\n"
+    "uint32[] module          # id in the design\n"
+    "uint8[] row              # row in the table of the controller\n"
+    "uint16[] valid           # bit t: taxel t holds a valid value\n"
+    "uint8[] state            # state of the module, docs/protocol.md\n"
+    "uint32[] link_delay_us   # after link_time_us\n"
+    "int32[] device_delay_us  # after device_time_us\n"
+    "uint16[] value           # counts, 12 a module\n";
+
+constexpr std::string_view kLayout =
+    "# Where the taxels of a design are\n"
+    "std_msgs/Header header\n"
+    "string name\n"
+    "uint64 design_id\n"
+    "float32[] corner         # m, 9 a module: three corners\n"
+    "float32[] position       # m, 36 a module: twelve taxels\n"
+    "float32[] normal         # 3 a module, outward\n"
+    "int32[] patch            # 1 a module, -1: none\n" TRISKIN_HEADER;
+
+constexpr std::string_view kContacts =
+    "# Taxels under pressure, the strongest first\n"
+    "std_msgs/Header header\n"
+    "uint32[] module\n"
+    "uint8[] taxel\n"
+    "float32[] change         # counts against rest\n"
+    "float32[] position       # m, 3 a taxel\n"
+    "float32[] normal         # 3 a taxel, outward\n" TRISKIN_HEADER;
+
+constexpr std::string_view kPointCloud =
+    "std_msgs/Header header\n"
+    "uint32 height\n"
+    "uint32 width\n"
+    "sensor_msgs/PointField[] fields\n"
+    "bool is_bigendian\n"
+    "uint32 point_step\n"
+    "uint32 row_step\n"
+    "uint8[] data\n"
+    "bool is_dense\n" TRISKIN_HEADER TRISKIN_RULE
+    "MSG: sensor_msgs/PointField\n"
+    "uint8 INT8=1\n"
+    "uint8 UINT8=2\n"
+    "uint8 INT16=3\n"
+    "uint8 UINT16=4\n"
+    "uint8 INT32=5\n"
+    "uint8 UINT32=6\n"
+    "uint8 FLOAT32=7\n"
+    "uint8 FLOAT64=8\n"
+    "string name\n"
+    "uint32 offset\n"
+    "uint8 datatype\n"
+    "uint32 count\n";
+#undef TRISKIN_HEADER
+#undef TRISKIN_RULE
+
+}  // namespace
+
+const MessageType kRawFrameType{"triskin_msgs/msg/RawFrame", kRawFrame};
+const MessageType kLayoutType{"triskin_msgs/msg/SkinLayout", kLayout};
+const MessageType kContactsType{"triskin_msgs/msg/Contacts", kContacts};
+const MessageType kPointCloudType{"sensor_msgs/msg/PointCloud2", kPointCloud};
+
+}  // namespace triskin::recording

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/recording/recorder.hpp"
+
+#include <fmt/format.h>
+
+#include "mcap_recorder.hpp"
+
+namespace triskin::recording {
+namespace {
+
+// One line a sample of a module.
+class CsvRecorder final : public Recorder {
+ public:
+  explicit CsvRecorder(OutputFile& file) : file_(file) {
+    text_ = "link_time_us,device_time_us,sample,module,valid";
+    for (int t = 0; t < layout::kTaxelsPerModule; ++t) text_ += fmt::format(",taxel_{}", t);
+    text_ += '\n';
+    flush();
+  }
+  void add(const ModuleSample& s) override {
+    fmt::format_to(std::back_inserter(text_), "{},{},{},{},{}", s.link_time_us, s.sample.device_time_us,
+                   s.sample.sample, s.module, s.sample.valid);
+    for (const std::uint16_t v : s.sample.value) fmt::format_to(std::back_inserter(text_), ",{}", v);
+    text_ += '\n';
+    if (text_.size() >= kMostBytes) flush();
+  }
+  void add_contacts(std::uint64_t /*link_time_us*/, std::span<const Contact> /*contacts*/) override {}
+  void tick(std::uint64_t /*steady_us*/) override { flush(); }
+  void finish(const std::map<std::string, std::string>& /*result*/) override { flush(); }
+
+ private:
+  static constexpr std::size_t kMostBytes = std::size_t{64} << 10;
+  void flush() {
+    file_.write({reinterpret_cast<const std::uint8_t*>(text_.data()), text_.size()});
+    text_.clear();
+  }
+  OutputFile& file_;
+  std::string text_;
+};
+
+}  // namespace
+
+std::unique_ptr<Recorder> make_recorder(Format format, OutputFile& file, const design::Design& design, Origin origin) {
+  if (format == Format::kCsv) return std::make_unique<CsvRecorder>(file);
+  return std::make_unique<McapRecorder>(file, design, std::move(origin));
+}
+
+}  // namespace triskin::recording

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "triskin/layout/module.hpp"
+#include "triskin/wire/taxel_frames.hpp"
+
+namespace triskin::view {
+
+/// The latest sample of every module, against its rest value. One thread adds samples, others encode what a reader has
+/// not got yet. Memory is fixed: a slow reader skips samples, it never makes a queue grow. Thread-safe.
+class LiveSkin {
+ public:
+  /// Valid samples of a taxel until its rest value (their median) is known.
+  static constexpr std::size_t kRestSamples = 3;
+  /// Bytes before the records of a frame, and of one record (docs/view.md).
+  static constexpr std::size_t kHeaderBytes = 16, kRecordBytes = 32;
+  /// First two bytes of a frame: what it is, and the version of its layout.
+  static constexpr std::uint8_t kFrameKind = 1, kFrameVersion = 1;
+
+  /// How the link fares, for the status line of the page.
+  struct Health {
+    std::string link;     ///< as --link has it
+    bool live = false;    ///< samples arrive
+    std::string trouble;  ///< one sentence with the remedy; empty: none
+    std::uint64_t frames = 0, lost = 0;
+  };
+
+  /// `modules`: number of modules of the design.
+  explicit LiveSkin(std::size_t modules) : modules_(modules) {}
+
+  /// Takes a sample of module `module`; one that the design lacks is ignored. `wall_time_us`: when it was taken, µs
+  /// since 1970. Values of invalid taxels are ignored; the change of such a taxel is 0.
+  void add(int module, const wire::FullTaxels& sample, std::int64_t wall_time_us);
+  /// Forgets the rest values: what the taxels read next is their rest.
+  void rest_anew();
+  /// States how the link fares.
+  void set_health(Health health);
+  [[nodiscard]] Health health() const;
+
+  /// Modules that changed after sample number `seen`, as one binary frame of the page; `seen` becomes the number of the
+  /// newest sample. Empty: none changed. Cost: O(modules).
+  [[nodiscard]] std::string frame_since(std::uint64_t& seen) const;
+
+ private:
+  struct Module {
+    std::uint64_t number = 0;  // of its latest sample; 0: none came
+    std::int64_t wall_time_us = 0;
+    std::uint16_t valid = 0;
+    wire::ModuleState state = wire::ModuleState::kUnknown;
+    std::array<std::uint8_t, layout::kTaxelsPerModule> seen{};  // valid samples, up to kRestSamples
+    std::array<std::array<std::uint16_t, kRestSamples>, layout::kTaxelsPerModule> first{};
+    std::array<std::int16_t, layout::kTaxelsPerModule> change{};
+  };
+  static std::int16_t change_of(Module& module, std::size_t taxel, std::uint16_t value);
+
+  mutable std::mutex mutex_;
+  std::vector<Module> modules_;
+  std::uint64_t newest_ = 0;
+  Health health_;
+};
+
+}  // namespace triskin::view

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "triskin/design/design.hpp"
+#include "triskin/view/live_skin.hpp"
+
+namespace triskin::view {
+
+/// A file that the server gives out.
+struct Document {
+  std::string type;  ///< header Content-Type
+  std::string body;
+};
+/// Documents by name: "" is the start page, "main.js", …
+using Site = std::map<std::string, Document>;
+
+/// What a page asks for.
+struct Command {
+  enum class Kind {
+    kPress,  ///< the simulated finger presses a module, or one taxel
+    kLift,   ///< it is lifted
+    kRest,   ///< rest values anew
+  };
+  Kind kind = Kind::kLift;
+  int module = 0;  ///< kPress: ≥ 0; whether the design has it is for the receiver to check
+  int taxel = -1;  ///< kPress: 0 … 11, −1: the whole module
+};
+
+/// Serves a site and the live skin to browsers on this computer: HTTP and a WebSocket on 127.0.0.1, in its own thread.
+/// A request is answered only with the token in its path, the right Host and, where there is one, the right Origin; so
+/// neither other users of the computer nor other pages of the browser read the skin. docs/view.md has the limits.
+class Server {
+ public:
+  /// Limits; each > 0. The defaults suit browsers on the same computer.
+  struct Limits {
+    std::size_t connections = 32;                      ///< at once; further ones are closed
+    std::size_t header_bytes = 8192;                   ///< of a request
+    std::size_t message_bytes = 256;                   ///< of a message from the page
+    std::chrono::milliseconds request_time{5'000};     ///< until a request is whole
+    std::chrono::milliseconds write_time{5'000};       ///< until a reader has taken a frame or a document
+    std::chrono::milliseconds frame_interval{33};      ///< between two frames to a page
+    std::chrono::milliseconds health_interval{1'000};  ///< between two status messages
+    int send_buffer_bytes = 1 << 18;                   ///< of a live connection, in the kernel
+  };
+  using OnCommand = std::function<void(const Command&)>;
+
+  /// Starts to listen on 127.0.0.1. `port`: 0 takes a free one. `live` outlives the server. `on_command` is called in
+  /// the server's thread and must not block or throw. Throws DeviceError when the port cannot be had.
+  Server(Site site, const LiveSkin& live, std::uint16_t port, OnCommand on_command, const Limits& limits);
+  /// Closes every connection and waits for the thread.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// Address of the page with its token: "http://127.0.0.1:PORT/TOKEN/".
+  [[nodiscard]] std::string address() const;
+  [[nodiscard]] std::uint16_t port() const;
+  /// 32 hexadecimal digits from the operating system's random numbers, new for each server.
+  [[nodiscard]] std::string token() const;
+  /// Connections that are open now. Thread-safe.
+  [[nodiscard]] std::size_t connections() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The page's files and the model of a design. Throws InputError when the program has no page.
+[[nodiscard]] Site site_of(const design::Design& design);
+
+}  // namespace triskin::view

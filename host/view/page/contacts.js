@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// @ts-check
+// Contact regions: taxels under pressure that lie near each other, with their centre weighted by change.
+import {PRESSED_COUNTS} from "./colors.js";
+import {TAXELS} from "./model.js";
+
+const NEAR_MM = 12; // taxels of a module are 7 mm apart, those of neighbours up to 10 mm
+
+/** @typedef {{taxels: number[], strongest: number, sum: number, centre: number[], module: number}} Contact */
+
+/** All contact regions, strongest first; at most `most` taxels are looked at. @param {import("./model.js").Model} model
+ * @param {import("./live.js").LiveSkin} live @returns {Contact[]} */
+export function contactsOf(model, live, most = 300) {
+  const pressed = /** @type {number[]} */ ([]), strength = (n) => Math.abs(live.change[n]);
+  for (let n = 0; n < live.change.length && pressed.length < most; ++n)
+    if (strength(n) >= PRESSED_COUNTS && model.pressure[n % TAXELS] && (live.valid[Math.floor(n / TAXELS)] >> n % TAXELS & 1)) pressed.push(n);
+  const left = new Set(pressed), contacts = /** @type {Contact[]} */ ([]);
+  for (const first of pressed) {
+    if (!left.delete(first)) continue;
+    const taxels = [first];
+    for (let at = 0; at < taxels.length; ++at) {
+      for (const other of left)
+        if (distance(model.cover.taxels, taxels[at], other) <= NEAR_MM) { left.delete(other); taxels.push(other); }
+    }
+    contacts.push(regionOf(model, taxels, strength));
+  }
+  return contacts.sort((a, b) => b.sum - a.sum);
+}
+
+function distance(places, a, b) {
+  return Math.hypot(places[3 * a] - places[3 * b], places[3 * a + 1] - places[3 * b + 1], places[3 * a + 2] - places[3 * b + 2]);
+}
+
+function regionOf(model, taxels, strength) {
+  let sum = 0, strongest = taxels[0];
+  const centre = [0, 0, 0];
+  for (const n of taxels) {
+    sum += strength(n);
+    if (strength(n) > strength(strongest)) strongest = n;
+    for (let x = 0; x < 3; ++x) centre[x] += strength(n) * model.cover.taxels[3 * n + x];
+  }
+  return {taxels, strongest, sum, centre: centre.map((v) => v / sum), module: Math.floor(strongest / TAXELS)};
+}

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// @ts-check
+// Draws both views with WebGL: one draw call for all modules, one for all taxels (instanced), a few for the rest.
+import * as THREE from "./three.js";
+import {normalOf, TAXELS} from "./model.js";
+
+const SHADED = `
+attribute vec3 position; attribute vec3 normal; attribute vec3 color;
+uniform mat4 viewProjection; uniform vec3 light; uniform vec3 back; uniform float lift; uniform float shade; uniform float sink;
+varying vec3 vColor;
+void main() {
+  gl_Position = viewProjection * vec4(position + lift * normal, 1.0);
+  vec4 behind = viewProjection * vec4(position - sink * back, 1.0);
+  if (sink > 0.0) gl_Position.z = behind.z / behind.w * gl_Position.w;
+  vColor = color * mix(1.0, 0.5 + 0.5 * abs(dot(normal, light)), shade);
+}`;
+const PLAIN = `precision mediump float; varying vec3 vColor; void main() { gl_FragColor = vec4(vColor, 1.0); }`;
+const TWO_SIDED = `precision mediump float; varying vec3 vColor;
+void main() { gl_FragColor = vec4(gl_FrontFacing ? vColor : vec3(0.32, 0.33, 0.35) , 1.0); }`;
+const TAXEL = `
+attribute vec3 position; attribute vec3 centre; attribute vec3 normal; attribute float heat;
+uniform mat4 viewProjection; uniform float lift;
+varying vec3 vColor;
+void main() {
+  vec3 far = abs(normal.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
+  vec3 u = normalize(cross(far, normal)), v = cross(normal, u);
+  float x = clamp(heat, 0.0, 1.0), radius = 1.5 + 1.1 * x;
+  gl_Position = viewProjection * vec4(centre + (lift + x) * normal + radius * (position.x * u + position.y * v), 1.0);
+  vec3 hot = vec3(min(1.0, 0.55 + 0.9 * x), clamp(1.5 * x - 0.25, 0.0, 1.0), max(0.0, 2.5 * x - 1.8));
+  vColor = heat > 0.0 ? hot : heat < 0.0 ? vec3(0.5, 0.52, 0.55) : vec3(0.88, 0.9, 0.92);
+}`;
+
+const uniforms = () => ({viewProjection: {value: new THREE.Matrix4()}, light: {value: new THREE.Vector3(0, 0, 1)},
+                         back: {value: new THREE.Vector3(0, 0, 1)}, lift: {value: 0}, shade: {value: 1}, sink: {value: 0}});
+const material = (vertexShader, fragmentShader) =>
+    new THREE.RawShaderMaterial({vertexShader, fragmentShader, uniforms: uniforms(), side: THREE.DoubleSide});
+const meshOf = (geometry, look) => { const mesh = new THREE.Mesh(geometry, look); mesh.frustumCulled = false; return mesh; };
+const triple = (values) => new THREE.BufferAttribute(values instanceof Float32Array ? values : new Float32Array(values), 3);
+
+function trianglesOf(points, normals, colors) {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", triple(points));
+  geometry.setAttribute("normal", triple(normals));
+  geometry.setAttribute("color", triple(colors));
+  return geometry;
+}
+
+// Modules are drawn a little smaller than they are, so that the joints show.
+function moduleGeometry(shape) {
+  const n = shape.normals.length / 3, points = new Float32Array(9 * n), normals = new Float32Array(9 * n);
+  for (let k = 0; k < n; ++k) {
+    for (let x = 0; x < 3; ++x) {
+      const centre = (shape.corners[9 * k + x] + shape.corners[9 * k + 3 + x] + shape.corners[9 * k + 6 + x]) / 3;
+      for (let c = 0; c < 3; ++c) {
+        points[9 * k + 3 * c + x] = centre + 0.955 * (shape.corners[9 * k + 3 * c + x] - centre);
+        normals[9 * k + 3 * c + x] = shape.normals[3 * k + x];
+      }
+    }
+  }
+  return trianglesOf(points, normals, new Float32Array(9 * n));
+}
+
+function taxelGeometry(shape, heat, rim) {
+  const geometry = new THREE.InstancedBufferGeometry(), disc = [];
+  for (let k = 0; k < rim; ++k) {
+    const a = 2 * Math.PI * k / rim, b = 2 * Math.PI * (k + 1) / rim;
+    disc.push(0, 0, 0, Math.cos(a), Math.sin(a), 0, Math.cos(b), Math.sin(b), 0);
+  }
+  const normals = new Float32Array(shape.taxels.length);
+  for (let k = 0; k < normals.length; ++k) normals[k] = shape.normals[3 * Math.floor(k / (3 * TAXELS)) + k % 3];
+  geometry.setAttribute("position", triple(disc));
+  geometry.setAttribute("centre", new THREE.InstancedBufferAttribute(shape.taxels, 3));
+  geometry.setAttribute("normal", new THREE.InstancedBufferAttribute(normals, 3));
+  geometry.setAttribute("heat", heat);
+  geometry.maxInstancedCount = shape.taxels.length / 3;
+  return geometry;
+}
+
+function surfaceGeometry(surface) {
+  const points = new Float32Array(3 * surface.faces.length), normals = new Float32Array(points.length);
+  surface.faces.forEach((v, k) => points.set(surface.vertices.slice(3 * v, 3 * v + 3), 3 * k));
+  for (let k = 0; k < surface.faces.length / 3; ++k) {
+    const n = normalOf(points, 9 * k);
+    for (let c = 0; c < 3; ++c) normals.set(n, 9 * k + 3 * c);
+  }
+  return trianglesOf(points, normals, new Float32Array(points.length).fill(0.72));
+}
+
+// A flat module on a round cover lies partly under it. The cover is therefore tested as if it were that much farther away.
+const sinkOf = (model) => {
+  const row = model.data.metrics.findIndex((m) => m.name === "edge depth");
+  return 2.5 + Math.max(0, ...model.modules.map((m) => m.metrics[row] || 0));
+};
+
+// Without a GPU each pixel and corner costs processor time: smooth edges and round taxels are left out there.
+function isSoftware() {
+  const probe = /** @type {any} */ (document.createElement("canvas").getContext("webgl"));
+  const names = probe && probe.getExtension("WEBGL_debug_renderer_info");
+  const renderer = names ? String(probe.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+  if (probe) probe.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(renderer);
+}
+
+/** @param {HTMLCanvasElement} canvas @param {boolean} antialias @returns {any} context; null: the browser has no WebGL */
+function contextOf(canvas, antialias) {
+  const wish = {antialias, alpha: true};
+  return canvas.getContext("webgl2", wish) || canvas.getContext("webgl", wish);
+}
+
+export class GlDrawing {
+  /** Throws where the browser has no WebGL. @param {HTMLCanvasElement} canvas */
+  constructor(canvas, model) {
+    const software = isSoftware(), context = contextOf(canvas, !software);
+    if (!context) throw new Error("no WebGL");
+    this.renderer = new THREE.WebGLRenderer({canvas, context, alpha: true});
+    this.renderer.autoClear = false;
+    this.renderer.setPixelRatio(window.devicePixelRatio || 1);
+    this.renderer.setScissorTest(true);
+    this.rim = software ? 4 : 10;
+    this.heat = new THREE.InstancedBufferAttribute(new Float32Array(TAXELS * model.count), 1);
+    this.scenes = {cover: this.sceneOf(model.cover, model.data.surface, sinkOf(model)), flat: this.sceneOf(model.flat, null, 0)};
+    this.camera = new THREE.Camera();
+    this.kind = "webgl";
+  }
+
+  sceneOf(shape, surface, sink) {
+    const scene = new THREE.Scene(), parts = {};
+    scene.autoUpdate = false;
+    const add = (name, geometry, look, lift, shade) => {
+      parts[name] = meshOf(geometry, look);
+      look.uniforms.lift.value = lift;
+      look.uniforms.shade.value = shade;
+      scene.add(parts[name]);
+    };
+    if (surface) {
+      add("surface", surfaceGeometry(surface), material(SHADED, PLAIN), 0, 1);
+      parts.surface.material.uniforms.sink.value = sink;
+    }
+    add("modules", moduleGeometry(shape), material(SHADED, TWO_SIDED), 0.4, surface ? 1 : 0);
+    add("taxels", taxelGeometry(shape, this.heat, this.rim), material(TAXEL, PLAIN), 1.0, 0);
+    return {scene, parts};
+  }
+
+  /** @param {string} view "cover" or "flat" @param {string} name @param {import("./marks.js").Marks|null} marks */
+  setMarks(view, name, marks) {
+    const {scene, parts} = this.scenes[view];
+    if (parts[name]) { scene.remove(parts[name]); parts[name].geometry.dispose(); parts[name].material.dispose(); delete parts[name]; }
+    if (!marks || marks.points.length === 0) return;
+    parts[name] = meshOf(trianglesOf(marks.points, new Float32Array(marks.points.length), marks.colors), material(SHADED, PLAIN));
+    parts[name].material.uniforms.shade.value = 0;
+    scene.add(parts[name]);
+  }
+
+  /** @param {Float32Array} colors three numbers a module */
+  setColors(colors) {
+    for (const {parts} of Object.values(this.scenes)) {
+      const attribute = parts.modules.geometry.attributes.color;
+      for (let k = 0; k < colors.length / 3; ++k)
+        for (let c = 0; c < 9; ++c) attribute.array[9 * k + c] = colors[3 * k + c % 3];
+      attribute.needsUpdate = true;
+    }
+  }
+
+  /** @param {Float32Array} heat 0 … 1 a taxel, negative: it has no valid value */
+  setHeat(heat) { this.heat.array.set(heat); this.heat.needsUpdate = true; }
+
+  resize(width, height) { this.renderer.setSize(width, height, false); }
+
+  /** @param {{name: string, camera: any, left: number, top: number}[]} views @param {Record<string, boolean>} shown */
+  draw(views, shown) {
+    const height = this.renderer.domElement.clientHeight;
+    for (const {name, camera, left, top} of views) {
+      const {scene, parts} = this.scenes[name];
+      for (const [part, mesh] of Object.entries(parts)) {
+        mesh.visible = shown[part] !== false;
+        mesh.material.uniforms.viewProjection.value.fromArray(camera.matrix);
+        mesh.material.uniforms.light.value.fromArray(camera.light);
+        mesh.material.uniforms.back.value.fromArray(camera.back);
+      }
+      this.renderer.setViewport(left, height - top - camera.height, camera.width, camera.height);
+      this.renderer.setScissor(left, height - top - camera.height, camera.width, camera.height);
+      this.renderer.setClearColor(0, 0);
+      this.renderer.clear();
+      this.renderer.render(scene, this.camera);
+    }
+  }
+}

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// @ts-check
+// What is drawn on the modules: trees, entries, seams, the outline of the selection. All of it is coloured triangles in
+// the plane of a module, so that it lies right on the body and on the flat islands.
+import {Model} from "./model.js";
+
+/** Triangles with a colour a corner; `lift` is their height over the module, mm. */
+export class Marks {
+  /** @param {number} lift */
+  constructor(lift) { this.lift = lift; this.points = /** @type {number[]} */ ([]); this.colors = /** @type {number[]} */ ([]); }
+  triangle(a, b, c, n, color) {
+    for (const p of [a, b, c]) {
+      this.points.push(p[0] + this.lift * n[0], p[1] + this.lift * n[1], p[2] + this.lift * n[2]);
+      this.colors.push(color[0], color[1], color[2]);
+    }
+  }
+  /** Band from p to q, `left` and `right` mm wide to either side of the line. */
+  band(p, q, n, left, right, color) {
+    const d = [q[0] - p[0], q[1] - p[1], q[2] - p[2]], l = Math.hypot(d[0], d[1], d[2]) || 1;
+    const s = [(n[1] * d[2] - n[2] * d[1]) / l, (n[2] * d[0] - n[0] * d[2]) / l, (n[0] * d[1] - n[1] * d[0]) / l];
+    const at = (o, f) => [o[0] + f * s[0], o[1] + f * s[1], o[2] + f * s[2]];
+    this.triangle(at(p, -right), at(q, -right), at(q, left), n, color);
+    this.triangle(at(p, -right), at(q, left), at(p, left), n, color);
+  }
+  disc(p, n, radius, color) {
+    const far = Math.abs(n[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
+    const u0 = [far[1] * n[2] - far[2] * n[1], far[2] * n[0] - far[0] * n[2], far[0] * n[1] - far[1] * n[0]];
+    const l = Math.hypot(u0[0], u0[1], u0[2]), u = u0.map((x) => x / l);
+    const v = [n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2], n[0] * u[1] - n[1] * u[0]];
+    const at = (k) => p.map((x, c) => x + radius * (Math.cos(k * Math.PI / 8) * u[c] + Math.sin(k * Math.PI / 8) * v[c]));
+    for (let k = 0; k < 16; ++k) this.triangle(p, at(k), at(k + 1), n, color);
+  }
+}
+
+const DARK = [0.08, 0.09, 0.1], LIGHT = [0.97, 0.97, 0.97], SEAM = [0.62, 0.65, 0.68], CUT = [0.85, 0.15, 0.1];
+
+const corner = (shape, k, c) => Array.from(shape.corners.subarray(9 * k + 3 * c, 9 * k + 3 * c + 3));
+const normal = (shape, k) => Array.from(shape.normals.subarray(3 * k, 3 * k + 3));
+const middle = (shape, k, side) => corner(shape, k, side).map((v, c) => (v + corner(shape, k, (side + 1) % 3)[c]) / 2);
+
+// From a module over the side that it shares with another to the other's centre.
+function addJoint(marks, shape, model, child, parent, color, width) {
+  for (const [from, to] of [[child, parent], [parent, child]]) {
+    const side = model.modules[from].neighbours.indexOf(to);
+    const end = side < 0 ? Model.centre(shape.corners, to) : middle(shape, from, side);
+    marks.band(Model.centre(shape.corners, from), end, normal(shape, from), width, width, color);
+  }
+}
+
+/** Trees of all patches with their entries. @param {Model} model */
+export function treeMarks(model, shape) {
+  const marks = new Marks(0.9);
+  model.modules.forEach((m, k) => { if (m.parent >= 0) addJoint(marks, shape, model, k, m.parent, DARK, 0.6); });
+  model.data.patches.forEach((p) => {
+    if (p.entry >= 0) marks.disc(Model.centre(shape.corners, p.entry), normal(shape, p.entry), 3.4, DARK);
+    if (p.second_entry < 0) return;
+    marks.disc(Model.centre(shape.corners, p.second_entry), normal(shape, p.second_entry), 3.4, DARK);
+    marks.disc(Model.centre(shape.corners, p.second_entry).map((v, c) => v + 0.1 * normal(shape, p.second_entry)[c]),
+               normal(shape, p.second_entry), 2.2, LIGHT);
+  });
+  return marks;
+}
+
+/** Seams: sides between controllers, and joints inside a patch that are cut. @param {Model} model */
+export function seamMarks(model, shape) {
+  const marks = new Marks(0.7);
+  const cut = new Set(model.data.patches.flatMap((p) => p.cut_joints.flatMap(([a, b]) => [`${a},${b}`, `${b},${a}`])));
+  model.modules.forEach((m, k) => m.neighbours.forEach((n, side) => {
+    if (n < 0) return;
+    const apart = model.modules[n].patch !== m.patch, isCut = cut.has(`${k},${n}`);
+    if (apart || isCut) marks.band(corner(shape, k, side), corner(shape, k, (side + 1) % 3), normal(shape, k), apart ? 1.6 : 1.0, 0, apart ? SEAM : CUT);
+  }));
+  return marks;
+}
+
+/** Outline of the selected module, and the joints over which others are read while it fails. */
+export function selectionMarks(model, shape, k, failure, color) {
+  const marks = new Marks(1.4);
+  for (let side = 0; side < 3; ++side)
+    marks.band(corner(shape, k, side), corner(shape, k, (side + 1) % 3), normal(shape, k), 2.2, 0.8, color);
+  for (const [child, parent] of failure ? failure.backup : []) {
+    if (parent >= 0) addJoint(marks, shape, model, child, parent, [0.1, 0.25, 0.95], 1.3);
+  }
+  return marks;
+}

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// @ts-check
+// The design as the page needs it: typed arrays for drawing, and questions about the wiring.
+
+const ROW_MM = 25.980762113533160; // height of a module of side 30 mm
+export const TAXELS = 12;
+
+/** Point of the lattice, mm. @param {number} i @param {number} j @param {number} side */
+function latticePoint(i, j, side) {
+  return [side * (i + j / 2), (ROW_MM / 30) * side * j];
+}
+
+/** Corners of a tile in the plane of its island. @param {number[]} tile @param {number} side */
+function tileCorners([i, j, up], side) {
+  const corners = up ? [[i, j], [i + 1, j], [i, j + 1]] : [[i + 1, j], [i + 1, j + 1], [i, j + 1]];
+  return corners.map(([a, b]) => latticePoint(a, b, side));
+}
+
+/** Unit normal of a triangle. @param {ArrayLike<number>} p @param {number} at */
+export function normalOf(p, at) {
+  const ax = p[at + 3] - p[at], ay = p[at + 4] - p[at + 1], az = p[at + 5] - p[at + 2];
+  const bx = p[at + 6] - p[at], by = p[at + 7] - p[at + 1], bz = p[at + 8] - p[at + 2];
+  const n = [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx];
+  const length = Math.hypot(n[0], n[1], n[2]) || 1;
+  return n.map((v) => v / length);
+}
+
+/** Lays the islands out in rows of about the shape of a screen. @returns {number[][]} shift of each island, mm */
+function packIslands(boxes) {
+  const gap = 30;
+  const order = boxes.map((_, k) => k).sort((a, b) => boxes[b].height - boxes[a].height);
+  const area = boxes.reduce((sum, b) => sum + (b.width + gap) * (b.height + gap), 0);
+  const rowWidth = Math.max(Math.sqrt(area), ...boxes.map((b) => b.width));
+  const shift = boxes.map(() => [0, 0]);
+  let x = 0, y = 0, rowHeight = 0;
+  for (const k of order) {
+    if (x > 0 && x + boxes[k].width > rowWidth) { x = 0; y -= rowHeight + gap; rowHeight = 0; }
+    shift[k] = [x - boxes[k].left, y - boxes[k].top];
+    x += boxes[k].width + gap;
+    rowHeight = Math.max(rowHeight, boxes[k].height);
+  }
+  return shift;
+}
+
+export class Model {
+  /** @param {any} data what model.json holds (docs/view.md) */
+  constructor(data) {
+    this.data = data;
+    this.count = data.modules.length;
+    /** @type {any[]} */
+    this.modules = data.modules;
+    this.cover = this.coverShape();
+    this.flat = this.flatShape();
+    this.children = this.modules.map(() => /** @type {number[]} */ ([]));
+    this.modules.forEach((m, k) => { if (m.parent >= 0) this.children[m.parent].push(k); });
+    this.pressure = Array.from({length: TAXELS}, (_, t) => !data.temperature_pads.includes(t));
+  }
+
+  // Corners (9 numbers a module), taxels (36) and normals (3) on the body.
+  coverShape() {
+    const corners = new Float32Array(9 * this.count), taxels = new Float32Array(36 * this.count);
+    const normals = new Float32Array(3 * this.count);
+    this.modules.forEach((m, k) => {
+      corners.set(m.corners, 9 * k);
+      taxels.set(m.taxels, 36 * k);
+      normals.set(normalOf(corners, 9 * k), 3 * k);
+    });
+    return {corners, taxels, normals};
+  }
+
+  // The same on the plane: each island as its lattice is, so 30 mm are 30 mm everywhere.
+  flatShape() {
+    const side = this.data.side_mm;
+    const tiles = this.modules.map((m) => tileCorners(m.tile, side));
+    const boxes = Array.from({length: Math.max(1, ...this.modules.map((m) => m.island + 1))},
+                             () => ({left: Infinity, right: -Infinity, top: -Infinity, bottom: Infinity, width: 0, height: 0}));
+    tiles.forEach((corners, k) => {
+      const box = boxes[this.modules[k].island];
+      for (const [x, y] of corners) {
+        box.left = Math.min(box.left, x); box.right = Math.max(box.right, x);
+        box.bottom = Math.min(box.bottom, y); box.top = Math.max(box.top, y);
+      }
+    });
+    for (const b of boxes) {
+      if (b.left > b.right) b.left = b.right = b.top = b.bottom = 0;
+      b.width = b.right - b.left; b.height = b.top - b.bottom;
+    }
+    const shift = packIslands(boxes);
+    const corners = new Float32Array(9 * this.count), taxels = new Float32Array(36 * this.count);
+    const normals = new Float32Array(3 * this.count);
+    tiles.forEach((tile, k) => {
+      const [dx, dy] = shift[this.modules[k].island];
+      tile.forEach(([x, y], c) => corners.set([x + dx, y + dy, 0], 9 * k + 3 * c));
+      normals.set([0, 0, 1], 3 * k);
+    });
+    for (let k = 0; k < this.count; ++k) this.carryTaxels(k, corners, taxels);
+    return {corners, taxels, normals};
+  }
+
+  // A module is rigid: its taxels keep their place between the corners.
+  carryTaxels(k, corners, taxels) {
+    const from = this.cover.corners.subarray(9 * k, 9 * k + 9), to = corners.subarray(9 * k, 9 * k + 9);
+    const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    const minus = (p, at, q, qt) => [p[at] - q[qt], p[at + 1] - q[qt + 1], p[at + 2] - q[qt + 2]];
+    const e1 = minus(from, 3, from, 0), e2 = minus(from, 6, from, 0);
+    const f1 = minus(to, 3, to, 0), f2 = minus(to, 6, to, 0);
+    const a = dot(e1, e1), b = dot(e1, e2), c = dot(e2, e2), det = a * c - b * b;
+    for (let t = 0; t < TAXELS; ++t) {
+      const p = minus(this.cover.taxels, 36 * k + 3 * t, from, 0);
+      const u = (c * dot(p, e1) - b * dot(p, e2)) / det, v = (a * dot(p, e2) - b * dot(p, e1)) / det;
+      for (let x = 0; x < 3; ++x) taxels[36 * k + 3 * t + x] = to[x] + u * f1[x] + v * f2[x];
+    }
+  }
+
+  /** Centre of a module. @param {Float32Array} corners @param {number} k */
+  static centre(corners, k) {
+    const p = corners.subarray(9 * k, 9 * k + 9);
+    return [(p[0] + p[3] + p[6]) / 3, (p[1] + p[4] + p[7]) / 3, (p[2] + p[5] + p[8]) / 3];
+  }
+
+  isEntry(k) { const p = this.modules[k].patch; return p >= 0 && this.data.patches[p].entry === k; }
+
+  /** Modules of the subtree of k: what strapped modules lose with it. */
+  subtree(k) {
+    const found = [k];
+    for (let at = 0; at < found.length; ++at) found.push(...this.children[found[at]]);
+    return found;
+  }
+
+  /** What the failure of module k costs: modules that are lost for good, and joints over which the others are read. */
+  failureOf(k) {
+    const patch = this.data.patches[this.modules[k].patch];
+    const row = patch && patch.failures.find((f) => f.module === k && f.other < 0);
+    if (!row) return {cut: this.subtree(k), lost: this.subtree(k), backup: []};
+    const parent = new Map(row.backup);
+    const cut = this.subtree(k);
+    const reached = (m) => {
+      for (let at = m, hops = 0; hops < 32; ++hops) {
+        if (at === k) return false;
+        if (!parent.has(at) && this.isEntry(at)) return true;
+        at = parent.has(at) ? parent.get(at) : this.modules[at].parent;
+        if (at < 0) return true; // over the second entry
+      }
+      return false;
+    };
+    return {cut, lost: cut.filter((m) => !reached(m)), backup: row.backup};
+  }
+}

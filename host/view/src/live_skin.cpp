@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/view/live_skin.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "triskin/base/bytes.hpp"
+
+namespace triskin::view {
+namespace {
+
+void put_le(std::string& out, std::uint64_t value, int bytes) {
+  for (int k = 0; k < bytes; ++k) out += static_cast<char>(value >> 8 * k & 0xFF);
+}
+
+}  // namespace
+
+std::int16_t LiveSkin::change_of(Module& module, std::size_t taxel, std::uint16_t value) {
+  auto& first = module.first[taxel];
+  if (module.seen[taxel] < kRestSamples) {
+    first[module.seen[taxel]++] = value;
+    if (module.seen[taxel] == kRestSamples) std::ranges::sort(first);
+  }
+  if (module.seen[taxel] < kRestSamples) return 0;
+  using Limits = std::numeric_limits<std::int16_t>;
+  const int change = static_cast<int>(value) - static_cast<int>(first[kRestSamples / 2]);
+  return static_cast<std::int16_t>(std::clamp<int>(change, Limits::min(), Limits::max()));
+}
+
+void LiveSkin::add(int module, const wire::FullTaxels& sample, std::int64_t wall_time_us) {
+  const std::lock_guard lock(mutex_);
+  if (module < 0 || static_cast<std::size_t>(module) >= modules_.size()) return;
+  Module& m = modules_[static_cast<std::size_t>(module)];
+  m.number = ++newest_;
+  m.wall_time_us = wall_time_us;
+  m.valid = sample.valid;
+  m.state = sample.state;
+  for (std::size_t t = 0; t < m.change.size(); ++t)
+    m.change[t] = (sample.valid >> t & 1) != 0 ? change_of(m, t, sample.value[t]) : std::int16_t{0};
+}
+
+void LiveSkin::rest_anew() {
+  const std::lock_guard lock(mutex_);
+  for (Module& m : modules_) m.seen = {};
+}
+
+void LiveSkin::set_health(Health health) {
+  const std::lock_guard lock(mutex_);
+  health_ = std::move(health);
+}
+
+LiveSkin::Health LiveSkin::health() const {
+  const std::lock_guard lock(mutex_);
+  return health_;
+}
+
+std::string LiveSkin::frame_since(std::uint64_t& seen) const {
+  const std::lock_guard lock(mutex_);
+  std::int64_t newest_us = std::numeric_limits<std::int64_t>::min();
+  std::size_t count = 0;
+  for (const Module& m : modules_) {
+    if (m.number <= seen) continue;
+    newest_us = std::max(newest_us, m.wall_time_us);
+    ++count;
+  }
+  if (count == 0) return {};
+  std::string out;
+  out.reserve(kHeaderBytes + kRecordBytes * count);
+  put_le(out, kFrameKind, 1);
+  put_le(out, kFrameVersion, 1);
+  put_le(out, count, 2);
+  put_le(out, newest_ & 0xFFFF'FFFFU, 4);
+  put_le(out, std::bit_cast<std::uint64_t>(static_cast<double>(newest_us) * 1e-3), 8);
+  for (std::size_t k = 0; k < modules_.size(); ++k) {
+    const Module& m = modules_[k];
+    if (m.number <= seen) continue;
+    const std::int64_t age_ms = (newest_us - m.wall_time_us) / 1000;
+    put_le(out, k, 2);
+    put_le(out, m.valid, 2);
+    put_le(out, wire::wire_number(m.state), 1);
+    put_le(out, 0, 1);
+    put_le(out, static_cast<std::uint64_t>(std::clamp<std::int64_t>(age_ms, 0, 0xFFFF)), 2);
+    for (const std::int16_t c : m.change) put_le(out, static_cast<std::uint16_t>(c), 2);
+  }
+  seen = newest_;
+  return out;
+}
+
+}  // namespace triskin::view

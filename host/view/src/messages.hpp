@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "triskin/view/server.hpp"
+
+namespace triskin::view {
+
+/// Command of a message from the page (docs/view.md). Empty: it is none.
+[[nodiscard]] std::optional<Command> command_of(std::string_view text);
+
+/// Status message for the page.
+[[nodiscard]] std::string health_json(const LiveSkin::Health& health);
+
+/// Random token of 32 hexadecimal digits. Throws DeviceError when the operating system has no random numbers.
+[[nodiscard]] std::string random_token();
+
+/// Whether two texts are equal; the time does not tell where they differ.
+[[nodiscard]] bool equal_in_constant_time(std::string_view a, std::string_view b);
+
+}  // namespace triskin::view

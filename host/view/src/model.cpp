@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "triskin/layout/module.hpp"
+#include "triskin/view/page.hpp"
+
+namespace triskin::view {
+namespace {
+
+using nlohmann::json;
+
+// 10 µm are more than a screen shows; fewer digits make the page half as large.
+double rounded(double value) {
+  return std::round(value * 100.0) / 100.0;
+}
+
+void append(json& list, const design::Vec3& p) {
+  for (int k = 0; k < 3; ++k) list.push_back(rounded(p[k]));
+}
+
+json surface_of(const design::Mesh& mesh) {
+  json vertices = json::array(), faces = json::array();
+  for (const auto& v : mesh.vertices) append(vertices, v);
+  for (const auto& f : mesh.faces) {
+    for (const int corner : f) faces.push_back(corner);
+  }
+  return {{"vertices", std::move(vertices)}, {"faces", std::move(faces)}};
+}
+
+// Each metric with its limit (0: it has none), in the order of "metrics" of a module.
+json metrics_of(const design::LayoutLimits& l) {
+  const auto row = [](const char* name, const char* unit, double limit) {
+    return json{{"name", name}, {"unit", unit}, {"limit", rounded(limit)}};
+  };
+  return json::array({row("edge error", "mm", l.edge_error_mm), row("hinge gap", "mm", l.hinge_gap_mm),
+                      row("fold", "rad", l.fold_rad), row("centre gap", "mm", l.center_gap_mm),
+                      row("edge depth", "mm", 0.0), row("penetration", "mm", l.penetration_mm),
+                      row("overrun", "mm", l.overrun_mm)});
+}
+
+json metrics_of(const design::PlacedModule& m) {
+  json list = json::array();
+  for (const double value : {m.edge_error_mm, std::ranges::max(m.hinge_gap_mm), std::ranges::max(m.fold_rad),
+                             m.center_gap_mm, m.edge_depth_mm, m.penetration_mm, m.overrun_mm})
+    list.push_back(std::round(value * 1000.0) / 1000.0);
+  return list;
+}
+
+json module_of(const design::PlacedModule& m, const design::ModuleWiring& wiring) {
+  json corners = json::array(), taxels = json::array();
+  for (const auto& c : m.corner_mm) append(corners, c);
+  for (const auto& t : design::taxels_of(m, wiring.routed.rotation)) append(taxels, t.position_mm);
+  const design::RoutedModule& r = wiring.routed;
+  return {{"corners", std::move(corners)},
+          {"taxels", std::move(taxels)},
+          {"tile", {m.tile.i, m.tile.j, m.tile.up ? 1 : 0}},
+          {"island", m.island},
+          {"neighbours", m.neighbour},
+          {"patch", wiring.patch},
+          {"line", r.line},
+          {"address", r.address},
+          {"rotation", r.rotation},
+          {"parent", wiring.patch < 0 ? -1 : r.parent},
+          {"depth", r.depth},
+          {"metrics", metrics_of(m)}};
+}
+
+json patch_of(const design::Patch& p) {
+  json failures = json::array();
+  for (const auto& f : p.failures) {
+    failures.push_back({{"module", f.node},
+                        {"other", f.other_node},
+                        {"lost", f.lost_strapped},
+                        {"lost_rerouted", f.lost_rerouted},
+                        {"backup", f.backup_tree}});
+  }
+  return {{"entry", p.entry},
+          {"second_entry", p.second_entry},
+          {"cut_joints", p.cut_joints},
+          {"max_depth", p.max_depth},
+          {"failures", std::move(failures)}};
+}
+
+}  // namespace
+
+std::string model_json(const design::Design& design) {
+  const auto wiring = design::wiring_of(design);
+  json modules = json::array(), patches = json::array();
+  for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
+    modules.push_back(module_of(design.layout.modules[k], wiring[k]));
+  for (const auto& p : design.patches) patches.push_back(patch_of(p));
+  const json model = {{"name", design.name},
+                      {"design_id", fmt::format("{:016x}", design.design_id)},
+                      {"side_mm", design::kSide_mm},
+                      {"islands", design.layout.islands},
+                      {"area_cm2", rounded(design.report.area_cm2)},
+                      {"coverage", rounded(design.report.coverage)},
+                      {"temperature_pads", layout::kTemperaturePads},
+                      {"metrics", metrics_of(design.limits)},
+                      {"surface", surface_of(design.surface)},
+                      {"modules", std::move(modules)},
+                      {"patches", std::move(patches)}};
+  // A name from a file must not end the script that holds it in page_html.
+  std::string text = model.dump(-1, ' ', true, json::error_handler_t::replace);
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at))
+    text.replace(at, 1, "\\u003c");
+  return text;
+}
+
+}  // namespace triskin::view

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/view/server.hpp"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <thread>
+
+#include "connection.hpp"
+#include "messages.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/view/page.hpp"
+
+namespace triskin::view {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+
+struct Server::State {
+  State(Site site, const LiveSkin& live, OnCommand on_command, const Limits& limits)
+      : shared{std::move(site), live, std::move(on_command), limits, random_token()} {}
+
+  void listen(std::uint16_t wanted);
+  void accept();
+
+  Shared shared;
+  asio::io_context context{1};
+  tcp::acceptor acceptor{context};
+  std::thread thread;
+};
+
+void Server::State::listen(std::uint16_t wanted) {
+  const tcp::endpoint end(asio::ip::address_v4::loopback(), wanted);
+  boost::system::error_code error;
+  acceptor.open(end.protocol(), error);
+  if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) acceptor.bind(end, error);
+  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error)
+    throw DeviceError(fmt::format("127.0.0.1:{}: cannot serve the page ({}); choose another --port, 0 takes a free one",
+                                  wanted, error.message()));
+  shared.port = acceptor.local_endpoint().port();
+}
+
+void Server::State::accept() {
+  acceptor.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted) return;
+    // Of too many connections the new one is closed: those that read on are not disturbed.
+    if (!error && shared.connections < shared.limits.connections) serve_http(std::move(socket), shared);
+    accept();
+  });
+}
+
+Server::Server(Site site, const LiveSkin& live, std::uint16_t port, OnCommand on_command, const Limits& limits)
+    : state_(std::make_unique<State>(std::move(site), live, std::move(on_command), limits)) {
+  state_->listen(port);
+  state_->accept();
+  state_->thread = std::thread([this] { state_->context.run(); });
+}
+
+Server::~Server() {
+  state_->context.stop();
+  state_->thread.join();
+}
+
+std::string Server::address() const {
+  return fmt::format("http://127.0.0.1:{}/{}/", state_->shared.port, state_->shared.token);
+}
+
+std::uint16_t Server::port() const {
+  return state_->shared.port;
+}
+
+std::string Server::token() const {
+  return state_->shared.token;
+}
+
+std::size_t Server::connections() const {
+  return state_->shared.connections;
+}
+
+Site site_of(const design::Design& design) {
+  require_page();
+  Site site;
+  for (const auto& [name, asset] : assets())
+    site[name == "index.html" ? "" : std::string(name)] = {std::string(asset.type), std::string(asset.bytes)};
+  site["model.json"] = {"application/json", model_json(design)};
+  return site;
+}
+
+}  // namespace triskin::view

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/wire/checked_enum.hpp"
+#include "triskin/wire/identifiers.hpp"
+
+/// Offsets of the converters (FD0B) and the routine that searches them anew (0206). docs/protocol.md.
+namespace triskin::wire {
+
+/// Where the offsets of a chip come from.
+enum class OffsetState : std::uint8_t {
+  kNone = 0,       ///< no chip was found at this place since power-up, and none before
+  kSearching = 1,  ///< they are being looked for
+  kKept = 2,       ///< found before power-up, read from the flash; each taxel still rests where it should
+  kFound = 3,      ///< found since power-up
+  kOutside = 4,    ///< settled, but a taxel rests outside the middle third of the range
+};
+/// State of a number from the wire.
+/// Error: kOutOfRange.
+[[nodiscard]] constexpr Result<OffsetState> to_offset_state(std::uint8_t number) {
+  return checked_enum(number, OffsetState::kOutside);
+}
+
+/// When a converter shows its results, as the controller has seen it.
+enum class Latching : std::uint8_t {
+  kUnknown = 0,        ///< not seen yet
+  kEachStage = 1,      ///< each result at the end of its stage
+  kEndOfSequence = 2,  ///< all at the end of the sequence
+};
+/// Latching of a number from the wire.
+/// Error: kOutOfRange.
+[[nodiscard]] constexpr Result<Latching> to_latching(std::uint8_t number) {
+  return checked_enum(number, Latching::kEndOfSequence);
+}
+
+inline constexpr std::uint8_t kMostOffset = 63;     ///< steps
+inline constexpr double kOffsetStep_pF = 0.32;      ///< capacitance that a step takes away, nominally
+inline constexpr std::uint16_t kRestLeast = 21846;  ///< the middle third of the results: a taxel rests from here
+inline constexpr std::uint16_t kRestMost = 43690;   ///< to here
+
+/// The offsets of one module.
+struct ModuleOffsets {
+  OffsetState state = OffsetState::kNone;
+  Latching latching = Latching::kUnknown;
+  std::uint16_t outside = 0;  ///< bit t: taxel t rested outside the middle third when that was looked at last
+  std::array<std::uint8_t, layout::kTaxelsPerModule> steps{};  ///< 0 … kMostOffset
+  bool operator==(const ModuleOffsets&) const = default;
+};
+
+/// FD0B: the offsets of each module, in order of the rows of the table.
+struct Offsets {
+  static constexpr std::uint16_t kId = did::kOffsets;
+  static constexpr std::size_t kRowBytes = 4 + layout::kTaxelsPerModule;
+  static constexpr std::size_t kLeastBytes = 5, kMostBytes = kLeastBytes + kRowBytes * layout::kMaxModules;
+  bool positive_input = false;  ///< the electrodes hang on the positive input; the controller turns the results round
+  std::uint32_t searches = 0;   ///< completed since power-up, of any module
+  std::uint8_t count = 0;       ///< 0 … kMaxModules
+  std::array<ModuleOffsets, layout::kMaxModules> modules{};
+
+  /// The modules of the table, by row.
+  [[nodiscard]] constexpr std::span<const ModuleOffsets> rows() const { return std::span(modules).first(count); }
+  /// Appends the value as it stands on the wire.
+  constexpr void encode(ByteWriter& out) const {
+    out.u8(positive_input ? 1 : 0);
+    out.le32(searches);
+    for (const ModuleOffsets& m : rows()) {
+      out.u8(wire_number(m.state));
+      out.u8(wire_number(m.latching));
+      out.le16(m.outside);
+      out.bytes(m.steps);
+    }
+  }
+  /// Errors: kBadLength (no whole row, too many), kOutOfRange (no such state, latching or taxel; a step beyond
+  /// kMostOffset).
+  [[nodiscard]] static constexpr Result<Offsets> decode(Bytes bytes) {
+    if (bytes.size() < kLeastBytes || bytes.size() > kMostBytes || (bytes.size() - kLeastBytes) % kRowBytes != 0)
+      return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    Offsets o;
+    const auto positive = checked_bool(r.u8());
+    if (!positive) return std::unexpected(positive.error());
+    o.positive_input = *positive;
+    o.searches = r.le32();
+    while (!r.rest().empty()) {
+      const auto row = decode_row(r);
+      if (!row) return std::unexpected(row.error());
+      o.modules[o.count++] = *row;
+    }
+    return o;
+  }
+  bool operator==(const Offsets&) const = default;
+
+ private:
+  [[nodiscard]] static constexpr Result<ModuleOffsets> decode_row(ByteReader& r) {
+    ModuleOffsets m;
+    const auto state = to_offset_state(r.u8());
+    const auto latching = to_latching(r.u8());
+    m.outside = r.le16();
+    bool fits = m.outside <= layout::kAllTaxels;
+    for (std::uint8_t& s : m.steps) {
+      s = r.u8();
+      fits = fits && s <= kMostOffset;
+    }
+    if (!state || !latching || !fits) return std::unexpected(Status::kOutOfRange);
+    m.state = *state;
+    m.latching = *latching;
+    return m;
+  }
+};
+static_assert(kLengthsAsInTable<Offsets>);
+
+/// Routine 0206: whether every module has its offsets.
+struct OffsetResult {
+  static constexpr std::uint16_t kId = routine::kOffsets;
+  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
+  bool done = false;
+
+  /// Appends the value as it stands on the wire.
+  constexpr void encode(ByteWriter& out) const { out.u8(done ? 1 : 0); }
+  /// Errors: kBadLength, kOutOfRange.
+  [[nodiscard]] static constexpr Result<OffsetResult> decode(Bytes bytes) {
+    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    const auto done = checked_bool(bytes[0]);
+    if (!done) return std::unexpected(done.error());
+    return OffsetResult{*done};
+  }
+  bool operator==(const OffsetResult&) const = default;
+};
+static_assert(kResultAsInTable<OffsetResult>);
+
+}  // namespace triskin::wire

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/base/status.hpp"
+#include "triskin/wire/can_frame.hpp"
+
+/// Who reads the full stream, and until when (docs/protocol.md, "Leases").
+///
+/// A reader sends a lease to all controllers, and sends it again before it ends. A controller streams as long as one
+/// lease lasts; the end of one reader's lease leaves those of the others alone.
+namespace triskin::wire {
+
+inline constexpr std::uint32_t kLeaseId = 0x18E2FFF1;
+/// Leases that a controller keeps for each of its ports.
+inline constexpr std::size_t kMaxLeases = 8;
+
+struct StreamLease {
+  static constexpr std::uint8_t kBytes = 8;
+  std::uint32_t reader = 0;      ///< number that the reader has drawn, not 0
+  std::uint8_t lasts_10ms = 0;   ///< from the frame on; 0: ends now
+  std::uint8_t every = 1;        ///< 1 … 255: samples whose number is a multiple of it
+  std::uint16_t pace_100us = 0;  ///< least time between two samples of a module, on the average; 0: as they come
+  bool operator==(const StreamLease&) const = default;
+};
+
+/// The frame of a lease.
+[[nodiscard]] constexpr CanFrame encode_lease(const StreamLease& l) {
+  CanFrame f;
+  f.id = kLeaseId;
+  f.extended = true;
+  f.size = StreamLease::kBytes;
+  ByteWriter w(f.data);
+  w.le32(l.reader);
+  w.u8(l.lasts_10ms);
+  w.u8(l.every);
+  w.le16(l.pace_100us);
+  return f;
+}
+
+/// Errors: kBadLength, kOutOfRange (another identifier, no reader, no n-th sample).
+[[nodiscard]] constexpr Result<StreamLease> decode_lease(const CanFrame& f) {
+  if (!f.extended || f.id != kLeaseId) return std::unexpected(Status::kOutOfRange);
+  if (f.size != StreamLease::kBytes) return std::unexpected(Status::kBadLength);
+  ByteReader r(f.payload());
+  StreamLease l;
+  l.reader = r.le32();
+  l.lasts_10ms = r.u8();
+  l.every = r.u8();
+  l.pace_100us = r.le16();
+  if (l.reader == 0 || l.every == 0) return std::unexpected(Status::kOutOfRange);
+  return l;
+}
+
+}  // namespace triskin::wire

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Jumpers as switched modules and commands see them: flash, verify and discover --topology, as processes.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "support/jumpered_design.hpp"
+#include "support/random_design.hpp"
+
+namespace triskin::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class JumperedHardware : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("jumper_hardware." + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    std::mt19937_64 random(8);
+    design_ = jumpered_design(8, 6, random);
+    design::write_design(folder_ / "patch.json", design_);
+    scene(json::array());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void scene(const json& faults) const {
+    std::ofstream(folder_ / "scene.json") << json{
+        {"format", "triskin-scene"},
+        {"version", 1},
+        {"design", "patch.json"},
+        {"hardware", "switched"},
+        {"faults", faults}}.dump();
+  }
+  json run(const std::string& command, int expected_status) const {
+    const std::string line = "cd '" + folder_.string() + "' && XDG_STATE_HOME='" + folder_.string() + "' " +
+                             TRISKIN_PROGRAM + " " + command + " --link sim --json 2>messages";
+    std::FILE* p = ::popen(line.c_str(), "r");
+    std::string text;
+    for (int c = std::fgetc(p); c != EOF; c = std::fgetc(p)) text += static_cast<char>(c);
+    EXPECT_EQ(WEXITSTATUS(::pclose(p)), expected_status) << command << '\n' << text;
+    return json::parse(text, nullptr, false);
+  }
+  // What a controller can still read with the jumper open.
+  [[nodiscard]] int survivors() const {
+    const auto row = [&](int node) {
+      return static_cast<int>(std::ranges::find(design_.patches[0].modules, node, &design::RoutedModule::node) -
+                              design_.patches[0].modules.begin());
+    };
+    const design::Jumper& j = design_.layout.jumpers[0];
+    return std::popcount(rows_that_survive(design_, {{}, {{row(j.node[0]), row(j.node[1])}}}));
+  }
+
+  fs::path folder_;
+  design::Design design_;
+};
+
+TEST_F(JumperedHardware, sound_hardware_is_the_design) {
+  ASSERT_EQ(design_.patches.size(), 1U);
+  ASSERT_EQ(design_.layout.jumpers.size(), 1U);
+  run("flash patch.json --scene scene.json", 0);
+  const json found = run("discover --topology --scene scene.json --design patch.json", 0);
+  EXPECT_TRUE(found["controllers"][0]["topology"]["match"]["differences"].empty());
+  const json verified = run("verify patch.json --scene scene.json --watch-s 0", 0);
+  EXPECT_EQ(verified["modules_ok"], 14);
+  EXPECT_TRUE(verified["findings"].empty());
+}
+
+TEST_F(JumperedHardware, an_open_jumper_is_found_and_the_rest_is_read) {
+  run("flash patch.json --scene scene.json", 0);
+  const design::Jumper& j = design_.layout.jumpers[0];
+  scene({{{"kind", "open_joint"}, {"module", j.node[0]}, {"other", j.node[1]}}});
+  const json verified = run("verify patch.json --scene scene.json --watch-s 0 --no-touch", 1);
+  EXPECT_EQ(verified["modules_ok"], survivors());
+  const json found = run("discover --topology --scene scene.json --design patch.json", 1);
+  EXPECT_FALSE(found["controllers"][0]["topology"]["match"]["differences"].empty());
+}
+
+TEST_F(JumperedHardware, a_fault_of_a_jumper_that_is_not_there_is_refused) {
+  const int a = design_.layout.jumpers[0].node[0];
+  int stranger = a;  // of the other island, without a jumper to a
+  for (int k = 0; k < 14; ++k) {
+    if (std::ranges::count(design::joined_to(design_.layout, a), k) == 0 && k != a) stranger = k;
+  }
+  scene({{{"kind", "open_joint"}, {"module", a}, {"other", stranger}}});
+  run("verify patch.json --scene scene.json --watch-s 0 --no-touch", 2);
+}
+
+}  // namespace
+}  // namespace triskin::test

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Controllers and jumpers at the lowest price, against a search over all partitions.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <map>
+#include <random>
+
+#include "triskin/design/tile.hpp"
+#include "triskin/geometry/routing.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+struct IslandSet {
+  ModuleGraph graph;
+  std::vector<Jumper> places;
+};
+
+// Two to four random islands of the lattice, and random places of jumpers between their free sides.
+IslandSet random_islands(int modules, std::mt19937_64& random) {
+  IslandSet set;
+  const int islands = std::min(modules, 2 + static_cast<int>(random() % 3));
+  for (int island = 0; island < islands; ++island) {
+    const int base = static_cast<int>(set.graph.nodes.size()), left = islands - island - 1;
+    const int size =
+        left == 0 ? modules - base : 1 + static_cast<int>(random() % static_cast<unsigned>(modules - base - left));
+    std::vector<Tile> tiles{{0, 0, true}};
+    std::map<Tile, int> number{{tiles[0], base}};
+    while (static_cast<int>(tiles.size()) < size) {
+      const Tile next = across(tiles[random() % tiles.size()], static_cast<int>(random() % 3)).tile;
+      if (number.try_emplace(next, base + static_cast<int>(tiles.size())).second) tiles.push_back(next);
+    }
+    for (const Tile& t : tiles) {
+      ModuleGraph::Node node;
+      node.island = island;
+      for (int s = 0; s < 3; ++s) {
+        const auto other = number.find(across(t, s).tile);
+        if (other == number.end()) continue;
+        node.neighbour[static_cast<std::size_t>(s)] = other->second;
+        node.border[static_cast<std::size_t>(s)] = false;
+      }
+      set.graph.nodes.push_back(node);
+    }
+  }
+  ModuleGraph taken = set.graph;
+  for (int tries = static_cast<int>(random() % 12); tries > 0; --tries) {
+    int a = static_cast<int>(random() % taken.nodes.size()), b = static_cast<int>(random() % taken.nodes.size());
+    if (a > b) std::swap(a, b);
+    auto &na = taken.nodes[static_cast<std::size_t>(a)], &nb = taken.nodes[static_cast<std::size_t>(b)];
+    const int sa = static_cast<int>(random() % 3), sb = static_cast<int>(random() % 3);
+    const bool free = na.neighbour[static_cast<std::size_t>(sa)] < 0 && nb.neighbour[static_cast<std::size_t>(sb)] < 0;
+    if (na.island == nb.island || !free || std::ranges::count(na.neighbour, b) > 0) continue;
+    na.neighbour[static_cast<std::size_t>(sa)] = b;
+    nb.neighbour[static_cast<std::size_t>(sb)] = a;
+    set.places.push_back(
+        {{a, b}, {sa, sb}, 1.0 + 0.1 * static_cast<double>(set.places.size()), 0.0, JumperKind::kCable});
+  }
+  return set;
+}
+
+// Number of pieces of a set under the joints of a graph.
+int pieces(const ModuleGraph& g, unsigned set) {
+  int count = 0;
+  while (set != 0) {
+    unsigned seen = set & (~set + 1), front = seen;
+    while (front != 0) {
+      const auto v = static_cast<std::size_t>(std::countr_zero(front));
+      front &= front - 1;
+      for (const int w : g.nodes[v].neighbour) {
+        const unsigned bit = w >= 0 ? 1U << w : 0U;
+        if ((bit & set & ~seen) == 0) continue;
+        seen |= bit;
+        front |= bit;
+      }
+    }
+    set &= ~seen;
+    ++count;
+  }
+  return count;
+}
+
+struct Cheapest {
+  double price;
+  int parts, jumpers;
+  auto operator<=>(const Cheapest&) const = default;
+};
+
+// Over all partitions: the lowest price, then fewest parts; and the fewest parts whatever they cost.
+std::pair<Cheapest, int> by_trying_everything(const IslandSet& set, int capacity, const Price& price) {
+  const ModuleGraph joined = design::with_jumpers(set.graph, set.places);
+  const unsigned all = (1U << set.graph.nodes.size()) - 1;
+  std::vector<Cheapest> best(all + 1, {1e9, 1 << 20, 0});
+  std::vector<int> fewest(all + 1, 1 << 20), jumpers(all + 1, -1);
+  best[0] = {0.0, 0, 0};
+  fewest[0] = 0;
+  for (unsigned part = 1; part <= all; ++part) {
+    if (std::popcount(part) <= capacity && pieces(joined, part) == 1) jumpers[part] = pieces(set.graph, part) - 1;
+  }
+  for (unsigned rest = 1; rest <= all; ++rest) {
+    const unsigned lowest = rest & (~rest + 1);
+    for (unsigned part = rest; part != 0; part = (part - 1) & rest) {
+      if ((part & lowest) == 0 || jumpers[part] < 0) continue;
+      Cheapest with = best[rest & ~part];
+      with.price += price.of(1, jumpers[part], 0);
+      with.parts += 1;
+      with.jumpers += jumpers[part];
+      const bool equal = std::abs(with.price - best[rest].price) < 1e-9;
+      if (equal ? std::pair(with.parts, with.jumpers) < std::pair(best[rest].parts, best[rest].jumpers)
+                : with.price < best[rest].price)
+        best[rest] = with;
+      fewest[rest] = std::min(fewest[rest], fewest[rest & ~part] + 1);
+    }
+  }
+  return {best[all], fewest[all]};
+}
+
+TEST(Cost, five_hundred_island_sets_are_divided_as_cheaply_as_by_trying_everything) {
+  std::mt19937_64 random(20);
+  const std::array<Price, 4> prices{{{2.0, 0.25, 0.1}, {0.0, 0.0, 0.0}, {1.0, 0.75, 0.0}, {0.5, 1.0, 0.0}}};
+  int with_jumpers = 0, saved = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const IslandSet set = random_islands(3 + trial % 9, random);
+    const Price& price = prices[static_cast<std::size_t>(trial) % 4 == 0 ? random() % 4 : 0];
+    RoutingOptions o;
+    o.capacity = 4;
+    o.lines = 2;
+    o.addresses = 2;
+    o.price = price;
+    const RoutingResult r = route(set.graph, set.places, o);
+    const auto [cheapest, fewest] = by_trying_everything(set, o.capacity, price);
+    const int parts = static_cast<int>(r.patches.size()), jumpers = static_cast<int>(r.jumpers.size());
+    ASSERT_NEAR(price.of(parts, jumpers, 0), cheapest.price, 1e-9) << trial;
+    EXPECT_EQ(parts, cheapest.parts) << trial;
+    EXPECT_EQ(jumpers, cheapest.jumpers) << trial;
+    EXPECT_LE(r.lower_bound, fewest) << trial;
+    EXPECT_LE(r.jumpers_lower_bound, jumpers) << trial;
+    EXPECT_TRUE(r.price_proved || price.jumper >= price.controller) << trial;
+    with_jumpers += jumpers > 0 ? 1 : 0;
+    saved += static_cast<int>(route(set.graph, o).patches.size()) > parts ? 1 : 0;
+  }
+  EXPECT_GT(with_jumpers, 150);
+  EXPECT_GT(saved, 150);
+}
+
+TEST(Cost, a_jumper_is_fitted_where_it_costs_less_than_a_controller) {
+  // Two single modules that face each other: alone two controllers; a jumper saves one.
+  ModuleGraph graph;
+  graph.nodes.resize(2);
+  graph.nodes[1].island = 1;
+  const std::vector<Jumper> places{{{0, 1}, {0, 2}, 5.0, 0.0, JumperKind::kCable}};
+  RoutingOptions o;
+  const RoutingResult joined = route(graph, places, o);
+  EXPECT_EQ(joined.patches.size(), 1U);
+  ASSERT_EQ(joined.jumpers.size(), 1U);
+  EXPECT_TRUE(joined.price_proved);
+  // The cable leaves by one of the four free sides, and one module hangs on the other over the jumper.
+  const RoutedModule& hanging = joined.patches[0].modules[1];
+  EXPECT_EQ(hanging.rotation, hanging.node == 0 ? 0 : 2);
+  o.price = {1.0, 1.5, 0.0};
+  EXPECT_EQ(route(graph, places, o).patches.size(), 2U);
+  EXPECT_TRUE(route(graph, places, o).jumpers.empty());
+}
+
+TEST(Cost, three_islands_of_ten_need_two_controllers_and_two_jumpers) {
+  // Strips of ten in a row, joined end to end: 30 modules fit two controllers of 16 only when one strip is parted, so
+  // that four pieces need two jumpers. ⌈n / 16⌉ by island and by number alone would give one.
+  ModuleGraph graph;
+  for (int k = 0; k < 30; ++k) {
+    ModuleGraph::Node node;
+    node.island = k / 10;
+    if (k % 10 > 0) node.neighbour[0] = k - 1;
+    if (k % 10 < 9) node.neighbour[1] = k + 1;
+    node.border = {k % 10 == 0, k % 10 == 9, true};
+    graph.nodes.push_back(node);
+  }
+  const std::vector<Jumper> places{{{9, 10}, {1, 0}, 5.0, 0.0, JumperKind::kCable},
+                                   {{19, 20}, {1, 0}, 5.0, 0.0, JumperKind::kCable}};
+  const RoutingResult r = route(graph, places);
+  EXPECT_EQ(r.patches.size(), 2U);
+  EXPECT_EQ(r.jumpers.size(), 2U);
+  EXPECT_EQ(r.jumpers_lower_bound, 2);
+  EXPECT_TRUE(r.price_proved);
+}
+
+TEST(Cost, the_lines_carry_the_capacitance_of_the_jumpers) {
+  // Two modules on two lines of which each reaches both. By hand: 60 · 0.5 m of cable + 2 of the joint + 10 of the
+  // module + 6 of the module passed = 48 pF; with a jumper of 10 mm 60 · 0.01 + 2 more.
+  ModuleGraph joint, apart;
+  joint.nodes.resize(2);
+  joint.nodes[0].neighbour[0] = 1;
+  joint.nodes[1].neighbour[0] = 0;
+  joint.nodes[0].border[0] = joint.nodes[1].border[0] = false;
+  apart.nodes.resize(2);
+  RoutingOptions o;
+  o.lines = 2;
+  o.addresses = 1;
+  o.capacity = 2;
+  const RoutingResult plain = route(joint, o);
+  const RoutingResult bridged = route(apart, {{{0, 1}, {0, 0}, 10.0, 0.0, JumperKind::kCable}}, o);
+  ASSERT_EQ(bridged.patches.size(), 1U);
+  EXPECT_DOUBLE_EQ(plain.patches[0].lines[0].capacitance_pf, 48.0);
+  EXPECT_DOUBLE_EQ(bridged.patches[0].lines[0].capacitance_pf, 50.6);
+}
+
+TEST(Cost, a_failed_jumper_loses_what_hangs_on_it) {
+  ModuleGraph graph;
+  graph.nodes.resize(3);
+  graph.nodes[0].neighbour[0] = 1;
+  graph.nodes[1].neighbour[0] = 0;
+  graph.nodes[0].border[0] = graph.nodes[1].border[0] = false;
+  graph.nodes[2].island = 1;
+  RoutingOptions o;
+  o.second_entry = o.adoption = false;
+  const RoutingResult r = route(graph, {{{1, 2}, {1, 1}, 8.0, 0.0, JumperKind::kCable}}, o);
+  ASSERT_EQ(r.patches.size(), 1U);
+  int jumper_rows = 0;
+  for (const FailureLoss& f : r.patches[0].failures) {
+    if (std::minmax(f.node, f.other_node) != std::minmax(1, 2)) continue;
+    ++jumper_rows;
+    const int below = f.node == 2 ? 1 : 2;
+    EXPECT_EQ(f.lost_strapped, below);
+    EXPECT_EQ(f.lost_rerouted, below);
+  }
+  EXPECT_EQ(jumper_rows, 1);
+}
+
+}  // namespace
+}  // namespace triskin::geometry

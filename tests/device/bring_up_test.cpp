@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/jobs/bring_up.hpp"
+
+#include "fixture.hpp"
+
+namespace triskin::device {
+namespace {
+
+BringUpOptions over(const scene::Scene& scene) {
+  BringUpOptions options;
+  options.open = [scene] { return std::make_unique<SimLink>(scene); };
+  options.stream_s = 0.5;
+  return options;
+}
+scene::Scene scene_of(int modules) {
+  scene::Scene scene;
+  scene.design = strip(modules);
+  return scene;
+}
+StepOutcome outcome(const std::vector<StepReport>& reports, int step) {
+  return reports.at(static_cast<std::size_t>(step - 1)).outcome;
+}
+
+TEST(BringUp, FreshBoardsPassEveryStepThatALinkShows) {
+  const scene::Scene scene = scene_of(6);
+  const auto reports = bring_up(scene.design, over(scene));
+  ASSERT_EQ(reports.size(), 12U);
+  for (int step = 1; step <= 6; ++step) EXPECT_EQ(outcome(reports, step), StepOutcome::kSkipped) << step;
+  EXPECT_EQ(outcome(reports, 8), StepOutcome::kSkipped);
+  for (const int step : {7, 9, 10, 11, 12})
+    EXPECT_EQ(outcome(reports, step), StepOutcome::kPassed)
+        << step << ": " << reports[static_cast<std::size_t>(step - 1)].found;
+  EXPECT_NE(reports[11].found.find("6 of 6 modules stream"), std::string::npos) << reports[11].found;
+}
+
+TEST(BringUp, APersonIsAskedAboutWhatNoLinkShows) {
+  const scene::Scene scene = scene_of(2);
+  BringUpOptions options = over(scene);
+  std::vector<int> asked;
+  options.ask = [&](const BringUpStep& step) -> StepAnswer {
+    asked.push_back(step.number);
+    if (step.number == 3) return {StepOutcome::kFailed, "RDP = BB"};
+    return {StepOutcome::kPassed, "250 ns"};
+  };
+  const auto reports = bring_up(scene.design, options);
+  EXPECT_EQ(asked, (std::vector<int>{1, 2, 3, 4, 5, 6, 9}));
+  EXPECT_EQ(outcome(reports, 3), StepOutcome::kFailed);
+  EXPECT_NE(reports[8].found.find("250 ns"), std::string::npos);
+  const std::string text = to_markdown(reports, "sim");
+  EXPECT_NE(text.find("| 3 | Read the option bytes (FLASH_OPTR, 0x40022020). | failed | RDP = BB |"),
+            std::string::npos);
+  EXPECT_NE(text.find("## Step 3"), std::string::npos);
+  EXPECT_EQ(text.find("## Step 4"), std::string::npos);
+}
+
+TEST(BringUp, NamesTheStepThatAFaultStops) {
+  scene::Scene scene = scene_of(6);
+  scene.faults = {fault(scene::FaultKind::kRemovedChip, 4)};
+  const auto reports = bring_up(scene.design, over(scene));
+  EXPECT_EQ(outcome(reports, 9), StepOutcome::kPassed);
+  EXPECT_EQ(outcome(reports, 10), StepOutcome::kFailed);
+  EXPECT_NE(reports[9].found.find("5 converters answer"), std::string::npos) << reports[9].found;
+  EXPECT_EQ(outcome(reports, 11), StepOutcome::kFailed);
+  EXPECT_NE(reports[10].found.find("absent_module"), std::string::npos);
+  EXPECT_EQ(outcome(reports, 12), StepOutcome::kFailed);
+}
+
+TEST(BringUp, ATaxelOutOfReachFailsTheLastStep) {
+  scene::Scene scene = scene_of(2);
+  scene::Fault shorted = fault(scene::FaultKind::kSaturatedTaxel, 1);
+  shorted.taxel = 5;
+  scene.faults = {shorted};
+  const auto reports = bring_up(scene.design, over(scene));
+  EXPECT_EQ(outcome(reports, 12), StepOutcome::kFailed);
+  EXPECT_NE(reports[11].found.find("module 1 taxel 5 rests outside"), std::string::npos) << reports[11].found;
+}
+
+TEST(BringUp, WithoutALinkTheStepsThatNeedItAreSkipped) {
+  BringUpOptions options;
+  options.open = []() -> std::unique_ptr<Link> { throw DeviceError("can0: no such interface"); };
+  const auto reports = bring_up(strip(1), options);
+  for (const int step : {7, 8}) EXPECT_EQ(outcome(reports, step), StepOutcome::kFailed) << step;
+  for (int step = 9; step <= 12; ++step) EXPECT_EQ(outcome(reports, step), StepOutcome::kSkipped) << step;
+  EXPECT_NE(reports[6].found.find("no such interface"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace triskin::device

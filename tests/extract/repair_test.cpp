@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Any triangles become a surface that design() takes, and the deviation that is stated is not exceeded.
+// TRISKIN_BROKEN_MESHES=n tries n seeded meshes, each with one or two kinds of damage.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+
+#include "extract/broken_meshes.hpp"
+#include "triskin/geometry/extract.hpp"
+#include "triskin/geometry/mesh_io.hpp"
+#include "triskin/host/error.hpp"
+
+namespace triskin {
+namespace {
+
+using geometry::Extraction;
+using geometry::ExtractOptions;
+using geometry::Mesh;
+using geometry::Vec3;
+namespace fs = std::filesystem;
+
+// Point to triangle by dense search over its two parameters, refined: shares nothing with the solver's regions.
+double distance_to(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const auto to_segment = [&](const Vec3& s, const Vec3& e) {
+    const double length = (e - s).squaredNorm();
+    const double t = length > 0.0 ? std::clamp((p - s).dot(e - s) / length, 0.0, 1.0) : 0.0;
+    return (s + t * (e - s) - p).norm();
+  };
+  double best = std::min({to_segment(a, b), to_segment(b, c), to_segment(c, a)});
+  const Vec3 n = (b - a).cross(c - a);
+  if (!(n.squaredNorm() > 0.0)) return best;
+  const bool inside =
+      (b - a).cross(p - a).dot(n) >= 0.0 && (c - b).cross(p - b).dot(n) >= 0.0 && (a - c).cross(p - c).dot(n) >= 0.0;
+  return inside ? std::min(best, std::abs((p - a).dot(n)) / n.norm()) : best;
+}
+
+double distance_to(const Vec3& p, const Mesh& mesh) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const auto& f : mesh.faces) {
+    const auto& v = mesh.vertices;
+    best = std::min(best, distance_to(p, v[static_cast<std::size_t>(f[0])], v[static_cast<std::size_t>(f[1])],
+                                      v[static_cast<std::size_t>(f[2])]));
+  }
+  return best;
+}
+
+// Largest distance of random points of a mesh to another.
+double sampled_distance(const Mesh& from, const Mesh& to, test::Dice& dice, int samples) {
+  double most = 0.0;
+  for (int k = 0; k < samples; ++k) {
+    const auto& f = from.faces[test::pick(dice, from.faces.size())];
+    double s = test::dice(dice, 0.0, 1.0), t = test::dice(dice, 0.0, 1.0);
+    if (s + t > 1.0) {
+      s = 1.0 - s;
+      t = 1.0 - t;
+    }
+    const auto& v = from.vertices;
+    const Vec3 p = (1.0 - s - t) * v[static_cast<std::size_t>(f[0])] + s * v[static_cast<std::size_t>(f[1])] +
+                   t * v[static_cast<std::size_t>(f[2])];
+    most = std::max(most, distance_to(p, to));
+  }
+  return most;
+}
+
+Mesh read_back(const Mesh& mesh) {
+  const fs::path path = fs::temp_directory_path() / fmt::format("triskin_repair_{}.obj", ::getpid());
+  geometry::write_obj(path, mesh);
+  Mesh result = geometry::read_mesh(path).mesh;
+  fs::remove(path);
+  return result;
+}
+
+struct Case {
+  test::BaseShape shape;
+  std::vector<test::Damage> damages;
+  std::uint64_t seed;
+};
+
+void expect_repaired(const Case& c) {
+  std::string name = fmt::format("{} seed {}", c.shape.name, c.seed);
+  for (const auto& damage : c.damages) name += std::string(" ") + damage.name;
+  SCOPED_TRACE(name);
+  test::Dice dice(c.seed);
+  const Mesh clean = test::grid_of(c.shape.place, 20, 14);
+  // Written and read, so that coincident vertices are welded as those of any file.
+  Mesh broken = read_back(clean);
+  bool keeps_outside = c.shape.convex;
+  for (const auto& damage : c.damages) {
+    damage.make(broken, dice);
+    keeps_outside = keeps_outside && damage.keeps_outside;
+  }
+  const Mesh input = read_back(broken);
+  ExtractOptions options;
+  options.repair = options.keep_usable = true;
+  options.repair_s = 20.0;
+  options.outer = options.wrap = ExtractOptions::When::kWhenNeeded;
+  Extraction e;
+  ASSERT_NO_THROW(e = geometry::extract(input, options));
+  EXPECT_TRUE(geometry::usable(read_back(e.surface)));
+  const auto& d = e.report.deviation;
+  const double slack = 1e-9;
+  const double away = sampled_distance(e.surface, input, dice, 300);
+  EXPECT_LE(away, d.largest_mm + slack) << geometry::kRepairNames.name(e.report.repair);
+  if (keeps_outside && e.report.repair != geometry::Repair::kNone) {
+    EXPECT_LE(sampled_distance(clean, e.surface, dice, 300), d.largest_mm + slack);
+  }
+  if (std::getenv("TRISKIN_REPAIR_TABLE") != nullptr) {
+    fmt::print("{}: {} crossings {} faces {} -> {} stated {:.3f} mean {:.4f} measured {:.3f}\n", name,
+               geometry::kRepairNames.name(e.report.repair), e.report.crossings, input.faces.size(),
+               e.surface.faces.size(), d.largest_mm, d.mean_mm, away);
+  }
+}
+
+class BrokenMeshes : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(BrokenMeshes, become_usable_and_deviate_no_more_than_stated) {
+  const auto shapes = test::base_shapes();
+  const auto damages = test::damages();
+  for (std::size_t k = 0; k < 4; ++k)
+    expect_repaired({shapes[(GetParam() + 3 * k) % shapes.size()], {damages[GetParam()]}, 100 + GetParam()});
+}
+
+INSTANTIATE_TEST_SUITE_P(Damage, BrokenMeshes, testing::Range(std::size_t{0}, test::damages().size()),
+                         [](const auto& p) { return std::string(test::damages()[p.param].name); });
+
+TEST(BrokenMeshesAtRandom, mixed_long) {
+  const char* wanted = std::getenv("TRISKIN_BROKEN_MESHES");
+  const int count = wanted != nullptr ? std::atoi(wanted) : 10;
+  const auto shapes = test::base_shapes();
+  const auto damages = test::damages();
+  test::Dice dice(19);
+  for (int k = 0; k < count; ++k) {
+    Case c{shapes[test::pick(dice, shapes.size())], {damages[test::pick(dice, damages.size())]}, dice() % 100'000};
+    if (k % 2 == 1) c.damages.push_back(damages[test::pick(dice, damages.size())]);
+    expect_repaired(c);
+  }
+}
+
+}  // namespace
+}  // namespace triskin

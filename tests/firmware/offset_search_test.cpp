@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/logic/offset_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+
+namespace triskin::fw {
+namespace {
+
+using Polarity = Ad7147::Polarity;
+
+/// Twelve electrodes at a converter of ± 8 pF with an offset of `step_pf` a step.
+struct Electrodes {
+  std::array<double, 12> pf{};
+  double step_pf = 0.32;
+  [[nodiscard]] ad7147::Results read(const ad7147::Offsets& offsets, Polarity polarity) const {
+    ad7147::Results r{};
+    for (std::size_t t = 0; t < r.size(); ++t) {
+      const double counts = (pf[t] - step_pf * offsets[t]) * 32768.0 / 8.0;
+      const double code = 32768.0 + (polarity == Polarity::kPositive ? counts : -counts);
+      r[t] = static_cast<std::uint16_t>(std::clamp(std::lround(code), 0L, 65535L));
+    }
+    return r;
+  }
+  /// Readings until the offsets stand.
+  [[nodiscard]] int settle(OffsetSearch& search, Polarity polarity) const {
+    int readings = 1;
+    while (search.adjust(read(search.offsets(), polarity), polarity)) ++readings;
+    return readings;
+  }
+};
+
+// By hand: 2 pF at 31 steps (9.92 pF) is 7.92 pF too little, 24.75 steps: 6 steps are 1.92 pF, 0.08 pF of 8 remain.
+TEST(OffsetSearch, OneReadingTellsWhatIsTooMuch) {
+  Electrodes e;
+  e.pf.fill(2.0);
+  OffsetSearch search;
+  search.begin();
+  EXPECT_EQ(search.offsets(), (ad7147::Offsets{31, 31, 31, 31, 31, 31, 31, 31, 31, 31, 31, 31}));
+  EXPECT_EQ(e.read(search.offsets(), Polarity::kNegative)[0], 32768 + 32440);
+  EXPECT_TRUE(search.adjust(e.read(search.offsets(), Polarity::kNegative), Polarity::kNegative));
+  EXPECT_EQ(search.outside(), 0x0FFF);
+  EXPECT_EQ(search.offsets()[0], 6);
+  EXPECT_EQ(e.read(search.offsets(), Polarity::kNegative)[0], 32768 - 328);
+  EXPECT_FALSE(search.adjust(e.read(search.offsets(), Polarity::kNegative), Polarity::kNegative));
+  EXPECT_EQ(search.outside(), 0);
+}
+
+TEST(OffsetSearch, EveryElectrodeOf2To18PfRestsInTheMiddleAfterThreeReadings) {
+  for (const Polarity polarity : {Polarity::kNegative, Polarity::kPositive}) {
+    for (int centi_pf = 200; centi_pf <= 1800; ++centi_pf) {
+      Electrodes e;
+      e.pf.fill(centi_pf / 100.0);
+      OffsetSearch search;
+      search.begin();
+      ASSERT_LE(e.settle(search, polarity), 3) << centi_pf;
+      ASSERT_EQ(search.outside(), 0) << centi_pf;
+      ASSERT_NEAR(e.read(search.offsets(), polarity)[0], 32768, 1311) << centi_pf;
+    }
+  }
+}
+
+// The step of a real chip may be off; so may each electrode.
+TEST(OffsetSearch, AStepThatIsWrongByAFifthCostsReadingsOnly) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> pf(2.0, 18.0);
+  for (const double step_pf : {0.29, 0.35, 0.384}) {
+    for (int n = 0; n < 300; ++n) {
+      Electrodes e;
+      e.step_pf = step_pf;
+      std::ranges::generate(e.pf, [&] { return pf(random); });
+      OffsetSearch search;
+      search.begin();
+      ASSERT_LE(e.settle(search, Polarity::kNegative), OffsetSearch::kMostRounds);
+      ASSERT_EQ(search.outside(), 0) << step_pf;
+    }
+  }
+}
+
+TEST(OffsetSearch, KnownOffsetsStayWhileTheirTaxelRestsInTheMiddleThird) {
+  Electrodes e;
+  e.pf.fill(10.0);
+  ad7147::Offsets known{};
+  known.fill(31);
+  known[3] = 24;  // 2.32 pF off: still inside
+  known[4] = 22;  // 2.96 pF off
+  OffsetSearch search;
+  search.begin(known);
+  EXPECT_EQ(e.settle(search, Polarity::kPositive), 2);
+  known[4] = 31;
+  EXPECT_EQ(search.offsets(), known);
+  EXPECT_EQ(search.outside(), 0);
+}
+
+TEST(OffsetSearch, WhatNoOffsetReachesIsNamed) {
+  Electrodes e;
+  e.pf.fill(10.0);
+  e.pf[2] = 40.0;    // shorted to the shield
+  e.pf[7] = -100.0;  // no electrode
+  OffsetSearch search;
+  search.begin();
+  EXPECT_LE(e.settle(search, Polarity::kNegative), OffsetSearch::kMostRounds);
+  EXPECT_EQ(search.outside(), 1U << 2 | 1U << 7);
+  EXPECT_EQ(search.offsets()[2], 63);
+  EXPECT_EQ(search.offsets()[7], 0);
+  // Known as such it costs no reading more.
+  const ad7147::Offsets found = search.offsets();
+  search.begin(found);
+  EXPECT_EQ(e.settle(search, Polarity::kNegative), 1);
+  EXPECT_EQ(search.outside(), 1U << 2 | 1U << 7);
+}
+
+// Two chips that answer together never settle: the search ends all the same.
+TEST(OffsetSearch, EndsWhenTheResultsDoNotFollow) {
+  OffsetSearch search;
+  search.begin();
+  ad7147::Results low{}, high{};
+  low.fill(100);
+  high.fill(65'000);
+  int readings = 1;
+  while (search.adjust(readings % 2 == 0 ? low : high, Polarity::kNegative)) ++readings;
+  EXPECT_EQ(readings, OffsetSearch::kMostRounds);
+}
+
+}  // namespace
+}  // namespace triskin::fw

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <string_view>
+
+#include "triskin/scene/ad7147.hpp"
+
+namespace triskin::machine {
+
+/// A way to read the data sheet of the converter where it is open (docs/silicon.md).
+struct NamedBehaviour {
+  std::string_view name;
+  scene::Ad7147Behaviour chip;
+};
+inline constexpr std::array<NamedBehaviour, 5> kBehaviours{{
+    {"ConvReset", {}},
+    {"PowerRestarts", {.power_control_restarts = true}},
+    {"Shifted", {.shifted_after_stop = true}},
+    {"LatchedAtEnd", {.latched_at_end = true}},
+    {"AllAtOnce", {.shifted_after_stop = true, .latched_at_end = true, .afe_step_pf = 0.36}},
+}};
+
+/// The one of that name; without such a name the first.
+[[nodiscard]] constexpr const scene::Ad7147Behaviour& behaviour_named(std::string_view name) {
+  for (const NamedBehaviour& b : kBehaviours) {
+    if (b.name == name) return b.chip;
+  }
+  return kBehaviours[0].chip;
+}
+
+}  // namespace triskin::machine

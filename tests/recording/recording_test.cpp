@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Recordings: what was written is read back, also from a file that was cut or damaged anywhere.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "recorded.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::recording {
+namespace {
+
+using test::strip;
+
+// Chunks of a file with the times of their first and last message.
+class Chunks final : public mcap::Visitor {
+ public:
+  void on_message(const mcap::Message& m) override { log_ns.push_back(m.log_ns); }
+  std::vector<std::uint64_t> log_ns;
+};
+
+std::vector<ModuleSample> first(std::uint64_t count, int modules) {
+  std::vector<ModuleSample> samples;
+  for (std::uint64_t k = 0; k < count; ++k) samples.push_back(sample_of(k, modules));
+  return samples;
+}
+
+// Samples of one controller in the order in which they were given: the file groups them by controller.
+std::vector<ModuleSample> of_node(const std::vector<ModuleSample>& all, int node) {
+  std::vector<ModuleSample> some;
+  std::ranges::copy_if(all, std::back_inserter(some),
+                       [&](const ModuleSample& s) { return s.sample.node_address == node; });
+  return some;
+}
+
+TEST(Recording, every_sample_comes_back_as_it_was) {
+  const Folder folder("recording");
+  const design::Design design = strip(20);
+  record_samples(folder / "r.mcap", design, 2'000);
+  Summary summary;
+  const auto read = samples_of(folder / "r.mcap", &summary);
+  const auto written = first(2'000, 20);
+  for (const int node : {1, 2}) EXPECT_EQ(of_node(read, node), of_node(written, node)) << node;
+  EXPECT_EQ(summary.samples, 2'000U);
+  EXPECT_TRUE(summary.file.complete) << summary.file.problem;
+  EXPECT_EQ(summary.result.at("status"), "complete");
+  EXPECT_EQ(summary.facts.at("design_id"), fmt::format("{:016x}", design.design_id));
+  EXPECT_EQ(summary.design_text, origin().design_text);
+}
+
+TEST(Recording, modules_of_one_sample_share_a_message) {
+  const Folder folder("recording");
+  record_samples(folder / "r.mcap", strip(20), 2'000);
+  Chunks chunks;
+  const InputFile file(folder / "r.mcap");
+  (void)mcap::read_file(file, "r.mcap", chunks);
+  EXPECT_EQ(chunks.log_ns.size(), 1U + 2 * 2'000 / 20);  // the layout, and two controllers a sample
+  // 26 bytes are the values and the validity of a module; everything else costs less than once more.
+  EXPECT_LT(file.size(), 2'000U * 2 * 26 + 40'000);
+}
+
+TEST(Recording, a_file_cut_anywhere_is_read_up_to_the_last_whole_chunk_and_recovered) {
+  const Folder folder("recording");
+  const int modules = 2;
+  record_samples(folder / "whole.mcap", strip(modules), 200);  // 3.7 s: eight chunks
+  const std::string whole = triskin::read_file(folder / "whole.mcap");
+  const auto written = first(200, modules);
+  std::size_t before = 0;
+  for (std::size_t size = 3'200; size < whole.size(); size += 131) {
+    write_file_atomically(folder / "cut.mcap", whole.substr(0, size));
+    Summary cut;
+    const auto read = samples_of(folder / "cut.mcap", &cut);
+    ASSERT_FALSE(cut.file.complete) << size;
+    ASSERT_GE(read.size(), before) << size;
+    ASSERT_TRUE(std::equal(read.begin(), read.end(), written.begin())) << size;
+    before = read.size();
+    if (read.empty()) continue;
+    const Recovery r = recover(folder / "cut.mcap", {});
+    ASSERT_FALSE(r.was_complete) << size;
+    Summary recovered;
+    ASSERT_EQ(samples_of(folder / "cut.mcap", &recovered), read) << size;
+    ASSERT_TRUE(recovered.file.complete) << size << recovered.file.problem;
+    ASSERT_TRUE(recover(folder / "cut.mcap", {}).was_complete) << size;
+  }
+  EXPECT_EQ(before, 200U);
+}
+
+// Bytes in memory, of which only the first are there.
+class Cut final : public ByteSource {
+ public:
+  Cut(const std::string& bytes, std::size_t size) : bytes_(bytes), size_(size) {}
+  [[nodiscard]] std::uint64_t size() const override { return size_; }
+  [[nodiscard]] bool read(std::uint64_t offset, std::span<std::uint8_t> into) const override {
+    if (offset + into.size() > size_) return false;
+    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), into.size(), into.begin());
+    return true;
+  }
+
+ private:
+  const std::string& bytes_;
+  std::size_t size_;
+};
+
+TEST(Recording, at_every_length_the_messages_read_are_the_first_ones) {
+  const Folder folder("recording");
+  record_samples(folder / "whole.mcap", strip(2), 60);
+  const std::string whole = triskin::read_file(folder / "whole.mcap");
+  Chunks all;
+  (void)mcap::read_file(Cut(whole, whole.size()), "whole", all);
+  ASSERT_EQ(all.log_ns.size(), 31U);
+  std::size_t before = 0;
+  for (std::size_t size = mcap::kMagic.size(); size < whole.size(); ++size) {
+    Chunks cut;
+    const mcap::ReadReport report = mcap::read_file(Cut(whole, size), "cut", cut);
+    ASSERT_FALSE(report.complete) << size;
+    ASSERT_LE(report.whole_bytes, size);
+    ASSERT_GE(cut.log_ns.size(), before) << size;
+    before = cut.log_ns.size();
+    ASSERT_TRUE(std::equal(cut.log_ns.begin(), cut.log_ns.end(), all.log_ns.begin())) << size;
+  }
+  EXPECT_EQ(before, 31U);
+}
+
+TEST(Recording, a_recovered_file_is_the_file_that_was_cut) {
+  const Folder folder("recording");
+  record_samples(folder / "r.mcap", strip(2), 200);
+  const std::string whole = triskin::read_file(folder / "r.mcap");
+  write_file_atomically(folder / "cut.mcap", whole.substr(0, whole.size() - 30));  // in the footer
+  EXPECT_EQ(recover(folder / "cut.mcap", folder / "new.mcap").messages, recover(folder / "r.mcap", {}).messages);
+  std::string recovered = triskin::read_file(folder / "new.mcap");
+  ASSERT_EQ(recovered.size(), whole.size());
+  // Only the CRC of the data section is left out, which lies behind the head of the record kind 15.
+  const std::size_t data_end = std::mismatch(whole.begin(), whole.end(), recovered.begin()).first - whole.begin();
+  EXPECT_EQ(recovered.substr(data_end, 4), std::string(4, '\0'));
+  recovered.replace(data_end, 4, whole.substr(data_end, 4));
+  EXPECT_EQ(recovered, whole);
+  EXPECT_EQ(triskin::read_file(folder / "cut.mcap").size(), whole.size() - 30) << "the source is not touched";
+}
+
+TEST(Recording, a_flipped_bit_in_a_chunk_ends_the_reading_before_it) {
+  const Folder folder("recording");
+  record_samples(folder / "r.mcap", strip(2), 200);
+  std::string bytes = triskin::read_file(folder / "r.mcap");
+  const std::size_t middle = bytes.size() / 2;
+  bytes[middle] = static_cast<char>(bytes[middle] ^ 4);
+  write_file_atomically(folder / "r.mcap", bytes);
+  Summary summary;
+  const auto read = samples_of(folder / "r.mcap", &summary);
+  EXPECT_FALSE(summary.file.complete);
+  EXPECT_LT(summary.file.whole_bytes, middle);
+  EXPECT_GT(read.size(), 40U);
+  EXPECT_LT(read.size(), 160U);
+}
+
+TEST(Recording, damage_that_is_no_cut_is_not_dropped_in_place) {
+  const Folder folder("recording");
+  record_samples(folder / "r.mcap", strip(64), 64 * 3'000);
+  std::string bytes = triskin::read_file(folder / "r.mcap");
+  ASSERT_GT(bytes.size(), std::size_t{6} << 20);
+  bytes[1'000'000] = static_cast<char>(bytes[1'000'000] ^ 4);
+  write_file_atomically(folder / "r.mcap", bytes);
+  EXPECT_THROW((void)recover(folder / "r.mcap", {}), InputError);
+  EXPECT_EQ(triskin::read_file(folder / "r.mcap"), bytes);
+  const Recovery r = recover(folder / "r.mcap", folder / "new.mcap");
+  EXPECT_GT(r.dropped_bytes, std::size_t{4} << 20);
+  Summary summary;
+  EXPECT_GT(samples_of(folder / "new.mcap", &summary).size(), 1'000U);
+  EXPECT_TRUE(summary.file.complete);
+}
+
+TEST(Recording, other_files_are_refused) {
+  const Folder folder("recording");
+  write_file_atomically(folder / "text.mcap", "no recording at all");
+  EXPECT_THROW((void)samples_of(folder / "text.mcap"), InputError);
+  EXPECT_THROW((void)recover(folder / "text.mcap", {}), InputError);
+  EXPECT_THROW((void)samples_of(folder / "missing.mcap"), InputError);
+}
+
+TEST(Recording, what_waits_for_half_a_second_is_written_also_when_the_link_is_silent) {
+  const Folder folder("recording");
+  const design::Design design = strip(2);
+  OutputFile file(folder / "r.mcap");
+  const auto recorder = make_recorder(Format::kMcap, file, design, origin());
+  recorder->add(sample_of(0, 2));
+  recorder->tick(10'000'000);
+  recorder->tick(10'499'999);
+  EXPECT_EQ(samples_of(folder / "r.mcap").size(), 0U);
+  recorder->tick(10'500'000);
+  EXPECT_EQ(samples_of(folder / "r.mcap").size(), 1U);
+  recorder->add(sample_of(1, 2));
+  recorder->tick(20'000'000);
+  EXPECT_EQ(samples_of(folder / "r.mcap").size(), 1U);
+  recorder->tick(20'500'000);
+  EXPECT_EQ(samples_of(folder / "r.mcap").size(), 2U);
+}
+
+TEST(Recording, a_point_cloud_has_a_point_a_taxel) {
+  const Folder folder("recording");
+  Origin with_cloud = origin();
+  with_cloud.cloud_period_us = 100'000;
+  record_samples(folder / "r.mcap", strip(2), 200, with_cloud);
+  struct Clouds final : mcap::Visitor {
+    void on_schema(const mcap::Schema& s) override {
+      if (s.name == kPointCloudType.name) schema = s.id;
+    }
+    void on_channel(const mcap::Channel& c) override {
+      if (c.schema == schema) channel = c.id;
+    }
+    void on_message(const mcap::Message& m) override {
+      if (m.channel == channel) sizes.push_back(m.data.size());
+    }
+    std::uint16_t schema = 0, channel = 0;
+    std::vector<std::size_t> sizes;
+  } clouds;
+  const InputFile file(folder / "r.mcap");
+  (void)mcap::read_file(file, "r.mcap", clouds);
+  EXPECT_GT(clouds.sizes.size(), 30U);
+  EXPECT_THAT(clouds.sizes, testing::Each(testing::AllOf(testing::Gt(24U * 32), testing::Lt(24U * 32 + 400))));
+}
+
+TEST(OutputFile, is_opened_at_once_and_replaced_by_the_first_byte_only) {
+  const Folder folder("recording");
+  EXPECT_THROW(OutputFile(folder / "nowhere/r.mcap"), InputError);
+  write_file_atomically(folder / "old.mcap", "old");
+  {
+    const OutputFile file(folder / "old.mcap");
+    const OutputFile other(folder / "new.mcap");
+  }
+  EXPECT_EQ(triskin::read_file(folder / "old.mcap"), "old");
+  EXPECT_FALSE(std::filesystem::exists(folder / "new.mcap"));
+  {
+    OutputFile file(folder / "old.mcap");
+    file.write(std::vector<std::uint8_t>{'n'});
+  }
+  EXPECT_EQ(triskin::read_file(folder / "old.mcap"), "n");
+}
+
+TEST(OutputFile, a_full_disk_is_said_with_what_is_there) {
+  OutputFile file("/dev/full");
+  const std::vector<std::uint8_t> bytes(100);
+  try {
+    file.write(bytes);
+    FAIL();
+  } catch (const WriteFailed& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("No space left on device"));
+    EXPECT_THAT(e.what(), testing::HasSubstr("after 0 bytes"));
+  }
+}
+
+}  // namespace
+}  // namespace triskin::recording

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Readers of one bus come, go and die: none of them ends the stream of another.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "shared_skin.hpp"
+#include "triskin/session/stream.hpp"
+
+namespace triskin::device {
+namespace {
+
+using test::SharedSkin;
+using test::strip_scene;
+
+constexpr double kSequence_us = 36'900.0;
+
+/// A program that reads: a link, a bus and a stream of its own.
+class Reader {
+ public:
+  Reader(SharedSkin& hub, int every) : link_(hub), bus_(link_) {
+    StreamOptions options;
+    options.every = every;
+    stream_.emplace(bus_, hub.design(), [this](const ModuleFrame&) { ++frames_; }, options);
+    begin_us_ = bus_.now_us();
+    every_ = every;
+  }
+  void run(std::uint64_t us) { stream_->run_until(bus_.now_us() + us); }
+  void die() {
+    link_.cut();
+    stream_.reset();
+  }
+  /// Ends in order; every sample of the lease must be there.
+  void go(std::size_t modules) {
+    const double seconds_us = static_cast<double>(bus_.now_us() - begin_us_);
+    stream_->finish();
+    const StreamReport r = stream_->report();
+    EXPECT_TRUE(r.complete()) << sentences(r).at(0);
+    EXPECT_EQ(r.total.received, frames_);
+    const double due = static_cast<double>(modules) * seconds_us / kSequence_us / every_;
+    EXPECT_GE(static_cast<double>(r.total.received) + 2.0 * static_cast<double>(modules), 0.95 * due);
+  }
+
+ private:
+  SharedSkin::Client link_;
+  Bus bus_;
+  std::optional<Stream> stream_;
+  std::uint64_t frames_ = 0, begin_us_ = 0;
+  int every_ = 1;
+};
+
+// What was wrong: the reader that ended first switched the streams off; the other had half its data, "0 lost".
+TEST(Leases, the_end_of_one_reader_leaves_the_other_its_stream) {
+  SharedSkin hub(strip_scene(6, 3));
+  hub.flash();
+  Reader long_one(hub, 1);
+  {
+    Reader short_one(hub, 1);
+    for (int k = 0; k < 10; ++k) {
+      short_one.run(50'000);
+      long_one.run(50'000);
+    }
+    short_one.go(6);
+  }
+  for (int k = 0; k < 40; ++k) long_one.run(50'000);
+  long_one.go(6);
+}
+
+TEST(Leases, a_stream_without_reader_ends_by_itself) {
+  SharedSkin hub(strip_scene(3, 3));
+  hub.flash();
+  Reader reader(hub, 1);
+  reader.run(500'000);
+  reader.die();
+  hub.skin().run_until(hub.skin().now_us() + 1'100'000);
+  hub.forget();
+  hub.skin().run_until(hub.skin().now_us() + 500'000);
+  EXPECT_TRUE(hub.on_bus().empty());
+}
+
+TEST(Leases, a_ninth_reader_is_told_so) {
+  SharedSkin hub(strip_scene(3, 3));
+  hub.flash();
+  std::vector<std::unique_ptr<Reader>> readers;
+  for (int k = 0; k < 8; ++k) {
+    readers.push_back(std::make_unique<Reader>(hub, 1));
+    for (auto& r : readers) r->run(1'000);
+  }
+  EXPECT_THROW(Reader(hub, 1), DeviceError);
+  for (auto& r : readers) r->go(3);
+}
+
+// A dead reader keeps its place for a second, so a new one may find none; it is told so then.
+std::unique_ptr<Reader> begin(SharedSkin& hub, std::mt19937_64& random, int& refused) {
+  try {
+    return std::make_unique<Reader>(hub, 1 + static_cast<int>(random() % 3));
+  } catch (const DeviceError&) {
+    ++refused;
+    return nullptr;
+  }
+}
+
+// Seeded: readers with every sample or each second or third one begin, end and die in any order.
+int interleave(SharedSkin& hub, std::mt19937_64& random) {
+  int refused = 0;
+  const std::size_t modules = hub.design().layout.modules.size();
+  std::vector<std::unique_ptr<Reader>> readers;
+  for (int turn = 0; turn < 24; ++turn) {
+    const auto dice = random() % 8;
+    if (dice < 3 && readers.size() < 4) {
+      if (auto reader = begin(hub, random, refused)) readers.push_back(std::move(reader));
+    } else if (dice >= 6 && !readers.empty()) {
+      const auto which = readers.begin() + static_cast<std::ptrdiff_t>(random() % readers.size());
+      if (dice == 6)
+        (*which)->go(modules);
+      else
+        (*which)->die();
+      readers.erase(which);
+    }
+    std::ranges::shuffle(readers, random);
+    for (auto& r : readers) r->run(random() % 30'000);
+  }
+  for (auto& r : readers) r->go(modules);
+  return refused;
+}
+
+TEST(Leases, a_thousand_random_interleavings_lose_nothing) {
+  SharedSkin hub(strip_scene(4, 2));
+  hub.flash();
+  int refused = 0;
+  for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    refused += interleave(hub, random);
+    hub.forget();
+    ASSERT_FALSE(testing::Test::HasFailure());
+  }
+  EXPECT_LT(refused, 500);  // of some 6,000 readers
+}
+
+}  // namespace
+}  // namespace triskin::device

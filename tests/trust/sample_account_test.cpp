@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/session/sample_account.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace triskin::device {
+namespace {
+
+constexpr std::uint64_t kInterval_us = 36'900;
+
+wire::FullTaxels sample(std::uint32_t number, std::uint32_t dropped = 0, std::uint16_t unread = 0) {
+  wire::FullTaxels t;
+  t.sample = number;
+  t.device_time_us = number * kInterval_us;
+  t.valid = 1;
+  t.dropped = dropped;
+  t.unread = unread;
+  return t;
+}
+
+TEST(SampleAccount, a_module_that_was_never_heard_has_lost_all_that_was_due) {
+  SampleAccount a(1, kInterval_us);
+  a.begin(0, {100, 0, 0, 100, 0}, 0);
+  a.end(0, {371, 1, 270, 100, 0}, 10'000'000);
+  const SampleCounts c = a.counts();
+  EXPECT_EQ(c.expected, 271U);
+  EXPECT_EQ(c.received, 0U);
+  EXPECT_EQ(c.unread, 1U);
+  EXPECT_EQ(c.dropped, 270U);
+  EXPECT_EQ(c.lost(), 271U);
+}
+
+TEST(SampleAccount, what_is_none_of_the_lease_counts_for_nothing) {
+  SampleAccount a(2, kInterval_us);
+  EXPECT_FALSE(a.add(sample(8), 0));  // no account yet
+  a.begin(0, {10, 0, 0, 10, 0}, 0);
+  EXPECT_FALSE(a.add(sample(10), 0));  // before
+  EXPECT_FALSE(a.add(sample(11), 0));  // no multiple
+  EXPECT_TRUE(a.add(sample(12), 0));
+  EXPECT_FALSE(a.add(sample(12), 0));  // twice
+  a.end(0, {14, 0, 0, 14, 1}, 0);
+  EXPECT_FALSE(a.complete());
+  EXPECT_TRUE(a.add(sample(14), 0));
+  EXPECT_FALSE(a.add(sample(16), 0));  // after
+  EXPECT_TRUE(a.complete());
+  EXPECT_EQ(a.counts(), (SampleCounts{2, 2, 2, 0, 0, 0, 0}));
+}
+
+TEST(SampleAccount, a_trailer_says_where_a_gap_comes_from) {
+  SampleAccount a(1, kInterval_us);
+  a.begin(0, {65'000, 65'534, 7, 0, 0}, 0);
+  EXPECT_TRUE(a.add(sample(65'001, 7, 65'534), 0));
+  EXPECT_TRUE(a.add(sample(65'010, 9, 1), 0));  // 8 are missing: 2 found no room, 3 were not read, 3 were lost here
+  EXPECT_EQ(a.counts(), (SampleCounts{10, 2, 2, 3, 2, 3, 0}));
+}
+
+TEST(SampleAccount, a_controller_that_began_anew_is_counted_by_its_rate) {
+  SampleAccount a(1, kInterval_us);
+  a.begin(3, {10, 0, 0, 10, 0}, 0);
+  EXPECT_TRUE(a.add(
+      [] {
+        auto t = sample(11);
+        t.starts = 3;
+        return t;
+      }(),
+      36'900));
+  // Heard again 100 intervals later with sample 5: 95 were due that nobody took.
+  auto late = sample(5);
+  late.starts = 1;
+  EXPECT_TRUE(a.add(late, 101 * kInterval_us));
+  const SampleCounts c = a.counts();
+  EXPECT_EQ(c.silent, 95U);
+  EXPECT_EQ(c.received, 2U);
+  EXPECT_EQ(c.on_the_way, 4U);  // 1 … 4 of the new numbers
+  EXPECT_EQ(c.expected, 101U);
+}
+
+TEST(SampleAccount, a_controller_that_does_not_answer_at_the_end_owes_what_was_due) {
+  SampleAccount a(1, kInterval_us);
+  a.begin(0, {10, 0, 0, 10, 0}, 0);
+  EXPECT_TRUE(a.add(sample(11), kInterval_us));
+  a.end_silent(28 * kInterval_us);
+  EXPECT_EQ(a.counts(), (SampleCounts{28, 1, 1, 0, 0, 0, 27}));
+}
+
+// Random fates of each sample, and the counts of the controller that follow from them: the account finds each again.
+TEST(SampleAccount, agrees_with_the_truth_in_a_thousand_random_streams) {
+  for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
+    std::mt19937_64 random(seed);
+    const int every = 1 + static_cast<int>(random() % 3);
+    SampleAccount a(every, kInterval_us);
+    wire::RowAccount controller{static_cast<std::uint32_t>(random() % 100'000), 70'000, 11, 5, 0};
+    a.begin(9, controller, 0);
+    SampleCounts truth;
+    const std::uint32_t last = controller.number + 500;
+    while (controller.number < last) {
+      ++controller.number;
+      if (controller.number % static_cast<std::uint32_t>(every) != 0) continue;
+      ++truth.expected;
+      switch (random() % 8) {
+        case 0:
+          ++controller.unread;
+          ++truth.unread;
+          break;
+        case 1:
+          ++controller.dropped;
+          ++truth.dropped;
+          break;
+        case 2:
+          ++controller.sent;
+          ++truth.on_the_way;
+          break;
+        default: {
+          ++controller.sent;
+          auto t = sample(controller.number, controller.dropped, static_cast<std::uint16_t>(controller.unread));
+          t.starts = 9;
+          ASSERT_TRUE(a.add(t, 0));
+          ++truth.received;
+          ++truth.with_data;
+        }
+      }
+    }
+    a.end(9, controller, 0);
+    ASSERT_EQ(a.counts(), truth) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace triskin::device

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/view/live_skin.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+
+namespace triskin::test {
+namespace {
+
+using view::LiveSkin;
+
+wire::FullTaxels sample_of(std::uint16_t value, std::uint16_t valid = layout::kAllTaxels) {
+  wire::FullTaxels sample;
+  sample.valid = valid;
+  sample.state = wire::ModuleState::kOk;
+  sample.value.fill(value);
+  return sample;
+}
+
+std::uint64_t le(const std::string& bytes, std::size_t at, std::size_t size) {
+  std::uint64_t value = 0;
+  for (std::size_t k = size; k-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + k]);
+  return value;
+}
+
+int change(const std::string& frame, std::size_t record, std::size_t taxel) {
+  const std::size_t at = LiveSkin::kHeaderBytes + record * LiveSkin::kRecordBytes + 8 + 2 * taxel;
+  return static_cast<std::int16_t>(le(frame, at, 2));
+}
+
+TEST(ViewLiveSkin, sends_each_module_once_after_it_changed) {
+  LiveSkin skin(3);
+  std::uint64_t seen = 0;
+  EXPECT_TRUE(skin.frame_since(seen).empty());
+  skin.add(0, sample_of(10), 1'000'000);
+  skin.add(2, sample_of(10), 1'250'000);
+  const std::string frame = skin.frame_since(seen);
+  ASSERT_EQ(frame.size(), LiveSkin::kHeaderBytes + 2 * LiveSkin::kRecordBytes);
+  EXPECT_EQ(le(frame, 2, 2), 2U);
+  EXPECT_EQ(std::bit_cast<double>(le(frame, 8, 8)), 1250.0);
+  EXPECT_EQ(le(frame, 16, 2), 0U);
+  EXPECT_EQ(le(frame, 22, 2), 250U);  // ms older than the newest
+  EXPECT_EQ(le(frame, 48, 2), 2U);
+  EXPECT_TRUE(skin.frame_since(seen).empty());
+  skin.add(1, sample_of(10), 1'300'000);
+  EXPECT_EQ(le(skin.frame_since(seen), 16, 2), 1U);
+}
+
+TEST(ViewLiveSkin, takes_the_median_of_three_valid_samples_for_rest) {
+  LiveSkin skin(1);
+  std::uint64_t seen = 0;
+  skin.add(0, sample_of(9000), 0);  // a finger that was just lifted
+  skin.add(0, sample_of(500), 0);
+  skin.add(0, sample_of(7, 0), 0);  // not valid: does not count
+  EXPECT_EQ(change(skin.frame_since(seen), 0, 3), 0);
+  skin.add(0, sample_of(510), 0);
+  skin.add(0, sample_of(710), 0);
+  EXPECT_EQ(change(skin.frame_since(seen), 0, 3), 200);
+  skin.add(0, sample_of(300), 0);
+  EXPECT_EQ(change(skin.frame_since(seen), 0, 3), -210);
+  skin.add(0, sample_of(300, 0), 0);
+  EXPECT_EQ(change(skin.frame_since(seen), 0, 3), 0);
+}
+
+TEST(ViewLiveSkin, holds_changes_within_16_bits) {
+  LiveSkin skin(1);
+  std::uint64_t seen = 0;
+  for (int n = 0; n < 3; ++n) skin.add(0, sample_of(0), 0);
+  skin.add(0, sample_of(65535), 0);
+  EXPECT_EQ(change(skin.frame_since(seen), 0, 0), 32767);
+}
+
+TEST(ViewLiveSkin, forgets_rest_values_when_asked) {
+  LiveSkin skin(1);
+  std::uint64_t seen = 0;
+  for (int n = 0; n < 3; ++n) skin.add(0, sample_of(100), 0);
+  skin.rest_anew();
+  for (int n = 0; n < 3; ++n) skin.add(0, sample_of(900), 0);
+  EXPECT_EQ(change(skin.frame_since(seen), 0, 0), 0);
+}
+
+TEST(ViewLiveSkin, ignores_modules_that_the_design_lacks) {
+  LiveSkin skin(2);
+  std::uint64_t seen = 0;
+  skin.add(2, sample_of(1), 0);
+  skin.add(-1, sample_of(1), 0);
+  EXPECT_TRUE(skin.frame_since(seen).empty());
+}
+
+}  // namespace
+}  // namespace triskin::test

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The model that the page gets, and the page in one file.
+#include "triskin/view/page.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/strip_design.hpp"
+#include "triskin/host/error.hpp"
+
+namespace triskin::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(ViewModel, has_modules_where_the_design_has_them) {
+  const design::Design d = strip(20, 16);
+  const json model = json::parse(view::model_json(d));
+  ASSERT_EQ(model["modules"].size(), 20U);
+  EXPECT_EQ(model["patches"].size(), 2U);
+  const json& m = model["modules"][5];
+  const auto wiring = design::wiring_of(d);
+  const auto taxels = design::taxels_of(d.layout.modules[5], wiring[5].routed.rotation);
+  for (std::size_t t = 0; t < taxels.size(); ++t) {
+    for (std::size_t x = 0; x < 3; ++x)
+      EXPECT_NEAR(m["taxels"][3 * t + x].get<double>(), taxels[t].position_mm[static_cast<int>(x)], 0.005 + 1e-9);
+  }
+  EXPECT_EQ(m["parent"], 4);
+  EXPECT_EQ(m["line"], 1);
+  EXPECT_EQ(m["address"], 1);
+  EXPECT_EQ(model["modules"][16]["patch"], 1);
+  EXPECT_EQ(model["temperature_pads"], json::array({6, 10}));
+  EXPECT_EQ(m["metrics"].size(), model["metrics"].size());
+}
+
+TEST(ViewPage, keeps_a_name_from_a_file_out_of_the_script) {
+  design::Design d = strip(1);
+  d.name = "</script><script>alert(1)</script>";
+  EXPECT_THAT(view::model_json(d), Not(HasSubstr("<")));
+  EXPECT_EQ(json::parse(view::model_json(d))["name"], d.name);
+}
+
+TEST(ViewPage, is_one_file_that_asks_for_nothing) {
+  if (!view::has_page()) GTEST_SKIP() << "built without three.js";
+  const std::string html = view::page_html(strip(4));
+  EXPECT_THAT(html, HasSubstr("default-src 'none'"));
+  EXPECT_THAT(html, HasSubstr("Permission is hereby granted"));
+  EXPECT_THAT(html, HasSubstr("\"page/three.js\":\"data:text/javascript;base64,"));
+  for (const char* outside : {" src=\"", " href=\"", "@import", "url("})
+    EXPECT_THAT(html, Not(HasSubstr(outside))) << outside;
+}
+
+TEST(ViewPage, embeds_every_file_whole) {
+  ASSERT_TRUE(view::assets().contains("index.html"));
+  EXPECT_TRUE(view::assets().at("index.html").bytes.ends_with("</html>\n"));
+  EXPECT_TRUE(view::assets().at("main.js").bytes.starts_with("// SPDX"));
+  EXPECT_EQ(view::assets().at("main.js").type, "text/javascript; charset=utf-8");
+}
+
+}  // namespace
+}  // namespace triskin::test

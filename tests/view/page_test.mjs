@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The page in headless Chromium. Usage: page_test.mjs CASE TRISKIN WRITE_STRIP CHROMIUM NODE_MODULES
+// Exit status: 0 passed, 1 failed, 77 left out because playwright-core is not installed.
+import assert from "node:assert/strict";
+import {execFileSync, spawn} from "node:child_process";
+import fs from "node:fs";
+import {createRequire} from "node:module";
+import os from "node:os";
+import path from "node:path";
+import {pathToFileURL} from "node:url";
+
+const [name, triskin, writeStrip, chromiumPath, nodeModules] = process.argv.slice(2);
+const MODULES = 40;
+
+function findPlaywright() {
+  for (const folder of [nodeModules, path.join(process.cwd(), "node_modules")]) {
+    try {
+      return createRequire(path.resolve(folder, "x.js"))("playwright-core");
+    } catch {
+      // look in the next folder
+    }
+  }
+  console.log("left out: playwright-core is not installed (tools/setup test installs it where npm is)");
+  process.exit(77);
+}
+if (!fs.existsSync(chromiumPath)) {
+  console.log("left out: Chromium is not installed");
+  process.exit(77);
+}
+const {chromium} = findPlaywright();
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), "page_test."));
+const design = path.join(folder, "strip.json");
+const environment = {...process.env, XDG_STATE_HOME: path.join(folder, "state"), DISPLAY: ""};
+execFileSync(writeStrip, [design, String(MODULES)]);
+
+/** Software WebGL, so that the test needs no GPU. */
+const launch = () => chromium.launch({executablePath: chromiumPath,
+  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]});
+
+/** Opens the page and collects what must not happen: errors, and requests to anywhere else. */
+async function open(browser, url, mayAsk) {
+  const page = await browser.newPage({viewport: {width: 1200, height: 700}, colorScheme: "light"});
+  const wrong = [];
+  page.on("pageerror", (e) => wrong.push(`error: ${e}`));
+  page.on("console", (m) => m.type() === "error" && wrong.push(`console: ${m.text()}`));
+  page.on("request", (r) => mayAsk(r.url()) || wrong.push(`request: ${r.url().slice(0, 80)}`));
+  await page.goto(url);
+  await page.waitForFunction(() => document.documentElement.dataset.ready === "yes", null, {timeout: 60000});
+  return {page, wrong};
+}
+
+/** Colour that is drawn where a taxel (or, −1, the centre) of a module lies: [r, g, b], 0 … 255. */
+const colorAt = (page, view, module, taxel) => page.evaluate(([v, m, t]) => {
+  const triskin = window.triskin, drawing = document.getElementById("drawing");
+  const [x, y] = triskin.placeOf(v, m, t), box = drawing.getBoundingClientRect(), ratio = drawing.width / box.width;
+  triskin.drawing.draw(triskin.views, triskin.shown); // what is drawn is only there in the same task
+  const copy = document.createElement("canvas");
+  copy.width = copy.height = 1;
+  const paint = copy.getContext("2d");
+  paint.drawImage(drawing, Math.round((x - box.left) * ratio), Math.round((y - box.top) * ratio), 1, 1, 0, 0, 1, 1);
+  return Array.from(paint.getImageData(0, 0, 1, 1).data.slice(0, 3));
+}, [view, module, taxel]);
+const isHot = ([r, g, b]) => r > 200 && b < 0.8 * r;
+const isPick = ([r, g, b]) => r > 150 && g < 60 && b > 120;
+
+/** Brings a module to the middle of both views, 0.4 mm a pixel, so that a taxel is some pixels wide. */
+const bringNear = (page, module) => page.evaluate((m) => {
+  const triskin = window.triskin;
+  for (const {name, camera} of triskin.views) {
+    const shape = triskin.model[name], p = shape.corners.subarray(9 * m, 9 * m + 9);
+    camera.focus([0, 1, 2].map((x) => (p[x] + p[3 + x] + p[6 + x]) / 3), Array.from(shape.normals.subarray(3 * m, 3 * m + 3)));
+    camera.zoom(0.4 / camera.mm_per_pixel);
+  }
+  triskin.dirty = true;
+}, module);
+
+/** Clicks the centre of a module as a person would. */
+async function clickModule(page, view, module) {
+  const [x, y] = await page.evaluate(([v, m]) => window.triskin.placeOf(v, m, -1), [view, module]);
+  await page.mouse.click(x, y);
+  return page.evaluate(() => window.triskin.selected);
+}
+
+/** The outline of a module is drawn on its side 0: 1 mm from the side toward the centre. */
+const outlineAt = (page, view, module) => page.evaluate(([v, m]) => {
+  const p = window.triskin.model[v].corners.subarray(9 * m, 9 * m + 9);
+  const f = 1 / 8.66; // the centre is 8.66 mm from a side
+  const at = [0, 1, 2].map((x) => (1 - f) * (p[x] + p[3 + x]) / 2 + f * (p[x] + p[3 + x] + p[6 + x]) / 3);
+  const shown = window.triskin.views.find((w) => w.name === v), drawing = document.getElementById("drawing");
+  const [x, y] = shown.camera.project(at);
+  window.triskin.drawing.draw(window.triskin.views, window.triskin.shown);
+  const copy = document.createElement("canvas");
+  copy.width = copy.height = 1;
+  const ratio = drawing.width / drawing.clientWidth;
+  copy.getContext("2d").drawImage(drawing, Math.round((x + shown.left) * ratio), Math.round((y + shown.top) * ratio), 1, 1, 0, 0, 1, 1);
+  return Array.from(copy.getContext("2d").getImageData(0, 0, 1, 1).data.slice(0, 3));
+}, [view, module]);
+
+async function checkSelection(page) {
+  await bringNear(page, 10);
+  assert.equal(await clickModule(page, "cover", 9), 9, "a click on the cover chooses the module under it");
+  assert.equal(await page.inputValue("#find"), "9");
+  for (const view of ["cover", "flat"]) assert(isPick(await outlineAt(page, view, 9)), `module 9 is outlined: ${view}`);
+  assert.equal(await clickModule(page, "flat", 12), 12, "a click on an island chooses the module under it");
+  for (const view of ["cover", "flat"]) {
+    assert(isPick(await outlineAt(page, view, 12)), `module 12 is outlined: ${view}`);
+    assert(!isPick(await outlineAt(page, view, 9)), `module 9 is not outlined any more: ${view}`);
+  }
+  await page.focus("#pane-cover");
+  await page.keyboard.press("]");
+  assert.equal(await page.evaluate(() => window.triskin.selected), 13, "the key ] chooses the next module");
+  await page.keyboard.press("Escape");
+  assert.equal(await page.evaluate(() => window.triskin.selected), -1);
+  assert.match(await page.textContent("#design"), new RegExp(`modules${MODULES}`));
+}
+
+async function live() {
+  execFileSync(triskin, ["flash", design, "--link", "sim"], {env: environment, stdio: "ignore"});
+  const server = spawn(triskin, ["view", design, "--no-open", "--port", "0"], {env: environment});
+  let printed = "";
+  server.stdout.on("data", (text) => { printed += text; });
+  const ended = new Promise((resolve) => server.on("exit", resolve));
+  while (!printed.includes("\n")) await new Promise((resolve) => setTimeout(resolve, 20));
+  assert.match(printed, /^http:\/\/127\.0\.0\.1:\d+\/[0-9a-f]{32}\/\n$/);
+  const browser = await launch();
+  const origin = new URL(printed.trim()).origin;
+  const {page, wrong} = await open(browser, printed.trim(), (url) => url.startsWith(origin));
+  // Rest values are known after three samples of every module.
+  await page.waitForFunction((n) => window.triskin.live.heard.every((h) => h) && window.triskin.health?.frames > 10 * n, MODULES);
+  await page.evaluate(() => { window.triskin.setMode(1); window.triskin.shown.numbers = false; });
+  await bringNear(page, 7);
+  for (const view of ["cover", "flat"]) assert(!isHot(await colorAt(page, view, 7, 3)), `taxel 3 rests: ${view}`);
+  await page.evaluate(() => window.triskin.link.send({do: "press", module: 7, taxel: 3}));
+  await page.waitForFunction(() => window.triskin.pressed(7).includes(3));
+  for (const view of ["cover", "flat"]) {
+    assert(isHot(await colorAt(page, view, 7, 3)), `the pressed taxel is lit: ${view}`);
+    assert(!isHot(await colorAt(page, view, 11, 3)), `a taxel elsewhere is not: ${view}`);
+  }
+  const contacts = await page.evaluate(() => { window.triskin.contactsAt = 0; window.triskin.showContacts(); return window.triskin.contacts; });
+  const place = await page.evaluate(() => Array.from(window.triskin.model.cover.taxels.slice(36 * 7 + 9, 36 * 7 + 12)));
+  assert.equal(contacts.length, 1, "one finger is one contact");
+  assert.equal(contacts[0].module, 7);
+  assert(Math.hypot(...place.map((v, x) => v - contacts[0].centre[x])) < 4, "the contact lies within a taxel's pitch of the finger");
+  assert.match(await page.textContent("#contacts"), /module 7: \d+ taxels/);
+  await page.evaluate(() => window.triskin.link.send({do: "lift"}));
+  await page.waitForFunction(() => window.triskin.pressed(7).length === 0);
+  assert(!isHot(await colorAt(page, "flat", 7, 3)), "the lifted taxel is dark again");
+  const latencies = (await page.evaluate(() => window.triskin.latencies)).sort((a, b) => a - b);
+  console.log(`sample to screen: least ${latencies[0].toFixed(0)} ms, median ${latencies[latencies.length >> 1].toFixed(0)} ms of ${latencies.length}`);
+  // The least one tells of clocks that disagree or of a queue; the others also of what else this machine does.
+  assert(latencies[0] >= -5 && latencies[0] < 100, "samples are drawn within 100 ms");
+  assert.equal((await page.evaluate(() => window.triskin.health.lost)), 0, "no sample is lost");
+  await checkSelection(page);
+  assert.deepEqual(wrong, []);
+  await page.screenshot({path: path.join(process.cwd(), "page_live.png")});
+  await browser.close();
+  server.kill("SIGINT");
+  assert.equal(await ended, 0, "Ctrl-C ends the command with status 0");
+}
+
+async function offline() {
+  const file = path.join(folder, "strip.html");
+  execFileSync(triskin, ["export", design, "--format", "html", "-o", file], {env: environment, stdio: "ignore"});
+  const browser = await launch();
+  const {page, wrong} = await open(browser, pathToFileURL(file).href, (url) => url.startsWith("file:") || url.startsWith("data:"));
+  assert.equal(await page.isVisible("#live-part"), false, "a page from a file shows no link");
+  await page.evaluate(() => { window.triskin.shown.numbers = false; });
+  await checkSelection(page);
+  assert.deepEqual(wrong, []);
+  await page.screenshot({path: path.join(process.cwd(), "page_offline.png")});
+  await browser.close();
+}
+
+try {
+  await {live, offline}[name]();
+  console.log("1 passed, 0 failed");
+} catch (e) {
+  console.error(e);
+  process.exitCode = 1;
+} finally {
+  fs.rmSync(folder, {recursive: true, force: true});
+}
+setTimeout(() => process.exit(), 1000).unref();
