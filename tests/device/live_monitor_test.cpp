@@ -48,6 +48,8 @@ TEST(TouchMap, modules_that_rest_beside_the_design_are_not_pressed) {
   feed(map, frame(0, layout::kRestCounts - 900, 0));
   feed(map, frame(1, layout::kRestCounts + 900, 0));
   EXPECT_TRUE(map.pressed().empty());
+  feed(map, frame(0, layout::kRestCounts + 8'000, 0));  // a finger that the controller took for rest has gone
+  EXPECT_TRUE(map.pressed().empty());
   feed(map, frame(1, layout::kRestCounts + 900, 250));
   ASSERT_EQ(map.pressed().size(), 1U);
   EXPECT_DOUBLE_EQ(map.pressed()[0].change_counts, 250);

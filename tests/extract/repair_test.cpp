@@ -24,7 +24,7 @@ using geometry::Mesh;
 using geometry::Vec3;
 namespace fs = std::filesystem;
 
-// Point to triangle by dense search over its two parameters, refined: shares nothing with the solver's regions.
+// Point to triangle by its sides and its plane: shares nothing with the regions of the solver.
 double distance_to(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const auto to_segment = [&](const Vec3& s, const Vec3& e) {
     const double length = (e - s).squaredNorm();
@@ -103,7 +103,7 @@ void expect_repaired(const Case& c) {
   ASSERT_NO_THROW(e = geometry::extract(input, options));
   EXPECT_TRUE(geometry::usable(read_back(e.surface)));
   const auto& d = e.report.deviation;
-  const double slack = 1e-9;
+  const double slack = 1e-6;  // mm: the plane of a face 1e-5 mm high is known no better to distance_to()
   const double away = sampled_distance(e.surface, input, dice, 300);
   EXPECT_LE(away, d.largest_mm + slack) << geometry::kRepairNames.name(e.report.repair);
   if (keeps_outside && e.report.repair != geometry::Repair::kNone) {

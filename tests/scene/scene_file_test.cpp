@@ -71,6 +71,18 @@ TEST_F(SceneFile, reads_contacts_faults_and_effects) {
   EXPECT_DOUBLE_EQ(s.effects.electrode_most_pf, 6.5);
 }
 
+TEST_F(SceneFile, a_removed_chip_may_come_and_go) {
+  const Scene s = with(R"("faults":[{"kind":"removed_chip","module":1},
+    {"kind":"removed_chip","module":2,"at_s":1,"until_s":1.5}])");
+  ASSERT_EQ(s.faults.size(), 2U);
+  EXPECT_EQ(s.faults[0].from_us, 0U);
+  EXPECT_EQ(s.faults[0].until_us, kForever);
+  EXPECT_EQ(s.faults[1].from_us, 1'000'000U);
+  EXPECT_EQ(s.faults[1].until_us, 1'500'000U);
+  EXPECT_NE(error_with(R"("faults":[{"kind":"removed_chip","module":2,"at_s":2,"until_s":2}])").find("until_s"),
+            std::string::npos);
+}
+
 TEST_F(SceneFile, names_what_is_wrong) {
   const std::pair<const char*, const char*> cases[] = {
       {R"("fault":[])", "key \"fault\" is unknown"},

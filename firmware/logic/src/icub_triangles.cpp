@@ -32,6 +32,8 @@ void set_taxel(wire::IcubTaxels& out, std::size_t taxel, int rise, int no_load, 
 }  // namespace
 
 void IcubTriangles::read(std::size_t row, const ModuleSample& sample) {
+  if (sample.compensation.restarts() != restarts_[row]) known_[row] = 0;  // the converter has other offsets now
+  restarts_[row] = sample.compensation.restarts();
   for (std::size_t t = 0; t < sample.raw.size(); ++t) {
     const auto bit = static_cast<std::uint16_t>(1U << t);
     if ((sample.valid & ~known_[row] & bit) == 0) continue;

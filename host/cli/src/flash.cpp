@@ -12,6 +12,7 @@
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/jobs/firmware_update.hpp"
+#include "triskin/jobs/offset_report.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::cli {
@@ -68,6 +69,21 @@ std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
   return fmt::format("{} bytes written and read back{}", p.bytes, address);
 }
 
+bool settled(const device::PatchOffsets& patch) {
+  return std::ranges::none_of(patch.offsets.rows(), [](const wire::ModuleOffsets& m) {
+    return m.state == wire::OffsetState::kNone || m.state == wire::OffsetState::kSearching;
+  });
+}
+
+// With a new table each controller looks for the offsets of its converters, and keeps them. That is over before the
+// command ends, so that what touches the skin later is not taken for its rest.
+void wait_for_offsets(device::Bus& bus, const design::Design& design) {
+  constexpr std::uint64_t kMost_us = 1'500'000, kPause_us = 100'000;
+  const std::uint64_t end_us = bus.now_us() + kMost_us;
+  while (bus.now_us() < end_us && !std::ranges::all_of(device::read_offsets(bus, design), settled))
+    bus.listen(bus.now_us() + kPause_us);
+}
+
 int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   options.flash.route = device::parse_route(options.route);
@@ -84,6 +100,8 @@ int run(Options options, Output& output) {
   device::Bus bus(*link);
   options.flash.say = [&](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
   const device::FlashResult r = device::flash(bus, design, options.flash, output.progress());
+  const bool any_written = std::ranges::any_of(r.patches, &device::FlashResult::Patch::written);
+  if (any_written && !options.flash.dry_run) wait_for_offsets(bus, design);
   nlohmann::json updated = nlohmann::json::array();
   if (firmware) updated = update_all(bus, *firmware, options, output);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -4,12 +4,16 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
 #include "offset_lines.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/cli/stream_options.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/host/files.hpp"
+#include "triskin/jobs/verify_report.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -19,6 +23,7 @@ struct Options {
   device::LinkOptions link;
   device::VerifyOptions verify;
   bool no_touch = false;
+  std::string report;
 };
 
 nlohmann::json to_json(const device::Finding& f) {
@@ -29,6 +34,7 @@ nlohmann::json to_json(const device::Finding& f) {
   if (f.line >= 0) j["line"] = f.line;
   if (f.address >= 0) j["address"] = f.address;
   if (f.taxel >= 0) j["taxel"] = f.taxel;
+  if (!f.place.empty()) j["place"] = f.place;
   return j;
 }
 
@@ -39,7 +45,28 @@ bool ask_person(int module) {
   return std::getline(std::cin, line) && line != "s";
 }
 
+std::string extension_of(const std::string& file) {
+  return std::filesystem::path(file).extension().string();
+}
+
+// Before the hardware is asked: minutes of pressing are not lost for a wrong name.
+void check_report(const std::string& file) {
+  const std::string extension = extension_of(file);
+  if (file.empty() || extension == ".txt" || extension == ".html" || extension == ".json") return;
+  throw InputError(fmt::format("--report {}: the extension says the format: .txt, .html (to print) or .json", file));
+}
+
+void write_report(const std::string& file, const design::Design& design, const device::VerifyResult& result,
+                  const nlohmann::json& json) {
+  if (file.empty()) return;
+  const std::string extension = extension_of(file);
+  write_output(file, extension == ".html"  ? device::report_html(design, result)
+                     : extension == ".txt" ? device::report_text(design, result)
+                                           : json.dump(1) + "\n");
+}
+
 int run(Options options, Output& output) {
+  check_report(options.report);
   const design::Design design = design::read_intact_design(options.design);
   const auto link = device::open_link(options.link, &design);
   // The virtual finger costs nobody anything, so it always tries every module.
@@ -50,7 +77,8 @@ int run(Options options, Output& output) {
   nlohmann::json findings = nlohmann::json::array();
   for (const auto& f : r.findings) {
     findings.push_back(to_json(f));
-    output.say(fmt::format("{}: {}\n    {}", device::kFindingKindNames.name(f.kind), f.text, f.remedy));
+    const std::string place = f.place.empty() ? "" : fmt::format("\n    on the cover: {}", f.place);
+    output.say(fmt::format("{}: {}{}\n    {}", device::kFindingKindNames.name(f.kind), f.text, place, f.remedy));
   }
   nlohmann::json earlier = nlohmann::json::array();
   for (const auto& f : r.earlier) {
@@ -64,6 +92,7 @@ int run(Options options, Output& output) {
     add_stream_keys(*r.stream, output);
     for (const std::string& line : sentences(*r.stream)) output.say(line);
   }
+  write_report(options.report, design, r, output.result);
   output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched,
                          r.findings.size()));
   return r.findings.empty() ? 0 : 1;
@@ -80,6 +109,7 @@ const Registration kVerify{{
       app.add_flag("--touch", options->verify.touch,
                    "press every module in turn; simulated links have a finger of their own and always do");
       app.add_flag("--no-touch", options->no_touch, "only ask, also on a simulated link");
+      app.add_option("--report", options->report, "also write a report: FILE.txt, FILE.html to print, or FILE.json");
       app.add_option("--watch-s", options->verify.watch_s, "least time in which faults that come and go are collected")
           ->check(CLI::Range(0.0, 86400.0))
           ->capture_default_str();

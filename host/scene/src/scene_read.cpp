@@ -131,7 +131,10 @@ class Reader {
   void read_keys(const JsonValue& v, Fault& f) const {
     switch (f.kind) {
       case FaultKind::kRemovedChip:
-        only_keys(v, {"kind", "module"});
+        only_keys(v, {"kind", "module", "at_s", "until_s"});
+        if (has(v, "at_s")) f.from_us = time_us(v["at_s"]);
+        if (has(v, "until_s")) f.until_us = time_us(v["until_s"]);
+        if (f.until_us <= f.from_us) v["until_s"].fail("must be later than \"at_s\"");
         break;
       case FaultKind::kMovedChip:
         only_keys(v, {"kind", "module", "line", "address"});

@@ -101,15 +101,18 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
     int patch, line, address;
     std::uint16_t device_id = Ad7147::kDeviceId;
     bool present = true;
+    std::uint64_t away_from_us = kForever, away_until_us = kForever;
   };
   std::vector<Place> places;
   for (const auto& w : design::wiring_of(scene.design)) {
-    places.push_back({w.patch, w.routed.line, w.routed.address, Ad7147::kDeviceId, w.patch >= 0});
+    Place place{w.patch, w.routed.line, w.routed.address};
+    place.present = w.patch >= 0;
+    places.push_back(place);
   }
   for (const Fault& f : scene.faults) {
     if (f.module < 0) continue;
     Place& place = places[static_cast<std::size_t>(f.module)];
-    if (f.kind == FaultKind::kRemovedChip) place.present = false;
+    if (f.kind == FaultKind::kRemovedChip) place.away_from_us = f.from_us, place.away_until_us = f.until_us;
     if (f.kind == FaultKind::kWrongId) place.device_id = static_cast<std::uint16_t>(f.value);
     if (f.kind == FaultKind::kMovedChip) place.line = f.line, place.address = f.address;
     if (f.kind == FaultKind::kSwappedChips) {
@@ -123,11 +126,12 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
     const Place& place = places[m];
     chips_.push_back(std::make_unique<Ad7147>(modules_[m], place.device_id));
     chips_.back()->set_behaviour(scene.effects.converter);
-    if (!place.present) continue;
+    if (!place.present || (place.away_from_us == 0 && place.away_until_us == kForever)) continue;
     if (switched != nullptr && switched->present())
       attach(*chips_.back(), static_cast<int>(m), place.patch, *switched);
     else
-      line(place.patch, place.line).attach(*chips_.back(), layout::cdc_address(place.address));
+      line(place.patch, place.line)
+          .attach(*chips_.back(), layout::cdc_address(place.address), place.away_from_us, place.away_until_us);
   }
 }
 

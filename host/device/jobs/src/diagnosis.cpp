@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
+#include "cover_place.hpp"
 #include "triskin/jobs/topology.hpp"
 #include "verification.hpp"
 
@@ -12,11 +14,30 @@ namespace triskin::device {
 
 using wire::ModuleState;
 
-Diagnosis::Diagnosis(const design::Design& design, const std::vector<PatchState>& patches,
-                     std::vector<TouchOutcome> touches)
-    : design_(design), patches_(patches), touches_(std::move(touches)), wiring_(design::wiring_of(design)) {}
+namespace {
+
+constexpr int kManyTaxels = 6;  // of one module at their ends: it is one fault, not many
+
+// One cause for many modules is likelier than a cause for each; a wrong map is likelier than dead hardware.
+int likelihood_rank(FindingKind kind) {
+  static constexpr std::array kOrder{
+      FindingKind::kWrongPatch,        FindingKind::kSwappedLines,       FindingKind::kMirroredPatch,
+      FindingKind::kStuckLine,         FindingKind::kMissingJoint,       FindingKind::kSaggingSupply,
+      FindingKind::kLooseJoint,        FindingKind::kWrongOrder,         FindingKind::kSwappedModules,
+      FindingKind::kWrongAddress,      FindingKind::kDuplicateAddress,   FindingKind::kRotatedModule,
+      FindingKind::kWrongId,           FindingKind::kAbsentModule,       FindingKind::kNoTouchResponse,
+      FindingKind::kLostConfiguration, FindingKind::kIntermittentModule, FindingKind::kSaturatedTaxel,
+      FindingKind::kFrozenTaxel,       FindingKind::kTouchedOtherModule, FindingKind::kUnexpectedChip};
+  return static_cast<int>(std::ranges::find(kOrder, kind) - kOrder.begin());
+}
+
+}  // namespace
+
+Diagnosis::Diagnosis(const design::Design& design, std::vector<PatchState> patches, std::vector<TouchOutcome> touches)
+    : design_(design), patches_(std::move(patches)), touches_(std::move(touches)), wiring_(design::wiring_of(design)) {}
 
 void Diagnosis::run(VerifyResult& result) {
+  examine_cables();
   for (const PatchState& p : patches_) {
     if (!p.usable) {
       for (std::size_t row = 0; row < p.image.module_count; ++row) bad_.insert(p.module(row));
@@ -29,12 +50,14 @@ void Diagnosis::run(VerifyResult& result) {
     }
     examine_topology(p);
     examine_lines(p);
-    examine_modules(p);
     examine_history(p);
+    examine_modules(p);
+    examine_mirrored(p);
   }
-  examine_touches();
+  for (const TouchOutcome& t : touches_) examine_touch(t);
   result.earlier = examine_earlier();
   result.modules_ok = result.modules - static_cast<int>(bad_.size());
+  std::ranges::stable_sort(findings_, {}, [](const Finding& f) { return likelihood_rank(f.kind); });
   result.findings.insert(result.findings.end(), findings_.begin(), findings_.end());
 }
 
@@ -54,7 +77,10 @@ Finding& Diagnosis::add(FindingKind kind, int module, int patch, std::string tex
   f.patch = patch;
   f.text = std::move(text);
   f.remedy = std::move(remedy);
-  if (module >= 0) bad_.insert(module);
+  if (module >= 0) {
+    bad_.insert(module);
+    f.place = place_on_cover(design_, module);
+  }
   return findings_.emplace_back(std::move(f));
 }
 
@@ -156,7 +182,7 @@ void Diagnosis::examine_modules(const PatchState& p) {
   examine_absent(p, absent);
 }
 
-// Two chips answer at one address: most likely the absent module's straps differ least from it.
+// Two chips answer at one address: one of them is the absent module that explains most.
 void Diagnosis::examine_doubled(const PatchState& p, std::vector<std::size_t>& absent,
                                 const std::vector<std::size_t>& doubled) {
   for (const std::size_t row : doubled) {
@@ -168,10 +194,7 @@ void Diagnosis::examine_doubled(const PatchState& p, std::vector<std::size_t>& a
           "compare the straps of the modules with the assembly sheet");
       continue;
     }
-    const auto best = std::ranges::min_element(
-        absent, {}, [&](std::size_t a) { return strap_difference(p.image.modules[a], {r.line, r.address}); });
-    add_duplicate(p, *best, module);
-    absent.erase(best);
+    add_duplicate(p, take_likeliest(p, absent, {r.line, r.address}), module);
   }
 }
 
@@ -205,6 +228,18 @@ void Diagnosis::examine_taxels(const PatchState& p, std::size_t row) {
     return;
   }
   const unsigned valid = p.now.modules[row].valid;
+  int at_end = 0;
+  for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
+    const std::uint16_t raw = p.now.modules[row].value[t];
+    at_end += (valid >> t & 1) == 0 && (raw == 0 || raw == 0xFFFF) ? 1 : 0;
+  }
+  if (at_end >= kManyTaxels) {
+    explained_.insert(module);
+    add(FindingKind::kSaturatedTaxel, module, p.patch,
+        fmt::format("{}: {} taxels are at the end of their range", where(module), at_end),
+        "look for a short of the shield or of the converter's reference; else replace the module");
+    return;
+  }
   for (int t = 0; t < layout::kTaxelsPerModule; ++t) {
     if ((valid >> t & 1) != 0) continue;
     const std::uint16_t raw = p.now.modules[row].value[static_cast<std::size_t>(t)];
@@ -235,31 +270,69 @@ std::vector<Diagnosis::Place> Diagnosis::unexpected(const PatchState& p) const {
   return places;
 }
 
-// A module that does not answer where it should: somewhere else, on top of another one, or nowhere.
+// What is left to explain when the module of `row` sits at `place`: causes first, then straps that differ.
+double Diagnosis::cost_of_taking(const PatchState& p, const std::vector<std::size_t>& rows, std::size_t row,
+                                 const Place& place) const {
+  constexpr double kStrap = 0.3;
+  std::set<int> left;
+  for (const std::size_t r : rows) {
+    if (r != row) left.insert(p.module(r));
+  }
+  return static_cast<double>(branches(p, left).size()) + kStrap * strap_difference(p.image.modules[row], place);
+}
+
+std::size_t Diagnosis::take_likeliest(const PatchState& p, std::vector<std::size_t>& rows, const Place& place) const {
+  const auto best =
+      std::ranges::min_element(rows, {}, [&](std::size_t row) { return cost_of_taking(p, rows, row, place); });
+  const std::size_t row = *best;
+  rows.erase(best);
+  return row;
+}
+
+void Diagnosis::add_wrong_address(const PatchState& p, std::size_t row, const Place& place) {
+  const int module = p.module(row);
+  const layout::ModuleRow& r = p.image.modules[row];
+  Finding& f = add(FindingKind::kWrongAddress, module, p.patch,
+                   fmt::format("{}: nothing answers there, but a chip answers at {}, where the design has none",
+                               where(module), at(place.line, place.address)),
+                   fmt::format("solder the straps of module {} to {}", module, at(r.line, r.address)));
+  f.line = place.line;
+  f.address = place.address;
+}
+
+// Modules that do not answer where they should: on top of another one, somewhere else, behind a broken joint, or dead.
 void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_t>& rows) {
-  std::vector<Place> elsewhere = unexpected(p);
+  std::vector<std::size_t> open;
   for (const std::size_t row : rows) {
     const int module = p.module(row);
-    const layout::ModuleRow& r = p.image.modules[row];
-    const TouchOutcome* touch = touch_of(module);
     explained_.insert(module);
+    const TouchOutcome* touch = touch_of(module);
     // A neighbour that feels the rim of the finger is no answer: the chip's own pads would all have moved.
-    if (touch != nullptr && touch->whole && touch->answered != module) {
+    if (touch != nullptr && touch->whole && touch->answered >= 0 && touch->answered != module)
       add_duplicate(p, row, touch->answered);
+    else
+      open.push_back(row);
+  }
+  std::vector<Place> elsewhere = unexpected(p);
+  while (!elsewhere.empty() && !open.empty()) {
+    const auto cost = [&](const Place& place) {
+      double least = std::numeric_limits<double>::max();
+      for (const std::size_t row : open) least = std::min(least, cost_of_taking(p, open, row, place));
+      return least;
+    };
+    const auto place = std::ranges::min_element(elsewhere, {}, cost);
+    add_wrong_address(p, take_likeliest(p, open, *place), *place);
+    elsewhere.erase(place);
+  }
+  std::set<int> silent;
+  for (const std::size_t row : open) silent.insert(p.module(row));
+  for (const Branch& b : branches(p, silent)) {
+    if (b.members.size() > 1) {
+      add_branch(FindingKind::kMissingJoint, p, b, "no chip answers of " + behind(b),
+                 "check this joint or cable first: one break explains all of them");
       continue;
     }
-    if (!elsewhere.empty()) {
-      const auto best = std::ranges::min_element(elsewhere, {}, [&](const Place& q) { return strap_difference(r, q); });
-      Finding& f = add(FindingKind::kWrongAddress, module, p.patch,
-                       fmt::format("{}: nothing answers there, but a chip answers at {}, where the design has none",
-                                   where(module), at(best->line, best->address)),
-                       fmt::format("solder the straps of module {} to {}", module, at(r.line, r.address)));
-      f.line = best->line;
-      f.address = best->address;
-      elsewhere.erase(best);
-      continue;
-    }
-    add(FindingKind::kAbsentModule, module, p.patch, where(module) + ": no chip answers",
+    add(FindingKind::kAbsentModule, b.module, p.patch, where(b.module) + ": no chip answers",
         touches_.empty() ? "check the module, its joint and its straps; verify --touch tells whether it sits on "
                            "another module's address"
                          : "replace the module, or check its joint to the parent");
@@ -295,12 +368,42 @@ std::optional<Finding> Diagnosis::remembered(const PatchState& p, const wire::Fa
   return f;
 }
 
+// One cause for all modules behind a joint; the others each for themselves.
 void Diagnosis::examine_history(const PatchState& p) {
+  std::set<int> away, dipped;
   for (const wire::FaultRecord& fault : p.faults.faults()) {
     const auto f = remembered(p, fault);
     if (!f) continue;
-    add(f->kind, f->module, f->patch, f->text, f->remedy);
-    explained_.insert(f->module);
+    const auto line = static_cast<std::size_t>(wiring_[static_cast<std::size_t>(f->module)].routed.line);
+    const bool freed = p.line_states.lines[line].recoveries > 0;  // the line was held low: that is told already
+    if (f->kind == FindingKind::kLostConfiguration)
+      dipped.insert(f->module);
+    else if (!freed)
+      away.insert(f->module);
+  }
+  for (const int m : away) dipped.erase(m);  // who was unplugged lost its supply too
+  examine_dips(p, away, dipped);
+}
+
+void Diagnosis::examine_dips(const PatchState& p, const std::set<int>& away, const std::set<int>& dipped) {
+  for (const Branch& b : branches(p, away)) {
+    if (b.members.size() > 1)
+      add_branch(FindingKind::kLooseJoint, p, b, "went and came back together: " + behind(b),
+                 "look for a loose contact there");
+    else
+      add(FindingKind::kIntermittentModule, b.module, p.patch,
+          where(b.module) + ": answers now, but did not for some time", "check its joints for a loose contact");
+    explained_.insert(b.members.begin(), b.members.end());
+  }
+  for (const Branch& b : branches(p, dipped)) {
+    if (b.members.size() > 1)
+      add_branch(FindingKind::kSaggingSupply, p, b, "lost their configuration together: " + behind(b),
+                 "measure the supply there: it sags along the tree; shorten the way or feed it from another side");
+    else
+      add(FindingKind::kLostConfiguration, b.module, p.patch,
+          where(b.module) + ": its chip lost its configuration and was set up again",
+          "check the supply of the module: its power dips");
+    explained_.insert(b.members.begin(), b.members.end());
   }
 }
 
@@ -314,44 +417,6 @@ std::vector<Finding> Diagnosis::examine_earlier() const {
     }
   }
   return earlier;
-}
-
-void Diagnosis::examine_touches() {
-  for (const TouchOutcome& t : touches_) {
-    const int patch = wiring_[static_cast<std::size_t>(t.module)].patch;
-    if (t.answered == t.module) {
-      for (int taxel = 0; taxel < layout::kTaxelsPerModule; ++taxel) {
-        const bool reported =
-            std::ranges::any_of(findings_, [&](const Finding& f) { return f.module == t.module && f.taxel == taxel; });
-        if ((t.silent_taxels >> taxel & 1) == 0 || reported) continue;
-        add(FindingKind::kFrozenTaxel, t.module, patch,
-            fmt::format("{}: taxel {} does not change under a finger, the others do", where(t.module), taxel),
-            "look for a broken trace to the pad")
-            .taxel = taxel;
-      }
-      continue;
-    }
-    if (explained_.contains(t.module)) continue;  // absent, on a stuck line, or the other half of a swap
-    if (t.answered < 0) {
-      add(FindingKind::kNoTouchResponse, t.module, patch,
-          where(t.module) + ": answers, but none of its taxels changes under a finger",
-          "press it again; then replace the module");
-      continue;
-    }
-    const TouchOutcome* back = touch_of(t.answered);
-    const bool swapped = back != nullptr && back->answered == t.module;
-    Finding& f = swapped ? add(FindingKind::kSwappedModules, t.module, patch,
-                               fmt::format("{} and {} are swapped: pressing one moves the taxels of the other",
-                                           where(t.module), where(t.answered)),
-                               "exchange their straps, or their places")
-                         : add(FindingKind::kTouchedOtherModule, t.module, patch,
-                               fmt::format("{} was to be pressed, {} answered", where(t.module), where(t.answered)),
-                               "press the right module, or compare the straps of both with the assembly sheet");
-    f.other = t.answered;
-    if (!swapped) continue;
-    bad_.insert(t.answered);
-    explained_.insert(t.answered);
-  }
 }
 
 }  // namespace triskin::device

@@ -2,7 +2,6 @@
 #include "triskin/jobs/touch_map.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace triskin::device {
 
@@ -25,7 +24,8 @@ TouchMap::TouchMap(const design::Design& design, const RestValues& rest)
 void TouchMap::settle(Taxel& taxel) const {
   std::ranges::sort(taxel.first);
   const double median = taxel.first[kRestSamples / 2];
-  const bool at_rest = !by_design_ || std::abs(median - layout::kRestCounts) <= kRestBand_counts;
+  // Nothing but rest is above: pressure lowers the value.
+  const bool at_rest = !by_design_ || median >= layout::kRestCounts - kRestBand_counts;
   taxel.rest = at_rest ? median : layout::kRestCounts;
   taxel.follows = by_design_ && at_rest;
 }
@@ -89,11 +89,10 @@ std::vector<PressedTaxel> TouchMap::pressed() const {
     bool posed = false;
     const auto changes = change(static_cast<int>(k));
     for (std::size_t t = 0; t < changes.size(); ++t) {
-      const double size = std::abs(changes[t]);
-      if (size < kPressed_counts) continue;
+      if (changes[t] < kPressed_counts) continue;
       if (!posed) poses = design::taxels_of(design_.layout.modules[k], wiring_[k].routed.rotation);
       posed = true;
-      pressed.push_back({static_cast<int>(k), static_cast<int>(t), size, poses[t].position_mm, poses[t].normal});
+      pressed.push_back({static_cast<int>(k), static_cast<int>(t), changes[t], poses[t].position_mm, poses[t].normal});
     }
   }
   std::ranges::sort(pressed, std::greater{}, &PressedTaxel::change_counts);

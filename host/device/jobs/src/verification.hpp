@@ -36,12 +36,14 @@ struct TouchOutcome {
   int answered = -1;           ///< module whose taxels changed most; -1: none
   bool whole = false;          ///< as many of its taxels changed as a finger on its centre presses
   unsigned silent_taxels = 0;  ///< bit t: a pressure taxel of the module that did not change while most others did
+  int turned = 0;              ///< steps of 120° by which a tip on one taxel shows it turned; 0 also when not tried
 };
 
 /// Presses the modules of all usable patches; waits for a person where the link has no finger.
 class TouchTest {
  public:
-  TouchTest(Bus& bus, std::vector<PatchState>& patches) : bus_(bus), patches_(patches) {}
+  TouchTest(Bus& bus, const design::Design& design, std::vector<PatchState>& patches)
+      : bus_(bus), design_(design), patches_(patches), wiring_(design::wiring_of(design)) {}
   /// Empty: the person skipped the module.
   std::optional<TouchOutcome> press(int module, const PatchState& patch, const VerifyOptions& options);
   void finish();
@@ -53,24 +55,51 @@ class TouchTest {
     int module = -1;
     double strength = 0.0;
     unsigned changed = 0;  // bit t
+    int taxel = -1;        // that changed most
+    double taxel_counts = 0.0;
   };
   [[nodiscard]] Response strongest(const PatchState& patch) const;
   Response strongest_anywhere(const PatchState& first);
+  [[nodiscard]] Response response_of(const PatchState& patch, std::size_t row, const wire::LiveTaxels& now) const;
+  [[nodiscard]] int turned(Finger& finger, int module, const PatchState& patch);
 
   Bus& bus_;
+  const design::Design& design_;
   std::vector<PatchState>& patches_;
+  std::vector<design::ModuleWiring> wiring_;
 };
 
-/// Turns what was asked into findings. Pure: no link.
+/// Turns what was asked into findings. Pure: no link. First the cables: exchanged ones are told, and everything else is
+/// read as if they were plugged right, so that one mistake does not hide another. Then the modules, in groups that one
+/// cause explains. The likeliest explanation stands first.
 class Diagnosis {
  public:
-  Diagnosis(const design::Design& design, const std::vector<PatchState>& patches, std::vector<TouchOutcome> touches);
+  Diagnosis(const design::Design& design, std::vector<PatchState> patches, std::vector<TouchOutcome> touches);
   void run(VerifyResult& result);
 
  private:
   struct Place {
     int line = 0, address = 0;
   };
+  /// Modules that one joint, cable or supply explains: `module` and all below it.
+  struct Branch {
+    int module = -1, parent = -1;
+    std::vector<int> members;
+  };
+  [[nodiscard]] std::vector<Branch> branches(const PatchState& p, const std::set<int>& modules) const;
+  [[nodiscard]] std::string behind(const Branch& branch) const;
+  void add_branch(FindingKind kind, const PatchState& p, const Branch& branch, const std::string& text,
+                  const std::string& remedy);
+  [[nodiscard]] double cost_of_taking(const PatchState& p, const std::vector<std::size_t>& rows, std::size_t row,
+                                      const Place& place) const;
+  std::size_t take_likeliest(const PatchState& p, std::vector<std::size_t>& rows, const Place& place) const;
+  void examine_cables();
+  void examine_mirrored(const PatchState& p);
+  void examine_touch(const TouchOutcome& t);
+  [[nodiscard]] std::vector<int> ring_from(int module) const;
+  void examine_silent_taxels(const TouchOutcome& t, int patch);
+  void add_wrong_address(const PatchState& p, std::size_t row, const Place& place);
+  void examine_dips(const PatchState& p, const std::set<int>& away, const std::set<int>& dipped);
   void examine_lines(const PatchState& p);
   void examine_modules(const PatchState& p);
   void examine_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled);
@@ -90,7 +119,7 @@ class Diagnosis {
   Finding& add(FindingKind kind, int module, int patch, std::string text, std::string remedy);
 
   const design::Design& design_;
-  const std::vector<PatchState>& patches_;
+  std::vector<PatchState> patches_;
   std::vector<TouchOutcome> touches_;
   std::vector<design::ModuleWiring> wiring_;
   std::vector<Finding> findings_;

@@ -156,10 +156,10 @@ void ask_all(Bus& bus, std::vector<PatchState>& patches, const std::function<voi
   }
 }
 
-std::vector<TouchOutcome> touch_all(Bus& bus, std::vector<PatchState>& patches, const VerifyOptions& options,
-                                    const ProgressSink& progress) {
+std::vector<TouchOutcome> touch_all(Bus& bus, const design::Design& design, std::vector<PatchState>& patches,
+                                    const VerifyOptions& options, const ProgressSink& progress) {
   std::vector<TouchOutcome> outcomes;
-  TouchTest test(bus, patches);
+  TouchTest test(bus, design, patches);
   test.take_rest();
   std::size_t total = 0;
   for (const PatchState& p : patches) total += p.usable ? p.image.module_count : 0;
@@ -220,7 +220,7 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
     report(progress, "asked", 1.0, fmt::format("patch {}", p.patch), p.patch);
   });
   std::vector<TouchOutcome> touches;
-  if (options.touch) touches = touch_all(bus, patches, options, progress);
+  if (options.touch) touches = touch_all(bus, design, patches, options, progress);
   const auto watch_us = static_cast<std::uint64_t>(std::max(0.0, options.watch_s) * 1e6);
   const auto as_designed = [](const PatchState& p) { return p.usable && !p.on_backup; };
   if (bus.link().fd() && std::ranges::all_of(patches, as_designed)) {
@@ -230,7 +230,7 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
   }
   ask_all(bus, patches, read_patch);
   result.touched = static_cast<int>(touches.size());
-  Diagnosis(design, patches, std::move(touches)).run(result);
+  Diagnosis(design, std::move(patches), std::move(touches)).run(result);
   return result;
 }
 

@@ -46,7 +46,8 @@ Stream::Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOp
     for (auto& [address, node] : nodes_) begin(address, node);
   } catch (...) {
     bus_.on_stream({});
-    throw;  // what was leased ends by itself
+    give_back();
+    throw;
   }
 }
 
@@ -198,13 +199,22 @@ void Stream::finish() {
     renew_when_due();
     for (auto& [address, node] : nodes_) end(address, node);
     wait_for_rest();
-    send_lease(0);
-  } catch (const Error&) {  // the link is gone, and the lease ends by itself
+  } catch (const Error&) {  // the link is gone
     for (auto& [address, node] : nodes_) {
       for (SampleAccount& c : node.counts) c.end_silent(bus_.now_us());
     }
   }
+  give_back();
   bus_.on_stream({});
+}
+
+// On a dead link the lease ends by itself.
+void Stream::give_back() {
+  try {
+    send_lease(0);
+  } catch (const Error&) {
+    return;
+  }
 }
 
 StreamReport Stream::report() const {

@@ -24,7 +24,12 @@ class Compensation {
   static constexpr std::int32_t kRest = 0x8000;
 
   /// The next reading becomes the baseline.
-  void restart() { started_ = false; }
+  void restart() {
+    started_ = false;
+    ++restarts_;
+  }
+  /// Counts restart(), from 0 again after 255: who keeps a value at rest of his own compares it.
+  [[nodiscard]] std::uint8_t restarts() const { return restarts_; }
   /// How much of the pads' change a taxel shows, −2 … 2 in units of 2^-kGainBits; 1 at first.
   void set_gain(std::size_t taxel, std::int16_t gain) { gain_[taxel] = gain; }
   /// One reading; `valid` has a bit a taxel. Cost: about 20 instructions a taxel.
@@ -49,6 +54,7 @@ class Compensation {
   std::uint16_t known_ = 0;  // bit t: taxel t has a baseline
   Taxels output_{};
   bool started_ = false;
+  std::uint8_t restarts_ = 0;
 };
 
 }  // namespace triskin::fw

@@ -21,6 +21,12 @@ class I2cLineModel final : public sim::I2cBus {
   void attach(Ad7147& chip, std::uint8_t address) { chips_.push_back({&chip, address}); }
   /// Connects a chip whose place changes: `address_now` gives its 7-bit address, −1 while it is not on this line.
   void attach(Ad7147& chip, std::function<int()> address_now) { chips_.push_back({&chip, 0, std::move(address_now)}); }
+  /// Connects a chip that does not answer from `from_us` until `until_us`, exclusive: its joint has a loose contact.
+  void attach(Ad7147& chip, std::uint8_t address, std::uint64_t from_us, std::uint64_t until_us) {
+    attach(chip, [this, address, from_us, until_us] {
+      return now_us_ >= from_us && now_us_ < until_us ? -1 : static_cast<int>(address);
+    });
+  }
   /// Both signals are low while `held` returns true; replaces an earlier function.
   void hold_while(std::function<bool()> held) { held_ = std::move(held); }
   /// Holds the signal low from virtual time `at_us`. SDA is released after `frees_after_pulses` pulses on SCL (0:

@@ -29,7 +29,7 @@ struct Contact {
 
 /// What is wrong with the simulated hardware (docs/scene.md describes each kind and its keys).
 enum class FaultKind {
-  kRemovedChip,        ///< module
+  kRemovedChip,        ///< module; from_us … until_us: the time for which it is away
   kMovedChip,          ///< module, line, address: straps soldered wrongly
   kSwappedChips,       ///< module, other: each sits at the other's place
   kStuckLine,          ///< patch, line, signal, frees_after_pulses

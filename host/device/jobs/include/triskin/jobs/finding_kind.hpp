@@ -33,6 +33,11 @@ enum class FindingKind {
   kNoTouchResponse,     ///< no taxel changes when the module is pressed
   kTouchedOtherModule,  ///< another module answers when it is pressed
   kSwappedModules,      ///< two modules sit at each other's place
+  kWrongOrder,          ///< three modules or more sit at each other's places
+  kMirroredPatch,       ///< a patch is mounted as its mirror image, or turned
+  kSwappedLines,        ///< two lines of a patch are exchanged at its cable
+  kLooseJoint,          ///< all modules behind a joint or cable were away together
+  kSaggingSupply,       ///< all modules behind a joint or cable lost their configuration
 
   kMissingModule,  ///< of the design, not found
   kExtraModule,    ///< found, fits nowhere in the design
@@ -44,7 +49,7 @@ enum class FindingKind {
 };
 
 /// Names in reports and in --json.
-inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 27>{{
+inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 32>{{
     {FindingKind::kAbsentController, "absent_controller"},
     {FindingKind::kDuplicateController, "duplicate_controller"},
     {FindingKind::kNotFlashed, "not_flashed"},
@@ -65,6 +70,11 @@ inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, s
     {FindingKind::kNoTouchResponse, "no_touch_response"},
     {FindingKind::kTouchedOtherModule, "touched_other_module"},
     {FindingKind::kSwappedModules, "swapped_modules"},
+    {FindingKind::kWrongOrder, "wrong_order"},
+    {FindingKind::kMirroredPatch, "mirrored_patch"},
+    {FindingKind::kSwappedLines, "swapped_lines"},
+    {FindingKind::kLooseJoint, "loose_joint"},
+    {FindingKind::kSaggingSupply, "sagging_supply"},
     {FindingKind::kMissingModule, "missing_module"},
     {FindingKind::kExtraModule, "extra_module"},
     {FindingKind::kMissingJoint, "missing_joint"},

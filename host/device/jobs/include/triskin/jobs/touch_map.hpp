@@ -22,7 +22,7 @@ using RestValues = std::vector<std::array<double, layout::kTaxelsPerModule>>;
 
 /// Knows the rest value of every taxel and lists the taxels under pressure. Rest values are those that were given, or
 /// taken by tare(). Without them a taxel rests where a module rests by its design (layout::kRestCounts): if its first
-/// valid values are within kRestBand_counts of that, their median is its rest value, which then follows it upwards;
+/// valid values are at most kRestBand_counts below that, their median is its rest value, which then follows it upwards;
 /// else it is under pressure from the start. Not thread-safe.
 class TouchMap {
  public:
@@ -42,7 +42,7 @@ class TouchMap {
   [[nodiscard]] RestValues rest() const;
   /// Pressure of each taxel of a module: by how many counts it reads below rest; 0 where it is not known.
   [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change(int module) const;
-  /// Taxels whose latest value differs from rest by kPressed_counts or more, strongest first.
+  /// Taxels whose latest value is below rest by kPressed_counts or more, strongest first.
   [[nodiscard]] std::vector<PressedTaxel> pressed() const;
 
  private:

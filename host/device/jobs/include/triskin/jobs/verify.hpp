@@ -22,6 +22,7 @@ struct Finding {
   int line = -1;   ///< where it was found, or the line itself
   int address = -1;
   int taxel = -1;
+  std::string place;  ///< of the module on the cover ("row 3, left rim"); empty without one
   std::string text;
   std::string remedy;
 };
@@ -48,7 +49,7 @@ struct VerifyResult {
 };
 
 /// Compares the hardware with the design: controllers, tables, modules, taxels, joints. Clears the fault memories of
-/// the controllers. Takes watch_s at least, with touch 0.1 s a module on a simulated link. Progress has a part for each
+/// the controllers. Takes watch_s at least, with touch 0.2 s a module on a simulated link. Progress has a part for each
 /// patch. Throws DeviceError when no controller answers or one stops answering, InputError when the design does not fit
 /// into tables, Cancelled when the process was asked to end.
 VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions& options,

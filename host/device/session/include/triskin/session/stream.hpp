@@ -78,6 +78,7 @@ class Stream {
   void choose_rate(const StreamOptions& options);
   void begin(std::uint8_t address, Node& node);
   void send_lease(std::uint8_t lasts_10ms);
+  void give_back();
   void renew_when_due();
   void watch();
   void handle(const wire::CanFrame& frame);

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "triskin/jobs/verify.hpp"
+
+namespace triskin::device {
+
+/// What a verification found, one finding after the other: what, where on the cover, what to do. UTF-8, ends with a
+/// line that counts. Cost: linear.
+[[nodiscard]] std::string report_text(const design::Design& design, const VerifyResult& result);
+/// The same as a page to print (HTML without references to other files): a drawing of the lattice on which the modules
+/// of the findings are marked with the finding's number, and a table. Cost: linear.
+[[nodiscard]] std::string report_html(const design::Design& design, const VerifyResult& result);
+
+}  // namespace triskin::device

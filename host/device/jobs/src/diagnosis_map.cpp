@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which module sits where: cables, order, rotation, and what hangs behind one joint.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "cable_map.hpp"
+#include "verification.hpp"
+
+namespace triskin::device {
+namespace {
+
+constexpr double kSameDistance_mm = 2.0;  // an isometry of a patch on a curved cover
+
+}  // namespace
+
+void Diagnosis::examine_cables() {
+  CableMap map(patches_.size());
+  const auto concern = [&](int patch, int line) {
+    for (const auto& m : design_.patches[static_cast<std::size_t>(patch)].modules) {
+      if (line < 0 || m.line == line) bad_.insert(m.node);
+    }
+  };
+  for (const CableExplanation& e : explain_cables(map, design_, patches_, touches_)) {
+    if (e.other < 0) {
+      add(FindingKind::kSwappedLines, -1, e.patch,
+          fmt::format("patch {}: lines {} and {} are exchanged: modules of one answer on the other", e.patch, e.line_a,
+                      e.line_b),
+          "exchange the two lines at the patch's cable")
+          .line = e.line_a;
+      concern(e.patch, e.line_a);
+      concern(e.patch, e.line_b);
+      continue;
+    }
+    add(FindingKind::kWrongPatch, -1, e.patch,
+        fmt::format("patches {} and {}: each is plugged into the controller of the other", e.patch, e.other),
+        "exchange the cables of the two controllers");
+    concern(e.patch, -1);
+    concern(e.other, -1);
+  }
+  Observation o = read_through(map, design_, patches_, touches_);
+  patches_ = std::move(o.patches);
+  touches_ = std::move(o.touches);
+}
+
+// Greatest subtrees of the patch that consist of `modules` only; a module whose subtree is not whole stands alone.
+std::vector<Diagnosis::Branch> Diagnosis::branches(const PatchState& p, const std::set<int>& modules) const {
+  const auto& tree = design_.patches[static_cast<std::size_t>(p.patch)].modules;
+  std::map<int, bool> whole;
+  for (auto m = tree.rbegin(); m != tree.rend(); ++m) {  // children stand behind their parents
+    const auto [own, fresh] = whole.try_emplace(m->node, true);
+    own->second = own->second && modules.contains(m->node);
+    if (m->parent >= 0) {
+      const auto [parent, first] = whole.try_emplace(m->parent, true);
+      parent->second = parent->second && own->second;
+    }
+  }
+  std::vector<Branch> found;
+  std::map<int, std::size_t> branch_of;
+  for (const auto& m : tree) {
+    if (!modules.contains(m.node)) continue;
+    const auto above = branch_of.find(m.parent);
+    if (above != branch_of.end() && whole[m.parent]) {
+      found[above->second].members.push_back(m.node);
+      branch_of[m.node] = above->second;
+      continue;
+    }
+    branch_of[m.node] = found.size();
+    found.push_back({m.node, m.parent, {m.node}});
+  }
+  return found;
+}
+
+std::string Diagnosis::behind(const Branch& b) const {
+  const std::string from = b.parent < 0 ? std::string("the cable of the patch")
+                                        : fmt::format("the joint of modules {} and {}", b.parent, b.module);
+  return fmt::format("the {} modules behind {} ({})", b.members.size(), from, fmt::join(b.members, ", "));
+}
+
+void Diagnosis::add_branch(FindingKind kind, const PatchState& p, const Branch& b, const std::string& text,
+                           const std::string& remedy) {
+  add(kind, b.module, p.patch, fmt::format("patch {}: {}", p.patch, text), remedy).other = b.parent;
+  bad_.insert(b.members.begin(), b.members.end());
+  explained_.insert(b.members.begin(), b.members.end());
+}
+
+// Most modules answer at other places, and these lie like the modules themselves, seen in a mirror or turned.
+void Diagnosis::examine_mirrored(const PatchState& p) {
+  std::vector<const TouchOutcome*> whole;
+  std::size_t moved = 0;
+  for (const TouchOutcome& t : touches_) {
+    const auto patch_of = [&](int module) { return wiring_[static_cast<std::size_t>(module)].patch; };
+    if (!t.whole || t.answered < 0 || patch_of(t.module) != p.patch || patch_of(t.answered) != p.patch) continue;
+    whole.push_back(&t);
+    moved += t.answered != t.module ? 1 : 0;
+  }
+  if (moved < 4 || 5 * moved < 3 * whole.size()) return;
+  const auto distance_mm = [&](int a, int b) {
+    const auto centre = [&](int m) {
+      const auto& c = design_.layout.modules[static_cast<std::size_t>(m)].corner_mm;
+      return design::Vec3((c[0] + c[1] + c[2]) / 3.0);
+    };
+    return (centre(a) - centre(b)).norm();
+  };
+  for (const TouchOutcome* a : whole) {
+    for (const TouchOutcome* b : whole) {
+      if (std::abs(distance_mm(a->module, b->module) - distance_mm(a->answered, b->answered)) > kSameDistance_mm)
+        return;
+    }
+  }
+  add(FindingKind::kMirroredPatch, -1, p.patch,
+      fmt::format("patch {}: it is mounted as its mirror image, or turned: {} of {} modules answer for others", p.patch,
+                  moved, whole.size()),
+      "compare the patch with the assembly sheet; it may belong to the other side of the robot");
+  for (const TouchOutcome* t : whole) {
+    bad_.insert(t->module);
+    explained_.insert(t->module);
+  }
+}
+
+void Diagnosis::examine_silent_taxels(const TouchOutcome& t, int patch) {
+  for (int taxel = 0; taxel < layout::kTaxelsPerModule; ++taxel) {
+    const bool reported =
+        std::ranges::any_of(findings_, [&](const Finding& f) { return f.module == t.module && f.taxel == taxel; });
+    if ((t.silent_taxels >> taxel & 1) == 0 || reported) continue;
+    add(FindingKind::kFrozenTaxel, t.module, patch,
+        fmt::format("{}: taxel {} does not change under a finger, the others do", where(t.module), taxel),
+        "look for a broken trace to the pad")
+        .taxel = taxel;
+  }
+}
+
+// Modules that answer for each other in a ring: pressing one moves the next, and the last moves the first. Empty: none.
+std::vector<int> Diagnosis::ring_from(int module) const {
+  std::vector<int> ring{module};
+  while (true) {
+    const TouchOutcome* const t = touch_of(ring.back());
+    if (t == nullptr || !t->whole || t->answered < 0) return {};
+    if (t->answered == module) return ring;
+    if (std::ranges::find(ring, t->answered) != ring.end()) return {};
+    ring.push_back(t->answered);
+  }
+}
+
+void Diagnosis::examine_touch(const TouchOutcome& t) {
+  const int patch = wiring_[static_cast<std::size_t>(t.module)].patch;
+  if (t.answered == t.module) {
+    examine_silent_taxels(t, patch);
+    if (t.turned == 0 || explained_.contains(t.module)) return;
+    add(FindingKind::kRotatedModule, t.module, patch,
+        fmt::format("{}: is turned by {}°: a tip on one taxel moves another", where(t.module), 120 * t.turned),
+        "turn the module back, or compare it with the assembly sheet");
+    return;
+  }
+  if (explained_.contains(t.module)) return;  // absent, on a stuck line, or the other half of a swap
+  if (t.answered < 0 || !t.whole) {           // a neighbour that feels the rim of the finger is no answer
+    add(FindingKind::kNoTouchResponse, t.module, patch,
+        where(t.module) + ": answers, but none of its taxels changes under a finger",
+        "press it again; then replace the module");
+    return;
+  }
+  const std::vector<int> ring = ring_from(t.module);
+  if (ring.size() > 2) {
+    add(FindingKind::kWrongOrder, t.module, patch,
+        fmt::format("patch {}: modules {} are in the wrong order: pressing each moves the next, the last moves the "
+                    "first",
+                    patch, fmt::join(ring, ", ")),
+        "compare the straps of these modules with the assembly sheet")
+        .other = t.answered;
+  } else if (ring.size() == 2) {
+    add(FindingKind::kSwappedModules, t.module, patch,
+        fmt::format("{} and {} are swapped: pressing one moves the taxels of the other", where(t.module),
+                    where(t.answered)),
+        "exchange their straps, or their places")
+        .other = t.answered;
+  } else {
+    add(FindingKind::kTouchedOtherModule, t.module, patch,
+        fmt::format("{} was to be pressed, {} answered", where(t.module), where(t.answered)),
+        "press the right module, or compare the straps of both with the assembly sheet")
+        .other = t.answered;
+  }
+  bad_.insert(ring.begin(), ring.end());
+  explained_.insert(ring.begin(), ring.end());
+}
+
+}  // namespace triskin::device
