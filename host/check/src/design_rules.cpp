@@ -111,6 +111,7 @@ void check_report(const CheckedDesign& d, Findings& f) {
 DesignReport check_design(const std::filesystem::path& path) {
   const CheckedDesign design = read_checked_design(path);
   DesignReport report;
+  report.corner_cut_mm = design.corner_cut;
   report.modules = design.modules.size();
   Findings findings(report);
   check_limits(design.limits, !design.jumpers.empty(), report, findings);

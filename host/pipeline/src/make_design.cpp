@@ -10,6 +10,7 @@
 #include "choose_layout.hpp"
 #include "triskin/design/module_list.hpp"
 #include "triskin/design/outline.hpp"
+#include "triskin/geometry/bend_seams.hpp"
 #include "triskin/geometry/extract.hpp"
 #include "triskin/geometry/jumpers.hpp"
 #include "triskin/geometry/map_modules.hpp"
@@ -56,6 +57,7 @@ geometry::Net pieces_of(const geometry::Surface& surface, const DesignOptions& o
                         const ProgressSink& progress) {
   geometry::UnfoldingOptions unfolding;
   unfolding.edge_error_mm = options.limits.edge_error_mm;
+  if (options.bend_radius_mm > 0.0) unfolding.seams = geometry::seams_along_bends(surface, options.bend_radius_mm);
   const double end_s =
       seconds_since(start) + kUnfoldingShare * std::max(0.0, options.time_limit_s - seconds_since(start));
   if (options.iterations == 0) unfolding.give_up = [=] { return seconds_since(start) > end_s; };

@@ -25,6 +25,10 @@ int run(const std::string& path, Output& output) {
                    {"rule_names", report.rules},
                    {"limits", std::move(limits)},
                    {"violations", std::move(violations)}};
+  if (report.corner_cut_mm > 0.0) {
+    output.result["corner_cut_mm"] = report.corner_cut_mm;
+    output.say(fmt::format("modules measured with corners cut by {:g} mm", report.corner_cut_mm));
+  }
   // A design that breaks rules may have no modules that could be counted.
   if (report.violations.empty()) add_bus_keys(design::read_design(path).layout.modules.size(), output);
   output.say(fmt::format("{} rules checked, {} violations", report.rules.size(), report.violations.size()));

@@ -178,6 +178,10 @@ const Registration kDesign{{
           ->check(CLI::Range(0.01, 10.0))
           ->capture_default_str();
       add_corner_cut(app, options->design.corner_cut_mm);
+      app.add_option("--bend-radius-mm", options->design.bend_radius_mm,
+                     "part the pieces from what bends more than this, as the reference paper does at 50 (0: no)")
+          ->check(CLI::Range(0.0, 1e4))
+          ->capture_default_str();
       app.add_option("--jumper-mm", l.jumper_mm, "limit of a jumper's length along the surface (0: no jumpers)")
           ->check(CLI::Range(0.0, 100.0))
           ->capture_default_str();

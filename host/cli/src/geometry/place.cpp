@@ -64,6 +64,7 @@ nlohmann::json result_of(const geometry::Polygon& polygon, const geometry::Place
   if (options.placement.corner_cut_mm > 0.0) add_cut(r, geometry::polygon_area(polygon), options, output, result);
   nlohmann::json tiles = nlohmann::json::array();
   for (const geometry::Tile& t : r.tiles) tiles.push_back({{"i", t.i}, {"j", t.j}, {"up", t.up}});
+  for (std::size_t k = 0; k < r.tile_weights.size(); ++k) tiles[k]["weight"] = r.tile_weights[k];
   result["tiles"] = std::move(tiles);
   if (r.pivoted) {
     const geometry::Vec2& pivot = polygon.outer.at(static_cast<std::size_t>(r.pivoted->vertex));
@@ -215,9 +216,10 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("!--no-clearance", options.placement.largest_clearance,
                "do not look for the placement with the largest clearance");
   app.add_flag("--connected", options.placement.connected, "the most modules that hang together by sides (method bnb)");
-  app.add_option("--weights", options.weights,
-                 "JSON raster of what a module is worth by its place (docs/placement.md): the largest sum, not "
-                 "number (method bnb)");
+  app.add_option(
+      "--weights", options.weights,
+      "JSON raster or regions of what a module is worth by its place, less what it weighs (docs/placement.md): "
+      "the largest sum, not number (method bnb)");
   app.add_flag("--deficit", options.placement.deficit,
                "also how far the sides of modules must give way for one module more (method bnb)");
   app.add_option("--proof", options.proof, "write a log that check-proof accepts or rejects (method bnb)");

@@ -8,6 +8,7 @@
 #include "mesh_options.hpp"
 #include "net_picture.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/geometry/bend_seams.hpp"
 #include "triskin/geometry/extract.hpp"
 #include "triskin/geometry/unfolding.hpp"
 #include "triskin/host/files.hpp"
@@ -20,6 +21,7 @@ using nlohmann::json;
 struct Options {
   std::string surface, output, picture, seams, uncut;
   UnitOption unit;
+  double bend_radius_mm = 0.0;
   geometry::UnfoldingOptions unfolding;
 };
 
@@ -55,6 +57,11 @@ int run(Options options, Output& output) {
   if (!options.uncut.empty())
     options.unfolding.uncut =
         edges_along(surface, geometry::read_seams(options.uncut, options.unit.unit), options.uncut);
+  if (options.bend_radius_mm > 0.0) {
+    const auto bends = geometry::seams_along_bends(surface, options.bend_radius_mm);
+    options.unfolding.seams.insert(options.unfolding.seams.end(), bends.begin(), bends.end());
+    output.say(fmt::format("{} edges cut along what bends more than {:g} mm", bends.size(), options.bend_radius_mm));
+  }
   const geometry::Net net = geometry::unfold(surface, options.unfolding, output.progress());
   write_output(options.output, net_json(net).dump() + "\n");
   if (!options.picture.empty()) write_output(options.picture, net_svg(surface, net, options.unfolding.edge_error_mm));
@@ -88,6 +95,10 @@ const Registration kUnfold{{
           ->capture_default_str();
       app.add_option("--seams", options->seams, "OBJ with polylines (v, l): cut the surface open along them");
       app.add_option("--no-seams", options->uncut, "OBJ with polylines (v, l): never cut there");
+      app.add_option("--bend-radius-mm", options->bend_radius_mm,
+                     "also cut around what bends more than this, as the reference paper does at 50 (0: no)")
+          ->check(CLI::Range(0.0, 1e4))
+          ->capture_default_str();
       app.add_option("--darts", options->unfolding.darts, "most cuts into a piece before it is divided instead")
           ->check(CLI::Range(0, 100))
           ->capture_default_str();

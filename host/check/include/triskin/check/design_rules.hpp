@@ -21,6 +21,7 @@ struct DesignReport {
   std::vector<std::string> rules;  ///< every rule that was checked
   std::vector<Violation> violations;
   std::vector<std::pair<std::string, double>> limits;  ///< of the file, name and value: what was measured against
+  double corner_cut_mm = 0.0;                          ///< of the modules that were measured; 0: whole triangles
 };
 
 /// Checks every rule of a design file against the mesh that the file holds. Shares no code with the solvers: own

@@ -93,6 +93,7 @@ struct PlacementResult {
   Placement placement;
   std::optional<paper::PivotedPlacement> pivoted;  ///< methods R1 … R7: the placement as the paper has it
   std::vector<Tile> tiles;                         ///< grid triangles wholly inside, sorted
+  std::vector<double> tile_weights;                ///< with weights: that of each of `tiles`
   std::int64_t evaluations = 0;
   std::int64_t cells = 0;
   double search_seconds = 0.0;  ///< of that until value and bound stood

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "triskin/geometry/weight_regions.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/host/json_cause.hpp"
@@ -146,9 +147,29 @@ WeightMap::Jet WeightMap::at(const Vec2& p_mm) const {
   return jet;
 }
 
+namespace {
+
+WeightRegions regions_of(const nlohmann::json& json) {
+  WeightRegions wanted;
+  wanted.elsewhere = json.at("elsewhere").get<double>();
+  wanted.module_weight = json.value("module_weight", 0.0);
+  wanted.step_mm = json.at("step_mm").get<double>();
+  for (const auto& region : json.at("regions")) {
+    WeightRegions::Region r;
+    r.weight = region.at("weight").get<double>();
+    for (const auto& p : region.at("outline_mm").get<std::vector<std::array<double, 2>>>())
+      r.outline_mm.emplace_back(p[0], p[1]);
+    wanted.regions.push_back(std::move(r));
+  }
+  return wanted;
+}
+
+}  // namespace
+
 WeightMap read_weight_map(const std::filesystem::path& file) {
   try {
     const auto json = nlohmann::json::parse(read_file(file));
+    if (json.contains("regions")) return weight_map_of(regions_of(json));
     if (json.contains("vertices")) {
       std::vector<WeightMap::Vertex> vertices;
       for (const auto& v : json["vertices"].get<std::vector<std::array<double, 3>>>())
@@ -160,10 +181,11 @@ WeightMap read_weight_map(const std::filesystem::path& file) {
     return {Vec2(origin[0], origin[1]), json.at("step_mm").get<double>(),
             json.at("rows").get<std::vector<std::vector<double>>>()};
   } catch (const nlohmann::json::exception& e) {
-    throw InputError(
-        fmt::format("{}: not a map of weights ({}); it needs \"step_mm\" and \"origin_mm\": [x, y], \"rows\": [[…], "
-                    "…], or \"vertices\": [[x, y, weight], …], \"faces\": [[a, b, c], …]",
-                    file.string(), json_cause(e.what())));
+    throw InputError(fmt::format(
+        "{}: not a map of weights ({}); it needs \"step_mm\" and \"origin_mm\": [x, y], \"rows\": [[…], "
+        "…], or \"vertices\": [[x, y, weight], …], \"faces\": [[a, b, c], …], or \"regions\": [{{\"weight\": w, "
+        "\"outline_mm\": [[x, y], …]}}, …], \"elsewhere\": w",
+        file.string(), json_cause(e.what())));
   } catch (const InputError& e) {
     throw InputError(fmt::format("{}: {}", file.string(), e.what()));
   }

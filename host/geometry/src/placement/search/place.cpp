@@ -237,6 +237,10 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   }
   if (!is_of_paper(options.method)) result.tiles = Evaluator(polygon, grid).tiles(placing.motion, result.clearance_mm);
   if (options.connected) result.tiles = largest_component(grid, result.tiles);
+  if (options.weights) {
+    WeightedTiles weighted(polygon, grid, *options.weights);
+    for (const Tile& t : result.tiles) result.tile_weights.push_back(weighted.value(placing.motion, {t}));
+  }
   result.placement = to_placement(polygon, placing.motion);
   result.proof.shape = options.shape;
   result.proof.pivot = polygon.first + polygon.center;

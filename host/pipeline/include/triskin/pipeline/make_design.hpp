@@ -24,6 +24,7 @@ struct DesignOptions {
   double time_limit_s = 20.0;   ///< > 0, of all steps together; what placement and wiring leave goes to the growth
   std::uint64_t seed = 1;       ///< of every random choice
   design::LayoutLimits limits;  ///< each > 0
+  double bend_radius_mm = 0.0;  ///< > 0: pieces are parted from what bends more (bend_seams.hpp); 0: not for that alone
   double corner_cut_mm = 0.0;   ///< 0 … design::kMostCornerCut_mm: of every module
   int iterations = 0;   ///< ≥ 0; > 0: the growth ends after so many steps: repeatable whatever the machine's load
   int threads = 2;      ///< 1 … 256 chains of the growth; part of what a result depends on
