@@ -27,7 +27,7 @@ void report_bus(std::size_t modules, Output& output) {
   const int every = output.result["bus"]["every"].get<int>();
   if (every == 1) return;
   output.say(fmt::format(
-      "every sample of all {} modules is {:.0f} % of one bus with 1 and 2 Mbit/s: each sample of {} fits, or "
+      "every sample of all {} modules is {:.0f} % of one bus with 1 and 2 Mbit/s: one sample in {} fits, or "
       "{} buses carry all",
       modules, 100.0 * output.result["bus"]["can_fd"].get<double>(), every, every));
 }

@@ -60,14 +60,14 @@ std::vector<std::string> describe(const PatchOffsets& patch) {
   const auto count = [&](OffsetState s) {
     return std::ranges::count(patch.offsets.rows(), s, &wire::ModuleOffsets::state);
   };
+  const auto searching = count(OffsetState::kSearching);
   std::vector<std::string> lines{fmt::format(
-      "patch {}: offsets of {} modules: {} kept, {} found since power-up; electrodes at the {} input", patch.patch,
+      "patch {}: offsets of {} modules: {} kept, {} found since power-up{}; electrodes at the {} input", patch.patch,
       patch.offsets.count, count(OffsetState::kKept), count(OffsetState::kFound) + count(OffsetState::kOutside),
+      searching > 0 ? fmt::format(", {} being searched", searching) : "",
       patch.offsets.positive_input ? "positive" : "negative")};
   for (std::size_t row = 0; row < patch.modules.size(); ++row) {
     const wire::ModuleOffsets& m = patch.offsets.modules[row];
-    if (m.state == OffsetState::kSearching)
-      lines.push_back(fmt::format("module {}: offsets are being searched", patch.modules[row]));
     if (m.state == OffsetState::kOutside) {
       lines.push_back(
           fmt::format("module {}: no offset brings taxel {} to the middle of its range: electrode shorted, open, or "

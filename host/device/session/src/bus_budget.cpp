@@ -50,7 +50,7 @@ BusBudget make_budget(const Link& link, std::span<const StreamDemand> demands, i
 std::string describe(const BusBudget& b) {
   const auto fullest = std::ranges::max_element(b.wires, {}, &WireLoad::full);
   if (fullest == b.wires.end() || b.full <= 0.0) return "the load of the bus is not known";
-  const std::string what = b.every == 1 ? std::string("every sample") : fmt::format("each sample of {}", b.every);
+  const std::string what = b.every == 1 ? std::string("every sample") : fmt::format("one sample in {}", b.every);
   std::string text = fmt::format("{} of {} modules on {} controllers is {:.0f} % of the bus", what, fullest->modules,
                                  fullest->nodes.size(), 100.0 * b.load);
   if (!b.fits) {

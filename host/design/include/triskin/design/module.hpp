@@ -54,13 +54,13 @@ inline constexpr NameTable kLayoutMethodNames{std::array<std::pair<LayoutMethod,
 /// and need not share a lattice.
 struct ModuleLayout {
   std::vector<PlacedModule> modules;
-  /// Joints between islands. PlacedModule::neighbour does not show them; graph_of() and joints_of() do.
-  std::vector<Jumper> jumpers;
   int islands = 0;
   LayoutMethod method = LayoutMethod::kPieces;
   /// Modules that were refused, per limit that refused them (name → count), for the report.
   std::vector<std::pair<std::string, int>> refused;
   double corner_cut_mm = 0.0;  ///< of every module (outline.hpp); corner_mm stay those of the whole triangle
+  /// Joints between islands. PlacedModule::neighbour does not show them; graph_of() and joints_of() do.
+  std::vector<Jumper> jumpers;
 };
 
 }  // namespace triskin::design

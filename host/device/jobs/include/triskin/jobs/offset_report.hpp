@@ -20,8 +20,7 @@ struct PatchOffsets {
 /// 0.2 s. Throws Unreachable, DeviceError for a malformed answer.
 [[nodiscard]] std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design);
 
-/// A line for the patch, then one for each module that is not in order: searching, or with a taxel that rests outside
-/// the middle third of its range.
+/// A line for the patch, then one for each module with a taxel that rests outside the middle third of its range.
 [[nodiscard]] std::vector<std::string> describe(const PatchOffsets& patch);
 
 }  // namespace triskin::device
