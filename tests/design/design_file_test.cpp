@@ -32,7 +32,10 @@ Design two_modules() {
   down.tile = {0, 0, false};
   down.corner_mm = {Vec3{30, 0, 0}, Vec3{45, kHeight_mm, 0}, Vec3{15, kHeight_mm, 0}};
   down.neighbour = {-1, -1, 0};
-  d.layout = {{up, down}, 1, LayoutMethod::kSurface, {{"center_gap_mm", 3}}};
+  d.layout.modules = {up, down};
+  d.layout.islands = 1;
+  d.layout.method = LayoutMethod::kSurface;
+  d.layout.refused = {{"center_gap_mm", 3}};
   design::Patch patch;
   patch.entry = 0;
   patch.modules = {{0, -1, 0, 0, 0, 0}, {1, 0, 2, 0, 1, 1}};

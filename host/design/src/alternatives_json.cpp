@@ -6,9 +6,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kMaxLattice = 1'000'000;
-constexpr int kMaxCount = 10'000'000;
-
 json place_json(const PlacedModule& m) {
   json corners = json::array();
   for (const Vec3& c : m.corner_mm) corners.push_back({c.x(), c.y(), c.z()});

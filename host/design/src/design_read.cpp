@@ -12,8 +12,6 @@
 namespace triskin::design {
 namespace {
 
-constexpr int kMaxCount = 10'000'000;
-
 Vec2 vec2(const JsonValue& v) {
   v.require_size(2);
   return {v.at(0).number(), v.at(1).number()};
@@ -44,10 +42,6 @@ auto index_below(std::size_t n) {
 
 auto index_or_none(std::size_t n) {
   return [n](const JsonValue& v) { return v.integer(-1, static_cast<int>(n) - 1); };
-}
-
-bool has(const JsonValue& v, const char* key) {
-  return v.raw().is_object() && v.raw().contains(key);
 }
 
 double number(const JsonValue& v) {

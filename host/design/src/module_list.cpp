@@ -8,13 +8,6 @@
 #include "triskin/host/files.hpp"
 
 namespace triskin::design {
-namespace {
-
-bool has(const JsonValue& v, const char* key) {
-  return v.raw().is_object() && v.raw().contains(key);
-}
-
-}  // namespace
 
 ModuleList read_module_list(const std::filesystem::path& path) {
   const nlohmann::json document = parse_json(read_file(path), path.string());

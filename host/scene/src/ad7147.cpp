@@ -20,7 +20,6 @@ constexpr int kPins = 13;
 constexpr int kPinsInLowRegister = 7;
 
 constexpr int kMidScale = 0x8000;
-constexpr double kCountsPerPf = 32768.0 / 8.0;  // the converter's range is ±8 pF
 
 constexpr std::uint64_t kSequenceUs[] = {36'900, 18'400, 9'200, 9'200};  // 12 stages, per decimation field
 constexpr std::uint64_t kLowPowerDelayUs[] = {200'000, 400'000, 600'000, 800'000};

@@ -24,10 +24,6 @@ bool needs_switched(FaultKind kind) {
   return kind >= FaultKind::kDeadModule;
 }
 
-bool has(const JsonValue& v, const char* key) {
-  return v.raw().is_object() && v.raw().contains(key);
-}
-
 // A misspelt key would silently change nothing, so it is an error.
 void only_keys(const JsonValue& v, std::initializer_list<std::string_view> allowed) {
   if (!v.raw().is_object()) v.fail("must be an object");

@@ -86,4 +86,12 @@ class JsonValue {
 /// (the parser recurses). Cost: linear.
 [[nodiscard]] nlohmann::json parse_json(const std::string& text, const std::string& file);
 
+/// Whether `v` is an object with `key`. Constant cost.
+[[nodiscard]] inline bool has(const JsonValue& v, const char* key) {
+  return v.raw().is_object() && v.raw().contains(key);
+}
+
+/// Largest count that a file may name: beyond any design, safely inside int.
+inline constexpr int kMaxCount = 10'000'000;
+
 }  // namespace triskin::design

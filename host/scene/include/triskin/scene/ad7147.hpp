@@ -7,6 +7,9 @@
 
 namespace triskin::scene {
 
+/// Results of the converter a picofarad: its range is ±8 pF.
+inline constexpr double kCountsPerPf = 32768.0 / 8.0;
+
 /// Capacitances at the pins of one converter, as a function of time: they are computed only for samples that are read.
 class CapacitanceSource {
  public:

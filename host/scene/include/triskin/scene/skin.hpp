@@ -18,7 +18,6 @@ namespace triskin::scene {
 /// The electrical side of a taxel, in converter counts. An electrode has the capacitance that the effects of the scene
 /// allow (Effects::electrode_least_pf), another for each taxel; under pressure it gains this.
 inline constexpr double kCountsPerKpa = 150.0;
-inline constexpr double kCountsPerPf = 32768.0 / 8.0;  ///< of the converter
 
 /// A contact with its reach: which taxels of which modules it can press.
 struct Touch {
