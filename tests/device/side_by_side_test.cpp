@@ -118,12 +118,12 @@ TEST(SideBySide, one_that_fails_does_not_keep_the_others_from_their_tables) {
   design::Design other = fixture.design();
   for (auto& p : other.patches) std::swap(p.modules[1].address, p.modules[2].address);
   other.design_id = design::design_id_of(other);
-  (void)flash(fixture.bus(), other);
+  (void)flash(fixture.bus(), other, taking_over());
   Star star(fixture.bus().link());
   fixture.skin().flash(1).cut_power_after(3, scene::FlashMemory::Tear::kHalf);
   Bus bus(star);
   try {
-    (void)flash(bus, fixture.design());
+    (void)flash(bus, fixture.design(), taking_over());
     FAIL() << "a dead controller was flashed";
   } catch (const DeviceError& e) {
     EXPECT_NE(std::string(e.what()).find("controller 2 does not answer"), std::string::npos) << e.what();
