@@ -72,13 +72,15 @@ TEST(Addresses, sixteen_fresh_boards_on_a_bus_that_loses_and_delays_frames) {
     FaultyLink wire(fixture.bus().link(), false, {1, 1, 1, 0}, seed);
     Bus bus(wire);
     bool completed = false;
+    std::string last;  // what the last attempt said
     for (int attempt = 0; attempt < 60 && !completed; ++attempt) {
       try {
         completed = flash(bus, fixture.design()).patches.size() == 16;
-      } catch (const DeviceError&) {
+      } catch (const DeviceError& e) {
+        last = e.what();
       }
     }
-    ASSERT_TRUE(completed) << "seed " << seed;
+    ASSERT_TRUE(completed) << "seed " << seed << ": " << last;
     fixture.bus().listen(fixture.bus().now_us() + 1'500'000);
     expect_tables(fixture);
   }

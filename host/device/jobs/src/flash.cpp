@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -20,33 +21,51 @@ namespace {
 
 constexpr std::uint64_t kRestart_us = 20'000;  // a controller starts anew under its new address
 
+constexpr int kAssignRounds = 5;  // nobody confirms an assignment, and its frames or the claims after it may be lost
+
 // The boards of the patches get the addresses of the patches; one that nobody needs and that sits there moves behind
-// them.
-void assign_addresses(Bus& bus, const std::vector<Board>& boards, std::size_t n_patches) {
+// them. The new addresses, by unique id, of those that have another one now.
+std::map<wire::UniqueId, int> moves(const Bus& bus, const std::vector<Board>& boards, std::size_t n_patches) {
   std::set<int> used, needed;
   for (const Board& b : boards) {
     if (b.patch >= 0) needed.insert(b.patch + 1);
     if (b.patch < 0 && b.claim.node_address > n_patches) used.insert(b.claim.node_address);
   }
-  bool changed = false;
+  std::map<wire::UniqueId, int> wanted;
   int spare_address = static_cast<int>(n_patches) + 1;
   for (const Board& b : boards) {
-    int wanted = b.patch + 1;
+    int address = b.patch + 1;
     if (b.patch < 0) {
       if (!needed.contains(b.claim.node_address)) continue;
       while (used.contains(spare_address)) ++spare_address;
-      wanted = spare_address++;
-      if (wanted > layout::kLastNode)
-        throw DeviceError(
-            fmt::format("{}: no free node address is left; take controllers off the bus", bus.link().name()));
+      address = spare_address++;
+      if (address > layout::kLastNode)
+        throw DeviceError(fmt::format("{}: no free node address is left; take controllers off the bus", bus.name()));
     }
-    if (b.claim.node_address == wanted) continue;
-    bus.assign(b.claim.unique_id, static_cast<std::uint8_t>(wanted));
-    changed = true;
+    if (b.claim.node_address != address) wanted[b.claim.unique_id] = address;
   }
-  if (!changed) return;
-  bus.listen(bus.now_us() + kRestart_us);
-  (void)bus.discover();  // a link of several wires learns which one leads to which address
+  return wanted;
+}
+
+// Returns when every board has said its new address: two that share one would both take the table of one patch, and
+// none of them could be asked afterwards whose it is.
+void assign_addresses(Bus& bus, const std::vector<Board>& boards, std::size_t n_patches) {
+  auto wanted = moves(bus, boards, n_patches);
+  for (int round = 0; round < kAssignRounds && !wanted.empty(); ++round) {
+    for (const auto& [id, address] : wanted) bus.assign(id, static_cast<std::uint8_t>(address));
+    bus.listen(bus.now_us() + kRestart_us);
+    // A link of several wires learns here which one leads to which address.
+    for (const wire::NodeClaim& c : bus.discover()) {
+      const auto board = wanted.find(c.unique_id);
+      if (board != wanted.end() && board->second == c.node_address) wanted.erase(board);
+    }
+  }
+  if (wanted.empty()) return;
+  const auto& [id, address] = *wanted.begin();
+  throw DeviceError(
+      fmt::format("{}: controller {} does not say that it has taken node address {}; check its power and the cable, "
+                  "then run the command again; nothing was written",
+                  bus.name(), to_text(id), address));
 }
 
 // The answer to the activation may be lost, and the table active all the same: what counts is what is read back.
