@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "triskin/check/design_rules.hpp"
 #include "triskin/design/export.hpp"
@@ -84,6 +85,26 @@ void shift(json& module, double dx, double dy) {
   }
 }
 
+Vec3 center_of(const json& module) {
+  Vec3 sum = Vec3::Zero();
+  for (const json& c : module["corners"]) sum += Vec3(c[0].get<double>(), c[1].get<double>(), c[2].get<double>());
+  return sum / 3.0;
+}
+
+// The two modules whose centres are nearest to each other, which share a side or almost: the first, and the direction
+// to the second. A way of 4 mm along it is 4 mm of penetration less the gap, at most the limit of a hinge (2 mm), while
+// 0.5 mm is allowed.
+std::pair<std::size_t, Vec3> towards_a_neighbour(const json& modules) {
+  std::pair<std::size_t, Vec3> nearest{0, Vec3::Constant(1e9)};
+  for (std::size_t a = 0; a < modules.size(); ++a) {
+    for (std::size_t b = 0; b < modules.size(); ++b) {
+      const Vec3 way = center_of(modules[b]) - center_of(modules[a]);
+      if (a != b && way.norm() < nearest.second.norm()) nearest = {a, way};
+    }
+  }
+  return {nearest.first, nearest.second.normalized()};
+}
+
 TEST_F(CutDesign, is_accepted_and_states_coverage_both_ways) {
   const DesignReport report = check_design(folder_ / "good.json");
   for (const Violation& v : report.violations) ADD_FAILURE() << v.rule << " " << v.where << " " << v.text;
@@ -108,7 +129,12 @@ TEST_F(CutDesign, another_cut_is_noticed) {
 }
 
 TEST_F(CutDesign, moved_modules_are_found) {
-  EXPECT_THAT(broken_by([](json& j) { shift(j["modules"][0], 4.0, 0.0); }), Contains("penetration"));
+  const auto [module, way] = towards_a_neighbour((*good_)["modules"]);
+  const auto moved = [&](double mm) {
+    return broken_by([&](json& j) { shift(j["modules"][module], mm * way.x(), mm * way.y()); });
+  };
+  EXPECT_THAT(moved(4.0), Contains("penetration"));
+  EXPECT_THAT(moved(-0.1), Not(Contains("penetration"))) << "away from it, by less than any limit";
   EXPECT_THAT(broken_by([](json& j) {
                 for (json& m : j["modules"]) shift(m, 0.0, 3.0);
               }),
