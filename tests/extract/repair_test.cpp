@@ -128,6 +128,20 @@ TEST_P(BrokenMeshes, become_usable_and_deviate_no_more_than_stated) {
 INSTANTIATE_TEST_SUITE_P(Damage, BrokenMeshes, testing::Range(std::size_t{0}, test::damages().size()),
                          [](const auto& p) { return std::string(test::damages()[p.param].name); });
 
+// 20 mm × 18 mm, 3.6 cm²: a wrap of it had 7.6 cm², on which a module was placed.
+TEST(TooSmallMesh, is_refused_and_not_wrapped) {
+  const Mesh plate = test::grid_of([](double u, double v) { return Vec3(20.0 * u, 18.0 * v, 0.0); }, 2, 2);
+  ExtractOptions options;
+  options.repair = options.keep_usable = true;
+  options.outer = options.wrap = ExtractOptions::When::kWhenNeeded;
+  try {
+    (void)geometry::extract(plate, options);
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("less than one module"), std::string::npos) << e.what();
+  }
+}
+
 TEST(BrokenMeshesAtRandom, mixed_long) {
   const char* wanted = std::getenv("TRISKIN_BROKEN_MESHES");
   const int count = wanted != nullptr ? std::atoi(wanted) : 10;

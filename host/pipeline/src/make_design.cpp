@@ -51,6 +51,17 @@ geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& n
   return geometry::extract(mesh, steps, progress);
 }
 
+double area_of(const geometry::Mesh& mesh) {
+  double twice = 0.0;
+  for (const auto& f : mesh.faces) {
+    const auto corner = [&](std::size_t k) -> const geometry::Vec3& {
+      return mesh.vertices[static_cast<std::size_t>(f[k])];
+    };
+    twice += (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+  }
+  return 0.5 * twice;
+}
+
 // The pieces give up when their share of the time is over, so that the growth has its own; with a fixed number of
 // steps the result must not depend on the time.
 geometry::Net pieces_of(const geometry::Surface& surface, const DesignOptions& options, Clock::time_point start,
@@ -157,6 +168,13 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   design.price = options.price;
   const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit);
   design.scale_to_mm = file.report.scale_to_mm;
+  // Smaller than a module: nothing fits, whatever its faces do, and that is an answer.
+  if (const double area_mm2 = area_of(file.mesh); area_mm2 < design::kModuleArea_mm2) {
+    design.surface = file.mesh;
+    design.report.area_cm2 = area_mm2 / 100.0;
+    design.report.seconds = seconds_since(start);
+    return design;
+  }
   geometry::Extraction extraction = surface_of(file.mesh, mesh.string(), options, progress);
   design.surface = std::move(extraction.surface);
   if (notes != nullptr) notes->extract = extraction.report;

@@ -15,12 +15,15 @@ namespace triskin::cli {
       "a surface was wrapped around it", "a surface was wrapped around it on a grid"};
   if (r.repair == geometry::Repair::kNone) return {};
   const geometry::Deviation& d = r.deviation;
+  const std::string reason =
+      r.crossings + r.crowded_edges > 0
+          ? fmt::format("{} pairs of faces cross, {} edges have more than two faces", r.crossings, r.crowded_edges)
+          : "its parts are smaller than a module, or touch without being joined";
   return fmt::format(
-      "the mesh was repaired ({} pairs of faces cross, {} edges have more than two faces): {}; it moved by {:.3f} mm "
-      "in "
-      "the mean and by at most {:.2f} mm, near ({:.1f}, {:.1f}, {:.1f}) mm",
-      r.crossings, r.crowded_edges, kDone[static_cast<std::size_t>(r.repair)], d.mean_mm, d.largest_mm, d.where_mm.x(),
-      d.where_mm.y(), d.where_mm.z());
+      "the mesh was repaired ({}): {}; it moved by {:.3f} mm in the mean and by at most {:.2f} mm, near ({:.1f}, "
+      "{:.1f}, {:.1f}) mm",
+      reason, kDone[static_cast<std::size_t>(r.repair)], d.mean_mm, d.largest_mm, d.where_mm.x(), d.where_mm.y(),
+      d.where_mm.z());
 }
 
 }  // namespace triskin::cli

@@ -333,6 +333,12 @@ int turn_outward(Mesh& mesh) {
 
 // The steps where they lead to a surface that design() takes, and else the repair.
 Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
+  // A wrap has both sides of a sheet and would make one that is too small large enough.
+  if (const double area_mm2 = area_of(mesh); area_mm2 < kModuleArea_mm2) {
+    throw InputError(
+        fmt::format("surface: {:.2g} cm² in all, less than one module (3.9 cm²); check the mesh and its unit (--unit)",
+                    area_mm2 / 100.0));
+  }
   if (options.keep_usable && usable(mesh)) return joined(mesh);
   ExtractOptions first = options;
   if (first.wrap == ExtractOptions::When::kWhenNeeded) first.wrap = ExtractOptions::When::kNever;

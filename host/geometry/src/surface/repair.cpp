@@ -342,6 +342,7 @@ class Repairer {
       if (area_of(e.surface) >= (1.0 - kLooseShare) * area_of(mesh_)) input = std::move(e.surface);
     } catch (const InputError&) {
       // shattered: only the wraps help
+      crossings_ = static_cast<int>(crossing_faces(mesh_).size());
     }
     const auto parts = divided(input, cpu_s(0.3));
     reference_ = reference_of(parts ? *parts : input, options_.sky_fraction);
