@@ -54,16 +54,17 @@ class Served : public testing::Test {
     ASSERT_NE(at, std::string::npos) << line;
     port_ = static_cast<std::uint16_t>(std::stoi(line.substr(at + 10)));
   }
+  // The result: the last line. What `live` writes before it is an object a line too.
   nlohmann::json run(const std::string& command, int expected_status) const {
-    const std::string line = std::string(TRISKIN_PROGRAM) + " " + command +
-                             " --link sim:127.0.0.1:" + std::to_string(port_) + " --json 2>&1";
+    const std::string line =
+        std::string(TRISKIN_PROGRAM) + " " + command + " --link sim:127.0.0.1:" + std::to_string(port_) + " --json";
     std::FILE* p = ::popen(line.c_str(), "r");
     std::string text;
     for (int c = std::fgetc(p); c != EOF; c = std::fgetc(p)) text += static_cast<char>(c);
     const int status = ::pclose(p);
     EXPECT_EQ(WEXITSTATUS(status), expected_status) << text;
-    const std::size_t json = text.find('{');
-    return nlohmann::json::parse(json == std::string::npos ? "null" : text.substr(json), nullptr, false);
+    if (text.empty()) return nullptr;
+    return nlohmann::json::parse(text.substr(text.rfind('\n', text.size() - 2) + 1), nullptr, false);
   }
   fs::path folder_;
   pid_t child_ = -1;
