@@ -41,12 +41,21 @@ void StreamLeases::report(wire::StreamAccount& account) const {
 }
 
 void FullStream::drop_waiting() {
-  for (; size_ > 0; --size_, first_ = (first_ + 1) % kCapacity) {
-    wire::RowAccount& row = rows_[waiting_[first_].module];
-    --row.waiting;
-    ++row.dropped;
-    ++dropped_;
+  for (wire::RowAccount& row : rows_) {
+    row.dropped += row.waiting;
+    dropped_ += row.waiting;
+    row.waiting = 0;
   }
+  size_ = 0;
+}
+
+// In the order of arrival a row whose samples come just before it has room would get less than one whose samples come
+// just after.
+std::size_t FullStream::next_row() const {
+  std::size_t row = turn_;
+  do row = (row + 1) % rows_.size();
+  while (rows_[row].waiting == 0 && row != turn_);
+  return row;
 }
 
 void FullStream::restart(std::uint8_t starts) {
@@ -85,22 +94,23 @@ void FullStream::add(const wire::FullTaxels& sample, std::size_t rows, bool paus
     ++dropped_;
     return;
   }
+  wire::FullTaxels& last = waiting_[place(sample.module, row.waiting)];
+  last = sample;
+  last.dropped = row.dropped;
+  last.unread = static_cast<std::uint16_t>(row.unread);
+  last.starts = starts_;
   ++row.waiting;
-  wire::FullTaxels& place = waiting_[(first_ + size_++) % kCapacity];
-  place = sample;
-  place.dropped = row.dropped;
-  place.unread = static_cast<std::uint16_t>(row.unread);
-  place.starts = starts_;
+  ++size_;
   gap_us_ = rows == 0 ? 0 : leases_.pace_us() / static_cast<std::uint32_t>(rows);
 }
 
 // A few frames may leave together: the pace holds on the average.
 void FullStream::pop(std::uint64_t now_us) {
   constexpr std::uint32_t kTogether = 4;
-  wire::RowAccount& row = rows_[waiting_[first_].module];
-  --row.waiting;
-  ++row.sent;
-  first_ = (first_ + 1) % kCapacity;
+  turn_ = next_row();
+  --rows_[turn_].waiting;
+  ++rows_[turn_].sent;
+  first_[turn_] = static_cast<std::uint8_t>((first_[turn_] + 1) % kPerRow);
   --size_;
   const std::uint64_t burst_us = std::uint64_t{kTogether} * gap_us_;
   next_us_ = std::max(next_us_, now_us > burst_us ? now_us - burst_us : 0) + gap_us_;

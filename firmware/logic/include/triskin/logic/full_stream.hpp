@@ -58,12 +58,12 @@ class FullStream {
   /// reader wants it and there is room; `pausing`: it is dropped in any case.
   void add(const wire::FullTaxels& sample, std::size_t rows, bool pausing);
 
-  /// True when the frame that waits longest may be sent now.
+  /// True when the next frame may be sent now.
   [[nodiscard]] bool due(std::uint64_t now_us) const { return size_ > 0 && now_us >= next_us_; }
   /// When it may be sent; max: nothing waits.
   [[nodiscard]] std::uint64_t next_event_us() const { return size_ > 0 ? next_us_ : UINT64_MAX; }
-  /// The sample that waits longest. Requires due().
-  [[nodiscard]] wire::CanFrame front() const { return wire::encode_full(waiting_[first_]); }
+  /// The sample that waits longest of the row whose turn it is. Requires due().
+  [[nodiscard]] wire::CanFrame front() const { return wire::encode_full(waiting_[place(next_row(), 0)]); }
   /// Takes it out: it was sent.
   void pop(std::uint64_t now_us);
   /// Samples that found no room since power-up.
@@ -75,11 +75,17 @@ class FullStream {
   void count_unread(wire::RowAccount& row, std::uint32_t next_number) const;
   [[nodiscard]] bool want(std::uint32_t number) const { return held_ || leases_.want(number); }
   void drop_waiting();
+  [[nodiscard]] std::size_t place(std::size_t row, std::size_t k) const {
+    return row * kPerRow + (first_[row] + k) % kPerRow;
+  }
+  [[nodiscard]] std::size_t next_row() const;
 
   StreamLeases leases_;
   bool held_ = false;
-  std::array<wire::FullTaxels, kCapacity> waiting_{};  // a ring
-  std::size_t first_ = 0, size_ = 0;
+  std::array<wire::FullTaxels, kCapacity> waiting_{};  // a ring of kPerRow for each row
+  std::array<std::uint8_t, layout::kMaxModules> first_{};
+  std::size_t size_ = 0;
+  std::size_t turn_ = layout::kMaxModules - 1;  // row that sent last
   std::array<wire::RowAccount, layout::kMaxModules> rows_{};
   std::uint32_t dropped_ = 0;
   std::uint32_t gap_us_ = 0;  // least time between two frames, on the average
