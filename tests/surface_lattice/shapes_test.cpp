@@ -116,7 +116,11 @@ TEST(Shapes, CentreGapFollowsTheCurvatureAtEachModule) {
   }
 }
 
-// A torus patch of about 500 cm²: copies that are turned, mirrored or meshed anew must give the same within 3 %.
+// A torus patch of about 500 cm²: copies that are turned, mirrored or meshed anew must give the same within 3 %. The
+// search weighs modules against islands and controllers: five seeds on each of the two meshes gave 117 … 124 modules
+// (`triskin design --iterations 150 --threads 1`), with a standard deviation of 2.6. Another mesh is as another seed:
+// two single results differ by 3 % in every third try, means of five seeds by 2.6 · √(2/5) = 1.6 modules or 1.4 %
+// (standard deviation).
 Mesh large_patch(int nu, int nv) {
   return grid_mesh(nu, nv, [](double u, double v) {
     const double a = 1.5 * u, b = 2.4 * (v - 0.5), r = 140.0 + 80.0 * std::cos(b);
@@ -131,14 +135,23 @@ TEST(Shapes, CopiesGiveTheSameCountWithinThreePercent) {
   for (Vec3& v : turned.vertices) v = turn * v + Vec3(500, -20, 7);
   for (Vec3& v : mirrored.vertices) v.x() = -v.x();
   for (auto& f : mirrored.faces) std::swap(f[1], f[2]);
-  const auto count = [](const Mesh& m) {
-    return static_cast<double>(grow_lattice(Surface(m), {}, effort(150)).modules.size());
+  const auto count = [](const Mesh& m, std::uint64_t seed = 1) {
+    SurfaceLatticeOptions o = effort(150);
+    o.seed = seed;
+    return static_cast<double>(grow_lattice(Surface(m), {}, o).modules.size());
+  };
+  const auto mean_count = [&](const Mesh& m) {
+    constexpr std::uint64_t kSeeds = 5;
+    double sum = 0.0;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) sum += count(m, seed);
+    return sum / static_cast<double>(kSeeds);
   };
   const double expected = count(original);
   EXPECT_GE(expected, 80.0);
   EXPECT_NEAR(count(turned), expected, 0.03 * expected);
   EXPECT_NEAR(count(mirrored), expected, 0.03 * expected);
-  EXPECT_NEAR(count(large_patch(41, 37)), expected, 0.03 * expected);
+  const double mean = mean_count(original);
+  EXPECT_NEAR(mean_count(large_patch(41, 37)), mean, 0.03 * mean);
 }
 
 }  // namespace
