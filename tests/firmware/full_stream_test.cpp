@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <map>
 
 namespace triskin::fw {
@@ -102,6 +104,22 @@ TEST(FullStream, rows_get_equal_shares_of_a_slow_port) {
   }
   ASSERT_EQ(sent.size(), 16U);
   for (const auto& [row, n] : sent) EXPECT_NEAR(n, 300, 4) << row;
+}
+
+// All rows come in the first 16 ms of a sequence of 37 ms, and the pace lets each send every 68 ms: those that come
+// late get as many as those that come early. They send in turns, so at any moment two differ by one at most.
+TEST(FullStream, rows_get_equal_shares_whenever_their_samples_come) {
+  FullStream stream;
+  std::array<int, 16> sent{};
+  for (std::uint64_t ms = 0; ms < 10'000; ++ms) {
+    stream.renew({1, 100, 1, 680}, ms * 1000);
+    if (ms % 37 < 16)
+      stream.add(sample(static_cast<std::uint8_t>(ms % 37), static_cast<std::uint32_t>(ms / 37 + 1)), 16, false);
+    for (; stream.due(ms * 1000); stream.pop(ms * 1000)) ++sent.at(wire::decode_full(stream.front())->module);
+  }
+  const auto [least, most] = std::ranges::minmax(sent);
+  EXPECT_LE(most - least, 1);
+  EXPECT_NEAR(least, 10'000 / 68, 2);
 }
 
 // A pace of 64 ms for four modules: a frame every 16 ms on the average, whatever the port takes.
