@@ -51,6 +51,7 @@ struct Hooks {
     c.counts_.instructions += b.instructions;
     c.time_.advance(b.instructions * c.cycle_);
     c.last_block_pc_ = static_cast<std::uint32_t>(address);
+    c.wait_end_ = b.ends_in_wait ? c.last_block_pc_ + size : 0;
   }
   static void interrupt(uc_engine* uc, std::uint32_t number, void* user) {
     core(user).interrupt_code_ = number;
@@ -360,6 +361,7 @@ Machine::Core::Block Machine::Core::decode_block(std::uint32_t address, std::uin
   for (std::uint32_t k = 0; k + 1 < size; ++b.instructions) {
     const unsigned half = code[k] | static_cast<unsigned>(code[k + 1]) << 8;
     const bool wide = half >> 11 >= 0x1D;
+    b.ends_in_wait = half == 0xBF30;  // as an instruction: the second half of a wide one may look the same
     if (wide && k + 3 < size) {
       const unsigned second = code[k + 2] | static_cast<unsigned>(code[k + 3]) << 8;
       b.floating_point =
@@ -485,6 +487,7 @@ void Machine::Core::execute(Time until) {
   cycle_ = kSecond / rcc_.sysclk_hz();
   stopped_before_block_ = false;
   interrupt_code_ = ~0U;
+  wait_end_ = 0;
   (void)time_.take_changed();
   const uc_err error = uc_emu_start(uc_, reg(UC_ARM_REG_PC) | 1, 0xFFFFFFFE, 0, 0);
   after_execution(error);
@@ -505,10 +508,9 @@ void Machine::Core::after_execution(uc_err error) {
     nvic_.pend(Nvic::kHardFault);
     return;
   }
-  std::uint16_t before = 0;
-  uc_mem_read(uc_, (pc & ~1U) - 2, &before, 2);
-  if (!stopped_before_block_ || before == 0xBF30) {
-    sleeping_ = before == 0xBF30;
+  const bool waits = wait_end_ != 0 && (pc & ~1U) == wait_end_;
+  if (!stopped_before_block_ || waits) {
+    sleeping_ = waits;
     if (sleeping_ && setup_.trace != nullptr) setup_.trace->sleeping(true, time_.now());
   }
 }

@@ -49,6 +49,7 @@ class Machine::Core final : public Surroundings {
   struct Block {
     std::uint32_t size = 0, instructions = 0;
     bool floating_point = false;
+    bool ends_in_wait = false;  ///< its last instruction is WFI
   };
   struct Window {
     Peripheral* block;
@@ -128,6 +129,7 @@ class Machine::Core final : public Surroundings {
        block_begun_ = false, waits_behind_mask_ = false, sleeping_ = false, reset_wanted_ = false, fp_active_ = false,
        nmi_ = false;
   std::uint32_t interrupt_code_ = ~0U, last_block_pc_ = 0;
+  std::uint32_t wait_end_ = 0;  // address behind the WFI that the last block of this run ended in; 0: in none
 };
 
 }  // namespace triskin::machine
