@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -21,6 +22,7 @@ constexpr std::uint64_t kSilence_us = 400'000;  // with a slice below half a sec
 constexpr std::uint64_t kRest_us = 300'000;
 constexpr std::uint64_t kSettle_us = 2'000;  // a lease is on its way
 constexpr int kAttempts = 5;
+constexpr std::size_t kMostEarly = 512;  // samples of 16 modules in 0.3 s: far more than an answer takes
 
 std::uint32_t draw_reader() {
   std::random_device random;
@@ -102,6 +104,8 @@ void Stream::begin(std::uint8_t address, Node& node) {
         node.counts[k].begin(account.starts, account.modules[k], bus_.now_us());
       node.begin_device_us = account.time_us;
       node.heard_us = bus_.now_us();
+      node.begun = true;
+      for (const auto& [frame, heard_us] : std::exchange(node.early, {})) take(node, frame, heard_us);
       return;
     }
     if (account.readers == wire::kMaxLeases) break;
@@ -156,11 +160,20 @@ void Stream::handle(const wire::CanFrame& frame) {
   const auto found = nodes_.find(decoded->node_address);
   if (found == nodes_.end() || decoded->module >= found->second.modules.size()) return;
   Node& node = found->second;
-  const std::uint64_t now_us = bus_.now_us();
-  node.heard_us = now_us;
-  if (!node.counts[decoded->module].add(*decoded, now_us)) return;
+  // The answer that begins the account comes in several frames: samples that it does not count arrive between them.
+  if (!node.begun) {
+    if (node.early.size() == kMostEarly) node.early.pop_front();
+    node.early.emplace_back(*decoded, bus_.now_us());
+    return;
+  }
+  take(node, *decoded, bus_.now_us());
+}
+
+void Stream::take(Node& node, const wire::FullTaxels& sample, std::uint64_t heard_us) {
+  node.heard_us = std::max(node.heard_us, heard_us);
+  if (!node.counts[sample.module].add(sample, heard_us)) return;
   ++frames_;
-  if (handler_) handler_({node.modules[decoded->module], now_us, *decoded});
+  if (handler_) handler_({node.modules[sample.module], heard_us, sample});
 }
 
 // A controller that is silent is asked once: five attempts on a dead one would take seconds.

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "triskin/design/design.hpp"
@@ -73,6 +75,8 @@ class Stream {
     std::uint64_t begin_device_us = 0;
     std::uint64_t due = 0;  // samples of a module by the rate, known at the end
     bool silent = false;
+    bool begun = false;
+    std::deque<std::pair<wire::FullTaxels, std::uint64_t>> early;  // before the account has begun, and when they came
   };
   void find_controllers(const design::Design& design);
   void choose_rate(const StreamOptions& options);
@@ -82,6 +86,7 @@ class Stream {
   void renew_when_due();
   void watch();
   void handle(const wire::CanFrame& frame);
+  void take(Node& node, const wire::FullTaxels& sample, std::uint64_t heard_us);
   void end(std::uint8_t address, Node& node);
   void wait_for_rest();
   [[nodiscard]] std::uint64_t silence_us(const Node& node) const;
