@@ -48,6 +48,18 @@ TEST(SampleAccount, what_is_none_of_the_lease_counts_for_nothing) {
   EXPECT_EQ(a.counts(), (SampleCounts{2, 2, 2, 0, 0, 0, 0}));
 }
 
+// The answer that ends the account was composed before sample 13, and came after it.
+TEST(SampleAccount, a_sample_that_overtakes_the_last_answer_is_no_restart) {
+  SampleAccount a(1, kInterval_us);
+  a.begin(0, {10, 0, 0, 10, 0}, 0);
+  EXPECT_TRUE(a.add(sample(11), 0));
+  EXPECT_TRUE(a.add(sample(12), 0));
+  EXPECT_TRUE(a.add(sample(13), 0));
+  a.end(0, {12, 0, 0, 12, 0}, 0);
+  EXPECT_TRUE(a.complete());
+  EXPECT_EQ(a.counts(), (SampleCounts{3, 3, 3, 0, 0, 0, 0}));
+}
+
 TEST(SampleAccount, a_trailer_says_where_a_gap_comes_from) {
   SampleAccount a(1, kInterval_us);
   a.begin(0, {65'000, 65'534, 7, 0, 0}, 0);

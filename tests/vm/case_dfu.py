@@ -31,7 +31,7 @@ def test_firmware_over_can():
         assert all(f["equal"] and f["bytes"] == 0 for f in again["firmware"]), again
         second = triskin("flash", DESIGN, "--link", "can:vcan1", "--firmware", "/tmp/second.tsf", timeout=120)
         assert [f["slot"] for f in second["firmware"]] == [1] * bench.PATCHES, second
-        assert triskin("verify", DESIGN, "--link", "can:vcan1", "--no-touch", "--watch-s", "0")["findings"] == []
+        bench.verify_all("can:vcan1")
     os.truncate("/tmp/second.tsf", 30_000)
     assert "cut off" in triskin("flash", DESIGN, "--link", "can:vcan1", "--firmware", "/tmp/second.tsf", status=2)["error"]
 
@@ -48,11 +48,11 @@ def test_dfu_util_updates_the_firmware():
         assert "Download done" in text and "state(2) = dfuIDLE, status(0)" in text, text
         wait_for_devices(bench.PATCHES)
         time.sleep(1)
-        assert triskin("verify", DESIGN, "--link", "usb", "--no-touch", "--watch-s", "0")["findings"] == []
+        bench.verify_all("usb")
         # A package that is no package: refused, and the controller comes back as it was.
         pathlib.Path("/tmp/nonsense.tsf").write_bytes(bytes(5000))
         text = run("dfu-util", "-d", "1209:0001,1209:0002", "-S", serial, "-D", "/tmp/nonsense.tsf", "-R", timeout=120, status=None)
         assert "Download done" not in text, text
         wait_for_devices(bench.PATCHES, timeout=40)  # it gives the host up after 15 s
         time.sleep(1)
-        assert triskin("verify", DESIGN, "--link", "usb", "--no-touch", "--watch-s", "0")["findings"] == []
+        bench.verify_all("usb")

@@ -41,7 +41,7 @@ def test_ctrl_c_ends_a_flash_and_it_says_what_was_done():
         text = flash.output_path.read_text()
         assert flash.returncode == 130 and "ended on request" in text and "controller" in text, (flash.returncode, text)
         assert triskin("flash", DESIGN, "--link", "can:vcan1")["controllers"] == bench.PATCHES
-        assert triskin("verify", DESIGN, "--link", "can:vcan1", "--no-touch", "--watch-s", "0")["findings"] == []
+        bench.verify_all("can:vcan1")
 
 
 def wait_for_frames(process, count):
@@ -73,7 +73,7 @@ def pull_and_plug(link, moments, wait_for_moment):
             process.wait(90)
             text = process.output_path.read_text()
             assert process.returncode == 0 and "going on" in text, text
-            assert triskin("verify", DESIGN, "--link", link, "--no-touch", "--watch-s", "0")["findings"] == []
+            bench.verify_all(link)
         return
     raise AssertionError("no cable was pulled while a flash ran")
 

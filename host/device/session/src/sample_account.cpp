@@ -4,6 +4,11 @@
 #include <algorithm>
 
 namespace triskin::device {
+namespace {
+
+constexpr std::uint64_t kAnswer_us = 1'000'000;  // an answer takes less, with repeats
+
+}  // namespace
 
 SampleCounts& SampleCounts::operator+=(const SampleCounts& other) {
   expected += other.expected;
@@ -86,8 +91,11 @@ bool SampleAccount::add(const wire::FullTaxels& sample, std::uint64_t now_us) {
 
 void SampleAccount::end(std::uint8_t starts, const wire::RowAccount& account, std::uint64_t now_us) {
   if (!begun_ || ended_) return;
-  if (starts != starts_ || account.number < last_.number) restart(starts, account.number, now_us);
-  last_ = {account.number, account.unread, account.dropped};
+  // Samples taken after the answer was composed may have come before it: a number that is a little behind is no
+  // restart.
+  const std::uint64_t answer = interval_us_ == 0 ? 1 : 1 + kAnswer_us / interval_us_;
+  if (starts != starts_ || account.number + answer < last_.number) restart(starts, account.number, now_us);
+  last_ = {std::max(account.number, last_.number), account.unread, account.dropped};
   ended_ = true;
 }
 
