@@ -11,6 +11,7 @@
 #include <fstream>
 #include <string>
 
+#include "cli/shell_case.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/host/files.hpp"
 
@@ -19,31 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int status = -1;
-  std::string out, messages;
-};
-
-class CommandLine : public testing::Test {
+class CommandLine : public ShellCase {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("command_line." + std::to_string(::getpid()));
-    fs::create_directories(folder_);
+    ShellCase::SetUp();
     design::write_design(folder_ / "strip.json", strip(4, 4));
   }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  // Runs `triskin ARGUMENTS` in the folder, the way a shell does.
-  [[nodiscard]] Outcome run(const std::string& arguments) const {
-    const std::string line = "cd '" + folder_.string() + "' && XDG_STATE_HOME=state " TRISKIN_PROGRAM " " + arguments;
-    const bool redirected = arguments.find('>') != std::string::npos;
-    Outcome outcome;
-    outcome.status = WEXITSTATUS(std::system((line + (redirected ? "" : " >out") + " 2>messages").c_str()));
-    if (!redirected) outcome.out = read_file(folder_ / "out");
-    outcome.messages = read_file(folder_ / "messages");
-    return outcome;
-  }
-  fs::path folder_;
 };
 
 TEST_F(CommandLine, a_full_disk_behind_standard_output_is_an_error) {

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/shell_case.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/host/files.hpp"
 
@@ -29,32 +30,12 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-struct Outcome {
-  int status = -1;
-  std::string out, messages;
-};
-
-class Recordings : public testing::Test {
+class Recordings : public ShellCase {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("cli_recordings." + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    ShellCase::SetUp();
     design::write_design(folder_ / "strip.json", strip(20, 10));
     ASSERT_EQ(run("flash strip.json --link sim").status, 0);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  [[nodiscard]] std::string line(const std::string& arguments) const {
-    return fmt::format("cd '{}' && XDG_STATE_HOME=state exec {} {}", folder_.string(), TRISKIN_PROGRAM, arguments);
-  }
-  [[nodiscard]] Outcome run(const std::string& arguments) const {
-    Outcome outcome;
-    const std::string command = line(arguments) + " >out 2>messages";
-    outcome.status = WEXITSTATUS(std::system(command.c_str()));
-    outcome.out = read_file(folder_ / "out");
-    outcome.messages = read_file(folder_ / "messages");
-    return outcome;
   }
   // Starts the program; its output goes to `name`.
   [[nodiscard]] pid_t start(const std::string& arguments, const std::string& name) const {
@@ -95,7 +76,6 @@ class Recordings : public testing::Test {
     const auto at = text.find("sim:127.0.0.1:");
     return text.substr(at, text.find_first_of(" ,;\n", at) - at);
   }
-  fs::path folder_;
 };
 
 TEST_F(Recordings, formats_hold_the_same_samples) {

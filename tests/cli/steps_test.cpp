@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "cli/shell_case.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/host/files.hpp"
 
@@ -23,20 +24,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-struct Outcome {
-  int status = -1;
-  std::string out, messages;
-};
-
-class Steps : public testing::Test {
+class Steps : public ShellCase {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("cli_steps." + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   static void require_geometry() {
 #ifndef TRISKIN_HAS_GEOMETRY
     GTEST_SKIP() << "built without the solvers";
@@ -47,17 +36,6 @@ class Steps : public testing::Test {
   void write_plate(const std::string& name, double width, double height) const {
     write(name, fmt::format("v 0 0 0\nv {0} 0 0\nv {0} {1} 0\nv 0 {1} 0\nf 1 2 3\nf 1 3 4\n", width, height));
   }
-  [[nodiscard]] std::string line(const std::string& arguments) const {
-    return fmt::format("cd '{}' && exec {} {}", folder_.string(), TRISKIN_PROGRAM, arguments);
-  }
-  [[nodiscard]] Outcome run(const std::string& arguments) const {
-    Outcome outcome;
-    outcome.status = WEXITSTATUS(std::system((line(arguments) + " >out 2>messages").c_str()));
-    outcome.out = read_file(folder_ / "out");
-    outcome.messages = read_file(folder_ / "messages");
-    return outcome;
-  }
-  fs::path folder_;
 };
 
 TEST_F(Steps, a_net_is_placed_and_the_modules_are_routed) {

@@ -1,50 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Jumpers as switched modules and commands see them: flash, verify and discover --topology, as processes.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "support/jumpered_design.hpp"
 #include "support/random_design.hpp"
+#include "support/switched_case.hpp"
 
 namespace triskin::test {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 
-class JumperedHardware : public testing::Test {
+class JumperedHardware : public SwitchedCase {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("jumper_hardware." + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-    std::mt19937_64 random(8);
-    design_ = jumpered_design(8, 6, random);
-    design::write_design(folder_ / "patch.json", design_);
+    SwitchedCase::SetUp();
     scene(json::array());
   }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  void scene(const json& faults) const {
-    std::ofstream(folder_ / "scene.json") << json{
-        {"format", "triskin-scene"},
-        {"version", 1},
-        {"design", "patch.json"},
-        {"hardware", "switched"},
-        {"faults", faults}}.dump();
-  }
-  json run(const std::string& command, int expected_status) const {
-    const std::string line = "cd '" + folder_.string() + "' && XDG_STATE_HOME='" + folder_.string() + "' " +
-                             TRISKIN_PROGRAM + " " + command + " --link sim --json 2>messages";
-    std::FILE* p = ::popen(line.c_str(), "r");
-    std::string text;
-    for (int c = std::fgetc(p); c != EOF; c = std::fgetc(p)) text += static_cast<char>(c);
-    EXPECT_EQ(WEXITSTATUS(::pclose(p)), expected_status) << command << '\n' << text;
-    return json::parse(text, nullptr, false);
+  design::Design make_design() override {
+    std::mt19937_64 random(8);
+    return jumpered_design(8, 6, random);
   }
   // What a controller can still read with the jumper open.
   [[nodiscard]] int survivors() const {
@@ -55,9 +32,6 @@ class JumperedHardware : public testing::Test {
     const design::Jumper& j = design_.layout.jumpers[0];
     return std::popcount(rows_that_survive(design_, {{}, {{row(j.node[0]), row(j.node[1])}}}));
   }
-
-  fs::path folder_;
-  design::Design design_;
 };
 
 TEST_F(JumperedHardware, sound_hardware_is_the_design) {

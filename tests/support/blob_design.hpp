@@ -44,18 +44,7 @@ inline design::Design blob(const std::vector<int>& sizes, std::uint64_t seed) {
     for (const auto& m : patch.modules) patch.max_depth = std::max(patch.max_depth, m.depth);
     d.patches.push_back(patch);
   }
-  for (const Tile& t : tiles) {
-    design::PlacedModule m;
-    m.tile = t;
-    for (int k = 0; k < 3; ++k) {
-      const auto [i, j] = design::tile_corner_index(t, k);
-      const design::Vec2 p = design::grid_point(i, j);
-      m.corner_mm[static_cast<std::size_t>(k)] = design::Vec3{p.x(), p.y(), 0.0};
-      const auto other = number.find(design::across(t, k).tile);
-      m.neighbour[static_cast<std::size_t>(k)] = other == number.end() ? -1 : other->second;
-    }
-    d.layout.modules.push_back(m);
-  }
+  lay_modules(d, tiles, number);
   d.design_id = design::design_id_of(d);
   return d;
 }

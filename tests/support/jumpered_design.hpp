@@ -26,19 +26,7 @@ inline void add_island(design::Design& d, int modules, bool upper, std::mt19937_
     if ((next.j >= 0) != upper) continue;
     if (number.try_emplace(next, base + static_cast<int>(tiles.size())).second) tiles.push_back(next);
   }
-  for (const Tile& t : tiles) {
-    design::PlacedModule m;
-    m.island = island;
-    m.tile = t;
-    for (int k = 0; k < 3; ++k) {
-      const auto [i, j] = design::tile_corner_index(t, k);
-      const design::Vec2 p = design::grid_point(i, j);
-      m.corner_mm[static_cast<std::size_t>(k)] = design::Vec3{p.x(), p.y() - (upper ? 0.0 : kSeam_mm), 0.0};
-      const auto other = number.find(design::across(t, k).tile);
-      m.neighbour[static_cast<std::size_t>(k)] = other == number.end() ? -1 : other->second;
-    }
-    d.layout.modules.push_back(m);
-  }
+  lay_modules(d, tiles, number, island, {0.0, upper ? 0.0 : -kSeam_mm});
 }
 
 /// Two islands on the plane with a seam of 5 mm between them, measured, joined by jumpers where that pays, and wired.

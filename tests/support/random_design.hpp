@@ -26,18 +26,7 @@ inline design::Design random_design(int modules, std::mt19937_64& random) {
     if (number.try_emplace(next, static_cast<int>(tiles.size())).second) tiles.push_back(next);
   }
   design::Design d = flat_design("random", {-2000, -2000}, {2000, 2000});
-  for (const Tile& t : tiles) {
-    design::PlacedModule m;
-    m.tile = t;
-    for (int k = 0; k < 3; ++k) {
-      const auto [i, j] = design::tile_corner_index(t, k);
-      const design::Vec2 p = design::grid_point(i, j);
-      m.corner_mm[static_cast<std::size_t>(k)] = design::Vec3{p.x(), p.y(), 0.0};
-      const auto other = number.find(design::across(t, k).tile);
-      m.neighbour[static_cast<std::size_t>(k)] = other == number.end() ? -1 : other->second;
-    }
-    d.layout.modules.push_back(m);
-  }
+  lay_modules(d, tiles, number);
   d.patches = geometry::route(design::graph_of(d.layout)).patches;
   d.design_id = design::design_id_of(d);
   return d;

@@ -1,59 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a technician types: flash, discover --topology, flash --route and verify on switched modules, as processes.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "support/random_design.hpp"
+#include "support/switched_case.hpp"
 #include "triskin/design/joint.hpp"
 
 namespace triskin::test {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 
-class Commands : public testing::Test {
+class Commands : public SwitchedCase {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("topology_commands." + std::to_string(::getpid()));
-    fs::create_directories(folder_);
+  design::Design make_design() override {
     std::mt19937_64 random(41);
-    design_ = random_design(12, random);
-    design::write_design(folder_ / "patch.json", design_);
+    const design::Design own = random_design(12, random);
     design::write_design(folder_ / "other.json", random_design(12, random));
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  void scene(const json& faults) const {
-    std::ofstream(folder_ / "scene.json") << json{
-        {"format", "triskin-scene"},
-        {"version", 1},
-        {"design", "patch.json"},
-        {"hardware", "switched"},
-        {"faults", faults}}.dump();
-  }
-  /// The simulated boards keep their flash in this folder between commands.
-  json run(const std::string& command, int expected_status) const {
-    const std::string line = "cd '" + folder_.string() + "' && XDG_STATE_HOME='" + folder_.string() + "' " +
-                             TRISKIN_PROGRAM + " " + command + " --link sim --json 2>messages";
-    std::FILE* p = ::popen(line.c_str(), "r");
-    std::string text;
-    for (int c = std::fgetc(p); c != EOF; c = std::fgetc(p)) text += static_cast<char>(c);
-    EXPECT_EQ(WEXITSTATUS(::pclose(p)), expected_status) << command << '\n' << text;
-    return json::parse(text, nullptr, false);
+    return own;
   }
   static std::vector<std::string> kinds(const json& list) {
     std::vector<std::string> out;
     for (const json& d : list) out.push_back(d["kind"]);
     return out;
   }
-  fs::path folder_;
-  design::Design design_;
 };
 
 TEST_F(Commands, a_patch_without_a_table_is_recognized_among_designs) {

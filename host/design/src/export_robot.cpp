@@ -7,33 +7,16 @@
 
 #include "metres.hpp"
 #include "triskin/design/export.hpp"
+#include "triskin/host/markup.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::design {
 namespace {
 
 // Text inside XML; characters that XML cannot hold become "?".
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
-    }
-  }
-  return out;
+std::string escaped(std::string text) {
+  std::ranges::replace_if(text, [](char c) { return static_cast<unsigned char>(c) < 0x20; }, '?');
+  return escape_markup(text);
 }
 
 // Turns about the fixed axes x, y, z, as URDF and SDF have them, of a rotation matrix. At pitch ±90° yaw is 0.

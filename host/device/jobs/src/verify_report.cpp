@@ -8,32 +8,10 @@
 #include <vector>
 
 #include "triskin/design/tile.hpp"
+#include "triskin/host/markup.hpp"
 
 namespace triskin::device {
 namespace {
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '&':
-        out += "&amp;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 std::string summary(const VerifyResult& r) {
   return fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched,
@@ -101,7 +79,7 @@ std::string report_html(const design::Design& design, const VerifyResult& result
       "text{{font:8px sans-serif;text-anchor:middle}}table{{border-collapse:collapse}}td,th{{border:1px solid "
       "#999;padding:2pt 6pt;text-align:left;vertical-align:top}}tr{{break-inside:avoid}}</style>\n<h1>{0}</h1>\n"
       "<p>Design {1:016x}. {2}.</p>\n",
-      escaped(design.name), design.design_id, summary(result));
+      escape_markup(design.name), design.design_id, summary(result));
   const auto marks = marks_of(result);
   for (int island = 0; island < std::max(1, design.layout.islands); ++island) html += drawing(design, island, marks);
   if (!result.findings.empty())
@@ -109,11 +87,11 @@ std::string report_html(const design::Design& design, const VerifyResult& result
   for (std::size_t k = 0; k < result.findings.size(); ++k) {
     const Finding& f = result.findings[k];
     html += fmt::format("<tr><td>({})<td>{}<td>{}<td>{}<td>{}</tr>\n", k + 1, kFindingKindNames.name(f.kind),
-                        escaped(f.place), escaped(f.text), escaped(f.remedy));
+                        escape_markup(f.place), escape_markup(f.text), escape_markup(f.remedy));
   }
   if (!result.findings.empty()) html += "</table>\n";
   for (const Finding& f : result.earlier)
-    html += fmt::format("<p>Remembered from before, not there now: {}.</p>\n", escaped(f.text));
+    html += fmt::format("<p>Remembered from before, not there now: {}.</p>\n", escape_markup(f.text));
   return html;
 }
 
