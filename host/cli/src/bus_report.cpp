@@ -3,33 +3,40 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "triskin/session/bus_budget.hpp"
 #include "triskin/wire/bus_load.hpp"
 #include "triskin/wire/sampling.hpp"
 
 namespace triskin::cli {
 
+namespace {
+
+// Load of one bus at the controllers' fastest clock by every sample of the full stream.
+double full_load(std::size_t modules) {
+  return device::kFastestClock * wire::stream_load(modules, wire::full_sample_ns(wire::kControllerRates),
+                                                   wire::sequence_us(wire::Decimation::k256));
+}
+
+}  // namespace
+
 void add_bus_keys(std::size_t modules, Output& output) {
   constexpr std::uint64_t kIcubPeriod_us = 50'000;
   constexpr wire::BitRates kClassic{wire::kControllerRates.nominal, 0};
-  const double can_fd = device::kFastestClock * wire::stream_load(modules, wire::full_sample_ns(wire::kControllerRates),
-                                                                  wire::sequence_us(wire::Decimation::k256));
-  const double icub = wire::stream_load(modules, wire::icub_sample_ns(kClassic), kIcubPeriod_us);
-  const int every = std::max(1, static_cast<int>(std::ceil(can_fd / wire::kStreamShare)));
-  output.result["bus"] = {{"can_fd", can_fd}, {"every", every}, {"icub", icub}};
+  const double can_fd = full_load(modules);
+  output.result["bus"] = {{"can_fd", can_fd},
+                          {"every", device::least_every(can_fd)},
+                          {"icub", wire::stream_load(modules, wire::icub_sample_ns(kClassic), kIcubPeriod_us)}};
 }
 
 void report_bus(std::size_t modules, Output& output) {
   add_bus_keys(modules, output);
-  const int every = output.result["bus"]["every"].get<int>();
+  const double load = full_load(modules);
+  const int every = device::least_every(load);
   if (every == 1) return;
   output.say(fmt::format(
       "every sample of all {} modules is {:.0f} % of one bus with 1 and 2 Mbit/s: one sample in {} fits, or "
       "{} buses carry all",
-      modules, 100.0 * output.result["bus"]["can_fd"].get<double>(), every, every));
+      modules, 100.0 * load, every, every));
 }
 
 }  // namespace triskin::cli

@@ -6,16 +6,14 @@
 namespace triskin::cli {
 
 nlohmann::json say_offsets(device::Bus& bus, const design::Design& design, const Output& output) {
-  static constexpr std::array kStates{"none", "searching", "kept", "found", "outside"};
-  static constexpr std::array kLatchings{"unknown", "each_stage", "end_of_sequence"};
   nlohmann::json list = nlohmann::json::array();
   for (const device::PatchOffsets& p : device::read_offsets(bus, design)) {
     for (const std::string& line : device::describe(p)) output.say(line);
     for (std::size_t row = 0; row < p.modules.size(); ++row) {
       const wire::ModuleOffsets& m = p.offsets.modules[row];
       list.push_back({{"module", p.modules[row]},
-                      {"state", kStates.at(static_cast<std::size_t>(m.state))},
-                      {"results_change", kLatchings.at(static_cast<std::size_t>(m.latching))},
+                      {"state", device::kOffsetStateNames.name(m.state)},
+                      {"results_change", device::kLatchingNames.name(m.latching)},
                       {"outside", m.outside},
                       {"offset_steps", m.steps}});
     }

@@ -6,7 +6,6 @@
 #include "triskin/check/design_rules.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
-#include "triskin/design/design.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -29,8 +28,7 @@ int run(const std::string& path, Output& output) {
     output.result["corner_cut_mm"] = report.corner_cut_mm;
     output.say(fmt::format("modules measured with corners cut by {:g} mm", report.corner_cut_mm));
   }
-  // A design that breaks rules may have no modules that could be counted.
-  if (report.violations.empty()) add_bus_keys(design::read_design(path).layout.modules.size(), output);
+  if (report.violations.empty()) add_bus_keys(report.modules, output);
   output.say(fmt::format("{} rules checked, {} violations", report.rules.size(), report.violations.size()));
   if (report.modules == 0)
     output.say("the design has no modules: no rule can be broken, and there is nothing to deploy");

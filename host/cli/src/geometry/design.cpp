@@ -71,41 +71,39 @@ std::string reason_of_nothing(const design::Design& d, bool unit_given) {
       unit_given ? "" : "; the mesh was taken for mm: say --unit cm or --unit m if it is not");
 }
 
-int run(Options options, Output& output) {
-  if (options.take >= 0) return take(options, output);
-  catch_interrupts();
-  options.design.unit = options.unit.unit;
-  pipeline::DesignNotes notes;
-  const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
-  const bool nothing = d.layout.modules.empty();
-  if (!nothing) design::write_design(options.output, d);
+nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& notes) {
   const auto& r = d.report;
   nlohmann::json refused = nlohmann::json::object();
   for (const auto& [limit, count] : d.layout.refused) refused[limit] = count;
-  output.result = {{"modules", d.layout.modules.size()},
-                   {"upper_bound", r.upper_bound},
-                   {"coverage", r.coverage},
-                   {"pieces", d.pieces.size()},
-                   {"islands", d.layout.islands},
-                   {"patches", d.patches.size()},
-                   {"patches_lower_bound", r.patches_lower_bound},
-                   {"jumpers", d.layout.jumpers.size()},
-                   {"jumpers_lower_bound", r.jumpers_lower_bound},
-                   {"max_edge_error_mm", r.max_edge_error_mm},
-                   {"max_hinge_gap_mm", r.max_hinge_gap_mm},
-                   {"max_center_gap_mm", r.max_center_gap_mm},
-                   {"method", design::kLayoutMethodNames.name(d.layout.method)},
-                   {"modules_pieces", notes.pieces},
-                   {"modules_surface", notes.surface},
-                   {"refused", refused},
-                   {"repair", geometry::kRepairNames.name(notes.extract.repair)},
-                   {"deviation_mm", notes.extract.deviation.largest_mm},
-                   {"seconds", r.seconds}};
-  if (const std::string change = repair_text(notes.extract); !change.empty()) output.say(change);
+  nlohmann::json keys = {{"modules", d.layout.modules.size()},
+                         {"upper_bound", r.upper_bound},
+                         {"coverage", r.coverage},
+                         {"pieces", d.pieces.size()},
+                         {"islands", d.layout.islands},
+                         {"patches", d.patches.size()},
+                         {"patches_lower_bound", r.patches_lower_bound},
+                         {"jumpers", d.layout.jumpers.size()},
+                         {"jumpers_lower_bound", r.jumpers_lower_bound},
+                         {"max_edge_error_mm", r.max_edge_error_mm},
+                         {"max_hinge_gap_mm", r.max_hinge_gap_mm},
+                         {"max_center_gap_mm", r.max_center_gap_mm},
+                         {"method", design::kLayoutMethodNames.name(d.layout.method)},
+                         {"modules_pieces", notes.pieces},
+                         {"modules_surface", notes.surface},
+                         {"refused", refused},
+                         {"repair", geometry::kRepairNames.name(notes.extract.repair)},
+                         {"deviation_mm", notes.extract.deviation.largest_mm},
+                         {"seconds", r.seconds}};
   if (d.layout.corner_cut_mm > 0.0) {
-    output.result["corner_cut_mm"] = d.layout.corner_cut_mm;
-    output.result["coverage_cut"] = r.coverage_cut;
+    keys["corner_cut_mm"] = d.layout.corner_cut_mm;
+    keys["coverage_cut"] = r.coverage_cut;
   }
+  return keys;
+}
+
+void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
+  const auto& r = d.report;
+  if (const std::string change = repair_text(notes.extract); !change.empty()) output.say(change);
   output.say(fmt::format("{}: {:.0f} cm², {} modules placed (at most {} by area), coverage {:.1f} %", d.name,
                          r.area_cm2, d.layout.modules.size(), r.upper_bound, 100.0 * r.coverage));
   if (d.layout.corner_cut_mm > 0.0) {
@@ -122,9 +120,22 @@ int run(Options options, Output& output) {
                          design::kLayoutMethodNames.name(d.layout.method)));
   for (const auto& [limit, count] : d.layout.refused)
     output.say(fmt::format("  {} refused {} further modules", limit, count));
+}
+
+int run(Options options, Output& output) {
+  if (options.take >= 0) return take(options, output);
+  catch_interrupts();
+  options.design.unit = options.unit.unit;
+  pipeline::DesignNotes notes;
+  const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
+  const bool nothing = d.layout.modules.empty();
+  if (!nothing) design::write_design(options.output, d);
+  output.result = keys_of(d, notes);
+  say_layout(d, notes, output);
   if (nothing) {
-    output.result["reason"] = reason_of_nothing(d, options.unit.unit.has_value());
-    output.say(reason_of_nothing(d, options.unit.unit.has_value()));
+    const std::string reason = reason_of_nothing(d, options.unit.unit.has_value());
+    output.result["reason"] = reason;
+    output.say(reason);
     return 1;
   }
   if (interrupt_signal() > 0)
@@ -132,8 +143,45 @@ int run(Options options, Output& output) {
                            d.layout.modules.size()));
   report_alternatives(d, output);
   report_bus(d.layout.modules.size(), output);
-  output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, r.seconds));
+  output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, d.report.seconds));
   return 0;
+}
+
+void add_limits(CLI::App& app, design::LayoutLimits& l) {
+  app.add_option("--edge-error-mm", l.edge_error_mm, "limit of a module's edge error")
+      ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+  app.add_option("--hinge-gap-mm", l.hinge_gap_mm, "limit between joined corners")
+      ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+  app.add_option("--center-gap-mm", l.center_gap_mm, "limit under a module's centre")
+      ->check(CLI::Range(0.01, 20.0))
+      ->capture_default_str();
+  app.add_option("--fold-rad", l.fold_rad, "limit of the angle at a joint")
+      ->check(CLI::Range(0.01, 3.0))
+      ->capture_default_str();
+  app.add_option("--penetration-mm", l.penetration_mm, "limit of two modules' overlap")
+      ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+  app.add_option("--overrun-mm", l.overrun_mm, "limit over the border")
+      ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+}
+
+// What a layout costs, in modules, and how long a jumper may be.
+void add_price(CLI::App& app, design::LayoutLimits& l, design::Price& price) {
+  app.add_option("--jumper-mm", l.jumper_mm, "limit of a jumper's length along the surface (0: no jumpers)")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  app.add_option("--controller-cost", price.controller, "modules that a controller with its cable is worth")
+      ->check(CLI::Range(0.0, 16.0))
+      ->capture_default_str();
+  app.add_option("--jumper-cost", price.jumper, "modules that a jumper is worth")
+      ->check(CLI::Range(0.0, 16.0))
+      ->capture_default_str();
+  app.add_option("--island-cost", price.island, "modules that an island is worth; all costs 0: most modules")
+      ->check(CLI::Range(0.0, 16.0))
+      ->capture_default_str();
 }
 
 const Registration kDesign{{
@@ -158,43 +206,13 @@ const Registration kDesign{{
           ->capture_default_str();
       app.add_option("--seed", options->design.seed, "of every random choice")->capture_default_str();
       options->unit.add_to(app);
-      auto& l = options->design.limits;
-      app.add_option("--edge-error-mm", l.edge_error_mm, "limit of a module's edge error")
-          ->check(CLI::Range(0.01, 10.0))
-          ->capture_default_str();
-      app.add_option("--hinge-gap-mm", l.hinge_gap_mm, "limit between joined corners")
-          ->check(CLI::Range(0.01, 10.0))
-          ->capture_default_str();
-      app.add_option("--center-gap-mm", l.center_gap_mm, "limit under a module's centre")
-          ->check(CLI::Range(0.01, 20.0))
-          ->capture_default_str();
-      app.add_option("--fold-rad", l.fold_rad, "limit of the angle at a joint")
-          ->check(CLI::Range(0.01, 3.0))
-          ->capture_default_str();
-      app.add_option("--penetration-mm", l.penetration_mm, "limit of two modules' overlap")
-          ->check(CLI::Range(0.01, 10.0))
-          ->capture_default_str();
-      app.add_option("--overrun-mm", l.overrun_mm, "limit over the border")
-          ->check(CLI::Range(0.01, 10.0))
-          ->capture_default_str();
+      add_limits(app, options->design.limits);
       add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--bend-radius-mm", options->design.bend_radius_mm,
                      "part the pieces from what bends more than this, as the reference paper does at 50 (0: no)")
           ->check(CLI::Range(0.0, 1e4))
           ->capture_default_str();
-      app.add_option("--jumper-mm", l.jumper_mm, "limit of a jumper's length along the surface (0: no jumpers)")
-          ->check(CLI::Range(0.0, 100.0))
-          ->capture_default_str();
-      auto& price = options->design.price;
-      app.add_option("--controller-cost", price.controller, "modules that a controller with its cable is worth")
-          ->check(CLI::Range(0.0, 16.0))
-          ->capture_default_str();
-      app.add_option("--jumper-cost", price.jumper, "modules that a jumper is worth")
-          ->check(CLI::Range(0.0, 16.0))
-          ->capture_default_str();
-      app.add_option("--island-cost", price.island, "modules that an island is worth; all costs 0: most modules")
-          ->check(CLI::Range(0.0, 16.0))
-          ->capture_default_str();
+      add_price(app, options->design.limits, options->design.price);
       app.add_option("--threads", options->design.threads, "chains of the growth; part of what a result depends on")
           ->check(CLI::Range(1, 256))
           ->capture_default_str();

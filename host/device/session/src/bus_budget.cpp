@@ -26,6 +26,10 @@ std::uint64_t share_us(const Link& link, const WireLoad& wire) {
 
 }  // namespace
 
+int least_every(double full) {
+  return std::max(1, static_cast<int>(std::ceil(std::min(1e6, full / wire::kStreamShare) - 1e-9)));
+}
+
 BusBudget make_budget(const Link& link, std::span<const StreamDemand> demands, int every) {
   std::map<int, WireLoad> wires;
   for (const StreamDemand& d : demands) {
@@ -37,7 +41,7 @@ BusBudget make_budget(const Link& link, std::span<const StreamDemand> demands, i
   BusBudget b;
   for (auto& [number, wire] : wires) b.wires.push_back(std::move(wire));
   for (const WireLoad& wire : b.wires) b.full = std::max(b.full, wire.full);
-  const int needed = std::max(1, static_cast<int>(std::ceil(std::min(1e6, b.full / wire::kStreamShare) - 1e-9)));
+  const int needed = least_every(b.full);
   b.every = every > 0 ? every : std::min(needed, kMostEvery);
   b.load = b.full / b.every;
   b.fits = b.every >= needed;
@@ -54,9 +58,8 @@ std::string describe(const BusBudget& b) {
   std::string text = fmt::format("{} of {} modules on {} controllers is {:.0f} % of the bus", what, fullest->modules,
                                  fullest->nodes.size(), 100.0 * b.load);
   if (!b.fits) {
-    const int needed = static_cast<int>(std::ceil(b.full / wire::kStreamShare - 1e-9));
     text += fmt::format(", {:.0f} % fit; use --every {} or more, a higher data bit rate, or a second bus",
-                        100.0 * wire::kStreamShare, needed);
+                        100.0 * wire::kStreamShare, least_every(b.full));
   }
   return text;
 }

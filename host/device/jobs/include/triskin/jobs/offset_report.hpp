@@ -4,10 +4,23 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
+#include "triskin/host/names.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/wire/offsets.hpp"
 
 namespace triskin::device {
+
+/// Names of the states of a module's offsets, and of when its converter shows its results.
+inline constexpr NameTable kOffsetStateNames{
+    std::array<std::pair<wire::OffsetState, std::string_view>, 5>{{{wire::OffsetState::kNone, "none"},
+                                                                   {wire::OffsetState::kSearching, "searching"},
+                                                                   {wire::OffsetState::kKept, "kept"},
+                                                                   {wire::OffsetState::kFound, "found"},
+                                                                   {wire::OffsetState::kOutside, "outside"}}}};
+inline constexpr NameTable kLatchingNames{
+    std::array<std::pair<wire::Latching, std::string_view>, 3>{{{wire::Latching::kUnknown, "unknown"},
+                                                                {wire::Latching::kEachStage, "each_stage"},
+                                                                {wire::Latching::kEndOfSequence, "end_of_sequence"}}}};
 
 /// Offsets that the controller of one patch has found for its converters.
 struct PatchOffsets {
