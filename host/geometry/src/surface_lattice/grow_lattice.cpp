@@ -6,6 +6,7 @@
 #include <cmath>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <thread>
 
@@ -30,6 +31,7 @@ constexpr double kStartsShare = 0.08, kRaceShare = 0.08;  // of the time: all st
 constexpr double kRaceHeat = 0.1;
 constexpr int kStepsAModule = 40, kMostRuns = 20;  // of one annealing
 constexpr double kHot = 0.6, kCold = 0.05;         // modules a step may lose, at the start and at the end
+constexpr int kSmallIsland = 8;                    // modules: such an island may go as a whole
 constexpr int kFront = 12;                         // of the layouts that are kept beside the best
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kFinalMargin = 0.98;
@@ -43,7 +45,8 @@ struct GrowthTask {
   double jumper_mm;
   Clock::time_point start, end;
 
-  [[nodiscard]] double value(const LatticeNet& net, NetPrice& price) const {
+  [[nodiscard]] LatticeNet empty_net() const { return {surface.mesh().vertices, options.corner_cut_mm}; }
+  [[nodiscard]] double value(LatticeNet& net, NetPrice& price) const {
     if (net.size() == 0) return kNothing;  // one module is better, although its controller costs more
     return net.size() - price(net) + options.hinge_reward * net.joints();
   }
@@ -53,11 +56,12 @@ struct GrowthTask {
   }
 };
 
-struct Start {
-  LatticeNet net;
+using NetCopy = std::shared_ptr<const LatticeNet>;
+struct Found {
+  NetCopy net;
   double value;
 };
-using Front = std::map<int, Start>;  // by number of modules: the best found
+using Front = std::map<int, Found>;  // by number of modules: the best found
 
 // One annealed sequence of ruin and recreate.
 class Chain {
@@ -73,15 +77,11 @@ class Chain {
   void build() {
     const int iterations = task_.options.iterations;
     const int most = iterations > 0 ? std::min(kStarts, 1 + iterations / kStepsAStart) : kStarts;
-    std::vector<Start> starts;
+    std::vector<Found> starts;
     for (int k = 0; k < most; ++k) {
       if (k > 0 && iterations == 0 && task_.fraction(0) > kStartsShare) break;
-      LatticeNet net;
-      net.corner_cut_mm = task_.options.corner_cut_mm;
-      grower_.fill(net, {}, random_, static_cast<int>(task_.samples.size()) / 2);
-      net.separate();
-      const double value = task_.value(net, price_);
-      starts.push_back({std::move(net), value});
+      start_anew();
+      starts.push_back({std::make_shared<const LatticeNet>(now_), value_});
     }
     const double before = task_.fraction(steps_);
     double until = before;
@@ -90,8 +90,7 @@ class Chain {
       for (std::size_t k = 0; k < left; ++k) improve(starts[k], until += kRaceShare / static_cast<double>(left));
     }
     keep_best(starts, 1);
-    now_ = best_ = starts.front().net;
-    value_ = best_value_ = starts.front().value;
+    take(starts.front());
     heat_ = 0.0;
     plan_runs(task_.fraction(steps_) - before);
   }
@@ -100,16 +99,15 @@ class Chain {
     for (int k = 0; k < steps && !grower_.late(); ++k, ++steps_) step();
   }
 
-  void adopt(const LatticeNet& net) {
-    now_ = net;
-    value_ = task_.value(net, price_);
+  void adopt(const NetCopy& net) {
+    set(*net);
     if (value_ > best_value_) {
       best_ = net;
       best_value_ = value_;
     }
   }
 
-  [[nodiscard]] const LatticeNet& best() const { return best_; }
+  [[nodiscard]] const NetCopy& best() const { return best_; }
   [[nodiscard]] double best_value() const { return best_value_; }
   [[nodiscard]] const Front& front() const { return front_; }
   [[nodiscard]] int steps() const { return steps_; }
@@ -117,14 +115,32 @@ class Chain {
   [[nodiscard]] bool in_last_run() const { return run_ == runs_ - 1; }
 
  private:
-  static void keep_best(std::vector<Start>& starts, std::size_t count) {
-    std::ranges::stable_sort(starts, std::greater{}, &Start::value);
+  void set(LatticeNet net) {
+    now_ = std::move(net);
+    price_.forget();
+    value_ = task_.value(now_, price_);
+  }
+
+  void start_anew() {
+    LatticeNet net = task_.empty_net();
+    grower_.fill(net, {}, random_, static_cast<int>(task_.samples.size()) / 2);
+    net.separate();
+    set(std::move(net));
+  }
+
+  void take(const Found& found) {
+    best_ = found.net;
+    set(*best_);
+    value_ = best_value_ = found.value;
+  }
+
+  static void keep_best(std::vector<Found>& starts, std::size_t count) {
+    std::ranges::stable_sort(starts, std::greater{}, &Found::value);
     starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(count), starts.end());
   }
 
-  void improve(Start& start, double until) {
-    now_ = best_ = start.net;
-    value_ = best_value_ = start.value;
+  void improve(Found& start, double until) {
+    take(start);
     heat_ = kRaceHeat;
     while (task_.fraction(steps_) < until && !grower_.late()) run(1);
     start = {best_, best_value_};
@@ -133,11 +149,11 @@ class Chain {
   // A small part takes few steps to anneal: it is annealed several times, each time from another start.
   void plan_runs(double fraction_raced) {
     begun_at_ = task_.fraction(steps_);
-    if (steps_ == 0 || best_.size() == 0 || begun_at_ >= 1.0) return;
+    if (steps_ == 0 || best_->size() == 0 || begun_at_ >= 1.0) return;
     const double steps_left = task_.options.iterations > 0
                                   ? task_.options.iterations - steps_
                                   : steps_ / std::max(1e-6, fraction_raced) * (1.0 - begun_at_);
-    runs_ = std::clamp(static_cast<int>(steps_left / (kStepsAModule * best_.size())), 1, kMostRuns);
+    runs_ = std::clamp(static_cast<int>(steps_left / (kStepsAModule * best_->size())), 1, kMostRuns);
   }
 
   // Progress of the current run, 0 … 1; begins the next run when it is due.
@@ -146,10 +162,7 @@ class Chain {
     const int run = std::min(static_cast<int>(runs), runs_ - 1);
     if (run != run_) {
       run_ = run;
-      now_ = LatticeNet();
-      grower_.fill(now_, {}, random_, static_cast<int>(task_.samples.size()) / 2);
-      now_.separate();
-      value_ = task_.value(now_, price_);
+      start_anew();
     }
     return runs - run;
   }
@@ -157,31 +170,37 @@ class Chain {
   void step() {
     const double heat = heat_ > 0.0 ? heat_ : kHot * std::pow(kCold / kHot, fraction_of_run());
     if (now_.size() == 0) return grower_.fill(now_, {}, random_, 10);
-    LatticeNet next = now_;
-    const Grower::Ball ball = ruin(next);
-    next.separate();
-    const Grower::Ball around{ball.center, ball.radius_mm + 40.0};
-    if (random_.unit() < 0.25) grower_.fill(next, around, random_, 3);
-    grower_.grow(next, around, random_);
-    grower_.fill(next, around, random_, 4);
-    if (grower_.late()) return;
-    next.separate();
-    const double value = task_.value(next, price_);
-    if (value < value_ + heat * std::log(std::max(1e-12, random_.unit()))) return;
-    now_ = std::move(next);
+    now_.begin();
+    const double value = ruin_and_recreate();
+    if (grower_.late() || value < value_ + heat * std::log(std::max(1e-12, random_.unit()))) return now_.roll_back();
+    now_.commit();
     value_ = value;
-    archive(now_, value_);
-    if (value_ > best_value_ + 1e-9) {
-      best_ = now_;
-      best_value_ = value_;
-    }
+    keep_when_best();
   }
 
-  // The best of each number of modules.
-  void archive(const LatticeNet& net, double value) {
-    const auto [found, is_new] = front_.try_emplace(net.size());
-    if (!is_new && value <= found->second.value) return;
-    found->second = {net, value};
+  double ruin_and_recreate() {
+    const Grower::Ball ball = ruin(now_);
+    now_.separate();
+    const Grower::Ball around{ball.center, ball.radius_mm + 40.0};
+    if (random_.unit() < 0.25) grower_.fill(now_, around, random_, 3);
+    grower_.grow(now_, around, random_);
+    grower_.fill(now_, around, random_, 4);
+    now_.separate();
+    return task_.value(now_, price_);
+  }
+
+  // The best of all, and the best of each number of modules near it.
+  void keep_when_best() {
+    const auto [place, is_new] = front_.try_emplace(now_.size());
+    Found& of_size = place->second;
+    const bool is_best = value_ > best_value_ + 1e-9;
+    if (!is_new && value_ <= of_size.value && !is_best) return;
+    const auto copy = std::make_shared<const LatticeNet>(now_);
+    if (is_new || value_ > of_size.value) of_size = {copy, value_};
+    if (!is_best) return;
+    best_ = copy;
+    best_value_ = value_;
+    front_.erase(front_.begin(), front_.lower_bound(best_->size() - 2 * kFront));
   }
 
   // Around an uncovered place when one is found quickly, else around any module.
@@ -190,12 +209,12 @@ class Chain {
       const Sample& s = task_.samples[at(random_.scaled_below(static_cast<int>(task_.samples.size())))];
       if (!grower_.covered(net, s.point)) return s.point;
     }
-    return net.triangles[at(some_triangle(net))].center;
+    return net.triangles()[at(some_triangle(net))].center;
   }
 
   [[nodiscard]] int some_triangle(const LatticeNet& net) {
     for (;;) {
-      const int t = random_.scaled_below(static_cast<int>(net.triangles.size()));
+      const int t = random_.scaled_below(static_cast<int>(net.triangles().size()));
       if (net.used(t)) return t;
     }
   }
@@ -205,24 +224,27 @@ class Chain {
       if (const auto ball = ruin_island(net)) return *ball;
     }
     const Grower::Ball ball{place_to_ruin(net), 20.0 + 45.0 * random_.unit() * random_.unit()};
-    for (int t = 0; t < static_cast<int>(net.triangles.size()); ++t) {
-      if (net.used(t) && ball.holds(net.triangles[at(t)].center)) net.remove_triangle(t);
-    }
+    std::vector<int> inside;
+    net.near(ball.center, ball.radius_mm, inside);
+    for (const int t : inside) net.remove_triangle(t);
     return ball;
   }
 
   // A small island goes as a whole; what stood round it may then close the gap.
   std::optional<Grower::Ball> ruin_island(LatticeNet& net) {
-    const int island = net.triangles[at(some_triangle(net))].island;
-    std::vector<int> members;
-    for (int t = 0; t < static_cast<int>(net.triangles.size()); ++t) {
-      if (net.triangles[at(t)].island == island) members.push_back(t);
+    std::vector<int> members{some_triangle(net)};
+    if (net.island_sizes()[at(net.triangles()[at(members[0])].island)] > kSmallIsland) return std::nullopt;
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      for (int s = 0; s < 3; ++s) {
+        const int n = net.neighbour(members[k], s);
+        if (n >= 0 && std::ranges::find(members, n) == members.end()) members.push_back(n);
+      }
     }
-    if (members.size() > 8) return std::nullopt;
+    std::ranges::sort(members);
     Grower::Ball ball{Vec3::Zero(), 25.0};
-    for (const int t : members) ball.center += net.triangles[at(t)].center / static_cast<double>(members.size());
+    for (const int t : members) ball.center += net.triangles()[at(t)].center / static_cast<double>(members.size());
     for (const int t : members) {
-      ball.radius_mm = std::max(ball.radius_mm, (net.triangles[at(t)].center - ball.center).norm());
+      ball.radius_mm = std::max(ball.radius_mm, (net.triangles()[at(t)].center - ball.center).norm());
       net.remove_triangle(t);
     }
     return ball;
@@ -232,7 +254,8 @@ class Chain {
   Dice random_;
   NetPrice price_;
   Grower grower_;
-  LatticeNet now_, best_;
+  LatticeNet now_;  // what price_ knows
+  NetCopy best_;
   Front front_;
   double value_ = -1e300, best_value_ = -1e300;
   double heat_ = 0.0;  // > 0: instead of the schedule
@@ -245,20 +268,24 @@ class Chain {
 ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
   ModuleLayout layout;
   layout.method = LayoutMethod::kSurface;
-  layout.corner_cut_mm = net.corner_cut_mm;
+  layout.corner_cut_mm = net.corner_cut_mm();
+  std::vector<int> number(net.island_sizes().size(), -1);  // of islands, as their first modules come
+  int numbers = 0;
   layout.islands = net.islands();
-  std::vector<int> index(net.triangles.size(), -1);
-  for (std::size_t t = 0; t < net.triangles.size(); ++t) {
-    if (net.triangles[t].island < 0) continue;
+  std::vector<int> index(net.triangles().size(), -1);
+  for (std::size_t t = 0; t < net.triangles().size(); ++t) {
+    if (net.triangles()[t].island < 0) continue;
     index[t] = static_cast<int>(layout.modules.size());
     triangle_of.push_back(static_cast<int>(t));
     PlacedModule m;
-    m.island = net.triangles[t].island;
-    m.tile = net.triangles[t].tile;
-    m.corner_mm = net.triangles[t].rigid;
+    int& island = number[at(net.triangles()[t].island)];
+    if (island < 0) island = numbers++;
+    m.island = island;
+    m.tile = net.triangles()[t].tile;
+    m.corner_mm = net.triangles()[t].rigid;
     layout.modules.push_back(m);
   }
-  for (std::size_t t = 0; t < net.triangles.size(); ++t) {
+  for (std::size_t t = 0; t < net.triangles().size(); ++t) {
     for (int s = 0; index[t] >= 0 && s < 3; ++s) {
       const int n = net.neighbour(static_cast<int>(t), s);
       if (n >= 0) layout.modules[at(index[t])].neighbour[at(s)] = index[at(n)];
@@ -331,17 +358,17 @@ const Chain& best_of(const std::deque<Chain>& chains) {
 
 // The best of all chains for each number of modules, most modules first; not the best of all, which is kept anyway.
 std::vector<const LatticeNet*> front_of(const std::deque<Chain>& chains) {
-  std::map<int, const Start*, std::greater<>> by_size;
+  std::map<int, const Found*, std::greater<>> by_size;
   for (const Chain& chain : chains) {
-    for (const auto& [size, start] : chain.front()) {
-      const Start*& best = by_size[size];
-      if (best == nullptr || start.value > best->value) best = &start;
+    for (const auto& [size, found] : chain.front()) {
+      const Found*& best = by_size[size];
+      if (best == nullptr || found.value > best->value) best = &found;
     }
   }
   std::vector<const LatticeNet*> nets;
-  const int best = best_of(chains).best().size();
-  for (const auto& [size, start] : by_size) {
-    if (size != best && size >= best - kFront) nets.push_back(&start->net);
+  const int best = best_of(chains).best()->size();
+  for (const auto& [size, found] : by_size) {
+    if (size != best && size >= best - kFront) nets.push_back(found->net.get());
   }
   return nets;
 }
@@ -381,13 +408,13 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
     in_parallel(chains, [steps](Chain& c) { c.run(steps); });
     const Chain& best = best_of(chains);
     report(progress, "lattice", task.fraction(chains[0].steps()),
-           fmt::format("{} modules in {} islands", best.best().size(), best.best().islands()));
+           fmt::format("{} modules in {} islands", best.best()->size(), best.best()->islands()));
     if (round % kRoundsAnExchange != 0) continue;
     for (Chain& c : chains) {
       if (&c != &best && c.in_last_run() && c.best_value() < best.best_value() - 0.5) c.adopt(best.best());
     }
   }
-  LatticeNet net = best_of(chains).best();
+  LatticeNet net = *best_of(chains).best();
   ModuleLayout refusals;
   count_refusals(task, net, refusals);
   std::vector<ModuleLayout> layouts{certified(original, copy, std::move(net), limits)};

@@ -15,6 +15,10 @@ constexpr int kRelaxSteps = 5;
 constexpr double kCrowded_mm = 6.0;  // overlap that relaxing will not undo
 constexpr double kShort_mm = 6.0;    // an apex that the border holds back by more is not tried
 constexpr double kReach_mm = 45.0;
+constexpr double kCover_mm = 20.0;  // a point of a module lies within 2h/3 = 17.3 mm of its centre
+constexpr double kCornerReach_mm =
+    28.0;  // of a vertex from the centre of its triangle: 17.3 mm, and the largest edge error
+constexpr double kSampleCell_mm = 20.0;
 constexpr double kSurroundings_mm = 45.0;  // farther modules hardly decide whether one more fits
 
 NetTriangle loose(const Triangle& corners, double corner_cut_mm) {
@@ -45,6 +49,17 @@ std::vector<Sample> spread_samples(const Surface& surface, double area_each_mm2,
   return samples;
 }
 
+Grower::Grower(const Surface& surface, const Rules& rules, const std::vector<Sample>& samples, double corner_lift_mm,
+               Clock::time_point end)
+    : surface_(surface),
+      rules_(rules),
+      samples_(samples),
+      sample_grid_(surface.mesh().vertices, kSampleCell_mm),
+      relaxer_(surface_, corner_lift_mm),
+      end_(end) {
+  for (int k = 0; k < static_cast<int>(samples.size()); ++k) sample_grid_.add(k, samples[at(k)].point);
+}
+
 // The point of the surface 30 mm from both ends of a side, found by turning the height about the side.
 bool Grower::roll(const Vec3& a, const Vec3& b, const Vec3& away, Foot& apex) {
   const Vec3 middle = 0.5 * (a + b), along = (b - a).normalized();
@@ -60,12 +75,12 @@ bool Grower::roll(const Vec3& a, const Vec3& b, const Vec3& away, Foot& apex) {
 }
 
 bool Grower::try_side(LatticeNet& net, Side side) {
-  const NetTriangle t = net.triangles[at(side.triangle)];
+  const NetTriangle t = net.triangles()[at(side.triangle)];
   const TileSide next = across(t.tile, side.side);
   if (net.has_tile(t.island, next.tile)) return false;
-  const Vec3 a = net.vertices[at(t.vertex[at(side.side)])].point,
-             b = net.vertices[at(t.vertex[at((side.side + 1) % 3)])].point;
-  const Vec3 far = net.vertices[at(t.vertex[at((side.side + 2) % 3)])].point;
+  const Vec3 a = net.vertices()[at(t.vertex[at(side.side)])].point,
+             b = net.vertices()[at(t.vertex[at((side.side + 1) % 3)])].point;
+  const Vec3 far = net.vertices()[at(t.vertex[at((side.side + 2) % 3)])].point;
   Foot apex;
   if (!roll(a, b, 0.5 * (a + b) - far, apex)) {
     ++refused[static_cast<std::size_t>(Refusal::kOverrun)];
@@ -74,15 +89,19 @@ bool Grower::try_side(LatticeNet& net, Side side) {
   const auto label = tile_corner_index(next.tile, (next.side + 2) % 3);
   // Corners of the same lattice point nearby: joining them closes the ring round a corner.
   std::vector<std::pair<double, int>> snaps;
-  for (int v = 0; v < static_cast<int>(net.vertices.size()); ++v) {
-    const NetVertex& w = net.vertices[at(v)];
-    if (!w.used || w.i != label[0] || w.j != label[1] || net.triangles[at(w.triangles[0])].island != t.island) continue;
-    const double distance = (w.point - apex.point).norm();
-    if (distance < kSnap_mm) snaps.emplace_back(distance, v);
-  }
+  (void)net.any_near(apex.point, kSnap_mm + kCornerReach_mm, [&](int other) {
+    if (net.triangles()[at(other)].island != t.island) return false;
+    for (const int v : net.triangles()[at(other)].vertex) {
+      const NetVertex& w = net.vertices()[at(v)];
+      const double distance = (w.point - apex.point).norm();
+      if (w.i == label[0] && w.j == label[1] && distance < kSnap_mm) snaps.emplace_back(distance, v);
+    }
+    return false;
+  });
   std::ranges::sort(snaps);
+  snaps.erase(std::ranges::unique(snaps).begin(), snaps.end());
   for (const auto& [distance, v] : snaps) {
-    if (!crowded(net, {b, a, net.vertices[at(v)].point}, side.triangle) && try_corner(net, side, v)) return true;
+    if (!crowded(net, {b, a, net.vertices()[at(v)].point}, side.triangle) && try_corner(net, side, v)) return true;
   }
   if (crowded(net, {b, a, apex.point}, side.triangle)) {
     ++refused[static_cast<std::size_t>(Refusal::kPenetration)];
@@ -92,7 +111,7 @@ bool Grower::try_side(LatticeNet& net, Side side) {
 }
 
 bool Grower::try_corner(LatticeNet& net, Side side, int apex) {
-  const NetTriangle& t = net.triangles[at(side.triangle)];
+  const NetTriangle& t = net.triangles()[at(side.triangle)];
   const TileSide next = across(t.tile, side.side);
   std::array<int, 3> v{};
   v[at(next.side)] = t.vertex[at((side.side + 1) % 3)];
@@ -108,19 +127,16 @@ bool Grower::keep_or_revert(LatticeNet& net, int triangle) {
   if (refusal == Refusal::kNone) return true;
   ++refused[static_cast<std::size_t>(refusal)];
   relaxer_.undo(net);
-  net.remove_triangle(triangle);
+  net.take_back(triangle);
   return false;
 }
 
 // Hopeless places are found before the costly relaxing.
 bool Grower::crowded(const LatticeNet& net, const Triangle& corners, int beside) const {
-  const NetTriangle candidate = loose(corners, net.corner_cut_mm);
-  for (int k = 0; k < static_cast<int>(net.triangles.size()); ++k) {
-    const NetTriangle& t = net.triangles[at(k)];
-    if (k == beside || t.island < 0 || (t.center - candidate.center).squaredNorm() > kReach_mm * kReach_mm) continue;
-    if (overlap_of(candidate, t).depth_mm > kCrowded_mm) return true;
-  }
-  return false;
+  const NetTriangle candidate = loose(corners, net.corner_cut_mm());
+  return net.any_near(candidate.center, kReach_mm, [&](int k) {
+    return k != beside && overlap_of(candidate, net.triangles()[at(k)]).depth_mm > kCrowded_mm;
+  });
 }
 
 bool Grower::try_seed(LatticeNet& net, const Triangle& corners) {
@@ -137,7 +153,7 @@ bool Grower::try_seed(LatticeNet& net, const Triangle& corners) {
 }
 
 bool Grower::seed_at_side(LatticeNet& net, Side side) {
-  const NetTriangle& t = net.triangles[at(side.triangle)];
+  const NetTriangle& t = net.triangles()[at(side.triangle)];
   const Vec3 a = t.rigid[at(side.side)], b = t.rigid[at((side.side + 1) % 3)], far = t.rigid[at((side.side + 2) % 3)];
   Foot apex;
   if (!roll(a, b, 0.5 * (a + b) - far, apex)) return false;
@@ -172,8 +188,9 @@ bool Grower::seed_at_border(LatticeNet& net, const Sample& sample) {
 
 std::vector<Grower::Side> Grower::open_sides(const LatticeNet& net, const Ball& ball) const {
   std::vector<Side> sides;
-  for (int t = 0; t < static_cast<int>(net.triangles.size()); ++t) {
-    if (!net.used(t) || !ball.holds(net.triangles[at(t)].center)) continue;
+  std::vector<int> inside;
+  net.near(ball.center, ball.radius_mm, inside);
+  for (const int t : inside) {
     for (int s = 0; s < 3; ++s) {
       if (net.neighbour(t, s) < 0) sides.push_back({t, s});
     }
@@ -205,7 +222,7 @@ void Grower::grow_from(LatticeNet& net, const std::vector<Side>& front, const Ba
     heap.pop_back();
     const Side s = entry.side;
     if (!net.used(s.triangle) || net.neighbour(s.triangle, s.side) >= 0) continue;
-    if (!ball.holds(net.triangles[at(s.triangle)].center)) continue;
+    if (!ball.holds(net.triangles()[at(s.triangle)].center)) continue;
     const std::uint64_t surroundings = surroundings_of(net, s);
     std::uint64_t& last_failed = last_failure(failed_join_, s);
     if (last_failed == surroundings) continue;
@@ -222,7 +239,7 @@ void Grower::grow_from(LatticeNet& net, const std::vector<Side>& front, const Ba
 
 // Of the place where a module at a side would come to lie.
 std::uint64_t Grower::surroundings_of(const LatticeNet& net, Side side) const {
-  const NetTriangle& t = net.triangles[at(side.triangle)];
+  const NetTriangle& t = net.triangles()[at(side.triangle)];
   return net.signature(t.rigid[at(side.side)] + t.rigid[at((side.side + 1) % 3)] - t.center, kSurroundings_mm);
 }
 
@@ -248,9 +265,11 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts)
     grow_newest(before);
   }
   std::vector<int> near;
-  for (int k = 0; k < static_cast<int>(samples_.size()); ++k) {
+  (void)sample_grid_.any_near(ball.center, ball.radius_mm, [&](int k) {
     if (ball.holds(samples_[at(k)].point) && !covered(net, samples_[at(k)].point)) near.push_back(k);
-  }
+    return false;
+  });
+  std::ranges::sort(near);
   for (int k = 0; k < attempts && !near.empty() && !late(); ++k) {
     const Sample& sample = samples_[at(near[at(random.scaled_below(static_cast<int>(near.size())))])];
     if (covered(net, sample.point)) continue;
@@ -261,8 +280,8 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts)
 }
 
 bool Grower::covered(const LatticeNet& net, const Vec3& p) const {
-  return std::ranges::any_of(net.triangles, [&](const NetTriangle& t) {
-    if (t.island < 0 || (t.center - p).squaredNorm() > 400.0) return false;
+  return net.any_near(p, kCover_mm, [&](int triangle) {
+    const NetTriangle& t = net.triangles()[at(triangle)];
     for (std::size_t k = 0; k < 3; ++k) {
       if (t.normal.cross(t.rigid[(k + 1) % 3] - t.rigid[k]).dot(p - t.rigid[k]) < 0) return false;
     }

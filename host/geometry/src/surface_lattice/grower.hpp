@@ -23,8 +23,7 @@ class Grower {
  public:
   using Clock = std::chrono::steady_clock;
   Grower(const Surface& surface, const Rules& rules, const std::vector<Sample>& samples, double corner_lift_mm,
-         Clock::time_point end)
-      : surface_(surface), rules_(rules), samples_(samples), relaxer_(surface_, corner_lift_mm), end_(end) {}
+         Clock::time_point end);
 
   Grower(const Grower&) = delete;  // the relaxer refers to surface_
   Grower& operator=(const Grower&) = delete;
@@ -66,6 +65,7 @@ class Grower {
   NearSurface surface_;
   const Rules& rules_;
   const std::vector<Sample>& samples_;
+  PointGrid sample_grid_;
   Relaxer relaxer_;
   std::vector<int> near_;
   // By side: signature of its surroundings when a module was refused there. While it is equal the side is not tried

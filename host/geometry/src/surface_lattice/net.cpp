@@ -8,6 +8,7 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 const Vec3 kNowhere = Vec3::Constant(1e12);
+constexpr double kCell_mm = 40.0;  // of the grid: most searches reach 20 … 45 mm
 
 }  // namespace
 
@@ -29,54 +30,120 @@ Triangle fit_rigid(const Triangle& target) {
   return {Vec3(center - kCos * right - 0.5 * up), Vec3(center + kCos * right - 0.5 * up), Vec3(center + up)};
 }
 
-std::vector<int> LatticeNet::island_sizes() const {
-  std::vector<int> size;
-  for (const NetTriangle& t : triangles) {
-    if (t.island < 0) continue;
-    if (size.size() <= at(t.island)) size.resize(at(t.island) + 1);
-    ++size[at(t.island)];
+LatticeNet::LatticeNet(const std::vector<Vec3>& around, double corner_cut_mm)
+    : corner_cut_mm_(corner_cut_mm), grid_(around, kCell_mm) {}
+
+NetVertex& LatticeNet::edit_vertex(int vertex) {
+  if (is_recording_ && at(vertex) < vertices_before_ && vertex_saved_in_[at(vertex)] != recording_) {
+    vertex_saved_in_[at(vertex)] = recording_;
+    old_vertices_.emplace_back(vertex, vertices_[at(vertex)]);
   }
-  std::erase(size, 0);
-  return size;
+  return vertices_[at(vertex)];
 }
 
-int LatticeNet::joints() const {
-  int sides = 0;
-  for (int t = 0; t < static_cast<int>(triangles.size()); ++t) {
-    if (!used(t)) continue;
-    for (int s = 0; s < 3; ++s) sides += neighbour(t, s) >= 0 ? 1 : 0;
-  }
-  return sides / 2;
+// Before every change of a triangle.
+void LatticeNet::touch(int triangle) {
+  if (!is_recording_ || at(triangle) >= triangles_before_ || triangle_saved_in_[at(triangle)] == recording_) return;
+  triangle_saved_in_[at(triangle)] = recording_;
+  old_triangles_.emplace_back(triangle, triangles_[at(triangle)]);
+}
+
+int LatticeNet::islands() const {
+  return static_cast<int>(std::ranges::count_if(island_size_, [](int size) { return size > 0; }));
+}
+
+int LatticeNet::new_island() {
+  const int free = free_islands_.pop([&](int k) { return island_size_[at(k)] == 0; });
+  if (free >= 0) return free;
+  island_size_.push_back(0);
+  return static_cast<int>(island_size_.size()) - 1;
+}
+
+int LatticeNet::tile_bucket(int island, const Tile& tile) const {
+  std::uint64_t h = static_cast<std::uint32_t>(island);
+  for (const int part : {tile.i, tile.j, tile.up ? 1 : 0})
+    h = (h ^ static_cast<std::uint32_t>(part)) * 0x9E3779B97F4A7C15ULL;
+  return static_cast<int>((h ^ (h >> 32)) & static_cast<std::uint64_t>(tiles_.count() - 1));
 }
 
 bool LatticeNet::has_tile(int island, const Tile& tile) const {
-  return std::ranges::any_of(triangles, [&](const NetTriangle& t) { return t.island == island && t.tile == tile; });
+  for (int t = tiles_.first(tile_bucket(island, tile)); t >= 0; t = tiles_.next(t)) {
+    if (triangles_[at(t)].island == island && triangles_[at(t)].tile == tile) return true;
+  }
+  return false;
+}
+
+// Twice as many buckets: a power of two.
+void LatticeNet::grow_tiles() {
+  tiles_ = Buckets(2 * tiles_.count());
+  for (int t = 0; t < static_cast<int>(triangles_.size()); ++t) {
+    if (grid_.holds(t)) tiles_.add(t, tile_bucket(triangles_[at(t)].island, triangles_[at(t)].tile));
+  }
+}
+
+void LatticeNet::index(int triangle) {
+  const NetTriangle& t = triangles_[at(triangle)];
+  centers_[at(triangle)] = t.center;
+  grid_.add(triangle, t.center);
+  tiles_.add(triangle, tile_bucket(t.island, t.tile));
+  ++island_size_[at(t.island)];
+}
+
+void LatticeNet::remove_from_index(int triangle) {
+  centers_[at(triangle)] = kNowhere;
+  grid_.remove(triangle);
+  tiles_.remove(triangle);
+  const int island = triangles_[at(triangle)].island;
+  if (--island_size_[at(island)] == 0) free_islands_.push(island);
+}
+
+void LatticeNet::mark_changed(int triangle) {
+  if (is_changed_.size() < triangles_.size()) is_changed_.resize(triangles_.size(), 0);
+  if (is_changed_[at(triangle)]) return;
+  is_changed_[at(triangle)] = 1;
+  changed_.push_back(triangle);
+}
+
+void LatticeNet::mark_with_neighbours(int triangle) {
+  mark_changed(triangle);
+  for (int s = 0; s < 3; ++s) {
+    if (const int n = neighbour(triangle, s); n >= 0) mark_changed(n);
+  }
+}
+
+void LatticeNet::take_changed(std::vector<int>& changed) {
+  changed.clear();
+  for (const int t : changed_) {
+    is_changed_[at(t)] = 0;
+    changed.push_back(t);
+  }
+  changed_.clear();
 }
 
 int LatticeNet::neighbour(int triangle, int side) const {
-  const auto& v = triangles[at(triangle)].vertex;
-  const NetVertex& a = vertices[at(v[at(side)])];
+  const auto& v = triangles_[at(triangle)].vertex;
+  const NetVertex& a = vertices_[at(v[at(side)])];
   const int b = v[at((side + 1) % 3)];
   for (int k = 0; k < a.valence; ++k) {
     const int other = a.triangles[at(k)];
     if (other == triangle) continue;
-    const auto& w = triangles[at(other)].vertex;
+    const auto& w = triangles_[at(other)].vertex;
     if (w[0] == b || w[1] == b || w[2] == b) return other;
   }
   return -1;
 }
 
 bool LatticeNet::joined(int a, int b) const {
-  const auto &v = triangles[at(a)].vertex, &w = triangles[at(b)].vertex;
+  const auto &v = triangles_[at(a)].vertex, &w = triangles_[at(b)].vertex;
   const auto has = [&w](int corner) { return w[0] == corner || w[1] == corner || w[2] == corner ? 1 : 0; };
   return has(v[0]) + has(v[1]) + has(v[2]) >= 2;
 }
 
 bool LatticeNet::in_fan(int a, int b) const {
-  const auto &v = triangles[at(a)].vertex, &w = triangles[at(b)].vertex;
+  const auto &v = triangles_[at(a)].vertex, &w = triangles_[at(b)].vertex;
   for (const int corner : v) {
     if (w[0] != corner && w[1] != corner && w[2] != corner) continue;
-    const NetVertex& shared = vertices[at(corner)];
+    const NetVertex& shared = vertices_[at(corner)];
     for (int k = 0; k < shared.valence; ++k) {
       const int t = shared.triangles[at(k)];
       if (t != a && t != b && joined(t, a) && joined(t, b)) return true;
@@ -86,140 +153,156 @@ bool LatticeNet::in_fan(int a, int b) const {
 }
 
 int LatticeNet::add_vertex(const Vec3& point, const Vec3& normal, int i, int j) {
+  int vertex = free_vertices_.pop([&](int v) { return at(v) < vertices_.size() && !vertices_[at(v)].used; });
+  if (vertex < 0) {
+    vertex = static_cast<int>(vertices_.size());
+    vertices_.emplace_back();
+  }
   NetVertex v;
   v.point = point;
   v.normal = normal;
   v.i = i;
   v.j = j;
   v.used = true;
-  const auto unused = std::ranges::find_if(vertices, [](const NetVertex& w) { return !w.used; });
-  if (unused == vertices.end()) {
-    vertices.push_back(v);
-    return static_cast<int>(vertices.size()) - 1;
-  }
-  *unused = v;
-  return static_cast<int>(unused - vertices.begin());
+  edit_vertex(vertex) = v;
+  return vertex;
 }
 
 int LatticeNet::add_triangle(int island, const Tile& tile, const std::array<int, 3>& vertex) {
-  int triangle = static_cast<int>(triangles.size());
+  int triangle = static_cast<int>(triangles_.size());
   if (free_triangles_.empty()) {
-    triangles.emplace_back();
+    triangles_.emplace_back();
     centers_.push_back(kNowhere);
   } else {
     triangle = free_triangles_.back();
     free_triangles_.pop_back();
   }
-  NetTriangle& t = triangles[at(triangle)];
+  if (static_cast<int>(triangles_.size()) > tiles_.count()) grow_tiles();
+  touch(triangle);
+  NetTriangle& t = triangles_[at(triangle)];
+  t.corner_cut_mm = corner_cut_mm_;
   t.vertex = vertex;
   t.tile = tile;
   t.island = island;
   for (const int v : vertex) {
-    NetVertex& w = vertices[at(v)];
+    NetVertex& w = edit_vertex(v);
     w.triangles[at(w.valence++)] = triangle;
+    loose_vertices_.push_back(v);
   }
   ++size_;
+  index(triangle);
   fit(triangle);
+  for (int s = 0; s < 3; ++s) joints_ += neighbour(triangle, s) >= 0 ? 1 : 0;
+  mark_with_neighbours(triangle);
   return triangle;
 }
 
 void LatticeNet::remove_triangle(int triangle) {
-  for (const int v : triangles[at(triangle)].vertex) {
-    NetVertex& w = vertices[at(v)];
+  for (int s = 0; s < 3; ++s) {
+    if (const int n = neighbour(triangle, s); n >= 0) beside_removed_.push_back(n);
+  }
+  detach(triangle);
+}
+
+void LatticeNet::take_back(int triangle) {
+  detach(triangle);
+}
+
+void LatticeNet::detach(int triangle) {
+  mark_with_neighbours(triangle);
+  for (int s = 0; s < 3; ++s) joints_ -= neighbour(triangle, s) >= 0 ? 1 : 0;
+  remove_from_index(triangle);
+  touch(triangle);
+  for (const int v : triangles_[at(triangle)].vertex) {
+    NetVertex& w = edit_vertex(v);
     const auto end = w.triangles.begin() + w.valence;
     std::remove(w.triangles.begin(), end, triangle);
     w.used = --w.valence > 0;
+    if (!w.used) free_vertices_.push(v);
+    loose_vertices_.push_back(v);
   }
-  triangles[at(triangle)].island = -1;
-  centers_[at(triangle)] = kNowhere;
+  triangles_[at(triangle)].island = -1;
   free_triangles_.push_back(triangle);
   --size_;
 }
 
 void LatticeNet::fit(int triangle) {
-  NetTriangle& t = triangles[at(triangle)];
-  t.corner_cut_mm = corner_cut_mm;
+  touch(triangle);
+  NetTriangle& t = triangles_[at(triangle)];
   t.rigid =
-      fit_rigid({vertices[at(t.vertex[0])].point, vertices[at(t.vertex[1])].point, vertices[at(t.vertex[2])].point});
+      fit_rigid({vertices_[at(t.vertex[0])].point, vertices_[at(t.vertex[1])].point, vertices_[at(t.vertex[2])].point});
   t.center = (t.rigid[0] + t.rigid[1] + t.rigid[2]) / 3.0;
   t.normal = (t.rigid[1] - t.rigid[0]).cross(t.rigid[2] - t.rigid[0]) / (kSide_mm * kHeight_mm);
   centers_[at(triangle)] = t.center;
+  grid_.move(triangle, t.center);
+  mark_changed(triangle);
 }
 
 void LatticeNet::near(const Vec3& place, double radius_mm, std::vector<int>& found) const {
-  for (std::size_t t = 0; t < centers_.size(); ++t) {
-    if ((centers_[t] - place).squaredNorm() < radius_mm * radius_mm) found.push_back(static_cast<int>(t));
-  }
+  const auto before = static_cast<std::ptrdiff_t>(found.size());
+  (void)any_near(place, radius_mm, [&](int t) {
+    found.push_back(t);
+    return false;
+  });
+  std::sort(found.begin() + before, found.end());
 }
 
 std::uint64_t LatticeNet::signature(const Vec3& place, double radius_mm) const {
-  constexpr double kCell_mm = 0.2;
+  constexpr double kStep_mm = 0.2;
   std::uint64_t sum = 0;
-  for (std::size_t t = 0; t < centers_.size(); ++t) {
-    const Vec3& c = centers_[t];
-    if ((c - place).squaredNorm() >= radius_mm * radius_mm) continue;
-    std::uint64_t h = t + 1;
+  (void)any_near(place, radius_mm, [&](int t) {
+    std::uint64_t h = static_cast<std::uint64_t>(t) + 1;
     for (int k = 0; k < 3; ++k)
-      h = (h ^ static_cast<std::uint64_t>(std::llround(c[k] / kCell_mm))) * 0x9E3779B97F4A7C15ULL;
+      h = (h ^ static_cast<std::uint64_t>(std::llround(centers_[at(t)][k] / kStep_mm))) * 0x9E3779B97F4A7C15ULL;
     sum += h ^ (h >> 29);  // in any order
-  }
+    return false;
+  });
   return sum;
 }
 
-void LatticeNet::separate() {
-  const int count = static_cast<int>(vertices.size());
-  for (int v = 0; v < count; ++v) {
-    if (vertices[at(v)].valence > 1) split_fans(v);
-  }
-  renumber_islands();
+void LatticeNet::begin() {
+  is_recording_ = true;
+  ++recording_;
+  vertices_before_ = vertices_.size();
+  triangles_before_ = triangles_.size();
+  vertex_saved_in_.resize(vertices_before_, 0);
+  triangle_saved_in_.resize(triangles_before_, 0);
+  old_vertices_.clear();
+  old_triangles_.clear();
+  free_before_ = free_triangles_;
+  size_before_ = size_;
+  joints_before_ = joints_;
 }
 
-// Triangles round a vertex that are not joined side by side get copies of it.
-void LatticeNet::split_fans(int vertex) {
-  std::vector<int> rest(vertices[at(vertex)].triangles.begin(),
-                        vertices[at(vertex)].triangles.begin() + vertices[at(vertex)].valence);
-  bool first = true;
-  while (!rest.empty()) {
-    std::vector<int> fan{rest.back()};
-    rest.pop_back();
-    for (std::size_t q = 0; q < fan.size(); ++q) {
-      const auto is_near = [&](int t) { return joined(fan[q], t); };
-      std::ranges::copy_if(rest, std::back_inserter(fan), is_near);
-      std::erase_if(rest, is_near);
-    }
-    if (first && rest.empty()) return;
-    NetVertex copy = vertices[at(vertex)];
-    copy.valence = static_cast<int>(fan.size());
-    std::ranges::copy(fan, copy.triangles.begin());
-    if (first) {
-      vertices[at(vertex)] = copy;
-    } else {
-      const int fresh = add_vertex(copy.point, copy.normal, copy.i, copy.j);
-      vertices[at(fresh)] = copy;
-      for (const int t : fan) std::ranges::replace(triangles[at(t)].vertex, vertex, fresh);
-    }
-    first = false;
+void LatticeNet::roll_back() {
+  is_recording_ = false;
+  std::vector<int> touched;
+  for (const auto& [t, old] : old_triangles_) touched.push_back(t);
+  for (int t = static_cast<int>(triangles_before_); t < static_cast<int>(triangles_.size()); ++t) touched.push_back(t);
+  for (const int t : touched) {
+    if (!used(t)) continue;
+    mark_with_neighbours(t);
+    remove_from_index(t);
   }
-}
-
-void LatticeNet::renumber_islands() {
-  std::vector<int> island(triangles.size(), -1);
-  next_island_ = 0;
-  for (int first = 0; first < static_cast<int>(triangles.size()); ++first) {
-    if (!used(first) || island[at(first)] >= 0) continue;
-    std::vector<int> queue{first};
-    island[at(first)] = next_island_;
-    for (std::size_t q = 0; q < queue.size(); ++q) {
-      for (int s = 0; s < 3; ++s) {
-        const int n = neighbour(queue[q], s);
-        if (n < 0 || island[at(n)] >= 0) continue;
-        island[at(n)] = next_island_;
-        queue.push_back(n);
-      }
-    }
-    ++next_island_;
+  for (const auto& [v, old] : old_vertices_) {
+    vertices_[at(v)] = old;
+    if (!old.used) free_vertices_.push(v);
   }
-  for (std::size_t t = 0; t < triangles.size(); ++t) triangles[t].island = island[t];
+  vertices_.resize(vertices_before_);
+  for (const auto& [t, old] : old_triangles_) {
+    triangles_[at(t)] = old;
+    if (used(t)) index(t);
+  }
+  triangles_.resize(triangles_before_);
+  centers_.resize(triangles_before_);
+  for (const auto& [t, old] : old_triangles_) {
+    if (used(t)) mark_with_neighbours(t);
+  }
+  free_triangles_ = free_before_;
+  size_ = size_before_;
+  joints_ = joints_before_;
+  loose_vertices_.clear();
+  beside_removed_.clear();
 }
 
 }  // namespace triskin::geometry::surface_lattice

@@ -2,9 +2,13 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "buckets.hpp"
+#include "free_numbers.hpp"
 #include "index.hpp"
+#include "point_grid.hpp"
 #include "triskin/geometry/design_types.hpp"
 
 namespace triskin::geometry::surface_lattice {
@@ -35,22 +39,39 @@ struct NetTriangle {
 };
 
 /// Triangles over shared vertices that unfold into isometric lattices, one lattice an island. Value type: copies are
-/// independent (the search keeps several).
+/// independent. What a change costs depends on what it changes, not on the size of the net: places are found by a grid,
+/// tiles by a table, and a step of the search is taken back instead of being tried on a copy.
 class LatticeNet {
  public:
-  std::vector<NetVertex> vertices;
-  std::vector<NetTriangle> triangles;
-  double corner_cut_mm = 0.0;  ///< of every module (design/outline.hpp); set before the first one is added
+  LatticeNet() = default;
+  /// For modules in the box that holds `around`; elsewhere they are found more slowly. `corner_cut_mm` of every module
+  /// (design/outline.hpp).
+  LatticeNet(const std::vector<Vec3>& around, double corner_cut_mm);
+
+  [[nodiscard]] const std::vector<NetVertex>& vertices() const { return vertices_; }
+  [[nodiscard]] const std::vector<NetTriangle>& triangles() const { return triangles_; }
+  /// A vertex to be moved; its triangles have to be fitted afterwards.
+  [[nodiscard]] NetVertex& edit_vertex(int vertex);
+  [[nodiscard]] double corner_cut_mm() const { return corner_cut_mm_; }
 
   [[nodiscard]] int size() const { return size_; }
-  [[nodiscard]] bool used(int triangle) const { return triangles[at(triangle)].island >= 0; }
-  [[nodiscard]] int islands() const { return static_cast<int>(island_sizes().size()); }
-  [[nodiscard]] std::vector<int> island_sizes() const;
-  [[nodiscard]] int joints() const;
-  [[nodiscard]] int new_island() { return next_island_++; }
+  [[nodiscard]] bool used(int triangle) const { return triangles_[at(triangle)].island >= 0; }
+  [[nodiscard]] int islands() const;
+  /// By the number of the island; 0: a number without island.
+  [[nodiscard]] const std::vector<int>& island_sizes() const { return island_size_; }
+  [[nodiscard]] int joints() const { return joints_; }
+  /// A number without island.
+  [[nodiscard]] int new_island();
   [[nodiscard]] bool has_tile(int island, const Tile& tile) const;
   /// Appends the triangles whose centre lies within a radius, in order of their indices.
   void near(const Vec3& place, double radius_mm, std::vector<int>& found) const;
+  /// Calls `visit(triangle)` for the triangles whose centre lies within a radius, in no order, until it answers true;
+  /// then is true.
+  [[nodiscard]] bool any_near(const Vec3& place, double radius_mm, const auto& visit) const {
+    return grid_.any_near(place, radius_mm, [&](int t) {
+      return (centers_[at(t)] - place).squaredNorm() < radius_mm * radius_mm && visit(t);
+    });
+  }
   /// Number that changes when a triangle whose centre lies within a radius comes, goes, or moves by about 0.2 mm.
   [[nodiscard]] std::uint64_t signature(const Vec3& place, double radius_mm) const;
   /// Centre of a triangle, packed for scans; far away for unused triangles.
@@ -65,17 +86,64 @@ class LatticeNet {
   int add_vertex(const Vec3& point, const Vec3& normal, int i, int j);
   int add_triangle(int island, const Tile& tile, const std::array<int, 3>& vertex);
   void remove_triangle(int triangle);
+  /// Removes a triangle that was just added: its island hangs together without it.
+  void take_back(int triangle);
   /// Fits the rigid module of a triangle to its vertices.
   void fit(int triangle);
-  /// After removals: parts that hang together only at a corner, or not at all, get corners and islands of their own.
+  /// After changes: parts that hang together only at a corner, or not at all, get corners and islands of their own.
+  /// Cost: what was added and removed since the last call; where an island falls apart, its smaller parts.
   void separate();
 
+  /// From here on changes can be taken back. The net must be separated.
+  void begin();
+  /// Keeps the changes since begin().
+  void commit() { is_recording_ = false; }
+  /// Makes the net what it was at begin().
+  void roll_back();
+
+  /// Triangles that came, went, moved, or gained or lost a joint since this was last called, and those of changes that
+  /// were taken back; each once. Some may be no longer there: numbers ≥ triangles().size().
+  void take_changed(std::vector<int>& changed);
+
  private:
+  void touch(int triangle);
+  void index(int triangle);
+  void remove_from_index(int triangle);
+  void detach(int triangle);
+  void mark_changed(int triangle);
+  void mark_with_neighbours(int triangle);
+  [[nodiscard]] int tile_bucket(int island, const Tile& tile) const;
+  void grow_tiles();
   void split_fans(int vertex);
-  void renumber_islands();
-  int size_ = 0, next_island_ = 0;
+  void part_islands();
+  void part_island(const std::vector<int>& beside_removed);
+  void give_island(const std::vector<int>& triangles, int island);
+
+  double corner_cut_mm_ = 0.0;
+  std::vector<NetVertex> vertices_;
+  std::vector<NetTriangle> triangles_;
+  int size_ = 0, joints_ = 0;
   std::vector<int> free_triangles_;
   std::vector<Vec3> centers_;
+  PointGrid grid_;     // of the centres
+  Buckets tiles_{64};  // triangles by a hash of island and tile
+  std::vector<int> island_size_;
+  FreeNumbers free_vertices_, free_islands_;
+  std::vector<int> loose_vertices_;  // whose triangles changed since separate()
+  std::vector<int> beside_removed_;  // triangles that lost a joint since separate()
+  std::vector<int> changed_;
+  std::vector<char> is_changed_;
+  std::vector<int> front_of_;  // work of part_island(): −1 outside it
+
+  // What was there at begin(), of what was changed since.
+  bool is_recording_ = false;
+  std::uint32_t recording_ = 0;
+  std::vector<std::uint32_t> vertex_saved_in_, triangle_saved_in_;
+  std::vector<std::pair<int, NetVertex>> old_vertices_;
+  std::vector<std::pair<int, NetTriangle>> old_triangles_;
+  std::size_t vertices_before_ = 0, triangles_before_ = 0;
+  std::vector<int> free_before_;
+  int size_before_ = 0, joints_before_ = 0;
 };
 
 /// The rigid module nearest to three points in the least-squares sense.

@@ -2,6 +2,7 @@
 #include "net_price.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "jumper_sides.hpp"
 
@@ -10,12 +11,14 @@ namespace {
 
 constexpr double kModulesAController = 16.0;
 constexpr double kRoundedUp = 15.0 / 32.0;  // mean of ⌈n / 16⌉ − n / 16
-constexpr double kStraight = 0.95;          // a jumper along the surface is a little longer than the straight line
+constexpr double kCenters_mm =
+    2.0 * kHeight_mm / 3.0 + 1.0;   // of two modules, farther apart than the middles of their sides
+constexpr double kStraight = 0.95;  // a jumper along the surface is a little longer than the straight line
 
 }  // namespace
 
 double relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price) {
-  std::vector<int> modules(sizes.size(), 0);
+  std::vector<int> modules(group.empty() ? 0 : at(std::ranges::max(group)) + 1, 0);
   int groups = 0;
   for (std::size_t k = 0; k < sizes.size(); ++k) {
     groups += modules[at(group[k])] == 0 ? 1 : 0;
@@ -32,48 +35,74 @@ int NetPrice::find(int island) {
   return island;
 }
 
-void NetPrice::group_islands(const LatticeNet& net) {
-  sides_.clear();
-  for (int t = 0; t < static_cast<int>(net.triangles.size()); ++t) {
-    if (!net.used(t)) continue;
-    const NetTriangle& triangle = net.triangles[at(t)];
-    for (int s = 0; s < 3; ++s) {
-      if (net.neighbour(t, s) >= 0) continue;
-      const double x = 0.5 * (triangle.rigid[at(s)].x() + triangle.rigid[at((s + 1) % 3)].x());
-      sides_.push_back({x, number_[at(triangle.island)], t, s});
+void NetPrice::unlink(int triangle) {
+  if (at(triangle) >= linked_.size()) return;
+  for (const int other : linked_[at(triangle)]) std::erase(linked_[at(other)], triangle);
+  linked_[at(triangle)].clear();
+}
+
+// Free sides of both that face each other within the reach.
+bool NetPrice::can_be_joined(const LatticeNet& net, int a, int b) const {
+  const double reach = kStraight * jumper_mm_;
+  for (int s = 0; s < 3; ++s) {
+    if (net.neighbour(a, s) >= 0) continue;
+    const FreeSide p = free_side(net.triangles()[at(a)].rigid, at(s));
+    for (int r = 0; r < 3; ++r) {
+      if (net.neighbour(b, r) >= 0) continue;
+      const FreeSide q = free_side(net.triangles()[at(b)].rigid, at(r));
+      if ((p.middle - q.middle).squaredNorm() <= reach * reach && face_each_other(p, q)) return true;
     }
   }
-  std::ranges::sort(sides_, {}, [](const Side& s) { return std::tuple(s.x, s.triangle, s.side); });
-  const double reach = kStraight * jumper_mm_;
-  for (std::size_t a = 0; a < sides_.size(); ++a) {
-    for (std::size_t b = a + 1; b < sides_.size() && sides_[b].x - sides_[a].x <= reach; ++b) {
-      if (sides_[a].island == sides_[b].island || find(sides_[a].island) == find(sides_[b].island)) continue;
-      const FreeSide p = free_side(net.triangles[at(sides_[a].triangle)].rigid, at(sides_[a].side));
-      const FreeSide q = free_side(net.triangles[at(sides_[b].triangle)].rigid, at(sides_[b].side));
-      if ((p.middle - q.middle).squaredNorm() > reach * reach || !face_each_other(p, q)) continue;
-      leader_[at(find(sides_[a].island))] = find(sides_[b].island);
-    }
+  return false;
+}
+
+void NetPrice::link(const LatticeNet& net, int triangle) {
+  if (net.neighbour(triangle, 0) >= 0 && net.neighbour(triangle, 1) >= 0 && net.neighbour(triangle, 2) >= 0) return;
+  (void)net.any_near(net.center(triangle), kStraight * jumper_mm_ + kCenters_mm, [&](int other) {
+    if (other == triangle || std::ranges::find(linked_[at(triangle)], other) != linked_[at(triangle)].end())
+      return false;
+    if (!can_be_joined(net, triangle, other)) return false;
+    linked_[at(triangle)].push_back(other);
+    linked_[at(other)].push_back(triangle);
+    return false;
+  });
+}
+
+void NetPrice::follow(LatticeNet& net) {
+  net.take_changed(changed_);
+  if (!knows_net_) {
+    linked_.clear();
+    changed_.resize(net.triangles().size());
+    std::iota(changed_.begin(), changed_.end(), 0);
+    knows_net_ = true;
+  }
+  if (linked_.size() < net.triangles().size()) linked_.resize(net.triangles().size());
+  for (const int t : changed_) unlink(t);
+  for (const int t : changed_) {
+    if (at(t) < net.triangles().size() && net.used(t)) link(net, t);
   }
 }
 
-double NetPrice::operator()(const LatticeNet& net) {
-  number_.clear();
-  sizes_.clear();
-  for (const NetTriangle& t : net.triangles) {
-    if (t.island < 0) continue;
-    if (number_.size() <= at(t.island)) number_.resize(at(t.island) + 1, -1);
-    int& number = number_[at(t.island)];
-    if (number < 0) {
-      number = static_cast<int>(sizes_.size());
-      sizes_.push_back(0);
+double NetPrice::operator()(LatticeNet& net) {
+  const std::vector<int>& by_id = net.island_sizes();
+  leader_.resize(by_id.size());
+  std::iota(leader_.begin(), leader_.end(), 0);
+  if (jumper_mm_ > 0.0 && price_.jumper < price_.controller) {
+    follow(net);
+    for (std::size_t t = 0; t < net.triangles().size(); ++t) {
+      for (const int other : linked_[t]) {
+        const int a = find(net.triangles()[t].island), b = find(net.triangles()[at(other)].island);
+        leader_[at(a)] = b;
+      }
     }
-    ++sizes_[at(number)];
   }
-  leader_.resize(sizes_.size());
-  for (std::size_t k = 0; k < leader_.size(); ++k) leader_[k] = static_cast<int>(k);
-  if (sizes_.size() > 1 && jumper_mm_ > 0.0 && price_.jumper < price_.controller) group_islands(net);
-  group_.resize(sizes_.size());
-  for (std::size_t k = 0; k < group_.size(); ++k) group_[k] = find(static_cast<int>(k));
+  sizes_.clear();
+  group_.clear();
+  for (int id = 0; id < static_cast<int>(by_id.size()); ++id) {
+    if (by_id[at(id)] == 0) continue;
+    sizes_.push_back(by_id[at(id)]);
+    group_.push_back(find(id));
+  }
   return relaxed_price(sizes_, group_, price_);
 }
 

@@ -26,8 +26,8 @@ constexpr double kLongest_mm = 5.0;    // of one step
 }  // namespace
 
 bool Relaxer::relax(LatticeNet& net, int triangle, double radius_mm, int steps) {
-  overhang_mm_ = design::cut_height_mm(net.corner_cut_mm);
-  choose(net, net.triangles[at(triangle)].center, radius_mm);
+  overhang_mm_ = design::cut_height_mm(net.corner_cut_mm());
+  choose(net, net.triangles()[at(triangle)].center, radius_mm);
   find_pairs(net);
   bool hope = true;
   for (int k = 0; k < steps && hope; ++k) {
@@ -42,21 +42,23 @@ bool Relaxer::relax(LatticeNet& net, int triangle, double radius_mm, int steps) 
 bool Relaxer::overlaps(const LatticeNet& net, int triangle, double depth_mm) {
   return std::ranges::any_of(pairs_, [&](Pair& pair) {
     return (pair.a == triangle || pair.b == triangle) &&
-           overlap_of(net.triangles[at(pair.a)], net.triangles[at(pair.b)], pair.axis).depth_mm > depth_mm;
+           overlap_of(net.triangles()[at(pair.a)], net.triangles()[at(pair.b)], pair.axis).depth_mm > depth_mm;
   });
 }
 
 void Relaxer::choose(const LatticeNet& net, const Vec3& place, double radius_mm) {
-  local_.assign(net.vertices.size(), -1);
-  is_local_.assign(net.triangles.size(), 0);
+  for (const Moving& m : moving_) local_[at(m.vertex)] = -1;
+  for (const int t : triangles_) is_local_[at(t)] = 0;
+  local_.resize(std::max(local_.size(), net.vertices().size()), -1);
+  is_local_.resize(std::max(is_local_.size(), net.triangles().size()), 0);
   moving_.clear();
   triangles_.clear();
   near_.clear();
   net.near(place, radius_mm + 2.0 * kReach_mm + kPair_mm, near_);
   Vec3 low = place, high = place;
   for (const int t : near_) {
-    for (const int v : net.triangles[at(t)].vertex) {
-      const NetVertex& w = net.vertices[at(v)];
+    for (const int v : net.triangles()[at(t)].vertex) {
+      const NetVertex& w = net.vertices()[at(v)];
       const bool is_moving = local_[at(v)] >= 0;
       if (!is_moving && (w.point - place).squaredNorm() > radius_mm * radius_mm) continue;
       if (!is_moving) {
@@ -109,10 +111,10 @@ void Relaxer::add_residual(double value, double weight, const std::array<int, 2>
 // Long and short edges weigh more, so that the largest error falls; a module is easier to part than to push together.
 void Relaxer::add_edges(const LatticeNet& net) {
   for (const int t : triangles_) {
-    const auto& v = net.triangles[at(t)].vertex;
+    const auto& v = net.triangles()[at(t)].vertex;
     for (std::size_t s = 0; s < 3; ++s) {
       const int a = v[s], b = v[(s + 1) % 3];
-      const Vec3 d = net.vertices[at(a)].point - net.vertices[at(b)].point;
+      const Vec3 d = net.vertices()[at(a)].point - net.vertices()[at(b)].point;
       const double length = d.norm(), error = length - kSide_mm;
       const double weight = (0.15 + error * error) * (error < 0 ? 1.5 : 1.0);
       add_residual(error, std::min(weight, 4.0), {a, b}, {Vec3(d / length), Vec3(-d / length)});
@@ -123,7 +125,7 @@ void Relaxer::add_edges(const LatticeNet& net) {
 void Relaxer::add_pairs(const LatticeNet& net) {
   for (Pair& pair : pairs_) {
     if (pair.in_fan) continue;
-    const NetTriangle &p = net.triangles[at(pair.a)], &q = net.triangles[at(pair.b)];
+    const NetTriangle &p = net.triangles()[at(pair.a)], &q = net.triangles()[at(pair.b)];
     const Overlap o = overlap_of(p, q, pair.axis);
     if (o.depth_mm <= kAllowedOverlap_mm) continue;
     // The whole module gives way, the touching corner most.
@@ -135,11 +137,11 @@ void Relaxer::add_pairs(const LatticeNet& net) {
 // Sides of modules near the border: what stands over it is pushed back through the corners of the side.
 void Relaxer::add_border(const LatticeNet& net) {
   for (const Moving& m : moving_) {
-    const NetVertex& v = net.vertices[at(m.vertex)];
+    const NetVertex& v = net.vertices()[at(m.vertex)];
     if (v.on_border) add_residual(0.0, 6.0, {m.vertex, -1}, {v.outward, Vec3::Zero()});
   }
   for (const int t : triangles_) {
-    const NetTriangle& triangle = net.triangles[at(t)];
+    const NetTriangle& triangle = net.triangles()[at(t)];
     if (surface_.border_at_least(triangle.center) >= kNearBorder_mm + kReach_mm) continue;
     for (std::size_t s = 0; s < 3; ++s) {
       if (net.neighbour(t, static_cast<int>(s)) < 0) add_side_at_border(triangle, s);
@@ -201,8 +203,8 @@ void Relaxer::solve() {
 
 double Relaxer::step(LatticeNet& net) {
   for (Moving& m : moving_) {
-    m.x = net.vertices[at(m.vertex)].normal.unitOrthogonal();
-    m.y = net.vertices[at(m.vertex)].normal.cross(m.x);
+    m.x = net.vertices()[at(m.vertex)].normal.unitOrthogonal();
+    m.y = net.vertices()[at(m.vertex)].normal.cross(m.x);
   }
   residuals_.clear();
   add_edges(net);
@@ -224,7 +226,7 @@ double Relaxer::step(LatticeNet& net) {
 }
 
 void Relaxer::move(LatticeNet& net, const Moving& moving, const Vec3& by) {
-  NetVertex& v = net.vertices[at(moving.vertex)];
+  NetVertex& v = net.edit_vertex(moving.vertex);
   const Vec3 wanted = v.point - v.lift_mm * v.normal + by;
   const Foot foot = surface_.closest(wanted);
   v.normal = foot.normal;
@@ -243,14 +245,14 @@ void Relaxer::adapt_lift(LatticeNet& net) {
   if (lift_mm_ <= 0.0) return;
   bool any = false;
   for (const Moving& m : moving_) {
-    NetVertex& v = net.vertices[at(m.vertex)];
+    NetVertex& v = net.edit_vertex(m.vertex);
     if (v.lift_mm == 0.0) continue;
     any = true;
     v.point -= v.lift_mm * v.normal;
     v.lift_mm = std::max(0.0, v.lift_mm - 0.1);
   }
   for (const int t : triangles_) {
-    const NetTriangle& triangle = net.triangles[at(t)];
+    const NetTriangle& triangle = net.triangles()[at(t)];
     const Foot foot = surface_.closest(triangle.center);
     if (foot.distance_mm < kWantedGap_mm) continue;
     const double under = (foot.point - triangle.center).dot(triangle.normal);
@@ -258,20 +260,22 @@ void Relaxer::adapt_lift(LatticeNet& net) {
     any = true;
     for (const int v : triangle.vertex) {
       if (local_[at(v)] < 0) continue;
-      double& lift = net.vertices[at(v)].lift_mm;
+      double& lift = net.edit_vertex(v).lift_mm;
       lift = std::min(lift_mm_, lift + 0.5 * (under - kWantedGap_mm));
     }
   }
   if (!any) return;
-  for (const Moving& m : moving_)
-    net.vertices[at(m.vertex)].point += net.vertices[at(m.vertex)].lift_mm * net.vertices[at(m.vertex)].normal;
+  for (const Moving& m : moving_) {
+    NetVertex& v = net.edit_vertex(m.vertex);
+    v.point += v.lift_mm * v.normal;
+  }
   for (const int t : triangles_) net.fit(t);
 }
 
 // Corners that hardly moved go back, so that their modules need no new evaluation.
 void Relaxer::settle(LatticeNet& net, int triangle) {
   for (Moving& m : moving_) {
-    NetVertex& v = net.vertices[at(m.vertex)];
+    NetVertex& v = net.edit_vertex(m.vertex);
     const bool moved = (v.point - m.saved_point).squaredNorm() > kMoved_mm * kMoved_mm;
     m.key = moved ? 1.0 : 0.0;
     if (moved) continue;
@@ -283,13 +287,13 @@ void Relaxer::settle(LatticeNet& net, int triangle) {
   for (const int t : triangles_) {
     net.fit(t);
     const auto has_moved = [&](int v) { return local_[at(v)] >= 0 && moving_[at(local_[at(v)])].key > 0.0; };
-    if (t == triangle || std::ranges::any_of(net.triangles[at(t)].vertex, has_moved)) changed_.push_back(t);
+    if (t == triangle || std::ranges::any_of(net.triangles()[at(t)].vertex, has_moved)) changed_.push_back(t);
   }
 }
 
 void Relaxer::undo(LatticeNet& net) const {
   for (const Moving& m : moving_) {
-    NetVertex& v = net.vertices[at(m.vertex)];
+    NetVertex& v = net.edit_vertex(m.vertex);
     v.point = m.saved_point;
     v.normal = m.saved_normal;
     v.lift_mm = m.saved_lift_mm;

@@ -16,6 +16,7 @@ constexpr double kClear_mm = 5.0;  // a point farther from the border than a mod
 constexpr double kOutward = 0.6;   // cosine between module and surface
 constexpr double kProbeStep_mm = 2.0;
 constexpr double kProbeHeight_mm = 8.0;
+constexpr double kCover_mm = 20.0;  // a point over a module lies within 2h/3 = 17.3 mm and its height of the centre
 
 LayoutLimits with_margin(LayoutLimits l) {
   for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm})
@@ -24,7 +25,7 @@ LayoutLimits with_margin(LayoutLimits l) {
 }
 
 Vec3 corner_at(const LatticeNet& net, int triangle, int vertex) {
-  const NetTriangle& t = net.triangles[at(triangle)];
+  const NetTriangle& t = net.triangles()[at(triangle)];
   return t.vertex[0] == vertex ? t.rigid[0] : t.vertex[1] == vertex ? t.rigid[1] : t.rigid[2];
 }
 
@@ -39,7 +40,7 @@ bool in_cut_corner(const NetTriangle& t, const Vec3& p) {
 // Seen along the module's normal, and near its plane.
 bool covers(const NetTriangle& t, const Vec3& p) {
   const Vec3 d = p - t.center;
-  if (d.squaredNorm() > 400.0 || std::abs(d.dot(t.normal)) > kProbeHeight_mm) return false;
+  if (d.squaredNorm() > kCover_mm * kCover_mm || std::abs(d.dot(t.normal)) > kProbeHeight_mm) return false;
   for (std::size_t k = 0; k < 3; ++k) {
     if (t.normal.cross(t.rigid[(k + 1) % 3] - t.rigid[k]).dot(p - t.rigid[k]) < 0) return false;
   }
@@ -55,7 +56,9 @@ const char* name_of(Refusal refusal) {
 }
 
 Rules::Rules(const Surface& surface, const LayoutLimits& limits)
-    : limits_(with_margin(limits)), fold_cosine_(std::cos(limits_.fold_rad)) {
+    : limits_(with_margin(limits)),
+      fold_cosine_(std::cos(limits_.fold_rad)),
+      probe_grid_(surface.mesh().vertices, kCover_mm) {
   const Mesh& mesh = surface.mesh();
   for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
     for (int s = 0; s < 3; ++s) {
@@ -66,7 +69,9 @@ Rules::Rules(const Surface& surface, const LayoutLimits& limits)
       const int parts = static_cast<int>(std::ceil((b - a).norm() / kProbeStep_mm));
       for (int k = 0; k < parts; ++k) {
         const Vec3 p = a + (b - a) * ((k + 0.5) / parts) + out;
-        if (surface.closest(p).distance_mm > limits.overrun_mm) probes_.push_back(p);
+        if (surface.closest(p).distance_mm <= limits.overrun_mm) continue;
+        probe_grid_.add(static_cast<int>(probes_.size()), p);
+        probes_.push_back(p);
       }
     }
   }
@@ -78,10 +83,10 @@ Refusal Rules::evaluate(NearSurface& surface, const LatticeNet& net, const std::
     if (const Refusal r = evaluate_joints(net, t); r != Refusal::kNone) return r;
   }
   for (Pair& pair : pairs) {
-    if (overlap(net.triangles[at(pair.a)], net.triangles[at(pair.b)], pair.axis)) return Refusal::kPenetration;
+    if (overlap(net.triangles()[at(pair.a)], net.triangles()[at(pair.b)], pair.axis)) return Refusal::kPenetration;
   }
   for (const int t : triangles) {
-    const NetTriangle& triangle = net.triangles[at(t)];
+    const NetTriangle& triangle = net.triangles()[at(t)];
     const Foot under = surface.closest(triangle.center);
     if (under.distance_mm > limits_.center_gap_mm) return Refusal::kCenterGap;
     if (under.normal.dot(triangle.normal) < kOutward) return Refusal::kOutward;
@@ -91,7 +96,7 @@ Refusal Rules::evaluate(NearSurface& surface, const LatticeNet& net, const std::
 }
 
 Refusal Rules::evaluate_joints(const LatticeNet& net, int triangle) const {
-  const NetTriangle& t = net.triangles[at(triangle)];
+  const NetTriangle& t = net.triangles()[at(triangle)];
   for (int s = 0; s < 3; ++s) {
     const int other = net.neighbour(triangle, s);
     if (other < 0) continue;
@@ -99,10 +104,10 @@ Refusal Rules::evaluate_joints(const LatticeNet& net, int triangle) const {
     const Vec3 &c = t.rigid[at(s)], &d = t.rigid[at((s + 1) % 3)];
     if (std::max((a - c).norm(), (b - d).norm()) > limits_.hinge_gap_mm) return Refusal::kHingeGap;
     if (std::abs(0.5 * (b + d - a - c).norm() - kSide_mm) > limits_.edge_error_mm) return Refusal::kEdgeError;
-    const Vec3& n = net.triangles[at(other)].normal;
+    const Vec3& n = net.triangles()[at(other)].normal;
     if (n.dot(t.normal) < fold_cosine_) return Refusal::kFold;
     int axis = 0;
-    if (overlap_of(t, net.triangles[at(other)], axis).depth_mm > limits_.penetration_mm) return Refusal::kPenetration;
+    if (overlap_of(t, net.triangles()[at(other)], axis).depth_mm > limits_.penetration_mm) return Refusal::kPenetration;
   }
   return Refusal::kNone;
 }
@@ -115,7 +120,7 @@ bool Rules::overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const
 }
 
 bool Rules::over_border(NearSurface& surface, const LatticeNet& net, int triangle) const {
-  const NetTriangle& t = net.triangles[at(triangle)];
+  const NetTriangle& t = net.triangles()[at(triangle)];
   constexpr double kFar_mm = 2.0 * kHeight_mm / 3.0 + kClear_mm;
   if (surface.border_at_least(t.center) >= kFar_mm) return false;
   for (std::size_t s = 0; s < 3; ++s) {
@@ -125,7 +130,7 @@ bool Rules::over_border(NearSurface& surface, const LatticeNet& net, int triangl
                               : is_free && side_over_border(surface, t.rigid[s], t.rigid[(s + 1) % 3], kSide_mm))
       return true;
   }
-  return std::ranges::any_of(probes_, [&](const Vec3& p) { return covers(t, p); });
+  return probe_grid_.any_near(t.center, kCover_mm, [&](int k) { return covers(t, probes_[at(k)]); });
 }
 
 // The long side s, when it is free, and the short one at its end: a hole may lie where the cut corners of several

@@ -38,6 +38,7 @@ class Rules {
   LayoutLimits limits_;  // with the margin taken off
   double fold_cosine_;
   std::vector<Vec3> probes_;  // points just outside the border: no module may cover one
+  PointGrid probe_grid_;
 };
 
 }  // namespace triskin::geometry::surface_lattice
