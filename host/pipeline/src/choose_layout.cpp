@@ -3,16 +3,18 @@
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 #include <thread>
 
 #include "triskin/design/module_graph.hpp"
 #include "triskin/geometry/jumpers.hpp"
 
 namespace triskin::pipeline {
-namespace {
 
-void wire_quickly(const geometry::Surface& surface, const design::LayoutLimits& limits,
-                  const geometry::RoutingOptions& routing, WiredLayout& wired) {
+WiredLayout priced(const geometry::Surface& surface, design::ModuleLayout layout, const design::LayoutLimits& limits,
+                   const geometry::RoutingOptions& routing) {
+  WiredLayout wired;
+  wired.layout = std::move(layout);
   wired.places = geometry::find_jumpers(surface, wired.layout, limits);
   geometry::RoutingOptions quick = routing;
   quick.failure_analysis = false;
@@ -21,25 +23,27 @@ void wire_quickly(const geometry::Surface& surface, const design::LayoutLimits& 
   wired.patches = static_cast<int>(r.patches.size());
   wired.jumpers = static_cast<int>(r.jumpers.size());
   wired.price = routing.price.of(wired.patches, wired.jumpers, wired.layout.islands);
+  return wired;
 }
 
-}  // namespace
-
-std::vector<WiredLayout> by_value(const geometry::Surface& surface, std::vector<design::ModuleLayout> layouts,
-                                  const design::LayoutLimits& limits, const geometry::RoutingOptions& routing,
-                                  int threads) {
-  std::vector<WiredLayout> wired(layouts.size());
-  for (std::size_t k = 0; k < layouts.size(); ++k) wired[k].layout = std::move(layouts[k]);
+std::vector<WiredLayout> priced(const geometry::Surface& surface, std::vector<design::ModuleLayout> layouts,
+                                const design::LayoutLimits& limits, const geometry::RoutingOptions& routing,
+                                int threads, const std::function<bool()>& is_late) {
+  std::vector<std::optional<WiredLayout>> done(layouts.size());
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
-    for (std::size_t k = next++; k < wired.size(); k = next++) wire_quickly(surface, limits, routing, wired[k]);
+    for (std::size_t k = next++; k < layouts.size() && (k == 0 || !is_late()); k = next++)
+      done[k] = priced(surface, std::move(layouts[k]), limits, routing);
   };
   {
     std::vector<std::jthread> others;
     for (int k = 1; k < threads; ++k) others.emplace_back(work);
     work();
   }
-  std::ranges::stable_sort(wired, std::greater{}, &WiredLayout::value);
+  std::vector<WiredLayout> wired;
+  for (std::optional<WiredLayout>& w : done) {
+    if (w) wired.push_back(std::move(*w));
+  }
   return wired;
 }
 

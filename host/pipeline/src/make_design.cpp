@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 
 #include "choose_layout.hpp"
 #include "triskin/design/module_list.hpp"
@@ -31,6 +32,7 @@ constexpr double kPiecesShare = 0.12;                       // of the time; what
 constexpr double kPieceLeast_s = 0.1;                       // a piece gets, or what a short limit has for it
 constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;   // up to which the limit binds
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
+constexpr double kWiringPricings = 2.0;  // the wiring of a layout, with its failures, takes as long as so many pricings
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -137,6 +139,25 @@ void wire(design::Design& design, const geometry::Surface& surface, const std::v
   design.design_id = design::design_id_of(design);
 }
 
+// The layouts grown on the surface, best first. What follows, pricing and wiring, is told from what the pricing of the
+// pieces took. The pieces of a fine mesh may take longer than the whole limit on a busy machine: the growth keeps its
+// share all the same.
+std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const DesignOptions& options,
+                                       Clock::time_point start, double pricing_s, const ProgressSink& progress) {
+  geometry::SurfaceLatticeOptions lattice;
+  lattice.seed = options.seed;
+  lattice.iterations = options.iterations;
+  lattice.corner_cut_mm = options.corner_cut_mm;
+  lattice.threads = options.threads;
+  lattice.price = options.price;
+  lattice.front = options.iterations > 0 || options.time_limit_s > kShortLimit_s;
+  const double routing_s =
+      std::max(std::min(kRoutingShare * options.time_limit_s, kRoutingMost_s), (1.0 + kWiringPricings) * pricing_s);
+  lattice.time_limit_s = std::max({0.1, kGrowthShare * (options.time_limit_s - kShortLimit_s),
+                                   options.time_limit_s - routing_s - seconds_since(start)});
+  return geometry::grow_front(surface, options.limits, lattice, progress);
+}
+
 }  // namespace
 
 design::Design take_alternative(const design::Design& design, int index, const ProgressSink& progress) {
@@ -182,29 +203,20 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   const geometry::Net net = pieces_of(surface, options, start, progress);
   const auto placed = place_pieces(design, net, options, start, progress);
   report(progress, "mapping to the surface", -1.0);
-  std::vector<design::ModuleLayout> layouts{
-      geometry::map_modules(surface, placed, options.limits, options.corner_cut_mm)};
-  geometry::SurfaceLatticeOptions lattice;
-  lattice.seed = options.seed;
-  lattice.iterations = options.iterations;
-  lattice.corner_cut_mm = options.corner_cut_mm;
-  lattice.threads = options.threads;
-  lattice.price = options.price;
-  lattice.front = options.iterations > 0 || options.time_limit_s > kShortLimit_s;
-  const double routing_s = std::min(kRoutingShare * options.time_limit_s, kRoutingMost_s);
-  // The pieces of a fine mesh may take longer than the whole limit on a busy machine: the growth keeps its share all
-  // the same.
-  lattice.time_limit_s = std::max({0.1, kGrowthShare * (options.time_limit_s - kShortLimit_s),
-                                   options.time_limit_s - routing_s - seconds_since(start)});
-  std::vector<design::ModuleLayout> grown = geometry::grow_front(surface, options.limits, lattice, progress);
-  if (notes != nullptr) {
-    notes->pieces = static_cast<int>(layouts[0].modules.size());
-    notes->surface = static_cast<int>(grown[0].modules.size());
-  }
-  std::ranges::move(grown, std::back_inserter(layouts));
   const geometry::RoutingOptions routing = routing_options(design);
-  report(progress, "pricing", -1.0, fmt::format("{} layouts", layouts.size()));
-  std::vector<WiredLayout> choices = by_value(surface, std::move(layouts), options.limits, routing, options.threads);
+  const double pricing_from_s = seconds_since(start);
+  std::vector<WiredLayout> choices{priced(
+      surface, geometry::map_modules(surface, placed, options.limits, options.corner_cut_mm), options.limits, routing)};
+  const double pricing_s = seconds_since(start) - pricing_from_s;
+  if (notes != nullptr) notes->pieces = static_cast<int>(choices[0].layout.modules.size());
+  std::vector<design::ModuleLayout> grown = grow(surface, options, start, pricing_s, progress);
+  if (notes != nullptr) notes->surface = static_cast<int>(grown[0].modules.size());
+  report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));
+  const double end_s = options.time_limit_s - kWiringPricings * pricing_s;
+  const auto is_late = [&] { return options.iterations == 0 && seconds_since(start) > end_s; };
+  std::ranges::move(priced(surface, std::move(grown), options.limits, routing, options.threads, is_late),
+                    std::back_inserter(choices));
+  std::ranges::stable_sort(choices, std::greater{}, &WiredLayout::value);
   design.alternatives = front_of(choices);
   design.layout = std::move(choices[0].layout);
   for (std::size_t k = 0; k < design.alternatives.size(); ++k) {

@@ -35,6 +35,7 @@ constexpr int kSmallIsland = 8;                    // modules: such an island ma
 constexpr int kFront = 12;                         // of the layouts that are kept beside the best
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kFinalMargin = 0.98;
+constexpr double kApart_mm = 60.0;   // of centres: modules that have no side, corner or overlap in common
 constexpr double kNothing = -1e300;  // value of no layout
 
 struct GrowthTask {
@@ -302,6 +303,30 @@ double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
   return worst;
 }
 
+// Modules that break a limit and are the worst among those near them: what is farther does not change when they go.
+std::vector<int> worst_of_their_places(const ModuleLayout& layout, const LayoutLimits& limits) {
+  struct Broken {
+    int module;
+    double ratio;
+    Vec3 center;
+  };
+  std::vector<Broken> broken;
+  for (int k = 0; k < static_cast<int>(layout.modules.size()); ++k) {
+    const PlacedModule& m = layout.modules[at(k)];
+    const double ratio = worst_ratio(m, limits);
+    if (ratio > kFinalMargin) broken.push_back({k, ratio, (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0});
+  }
+  std::vector<int> worst;
+  for (const Broken& b : broken) {
+    if (std::ranges::none_of(broken, [&](const Broken& o) {
+          return std::pair(-o.ratio, o.module) < std::pair(-b.ratio, b.module) &&
+                 (o.center - b.center).norm() < kApart_mm;
+        }))
+      worst.push_back(b.module);
+  }
+  return worst;
+}
+
 // Removes modules that break a limit under the finer walk along the sides, the worst first.
 ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, LatticeNet net, const LayoutLimits& limits) {
   std::map<int, PlacedModule> measured;  // by triangle: corners stay, so what depends on the surface does too
@@ -320,10 +345,9 @@ ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, Lattic
       m.bend_radius_mm = known->second.bend_radius_mm;
     }
     measure_between(layout);
-    const auto worst =
-        std::ranges::max_element(layout.modules, {}, [&](const PlacedModule& m) { return worst_ratio(m, limits); });
-    if (worst == layout.modules.end() || worst_ratio(*worst, limits) <= kFinalMargin) return layout;
-    net.remove_triangle(triangle_of[static_cast<std::size_t>(worst - layout.modules.begin())]);
+    const std::vector<int> worst = worst_of_their_places(layout, limits);
+    if (worst.empty()) return layout;
+    for (const int k : worst) net.remove_triangle(triangle_of[at(k)]);
   }
 }
 
