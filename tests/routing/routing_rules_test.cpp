@@ -156,6 +156,11 @@ const std::vector<Damage>& damages() {
          json& f = r["routes"][0]["failures"][0];
          f["lost_rerouted"] = f["lost_rerouted"].get<int>() - 1;
        }},
+      {"loss-one-entry",
+       [](json& r) {
+         json& f = r["routes"][0]["failures"][0];
+         f["lost_one_entry"] = f["lost_one_entry"].get<int>() + 1;
+       }},
       {"loss-backed-up",
        [](json& r) {
          json& f = r["routes"][0]["failures"][0];

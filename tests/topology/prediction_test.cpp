@@ -66,16 +66,16 @@ TEST(Prediction, every_failure_of_a_design_costs_what_the_host_said) {
       // two.
       const bool entry_died = f.other_node < 0 && f.node == patch.entry;
       if (entry_died || !report.second_cable) {
-        EXPECT_EQ(std::popcount(report.alive), n - (entry_died ? f.lost_backed_up : f.lost_rerouted))
+        EXPECT_EQ(std::popcount(report.alive), n - (entry_died ? f.lost_backed_up : f.lost_one_entry))
             << trial << " module " << f.node << " other " << f.other_node;
       } else {
-        EXPECT_GE(std::popcount(report.alive), n - f.lost_rerouted)
+        EXPECT_GE(std::popcount(report.alive), n - f.lost_one_entry)
             << trial << " module " << f.node << " other " << f.other_node;
       }
       seconds += report.second_cable ? 1 : 0;
-      if (f.lost_rerouted < n) {
+      if (f.lost_one_entry < n) {
         const layout::PatchImage backup = device::image_of(design, 0, {f.node, f.other_node});
-        ASSERT_EQ(backup.module_count, n - f.lost_rerouted)
+        ASSERT_EQ(backup.module_count, n - f.lost_one_entry)
             << trial << " module " << f.node << " other " << f.other_node;
         const auto prepared = topology.heal(fw::Topology::table_of(backup));
         EXPECT_TRUE(prepared.complete && prepared.as_table)

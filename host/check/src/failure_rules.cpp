@@ -108,10 +108,12 @@ class FailureRules {
 
   void losses(const FailureRow& x) {
     const int n = static_cast<int>(p_.rows.size());
-    const int strapped = below(x.module), rerouted = n - static_cast<int>(reached(x, {p_.entry}).size());
+    const std::set<int> alive = reached(x, {p_.entry, p_.second_entry});
+    const int strapped = below(x.module), rerouted = n - static_cast<int>(alive.size());
+    const int one_entry = n - static_cast<int>(reached(x, {p_.entry}).size());
     if (x.strapped != strapped) broken("loss-strapped", x, fmt::format("states {}, is {}", x.strapped, strapped));
     if (x.rerouted != rerouted) broken("loss-rerouted", x, fmt::format("states {}, is {}", x.rerouted, rerouted));
-    const std::set<int> alive = reached(x, {p_.entry, p_.second_entry});
+    if (x.one_entry != one_entry) broken("loss-one-entry", x, fmt::format("states {}, is {}", x.one_entry, one_entry));
     const int backed_up = n - static_cast<int>(alive.size() + x.adopted.size());
     if (x.backed_up != backed_up) broken("loss-backed-up", x, fmt::format("states {}, is {}", x.backed_up, backed_up));
     adoption(x, alive);

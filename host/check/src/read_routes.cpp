@@ -98,8 +98,8 @@ RouteDocument read_route_document(const json& document) {
     for (const json& f : list(p, "failures", name)) {
       patch.failures.push_back({integer(f, "module", name), integer(f, "other", name),
                                 integer(f, "lost_strapped", name), integer(f, "lost_rerouted", name),
-                                integer(f, "lost_backed_up", name), pairs(f, "backup", name),
-                                pairs(f, "adopted", name)});
+                                integer(f, "lost_one_entry", name), integer(f, "lost_backed_up", name),
+                                pairs(f, "backup", name), pairs(f, "adopted", name)});
     }
     d.patches.push_back(std::move(patch));
   }

@@ -29,7 +29,7 @@ struct RouteRow {
   int id, parent, rotation, line, address, depth;
 };
 struct FailureRow {
-  int module, other, strapped, rerouted, backed_up;
+  int module, other, strapped, rerouted, one_entry, backed_up;
   std::vector<std::array<int, 2>> backup, adopted;
 };
 struct RoutePatch {

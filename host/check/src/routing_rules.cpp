@@ -220,8 +220,9 @@ DesignReport check_routes(const nlohmann::json& modules, const nlohmann::json& r
                     "joint-use",      "line-hops",      "max-depth",
                     "patch-count",    "lower-bound",    "proved",
                     "report-totals",  "mean-loss",      "failure-rows",
-                    "loss-strapped",  "loss-rerouted",  "loss-backed-up",
-                    "second-entry",   "backup-tree",    "adoption"};
+                    "loss-strapped",  "loss-rerouted",  "loss-one-entry",
+                    "loss-backed-up", "second-entry",   "backup-tree",
+                    "adoption"};
   check_members(map, document, f);
   for (std::size_t p = 0; p < document.patches.size(); ++p) {
     check_route_tree(map, document.patches[p], fmt::format("patch {}", p), limits, f);

@@ -153,6 +153,8 @@ FailureLoss read_failure(const JsonValue& v, std::size_t n_modules) {
   f.other_node = index_or_none(n_modules)(v["other"]);
   f.lost_strapped = v["lost_strapped"].integer(0, kMaxCount);
   f.lost_rerouted = v["lost_rerouted"].integer(0, kMaxCount);
+  // Files of 0.1 have one number, that of one entry.
+  f.lost_one_entry = has(v, "lost_one_entry") ? v["lost_one_entry"].integer(0, kMaxCount) : f.lost_rerouted;
   f.backup_tree = list(v["backup"], [&](const JsonValue& b) { return backup_of(b, n_modules); });
   return f;
 }

@@ -98,6 +98,7 @@ json failure_json(const FailureLoss& f) {
           {"other", f.other_node},
           {"lost_strapped", f.lost_strapped},
           {"lost_rerouted", f.lost_rerouted},
+          {"lost_one_entry", f.lost_one_entry},
           {"backup", f.backup_tree}};
 }
 

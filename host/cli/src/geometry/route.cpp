@@ -49,6 +49,7 @@ nlohmann::json failures_json(const geometry::Patch& patch, const Ids& ids) {
                         {"other", id_of(ids, f.other_node)},
                         {"lost_strapped", f.lost_strapped},
                         {"lost_rerouted", f.lost_rerouted},
+                        {"lost_one_entry", f.lost_one_entry},
                         {"lost_backed_up", f.lost_backed_up},
                         {"backup", pairs_json(f.backup_tree, ids)},
                         {"adopted", pairs_json(f.adopted, ids)}});

@@ -135,7 +135,7 @@ class Router {
       result_.electrical_violations += patch.electrical_violations;
       for (const FailureLoss& f : patch.failures) {
         const int itself = f.other_node < 0 ? 1 : 0;
-        rerouted += f.lost_rerouted - itself;
+        rerouted += f.lost_one_entry - itself;
         strapped += f.lost_strapped - itself;
         backed_up += f.lost_backed_up - itself;
         ++failures;

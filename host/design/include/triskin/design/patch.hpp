@@ -23,11 +23,12 @@ struct FailureLoss {
   int node = -1;           ///< node of the failed module; for a joint: the child end in the tree, or either end
   int other_node = -1;     ///< -1: module failure; else the node at the other end of the failed joint
   int lost_strapped = 0;   ///< without rerouting: the subtree
-  int lost_rerouted = 0;   ///< switched modules, over the surviving joints of the patch from the one entry
+  int lost_rerouted = 0;   ///< switched modules, over the surviving joints from both entries: what `backup_tree` keeps
   int lost_backed_up = 0;  ///< also with the second entry and with adoption by neighbouring patches
   std::vector<std::array<int, 2>>
       backup_tree;  ///< (child, parent) nodes that differ from the normal tree; parent -1: the second entry
   std::vector<std::array<int, 2>> adopted;  ///< (child, parent) where the child is read by another patch; parents first
+  int lost_one_entry = 0;  ///< as lost_rerouted from the first entry alone, which is what a prepared route reads
 };
 
 /// Electrical state of one line of a patch; docs/routing.md has formulas and sources.
