@@ -23,18 +23,31 @@ constexpr std::uint64_t kRestart_us = 20'000;  // a controller starts anew under
 
 constexpr int kAssignRounds = 5;  // nobody confirms an assignment, and its frames or the claims after it may be lost
 
-// The boards of the patches get the addresses of the patches; one that nobody needs and that sits there moves behind
-// them. The new addresses, by unique id, of those that have another one now.
-std::map<wire::UniqueId, int> moves(const Bus& bus, const std::vector<Board>& boards, std::size_t n_patches) {
-  std::set<int> used, needed;
+// Addresses that a board without a patch may not be moved to: of the design, of its neighbours, of boards that stay.
+std::set<int> addresses_in_use(const std::vector<Board>& boards, const design::Design& design,
+                               const FlashOptions& options) {
+  std::set<int> used;
+  for (const int patch : design::patches_here(design)) used.insert(design::node_address_of(design, patch));
+  for (const FlashOptions::Neighbour& n : options.neighbours) used.insert(n.node);
   for (const Board& b : boards) {
-    if (b.patch >= 0) needed.insert(b.patch + 1);
-    if (b.patch < 0 && b.claim.node_address > n_patches) used.insert(b.claim.node_address);
+    if (b.patch < 0) used.insert(b.claim.node_address);
+  }
+  return used;
+}
+
+// The boards of the patches get the addresses of the patches; one that nobody needs and that sits there moves to the
+// first free one. The new addresses, by unique id, of those that have another one now.
+std::map<wire::UniqueId, int> moves(const Bus& bus, const std::vector<Board>& boards, const design::Design& design,
+                                    const FlashOptions& options) {
+  const std::set<int> used = addresses_in_use(boards, design, options);
+  std::set<int> needed;
+  for (const Board& b : boards) {
+    if (b.patch >= 0) needed.insert(design::node_address_of(design, b.patch));
   }
   std::map<wire::UniqueId, int> wanted;
-  int spare_address = static_cast<int>(n_patches) + 1;
+  int spare_address = layout::kFirstNode;
   for (const Board& b : boards) {
-    int address = b.patch + 1;
+    int address = b.patch < 0 ? 0 : design::node_address_of(design, b.patch);
     if (b.patch < 0) {
       if (!needed.contains(b.claim.node_address)) continue;
       while (used.contains(spare_address)) ++spare_address;
@@ -49,8 +62,7 @@ std::map<wire::UniqueId, int> moves(const Bus& bus, const std::vector<Board>& bo
 
 // Returns when every board has said its new address: two that share one would both take the table of one patch, and
 // none of them could be asked afterwards whose it is.
-void assign_addresses(Bus& bus, const std::vector<Board>& boards, std::size_t n_patches) {
-  auto wanted = moves(bus, boards, n_patches);
+void assign_addresses(Bus& bus, std::map<wire::UniqueId, int> wanted) {
   for (int round = 0; round < kAssignRounds && !wanted.empty(); ++round) {
     for (const auto& [id, address] : wanted) bus.assign(id, static_cast<std::uint8_t>(address));
     bus.listen(bus.now_us() + kRestart_us);
@@ -97,32 +109,35 @@ class Pass {
   void run(std::vector<FlashResult::Patch>& results) {
     report(progress_, "finding controllers", -1.0);
     boards_ = match_boards(bus_, design_, options_);
-    if (!options_.dry_run) assign_addresses(bus_, boards_, design_.patches.size());
+    if (!options_.dry_run) assign_addresses(bus_, moves(bus_, boards_, design_, options_));
     std::erase_if(boards_, [](const Board& b) { return b.patch < 0; });
     std::ranges::sort(boards_, {}, &Board::patch);
     results.resize(boards_.size());
     std::vector<Task> tasks;
     for (std::size_t k = 0; k < boards_.size(); ++k) {
       begin(results[k], boards_[k]);
-      const auto node =
-          options_.dry_run ? boards_[k].claim.node_address : static_cast<std::uint8_t>(boards_[k].patch + 1);
+      const auto node = options_.dry_run ? boards_[k].claim.node_address : address_of(boards_[k]);
       tasks.push_back({node, [this, k, &results](Bus& bus) { serve(bus, boards_[k], results[k]); }});
     }
     throw_first(run_tasks(bus_.link(), tasks, options_.per_wire), results);
   }
 
  private:
+  [[nodiscard]] std::uint8_t address_of(const Board& board) const {
+    return static_cast<std::uint8_t>(design::node_address_of(design_, board.patch));
+  }
   // A patch that was written before the cable was pulled stays written.
   void begin(FlashResult::Patch& r, const Board& board) const {
     if (r.written && r.patch == board.patch) return;
     r = {board.patch,
          to_text(board.claim.unique_id),
          board.claim.node_address,
+         address_of(board),
          false,
          false,
          false,
          images_[static_cast<std::size_t>(board.patch)].size()};
-    r.new_address = board.claim.node_address != board.patch + 1;
+    r.new_address = board.claim.node_address != address_of(board);
   }
   void step(int patch, const char* what, double fraction) const {
     report(progress_, what, fraction, fmt::format("patch {}", patch), patch);
@@ -136,7 +151,7 @@ class Pass {
                 Controller(bus, board.claim.node_address).active_table().crc == crc32(image);
       return step(r.patch, "planned", 1.0);
     }
-    Controller controller(bus, static_cast<std::uint8_t>(board.patch + 1));
+    Controller controller(bus, address_of(board));
     check_identity(controller, bus, r);
     const wire::ActiveTable active = controller.active_table();
     // Equal CRC is not enough to skip: the bytes are cheap to compare.
@@ -223,11 +238,11 @@ std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, c
                                      : fmt::format("modules {} and {} are not in one patch of the design", route.module,
                                                    route.other));
   }
-  std::vector<std::vector<std::uint8_t>> images;
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    layout::PatchImage image = image_of(design, static_cast<int>(p), route);
+  std::vector<std::vector<std::uint8_t>> images(design.patches.size());
+  for (const int patch : design::patches_here(design)) {
+    layout::PatchImage image = image_of(design, patch, route);
     image.positive_input = positive_input;
-    images.push_back(bytes_of(image));
+    images[static_cast<std::size_t>(patch)] = bytes_of(image);
   }
   return images;
 }
@@ -246,7 +261,8 @@ FlashResult flash(Bus& bus, const design::Design& design, const FlashOptions& op
       if (options.wait_s <= 0.0) throw;
       if (options.say)
         options.say(fmt::format("{}; waiting {:.0f} s for the cable (Ctrl-C ends)", e.what(), options.wait_s));
-      if (!wait_for_controllers(bus, options.patch >= 0 ? 1 : design.patches.size(), options.wait_s)) throw;
+      if (!wait_for_controllers(bus, options.patch >= 0 ? 1 : design::patches_here(design).size(), options.wait_s))
+        throw;
       if (options.say) options.say("all controllers answer again, going on");
     }
   }
