@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <map>
 
@@ -83,6 +84,25 @@ TEST(SharedBus, one_stream_reads_all_covers_and_knows_each_account) {
   EXPECT_EQ(stream.report(2).modules.size(), 3U);
   // One budget for the 25 modules: 1.04 · 25 · 317.5 / 36,900.
   EXPECT_NEAR(stream.budget().full, 0.224, 0.001);
+}
+
+// A lease is for all that hear it: a reader of one cover lets the others stream as well. What was wrong: 245 modules on
+// one bus, and the reader of 123 of them took every second sample, which is 110 % of the bus; a tenth found no room.
+TEST(SharedBus, the_budget_of_one_cover_counts_the_others) {
+  Assembly a = bare_robot(1);
+  add_strip(a, "near", 0, 64, 16);
+  add_strip(a, "far", 0, 80, 16);
+  const Site site = site_of(a);
+  SimulatedBus bus(site.buses[0]);
+  for (std::size_t cover = 0; cover < 2; ++cover) (void)bus.flash(cover);
+  bus.settle();
+  const std::array streamed{&site.buses[0].covers[0].design};
+  device::Stream stream(bus.bus(), streamed, {}, stream_options(site.buses[0], streamed, {}));
+  EXPECT_EQ(stream.budget().every, 2);  // 144 modules are 129 % of the bus, 64 alone were 57 %
+  stream.run_until(bus.bus().now_us() + 1'000'000);
+  stream.finish();
+  EXPECT_TRUE(stream.report().complete());
+  EXPECT_EQ(stream.report().modules.size(), 64U);
 }
 
 // A cover that is replaced by one of another design, with boards of its own: the other boards are not written.

@@ -47,6 +47,7 @@ class RobotCommands : public ShellCase {
   }
   // Returns the link under which the buses are served.
   std::string serve() {
+    write_file_atomically(folder_ / "served", "");
     const std::string command = line("simulate robot.json --listen 127.0.0.1:0") + " >served 2>&1 & echo $! >pid";
     EXPECT_EQ(std::system(fmt::format("cd '{}' && ({})", folder_.string(), command).c_str()), 0);
     server_ = std::stoi(read_file(folder_ / "pid"));

@@ -170,9 +170,10 @@ int show_cover(const Options& options, const robot::BusSite& site, const robot::
   for (const std::string& line : lines) output.say(line);
   const RestStore store(design, bus.discover());
   device::LiveMonitor monitor(design, options.tare ? device::RestValues{} : store.read());
-  device::StreamOptions stream_options = speaking(options.stream);
-  if (stream_options.every == 0) stream_options.every = site.every;
-  device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { monitor.add(f); }, stream_options);
+  const std::array streamed{&design};
+  device::Stream stream(
+      bus, design, [&](const device::ModuleFrame& f) { monitor.add(f); },
+      robot::stream_options(site, streamed, speaking(options.stream)));
   const int status = Show(options, design, link, bus, stream, monitor, store).run(output);
   output.result["offsets"] = std::move(offsets);
   return status;

@@ -27,7 +27,7 @@ class BusShow {
       designs_.push_back(&cover.design);
       monitors_.emplace_back(cover.design);
     }
-    if (options_.every == 0) options_.every = site.every;
+    options_ = robot::stream_options(site, designs_, std::move(options_));
   }
 
   // `mutex` guards `output`.

@@ -197,8 +197,7 @@ class BusRecording {
 
  private:
   void receive(device::Bus& bus, const ProgressSink& progress) {
-    device::StreamOptions stream_options = speaking(options_.stream);
-    if (stream_options.every == 0) stream_options.every = site_.every;
+    const auto stream_options = robot::stream_options(site_, designs_, speaking(options_.stream));
     const auto add = [&](const device::ModuleFrame& f) { files_[static_cast<std::size_t>(f.cover)]->add(f); };
     device::Stream stream(bus, designs_, add, stream_options);
     for (const auto& file : files_) file->begin();

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "offset_lines.hpp"
 #include "triskin/cli/site_options.hpp"
@@ -122,6 +124,7 @@ std::vector<Told> verify_bus(const robot::BusSite& site, device::Link& link, con
     device::VerifyOptions verify = options.verify;
     // The virtual finger costs nobody anything, so it always tries every module.
     if (own.finger() != nullptr) verify.touch = !options.no_touch;
+    verify.neighbours = robot::other_demands(site, std::array{&std::as_const(cover.design)});
     verify.ask = [&](int module) { return ask_person(prefix_of(cover), module); };
     all.push_back(tell(cover, device::verify(bus, cover.design, verify, progress_of(site, cover, progress)), bus));
     all.back().keys.update(keys_of(site, cover));

@@ -95,8 +95,7 @@ class Feed {
     const auto link = device::open_bus(site_, bus_, options_);
     device::Bus bus(*link);
     Pace pace(bus.now_us());
-    device::StreamOptions stream_options;
-    stream_options.every = site_.buses[bus_].every;
+    const auto stream_options = robot::stream_options(site_.buses[bus_], designs_, {});
     device::Stream stream(
         bus, designs_,
         [&](const device::ModuleFrame& f) {

@@ -126,6 +126,24 @@ device::FlashOptions flash_options(const BusSite& bus, const CoverOnBus& cover, 
   return options;
 }
 
+std::vector<device::StreamDemand> other_demands(const BusSite& bus, std::span<const design::Design* const> streamed) {
+  std::vector<device::StreamDemand> demands;
+  for (const CoverOnBus& cover : bus.covers) {
+    if (std::ranges::find(streamed, &cover.design) != streamed.end()) continue;
+    for (const int patch : design::patches_here(cover.design))
+      demands.push_back({static_cast<std::uint8_t>(design::node_address_of(cover.design, patch)),
+                         cover.design.patches[static_cast<std::size_t>(patch)].modules.size(), 0});
+  }
+  return demands;
+}
+
+device::StreamOptions stream_options(const BusSite& bus, std::span<const design::Design* const> streamed,
+                                     device::StreamOptions options) {
+  options.neighbours = other_demands(bus, streamed);
+  if (options.every == 0) options.every = bus.every;
+  return options;
+}
+
 design::SideBySide in_base(const Assembly& a) {
   std::vector<design::PlacedCover> placed;
   std::vector<design::Design> named = a.designs;

@@ -20,12 +20,13 @@ wire::UniqueId id_of(const std::string& serial) {
 
 std::string link_of(const robot::Site& site, std::size_t bus, const LinkOptions& options) {
   if (!options.chosen) return site.buses[bus].link;
-  if (options.link == "sim" || site.buses.size() == 1) return options.link;
-  if (!options.link.starts_with("sim:"))
+  if (!options.link.starts_with("sim:")) {
+    if (options.link == "sim" || site.buses.size() == 1) return options.link;
     throw InputError(
         fmt::format("--link {}: {} has {} buses; its file names their links, only sim or sim:HOST:PORT can "
                     "stand for all of them",
                     options.link, site.file.string(), site.buses.size()));
+  }
   const HostPort at = parse_host_port(options.link.substr(4));
   return fmt::format("sim:{}:{}", at.host, at.port + site.buses[bus].number);
 }

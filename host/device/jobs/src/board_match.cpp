@@ -38,8 +38,8 @@ class Matcher {
         n_patches_(design.patches.size()),
         here_(design::patches_here(design)) {}
 
-  std::vector<Board> run() {
-    find();
+  std::vector<Board> run(const std::vector<wire::NodeClaim>& claims) {
+    find(claims);
     assign_named();
     keep_own();
     keep_moved();
@@ -56,8 +56,7 @@ class Matcher {
   }
 
  private:
-  void find() {
-    const std::vector<wire::NodeClaim> claims = bus_.discover();
+  void find(const std::vector<wire::NodeClaim>& claims) {
     if (claims.empty())
       throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus_.name()));
     std::map<int, int> users;
@@ -229,11 +228,12 @@ class Matcher {
 
 }  // namespace
 
-std::vector<Board> match_boards(Bus& bus, const design::Design& design, const FlashOptions& options) {
+std::vector<Board> match_boards(Bus& bus, const design::Design& design, const FlashOptions& options,
+                                const std::vector<wire::NodeClaim>& claims) {
   if (options.patch >= static_cast<int>(design.patches.size()))
     throw InputError(
         fmt::format("--patch {}: the design has patches 0 … {}", options.patch, design.patches.size() - 1));
-  return Matcher(bus, design, options).run();
+  return Matcher(bus, design, options).run(claims);
 }
 
 }  // namespace triskin::device

@@ -23,38 +23,56 @@ constexpr std::uint64_t kRestart_us = 20'000;  // a controller starts anew under
 
 constexpr int kAssignRounds = 5;  // nobody confirms an assignment, and its frames or the claims after it may be lost
 
-// Addresses that a board without a patch may not be moved to: of the design, of its neighbours, of boards that stay.
-std::set<int> addresses_in_use(const std::vector<Board>& boards, const design::Design& design,
-                               const FlashOptions& options) {
-  std::set<int> used;
-  for (const int patch : design::patches_here(design)) used.insert(design::node_address_of(design, patch));
-  for (const FlashOptions::Neighbour& n : options.neighbours) used.insert(n.node);
-  for (const Board& b : boards) {
-    if (b.patch < 0) used.insert(b.claim.node_address);
+// Node addresses that nobody has and nobody is to have, lowest first.
+class FreeAddresses {
+ public:
+  FreeAddresses(const Bus& bus, const design::Design& design, const FlashOptions& options) : name_(bus.name()) {
+    for (const int patch : design::patches_here(design)) used_.insert(design::node_address_of(design, patch));
+    for (const FlashOptions::Neighbour& n : options.neighbours) used_.insert(n.node);
   }
-  return used;
+  void take(int address) { used_.insert(address); }
+  int next() {
+    int address = layout::kFirstNode;
+    while (used_.contains(address)) ++address;
+    if (address > layout::kLastNode)
+      throw DeviceError(fmt::format("{}: no free node address is left; take controllers off the bus", name_));
+    used_.insert(address);
+    return address;
+  }
+
+ private:
+  std::string name_;
+  std::set<int> used_;
+};
+
+// Fresh boards have the first address, and so may have one that holds a table: neither could be asked. The fresh ones
+// make way. New addresses by unique id.
+std::map<wire::UniqueId, int> ways_for_flashed(const std::vector<wire::NodeClaim>& claims, FreeAddresses free) {
+  std::set<int> flashed;
+  for (const wire::NodeClaim& c : claims) {
+    free.take(c.node_address);
+    if (c.has_table) flashed.insert(c.node_address);
+  }
+  std::map<wire::UniqueId, int> wanted;
+  for (const wire::NodeClaim& c : claims) {
+    if (!c.has_table && flashed.contains(c.node_address)) wanted[c.unique_id] = free.next();
+  }
+  return wanted;
 }
 
 // The boards of the patches get the addresses of the patches; one that nobody needs and that sits there moves to the
 // first free one. The new addresses, by unique id, of those that have another one now.
-std::map<wire::UniqueId, int> moves(const Bus& bus, const std::vector<Board>& boards, const design::Design& design,
-                                    const FlashOptions& options) {
-  const std::set<int> used = addresses_in_use(boards, design, options);
+std::map<wire::UniqueId, int> moves(const std::vector<Board>& boards, const design::Design& design,
+                                    FreeAddresses free) {
   std::set<int> needed;
   for (const Board& b : boards) {
     if (b.patch >= 0) needed.insert(design::node_address_of(design, b.patch));
+    if (b.patch < 0) free.take(b.claim.node_address);
   }
   std::map<wire::UniqueId, int> wanted;
-  int spare_address = layout::kFirstNode;
   for (const Board& b : boards) {
-    int address = b.patch < 0 ? 0 : design::node_address_of(design, b.patch);
-    if (b.patch < 0) {
-      if (!needed.contains(b.claim.node_address)) continue;
-      while (used.contains(spare_address)) ++spare_address;
-      address = spare_address++;
-      if (address > layout::kLastNode)
-        throw DeviceError(fmt::format("{}: no free node address is left; take controllers off the bus", bus.name()));
-    }
+    if (b.patch < 0 && !needed.contains(b.claim.node_address)) continue;
+    const int address = b.patch < 0 ? free.next() : design::node_address_of(design, b.patch);
     if (b.claim.node_address != address) wanted[b.claim.unique_id] = address;
   }
   return wanted;
@@ -108,8 +126,8 @@ class Pass {
   // `results` has what is done, also when this throws.
   void run(std::vector<FlashResult::Patch>& results) {
     report(progress_, "finding controllers", -1.0);
-    boards_ = match_boards(bus_, design_, options_);
-    if (!options_.dry_run) assign_addresses(bus_, moves(bus_, boards_, design_, options_));
+    boards_ = match_boards(bus_, design_, options_, find());
+    if (!options_.dry_run) assign_addresses(bus_, moves(boards_, design_, {bus_, design_, options_}));
     std::erase_if(boards_, [](const Board& b) { return b.patch < 0; });
     std::ranges::sort(boards_, {}, &Board::patch);
     results.resize(boards_.size());
@@ -123,6 +141,13 @@ class Pass {
   }
 
  private:
+  std::vector<wire::NodeClaim> find() {
+    const std::vector<wire::NodeClaim> claims = bus_.discover();
+    const auto wanted = ways_for_flashed(claims, {bus_, design_, options_});
+    if (options_.dry_run || wanted.empty()) return claims;
+    assign_addresses(bus_, wanted);
+    return bus_.discover();
+  }
   [[nodiscard]] std::uint8_t address_of(const Board& board) const {
     return static_cast<std::uint8_t>(design::node_address_of(design_, board.patch));
   }

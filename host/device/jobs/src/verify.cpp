@@ -176,9 +176,12 @@ std::vector<TouchOutcome> touch_all(Bus& bus, const design::Design& design, std:
 }
 
 // The stream for a while: what was due and did not come is a finding of its patch.
-void watch_stream(Bus& bus, const design::Design& design, std::uint64_t until_us, VerifyResult& result) {
+void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& options, std::uint64_t until_us,
+                  VerifyResult& result) {
   constexpr std::uint64_t kLeast_us = 500'000;
-  Stream stream(bus, design, {});
+  StreamOptions stream_options;
+  stream_options.neighbours = options.neighbours;
+  Stream stream(bus, design, {}, stream_options);
   stream.run_until(std::max(until_us, bus.now_us() + kLeast_us));
   stream.finish();
   result.stream = stream.report();
@@ -240,7 +243,7 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
   const auto watch_us = static_cast<std::uint64_t>(std::max(0.0, options.watch_s) * 1e6);
   const auto as_designed = [](const PatchState& p) { return p.image.module_count == 0 || (p.usable && !p.on_backup); };
   if (bus.link().fd() && std::ranges::all_of(patches, as_designed)) {
-    watch_stream(bus, design, start_us + watch_us, result);
+    watch_stream(bus, design, options, start_us + watch_us, result);
   } else if (std::ranges::any_of(patches, &PatchState::usable)) {
     bus.listen(start_us + watch_us);
   }

@@ -89,6 +89,11 @@ void Stream::find_controllers(const design::Design& design, int cover) {
 void Stream::choose_rate(const StreamOptions& options) {
   std::vector<StreamDemand> demands;
   for (const auto& [address, node] : nodes_) demands.push_back({address, node.modules.size(), node.interval_us});
+  for (StreamDemand d : options.neighbours) {
+    if (nodes_.contains(d.node)) continue;
+    if (d.interval_us == 0) d.interval_us = wire::sequence_us(wire::Decimation::k256);
+    demands.push_back(d);
+  }
   budget_ = make_budget(bus_.link(), demands, options.every);
   if (!budget_.fits && !(options.every > 0 && options.overload)) {
     throw InputError(fmt::format("{}: {}{}", bus_.link().name(), describe(budget_),

@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "triskin/design/side_by_side.hpp"
 #include "triskin/jobs/flash.hpp"
 #include "triskin/robot/assembly.hpp"
+#include "triskin/session/stream.hpp"
 
 namespace triskin::robot {
 
@@ -54,6 +56,15 @@ void choose(Site& site, const std::string& name);
 /// `options` for one cover of a bus: its serial numbers as assignments, the other covers as neighbours.
 [[nodiscard]] device::FlashOptions flash_options(const BusSite& bus, const CoverOnBus& cover,
                                                  device::FlashOptions options);
+
+/// Controllers of the bus that `streamed` leaves out: they stream as well (device::StreamOptions::neighbours).
+[[nodiscard]] std::vector<device::StreamDemand> other_demands(const BusSite& bus,
+                                                              std::span<const design::Design* const> streamed);
+
+/// `options` for a stream of `streamed`: the other covers as neighbours, and the rate that the robot file wants where
+/// `options` leaves it open.
+[[nodiscard]] device::StreamOptions stream_options(const BusSite& bus, std::span<const design::Design* const> streamed,
+                                                   device::StreamOptions options);
 
 /// All covers of a robot in the frame of its base (joints at 0), for pictures and exports; cover c of the robot file is
 /// element c of the offsets. Throws as design::side_by_side does.

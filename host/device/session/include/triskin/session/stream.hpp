@@ -28,7 +28,10 @@ struct ModuleFrame {
 };
 
 struct StreamOptions {
-  int every = 0;          ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
+  int every = 0;  ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
+  /// Controllers of other designs on the same bus. A lease is for all that hear it, so they stream too and count in the
+  /// budget; their samples are ignored. Interval 0: that of the default sampling.
+  std::vector<StreamDemand> neighbours;
   bool overload = false;  ///< streams `every` also where it does not fit; every module then gets an equal share
   /// Called with one sentence when a controller falls silent, when it speaks again, and when another n-th sample was
   /// chosen than every one. May be empty.
