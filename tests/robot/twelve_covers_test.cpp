@@ -105,9 +105,9 @@ TEST_F(RobotCommands, refusals_name_the_remedy) {
   EXPECT_EQ(run("robot show robot.json").status, 0);
 }
 
-TEST_F(RobotCommands, register_writes_a_pose_and_refuses_a_mirrored_one) {
+TEST_F(RobotCommands, register_writes_a_pose_and_leaves_the_file_alone_for_a_bad_one) {
   make_robot(1, 1, 20, 16);
-  // Taxel 3 is the centroid of a module: by hand, module 2k lies at x = 30k + 15, y = 8.66; 9 is its upper corner side.
+  // Turned by 90° about z and moved.
   std::string good = "module,taxel,x_mm,y_mm,z_mm\n";
   const auto wiring = design::wiring_of(strip(20));
   for (const int m : {0, 4, 7, 9, 13, 18}) {
@@ -122,6 +122,12 @@ TEST_F(RobotCommands, register_writes_a_pose_and_refuses_a_mirrored_one) {
   EXPECT_TRUE(r["mirror_unknown"]);  // a strip is flat
   EXPECT_THAT(read_file(folder_ / "robot.json"), HasSubstr("\"measured\":{\"points\":6"));
   EXPECT_EQ(run("robot show robot.json").status, 0);
+  const std::string before = read_file(folder_ / "robot.json");
+  write_file_atomically(folder_ / "touches.csv", good + "19,3,0,0,0\n");  // 300 mm from where it should be
+  const Outcome bad = run("robot register robot.json touches.csv --name cover0");
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_THAT(bad.out, HasSubstr("is above 5 mm, largest at touch 7"));
+  EXPECT_EQ(read_file(folder_ / "robot.json"), before);
 }
 
 TEST_F(RobotCommands, TwelveCovers_96_controllers_6_buses) {

@@ -134,23 +134,8 @@ void write_checked(const Options& options, const robot::Robot& robot, Output& ou
   output.result["buses"] = robot.buses.size();
 }
 
-int run_add(const Options& options, Output& output) {
-  robot::Robot robot = robot::read_robot(options.robot);
-  std::string bus;
-  for (const std::string& text : options.buses) {
-    if (text.find('=') != std::string::npos) define_bus(robot, text);
-    bus = text.substr(0, text.find('='));
-  }
-  if (options.file.empty() && options.name.empty()) {
-    require(bus, options, "a design file with --name and --bus, or a bus as --bus NAME=LINK");
-    write_checked(options, robot, output);
-    output.say(fmt::format("{}: {} buses", options.robot, robot.buses.size()));
-    return 0;
-  }
-  require(options.name, options, "the name of the cover with --name");
-  require(options.file, options, "the design file of the cover");
-  if (!robot::is_name(options.name))
-    throw InputError(fmt::format("--name {}: must be a letter, then letters, digits, _ or -", options.name));
+// The new cover, or with --replace the one that is there. A bus has addresses of its own: on another one they are new.
+robot::CoverEntry& cover_to_add(robot::Robot& robot, const std::string& bus, const Options& options) {
   robot::CoverEntry* cover = robot::find_cover(robot, options.name);
   if (cover != nullptr && !options.replace)
     throw InputError(
@@ -169,13 +154,34 @@ int run_add(const Options& options, Output& output) {
     cover->bus = bus;
     std::erase_if(cover->controllers, [&](const robot::ControllerEntry& e) { return e.bus != bus; });
   }
-  cover->design = seen_from(options.robot, options.file);
-  if (!options.frame.empty()) cover->frame = options.frame;
-  if (options.rate_hz >= 0.0) cover->rate_hz = options.rate_hz;
-  set_pose(*cover, options);
-  robot::seat(robot, *cover, design::read_intact_design(options.file), options.first_node);
-  set_serials(*cover, options);
-  const robot::CoverEntry added = *cover;
+  return *cover;
+}
+
+int run_add(const Options& options, Output& output) {
+  robot::Robot robot = robot::read_robot(options.robot);
+  std::string bus;
+  for (const std::string& text : options.buses) {
+    if (text.find('=') != std::string::npos) define_bus(robot, text);
+    bus = text.substr(0, text.find('='));
+  }
+  if (options.file.empty() && options.name.empty()) {
+    require(bus, options, "a design file with --name and --bus, or a bus as --bus NAME=LINK");
+    write_checked(options, robot, output);
+    output.say(fmt::format("{}: {} buses", options.robot, robot.buses.size()));
+    return 0;
+  }
+  require(options.name, options, "the name of the cover with --name");
+  require(options.file, options, "the design file of the cover");
+  if (!robot::is_name(options.name))
+    throw InputError(fmt::format("--name {}: must be a letter, then letters, digits, _ or -", options.name));
+  robot::CoverEntry& cover = cover_to_add(robot, bus, options);
+  cover.design = seen_from(options.robot, options.file);
+  if (!options.frame.empty()) cover.frame = options.frame;
+  if (options.rate_hz >= 0.0) cover.rate_hz = options.rate_hz;
+  set_pose(cover, options);
+  robot::seat(robot, cover, design::read_intact_design(options.file), options.first_node);
+  set_serials(cover, options);
+  const robot::CoverEntry added = cover;
   write_checked(options, robot, output);
   std::vector<int> nodes;
   for (const auto& e : added.controllers) nodes.push_back(e.node);
@@ -266,6 +272,23 @@ std::string doubt(const robot::Registration& r, const Options& options) {
   return "";
 }
 
+void tell(const robot::Registration& r, std::size_t touches, double moved_mm, const Options& options, Output& output) {
+  output.result = {{"cover", options.name},  {"touches", touches},
+                   {"rms_mm", r.fit.rms_mm}, {"max_mm", r.fit.max_mm},
+                   {"worst", r.fit.worst},   {"mirror_rms_mm", r.mirror_rms_mm},
+                   {"mirrored", r.mirrored}, {"mirror_unknown", r.mirror_unknown},
+                   {"moved_mm", moved_mm}};
+  if (!r.exchanged_with.empty()) output.result["exchanged_with"] = r.exchanged_with;
+  output.say(
+      fmt::format("cover {}: {} touches, residual {:.2f} mm (mirror image {:.2f} mm), largest {:.2f} mm at touch {}",
+                  options.name, touches, r.fit.rms_mm, r.mirror_rms_mm, r.fit.max_mm, r.fit.worst + 1));
+  if (r.mirror_unknown)
+    output.say(
+        fmt::format("the touches lie in a plane within {:.1f} mm: a mirrored cover would look the same; touch places "
+                    "off it",
+                    r.thickness_mm));
+}
+
 int run_register(const Options& options, Output& output) {
   require(options.name, options, "the cover with --name");
   require(options.file, options, "the file with the touches");
@@ -284,21 +307,9 @@ int run_register(const Options& options, Output& output) {
   }
   const robot::Registration r = robot::register_cover(own, others, touches);
   const std::string against = doubt(r, options);
-  const Eigen::Vector3d moved = r.fit.pose.translation() - cover->pose.translation();
-  output.result = {{"cover", options.name},    {"touches", touches.size()},
-                   {"rms_mm", r.fit.rms_mm},   {"max_mm", r.fit.max_mm},
-                   {"worst", r.fit.worst},     {"mirror_rms_mm", r.mirror_rms_mm},
-                   {"mirrored", r.mirrored},   {"mirror_unknown", r.mirror_unknown},
-                   {"moved_mm", moved.norm()}, {"written", against.empty() && !options.dry_run}};
-  if (!r.exchanged_with.empty()) output.result["exchanged_with"] = r.exchanged_with;
-  output.say(
-      fmt::format("cover {}: {} touches, residual {:.2f} mm (mirror image {:.2f} mm), largest {:.2f} mm at touch {}",
-                  options.name, touches.size(), r.fit.rms_mm, r.mirror_rms_mm, r.fit.max_mm, r.fit.worst + 1));
-  if (r.mirror_unknown)
-    output.say(
-        fmt::format("the touches lie in a plane within {:.1f} mm: a mirrored cover would look the same; touch places "
-                    "off it",
-                    r.thickness_mm));
+  const double moved_mm = (r.fit.pose.translation() - cover->pose.translation()).norm();
+  tell(r, touches.size(), moved_mm, options, output);
+  output.result["written"] = against.empty() && !options.dry_run;
   if (!against.empty()) {
     output.say(against + "; the robot file stays as it is");
     return 1;
@@ -308,8 +319,8 @@ int run_register(const Options& options, Output& output) {
   cover->xyz_rpy.reset();
   cover->measured = robot::Measured{static_cast<int>(touches.size()), r.fit.rms_mm};
   write_file_atomically(options.robot, robot::robot_text(a.robot));
-  output.say(fmt::format("{}: pose of cover {} written, {:.1f} mm from where it was", options.robot, options.name,
-                         moved.norm()));
+  output.say(
+      fmt::format("{}: pose of cover {} written, {:.1f} mm from where it was", options.robot, options.name, moved_mm));
   return 0;
 }
 

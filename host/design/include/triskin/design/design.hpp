@@ -74,9 +74,9 @@ struct ModuleWiring {
 /// Node address 1 … 126 of the controller of patch `patch` (0-based); 0: it hangs on another bus. Throws
 /// std::out_of_range for a patch that has none by Design::node_addresses. Constant cost.
 [[nodiscard]] int node_address_of(const Design& design, int patch);
-/// The patch whose controller has node address `node`; −1: none. Cost: O(patches).
+/// The patch whose controller has node address `node`; −1: none. Throws as node_address_of. Cost: O(patches).
 [[nodiscard]] int patch_at(const Design& design, int node);
-/// Patches whose controllers hang on the bus in hand, ascending: all, unless Design::node_addresses says otherwise.
+/// Patches whose controllers hang on the bus in hand, ascending; all without Design::node_addresses. Throws as above.
 [[nodiscard]] std::vector<int> patches_here(const Design& design);
 
 /// Centre and outward unit normal of a taxel, mesh frame, mm.

@@ -69,7 +69,7 @@ struct Robot {
 /// Reads a robot file and checks its form: keys, types, ranges, that a pose turns and moves only. Throws InputError
 /// naming file and key, for another version with the remedy. What the parts say of each other is checked by check().
 [[nodiscard]] Robot read_robot(const std::filesystem::path& path);
-/// read_robot for the text of a file; errors name it `file`.
+/// read_robot for the text of a file; throws InputError naming it `file`.
 [[nodiscard]] Robot parse_robot(const std::string& text, const std::string& file);
 /// The text of the file: one line a bus and a controller.
 [[nodiscard]] std::string robot_text(const Robot& robot);

@@ -46,23 +46,25 @@ struct Site {
 /// Reads a robot file or a design file that is to be deployed. Throws InputError as read_assembly and
 /// read_intact_design do, and listing the problems of a robot that check() finds.
 [[nodiscard]] Site read_site(const std::filesystem::path& path);
-/// The same of a robot that was read.
+/// The same of a robot that was read. Throws InputError listing its problems, or where it has no covers.
 [[nodiscard]] Site site_of(const Assembly& assembly);
 
 /// Leaves out all covers but `name`, and the buses on which it has nothing; empty: nothing is left out. Throws
 /// InputError naming the covers that there are.
 void choose(Site& site, const std::string& name);
 
-/// `options` for one cover of a bus: its serial numbers as assignments, the other covers as neighbours.
+/// `options` for one cover of a bus: its serial numbers as assignments, the other covers as neighbours. Throws
+/// std::out_of_range where serials or addresses do not match the patches, which read_site excludes; as those below.
 [[nodiscard]] device::FlashOptions flash_options(const BusSite& bus, const CoverOnBus& cover,
                                                  device::FlashOptions options);
 
 /// Controllers of the bus that `streamed` leaves out: they stream as well (device::StreamOptions::neighbours).
+/// Throws as flash_options.
 [[nodiscard]] std::vector<device::StreamDemand> other_demands(const BusSite& bus,
                                                               std::span<const design::Design* const> streamed);
 
 /// `options` for a stream of `streamed`: the other covers as neighbours, and the rate that the robot file wants where
-/// `options` leaves it open.
+/// `options` leaves it open. Throws as flash_options.
 [[nodiscard]] device::StreamOptions stream_options(const BusSite& bus, std::span<const design::Design* const> streamed,
                                                    device::StreamOptions options);
 

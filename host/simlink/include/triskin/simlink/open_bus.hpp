@@ -15,10 +15,10 @@ namespace triskin::device {
 /// Throws as open_link does, and InputError for another chosen link of a robot with several buses, or a scene.
 [[nodiscard]] std::unique_ptr<Link> open_bus(const robot::Site& site, std::size_t bus, const LinkOptions& options);
 
-/// open_bus for each bus of the site, in its order.
+/// open_bus for each bus of the site, in its order. Throws as it does.
 [[nodiscard]] std::vector<std::unique_ptr<Link>> open_buses(const robot::Site& site, const LinkOptions& options);
 
-/// The simulation of a bus of a robot: its covers with nobody touching them.
+/// The simulation of a bus of a robot: its covers with nobody touching them. Throws as scene::join_covers.
 [[nodiscard]] scene::Scene scene_of(const robot::BusSite& bus, bool switched);
 /// Folder that keeps the flash of its simulated controllers, by unique id.
 [[nodiscard]] std::filesystem::path state_folder_of(const robot::Site& site, const robot::BusSite& bus);
