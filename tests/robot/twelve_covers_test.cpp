@@ -89,6 +89,19 @@ TEST_F(RobotCommands, two_buses_by_one_file) {
   EXPECT_EQ(run("export robot.json --format gltf -o robot.gltf").status, 0);
 }
 
+// Nobody serves the second bus.
+TEST_F(RobotCommands, a_bus_that_is_away_leaves_the_others_their_tables) {
+  make_robot(2, 2, 6, 3);
+  std::string text = read_file(folder_ / "robot.json");
+  const std::string right = R"("name":"bus1","link":"sim")";
+  ASSERT_NE(text.find(right), std::string::npos);
+  text.replace(text.find(right), right.size(), R"("name":"bus1","link":"can:nobody0")");
+  write_file_atomically(folder_ / "robot.json", text);
+  EXPECT_EQ(run("flash robot.json").status, 3);  // known before anything is written
+  EXPECT_EQ(asked("flash robot.json --cover cover0")["bytes"].get<int>() > 0, true);
+  EXPECT_EQ(asked("verify robot.json --cover cover0 --watch-s 0.5")["findings"], 0);
+}
+
 TEST_F(RobotCommands, refusals_name_the_remedy) {
   make_robot(2, 1, 6, 3);
   EXPECT_THAT(run("flash robot.json --patch 0").messages, HasSubstr("--cover"));

@@ -167,11 +167,21 @@ int run(Options options, Output& output) {
   options.flash.say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
   std::vector<BusOutcome> buses(open.site.buses.size());
   const ProgressSink progress = output.progress();
-  on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
-    buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = flash_bus(bus, link, options, firmware, progress);
-  });
-  say_all(buses, options, open.site.is_robot,
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), output);
+  const auto say = [&] {
+    std::erase_if(buses, [](const BusOutcome& b) { return b.covers.empty(); });
+    say_all(buses, options, open.site.is_robot,
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), output);
+  };
+  try {
+    on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+      buses[static_cast<std::size_t>(&bus - open.site.buses.data())] =
+          flash_bus(bus, link, options, firmware, progress);
+    });
+  } catch (const Error&) {
+    if (buses.size() > 1) say();  // what the other buses did
+    throw;
+  }
+  say();
   return 0;
 }
 

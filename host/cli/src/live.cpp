@@ -156,6 +156,14 @@ class Show {
   nlohmann::json last_pressed_;
 };
 
+// Whose rest values are kept: of a robot those of the cover alone, so that its neighbours may change.
+std::vector<wire::NodeClaim> boards_of(const robot::CoverOnBus& cover, device::Bus& bus) {
+  std::vector<wire::NodeClaim> boards = bus.discover();
+  if (!cover.name.empty())
+    std::erase_if(boards, [&](const auto& b) { return design::patch_at(cover.design, b.node_address) < 0; });
+  return boards;
+}
+
 // One cover, with its picture.
 int show_cover(const Options& options, const robot::BusSite& site, const robot::CoverOnBus& cover,
                device::Link& bus_link, Output& output) {
@@ -168,7 +176,7 @@ int show_cover(const Options& options, const robot::BusSite& site, const robot::
   std::vector<std::string> lines;
   nlohmann::json offsets = read_offset_lines(bus, design, lines);
   for (const std::string& line : lines) output.say(line);
-  const RestStore store(design, bus.discover());
+  const RestStore store(design, boards_of(cover, bus));
   device::LiveMonitor monitor(design, options.tare ? device::RestValues{} : store.read());
   const std::array streamed{&design};
   device::Stream stream(

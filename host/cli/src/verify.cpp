@@ -133,14 +133,7 @@ std::vector<Told> verify_bus(const robot::BusSite& site, device::Link& link, con
   return all;
 }
 
-int run(const Options& options, Output& output) {
-  check_report(options.report);
-  OpenSite open = open_site(options.site);
-  std::vector<std::vector<Told>> buses(open.site.buses.size());
-  const ProgressSink progress = output.progress();
-  on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
-    buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = verify_bus(bus, link, options, progress);
-  });
+int say_all(const std::vector<std::vector<Told>>& buses, bool is_robot, Output& output) {
   int modules_ok = 0, modules = 0, touched = 0;
   std::size_t findings = 0;
   nlohmann::json covers = nlohmann::json::array();
@@ -154,7 +147,7 @@ int run(const Options& options, Output& output) {
       covers.push_back(told.keys);
     }
   }
-  if (open.site.is_robot)
+  if (is_robot)
     output.result = {{"modules_ok", modules_ok},
                      {"modules", modules},
                      {"touched", touched},
@@ -164,6 +157,22 @@ int run(const Options& options, Output& output) {
     output.result = covers[0];
   output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", modules_ok, modules, touched, findings));
   return findings == 0 ? 0 : 1;
+}
+
+int run(const Options& options, Output& output) {
+  check_report(options.report);
+  OpenSite open = open_site(options.site);
+  std::vector<std::vector<Told>> buses(open.site.buses.size());
+  const ProgressSink progress = output.progress();
+  try {
+    on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+      buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = verify_bus(bus, link, options, progress);
+    });
+  } catch (const Error&) {
+    if (buses.size() > 1) (void)say_all(buses, open.site.is_robot, output);  // what was found on the other buses
+    throw;
+  }
+  return say_all(buses, open.site.is_robot, output);
 }
 
 const Registration kVerify{{
