@@ -62,9 +62,7 @@ const Format& format_of(const Options& options) {
 
 int run(const Options& options, Output& output) {
   const Format& format = format_of(options);
-  const design::Design design = robot::is_robot_file(options.design)
-                                    ? robot::in_base(robot::read_assembly(options.design)).design
-                                    : design::read_design(options.design);
+  const design::Design design = robot::read_shown(options.design);
   const std::string path = options.output.empty()
                                ? std::filesystem::path(options.design).replace_extension(format.suffix).string()
                                : options.output;

@@ -161,4 +161,8 @@ design::SideBySide in_base(const Assembly& a) {
   return joint;
 }
 
+design::Design read_shown(const std::filesystem::path& path) {
+  return is_robot_file(path) ? in_base(read_assembly(path)).design : design::read_design(path);
+}
+
 }  // namespace triskin::robot

@@ -72,4 +72,8 @@ void choose(Site& site, const std::string& name);
 /// element c of the offsets. Throws as design::side_by_side does.
 [[nodiscard]] design::SideBySide in_base(const Assembly& assembly);
 
+/// What pictures and exports show of a file: a design as it is, the covers of a robot as in_base() joins them. Throws
+/// InputError as design::read_design and read_assembly do.
+[[nodiscard]] design::Design read_shown(const std::filesystem::path& path);
+
 }  // namespace triskin::robot
