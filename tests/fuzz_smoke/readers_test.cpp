@@ -16,6 +16,9 @@
 #include "triskin/geometry/polygon_io.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/robot/frames.hpp"
+#include "triskin/robot/registration.hpp"
+#include "triskin/robot/robot.hpp"
 #include "triskin/scene/scene.hpp"
 
 namespace triskin {
@@ -107,6 +110,27 @@ TEST(Readers, checker) {
 }
 TEST(Readers, scene) {
   fuzz(small_design(), ".json", 1000, [](const fs::path& p) { (void)scene::read_scene(p); });
+}
+
+TEST(Readers, robot) {
+  const std::string good =
+      R"({"format":"triskin-robot","version":1,"name":"r","urdf":"r.urdf",
+          "buses":[{"name":"left","link":"can:can0","bit_rate":1000000,"data_bit_rate":2000000,"cable_mm":500}],
+          "covers":[{"name":"arm","design":"arm.json","design_id":"9f86d081884c7d65","bus":"left","frame":"l_arm",
+            "rate_hz":20,"pose":{"matrix":[[0,-1,0,5],[1,0,0,6],[0,0,1,7],[0,0,0,1]]},"measured":{"points":8,"rms_mm":1.5},
+            "controllers":[{"patch":0,"node":3,"serial":"0123456789abcdef01234567","cable_mm":90}]},
+           {"name":"leg","design":"leg.json","design_id":"9f86d081884c7d65","bus":"left",
+            "pose":{"xyz_mm":[1,2,3],"rpy_rad":[0.1,0.2,0.3]},"controllers":[]}]})";
+  fuzz(good, ".json", 1000, [](const fs::path& p) { (void)robot::read_robot(p); });
+}
+TEST(Readers, urdf) {
+  fuzz(R"(<?xml version="1.0"?><robot name="r"><link name="a"/><link name="b"/><joint name="j" type="fixed">
+          <parent link="a"/><child link="b"/><origin xyz="0.1 0 0.2" rpy="0 1.5 0"/></joint></robot>)",
+       ".urdf", 1000, [](const fs::path& p) { (void)robot::Frames::read_urdf(p); });
+}
+TEST(Readers, touches) {
+  fuzz("module,taxel,x_mm,y_mm,z_mm\n4,3,1.5,-2,30\n5,11,0.25,0,0\n", ".csv", 1000,
+       [](const fs::path& p) { (void)robot::read_touches(read_file(p), p.string()); });
 }
 
 TEST(Readers, module_list) {

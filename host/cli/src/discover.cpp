@@ -7,16 +7,26 @@
 #include <vector>
 
 #include "topology_report.hpp"
-#include "triskin/cli/link_options.hpp"
+#include "triskin/cli/site_options.hpp"
+#include "triskin/host/files.hpp"
+#include "triskin/robot/edit.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::cli {
 namespace {
 
 struct Options {
+  std::string robot;
   device::LinkOptions link;
-  bool topology = false;
+  bool topology = false, note = false;
   std::vector<std::string> designs;
+};
+
+// What answers on a link.
+struct Found {
+  nlohmann::json controllers = nlohmann::json::array();
+  std::vector<std::string> lines;
+  bool kernel = false;
 };
 
 nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim) {
@@ -55,40 +65,144 @@ nlohmann::json ask_topology(device::Bus& bus, const wire::NodeClaim& claim, cons
   return report_topology(c, designs, table.design_id, table.present() ? claim.node_address - 1 : -1, output);
 }
 
-int run(const Options& options, Output& output) {
+std::map<int, int> users_of(const std::vector<wire::NodeClaim>& claims) {
+  std::map<int, int> users;
+  for (const auto& c : claims) ++users[c.node_address];
+  return users;
+}
+
+// Several controllers at one address would all answer: they can be told apart, but not asked.
+nlohmann::json describe(device::Bus& bus, const wire::NodeClaim& claim, bool unique) {
+  nlohmann::json j = unique ? ask(bus, claim) : nlohmann::json::object();
+  j["serial"] = device::to_text(claim.unique_id);
+  j["node_address"] = claim.node_address;
+  j["flashed"] = claim.has_table;
+  j["address_unique"] = unique;
+  return j;
+}
+
+std::string line_of(const nlohmann::json& j, const std::string& place) {
+  const bool unique = j["address_unique"].get<bool>();
+  return fmt::format("controller {}  node address {}{}  {}{}{}", j["serial"].get<std::string>(),
+                     j["node_address"].get<int>(), unique ? "" : " (shared)",
+                     j["flashed"].get<bool>() ? "flashed" : "not flashed",
+                     unique ? fmt::format("  {} chips", j["chips"].size()) : std::string(), place);
+}
+
+bool opens_in_kernel(device::Link& link) {
+  return link.open_channel(wire::physical_id(0, wire::kTesterAddress), wire::physical_id(wire::kTesterAddress, 0)) !=
+         nullptr;
+}
+
+std::vector<wire::NodeClaim> claims_on(device::Bus& bus) {
+  auto claims = bus.discover();
+  if (claims.empty())
+    throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.name()));
+  return claims;
+}
+
+// The cover and patch that a controller serves; a bus has few covers.
+std::string place_on(const robot::BusSite& site, nlohmann::json& j) {
+  if (!j.contains("design_id")) return "";
+  const std::string id = j["design_id"].get<std::string>();
+  for (const robot::CoverOnBus& cover : site.covers) {
+    const int patch = design::patch_at(cover.design, j["node_address"].get<int>());
+    if (patch < 0 || id != fmt::format("{:016x}", cover.design.design_id)) continue;
+    j["cover"] = cover.name;
+    j["patch"] = patch;
+    return fmt::format("  {}, patch {}", cover.name, patch);
+  }
+  return "  of no cover here";
+}
+
+Found look_at(const robot::BusSite& site, device::Link& link) {
+  Found found;
+  device::Bus bus(link);
+  const auto claims = claims_on(bus);
+  auto users = users_of(claims);
+  for (const auto& claim : claims) {
+    nlohmann::json j = describe(bus, claim, users[claim.node_address] == 1);
+    j["bus"] = site.name;
+    const std::string place = place_on(site, j);
+    found.lines.push_back(line_of(j, place));
+    found.controllers.push_back(std::move(j));
+  }
+  found.kernel = opens_in_kernel(link);
+  return found;
+}
+
+// Serial numbers of the controllers that serve a cover, into the robot file.
+int note_serials(const std::string& file, const nlohmann::json& controllers) {
+  robot::Robot robot = robot::read_robot(file);
+  int noted = 0;
+  for (const nlohmann::json& c : controllers) {
+    if (!c.contains("cover")) continue;
+    robot::CoverEntry* cover = robot::find_cover(robot, c["cover"].get<std::string>());
+    if (cover == nullptr) continue;
+    for (robot::ControllerEntry& e : cover->controllers) {
+      if (e.patch != c["patch"].get<int>() || e.serial == c["serial"].get<std::string>()) continue;
+      e.serial = c["serial"].get<std::string>();
+      ++noted;
+    }
+  }
+  if (noted > 0) write_file_atomically(file, robot::robot_text(robot));
+  return noted;
+}
+
+int run_robot(const Options& options, Output& output) {
+  if (!robot::is_robot_file(options.robot))
+    throw InputError(fmt::format("{}: is no robot file; give designs with --design", options.robot));
+  if (options.topology) throw InputError("discover: --topology looks at one link; give --link and --design");
+  OpenSite open = open_site({options.robot, "", options.link});
+  std::vector<Found> buses(open.site.buses.size());
+  on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+    buses[static_cast<std::size_t>(bus.number)] = look_at(bus, link);
+  });
+  nlohmann::json controllers = nlohmann::json::array();
+  bool kernel = false;
+  for (std::size_t b = 0; b < buses.size(); ++b) {
+    output.say(fmt::format("bus {}: {}", open.site.buses[b].name, open.links[b]->name()));
+    for (const std::string& line : buses[b].lines) output.say("  " + line);
+    for (auto& c : buses[b].controllers) controllers.push_back(std::move(c));
+    kernel = kernel || buses[b].kernel;
+  }
+  output.result = {{"iso_tp", kernel ? "kernel" : "program"}};
+  if (options.note) {
+    const int noted = note_serials(options.robot, controllers);
+    output.result["noted"] = noted;
+    output.say(fmt::format("{}: {} serial numbers written", options.robot, noted));
+  }
+  output.result["controllers"] = std::move(controllers);
+  return 0;
+}
+
+int run_link(const Options& options, Output& output) {
+  if (options.note) throw InputError("discover: --note writes into a robot file; give one");
   std::vector<NamedDesign> designs;
   for (const std::string& file : options.designs) designs.emplace_back(file, design::read_intact_design(file));
   const bool simulated = options.link.scene.empty() && !designs.empty();
   const auto link = device::open_link(options.link, simulated ? &designs[0].second : nullptr);
   device::Bus bus(*link);
-  const auto claims = bus.discover();
-  if (claims.empty())
-    throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", link->name()));
-  std::map<int, int> users;
-  for (const auto& c : claims) ++users[c.node_address];
+  const auto claims = claims_on(bus);
+  auto users = users_of(claims);
   nlohmann::json controllers = nlohmann::json::array();
   bool bad = false;
   for (const auto& claim : claims) {
-    // Several controllers at one address would all answer: they can be told apart, but not asked.
     const bool unique = users[claim.node_address] == 1;
-    nlohmann::json j = unique ? ask(bus, claim) : nlohmann::json::object();
-    j["serial"] = device::to_text(claim.unique_id);
-    j["node_address"] = claim.node_address;
-    j["flashed"] = claim.has_table;
-    j["address_unique"] = unique;
-    output.say(fmt::format("controller {}  node address {}{}  {}{}", device::to_text(claim.unique_id),
-                           claim.node_address, unique ? "" : " (shared)", claim.has_table ? "flashed" : "not flashed",
-                           unique ? fmt::format("  {} chips", j["chips"].size()) : std::string()));
+    nlohmann::json j = describe(bus, claim, unique);
+    output.say(line_of(j, ""));
     if (options.topology && unique) {
       j["topology"] = ask_topology(bus, claim, designs, output);
       bad = bad || differs(j["topology"]);
     }
     controllers.push_back(std::move(j));
   }
-  const bool kernel = link->open_channel(wire::physical_id(0, wire::kTesterAddress),
-                                         wire::physical_id(wire::kTesterAddress, 0)) != nullptr;
-  output.result = {{"controllers", std::move(controllers)}, {"iso_tp", kernel ? "kernel" : "program"}};
+  output.result = {{"controllers", std::move(controllers)}, {"iso_tp", opens_in_kernel(*link) ? "kernel" : "program"}};
   return bad ? 1 : 0;
+}
+
+int run(const Options& options, Output& output) {
+  return options.robot.empty() ? run_link(options, output) : run_robot(options, output);
 }
 
 const Registration kDiscover{{
@@ -97,7 +211,9 @@ const Registration kDiscover{{
     "triskin discover --link sim --scene forearm.json",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
+      app.add_option("ROBOT", options->robot, "robot file: all of its buses, and which cover each controller serves");
       add_link_options(app, options->link);
+      app.add_flag("--note", options->note, "with a robot file: write the serial numbers into it");
       app.add_flag(
           "--topology", options->topology,
           "let controllers of switched modules find their modules and joints; interrupts sampling for up to 60 ms");

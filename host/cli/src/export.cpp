@@ -10,6 +10,7 @@
 #include "triskin/cli/command.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/robot/site.hpp"
 #include "triskin/view/page.hpp"
 
 namespace triskin::cli {
@@ -61,7 +62,7 @@ const Format& format_of(const Options& options) {
 
 int run(const Options& options, Output& output) {
   const Format& format = format_of(options);
-  const design::Design design = design::read_design(options.design);
+  const design::Design design = robot::read_shown(options.design);
   const std::string path = options.output.empty()
                                ? std::filesystem::path(options.design).replace_extension(format.suffix).string()
                                : options.output;
@@ -77,7 +78,9 @@ const Registration kExport{{
     "triskin export forearm.design.json --format picture -o forearm.svg",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("DESIGN", options->design, "design file")->required();
+      app.add_option("DESIGN", options->design,
+                     "design file, or robot file: all of its covers in the frame of its base")
+          ->required();
       std::vector<std::string> names;
       for (const auto& [name, format] : kFormats) names.push_back(name);
       app.add_option("--format", options->format, "what to write; without it the extension of -o says so")

@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "triskin/cli/bus_report.hpp"
-#include "triskin/cli/link_options.hpp"
+#include "triskin/cli/site_options.hpp"
 #include "triskin/jobs/firmware_update.hpp"
 #include "triskin/jobs/offset_report.hpp"
 #include "triskin/layout/module.hpp"
@@ -19,51 +19,39 @@ namespace triskin::cli {
 namespace {
 
 struct Options {
-  std::string design;
-  device::LinkOptions link;
+  SiteOptions site;
   device::FlashOptions flash;
   std::string route = "normal";
   std::string firmware;
   std::vector<std::string> assign;
 };
 
-// PATCH=SERIAL, as triskin discover shows the serial number.
-device::FlashOptions::Assignment parse_assignment(const std::string& text) {
-  const std::size_t at = text.find('=');
-  const std::string patch = text.substr(0, at);
-  std::string serial = at == std::string::npos ? "" : text.substr(at + 1);
-  std::ranges::transform(serial, serial.begin(),
-                         [](char c) { return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c; });
-  if (patch.empty() || patch.size() > 6 || patch.find_first_not_of("0123456789") != std::string::npos ||
-      serial.size() != 24 || serial.find_first_not_of("0123456789ABCDEF") != std::string::npos) {
-    throw InputError(fmt::format(
-        "--assign {}: give PATCH=SERIAL, where SERIAL has 24 hexadecimal digits, as triskin discover shows them",
-        text));
-  }
-  return {std::stoi(patch), serial};
-}
+// What became of a bus.
+struct BusOutcome {
+  const robot::BusSite* bus = nullptr;
+  std::vector<std::pair<const robot::CoverOnBus*, device::FlashResult>> covers;
+  nlohmann::json firmware = nlohmann::json::array();
+  std::vector<std::string> lines;  // on the firmware
+};
 
 // Controllers have addresses of their own by now: the tables were written before.
-nlohmann::json update_all(device::Bus& bus, const device::FirmwarePackage& package, const Options& options,
-                          Output& output) {
-  nlohmann::json rows = nlohmann::json::array();
-  const ProgressSink bars = output.progress();
+void update_all(device::Bus& bus, const device::FirmwarePackage& package, const Options& options,
+                const ProgressSink& bars, BusOutcome& outcome) {
   for (const wire::NodeClaim& claim : bus.discover()) {
-    const int part = static_cast<int>(rows.size());
+    const int part = static_cast<int>(outcome.firmware.size());
     const ProgressSink bar = [&](const Progress& p) { report(bars, p.stage, p.fraction, p.detail, part); };
     const device::FirmwareResult r = device::update_firmware(bus, claim, package, options.flash, bar);
-    rows.push_back({{"serial", r.serial}, {"equal", r.equal}, {"slot", r.slot}, {"bytes", r.bytes}});
-    output.say(fmt::format("controller {}  firmware {}", r.serial,
-                           r.bytes != 0
-                               ? fmt::format("{} bytes written, slot {} runs", r.bytes, r.slot == 0 ? 'A' : 'B')
-                           : r.equal ? std::string("equal, skipped")
-                                     : std::string("would be written")));
+    outcome.firmware.push_back({{"serial", r.serial}, {"equal", r.equal}, {"slot", r.slot}, {"bytes", r.bytes}});
+    outcome.lines.push_back(
+        fmt::format("controller {}  firmware {}", r.serial,
+                    r.bytes != 0 ? fmt::format("{} bytes written, slot {} runs", r.bytes, r.slot == 0 ? 'A' : 'B')
+                    : r.equal    ? std::string("equal, skipped")
+                                 : std::string("would be written")));
   }
-  return rows;
 }
 
 std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
-  const std::string address = p.new_address ? fmt::format(", node address {} -> {}", p.old_address, p.patch + 1) : "";
+  const std::string address = p.new_address ? fmt::format(", node address {} -> {}", p.old_address, p.address) : "";
   if (p.equal && !p.written) return "equal, skipped";
   if (dry_run) return fmt::format("would write {} bytes{}", p.bytes, address);
   return fmt::format("{} bytes written and read back{}", p.bytes, address);
@@ -84,50 +72,116 @@ void wait_for_offsets(device::Bus& bus, const design::Design& design) {
     bus.listen(bus.now_us() + kPause_us);
 }
 
-int run(Options options, Output& output) {
-  const auto start = std::chrono::steady_clock::now();
-  options.flash.route = device::parse_route(options.route);
-  for (const std::string& text : options.assign) options.flash.assign.push_back(parse_assignment(text));
-  const design::Design design = design::read_intact_design(options.design);
-  std::optional<device::FirmwarePackage> firmware;
-  if (!options.firmware.empty()) {
-    if (options.link.link.starts_with("hid") || options.link.link.starts_with("usb")) {
-      throw InputError("--firmware goes over CAN; over USB: dfu-util -D FILE (docs/wires.md)");
-    }
-    firmware = device::read_firmware(options.firmware);
+// The covers of a bus one after the other: they share it.
+BusOutcome flash_bus(const robot::BusSite& site, device::Link& link, const Options& options,
+                     const std::optional<device::FirmwarePackage>& firmware, const ProgressSink& progress) {
+  BusOutcome outcome;
+  outcome.bus = &site;
+  device::Bus bus(link);
+  for (const robot::CoverOnBus& cover : site.covers) {
+    if (!cover.chosen) continue;
+    const device::FlashOptions own = robot::flash_options(site, cover, options.flash);
+    outcome.covers.emplace_back(&cover, device::flash(bus, cover.design, own, progress_of(site, cover, progress)));
   }
-  const auto link = device::open_link(options.link, &design);
-  device::Bus bus(*link);
-  options.flash.say = [&](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
-  const device::FlashResult r = device::flash(bus, design, options.flash, output.progress());
-  const bool any_written = std::ranges::any_of(r.patches, &device::FlashResult::Patch::written);
-  if (any_written && !options.flash.dry_run) wait_for_offsets(bus, design);
-  nlohmann::json updated = nlohmann::json::array();
-  if (firmware) updated = update_all(bus, *firmware, options, output);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  for (const auto& [cover, r] : outcome.covers) {
+    if (!options.flash.dry_run && std::ranges::any_of(r.patches, &device::FlashResult::Patch::written))
+      wait_for_offsets(bus, cover->design);
+  }
+  if (firmware) update_all(bus, *firmware, options, progress, outcome);
+  return outcome;
+}
+
+nlohmann::json patch_rows(const robot::CoverOnBus& cover, const device::FlashResult& r, bool dry_run, Output& output) {
   nlohmann::json patches = nlohmann::json::array();
   for (const auto& p : r.patches) {
     patches.push_back({{"patch", p.patch},
                        {"serial", p.serial},
-                       {"node_address", p.patch + 1},
+                       {"node_address", p.address},
                        {"bytes", p.bytes},
                        {"equal", p.equal},
                        {"written", p.written}});
     output.say(
-        fmt::format("patch {:3}  controller {}  {}", p.patch, p.serial, what_happened(p, options.flash.dry_run)));
+        fmt::format("{}patch {:3}  controller {}  {}", prefix_of(cover), p.patch, p.serial, what_happened(p, dry_run)));
   }
-  output.result = {{"controllers", r.patches.size()},
-                   {"bytes", r.bytes},
-                   {"seconds", seconds},
-                   {"skipped", r.skipped},
-                   {"link_s", r.link_s},
-                   {"dry_run", options.flash.dry_run},
-                   {"route", options.route},
-                   {"patches", std::move(patches)},
-                   {"firmware", std::move(updated)}};
-  report_bus(design.layout.modules.size(), output);
-  output.say(fmt::format("{} controllers, {} bytes written, {} skipped as equal; {:.2f} s", r.patches.size(), r.bytes,
-                         r.skipped, seconds));
+  return patches;
+}
+
+void say_all(const std::vector<BusOutcome>& buses, const Options& options, bool is_robot, double seconds,
+             Output& output) {
+  device::FlashResult sum;
+  std::size_t controllers = 0, modules = 0;
+  nlohmann::json firmware = nlohmann::json::array(), covers = nlohmann::json::array();
+  for (const BusOutcome& b : buses) {
+    modules = 0;
+    for (const std::string& line : b.lines) output.say(line);
+    for (const auto& row : b.firmware) firmware.push_back(row);
+    double link_s = 0.0;
+    for (const auto& [cover, r] : b.covers) {
+      nlohmann::json row = keys_of(*b.bus, *cover);
+      row["patches"] = patch_rows(*cover, r, options.flash.dry_run, output);
+      covers.push_back(std::move(row));
+      controllers += r.patches.size();
+      sum.bytes += r.bytes;
+      sum.skipped += r.skipped;
+      link_s += r.link_s;
+      modules += cover->design.layout.modules.size();
+    }
+    sum.link_s = std::max(sum.link_s, link_s);  // buses are served side by side
+  }
+  output.result = {{"controllers", controllers}, {"bytes", sum.bytes},   {"seconds", seconds},
+                   {"skipped", sum.skipped},     {"link_s", sum.link_s}, {"dry_run", options.flash.dry_run},
+                   {"route", options.route},     {"firmware", firmware}};
+  if (is_robot) {
+    output.result["covers"] = std::move(covers);
+  } else {
+    output.result["patches"] = std::move(covers[0]["patches"]);
+    report_bus(modules, output);
+  }
+  output.say(fmt::format("{} controllers, {} bytes written, {} skipped as equal; {:.2f} s", controllers, sum.bytes,
+                         sum.skipped, seconds));
+}
+
+// Numbers of patches and modules are those of one cover.
+void require_cover(const Options& options, const robot::Site& site) {
+  const bool of_one = options.flash.patch >= 0 || !options.flash.assign.empty() || options.flash.route.module >= 0;
+  if (site.is_robot && of_one && options.site.cover.empty())
+    throw InputError("--patch, --assign and --route count patches and modules of one cover: say which with --cover");
+}
+
+int run(Options options, Output& output) {
+  const auto start = std::chrono::steady_clock::now();
+  options.flash.route = device::parse_route(options.route);
+  for (const std::string& text : options.assign) {
+    const auto [patch, serial] = robot::parse_serial(text);
+    options.flash.assign.push_back({patch, serial});
+  }
+  std::optional<device::FirmwarePackage> firmware;
+  if (!options.firmware.empty()) {
+    if (options.site.link.link.starts_with("hid") || options.site.link.link.starts_with("usb")) {
+      throw InputError("--firmware goes over CAN; over USB: dfu-util -D FILE (docs/wires.md)");
+    }
+    firmware = device::read_firmware(options.firmware);
+  }
+  OpenSite open = open_site(options.site);
+  require_cover(options, open.site);
+  options.flash.say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
+  std::vector<BusOutcome> buses(open.site.buses.size());
+  const ProgressSink progress = output.progress();
+  const auto say = [&] {
+    std::erase_if(buses, [](const BusOutcome& b) { return b.covers.empty(); });
+    say_all(buses, options, open.site.is_robot,
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), output);
+  };
+  try {
+    on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+      buses[static_cast<std::size_t>(&bus - open.site.buses.data())] =
+          flash_bus(bus, link, options, firmware, progress);
+    });
+  } catch (const Error&) {
+    if (buses.size() > 1) say();  // what the other buses did
+    throw;
+  }
+  say();
   return 0;
 }
 
@@ -138,8 +192,7 @@ const Registration kFlash{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       options->flash.wait_s = 20.0;
-      app.add_option("DESIGN", options->design, "design file")->required();
-      add_link_options(app, options->link);
+      add_site_options(app, options->site);
       app.add_option("--firmware", options->firmware,
                      "firmware package for every controller on the link, over CAN, one after the other")
           ->check(CLI::ExistingFile);

@@ -8,13 +8,15 @@
 
 #include "live_display.hpp"
 #include "live_icub.hpp"
+#include "live_robot.hpp"
 #include "offset_lines.hpp"
 #include "rest_store.hpp"
-#include "triskin/cli/link_options.hpp"
+#include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/jobs/live_monitor.hpp"
 #include "triskin/layout/module.hpp"
+#include "triskin/link/cover_link.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -22,9 +24,8 @@ namespace {
 constexpr int kWalk = -2, kNobody = -1;
 
 struct Options {
-  std::string design;
+  SiteOptions site;
   std::string protocol = "triskin";
-  device::LinkOptions link;
   device::StreamOptions stream;
   double seconds = 0.0;
   int press = kWalk;  // module, kNobody, or kWalk
@@ -42,8 +43,9 @@ constexpr std::uint64_t kFingerMoves_us = 2'000'000;
 class Demonstrator {
  public:
   Demonstrator(device::Link& link, const Options& options, int modules)
-      : finger_(options.press >= 0 || (options.link.link == "sim" && options.link.scene.empty()) ? link.finger()
-                                                                                                 : nullptr),
+      : finger_(options.press >= 0 || (options.site.link.link == "sim" && options.site.link.scene.empty())
+                    ? link.finger()
+                    : nullptr),
         options_(options),
         modules_(modules) {}
   void step(std::uint64_t elapsed_us) {
@@ -68,8 +70,8 @@ class Demonstrator {
 
 int run_icub(const Options& options, Output& output) {
   std::optional<design::Design> design;  // only the simulation needs one
-  if (!options.design.empty()) design = design::read_intact_design(options.design);
-  return live_icub(options.link, design ? &*design : nullptr, options.seconds, output);
+  if (!options.site.file.empty()) design = design::read_intact_design(options.site.file);
+  return live_icub(options.site.link, design ? &*design : nullptr, options.seconds, output);
 }
 
 // One run of the command: receives, shows, and does what the keys ask for.
@@ -154,22 +156,52 @@ class Show {
   nlohmann::json last_pressed_;
 };
 
-int run(const Options& options, Output& output) {
-  if (options.protocol == "icub") return run_icub(options, output);
-  if (options.design.empty()) throw InputError("live: give the design file; only --protocol icub works without");
-  const design::Design design = design::read_intact_design(options.design);
+// Whose rest values are kept: of a robot those of the cover alone, so that its neighbours may change.
+std::vector<wire::NodeClaim> boards_of(const robot::CoverOnBus& cover, device::Bus& bus) {
+  std::vector<wire::NodeClaim> boards = bus.discover();
+  if (!cover.name.empty())
+    std::erase_if(boards, [&](const auto& b) { return design::patch_at(cover.design, b.node_address) < 0; });
+  return boards;
+}
+
+// One cover, with its picture.
+int show_cover(const Options& options, const robot::BusSite& site, const robot::CoverOnBus& cover,
+               device::Link& bus_link, Output& output) {
+  const design::Design& design = cover.design;
   const int modules = static_cast<int>(design.layout.modules.size());
   if (options.press >= modules)
     throw InputError(fmt::format("--press {}: the design has modules 0 … {}", options.press, modules - 1));
-  const auto link = device::open_link(options.link, &design);
-  device::Bus bus(*link);
-  nlohmann::json offsets = say_offsets(bus, design, output);
-  const RestStore store(design, bus.discover());
+  device::CoverLink link(bus_link, cover.first_module);
+  device::Bus bus(link);
+  std::vector<std::string> lines;
+  nlohmann::json offsets = read_offset_lines(bus, design, lines);
+  for (const std::string& line : lines) output.say(line);
+  const RestStore store(design, boards_of(cover, bus));
   device::LiveMonitor monitor(design, options.tare ? device::RestValues{} : store.read());
-  device::Stream stream(bus, design, [&](const device::ModuleFrame& f) { monitor.add(f); }, speaking(options.stream));
-  const int status = Show(options, design, *link, bus, stream, monitor, store).run(output);
+  const std::array streamed{&design};
+  device::Stream stream(
+      bus, design, [&](const device::ModuleFrame& f) { monitor.add(f); },
+      robot::stream_options(site, streamed, speaking(options.stream)));
+  const int status = Show(options, design, link, bus, stream, monitor, store).run(output);
   output.result["offsets"] = std::move(offsets);
   return status;
+}
+
+int run(const Options& options, Output& output) {
+  if (options.protocol == "icub") return run_icub(options, output);
+  if (options.site.file.empty())
+    throw InputError("live: give the design file or robot file; only --protocol icub works without");
+  OpenSite open = open_site(options.site);
+  const bool one =
+      open.site.buses.size() == 1 && std::ranges::count_if(open.site.buses[0].covers, &robot::CoverOnBus::chosen) == 1;
+  if (one) {
+    const auto& covers = open.site.buses[0].covers;
+    return show_cover(options, open.site.buses[0], *std::ranges::find_if(covers, &robot::CoverOnBus::chosen),
+                      *open.links[0], output);
+  }
+  if (options.press >= 0 || options.tare)
+    throw InputError("live: --press and --tare are for one cover of a robot: say which with --cover");
+  return live_robot(open, options.stream, options.seconds, output);
 }
 
 const Registration kLive{{
@@ -178,11 +210,12 @@ const Registration kLive{{
     "triskin live forearm.json --link sim --seconds 2",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("DESIGN", options->design, "design file; may be left out with --protocol icub");
+      add_site_options(app, options->site);
+      app.get_option("DESIGN")->required(false)->description(
+          "design file, or robot file; may be left out with --protocol icub");
       app.add_option("--protocol", options->protocol,
                      "triskin: full stream; icub: what MTB4 skin boards send, 8 bits a taxel")
           ->check(CLI::IsMember({"triskin", "icub"}));
-      add_link_options(app, options->link);
       add_stream_options(app, options->stream);
       app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));

@@ -5,10 +5,10 @@
 
 namespace triskin::cli {
 
-nlohmann::json say_offsets(device::Bus& bus, const design::Design& design, const Output& output) {
+nlohmann::json read_offset_lines(device::Bus& bus, const design::Design& design, std::vector<std::string>& lines) {
   nlohmann::json list = nlohmann::json::array();
   for (const device::PatchOffsets& p : device::read_offsets(bus, design)) {
-    for (const std::string& line : device::describe(p)) output.say(line);
+    for (std::string& line : device::describe(p)) lines.push_back(std::move(line));
     for (std::size_t row = 0; row < p.modules.size(); ++row) {
       const wire::ModuleOffsets& m = p.offsets.modules[row];
       list.push_back({{"module", p.modules[row]},

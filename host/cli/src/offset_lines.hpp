@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "triskin/cli/command.hpp"
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
 #include "triskin/design/design.hpp"
 #include "triskin/session/bus.hpp"
 
 namespace triskin::cli {
 
-/// Says the offsets of the converters, a line a patch and one for each module with a taxel out of place, and returns
-/// them as JSON. Asks the controllers. Throws as device::read_offsets().
-nlohmann::json say_offsets(device::Bus& bus, const design::Design& design, const Output& output);
+/// The offsets of the converters as JSON. Appends to `lines` what a person is told of them: a line a patch and one for
+/// each module with a taxel out of place. Asks the controllers. Throws as device::read_offsets().
+nlohmann::json read_offset_lines(device::Bus& bus, const design::Design& design, std::vector<std::string>& lines);
 
 }  // namespace triskin::cli

@@ -2,10 +2,11 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
-#include "triskin/cli/link_options.hpp"
+#include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/host/interrupt.hpp"
@@ -19,10 +20,9 @@ namespace {
 using recording::Format;
 
 struct Options {
-  std::string design;
+  SiteOptions site;
   std::string output;
   std::string to;
-  device::LinkOptions link;
   device::StreamOptions stream;
   double seconds = 10.0;
   double cloud_hz = 0.0;
@@ -31,12 +31,12 @@ struct Options {
 constexpr std::uint64_t kSlice_us = 100'000;
 
 // What --to says, else the extension; one that says something else is refused.
-Format format_of(const Options& options) {
+Format format_of(const Options& options, bool is_robot) {
   const std::string extension = std::filesystem::path(options.output).extension().string();
   const auto by_extension = recording::kFormatNames.value(extension.empty() ? "" : extension.substr(1));
   if (options.to.empty()) {
     if (by_extension) return *by_extension;
-    if (options.output == "-") return Format::kMcap;
+    if (options.output == "-" || is_robot) return Format::kMcap;
     throw InputError(fmt::format("{}: say the format by the extension .mcap or .csv, or with --to", options.output));
   }
   const Format format = recording::kFormatNames.value(options.to).value();
@@ -62,71 +62,29 @@ std::string firmware_of(device::Bus& bus, std::uint8_t node) {
   return fmt::format("{}.{}.{}", v >> 24 & 0xFF, v >> 16 & 0xFF, v >> 8 & 0xFF);
 }
 
-recording::Origin origin_of(device::Bus& bus, const design::Design& design, const Options& options) {
-  recording::Origin origin;
-  origin.design_text = read_file(options.design);
-  origin.facts["link"] = bus.name();
-  origin.facts["program"] = fmt::format("triskin {}", TRISKIN_VERSION);
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    const auto node = static_cast<std::uint8_t>(p + 1);
-    origin.facts[fmt::format("firmware_{}", node)] = firmware_of(bus, node);
-  }
-  if (options.cloud_hz > 0.0) origin.cloud_period_us = static_cast<std::uint64_t>(1e6 / options.cloud_hz);
-  origin.link_start_us = bus.now_us();
-  origin.unix_start_ns = unix_ns();
-  return origin;
-}
-
-// One recording: the file, what is written into it, and how it ended.
-class Session {
+// The recording of one cover.
+class CoverFile {
  public:
-  Session(const Options& options, const design::Design& design, Format format)
-      : options_(options), design_(design), format_(format), file_(options.output), touches_(design) {}
+  CoverFile(const robot::CoverOnBus& cover, const std::string& path, Format format)
+      : cover_(cover), format_(format), file_(path), touches_(cover.design) {}
 
-  int run(Output& output) {
-    const auto link = device::open_link(options_.link, &design_);
-    device::Bus bus(*link);
-    origin_ = origin_of(bus, design_, options_);
-    start_us_ = bus.now_us();
-    std::optional<std::string> trouble;
-    int status = 0;
-    try {
-      receive(bus, output);
-    } catch (const DeviceError& e) {
-      if (!recorder_) throw;  // the recording had not begun
-      trouble = e.what();
-      status = e.exit_status();
+  void describe(device::Bus& bus, const Options& options) {
+    origin_.design_text = read_file(cover_.design_file);
+    origin_.facts["link"] = bus.name();
+    origin_.facts["program"] = fmt::format("triskin {}", TRISKIN_VERSION);
+    if (!cover_.name.empty()) origin_.facts["cover"] = cover_.name;
+    for (const int patch : design::patches_here(cover_.design)) {
+      const auto node = static_cast<std::uint8_t>(design::node_address_of(cover_.design, patch));
+      origin_.facts[fmt::format("firmware_{}", node)] = firmware_of(bus, node);
     }
-    seconds_ = static_cast<double>(bus.now_us() - start_us_) * 1e-6;
-    end(trouble);
-    return report(output, trouble, status);
+    if (options.cloud_hz > 0.0) origin_.cloud_period_us = static_cast<std::uint64_t>(1e6 / options.cloud_hz);
+    origin_.link_start_us = bus.now_us();
+    origin_.unix_start_ns = unix_ns();
   }
-
- private:
-  void receive(device::Bus& bus, Output& output) {
-    device::Stream stream(bus, design_, [&](const device::ModuleFrame& f) { add(f); }, speaking(options_.stream));
-    begin();
-    const ProgressSink progress = output.progress();
-    const std::uint64_t end_us = start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6);
-    try {
-      while (bus.now_us() < end_us && !interrupt_request()) {
-        stream.run_until(std::min(end_us, bus.now_us() + kSlice_us));
-        slice(bus.now_us());
-        triskin::report(progress, "recording",
-                        static_cast<double>(bus.now_us() - start_us_) / static_cast<double>(end_us - start_us_));
-        lost_ = stream.lost();
-      }
-    } catch (const Cancelled&) {
-      // A person ends it: what came until now is kept.
-    }
-    stream.finish();
-    account_ = stream.report();
-    lost_ = account_->total.lost();
-  }
-
   void begin() {
-    if (!recorder_) recorder_ = recording::make_recorder(format_, file_, design_, origin_);
+    if (!recorder_) recorder_ = recording::make_recorder(format_, file_, cover_.design, origin_);
   }
+  [[nodiscard]] bool begun() const { return recorder_ != nullptr; }
 
   void add(const device::ModuleFrame& f) {
     begin();
@@ -134,7 +92,6 @@ class Session {
     touches_.add(f);
     ++samples_;
   }
-
   void slice(std::uint64_t now_us) {
     std::vector<recording::Contact> contacts;
     for (const auto& t : touches_.pressed())
@@ -143,53 +100,193 @@ class Session {
     had_contacts_ = !contacts.empty();
     recorder_->tick(steady_us());
   }
-
-  void end(const std::optional<std::string>& trouble) {
+  void end(const std::optional<std::string>& trouble, std::uint64_t lost, double seconds) {
     const int signal = interrupt_signal();
     recorder_->finish({{"status", trouble      ? *trouble
                                   : signal > 0 ? fmt::format("ended by signal {}", signal)
                                                : "complete"},
                        {"samples", fmt::format("{}", samples_)},
-                       {"lost", fmt::format("{}", lost_)},
-                       {"seconds", fmt::format("{:.6f}", seconds_)}});
+                       {"lost", fmt::format("{}", lost)},
+                       {"seconds", fmt::format("{:.6f}", seconds)}});
     file_.close();
   }
 
-  int report(Output& output, const std::optional<std::string>& trouble, int status) const {
-    output.result = {{"samples", samples_}, {"lost", lost_}};
-    if (account_) status = std::max(status, conclude(*account_, output));
-    output.result["seconds"] = seconds_;
-    output.result["file"] = file_.name();
-    output.say(fmt::format("{} module samples in {:.2f} s -> {}", samples_, seconds_, file_.name()));
-    if (trouble) {
-      output.result["ended_by"] = *trouble;
-      throw DeviceError(
-          fmt::format("{}; the recording ends here, with {} samples in {}", *trouble, samples_, file_.name()));
-    }
-    if (interrupt_signal() > 0) output.say("ended before its time; what came until then is in the file");
-    if (samples_ == 0) output.say("nothing was recorded: no module sent a sample; run triskin verify");
-    return samples_ == 0 ? 1 : status;
-  }
+  [[nodiscard]] const robot::CoverOnBus& cover() const { return cover_; }
+  [[nodiscard]] std::uint64_t samples() const { return samples_; }
+  [[nodiscard]] const std::string& name() const { return file_.name(); }
 
-  const Options& options_;
-  const design::Design& design_;
+ private:
+  const robot::CoverOnBus& cover_;
   Format format_;
   recording::OutputFile file_;
   device::TouchMap touches_;
   recording::Origin origin_;
   std::unique_ptr<recording::Recorder> recorder_;
-  std::uint64_t start_us_ = 0, samples_ = 0, lost_ = 0;
-  std::optional<device::StreamReport> account_;
-  double seconds_ = 0.0;
+  std::uint64_t samples_ = 0;
   bool had_contacts_ = false;
 };
 
+// FOLDER/COVER.mcap of a robot; one whose controllers hang on several buses has a file for each.
+std::string file_of(const Options& options, Format format, const robot::CoverOnBus& cover, const robot::BusSite& bus) {
+  if (cover.name.empty()) return options.output;
+  const bool divided = cover.design.patches.size() != design::patches_here(cover.design).size();
+  return (std::filesystem::path(options.output) /
+          fmt::format("{}{}.{}", cover.name, divided ? "_" + bus.name : "", recording::kFormatNames.name(format)))
+      .string();
+}
+
+// The recordings of one bus: what is written, and how it ended.
+class BusRecording {
+ public:
+  // Files are opened before anything is asked of the controllers.
+  BusRecording(const Options& options, const robot::BusSite& site, Format format) : options_(options), site_(site) {
+    for (const robot::CoverOnBus& cover : site.covers) {
+      if (!cover.chosen) continue;
+      files_.push_back(std::make_unique<CoverFile>(cover, file_of(options, format, cover, site), format));
+      designs_.push_back(&cover.design);
+    }
+  }
+
+  void run(device::Link& link, const ProgressSink& progress) {
+    device::Bus bus(link);
+    for (const auto& file : files_) file->describe(bus, options_);
+    start_us_ = bus.now_us();
+    try {
+      receive(bus, progress);
+    } catch (const DeviceError& e) {
+      if (!files_.front()->begun()) throw;  // the recording had not begun
+      trouble_ = e.what();
+    }
+    seconds_ = static_cast<double>(bus.now_us() - start_us_) * 1e-6;
+    for (std::size_t c = 0; c < files_.size(); ++c)
+      files_[c]->end(trouble_, reports_.empty() ? lost_ : reports_[c].total.lost(), seconds_);
+  }
+
+  // Adds what is told of each cover; returns the exit status.
+  int tell(nlohmann::json& rows, Output& output) const {
+    int status = trouble_ ? 3 : 0;
+    for (std::size_t c = 0; c < files_.size(); ++c) {
+      const CoverFile& file = *files_[c];
+      nlohmann::json row = keys_of(site_, file.cover());
+      row.update({{"samples", file.samples()}, {"lost", lost_}});
+      if (!reports_.empty()) {
+        for (const std::string& line : sentences(reports_[c])) output.say(prefix_of(file.cover()) + line);
+        add_stream_keys(reports_[c], row);
+        if (!reports_[c].complete()) status = std::max(status, 1);
+      }
+      row["seconds"] = seconds_;
+      row["file"] = file.name();
+      if (trouble_) row["ended_by"] = *trouble_;
+      output.say(fmt::format("{} module samples in {:.2f} s -> {}", file.samples(), seconds_, file.name()));
+      if (file.samples() == 0) {
+        output.say(prefix_of(file.cover()) + "nothing was recorded: no module sent a sample; run triskin verify");
+        status = std::max(status, 1);
+      }
+      rows.push_back(std::move(row));
+    }
+    return status;
+  }
+  // Empty: the link held.
+  [[nodiscard]] std::optional<std::string> trouble() const {
+    if (!trouble_) return std::nullopt;
+    std::uint64_t samples = 0;
+    for (const auto& file : files_) samples += file->samples();
+    return fmt::format("{}; the recording ends here, with {} samples in {}{}", *trouble_, samples,
+                       files_.front()->name(), files_.size() > 1 ? " and the files beside it" : "");
+  }
+
+ private:
+  void receive(device::Bus& bus, const ProgressSink& progress) {
+    const auto stream_options = robot::stream_options(site_, designs_, speaking(options_.stream));
+    const auto add = [&](const device::ModuleFrame& f) { files_[static_cast<std::size_t>(f.cover)]->add(f); };
+    device::Stream stream(bus, designs_, add, stream_options);
+    for (const auto& file : files_) file->begin();
+    const std::uint64_t end_us = start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6);
+    try {
+      while (bus.now_us() < end_us && !interrupt_request()) {
+        stream.run_until(std::min(end_us, bus.now_us() + kSlice_us));
+        for (const auto& file : files_) file->slice(bus.now_us());
+        triskin::report(progress, "recording",
+                        static_cast<double>(bus.now_us() - start_us_) / static_cast<double>(end_us - start_us_),
+                        site_.name, site_.name.empty() ? -1 : site_.number);
+        lost_ = stream.lost();
+      }
+    } catch (const Cancelled&) {
+      // A person ends it: what came until now is kept.
+    }
+    stream.finish();
+    for (std::size_t c = 0; c < files_.size(); ++c) reports_.push_back(stream.report(static_cast<int>(c)));
+    lost_ = stream.lost();
+  }
+
+  const Options& options_;
+  const robot::BusSite& site_;
+  std::vector<std::unique_ptr<CoverFile>> files_;
+  std::vector<const design::Design*> designs_;
+  std::vector<device::StreamReport> reports_;  // by cover
+  std::uint64_t start_us_ = 0, lost_ = 0;
+  std::optional<std::string> trouble_;
+  double seconds_ = 0.0;
+};
+
+void require_modules(const robot::Site& site) {
+  for (const robot::BusSite& bus : site.buses) {
+    for (const robot::CoverOnBus& cover : bus.covers) {
+      if (cover.design.layout.modules.empty())
+        throw InputError(
+            fmt::format("{}: the design has no modules: there is nothing to record", cover.design_file.string()));
+    }
+  }
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error || !std::filesystem::is_directory(path))
+    throw InputError(fmt::format("{}: a robot is recorded into a folder, and this cannot be one{}; give another name",
+                                 path, error ? ": " + error.message() : ""));
+}
+
+int conclude_all(const std::vector<std::unique_ptr<BusRecording>>& buses, bool is_robot, Output& output) {
+  nlohmann::json covers = nlohmann::json::array();
+  int status = 0;
+  std::string trouble;
+  for (const auto& bus : buses) {
+    status = std::max(status, bus->tell(covers, output));
+    if (const auto t = bus->trouble()) trouble += (trouble.empty() ? "" : "\n") + *t;
+  }
+  if (is_robot) {
+    std::uint64_t samples = 0, lost = 0;
+    for (const auto& row : covers) {
+      samples += row["samples"].get<std::uint64_t>();
+      lost += row["lost"].get<std::uint64_t>();
+    }
+    output.result = {{"samples", samples}, {"lost", lost}, {"covers", std::move(covers)}};
+    output.say(fmt::format("{} module samples of {} covers, {} lost", samples, output.result["covers"].size(), lost));
+  } else {
+    output.result = std::move(covers[0]);
+  }
+  if (!trouble.empty()) throw DeviceError(trouble);
+  if (interrupt_signal() > 0) output.say("ended before its time; what came until then is in the file");
+  return status;
+}
+
 int run(const Options& options, Output& output) {
-  const Format format = format_of(options);
-  const design::Design design = design::read_intact_design(options.design);
-  if (design.layout.modules.empty())
-    throw InputError(fmt::format("{}: the design has no modules: there is nothing to record", options.design));
-  return Session(options, design, format).run(output);
+  robot::Site site = robot::read_site(options.site.file);
+  robot::choose(site, options.site.cover);
+  const Format format = format_of(options, site.is_robot);
+  require_modules(site);
+  if (site.is_robot) make_folder(options.output);
+  OpenSite open{std::move(site), {}};
+  std::vector<std::unique_ptr<BusRecording>> buses;
+  for (const robot::BusSite& bus : open.site.buses)
+    buses.push_back(std::make_unique<BusRecording>(options, bus, format));
+  open.links = device::open_buses(open.site, options.site.link);
+  const ProgressSink progress = output.progress();
+  on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+    buses[static_cast<std::size_t>(&bus - open.site.buses.data())]->run(link, progress);
+  });
+  return conclude_all(buses, open.site.is_robot, output);
 }
 
 const Registration kRecord{{
@@ -198,11 +295,12 @@ const Registration kRecord{{
     "triskin record forearm.json --link sim -o touch.mcap --seconds 5",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("DESIGN", options->design, "design file")->required();
-      app.add_option("-o,--output", options->output, "file.mcap (docs/recording.md) or file.csv")->required();
+      app.add_option("-o,--output", options->output,
+                     "file.mcap (docs/recording.md) or file.csv; of a robot a folder, with a file for each cover")
+          ->required();
       app.add_option("--to", options->to, "format; default: by the extension of -o")
           ->check(CLI::IsMember({"mcap", "csv"}));
-      add_link_options(app, options->link);
+      add_site_options(app, options->site);
       add_stream_options(app, options->stream);
       app.add_option("--seconds", options->seconds, "of the link's time")
           ->check(CLI::Range(0.0, 1e6))

@@ -6,6 +6,9 @@
 
 #include "triskin/cli/command.hpp"
 #include "triskin/host/interrupt.hpp"
+#include "triskin/robot/bus_threads.hpp"
+#include "triskin/simlink/open_bus.hpp"
+#include "triskin/simlink/sim_server.hpp"
 #include "triskin/simlink/skin_server.hpp"
 
 namespace triskin::cli {
@@ -28,30 +31,110 @@ void run_alone(scene::VirtualSkin& skin, double seconds, const ProgressSink& pro
   }
 }
 
-int run(const Options& options, Output& output) {
+// A simulated bus.
+struct SimulatedBus {
+  std::string name;  // empty: the one bus of a design
+  std::unique_ptr<scene::VirtualSkin> skin;
+  std::unique_ptr<device::SkinServer> server;
+};
+
+SimulatedBus one_bus(const Options& options) {
   scene::Scene scene = scene::read_scene(options.scene);
   scene.switched = scene.switched || options.switched;
   const auto folder = options.fresh ? std::filesystem::path{} : scene::state_folder_of(scene.design);
-  const std::size_t modules = scene.design.layout.modules.size();
-  scene::VirtualSkin skin(std::move(scene), folder);
+  return {"", std::make_unique<scene::VirtualSkin>(std::move(scene), folder), nullptr};
+}
+
+std::vector<SimulatedBus> buses_of(const Options& options) {
+  std::vector<SimulatedBus> buses;
+  if (!robot::is_robot_file(options.scene)) {
+    buses.push_back(one_bus(options));
+    return buses;
+  }
+  const robot::Site site = robot::read_site(options.scene);
+  for (const robot::BusSite& bus : site.buses) {
+    const auto folder = options.fresh ? std::filesystem::path{} : device::state_folder_of(site, bus);
+    buses.push_back(
+        {bus.name, std::make_unique<scene::VirtualSkin>(device::scene_of(bus, options.switched), folder), nullptr});
+  }
+  return buses;
+}
+
+// Buses of a robot get ports that follow each other, so that one --link names all of them.
+void listen(std::vector<SimulatedBus>& buses, const std::string& at) {
+  if (buses.size() == 1) {
+    buses[0].server = device::open_server(*buses[0].skin, at);
+    return;
+  }
+  const device::HostPort first = device::parse_host_port(at);
+  constexpr int kTries = 20;  // a free port may be followed by one that is taken
+  for (int attempt = 0;; ++attempt) {
+    try {
+      int port = first.port;
+      for (SimulatedBus& bus : buses) {
+        auto server = std::make_unique<device::SimServer>(
+            *bus.skin, device::HostPort{first.host, static_cast<std::uint16_t>(port)});
+        port = server->port() + 1;
+        bus.server = std::move(server);
+      }
+      return;
+    } catch (const DeviceError&) {
+      for (SimulatedBus& bus : buses) bus.server.reset();
+      if (first.port != 0 || attempt == kTries) throw;
+    }
+  }
+}
+
+void serve(std::vector<SimulatedBus>& buses, const Options& options, std::size_t modules, Output& output) {
+  listen(buses, options.listen);
+  std::vector<std::string> names;
+  std::size_t controllers = 0;
+  for (const SimulatedBus& bus : buses) {
+    names.push_back(bus.name);
+    controllers += bus.skin->controllers();
+    if (!bus.name.empty())
+      output.say(
+          fmt::format("bus {}: {} controllers on {}", bus.name, bus.skin->controllers(), bus.server->link_name()));
+  }
+  output.say(fmt::format("{} controllers, {} modules on {}; end with Ctrl-C", controllers, modules,
+                         buses[0].server->link_name()));
+  robot::on_each_bus(names,
+                     [&](std::size_t k) { buses[k].server->run(interrupt_request(), std::max(0.0, options.seconds)); });
+}
+
+int run(const Options& options, Output& output) {
+  std::vector<SimulatedBus> buses = buses_of(options);
+  std::size_t modules = 0, controllers = 0;
+  for (const SimulatedBus& bus : buses) {
+    modules += bus.skin->scene().design.layout.modules.size();
+    controllers += bus.skin->controllers();
+  }
   catch_interrupts();
   const auto start = std::chrono::steady_clock::now();
   if (options.listen.empty()) {
-    run_alone(skin, options.seconds < 0.0 ? 1.0 : options.seconds, output.progress());
+    std::vector<std::string> names;
+    for (const SimulatedBus& bus : buses) names.push_back(bus.name);
+    const ProgressSink progress = output.progress();
+    robot::on_each_bus(names, [&](std::size_t k) {
+      run_alone(*buses[k].skin, options.seconds < 0.0 ? 1.0 : options.seconds, progress);
+    });
   } else {
-    const auto server = device::open_server(skin, options.listen);
-    output.say(fmt::format("{} controllers, {} modules on {}; end with Ctrl-C", skin.controllers(), modules,
-                           server->link_name()));
-    server->run(interrupt_request(), std::max(0.0, options.seconds));
+    serve(buses, options, modules, output);
   }
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const double virtual_s = static_cast<double>(skin.now_us()) * 1e-6;
+  double virtual_s = 1e300;
+  std::uint64_t bus_frames = 0;
+  for (const SimulatedBus& bus : buses) {
+    virtual_s = std::min(virtual_s, static_cast<double>(bus.skin->now_us()) * 1e-6);
+    bus_frames += bus.skin->bus_frames();
+  }
   const double factor = wall_s > 0.0 ? virtual_s / wall_s : 0.0;
-  output.result = {{"controllers", skin.controllers()}, {"modules", modules},     {"real_time_factor", factor},
-                   {"switched", skin.scene().switched}, {"virtual_s", virtual_s}, {"seconds", wall_s},
-                   {"bus_frames", skin.bus_frames()}};
+  output.result = {{"controllers", controllers}, {"modules", modules},
+                   {"real_time_factor", factor}, {"virtual_s", virtual_s},
+                   {"seconds", wall_s},          {"bus_frames", bus_frames},
+                   {"buses", buses.size()},      {"switched", buses[0].skin->scene().switched}};
   output.say(fmt::format("{} controllers, {} modules: {:.3f} s of virtual time in {:.3f} s, {:.1f} times real time",
-                         skin.controllers(), modules, virtual_s, wall_s, factor));
+                         controllers, modules, virtual_s, wall_s, factor));
   return 0;
 }
 
@@ -61,7 +144,7 @@ const Registration kSimulate{{
     "triskin simulate scene.json --listen 127.0.0.1:7000",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->scene, "scene file (docs/scene.md), or a design file")->required();
+      app.add_option("SCENE", options->scene, "scene file (docs/scene.md), design file, or robot file")->required();
       app.add_option("--listen", options->listen,
                      "serve in real time: HOST:PORT (port 0 takes a free one and prints it), can:IFACE, or usb "
                      "(devices in vhci-hcd)");

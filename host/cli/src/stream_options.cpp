@@ -40,21 +40,21 @@ device::StreamOptions speaking(device::StreamOptions options) {
   return options;
 }
 
-void add_stream_keys(const device::StreamReport& r, Output& output) {
-  output.result["samples"] = r.total.received;
-  output.result["expected"] = r.total.expected;
-  output.result["lost"] = r.total.lost();
-  output.result["never_heard"] = r.never_heard;
-  output.result["every"] = r.budget.every;
-  output.result["bus_load"] = r.budget.load;
-  output.result["starved"] = r.starved;
-  output.result["silent"] = r.silent;
-  output.result["losses"] = losses_of(r);
+void add_stream_keys(const device::StreamReport& r, nlohmann::json& result) {
+  result["samples"] = r.total.received;
+  result["expected"] = r.total.expected;
+  result["lost"] = r.total.lost();
+  result["never_heard"] = r.never_heard;
+  result["every"] = r.budget.every;
+  result["bus_load"] = r.budget.load;
+  result["starved"] = r.starved;
+  result["silent"] = r.silent;
+  result["losses"] = losses_of(r);
 }
 
 int conclude(const device::StreamReport& r, Output& output) {
   for (const std::string& line : sentences(r)) output.say(line);
-  add_stream_keys(r, output);
+  add_stream_keys(r, output.result);
   return r.complete() ? 0 : 1;
 }
 

@@ -4,23 +4,26 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <mutex>
+#include <utility>
 
 #include "offset_lines.hpp"
-#include "triskin/cli/link_options.hpp"
+#include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/jobs/verify_report.hpp"
+#include "triskin/link/cover_link.hpp"
 
 namespace triskin::cli {
 namespace {
 
 struct Options {
-  std::string design;
-  device::LinkOptions link;
+  SiteOptions site;
   device::VerifyOptions verify;
   bool no_touch = false;
   std::string report;
@@ -38,9 +41,12 @@ nlohmann::json to_json(const device::Finding& f) {
   return j;
 }
 
-// A person presses real modules: Enter first, then the finger; the program sees the touch by itself.
-bool ask_person(int module) {
-  std::cerr << "Press module " << module << " after Enter (s: skip) " << std::flush;
+// A person presses real modules: Enter first, then the finger; the program sees the touch by itself. One question at a
+// time, also where several buses are verified.
+bool ask_person(const std::string& cover, int module) {
+  static std::mutex one;
+  const std::lock_guard lock(one);
+  std::cerr << cover << "Press module " << module << " after Enter (s: skip) " << std::flush;
   std::string line;
   return std::getline(std::cin, line) && line != "s";
 }
@@ -56,6 +62,15 @@ void check_report(const std::string& file) {
   throw InputError(fmt::format("--report {}: the extension says the format: .txt, .html (to print) or .json", file));
 }
 
+// FILE.html of a robot becomes FILE_COVER.html.
+std::string report_file(const std::string& file, const robot::CoverOnBus& cover, const robot::BusSite& bus) {
+  const std::filesystem::path path(file);
+  if (file.empty() || cover.name.empty()) return file;
+  const bool divided = cover.design.patches.size() != design::patches_here(cover.design).size();
+  const std::string of_bus = divided ? "_" + bus.name : "";
+  return (path.parent_path() / (path.stem().string() + "_" + cover.name + of_bus + path.extension().string())).string();
+}
+
 void write_report(const std::string& file, const design::Design& design, const device::VerifyResult& result,
                   const nlohmann::json& json) {
   if (file.empty()) return;
@@ -65,37 +80,99 @@ void write_report(const std::string& file, const design::Design& design, const d
                                            : json.dump(1) + "\n");
 }
 
-int run(Options options, Output& output) {
-  check_report(options.report);
-  const design::Design design = design::read_intact_design(options.design);
-  const auto link = device::open_link(options.link, &design);
-  // The virtual finger costs nobody anything, so it always tries every module.
-  if (link->finger() != nullptr) options.verify.touch = !options.no_touch;
-  options.verify.ask = ask_person;
-  device::Bus bus(*link);
-  const device::VerifyResult r = device::verify(bus, design, options.verify, output.progress());
-  nlohmann::json findings = nlohmann::json::array();
+// What was found on one cover, told when all buses are done.
+struct Told {
+  device::VerifyResult result;
+  nlohmann::json keys;
+  std::vector<std::string> lines;
+};
+
+Told tell(const robot::CoverOnBus& cover, device::VerifyResult r, device::Bus& bus) {
+  Told told;
+  const std::string name = prefix_of(cover);
+  nlohmann::json findings = nlohmann::json::array(), earlier = nlohmann::json::array();
   for (const auto& f : r.findings) {
     findings.push_back(to_json(f));
     const std::string place = f.place.empty() ? "" : fmt::format("\n    on the cover: {}", f.place);
-    output.say(fmt::format("{}: {}{}\n    {}", device::kFindingKindNames.name(f.kind), f.text, place, f.remedy));
+    told.lines.push_back(
+        fmt::format("{}{}: {}{}\n    {}", name, device::kFindingKindNames.name(f.kind), f.text, place, f.remedy));
   }
-  nlohmann::json earlier = nlohmann::json::array();
   for (const auto& f : r.earlier) {
     earlier.push_back(to_json(f));
-    output.say(fmt::format("remembered from before, not there now: {}", f.text));
+    told.lines.push_back(fmt::format("{}remembered from before, not there now: {}", name, f.text));
   }
-  output.result = {{"modules_ok", r.modules_ok},    {"modules", r.modules},
-                   {"touched", r.touched},          {"findings", std::move(findings)},
-                   {"earlier", std::move(earlier)}, {"offsets", say_offsets(bus, design, output)}};
+  std::vector<std::string> rest;
+  told.keys = {{"modules_ok", r.modules_ok},    {"modules", r.modules},
+               {"touched", r.touched},          {"findings", std::move(findings)},
+               {"earlier", std::move(earlier)}, {"offsets", read_offset_lines(bus, cover.design, rest)}};
   if (r.stream) {
-    add_stream_keys(*r.stream, output);
-    for (const std::string& line : sentences(*r.stream)) output.say(line);
+    add_stream_keys(*r.stream, told.keys);
+    for (std::string& line : sentences(*r.stream)) rest.push_back(std::move(line));
   }
-  write_report(options.report, design, r, output.result);
-  output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", r.modules_ok, r.modules, r.touched,
-                         r.findings.size()));
-  return r.findings.empty() ? 0 : 1;
+  for (const std::string& line : rest) told.lines.push_back(name + line);
+  told.result = std::move(r);
+  return told;
+}
+
+std::vector<Told> verify_bus(const robot::BusSite& site, device::Link& link, const Options& options,
+                             const ProgressSink& progress) {
+  std::vector<Told> all;
+  for (const robot::CoverOnBus& cover : site.covers) {
+    if (!cover.chosen) continue;
+    device::CoverLink own(link, cover.first_module);
+    device::Bus bus(own);
+    device::VerifyOptions verify = options.verify;
+    // The virtual finger costs nobody anything, so it always tries every module.
+    if (own.finger() != nullptr) verify.touch = !options.no_touch;
+    verify.neighbours = robot::other_demands(site, std::array{&std::as_const(cover.design)});
+    verify.ask = [&](int module) { return ask_person(prefix_of(cover), module); };
+    all.push_back(tell(cover, device::verify(bus, cover.design, verify, progress_of(site, cover, progress)), bus));
+    all.back().keys.update(keys_of(site, cover));
+    write_report(report_file(options.report, cover, site), cover.design, all.back().result, all.back().keys);
+  }
+  return all;
+}
+
+int say_all(const std::vector<std::vector<Told>>& buses, bool is_robot, Output& output) {
+  int modules_ok = 0, modules = 0, touched = 0;
+  std::size_t findings = 0;
+  nlohmann::json covers = nlohmann::json::array();
+  for (const auto& bus : buses) {
+    for (const Told& told : bus) {
+      for (const std::string& line : told.lines) output.say(line);
+      modules_ok += told.result.modules_ok;
+      modules += told.result.modules;
+      touched += told.result.touched;
+      findings += told.result.findings.size();
+      covers.push_back(told.keys);
+    }
+  }
+  if (is_robot)
+    output.result = {{"modules_ok", modules_ok},
+                     {"modules", modules},
+                     {"touched", touched},
+                     {"findings", findings},
+                     {"covers", covers}};
+  else
+    output.result = covers[0];
+  output.say(fmt::format("{} of {} modules ok, {} touched; {} findings", modules_ok, modules, touched, findings));
+  return findings == 0 ? 0 : 1;
+}
+
+int run(const Options& options, Output& output) {
+  check_report(options.report);
+  OpenSite open = open_site(options.site);
+  std::vector<std::vector<Told>> buses(open.site.buses.size());
+  const ProgressSink progress = output.progress();
+  try {
+    on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+      buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = verify_bus(bus, link, options, progress);
+    });
+  } catch (const Error&) {
+    if (buses.size() > 1) (void)say_all(buses, open.site.is_robot, output);  // what was found on the other buses
+    throw;
+  }
+  return say_all(buses, open.site.is_robot, output);
 }
 
 const Registration kVerify{{
@@ -104,8 +181,7 @@ const Registration kVerify{{
     "triskin verify forearm.json --link sim --touch",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("DESIGN", options->design, "design file")->required();
-      add_link_options(app, options->link);
+      add_site_options(app, options->site);
       app.add_flag("--touch", options->verify.touch,
                    "press every module in turn; simulated links have a finger of their own and always do");
       app.add_flag("--no-touch", options->no_touch, "only ask, also on a simulated link");

@@ -5,10 +5,12 @@
 
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "triskin/cli/link_options.hpp"
 #include "triskin/host/interrupt.hpp"
+#include "triskin/robot/site.hpp"
 #include "view_feed.hpp"
 
 namespace triskin::cli {
@@ -34,21 +36,36 @@ void wait_for_interrupt() {
   while (!interrupt_request()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
+// What the page shows: a design as it is, the covers of a robot in the frame of its base.
+struct Shown {
+  design::Design design;
+  std::vector<design::CoverOffset> offsets;  // by cover
+};
+
+Shown shown_of(const std::string& file, bool has_link) {
+  if (robot::is_robot_file(file)) {
+    design::SideBySide joint = robot::in_base(robot::read_assembly(file));
+    return {std::move(joint.design), std::move(joint.offsets)};
+  }
+  return {has_link ? design::read_intact_design(file) : design::read_design(file), {{}}};
+}
+
 int run(const Options& options, Output& output) {
   const bool has_link = options.link.link != "none";
-  const design::Design design =
-      has_link ? design::read_intact_design(options.design) : design::read_design(options.design);
-  view::LiveSkin live(design.layout.modules.size());
+  const Shown shown = shown_of(options.design, has_link);
+  std::optional<robot::Site> site;
+  if (has_link) site = robot::read_site(options.design);
+  view::LiveSkin live(shown.design.layout.modules.size());
   live.set_health({options.link.link, false, "", 0, 0});
-  CommandQueue commands;
+  CommandQueue commands(site ? site->buses.size() : 1);
   catch_interrupts();
-  const view::Server server(view::site_of(design), live, options.port,
+  const view::Server server(view::site_of(shown.design), live, options.port,
                             [&](const view::Command& c) { commands.push(c); }, {});
   output.say(server.address());
   if (!options.no_open) open_browser(server.address());
   FeedTotals totals;
-  if (has_link) {
-    totals = feed(options.link, design, live, commands);
+  if (site) {
+    totals = feed(options.link, *site, shown.offsets, live, commands);
   } else {
     wait_for_interrupt();
   }
@@ -62,7 +79,7 @@ const Registration kView{{
     "triskin view forearm.json --link sim",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("DESIGN", options->design, "design file")->required();
+      app.add_option("DESIGN", options->design, "design file, or robot file: all of its covers")->required();
       add_link_options(app, options->link);
       app.get_option("--link")->description(app.get_option("--link")->get_description() +
                                             "; none: the design without live samples");

@@ -2,9 +2,11 @@
 #include "view_feed.hpp"
 
 #include <chrono>
+#include <mutex>
 #include <thread>
 
 #include "triskin/host/interrupt.hpp"
+#include "triskin/robot/bus_threads.hpp"
 #include "triskin/session/stream.hpp"
 
 namespace triskin::cli {
@@ -44,19 +46,62 @@ class Pace {
   std::int64_t wall_start_us_ = 0;
 };
 
+// What all buses tell the page of their links: trouble of one is trouble of the page.
+class Health {
+ public:
+  Health(std::string link, std::size_t buses, view::LiveSkin& live)
+      : link_(std::move(link)), live_(live), buses_(buses) {}
+  struct Bus {
+    bool is_live = false;
+    std::string trouble;
+    FeedTotals totals;
+  };
+  void state(std::size_t bus, Bus now) {
+    const std::lock_guard lock(mutex_);
+    buses_[bus] = std::move(now);
+    Bus all{true, "", {}};
+    for (const Bus& b : buses_) {
+      all.is_live = all.is_live && b.is_live;
+      if (all.trouble.empty()) all.trouble = b.trouble;
+      all.totals.frames += b.totals.frames;
+      all.totals.lost += b.totals.lost;
+    }
+    live_.set_health({link_, all.is_live, all.trouble, all.totals.frames, all.totals.lost});
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string link_;
+  view::LiveSkin& live_;
+  std::vector<Bus> buses_;
+};
+
+// One bus; runs in a thread of its own where there are several.
 class Feed {
  public:
-  Feed(const device::LinkOptions& options, const design::Design& design, view::LiveSkin& live, CommandQueue& commands)
-      : options_(options), design_(design), live_(live), commands_(commands) {}
+  Feed(const device::LinkOptions& options, const robot::Site& site, std::size_t bus,
+       const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, Health& health, CommandQueue& commands)
+      : options_(options), site_(site), bus_(bus), live_(live), health_(health), commands_(commands) {
+    for (const robot::CoverOnBus& cover : site.buses[bus].covers) {
+      if (!cover.chosen) continue;
+      covers_.push_back(&cover);
+      designs_.push_back(&cover.design);
+      first_.push_back(offsets[static_cast<std::size_t>(cover.cover)].module);
+    }
+  }
 
   // Streams until the link fails or the process is asked to end.
   void stream() {
-    const auto link = device::open_link(options_, &design_);
+    const auto link = device::open_bus(site_, bus_, options_);
     device::Bus bus(*link);
     Pace pace(bus.now_us());
-    device::Stream stream(bus, design_, [&](const device::ModuleFrame& f) {
-      live_.add(f.module, f.sample, pace.wall_of(f.link_time_us));
-    });
+    const auto stream_options = robot::stream_options(site_.buses[bus_], designs_, {});
+    device::Stream stream(
+        bus, designs_,
+        [&](const device::ModuleFrame& f) {
+          live_.add(first_[static_cast<std::size_t>(f.cover)] + f.module, f.sample, pace.wall_of(f.link_time_us));
+        },
+        stream_options);
     std::int64_t next_health_us = 0;
     while (!interrupt_request()) {
       obey(link->finger());
@@ -71,25 +116,37 @@ class Feed {
   }
 
   void state(bool is_live, const std::string& trouble, std::uint64_t frames = 0, std::uint64_t lost = 0) {
-    live_.set_health({options_.link, is_live, trouble, before_.frames + frames, before_.lost + lost});
+    health_.state(bus_, {is_live, trouble, {before_.frames + frames, before_.lost + lost}});
   }
   [[nodiscard]] FeedTotals totals() const { return before_; }
 
  private:
+  // A command is for the bus that has the module; presses of others are left to them.
   void obey(device::Finger* finger) {
-    const int modules = static_cast<int>(design_.layout.modules.size());
-    while (const auto command = commands_.pop()) {
-      if (command->kind == view::Command::Kind::kRest) live_.rest_anew();
+    while (const auto command = commands_.pop(static_cast<int>(bus_))) {
+      if (command->kind == view::Command::Kind::kRest && bus_ == 0) live_.rest_anew();
       if (finger == nullptr) continue;
       if (command->kind == view::Command::Kind::kLift) finger->lift();
-      if (command->kind == view::Command::Kind::kPress && command->module < modules)
-        finger->press(command->module, command->taxel);
+      if (command->kind == view::Command::Kind::kPress) press(*finger, command->module, command->taxel);
     }
+  }
+  void press(device::Finger& finger, int module, int taxel) const {
+    for (std::size_t c = 0; c < covers_.size(); ++c) {
+      const int own = module - first_[c];
+      if (own < 0 || own >= static_cast<int>(covers_[c]->design.layout.modules.size())) continue;
+      return finger.press(covers_[c]->first_module + own, taxel);
+    }
+    finger.lift();  // the finger is on another bus now
   }
 
   const device::LinkOptions& options_;
-  const design::Design& design_;
+  const robot::Site& site_;
+  std::size_t bus_;
+  std::vector<const robot::CoverOnBus*> covers_;
+  std::vector<const design::Design*> designs_;
+  std::vector<int> first_;  // of each cover's modules on the page
   view::LiveSkin& live_;
+  Health& health_;
   CommandQueue& commands_;
   FeedTotals before_;
 };
@@ -103,33 +160,49 @@ void wait_for_retry() {
 
 void CommandQueue::push(const view::Command& command) {
   const std::lock_guard lock(mutex_);
-  if (commands_.size() == kMost) commands_.pop_front();
-  commands_.push_back(command);
+  for (auto& commands : commands_) {
+    if (commands.size() == kMost) commands.pop_front();
+    commands.push_back(command);
+  }
 }
 
-std::optional<view::Command> CommandQueue::pop() {
+std::optional<view::Command> CommandQueue::pop(int reader) {
   const std::lock_guard lock(mutex_);
-  if (commands_.empty()) return std::nullopt;
-  const view::Command command = commands_.front();
-  commands_.pop_front();
+  auto& commands = commands_.at(static_cast<std::size_t>(reader));
+  if (commands.empty()) return std::nullopt;
+  const view::Command command = commands.front();
+  commands.pop_front();
   return command;
 }
 
-FeedTotals feed(const device::LinkOptions& options, const design::Design& design, view::LiveSkin& live,
-                CommandQueue& commands) {
-  Feed feed(options, design, live, commands);
-  feed.state(false, "waiting for the first sample");
-  while (!interrupt_request()) {
-    try {
-      feed.stream();
-    } catch (const Cancelled&) {
-      break;  // Ctrl-C is the usual end
-    } catch (const DeviceError& e) {
-      feed.state(false, e.what());
-      wait_for_retry();
+FeedTotals feed(const device::LinkOptions& options, const robot::Site& site,
+                const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, CommandQueue& commands) {
+  std::vector<std::string> names;
+  for (const robot::BusSite& bus : site.buses) names.push_back(bus.name);
+  const bool by_file = site.is_robot && !options.chosen;
+  Health health(by_file ? site.name : options.link, names.size(), live);
+  std::vector<FeedTotals> totals(names.size());
+  robot::on_each_bus(names, [&](std::size_t b) {
+    Feed feed(options, site, b, offsets, live, health, commands);
+    feed.state(false, "waiting for the first sample");
+    while (!interrupt_request()) {
+      try {
+        feed.stream();
+      } catch (const Cancelled&) {
+        break;  // Ctrl-C is the usual end
+      } catch (const DeviceError& e) {
+        feed.state(false, e.what());
+        wait_for_retry();
+      }
     }
+    totals[b] = feed.totals();
+  });
+  FeedTotals sum;
+  for (const FeedTotals& t : totals) {
+    sum.frames += t.frames;
+    sum.lost += t.lost;
   }
-  return feed.totals();
+  return sum;
 }
 
 }  // namespace triskin::cli

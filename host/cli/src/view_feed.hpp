@@ -3,25 +3,29 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <vector>
 
-#include "triskin/design/design.hpp"
-#include "triskin/simlink/open_link.hpp"
+#include "triskin/robot/site.hpp"
+#include "triskin/simlink/open_bus.hpp"
 #include "triskin/view/live_skin.hpp"
 #include "triskin/view/server.hpp"
 
 namespace triskin::cli {
 
-/// Commands of pages on their way to the thread of the link. Thread-safe; of too many the oldest are dropped.
+/// Commands of pages on their way to the threads of the links, each of which gets all of them. Thread-safe; of too many
+/// the oldest are dropped.
 class CommandQueue {
  public:
+  /// For `readers` threads, 1 or more.
+  explicit CommandQueue(std::size_t readers) : commands_(readers) {}
   static constexpr std::size_t kMost = 64;
   void push(const view::Command& command);
-  /// The oldest one; empty: there is none.
-  [[nodiscard]] std::optional<view::Command> pop();
+  /// The oldest one that `reader`, 0-based, has not taken; empty: there is none.
+  [[nodiscard]] std::optional<view::Command> pop(int reader);
 
  private:
   std::mutex mutex_;
-  std::deque<view::Command> commands_;
+  std::vector<std::deque<view::Command>> commands_;
 };
 
 /// Samples of a design's stream that arrived and that were lost, over all times the link was open.
@@ -29,10 +33,11 @@ struct FeedTotals {
   std::uint64_t frames = 0, lost = 0;
 };
 
-/// Reads the stream of a link into `live` until the process is asked to end. A link that fails is stated on the page
-/// and opened again every second. Virtual time is held to the clock on the wall. Throws InputError when the link cannot
-/// be used at all.
-FeedTotals feed(const device::LinkOptions& options, const design::Design& design, view::LiveSkin& live,
-                CommandQueue& commands);
+/// Reads the streams of all buses of a site into `live` until the process is asked to end; buses side by side.
+/// `offsets`: by cover of the robot file, ids of its modules on the page. A link that fails is stated on the page and
+/// opened again every second. Virtual time is held to the clock on the wall. Throws InputError when a link cannot be
+/// used at all.
+FeedTotals feed(const device::LinkOptions& options, const robot::Site& site,
+                const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, CommandQueue& commands);
 
 }  // namespace triskin::cli

@@ -52,6 +52,26 @@ std::vector<ModuleWiring> wiring_of(const Design& design) {
   return wiring;
 }
 
+int node_address_of(const Design& design, int patch) {
+  if (design.node_addresses.empty()) return patch + layout::kFirstNode;
+  return design.node_addresses.at(static_cast<std::size_t>(patch));
+}
+
+int patch_at(const Design& design, int node) {
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    if (node != 0 && node_address_of(design, static_cast<int>(p)) == node) return static_cast<int>(p);
+  }
+  return -1;
+}
+
+std::vector<int> patches_here(const Design& design) {
+  std::vector<int> here;
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    if (node_address_of(design, static_cast<int>(p)) != 0) here.push_back(static_cast<int>(p));
+  }
+  return here;
+}
+
 std::array<TaxelPose, layout::kTaxelsPerModule> taxels_of(const PlacedModule& module, int rotation) {
   const auto corner = [&](int k) { return module.corner_mm[static_cast<std::size_t>((k + rotation) % 3)]; };
   const Vec3 centroid = (corner(0) + corner(1) + corner(2)) / 3.0;

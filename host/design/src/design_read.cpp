@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <charconv>
 #include <optional>
 
 #include "alternatives_json.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/design_text.hpp"
-#include "triskin/design/json_value.hpp"
+#include "triskin/design/json_fields.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/host/files.hpp"
 
@@ -15,11 +14,6 @@ namespace {
 Vec2 vec2(const JsonValue& v) {
   v.require_size(2);
   return {v.at(0).number(), v.at(1).number()};
-}
-
-Vec3 vec3(const JsonValue& v) {
-  v.require_size(3);
-  return {v.at(0).number(), v.at(1).number(), v.at(2).number()};
 }
 
 template <class Read>
@@ -46,14 +40,6 @@ auto index_or_none(std::size_t n) {
 
 double number(const JsonValue& v) {
   return v.number();
-}
-
-std::uint64_t hex64(const JsonValue& v) {
-  const std::string text = v.text();
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
-  if (text.size() != 16 || error != std::errc{} || end != text.data() + 16) v.fail("must be 16 hexadecimal digits");
-  return value;
 }
 
 void read_limits(const JsonValue& v, LayoutLimits& l) {

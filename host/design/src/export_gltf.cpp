@@ -117,11 +117,12 @@ json taxel_node(const Vec3& in_module_mm, std::size_t module, std::size_t taxel)
           {"extras", {{"module", module}, {"taxel", taxel}, {"measures", pressure ? "pressure" : "temperature"}}}};
 }
 
-json module_extras(const PlacedModule& m, const ModuleWiring& wiring, std::size_t id) {
+json module_extras(const Design& design, const ModuleWiring& wiring, std::size_t id) {
+  const PlacedModule& m = design.layout.modules[id];
   json extras = {{"module", id}, {"island", m.island}, {"patch", wiring.patch}, {"neighbours", m.neighbour}};
   if (wiring.patch < 0) return extras;
   const RoutedModule& r = wiring.routed;
-  extras.update(json{{"node_address", wiring.patch + 1},
+  extras.update(json{{"node_address", node_address_of(design, wiring.patch)},
                      {"line", r.line},
                      {"address", r.address},
                      {"rotation", r.rotation},
@@ -135,7 +136,8 @@ int push(json& list, json value) {
   return static_cast<int>(list.size()) - 1;
 }
 
-int add_module(json& nodes, const PlacedModule& m, const ModuleWiring& wiring, std::size_t id) {
+int add_module(json& nodes, const Design& design, const ModuleWiring& wiring, std::size_t id) {
+  const PlacedModule& m = design.layout.modules[id];
   const ModulePose frame = frame_of(m);
   json children = json::array();
   const auto taxels = taxels_of(m, wiring.routed.rotation);
@@ -148,14 +150,14 @@ int add_module(json& nodes, const PlacedModule& m, const ModuleWiring& wiring, s
                       {"translation", vector_of(frame.origin_mm * kMetres_per_mm)},
                       {"rotation", {q.x(), q.y(), q.z(), q.w()}},
                       {"children", std::move(children)},
-                      {"extras", module_extras(m, wiring, id)}});
+                      {"extras", module_extras(design, wiring, id)}});
 }
 
 json add_nodes(json& nodes, const Design& design) {
   const auto wiring = wiring_of(design);
   json children = json::array({push(nodes, {{"name", "cover"}, {"mesh", 0}})});
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
-    children.push_back(add_module(nodes, design.layout.modules[k], wiring[k], k));
+    children.push_back(add_module(nodes, design, wiring[k], k));
   return children;
 }
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "triskin/design/json_value.hpp"
+#include "triskin/design/json_fields.hpp"
 #include "triskin/design/module_graph.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/scene/scene.hpp"
@@ -16,6 +16,7 @@ namespace triskin::scene {
 namespace {
 
 using design::JsonValue;
+using design::number_in;
 
 constexpr double kMaxSeconds = 1e6;
 constexpr double kMaxLength_mm = 1e5;
@@ -24,20 +25,8 @@ bool needs_switched(FaultKind kind) {
   return kind >= FaultKind::kDeadModule;
 }
 
-// A misspelt key would silently change nothing, so it is an error.
 void only_keys(const JsonValue& v, std::initializer_list<std::string_view> allowed) {
-  if (!v.raw().is_object()) v.fail("must be an object");
-  for (const auto& [key, value] : v.raw().items()) {
-    if (std::find(allowed.begin(), allowed.end(), key) == allowed.end()) {
-      v.fail(fmt::format("key \"{}\" is unknown here; see docs/scene.md", key));
-    }
-  }
-}
-
-double number_in(const JsonValue& v, double low, double high) {
-  const double x = v.number();
-  if (x < low || x > high) v.fail(fmt::format("must be in {:g} … {:g}", low, high));
-  return x;
+  design::only_keys(v, allowed, "docs/scene.md");
 }
 
 std::uint64_t time_us(const JsonValue& v) {

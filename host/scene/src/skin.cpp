@@ -29,6 +29,11 @@ double gaussian(std::uint64_t seed) {
   return std::sqrt(-2.0 * std::log(u)) * std::cos(angle);
 }
 
+std::uint64_t drawn_from(const Scene& scene, int module) {
+  if (!scene.module_seeds.empty()) return scene.module_seeds.at(static_cast<std::size_t>(module));
+  return static_cast<std::uint64_t>(module) << 32;
+}
+
 }  // namespace
 
 double Touch::pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const {
@@ -46,7 +51,7 @@ double Touch::pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const
 }
 
 ModuleSkin::ModuleSkin(const Scene& scene, int module, int rotation)
-    : seed_(mix(scene.seed ^ (static_cast<std::uint64_t>(module) << 32))),
+    : seed_(mix(scene.seed ^ drawn_from(scene, module))),
       noise_counts_(scene.effects.noise_counts),
       drift_counts_per_us_(scene.effects.drift_counts_per_s * 1e-6) {
   const auto taxels = design::taxels_of(scene.design.layout.modules[static_cast<std::size_t>(module)], rotation);

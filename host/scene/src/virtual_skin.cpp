@@ -2,6 +2,7 @@
 #include "triskin/scene/virtual_skin.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -20,11 +21,19 @@ constexpr std::uint64_t kBusyStepUs = 50;
 constexpr std::uint64_t kNeverUs = ~std::uint64_t{0};
 
 // Sorted by patch, so that fresh boards can be told apart, and different for every design.
-wire::UniqueId unique_id_of(std::uint64_t design_id, std::size_t patch) {
+wire::UniqueId unique_id_of(const Scene& scene, std::size_t patch) {
+  if (!scene.boards.empty()) return scene.boards.at(patch);
+  const std::uint64_t design_id = scene.design.design_id;
   wire::UniqueId id{};
   for (std::size_t k = 0; k < 8; ++k) id[k] = static_cast<std::uint8_t>(design_id >> (56 - 8 * k));
   for (std::size_t k = 0; k < 4; ++k) id[8 + k] = static_cast<std::uint8_t>(patch >> (24 - 8 * k));
   return id;
+}
+
+// Of the files that keep a controller's flash.
+std::string board_name(const Scene& scene, std::size_t patch) {
+  if (scene.boards.empty()) return fmt::format("controller_{}", patch + 1);
+  return fmt::format("{:02X}", fmt::join(scene.boards.at(patch), ""));
 }
 
 // The patch that a controller's cable really leads to.
@@ -57,7 +66,7 @@ void forget_faults(FlashMemory& flash) {
 
 }  // namespace
 
-std::filesystem::path state_folder_of(const design::Design& design) {
+std::filesystem::path state_folder() {
   std::filesystem::path base;
   if (const char* xdg = std::getenv("XDG_STATE_HOME"); xdg != nullptr && *xdg != '\0') {
     base = xdg;
@@ -67,7 +76,11 @@ std::filesystem::path state_folder_of(const design::Design& design) {
   std::error_code error;
   if (!base.empty()) std::filesystem::create_directories(base, error);
   if (base.empty() || error) base = std::filesystem::temp_directory_path();
-  return base / "triskin" / "sim" / fmt::format("{:016x}", design.design_id);
+  return base / "triskin" / "sim";
+}
+
+std::filesystem::path state_folder_of(const design::Design& design) {
+  return state_folder() / fmt::format("{:016x}", design.design_id);
 }
 
 VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
@@ -83,20 +96,19 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
   const bool other_hardware = !state_folder.empty() && !is_noted(state_folder, scene_);
   for (std::size_t p = 0; p < nodes_.size(); ++p) {
     Node& node = nodes_[p];
+    const std::string name = board_name(scene_, p);
     node.flash = state_folder.empty() ? std::make_unique<FlashMemory>(kFlashBytes)
-                                      : std::make_unique<FlashMemory>(
-                                            kFlashBytes, state_folder / fmt::format("controller_{}.flash", p + 1));
+                                      : std::make_unique<FlashMemory>(kFlashBytes, state_folder / (name + ".flash"));
     if (other_hardware) forget_faults(*node.flash);
     const int plugged = plugged_patch(scene_, static_cast<int>(p));
     for (int l = 0; l < layout::kLines; ++l) node.board.lines[static_cast<std::size_t>(l)] = &skin_.line(plugged, l);
     if (switched_.present()) node.board.chain = &switched_.patch(plugged);
     node.slots = state_folder.empty()
                      ? std::make_unique<FlashMemory>(sim::kSlotsBytes)
-                     : std::make_unique<FlashMemory>(sim::kSlotsBytes,
-                                                     state_folder / fmt::format("controller_{}.firmware", p + 1));
+                     : std::make_unique<FlashMemory>(sim::kSlotsBytes, state_folder / (name + ".firmware"));
     node.board.flash = node.flash.get();
     node.board.slots = node.slots.get();
-    node.board.unique_id = unique_id_of(scene_.design.design_id, p);
+    node.board.unique_id = unique_id_of(scene_, p);
     node.board.send = [this, p](const wire::CanFrame& frame) {
       pending_.push_back({frame, p});
       ++nodes_[p].in_buffers;

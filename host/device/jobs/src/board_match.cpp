@@ -9,33 +9,40 @@
 #include <set>
 
 #include "triskin/session/controller.hpp"
+#include "triskin/session/patch_table.hpp"
 
 namespace triskin::device {
 namespace {
 
 /// Whom a controller belongs to.
 enum class Owner {
-  kNobody,   // it has no table
-  kThis,     // a table of this design
-  kAnother,  // a table of another design
-  kUnknown,  // a table, and an address that others share: it cannot be asked
+  kNobody,     // it has no table
+  kThis,       // a table of this design
+  kAnother,    // a table of another design
+  kNeighbour,  // one that FlashOptions::neighbours names: never taken
+  kUnknown,    // a table, and an address that others share: it cannot be asked
 };
 
 struct Candidate {
   Board board;
   Owner owner = Owner::kNobody;
-  std::uint64_t design_id = 0;
+  wire::ActiveTable table;  // where it could be asked
 };
 
 class Matcher {
  public:
   Matcher(Bus& bus, const design::Design& design, const FlashOptions& options)
-      : bus_(bus), design_(design), options_(options), n_patches_(design.patches.size()) {}
+      : bus_(bus),
+        design_(design),
+        options_(options),
+        n_patches_(design.patches.size()),
+        here_(design::patches_here(design)) {}
 
-  std::vector<Board> run() {
-    find();
+  std::vector<Board> run(const std::vector<wire::NodeClaim>& claims) {
+    find(claims);
     assign_named();
     keep_own();
+    keep_moved();
     fill(Owner::kNobody);
     if (options_.take_over) {
       fill(Owner::kAnother);
@@ -49,15 +56,15 @@ class Matcher {
   }
 
  private:
-  void find() {
-    const std::vector<wire::NodeClaim> claims = bus_.discover();
+  void find(const std::vector<wire::NodeClaim>& claims) {
     if (claims.empty())
       throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus_.name()));
     std::map<int, int> users;
     for (const auto& c : claims) ++users[c.node_address];
     for (const auto& c : claims) {
-      Candidate candidate{{c, -1}, Owner::kNobody, 0};
+      Candidate candidate{{c, -1}, Owner::kNobody, {}};
       if (c.has_table) ask(candidate, users[c.node_address] == 1);
+      if (is_neighbour(candidate)) candidate.owner = Owner::kNeighbour;
       candidates_.push_back(candidate);
     }
   }
@@ -67,12 +74,21 @@ class Matcher {
     if (!alone) return;
     const wire::ActiveTable table = Controller(bus_, c.board.claim.node_address).active_table();
     if (!table.present()) return;
-    c.design_id = table.design_id;
+    c.table = table;
     c.owner = table.design_id == design_.design_id ? Owner::kThis : Owner::kAnother;
   }
 
+  // By its serial number; where the file names none, by its address and the design that it holds.
+  [[nodiscard]] bool is_neighbour(const Candidate& c) const {
+    const std::string serial = to_text(c.board.claim.unique_id);
+    return std::ranges::any_of(options_.neighbours, [&](const FlashOptions::Neighbour& n) {
+      if (!n.serial.empty()) return n.serial == serial;
+      return c.table.present() && n.node == c.board.claim.node_address && n.design_id == c.table.design_id;
+    });
+  }
+
   [[nodiscard]] bool wanted(int patch) const {
-    return patch >= 0 && patch < static_cast<int>(n_patches_) && (options_.patch < 0 || options_.patch == patch);
+    return std::ranges::binary_search(here_, patch) && (options_.patch < 0 || options_.patch == patch);
   }
   void give(Candidate& c, int patch) {
     c.board.patch = patch;
@@ -81,7 +97,7 @@ class Matcher {
 
   void assign_named() {
     for (const FlashOptions::Assignment& a : options_.assign) {
-      if (a.patch < 0 || a.patch >= static_cast<int>(n_patches_))
+      if (!std::ranges::binary_search(here_, a.patch))
         throw InputError(
             fmt::format("--assign {}={}: the design has patches 0 … {}", a.patch, a.serial, n_patches_ - 1));
       const auto named = std::ranges::find_if(
@@ -96,8 +112,21 @@ class Matcher {
   }
   void keep_own() {
     for (Candidate& c : candidates_) {
-      const int patch = c.board.claim.node_address - 1;
+      const int patch = design::patch_at(design_, c.board.claim.node_address);
       if (c.board.patch < 0 && c.owner == Owner::kThis && wanted(patch) && !taken_.contains(patch)) give(c, patch);
+    }
+  }
+  // A controller that was flashed with this design while its patch had another address, as without a robot file.
+  void keep_moved() {
+    design::Design then;
+    for (Candidate& c : candidates_) {
+      if (c.board.patch >= 0 || c.owner != Owner::kThis) continue;
+      if (then.patches.empty()) then = design_;
+      then.node_addresses.assign(n_patches_, c.board.claim.node_address);
+      const auto found = std::ranges::find_if(here_, [&](int patch) {
+        return wanted(patch) && !taken_.contains(patch) && holds_image(c.table.crc, image_of(then, patch));
+      });
+      if (found != here_.end()) give(c, *found);
     }
   }
   // One patch alone: it must be clear which controller is meant.
@@ -112,9 +141,32 @@ class Matcher {
                       "--assign {}=SERIAL",
                       bus_.name(), free.size(), options_.patch, serials(free), options_.patch));
     auto next = free.begin();
-    for (int patch = 0; patch < static_cast<int>(n_patches_) && next != free.end(); ++patch) {
-      if (wanted(patch) && !taken_.contains(patch)) give(**next++, patch);
+    for (const int patch : seats(free.size())) {
+      if (next == free.end()) return;
+      if (patch >= 0) give(**next, patch);
+      ++next;
     }
+  }
+
+  // Patches without a controller, in the order of their node addresses; −1 stands for one of a neighbour. Where the
+  // free controllers do not suffice for all covers of the bus, those of this design alone.
+  [[nodiscard]] std::vector<int> seats(std::size_t n_free) const {
+    std::vector<std::pair<int, int>> own, all;  // node address, patch
+    for (const int patch : here_) {
+      if (wanted(patch) && !taken_.contains(patch)) own.emplace_back(design::node_address_of(design_, patch), patch);
+    }
+    all = own;
+    for (const FlashOptions::Neighbour& n : options_.neighbours) {
+      const auto has_address = [&](const Candidate& c) {
+        return c.owner == Owner::kNeighbour && c.board.claim.node_address == n.node;
+      };
+      if (n.serial.empty() && std::ranges::none_of(candidates_, has_address)) all.emplace_back(n.node, -1);
+    }
+    std::vector<int> patches;
+    auto& list = n_free >= all.size() ? all : own;
+    std::ranges::sort(list);
+    for (const auto& [node, patch] : list) patches.push_back(patch);
+    return patches;
   }
 
   static std::string serials(const std::vector<Candidate*>& list) {
@@ -125,23 +177,25 @@ class Matcher {
 
   void require_all() const {
     std::vector<int> missing;
-    for (int p = 0; p < static_cast<int>(n_patches_); ++p) {
+    for (const int p : here_) {
       if (wanted(p) && !taken_.contains(p)) missing.push_back(p);
     }
     if (missing.empty()) return;
     std::vector<std::string> others;
     for (const Candidate& c : candidates_) {
-      if (c.board.patch >= 0 || c.owner == Owner::kNobody || c.owner == Owner::kThis) continue;
+      if (c.board.patch >= 0 || c.owner == Owner::kNobody || c.owner == Owner::kThis || c.owner == Owner::kNeighbour)
+        continue;
       others.push_back(fmt::format("{} ({})", to_text(c.board.claim.unique_id),
                                    c.owner == Owner::kAnother
-                                       ? fmt::format("design {:016x}", c.design_id)
+                                       ? fmt::format("design {:016x}", c.table.design_id)
                                        : fmt::format("shares node address {}", c.board.claim.node_address)));
     }
     if (others.empty())
       throw DeviceError(fmt::format(
-          "{}: the design has {} patches, {} controllers answer; connect the others, or flash one patch at a time "
-          "(--patch); nothing was written",
-          bus_.name(), n_patches_, candidates_.size()));
+          "{}: the design has {} patches here, {} controllers answer that may serve them; connect the others, or flash "
+          "one patch at a time (--patch); nothing was written",
+          bus_.name(), here_.size(),
+          std::ranges::count_if(candidates_, [](const Candidate& c) { return c.owner != Owner::kNeighbour; })));
     throw DeviceError(
         fmt::format("{}: no controller is free for patch{} {}; these hold a table that is not of this design and are "
                     "left alone: {}. "
@@ -153,13 +207,13 @@ class Matcher {
   void require_addresses() const {
     for (const Candidate& c : candidates_) {
       const bool theirs = c.owner == Owner::kAnother || c.owner == Owner::kUnknown;
-      if (options_.take_over || !theirs || c.board.patch >= 0 || !taken_.contains(c.board.claim.node_address - 1))
-        continue;
+      const int patch = design::patch_at(design_, c.board.claim.node_address);
+      if (options_.take_over || !theirs || c.board.patch >= 0 || !taken_.contains(patch)) continue;
       throw DeviceError(fmt::format(
           "{}: controller {} holds a table that is not of this design and has node address {}, which patch {} needs; "
           "take "
           "it off the bus, or let it move (--take-over: it must be flashed again then); nothing was written",
-          bus_.name(), to_text(c.board.claim.unique_id), c.board.claim.node_address, c.board.claim.node_address - 1));
+          bus_.name(), to_text(c.board.claim.unique_id), c.board.claim.node_address, patch));
     }
   }
 
@@ -167,17 +221,19 @@ class Matcher {
   const design::Design& design_;
   const FlashOptions& options_;
   const std::size_t n_patches_;
+  const std::vector<int> here_;  // ascending
   std::vector<Candidate> candidates_;
   std::set<int> taken_;
 };
 
 }  // namespace
 
-std::vector<Board> match_boards(Bus& bus, const design::Design& design, const FlashOptions& options) {
+std::vector<Board> match_boards(Bus& bus, const design::Design& design, const FlashOptions& options,
+                                const std::vector<wire::NodeClaim>& claims) {
   if (options.patch >= static_cast<int>(design.patches.size()))
     throw InputError(
         fmt::format("--patch {}: the design has patches 0 … {}", options.patch, design.patches.size() - 1));
-  return Matcher(bus, design, options).run();
+  return Matcher(bus, design, options).run(claims);
 }
 
 }  // namespace triskin::device

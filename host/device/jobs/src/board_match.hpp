@@ -12,10 +12,12 @@ struct Board {
   int patch = -1;  ///< −1: not needed
 };
 
-/// Decides which controller gets which patch, and writes nothing. In this order: controllers that `options.assign`
-/// names; those that hold a table of this design; those that never had a table, in the order of their unique ids; with
-/// `options.take_over` those of another design. With `options.patch` one patch alone is looked for. Throws DeviceError
-/// naming the controllers and the remedy when a patch finds none, InputError for an assignment that cannot be.
-[[nodiscard]] std::vector<Board> match_boards(Bus& bus, const design::Design& design, const FlashOptions& options);
+/// Decides which of the controllers `claims` gets which patch, and writes nothing. In this order: controllers that
+/// `options.assign` names; those that hold a table of this design; those that never had a table, in the order of their
+/// unique ids; with `options.take_over` those of another design. With `options.patch` one patch alone is looked for.
+/// Throws DeviceError naming the controllers and the remedy when a patch finds none, InputError for an assignment that
+/// cannot be.
+[[nodiscard]] std::vector<Board> match_boards(Bus& bus, const design::Design& design, const FlashOptions& options,
+                                              const std::vector<wire::NodeClaim>& claims);
 
 }  // namespace triskin::device

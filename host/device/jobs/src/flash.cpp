@@ -23,25 +23,56 @@ constexpr std::uint64_t kRestart_us = 20'000;  // a controller starts anew under
 
 constexpr int kAssignRounds = 5;  // nobody confirms an assignment, and its frames or the claims after it may be lost
 
-// The boards of the patches get the addresses of the patches; one that nobody needs and that sits there moves behind
-// them. The new addresses, by unique id, of those that have another one now.
-std::map<wire::UniqueId, int> moves(const Bus& bus, const std::vector<Board>& boards, std::size_t n_patches) {
-  std::set<int> used, needed;
-  for (const Board& b : boards) {
-    if (b.patch >= 0) needed.insert(b.patch + 1);
-    if (b.patch < 0 && b.claim.node_address > n_patches) used.insert(b.claim.node_address);
+// Node addresses that nobody has and nobody is to have, lowest first.
+class FreeAddresses {
+ public:
+  FreeAddresses(const Bus& bus, const design::Design& design, const FlashOptions& options) : name_(bus.name()) {
+    for (const int patch : design::patches_here(design)) used_.insert(design::node_address_of(design, patch));
+    for (const FlashOptions::Neighbour& n : options.neighbours) used_.insert(n.node);
+  }
+  void take(int address) { used_.insert(address); }
+  int next() {
+    int address = layout::kFirstNode;
+    while (used_.contains(address)) ++address;
+    if (address > layout::kLastNode)
+      throw DeviceError(fmt::format("{}: no free node address is left; take controllers off the bus", name_));
+    used_.insert(address);
+    return address;
+  }
+
+ private:
+  std::string name_;
+  std::set<int> used_;
+};
+
+// Fresh boards have the first address, and so may have one that holds a table: neither could be asked. The fresh ones
+// make way. New addresses by unique id.
+std::map<wire::UniqueId, int> ways_for_flashed(const std::vector<wire::NodeClaim>& claims, FreeAddresses free) {
+  std::set<int> flashed;
+  for (const wire::NodeClaim& c : claims) {
+    free.take(c.node_address);
+    if (c.has_table) flashed.insert(c.node_address);
   }
   std::map<wire::UniqueId, int> wanted;
-  int spare_address = static_cast<int>(n_patches) + 1;
+  for (const wire::NodeClaim& c : claims) {
+    if (!c.has_table && flashed.contains(c.node_address)) wanted[c.unique_id] = free.next();
+  }
+  return wanted;
+}
+
+// The boards of the patches get the addresses of the patches; one that nobody needs and that sits there moves to the
+// first free one. The new addresses, by unique id, of those that have another one now.
+std::map<wire::UniqueId, int> moves(const std::vector<Board>& boards, const design::Design& design,
+                                    FreeAddresses free) {
+  std::set<int> needed;
   for (const Board& b : boards) {
-    int address = b.patch + 1;
-    if (b.patch < 0) {
-      if (!needed.contains(b.claim.node_address)) continue;
-      while (used.contains(spare_address)) ++spare_address;
-      address = spare_address++;
-      if (address > layout::kLastNode)
-        throw DeviceError(fmt::format("{}: no free node address is left; take controllers off the bus", bus.name()));
-    }
+    if (b.patch >= 0) needed.insert(design::node_address_of(design, b.patch));
+    if (b.patch < 0) free.take(b.claim.node_address);
+  }
+  std::map<wire::UniqueId, int> wanted;
+  for (const Board& b : boards) {
+    if (b.patch < 0 && !needed.contains(b.claim.node_address)) continue;
+    const int address = b.patch < 0 ? free.next() : design::node_address_of(design, b.patch);
     if (b.claim.node_address != address) wanted[b.claim.unique_id] = address;
   }
   return wanted;
@@ -49,8 +80,7 @@ std::map<wire::UniqueId, int> moves(const Bus& bus, const std::vector<Board>& bo
 
 // Returns when every board has said its new address: two that share one would both take the table of one patch, and
 // none of them could be asked afterwards whose it is.
-void assign_addresses(Bus& bus, const std::vector<Board>& boards, std::size_t n_patches) {
-  auto wanted = moves(bus, boards, n_patches);
+void assign_addresses(Bus& bus, std::map<wire::UniqueId, int> wanted) {
   for (int round = 0; round < kAssignRounds && !wanted.empty(); ++round) {
     for (const auto& [id, address] : wanted) bus.assign(id, static_cast<std::uint8_t>(address));
     bus.listen(bus.now_us() + kRestart_us);
@@ -96,33 +126,43 @@ class Pass {
   // `results` has what is done, also when this throws.
   void run(std::vector<FlashResult::Patch>& results) {
     report(progress_, "finding controllers", -1.0);
-    boards_ = match_boards(bus_, design_, options_);
-    if (!options_.dry_run) assign_addresses(bus_, boards_, design_.patches.size());
+    boards_ = match_boards(bus_, design_, options_, find());
+    if (!options_.dry_run) assign_addresses(bus_, moves(boards_, design_, {bus_, design_, options_}));
     std::erase_if(boards_, [](const Board& b) { return b.patch < 0; });
     std::ranges::sort(boards_, {}, &Board::patch);
     results.resize(boards_.size());
     std::vector<Task> tasks;
     for (std::size_t k = 0; k < boards_.size(); ++k) {
       begin(results[k], boards_[k]);
-      const auto node =
-          options_.dry_run ? boards_[k].claim.node_address : static_cast<std::uint8_t>(boards_[k].patch + 1);
+      const auto node = options_.dry_run ? boards_[k].claim.node_address : address_of(boards_[k]);
       tasks.push_back({node, [this, k, &results](Bus& bus) { serve(bus, boards_[k], results[k]); }});
     }
     throw_first(run_tasks(bus_.link(), tasks, options_.per_wire), results);
   }
 
  private:
+  std::vector<wire::NodeClaim> find() {
+    const std::vector<wire::NodeClaim> claims = bus_.discover();
+    const auto wanted = ways_for_flashed(claims, {bus_, design_, options_});
+    if (options_.dry_run || wanted.empty()) return claims;
+    assign_addresses(bus_, wanted);
+    return bus_.discover();
+  }
+  [[nodiscard]] std::uint8_t address_of(const Board& board) const {
+    return static_cast<std::uint8_t>(design::node_address_of(design_, board.patch));
+  }
   // A patch that was written before the cable was pulled stays written.
   void begin(FlashResult::Patch& r, const Board& board) const {
     if (r.written && r.patch == board.patch) return;
     r = {board.patch,
          to_text(board.claim.unique_id),
          board.claim.node_address,
+         address_of(board),
          false,
          false,
          false,
          images_[static_cast<std::size_t>(board.patch)].size()};
-    r.new_address = board.claim.node_address != board.patch + 1;
+    r.new_address = board.claim.node_address != address_of(board);
   }
   void step(int patch, const char* what, double fraction) const {
     report(progress_, what, fraction, fmt::format("patch {}", patch), patch);
@@ -136,7 +176,7 @@ class Pass {
                 Controller(bus, board.claim.node_address).active_table().crc == crc32(image);
       return step(r.patch, "planned", 1.0);
     }
-    Controller controller(bus, static_cast<std::uint8_t>(board.patch + 1));
+    Controller controller(bus, address_of(board));
     check_identity(controller, bus, r);
     const wire::ActiveTable active = controller.active_table();
     // Equal CRC is not enough to skip: the bytes are cheap to compare.
@@ -223,11 +263,11 @@ std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, c
                                      : fmt::format("modules {} and {} are not in one patch of the design", route.module,
                                                    route.other));
   }
-  std::vector<std::vector<std::uint8_t>> images;
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    layout::PatchImage image = image_of(design, static_cast<int>(p), route);
+  std::vector<std::vector<std::uint8_t>> images(design.patches.size());
+  for (const int patch : design::patches_here(design)) {
+    layout::PatchImage image = image_of(design, patch, route);
     image.positive_input = positive_input;
-    images.push_back(bytes_of(image));
+    images[static_cast<std::size_t>(patch)] = bytes_of(image);
   }
   return images;
 }
@@ -246,7 +286,8 @@ FlashResult flash(Bus& bus, const design::Design& design, const FlashOptions& op
       if (options.wait_s <= 0.0) throw;
       if (options.say)
         options.say(fmt::format("{}; waiting {:.0f} s for the cable (Ctrl-C ends)", e.what(), options.wait_s));
-      if (!wait_for_controllers(bus, options.patch >= 0 ? 1 : design.patches.size(), options.wait_s)) throw;
+      if (!wait_for_controllers(bus, options.patch >= 0 ? 1 : design::patches_here(design).size(), options.wait_s))
+        throw;
       if (options.say) options.say("all controllers answer again, going on");
     }
   }

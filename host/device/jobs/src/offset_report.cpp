@@ -40,8 +40,8 @@ std::string taxels_in(std::uint16_t mask, const wire::ModuleOffsets& m) {
 std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design) {
   std::vector<PatchOffsets> all;
   for (const std::uint8_t node : nodes_of(bus)) {
-    const int patch = node - layout::kFirstNode;
-    if (patch >= static_cast<int>(design.patches.size())) continue;
+    const int patch = design::patch_at(design, node);
+    if (patch < 0) continue;
     Controller c(bus, node);
     if (c.active_table().design_id != design.design_id) continue;
     try {

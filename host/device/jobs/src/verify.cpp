@@ -176,9 +176,12 @@ std::vector<TouchOutcome> touch_all(Bus& bus, const design::Design& design, std:
 }
 
 // The stream for a while: what was due and did not come is a finding of its patch.
-void watch_stream(Bus& bus, const design::Design& design, std::uint64_t until_us, VerifyResult& result) {
+void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& options, std::uint64_t until_us,
+                  VerifyResult& result) {
   constexpr std::uint64_t kLeast_us = 500'000;
-  Stream stream(bus, design, {});
+  StreamOptions stream_options;
+  stream_options.neighbours = options.neighbours;
+  Stream stream(bus, design, {}, stream_options);
   stream.run_until(std::max(until_us, bus.now_us() + kLeast_us));
   stream.finish();
   result.stream = stream.report();
@@ -197,6 +200,23 @@ void watch_stream(Bus& bus, const design::Design& design, std::uint64_t until_us
   }
 }
 
+// By patch; one whose controller hangs on another bus has no rows and is never usable.
+std::vector<PatchState> patches_of(const design::Design& design) {
+  std::vector<PatchState> patches(design.patches.size());
+  for (std::size_t k = 0; k < patches.size(); ++k) patches[k].patch = static_cast<int>(k);
+  for (const int patch : design::patches_here(design))
+    patches[static_cast<std::size_t>(patch)].image = image_of(design, patch);
+  return patches;
+}
+
+int modules_here(const design::Design& design) {
+  auto modules = design.layout.modules.size();
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    if (design::node_address_of(design, static_cast<int>(p)) == 0) modules -= design.patches[p].modules.size();
+  }
+  return static_cast<int>(modules);
+}
+
 }  // namespace
 
 VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions& options,
@@ -204,13 +224,12 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
   const std::uint64_t start_us = bus.now_us();
   report(progress, "finding controllers", -1.0);
   VerifyResult result;
-  result.modules = static_cast<int>(design.layout.modules.size());
-  std::vector<PatchState> patches(design.patches.size());
+  std::vector<PatchState> patches = patches_of(design);
+  result.modules = modules_here(design);
   ControllerCheck controllers(bus, design);
-  for (std::size_t k = 0; k < patches.size(); ++k) {
-    patches[k].patch = static_cast<int>(k);
-    patches[k].image = image_of(design, static_cast<int>(k));
-    patches[k].usable = controllers.check(patches[k], result.findings);
+  for (const int patch : design::patches_here(design)) {
+    PatchState& p = patches[static_cast<std::size_t>(patch)];
+    p.usable = controllers.check(p, result.findings);
   }
   ask_all(bus, patches, [&](Bus& own, PatchState& p) {
     report(progress, "asking the modules", 0.0, fmt::format("patch {}", p.patch), p.patch);
@@ -222,9 +241,9 @@ VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions&
   std::vector<TouchOutcome> touches;
   if (options.touch) touches = touch_all(bus, design, patches, options, progress);
   const auto watch_us = static_cast<std::uint64_t>(std::max(0.0, options.watch_s) * 1e6);
-  const auto as_designed = [](const PatchState& p) { return p.usable && !p.on_backup; };
+  const auto as_designed = [](const PatchState& p) { return p.image.module_count == 0 || (p.usable && !p.on_backup); };
   if (bus.link().fd() && std::ranges::all_of(patches, as_designed)) {
-    watch_stream(bus, design, start_us + watch_us, result);
+    watch_stream(bus, design, options, start_us + watch_us, result);
   } else if (std::ranges::any_of(patches, &PatchState::usable)) {
     bus.listen(start_us + watch_us);
   }

@@ -100,7 +100,7 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
   const auto refuse = [&](const std::string& what) {
     throw InputError(fmt::format("patch {}: {}; run triskin check on the design", patch_index, what));
   };
-  if (design.patches.size() > layout::kMaxNodes)
+  if (design.node_addresses.empty() && design.patches.size() > layout::kMaxNodes)
     refuse(fmt::format("a bus has {} node addresses, the design {} patches", layout::kMaxNodes, design.patches.size()));
   if (patch.modules.empty() || patch.modules.size() > layout::kMaxModules)
     refuse(fmt::format("{} modules, a controller reads 1 … {}", patch.modules.size(), layout::kMaxModules));
@@ -112,7 +112,7 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
   }
   layout::PatchImage image;
   image.design_id = design.design_id;
-  image.node_address = static_cast<std::uint8_t>(layout::kFirstNode + patch_index);
+  image.node_address = static_cast<std::uint8_t>(design::node_address_of(design, patch_index));
   image.module_count = static_cast<std::uint8_t>(tree.modules.size());
   const auto row_in = [&](int module) {
     const auto found = std::ranges::find(tree.modules, module, &design::RoutedModule::node);

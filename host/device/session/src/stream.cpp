@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <utility>
 
@@ -34,12 +35,18 @@ std::uint32_t draw_reader() {
 }  // namespace
 
 Stream::Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOptions options)
+    : Stream(bus, std::array{&design}, std::move(handler), std::move(options)) {}
+
+Stream::Stream(Bus& bus, std::span<const design::Design* const> covers, OnFrame handler, StreamOptions options)
     : bus_(bus), handler_(std::move(handler)), say_(std::move(options.say)), reader_(draw_reader()) {
   if (!bus.link().fd())
     throw InputError(fmt::format(
         "{}: carries classic frames only, and the full stream needs CAN FD; bring the interface up with fd on",
         bus.link().name()));
-  find_controllers(design);
+  for (const design::Design* design : covers) {
+    covers_.push_back(design->name);
+    find_controllers(*design, static_cast<int>(covers_.size()) - 1);
+  }
   choose_rate(options);
   thrown_away_before_ = bus_.link().thrown_away();
   bus_.on_stream([this](const wire::CanFrame& frame) { handle(frame); });
@@ -53,19 +60,26 @@ Stream::Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOp
   }
 }
 
-void Stream::find_controllers(const design::Design& design) {
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    const layout::PatchImage image = image_of(design, static_cast<int>(p));
+// Where several covers share the bus a patch is named with its cover.
+std::string Stream::name_of(const Node& node) const {
+  const std::string patch = fmt::format("patch {}", node.patch);
+  return covers_.size() > 1 ? covers_[static_cast<std::size_t>(node.cover)] + ", " + patch : patch;
+}
+
+void Stream::find_controllers(const design::Design& design, int cover) {
+  for (const int p : design::patches_here(design)) {
+    const layout::PatchImage image = image_of(design, p);
+    Node node;
+    node.cover = cover;
+    node.patch = p;
     Controller c(bus_, image.node_address);
     const wire::ActiveTable table = c.active_table();
     if (!table.present() || !holds_image(table.crc, image)) {
       throw DeviceError(
-          fmt::format("{}: the controller of patch {} does not hold the table of this design; run triskin flash first",
-                      bus_.link().name(), p));
+          fmt::format("{}: the controller of {} does not hold the table of this design; run triskin flash first",
+                      bus_.link().name(), name_of(node)));
     }
     const wire::SamplingSetting sampling = c.sampling();
-    Node node;
-    node.patch = static_cast<int>(p);
     node.interval_us = std::uint64_t{wire::sequence_us(sampling.decimation)} * sampling.every;
     for (const auto& row : image.rows()) node.modules.push_back(row.module_id);
     nodes_[image.node_address] = std::move(node);
@@ -75,6 +89,11 @@ void Stream::find_controllers(const design::Design& design) {
 void Stream::choose_rate(const StreamOptions& options) {
   std::vector<StreamDemand> demands;
   for (const auto& [address, node] : nodes_) demands.push_back({address, node.modules.size(), node.interval_us});
+  for (StreamDemand d : options.neighbours) {
+    if (nodes_.contains(d.node)) continue;
+    if (d.interval_us == 0) d.interval_us = wire::sequence_us(wire::Decimation::k256);
+    demands.push_back(d);
+  }
   budget_ = make_budget(bus_.link(), demands, options.every);
   if (!budget_.fits && !(options.every > 0 && options.overload)) {
     throw InputError(fmt::format("{}: {}{}", bus_.link().name(), describe(budget_),
@@ -149,8 +168,8 @@ void Stream::watch() {
     if (silent == node.silent) continue;
     node.silent = silent;
     if (say_)
-      say_(silent ? fmt::format("patch {}: its controller {} is silent; check power and cable", node.patch, address)
-                  : fmt::format("patch {}: its controller {} speaks again", node.patch, address));
+      say_(silent ? fmt::format("{}: its controller {} is silent; check power and cable", name_of(node), address)
+                  : fmt::format("{}: its controller {} speaks again", name_of(node), address));
   }
 }
 
@@ -173,7 +192,7 @@ void Stream::take(Node& node, const wire::FullTaxels& sample, std::uint64_t hear
   node.heard_us = std::max(node.heard_us, heard_us);
   if (!node.counts[sample.module].add(sample, heard_us)) return;
   ++frames_;
-  if (handler_) handler_({node.modules[sample.module], heard_us, sample});
+  if (handler_) handler_({node.modules[sample.module], heard_us, sample, node.cover});
 }
 
 // A controller that is silent is asked once: five attempts on a dead one would take seconds.
@@ -230,13 +249,14 @@ void Stream::give_back() {
   }
 }
 
-StreamReport Stream::report() const {
+StreamReport Stream::report_of(int cover) const {
   StreamReport r;
   for (const auto& [address, node] : nodes_) {
+    if (cover != kAllCovers && node.cover != cover) continue;
     for (std::size_t k = 0; k < node.counts.size(); ++k) {
       const SampleCounts c = node.counts[k].counts();
       const bool slow = 10 * (c.expected + 2) < 9 * node.due;
-      r.modules.push_back({node.modules[k], node.patch, c, slow});
+      r.modules.push_back({node.modules[k], node.patch, c, slow, node.cover});
     }
     if (node.silent) r.silent.push_back(node.patch);
   }

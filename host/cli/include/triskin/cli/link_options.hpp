@@ -7,9 +7,12 @@ namespace triskin::cli {
 
 /// Adds --link and --scene, as all commands that talk to controllers have them.
 inline void add_link_options(CLI::App& app, device::LinkOptions& options) {
-  app.add_option("--link", options.link,
-                 "sim, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]; several real ones joined by commas")
-      ->capture_default_str();
+  app.add_option(
+         "--link", options.link,
+         "sim, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]; several real ones joined by commas; with "
+         "a robot file: those that it names, or sim, or sim:HOST:PORT for all of its buses")
+      ->capture_default_str()
+      ->each([&options](const std::string&) { options.chosen = true; });
   app.add_flag(
       "--switched", options.switched,
       "the link sim has switched modules, which the controller routes; a scene says it by its key \"hardware\"");

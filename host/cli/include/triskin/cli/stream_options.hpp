@@ -11,8 +11,8 @@ void add_stream_options(CLI::App& app, device::StreamOptions& options);
 /// `options` with messages of the stream to standard error.
 [[nodiscard]] device::StreamOptions speaking(device::StreamOptions options);
 
-/// Writes the keys samples, expected, lost, never_heard, every, bus_load, losses, starved and silent into the result.
-void add_stream_keys(const device::StreamReport& report, Output& output);
+/// Writes the keys samples, expected, lost, never_heard, every, bus_load, losses, starved and silent into `result`.
+void add_stream_keys(const device::StreamReport& report, nlohmann::json& result);
 
 /// Says what came of what was due, and adds the keys of add_stream_keys. Returns the exit status: 0 when everything
 /// came, else 1.

@@ -50,9 +50,12 @@ struct Design {
   Mesh surface;  ///< mm
   LayoutLimits limits;
   std::vector<PlacedPiece> pieces;
-  ModuleLayout layout;         ///< module index = id
-  std::vector<Patch> patches;  ///< patch p has the CAN node address p + 1
-  Price price;                 ///< in the file only beside alternatives
+  ModuleLayout layout;  ///< module index = id
+  std::vector<Patch> patches;
+  /// Node address of the controller of each patch, 0 where it hangs on another bus than the one in hand; empty: patch p
+  /// has p + 1. A robot file gives addresses (docs/robot_file.md); they are neither in the design file nor in its id.
+  std::vector<std::uint8_t> node_addresses;
+  Price price;  ///< in the file only beside alternatives
   /// Most modules first, falling price. `taken`: index of the one in `layout`, -1 where there are none.
   std::vector<Alternative> alternatives;
   int taken = -1;
@@ -67,6 +70,14 @@ struct ModuleWiring {
 /// Wiring by module id, one entry a module. Errors: std::out_of_range for a patch that names a module the layout lacks.
 /// Cost: O(n).
 [[nodiscard]] std::vector<ModuleWiring> wiring_of(const Design& design);
+
+/// Node address 1 … 126 of the controller of patch `patch` (0-based); 0: it hangs on another bus. Throws
+/// std::out_of_range for a patch that has none by Design::node_addresses. Constant cost.
+[[nodiscard]] int node_address_of(const Design& design, int patch);
+/// The patch whose controller has node address `node`; −1: none. Throws as node_address_of. Cost: O(patches).
+[[nodiscard]] int patch_at(const Design& design, int node);
+/// Patches whose controllers hang on the bus in hand, ascending; all without Design::node_addresses. Throws as above.
+[[nodiscard]] std::vector<int> patches_here(const Design& design);
 
 /// Centre and outward unit normal of a taxel, mesh frame, mm.
 struct TaxelPose {

@@ -12,6 +12,7 @@
 #include "triskin/design/design.hpp"
 #include "triskin/host/names.hpp"
 #include "triskin/scene/ad7147.hpp"
+#include "triskin/wire/unique_id.hpp"
 
 namespace triskin::scene {
 
@@ -100,6 +101,11 @@ struct Scene {
   std::vector<Contact> contacts;
   std::vector<Fault> faults;
   Effects effects;
+  /// Unique id of the controller of each patch; empty: made of the design's id. Where they are given the flash of a
+  /// controller is kept under its unique id. Not in scene files.
+  std::vector<wire::UniqueId> boards;
+  /// What the electrodes and the noise of each module are drawn from, beside `seed`; empty: its id. Not in scene files.
+  std::vector<std::uint64_t> module_seeds;
 };
 
 /// Reads a scene file, or a design file (then there are no contacts and no faults). Throws InputError naming

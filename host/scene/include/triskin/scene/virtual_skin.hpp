@@ -120,8 +120,10 @@ class VirtualSkin {
   bool frame_came_ = false;
 };
 
-/// Folder that keeps the flash of the simulated controllers of a design between processes; not created here:
-/// $XDG_STATE_HOME/triskin/sim/<design id>, else ~/.local/state/…, else the temporary folder.
+/// Folder that keeps the flash of simulated controllers between processes; not created here:
+/// $XDG_STATE_HOME/triskin/sim, else ~/.local/state/…, else the temporary folder.
+[[nodiscard]] std::filesystem::path state_folder();
+/// Of those of a design: state_folder()/<design id>.
 [[nodiscard]] std::filesystem::path state_folder_of(const design::Design& design);
 
 }  // namespace triskin::scene

@@ -11,6 +11,7 @@ namespace triskin::device {
 /// What `--link` and `--scene` name.
 struct LinkOptions {
   std::string link = "sim";
+  bool chosen = false;    ///< `link` was given; else a robot file says which
   std::string scene;      ///< scene file for `sim`; empty: the design, with nothing wrong
   bool switched = false;  ///< `sim` without a scene file has switched modules
 };

@@ -24,6 +24,14 @@ struct FlashOptions {
     std::string serial;
   };
   std::vector<Assignment> assign;
+  /// Controller of another design on the same bus, as a robot file names it.
+  struct Neighbour {
+    std::uint8_t node = 0;        ///< its node address
+    std::uint64_t design_id = 0;  ///< of its table
+    std::string serial;           ///< unique id as in Assignment; empty: not known
+  };
+  /// They keep their tables, and their addresses are given to nobody else.
+  std::vector<Neighbour> neighbours;
   int patch = -1;                               ///< this patch alone; −1: all
   bool take_over = false;                       ///< controllers that hold a table of another design may be taken
   double wait_s = 0.0;                          ///< how long an unplugged cable is waited for before this is an error
@@ -35,6 +43,7 @@ struct FlashResult {
     int patch = 0;
     std::string serial;   ///< unique id
     int old_address = 0;  ///< node address before
+    int address = 0;      ///< node address of the patch
     bool new_address = false;
     bool equal = false;    ///< the table was there already
     bool written = false;  ///< written, read back and compared
@@ -47,15 +56,15 @@ struct FlashResult {
 };
 
 /// Puts the tables of a design into the controllers on the bus: finds them by unique id, gives each patch a controller
-/// and an address of its own, skips equal tables, writes the others, reads them back and compares every byte.
-/// Controllers that `options.assign` names get that patch, those that hold a table of this design keep theirs; others
-/// without a table are taken in the order of their unique ids. A controller that holds a table of another design is
-/// written only when it is named, or with `options.take_over`. Throws InputError for a name that cannot be; DeviceError
-/// when a patch finds no controller (nothing is written then), when one does not answer
-/// or refuses, or when a table read back differs; Cancelled when the process was asked to end. Both say what was done
-/// before; each controller then has its old table or its new one, whole, and running it again continues. Controllers on
-/// different wires are served side by side; when one fails, the others are served all the same. Progress has a part for
-/// each patch.
+/// and its address (design::node_address_of), skips equal tables, writes the others, reads them back and compares every
+/// byte. Controllers that `options.assign` names get that patch, those that hold a table of this design keep theirs,
+/// also when its address has changed; others without a table are taken in the order of their unique ids. A controller
+/// that holds a table of another design is written only when it is named, or with `options.take_over`. Throws
+/// InputError for a name that cannot be; DeviceError when a patch finds no controller (nothing is written then), when
+/// one does not answer or refuses, or when a table read back differs; Cancelled when the process was asked to end. Both
+/// say what was done before; each controller then has its old table or its new one, whole, and running it again
+/// continues. Controllers on different wires are served side by side; when one fails, the others are served all the
+/// same. Progress has a part for each patch.
 FlashResult flash(Bus& bus, const design::Design& design, const FlashOptions& options = {},
                   const ProgressSink& progress = {});
 

@@ -32,7 +32,8 @@ struct VerifyOptions {
   bool touch = false;
   /// Asks a person to press a module and to say when; false: skip this module. Needed for touch on real links.
   std::function<bool(int module)> ask;
-  double watch_s = 2.0;  ///< shortest time over which intermittent faults are collected, s, ≥ 0
+  std::vector<StreamDemand> neighbours;  ///< StreamOptions::neighbours
+  double watch_s = 2.0;                  ///< shortest time over which intermittent faults are collected, s, ≥ 0
 };
 
 struct VerifyResult {

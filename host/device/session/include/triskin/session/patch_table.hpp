@@ -21,11 +21,11 @@ struct RouteChoice {
 /// True: the failed module, or both modules of the failed joint, belong to `patch`.
 [[nodiscard]] bool concerns(const design::Patch& patch, const RouteChoice& choice);
 
-/// Table of the controller of patch `patch` (0-based); after a failure without the modules that the failure costs, so
-/// that its rows are no longer those of the design's patch. Throws InputError naming the patch when the design does not
-/// fit into a table: no module or more than layout::kMaxModules, more than layout::kMaxNodes patches, a line and
-/// address used twice, a parent that is no neighbour or stands behind its child, a failed entry module;
-/// std::out_of_range for a patch that the design lacks.
+/// Table of the controller of patch `patch` (0-based), with the node address of design::node_address_of; after a
+/// failure without the modules that the failure costs, so that its rows are no longer those of the design's patch.
+/// Throws InputError naming the patch when the design does not fit into a table: no module or more than
+/// layout::kMaxModules, more than layout::kMaxNodes patches, a line and address used twice, a parent that is no
+/// neighbour or stands behind its child, a failed entry module; std::out_of_range for a patch that the design lacks.
 [[nodiscard]] layout::PatchImage image_of(const design::Design& design, int patch, const RouteChoice& choice = {});
 
 /// Bytes of an image as they are flashed (docs/flash_layout.md). Throws InputError when it cannot be encoded.

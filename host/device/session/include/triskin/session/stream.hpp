@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,18 +24,23 @@ struct ModuleFrame {
   int module = 0;                  ///< id in the design; in the frame it is a row of the controller's table
   std::uint64_t link_time_us = 0;  ///< clock of the link when the frame came
   wire::FullTaxels sample;
+  int cover = 0;  ///< which of the stream's designs
 };
 
 struct StreamOptions {
-  int every = 0;          ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
+  int every = 0;  ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
+  /// Controllers of other designs on the same bus. A lease is for all that hear it, so they stream too and count in the
+  /// budget; their samples are ignored. Interval 0: that of the default sampling.
+  std::vector<StreamDemand> neighbours;
   bool overload = false;  ///< streams `every` also where it does not fit; every module then gets an equal share
   /// Called with one sentence when a controller falls silent, when it speaks again, and when another n-th sample was
   /// chosen than every one. May be empty.
   std::function<void(const std::string&)> say;
 };
 
-/// A reader of the data stream of all controllers of a design. It has a lease on the stream and renews it; the ends of
-/// other readers leave it alone. Every sample that was due is accounted for: received, or lost and where.
+/// A reader of the data stream of all controllers of a design, or of several designs that share a bus. It has a lease
+/// on the stream and renews it; the ends of other readers leave it alone. Every sample that was due is accounted for:
+/// received, or lost and where.
 class Stream {
  public:
   using OnFrame = std::function<void(const ModuleFrame&)>;
@@ -44,6 +50,9 @@ class Stream {
   /// another table, has a firmware that keeps no account, or serves as many readers as it can; InputError when the link
   /// cannot carry the full stream (no FD frames) or what `options` asks for does not fit the bus.
   Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOptions options = {});
+  /// The same for several designs (docs/robot_file.md), one rate and one budget for all of them: `covers` need not
+  /// outlive the call, their names stand in messages. ModuleFrame::cover and ModuleCounts::cover count in their order.
+  Stream(Bus& bus, std::span<const design::Design* const> covers, OnFrame handler, StreamOptions options = {});
   /// Gives the lease back, if the link still works.
   ~Stream();
   Stream(const Stream&) = delete;
@@ -61,12 +70,16 @@ class Stream {
   /// Samples that were due and did not come, up to the latest sample of each module; after finish() of the whole lease.
   [[nodiscard]] std::uint64_t lost() const { return report().total.lost(); }
   /// Account of every module and of the bus.
-  [[nodiscard]] StreamReport report() const;
+  [[nodiscard]] StreamReport report() const { return report_of(kAllCovers); }
+  /// Account of the modules of one of several designs; its budget is that of the bus.
+  [[nodiscard]] StreamReport report(int cover) const { return report_of(cover); }
   /// How the samples fit the bus.
   [[nodiscard]] const BusBudget& budget() const { return budget_; }
 
  private:
+  static constexpr int kAllCovers = -1;
   struct Node {
+    int cover = 0;
     int patch = 0;
     std::vector<int> modules;           // of row k
     std::vector<SampleAccount> counts;  // of row k
@@ -78,7 +91,9 @@ class Stream {
     bool begun = false;
     std::deque<std::pair<wire::FullTaxels, std::uint64_t>> early;  // before the account has begun, and when they came
   };
-  void find_controllers(const design::Design& design);
+  void find_controllers(const design::Design& design, int cover);
+  [[nodiscard]] StreamReport report_of(int cover) const;
+  [[nodiscard]] std::string name_of(const Node& node) const;
   void choose_rate(const StreamOptions& options);
   void begin(std::uint8_t address, Node& node);
   void send_lease(std::uint8_t lasts_10ms);
@@ -94,6 +109,7 @@ class Stream {
   Bus& bus_;
   OnFrame handler_;
   std::function<void(const std::string&)> say_;
+  std::vector<std::string> covers_;  // their names
   std::map<std::uint8_t, Node> nodes_;
   BusBudget budget_;
   std::uint32_t reader_ = 0;

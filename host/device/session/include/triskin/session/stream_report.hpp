@@ -14,6 +14,7 @@ struct ModuleCounts {
   int patch = 0;
   SampleCounts counts;
   bool slow = false;  ///< its controller took fewer than 0.9 of the samples that the rate says
+  int cover = 0;      ///< which of the stream's designs
   /// True: samples were due and none with data came.
   [[nodiscard]] bool never_heard() const { return counts.expected > 0 && counts.with_data == 0; }
 };

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/cli/site_options.hpp"
+
+#include "triskin/robot/bus_threads.hpp"
+
+namespace triskin::cli {
+
+void add_site_options(CLI::App& app, SiteOptions& options) {
+  app.add_option("DESIGN", options.file, "design file, or robot file: all covers on all of its buses")->required();
+  app.add_option("--cover", options.cover, "of a robot file: this cover alone");
+  add_link_options(app, options.link);
+}
+
+OpenSite open_site(const SiteOptions& options) {
+  OpenSite open{robot::read_site(options.file), {}};
+  robot::choose(open.site, options.cover);
+  open.links = device::open_buses(open.site, options.link);
+  return open;
+}
+
+void on_each_bus(OpenSite& open, const std::function<void(const robot::BusSite&, device::Link&)>& work) {
+  std::vector<std::string> names;
+  for (const robot::BusSite& bus : open.site.buses) names.push_back(bus.name);
+  robot::on_each_bus(names, [&](std::size_t k) { work(open.site.buses[k], *open.links[k]); });
+}
+
+std::string prefix_of(const robot::CoverOnBus& cover) {
+  return cover.name.empty() ? "" : cover.name + ": ";
+}
+
+ProgressSink progress_of(const robot::BusSite& bus, const robot::CoverOnBus& cover, ProgressSink sink) {
+  if (cover.name.empty() || !sink) return sink;
+  constexpr int kPartsPerCover = 1 << 8;  // more than a bus has controllers
+  constexpr int kPartsPerBus = kPartsPerCover << 8;
+  const int first = bus.number * kPartsPerBus + cover.cover * kPartsPerCover;
+  return [first, name = cover.name, sink = std::move(sink)](const Progress& p) {
+    sink({p.stage, p.fraction, p.detail.empty() ? name : name + ", " + p.detail, p.part < 0 ? -1 : first + p.part});
+  };
+}
+
+nlohmann::json keys_of(const robot::BusSite& bus, const robot::CoverOnBus& cover) {
+  if (cover.name.empty()) return nlohmann::json::object();
+  return {{"cover", cover.name}, {"bus", bus.name}};
+}
+
+}  // namespace triskin::cli

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/robot/frames.hpp"
+#include "triskin/robot/robot.hpp"
+
+namespace triskin::robot {
+
+/// A robot file with the files that it names.
+struct Assembly {
+  std::filesystem::path file;
+  Robot robot;
+  std::vector<design::Design> designs;  ///< by cover
+  std::optional<Frames> frames;         ///< empty: the robot file names no URDF
+};
+/// Reads a robot file, its designs and its URDF; nothing is held against each other yet. Throws InputError naming the
+/// cover and the file that cannot be read or was changed by hand.
+[[nodiscard]] Assembly read_assembly(const std::filesystem::path& path);
+
+/// The same for a robot that is not written yet; `file` says where its paths begin.
+[[nodiscard]] Assembly assemble(const Robot& robot, const std::filesystem::path& file);
+
+/// Something in a robot file that cannot be.
+struct Problem {
+  std::string place;   ///< bus or cover, and which part of it
+  std::string text;    ///< what is wrong
+  std::string remedy;  ///< what to do
+};
+/// Everything that is wrong with a robot, in the order of the file; empty: it may be deployed. docs/robot_file.md lists
+/// the rules. Cost: linear.
+[[nodiscard]] std::vector<Problem> check(const Assembly& assembly);
+
+/// What the samples of all covers take of a bus.
+struct BusLoad {
+  int controllers = 0;
+  int modules = 0;
+  double full = 0.0;     ///< by every sample, 1 = all of the fullest wire of this bus
+  int every = 1;         ///< the smallest n whose n-th samples fit
+  double rate_hz = 0.0;  ///< samples a second of each module that this gives
+};
+/// By bus. Cost: linear.
+[[nodiscard]] std::vector<BusLoad> bus_loads(const Assembly& assembly);
+
+}  // namespace triskin::robot

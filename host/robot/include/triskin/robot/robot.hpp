@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "triskin/layout/module.hpp"
+#include "triskin/wire/bus_load.hpp"
+
+namespace triskin::robot {
+
+/// A bus of the robot: a CAN bus, or USB devices that are read as one bus.
+struct BusEntry {
+  std::string name;
+  std::string link = "sim";                       ///< as --link has it: can:IFACE, usb:SERIAL,…, sim:HOST:PORT, sim
+  wire::BitRates rates = wire::kControllerRates;  ///< of a CAN bus, bit/s
+  int first_node = layout::kFirstNode;            ///< range of its node addresses, 1 … 126
+  int last_node = layout::kLastNode;
+  double cable_mm = 0.0;  ///< from end to end; 0: not given
+};
+
+/// The controller of one patch.
+struct ControllerEntry {
+  int patch = 0;          ///< of the cover's design, 0-based
+  int node = 0;           ///< node address on its bus
+  std::string serial;     ///< unique id, 24 upper-case hexadecimal digits; empty: not known yet
+  std::string bus;        ///< empty: that of its cover
+  double cable_mm = 0.0;  ///< from the bus, or the USB hub, to the controller; 0: not given
+};
+
+/// How the pose of a cover was measured (docs/robot_file.md).
+struct Measured {
+  int points = 0;
+  double rms_mm = 0.0;
+};
+
+/// A cover: one design at one place of the robot.
+struct CoverEntry {
+  std::string name;
+  std::string design;           ///< file, relative to the robot file
+  std::uint64_t design_id = 0;  ///< of the design when it was added
+  std::string bus;              ///< of its controllers, unless they name another
+  std::string frame;            ///< link of the robot that it is fixed to; empty: the robot's base
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< of the mesh frame in that link, mm
+  /// x, y, z in mm, then roll, pitch, yaw in rad (fixed axes, as URDF has them), where the file gives the pose so.
+  std::optional<std::array<double, 6>> xyz_rpy;
+  std::optional<Measured> measured;
+  double rate_hz = 0.0;  ///< samples a second that are wanted of each module; 0: as many as fit
+  std::vector<ControllerEntry> controllers;
+};
+
+/// A robot file (docs/robot_file.md): which covers the robot wears, and what hangs on which bus.
+struct Robot {
+  static constexpr int kVersion = 1;
+  std::string name;
+  std::string urdf;  ///< file with the robot's links, relative to the robot file; empty: none
+  std::vector<BusEntry> buses;
+  std::vector<CoverEntry> covers;
+};
+
+/// True: the file is JSON whose format is that of robot files, of any version. Throws InputError when it cannot be
+/// read.
+[[nodiscard]] bool is_robot_file(const std::filesystem::path& path);
+/// Reads a robot file and checks its form: keys, types, ranges, that a pose turns and moves only. Throws InputError
+/// naming file and key, for another version with the remedy. What the parts say of each other is checked by check().
+[[nodiscard]] Robot read_robot(const std::filesystem::path& path);
+/// read_robot for the text of a file; throws InputError naming it `file`.
+[[nodiscard]] Robot parse_robot(const std::string& text, const std::string& file);
+/// The text of the file: one line a bus and a controller.
+[[nodiscard]] std::string robot_text(const Robot& robot);
+
+/// A pose as the file has it, {"matrix":[[…]]} or {"xyz_mm":[…],"rpy_rad":[…]}. Throws InputError naming `file`.
+[[nodiscard]] Eigen::Isometry3d parse_pose(const std::string& text, const std::string& file);
+/// PATCH=SERIAL, the unique id with 24 hexadecimal digits, as triskin discover shows it. Throws InputError.
+[[nodiscard]] std::pair<int, std::string> parse_serial(const std::string& text);
+/// Pose of x, y, z (mm) and roll, pitch, yaw (rad) about fixed axes, as URDF and SDF have them.
+[[nodiscard]] Eigen::Isometry3d pose_of(const std::array<double, 6>& xyz_rpy);
+/// Index of the bus of a controller in `robot.buses`; −1: there is none of that name.
+[[nodiscard]] int bus_of(const Robot& robot, const CoverEntry& cover, const ControllerEntry& controller);
+/// True for a name of a robot, bus or cover: 1 … 64 letters, digits, "_", "-"; a letter first.
+[[nodiscard]] bool is_name(const std::string& text);
+
+}  // namespace triskin::robot

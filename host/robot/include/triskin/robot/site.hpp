@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/design/side_by_side.hpp"
+#include "triskin/jobs/flash.hpp"
+#include "triskin/robot/assembly.hpp"
+#include "triskin/session/stream.hpp"
+
+namespace triskin::robot {
+
+/// What of a cover hangs on one bus.
+struct CoverOnBus {
+  std::string name;  ///< on the robot; empty for a design file
+  std::filesystem::path design_file;
+  design::Design design;             ///< with the node addresses of this bus, and the cover's name
+  std::vector<std::string> serials;  ///< by patch; empty: not known
+  int cover = 0;                     ///< index in the robot file
+  int first_module = 0;              ///< number of its module 0 on a simulated bus (device::CoverLink)
+  bool chosen = true;                ///< false: choose() left it out; it keeps its addresses
+};
+
+/// One bus and what hangs on it.
+struct BusSite {
+  int number = 0;    ///< 0-based, over the buses of the robot that have something on them
+  std::string name;  ///< empty for a design file
+  std::string link;  ///< as --link has it; empty for a design file
+  wire::BitRates rates;
+  int every = 0;  ///< each n-th sample gives what the covers want; 0: as many as fit
+  std::vector<CoverOnBus> covers;
+};
+
+/// What device commands work on: the buses of a robot file, or the one bus of a design file. This is the only place
+/// that knows which of the two was given.
+struct Site {
+  std::filesystem::path file;
+  std::string name;
+  bool is_robot = false;
+  std::vector<BusSite> buses;  ///< with something on them
+};
+/// Reads a robot file or a design file that is to be deployed. Throws InputError as read_assembly and
+/// read_intact_design do, and listing the problems of a robot that check() finds.
+[[nodiscard]] Site read_site(const std::filesystem::path& path);
+/// The same of a robot that was read. Throws InputError listing its problems, or where it has no covers.
+[[nodiscard]] Site site_of(const Assembly& assembly);
+
+/// Leaves out all covers but `name`, and the buses on which it has nothing; empty: nothing is left out. Throws
+/// InputError naming the covers that there are.
+void choose(Site& site, const std::string& name);
+
+/// `options` for one cover of a bus: its serial numbers as assignments, the other covers as neighbours. Throws
+/// std::out_of_range where serials or addresses do not match the patches, which read_site excludes; as those below.
+[[nodiscard]] device::FlashOptions flash_options(const BusSite& bus, const CoverOnBus& cover,
+                                                 device::FlashOptions options);
+
+/// Controllers of the bus that `streamed` leaves out: they stream as well (device::StreamOptions::neighbours).
+/// Throws as flash_options.
+[[nodiscard]] std::vector<device::StreamDemand> other_demands(const BusSite& bus,
+                                                              std::span<const design::Design* const> streamed);
+
+/// `options` for a stream of `streamed`: the other covers as neighbours, and the rate that the robot file wants where
+/// `options` leaves it open. Throws as flash_options.
+[[nodiscard]] device::StreamOptions stream_options(const BusSite& bus, std::span<const design::Design* const> streamed,
+                                                   device::StreamOptions options);
+
+/// All covers of a robot in the frame of its base (joints at 0), for pictures and exports; cover c of the robot file is
+/// element c of the offsets. Throws as design::side_by_side does.
+[[nodiscard]] design::SideBySide in_base(const Assembly& assembly);
+
+/// What pictures and exports show of a file: a design as it is, the covers of a robot as in_base() joins them. Throws
+/// InputError as design::read_design and read_assembly do.
+[[nodiscard]] design::Design read_shown(const std::filesystem::path& path);
+
+}  // namespace triskin::robot

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "triskin/design/side_by_side.hpp"
+#include "triskin/scene/scene.hpp"
+#include "triskin/wire/bus_load.hpp"
+
+namespace triskin::scene {
+
+/// A cover on a simulated bus.
+struct SimulatedCover {
+  std::string name;                    ///< unique on the robot; the electrodes of its modules are drawn from it
+  const design::Design* design;        ///< with the node addresses of this bus (Design::node_addresses)
+  std::vector<wire::UniqueId> boards;  ///< by patch; all 0: made of name, design and node address
+};
+
+/// Several covers on one bus as one scene, in which nobody touches the skin and nothing is wrong.
+struct JointScene {
+  Scene scene;                               ///< patches whose controllers hang on another bus are left out
+  std::vector<design::CoverOffset> offsets;  ///< module m of cover c is module offsets[c].module + m of the scene
+};
+/// Joins covers; each lies 10 m from the next, so that a finger on one reaches no other. Another cover, or a changed
+/// one, leaves boards and electrodes of the others as they are. Throws as design::side_by_side does. Cost: linear.
+[[nodiscard]] JointScene join_covers(std::span<const SimulatedCover> covers, const wire::BitRates& rates);
+
+}  // namespace triskin::scene

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/simlink/open_bus.hpp"
+
+#include <fmt/format.h>
+
+#include "triskin/host/interrupt.hpp"
+#include "triskin/scene/virtual_skin.hpp"
+#include "triskin/simlink/sim_link.hpp"
+#include "triskin/simlink/tcp_link.hpp"
+
+namespace triskin::device {
+namespace {
+
+wire::UniqueId id_of(const std::string& serial) {
+  wire::UniqueId id{};
+  for (std::size_t k = 0; 2 * k + 1 < serial.size() && k < id.size(); ++k)
+    id[k] = static_cast<std::uint8_t>(std::stoi(serial.substr(2 * k, 2), nullptr, 16));
+  return id;
+}
+
+std::string link_of(const robot::Site& site, std::size_t bus, const LinkOptions& options) {
+  if (!options.chosen) return site.buses[bus].link;
+  if (!options.link.starts_with("sim:")) {
+    if (options.link == "sim" || site.buses.size() == 1) return options.link;
+    throw InputError(
+        fmt::format("--link {}: {} has {} buses; its file names their links, only sim or sim:HOST:PORT can "
+                    "stand for all of them",
+                    options.link, site.file.string(), site.buses.size()));
+  }
+  const HostPort at = parse_host_port(options.link.substr(4));
+  return fmt::format("sim:{}:{}", at.host, at.port + site.buses[bus].number);
+}
+
+}  // namespace
+
+scene::Scene scene_of(const robot::BusSite& bus, bool switched) {
+  std::vector<scene::SimulatedCover> covers;
+  for (const robot::CoverOnBus& c : bus.covers) {
+    scene::SimulatedCover cover{c.name, &c.design, {}};
+    for (const std::string& serial : c.serials) cover.boards.push_back(id_of(serial));
+    covers.push_back(std::move(cover));
+  }
+  scene::Scene scene = scene::join_covers(covers, bus.rates).scene;
+  scene.switched = switched;
+  return scene;
+}
+
+std::filesystem::path state_folder_of(const robot::Site& site, const robot::BusSite& bus) {
+  return scene::state_folder() / ("robot_" + site.name) / bus.name;
+}
+
+std::vector<std::unique_ptr<Link>> open_buses(const robot::Site& site, const LinkOptions& options) {
+  std::vector<std::unique_ptr<Link>> links;
+  for (std::size_t bus = 0; bus < site.buses.size(); ++bus) links.push_back(open_bus(site, bus, options));
+  return links;
+}
+
+std::unique_ptr<Link> open_bus(const robot::Site& site, std::size_t bus, const LinkOptions& options) {
+  const robot::BusSite& entry = site.buses.at(bus);
+  if (!site.is_robot) return open_link(options, &entry.covers.front().design);
+  if (!options.scene.empty()) throw InputError("--scene is for a design file; a robot is simulated untouched");
+  LinkOptions own = options;
+  own.link = link_of(site, bus, options);
+  if (own.link != "sim") return open_link(own, nullptr);
+  catch_interrupts();
+  return std::make_unique<SimLink>(scene_of(entry, options.switched), state_folder_of(site, entry));
+}
+
+}  // namespace triskin::device

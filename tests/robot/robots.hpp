@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "support/strip_design.hpp"
+#include "triskin/link/cover_link.hpp"
+#include "triskin/robot/edit.hpp"
+#include "triskin/robot/site.hpp"
+#include "triskin/session/bus.hpp"
+#include "triskin/simlink/open_bus.hpp"
+#include "triskin/simlink/sim_link.hpp"
+
+namespace triskin::test {
+
+/// A robot without covers; its buses are simulated.
+inline robot::Assembly bare_robot(int buses) {
+  robot::Assembly a;
+  a.file = "robot.json";
+  a.robot.name = "robot";
+  for (int b = 0; b < buses; ++b) a.robot.buses.push_back(robot::parse_bus("bus" + std::to_string(b) + "=sim"));
+  return a;
+}
+
+/// A strip of `modules`, `per_patch` to a controller, on bus `bus`.
+inline void add_strip(robot::Assembly& a, const std::string& name, int bus, int modules, int per_patch) {
+  a.designs.push_back(strip(modules, per_patch));
+  robot::CoverEntry cover;
+  cover.name = name;
+  cover.bus = a.robot.buses[static_cast<std::size_t>(bus)].name;
+  cover.design = name + ".json";
+  a.robot.covers.push_back(cover);
+  robot::seat(a.robot, a.robot.covers.back(), a.designs.back());
+}
+
+/// One bus of a robot in the simulation, whose boards keep their flash in `folder` (empty: in memory).
+class SimulatedBus {
+ public:
+  explicit SimulatedBus(const robot::BusSite& site, const std::filesystem::path& folder = {})
+      : site_(site), link_(device::scene_of(site, false), folder), bus_(link_) {}
+
+  [[nodiscard]] device::Bus& bus() { return bus_; }
+  [[nodiscard]] device::SimLink& link() { return link_; }
+  [[nodiscard]] scene::VirtualSkin& skin() { return link_.skin(); }
+  device::FlashResult flash(std::size_t cover, const device::FlashOptions& options = {}) {
+    const robot::CoverOnBus& c = site_.covers[cover];
+    return device::flash(bus_, c.design, robot::flash_options(site_, c, options));
+  }
+  /// Flash operations of every controller, by node address.
+  [[nodiscard]] std::vector<std::uint64_t> operations() {
+    std::vector<std::uint64_t> counts(128);
+    for (std::size_t p = 0; p < skin().controllers(); ++p)
+      counts[skin().scene().design.node_addresses[p]] = skin().flash(p).operations();
+    return counts;
+  }
+  /// Until the controllers have found and kept the offsets of their converters, and write nothing by themselves.
+  void settle() { bus_.listen(bus_.now_us() + 3'000'000); }
+
+ private:
+  const robot::BusSite& site_;
+  device::SimLink link_;
+  device::Bus bus_;
+};
+
+}  // namespace triskin::test

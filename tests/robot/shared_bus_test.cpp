@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Several covers on one bus: addresses of the robot file, boards that are left alone, one stream for all.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <map>
+
+#include "robot/robots.hpp"
+#include "triskin/jobs/verify.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/session/stream.hpp"
+
+namespace triskin::robot {
+namespace {
+
+using test::add_strip;
+using test::bare_robot;
+using test::SimulatedBus;
+
+// Controllers 1 … 3, 4 and 5, 6.
+Assembly three_covers() {
+  Assembly a = bare_robot(1);
+  add_strip(a, "upper", 0, 12, 4);
+  add_strip(a, "lower", 0, 10, 5);
+  add_strip(a, "hand", 0, 3, 16);
+  return a;
+}
+
+TEST(SharedBus, covers_are_flashed_one_after_the_other_whatever_the_order) {
+  const Site site = site_of(three_covers());
+  SimulatedBus bus(site.buses[0]);
+  for (const std::size_t cover : {2U, 0U, 1U}) {
+    const auto r = bus.flash(cover);
+    EXPECT_EQ(r.skipped, 0);
+    for (const auto& p : r.patches) EXPECT_TRUE(p.written);
+  }
+  const std::vector<std::uint64_t> ids{site.buses[0].covers[0].design.design_id,
+                                       site.buses[0].covers[1].design.design_id,
+                                       site.buses[0].covers[2].design.design_id};
+  const int owner[] = {0, 0, 0, 0, 1, 1, 2};
+  for (std::uint8_t node = 1; node <= 6; ++node)
+    EXPECT_EQ(device::Controller(bus.bus(), node).active_table().design_id, ids[static_cast<std::size_t>(owner[node])]);
+  for (std::size_t cover = 0; cover < 3; ++cover) EXPECT_EQ(bus.flash(cover).bytes, 0U);
+}
+
+TEST(SharedBus, every_cover_verifies_with_its_own_modules) {
+  const Site site = site_of(three_covers());
+  SimulatedBus bus(site.buses[0]);
+  for (std::size_t cover = 0; cover < 3; ++cover) (void)bus.flash(cover);
+  bus.settle();
+  device::VerifyOptions options;
+  options.touch = true;
+  options.watch_s = 0.5;
+  for (const CoverOnBus& cover : site.buses[0].covers) {
+    device::CoverLink link(bus.link(), cover.first_module);
+    device::Bus own(link);
+    const auto r = device::verify(own, cover.design, options);
+    EXPECT_TRUE(r.findings.empty()) << cover.name << ": " << r.findings.front().text;
+    EXPECT_EQ(r.touched, static_cast<int>(cover.design.layout.modules.size()));
+    EXPECT_EQ(r.modules_ok, r.modules);
+  }
+  // Without its own count of modules a cover sees the finger on its neighbour.
+  device::Bus wrong(bus.link());
+  EXPECT_FALSE(device::verify(wrong, site.buses[0].covers[1].design, options).findings.empty());
+}
+
+TEST(SharedBus, one_stream_reads_all_covers_and_knows_each_account) {
+  const Site site = site_of(three_covers());
+  SimulatedBus bus(site.buses[0]);
+  for (std::size_t cover = 0; cover < 3; ++cover) (void)bus.flash(cover);
+  std::vector<const design::Design*> covers;
+  for (const CoverOnBus& c : site.buses[0].covers) covers.push_back(&c.design);
+  std::map<std::pair<int, int>, int> heard;
+  device::Stream stream(bus.bus(), covers, [&](const device::ModuleFrame& f) { ++heard[{f.cover, f.module}]; });
+  stream.run_until(bus.bus().now_us() + 1'000'000);
+  stream.finish();
+  EXPECT_EQ(heard.size(), 25U);
+  EXPECT_TRUE(stream.report().complete());
+  EXPECT_EQ(stream.report().modules.size(), 25U);
+  EXPECT_EQ(stream.report(1).modules.size(), 10U);
+  EXPECT_EQ(stream.report(2).modules.size(), 3U);
+  // One budget for the 25 modules: 1.04 · 25 · 317.5 / 36,900.
+  EXPECT_NEAR(stream.budget().full, 0.224, 0.001);
+}
+
+// A lease is for all that hear it: a reader of one cover lets the others stream as well. What was wrong: 245 modules on
+// one bus, and the reader of 123 of them took every second sample, which is 110 % of the bus; a tenth found no room.
+TEST(SharedBus, the_budget_of_one_cover_counts_the_others) {
+  Assembly a = bare_robot(1);
+  add_strip(a, "near", 0, 64, 16);
+  add_strip(a, "far", 0, 80, 16);
+  const Site site = site_of(a);
+  SimulatedBus bus(site.buses[0]);
+  for (std::size_t cover = 0; cover < 2; ++cover) (void)bus.flash(cover);
+  bus.settle();
+  const std::array streamed{&site.buses[0].covers[0].design};
+  device::Stream stream(bus.bus(), streamed, {}, stream_options(site.buses[0], streamed, {}));
+  EXPECT_EQ(stream.budget().every, 2);  // 144 modules are 129 % of the bus, 64 alone were 57 %
+  stream.run_until(bus.bus().now_us() + 1'000'000);
+  stream.finish();
+  EXPECT_TRUE(stream.report().complete());
+  EXPECT_EQ(stream.report().modules.size(), 64U);
+}
+
+// A cover that is replaced by one of another design, with boards of its own: the other boards are not written.
+TEST(SharedBus, a_replaced_cover_leaves_the_other_boards_as_they_are) {
+  const auto folder = std::filesystem::temp_directory_path() / ("shared_bus." + std::to_string(::getpid()));
+  std::filesystem::remove_all(folder);
+  Assembly a = three_covers();
+  {
+    const Site site = site_of(a);
+    SimulatedBus bus(site.buses[0], folder);
+    for (std::size_t cover = 0; cover < 3; ++cover) (void)bus.flash(cover);
+    bus.settle();
+  }
+  a.designs[1] = test::strip(12, 4);  // three controllers instead of two
+  seat(a.robot, a.robot.covers[1], a.designs[1]);
+  const Site site = site_of(a);
+  SimulatedBus bus(site.buses[0], folder);
+  bus.settle();
+  const auto before = bus.operations();
+  for (std::size_t cover = 0; cover < 3; ++cover) (void)bus.flash(cover);
+  bus.settle();
+  const auto after = bus.operations();
+  for (const std::size_t node : {1, 2, 3, 6}) EXPECT_EQ(after[node], before[node]) << "node address " << node;
+  for (const std::size_t node : {4, 5, 7}) EXPECT_GT(after[node], before[node]) << "node address " << node;
+  std::filesystem::remove_all(folder);
+}
+
+// The same boards get a new design: they hold the table of the old one, and only their names in the robot file, or
+// the option, say that it is meant.
+TEST(SharedBus, boards_of_a_changed_design_are_written_when_the_file_names_them) {
+  Assembly a = three_covers();
+  int n = 0;
+  for (CoverEntry& cover : a.robot.covers) {
+    for (ControllerEntry& e : cover.controllers) e.serial = fmt::format("{:024X}", 0xABC0 + n++);
+  }
+  const auto folder = std::filesystem::temp_directory_path() / ("changed_design." + std::to_string(::getpid()));
+  std::filesystem::remove_all(folder);
+  {
+    const Site site = site_of(a);
+    SimulatedBus bus(site.buses[0], folder);
+    for (std::size_t cover = 0; cover < 3; ++cover) (void)bus.flash(cover);
+    bus.settle();
+  }
+  a.designs[1] = test::strip(8, 4);
+  seat(a.robot, a.robot.covers[1], a.designs[1]);
+  Assembly nameless = a;
+  for (ControllerEntry& e : nameless.robot.covers[1].controllers) e.serial.clear();
+  const Site site = site_of(a), nameless_site = site_of(nameless);
+  SimulatedBus bus(site.buses[0], folder);
+  bus.settle();
+  const auto before = bus.operations();
+  const CoverOnBus& unnamed = nameless_site.buses[0].covers[1];
+  EXPECT_THROW((void)device::flash(bus.bus(), unnamed.design, flash_options(nameless_site.buses[0], unnamed, {})),
+               DeviceError);
+  EXPECT_EQ(bus.operations(), before);
+  EXPECT_EQ(bus.flash(1).bytes > 0, true);
+  bus.settle();
+  const auto after = bus.operations();
+  for (const std::size_t node : {1, 2, 3, 6}) EXPECT_EQ(after[node], before[node]) << "node address " << node;
+  for (const std::size_t node : {4, 5}) EXPECT_GT(after[node], before[node]) << "node address " << node;
+  std::filesystem::remove_all(folder);
+}
+
+// Two covers of one design on one bus: the address says which is which.
+TEST(SharedBus, equal_designs_are_told_apart_by_their_addresses) {
+  Assembly a = bare_robot(1);
+  add_strip(a, "left", 0, 8, 4);
+  add_strip(a, "right", 0, 8, 4);
+  const Site site = site_of(a);
+  SimulatedBus bus(site.buses[0]);
+  (void)bus.flash(0);
+  (void)bus.flash(1);
+  bus.settle();
+  const auto before = bus.operations();
+  EXPECT_EQ(bus.flash(1).skipped, 2);
+  EXPECT_EQ(bus.flash(0).skipped, 2);
+  EXPECT_EQ(bus.operations(), before);
+}
+
+// Boards that were flashed by the design file alone have addresses 1 and 2; the robot file gives them 5 and 6.
+TEST(SharedBus, boards_flashed_without_a_robot_file_move_to_their_addresses) {
+  Assembly a = bare_robot(1);
+  add_strip(a, "arm", 0, 8, 4);
+  const auto folder = std::filesystem::temp_directory_path() / ("moved_boards." + std::to_string(::getpid()));
+  std::filesystem::remove_all(folder);
+  for (ControllerEntry& e : a.robot.covers[0].controllers) e.serial = fmt::format("{:024X}", 0xABC0 + e.patch);
+  const Site named = site_of(a);
+  {
+    SimulatedBus bus(named.buses[0], folder);
+    (void)device::flash(bus.bus(), test::strip(8, 4));
+  }
+  for (ControllerEntry& e : a.robot.covers[0].controllers) e.node += 4;
+  const Site moved = site_of(a);
+  SimulatedBus bus(moved.buses[0], folder);
+  device::FlashOptions nameless;  // the serial numbers are not given: the tables say which patch a board serves
+  const auto r = device::flash(bus.bus(), moved.buses[0].covers[0].design, nameless);
+  ASSERT_EQ(r.patches.size(), 2U);
+  for (const auto& p : r.patches) {
+    EXPECT_EQ(p.old_address, p.patch + 1);
+    EXPECT_EQ(p.address, p.patch + 5);
+    EXPECT_EQ(p.serial, fmt::format("{:024X}", 0xABC0 + p.patch));
+  }
+  EXPECT_EQ(bus.flash(0).skipped, 2);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(SharedBus, a_cover_may_hang_on_two_buses) {
+  Assembly a = bare_robot(2);
+  add_strip(a, "back", 0, 12, 4);
+  a.robot.covers[0].controllers[2].bus = "bus1";
+  a.robot.covers[0].controllers[2].node = 1;
+  const Site site = site_of(a);
+  ASSERT_EQ(site.buses.size(), 2U);
+  int modules = 0;
+  for (const BusSite& entry : site.buses) {
+    SimulatedBus bus(entry);
+    EXPECT_EQ(bus.flash(0).patches.size(), entry.number == 0 ? 2U : 1U);
+    bus.settle();
+    device::VerifyOptions options;
+    options.touch = true;
+    options.watch_s = 0.5;
+    const auto r = device::verify(bus.bus(), entry.covers[0].design, options);
+    EXPECT_TRUE(r.findings.empty()) << r.findings.front().text;
+    EXPECT_EQ(r.modules_ok, r.modules);
+    modules += r.modules;
+  }
+  EXPECT_EQ(modules, 12);
+}
+
+}  // namespace
+}  // namespace triskin::robot

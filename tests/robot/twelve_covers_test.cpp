@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A robot as the program sees it: 12 covers, 96 controllers, 6 buses, served by `simulate` and reached by one file.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+
+#include "cli/shell_case.hpp"
+#include "support/strip_design.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+class RobotCommands : public ShellCase {
+ protected:
+  void TearDown() override {
+    if (server_ > 0) (void)std::system(fmt::format("kill {}", server_).c_str());
+    ShellCase::TearDown();
+  }
+  // Cover k has strips of 30 + k modules, so that no two designs are equal.
+  void make_robot(int covers, int buses, int modules, int per_patch) {
+    std::string command = "robot new robot.json --name robot";
+    for (int b = 0; b < buses; ++b) command += fmt::format(" --bus bus{}=sim", b);
+    ASSERT_EQ(run(command).status, 0);
+    for (int c = 0; c < covers; ++c) {
+      design::write_design(folder_ / fmt::format("cover{}.json", c), strip(modules + c, per_patch));
+      const Outcome added =
+          run(fmt::format("robot add robot.json cover{0}.json --name cover{0} --bus bus{1}", c, c % buses));
+      ASSERT_EQ(added.status, 0) << added.messages;
+    }
+  }
+  json asked(const std::string& arguments, int status = 0) const {
+    const Outcome o = run(arguments + " --json");
+    EXPECT_EQ(o.status, status) << arguments << ": " << o.messages;
+    const auto last = o.out.rfind('\n', o.out.size() - 2);
+    return json::parse(last == std::string::npos ? o.out : o.out.substr(last + 1), nullptr, false);
+  }
+  // Returns the link under which the buses are served.
+  std::string serve() {
+    write_file_atomically(folder_ / "served", "");
+    const std::string command = line("simulate robot.json --listen 127.0.0.1:0") + " >served 2>&1 & echo $! >pid";
+    EXPECT_EQ(std::system(fmt::format("cd '{}' && ({})", folder_.string(), command).c_str()), 0);
+    server_ = std::stoi(read_file(folder_ / "pid"));
+    for (int tries = 0; tries < 600; ++tries) {
+      const std::string text = read_file(folder_ / "served");
+      const auto at = text.find(" modules on ");
+      const auto end = text.find(';', at);
+      if (at != std::string::npos && end != std::string::npos) return text.substr(at + 12, end - at - 12);
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    ADD_FAILURE() << read_file(folder_ / "served");
+    return "";
+  }
+  int server_ = 0;
+};
+
+// The same as below, small, with every bus simulated in the process of each command.
+TEST_F(RobotCommands, two_buses_by_one_file) {
+  make_robot(3, 2, 6, 3);
+  const json shown = asked("robot show robot.json");
+  EXPECT_EQ(shown["buses"][0]["modules"], 6 + 8);
+  const json first = asked("flash robot.json");
+  EXPECT_EQ(first["controllers"], 2 + 3 + 3);
+  EXPECT_EQ(first["skipped"], 0);
+  const json verified = asked("verify robot.json --watch-s 0.5");
+  EXPECT_EQ(verified["modules_ok"], 6 + 7 + 8);
+  EXPECT_EQ(verified["covers"][1]["cover"], "cover2");  // by bus
+  const json recorded = asked("record robot.json -o recorded --seconds 0.5");
+  EXPECT_EQ(recorded["lost"], 0);
+  for (const char* cover : {"cover0", "cover1", "cover2"})
+    EXPECT_EQ(run(fmt::format("replay recorded/{}.mcap --speed 0", cover)).status, 0) << cover;
+  EXPECT_EQ(asked("live robot.json --seconds 0.5")["lost"], 0);
+  EXPECT_EQ(asked("live robot.json --cover cover2 --press 7 --seconds 1")["pressed"][0]["module"], 7);
+  const json found = asked("discover robot.json --note");
+  EXPECT_EQ(found["noted"], 8);
+  EXPECT_EQ(found["controllers"][0]["cover"], "cover0");
+  EXPECT_EQ(asked("discover robot.json --note")["noted"], 0);
+  EXPECT_EQ(asked("flash robot.json")["bytes"], 0);
+  EXPECT_EQ(run("export robot.json --format gltf -o robot.gltf").status, 0);
+}
+
+// Nobody serves the second bus.
+TEST_F(RobotCommands, a_bus_that_is_away_leaves_the_others_their_tables) {
+  make_robot(2, 2, 6, 3);
+  std::string text = read_file(folder_ / "robot.json");
+  const std::string right = R"("name":"bus1","link":"sim")";
+  ASSERT_NE(text.find(right), std::string::npos);
+  text.replace(text.find(right), right.size(), R"("name":"bus1","link":"can:nobody0")");
+  write_file_atomically(folder_ / "robot.json", text);
+  EXPECT_EQ(run("flash robot.json").status, 3);  // known before anything is written
+  EXPECT_EQ(asked("flash robot.json --cover cover0")["bytes"].get<int>() > 0, true);
+  EXPECT_EQ(asked("verify robot.json --cover cover0 --watch-s 0.5")["findings"], 0);
+}
+
+TEST_F(RobotCommands, refusals_name_the_remedy) {
+  make_robot(2, 1, 6, 3);
+  EXPECT_THAT(run("flash robot.json --patch 0").messages, HasSubstr("--cover"));
+  EXPECT_THAT(run("verify robot.json --cover head").messages, HasSubstr("cover0, cover1"));
+  EXPECT_THAT(run("robot add robot.json cover0.json --name cover0").messages, HasSubstr("--replace"));
+  EXPECT_THAT(run("robot show robot.json --name x").messages, HasSubstr("--name is for another action"));
+  // The design file is made anew under its old name.
+  design::write_design(folder_ / "cover1.json", strip(9, 3));
+  const Outcome changed = run("flash robot.json");
+  EXPECT_EQ(changed.status, 2);
+  EXPECT_THAT(changed.messages, HasSubstr("robot add robot.json cover1.json --name cover1 --replace"));
+  EXPECT_EQ(run("robot show robot.json").status, 1);
+  EXPECT_EQ(run("robot add robot.json cover1.json --name cover1 --replace").status, 0);
+  EXPECT_EQ(run("robot show robot.json").status, 0);
+}
+
+TEST_F(RobotCommands, register_writes_a_pose_and_leaves_the_file_alone_for_a_bad_one) {
+  make_robot(1, 1, 20, 16);
+  // Turned by 90° about z and moved.
+  std::string good = "module,taxel,x_mm,y_mm,z_mm\n";
+  const auto wiring = design::wiring_of(strip(20));
+  for (const int m : {0, 4, 7, 9, 13, 18}) {
+    const auto at = design::taxels_of(strip(20).layout.modules[static_cast<std::size_t>(m)],
+                                      wiring[static_cast<std::size_t>(m)].routed.rotation)[9]
+                        .position_mm;
+    good += fmt::format("{},9,{},{},{}\n", m, 100 - at.y(), 50 + at.x(), 7.0);
+  }
+  write_file_atomically(folder_ / "touches.csv", good);
+  const json r = asked("robot register robot.json touches.csv --name cover0");
+  EXPECT_LT(r["rms_mm"].get<double>(), 1e-3);
+  EXPECT_TRUE(r["mirror_unknown"]);  // a strip is flat
+  EXPECT_THAT(read_file(folder_ / "robot.json"), HasSubstr("\"measured\":{\"points\":6"));
+  EXPECT_EQ(run("robot show robot.json").status, 0);
+  const std::string before = read_file(folder_ / "robot.json");
+  write_file_atomically(folder_ / "touches.csv", good + "19,3,0,0,0\n");  // 300 mm from where it should be
+  const Outcome bad = run("robot register robot.json touches.csv --name cover0");
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_THAT(bad.out, HasSubstr("is above 5 mm, largest at touch 7"));
+  EXPECT_EQ(read_file(folder_ / "robot.json"), before);
+}
+
+TEST_F(RobotCommands, TwelveCovers_96_controllers_6_buses) {
+  make_robot(12, 6, 30, 4);  // 30 … 41 modules, 8 … 11 controllers a cover
+  const json shown = asked("robot show robot.json");
+  int controllers = 0, modules = 0;
+  for (const auto& bus : shown["buses"]) {
+    controllers += bus["controllers"].get<int>();
+    modules += bus["modules"].get<int>();
+  }
+  EXPECT_GE(controllers, 96);
+  const std::string link = " --link " + serve();
+  const json flashed = asked("flash robot.json" + link);
+  EXPECT_EQ(flashed["controllers"], controllers);
+  EXPECT_EQ(flashed["skipped"], 0);
+  const json verified = asked("verify robot.json --no-touch" + link);
+  EXPECT_EQ(verified["modules_ok"], modules);
+  EXPECT_EQ(asked("live robot.json --seconds 2" + link)["lost"], 0);
+  EXPECT_EQ(asked("record robot.json -o recorded --seconds 2" + link)["lost"], 0);
+  EXPECT_EQ(asked("discover robot.json --note" + link)["noted"], controllers);
+  std::printf("%d controllers, %d modules: flash %.2f s\n", controllers, modules, flashed["seconds"].get<double>());
+}
+
+}  // namespace
+}  // namespace triskin::test

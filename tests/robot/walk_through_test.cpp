@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The commands of docs/robot_file.md do what the page says.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+namespace triskin::test {
+namespace {
+
+TEST(RobotFilePage, its_commands_run) {
+#ifndef TRISKIN_HAS_GEOMETRY
+  GTEST_SKIP() << "built without the solvers";
+#endif
+  const auto program = std::filesystem::path(TRISKIN_PROGRAM);
+  const std::string command = fmt::format("python3 '{0}/tools/check_readme' '{0}/docs/robot_file.md' '{1}'",
+                                          TRISKIN_SOURCE, program.parent_path().string());
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+}  // namespace
+}  // namespace triskin::test
