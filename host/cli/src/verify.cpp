@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 
 #include "offset_lines.hpp"
+#include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/error.hpp"
@@ -65,15 +67,33 @@ void write_report(const std::string& file, const design::Design& design, const d
                                            : json.dump(1) + "\n");
 }
 
+// The patch that a code names, or −1: of none.
+int patch_of(const DesignArgument& argument, const design::Design& design, const Output& output) {
+  if (!argument.code) return -1;
+  const int patch = argument.code->patch;
+  if (patch >= static_cast<int>(design.patches.size()))
+    throw InputError(fmt::format("{}: there is no controller {}; this code is of another sheet", argument.path, patch));
+  output.say(fmt::format("{}, page {} of its assembly sheet{}", argument.path, argument.code->page,
+                         patch < 0 ? "" : fmt::format(": controller {}", patch)));
+  return patch;
+}
+
 int run(Options options, Output& output) {
   check_report(options.report);
-  const design::Design design = design::read_intact_design(options.design);
+  const DesignArgument argument = find_design(options.design);
+  const design::Design design = design::read_intact_design(argument.path);
+  const int patch = patch_of(argument, design, output);
   const auto link = device::open_link(options.link, &design);
   // The virtual finger costs nobody anything, so it always tries every module.
   if (link->finger() != nullptr) options.verify.touch = !options.no_touch;
-  options.verify.ask = ask_person;
+  const auto wiring = design::wiring_of(design);
+  // A person at one patch is asked for its modules only.
+  options.verify.ask = [&](int module) {
+    return (patch < 0 || wiring.at(static_cast<std::size_t>(module)).patch == patch) && ask_person(module);
+  };
   device::Bus bus(*link);
-  const device::VerifyResult r = device::verify(bus, design, options.verify, output.progress());
+  device::VerifyResult r = device::verify(bus, design, options.verify, output.progress());
+  if (patch >= 0) std::ranges::stable_partition(r.findings, [patch](const auto& f) { return f.patch == patch; });
   nlohmann::json findings = nlohmann::json::array();
   for (const auto& f : r.findings) {
     findings.push_back(to_json(f));
@@ -104,7 +124,8 @@ const Registration kVerify{{
     "triskin verify forearm.json --link sim --touch",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("DESIGN", options->design, "design file")->required();
+      app.add_option("DESIGN", options->design, "design file, or the text of a QR code of its assembly sheet")
+          ->required();
       add_link_options(app, options->link);
       app.add_flag("--touch", options->verify.touch,
                    "press every module in turn; simulated links have a finger of their own and always do");
