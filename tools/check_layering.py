@@ -45,17 +45,21 @@ PARTS = [
     Part("host/simlink", "simlink", "host design base wire layout sim scene link session jobs robot", HOST_BASE,
          "triskin_simlink"),
     Part("host/view", "view", "host design base wire layout", HOST_BASE + " boost_beast", "triskin_view"),
+    Part("host/sheet", "sheet", "host design base wire layout", HOST_BASE + " cairo", "triskin_sheet"),
+    Part("host/hdf5", "hdf5", "host design base wire layout", HOST_BASE + " HDF5", "triskin_hdf5"),
     Part("host/cli/src/geometry", "",
-         "cli host design geometry pipeline check base wire layout sim scene recording link session jobs robot simlink view",
+         "cli host design geometry pipeline check base wire layout sim scene recording link session jobs robot simlink "
+         "view sheet hdf5",
          HOST_BASE + " CLI"),
-    Part("host/cli", "cli", "host design base wire layout sim scene recording link session jobs robot simlink view",
+    Part("host/cli", "cli",
+         "host design base wire layout sim scene recording link session jobs robot simlink view sheet hdf5",
          HOST_BASE + " CLI", "triskin"),
     Part("tools/machine", "machine", "host base wire layout sim", "fmt unicorn", "triskin_machine"),
 ]
 # Include paths of libraries that only the parts that name them may include.
 FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "fmt": r"^fmt/", "tbb": r"^(tbb|oneapi)/",
            "assimp": r"^assimp/", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
-           "boost_beast": r"^boost/(beast|asio)/", "CLI": r"^CLI/",
+           "boost_beast": r"^boost/(beast|asio)/", "cairo": r"^(cairo|qrencode)", "HDF5": r"^(hdf5|H5)", "CLI": r"^CLI/",
            "Cbc": r"^(Cbc|Coin|Osi|Cgl|Clp)", "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
            "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).

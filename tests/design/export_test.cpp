@@ -107,6 +107,42 @@ TEST(ExportGltf, carries_the_surface_in_its_buffer) {
   EXPECT_THROW((void)design::gltf(bare), InputError);
 }
 
+// 5 mm cut: long sides of 20 mm and short ones of 5 mm, in the frame of the module.
+TEST(ExportGltf, draws_cut_corners) {
+  design::Design d = strip(1);
+  d.layout.corner_cut_mm = 5.0;
+  const json scene = json::parse(design::gltf(d));
+  EXPECT_EQ(scene["nodes"].back()["extras"]["corner_cut_mm"], 5.0);
+  const json& shape = scene["meshes"][1]["primitives"][0];
+  const json& points = scene["accessors"][shape["attributes"]["POSITION"].get<std::size_t>()];
+  EXPECT_EQ(points["count"], 6);
+  EXPECT_EQ(scene["accessors"][shape["indices"].get<std::size_t>()]["count"], 12);
+  // The lowest long side runs from x = −10 to 10 mm; the widest points lie 5 mm up the other sides, at x = ±12.5 mm.
+  EXPECT_NEAR(number(points["max"][0]), 0.0125, 1e-7);
+  EXPECT_NEAR(number(points["max"][1]), (2 * design::kHeight_mm / 3 - 5 * 0.8660254037844386) / 1e3, 1e-7);
+}
+
+TEST(ExportGltf, draws_jumpers_between_the_middles_of_two_sides) {
+  design::Design d = strip(2);
+  d.layout.jumpers.push_back({{0, 1}, {0, 1}, 12.5, 0.0, design::JumperKind::kCable});
+  const json scene = json::parse(design::gltf(d));
+  std::size_t found = 0;
+  for (const json& node : scene["nodes"]) {
+    if (!node.value("extras", json::object()).contains("jumper")) continue;
+    ++found;
+    EXPECT_EQ(node["extras"]["modules"], json::array({0, 1}));
+    EXPECT_EQ(node["extras"]["length_mm"], 12.5);
+    const json& line = scene["meshes"][node["mesh"].get<std::size_t>()]["primitives"][0];
+    EXPECT_EQ(line["mode"], 1);
+    // Side 0 of module 0 has its middle at (15, 0), side 1 of module 1 at (30, h).
+    const json& ends = scene["accessors"][line["attributes"]["POSITION"].get<std::size_t>()];
+    EXPECT_NEAR(number(ends["min"][0]), 0.015, 1e-8);
+    EXPECT_NEAR(number(ends["max"][0]), 0.030, 1e-8);
+    EXPECT_NEAR(number(ends["max"][1]), design::kHeight_mm / 1e3, 1e-8);
+  }
+  EXPECT_EQ(found, 1U);
+}
+
 // Turns about the fixed axes x, then y, then z.
 Eigen::Matrix3d turn_of(const Vec3& rpy) {
   return (Eigen::AngleAxisd(rpy.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vec3::UnitY()) *
@@ -163,6 +199,17 @@ TEST(ExportUrdf, is_accepted_by_check_urdf) {
   write_file_atomically(file, design::urdf(d));
   EXPECT_EQ(std::system(("check_urdf " + file.string() + " > /dev/null").c_str()), 0);
   std::filesystem::remove(file);
+}
+
+// 4 mm cut: 26 mm wide, 25.98 − 3.46 mm high; its middle lies 11.26 − 8.66 mm over the centroid.
+TEST(ExportUrdf, draws_the_box_of_what_is_left_of_a_module) {
+  design::Design d = strip(1);
+  EXPECT_THAT(design::urdf(d), HasSubstr("<origin xyz=\"0 0.00433012702 0\"/>"));
+  EXPECT_THAT(design::urdf(d), HasSubstr("<box size=\"0.03 0.0259807621 0.001\"/>"));
+  d.layout.corner_cut_mm = 4.0;
+  EXPECT_THAT(design::urdf(d), HasSubstr("<origin xyz=\"0 0.00259807621 0\"/>"));
+  EXPECT_THAT(design::urdf(d), HasSubstr("<box size=\"0.026 0.0225166605 0.001\"/>"));
+  EXPECT_THAT(design::sdf(d), HasSubstr("<size>0.026 0.0225166605 0.001</size>"));
 }
 
 TEST(ExportSdf, has_a_frame_for_each_module) {

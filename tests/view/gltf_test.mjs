@@ -18,6 +18,12 @@ try {
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "gltf_test."));
 const design = path.join(folder, "strip.json"), file = path.join(folder, "strip.gltf");
 execFileSync(writeStrip, [design, "40"]);
+// With cut corners and a jumper, so that their shapes come before the validator too.
+const made = JSON.parse(fs.readFileSync(design, "utf8"));
+Object.assign(made, {version: 2, corner_cut_mm: 4, jumpers: [{kind: "cable", modules: [0, 5], sides: [0, 1], length_mm: 60, fold_rad: 0}]});
+made.limits.jumper_mm = 60;
+made.report.jumpers_lower_bound = 1;
+fs.writeFileSync(design, JSON.stringify(made));
 execFileSync(triskin, ["export", design, "-o", file], {stdio: "ignore"});
 const report = await validator.validateBytes(new Uint8Array(fs.readFileSync(file)), {uri: "strip.gltf"});
 fs.rmSync(folder, {recursive: true, force: true});

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <vector>
+
+#include "triskin/view/frame_track.hpp"
 
 namespace triskin::test {
 namespace {
@@ -86,6 +89,37 @@ TEST(ViewLiveSkin, ignores_modules_that_the_design_lacks) {
   skin.add(2, sample_of(1), 0);
   skin.add(-1, sample_of(1), 0);
   EXPECT_TRUE(skin.frame_since(seen).empty());
+}
+
+// Two modules every 20 ms for 100 ms: the samples at 0 and 20 ms make the first frame, those at 40 and 60 the second.
+TEST(ViewFrameTrack, gathers_the_samples_of_33_ms_into_a_frame) {
+  view::FrameTrack track(2, 10'000);
+  for (int k = 0; k < 6; ++k) {
+    for (int module = 0; module < 2; ++module)
+      track.add(module, sample_of(static_cast<std::uint16_t>(100 + k)), 5'000'000 + 20'000 * k);
+  }
+  const std::string bytes = track.finish();
+  std::vector<double> times_ms;
+  std::size_t at = 0;
+  while (at < bytes.size()) {
+    const std::size_t size = le(bytes, at, 4);
+    ASSERT_EQ(size, LiveSkin::kHeaderBytes + 2 * LiveSkin::kRecordBytes);
+    times_ms.push_back(std::bit_cast<double>(le(bytes, at + 4 + 8, 8)));
+    at += 4 + size;
+  }
+  EXPECT_EQ(at, bytes.size());
+  EXPECT_EQ(times_ms, (std::vector<double>{20, 60, 100}));
+  EXPECT_EQ(change(bytes.substr(at - LiveSkin::kHeaderBytes - 2 * LiveSkin::kRecordBytes), 1, 3),
+            4);  // 105 against the median 101
+  EXPECT_FALSE(track.is_cut());
+}
+
+TEST(ViewFrameTrack, drops_what_exceeds_its_limit) {
+  view::FrameTrack track(1, 120);  // a frame takes 4 + 16 + 32 bytes
+  for (int k = 0; k < 10; ++k) track.add(0, sample_of(10), 40'000 * k);
+  EXPECT_EQ(track.finish().size(), 104U);
+  EXPECT_TRUE(track.is_cut());
+  EXPECT_TRUE(view::FrameTrack(1, 100).finish().empty());
 }
 
 }  // namespace

@@ -37,6 +37,15 @@ TEST(ViewModel, has_modules_where_the_design_has_them) {
   EXPECT_EQ(m["metrics"].size(), model["metrics"].size());
 }
 
+TEST(ViewModel, has_jumpers_and_cut_corners) {
+  design::Design d = strip(2);
+  d.layout.corner_cut_mm = 3.5;
+  d.layout.jumpers.push_back({{0, 1}, {0, 1}, 12.5, 0.0, design::JumperKind::kCable});
+  const json model = json::parse(view::model_json(d));
+  EXPECT_EQ(model["corner_cut_mm"], 3.5);
+  EXPECT_EQ(model["jumpers"], json::parse(R"([{"modules":[0,1],"sides":[0,1],"length_mm":12.5}])"));
+}
+
 TEST(ViewPage, keeps_a_name_from_a_file_out_of_the_script) {
   design::Design d = strip(1);
   d.name = "</script><script>alert(1)</script>";

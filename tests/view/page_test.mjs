@@ -173,8 +173,47 @@ async function offline() {
   await browser.close();
 }
 
+// A finger on taxel 3 of module 7 from 2 s to 3 s of the link's time; recorded, then played by the page.
+async function recorded() {
+  const scene = path.join(folder, "scene.json"), recording = path.join(folder, "touch.mcap"), file = path.join(folder, "touch.html");
+  fs.writeFileSync(scene, JSON.stringify({format: "triskin-scene", version: 1, design: "strip.json", seed: 1,
+    contacts: [{module: 7, taxel: 3, at_s: 2, until_s: 3}]}));
+  execFileSync(triskin, ["flash", design, "--link", "sim"], {env: environment, stdio: "ignore"});
+  execFileSync(triskin, ["record", design, "--link", "sim", "--scene", scene, "-o", recording, "--seconds", "4"], {env: environment, stdio: "ignore"});
+  execFileSync(triskin, ["export", recording, "--format", "html", "-o", file], {env: environment, stdio: "ignore"});
+  const browser = await launch();
+  const {page, wrong} = await open(browser, pathToFileURL(file).href, (url) => url.startsWith("file:") || url.startsWith("data:"));
+  const at = (ms) => page.evaluate((t) => {
+    const scrubber = document.getElementById("scrubber");
+    scrubber.value = String(t);
+    scrubber.dispatchEvent(new Event("input"));
+    return window.triskin.pressed(7);
+  }, ms);
+  const length = await page.evaluate(() => window.triskin.player.length_ms);
+  assert(length > 3000 && length < 4500, `the recording has 4 s: ${length}`);
+  const touched = [];
+  for (let ms = 0; ms <= length; ms += 50) if ((await at(ms)).includes(3)) touched.push(ms);
+  assert(touched.length > 0, "the touch is in the recording");
+  const first = touched[0], last = touched[touched.length - 1];
+  assert(Math.abs(last - first - 1000) <= 150, `it lasts one second: ${first} to ${last}`);
+  assert.equal(touched.length, Math.round((last - first) / 50) + 1, "without a gap");
+  assert.deepEqual(await at(first - 200), [], "back in time it is not there yet");
+  assert((await at((first + last) / 2)).includes(3), "and forward it is there again");
+  await page.evaluate(() => { window.triskin.shown.numbers = false; });
+  await bringNear(page, 7);
+  assert(isHot(await colorAt(page, "flat", 7, 3)), "the pressed taxel is lit");
+  await page.screenshot({path: path.join(process.cwd(), "page_recorded.png")});
+  await page.selectOption("#speed", "10");
+  await page.evaluate(() => window.triskin.player.seek(0));
+  await page.click("#play");
+  await page.waitForFunction(() => !window.triskin.player.playing && window.triskin.player.ms >= window.triskin.player.length_ms);
+  assert.deepEqual(await page.evaluate(() => window.triskin.pressed(7)), [], "played to its end the finger is lifted");
+  assert.deepEqual(wrong, []);
+  await browser.close();
+}
+
 try {
-  await {live, offline}[name]();
+  await {live, offline, recorded}[name]();
   console.log("1 passed, 0 failed");
 } catch (e) {
   console.error(e);

@@ -8,30 +8,58 @@
 #include <memory>
 
 #include "triskin/cli/command.hpp"
+#include "triskin/cli/recorded_track.hpp"
+#include "triskin/design/icub_files.hpp"
+#include "triskin/hdf5/taxel_table.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/robot/site.hpp"
+#include "triskin/sheet/sheet.hpp"
+#include "triskin/view/frame_track.hpp"
 #include "triskin/view/page.hpp"
 
 namespace triskin::cli {
 namespace {
 
-struct Format {
-  const char* suffix;
-  std::string (*write)(const design::Design&);
-};
-const std::map<std::string, Format> kFormats{{"picture", {".svg", design::picture_svg}},
-                                             {"taxels", {".taxels.csv", design::taxels_csv}},
-                                             {"assembly", {".assembly.html", design::assembly_html}},
-                                             {"modules", {".modules.obj", design::modules_obj}},
-                                             {"html", {".html", view::page_html}},
-                                             {"gltf", {".gltf", design::gltf}},
-                                             {"urdf", {".urdf", design::urdf}},
-                                             {"sdf", {".sdf", design::sdf}}};
-
 struct Options {
   std::string design, format, output;
+  sheet::Paper paper = sheet::Paper::kA4;
 };
+
+struct Format {
+  const char* suffix;
+  std::string (*write)(const design::Design&, const Options&);
+};
+template <std::string (*write)(const design::Design&)>
+std::string plain(const design::Design& design, const Options& /*options*/) {
+  return write(design);
+}
+std::string page(const design::Design& design) {
+  return view::page_html(design);
+}
+template <std::string (*write)(const design::Design&, sheet::Paper)>
+std::string on_paper(const design::Design& design, const Options& options) {
+  return write(design, options.paper);
+}
+const std::map<std::string, Format> kFormats{{"picture", {".svg", plain<design::picture_svg>}},
+                                             {"taxels", {".taxels.csv", plain<design::taxels_csv>}},
+                                             {"assembly", {".assembly.html", plain<design::assembly_html>}},
+                                             {"modules", {".modules.obj", plain<design::modules_obj>}},
+                                             {"html", {".html", plain<page>}},
+                                             {"gltf", {".gltf", plain<design::gltf>}},
+                                             {"urdf", {".urdf", plain<design::urdf>}},
+                                             {"sdf", {".sdf", plain<design::sdf>}},
+                                             {"hdf5", {".h5", plain<hdf5::taxel_table>}},
+                                             {"icub-positions", {".positions.txt", plain<design::icub_positions>}},
+                                             {"icub-skingui", {".skingui.ini", plain<design::icub_skingui>}},
+                                             {"pdf", {".pdf", on_paper<sheet::pdf>}},
+                                             {"sheet-svg", {".sheet.svg", on_paper<sheet::svg>}}};
+
+std::map<std::string, sheet::Paper> papers() {
+  std::map<std::string, sheet::Paper> papers;
+  for (const auto& [paper, name] : sheet::kPaperNames.rows()) papers.emplace(name, paper);
+  return papers;
+}
 
 std::string extension_of(const std::string& file) {
   return std::filesystem::path(file).extension().string();
@@ -48,8 +76,8 @@ const Format& format_of(const Options& options) {
       if (has_file && extension_of(options.output) == extension_of(format)) return format;
     }
     throw InputError(
-        "export: say what to write with --format, or by the extension of -o: .svg, .csv, .html, .obj, .gltf, .urdf or "
-        ".sdf");
+        "export: say what to write with --format, or by the extension of -o: .svg, .csv, .html, .obj, .gltf, .urdf, "
+        ".sdf, .pdf, .h5, .txt or .ini");
   }
   const Format& format = kFormats.at(options.format);
   if (has_file && extension_of(options.output) != extension_of(format)) {
@@ -60,13 +88,25 @@ const Format& format_of(const Options& options) {
   return format;
 }
 
+std::string recorded_page(const Options& options, Output& output) {
+  if (options.format != "html")
+    throw InputError(fmt::format(
+        "{}: a recording is exported as a page only: --format html; other formats take a design", options.design));
+  const RecordedTrack track = read_track(options.design, view::FrameTrack::kMostInFile_bytes);
+  if (!track.remark.empty()) output.say(track.remark);
+  return view::page_html(track.design, track.frames);
+}
+
 int run(const Options& options, Output& output) {
   const Format& format = format_of(options);
-  const design::Design design = robot::read_shown(options.design);
   const std::string path = options.output.empty()
                                ? std::filesystem::path(options.design).replace_extension(format.suffix).string()
                                : options.output;
-  write_output(path, format.write(design));
+  if (is_recording(options.design)) {
+    write_output(path, recorded_page(options, output));
+  } else {
+    write_output(path, format.write(robot::read_shown(options.design), options));
+  }
   output.result = {{"files", {path}}};
   output.say(path);
   return 0;
@@ -79,13 +119,18 @@ const Registration kExport{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("DESIGN", options->design,
-                     "design file, or robot file: all of its covers in the frame of its base")
+                     "design file, or robot file: all of its covers in the frame of its base; for the format html also "
+                     "a recording (.mcap)")
           ->required();
       std::vector<std::string> names;
       for (const auto& [name, format] : kFormats) names.push_back(name);
       app.add_option("--format", options->format, "what to write; without it the extension of -o says so")
           ->check(CLI::IsMember(names));
       app.add_option("-o,--output", options->output, "file; without it beside the design");
+      app.add_option("--paper", options->paper,
+                     "of the formats pdf and sheet-svg; roll: 610 mm wide, as long as needed")
+          ->transform(one_of(papers()))
+          ->default_str("A4");
       return [options](Output& output) { return run(*options, output); };
     },
 }};

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <iostream>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "offset_lines.hpp"
+#include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/error.hpp"
@@ -80,6 +82,17 @@ void write_report(const std::string& file, const design::Design& design, const d
                                            : json.dump(1) + "\n");
 }
 
+// The patch that a code names, or −1: of none.
+int patch_of(const DesignArgument& argument, const design::Design& design, const Output& output) {
+  if (!argument.code) return -1;
+  const int patch = argument.code->patch;
+  if (patch >= static_cast<int>(design.patches.size()))
+    throw InputError(fmt::format("{}: there is no controller {}; this code is of another sheet", argument.path, patch));
+  output.say(fmt::format("{}, page {} of its assembly sheet{}", argument.path, argument.code->page,
+                         patch < 0 ? "" : fmt::format(": controller {}", patch)));
+  return patch;
+}
+
 // What was found on one cover, told when all buses are done.
 struct Told {
   device::VerifyResult result;
@@ -114,7 +127,8 @@ Told tell(const robot::CoverOnBus& cover, device::VerifyResult r, device::Bus& b
   return told;
 }
 
-std::vector<Told> verify_bus(const robot::BusSite& site, device::Link& link, const Options& options,
+// `patch` ≥ 0: its findings first, and a person is asked for its modules only.
+std::vector<Told> verify_bus(const robot::BusSite& site, device::Link& link, const Options& options, int patch,
                              const ProgressSink& progress) {
   std::vector<Told> all;
   for (const robot::CoverOnBus& cover : site.covers) {
@@ -125,8 +139,15 @@ std::vector<Told> verify_bus(const robot::BusSite& site, device::Link& link, con
     // The virtual finger costs nobody anything, so it always tries every module.
     if (own.finger() != nullptr) verify.touch = !options.no_touch;
     verify.neighbours = robot::other_demands(site, std::array{&std::as_const(cover.design)});
-    verify.ask = [&](int module) { return ask_person(prefix_of(cover), module); };
-    all.push_back(tell(cover, device::verify(bus, cover.design, verify, progress_of(site, cover, progress)), bus));
+    const auto wiring = design::wiring_of(cover.design);
+    // A person at one patch is asked for its modules only.
+    verify.ask = [&](int module) {
+      const bool is_asked = patch < 0 || wiring.at(static_cast<std::size_t>(module)).patch == patch;
+      return is_asked && ask_person(prefix_of(cover), module);
+    };
+    device::VerifyResult result = device::verify(bus, cover.design, verify, progress_of(site, cover, progress));
+    if (patch >= 0) std::ranges::stable_partition(result.findings, [=](const auto& f) { return f.patch == patch; });
+    all.push_back(tell(cover, std::move(result), bus));
     all.back().keys.update(keys_of(site, cover));
     write_report(report_file(options.report, cover, site), cover.design, all.back().result, all.back().keys);
   }
@@ -159,14 +180,17 @@ int say_all(const std::vector<std::vector<Told>>& buses, bool is_robot, Output& 
   return findings == 0 ? 0 : 1;
 }
 
-int run(const Options& options, Output& output) {
+int run(Options options, Output& output) {
   check_report(options.report);
+  const DesignArgument argument = find_design(options.site.file);
+  options.site.file = argument.path;
   OpenSite open = open_site(options.site);
+  const int patch = patch_of(argument, open.site.buses[0].covers[0].design, output);
   std::vector<std::vector<Told>> buses(open.site.buses.size());
   const ProgressSink progress = output.progress();
   try {
     on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
-      buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = verify_bus(bus, link, options, progress);
+      buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = verify_bus(bus, link, options, patch, progress);
     });
   } catch (const Error&) {
     if (buses.size() > 1) (void)say_all(buses, open.site.is_robot, output);  // what was found on the other buses

@@ -8,9 +8,13 @@
 #include <optional>
 #include <thread>
 
+#include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/link_options.hpp"
+#include "triskin/cli/recorded_track.hpp"
+#include "triskin/host/error.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/robot/site.hpp"
+#include "triskin/view/frame_track.hpp"
 #include "view_feed.hpp"
 
 namespace triskin::cli {
@@ -50,19 +54,47 @@ Shown shown_of(const std::string& file, bool has_link) {
   return {has_link ? design::read_intact_design(file) : design::read_design(file), {{}}};
 }
 
+// Where the page begins: at the entry of the controller that a code names.
+std::string place_of(const DesignArgument& argument, const design::Design& design) {
+  if (!argument.code || argument.code->patch < 0) return {};
+  const auto patch = static_cast<std::size_t>(argument.code->patch);
+  if (patch >= design.patches.size())
+    throw InputError(fmt::format("{}: there is no controller {}; this code is of another sheet", argument.path, patch));
+  return fmt::format("#module-{}", design.patches[patch].entry);
+}
+
+// A recording is played by the page itself: the server has no live skin then.
+int play(const Options& options, Output& output) {
+  RecordedTrack track = read_track(options.design, view::FrameTrack::kMost_bytes);
+  if (!track.remark.empty()) output.say(track.remark);
+  const std::size_t bytes = track.frames.size();
+  const view::LiveSkin live(track.design.layout.modules.size());
+  catch_interrupts();
+  const view::Server server(view::site_of(track.design, std::move(track.frames)), live, options.port,
+                            [](const view::Command&) {}, {});
+  output.say(server.address());
+  if (!options.no_open) open_browser(server.address());
+  wait_for_interrupt();
+  output.result = {{"port", server.port()}, {"bytes", bytes}};
+  return 0;
+}
+
 int run(const Options& options, Output& output) {
+  if (is_recording(options.design)) return play(options, output);
+  const DesignArgument argument = find_design(options.design);
   const bool has_link = options.link.link != "none";
-  const Shown shown = shown_of(options.design, has_link);
+  const Shown shown = shown_of(argument.path, has_link);
   std::optional<robot::Site> site;
-  if (has_link) site = robot::read_site(options.design);
+  if (has_link) site = robot::read_site(argument.path);
   view::LiveSkin live(shown.design.layout.modules.size());
   live.set_health({options.link.link, false, "", 0, 0});
   CommandQueue commands(site ? site->buses.size() : 1);
   catch_interrupts();
   const view::Server server(view::site_of(shown.design), live, options.port,
                             [&](const view::Command& c) { commands.push(c); }, {});
-  output.say(server.address());
-  if (!options.no_open) open_browser(server.address());
+  const std::string address = server.address() + place_of(argument, shown.design);
+  output.say(address);
+  if (!options.no_open) open_browser(address);
   FeedTotals totals;
   if (site) {
     totals = feed(options.link, *site, shown.offsets, live, commands);
@@ -79,7 +111,10 @@ const Registration kView{{
     "triskin view forearm.json --link sim",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("DESIGN", options->design, "design file, or robot file: all of its covers")->required();
+      app.add_option("DESIGN", options->design,
+                     "design file, robot file: all of its covers, the text of a QR code of an assembly sheet, or a "
+                     "recording (.mcap)")
+          ->required();
       add_link_options(app, options->link);
       app.get_option("--link")->description(app.get_option("--link")->get_description() +
                                             "; none: the design without live samples");

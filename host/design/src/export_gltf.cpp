@@ -9,6 +9,7 @@
 
 #include "metres.hpp"
 #include "triskin/design/export.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/host/base64.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/layout/module.hpp"
@@ -88,12 +89,21 @@ json vector_of(const Vec3& v) {
   return json::array({v.x(), v.y(), v.z()});
 }
 
-// Flat in metres, node frame: a module around its centre, a taxel as a disc.
-void add_shapes(json& gltf, Buffer& buffer) {
-  const double side = kSide_mm * kMetres_per_mm, height = kHeight_mm * kMetres_per_mm;
-  gltf["meshes"].push_back(mesh(
-      "module", buffer.add_points({{-side / 2, -height / 3, 0}, {side / 2, -height / 3, 0}, {0, 2 * height / 3, 0}}),
-      buffer.add_indices({{0, 1, 2}}), 1));
+// Flat in metres, node frame: what is left of a module, as a fan of triangles.
+void add_module_shape(json& gltf, Buffer& buffer, double corner_cut_mm) {
+  const std::array<Vec3, 3> corner_mm{Vec3(-kSide_mm / 2, -kHeight_mm / 3, 0), Vec3(kSide_mm / 2, -kHeight_mm / 3, 0),
+                                      Vec3(0, 2 * kHeight_mm / 3, 0)};
+  const Outline outline = outline_of(corner_mm, corner_cut_mm);
+  std::vector<Vec3> points;
+  for (const Vec3& p : outline.points()) points.emplace_back(p * kMetres_per_mm);
+  std::vector<std::array<int, 3>> faces;
+  for (int k = 1; k + 1 < static_cast<int>(points.size()); ++k) faces.push_back({0, k, k + 1});
+  const int corners = buffer.add_points(points);
+  gltf["meshes"].push_back(mesh("module", corners, buffer.add_indices(faces), 1));
+}
+
+// Flat in metres, node frame: a taxel as a disc.
+void add_taxel_shapes(json& gltf, Buffer& buffer) {
   constexpr int kRim = 12;
   constexpr double kRadius_m = 0.0015;
   std::vector<Vec3> points{{0, 0, 0}};
@@ -153,6 +163,33 @@ int add_module(json& nodes, const Design& design, const ModuleWiring& wiring, st
                       {"extras", module_extras(design, wiring, id)}});
 }
 
+Vec3 middle_of(const PlacedModule& m, int side) {
+  const auto s = static_cast<std::size_t>(side);
+  return (m.corner_mm[s] + m.corner_mm[(s + 1) % 3]) / 2.0;
+}
+
+// A jumper as a line between the middles of its two sides, mesh frame.
+int add_jumper(json& gltf, json& nodes, Buffer& buffer, const Design& design, std::size_t index) {
+  constexpr int kLines = 1;
+  const Jumper& j = design.layout.jumpers[index];
+  std::vector<Vec3> ends;
+  for (std::size_t e = 0; e < 2; ++e)
+    ends.emplace_back(middle_of(design.layout.modules.at(static_cast<std::size_t>(j.node[e])), j.side[e]) *
+                      kMetres_per_mm);
+  const std::string name = fmt::format("jumper_{}", index);
+  gltf["meshes"].push_back(
+      {{"name", name},
+       {"primitives", {{{"attributes", {{"POSITION", buffer.add_points(ends)}}}, {"mode", kLines}, {"material", 4}}}}});
+  return push(nodes, {{"name", name},
+                      {"mesh", gltf["meshes"].size() - 1},
+                      {"extras",
+                       {{"jumper", index},
+                        {"kind", kJumperKindNames.name(j.kind)},
+                        {"modules", j.node},
+                        {"sides", j.side},
+                        {"length_mm", j.length_mm}}}});
+}
+
 json add_nodes(json& nodes, const Design& design) {
   const auto wiring = wiring_of(design);
   json children = json::array({push(nodes, {{"name", "cover"}, {"mesh", 0}})});
@@ -172,14 +209,21 @@ std::string gltf(const Design& design) {
   for (const Vec3& v : design.surface.vertices) cover.emplace_back(v * kMetres_per_mm);
   const int points = buffer.add_points(cover), indices = buffer.add_indices(design.surface.faces);
   file["meshes"].push_back(mesh("cover", points, indices, 0));
-  add_shapes(file, buffer);
+  add_module_shape(file, buffer, design.layout.corner_cut_mm);
+  add_taxel_shapes(file, buffer);
   file["materials"] = {material("cover", 0.5, 0.5, 0.5), material("module", 0.1, 0.35, 0.2),
                        material("taxel", 0.9, 0.75, 0.3), material("temperature pad", 0.4, 0.4, 0.4)};
+  if (!design.layout.jumpers.empty()) file["materials"].push_back(material("jumper", 0.88, 0.42, 0.02));
   json nodes = json::array();
   json children = add_nodes(nodes, design);
-  const int root = push(nodes, {{"name", design.name},
-                                {"children", std::move(children)},
-                                {"extras", {{"design_id", fmt::format("{:016x}", design.design_id)}}}});
+  for (std::size_t k = 0; k < design.layout.jumpers.size(); ++k)
+    children.push_back(add_jumper(file, nodes, buffer, design, k));
+  const int root = push(
+      nodes,
+      {{"name", design.name},
+       {"children", std::move(children)},
+       {"extras",
+        {{"design_id", fmt::format("{:016x}", design.design_id)}, {"corner_cut_mm", design.layout.corner_cut_mm}}}});
   file["nodes"] = std::move(nodes);
   file["scenes"] = {{{"nodes", {root}}}};
   file["scene"] = 0;

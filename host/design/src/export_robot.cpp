@@ -7,6 +7,7 @@
 
 #include "metres.hpp"
 #include "triskin/design/export.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/host/markup.hpp"
 #include "triskin/layout/module.hpp"
 
@@ -38,12 +39,17 @@ Pose pose_of(const PlacedModule& m) {
   const ModulePose frame = frame_of(m);
   return {numbers(frame.origin_mm * kMetres_per_mm), numbers(roll_pitch_yaw_of(frame.axes))};
 }
-// Centre of the box around a module: the centroid lies a third of the height over the base, the box's centre half of
-// it.
-constexpr double kBoxShift_mm = kHeight_mm / 6.0;
-Pose box_pose_of(const PlacedModule& m) {
+// Height of what is left of a module over its side 0, mm.
+double height_mm(double corner_cut_mm) {
+  return kHeight_mm - cut_height_mm(corner_cut_mm);
+}
+// From the centroid, a third of the whole height over side 0, to the centre of the box around what is left.
+double box_shift_mm(double corner_cut_mm) {
+  return height_mm(corner_cut_mm) / 2.0 - kHeight_mm / 3.0;
+}
+Pose box_pose_of(const PlacedModule& m, double corner_cut_mm) {
   const ModulePose frame = frame_of(m);
-  return {numbers((frame.origin_mm + kBoxShift_mm * frame.axes.col(1)) * kMetres_per_mm),
+  return {numbers((frame.origin_mm + box_shift_mm(corner_cut_mm) * frame.axes.col(1)) * kMetres_per_mm),
           numbers(roll_pitch_yaw_of(frame.axes))};
 }
 
@@ -73,9 +79,10 @@ std::string taxel_table(const Design& design, const std::vector<ModuleWiring>& w
   return table + "    </triskin:skin>\n";
 }
 
-// A module as a thin plate that stands for it in a picture and in contacts: the box around its triangle.
-std::string plate_size() {
-  return fmt::format("{:.9g} {:.9g} 0.001", kSide_mm * kMetres_per_mm, kHeight_mm * kMetres_per_mm);
+// A module as a thin plate that stands for it in a picture and in contacts: the box around its outline.
+std::string plate_size(double corner_cut_mm) {
+  return fmt::format("{:.9g} {:.9g} 0.001", (kSide_mm - corner_cut_mm) * kMetres_per_mm,
+                     height_mm(corner_cut_mm) * kMetres_per_mm);
 }
 
 }  // namespace
@@ -102,7 +109,8 @@ std::string urdf(const Design& design) {
         "size=\"{2}\"/></geometry>\n    </visual>\n  </link>\n"
         "  <joint name=\"cover_to_module_{0}\" type=\"fixed\">\n    <parent link=\"cover\"/>\n    <child "
         "link=\"module_{0}\"/>\n    <origin xyz=\"{3}\" rpy=\"{4}\"/>\n  </joint>\n",
-        k, kBoxShift_mm * kMetres_per_mm, plate_size(), pose.xyz_m, pose.rpy_rad);
+        k, box_shift_mm(design.layout.corner_cut_mm) * kMetres_per_mm, plate_size(design.layout.corner_cut_mm),
+        pose.xyz_m, pose.rpy_rad);
   }
   return xml + taxel_table(design, wiring) + "</robot>\n";
 }
@@ -114,12 +122,12 @@ std::string sdf(const Design& design) {
       "name=\"cover\">\n",
       escaped(design.name));
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
-    const Pose pose = box_pose_of(design.layout.modules[k]);
+    const Pose pose = box_pose_of(design.layout.modules[k], design.layout.corner_cut_mm);
     xml += fmt::format(
         "      <visual name=\"module_{}\">\n        <pose>{} {}</pose>\n        "
         "<geometry><box><size>{}</size></box></geometry>\n"
         "      </visual>\n",
-        k, pose.xyz_m, pose.rpy_rad, plate_size());
+        k, pose.xyz_m, pose.rpy_rad, plate_size(design.layout.corner_cut_mm));
   }
   xml += "    </link>\n";
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {

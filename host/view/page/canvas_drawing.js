@@ -65,7 +65,8 @@ export class CanvasDrawing {
     const front = (points[1][0] - points[0][0]) * (points[2][1] - points[0][1]) < (points[2][0] - points[0][0]) * (points[1][1] - points[0][1]);
     if (!front) return;
     const n = shape.normals, light = k < 0 ? 0.9 : 0.5 + 0.5 * Math.abs(n[3 * k] * camera.light[0] + n[3 * k + 1] * camera.light[1] + n[3 * k + 2] * camera.light[2]);
-    this.triangle(points, k < 0 ? "rgb(190,190,190)" : css([0, 1, 2].map((c) => light * this.colors[3 * k + c])));
+    const outline = k < 0 || this.model.corners === 3 ? points : this.model.outline(shape, k).map((p) => camera.project(p));
+    this.triangle(outline, k < 0 ? "rgb(190,190,190)" : css([0, 1, 2].map((c) => light * this.colors[3 * k + c])));
     if (k < 0 || shown.taxels === false) return;
     const radius = 1.5 / camera.mm_per_pixel;
     for (let t = TAXELS * k; t < TAXELS * (k + 1); ++t) {

@@ -2,7 +2,7 @@
 // @ts-check
 // Draws both views with WebGL: one draw call for all modules, one for all taxels (instanced), a few for the rest.
 import * as THREE from "./three.js";
-import {normalOf, TAXELS} from "./model.js";
+import {Model, normalOf, TAXELS} from "./model.js";
 
 const SHADED = `
 attribute vec3 position; attribute vec3 normal; attribute vec3 color;
@@ -46,18 +46,17 @@ function trianglesOf(points, normals, colors) {
 }
 
 // Modules are drawn a little smaller than they are, so that the joints show.
-function moduleGeometry(shape) {
-  const n = shape.normals.length / 3, points = new Float32Array(9 * n), normals = new Float32Array(9 * n);
-  for (let k = 0; k < n; ++k) {
-    for (let x = 0; x < 3; ++x) {
-      const centre = (shape.corners[9 * k + x] + shape.corners[9 * k + 3 + x] + shape.corners[9 * k + 6 + x]) / 3;
-      for (let c = 0; c < 3; ++c) {
-        points[9 * k + 3 * c + x] = centre + 0.955 * (shape.corners[9 * k + 3 * c + x] - centre);
-        normals[9 * k + 3 * c + x] = shape.normals[3 * k + x];
-      }
-    }
+/** @param {import("./model.js").Model} model */
+function moduleGeometry(model, shape) {
+  const each = 9 * (model.corners - 2), points = new Float32Array(each * model.count), normals = new Float32Array(points.length);
+  for (let k = 0; k < model.count; ++k) {
+    const centre = Model.centre(shape.corners, k);
+    const outline = model.outline(shape, k).map((p) => p.map((v, x) => centre[x] + 0.955 * (v - centre[x])));
+    for (let t = 0; t + 2 < outline.length; ++t) // a fan from the first corner
+      [outline[0], outline[t + 1], outline[t + 2]].forEach((p, c) => points.set(p, each * k + 9 * t + 3 * c));
+    for (let at = each * k; at < each * (k + 1); at += 3) normals.set(shape.normals.subarray(3 * k, 3 * k + 3), at);
   }
-  return trianglesOf(points, normals, new Float32Array(9 * n));
+  return trianglesOf(points, normals, new Float32Array(points.length));
 }
 
 function taxelGeometry(shape, heat, rim) {
@@ -118,6 +117,7 @@ export class GlDrawing {
     this.renderer.setScissorTest(true);
     this.rim = software ? 4 : 10;
     this.heat = new THREE.InstancedBufferAttribute(new Float32Array(TAXELS * model.count), 1);
+    this.model = model;
     this.scenes = {cover: this.sceneOf(model.cover, model.data.surface, sinkOf(model)), flat: this.sceneOf(model.flat, null, 0)};
     this.camera = new THREE.Camera();
     this.kind = "webgl";
@@ -136,7 +136,7 @@ export class GlDrawing {
       add("surface", surfaceGeometry(surface), material(SHADED, PLAIN), 0, 1);
       parts.surface.material.uniforms.sink.value = sink;
     }
-    add("modules", moduleGeometry(shape), material(SHADED, TWO_SIDED), 0.4, surface ? 1 : 0);
+    add("modules", moduleGeometry(this.model, shape), material(SHADED, TWO_SIDED), 0.4, surface ? 1 : 0);
     add("taxels", taxelGeometry(shape, this.heat, this.rim), material(TAXEL, PLAIN), 1.0, 0);
     return {scene, parts};
   }
@@ -153,10 +153,11 @@ export class GlDrawing {
 
   /** @param {Float32Array} colors three numbers a module */
   setColors(colors) {
+    const each = 9 * (this.model.corners - 2);
     for (const {parts} of Object.values(this.scenes)) {
       const attribute = parts.modules.geometry.attributes.color;
       for (let k = 0; k < colors.length / 3; ++k)
-        for (let c = 0; c < 9; ++c) attribute.array[9 * k + c] = colors[3 * k + c % 3];
+        for (let c = 0; c < each; ++c) attribute.array[each * k + c] = colors[3 * k + c % 3];
       attribute.needsUpdate = true;
     }
   }

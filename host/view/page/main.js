@@ -7,14 +7,16 @@ import {contactsOf} from "./contacts.js";
 import {FAULT, heatOf, modesOf} from "./colors.js";
 import {GlDrawing} from "./gl_drawing.js";
 import {FIRST_FAULT, LiveLink, LiveSkin} from "./live.js";
-import {seamMarks, selectionMarks, treeMarks} from "./marks.js";
+import {jumperMarks, seamMarks, selectionMarks, treeMarks} from "./marks.js";
 import {Model, TAXELS} from "./model.js";
+import {Player} from "./player.js";
 import {byId, drawHistory, fillContacts, fillDesign, fillFaults, fillLegend, fillList, fillModule, pressedOf} from "./panel.js";
 
 const LOST = [0.85, 0.1, 0.1], REROUTED = [0.95, 0.6, 0.1];
 
 class Page {
   link = /** @type {LiveLink | null} */ (null);
+  player = /** @type {Player | null} */ (null);
   health = /** @type {any} */ (null);
   healthAt = 0;
   contactsAt = 0;
@@ -23,8 +25,8 @@ class Page {
   fresh = false;         // a frame of the skin came since the last drawing
   faultsChanged = false;
 
-  /** @param {Model} model @param {boolean} online the page comes from a server with a live skin */
-  constructor(model, online) {
+  /** @param {Model} model @param {boolean} online the page comes from a server with a live skin @param {ArrayBuffer | null} track of a recording */
+  constructor(model, online, track) {
     this.model = model;
     this.live = new LiveSkin(model.count);
     this.modes = modesOf(model);
@@ -42,15 +44,21 @@ class Page {
     for (const {name} of this.views) {
       this.drawing.setMarks(name, "trees", treeMarks(model, model[name]));
       this.drawing.setMarks(name, "seams", seamMarks(model, model[name]));
+      this.drawing.setMarks(name, "jumpers", jumperMarks(model, model[name]));
     }
     this.fillControls();
     fillDesign(model);
     this.resetHeat();
-    if (online) this.goOnline();
-    for (const id of online ? [] : ["live-part", "contact-part", "fault-part", "history"]) byId(id).hidden = true;
+    if (online && !track) this.goOnline();
+    for (const id of online && !track ? [] : ["live-part"]) byId(id).hidden = true;
+    for (const id of online || track ? [] : ["contact-part", "fault-part"]) byId(id).hidden = true;
+    byId("history").hidden = !online || Boolean(track);
     new ResizeObserver(() => this.resize()).observe(byId("stage"));
     this.setMode(0);
     this.resize();
+    const place = /^#module-(\d+)$/.exec(location.hash); // view begins at the module that its argument named
+    if (place) this.select(Number(place[1]), true);
+    if (track) this.openRecording(track);
     requestAnimationFrame((at) => this.frame(at));
   }
 
@@ -74,7 +82,7 @@ class Page {
   fillControls() {
     byId("mode").replaceChildren(...this.modes.map((m, k) => new Option(m.name, String(k))));
     byId("mode").onchange = () => this.setMode(Number(byId("mode").value));
-    for (const part of ["surface", "trees", "seams", "taxels", "numbers"]) {
+    for (const part of ["surface", "trees", "seams", "jumpers", "taxels", "numbers"]) {
       const box = byId(`show-${part}`);
       box.onchange = () => { this.shown[part] = box.checked; this.dirty = true; };
       this.shown[part] = box.checked;
@@ -116,8 +124,9 @@ class Page {
     const actions = {
       ArrowLeft: () => camera.turn(-40, 0), ArrowRight: () => camera.turn(40, 0), ArrowUp: () => camera.turn(0, -40), ArrowDown: () => camera.turn(0, 40),
       "+": () => camera.zoom(0.85), "=": () => camera.zoom(0.85), "-": () => camera.zoom(1 / 0.85), 0: () => camera.reset(), "[": () => choose(-1), "]": () => choose(1),
-      Escape: () => this.select(-1, false), c: () => toggle("surface"), t: () => toggle("trees"), s: () => toggle("seams"), x: () => toggle("taxels"),
+      Escape: () => this.select(-1, false), c: () => toggle("surface"), t: () => toggle("trees"), s: () => toggle("seams"), j: () => toggle("jumpers"), x: () => toggle("taxels"),
       n: () => toggle("numbers"), m: () => this.setMode((this.mode + 1) % this.modes.length), f: () => this.focus(),
+      p: () => this.player?.toggle(),
     };
     const action = actions[e.key.length === 1 ? e.key.toLowerCase() : e.key];
     if (action) { action(); this.dirty = true; }
@@ -186,6 +195,17 @@ class Page {
   resetHeat() {
     for (let k = 0; k < this.heat.length; ++k) this.heat[k] = this.model.pressure[k % TAXELS] ? 0 : -1;
     this.drawing.setHeat(this.heat);
+  }
+
+  openRecording(track) {
+    byId("recording-part").hidden = false;
+    this.setMode(1); // live
+    this.player = new Player(track, (frame) => this.takeFrame(frame), () => {
+      this.live = new LiveSkin(this.model.count);
+      this.contacts = [];
+      this.resetHeat();
+      this.paintColors();
+    });
   }
 
   goOnline() {
@@ -257,6 +277,8 @@ class Page {
 
   frame(at) {
     requestAnimationFrame((next) => this.frame(next));
+    if (this.player) this.player.step(at);
+    if (this.player && this.faultsChanged) { fillFaults(this.live, (k) => this.select(k, true)); this.faultsChanged = false; }
     if (!this.dirty) { this.lastFrame = 0; return; }
     this.dirty = false;
     this.drawing.draw(this.views, this.shown);
@@ -355,12 +377,20 @@ function keep(list, value) {
 }
 
 async function load() {
-  const inside = document.getElementById("model");
-  if (inside) return {data: JSON.parse(inside.textContent || ""), online: false};
+  const inside = document.getElementById("model"), recorded = document.getElementById("recording");
+  if (inside) return {data: JSON.parse(inside.textContent || ""), online: false, track: recorded ? bytesOf(recorded.textContent || "") : null};
   const answer = await fetch("model.json");
   if (!answer.ok) throw new Error(`the design cannot be read (${answer.status}); open the address that triskin view printed`);
-  return {data: await answer.json(), online: true};
+  const data = await answer.json();
+  return {data, online: true, track: data.recording ? await (await fetch("recording.bin")).arrayBuffer() : null};
 }
 
-load().then(({data, online}) => { /** @type {any} */ (window).triskin = new Page(new Model(data), online); },
+/** @param {string} text base64 */
+function bytesOf(text) {
+  const characters = atob(text), bytes = new Uint8Array(characters.length);
+  for (let k = 0; k < bytes.length; ++k) bytes[k] = characters.charCodeAt(k);
+  return bytes.buffer;
+}
+
+load().then(({data, online, track}) => { /** @type {any} */ (window).triskin = new Page(new Model(data), online, track); },
             (e) => { document.body.textContent = String(e); });

@@ -32,6 +32,7 @@ export class Marks {
   }
 }
 
+const JUMPER = [0.88, 0.42, 0.02];
 const DARK = [0.08, 0.09, 0.1], LIGHT = [0.97, 0.97, 0.97], SEAM = [0.62, 0.65, 0.68], CUT = [0.85, 0.15, 0.1];
 
 const corner = (shape, k, c) => Array.from(shape.corners.subarray(9 * k + 3 * c, 9 * k + 3 * c + 3));
@@ -41,7 +42,7 @@ const middle = (shape, k, side) => corner(shape, k, side).map((v, c) => (v + cor
 // From a module over the side that it shares with another to the other's centre.
 function addJoint(marks, shape, model, child, parent, color, width) {
   for (const [from, to] of [[child, parent], [parent, child]]) {
-    const side = model.modules[from].neighbours.indexOf(to);
+    const side = model.sideTowards(from, to);
     const end = side < 0 ? Model.centre(shape.corners, to) : middle(shape, from, side);
     marks.band(Model.centre(shape.corners, from), end, normal(shape, from), width, width, color);
   }
@@ -68,16 +69,29 @@ export function seamMarks(model, shape) {
   model.modules.forEach((m, k) => m.neighbours.forEach((n, side) => {
     if (n < 0) return;
     const apart = model.modules[n].patch !== m.patch, isCut = cut.has(`${k},${n}`);
-    if (apart || isCut) marks.band(corner(shape, k, side), corner(shape, k, (side + 1) % 3), normal(shape, k), apart ? 1.6 : 1.0, 0, apart ? SEAM : CUT);
+    const [from, to] = model.sideEnds(shape, k, side);
+    if (apart || isCut) marks.band(from, to, normal(shape, k), apart ? 1.6 : 1.0, 0, apart ? SEAM : CUT);
   }));
+  return marks;
+}
+
+/** Jumpers: from the middle of one side to that of the other. @param {Model} model */
+export function jumperMarks(model, shape) {
+  const marks = new Marks(1.2);
+  for (const {modules, sides} of model.data.jumpers) {
+    const ends = modules.map((k, e) => middle(shape, k, sides[e]));
+    for (const k of modules) {
+      marks.band(ends[0], ends[1], normal(shape, k), 0.9, 0.9, JUMPER);
+      marks.disc(ends[modules.indexOf(k)], normal(shape, k), 1.8, JUMPER);
+    }
+  }
   return marks;
 }
 
 /** Outline of the selected module, and the joints over which others are read while it fails. */
 export function selectionMarks(model, shape, k, failure, color) {
   const marks = new Marks(1.4);
-  for (let side = 0; side < 3; ++side)
-    marks.band(corner(shape, k, side), corner(shape, k, (side + 1) % 3), normal(shape, k), 2.2, 0.8, color);
+  model.outline(shape, k).forEach((point, c, all) => marks.band(point, all[(c + 1) % all.length], normal(shape, k), 2.2, 0.8, color));
   for (const [child, parent] of failure ? failure.backup : []) {
     if (parent >= 0) addJoint(marks, shape, model, child, parent, [0.1, 0.25, 0.95], 1.3);
   }

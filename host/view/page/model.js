@@ -53,6 +53,8 @@ export class Model {
     this.flat = this.flatShape();
     this.children = this.modules.map(() => /** @type {number[]} */ ([]));
     this.modules.forEach((m, k) => { if (m.parent >= 0) this.children[m.parent].push(k); });
+    /** Corners of what is left of a module whose corners may be cut off. */
+    this.corners = data.corner_cut_mm > 0 ? 6 : 3;
     this.pressure = Array.from({length: TAXELS}, (_, t) => !data.temperature_pads.includes(t));
   }
 
@@ -116,6 +118,25 @@ export class Model {
   static centre(corners, k) {
     const p = corners.subarray(9 * k, 9 * k + 9);
     return [(p[0] + p[3] + p[6]) / 3, (p[1] + p[4] + p[7]) / 3, (p[2] + p[5] + p[8]) / 3];
+  }
+
+  /** Both ends of a side, without its cut corners, as points. @param {number} k @param {number} side */
+  sideEnds(shape, k, side) {
+    const at = (c) => Array.from(shape.corners.subarray(9 * k + 3 * c, 9 * k + 3 * c + 3));
+    const from = at(side), to = at((side + 1) % 3), part = this.data.corner_cut_mm / this.data.side_mm;
+    return [from.map((v, x) => v + part * (to[x] - v)), to.map((v, x) => v + part * (from[x] - v))];
+  }
+
+  /** The corners of a module in order: three, or six where they are cut. @returns {number[][]} */
+  outline(shape, k) {
+    const ends = [0, 1, 2].map((side) => this.sideEnds(shape, k, side));
+    return this.corners === 3 ? ends.map(([from]) => from) : ends.flat();
+  }
+
+  /** The side at which module k is joined to another, over a jumper too; −1: nowhere. */
+  sideTowards(k, other) {
+    const jumper = this.data.jumpers.find((j) => j.modules.includes(k) && j.modules.includes(other));
+    return jumper ? jumper.sides[jumper.modules.indexOf(k)] : this.modules[k].neighbours.indexOf(other);
   }
 
   isEntry(k) { const p = this.modules[k].patch; return p >= 0 && this.data.patches[p].entry === k; }

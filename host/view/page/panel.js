@@ -30,7 +30,7 @@ export function fillDesign(model) {
   const d = model.data;
   byId("name").textContent = d.name;
   document.title = `${d.name} – triskin view`;
-  fillList(byId("design"), [["modules", model.count], ["controllers", d.patches.length], ["islands", d.islands], ["area", `${d.area_cm2} cm²`],
+  fillList(byId("design"), [["modules", model.count], ["controllers", d.patches.length], ["islands", d.islands], ["jumpers", d.jumpers.length], ["area", `${d.area_cm2} cm²`],
                             ["coverage", `${Math.round(100 * d.coverage)} %`], ["design", d.design_id]]);
 }
 
@@ -44,6 +44,9 @@ export function fillModule(model, live, k) {
     rows.push(["controller", `${m.patch} (node ${m.patch + 1})`], ["line strap", m.line], ["address strap", `${m.address} (0x${(0x2c + m.address).toString(16).toUpperCase()})`],
               ["port A at side", `${m.rotation} (turned ${120 * m.rotation}°)`], ["parent", entryText(model, k)], ["depth", m.depth],
               ["lost when it fails", `${failure.cut.length}, switched ${failure.lost.length}`]);
+  }
+  for (const j of model.data.jumpers) {
+    if (j.modules.includes(k)) rows.push(["jumper", `to module ${j.modules[0] === k ? j.modules[1] : j.modules[0]}, ${j.length_mm} mm`]);
   }
   model.data.metrics.forEach((metric, row) => rows.push([metric.name, `${m.metrics[row]} ${metric.unit}` + (metric.limit ? ` of ${metric.limit}` : "")]));
   if (live.heard[k]) rows.push(["chip", STATES[live.state[k]] || "?"], ["taxels pressed", pressedOf(model, live, k).join(" ") || "none"]);

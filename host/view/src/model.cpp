@@ -85,9 +85,16 @@ json patch_of(const design::Patch& p) {
           {"failures", std::move(failures)}};
 }
 
+json jumpers_of(const design::ModuleLayout& layout) {
+  json list = json::array();
+  for (const auto& j : layout.jumpers)
+    list.push_back({{"modules", j.node}, {"sides", j.side}, {"length_mm", rounded(j.length_mm)}});
+  return list;
+}
+
 }  // namespace
 
-std::string model_json(const design::Design& design) {
+std::string model_json(const design::Design& design, bool recording) {
   const auto wiring = design::wiring_of(design);
   json modules = json::array(), patches = json::array();
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
@@ -96,6 +103,9 @@ std::string model_json(const design::Design& design) {
   const json model = {{"name", design.name},
                       {"design_id", fmt::format("{:016x}", design.design_id)},
                       {"side_mm", design::kSide_mm},
+                      {"corner_cut_mm", design.layout.corner_cut_mm},
+                      {"jumpers", jumpers_of(design.layout)},
+                      {"recording", recording},
                       {"islands", design.layout.islands},
                       {"area_cm2", rounded(design.report.area_cm2)},
                       {"coverage", rounded(design.report.coverage)},

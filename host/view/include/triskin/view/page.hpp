@@ -21,11 +21,13 @@ struct Asset {
 void require_page();
 
 /// What the page needs to know of a design, as JSON: surface, modules with corners and taxels (mm, mesh frame, rounded
-/// to 10 µm), wiring, metrics with their limits, failures. docs/view.md has the keys. Cost: O(faces + modules).
-[[nodiscard]] std::string model_json(const design::Design& design);
+/// to 10 µm), wiring, metrics with their limits, failures. docs/view.md has the keys. `recording`: the page has a
+/// recording to play. Cost: O(faces + modules).
+[[nodiscard]] std::string model_json(const design::Design& design, bool recording = false);
 
 /// The page of a design as one HTML file with everything inside: it asks for nothing and works from a disk or a mail.
-/// Throws InputError when the program has no page. Cost: O(faces + modules).
-[[nodiscard]] std::string page_html(const design::Design& design);
+/// `track`: frames of a recording (FrameTrack) that the page plays, empty: none. Throws InputError when the program has
+/// no page. Cost: O(faces + modules + track).
+[[nodiscard]] std::string page_html(const design::Design& design, std::string_view track = {});
 
 }  // namespace triskin::view

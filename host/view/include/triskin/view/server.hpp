@@ -72,7 +72,8 @@ class Server {
   std::unique_ptr<State> state_;
 };
 
-/// The page's files and the model of a design. Throws InputError when the program has no page.
-[[nodiscard]] Site site_of(const design::Design& design);
+/// The page's files, the model of a design and, where `track` is not empty, a recording (FrameTrack) that the page
+/// plays instead of a live skin. Throws InputError when the program has no page.
+[[nodiscard]] Site site_of(const design::Design& design, std::string track = {});
 
 }  // namespace triskin::view

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/cli/design_argument.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::cli {
+namespace {
+
+bool is_design(const std::filesystem::path& path, std::uint64_t id) {
+  try {
+    // The digits are looked for first: a file without them need not be read as a design.
+    return read_file(path).find(fmt::format("{:016x}", id)) != std::string::npos &&
+           design::read_design(path).design_id == id;
+  } catch (const InputError&) {
+    return false;  // another file with the extension .json
+  }
+}
+
+}  // namespace
+
+DesignArgument find_design(const std::string& argument) {
+  if (!sheet::is_page_code(argument)) return {argument, {}};
+  const auto code = sheet::read_page_code(argument);
+  if (!code)
+    throw InputError(
+        fmt::format("{}: not the text of a QR code of an assembly sheet, triskin:DESIGNID/PATCH/PAGE", argument));
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(".", error)) {
+    if (entry.path().extension() == ".json") files.push_back(entry.path().filename());
+  }
+  std::ranges::sort(files);
+  for (const auto& file : files) {
+    if (is_design(file, code->design_id)) return {file.string(), code};
+  }
+  throw InputError(
+      fmt::format("{}: none of the {} files *.json in this folder is the design {:016x}; go to the folder that holds "
+                  "it, or name the file",
+                  argument, files.size(), code->design_id));
+}
+
+}  // namespace triskin::cli

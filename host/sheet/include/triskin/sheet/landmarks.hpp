@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "triskin/design/mesh.hpp"
+
+namespace triskin::sheet {
+
+/// A point of the part that can be found by eye, from which places are measured.
+struct Landmark {
+  std::string name;  ///< R1, R2, … on a rim; S1, … on a part without a rim
+  design::Vec3 at_mm;
+  std::string where;  ///< for a person: which point of which rim it is
+};
+
+/// Landmarks of a surface: of every rim (closed chain of edges with one face) of at least 30 mm the points farthest
+/// along ±x, ±y and ±z of the mesh frame, of those within 0.5 mm of it the one where the rim turns most; points closer
+/// than 5 mm to an earlier one are left out. Without a rim the same of the whole surface; without vertices none. Cost:
+/// O(faces log faces).
+[[nodiscard]] std::vector<Landmark> landmarks_of(const design::Mesh& surface);
+
+/// Where a point lies: straight distances, as calipers measure them, from two landmarks.
+struct Fix {
+  std::array<int, 2> landmark{-1, -1};  ///< index in landmarks_of(), −1: there are fewer
+  std::array<double, 2> distance_mm{};
+};
+/// The two nearest landmarks that are seen from the point at 30° to 150° (degrees) to each other, so that the two
+/// distances meet at a point; where no pair is, the two nearest. Cost: O(landmarks²).
+[[nodiscard]] Fix fix_of(const std::vector<Landmark>& landmarks, const design::Vec3& at_mm);
+
+/// The edges of a surface that one face has, as pairs of points, mm. Cost: O(faces log faces).
+[[nodiscard]] std::vector<std::array<design::Vec3, 2>> rim_edges_of(const design::Mesh& surface);
+
+/// Straight distance from a point to the nearest point of `edges`, mm; −1 without edges. Cost: linear.
+[[nodiscard]] double distance_to_mm(const std::vector<std::array<design::Vec3, 2>>& edges, const design::Vec3& at_mm);
+
+}  // namespace triskin::sheet

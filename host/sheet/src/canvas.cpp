@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "canvas.hpp"
+
+#include <fmt/format.h>
+
+#include "triskin/host/error.hpp"
+
+#ifdef TRISKIN_CAIRO
+#include <cairo/cairo-pdf.h>
+#include <cairo/cairo-svg.h>
+#include <qrencode.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace triskin::sheet {
+namespace {
+
+constexpr double kPoint_mm = 25.4 / 72.0, kHair_mm = 0.06;
+
+cairo_status_t append(void* text, const unsigned char* bytes, unsigned int count) {
+  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(bytes), count);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+}  // namespace
+
+struct Canvas::Cairo {
+  Kind kind;
+  std::vector<Vec2> sizes_mm;
+  std::size_t begun = 0;
+  std::string bytes;
+  cairo_surface_t* surface = nullptr;
+  cairo_t* context = nullptr;
+
+  void use(const Color& c) const { cairo_set_source_rgb(context, c.red, c.green, c.blue); }
+  void use(const Pen& pen) const {
+    use(pen.color);
+    cairo_set_line_width(context, pen.width_mm);
+    cairo_set_dash(context, &pen.dash_mm, pen.dash_mm > 0.0 ? 1 : 0, 0.0);
+  }
+  void path(std::span<const Vec2> points) const {
+    cairo_new_path(context);
+    for (const Vec2& p : points) cairo_line_to(context, p.x(), p.y());
+    cairo_close_path(context);
+  }
+};
+
+Canvas::Canvas(Kind kind, std::vector<Vec2> page_sizes_mm) : cairo_(std::make_unique<Cairo>()) {
+  Cairo& c = *cairo_;
+  c.kind = kind;
+  c.sizes_mm = std::move(page_sizes_mm);
+  double width_mm = 1.0, height_mm = 0.0;
+  for (const Vec2& size : c.sizes_mm) {
+    width_mm = std::max(width_mm, size.x());
+    height_mm += size.y();
+  }
+  if (kind == Kind::kPdf) {
+    c.surface = cairo_pdf_surface_create_for_stream(append, &c.bytes, width_mm / kPoint_mm, height_mm / kPoint_mm);
+    // A date would make equal designs differ.
+    cairo_pdf_surface_set_metadata(c.surface, CAIRO_PDF_METADATA_CREATE_DATE, "");
+    cairo_pdf_surface_set_metadata(c.surface, CAIRO_PDF_METADATA_CREATOR, "triskin");
+  } else {
+    c.surface = cairo_svg_surface_create_for_stream(append, &c.bytes, width_mm, height_mm);
+    cairo_svg_surface_set_document_unit(c.surface, CAIRO_SVG_UNIT_MM);
+  }
+  c.context = cairo_create(c.surface);
+}
+
+Canvas::~Canvas() {
+  cairo_destroy(cairo_->context);
+  cairo_surface_destroy(cairo_->surface);
+}
+
+bool Canvas::is_built() {
+  return true;
+}
+
+void Canvas::next_page() {
+  Cairo& c = *cairo_;
+  const Vec2 size_mm = c.sizes_mm.at(c.begun);
+  cairo_identity_matrix(c.context);
+  if (c.kind == Kind::kPdf) {
+    if (c.begun > 0) cairo_show_page(c.context);
+    cairo_pdf_surface_set_size(c.surface, size_mm.x() / kPoint_mm, size_mm.y() / kPoint_mm);
+    cairo_scale(c.context, 1.0 / kPoint_mm, 1.0 / kPoint_mm);
+  } else {
+    double above_mm = 0.0;
+    for (std::size_t k = 0; k < c.begun; ++k) above_mm += c.sizes_mm[k].y();
+    cairo_translate(c.context, 0.0, above_mm);
+    fill_rectangle({0, 0}, size_mm, kWhite);
+    rectangle({0, 0}, size_mm, {0.1, kPale, 0.0});
+  }
+  cairo_set_line_join(c.context, CAIRO_LINE_JOIN_MITER);
+  ++c.begun;
+}
+
+void Canvas::line(const Vec2& from, const Vec2& to, const Pen& pen) {
+  cairo_->use(pen);
+  cairo_new_path(cairo_->context);
+  cairo_move_to(cairo_->context, from.x(), from.y());
+  cairo_line_to(cairo_->context, to.x(), to.y());
+  cairo_stroke(cairo_->context);
+}
+
+void Canvas::outline(std::span<const Vec2> points, const Pen& pen) {
+  cairo_->use(pen);
+  cairo_->path(points);
+  cairo_stroke(cairo_->context);
+}
+
+void Canvas::fill(std::span<const Vec2> points, const Color& color) {
+  cairo_->use(color);
+  cairo_->path(points);
+  cairo_fill(cairo_->context);
+}
+
+void Canvas::fill_tight(std::span<const Vec2> points, const Color& color) {
+  Vec2 center(0, 0);
+  for (const Vec2& p : points) center += p / static_cast<double>(points.size());
+  std::vector<Vec2> larger(points.begin(), points.end());
+  for (Vec2& p : larger) p += kHair_mm * (p - center).stableNormalized();
+  fill(larger, color);
+}
+
+void Canvas::rectangle(const Vec2& corner, const Vec2& size_mm, const Pen& pen) {
+  cairo_->use(pen);
+  cairo_rectangle(cairo_->context, corner.x(), corner.y(), size_mm.x(), size_mm.y());
+  cairo_stroke(cairo_->context);
+}
+
+void Canvas::fill_rectangle(const Vec2& corner, const Vec2& size_mm, const Color& color) {
+  cairo_->use(color);
+  cairo_rectangle(cairo_->context, corner.x(), corner.y(), size_mm.x(), size_mm.y());
+  cairo_fill(cairo_->context);
+}
+
+void Canvas::circle(const Vec2& center, double radius_mm, const Pen& pen) {
+  cairo_->use(pen);
+  cairo_new_path(cairo_->context);
+  cairo_arc(cairo_->context, center.x(), center.y(), radius_mm, 0.0, 2.0 * std::numbers::pi);
+  cairo_stroke(cairo_->context);
+}
+
+void Canvas::fill_circle(const Vec2& center, double radius_mm, const Color& color) {
+  cairo_->use(color);
+  cairo_new_path(cairo_->context);
+  cairo_arc(cairo_->context, center.x(), center.y(), radius_mm, 0.0, 2.0 * std::numbers::pi);
+  cairo_fill(cairo_->context);
+}
+
+void Canvas::text(const Vec2& at, const std::string& text, const TextLook& look) {
+  cairo_t* const c = cairo_->context;
+  cairo_save(c);
+  cairo_->use(look.color);
+  cairo_select_font_face(c, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         look.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(c, look.size_mm);
+  cairo_text_extents_t extents;
+  cairo_text_extents(c, text.c_str(), &extents);
+  cairo_translate(c, at.x(), at.y());
+  cairo_rotate(c, look.turn_rad);
+  cairo_move_to(c, -look.align * extents.x_advance, 0.0);
+  cairo_show_text(c, text.c_str());
+  cairo_restore(c);
+}
+
+void Canvas::begin_clip(const Vec2& corner, const Vec2& size_mm) {
+  cairo_save(cairo_->context);
+  cairo_rectangle(cairo_->context, corner.x(), corner.y(), size_mm.x(), size_mm.y());
+  cairo_clip(cairo_->context);
+}
+
+void Canvas::end_clip() {
+  cairo_restore(cairo_->context);
+}
+
+std::string Canvas::finish() {
+  cairo_surface_finish(cairo_->surface);
+  for (const cairo_status_t status : {cairo_status(cairo_->context), cairo_surface_status(cairo_->surface)}) {
+    if (status != CAIRO_STATUS_SUCCESS)
+      throw InputError(fmt::format("export: Cairo cannot draw the sheet: {}", cairo_status_to_string(status)));
+  }
+  return std::move(cairo_->bytes);
+}
+
+void draw_qr(Canvas& canvas, const std::string& text, const Vec2& corner, double size_mm) {
+  const std::unique_ptr<QRcode, decltype(&QRcode_free)> code(
+      QRcode_encodeString(text.c_str(), 0, QR_ECLEVEL_M, QR_MODE_8, 1), QRcode_free);
+  if (!code) throw InputError(fmt::format("export: no QR code holds \"{}\"", text));
+  const double square_mm = size_mm / code->width;
+  for (int y = 0; y < code->width; ++y) {
+    for (int x = 0; x < code->width; ++x) {
+      const int first = x;
+      while (x < code->width && (code->data[y * code->width + x] & 1) != 0) ++x;
+      // A hair more than a row, so that no gap shows to the next one.
+      if (x > first)
+        canvas.fill_rectangle(corner + square_mm * Vec2(first, y), {square_mm * (x - first), square_mm * 1.03}, kBlack);
+    }
+  }
+}
+
+}  // namespace triskin::sheet
+
+#else
+
+namespace triskin::sheet {
+
+struct Canvas::Cairo {};
+
+Canvas::Canvas(Kind /*kind*/, std::vector<Vec2> /*page_sizes_mm*/) {
+  throw InputError(
+      "this triskin was built without its assembly sheet, since Cairo or libqrencode was not installed; install the "
+      "packages libcairo2-dev, libqrencode-dev and fonts-dejavu-core and build again");
+}
+Canvas::~Canvas() = default;
+
+bool Canvas::is_built() {
+  return false;
+}
+
+// No canvas exists here that these could be called on.
+void Canvas::next_page() {}
+void Canvas::line(const Vec2& /*from*/, const Vec2& /*to*/, const Pen& /*pen*/) {}
+void Canvas::outline(std::span<const Vec2> /*points*/, const Pen& /*pen*/) {}
+void Canvas::fill(std::span<const Vec2> /*points*/, const Color& /*color*/) {}
+void Canvas::fill_tight(std::span<const Vec2> /*points*/, const Color& /*color*/) {}
+void Canvas::rectangle(const Vec2& /*corner*/, const Vec2& /*size_mm*/, const Pen& /*pen*/) {}
+void Canvas::fill_rectangle(const Vec2& /*corner*/, const Vec2& /*size_mm*/, const Color& /*color*/) {}
+void Canvas::circle(const Vec2& /*center*/, double /*radius_mm*/, const Pen& /*pen*/) {}
+void Canvas::fill_circle(const Vec2& /*center*/, double /*radius_mm*/, const Color& /*color*/) {}
+void Canvas::text(const Vec2& /*at*/, const std::string& /*text*/, const TextLook& /*look*/) {}
+void Canvas::begin_clip(const Vec2& /*corner*/, const Vec2& /*size_mm*/) {}
+void Canvas::end_clip() {}
+std::string Canvas::finish() {
+  return {};
+}
+void draw_qr(Canvas& /*canvas*/, const std::string& /*text*/, const Vec2& /*corner*/, double /*size_mm*/) {}
+
+}  // namespace triskin::sheet
+
+#endif

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "drawing.hpp"
+#include "pages.hpp"
+#include "triskin/design/outline.hpp"
+
+namespace triskin::sheet {
+namespace {
+
+std::size_t index(int value) {
+  return static_cast<std::size_t>(value);
+}
+
+// One side of a module on the page, without its cut corners.
+struct PageSide {
+  Vec2 from, to, outward;
+  [[nodiscard]] Vec2 middle() const { return (from + to) / 2.0; }
+  // Reads from left to right along the side.
+  [[nodiscard]] double turn_rad() const {
+    const Vec2 along = to - from;
+    const double angle = std::atan2(along.y(), along.x());
+    return std::abs(angle) > std::numbers::pi / 2.0 + 1e-6 ? angle - std::copysign(std::numbers::pi, angle) : angle;
+  }
+};
+
+PageSide side_on(const Drawing& d, int module, int side) {
+  const auto corners = d.page.island.corners_of(d.design.layout.modules[index(module)].tile);
+  const double part = d.design.layout.corner_cut_mm / design::kSide_mm;
+  const Vec2 a = corners[index(side)], b = corners[index((side + 1) % 3)];
+  const Vec2 center = (corners[0] + corners[1] + corners[2]) / 3.0;
+  return {a + part * (b - a), b - part * (b - a), ((a + b) / 2.0 - center).normalized()};
+}
+
+bool is_joint(const Side& side) {
+  return side.kind == SideKind::kKept || side.kind == SideKind::kCut || side.kind == SideKind::kApart;
+}
+
+void write_along(const Drawing& d, const PageSide& at, double part, double out_mm, const std::string& text,
+                 const TextLook& look) {
+  TextLook turned = look;
+  turned.turn_rad = at.turn_rad();
+  turned.align = 0.5;
+  // Text stands on its baseline: outside of a lower side it begins a line lower.
+  const Vec2 up(std::sin(turned.turn_rad), -std::cos(turned.turn_rad));
+  const double shift_mm = at.outward.dot(up) * out_mm >= 0.0 ? 0.0 : -0.75 * look.size_mm;
+  d.canvas.text(at.from + part * (at.to - at.from) + out_mm * at.outward + shift_mm * up, text, turned);
+}
+
+void draw_match(const Drawing& d, const PageSide& at, const Side& side, int module) {
+  const Match& match = d.plan.sides.matches[index(side.match)];
+  const int other = match.module[match.module[0] == module ? 1 : 0];
+  const bool slit = side.kind == SideKind::kSlit;
+  const double out = slit ? -1.0 : 1.0;
+  const bool brief = slit || side.cable || side.second_cable;  // there is no room for more
+  const double part = side.cable || side.second_cable ? 0.8 : 0.5;
+  const Vec2 foot = at.from + part * (at.to - at.from);
+  d.canvas.line(foot, foot + out * 2.2 * at.outward, {0.5, kBlack, 0.0});
+  write_along(d, at, part, out * 2.8,
+              brief ? fmt::format("m{} → {}", side.match, other)
+                    : fmt::format("m{} → {}, gap {:.1f}", side.match, other, match.gap_mm),
+              {.size_mm = 2.2});
+}
+
+void draw_jumper(const Drawing& d, const PageSide& at, const Side& side, int module) {
+  const auto& j = d.design.layout.jumpers[index(side.jumper)];
+  const std::size_t far = j.node[0] == module ? 1 : 0;
+  d.canvas.fill_rectangle(at.middle() - Vec2(1.2, 1.2), {2.4, 2.4}, kBlue);
+  d.canvas.line(at.middle(), at.middle() + 3.0 * at.outward, {0.6, kBlue, 0.0});
+  write_along(d, at, 0.5, 3.6,
+              fmt::format("J{} → {} port {}, {:.0f} mm", side.jumper, j.node[far],
+                          port_at(j.side[far], d.plan.wiring[index(j.node[far])].routed.rotation),
+                          std::ceil(j.length_mm - 1e-9)),
+              {.size_mm = 2.2, .color = kBlue});
+}
+
+void draw_cable(const Drawing& d, const PageSide& at, const Side& side, int module) {
+  if (!side.cable && !side.second_cable) return;
+  const double from_mm = is_joint(side) ? 4.0 : 9.0;  // over a joint the neighbour has the room
+  draw_arrow(d.canvas, at.middle() + from_mm * at.outward, at.middle(), kBlue);
+  const double align = at.outward.x() > 0.1 ? 0.0 : at.outward.x() < -0.1 ? 1.0 : 0.5;
+  d.canvas.text(at.middle() + (from_mm + 1.0) * at.outward + Vec2(0, at.outward.y() > 0.9 ? 2.2 : 0.8),
+                fmt::format("{}cable C{}", side.cable ? "" : "2nd ", d.plan.wiring[index(module)].patch),
+                {.size_mm = 2.6, .bold = true, .align = align, .color = kBlue});
+}
+
+// A module of another page, pale, so that the pages can be laid together.
+void draw_ghost(const Drawing& d, const PageSide& at, int other) {
+  for (int s = 0; s < 3; ++s) {
+    const PageSide side = side_on(d, other, s);
+    d.canvas.line(side.from, side.to, {0.15, kPale, 1.0});
+    d.canvas.line(side.to, side_on(d, other, (s + 1) % 3).from, {0.15, kPale, 1.0});
+  }
+  for (const Vec2& p : {at.from, at.to}) {
+    d.canvas.line(p - Vec2(2, 0), p + Vec2(2, 0), {0.15, kRed, 0.0});
+    d.canvas.line(p - Vec2(0, 2), p + Vec2(0, 2), {0.15, kRed, 0.0});
+  }
+  write_along(d, at, 0.5, 3.2, fmt::format("{} on page {}", other, d.plan.page_of_module[index(other)]),
+              {.size_mm = 2.2, .color = kRed});
+}
+
+void draw_side(const Drawing& d, int module, int s, const std::set<int>& here) {
+  const Side& side = d.plan.sides.of[index(module)][index(s)];
+  const PageSide at = side_on(d, module, s);
+  const bool elsewhere = side.other >= 0 && !here.contains(side.other);
+  const bool first = side.other < 0 || elsewhere || module < side.other;
+  if (is_joint(side)) {
+    if (first) draw_joint(d.canvas, at.from, at.to, side.kind != SideKind::kKept);
+    if (first) write_along(d, at, 0.3, -0.8, angle_text(side.fold_rad), {.size_mm = 2.0});
+  } else {
+    d.canvas.line(at.from, at.to, kCutThrough);
+  }
+  if (elsewhere) draw_ghost(d, at, side.other);
+  if (side.match >= 0) draw_match(d, at, side, module);
+  if (side.jumper >= 0) draw_jumper(d, at, side, module);
+  draw_cable(d, at, side, module);
+}
+
+ModuleMarks marks_of(const Drawing& d, int module) {
+  const auto& wiring = d.plan.wiring[index(module)];
+  const bool up = d.design.layout.modules[index(module)].tile.up != (d.page.island.sixths % 2 == 1);
+  return {std::to_string(module), wiring.routed.line,           wiring.routed.address, wiring.routed.rotation, up,
+          wiring.patch,           d.design.layout.corner_cut_mm};
+}
+
+void draw_short_sides(const Drawing& d, int module) {
+  if (d.design.layout.corner_cut_mm <= 0.0) return;
+  for (int s = 0; s < 3; ++s)
+    d.canvas.line(side_on(d, module, s).to, side_on(d, module, (s + 1) % 3).from, kCutThrough);
+}
+
+void draw_anchors(const Drawing& d, const std::set<int>& here) {
+  const auto& anchors = d.plan.anchors[index(d.page.island.island)];
+  double y = kMargin_mm + 16.0;
+  d.canvas.text(
+      {kMargin_mm, y},
+      fmt::format("Scale 1:1, seen from outside (the side that is touched). Long sides of a module: {:.2f} mm.",
+                  design::kSide_mm - 2.0 * d.design.layout.corner_cut_mm),
+      {.size_mm = 2.6});
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Anchor& a = anchors[k];
+    const std::string name = k == 0 ? "P" : "Q";
+    y += 4.0;
+    d.canvas.text({kMargin_mm, y},
+                  fmt::format("Point {} (module {}, page {}) on the part: {}.", name, a.module,
+                              d.plan.page_of_module[index(a.module)], text_of(a.fix, d.plan.landmarks)),
+                  {.size_mm = 2.6});
+    if (here.contains(a.module)) draw_anchor(d.canvas, side_on(d, a.module, a.corner).from, name);
+  }
+}
+
+}  // namespace
+
+void draw_island(const Drawing& d) {
+  const IslandPage& island = d.page.island;
+  const std::set<int> here(island.modules.begin(), island.modules.end());
+  const Vec2 size = d.page.size_mm;
+  d.canvas.begin_clip({kMargin_mm, kMargin_mm + kHead_mm},
+                      size - Vec2(2.0 * kMargin_mm, 2.0 * kMargin_mm + kHead_mm + kFoot_mm));
+  for (const auto draw : {draw_ground, draw_module}) {
+    for (const int id : island.modules)
+      draw(d.canvas, island.corners_of(d.design.layout.modules[index(id)].tile), marks_of(d, id));
+  }
+  for (const int id : island.modules) {
+    for (int s = 0; s < 3; ++s) draw_side(d, id, s, here);
+    draw_short_sides(d, id);
+  }
+  d.canvas.end_clip();
+  draw_anchors(d, here);
+}
+
+}  // namespace triskin::sheet

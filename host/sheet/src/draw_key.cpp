@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
+
+#include "drawing.hpp"
+
+namespace triskin::sheet {
+namespace {
+
+// A line of text beside its symbol.
+class Key {
+ public:
+  Key(Canvas& canvas, double top_mm) : canvas_(canvas), y_(top_mm) {}
+  /// Middle of the place of the next symbol.
+  Vec2 next(std::initializer_list<const char*> text, double height_mm) {
+    const Vec2 middle(kMargin_mm + 18.0, y_ + height_mm / 2.0);
+    double line = middle.y() + 1.0 - 2.3 * (static_cast<double>(text.size()) - 1.0);
+    for (const char* t : text) {
+      canvas_.text({kMargin_mm + 42.0, line}, t, {});
+      line += 4.6;
+    }
+    y_ += height_mm;
+    return middle;
+  }
+
+ private:
+  Canvas& canvas_;
+  double y_;
+};
+
+void draw_example(Canvas& canvas, const Vec2& middle) {
+  // Larger than life, so that nobody measures it.
+  const double half = 18.0, height = 2.0 * half * 0.8660254;
+  const std::array<Vec2, 3> corners{middle + Vec2(-half, height / 3), middle + Vec2(half, height / 3),
+                                    middle + Vec2(0, -2 * height / 3)};
+  for (const auto draw : {draw_ground, draw_module})
+    draw(canvas, corners, {.number = "17", .line = 2, .address = 1, .rotation = 1});
+}
+
+}  // namespace
+
+void draw_key(const Drawing& d) {
+  Canvas& c = d.canvas;
+  Key key(c, kMargin_mm + kHead_mm);
+  draw_example(
+      c, key.next({"A module, seen from outside, the side that is touched: its number (17); the line strap: of the",
+                   "four pads the black one, third from the left, is closed with solder, the others stay open (L2);",
+                   "the address strap in the same way (2D: address 2D of the converter, second pad).",
+                   "Pads from left to right: L0 L1 L2 L3, and 2C 2D 2E 2F. The page stands upright.",
+                   "A, B and C are the ports; the black arrow goes into port A, its input.",
+                   "The colour of the ground tells controllers apart."},
+                  46.0) +
+             Vec2(0, 4));
+  const auto line = [](const Vec2& at, double half = 12.0) {
+    return std::pair<Vec2, Vec2>(at - Vec2(half, 0), at + Vec2(half, 0));
+  };
+  auto [a, b] = line(key.next({"Cut through: outline of the island, slit, corner that is cut off."}, 10.0));
+  c.line(a, b, kCutThrough);
+  const Vec2 kept = key.next(
+      {"Joint to keep: it carries the lines. Fold it by the angle beside it: +12° away from you, −12°", "towards you."},
+      12.0);
+  std::tie(a, b) = line(kept);
+  draw_joint(c, a, b, false);
+  c.text(kept + Vec2(-2, -0.8), "+12°", {.size_mm = 2.0});
+  const Vec2 cut =
+      key.next({"Joint to cut: cut its traces, all of them, so that it carries no line; then fold it like the others.",
+                "Between two controllers (two colours) all joints are cut."},
+               12.0);
+  std::tie(a, b) = line(cut);
+  draw_joint(c, a, b, true);
+  const Vec2 cable = key.next({"The cable of controller 3 is plugged in here, at port A of its entry module.",
+                               "2nd cable: only for switched modules; else it is left out."},
+                              12.0);
+  draw_arrow(c, cable + Vec2(0, -4), cable + Vec2(0, 4), kBlue);
+  c.text(cable + Vec2(-1.5, 0), "cable C3", {.size_mm = 2.6, .bold = true, .align = 1.0, .color = kBlue});
+  const Vec2 jumper =
+      key.next({"Jumper J0: a short cable from this side to port B of module 45, 9 mm along the surface."}, 12.0);
+  c.fill_rectangle(jumper - Vec2(1.2, -1.8), {2.4, 2.4}, kBlue);
+  c.line(jumper + Vec2(0, 3), jumper + Vec2(0, 0), {0.6, kBlue, 0.0});
+  c.text(jumper + Vec2(0, -0.8), "J0 → 45 port B, 9 mm", {.size_mm = 2.2, .align = 0.5, .color = kBlue});
+  const Vec2 mark =
+      key.next({"Matching mark: this side lies opposite side m7 of module 45 over a seam, 2.3 mm apart."}, 12.0);
+  std::tie(a, b) = line(mark + Vec2(0, 2));
+  c.line(a, b, kCutThrough);
+  c.line(mark + Vec2(0, 2), mark + Vec2(0, -0.2), {0.5, kBlack, 0.0});
+  c.text(mark + Vec2(0, -1), "m7 → 45, gap 2.3", {.size_mm = 2.2, .align = 0.5});
+  const Vec2 next =
+      key.next({"The island goes on with module 45 on page 12: lay the pages so that the red crosses coincide."}, 12.0);
+  for (const double x : {-12.0, 12.0}) {
+    c.line(next + Vec2(x - 2, 0), next + Vec2(x + 2, 0), {0.15, kRed, 0.0});
+    c.line(next + Vec2(x, -2), next + Vec2(x, 2), {0.15, kRed, 0.0});
+  }
+  c.text(next + Vec2(0, 0.8), "45 on page 12", {.size_mm = 2.2, .align = 0.5, .color = kRed});
+  draw_anchor(
+      c,
+      key.next({"Point of an island whose place on the part is stated: distances from two landmarks, in a straight",
+                "line (calipers or compasses)."},
+               12.0),
+      "P");
+  const Vec2 landmark = key.next({"Landmark of the part (overview, list on the page of parts)."}, 12.0);
+  c.line(landmark - Vec2(1.6, 0), landmark + Vec2(1.6, 0), {0.35, kRed, 0.0});
+  c.line(landmark - Vec2(0, 1.6), landmark + Vec2(0, 1.6), {0.35, kRed, 0.0});
+  c.text(landmark + Vec2(0.6, -1.0), "R1", {.size_mm = 2.6, .bold = true, .color = kRed});
+  (void)key.next({"The QR code of a page holds the design, the controller (−: none) and the page. triskin verify and",
+                  "triskin view take its text instead of a design file; they find the design in the current folder."},
+                 12.0);
+}
+
+}  // namespace triskin::sheet

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/sheet/sheet.hpp"
+
+#include "drawing.hpp"
+
+namespace triskin::sheet {
+namespace {
+
+void draw_page(const Drawing& d) {
+  draw_frame(d);
+  switch (d.page.kind) {
+    case PageKind::kOverview:
+      return draw_overview(d);
+    case PageKind::kKey:
+      return draw_key(d);
+    case PageKind::kText:
+      return draw_text(d);
+    case PageKind::kIsland:
+      return draw_island(d);
+  }
+}
+
+std::string draw(const design::Design& design, Paper paper, Canvas::Kind kind) {
+  const Plan plan = plan_of(design, paper);
+  std::vector<Vec2> sizes_mm;
+  for (const Page& page : plan.pages) sizes_mm.push_back(page.size_mm);
+  Canvas canvas(kind, std::move(sizes_mm));
+  int number = 0;
+  for (const Page& page : plan.pages) {
+    canvas.next_page();
+    draw_page({canvas, design, plan, page, ++number});
+  }
+  return canvas.finish();
+}
+
+}  // namespace
+
+bool can_draw() {
+  return Canvas::is_built();
+}
+
+std::string pdf(const design::Design& design, Paper paper) {
+  return draw(design, paper, Canvas::Kind::kPdf);
+}
+
+std::string svg(const design::Design& design, Paper paper) {
+  return draw(design, paper, Canvas::Kind::kSvg);
+}
+
+}  // namespace triskin::sheet

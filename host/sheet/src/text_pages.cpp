@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "pages.hpp"
+#include "triskin/design/outline.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/sheet/bill.hpp"
+
+namespace triskin::sheet {
+namespace {
+
+using Lines = std::vector<TextLine>;
+constexpr std::size_t kLongestLine = 112;  // bytes; characters of 3.1 mm that fit on A4
+const std::vector<double> kBoxed_mm{6.0};  // text beside a box to tick
+
+std::vector<std::string> wrapped(const std::string& text) {
+  std::vector<std::string> lines;
+  std::size_t from = 0;
+  while (text.size() - from > kLongestLine) {
+    const std::size_t space = text.rfind(' ', from + kLongestLine);
+    const std::size_t to = space == std::string::npos || space <= from ? from + kLongestLine : space;
+    lines.push_back(text.substr(from, to - from));
+    from = to + (to == space ? 1 : 0);
+  }
+  lines.push_back(text.substr(from));
+  return lines;
+}
+
+void add_title(Lines& lines, const std::string& text) {
+  if (!lines.empty()) lines.push_back({LineKind::kGap, {}, {}});
+  lines.push_back({LineKind::kTitle, {text}, {}});
+}
+
+void add_text(Lines& lines, const std::string& text) {
+  for (const auto& line : wrapped(text)) lines.push_back({LineKind::kText, {line}, {}});
+}
+
+void add_tick(Lines& lines, const std::string& text) {
+  LineKind kind = LineKind::kTick;
+  for (const auto& line : wrapped(text)) {
+    lines.push_back({kind, {line}, kBoxed_mm});
+    kind = LineKind::kText;
+  }
+}
+
+std::string text_of_pages(const std::vector<int>& pages) {
+  std::string text;
+  for (const int p : pages) text += (text.empty() ? "" : ", ") + std::to_string(p);
+  return (pages.size() == 1 ? "page " : "pages ") + text;
+}
+
+std::vector<int> pages_of_island(const Plan& plan, int island) {
+  std::vector<int> pages;
+  for (std::size_t p = 0; p < plan.pages.size(); ++p) {
+    if (plan.pages[p].kind == PageKind::kIsland && plan.pages[p].island.island == island)
+      pages.push_back(static_cast<int>(p) + 1);
+  }
+  return pages;
+}
+
+int page_of_controller(const Plan& plan, int patch) {
+  for (std::size_t p = 0; p < plan.pages.size(); ++p) {
+    if (plan.pages[p].kind == PageKind::kText && plan.pages[p].patch == patch) return static_cast<int>(p) + 1;
+  }
+  return 0;
+}
+
+// ---- parts
+
+void add_pieces(Lines& lines, const char* what, const char* least, const std::vector<PieceCount>& pieces,
+                const std::vector<double>& columns) {
+  for (const PieceCount& p : pieces) {
+    const std::string length = p.length_mm == 0 ? "no rim to measure to" : fmt::format("{}{} mm", least, p.length_mm);
+    lines.push_back({LineKind::kTickRow, {what, length, std::to_string(p.count)}, columns});
+  }
+}
+
+int total(const std::vector<PieceCount>& pieces) {
+  return std::accumulate(pieces.begin(), pieces.end(), 0, [](int sum, const PieceCount& p) { return sum + p.count; });
+}
+
+void add_parts(Lines& lines, const design::Design& design, const Bill& bill) {
+  const std::vector<double> columns{6.0, 76.0, 150.0};
+  const auto row = [&](const std::string& what, const std::string& kind, int count) {
+    lines.push_back({LineKind::kTickRow, {what, kind, std::to_string(count)}, columns});
+  };
+  add_title(lines, "Parts");
+  lines.push_back({LineKind::kHead, {"part", "kind", "pieces"}, columns});
+  const double cut_mm = design.layout.corner_cut_mm;
+  row("modules", cut_mm > 0.0 ? fmt::format("all corners cut by {:g} mm", cut_mm) : "whole triangles, side 30 mm",
+      bill.modules);
+  row("controllers", "", bill.controllers);
+  for (std::size_t k = 0; k < 4; ++k) row("line straps", fmt::format("line L{}", k), bill.line_straps[k]);
+  for (std::size_t k = 0; k < 4; ++k)
+    row("address straps", fmt::format("address {:02X}", layout::cdc_address(static_cast<int>(k))),
+        bill.address_straps[k]);
+  add_pieces(lines, "cables to controllers", "at least ", bill.cables, columns);
+  add_pieces(lines, "2nd cables (switched modules)", "at least ", bill.second_cables, columns);
+  add_pieces(lines, "jumper cables", "", bill.jumpers, columns);
+  const int straps = std::accumulate(bill.line_straps.begin(), bill.line_straps.end(), 0) +
+                     std::accumulate(bill.address_straps.begin(), bill.address_straps.end(), 0);
+  add_text(lines, fmt::format("In all: {} modules, {} straps to close, {} controllers, {} cables, {} jumpers.",
+                              bill.modules, straps, bill.controllers, total(bill.cables), total(bill.jumpers)));
+  add_text(lines,
+           fmt::format("Joints: {} to keep, {} whose traces are cut inside a patch, {} whose traces are cut between "
+                       "controllers; {} slits.",
+                       bill.kept_joints, bill.cut_joints, bill.apart_joints, bill.slits));
+  add_text(
+      lines,
+      "The length of a cable is the straight way from the entry to the nearest point of a rim; add what lies between "
+      "the rim and the controller.");
+}
+
+// Never "-0.0".
+double tenths(double value) {
+  return std::round(value * 10.0) / 10.0 + 0.0;
+}
+
+void add_landmarks(Lines& lines, const Plan& plan) {
+  const std::vector<double> columns{0.0, 18.0, 120.0};
+  add_title(lines, "Landmarks of the part");
+  if (plan.landmarks.empty()) add_text(lines, "The design has no surface, so no place on the part can be stated.");
+  if (plan.landmarks.empty()) return;
+  add_text(lines,
+           "Places are measured from these points with calipers or compasses, in a straight line. Find them on the "
+           "overview and mark them on the part first.");
+  lines.push_back({LineKind::kHead, {"mark", "where", "x, y, z in the frame of the mesh"}, columns});
+  for (const Landmark& l : plan.landmarks)
+    lines.push_back(
+        {LineKind::kRow,
+         {l.name, l.where,
+          fmt::format("{:.1f}, {:.1f}, {:.1f} mm", tenths(l.at_mm.x()), tenths(l.at_mm.y()), tenths(l.at_mm.z()))},
+         columns});
+}
+
+// ---- order of work
+
+void add_preparation(Lines& lines, const design::Design& design) {
+  add_title(lines, "Order of work: before");
+  add_tick(lines,
+           "Print all pages at 100 % (no \"fit to page\"). Measure the ruler at the foot of every page: 0 to 100 must "
+           "be 100.0 mm within 0.3 mm.");
+  add_tick(lines,
+           "Read the key on page 2. All drawings of islands are seen from outside, from the side that is touched.");
+  add_tick(lines, "Lay out the parts of the list and count them.");
+  add_tick(lines, "Mark the landmarks R1, R2, … of the overview on the part.");
+  if (design.layout.corner_cut_mm > 0.0)
+    add_tick(lines, fmt::format("Cut all three corners off every module, {0:g} mm along each side: long sides of {1:g} "
+                                "mm and short ones of {0:g} mm stay.",
+                                design.layout.corner_cut_mm, design::kSide_mm - 2.0 * design.layout.corner_cut_mm));
+}
+
+void add_island_work(Lines& lines, const Plan& plan, int island, int modules) {
+  const auto& anchors = plan.anchors[static_cast<std::size_t>(island)];
+  const std::vector<int> pages = pages_of_island(plan, island);
+  add_title(lines, fmt::format("Order of work: island {}", island));
+  add_tick(lines,
+           fmt::format("Lay its {} modules on the drawing ({}), the side that is touched upwards, each with port A "
+                       "where the arrow is.{}",
+                       modules, text_of_pages(pages),
+                       pages.size() > 1 ? " Lay the pages together first, so that equal red crosses coincide." : ""));
+  add_tick(lines, "On every module close the line strap and the address strap that are drawn black, and no other.");
+  add_tick(lines,
+           "Join the modules. Keep the joints that are drawn dashed. Cut the traces of the joints that are drawn with "
+           "crosses. Cut solid lines through.");
+  add_tick(lines, "Fold each joint by the angle beside it: + away from you, − towards you.");
+  if (plan.landmarks.empty()) return;
+  for (std::size_t k = 0; k < 2; ++k)
+    add_tick(lines, fmt::format("Point {} (corner of module {}) goes where it has these distances: {}.",
+                                k == 0 ? "P" : "Q", anchors[k].module, text_of(anchors[k].fix, plan.landmarks)));
+}
+
+void add_jumpers(Lines& lines, const design::Design& design, const Plan& plan) {
+  if (design.layout.jumpers.empty()) return;
+  add_title(lines, "Order of work: jumpers");
+  for (std::size_t k = 0; k < design.layout.jumpers.size(); ++k) {
+    const auto& j = design.layout.jumpers[k];
+    const auto end = [&](std::size_t e) {
+      const auto module = static_cast<std::size_t>(j.node[e]);
+      return fmt::format("module {} port {} (page {})", j.node[e],
+                         port_at(j.side[e], plan.wiring[module].routed.rotation), plan.page_of_module[module]);
+    };
+    add_tick(lines, fmt::format("J{}: {} of {:.0f} mm from {} to {}.", k, design::kJumperKindNames.name(j.kind),
+                                std::ceil(j.length_mm - 1e-9), end(0), end(1)));
+  }
+}
+
+void add_connecting(Lines& lines, const design::Design& design, const Plan& plan) {
+  add_title(lines, "Order of work: controllers");
+  for (std::size_t p = 0; p < design.patches.size(); ++p)
+    add_tick(lines, fmt::format("Controller {}: plug its cable into port A of module {} (page {}; table on page {}).",
+                                p, design.patches[p].entry,
+                                plan.page_of_module.at(static_cast<std::size_t>(design.patches[p].entry)),
+                                page_of_controller(plan, static_cast<int>(p))));
+  add_tick(lines, "Write the tables into the controllers: triskin flash DESIGN");
+  add_tick(lines,
+           "Ask the patch whether it is the design: triskin verify DESIGN --touch. Instead of DESIGN the text of a QR "
+           "code does, in the folder that holds the design file.");
+}
+
+Lines work_lines(const design::Design& design, const Plan& plan) {
+  Lines lines;
+  add_preparation(lines, design);
+  std::vector<int> modules(plan.anchors.size());
+  for (const auto& m : design.layout.modules) ++modules[static_cast<std::size_t>(m.island)];
+  for (std::size_t island = 0; island < modules.size(); ++island) {
+    if (modules[island] > 0) add_island_work(lines, plan, static_cast<int>(island), modules[island]);
+  }
+  add_title(lines, "Order of work: on the part");
+  add_tick(lines,
+           "Lay all islands on the part. Sides with the same mark m0, m1, … lie opposite each other over a seam; the "
+           "gap is beside the mark.");
+  add_jumpers(lines, design, plan);
+  add_connecting(lines, design, plan);
+  return lines;
+}
+
+// ---- controllers
+
+void add_entry(Lines& lines, const design::Design& design, const Plan& plan, int module, int side,
+               const std::string& what) {
+  const auto& m = design.layout.modules.at(static_cast<std::size_t>(module));
+  const int rotation = plan.wiring[static_cast<std::size_t>(module)].routed.rotation;
+  const design::Vec3 at = middle_of(m, side);
+  add_text(lines, fmt::format("{}: module {}, port {} (page {}). The middle of this side lies at {}.", what, module,
+                              port_at(side, rotation), plan.page_of_module[static_cast<std::size_t>(module)],
+                              text_of(fix_of(plan.landmarks, at), plan.landmarks)));
+}
+
+Lines controller_lines(const design::Design& design, const Plan& plan, int p) {
+  const auto& patch = design.patches[static_cast<std::size_t>(p)];
+  const std::vector<double> columns{6.0, 22.0, 36.0, 52.0, 72.0, 108.0, 150.0};
+  Lines lines;
+  add_title(lines, fmt::format("Controller {} (node address {})", p, p + 1));
+  for (const auto& m : patch.modules) {
+    if (m.parent < 0) add_entry(lines, design, plan, m.node, m.rotation, "Cable");
+  }
+  if (patch.second_entry >= 0)
+    add_entry(lines, design, plan, patch.second_entry, patch.second_entry_side, "Second cable (switched modules only)");
+  lines.push_back({LineKind::kGap, {}, {}});
+  lines.push_back({LineKind::kHead, {"module", "page", "line", "address", "port A", "port B", "port C"}, columns});
+  for (const auto& m : patch.modules) {
+    const auto id = static_cast<std::size_t>(m.node);
+    TextLine row{LineKind::kTickRow,
+                 {std::to_string(m.node), std::to_string(plan.page_of_module[id]), fmt::format("L{}", m.line),
+                  fmt::format("{:02X}", layout::cdc_address(m.address))},
+                 columns};
+    for (int port = 0; port < 3; ++port)
+      row.cells.push_back(
+          text_of(plan.sides.of[id][static_cast<std::size_t>((port + m.rotation) % 3)], design, plan, m.node));
+    lines.push_back(std::move(row));
+  }
+  lines.push_back({LineKind::kGap, {}, {}});
+  add_text(lines,
+           "A number: the joint to that module is kept. cut: its traces are cut. edge: the outline of the island. m: "
+           "mark across a seam.");
+  return lines;
+}
+
+std::vector<Page> paginated(const Lines& lines, const std::string& title, int patch, Paper paper) {
+  const design::Vec2 size_mm = text_size_mm(paper);
+  const double room_mm = size_mm.y() - 2.0 * kMargin_mm - kHead_mm - kFoot_mm;
+  std::vector<Page> pages;
+  double used_mm = room_mm;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    // A title stays with the line below it.
+    const double needed_mm = height_mm(lines[k].kind) + (lines[k].kind == LineKind::kTitle ? 12.0 : 0.0);
+    if (used_mm + needed_mm > room_mm) {
+      pages.push_back({.kind = PageKind::kText, .title = title, .patch = patch, .size_mm = size_mm});
+      used_mm = 0.0;
+    }
+    pages.back().lines.push_back(lines[k]);
+    used_mm += height_mm(lines[k].kind);
+  }
+  return pages;
+}
+
+}  // namespace
+
+design::Vec2 text_size_mm(Paper paper) {
+  return paper == Paper::kA3 ? design::Vec2(297, 420) : design::Vec2(210, 297);
+}
+
+double height_mm(LineKind kind) {
+  switch (kind) {
+    case LineKind::kTitle:
+      return 8.0;
+    case LineKind::kTick:
+    case LineKind::kHead:
+      return 6.0;
+    case LineKind::kTickRow:
+      return 5.6;
+    case LineKind::kText:
+    case LineKind::kRow:
+      return 5.0;
+    case LineKind::kGap:
+      break;
+  }
+  return 4.0;
+}
+
+std::string text_of(const Fix& fix, const std::vector<Landmark>& landmarks) {
+  std::string text;
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (fix.landmark[k] < 0) continue;
+    text += fmt::format("{}{:.1f} mm from {}", text.empty() ? "" : " and ", fix.distance_mm[k],
+                        landmarks[static_cast<std::size_t>(fix.landmark[k])].name);
+  }
+  return text.empty() ? "an unknown place (no surface)" : text;
+}
+
+std::string text_of(const Side& side, const design::Design& design, const Plan& plan, int module) {
+  if (side.cable) return "cable";
+  if (side.jumper >= 0) {
+    const auto& jumper = design.layout.jumpers[static_cast<std::size_t>(side.jumper)];
+    return fmt::format("jumper J{} to {}", side.jumper, jumper.node[jumper.node[0] == module ? 1 : 0]);
+  }
+  if (side.kind == SideKind::kKept) return std::to_string(side.other);
+  if (side.kind == SideKind::kCut) return fmt::format("cut ({})", side.other);
+  const std::string second = side.second_cable ? "2nd cable, " : "";
+  if (side.kind == SideKind::kApart)
+    return fmt::format("{}cut ({} of C{})", second, side.other,
+                       plan.wiring[static_cast<std::size_t>(side.other)].patch);
+  const std::string mark = side.match >= 0 ? fmt::format(", m{}", side.match) : "";
+  return second + (side.kind == SideKind::kSlit ? fmt::format("slit ({})", side.other) : "edge") + mark;
+}
+
+std::vector<Page> text_pages(const design::Design& design, const Plan& plan, Paper paper) {
+  Lines parts;
+  add_parts(parts, design, bill_of(design, plan.sides));
+  add_landmarks(parts, plan);
+  auto pages = paginated(parts, "Parts and landmarks", -1, paper);
+  std::ranges::move(paginated(work_lines(design, plan), "Order of work", -1, paper), std::back_inserter(pages));
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    const int patch = static_cast<int>(p);
+    std::ranges::move(paginated(controller_lines(design, plan, patch), fmt::format("Controller {}", p), patch, paper),
+                      std::back_inserter(pages));
+  }
+  return pages;
+}
+
+}  // namespace triskin::sheet

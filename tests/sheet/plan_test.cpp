@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the assembly sheet says, before anything is drawn; worked by hand on strips and on two islands.
+#include "triskin/sheet/plan.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "support/strip_design.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/sheet/bill.hpp"
+#include "triskin/sheet/page_code.hpp"
+
+namespace triskin::test {
+namespace {
+
+using design::Vec3;
+using sheet::PageCode;
+using sheet::PieceCount;
+using sheet::SideKind;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(PageCode, is_written_and_read) {
+  const PageCode code{0x00ab00000000cdef, 3, 12};
+  EXPECT_EQ(sheet::text_of(code), "triskin:00ab00000000cdef/3/12");
+  EXPECT_EQ(sheet::read_page_code("triskin:00ab00000000cdef/3/12"), code);
+  EXPECT_EQ(sheet::text_of({1, -1, 1}), "triskin:0000000000000001/-/1");
+  EXPECT_EQ(sheet::read_page_code("triskin:0000000000000001/-/1"), (PageCode{1, -1, 1}));
+}
+
+TEST(PageCode, refuses_what_is_none) {
+  for (const char* text :
+       {"", "triskin:", "forearm.json", "triskin:12/0/1", "triskin:00ab00000000cdef", "triskin:00ab00000000cdef/3",
+        "triskin:00ab00000000cdef/3/0", "triskin:00ab00000000cdef/-1/1", "triskin:00ab00000000cdef/3/1 ",
+        "triskin:00ab00000000cdeg/3/1", "triskin:00ab00000000cdef//1", "triskin:00ab00000000cdef/3/99999999999"})
+    EXPECT_FALSE(sheet::read_page_code(text)) << text;
+  EXPECT_TRUE(sheet::is_page_code("triskin:12/0/1"));
+  EXPECT_FALSE(sheet::is_page_code("forearm.json"));
+}
+
+// Modules 0, 1 and 2, 3 on two controllers, in one row: 0 – 1 | 2 – 3.
+TEST(Sides, of_a_strip_on_two_controllers) {
+  const auto sides = sheet::sides_of(strip(4, 2));
+  EXPECT_EQ(sides.of[0][1].kind, SideKind::kKept);
+  EXPECT_EQ(sides.of[0][1].other, 1);
+  EXPECT_EQ(sides.of[0][1].fold_rad, 0.0);
+  EXPECT_EQ(sides.of[1][0].kind, SideKind::kApart);
+  EXPECT_EQ(sides.of[0][0].kind, SideKind::kOutline);
+  EXPECT_TRUE(sides.of[0][2].cable);
+  EXPECT_TRUE(sides.of[2][2].cable);  // through the skin, over the joint that is cut
+  EXPECT_EQ(sides.of[2][2].kind, SideKind::kApart);
+  EXPECT_TRUE(sides.matches.empty());
+}
+
+TEST(Sides, cut_joints_and_slits) {
+  design::Design d = strip(3, 3);
+  d.patches[0].cut_joints = {{1, 2}};
+  d.layout.modules[0].neighbour[1] = d.layout.modules[1].neighbour[2] = -1;  // 0 and 1 lie side by side, not joined
+  const auto sides = sheet::sides_of(d);
+  EXPECT_EQ(sides.of[2][2].kind, SideKind::kCut);
+  EXPECT_EQ(sides.of[0][1].kind, SideKind::kSlit);
+  EXPECT_EQ(sides.of[0][1].other, 1);
+  ASSERT_EQ(sides.matches.size(), 1U);  // the two sides of the slit
+  EXPECT_EQ(sides.matches[0].gap_mm, 0.0);
+}
+
+// A roof: the second module hangs down by 30° from the joint, seen from outside away from the viewer.
+TEST(Sides, fold_is_positive_away_from_the_viewer) {
+  design::Design d = strip(2);
+  auto& corners = d.layout.modules[1].corner_mm;
+  const Vec3 hinge = corners[2], axis = (corners[0] - corners[2]).normalized();
+  const Eigen::AngleAxisd turn(0.5235987755982988, axis);
+  const Vec3 moved = hinge + turn * (corners[1] - hinge);
+  const bool down = moved.z() < 0.0;
+  corners[1] = down ? moved : Vec3(hinge + turn.inverse() * (corners[1] - hinge));
+  ASSERT_LT(corners[1].z(), -1.0);
+  EXPECT_NEAR(sheet::sides_of(d).of[0][1].fold_rad, 0.5235987755982988, 1e-9);
+  corners[1].z() *= -1.0;
+  EXPECT_NEAR(sheet::sides_of(d).of[0][1].fold_rad, -0.5235987755982988, 1e-9);
+}
+
+// Two islands of one module, 5 mm apart.
+design::Design two_islands() {
+  design::Design d = flat_design("two", {-10, -40}, {40, 40});
+  d.layout.islands = 2;
+  lay_modules(d, {{0, 0, true}}, {}, 0);
+  lay_modules(d, {{0, -1, false}}, {}, 1, {0.0, -5.0});
+  for (int k = 0; k < 2; ++k) {
+    design::Patch patch;
+    patch.entry = k;
+    patch.modules.push_back({k, -1, k == 0 ? 1 : 0, 0, 0, 0});
+    d.patches.push_back(patch);
+  }
+  d.design_id = design::design_id_of(d);
+  return d;
+}
+
+TEST(Sides, that_face_each_other_over_a_seam_get_one_mark) {
+  const auto sides = sheet::sides_of(two_islands());
+  ASSERT_EQ(sides.matches.size(), 1U);
+  EXPECT_THAT(sides.matches[0].module, ElementsAre(0, 1));
+  EXPECT_THAT(sides.matches[0].side, ElementsAre(0, 1));
+  EXPECT_NEAR(sides.matches[0].gap_mm, 5.0, 1e-12);
+  EXPECT_EQ(sides.of[0][0].match, 0);
+  EXPECT_EQ(sides.of[1][1].match, 0);
+  EXPECT_EQ(sides.of[0][1].match, -1);
+}
+
+TEST(Sides, with_a_jumper_get_no_mark) {
+  design::Design d = two_islands();
+  d.layout.jumpers.push_back({{0, 1}, {0, 1}, 5.0, 0.0, design::JumperKind::kCable});
+  const auto sides = sheet::sides_of(d);
+  EXPECT_TRUE(sides.matches.empty());
+  EXPECT_EQ(sides.of[1][1].jumper, 0);
+}
+
+TEST(Bill, of_a_strip) {
+  const design::Design d = strip(4, 2);
+  const sheet::Bill bill = sheet::bill_of(d, sheet::sides_of(d));
+  EXPECT_EQ(bill.modules, 4);
+  EXPECT_EQ(bill.controllers, 2);
+  EXPECT_THAT(bill.line_straps, ElementsAre(4, 0, 0, 0));
+  EXPECT_THAT(bill.address_straps, ElementsAre(2, 2, 0, 0));
+  EXPECT_EQ(bill.kept_joints, 2);
+  EXPECT_EQ(bill.apart_joints, 1);
+  EXPECT_EQ(bill.cut_joints, 0);
+  // Entry 0 lies at (7.5, 13.0), 8.5 mm from the rim x = −1; entry 2 at (37.5, 13.0), 14.0 mm from the rim y = −1.
+  EXPECT_THAT(bill.cables, ElementsAre(PieceCount{10, 1}, PieceCount{20, 1}));
+}
+
+TEST(Bill, counts_jumpers_by_length) {
+  design::Design d = two_islands();
+  d.layout.jumpers.push_back({{0, 1}, {0, 1}, 4.2, 0.0, design::JumperKind::kCable});
+  EXPECT_THAT(sheet::bill_of(d, sheet::sides_of(d)).jumpers, ElementsAre(PieceCount{5, 1}));
+}
+
+TEST(Landmarks, are_the_corners_of_a_rectangle) {
+  const auto marks = sheet::landmarks_of(flat_design("f", {0, 0}, {40, 30}).surface);
+  std::set<std::pair<double, double>> corners;
+  for (const auto& m : marks) corners.emplace(m.at_mm.x(), m.at_mm.y());
+  for (const auto& c : corners) EXPECT_TRUE((c.first == 0 || c.first == 40) && (c.second == 0 || c.second == 30));
+  ASSERT_GE(marks.size(), 2U);
+  EXPECT_EQ(marks[0].name, "R1");
+  EXPECT_THAT(marks[0].where, HasSubstr("+x"));
+  EXPECT_TRUE(sheet::landmarks_of({}).empty());
+}
+
+TEST(Landmarks, of_a_part_without_rim_are_its_farthest_points) {
+  design::Mesh tetrahedron;
+  tetrahedron.vertices = {{0, 0, 0}, {50, 0, 0}, {0, 50, 0}, {0, 0, 50}};
+  tetrahedron.faces = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  const auto marks = sheet::landmarks_of(tetrahedron);
+  ASSERT_EQ(marks.size(), 4U);
+  EXPECT_EQ(marks[0].name, "S1");
+  EXPECT_EQ(marks[0].at_mm, Vec3(50, 0, 0));
+}
+
+TEST(Landmarks, two_distances_that_meet_at_a_point) {
+  // R1 and R2 lie in one line with the point, R3 aside: 30, 40 and 60 mm away.
+  const std::vector<sheet::Landmark> marks{{"R1", {30, 0, 0}, ""}, {"R2", {-40, 0, 0}, ""}, {"R3", {0, 60, 0}, ""}};
+  const auto fix = sheet::fix_of(marks, {0, 0, 0});
+  EXPECT_THAT(fix.landmark, ElementsAre(0, 2));
+  EXPECT_THAT(fix.distance_mm, ElementsAre(30.0, 60.0));
+}
+
+TEST(Plan, has_every_module_on_one_page_and_on_the_paper) {
+  for (const auto& [paper, name] : sheet::kPaperNames.rows()) {
+    const design::Design d = strip(60);
+    const auto plan = sheet::plan_of(d, paper);
+    std::vector<int> times(60);
+    for (std::size_t p = 0; p < plan.pages.size(); ++p) {
+      const auto& page = plan.pages[p];
+      for (const int id : page.island.modules) {
+        ++times[static_cast<std::size_t>(id)];
+        EXPECT_EQ(plan.page_of_module[static_cast<std::size_t>(id)], static_cast<int>(p) + 1);
+        for (const auto& corner : page.island.corners_of(d.layout.modules[static_cast<std::size_t>(id)].tile)) {
+          EXPECT_GE(corner.minCoeff(), sheet::kMargin_mm) << name;
+          EXPECT_LE(corner.x(), page.size_mm.x() - sheet::kMargin_mm) << name;
+          EXPECT_LE(corner.y(), page.size_mm.y() - sheet::kMargin_mm - sheet::kFoot_mm) << name;
+        }
+      }
+    }
+    EXPECT_THAT(times, testing::Each(1)) << name;
+  }
+}
+
+TEST(Plan, has_a_table_for_each_controller_that_names_its_page) {
+  const auto plan = sheet::plan_of(strip(20, 16), sheet::Paper::kA4);
+  std::vector<int> patches;
+  for (const auto& page : plan.pages) {
+    if (page.kind == sheet::PageKind::kText && page.patch >= 0) patches.push_back(page.patch);
+  }
+  EXPECT_THAT(patches, ElementsAre(0, 1));
+}
+
+TEST(Plan, refuses_a_design_without_modules) {
+  const design::Design empty = flat_design("empty", {0, 0}, {10, 10});
+  EXPECT_THROW((void)sheet::plan_of(empty, sheet::Paper::kA4), InputError);
+}
+
+}  // namespace
+}  // namespace triskin::test
