@@ -22,10 +22,10 @@ std::uint64_t whole(double us) {
 // A controller whose clock reads start + (time since power-up) · (1 + ppm), and the way from it to here.
 struct Modelled {
   double ppm = 0.0;
-  double powered_us = 3e6;       // by the link's clock
-  double shown_us = 70e6;        // by its own, at that time
-  double least_us = 100.0;       // no frame is faster
-  double jitter_us = 1000.0;     // added, uniform
+  double powered_us = 3e6;                  // by the link's clock
+  double shown_us = 70e6;                   // by its own, at that time
+  double least_us = 100.0;                  // no frame is faster
+  double jitter_us = 1000.0;                // added, uniform
   std::function<double(double)> more_us{};  // further delay of what is sent at a time
   [[nodiscard]] std::uint64_t device_us(double link_us) const {
     return whole(shown_us + (link_us - powered_us) * (1.0 + ppm * 1e-6));
@@ -118,7 +118,9 @@ TEST(ClockFilter, is_within_half_a_millisecond_after_ten_seconds) {
 
 // What is late is late for 0.3 s and comes all at once, over and over.
 TEST(ClockFilter, bears_bursts) {
-  Way run({.ppm = 100.0, .more_us = [](double t) { return std::fmod(t, 0.7e6) < 0.3e6 ? 0.3e6 - std::fmod(t, 0.7e6) : 0.0; }}, 5);
+  Way run({.ppm = 100.0,
+           .more_us = [](double t) { return std::fmod(t, 0.7e6) < 0.3e6 ? 0.3e6 - std::fmod(t, 0.7e6) : 0.0; }},
+          5);
   run.play(3.0, 23.0, holds(13.0, kAllowed_us));
 }
 

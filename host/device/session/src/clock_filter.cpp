@@ -55,7 +55,7 @@ void ClockFilter::begin(std::uint64_t device_us, std::uint64_t link_us) {
 
 void ClockFilter::arrived(std::uint64_t device_us, std::uint64_t link_us) {
   begin(device_us, link_us);
-  note(fact(device_us, since(link_origin_us_, link_us) - least_us_));
+  note(fact(device_us, since(link_origin_us_, link_us)));
 }
 
 // Of each quarter second the tightest fact stays; one outside of the polygon changes nothing.
@@ -180,7 +180,7 @@ LinkTime ClockFilter::at(std::uint64_t device_us, std::uint64_t link_us) const {
   Range r = range(at_s);
   double best = best_.offset_us + best_.drift_ppm * (at_s - reference_s_);
   if (link_us != std::numeric_limits<std::uint64_t>::max()) {
-    r.most_us = std::min(r.most_us + wander, since(link_origin_us_, link_us) - device - least_us_);
+    r.most_us = std::min(r.most_us + wander, since(link_origin_us_, link_us) - device);
     best = std::min(best, r.most_us);
   }
   const double error = std::max(r.most_us - best, best - r.least_us) + wander + kResolution_us;

@@ -21,22 +21,17 @@ struct LinkTime {
 /// - what a controller answers was made after the request was sent.
 /// All straight lines (offset, drift) that agree with the facts of the last 20 s are a polygon; it bounds the error.
 /// The best guess among them is the latest line: no way is shorter than its shortest time, and of many frames some come
-/// that fast. A delay that every frame has cannot be seen, so it is in the bound: the answer to a request bounds it, and
-/// without one the error has no bound. Clocks run evenly but for 0.1 ppm/s; by quartz within 200 ppm, and a controller
-/// that contradicts this is taken for one on its internal oscillator (20,000 ppm). Memory: 4 kB. Cost: constant a
-/// sample, some 10 µs four times a second. Threads: one.
+/// that fast. A delay that every frame has cannot be seen, so it is in the bound: the answer to a request bounds it,
+/// and without one the error has no bound. Clocks run evenly but for 0.1 ppm/s; by quartz within 200 ppm, and a
+/// controller that contradicts this is taken for one on its internal oscillator (20,000 ppm). Memory: 4 kB. Cost:
+/// constant a sample, some 10 µs four times a second. Threads: one.
 class ClockFilter {
  public:
-  /// `least_us`: no frame needs less than this from the controller to here, µs (Link::sample_ns).
-  explicit ClockFilter(double least_us = 0.0) : least_us_(least_us) {}
-
   /// Something that the controller dated `device_us` was here at `link_us`. A controller whose clock went back has
   /// started anew, and everything before is forgotten.
   void arrived(std::uint64_t device_us, std::uint64_t link_us);
   /// The controller dated `device_us` its answer to a request sent at `sent_us`; the answer was here at `received_us`.
   void exchanged(std::uint64_t sent_us, std::uint64_t device_us, std::uint64_t received_us);
-  /// The controller has started anew: what was known of its clock does not hold.
-  void forget();
 
   /// Time of the link at `device_us` of the controller, at best within the last 20 s. Unbounded while nothing is known.
   [[nodiscard]] LinkTime at(std::uint64_t device_us) const;
@@ -61,6 +56,7 @@ class ClockFilter {
   struct Range {
     double least_us = 0.0, most_us = 0.0;
   };
+  void forget();
   void begin(std::uint64_t device_us, std::uint64_t link_us);
   [[nodiscard]] Fact fact(std::uint64_t device_us, double link_us) const;
   void note(const Fact& before);
@@ -72,7 +68,6 @@ class ClockFilter {
   [[nodiscard]] Range range(double device_s) const;
   [[nodiscard]] double wander_us(double seconds) const;
 
-  double least_us_;
   double most_drift_ppm_ = 200.0;
   bool begun_ = false;
   std::uint64_t device_origin_us_ = 0, link_origin_us_ = 0;
