@@ -43,6 +43,9 @@ PARTS = [
     Part("host/device/jobs", "jobs", "host design base wire layout link session", HOST_BASE, "triskin_jobs"),
     Part("host/simlink", "simlink", "host design base wire layout sim scene link", HOST_BASE, "triskin_simlink"),
     Part("host/view", "view", "host design base wire layout", HOST_BASE + " boost_beast", "triskin_view"),
+    # Each header of the library is its own: <triskin/triskin.h> has no prefix.
+    Part("host/library", "", "host design base wire layout link session jobs simlink scene", "fmt", "triskin_library"),
+    Part("host/python", "", "", "pybind11", "triskin_python"),
     Part("host/cli/src/geometry", "",
          "cli host design geometry pipeline check base wire layout sim scene recording link session jobs simlink view",
          HOST_BASE + " CLI"),
@@ -55,7 +58,7 @@ FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "f
            "assimp": r"^assimp/", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
            "boost_beast": r"^boost/(beast|asio)/", "CLI": r"^CLI/",
            "Cbc": r"^(Cbc|Coin|Osi|Cgl|Clp)", "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
-           "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
+           "pybind11": r"^pybind11/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).
 HOSTED = re.compile(r"^(iostream|fstream|sstream|thread|mutex|chrono|future|regex|filesystem)$")
 # Link names of libraries that only some targets may reach, and which ones.
@@ -67,7 +70,7 @@ MAY_BE_HEAVY = {"CGAL": {"triskin_geometry", "triskin_pipeline", "triskin_check"
 # Targets without a prefix of their own that parts may link.
 NEUTRAL = {"triskin_options"}
 # The program is put together of everything; its sources are held against the table by their includes.
-WHOLE = {"triskin"}
+WHOLE = {"triskin", "triskin_library", "triskin_python"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 SUFFIXES = {".hpp", ".cpp", ".h", ".c", ".inc"}
