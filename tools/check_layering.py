@@ -47,6 +47,9 @@ PARTS = [
     Part("host/view", "view", "host design base wire layout", HOST_BASE + " boost_beast", "triskin_view"),
     Part("host/sheet", "sheet", "host design base wire layout", HOST_BASE + " cairo", "triskin_sheet"),
     Part("host/hdf5", "hdf5", "host design base wire layout", HOST_BASE + " HDF5", "triskin_hdf5"),
+    # Each header of the library is its own: <triskin/triskin.h> has no prefix.
+    Part("host/library", "", "host design base wire layout link session jobs simlink scene", "fmt", "triskin_library"),
+    Part("host/python", "", "", "pybind11", "triskin_python"),
     Part("host/cli/src/geometry", "",
          "cli host design geometry pipeline check base wire layout sim scene recording link session jobs robot simlink "
          "view sheet hdf5",
@@ -61,7 +64,7 @@ FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "f
            "assimp": r"^assimp/", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
            "boost_beast": r"^boost/(beast|asio)/", "cairo": r"^(cairo|qrencode)", "HDF5": r"^(hdf5|H5)", "CLI": r"^CLI/",
            "Cbc": r"^(Cbc|Coin|Osi|Cgl|Clp)", "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
-           "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
+           "pybind11": r"^pybind11/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).
 HOSTED = re.compile(r"^(iostream|fstream|sstream|thread|mutex|chrono|future|regex|filesystem)$")
 # Link names of libraries that only some targets may reach, and which ones.
@@ -73,7 +76,7 @@ MAY_BE_HEAVY = {"CGAL": {"triskin_geometry", "triskin_pipeline", "triskin_check"
 # Targets without a prefix of their own that parts may link.
 NEUTRAL = {"triskin_options"}
 # The program is put together of everything; its sources are held against the table by their includes.
-WHOLE = {"triskin"}
+WHOLE = {"triskin", "triskin_library", "triskin_python"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 SUFFIXES = {".hpp", ".cpp", ".h", ".c", ".inc"}

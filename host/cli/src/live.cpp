@@ -104,7 +104,12 @@ class Show {
  private:
   [[nodiscard]] std::uint64_t elapsed_us() const { return bus_.now_us() - start_us_; }
   [[nodiscard]] LiveState state() const {
-    return {static_cast<double>(elapsed_us()) * 1e-6, stream_.frames(), stream_.lost(), note_};
+    const device::StreamReport report = stream_.report();
+    std::uint32_t error_us = 0;
+    for (const device::ClockState& c : report.clocks) error_us = std::max(error_us, c.error_us);
+    LiveState s{static_cast<double>(elapsed_us()) * 1e-6, stream_.frames(), report.total.lost(), note_};
+    if (error_us != device::LinkTime::kUnbounded) s.error_us = error_us;
+    return s;
   }
 
   void receive(LiveDisplay& display) {

@@ -119,7 +119,10 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
                        {"position_mm", {t.position_mm.x(), t.position_mm.y(), t.position_mm.z()}},
                        {"normal", {t.normal.x(), t.normal.y(), t.normal.z()}}});
   }
-  return {{"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", std::move(pressed)}};
+  nlohmann::json line = {
+      {"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", std::move(pressed)}};
+  if (state.error_us) line["time_error_us"] = *state.error_us;
+  return line;
 }
 
 std::unique_ptr<LiveDisplay> make_display(const design::Design& design, const Output& output) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "triskin/cli/command.hpp"
@@ -13,7 +14,8 @@ namespace triskin::cli {
 struct LiveState {
   double time_s = 0.0;
   std::uint64_t frames = 0, lost = 0;
-  std::string note;  ///< a line for a person, may be empty
+  std::string note;                         ///< a line for a person, may be empty
+  std::optional<std::uint32_t> error_us{};  ///< largest bound of the time of a controller's latest sample
 };
 
 /// Shows a skin while its samples come: a picture on a terminal, a line for each change elsewhere, an object a line
@@ -30,7 +32,7 @@ class LiveDisplay {
 
 /// The display for an output. `design` and `output` outlive it.
 [[nodiscard]] std::unique_ptr<LiveDisplay> make_display(const design::Design& design, const Output& output);
-/// Keys "time_s", "frames", "lost" and "pressed" of a line.
+/// Keys "time_s", "frames", "lost", "pressed" and, where it is known, "time_error_us" of a line.
 [[nodiscard]] nlohmann::json to_json(const device::LiveMonitor& monitor, const LiveState& state);
 
 }  // namespace triskin::cli

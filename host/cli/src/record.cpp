@@ -88,10 +88,11 @@ class CoverFile {
 
   void add(const device::ModuleFrame& f) {
     begin();
-    recorder_->add({f.module, f.link_time_us, f.sample});
+    recorder_->add({f.module, f.link_time_us, f.sample, unix_ns_of(f.sampled.link_us), f.sampled.error_us});
     touches_.add(f);
     ++samples_;
   }
+
   void slice(std::uint64_t now_us) {
     std::vector<recording::Contact> contacts;
     for (const auto& t : touches_.pressed())
@@ -116,6 +117,10 @@ class CoverFile {
   [[nodiscard]] const std::string& name() const { return file_.name(); }
 
  private:
+  [[nodiscard]] std::uint64_t unix_ns_of(std::uint64_t link_us) const {
+    return origin_.unix_start_ns + (link_us - origin_.link_start_us) * 1000;  // also of times before the start
+  }
+
   const robot::CoverOnBus& cover_;
   Format format_;
   recording::OutputFile file_;

@@ -23,6 +23,15 @@ nlohmann::json losses_of(const device::StreamReport& r) {
   return rows;
 }
 
+nlohmann::json clocks_of(const device::StreamReport& r) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const device::ClockState& c : r.clocks) {
+    rows.push_back({{"patch", c.patch}, {"node", c.node}, {"drift_ppm", c.drift_ppm}, {"restarts", c.restarts}});
+    if (c.error_us != device::LinkTime::kUnbounded) rows.back()["error_us"] = c.error_us;
+  }
+  return rows;
+}
+
 }  // namespace
 
 void add_stream_options(CLI::App& app, device::StreamOptions& options) {
@@ -50,6 +59,7 @@ void add_stream_keys(const device::StreamReport& r, nlohmann::json& result) {
   result["starved"] = r.starved;
   result["silent"] = r.silent;
   result["losses"] = losses_of(r);
+  result["clocks"] = clocks_of(r);
 }
 
 int conclude(const device::StreamReport& r, Output& output) {

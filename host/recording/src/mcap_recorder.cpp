@@ -46,7 +46,10 @@ void McapRecorder::begin(const design::Design& design) {
   facts["design"] = design.name;
   facts["unix_start_ns"] = fmt::format("{}", start_ns);
   facts["link_start_us"] = fmt::format("{}", origin_.link_start_us);
-  facts["clock"] = "log time: ns since 1970, from the clock of the link in µs since link_start_us";
+  facts["clock"] =
+      "log time: when it came, ns since 1970, from the clock of the link in µs since link_start_us; publish time: when "
+      "it "
+      "was sampled, within error_us";
   facts["units"] = "values: converter counts, not calibrated; lengths: m";
   writer_.describe({"triskin", facts});
   writer_.write(layout_, start_ns, encode_layout(design, start_ns));
@@ -55,7 +58,7 @@ void McapRecorder::begin(const design::Design& design) {
 
 void McapRecorder::write_frame(Frame& frame) {
   if (frame.empty()) return;
-  writer_.write(raw_, unix_ns(frame.front().link_time_us), encode_raw(frame));
+  writer_.write(raw_, unix_ns(frame.front().link_time_us), encode_raw(frame), frame.front().sampled_ns);
   frame.clear();
 }
 

@@ -38,12 +38,13 @@ std::uint16_t Writer::add_channel(std::uint16_t schema, std::string_view topic, 
   return id;
 }
 
-void Writer::write(std::uint16_t channel, std::uint64_t log_ns, Bytes data) {
+void Writer::write(std::uint16_t channel, std::uint64_t log_ns, Bytes data, std::uint64_t publish_ns) {
   if (waiting_ > 0 && log_ns > start_ns_ + limits_.span_ns) flush();
   if (waiting_ == 0) start_ns_ = end_ns_ = log_ns;
   start_ns_ = std::min(start_ns_, log_ns);
   end_ns_ = std::max(end_ns_, log_ns);
-  chunk_.record(Kind::kMessage, encode(Message{channel, sequence_[channel]++, log_ns, log_ns, data}));
+  chunk_.record(Kind::kMessage,
+                encode(Message{channel, sequence_[channel]++, log_ns, publish_ns == 0 ? log_ns : publish_ns, data}));
   ++waiting_;
   if (chunk_.size() >= limits_.size_bytes) flush();
 }

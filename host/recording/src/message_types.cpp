@@ -27,7 +27,9 @@ constexpr std::string_view kRawFrame =
     "uint8[] state            # state of the module, docs/protocol.md\n"
     "uint32[] link_delay_us   # after link_time_us\n"
     "int32[] device_delay_us  # after device_time_us\n"
-    "uint16[] value           # counts, 12 a module\n";
+    "uint16[] value           # counts, 12 a module\n"
+    "uint64 sampled_ns        # when the first module was sampled, since 1970, by the clocks; 0: not known\n"
+    "uint32 error_us          # of sampled_ns, at most; 4294967295: not bounded\n";
 
 constexpr std::string_view kLayout =
     "# Where the taxels of a design are\n"

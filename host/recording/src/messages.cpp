@@ -33,6 +33,18 @@ void put_each(CdrWriter& w, const Items& items, std::size_t per_item, Put put) {
   for (const auto& item : items) put(item);
 }
 
+// Recordings of 0.1 end before these. The controller's clock says how the modules differ: a few ms, of which its drift
+// is nothing.
+void take_times(CdrReader& r, std::vector<ModuleSample>& samples) {
+  const std::uint64_t first_ns = r.u64();
+  const std::uint32_t error_us = r.u32();
+  for (ModuleSample& s : samples) {
+    const std::uint64_t later_us = s.sample.device_time_us - samples.front().sample.device_time_us;  // modulo 2⁶⁴
+    s.sampled_ns = first_ns == 0 ? 0 : first_ns + later_us * 1000;
+    s.error_us = error_us;
+  }
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> encode_raw(std::span<const ModuleSample> samples) {
@@ -54,6 +66,8 @@ std::vector<std::uint8_t> encode_raw(std::span<const ModuleSample> samples) {
   put_each(w, samples, layout::kTaxelsPerModule, [&](const ModuleSample& s) {
     for (const std::uint16_t v : s.sample.value) w.u16(v);
   });
+  w.u64(first.sampled_ns);
+  w.u32(first.error_us);
   return bytes_of(w);
 }
 
@@ -86,6 +100,7 @@ std::optional<std::vector<ModuleSample>> decode_raw(Bytes message) {
   each(layout::kTaxelsPerModule, [&](ModuleSample& s) {
     for (std::uint16_t& v : s.sample.value) v = r.u16();
   });
+  if (ok && !r.at_end()) take_times(r, samples);
   if (!ok || !r.ok()) return std::nullopt;
   return samples;
 }

@@ -14,14 +14,17 @@ class CsvRecorder final : public Recorder {
   explicit CsvRecorder(OutputFile& file) : file_(file) {
     text_ = "link_time_us,device_time_us,sample,module,valid";
     for (int t = 0; t < layout::kTaxelsPerModule; ++t) text_ += fmt::format(",taxel_{}", t);
-    text_ += '\n';
+    text_ += ",sampled_ns,error_us\n";
     flush();
   }
   void add(const ModuleSample& s) override {
     fmt::format_to(std::back_inserter(text_), "{},{},{},{},{}", s.link_time_us, s.sample.device_time_us,
                    s.sample.sample, s.module, s.sample.valid);
     for (const std::uint16_t v : s.sample.value) fmt::format_to(std::back_inserter(text_), ",{}", v);
-    text_ += '\n';
+    if (s.error_us == ModuleSample::kNoBound)
+      text_ += ",,\n";
+    else
+      fmt::format_to(std::back_inserter(text_), ",{},{}\n", s.sampled_ns, s.error_us);
     if (text_.size() >= kMostBytes) flush();
   }
   void add_contacts(std::uint64_t /*link_time_us*/, std::span<const Contact> /*contacts*/) override {}

@@ -214,9 +214,13 @@ void read_electrodes(const JsonValue& v, Effects& e) {
 
 Effects read_effects(const JsonValue& v) {
   only_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "electrode_pf", "bus_bit_rate",
-                "bus_data_bit_rate", "chain_bit_error_rate"});
+                "bus_data_bit_rate", "chain_bit_error_rate", "clock_ppm"});
   Effects e;
   if (has(v, "chain_bit_error_rate")) e.chain_bit_error_rate = number_in(v["chain_bit_error_rate"], 0.0, 0.5);
+  if (has(v, "clock_ppm")) {
+    const JsonValue list = v["clock_ppm"];
+    for (std::size_t k = 0; k < list.size(); ++k) e.clock_ppm.push_back(number_in(list.at(k), -5e4, 5e4));
+  }
   if (has(v, "noise_counts")) e.noise_counts = number_in(v["noise_counts"], 0.0, 1e4);
   if (has(v, "drift_counts_per_s")) e.drift_counts_per_s = number_in(v["drift_counts_per_s"], -1e4, 1e4);
   if (has(v, "taxel_spread_counts")) e.taxel_spread_counts = number_in(v["taxel_spread_counts"], 0.0, 1e4);

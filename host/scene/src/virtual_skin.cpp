@@ -101,7 +101,9 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
                                       : std::make_unique<FlashMemory>(kFlashBytes, state_folder / (name + ".flash"));
     if (other_hardware) forget_faults(*node.flash);
     const int plugged = plugged_patch(scene_, static_cast<int>(p));
-    for (int l = 0; l < layout::kLines; ++l) node.board.lines[static_cast<std::size_t>(l)] = &skin_.line(plugged, l);
+    if (p < scene_.effects.clock_ppm.size()) node.clock = BoardClock(scene_.effects.clock_ppm[p]);
+    for (int l = 0; l < layout::kLines; ++l)
+      node.board.lines[static_cast<std::size_t>(l)] = &node.lines.emplace_back(skin_.line(plugged, l), node.clock);
     if (switched_.present()) node.board.chain = &switched_.patch(plugged);
     node.slots = state_folder.empty()
                      ? std::make_unique<FlashMemory>(sim::kSlotsBytes)
@@ -125,9 +127,10 @@ VirtualSkin::~VirtualSkin() = default;
 void VirtualSkin::power_up(std::size_t patch) {
   Node& node = nodes_[patch];
   node.run_again_us = now_us_;
+  node.clock.power(now_us_);
   try {
     node.controller = sim::make_virtual_controller(node.board);
-    node.controller->run_until(now_us_);
+    node.controller->run_until(node.clock.shown_us(now_us_));
   } catch (const sim::PowerLost&) {
     node.controller.reset();
   }
@@ -154,6 +157,9 @@ void VirtualSkin::deliver(const Pending& pending) {
   ++bus_frames_;
   for (std::size_t p = 0; p < nodes_.size(); ++p) {
     if (p == pending.from || nodes_[p].controller == nullptr) continue;
+    // What it has not done yet it does before the frame comes, or it would date its answer before the request.
+    if (pending.from == kHost) run_controller(nodes_[p]);
+    if (nodes_[p].controller == nullptr) continue;
     nodes_[p].controller->receive(pending.frame);
     nodes_[p].run_again_us = now_us_;
   }
@@ -222,15 +228,18 @@ bool VirtualSkin::advance_bus() {
   return true;
 }
 
+void VirtualSkin::run_controller(Node& node) {
+  try {
+    node.controller->run_until(node.clock.shown_us(now_us_));
+    node.run_again_us = std::max(node.clock.time_us(node.controller->next_event_us()), now_us_ + kBusyStepUs);
+  } catch (const sim::PowerLost&) {
+    node.controller.reset();
+  }
+}
+
 void VirtualSkin::run_controllers() {
   for (Node& node : nodes_) {
-    if (node.controller == nullptr || node.run_again_us > now_us_) continue;
-    try {
-      node.controller->run_until(now_us_);
-      node.run_again_us = std::max(node.controller->next_event_us(), now_us_ + kBusyStepUs);
-    } catch (const sim::PowerLost&) {
-      node.controller.reset();
-    }
+    if (node.controller != nullptr && node.run_again_us <= now_us_) run_controller(node);
   }
 }
 

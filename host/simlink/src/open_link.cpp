@@ -93,7 +93,7 @@ std::unique_ptr<Link> open_several(const std::string& text) {
 }  // namespace
 
 std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design* design) {
-  catch_interrupts();
+  if (options.own_interrupts) catch_interrupts();
   if (options.link == "sim") return open_sim(options, design);
   if (!options.scene.empty())
     throw InputError("--scene belongs to --link sim; give the scene to triskin simulate instead");

@@ -21,6 +21,7 @@ constexpr std::uint64_t kRenew_us = 200'000;
 constexpr std::uint64_t kSlice_us = 50'000;     // between two looks for silent controllers
 constexpr std::uint64_t kSilence_us = 400'000;  // with a slice below half a second
 constexpr std::uint64_t kRest_us = 300'000;
+constexpr std::uint64_t kAskClock_us = 1'000'000, kAskClockAgain_us = 100'000;
 constexpr std::uint64_t kSettle_us = 2'000;  // a lease is on its way
 constexpr int kAttempts = 5;
 constexpr std::size_t kMostEarly = 512;  // samples of 16 modules in 0.3 s: far more than an answer takes
@@ -117,7 +118,9 @@ void Stream::send_lease(std::uint8_t lasts_10ms) {
 void Stream::begin(std::uint8_t address, Node& node) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     renew_when_due();
+    node.asked_us = bus_.now_us();
     const wire::StreamAccount account = Controller(bus_, address).stream_account();
+    node.clock.exchanged(node.asked_us, account.time_us, bus_.now_us());
     if (account.serves(reader_) && account.count == node.counts.size()) {
       for (std::size_t k = 0; k < node.counts.size(); ++k)
         node.counts[k].begin(account.starts, account.modules[k], bus_.now_us());
@@ -153,7 +156,36 @@ void Stream::run_until(std::uint64_t until_us) {
     bus_.listen(std::min(until_us, bus_.now_us() + kSlice_us));
     bus_.poll();
     watch();
+    ask_clocks();
   } while (bus_.now_us() < until_us);
+}
+
+// Those that are due, and of these at most a share a slice: their answers are not to come at once.
+void Stream::ask_clocks() {
+  const std::size_t share = 1 + nodes_.size() * kSlice_us / kAskClock_us;
+  std::size_t asked = 0;
+  for (auto& [address, node] : nodes_) {
+    const std::uint64_t wait_us = node.clock.bounded() ? kAskClock_us : kAskClockAgain_us;
+    if (node.silent || bus_.now_us() - node.asked_us < wait_us) continue;
+    renew_when_due();
+    ask_clock(address, node);
+    if (++asked >= share) return;
+  }
+}
+
+// A lost answer is none: the next one is a second away, and the bound says how good the time is until then.
+void Stream::ask_clock(std::uint8_t address, Node& node) {
+  constexpr std::array<std::uint8_t, 3> kAsk{wire::service::kRead, wire::did::kStreamAccount >> 8,
+                                             wire::did::kStreamAccount & 0xFF};
+  node.asked_us = bus_.now_us();
+  try {
+    const Bus::Message answer = bus_.request(address, kAsk, Bus::Repeat::kNever);
+    const auto account =
+        answer.size() > 2 ? wire::StreamAccount::decode(Bytes(answer).subspan(2)) : std::unexpected(Status::kTooShort);
+    if (account) node.clock.exchanged(node.asked_us, account->time_us, bus_.now_us());
+  } catch (const NoAnswer&) {
+  } catch (const Refused&) {
+  }
 }
 
 // Between two samples of a controller may be more than half a second, when few are wanted.
@@ -192,7 +224,11 @@ void Stream::take(Node& node, const wire::FullTaxels& sample, std::uint64_t hear
   node.heard_us = std::max(node.heard_us, heard_us);
   if (!node.counts[sample.module].add(sample, heard_us)) return;
   ++frames_;
-  if (handler_) handler_({node.modules[sample.module], heard_us, sample, node.cover});
+  node.clock.arrived(sample.device_time_us, heard_us);
+  node.newest_device_us = sample.device_time_us;
+  if (!handler_) return;
+  const LinkTime sampled = node.clock.at(sample.device_time_us, heard_us);
+  handler_({node.modules[sample.module], heard_us, sample, sampled, node.cover});
 }
 
 // A controller that is silent is asked once: five attempts on a dead one would take seconds.
@@ -259,6 +295,8 @@ StreamReport Stream::report_of(int cover) const {
       r.modules.push_back({node.modules[k], node.patch, c, slow, node.cover});
     }
     if (node.silent) r.silent.push_back(node.patch);
+    r.clocks.push_back({node.patch, address, node.clock.drift_ppm(), node.clock.at(node.newest_device_us).error_us,
+                        node.clock.restarts()});
   }
   r.lapses = lapses_;
   r.budget = budget_;

@@ -80,6 +80,8 @@ class CdrReader {
     ok_ = false;
     return 0;
   }
+  /// True: nothing is left.
+  [[nodiscard]] bool at_end() const { return at_ >= in_.size(); }
   /// False once something was taken from behind the end, or when the encoding is another.
   [[nodiscard]] bool ok() const { return ok_; }
 

@@ -27,8 +27,9 @@ class Writer {
   std::uint16_t add_schema(std::string_view name, std::string_view definition);
   /// Adds a channel of a schema, with messages in CDR; returns its number, 1 …. Throws WriteFailed.
   std::uint16_t add_channel(std::uint16_t schema, std::string_view topic, const TextMap& metadata);
-  /// Adds a message to the chunk. `log_ns`: when it was recorded, ns since 1970. Throws WriteFailed.
-  void write(std::uint16_t channel, std::uint64_t log_ns, Bytes data);
+  /// Adds a message to the chunk. `log_ns`: when it came here, ns since 1970; `publish_ns`: when it was made, 0: as
+  /// `log_ns`. Throws WriteFailed.
+  void write(std::uint16_t channel, std::uint64_t log_ns, Bytes data, std::uint64_t publish_ns = 0);
   /// Closes the chunk and adds a file. Throws WriteFailed.
   void attach(const Attachment& attachment);
   /// Closes the chunk and adds a table. Throws WriteFailed.

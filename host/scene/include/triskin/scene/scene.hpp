@@ -92,6 +92,7 @@ struct Effects {
   std::uint64_t bus_bit_rate = 0;       ///< 0: frames take no time
   std::uint64_t bus_data_bit_rate = 0;  ///< of FD frames with rate switch; 0: as bus_bit_rate
   double chain_bit_error_rate = 0.0;    ///< of the route chain: probability that a bit flips in one module
+  std::vector<double> clock_ppm{};      ///< of the controller of each patch: how much faster its clock runs
 };
 
 struct Scene {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "triskin/scene/board_clock.hpp"
 #include "triskin/scene/flash_memory.hpp"
 #include "triskin/scene/scene.hpp"
 #include "triskin/scene/skin.hpp"
@@ -61,6 +62,10 @@ class VirtualSkin {
   [[nodiscard]] bool alive(std::size_t patch) const { return nodes_[patch].controller != nullptr; }
   /// Takes the controller's power and gives it back; its flash stays.
   void power_cycle(std::size_t patch);
+  /// Virtual time at which the clock of a controller shows `shown_us`, since its last power-up.
+  [[nodiscard]] std::uint64_t time_us(std::size_t patch, std::uint64_t shown_us) const {
+    return nodes_.at(patch).clock.time_us(shown_us);
+  }
   /// Unplugs the bus from the host's frames, or plugs it back: frames in both directions are lost.
   void plug(bool plugged) { plugged_ = plugged; }
 
@@ -84,6 +89,8 @@ class VirtualSkin {
  private:
   struct Node {
     std::unique_ptr<FlashMemory> flash, slots;
+    BoardClock clock;
+    std::deque<ClockedLine> lines;
     sim::VirtualBoard board;
     std::unique_ptr<sim::VirtualController> controller;
     std::uint64_t run_again_us = 0;
@@ -99,6 +106,7 @@ class VirtualSkin {
   bool run(std::uint64_t until_us, bool stop_at_frame);
   void power_up(std::size_t patch);
   void run_controllers();
+  void run_controller(Node& node);
   void deliver(const Pending& pending);
   [[nodiscard]] std::deque<Pending>::iterator winner();
   bool advance_bus();

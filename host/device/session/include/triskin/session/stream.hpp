@@ -13,6 +13,7 @@
 #include "triskin/design/design.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/bus_budget.hpp"
+#include "triskin/session/clock_filter.hpp"
 #include "triskin/session/sample_account.hpp"
 #include "triskin/session/stream_report.hpp"
 #include "triskin/wire/taxel_frames.hpp"
@@ -24,7 +25,8 @@ struct ModuleFrame {
   int module = 0;                  ///< id in the design; in the frame it is a row of the controller's table
   std::uint64_t link_time_us = 0;  ///< clock of the link when the frame came
   wire::FullTaxels sample;
-  int cover = 0;  ///< which of the stream's designs
+  LinkTime sampled{};  ///< when the controller took it (ClockFilter)
+  int cover = 0;       ///< which of the stream's designs
 };
 
 struct StreamOptions {
@@ -40,7 +42,8 @@ struct StreamOptions {
 
 /// A reader of the data stream of all controllers of a design, or of several designs that share a bus. It has a lease
 /// on the stream and renews it; the ends of other readers leave it alone. Every sample that was due is accounted for:
-/// received, or lost and where.
+/// received, or lost and where. Each controller is asked for its clock when the stream begins and once a second, so
+/// each sample has a time and a bound.
 class Stream {
  public:
   using OnFrame = std::function<void(const ModuleFrame&)>;
@@ -86,7 +89,10 @@ class Stream {
     std::uint64_t interval_us = 0;      // between two samples of a module
     std::uint64_t heard_us = 0;         // clock of the link at its latest frame
     std::uint64_t begin_device_us = 0;
-    std::uint64_t due = 0;  // samples of a module by the rate, known at the end
+    ClockFilter clock;
+    std::uint64_t asked_us = 0;          // clock of the link when its clock was asked for last
+    std::uint64_t newest_device_us = 0;  // time stamp of its newest sample
+    std::uint64_t due = 0;               // samples of a module by the rate, known at the end
     bool silent = false;
     bool begun = false;
     std::deque<std::pair<wire::FullTaxels, std::uint64_t>> early;  // before the account has begun, and when they came
@@ -100,6 +106,8 @@ class Stream {
   void give_back();
   void renew_when_due();
   void watch();
+  void ask_clocks();
+  void ask_clock(std::uint8_t address, Node& node);
   void handle(const wire::CanFrame& frame);
   void take(Node& node, const wire::FullTaxels& sample, std::uint64_t heard_us);
   void end(std::uint8_t address, Node& node);

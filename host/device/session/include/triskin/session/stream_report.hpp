@@ -19,17 +19,27 @@ struct ModuleCounts {
   [[nodiscard]] bool never_heard() const { return counts.expected > 0 && counts.with_data == 0; }
 };
 
+/// What is known of a controller's clock.
+struct ClockState {
+  int patch = 0;
+  std::uint8_t node = 0;
+  double drift_ppm = 0.0;      ///< by how much the clock of the link runs faster
+  std::uint32_t error_us = 0;  ///< bound of the time of its latest sample; LinkTime::kUnbounded: there is none
+  int restarts = 0;            ///< times that its clock began anew or contradicted what was known
+};
+
 /// What a reader of the stream got of what was due.
 struct StreamReport {
   std::vector<ModuleCounts> modules;  ///< by patch, then by row of the table
   SampleCounts total;
-  std::uint64_t lost_bus = 0;    ///< part of total.on_the_way: between controller and this computer
-  std::uint64_t lost_host = 0;   ///< the rest of it: this computer threw them away, or let its lease lapse
-  std::vector<int> never_heard;  ///< modules of which no sample with data came
-  std::vector<int> slow;         ///< modules of which fewer samples were taken than the rate says
-  std::vector<int> starved;      ///< patches of which more than 1 % of the samples found no room on the bus
-  std::vector<int> silent;       ///< patches whose controller was away
-  int lapses = 0;                ///< times that this computer renewed its lease too late
+  std::uint64_t lost_bus = 0;      ///< part of total.on_the_way: between controller and this computer
+  std::uint64_t lost_host = 0;     ///< the rest of it: this computer threw them away, or let its lease lapse
+  std::vector<int> never_heard;    ///< modules of which no sample with data came
+  std::vector<int> slow;           ///< modules of which fewer samples were taken than the rate says
+  std::vector<int> starved;        ///< patches of which more than 1 % of the samples found no room on the bus
+  std::vector<int> silent;         ///< patches whose controller was away
+  std::vector<ClockState> clocks;  ///< by node address
+  int lapses = 0;                  ///< times that this computer renewed its lease too late
   BusBudget budget;
   /// True: every sample that was due came, with data from every module.
   [[nodiscard]] bool complete() const {

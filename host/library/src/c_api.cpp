@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The functions of triskin.h: no exception leaves them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "skin.hpp"
+#include "triskin/host/error.hpp"
+
+// The handle of the C interface.
+struct triskin_skin {
+  triskin::library::Skin skin;
+  std::string report;
+};
+
+namespace triskin::library {
+namespace {
+
+thread_local std::string last_error;
+
+triskin_status failed(triskin_status status, const char* what) {
+  last_error = what;
+  return status;
+}
+
+// Runs what may throw.
+template <class Work>
+triskin_status guarded(Work work) {
+  try {
+    return work();
+  } catch (const InputError& e) {
+    return failed(TRISKIN_BAD_INPUT, e.what());
+  } catch (const Error& e) {
+    return failed(TRISKIN_DEVICE_FAILED, e.what());
+  } catch (const std::bad_alloc&) {
+    return failed(TRISKIN_DEVICE_FAILED, "there is no memory left");
+  } catch (const std::exception& e) {
+    return failed(TRISKIN_DEVICE_FAILED, e.what());
+  }
+}
+
+void require(bool ok, const char* text) {
+  if (!ok) throw InputError(text);
+}
+
+void require_size(const char* what, std::size_t given, std::size_t wanted) {
+  if (given != wanted) throw InputError(fmt::format("{}: n is {}, must be {}", what, given, wanted));
+}
+
+// Options of an older caller end earlier: the rest keeps its default.
+triskin_options complete(const triskin_options* given) {
+  triskin_options options = TRISKIN_OPTIONS_INIT;
+  if (given == nullptr) return options;
+  require(given->size >= sizeof(std::size_t), "options: size is not set; begin with TRISKIN_OPTIONS_INIT");
+  std::memcpy(&options, given, std::min(given->size, sizeof options));
+  options.size = sizeof options;
+  return options;
+}
+
+// Positions or normals, by `part`.
+template <class Part>
+void write_poses(const design::Design& design, double* out, Part part) {
+  const auto wiring = design::wiring_of(design);
+  for (std::size_t m = 0; m < wiring.size(); ++m) {
+    for (const design::TaxelPose& pose : design::taxels_of(design.layout.modules[m], wiring[m].routed.rotation)) {
+      for (int axis = 0; axis < 3; ++axis) *out++ = part(pose)[axis];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace triskin::library
+
+using triskin::library::guarded;
+using triskin::library::require;
+using triskin::library::require_size;
+
+const char* triskin_version(void) {
+  return TRISKIN_VERSION;
+}
+
+const char* triskin_error(void) {
+  return triskin::library::last_error.c_str();
+}
+
+triskin_status triskin_open(const char* design_file, const triskin_options* options, triskin_skin** skin) {
+  return guarded([&] {
+    require(skin != nullptr && design_file != nullptr, "triskin_open: an argument is NULL");
+    *skin = nullptr;
+    const triskin_options all = triskin::library::complete(options);
+    *skin = new triskin_skin{{triskin::library::read_source(design_file, all), all}, {}};
+    return TRISKIN_OK;
+  });
+}
+
+void triskin_close(triskin_skin* skin) {
+  delete skin;
+}
+
+size_t triskin_module_count(const triskin_skin* skin) {
+  return skin->skin.design().layout.modules.size();
+}
+
+triskin_status triskin_positions_mm(const triskin_skin* skin, double* xyz_mm, size_t n) {
+  return guarded([&] {
+    require_size("triskin_positions_mm", n, triskin_module_count(skin) * 3 * TRISKIN_TAXELS);
+    triskin::library::write_poses(skin->skin.design(), xyz_mm, [](const auto& pose) { return pose.position_mm; });
+    return TRISKIN_OK;
+  });
+}
+
+triskin_status triskin_normals(const triskin_skin* skin, double* normals, size_t n) {
+  return guarded([&] {
+    require_size("triskin_normals", n, triskin_module_count(skin) * 3 * TRISKIN_TAXELS);
+    triskin::library::write_poses(skin->skin.design(), normals, [](const auto& pose) { return pose.normal; });
+    return TRISKIN_OK;
+  });
+}
+
+triskin_status triskin_patches(const triskin_skin* skin, int32_t* patches, size_t n) {
+  return guarded([&] {
+    require_size("triskin_patches", n, triskin_module_count(skin));
+    for (const auto& m : triskin::design::wiring_of(skin->skin.design())) *patches++ = m.patch;
+    return TRISKIN_OK;
+  });
+}
+
+triskin_status triskin_start(triskin_skin* skin) {
+  return guarded([&] {
+    skin->skin.start();
+    return TRISKIN_OK;
+  });
+}
+
+triskin_status triskin_read(triskin_skin* skin, double timeout_s, triskin_sample* samples, size_t capacity,
+                            size_t* count) {
+  return guarded([&] {
+    require(samples != nullptr && count != nullptr, "triskin_read: an argument is NULL");
+    *count = 0;
+    *count = skin->skin.read(timeout_s, samples, capacity);
+    return TRISKIN_OK;
+  });
+}
+
+double triskin_now_s(const triskin_skin* skin) {
+  return skin->skin.now_s();
+}
+
+triskin_status triskin_get_counts(triskin_skin* skin, triskin_counts* counts) {
+  return guarded([&] {
+    if (counts != nullptr) *counts = skin->skin.counts();
+    return TRISKIN_OK;
+  });
+}
+
+triskin_status triskin_stop(triskin_skin* skin) {
+  return guarded([&] {
+    skin->skin.stop();
+    return TRISKIN_OK;
+  });
+}
+
+triskin_status triskin_tare(triskin_skin* skin) {
+  return guarded([&] {
+    skin->skin.tare();
+    return TRISKIN_OK;
+  });
+}
+
+triskin_status triskin_change_counts(triskin_skin* skin, double* change_counts, size_t n) {
+  return guarded([&] {
+    const std::size_t modules = triskin_module_count(skin);
+    require_size("triskin_change_counts", n, modules * TRISKIN_TAXELS);
+    for (std::size_t m = 0; m < modules; ++m)
+      change_counts = std::ranges::copy(skin->skin.change_counts(static_cast<int>(m)), change_counts).out;
+    return TRISKIN_OK;
+  });
+}
+
+triskin_status triskin_verify(triskin_skin* skin, const char** report) {
+  return guarded([&] {
+    auto [text, found] = skin->skin.verify();
+    skin->report = std::move(text);
+    if (report != nullptr) *report = skin->report.c_str();
+    return found ? triskin::library::failed(TRISKIN_BAD_ANSWER, skin->report.c_str()) : TRISKIN_OK;
+  });
+}

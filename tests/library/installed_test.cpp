@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What others do with the installed package: a C compiler with pkg-config, a CMake project, Python.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "flashed_sim.hpp"
+
+namespace triskin {
+namespace {
+
+namespace fs = std::filesystem;
+using test::FlashedSim;
+
+const fs::path kHere = fs::path(TRISKIN_SOURCE) / "tests/library";
+
+// Exit status, and what it wrote.
+std::pair<int, std::string> shell(const FlashedSim& sim, const std::string& line) {
+  const fs::path out = sim.folder() / "out";
+  const int status = std::system(("(" + line + ") > '" + out.string() + "' 2>&1").c_str());
+  return {WEXITSTATUS(status), read_file(out)};
+}
+
+fs::path install(const FlashedSim& sim) {
+  const fs::path prefix = sim.folder() / "installed";
+  const auto [status, text] =
+      shell(sim, "cmake --install '" TRISKIN_BUILD "' --component library --prefix '" + prefix.string() + "'");
+  EXPECT_EQ(status, 0) << text;
+  return prefix;
+}
+
+constexpr const char* kWanted = "8 modules, 0 lost, module 5 taxel 3 pressed\n";
+
+TEST(Installed, a_C_program_finds_it_by_pkg_config) {
+  const FlashedSim sim;
+  const std::string prefix = install(sim), lib = prefix + "/" TRISKIN_LIBDIR, program = sim.folder() / "program";
+  const auto [built, text] =
+      shell(sim, "PKG_CONFIG_PATH='" + lib + "/pkgconfig' sh -c \"" TRISKIN_C_COMPILER " -std=c11 -Wall -Wextra -pedantic -Werror '" +
+                     (kHere / "read_touch.c").string() + "' -o '" + program + "' \\$(pkg-config --cflags --libs triskin) -lm\"");
+  ASSERT_EQ(built, 0) << text;
+  const auto [status, said] = shell(sim, "LD_LIBRARY_PATH='" + lib + "' '" + program + "' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
+  EXPECT_EQ(status, 0) << said;
+  EXPECT_EQ(said, kWanted);
+}
+
+TEST(Installed, a_CMake_project_finds_it_by_find_package) {
+  const FlashedSim sim;
+  const std::string prefix = install(sim), build = sim.folder() / "build";
+  const auto [built, text] = shell(sim, "cmake -S '" + kHere.string() + "/project' -B '" + build + "' -DCMAKE_C_COMPILER='" TRISKIN_C_COMPILER "' -DCMAKE_PREFIX_PATH='" +
+                                            prefix + "' && cmake --build '" + build + "'");
+  ASSERT_EQ(built, 0) << text;
+  const auto [status, said] = shell(sim, "'" + build + "/read_touch' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
+  EXPECT_EQ(status, 0) << said;
+  EXPECT_EQ(said, kWanted);
+}
+
+#ifdef TRISKIN_PYTHON
+TEST(Installed, Python_reads_a_served_simulation) {
+  const FlashedSim sim;
+  if (std::system(TRISKIN_PYTHON " -c 'import numpy' > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "numpy is not installed; run tools/setup test";
+  const auto [status, said] = shell(sim, "PYTHONPATH='" TRISKIN_PYTHON_FOLDER "' '" TRISKIN_PYTHON "' '" + (kHere / "read_test.py").string() + "' '" TRISKIN_PROGRAM "' '" +
+                                             sim.design_file() + "' '" + sim.scene_file() + "'");
+  EXPECT_EQ(status, 0) << said;
+}
+#endif
+
+}  // namespace
+}  // namespace triskin

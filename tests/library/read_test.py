@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads a served simulation with the Python module: places, pressure of the scene, times, losses.
+Usage: read_test.py PROGRAM DESIGN SCENE"""
+import json
+import math
+import os
+import re
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import triskin
+
+program, design, scene = sys.argv[1:4]
+# The scene presses module 5, taxel 3 with 1 N and 3 mm: 3F/(2πr²), 150 counts/kPa (docs/scene.md).
+MIDDLE_COUNTS = 3.0 / (2.0 * math.pi * 9e-6) * 1e-3 * 150.0
+
+
+def serve():
+    """A simulation on a free port; the press begins three seconds of its time after the start."""
+    server = subprocess.Popen([program, "simulate", scene, "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE, text=True)
+    line = server.stdout.readline()
+    return server, "sim:127.0.0.1:" + re.search(r"127\.0\.0\.1:(\d+)", line).group(1)
+
+
+def contents(skin):
+    """Shapes and places against the design file."""
+    d = json.load(open(design))
+    assert skin.modules == 8, skin.modules
+    assert skin.positions_mm.shape == (8, 12, 3) and skin.normals.shape == (8, 12, 3)
+    assert np.allclose(np.linalg.norm(skin.normals, axis=2), 1.0)
+    corners = np.array([m["corners"] for m in d["modules"]])
+    inside = np.abs(skin.positions_mm.mean(axis=1) - corners.mean(axis=1)).max()
+    assert inside < 1.5, inside  # the mean of the pads is near the middle of its module
+    assert list(skin.patches) == [0, 0, 0, 0, 1, 1, 1, 1]
+
+
+def stream(skin):
+    skin.tare()
+    samples = skin.read(4.0)
+    at_rest = skin.change_counts()
+    assert at_rest[2].max() == 0.0
+    assert abs(at_rest[5, 3] - MIDDLE_COUNTS) < 0.02 * MIDDLE_COUNTS, at_rest[5]
+    assert at_rest.argmax() == 5 * 12 + 3
+    for module in range(8):
+        mine = samples[samples["module"] == module]
+        assert len(mine) > 50, len(mine)
+        assert (np.diff(mine["number"].astype(int)) == 1).all(), "a sample is missing"
+        assert (np.diff(mine["time_s"]) > 0).all()
+    assert samples["value"].shape[1:] == (12,) and samples["valid"].min() == 0xFFF
+    assert np.isfinite(samples["error_s"]).all() and np.median(samples["error_s"]) < 0.1
+    skin.stop()
+    rest = skin.read()
+    counts = skin.counts()
+    assert counts["lost"] == 0 and counts["lost_here"] == 0, counts
+    assert counts["expected"] == counts["received"] >= len(samples) + len(rest), counts
+
+
+def errors():
+    for bad in (lambda: triskin.open("/no/such.json"), lambda: triskin.open(design, link="nothing")):
+        try:
+            bad()
+        except triskin.BadInput as e:
+            assert "/no/such.json" in str(e) or "nothing" in str(e)
+        else:
+            raise AssertionError("it was opened")
+
+
+server, link = serve()
+try:
+    with triskin.open(design, link=link) as skin:
+        contents(skin)
+        stream(skin)
+        good, report = skin.verify()
+        assert good, report
+    errors()
+    os.environ["XDG_STATE_HOME"] = os.path.dirname(design)
+    with triskin.open(design, link="sim", scene=scene) as skin:  # virtual time
+        assert len(skin.read(2.0)) > 8 * 50 and skin.counts()["lost"] == 0
+finally:
+    server.send_signal(signal.SIGINT)
+    server.wait()
+print("ok")
