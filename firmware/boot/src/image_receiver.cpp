@@ -34,9 +34,9 @@ bool ImageReceiver::handle(const wire::CanFrame& frame, std::uint64_t now_us) {
   if (!frame.extended || frame.id != wire::update::kCommandId) return false;
   const auto order = wire::update::decode_order(frame);
   if (!order) return true;
-  if (order->session == session_) until_us_ = now_us + wire::update::kPatience_us;
   fd_ = frame.fd;
   handle_order(*order, ByteReader(order->arguments).le32() == id_crc_);
+  if (order->session == session_) until_us_ = now_us + wire::update::kPatience_us;
   return true;
 }
 
@@ -97,7 +97,7 @@ void ImageReceiver::start(Command command) {
   }
   if (command == Command::kActivate && phase_ == Phase::kReady) enter(Phase::kActivated);
   if (command == Command::kEnd && phase_ != Phase::kActivated) {
-    session_ = 0;
+    session_ = offered_session_ = 0;
     enter(Phase::kIdle);
   }
 }
@@ -137,7 +137,7 @@ bool ImageReceiver::erased(std::uint32_t unit) const {
 
 // A unit that is there already came twice.
 void ImageReceiver::program_next_unit() {
-  const std::uint32_t unit = wire::update::data_unit(data_.id) + at_ / kUnitBytes;
+  const std::uint32_t unit = wire::update::data_unit(data_.id) + static_cast<std::uint32_t>(at_ / kUnitBytes);
   const Bytes bytes = Bytes(data_.data).subspan(at_, kUnitBytes);
   at_ += kUnitBytes;
   const bool blank = std::ranges::all_of(bytes, [](std::uint8_t v) { return v == 0xFF; });

@@ -69,6 +69,12 @@ class VirtualSkin {
   /// Unplugs the bus from the host's frames, or plugs it back: frames in both directions are lost.
   void plug(bool plugged) { plugged_ = plugged; }
 
+  /// Who hears a frame: the number of a controller, or kToHost.
+  using Hears = std::function<bool(std::size_t receiver, const wire::CanFrame&)>;
+  static constexpr std::size_t kToHost = ~std::size_t{0};
+  /// Asked for each receiver of each frame: false when it loses it. Empty: nobody loses any.
+  void on_delivery(Hears hears) { hears_ = std::move(hears); }
+
   /// Whether the bus carries FD frames (it does at first). Power-cycles the controllers.
   void use_fd(bool fd);
 
@@ -118,6 +124,7 @@ class VirtualSkin {
   Skin skin_;
   std::vector<Node> nodes_;
   OnFrame on_frame_;
+  Hears hears_;
   std::deque<Pending> pending_;
   std::vector<Pending> on_wire_;  // at most one frame, that occupies the bus until wire_free_us_
   std::uint64_t wire_free_us_ = 0;
