@@ -290,6 +290,8 @@ TEST_F(Receiver, answers_wait_for_room) {
   for (int k = 0; k < 100; ++k) receiver.step(port, now_us += 100);
   EXPECT_TRUE(port.sent.empty());
   port.room = 1000;
+  now_us += 200;
+  receiver.step(port, now_us);
   run();
   EXPECT_EQ(wire::update::decode_state(port.sent.back().payload()).value().count, 512);
 }

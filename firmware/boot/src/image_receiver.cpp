@@ -103,9 +103,10 @@ void ImageReceiver::start(Command command) {
 }
 
 std::uint64_t ImageReceiver::next_event_us(std::uint64_t now_us) const {
-  if (full() || phase_ == Phase::kErasing || phase_ == Phase::kChecking || search_at_ != kNotSearching) return now_us;
+  if (full() || phase_ == Phase::kErasing || phase_ == Phase::kChecking) return now_us;
   if (phase_ == Phase::kActivated) return restart_at_us_ == UINT64_MAX ? now_us : restart_at_us_;
-  if (who_due_ || image_due_ || state_due_) return now_us + kLookForRoom_us;
+  if (who_due_ || image_due_ || state_due_ || search_at_ != kNotSearching)
+    return no_room_ ? now_us + kLookForRoom_us : now_us;
   return session_ == 0 ? UINT64_MAX : until_us_;
 }
 
@@ -188,7 +189,8 @@ bool ImageReceiver::send(fw::CanPort& port, Bytes payload) {
   f.fd = f.bit_rate_switch = payload.size() > 8;
   f.size = static_cast<std::uint8_t>(payload.size());
   std::ranges::copy(payload, f.data.begin());
-  return port.send(f);
+  no_room_ = !port.send(f);
+  return !no_room_;
 }
 
 void ImageReceiver::answer(fw::CanPort& port) {
@@ -217,7 +219,7 @@ bool ImageReceiver::search(fw::CanPort& port) {
     state_due_ = true;
     return true;
   }
-  if (search_at_ == stop || !port.has_room()) return false;
+  if (search_at_ == stop) return false;
   const std::size_t bytes = fd_ && port.fd() ? port.frame_bytes() : 8;
   wire::update::MissingPart part(static_cast<std::uint16_t>(search_at_), bytes);
   std::uint32_t at = search_at_ + 1;

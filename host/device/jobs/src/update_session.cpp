@@ -434,7 +434,6 @@ void UpdateSession::activate() {
   if (!any_under_way()) return;
   const Bus::Uninterrupted together(bus_);  // all of them, or none
   send_to_all(Command::kActivate);
-  send_to_all(Command::kActivate);
   listen(bus_.now_us() + kStarts_us);
   const std::uint64_t until_us = bus_.now_us() + kStartPatience_us;
   const auto open = [&](const Board& b) { return b.under_way && !started(b); };
@@ -475,7 +474,6 @@ void UpdateSession::hold_back(const std::string& why) {
 
 void UpdateSession::abandon() noexcept {
   try {
-    send_to_all(Command::kEnd);
     send_to_all(Command::kEnd);
   } catch (...) {  // the link is dead: the boards end the session by themselves
   }

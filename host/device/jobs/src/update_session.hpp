@@ -54,7 +54,10 @@ class UpdateSession {
   using Units = std::vector<std::uint16_t>;
 
   void send(const wire::update::Order& order);
-  void send_to_all(wire::update::Command command) { send({command, session_, {}}); }
+  /// Several times: without answers nobody says that it has missed it, and who has it already ignores it.
+  void send_to_all(wire::update::Command command) {
+    for (int k = 0; k < 3; ++k) send({command, session_, {}});
+  }
   void take(const wire::CanFrame& frame);
   void listen(std::uint64_t until_us);
   void listen_while(std::uint64_t until_us, const std::function<bool()>& goes_on);

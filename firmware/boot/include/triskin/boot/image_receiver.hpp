@@ -82,7 +82,8 @@ class ImageReceiver final : public fw::ImageUpdate {
   bool who_due_ = false, image_due_ = false, state_due_ = false;
   std::uint32_t search_at_ = kNotSearching;  // unit that is looked at next
   std::uint16_t missing_ = 0;
-  bool fd_ = false;  // answers may be FD frames
+  bool fd_ = false;       // answers may be FD frames
+  bool no_room_ = false;  // an answer waits for the port
 };
 
 }  // namespace triskin::boot
