@@ -153,6 +153,10 @@ void VirtualSkin::send(const wire::CanFrame& frame) {
   if (plugged_) pending_.push_back({frame, kHost});
 }
 
+std::size_t VirtualSkin::host_frames_waiting() const {
+  return static_cast<std::size_t>(std::ranges::count(pending_, kHost, &Pending::from));
+}
+
 void VirtualSkin::deliver(const Pending& pending) {
   ++bus_frames_;
   for (std::size_t p = 0; p < nodes_.size(); ++p) {

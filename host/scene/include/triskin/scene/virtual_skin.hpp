@@ -43,6 +43,8 @@ class VirtualSkin {
   void on_frame(OnFrame handler) { on_frame_ = std::move(handler); }
   /// Puts a frame of the host on the bus, at the current virtual time.
   void send(const wire::CanFrame& frame);
+  /// Frames of the host that wait for the bus.
+  [[nodiscard]] std::size_t host_frames_waiting() const;
   /// Runs the simulation until virtual time `until_us`; times in the past have no effect.
   void run_until(std::uint64_t until_us) { run(until_us, false); }
   /// Runs until a frame for the host has left the bus (true), at the latest until `until_us`.
