@@ -56,12 +56,13 @@ inline device::FirmwarePackage make_firmware(const FirmwareFile& file) {
   return p;
 }
 
-/// The controller of `patch` runs the package's image from `slot`, confirmed, as if it had done so for long.
+/// Whatever stood in its slots, the controller of `patch` runs the package's image from `slot`, confirmed, as if it had done so for long.
 inline void install(scene::VirtualSkin& skin, std::size_t patch, int slot, const device::FirmwarePackage& package) {
   constexpr std::size_t kSlot = sim::kSlotsBytes / 2, kPage = 2048;
   scene::FlashMemory& flash = skin.slots(patch);
   const Bytes image = package.image(slot);
   const std::size_t origin = static_cast<std::size_t>(slot) * kSlot, records = origin + kSlot - kPage;
+  for (std::size_t at = 0; at < sim::kSlotsBytes; at += kPage) (void)flash.erase_page(at);
   (void)flash.program(origin, image);
   std::array<std::uint8_t, 16> record{};
   ByteWriter w(record);

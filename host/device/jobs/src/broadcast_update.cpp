@@ -65,6 +65,10 @@ std::uint16_t draw_session() {
 
 }  // namespace
 
+bool has_labels(const FirmwarePackage& package) {
+  return layout::decode_label(package.image(0)) && layout::decode_label(package.image(1));
+}
+
 std::string_view outcome_name(UpdateOutcome outcome) {
   constexpr std::array<std::string_view, 7> kNames{"updated", "equal",     "would be updated", "by its loader",
                                                    "refused", "held back", "given up"};

@@ -30,8 +30,8 @@ inline constexpr std::size_t kUnitBytes = 8;  ///< of the flash
 inline constexpr std::size_t kMostUnits = layout::kMostImageBytes / kUnitBytes;
 /// A session ends after so much silence.
 inline constexpr std::uint64_t kPatience_us = 10'000'000;
-/// Between two data frames for one slot, for each unit of the first: the flash takes 82 µs.
-inline constexpr std::uint64_t kUnit_us = 95;
+/// Between two data frames for one slot, for each unit of the first: the flash takes 82 µs, and the lines are served.
+inline constexpr std::uint64_t kUnit_us = 110;
 
 enum class Command : std::uint8_t {
   kAsk = 1,       ///< to one: who it is and how it stands; any session

@@ -58,12 +58,15 @@ struct UpdateBus {
   std::vector<wire::NodeClaim> boards;
 };
 
+/// True when the images of the package say what they are for: those of version 0.1 do not, and take no part.
+[[nodiscard]] bool has_labels(const FirmwarePackage& package);
+
 /// Puts the firmware into the free slot of all these controllers at once (docs/protocol.md, "One image to all"): each
 /// image goes over each bus once, then what was lost. When all that are still there have checked it, all start it; if
 /// one refuses, none does, unless `each`. A controller that is given up holds up nobody. Controllers go on sampling
 /// until they restart. Buses are served side by side, each by a thread of its own where there are several; `progress` is
-/// called by one at a time, with the number of the board (over all buses, in order) as part. Throws what Bus throws on a
-/// dead link; Cancelled when the process was asked to end before anything was activated: what ran goes on.
+/// called by one at a time, with the number of the board (over all buses, in order) as part. Throws InputError
+/// (no labels, other hardware, a head that does not fit); what Bus throws on a dead link; Cancelled when the process was asked to end before anything was activated: what ran goes on.
 [[nodiscard]] BroadcastResult broadcast_firmware(std::span<const UpdateBus> buses, const FirmwarePackage& package,
                                                  const BroadcastOptions& options = {}, const ProgressSink& progress = {});
 
