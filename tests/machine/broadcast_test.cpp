@@ -86,6 +86,39 @@ TEST_P(Broadcast, TakesAnImageWhileSixteenModulesStreamAndStartsIt) {
   expect_no_violation();
 }
 
+// What all controllers listen to passes the filters of the image.
+class Filters : public Sampling {};
+
+TEST_F(Filters, LetDiscoveryAssignmentAndLeasesThrough) {
+  store_table(patch(4));
+  power_up();
+  run_for(1'000'000);
+  deliver(wire::who_is_there());
+  run_for(5'000);
+  wire::IdFrames parts;
+  std::optional<wire::IdFrames::Joined> claim;
+  for (const wire::CanFrame& f : frames) {
+    if (wire::is_claim(f)) claim = parts.add(f);
+  }
+  ASSERT_TRUE(claim);
+  EXPECT_EQ(claim->a, 1);
+  frames.clear();
+  deliver(wire::encode_lease({.reader = 7, .lasts_10ms = 50}));
+  run_for(200'000);
+  EXPECT_EQ(samples().size(), 4U);
+  for (const wire::CanFrame& f : wire::encode_assignment(claim->unique_id, 9)) deliver(f);
+  run_for(100'000);
+  frames.clear();
+  deliver(wire::who_is_there());
+  run_for(5'000);
+  for (const wire::CanFrame& f : frames) {
+    if (wire::is_claim(f)) claim = parts.add(f);
+  }
+  ASSERT_TRUE(claim);
+  EXPECT_EQ(claim->a, 9);
+  expect_no_violation();
+}
+
 INSTANTIATE_TEST_SUITE_P(Slots, Broadcast, ::testing::Combine(::testing::Values(0, 1), ::testing::Bool()),
                          [](const auto& tested) {
                            return std::string(std::get<0>(tested.param) == 0 ? "A" : "B") +
