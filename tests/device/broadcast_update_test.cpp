@@ -91,8 +91,8 @@ BroadcastResult hard_case(std::uint32_t bytes, bool fd, bool both_slots, unsigne
 TEST(Broadcast, sixteen_boards_with_losses_one_dead_one_cut_one_old_on_a_classic_bus) {
   const BroadcastResult r = hard_case(kHundred, false, false, 22);
   EXPECT_LE(r.link_s, 4.0);
-  std::printf("classic, 100 kB for one slot: %.2f s of bus time, %d rounds, %zu of %zu data frames sent again\n", r.link_s,
-              r.rounds, r.again, r.frames);
+  std::printf("classic, 100 kB for one slot: %.2f s of bus time, %d rounds, %zu of %zu data frames sent again\n",
+              r.link_s, r.rounds, r.again, r.frames);
 }
 
 TEST(Broadcast, two_slots_on_a_classic_bus) {
@@ -170,7 +170,8 @@ TEST(Broadcast, an_older_image_is_taken_only_when_asked_for) {
   const std::uint64_t operations = boards.skin().slots(0).operations();
   const BroadcastResult r = boards.update(older);
   EXPECT_EQ(count(r, UpdateOutcome::kRefused), 2);
-  EXPECT_NE(r.boards[0].why.find("runs version 0.3.0.0, the package has 0.2.0.0"), std::string::npos) << r.boards[0].why;
+  EXPECT_NE(r.boards[0].why.find("runs version 0.3.0.0, the package has 0.2.0.0"), std::string::npos)
+      << r.boards[0].why;
   EXPECT_EQ(boards.skin().slots(0).operations(), operations);
   EXPECT_EQ(count(boards.update(older, {.allow_older = true}), UpdateOutcome::kUpdated), 2);
 }

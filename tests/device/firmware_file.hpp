@@ -56,7 +56,8 @@ inline device::FirmwarePackage make_firmware(const FirmwareFile& file) {
   return p;
 }
 
-/// Whatever stood in its slots, the controller of `patch` runs the package's image from `slot`, confirmed, as if it had done so for long.
+/// Whatever stood in its slots, the controller of `patch` runs the package's image from `slot`, confirmed, as if it had
+/// done so for long.
 inline void install(scene::VirtualSkin& skin, std::size_t patch, int slot, const device::FirmwarePackage& package) {
   constexpr std::size_t kSlot = sim::kSlotsBytes / 2, kPage = 2048;
   scene::FlashMemory& flash = skin.slots(patch);

@@ -209,7 +209,11 @@ TEST_F(Receiver, refuses_what_it_cannot_use_and_writes_nothing) {
   EXPECT_EQ(refused([](auto& o) { o.size_bytes = layout::kMostImageBytes + 8; }), Status::kOutOfRange);
   EXPECT_EQ(refused([](auto& o) { o.slot = 0; }), Status::kEmpty) << "an offer for the slot that runs is none for it";
   EXPECT_EQ(b.operations(), before);
-  offer({.slot = 1, .may_be_older = true, .size_bytes = 4096, .firmware_version = 1, .hardware_crc = crc32(wire::kPartNumber)});
+  offer({.slot = 1,
+         .may_be_older = true,
+         .size_bytes = 4096,
+         .firmware_version = 1,
+         .hardware_crc = crc32(wire::kPartNumber)});
   to_me(Command::kJoin);
   EXPECT_EQ(receiver.state().phase, Phase::kJoined) << "older, and asked for";
 }
@@ -286,7 +290,8 @@ TEST_F(Receiver, answers_wait_for_room) {
   take_part(image_for(1, kNew, 4096, 7));
   port.sent.clear();
   port.room = 0;
-  receiver.handle(wire::update::encode_order(wire::update::order_to(Command::kMissing, kSession, crc32(self.unique_id))), now_us);
+  receiver.handle(
+      wire::update::encode_order(wire::update::order_to(Command::kMissing, kSession, crc32(self.unique_id))), now_us);
   for (int k = 0; k < 100; ++k) receiver.step(port, now_us += 100);
   EXPECT_TRUE(port.sent.empty());
   port.room = 1000;

@@ -62,27 +62,29 @@ TEST_P(Broadcast, TakesAnImageWhileSixteenModulesStreamAndStartsIt) {
   Account before_restart;
   Time stalled = 0;
   std::uint32_t lost = 0, worst_loop_us = 0;
-  const auto result = device::broadcast_firmware(
-      std::array{device::UpdateBus{&bus, claims}}, package(), {.force = true}, [&](const Progress& p) {
-        if (!stage_us.contains(p.stage)) stage_us[p.stage] = now_us();
-        if (p.stage != "checking") return;
-        before_restart = account();
-        stalled = machine->counts().flash_stall - stalled_before;
-        lost = budget(offsetof(board::Budget, can_lost));
-        worst_loop_us = budget(offsetof(board::Budget, worst_loop_us));
-      });
+  const auto result = device::broadcast_firmware(std::array{device::UpdateBus{&bus, claims}}, package(),
+                                                 {.force = true}, [&](const Progress& p) {
+                                                   if (!stage_us.contains(p.stage)) stage_us[p.stage] = now_us();
+                                                   if (p.stage != "checking") return;
+                                                   before_restart = account();
+                                                   stalled = machine->counts().flash_stall - stalled_before;
+                                                   lost = budget(offsetof(board::Budget, can_lost));
+                                                   worst_loop_us = budget(offsetof(board::Budget, worst_loop_us));
+                                                 });
   ASSERT_EQ(result.boards.at(0).outcome, device::UpdateOutcome::kUpdated) << result.boards.at(0).why;
   EXPECT_EQ(machine->vector_table(), kSlotOrigin[1 - running_slot]);
   EXPECT_EQ(stalled, 0U) << "code or constants in the bank that is written";
   EXPECT_EQ(machine->counts().flash_read_stalls, 0U);
   EXPECT_EQ(budget(offsetof(board::Budget, flash_errors)), 0U);
   std::printf(
-      "slot %c, %s: %zu bytes in %.2f s, %zu data frames, %zu again, %d rounds; %zu samples, %zu missing, longest gap %.1f "
+      "slot %c, %s: %zu bytes in %.2f s, %zu data frames, %zu again, %d rounds; %zu samples, %zu missing, longest gap "
+      "%.1f "
       "ms; %u frames lost in the queue, longest pass %.2f ms\n",
       "AB"[running_slot], fd ? "FD" : "classic", result.boards.at(0).bytes, result.link_s, result.frames, result.again,
-      result.rounds, before_restart.read, before_restart.missing, static_cast<double>(before_restart.worst_gap_us) / 1000,
-      lost, static_cast<double>(worst_loop_us) / 1000);
-  for (const auto& [stage, us] : stage_us) std::printf("  %s from %.3f s\n", stage.c_str(), static_cast<double>(us) * 1e-6);
+      result.rounds, before_restart.read, before_restart.missing,
+      static_cast<double>(before_restart.worst_gap_us) / 1000, lost, static_cast<double>(worst_loop_us) / 1000);
+  for (const auto& [stage, us] : stage_us)
+    std::printf("  %s from %.3f s\n", stage.c_str(), static_cast<double>(us) * 1e-6);
   expect_no_violation();
 }
 

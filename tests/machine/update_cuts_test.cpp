@@ -53,8 +53,8 @@ class UpdateCuts : public Update, public ::testing::WithParamInterface<int> {
   // How many of the operations lead to the commit record, whose second unit makes the slot valid.
   static std::size_t up_to_commit(const std::vector<FlashOperation>& operations) {
     constexpr std::uint32_t kRecord = (kSlotB + 0x3B800 + 8 - FlashChip::kBase) / FlashChip::kUnit;
-    const auto at = std::ranges::find_if(
-        operations, [](const FlashOperation& o) { return !o.erase && o.index == kRecord; });
+    const auto at =
+        std::ranges::find_if(operations, [](const FlashOperation& o) { return !o.erase && o.index == kRecord; });
     return static_cast<std::size_t>(at - operations.begin()) + 1;
   }
   FlashChip torn_cells;
@@ -117,7 +117,8 @@ TEST_P(UpdateCuts, OfABroadcastLeaveTheOldOrTheNewApplicationAndItBoots) {
   cut_each([this] { by_broadcast(); },
            [all](std::size_t k, const std::vector<FlashOperation>& operations) {
              constexpr std::size_t kEnds = 60, kOneIn = 32;
-             return all || operations[k].erase || k < kEnds || k + kEnds > operations.size() || k / kShards % kOneIn == 0;
+             return all || operations[k].erase || k < kEnds || k + kEnds > operations.size() ||
+                    k / kShards % kOneIn == 0;
            });
 }
 

@@ -31,12 +31,8 @@ T number(const Vector& v, const char* key) {
 }
 
 Offer offer_of(const Vector& v) {
-  return {number<std::uint8_t>(v, "slot"),
-          v.number("older") != 0,
-          number<std::uint32_t>(v, "bytes"),
-          number<std::uint32_t>(v, "version"),
-          crc32(kPartNumber),
-          number<std::uint32_t>(v, "crc")};
+  return {number<std::uint8_t>(v, "slot"),     v.number("older") != 0, number<std::uint32_t>(v, "bytes"),
+          number<std::uint32_t>(v, "version"), crc32(kPartNumber),     number<std::uint32_t>(v, "crc")};
 }
 
 std::vector<std::uint16_t> units_of(const std::string& text) {

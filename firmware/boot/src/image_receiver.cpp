@@ -21,7 +21,8 @@ Status acceptable(const wire::update::Offer& offer, int slot, std::uint32_t runn
 
 wire::update::State ImageReceiver::state() const {
   std::uint32_t count = missing_;
-  if (phase_ == Phase::kErasing) count = (offer_.size_bytes - 1) / static_cast<std::uint32_t>(slots_.page_bytes()) + 2 - work_at_;
+  if (phase_ == Phase::kErasing)
+    count = (offer_.size_bytes - 1) / static_cast<std::uint32_t>(slots_.page_bytes()) + 2 - work_at_;
   return {phase_, status_, session_, static_cast<std::uint16_t>(count)};
 }
 

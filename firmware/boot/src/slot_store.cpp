@@ -54,7 +54,11 @@ SlotState SlotStore::inspect(int slot) const {
 
 SlotState SlotStore::peek(int slot) const {
   const std::size_t at = records(slot);
-  return {true, marked(slot, at + kConfirmUnit * kUnitBytes, kConfirmUnits), 0, word(slot, at + 4), word(slot, at + 8),
+  return {true,
+          marked(slot, at + kConfirmUnit * kUnitBytes, kConfirmUnits),
+          0,
+          word(slot, at + 4),
+          word(slot, at + 8),
           word(slot, at + 12)};
 }
 

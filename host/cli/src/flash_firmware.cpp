@@ -56,8 +56,8 @@ void tell(const device::BoardUpdate& b, FirmwareReport& report, Output& output) 
   if (b.outcome == UpdateOutcome::kEqual) text = "equal, skipped";
   if (b.outcome == UpdateOutcome::kWould) text = "would be written";
   output.say(fmt::format("controller {}  firmware {}{}", b.serial, text, b.why.empty() ? "" : ": " + b.why));
-  const bool well = b.outcome == UpdateOutcome::kUpdated || b.outcome == UpdateOutcome::kEqual ||
-                    b.outcome == UpdateOutcome::kWould;
+  const bool well =
+      b.outcome == UpdateOutcome::kUpdated || b.outcome == UpdateOutcome::kEqual || b.outcome == UpdateOutcome::kWould;
   report.complete = report.complete && well;
 }
 
@@ -78,7 +78,8 @@ FirmwareReport flash_firmware(device::Bus& bus, const device::FirmwarePackage& p
                               const device::FlashOptions& flash, Output& output) {
   FirmwareReport report;
   if (options.one_by_one || !device::has_labels(package)) {
-    if (!options.one_by_one) output.say("firmware package without labels (version 0.1): one controller after the other");
+    if (!options.one_by_one)
+      output.say("firmware package without labels (version 0.1): one controller after the other");
     for (const wire::NodeClaim& claim : bus.discover()) update_one(bus, claim, package, flash, report, output);
     return report;
   }
@@ -96,8 +97,7 @@ FirmwareReport flash_firmware(device::Bus& bus, const device::FirmwarePackage& p
   for (const device::BoardUpdate& b : r.boards) {
     if (b.outcome == UpdateOutcome::kByLoader) update_one(bus, b.claim, package, flash, report, output);
   }
-  if (r.frames > 0)
-    output.say(fmt::format("{} data frames, {} of them again, {:.2f} s", r.frames, r.again, r.link_s));
+  if (r.frames > 0) output.say(fmt::format("{} data frames, {} of them again, {:.2f} s", r.frames, r.again, r.link_s));
   return report;
 }
 

@@ -156,8 +156,8 @@ class VirtualFlash final : public fw::FlashArea {
   std::size_t offset_, size_;
 };
 
-// A slot that is written while the application runs: what the flash takes its time for, the processor waits for. Through
-// an erase the application goes on as it does on the microcontroller.
+// A slot that is written while the application runs: what the flash takes its time for, the processor waits for.
+// Through an erase the application goes on as it does on the microcontroller.
 class TimedFlash final : public fw::FlashArea {
  public:
   using Wait = std::function<void(std::uint64_t ns, bool goes_on)>;

@@ -12,8 +12,8 @@
 #include <thread>
 
 #include "triskin/layout/image_label.hpp"
-#include "triskin/wire/identity.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/wire/identity.hpp"
 #include "update_session.hpp"
 
 namespace triskin::device {
@@ -23,10 +23,11 @@ namespace {
 void check_label(const FirmwarePackage& package, int slot) {
   const auto label = layout::decode_label(package.image(slot));
   if (!label) {
-    throw InputError(fmt::format(
-        "firmware package: the image for slot {} has no label: it is of version 0.1, which goes to one controller after "
-        "the other (--one-by-one)",
-        slot));
+    throw InputError(
+        fmt::format("firmware package: the image for slot {} has no label: it is of version 0.1, which goes to one "
+                    "controller after "
+                    "the other (--one-by-one)",
+                    slot));
   }
   if (label->hardware != wire::kPartNumber)
     throw InputError(fmt::format("firmware package: the image for slot {} is for other hardware", slot));

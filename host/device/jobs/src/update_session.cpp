@@ -20,13 +20,13 @@ namespace {
 
 constexpr std::uint64_t kSilence_us = 20'000;  // longest, but for an erase of a page
 constexpr std::uint64_t kClaims_us = 60'000;
-constexpr std::uint64_t kErasePage_us = 23'000;      // 22 ms, and what happens between two pages
+constexpr std::uint64_t kErasePage_us = 23'000;  // 22 ms, and what happens between two pages
 constexpr std::uint64_t kPoll_us = 25'000;
 constexpr std::uint64_t kErasePatience_us = 2'000'000, kCheckPatience_us = 1'500'000, kStartPatience_us = 2'000'000;
-constexpr std::uint64_t kStarts_us = 40'000;         // queue, loader's window, check of both slots
-constexpr std::uint64_t kConfirmed_us = 2'500'000;   // an application has proved itself by then
+constexpr std::uint64_t kStarts_us = 40'000;        // queue, loader's window, check of both slots
+constexpr std::uint64_t kConfirmed_us = 2'500'000;  // an application has proved itself by then
 constexpr int kTries = 3, kMostRounds = 25;
-constexpr std::uint64_t kMostLag_us = 2'000;         // that sending catches up
+constexpr std::uint64_t kMostLag_us = 2'000;  // that sending catches up
 
 std::string version_text(std::uint32_t v) {
   return fmt::format("{}.{}.{}.{}", v >> 24, v >> 16 & 255, v >> 8 & 255, v & 255);
@@ -207,9 +207,8 @@ void UpdateSession::join() {
       again = !b.state || b.state->status == Status::kEmpty || b.state->status == Status::kUnproven || again;
     }
     if (!again) break;
-    const bool unproven = std::ranges::any_of(boards_, [&](const Board& b) {
-      return b.under_way && b.state && b.state->status == Status::kUnproven;
-    });
+    const bool unproven = std::ranges::any_of(
+        boards_, [&](const Board& b) { return b.under_way && b.state && b.state->status == Status::kUnproven; });
     if (!unproven && k + 1 >= kTries) break;
     if (unproven) listen(bus_.now_us() + 10 * kPoll_us);
     for (Board& b : boards_) {
@@ -234,8 +233,7 @@ void UpdateSession::expect_answer(Board& b, const char* doing) {
     return give_up(b, UpdateOutcome::kGivenUp,
                    fmt::format("does not answer any more while {}; what it ran is what it starts", doing));
   if (b.state->session != session_)
-    return give_up(b, UpdateOutcome::kGivenUp,
-                   fmt::format("was restarted while {}; what it ran runs again", doing));
+    return give_up(b, UpdateOutcome::kGivenUp, fmt::format("was restarted while {}; what it ran runs again", doing));
   if (b.state->phase == Phase::kRefused) give_up(b, UpdateOutcome::kRefused, why_refused(b.state->status));
 }
 
@@ -385,7 +383,8 @@ void UpdateSession::send_missing() {
       }
       if (!any) continue;
       still.push_back(at);
-      if (rounds_ >= kMostRounds) give_up(b, UpdateOutcome::kGivenUp, "loses too many frames; check its cable and termination");
+      if (rounds_ >= kMostRounds)
+        give_up(b, UpdateOutcome::kGivenUp, "loses too many frames; check its cable and termination");
     }
     open = std::move(still);
     std::erase_if(open, [&](std::size_t at) { return !boards_[at].under_way; });
@@ -423,7 +422,8 @@ void UpdateSession::transfer() {
 }
 
 bool UpdateSession::any_refused() const {
-  return std::ranges::any_of(boards_, [](const Board& b) { return b.result.outcome == UpdateOutcome::kRefused && !b.under_way; });
+  return std::ranges::any_of(
+      boards_, [](const Board& b) { return b.result.outcome == UpdateOutcome::kRefused && !b.under_way; });
 }
 
 bool UpdateSession::started(const Board& b) const {
@@ -444,10 +444,10 @@ void UpdateSession::activate() {
       b.image.reset();
       b.state.reset();
     }
-    ask(
-        Command::kAsk, open, [](const Board& b) { return b.who && b.image && b.state; }, 1);
+    ask(Command::kAsk, open, [](const Board& b) { return b.who && b.image && b.state; }, 1);
     if (std::ranges::none_of(boards_, open)) break;
-    if (std::ranges::any_of(boards_, [&](const Board& b) { return open(b) && b.state && b.state->phase == Phase::kReady; }))
+    if (std::ranges::any_of(boards_,
+                            [&](const Board& b) { return open(b) && b.state && b.state->phase == Phase::kReady; }))
       send_to_all(Command::kActivate);
     listen(bus_.now_us() + kPoll_us);
   }

@@ -14,8 +14,8 @@
 #include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/uds.hpp"
 
-/// One image to all controllers of a bus at once (docs/protocol.md, "One image to all"). The application that runs takes
-/// it into the slot that it does not run from.
+/// One image to all controllers of a bus at once (docs/protocol.md, "One image to all"). The application that runs
+/// takes it into the slot that it does not run from.
 ///
 /// Commands are classic frames of eight bytes: command, session (2), five bytes. Data frames carry whole units of the
 /// image and their number in the identifier. Answers have the identifier of the controller's claim; their first byte is
@@ -34,17 +34,17 @@ inline constexpr std::uint64_t kPatience_us = 10'000'000;
 inline constexpr std::uint64_t kUnit_us = 110;
 
 enum class Command : std::uint8_t {
-  kAsk = 1,       ///< to one: who it is and how it stands; any session
-  kSize = 2,      ///< offer: slot (1), flags (1; 1: may be older), bytes of the image (3)
-  kVersion = 3,   ///< offer: firmware version (4), key (1)
-  kHardware = 4,  ///< offer: CRC-32 of the part number (4)
-  kCrc = 5,       ///< offer: CRC-32 of the image (4); completes the offer for that slot
-  kJoin = 6,      ///< to one: takes part, when it can use the offer for its free slot
-  kErase = 7,     ///< to all that take part: erase what the image needs
-  kMissing = 8,   ///< to one: which units it has not got
-  kCheck = 9,     ///< to all that take part: check the image
+  kAsk = 1,        ///< to one: who it is and how it stands; any session
+  kSize = 2,       ///< offer: slot (1), flags (1; 1: may be older), bytes of the image (3)
+  kVersion = 3,    ///< offer: firmware version (4), key (1)
+  kHardware = 4,   ///< offer: CRC-32 of the part number (4)
+  kCrc = 5,        ///< offer: CRC-32 of the image (4); completes the offer for that slot
+  kJoin = 6,       ///< to one: takes part, when it can use the offer for its free slot
+  kErase = 7,      ///< to all that take part: erase what the image needs
+  kMissing = 8,    ///< to one: which units it has not got
+  kCheck = 9,      ///< to all that take part: check the image
   kActivate = 10,  ///< to all that are ready: commit and restart
-  kEnd = 11,      ///< the session is over; who has not activated keeps what it runs
+  kEnd = 11,       ///< the session is over; who has not activated keeps what it runs
 };
 /// The command of a number from the wire. Error: kOutOfRange.
 [[nodiscard]] constexpr Result<Command> to_command(std::uint8_t number) {
@@ -193,8 +193,12 @@ class OfferParts {
 [[nodiscard]] constexpr bool is_data(const CanFrame& f) {
   return f.extended && (f.id & kDataMask) == kDataBase;
 }
-[[nodiscard]] constexpr std::uint8_t data_slot(std::uint32_t id) { return static_cast<std::uint8_t>(id >> 16 & 1); }
-[[nodiscard]] constexpr std::uint16_t data_unit(std::uint32_t id) { return static_cast<std::uint16_t>(id); }
+[[nodiscard]] constexpr std::uint8_t data_slot(std::uint32_t id) {
+  return static_cast<std::uint8_t>(id >> 16 & 1);
+}
+[[nodiscard]] constexpr std::uint16_t data_unit(std::uint32_t id) {
+  return static_cast<std::uint16_t>(id);
+}
 
 /// First byte of an answer.
 enum class Answer : std::uint8_t { kWho = 0x10, kState = 0x11, kList = 0x12, kBitmap = 0x13, kImage = 0x14 };
@@ -300,7 +304,8 @@ class MissingPart {
  public:
   static constexpr std::size_t kHead = 3;
   /// `frame_bytes`: 8, or 64 on a bus with FD. Begins with `first`, which is missing.
-  constexpr MissingPart(std::uint16_t first, std::size_t frame_bytes) : bytes_(frame_bytes), first_(first), last_(first) {
+  constexpr MissingPart(std::uint16_t first, std::size_t frame_bytes)
+      : bytes_(frame_bytes), first_(first), last_(first) {
     bitmap_[kHead] = 1;
   }
   /// Adds a missing unit behind those before. False: it does not fit into this answer.
@@ -333,8 +338,8 @@ class MissingPart {
   bool is_list_ = true;
 };
 
-/// Calls `found(unit)` for each unit that an answer names. Errors: kTooShort, kBadMagic (another answer), kOutOfRange (a
-/// number beyond any image).
+/// Calls `found(unit)` for each unit that an answer names. Errors: kTooShort, kBadMagic (another answer), kOutOfRange
+/// (a number beyond any image).
 template <class Found>
 constexpr Status decode_missing(Bytes bytes, Found found) {
   if (bytes.size() < MissingPart::kHead) return Status::kTooShort;

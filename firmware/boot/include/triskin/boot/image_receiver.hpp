@@ -15,9 +15,9 @@ namespace triskin::boot {
 [[nodiscard]] Status acceptable(const wire::update::Offer& offer, int slot, std::uint32_t running_version);
 
 /// A controller's part in a broadcast update (docs/protocol.md, "One image to all"): takes an image into the slot that
-/// the application does not run from, and commits it when it is in order. What is missing is seen from the flash itself:
-/// a unit that reads as erased has not come. So nothing is kept in RAM but where it is, and a host leaves out units that
-/// are erased anyway.
+/// the application does not run from, and commits it when it is in order. What is missing is seen from the flash
+/// itself: a unit that reads as erased has not come. So nothing is kept in RAM but where it is, and a host leaves out
+/// units that are erased anyway.
 class ImageReceiver final : public fw::ImageUpdate {
  public:
   /// Who takes the image.
@@ -28,7 +28,11 @@ class ImageReceiver final : public fw::ImageUpdate {
   };
   /// `slots` and `restart` outlive the receiver.
   ImageReceiver(SlotStore& slots, fw::Restart& restart, const Self& self)
-      : slots_(slots), restart_(restart), self_(self), id_crc_(crc32(self.unique_id)), answer_id_(wire::claim_id(self.unique_id)) {}
+      : slots_(slots),
+        restart_(restart),
+        self_(self),
+        id_crc_(crc32(self.unique_id)),
+        answer_id_(wire::claim_id(self.unique_id)) {}
 
   bool handle(const wire::CanFrame& frame, std::uint64_t now_us) override;
   [[nodiscard]] bool full() const override { return at_ < data_.size; }
@@ -39,9 +43,9 @@ class ImageReceiver final : public fw::ImageUpdate {
 
  private:
   using Phase = wire::update::Phase;
-  static constexpr std::size_t kCheckedAtOnce = 512;       ///< bytes
-  static constexpr std::uint32_t kSearchedAtOnce = 512;    ///< units
-  static constexpr std::uint64_t kRestart_us = 5'000;      ///< answers leave first
+  static constexpr std::size_t kCheckedAtOnce = 512;     ///< bytes
+  static constexpr std::uint32_t kSearchedAtOnce = 512;  ///< units
+  static constexpr std::uint64_t kRestart_us = 5'000;    ///< answers leave first
   static constexpr std::uint64_t kLookForRoom_us = 200;
   static constexpr std::uint32_t kNotSearching = ~0U;
 

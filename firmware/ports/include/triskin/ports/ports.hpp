@@ -110,9 +110,9 @@ struct Ports {
   CanPort* can;
   FlashArea* flash;
   wire::UniqueId unique_id;
-  CanPort* usb = nullptr;       ///< null: a board without
-  RouteChain* chain = nullptr;  ///< of switched modules; null on a board without
-  Restart* restart = nullptr;   ///< null: a reset only starts the application anew
+  CanPort* usb = nullptr;         ///< null: a board without
+  RouteChain* chain = nullptr;    ///< of switched modules; null on a board without
+  Restart* restart = nullptr;     ///< null: a reset only starts the application anew
   ImageUpdate* update = nullptr;  ///< null: new images come by the loader alone
 };
 

@@ -22,13 +22,13 @@ struct BroadcastOptions {
 
 /// What became of one controller.
 enum class UpdateOutcome : std::uint8_t {
-  kUpdated,     ///< the new image runs
-  kEqual,       ///< it ran already
-  kWould,       ///< dry run: it would be written
-  kByLoader,    ///< knows no broadcast (version 0.1): update_firmware() once
-  kRefused,     ///< by the controller or before anything was sent to it; what ran goes on
-  kHeldBack,    ///< ready, but another one refused: what ran goes on
-  kGivenUp,     ///< does not answer any more, or was restarted; what ran is what starts
+  kUpdated,   ///< the new image runs
+  kEqual,     ///< it ran already
+  kWould,     ///< dry run: it would be written
+  kByLoader,  ///< knows no broadcast (version 0.1): update_firmware() once
+  kRefused,   ///< by the controller or before anything was sent to it; what ran goes on
+  kHeldBack,  ///< ready, but another one refused: what ran goes on
+  kGivenUp,   ///< does not answer any more, or was restarted; what ran is what starts
 };
 /// Name of an outcome, as reports have it.
 [[nodiscard]] std::string_view outcome_name(UpdateOutcome outcome);
@@ -64,10 +64,12 @@ struct UpdateBus {
 /// Puts the firmware into the free slot of all these controllers at once (docs/protocol.md, "One image to all"): each
 /// image goes over each bus once, then what was lost. When all that are still there have checked it, all start it; if
 /// one refuses, none does, unless `each`. A controller that is given up holds up nobody. Controllers go on sampling
-/// until they restart. Buses are served side by side, each by a thread of its own where there are several; `progress` is
-/// called by one at a time, with the number of the board (over all buses, in order) as part. Throws InputError
-/// (no labels, other hardware, a head that does not fit); what Bus throws on a dead link; Cancelled when the process was asked to end before anything was activated: what ran goes on.
+/// until they restart. Buses are served side by side, each by a thread of its own where there are several; `progress`
+/// is called by one at a time, with the number of the board (over all buses, in order) as part. Throws InputError (no
+/// labels, other hardware, a head that does not fit); what Bus throws on a dead link; Cancelled when the process was
+/// asked to end before anything was activated: what ran goes on.
 [[nodiscard]] BroadcastResult broadcast_firmware(std::span<const UpdateBus> buses, const FirmwarePackage& package,
-                                                 const BroadcastOptions& options = {}, const ProgressSink& progress = {});
+                                                 const BroadcastOptions& options = {},
+                                                 const ProgressSink& progress = {});
 
 }  // namespace triskin::device
