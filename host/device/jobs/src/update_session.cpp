@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint64_t kSilence_us = 20'000;  // longest, but for an erase of a page
 constexpr std::uint64_t kClaims_us = 60'000;
 constexpr std::uint64_t kErasePage_us = 23'000;  // 22 ms, and what happens between two pages
-constexpr std::uint64_t kPoll_us = 25'000;
+constexpr std::uint64_t kBetweenPolls_us = 25'000;
 constexpr std::uint64_t kErasePatience_us = 2'000'000, kCheckPatience_us = 1'500'000, kStartPatience_us = 2'000'000;
 constexpr std::uint64_t kStarts_us = 40'000;        // queue, loader's window, check of both slots
 constexpr std::uint64_t kConfirmed_us = 2'500'000;  // an application has proved itself by then
@@ -210,7 +210,7 @@ void UpdateSession::join() {
     const bool unproven = std::ranges::any_of(
         boards_, [&](const Board& b) { return b.under_way && b.state && b.state->status == Status::kUnproven; });
     if (!unproven && k + 1 >= kTries) break;
-    if (unproven) listen(bus_.now_us() + 10 * kPoll_us);
+    if (unproven) listen(bus_.now_us() + 10 * kBetweenPolls_us);
     for (Board& b : boards_) {
       if (!joined(b)) b.state.reset();
     }
@@ -256,7 +256,7 @@ void UpdateSession::poll_until(const Done& done, std::uint64_t patience_us, Comm
       if (late && open(b)) give_up(b, UpdateOutcome::kGivenUp, fmt::format("does not get on with {}", doing));
     }
     if (again) send_to_all(repeat);
-    if (std::ranges::any_of(boards_, open)) listen(bus_.now_us() + kPoll_us);
+    if (std::ranges::any_of(boards_, open)) listen(bus_.now_us() + kBetweenPolls_us);
   }
 }
 
@@ -296,7 +296,7 @@ void UpdateSession::send_image() {
 namespace {
 
 // The streams of the two slots take turns: while the flash takes one's units, the bus carries the other's.
-struct Stream {
+struct SlotStream {
   std::vector<std::uint16_t> units;
   std::size_t at = 0;
   std::uint64_t next_us = 0;
@@ -315,13 +315,13 @@ struct Stream {
 }  // namespace
 
 void UpdateSession::send_units(std::array<Units, 2> units, const char* stage) {
-  std::array<Stream, 2> streams{{{std::move(units[0])}, {std::move(units[1])}}};
+  std::array<SlotStream, 2> streams{{{std::move(units[0])}, {std::move(units[1])}}};
   std::uint64_t bus_us = bus_.now_us();
   const std::size_t all = streams[0].units.size() + streams[1].units.size();
   std::size_t sent = 0, told = 0;
   while (!streams[0].done() || !streams[1].done()) {
     const bool second = streams[0].done() || (!streams[1].done() && streams[1].next_us < streams[0].next_us);
-    Stream& s = streams[second ? 1 : 0];
+    SlotStream& s = streams[second ? 1 : 0];
     const std::size_t n = s.run(frame_bytes_ / kUnitBytes);
     const Bytes bytes = package_.image(second ? 1 : 0).subspan(s.units[s.at] * kUnitBytes, n * kUnitBytes);
     const wire::CanFrame frame = wire::update::encode_data(second ? 1 : 0, s.units[s.at], bytes);
@@ -401,7 +401,7 @@ void UpdateSession::check() {
   for (std::size_t k = 0; k < boards_.size(); ++k) {
     if (boards_[k].under_way) progress_(k, "checking", 1.0);
   }
-  listen(bus_.now_us() + kPoll_us);
+  listen(bus_.now_us() + kBetweenPolls_us);
   poll_until([](const Board& b) { return b.state && b.state->phase == Phase::kReady; }, kCheckPatience_us,
              Command::kCheck, Phase::kReceiving, "checking");
 }
@@ -449,7 +449,7 @@ void UpdateSession::activate() {
     if (std::ranges::any_of(boards_,
                             [&](const Board& b) { return open(b) && b.state && b.state->phase == Phase::kReady; }))
       send_to_all(Command::kActivate);
-    listen(bus_.now_us() + kPoll_us);
+    listen(bus_.now_us() + kBetweenPolls_us);
   }
   for (Board& b : boards_) {
     if (!b.under_way) continue;
