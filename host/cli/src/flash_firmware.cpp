@@ -42,11 +42,15 @@ void update_one(device::Bus& bus, const wire::NodeClaim& claim, const device::Fi
                                       : std::string("would be written by its loader")));
 }
 
-// One bus for each wire that frames to all can be kept to.
-std::vector<std::unique_ptr<device::Bus>> buses_of(device::Bus& bus) {
-  std::vector<std::unique_ptr<device::Bus>> parts;
-  for (device::Link* part : bus.link().parts()) parts.push_back(std::make_unique<device::Bus>(*part));
-  return parts;
+// A bus for each wire that frames to all can be kept to.
+std::vector<std::unique_ptr<device::Bus>> buses_of(std::span<const std::unique_ptr<device::Link>> links) {
+  std::vector<std::unique_ptr<device::Bus>> buses;
+  for (const auto& link : links) {
+    const auto parts = link->parts();
+    for (device::Link* part : parts) buses.push_back(std::make_unique<device::Bus>(*part));
+    if (parts.empty()) buses.push_back(std::make_unique<device::Bus>(*link));
+  }
+  return buses;
 }
 
 void tell(const device::BoardUpdate& b, FirmwareReport& report, Output& output) {
@@ -74,28 +78,34 @@ void add_firmware_options(CLI::App& app, FirmwareOptions& options) {
                "with --firmware: by the loader of one controller after the other, without sampling meanwhile");
 }
 
-FirmwareReport flash_firmware(device::Bus& bus, const device::FirmwarePackage& package, const FirmwareOptions& options,
+FirmwareReport flash_firmware(std::span<const std::unique_ptr<device::Link>> links,
+                              const device::FirmwarePackage& package, const FirmwareOptions& options,
                               const device::FlashOptions& flash, Output& output) {
   FirmwareReport report;
+  const auto parts = buses_of(links);
+  std::vector<device::UpdateBus> buses;
+  for (const auto& part : parts) buses.push_back({part.get(), part->discover()});
   if (options.one_by_one || !device::has_labels(package)) {
     if (!options.one_by_one)
       output.say("firmware package without labels (version 0.1): one controller after the other");
-    for (const wire::NodeClaim& claim : bus.discover()) update_one(bus, claim, package, flash, report, output);
+    for (const device::UpdateBus& b : buses) {
+      for (const wire::NodeClaim& claim : b.boards) update_one(*b.bus, claim, package, flash, report, output);
+    }
     return report;
   }
   device::BroadcastOptions broadcast = options.broadcast;
   broadcast.dry_run = flash.dry_run;
   broadcast.force = flash.force;
-  const auto parts = buses_of(bus);
-  std::vector<device::UpdateBus> buses;
-  for (const auto& part : parts) buses.push_back({part.get(), part->discover()});
-  if (buses.empty()) buses.push_back({&bus, bus.discover()});
   const device::BroadcastResult r = device::broadcast_firmware(buses, package, broadcast, output.progress());
-  for (const device::BoardUpdate& b : r.boards) {
-    if (b.outcome != UpdateOutcome::kByLoader) tell(b, report, output);
-  }
-  for (const device::BoardUpdate& b : r.boards) {
-    if (b.outcome == UpdateOutcome::kByLoader) update_one(bus, b.claim, package, flash, report, output);
+  std::size_t row = 0;
+  for (const device::UpdateBus& b : buses) {
+    for (std::size_t k = 0; k < b.boards.size(); ++k, ++row) {
+      const device::BoardUpdate& board = r.boards[row];
+      if (board.outcome == UpdateOutcome::kByLoader)
+        update_one(*b.bus, board.claim, package, flash, report, output);
+      else
+        tell(board, report, output);
+    }
   }
   if (r.frames > 0) output.say(fmt::format("{} data frames, {} of them again, {:.2f} s", r.frames, r.again, r.link_s));
   return report;
