@@ -10,42 +10,19 @@
 #include <fstream>
 
 #include "faulty_link.hpp"
+#include "firmware_file.hpp"
 #include "fixture.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::device {
 namespace {
 
-constexpr std::array<std::uint32_t, 2> kOrigins{0x08004000, 0x08040000};
+using test::make_firmware;
+using test::package_bytes;
 
-// Two images of `size` bytes with vectors that fit their slots.
-std::vector<std::uint8_t> package(std::uint32_t size, std::uint8_t fill) {
-  std::vector<std::uint8_t> bytes(layout::kPackageHeadBytes + std::size_t{2} * size, fill);
-  const auto put = [&](std::size_t at, std::uint32_t v) {
-    for (std::size_t k = 0; k < 4; ++k) bytes[at + k] = static_cast<std::uint8_t>(v >> (8 * k));
-  };
-  for (std::size_t slot = 0; slot < 2; ++slot) {
-    const std::size_t at = layout::kPackageHeadBytes + slot * size;
-    put(at, 0x20010000);
-    put(at + 4, kOrigins[slot] + 0x201);
-    put(12 + 4 * slot, size);
-    put(20 + 4 * slot, crc32(Bytes(bytes).subspan(at, size)));
-  }
-  std::ranges::copy(layout::kPackageMagic, bytes.begin());
-  bytes[4] = 1;
-  bytes[5] = 0;
-  bytes[6] = layout::kPackageHeadBytes;
-  bytes[7] = 0;
-  put(8, 0x00020000);
-  put(28, crc32(Bytes(bytes).first(28)));
-  return bytes;
-}
-
+// Without a label, as in version 0.1.
 FirmwarePackage make(std::uint32_t size, std::uint8_t fill) {
-  FirmwarePackage p;
-  p.bytes = package(size, fill);
-  p.head = layout::decode_package_head(p.bytes).value();
-  return p;
+  return make_firmware({.size_bytes = size, .fill = fill, .labelled = false});
 }
 
 wire::NodeClaim only(Fixture& fixture) {
@@ -124,7 +101,7 @@ TEST(FirmwareUpdate, damaged_packages_are_refused_with_the_reason) {
     std::ofstream(file, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   };
-  auto bytes = package(1024, 7);
+  auto bytes = package_bytes({.size_bytes = 1024, .fill = 7});
   write(bytes);
   EXPECT_EQ(read_firmware(file).head.size_bytes[1], 1024U);
   for (std::size_t at = 0; at < bytes.size(); at += at < 32 ? 1 : 97) {

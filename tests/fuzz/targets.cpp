@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "triskin/boot/dfu_device.hpp"
+#include "triskin/boot/image_receiver.hpp"
 #include "triskin/boot/loader.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/layout/firmware_package.hpp"
@@ -188,6 +189,51 @@ void loader(Bytes input) {
   });
 }
 
+class Answers final : public fw::CanPort {
+ public:
+  explicit Answers(std::uint32_t id) : id_(id) {}
+  [[nodiscard]] bool fd() const override { return true; }
+  std::optional<wire::CanFrame> receive() override { return std::nullopt; }
+  bool send(const wire::CanFrame& f) override {
+    require(f.extended && f.id == id_ && (f.size == 8 || f.size == 64) && f.data[0] >= 0x10);
+    return true;
+  }
+
+ private:
+  std::uint32_t id_;
+};
+
+class NoRestart final : public fw::Restart {
+ public:
+  void restart() override {}
+  std::optional<wire::ImageState> image_state() override { return std::nullopt; }
+};
+
+// The first byte of a piece says whether it is a command or data, which begins with the slot and the unit. What runs is
+// never touched.
+void image_update(Bytes input) {
+  constexpr wire::UniqueId kId{1, 2, 3};
+  Memory a(8192), b(8192);
+  boot::SlotStore slots({&a, &b}, {0x08004000, 0x08040000});
+  slots.confirm(0);
+  const std::uint32_t before = crc32(a.bytes());
+  NoRestart restart;
+  Answers can(wire::claim_id(kId));
+  boot::ImageReceiver receiver(slots, restart, {kId, 0, 0x00010000});
+  std::uint64_t now_us = 0;
+  each_piece(input, [&](Bytes piece) {
+    if (piece.size() < 4) return;
+    const bool data = piece[0] % 2 != 0;
+    wire::CanFrame f = frame_of(piece.subspan(data ? 4 : 1, std::min<std::size_t>(piece.size() - (data ? 4 : 1), 8)),
+                                wire::update::kCommandId, true);
+    if (data)
+      f.id = wire::update::kDataBase | std::uint32_t{piece[1]} % 2 << 16 | std::uint32_t{piece[3]} << 8 | piece[2];
+    require(receiver.handle(f, now_us));
+    for (int k = 0; k < 20; ++k) receiver.step(can, now_us += 50);
+  });
+  require(crc32(a.bytes()) == before);
+}
+
 void ad7147_results(Bytes piece, fw::ModuleSample& sample) {
   fw::ad7147::Results results{};
   for (std::size_t t = 0; t < results.size(); ++t)
@@ -305,12 +351,13 @@ void record(Bytes input) {
   }
 }
 
-constexpr std::array<Target, 13> kTargets{{{"iso_tp", iso_tp},
+constexpr std::array<Target, 14> kTargets{{{"iso_tp", iso_tp},
                                            {"uds_server", uds_server},
                                            {"usb_packet", usb_packet},
                                            {"usb_control", usb_control},
                                            {"dfu", dfu},
                                            {"loader", loader},
+                                           {"image_update", image_update},
                                            {"icub", icub},
                                            {"patch_image", patch_image},
                                            {"taxel_frames", taxel_frames},

@@ -3,7 +3,10 @@
 // left in the cells is all that a controller has after that, so the update runs once, its operations are written down,
 // and for each of them a machine boots from the cells as that operation tore them.
 #include <algorithm>
+#include <cstdlib>
 
+#include "machine_link.hpp"
+#include "triskin/jobs/broadcast_update.hpp"
 #include "update_bench.hpp"
 
 namespace triskin::machine {
@@ -13,6 +16,29 @@ constexpr int kShards = 4;
 
 class UpdateCuts : public Update, public ::testing::WithParamInterface<int> {
  protected:
+  void by_loader() {
+    enter_loader();
+    ASSERT_EQ(erase(1), 0);
+    ASSERT_EQ(write_image(), 0);
+    ASSERT_EQ(commit(), 0);
+    boot();
+  }
+  void by_broadcast() {
+    power_up();
+    run_for(100'000);
+    MachineLink link({[this](const wire::CanFrame& f) { deliver(f); }, [this](std::uint64_t us) { run_for(us); },
+                      [this] { return now_us(); }, &frames, [this] { return machine->frames_waiting(); }},
+                     false);
+    device::Bus bus(link);
+    constexpr std::uint32_t kVersion = 0x00'01'00'00;
+    const auto package = package_of(application, read_elf(firmware("triskin_app_b.elf")), kVersion);
+    const auto result =
+        device::broadcast_firmware(std::array{device::UpdateBus{&bus, bus.discover()}}, package, {.force = true});
+    ASSERT_EQ(result.boards.at(0).outcome, device::UpdateOutcome::kUpdated) << result.boards.at(0).why;
+  }
+  // Writes the operations of an update down, and cuts the power in those that `taken` names.
+  template <class Way, class Taken>
+  void cut_each(Way way, Taken taken);
   // Until a controller answers what runs on it; empty after 300 ms.
   std::vector<std::uint8_t> boot_and_ask() {
     machine->power_cycle(torn_cells);
@@ -24,19 +50,24 @@ class UpdateCuts : public Update, public ::testing::WithParamInterface<int> {
     }
     return {};
   }
+  // How many of the operations lead to the commit record, whose second unit makes the slot valid.
+  static std::size_t up_to_commit(const std::vector<FlashOperation>& operations) {
+    constexpr std::uint32_t kRecord = (kSlotB + 0x3B800 + 8 - FlashChip::kBase) / FlashChip::kUnit;
+    const auto at =
+        std::ranges::find_if(operations, [](const FlashOperation& o) { return !o.erase && o.index == kRecord; });
+    return static_cast<std::size_t>(at - operations.begin()) + 1;
+  }
   FlashChip torn_cells;
 };
 
-TEST_P(UpdateCuts, EachLeavesTheOldOrTheNewApplicationAndItBoots) {
+template <class Way, class Taken>
+void UpdateCuts::cut_each(Way way, Taken taken) {
   const FlashChip before = flash;
   std::vector<FlashOperation> operations;
   flash.log = &operations;
-  enter_loader();
-  ASSERT_EQ(erase(1), 0);
-  ASSERT_EQ(write_image(), 0);
-  ASSERT_EQ(commit(), 0);
-  const std::size_t committed = operations.size();
-  boot();
+  way();
+  if (HasFatalFailure()) return;
+  const std::size_t committed = up_to_commit(operations);
   run_for(2'500'000);
   const auto updated = request({0x22, 0xFD, 0x09});
   ASSERT_GE(updated.size(), 3U + 14);
@@ -54,7 +85,7 @@ TEST_P(UpdateCuts, EachLeavesTheOldOrTheNewApplicationAndItBoots) {
   ASSERT_EQ(old.size(), updated.size());
   int new_ones = 0, cuts = 0;
   for (std::size_t k = 0; k < operations.size(); ++k) {
-    if (static_cast<int>(k % kShards) == GetParam()) {
+    if (static_cast<int>(k % kShards) == GetParam() && taken(k, operations)) {
       torn_cells = cells;
       torn_cells.apply(operations[k], true);
       const auto state = boot_and_ask();
@@ -74,6 +105,21 @@ TEST_P(UpdateCuts, EachLeavesTheOldOrTheNewApplicationAndItBoots) {
   expect_no_violation();
   std::printf("%d of %zu operations cut: %d old, %d new application\n", cuts, operations.size(), cuts - new_ones,
               new_ones);
+}
+
+TEST_P(UpdateCuts, EachLeavesTheOldOrTheNewApplicationAndItBoots) {
+  cut_each([this] { by_loader(); }, [](std::size_t, const auto&) { return true; });
+}
+
+// Every erase, what comes first and last, and one unit of 32 between; with TRISKIN_ALL_CUTS every operation.
+TEST_P(UpdateCuts, OfABroadcastLeaveTheOldOrTheNewApplicationAndItBoots) {
+  const bool all = std::getenv("TRISKIN_ALL_CUTS") != nullptr;
+  cut_each([this] { by_broadcast(); },
+           [all](std::size_t k, const std::vector<FlashOperation>& operations) {
+             constexpr std::size_t kEnds = 60, kOneIn = 32;
+             return all || operations[k].erase || k < kEnds || k + kEnds > operations.size() ||
+                    k / kShards % kOneIn == 0;
+           });
 }
 
 INSTANTIATE_TEST_SUITE_P(Shards, UpdateCuts, ::testing::Range(0, kShards));

@@ -285,7 +285,7 @@ TEST(Enumerations, take_exactly_the_numbers_that_exist) {
   EXPECT_EQ(streams, 3);
   EXPECT_EQ(decimations, 3);
   EXPECT_EQ(outputs, 2);
-  EXPECT_EQ(statuses, 16);
+  EXPECT_EQ(statuses, 18);
   EXPECT_EQ(sessions, 3);
   EXPECT_EQ(offset_states, 5);
   EXPECT_EQ(latchings, 3);

@@ -13,10 +13,13 @@ from case_usb import wait_for_devices
 MAKE_PACKAGE = pathlib.Path(__file__).parents[2] / "tools/make_firmware_package"
 
 
-def make_package(path, fill, size=20_000):
-    """Images that would start: stack and entry fit their slots."""
+def make_package(path, fill, size=20_000, labelled=False):
+    """Images that would start: stack and entry fit their slots. With a label they know the broadcast."""
     for name, origin in (("a", 0x08004000), ("b", 0x08040000)):
-        pathlib.Path(f"/tmp/{name}.bin").write_bytes(struct.pack("<II", 0x20010000, origin + 0x201) + bytes([fill]) * (size - 8))
+        image = bytearray(struct.pack("<II", 0x20010000, origin + 0x201) + bytes([fill]) * (size - 8))
+        if labelled:
+            image[0x1D8:0x1F0] = b"TSKL" + bytes([1, 0, 0, 0]) + b"TRISKIN1" + struct.pack("<II", 0x00010000, origin)
+        pathlib.Path(f"/tmp/{name}.bin").write_bytes(image)
     run(sys.executable, MAKE_PACKAGE, "/tmp/a.bin", "/tmp/b.bin", path)
 
 
@@ -34,6 +37,21 @@ def test_firmware_over_can():
         bench.verify_all("can:vcan1")
     os.truncate("/tmp/second.tsf", 30_000)
     assert "cut off" in triskin("flash", DESIGN, "--link", "can:vcan1", "--firmware", "/tmp/second.tsf", status=2)["error"]
+
+
+def test_firmware_to_all_controllers_at_once():
+    make_package("/tmp/first.tsf", 1, labelled=True)
+    make_package("/tmp/second.tsf", 2, labelled=True)
+    for link in ("can:vcan0", "can:vcan1"):
+        with controllers(link):
+            triskin("flash", DESIGN, "--link", link)
+            first = triskin("flash", DESIGN, "--link", link, "--firmware", "/tmp/first.tsf", timeout=120)
+            assert [f["outcome"] for f in first["firmware"]] == ["updated"] * bench.PATCHES, first  # by their loaders
+            second = triskin("flash", DESIGN, "--link", link, "--firmware", "/tmp/second.tsf", timeout=120)
+            assert [(f["outcome"], f["slot"], f["bytes"]) for f in second["firmware"]] == [("updated", 1, 20_000)] * bench.PATCHES, second
+            again = triskin("flash", DESIGN, "--link", link, "--firmware", "/tmp/second.tsf")
+            assert all(f["outcome"] == "equal" for f in again["firmware"]), again
+            bench.verify_all(link)
 
 
 def test_dfu_util_updates_the_firmware():

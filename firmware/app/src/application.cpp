@@ -91,7 +91,7 @@ void Application::invalidate_samples() {
 
 void Application::step() {
   for (Channel& c : channels()) {
-    while (const auto frame = c.port->receive()) handle_frame(c, *frame);
+    receive(c);
     (void)c.link.tick(now_us());
     c.stream.tick(now_us());
   }
@@ -104,7 +104,17 @@ void Application::step() {
   take_samples();
   offset_store_.step(offsets_);
   send_pending();
+  if (ports_.update != nullptr) ports_.update->step(*ports_.can, now_us());
   reset_when_answered();
+}
+
+// Units of an image go into the flash one in a step: the lines are served between them.
+void Application::receive(Channel& c) {
+  while (ports_.update == nullptr || c.port != ports_.can || !ports_.update->full()) {
+    const auto frame = c.port->receive();
+    if (!frame) return;
+    handle_frame(c, *frame);
+  }
 }
 
 // The answer goes out first, also through the queue of the port.
@@ -139,6 +149,7 @@ std::uint64_t Application::next_event_us() const {
     if (c.stream.next_event_us() > now) next = std::min(next, c.stream.next_event_us());  // else it waits for room
   }
   for (const LineSampler& line : lines_) next = std::min(next, line.next_event_us(now));
+  if (ports_.update != nullptr) next = std::min(next, ports_.update->next_event_us(now));
   return offset_store_.busy(offsets_) ? now : next;
 }
 
@@ -147,6 +158,7 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
     if (c.port == ports_.can) handle_icub_frame(frame);
     return;
   }
+  if (ports_.update != nullptr && c.port == ports_.can && ports_.update->handle(frame, now_us())) return;
   if (handle_claim_frame(c, frame)) return;
   if (const auto lease = wire::decode_lease(frame)) {
     if (c.port->fd()) c.stream.renew(*lease, now_us());

@@ -52,6 +52,16 @@ SlotState SlotStore::inspect(int slot) const {
   return s;
 }
 
+SlotState SlotStore::peek(int slot) const {
+  const std::size_t at = records(slot);
+  return {true,
+          marked(slot, at + kConfirmUnit * kUnitBytes, kConfirmUnits),
+          0,
+          word(slot, at + 4),
+          word(slot, at + 8),
+          word(slot, at + 12)};
+}
+
 int SlotStore::choose() const {
   int best = -1;
   std::uint32_t sequence = 0;
@@ -88,16 +98,20 @@ Status SlotStore::commit(int slot, std::uint32_t size_bytes, std::uint32_t crc) 
   if (crc32(image) != crc) return Status::kBadCrc;
   const SlotState other = inspect(1 - slot);
   const std::uint32_t sequence = other.valid ? other.sequence + 1 : 1;
+  const bool ok = write_record(slot, sequence, size_bytes, layout::slot_crc(sequence, image));
+  return ok && inspect(slot).valid ? Status::kOk : Status::kFlashFailed;
+}
+
+bool SlotStore::write_record(int slot, std::uint32_t sequence, std::uint32_t size_bytes, std::uint32_t crc) {
   std::array<std::uint8_t, 2 * kUnitBytes> record{};
   ByteWriter w(record);
   w.le32(layout::kCommitMagic);
   w.le32(sequence);
   w.le32(size_bytes);
-  w.le32(layout::slot_crc(sequence, image));
+  w.le32(crc);
   // Magic and sequence first: the record counts only with the CRC of the second unit.
-  const bool ok = area(slot).program(records(slot), Bytes(record).first(kUnitBytes)) &&
-                  area(slot).program(records(slot) + kUnitBytes, Bytes(record).subspan(kUnitBytes));
-  return ok && inspect(slot).valid ? Status::kOk : Status::kFlashFailed;
+  return area(slot).program(records(slot), Bytes(record).first(kUnitBytes)) &&
+         area(slot).program(records(slot) + kUnitBytes, Bytes(record).subspan(kUnitBytes));
 }
 
 void SlotStore::confirm(int slot) {

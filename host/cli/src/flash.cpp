@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "flash_firmware.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/jobs/firmware_update.hpp"
@@ -22,7 +23,7 @@ struct Options {
   SiteOptions site;
   device::FlashOptions flash;
   std::string route = "normal";
-  std::string firmware;
+  FirmwareOptions firmware;
   std::vector<std::string> assign;
 };
 
@@ -30,25 +31,7 @@ struct Options {
 struct BusOutcome {
   const robot::BusSite* bus = nullptr;
   std::vector<std::pair<const robot::CoverOnBus*, device::FlashResult>> covers;
-  nlohmann::json firmware = nlohmann::json::array();
-  std::vector<std::string> lines;  // on the firmware
 };
-
-// Controllers have addresses of their own by now: the tables were written before.
-void update_all(device::Bus& bus, const device::FirmwarePackage& package, const Options& options,
-                const ProgressSink& bars, BusOutcome& outcome) {
-  for (const wire::NodeClaim& claim : bus.discover()) {
-    const int part = static_cast<int>(outcome.firmware.size());
-    const ProgressSink bar = [&](const Progress& p) { report(bars, p.stage, p.fraction, p.detail, part); };
-    const device::FirmwareResult r = device::update_firmware(bus, claim, package, options.flash, bar);
-    outcome.firmware.push_back({{"serial", r.serial}, {"equal", r.equal}, {"slot", r.slot}, {"bytes", r.bytes}});
-    outcome.lines.push_back(
-        fmt::format("controller {}  firmware {}", r.serial,
-                    r.bytes != 0 ? fmt::format("{} bytes written, slot {} runs", r.bytes, r.slot == 0 ? 'A' : 'B')
-                    : r.equal    ? std::string("equal, skipped")
-                                 : std::string("would be written")));
-  }
-}
 
 std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
   const std::string address = p.new_address ? fmt::format(", node address {} -> {}", p.old_address, p.address) : "";
@@ -74,7 +57,7 @@ void wait_for_offsets(device::Bus& bus, const design::Design& design) {
 
 // The covers of a bus one after the other: they share it.
 BusOutcome flash_bus(const robot::BusSite& site, device::Link& link, const Options& options,
-                     const std::optional<device::FirmwarePackage>& firmware, const ProgressSink& progress) {
+                     const ProgressSink& progress) {
   BusOutcome outcome;
   outcome.bus = &site;
   device::Bus bus(link);
@@ -87,7 +70,6 @@ BusOutcome flash_bus(const robot::BusSite& site, device::Link& link, const Optio
     if (!options.flash.dry_run && std::ranges::any_of(r.patches, &device::FlashResult::Patch::written))
       wait_for_offsets(bus, cover->design);
   }
-  if (firmware) update_all(bus, *firmware, options, progress, outcome);
   return outcome;
 }
 
@@ -106,15 +88,13 @@ nlohmann::json patch_rows(const robot::CoverOnBus& cover, const device::FlashRes
   return patches;
 }
 
-void say_all(const std::vector<BusOutcome>& buses, const Options& options, bool is_robot, double seconds,
-             Output& output) {
+void say_all(const std::vector<BusOutcome>& buses, const nlohmann::json& firmware, const Options& options,
+             bool is_robot, double seconds, Output& output) {
   device::FlashResult sum;
   std::size_t controllers = 0, modules = 0;
-  nlohmann::json firmware = nlohmann::json::array(), covers = nlohmann::json::array();
+  nlohmann::json covers = nlohmann::json::array();
   for (const BusOutcome& b : buses) {
     modules = 0;
-    for (const std::string& line : b.lines) output.say(line);
-    for (const auto& row : b.firmware) firmware.push_back(row);
     double link_s = 0.0;
     for (const auto& [cover, r] : b.covers) {
       nlohmann::json row = keys_of(*b.bus, *cover);
@@ -156,33 +136,35 @@ int run(Options options, Output& output) {
     options.flash.assign.push_back({patch, serial});
   }
   std::optional<device::FirmwarePackage> firmware;
-  if (!options.firmware.empty()) {
+  if (!options.firmware.file.empty()) {
     if (options.site.link.link.starts_with("hid") || options.site.link.link.starts_with("usb")) {
       throw InputError("--firmware goes over CAN; over USB: dfu-util -D FILE (docs/wires.md)");
     }
-    firmware = device::read_firmware(options.firmware);
+    firmware = device::read_firmware(options.firmware.file);
   }
   OpenSite open = open_site(options.site);
   require_cover(options, open.site);
   options.flash.say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
   std::vector<BusOutcome> buses(open.site.buses.size());
   const ProgressSink progress = output.progress();
+  FirmwareReport updated;
   const auto say = [&] {
     std::erase_if(buses, [](const BusOutcome& b) { return b.covers.empty(); });
-    say_all(buses, options, open.site.is_robot,
+    say_all(buses, updated.rows, options, open.site.is_robot,
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), output);
   };
   try {
     on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
-      buses[static_cast<std::size_t>(&bus - open.site.buses.data())] =
-          flash_bus(bus, link, options, firmware, progress);
+      buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = flash_bus(bus, link, options, progress);
     });
+    // Controllers have addresses of their own by now: the tables were written before.
+    if (firmware) updated = flash_firmware(open.links, *firmware, options.firmware, options.flash, output);
   } catch (const Error&) {
     if (buses.size() > 1) say();  // what the other buses did
     throw;
   }
   say();
-  return 0;
+  return updated.complete ? 0 : 1;
 }
 
 const Registration kFlash{{
@@ -193,9 +175,7 @@ const Registration kFlash{{
       auto options = std::make_shared<Options>();
       options->flash.wait_s = 20.0;
       add_site_options(app, options->site);
-      app.add_option("--firmware", options->firmware,
-                     "firmware package for every controller on the link, over CAN, one after the other")
-          ->check(CLI::ExistingFile);
+      add_firmware_options(app, options->firmware);
       app.add_option("--wait-s", options->flash.wait_s,
                      "how long to wait for a cable that was pulled meanwhile, and then go on; 0: end at once")
           ->check(CLI::Range(0.0, 86400.0))

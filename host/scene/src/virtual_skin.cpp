@@ -153,6 +153,10 @@ void VirtualSkin::send(const wire::CanFrame& frame) {
   if (plugged_) pending_.push_back({frame, kHost});
 }
 
+std::size_t VirtualSkin::host_frames_waiting() const {
+  return static_cast<std::size_t>(std::ranges::count(pending_, kHost, &Pending::from));
+}
+
 void VirtualSkin::deliver(const Pending& pending) {
   ++bus_frames_;
   for (std::size_t p = 0; p < nodes_.size(); ++p) {
@@ -160,10 +164,12 @@ void VirtualSkin::deliver(const Pending& pending) {
     // What it has not done yet it does before the frame comes, or it would date its answer before the request.
     if (pending.from == kHost) run_controller(nodes_[p]);
     if (nodes_[p].controller == nullptr) continue;
+    if (hears_ && !hears_(p, pending.frame)) continue;
     nodes_[p].controller->receive(pending.frame);
     nodes_[p].run_again_us = now_us_;
   }
   if (pending.from == kHost || !plugged_) return;
+  if (hears_ && !hears_(kToHost, pending.frame)) return;
   frame_came_ = true;
   if (on_frame_) on_frame_(pending.frame, now_us_);
 }

@@ -10,6 +10,14 @@ SimLink::SimLink(scene::Scene scene, const std::filesystem::path& state_folder)
   skin_.on_frame([this](const wire::CanFrame& frame, std::uint64_t) { inbox_.push_back(frame); });
 }
 
+// As with the queue of a CAN adapter: on a bus that others fill, the sender waits.
+void SimLink::send(const wire::CanFrame& frame) {
+  constexpr std::size_t kQueue = 64;
+  constexpr std::uint64_t kLook_us = 100;
+  while (skin_.host_frames_waiting() >= kQueue) skin_.run_until(skin_.now_us() + kLook_us);
+  skin_.send(frame);
+}
+
 std::optional<wire::CanFrame> SimLink::receive(std::uint64_t until_us) {
   if (inbox_.empty()) skin_.run_until_frame(until_us);
   if (inbox_.empty()) return std::nullopt;

@@ -26,6 +26,7 @@ class Machine::Core final : public Surroundings {
   void run_until(Time until);
   void power_cycle(const FlashChip& cells);
   void receive(const wire::CanFrame& frame) { can_.from_bus(frame); }
+  [[nodiscard]] std::size_t frames_waiting() const { return can_.waiting(); }
   [[nodiscard]] UsbWire& usb() { return usb_; }
   [[nodiscard]] std::uint32_t load(std::uint32_t address);
   [[nodiscard]] std::uint32_t peek(std::uint32_t address);

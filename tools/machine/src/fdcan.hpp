@@ -27,6 +27,8 @@ class Fdcan final : public Peripheral {
   void write_ram(std::uint32_t offset, std::uint32_t value) { ram_[offset / 4] = value; }
   /// A frame from another node; waits its turn on the bus.
   void from_bus(const wire::CanFrame& frame);
+  /// Frames of other nodes that have not ended on the bus.
+  [[nodiscard]] std::size_t waiting() const { return incoming_.size(); }
   /// The frame that is under way is spoilt: an error frame, and its sender begins again. False: the bus is idle.
   bool spoil_frame();
   /// How often it left the bus.

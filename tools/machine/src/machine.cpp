@@ -22,6 +22,9 @@ std::uint64_t Machine::now_us() const {
 void Machine::receive(const wire::CanFrame& frame) {
   core_->receive(frame);
 }
+std::size_t Machine::frames_waiting() const {
+  return core_->frames_waiting();
+}
 UsbWire& Machine::usb() {
   return core_->usb();
 }

@@ -7,6 +7,7 @@
 
 #include "triskin/app/application.hpp"
 #include "triskin/boot/dfu_device.hpp"
+#include "triskin/boot/image_receiver.hpp"
 #include "triskin/boot/loader.hpp"
 #include "triskin/logic/usb_device.hpp"
 
@@ -155,6 +156,31 @@ class VirtualFlash final : public fw::FlashArea {
   std::size_t offset_, size_;
 };
 
+// A slot that is written while the application runs: what the flash takes its time for, the processor waits for.
+// Through an erase the application goes on as it does on the microcontroller.
+class TimedFlash final : public fw::FlashArea {
+ public:
+  using Wait = std::function<void(std::uint64_t ns, bool goes_on)>;
+  TimedFlash(VirtualFlash& flash, Wait wait) : flash_(flash), wait_(std::move(wait)) {}
+  [[nodiscard]] std::size_t size_bytes() const override { return flash_.size_bytes(); }
+  [[nodiscard]] std::size_t page_bytes() const override { return flash_.page_bytes(); }
+  [[nodiscard]] std::size_t program_bytes() const override { return flash_.program_bytes(); }
+  bool erase_page(std::size_t offset) override {
+    wait_(kErase_ns, true);
+    return flash_.erase_page(offset);
+  }
+  bool program(std::size_t offset, Bytes bytes) override {
+    wait_(kUnit_ns * (bytes.size() / program_bytes()), false);
+    return flash_.program(offset, bytes);
+  }
+  [[nodiscard]] Bytes bytes() const override { return flash_.bytes(); }
+
+ private:
+  static constexpr std::uint64_t kErase_ns = 22'020'000, kUnit_ns = 81'690;  // DS12288, typical
+  VirtualFlash& flash_;
+  Wait wait_;
+};
+
 // Where the slots of the microcontroller stand: images are linked for these addresses.
 constexpr std::array<std::uint32_t, 2> kSlotOrigins{0x08004000, 0x08040000};
 
@@ -170,7 +196,10 @@ class Controller final : public VirtualController, private fw::Restart {
         flash_(*board.flash),
         chain_(board.chain, clock_),
         slot_areas_{{{board.slots, 0, kSlotsBytes / 2}, {board.slots, kSlotsBytes / 2, kSlotsBytes / 2}}},
-        slots_({&slot_areas_[0], &slot_areas_[1]}, kSlotOrigins) {
+        slots_({&slot_areas_[0], &slot_areas_[1]}, kSlotOrigins),
+        timed_areas_{{{slot_areas_[0], [this](std::uint64_t ns, bool goes_on) { wait(ns, goes_on); }},
+                      {slot_areas_[1], [this](std::uint64_t ns, bool goes_on) { wait(ns, goes_on); }}}},
+        timed_slots_({&timed_areas_[0], &timed_areas_[1]}, kSlotOrigins) {
     start_application();
   }
 
@@ -243,6 +272,12 @@ class Controller final : public VirtualController, private fw::Restart {
     }
     ++usb_session_;
     usb_.emplace(board_.unique_id);
+    receiver_.reset();
+    // An image without a label is one of version 0.1, which takes updates by its loader alone.
+    if (const auto label = running_label()) {
+      receiver_.emplace(timed_slots_, static_cast<fw::Restart&>(*this),
+                        boot::ImageReceiver::Self{board_.unique_id, running_slot_, label->firmware_version});
+    }
     application_.emplace(fw::Ports{{&lines_[0], &lines_[1], &lines_[2], &lines_[3]},
                                    &clock_,
                                    &can_,
@@ -250,7 +285,24 @@ class Controller final : public VirtualController, private fw::Restart {
                                    board_.unique_id,
                                    &*usb_,
                                    board_.chain != nullptr ? &chain_ : nullptr,
-                                   board_.slots != nullptr ? this : nullptr});
+                                   board_.slots != nullptr ? this : nullptr,
+                                   receiver_ ? &*receiver_ : nullptr});
+  }
+  [[nodiscard]] std::optional<layout::ImageLabel> running_label() const {
+    if (running_slot_ < 0) return std::nullopt;
+    const auto label = layout::decode_label(slots_.bytes(running_slot_));
+    return label ? std::optional(*label) : std::nullopt;
+  }
+  // Work inside a step that the processor waits for.
+  void wait(std::uint64_t ns, bool goes_on) {
+    const std::uint64_t end_us = clock_.now + ns / 1000;
+    while (goes_on && clock_.now < end_us) {
+      application_->step_during_flash();
+      std::uint64_t next = application_->next_during_flash_us();
+      for (const VirtualI2cLine& line : lines_) next = std::min(next, line.done_us());
+      clock_.now = std::clamp(next, clock_.now + 1, end_us);
+    }
+    if (!goes_on) clock_.spend(ns);
   }
 
   // fw::Restart
@@ -273,7 +325,10 @@ class Controller final : public VirtualController, private fw::Restart {
   VirtualChain chain_;
   std::array<VirtualFlash, 2> slot_areas_;
   boot::SlotStore slots_;
+  std::array<TimedFlash, 2> timed_areas_;
+  boot::SlotStore timed_slots_;
   std::optional<fw::UsbDevice> usb_;
+  std::optional<boot::ImageReceiver> receiver_;
   std::optional<fw::Application> application_;
   std::optional<boot::Loader> loader_;
   std::optional<boot::DfuDevice> dfu_;

@@ -63,23 +63,26 @@ void write_element(std::uint32_t offset, const wire::CanFrame& f) {
   }
 }
 
-// What a patch listens to: diagnostics in 29 bits (physical and functional), polling class 2 and management class 7 in
-// 11 bits.
-void write_filters() {
+// What a patch listens to: diagnostics in 29 bits (physical and functional), discovery, assignment and leases, updates,
+// polling class 2 and management class 7 in 11 bits.
+void write_filters(CanFilters filters) {
   constexpr std::uint32_t kRefuseOther = 2;
   word(kStandardFilters, kMaskFilter | kStandardToFifo0 | 0x200U << kFilterIdShift | 0x700U);
   word(kStandardFilters + 4, kMaskFilter | kStandardToFifo0 | 0x700U << kFilterIdShift | 0x700U);
   word(kExtendedFilters, kExtendedToFifo0 | 0x18DA0000U);
   word(kExtendedFilters + 4, kMaskFilter | 0x1FFE0000U);
-  word(kExtendedFilters + 8, kExtendedToFifo0 | 0x1BF00000U);  // the loader's requests and data
+  word(kExtendedFilters + 8, kExtendedToFifo0 | 0x1BF00000U);  // updates, by the loader and by the application
   word(kExtendedFilters + 12, kMaskFilter | 0x1FF00000U);
-  kRxgfc.write(2U << kExtendedCountShift | 2U << kStandardCountShift | kRefuseOther << kOtherStandardShift |
+  word(kExtendedFilters + 16, kExtendedToFifo0 | 0x18E00000U);  // 18E0 … 18E3
+  word(kExtendedFilters + 20, kMaskFilter | 0x1FFC0000U);
+  const std::uint32_t extended = filters == CanFilters::kApplication ? 3 : 2;
+  kRxgfc.write(extended << kExtendedCountShift | 2U << kStandardCountShift | kRefuseOther << kOtherStandardShift |
                kRefuseOther << kOtherExtendedShift | kRefuseRemote);
 }
 
 }  // namespace
 
-void Stm32CanPort::open() {
+void Stm32CanPort::open(CanFilters filters) {
   rcc_reg::kAhb2Enr.set(rcc_reg::kGpioB);
   rcc_reg::kCcipr.set(rcc_reg::kFdcanFromPclk1);
   rcc_reg::kApb1Enr1.set(rcc_reg::kFdcan);
@@ -97,7 +100,7 @@ void Stm32CanPort::open() {
   kNbtp.write(kNominalTiming);
   kDbtp.write(kDataTiming);
   for (std::uint32_t k = 0; k < kRamBytes; k += 4) word(k, 0);
-  write_filters();
+  write_filters(filters);
   kTxbc.write(0);  // FIFO: frames leave in the order they came
   kTxbtie.write(7);
   kIe.write(kRxNew | kRxLost | kTxDone | kBusOff);

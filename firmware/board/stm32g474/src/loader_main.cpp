@@ -60,7 +60,7 @@ int main() {
   using namespace triskin::board;
   start_clocks();
   start_microseconds();
-  can.open();
+  can.open(CanFilters::kLoader);
   triskin::boot::Loader loader(application_slots, can, unique_id());
   static std::optional<triskin::boot::DfuDevice> dfu;
   bool dfu_wanted = take_dfu_request();

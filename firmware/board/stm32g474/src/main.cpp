@@ -11,6 +11,8 @@
 #include "triskin/board/budget.hpp"
 #include "triskin/board/flash_map.hpp"
 #include "triskin/board/registers/system.hpp"
+#include "triskin/boot/image_receiver.hpp"
+#include "triskin/layout/image_label.hpp"
 #include "triskin/logic/usb_device.hpp"
 #include "usb.hpp"
 
@@ -46,6 +48,19 @@ std::uint32_t untouched_stack() {
   while (p < &triskin_stack_top && *p == kStackPaint) ++p;
   return static_cast<std::uint32_t>(p - &triskin_stack_bottom) * 4;
 }
+
+// What the image says about itself (layout/image_label.hpp).
+struct Label {
+  std::array<std::uint8_t, 4> magic = layout::kLabelMagic;
+  std::uint8_t version = layout::kLabelVersion;
+  std::array<std::uint8_t, 3> zeros{};
+  std::array<std::uint8_t, 8> hardware = wire::kPartNumber;
+  std::uint32_t firmware_version = fw::kFirmwareVersion;
+  const void* origin;
+};
+static_assert(sizeof(Label) == layout::kLabelBytes);
+extern "C" const char triskin_vectors;
+[[gnu::section(".label"), gnu::used]] constinit const Label label{.origin = &triskin_vectors};
 
 // The application inside whose step() an erase goes on.
 fw::Application* sampling = nullptr;
@@ -126,10 +141,12 @@ int main() {
   start_watchdog();
   triskin_budget.findings = inspect_board();
   open_lines();
-  can.open();
+  can.open(CanFilters::kApplication);
   route_chain.open();
   static triskin::fw::UsbDevice device(unique_id());
   usb.open(device, true);
+  static triskin::boot::ImageReceiver receiver(application_slots, stm32_restart,
+                                               {unique_id(), running_slot(), triskin::fw::kFirmwareVersion});
   static triskin::fw::Application application({{&lines[0], &lines[1], &lines[2], &lines[3]},
                                                &system_clock,
                                                &can,
@@ -137,7 +154,8 @@ int main() {
                                                unique_id(),
                                                &device,
                                                &route_chain,
-                                               &stm32_restart});
+                                               &stm32_restart,
+                                               running_slot() >= 0 ? &receiver : nullptr});
   sampling = &application;
   do_while_erasing(&kSampling);
   run(application, device);

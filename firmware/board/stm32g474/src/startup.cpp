@@ -11,6 +11,7 @@
 #include "triskin/board/registers/i2c.hpp"
 #include "triskin/board/registers/system.hpp"
 #include "triskin/board/registers/usb.hpp"
+#include "triskin/layout/image_label.hpp"
 
 extern "C" {
 extern std::uint32_t triskin_data_load, triskin_data_start, triskin_data_end, triskin_bss_start, triskin_bss_end,
@@ -76,6 +77,8 @@ struct Vectors {
   std::uint32_t* stack;
   std::array<Handler, 15 + kInterrupts> handlers;
 };
+
+static_assert(sizeof(Vectors) == layout::kLabelOffset);  // the label of an application follows
 
 consteval Vectors make_vectors() {
   Vectors v{&triskin_stack_top, {}};

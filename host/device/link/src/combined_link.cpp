@@ -94,6 +94,12 @@ std::uint64_t CombinedLink::thrown_away() const {
   return frames;
 }
 
+std::vector<Link*> CombinedLink::parts() {
+  std::vector<Link*> parts;
+  for (const auto& l : links_) parts.push_back(l.get());
+  return parts;
+}
+
 void CombinedLink::reconnect() {
   for (auto& l : links_) l->reconnect();
 }

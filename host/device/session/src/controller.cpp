@@ -74,6 +74,10 @@ std::string describe(Status status) {
       return "the line is held low";
     case Status::kWrongId:
       return "wrong device id";
+    case Status::kOlder:
+      return "older than the firmware that runs";
+    case Status::kUnproven:
+      return "the firmware that runs has not confirmed itself yet";
   }
   return fmt::format("status {}", static_cast<int>(status));
 }

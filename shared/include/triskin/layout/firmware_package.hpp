@@ -46,14 +46,18 @@ struct PackageHead {
 
 inline constexpr std::uint32_t kCommitMagic = 0x4D4D4F43;  ///< "COMM"
 
-/// CRC of the commit record's first twelve bytes and the image: size and sequence are covered as well.
-[[nodiscard]] constexpr std::uint32_t slot_crc(std::uint32_t sequence, Bytes image) {
+/// CRC of the commit record's first twelve bytes: what slot_crc() begins with.
+[[nodiscard]] constexpr std::uint32_t slot_crc_head(std::uint32_t sequence, std::uint32_t size_bytes) {
   std::array<std::uint8_t, 12> head{};
   ByteWriter w(head);
   w.le32(kCommitMagic);
   w.le32(sequence);
-  w.le32(static_cast<std::uint32_t>(image.size()));
-  return crc32(image, crc32(head));
+  w.le32(size_bytes);
+  return crc32(head);
+}
+/// CRC of the commit record's first twelve bytes and the image: size and sequence are covered as well.
+[[nodiscard]] constexpr std::uint32_t slot_crc(std::uint32_t sequence, Bytes image) {
+  return crc32(image, slot_crc_head(sequence, static_cast<std::uint32_t>(image.size())));
 }
 
 }  // namespace triskin::layout

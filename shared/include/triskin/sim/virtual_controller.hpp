@@ -31,7 +31,8 @@ struct VirtualBoard {
 inline constexpr std::size_t kSlotsBytes = std::size_t{2} * 0x3C000;
 
 /// The patch controller's application on virtual ports: the same logic that runs on the microcontroller. An image in a
-/// slot is stored, checked, counted and confirmed as there, but what runs is always the application of this program.
+/// slot is stored, checked, counted and confirmed as there, but what runs is always the application of this program. It
+/// takes part in broadcast updates when the image that it runs from has a label, and has the version that stands there.
 /// Time is virtual and given by the caller. Not thread-safe.
 class VirtualController {
  public:

@@ -32,7 +32,7 @@ template <class Enum>
 /// Status of a number from the wire.
 /// Error: kOutOfRange.
 [[nodiscard]] constexpr Result<Status> to_status(std::uint8_t number) {
-  return checked_enum(number, Status::kWrongId);
+  return checked_enum(number, Status::kUnproven);
 }
 
 }  // namespace triskin::wire

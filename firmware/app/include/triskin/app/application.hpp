@@ -81,6 +81,7 @@ class Application final : private UdsHost, private PatchControl {
   [[nodiscard]] std::span<const Channel> channels() const {
     return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1);
   }
+  void receive(Channel& channel);
   void handle_frame(Channel& channel, const wire::CanFrame& frame);
   void answer(Channel& channel, Bytes request, bool functional);
   void handle_icub_frame(const wire::CanFrame& frame);

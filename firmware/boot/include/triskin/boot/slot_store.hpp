@@ -37,6 +37,8 @@ class SlotStore {
 
   /// Cost: one CRC over the image.
   [[nodiscard]] SlotState inspect(int slot) const;
+  /// Sequence and marks of a slot, without its CRC: for one that is known to be valid.
+  [[nodiscard]] SlotState peek(int slot) const;
   /// The newest startable slot; -1 when there is none.
   [[nodiscard]] int choose() const;
   /// Before an unconfirmed application starts. False: no record could be written.
@@ -48,11 +50,23 @@ class SlotStore {
   /// Writes the commit record after looking at what the flash holds. kOutOfRange, kWrongTarget (vectors), kBadCrc,
   /// kFlashFailed.
   [[nodiscard]] Status commit(int slot, std::uint32_t size_bytes, std::uint32_t crc);
+  /// The parts of erase() and commit(), for an update beside the work of the application. Erases one page of a slot.
+  [[nodiscard]] bool erase_page(int slot, std::size_t offset) { return area(slot).erase_page(offset); }
+  /// First byte of the page of records, from the start of a slot.
+  [[nodiscard]] std::size_t records(int slot) const { return area(slot).size_bytes() - area(slot).page_bytes(); }
+  /// Address that the images of a slot are linked for.
+  [[nodiscard]] std::uint32_t origin(int slot) const { return origins_[static_cast<std::size_t>(slot)]; }
+  [[nodiscard]] std::size_t page_bytes() const { return area(0).page_bytes(); }
+  /// What the flash of a slot holds now; valid as long as the store.
+  [[nodiscard]] Bytes bytes(int slot) const { return area(slot).bytes(); }
+  /// True when the stack and the entry of the image in a slot are such that it can start there.
+  [[nodiscard]] bool vectors_fit(int slot, std::uint32_t size_bytes) const;
+  /// Writes the commit record with this slot_crc(). False: the flash refused.
+  [[nodiscard]] bool write_record(int slot, std::uint32_t sequence, std::uint32_t size_bytes, std::uint32_t crc);
   /// The application that runs from a slot says that it works. Does nothing when it has done so before.
   void confirm(int slot);
 
  private:
-  [[nodiscard]] std::size_t records(int slot) const { return area(slot).size_bytes() - area(slot).page_bytes(); }
   [[nodiscard]] fw::FlashArea& area(int slot) const { return *slots_[static_cast<std::size_t>(slot)]; }
   [[nodiscard]] std::uint32_t word(int slot, std::size_t at) const {
     return ByteReader(area(slot).bytes().subspan(at, 4)).le32();
@@ -60,7 +74,6 @@ class SlotStore {
   [[nodiscard]] bool unit_used(int slot, std::size_t at) const {
     return word(slot, at) != 0xFFFFFFFF || word(slot, at + 4) != 0xFFFFFFFF;
   }
-  [[nodiscard]] bool vectors_fit(int slot, std::uint32_t size_bytes) const;
   [[nodiscard]] bool marked(int slot, std::size_t first, std::size_t count) const;
   bool add_mark(int slot, std::size_t first, std::size_t count);
 

@@ -88,6 +88,21 @@ class Restart {
   virtual std::optional<wire::ImageState> image_state() = 0;
 };
 
+/// Takes another image of the application while this one runs (wire/image_update.hpp). Its calls and the work inside
+/// step() are short but for the erase of a page, during which the board goes on as for its tables.
+class ImageUpdate {
+ public:
+  virtual ~ImageUpdate() = default;
+  /// True: the frame was one of an update.
+  virtual bool handle(const wire::CanFrame& frame, std::uint64_t now_us) = 0;
+  /// True while the units of a data frame wait for the flash: the next frame is taken from the port after step().
+  [[nodiscard]] virtual bool full() const = 0;
+  /// One piece of the work that is due; answers leave by `port`.
+  virtual void step(CanPort& port, std::uint64_t now_us) = 0;
+  /// When step() has work next, µs; not counting frames.
+  [[nodiscard]] virtual std::uint64_t next_event_us(std::uint64_t now_us) const = 0;
+};
+
 /// Everything a board gives to the application.
 struct Ports {
   std::array<I2cLine*, layout::kLines> lines;
@@ -95,9 +110,10 @@ struct Ports {
   CanPort* can;
   FlashArea* flash;
   wire::UniqueId unique_id;
-  CanPort* usb = nullptr;       ///< null: a board without
-  RouteChain* chain = nullptr;  ///< of switched modules; null on a board without
-  Restart* restart = nullptr;   ///< null: a reset only starts the application anew
+  CanPort* usb = nullptr;         ///< null: a board without
+  RouteChain* chain = nullptr;    ///< of switched modules; null on a board without
+  Restart* restart = nullptr;     ///< null: a reset only starts the application anew
+  ImageUpdate* update = nullptr;  ///< null: new images come by the loader alone
 };
 
 }  // namespace triskin::fw

@@ -43,6 +43,8 @@ class VirtualSkin {
   void on_frame(OnFrame handler) { on_frame_ = std::move(handler); }
   /// Puts a frame of the host on the bus, at the current virtual time.
   void send(const wire::CanFrame& frame);
+  /// Frames of the host that wait for the bus.
+  [[nodiscard]] std::size_t host_frames_waiting() const;
   /// Runs the simulation until virtual time `until_us`; times in the past have no effect.
   void run_until(std::uint64_t until_us) { run(until_us, false); }
   /// Runs until a frame for the host has left the bus (true), at the latest until `until_us`.
@@ -68,6 +70,12 @@ class VirtualSkin {
   }
   /// Unplugs the bus from the host's frames, or plugs it back: frames in both directions are lost.
   void plug(bool plugged) { plugged_ = plugged; }
+
+  /// Who hears a frame: the number of a controller, or kToHost.
+  using Hears = std::function<bool(std::size_t receiver, const wire::CanFrame&)>;
+  static constexpr std::size_t kToHost = ~std::size_t{0};
+  /// Asked for each receiver of each frame: false when it loses it. Empty: nobody loses any.
+  void on_delivery(Hears hears) { hears_ = std::move(hears); }
 
   /// Whether the bus carries FD frames (it does at first). Power-cycles the controllers.
   void use_fd(bool fd);
@@ -118,6 +126,7 @@ class VirtualSkin {
   Skin skin_;
   std::vector<Node> nodes_;
   OnFrame on_frame_;
+  Hears hears_;
   std::deque<Pending> pending_;
   std::vector<Pending> on_wire_;  // at most one frame, that occupies the bus until wire_free_us_
   std::uint64_t wire_free_us_ = 0;

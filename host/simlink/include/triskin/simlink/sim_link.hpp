@@ -14,7 +14,7 @@ class SimLink final : public Link, private Finger {
   /// scene::VirtualSkin does.
   explicit SimLink(scene::Scene scene, const std::filesystem::path& state_folder = {});
 
-  void send(const wire::CanFrame& frame) override { skin_.send(frame); }
+  void send(const wire::CanFrame& frame) override;
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
   [[nodiscard]] std::uint64_t now_us() const override { return skin_.now_us(); }
   [[nodiscard]] bool fd() const override { return true; }

@@ -75,6 +75,8 @@ class Machine {
   [[nodiscard]] std::uint64_t now_us() const;
   /// A frame on the CAN bus, after those given before.
   void receive(const wire::CanFrame& frame);
+  /// Frames given to receive() that have not been on the bus yet.
+  [[nodiscard]] std::size_t frames_waiting() const;
   /// The device's end of the USB cable. Lives as long as the machine.
   [[nodiscard]] UsbWire& usb();
   /// Word at an address of flash or RAM, as the core reads it, without side effects. The tests read symbols of the ELF

@@ -27,6 +27,7 @@ class CombinedLink final : public Link {
   [[nodiscard]] int wire_of(std::uint8_t node) const override;
   [[nodiscard]] std::uint64_t sample_ns(std::uint8_t node) const override;
   [[nodiscard]] std::uint64_t thrown_away() const override;
+  [[nodiscard]] std::vector<Link*> parts() override;
   void reconnect() override;
 
  private:

@@ -91,6 +91,9 @@ class Link {
   }
   /// Frames that came and that this computer threw away since the link was opened, because nobody took them in time.
   [[nodiscard]] virtual std::uint64_t thrown_away() const { return 0; }
+  /// The links that this one joins, which live as long as it; empty: it is one. Each may be used by another thread
+  /// while nobody uses the whole.
+  [[nodiscard]] virtual std::vector<Link*> parts() { return {}; }
   /// Restores a link that was cut; without effect on one that works. Throws DeviceError when it stays cut.
   virtual void reconnect() {}
 };

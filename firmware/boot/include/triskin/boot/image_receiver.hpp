@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "triskin/boot/slot_store.hpp"
+#include "triskin/layout/image_label.hpp"
+#include "triskin/ports/ports.hpp"
+#include "triskin/wire/identity.hpp"
+#include "triskin/wire/image_update.hpp"
+
+namespace triskin::boot {
+
+/// What an image is refused for; kOk: nothing. `offer` is for slot `slot`; `running_version` is that of the firmware
+/// that runs. Errors: kOutOfRange (size), kWrongTarget (slot, other hardware), kOlder.
+[[nodiscard]] Status acceptable(const wire::update::Offer& offer, int slot, std::uint32_t running_version);
+
+/// A controller's part in a broadcast update (docs/protocol.md, "One image to all"): takes an image into the slot that
+/// the application does not run from, and commits it when it is in order. What is missing is seen from the flash
+/// itself: a unit that reads as erased has not come. So nothing is kept in RAM but where it is, and a host leaves out
+/// units that are erased anyway.
+class ImageReceiver final : public fw::ImageUpdate {
+ public:
+  /// Who takes the image.
+  struct Self {
+    wire::UniqueId unique_id;
+    int running_slot;                ///< 0 or 1
+    std::uint32_t firmware_version;  ///< that runs
+  };
+  /// `slots` and `restart` outlive the receiver.
+  ImageReceiver(SlotStore& slots, fw::Restart& restart, const Self& self)
+      : slots_(slots),
+        restart_(restart),
+        self_(self),
+        id_crc_(crc32(self.unique_id)),
+        answer_id_(wire::claim_id(self.unique_id)) {}
+
+  bool handle(const wire::CanFrame& frame, std::uint64_t now_us) override;
+  [[nodiscard]] bool full() const override { return at_ < data_.size; }
+  void step(fw::CanPort& port, std::uint64_t now_us) override;
+  [[nodiscard]] std::uint64_t next_event_us(std::uint64_t now_us) const override;
+  /// How far it is.
+  [[nodiscard]] wire::update::State state() const;
+
+ private:
+  using Phase = wire::update::Phase;
+  static constexpr std::size_t kCheckedAtOnce = 512;     ///< bytes
+  static constexpr std::uint32_t kSearchedAtOnce = 512;  ///< units
+  static constexpr std::uint64_t kRestart_us = 5'000;    ///< answers leave first
+  static constexpr std::uint64_t kLookForRoom_us = 200;
+  static constexpr std::uint32_t kNotSearching = ~0U;
+
+  [[nodiscard]] int free_slot() const { return 1 - self_.running_slot; }
+  [[nodiscard]] std::uint32_t units() const {
+    return offer_.size_bytes / static_cast<std::uint32_t>(wire::update::kUnitBytes);
+  }
+  void handle_data(const wire::CanFrame& frame);
+  void handle_order(const wire::update::Order& order, bool to_me);
+  void join(const wire::update::Order& order);
+  void start(wire::update::Command command);
+  void enter(Phase phase, Status status = Status::kOk);
+  void erase_next_page();
+  void program_next_unit();
+  [[nodiscard]] bool erased(std::uint32_t unit) const;
+  void check_next_piece();
+  [[nodiscard]] Status check_label() const;
+  void commit(std::uint64_t now_us);
+  void answer(fw::CanPort& port);
+  bool send(fw::CanPort& port, Bytes payload);
+  bool search(fw::CanPort& port);
+
+  SlotStore& slots_;
+  fw::Restart& restart_;
+  Self self_;
+  std::uint32_t id_crc_, answer_id_;
+  wire::update::OfferParts parts_;
+  wire::update::Offer offered_, offer_;  // last one for the free slot; the one that it takes part with
+  std::uint16_t offered_session_ = 0, session_ = 0;
+  Phase phase_ = Phase::kIdle;
+  Status status_ = Status::kOk;
+  std::uint64_t until_us_ = 0;  // the session's end, unless something comes
+  std::uint64_t restart_at_us_ = UINT64_MAX;
+  std::uint32_t work_at_ = 0;  // pages erased, or bytes checked
+  std::uint32_t image_crc_ = 0, record_crc_ = 0;
+  wire::CanFrame data_;  // units from at_ on wait
+  std::uint8_t at_ = 0;
+  bool who_due_ = false, image_due_ = false, state_due_ = false;
+  std::uint32_t search_at_ = kNotSearching;  // unit that is looked at next
+  std::uint16_t missing_ = 0;
+  bool fd_ = false;       // answers may be FD frames
+  bool no_room_ = false;  // an answer waits for the port
+};
+
+}  // namespace triskin::boot

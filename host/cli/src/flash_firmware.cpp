@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "flash_firmware.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "triskin/session/controller.hpp"
+
+namespace triskin::cli {
+namespace {
+
+using device::UpdateOutcome;
+
+std::string runs(std::size_t bytes, int slot) {
+  return fmt::format("{} bytes written, slot {} runs", bytes, slot == 0 ? 'A' : 'B');
+}
+
+void add_row(FirmwareReport& report, const std::string& serial, UpdateOutcome outcome, int slot, std::size_t bytes,
+             const std::string& why) {
+  report.rows.push_back({{"serial", serial},
+                         {"equal", outcome == UpdateOutcome::kEqual},
+                         {"slot", slot},
+                         {"bytes", bytes},
+                         {"outcome", device::outcome_name(outcome)}});
+  if (!why.empty()) report.rows.back()["why"] = why;
+}
+
+// By its loader, from where the controller does not sample.
+void update_one(device::Bus& bus, const wire::NodeClaim& claim, const device::FirmwarePackage& package,
+                const device::FlashOptions& flash, FirmwareReport& report, Output& output) {
+  const ProgressSink bars = output.progress();
+  const int part = static_cast<int>(report.rows.size());
+  const ProgressSink bar = [&](const Progress& p) { triskin::report(bars, p.stage, p.fraction, p.detail, part); };
+  const device::FirmwareResult r = device::update_firmware(bus, claim, package, flash, bar);
+  const auto outcome = r.bytes != 0 ? UpdateOutcome::kUpdated : r.equal ? UpdateOutcome::kEqual : UpdateOutcome::kWould;
+  add_row(report, r.serial, outcome, r.slot, r.bytes, "");
+  output.say(fmt::format("controller {}  firmware {}", r.serial,
+                         r.bytes != 0 ? runs(r.bytes, r.slot) + ", by its loader"
+                         : r.equal    ? std::string("equal, skipped")
+                                      : std::string("would be written by its loader")));
+}
+
+// A bus for each wire that frames to all can be kept to.
+std::vector<std::unique_ptr<device::Bus>> buses_of(std::span<const std::unique_ptr<device::Link>> links) {
+  std::vector<std::unique_ptr<device::Bus>> buses;
+  for (const auto& link : links) {
+    const auto parts = link->parts();
+    for (device::Link* part : parts) buses.push_back(std::make_unique<device::Bus>(*part));
+    if (parts.empty()) buses.push_back(std::make_unique<device::Bus>(*link));
+  }
+  return buses;
+}
+
+void tell(const device::BoardUpdate& b, FirmwareReport& report, Output& output) {
+  add_row(report, b.serial, b.outcome, b.slot, b.bytes, b.why);
+  std::string text(device::outcome_name(b.outcome));
+  if (b.outcome == UpdateOutcome::kUpdated) text = runs(b.bytes, b.slot);
+  if (b.outcome == UpdateOutcome::kEqual) text = "equal, skipped";
+  if (b.outcome == UpdateOutcome::kWould) text = "would be written";
+  output.say(fmt::format("controller {}  firmware {}{}", b.serial, text, b.why.empty() ? "" : ": " + b.why));
+  const bool well =
+      b.outcome == UpdateOutcome::kUpdated || b.outcome == UpdateOutcome::kEqual || b.outcome == UpdateOutcome::kWould;
+  report.complete = report.complete && well;
+}
+
+}  // namespace
+
+void add_firmware_options(CLI::App& app, FirmwareOptions& options) {
+  app.add_option("--firmware", options.file,
+                 "firmware package for every controller on the link, over CAN, to all of a bus at once")
+      ->check(CLI::ExistingFile);
+  app.add_flag("--each", options.broadcast.each,
+               "with --firmware: a controller that is ready starts it, also when another one refuses it");
+  app.add_flag("--allow-older", options.broadcast.allow_older, "with --firmware: also over a newer version");
+  app.add_flag("--one-by-one", options.one_by_one,
+               "with --firmware: by the loader of one controller after the other, without sampling meanwhile");
+}
+
+FirmwareReport flash_firmware(std::span<const std::unique_ptr<device::Link>> links,
+                              const device::FirmwarePackage& package, const FirmwareOptions& options,
+                              const device::FlashOptions& flash, Output& output) {
+  FirmwareReport report;
+  const auto parts = buses_of(links);
+  std::vector<device::UpdateBus> buses;
+  for (const auto& part : parts) buses.push_back({part.get(), part->discover()});
+  if (options.one_by_one || !device::has_labels(package)) {
+    if (!options.one_by_one)
+      output.say("firmware package without labels (version 0.1): one controller after the other");
+    for (const device::UpdateBus& b : buses) {
+      for (const wire::NodeClaim& claim : b.boards) update_one(*b.bus, claim, package, flash, report, output);
+    }
+    return report;
+  }
+  device::BroadcastOptions broadcast = options.broadcast;
+  broadcast.dry_run = flash.dry_run;
+  broadcast.force = flash.force;
+  const device::BroadcastResult r = device::broadcast_firmware(buses, package, broadcast, output.progress());
+  std::size_t row = 0;
+  for (const device::UpdateBus& b : buses) {
+    for (std::size_t k = 0; k < b.boards.size(); ++k, ++row) {
+      const device::BoardUpdate& board = r.boards[row];
+      if (board.outcome == UpdateOutcome::kByLoader)
+        update_one(*b.bus, board.claim, package, flash, report, output);
+      else
+        tell(board, report, output);
+    }
+  }
+  if (r.frames > 0) output.say(fmt::format("{} data frames, {} of them again, {:.2f} s", r.frames, r.again, r.link_s));
+  return report;
+}
+
+}  // namespace triskin::cli

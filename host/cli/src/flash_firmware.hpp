@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+
+#include "triskin/cli/command.hpp"
+#include "triskin/jobs/broadcast_update.hpp"
+
+namespace triskin::cli {
+
+/// Options of `flash` that concern the firmware.
+struct FirmwareOptions {
+  std::string file;  ///< empty: no firmware
+  bool one_by_one = false;
+  device::BroadcastOptions broadcast;
+};
+/// Adds them to `flash`.
+void add_firmware_options(CLI::App& app, FirmwareOptions& options);
+
+/// What became of the firmware of each controller.
+struct FirmwareReport {
+  nlohmann::json rows = nlohmann::json::array();
+  bool complete = true;  ///< every controller runs it, or would be given it (dry run)
+};
+/// Puts the package into every controller on the links, at once where they know the broadcast, and says what became of
+/// each. `flash` gives dry_run and force. Throws InputError (a package that no controller can take), and what
+/// update_firmware() and broadcast_firmware() throw.
+[[nodiscard]] FirmwareReport flash_firmware(std::span<const std::unique_ptr<device::Link>> links,
+                                            const device::FirmwarePackage& package, const FirmwareOptions& options,
+                                            const device::FlashOptions& flash, Output& output);
+
+}  // namespace triskin::cli

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/base/status.hpp"
+
+/// What an image of the application says about itself, behind its vectors. docs/firmware_board.md, "Label".
+namespace triskin::layout {
+
+/// Where the label stands in an image: behind the 118 vectors of the microcontroller.
+inline constexpr std::size_t kLabelOffset = 0x1D8, kLabelBytes = 24;
+inline constexpr std::array<std::uint8_t, 4> kLabelMagic{'T', 'S', 'K', 'L'};
+inline constexpr std::uint8_t kLabelVersion = 1;
+
+struct ImageLabel {
+  std::array<std::uint8_t, 8> hardware{};  ///< part number of the boards that it runs on
+  std::uint32_t firmware_version = 0;      ///< major in the highest byte
+  std::uint32_t origin = 0;                ///< address that it is linked for
+  bool operator==(const ImageLabel&) const = default;
+};
+
+/// The bytes of a label.
+[[nodiscard]] constexpr std::array<std::uint8_t, kLabelBytes> encode_label(const ImageLabel& label) {
+  std::array<std::uint8_t, kLabelBytes> bytes{};
+  ByteWriter w(bytes);
+  w.bytes(kLabelMagic);
+  w.u8(kLabelVersion);
+  w.u8(0);
+  w.le16(0);
+  w.bytes(label.hardware);
+  w.le32(label.firmware_version);
+  w.le32(label.origin);
+  return bytes;
+}
+
+/// Label of an image. Errors: kTooShort, kBadMagic (an image without: of version 0.1), kBadVersion.
+[[nodiscard]] constexpr Result<ImageLabel> decode_label(Bytes image) {
+  if (image.size() < kLabelOffset + kLabelBytes) return std::unexpected(Status::kTooShort);
+  const Bytes bytes = image.subspan(kLabelOffset, kLabelBytes);
+  for (std::size_t k = 0; k < kLabelMagic.size(); ++k) {
+    if (bytes[k] != kLabelMagic[k]) return std::unexpected(Status::kBadMagic);
+  }
+  ByteReader r(bytes.subspan(kLabelMagic.size()));
+  if (r.u8() != kLabelVersion) return std::unexpected(Status::kBadVersion);
+  ImageLabel label;
+  (void)r.u8();
+  (void)r.le16();
+  for (std::uint8_t& b : label.hardware) b = r.u8();
+  label.firmware_version = r.le32();
+  label.origin = r.le32();
+  return label;
+}
+
+}  // namespace triskin::layout
