@@ -32,7 +32,7 @@ struct PageSide {
 PageSide side_on(const Drawing& d, int module, int side) {
   const auto corners = d.page.island.corners_of(d.design.layout.modules[index(module)].tile);
   const double part = d.design.layout.corner_cut_mm / design::kSide_mm;
-  const Vec2 a = corners[index(side)], b = corners[index((side + 1) % 3)];
+  const Vec2 &a = corners[index(side)], &b = corners[index((side + 1) % 3)];
   const Vec2 center = (corners[0] + corners[1] + corners[2]) / 3.0;
   return {a + part * (b - a), b - part * (b - a), ((a + b) / 2.0 - center).normalized()};
 }

@@ -44,7 +44,7 @@ export function fillModule(model, live, k) {
     rows.push(["controller", `${m.patch} (node ${m.patch + 1})`], ["line strap", m.line], ["address strap", `${m.address} (0x${(0x2c + m.address).toString(16).toUpperCase()})`],
               ["port A at side", `${m.rotation} (turned ${120 * m.rotation}°)`], ["parent", entryText(model, k)], ["depth", m.depth],
               ["lost when it fails", `${failure.cut.length}, switched ${failure.lost.length}`]);
-    if (m.parent >= 0) rows.push([`lost when its joint to ${m.parent} fails`, `${joint.cut.length}, switched ${joint.lost.length}`]);
+    if (m.parent >= 0) rows.push([`lost with its joint to ${m.parent}`, `${joint.cut.length}, switched ${joint.lost.length}`]);
   }
   for (const j of model.data.jumpers) {
     if (j.modules.includes(k)) rows.push(["jumper", `to module ${j.modules[0] === k ? j.modules[1] : j.modules[0]}, ${j.length_mm} mm`]);
