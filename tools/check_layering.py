@@ -62,7 +62,7 @@ PARTS = [
 # Include paths of libraries that only the parts that name them may include.
 FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "fmt": r"^fmt/", "tbb": r"^(tbb|oneapi)/",
            "assimp": r"^assimp/", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
-           "boost_beast": r"^boost/(beast|asio)/", "cairo": r"^(cairo|qrencode)", "HDF5": r"^(hdf5|H5)", "CLI": r"^CLI/",
+           "boost_beast": r"^boost/(beast|asio)/", "cairo": r"^(cairo|fontconfig|qrencode)", "HDF5": r"^(hdf5|H5)", "CLI": r"^CLI/",
            "Cbc": r"^(Cbc|Coin|Osi|Cgl|Clp)", "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
            "pybind11": r"^pybind11/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).

@@ -112,6 +112,14 @@ async function checkSelection(page) {
   assert.equal(await page.evaluate(() => window.triskin.selected), 13, "the key ] chooses the next module");
   await page.keyboard.press("Escape");
   assert.equal(await page.evaluate(() => window.triskin.selected), -1);
+  // The strip has one way only: all behind module 9 of the first 16 is lost, with it or with its joint to 8.
+  await page.evaluate(() => { window.triskin.setMode(5); window.triskin.select(9, false); });
+  for (const joint of [false, true]) {
+    assert.equal(await page.evaluate(() => window.triskin.failure().cut.length), 7);
+    assert.match(await page.textContent("#module"), /lost with its joint to 87, switched 7/);
+    await page.setChecked("#joint-fails", !joint);
+  }
+  await page.evaluate(() => { window.triskin.setMode(0); window.triskin.select(-1, false); });
   assert.match(await page.textContent("#design"), new RegExp(`modules${MODULES}`));
 }
 

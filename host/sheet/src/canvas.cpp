@@ -8,6 +8,7 @@
 #ifdef TRISKIN_CAIRO
 #include <cairo/cairo-pdf.h>
 #include <cairo/cairo-svg.h>
+#include <fontconfig/fontconfig.h>
 #include <qrencode.h>
 
 #include <cmath>
@@ -71,6 +72,9 @@ Canvas::Canvas(Kind kind, std::vector<Vec2> page_sizes_mm) : cairo_(std::make_un
 Canvas::~Canvas() {
   cairo_destroy(cairo_->context);
   cairo_surface_destroy(cairo_->surface);
+  // Fonts stay loaded until the process ends, which a leak checker takes for leaks.
+  cairo_debug_reset_static_data();
+  FcFini();
 }
 
 bool Canvas::is_built() {

@@ -34,7 +34,7 @@ struct TextLook {
 };
 
 /// What pages are drawn on; the only place that knows Cairo. Lengths in mm, from the upper left corner of the page, y
-/// downwards.
+/// downwards. One at a time in a process: it gives the fonts back when it ends.
 class Canvas {
  public:
   enum class Kind { kPdf, kSvg };

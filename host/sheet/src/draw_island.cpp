@@ -32,7 +32,7 @@ struct PageSide {
 PageSide side_on(const Drawing& d, int module, int side) {
   const auto corners = d.page.island.corners_of(d.design.layout.modules[index(module)].tile);
   const double part = d.design.layout.corner_cut_mm / design::kSide_mm;
-  const Vec2 a = corners[index(side)], b = corners[index((side + 1) % 3)];
+  const Vec2 &a = corners[index(side)], &b = corners[index((side + 1) % 3)];
   const Vec2 center = (corners[0] + corners[1] + corners[2]) / 3.0;
   return {a + part * (b - a), b - part * (b - a), ((a + b) / 2.0 - center).normalized()};
 }
@@ -96,10 +96,7 @@ void draw_ghost(const Drawing& d, const PageSide& at, int other) {
     d.canvas.line(side.from, side.to, {0.15, kPale, 1.0});
     d.canvas.line(side.to, side_on(d, other, (s + 1) % 3).from, {0.15, kPale, 1.0});
   }
-  for (const Vec2& p : {at.from, at.to}) {
-    d.canvas.line(p - Vec2(2, 0), p + Vec2(2, 0), {0.15, kRed, 0.0});
-    d.canvas.line(p - Vec2(0, 2), p + Vec2(0, 2), {0.15, kRed, 0.0});
-  }
+  for (const Vec2& p : {at.from, at.to}) draw_cross(d.canvas, p, 2.0, 0.15);
   write_along(d, at, 0.5, 3.2, fmt::format("{} on page {}", other, d.plan.page_of_module[index(other)]),
               {.size_mm = 2.2, .color = kRed});
 }

@@ -36,6 +36,60 @@ void draw_example(Canvas& canvas, const Vec2& middle) {
     draw(canvas, corners, {.number = "17", .line = 2, .address = 1, .rotation = 1});
 }
 
+// Middle of a line, 24 mm long, as on the pages.
+std::pair<Vec2, Vec2> line_at(const Vec2& middle) {
+  return {middle - Vec2(12, 0), middle + Vec2(12, 0)};
+}
+
+void key_of_sides(Canvas& c, Key& key) {
+  const auto [from, to] =
+      line_at(key.next({"Cut through: outline of the island, slit, corner that is cut off."}, 10.0));
+  c.line(from, to, kCutThrough);
+  const Vec2 kept = key.next(
+      {"Joint to keep: it carries the lines. Fold it by the angle beside it: +12° away from you, −12°", "towards you."},
+      12.0);
+  draw_joint(c, line_at(kept).first, line_at(kept).second, false);
+  c.text(kept + Vec2(-2, -0.8), "+12°", {.size_mm = 2.0});
+  const Vec2 cut =
+      key.next({"Joint to cut: cut its traces, all of them, so that it carries no line; then fold it like the others.",
+                "Between two controllers (two colours) all joints are cut."},
+               12.0);
+  draw_joint(c, line_at(cut).first, line_at(cut).second, true);
+}
+
+void key_of_cables(Canvas& c, Key& key) {
+  const Vec2 cable = key.next({"The cable of controller 3 is plugged in here, at port A of its entry module.",
+                               "2nd cable: only for switched modules; else it is left out."},
+                              12.0);
+  draw_arrow(c, cable + Vec2(0, -4), cable + Vec2(0, 4), kBlue);
+  c.text(cable + Vec2(-1.5, 0), "cable C3", {.size_mm = 2.6, .bold = true, .align = 1.0, .color = kBlue});
+  const Vec2 jumper =
+      key.next({"Jumper J0: a short cable from this side to port B of module 45, 9 mm along the surface."}, 12.0);
+  c.fill_rectangle(jumper - Vec2(1.2, -1.8), {2.4, 2.4}, kBlue);
+  c.line(jumper + Vec2(0, 3), jumper, {0.6, kBlue, 0.0});
+  c.text(jumper + Vec2(0, -0.8), "J0 → 45 port B, 9 mm", {.size_mm = 2.2, .align = 0.5, .color = kBlue});
+}
+
+void key_of_marks(Canvas& c, Key& key) {
+  const Vec2 mark =
+      key.next({"Matching mark: this side lies opposite side m7 of module 45 over a seam, 2.3 mm apart."}, 12.0);
+  const auto [from, to] = line_at(mark + Vec2(0, 2));
+  c.line(from, to, kCutThrough);
+  c.line(mark + Vec2(0, 2), mark + Vec2(0, -0.2), {0.5, kBlack, 0.0});
+  c.text(mark + Vec2(0, -1), "m7 → 45, gap 2.3", {.size_mm = 2.2, .align = 0.5});
+  const Vec2 next =
+      key.next({"The island goes on with module 45 on page 12: lay the pages so that the red crosses coincide."}, 12.0);
+  draw_cross(c, line_at(next).first, 2.0, 0.15);
+  draw_cross(c, line_at(next).second, 2.0, 0.15);
+  c.text(next + Vec2(0, 0.8), "45 on page 12", {.size_mm = 2.2, .align = 0.5, .color = kRed});
+  const Vec2 anchor =
+      key.next({"Point of an island whose place on the part is stated: distances from two landmarks, in a straight",
+                "line (calipers or compasses)."},
+               12.0);
+  draw_anchor(c, anchor, "P");
+  draw_landmark(c, key.next({"Landmark of the part (overview, list on the page of parts)."}, 12.0), "R1");
+}
+
 }  // namespace
 
 void draw_key(const Drawing& d) {
@@ -50,56 +104,9 @@ void draw_key(const Drawing& d) {
                    "The colour of the ground tells controllers apart."},
                   46.0) +
              Vec2(0, 4));
-  const auto line = [](const Vec2& at, double half = 12.0) {
-    return std::pair<Vec2, Vec2>(at - Vec2(half, 0), at + Vec2(half, 0));
-  };
-  auto [a, b] = line(key.next({"Cut through: outline of the island, slit, corner that is cut off."}, 10.0));
-  c.line(a, b, kCutThrough);
-  const Vec2 kept = key.next(
-      {"Joint to keep: it carries the lines. Fold it by the angle beside it: +12° away from you, −12°", "towards you."},
-      12.0);
-  std::tie(a, b) = line(kept);
-  draw_joint(c, a, b, false);
-  c.text(kept + Vec2(-2, -0.8), "+12°", {.size_mm = 2.0});
-  const Vec2 cut =
-      key.next({"Joint to cut: cut its traces, all of them, so that it carries no line; then fold it like the others.",
-                "Between two controllers (two colours) all joints are cut."},
-               12.0);
-  std::tie(a, b) = line(cut);
-  draw_joint(c, a, b, true);
-  const Vec2 cable = key.next({"The cable of controller 3 is plugged in here, at port A of its entry module.",
-                               "2nd cable: only for switched modules; else it is left out."},
-                              12.0);
-  draw_arrow(c, cable + Vec2(0, -4), cable + Vec2(0, 4), kBlue);
-  c.text(cable + Vec2(-1.5, 0), "cable C3", {.size_mm = 2.6, .bold = true, .align = 1.0, .color = kBlue});
-  const Vec2 jumper =
-      key.next({"Jumper J0: a short cable from this side to port B of module 45, 9 mm along the surface."}, 12.0);
-  c.fill_rectangle(jumper - Vec2(1.2, -1.8), {2.4, 2.4}, kBlue);
-  c.line(jumper + Vec2(0, 3), jumper + Vec2(0, 0), {0.6, kBlue, 0.0});
-  c.text(jumper + Vec2(0, -0.8), "J0 → 45 port B, 9 mm", {.size_mm = 2.2, .align = 0.5, .color = kBlue});
-  const Vec2 mark =
-      key.next({"Matching mark: this side lies opposite side m7 of module 45 over a seam, 2.3 mm apart."}, 12.0);
-  std::tie(a, b) = line(mark + Vec2(0, 2));
-  c.line(a, b, kCutThrough);
-  c.line(mark + Vec2(0, 2), mark + Vec2(0, -0.2), {0.5, kBlack, 0.0});
-  c.text(mark + Vec2(0, -1), "m7 → 45, gap 2.3", {.size_mm = 2.2, .align = 0.5});
-  const Vec2 next =
-      key.next({"The island goes on with module 45 on page 12: lay the pages so that the red crosses coincide."}, 12.0);
-  for (const double x : {-12.0, 12.0}) {
-    c.line(next + Vec2(x - 2, 0), next + Vec2(x + 2, 0), {0.15, kRed, 0.0});
-    c.line(next + Vec2(x, -2), next + Vec2(x, 2), {0.15, kRed, 0.0});
-  }
-  c.text(next + Vec2(0, 0.8), "45 on page 12", {.size_mm = 2.2, .align = 0.5, .color = kRed});
-  draw_anchor(
-      c,
-      key.next({"Point of an island whose place on the part is stated: distances from two landmarks, in a straight",
-                "line (calipers or compasses)."},
-               12.0),
-      "P");
-  const Vec2 landmark = key.next({"Landmark of the part (overview, list on the page of parts)."}, 12.0);
-  c.line(landmark - Vec2(1.6, 0), landmark + Vec2(1.6, 0), {0.35, kRed, 0.0});
-  c.line(landmark - Vec2(0, 1.6), landmark + Vec2(0, 1.6), {0.35, kRed, 0.0});
-  c.text(landmark + Vec2(0.6, -1.0), "R1", {.size_mm = 2.6, .bold = true, .color = kRed});
+  key_of_sides(c, key);
+  key_of_cables(c, key);
+  key_of_marks(c, key);
   (void)key.next({"The QR code of a page holds the design, the controller (−: none) and the page. triskin verify and",
                   "triskin view take its text instead of a design file; they find the design in the current folder."},
                  12.0);

@@ -112,10 +112,7 @@ void draw_entries(const Drawing& d, const View& view) {
 void draw_landmarks(const Drawing& d, const View& view, double middle_height) {
   for (const Landmark& l : d.plan.landmarks) {
     if (view.toward.dot(l.at_mm) < middle_height - 1e-6) continue;
-    const Vec2 at = view.flat(l.at_mm);
-    d.canvas.line(at + Vec2(-1.6, 0), at + Vec2(1.6, 0), {0.35, kRed, 0.0});
-    d.canvas.line(at + Vec2(0, -1.6), at + Vec2(0, 1.6), {0.35, kRed, 0.0});
-    d.canvas.text(at + Vec2(0.6, -1.0), l.name, {.size_mm = 2.6, .bold = true, .color = kRed});
+    draw_landmark(d.canvas, view.flat(l.at_mm), l.name);
   }
 }
 

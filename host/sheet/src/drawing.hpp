@@ -46,6 +46,10 @@ void draw_module(Canvas& canvas, const std::array<Vec2, 3>& corners, const Modul
 void draw_joint(Canvas& canvas, const Vec2& from, const Vec2& to, bool cut);
 /// Pen of a line that is cut through.
 inline constexpr Pen kCutThrough{0.5, kBlack, 0.0};
+/// A red cross, `half_mm` to each side.
+void draw_cross(Canvas& canvas, const Vec2& at, double half_mm, double width_mm);
+/// A landmark of the part.
+void draw_landmark(Canvas& canvas, const Vec2& at, const std::string& name);
 /// A symbol ⊕ with its name beside it.
 void draw_anchor(Canvas& canvas, const Vec2& at, const std::string& name);
 /// Arrow from `from` to `to` with a filled head.

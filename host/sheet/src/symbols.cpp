@@ -68,6 +68,16 @@ void draw_arrow(Canvas& canvas, const Vec2& from, const Vec2& to, const Color& c
   canvas.fill(std::array{to, Vec2(neck + 1.2 * aside), Vec2(neck - 1.2 * aside)}, color);
 }
 
+void draw_cross(Canvas& canvas, const Vec2& at, double half_mm, double width_mm) {
+  canvas.line(at - Vec2(half_mm, 0), at + Vec2(half_mm, 0), {width_mm, kRed, 0.0});
+  canvas.line(at - Vec2(0, half_mm), at + Vec2(0, half_mm), {width_mm, kRed, 0.0});
+}
+
+void draw_landmark(Canvas& canvas, const Vec2& at, const std::string& name) {
+  draw_cross(canvas, at, 1.6, 0.35);
+  canvas.text(at + Vec2(0.6, -1.0), name, {.size_mm = 2.6, .bold = true, .color = kRed});
+}
+
 void draw_anchor(Canvas& canvas, const Vec2& at, const std::string& name) {
   canvas.circle(at, 1.8, {0.35, kBlue, 0.0});
   canvas.line(at - Vec2(2.8, 0), at + Vec2(2.8, 0), {0.25, kBlue, 0.0});

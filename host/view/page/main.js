@@ -87,6 +87,7 @@ class Page {
       box.onchange = () => { this.shown[part] = box.checked; this.dirty = true; };
       this.shown[part] = box.checked;
     }
+    byId("joint-fails").onchange = () => { this.paintColors(); this.paintSelection(); };
     byId("find").max = String(this.model.count - 1);
     byId("find").onchange = () => this.select(byId("find").value === "" ? -1 : Number(byId("find").value), true);
     byId("theme").onclick = () => this.setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
@@ -126,7 +127,7 @@ class Page {
       "+": () => camera.zoom(0.85), "=": () => camera.zoom(0.85), "-": () => camera.zoom(1 / 0.85), 0: () => camera.reset(), "[": () => choose(-1), "]": () => choose(1),
       Escape: () => this.select(-1, false), c: () => toggle("surface"), t: () => toggle("trees"), s: () => toggle("seams"), j: () => toggle("jumpers"), x: () => toggle("taxels"),
       n: () => toggle("numbers"), m: () => this.setMode((this.mode + 1) % this.modes.length), f: () => this.focus(),
-      p: () => this.player?.toggle(),
+      p: () => this.player?.toggle(), l: () => byId("joint-fails").click(),
     };
     const action = actions[e.key.length === 1 ? e.key.toLowerCase() : e.key];
     if (action) { action(); this.dirty = true; }
@@ -169,6 +170,12 @@ class Page {
     this.paintSelection();
   }
 
+  /** The failure that is shown: of the chosen module, or of its joint to the parent. */
+  failure() {
+    const parent = this.model.modules[this.selected].parent;
+    return this.model.failureOf(this.selected, byId("joint-fails").checked ? parent : -1);
+  }
+
   showsFailure() { return this.selected >= 0 && this.modes[this.mode].name === "loss when it fails"; }
 
   paintColors() {
@@ -176,7 +183,7 @@ class Page {
     for (let k = 0; k < this.model.count; ++k)
       colors.set(this.live.heard[k] && this.live.state[k] >= FIRST_FAULT ? FAULT : this.modes[this.mode].color(k), 3 * k);
     if (this.showsFailure()) {
-      const failure = this.model.failureOf(this.selected);
+      const failure = this.failure();
       for (const k of failure.cut) colors.set(failure.lost.includes(k) ? LOST : REROUTED, 3 * k);
     }
     this.drawing.setColors(colors);
@@ -186,7 +193,8 @@ class Page {
   paintSelection() {
     if (!this.drawing) return;
     const pickColor = document.documentElement.dataset.theme === "dark" ? [1, 0.37, 0.9] : [0.72, 0, 0.61];
-    const failure = this.showsFailure() ? this.model.failureOf(this.selected) : null;
+    const failure = this.showsFailure() ? this.failure() : null;
+    byId("joint-part").hidden = !failure || this.model.modules[this.selected].parent < 0;
     for (const {name} of this.views)
       this.drawing.setMarks(name, "selection", this.selected < 0 ? null : selectionMarks(this.model, this.model[name], this.selected, failure, pickColor));
     this.dirty = true;

@@ -148,16 +148,17 @@ export class Model {
     return found;
   }
 
-  /** What the failure of module k costs: modules that are lost for good, and joints over which the others are read. */
-  failureOf(k) {
+  /** What the failure of module k, or of its joint to `parent`, costs: modules that are lost for good, and joints over which the others are read.
+      @param {number} k @param {number} other −1: the module itself */
+  failureOf(k, other = -1) {
     const patch = this.data.patches[this.modules[k].patch];
-    const row = patch && patch.failures.find((f) => f.module === k && f.other < 0);
+    const row = patch && patch.failures.find((f) => f.module === k && f.other === other);
     if (!row) return {cut: this.subtree(k), lost: this.subtree(k), backup: []};
     const parent = new Map(row.backup);
     const cut = this.subtree(k);
     const reached = (m) => {
       for (let at = m, hops = 0; hops < 32; ++hops) {
-        if (at === k) return false;
+        if (at === k && (other < 0 || !parent.has(k))) return false;
         if (!parent.has(at) && this.isEntry(at)) return true;
         at = parent.has(at) ? parent.get(at) : this.modules[at].parent;
         if (at < 0) return true; // over the second entry

@@ -38,12 +38,13 @@ const entryText = (model, k) => model.isEntry(k) ? "cable (entry)" : model.modul
 
 /** Everything on one module. @param {import("./model.js").Model} model @param {import("./live.js").LiveSkin} live */
 export function fillModule(model, live, k) {
-  const m = model.modules[k], failure = model.failureOf(k), list = document.createElement("dl");
+  const m = model.modules[k], failure = model.failureOf(k), joint = model.failureOf(k, m.parent), list = document.createElement("dl");
   const rows = /** @type {[string, string|number][]} */ ([["module", k], ["island, tile", `${m.island}: ${m.tile[0]}, ${m.tile[1]} ${m.tile[2] ? "up" : "down"}`]]);
   if (m.patch >= 0) {
     rows.push(["controller", `${m.patch} (node ${m.patch + 1})`], ["line strap", m.line], ["address strap", `${m.address} (0x${(0x2c + m.address).toString(16).toUpperCase()})`],
               ["port A at side", `${m.rotation} (turned ${120 * m.rotation}°)`], ["parent", entryText(model, k)], ["depth", m.depth],
               ["lost when it fails", `${failure.cut.length}, switched ${failure.lost.length}`]);
+    if (m.parent >= 0) rows.push([`lost with its joint to ${m.parent}`, `${joint.cut.length}, switched ${joint.lost.length}`]);
   }
   for (const j of model.data.jumpers) {
     if (j.modules.includes(k)) rows.push(["jumper", `to module ${j.modules[0] === k ? j.modules[1] : j.modules[0]}, ${j.length_mm} mm`]);
