@@ -35,7 +35,7 @@ void draw_strap(Canvas& canvas, const Vec2& middle, const std::string& label, in
 void draw_ports(Canvas& canvas, const std::array<Vec2, 3>& corners, int rotation) {
   const Vec2 center = center_of(corners);
   for (int side = 0; side < 3; ++side) {
-    const Vec2 from = corners[static_cast<std::size_t>(side)], to = corners[static_cast<std::size_t>((side + 1) % 3)];
+    const Vec2 &from = corners[static_cast<std::size_t>(side)], &to = corners[static_cast<std::size_t>((side + 1) % 3)];
     const Vec2 out = ((from + to) / 2.0 - center).normalized(), along = (to - from).normalized();
     const bool input = side == rotation;
     canvas.text(center + 7.2 * out + 3.4 * along + Vec2(0, 0.8), std::string(1, port_at(side, rotation)),
