@@ -37,6 +37,7 @@ PARTS = [
     Part("host/check", "check", "host", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
     Part("host/scene", "scene", "host design base wire layout sim", HOST_BASE, "triskin_scene"),
     Part("host/recording", "recording", "host design base wire layout", HOST_BASE, "triskin_recording"),
+    Part("host/bridge", "bridge", "host design base wire layout recording", HOST_BASE + " dds", "triskin_bridge"),
     Part("host/device/link", "link", "host base wire layout", "fmt libusb hidapi", "triskin_link"),
     Part("host/device/session", "session", "host design base wire layout link", HOST_BASE + " boost_fiber",
          "triskin_session"),
@@ -48,14 +49,14 @@ PARTS = [
     Part("host/sheet", "sheet", "host design base wire layout", HOST_BASE + " cairo", "triskin_sheet"),
     Part("host/hdf5", "hdf5", "host design base wire layout", HOST_BASE + " HDF5", "triskin_hdf5"),
     # Each header of the library is its own: <triskin/triskin.h> has no prefix.
-    Part("host/library", "", "host design base wire layout link session jobs simlink scene", "fmt", "triskin_library"),
+    Part("host/library", "", "host design base wire layout link session jobs robot simlink scene", "fmt", "triskin_library"),
     Part("host/python", "", "", "pybind11", "triskin_python"),
     Part("host/cli/src/geometry", "",
          "cli host design geometry pipeline check base wire layout sim scene recording link session jobs robot simlink "
-         "view sheet hdf5",
+         "view sheet hdf5 bridge",
          HOST_BASE + " CLI"),
     Part("host/cli", "cli",
-         "host design base wire layout sim scene recording link session jobs robot simlink view sheet hdf5",
+         "host design base wire layout sim scene recording link session jobs robot simlink view sheet hdf5 bridge",
          HOST_BASE + " CLI", "triskin"),
     Part("tools/machine", "machine", "host base wire layout sim", "fmt unicorn", "triskin_machine"),
 ]
@@ -64,7 +65,7 @@ FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "f
            "assimp": r"^assimp/", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
            "boost_beast": r"^boost/(beast|asio)/", "cairo": r"^(cairo|fontconfig|qrencode)", "HDF5": r"^(hdf5|H5)", "CLI": r"^CLI/",
            "Cbc": r"^(Cbc|Coin|Osi|Cgl|Clp)", "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
-           "pybind11": r"^pybind11/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
+           "pybind11": r"^pybind11/", "dds": r"^dds/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).
 HOSTED = re.compile(r"^(iostream|fstream|sstream|thread|mutex|chrono|future|regex|filesystem)$")
 # Link names of libraries that only some targets may reach, and which ones.

@@ -13,7 +13,8 @@
 
 namespace triskin::test {
 
-/// A folder with a design of eight modules on two controllers, a scene of it, and simulated boards that hold its tables.
+/// A folder with a design of eight modules on two controllers, a scene of it, and simulated boards that hold its
+/// tables.
 class FlashedSim {
  public:
   /// `faults`: the value of that key of the scene.
@@ -24,7 +25,7 @@ class FlashedSim {
     ::setenv("XDG_STATE_HOME", folder_.c_str(), 1);
     design::write_design(design_file(), design_);
     write_file_atomically(scene_file(), R"({"format":"triskin-scene","version":1,"design":"d.json","contacts":[)"
-                                        R"({"at_s":3,"module":5,"taxel":3,"force_n":1,"radius_mm":3}],"faults":)" +
+                                        R"({"at_s":6,"module":5,"taxel":3,"force_n":1,"radius_mm":3}],"faults":)" +
                                             faults + "}");
     const auto link = device::open_link({.link = "sim", .scene = "", .own_interrupts = false}, &design_);
     device::Bus bus(*link);

@@ -37,10 +37,13 @@ TEST(Installed, a_C_program_finds_it_by_pkg_config) {
   const FlashedSim sim;
   const std::string prefix = install(sim), lib = prefix + "/" TRISKIN_LIBDIR, program = sim.folder() / "program";
   const auto [built, text] =
-      shell(sim, "PKG_CONFIG_PATH='" + lib + "/pkgconfig' sh -c \"" TRISKIN_C_COMPILER " -std=c11 -Wall -Wextra -pedantic -Werror '" +
-                     (kHere / "read_touch.c").string() + "' -o '" + program + "' \\$(pkg-config --cflags --libs triskin) -lm\"");
+      shell(sim, "PKG_CONFIG_PATH='" + lib +
+                     "/pkgconfig' sh -c \"" TRISKIN_C_COMPILER " -std=c11 -Wall -Wextra -pedantic -Werror '" +
+                     (kHere / "read_touch.c").string() + "' -o '" + program +
+                     "' \\$(pkg-config --cflags --libs triskin) -lm\"");
   ASSERT_EQ(built, 0) << text;
-  const auto [status, said] = shell(sim, "LD_LIBRARY_PATH='" + lib + "' '" + program + "' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
+  const auto [status, said] = shell(
+      sim, "LD_LIBRARY_PATH='" + lib + "' '" + program + "' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
   EXPECT_EQ(status, 0) << said;
   EXPECT_EQ(said, kWanted);
 }
@@ -48,10 +51,12 @@ TEST(Installed, a_C_program_finds_it_by_pkg_config) {
 TEST(Installed, a_CMake_project_finds_it_by_find_package) {
   const FlashedSim sim;
   const std::string prefix = install(sim), build = sim.folder() / "build";
-  const auto [built, text] = shell(sim, "cmake -S '" + kHere.string() + "/project' -B '" + build + "' -DCMAKE_C_COMPILER='" TRISKIN_C_COMPILER "' -DCMAKE_PREFIX_PATH='" +
+  const auto [built, text] = shell(sim, "cmake -S '" + kHere.string() + "/project' -B '" + build +
+                                            "' -DCMAKE_C_COMPILER='" TRISKIN_C_COMPILER "' -DCMAKE_PREFIX_PATH='" +
                                             prefix + "' && cmake --build '" + build + "'");
   ASSERT_EQ(built, 0) << text;
-  const auto [status, said] = shell(sim, "'" + build + "/read_touch' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
+  const auto [status, said] =
+      shell(sim, "'" + build + "/read_touch' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
   EXPECT_EQ(status, 0) << said;
   EXPECT_EQ(said, kWanted);
 }
@@ -61,9 +66,23 @@ TEST(Installed, Python_reads_a_served_simulation) {
   const FlashedSim sim;
   if (std::system(TRISKIN_PYTHON " -c 'import numpy' > /dev/null 2>&1") != 0)
     GTEST_SKIP() << "numpy is not installed; run tools/setup test";
-  const auto [status, said] = shell(sim, "PYTHONPATH='" TRISKIN_PYTHON_FOLDER "' '" TRISKIN_PYTHON "' '" + (kHere / "read_test.py").string() + "' '" TRISKIN_PROGRAM "' '" +
-                                             sim.design_file() + "' '" + sim.scene_file() + "'");
+  const auto [status, said] =
+      shell(sim, "PYTHONPATH='" TRISKIN_PYTHON_FOLDER "' '" TRISKIN_PYTHON "' '" + (kHere / "read_test.py").string() +
+                     "' '" TRISKIN_PROGRAM "' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
   EXPECT_EQ(status, 0) << said;
+}
+
+// 30,840 taxels: 161 controllers on two served simulations.
+TEST(Installed, Python_reads_161_controllers_for_a_minute) {
+  const FlashedSim sim;
+  const std::string one = sim.folder() / "one.json", two = sim.folder() / "two.json";
+  design::write_design(one, test::strip(1296, 16));
+  design::write_design(two, test::strip(1274, 16));
+  const auto [status, said] =
+      shell(sim, "PYTHONPATH='" TRISKIN_PYTHON_FOLDER "' '" TRISKIN_PYTHON "' '" + (kHere / "read_long.py").string() +
+                     "' '" TRISKIN_PROGRAM "' 60 '" + one + "' '" + two + "'");
+  EXPECT_EQ(status, 0) << said;
+  std::printf("%s", said.c_str());
 }
 #endif
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "contacts.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/files.hpp"
@@ -93,10 +94,12 @@ class CoverFile {
     ++samples_;
   }
 
+  [[nodiscard]] std::uint64_t unix_ns_of(std::uint64_t link_us) const {
+    return origin_.unix_start_ns + (link_us - origin_.link_start_us) * 1000;  // also of times before the start
+  }
+
   void slice(std::uint64_t now_us) {
-    std::vector<recording::Contact> contacts;
-    for (const auto& t : touches_.pressed())
-      contacts.push_back({t.module, t.taxel, t.change_counts, t.position_mm, t.normal});
+    const auto contacts = contacts_of(touches_);
     if (!contacts.empty() || had_contacts_) recorder_->add_contacts(now_us, contacts);
     had_contacts_ = !contacts.empty();
     recorder_->tick(steady_us());
@@ -117,10 +120,6 @@ class CoverFile {
   [[nodiscard]] const std::string& name() const { return file_.name(); }
 
  private:
-  [[nodiscard]] std::uint64_t unix_ns_of(std::uint64_t link_us) const {
-    return origin_.unix_start_ns + (link_us - origin_.link_start_us) * 1000;  // also of times before the start
-  }
-
   const robot::CoverOnBus& cover_;
   Format format_;
   recording::OutputFile file_;

@@ -44,7 +44,8 @@ Skin::Skin(Source source, const triskin_options& options)
       link_start_us_(bus_.now_us()),
       touches_(design_) {
   if (options.every < 0 || options.every > 255) throw InputError("every: must be 0 … 255");
-  if (!(options.queue_s > 0.0 && options.queue_s <= 600.0)) throw InputError("queue_s: must be above 0 and at most 600");
+  if (!(options.queue_s > 0.0 && options.queue_s <= 600.0))
+    throw InputError("queue_s: must be above 0 and at most 600");
 }
 
 Skin::~Skin() {
@@ -79,6 +80,7 @@ void Skin::start() {
     throw;
   }
   publish();
+  started_ = true;
   if (!virtual_time_) thread_ = std::thread([this] { receive(); });
 }
 
@@ -144,8 +146,7 @@ void Skin::receive() {
 
 std::size_t Skin::read(double timeout_s, triskin_sample* samples, std::size_t capacity) {
   if (!(timeout_s >= 0.0 && timeout_s <= 3600.0)) throw InputError("timeout_s: must be 0 … 3600");
-  const bool rest = !stream_ && !waiting_.empty();  // after stop()
-  if (!rest) start();
+  if (!started_) start();  // after stop() what waits can be read, and nothing begins anew
   if (virtual_time_ && stream_) {
     const std::uint64_t end_us = bus_.now_us() + static_cast<std::uint64_t>(timeout_s * kSecond_us);
     while (waiting_.empty() && bus_.now_us() < end_us) pass(std::min(end_us, bus_.now_us() + kSlice_us));

@@ -81,6 +81,7 @@ class Skin {
   triskin_counts counts_{};
   std::exception_ptr failure_;
   bool running_ = false, ending_ = false;
+  bool started_ = false;  // once at least; the caller's thread alone
 };
 
 }  // namespace triskin::library

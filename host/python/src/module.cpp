@@ -130,7 +130,8 @@ class Skin {
     for (double wait = wait_s; count == kAtOnce; wait = 0.0) {
       const std::size_t at = all.size();
       all.resize(at + kAtOnce);
-      const triskin_status status = without_python([&] { return triskin_read(open(), wait, all.data() + at, kAtOnce, &count); });
+      const triskin_status status =
+          without_python([&] { return triskin_read(open(), wait, all.data() + at, kAtOnce, &count); });
       all.resize(at + (status == TRISKIN_OK ? count : 0));
       check(status);
     }
@@ -149,10 +150,12 @@ PYBIND11_MODULE(triskin, m) {
   py::register_exception<DeviceFailed>(m, "DeviceFailed", PyExc_OSError);
   py::class_<Skin>(m, "Skin", "The skin of a design, over a link. Use triskin.open.")
       .def("close", &Skin::close, "Ends the stream and the link.")
-      .def("__enter__", [](Skin& s) -> Skin& { return s; }, py::return_value_policy::reference)
+      .def(
+          "__enter__", [](Skin& s) -> Skin& { return s; }, py::return_value_policy::reference)
       .def("__exit__", [](Skin& s, const py::args&) { s.close(); })
       .def_property_readonly("modules", &Skin::modules, "Number of modules.")
-      .def_property_readonly("positions_mm", &Skin::positions_mm, "Place of each taxel, (modules, 12, 3), mm, frame of the mesh.")
+      .def_property_readonly("positions_mm", &Skin::positions_mm,
+                             "Place of each taxel, (modules, 12, 3), mm, frame of the mesh.")
       .def_property_readonly("normals", &Skin::normals, "Outward unit normal of each taxel, (modules, 12, 3).")
       .def_property_readonly("patches", &Skin::patches, "Patch of each module, (modules,); -1: none.")
       .def("start", &Skin::start, "Begins to receive: samples wait for read().")
@@ -163,13 +166,12 @@ PYBIND11_MODULE(triskin, m) {
       .def("counts", &Skin::counts, "Samples since start(): expected, received, lost, lost_here.")
       .def("tare", &Skin::tare, "Takes the present values for those of a skin that nobody touches.")
       .def("change_counts", &Skin::change_counts, "Counts below rest, (modules, 12): more is more pressure.")
-      .def("verify", &Skin::verify, "Whether the hardware is the design, and the report as text. Stop the stream first.");
+      .def("verify", &Skin::verify,
+           "Whether the hardware is the design, and the report as text. Stop the stream first.");
   m.def(
       "open",
       [](const std::string& design, const std::string& link, const std::string& scene, int every, bool overload,
-         double queue_s) {
-        return std::make_unique<Skin>(design, link, scene, every, overload, queue_s);
-      },
+         double queue_s) { return std::make_unique<Skin>(design, link, scene, every, overload, queue_s); },
       py::arg("design"), py::kw_only(), py::arg("link") = "sim", py::arg("scene") = "", py::arg("every") = 0,
       py::arg("overload") = false, py::arg("queue_s") = 10.0,
       "Opens the skin of a design file. link: as --link of the program. Raises BadInput, DeviceFailed.");

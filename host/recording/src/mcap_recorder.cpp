@@ -9,9 +9,6 @@ namespace triskin::recording {
 namespace {
 
 constexpr std::uint64_t kMostWait_us = 500'000;
-// Modules of one sample come within a few ms; what is older than this waits for nothing any more.
-constexpr std::uint64_t kFrameSpan_us = 100'000;
-constexpr std::uint64_t kAll = ~std::uint64_t{0};
 
 mcap::TextMap qos() {
   return {{"offered_qos_profiles", ""}};
@@ -20,7 +17,11 @@ mcap::TextMap qos() {
 }  // namespace
 
 McapRecorder::McapRecorder(OutputFile& file, const design::Design& design, Origin origin)
-    : origin_(std::move(origin)), writer_(file, "ros2", "triskin") {
+    : origin_(std::move(origin)),
+      writer_(file, "ros2", "triskin"),
+      frames_([this](std::span<const ModuleSample> frame) {
+        writer_.write(raw_, unix_ns(frame.front().link_time_us), encode_raw(frame), frame.front().sampled_ns);
+      }) {
   begin(design);
 }
 
@@ -56,33 +57,9 @@ void McapRecorder::begin(const design::Design& design) {
   writer_.flush();
 }
 
-void McapRecorder::write_frame(Frame& frame) {
-  if (frame.empty()) return;
-  writer_.write(raw_, unix_ns(frame.front().link_time_us), encode_raw(frame), frame.front().sampled_ns);
-  frame.clear();
-}
-
-// Those whose first module came before `before_us`.
-void McapRecorder::write_frames(std::uint64_t before_us) {
-  for (auto& [node, frame] : frames_) {
-    if (!frame.empty() && frame.front().link_time_us < before_us) write_frame(frame);
-  }
-}
-
 void McapRecorder::add(const ModuleSample& sample) {
-  Frame& frame = frames_[sample.sample.node_address];
-  if (!frame.empty()) {
-    const ModuleSample& first = frame.front();
-    const bool fits =
-        first.sample.sample == sample.sample.sample && sample.link_time_us - first.link_time_us < kFrameSpan_us;
-    if (!fits) write_frame(frame);
-  }
-  frame.push_back(sample);
+  frames_.add(sample);
   waiting_ = true;
-  if (sample.link_time_us >= next_sweep_us_) {
-    write_frames(sample.link_time_us - std::min(sample.link_time_us, kFrameSpan_us));
-    next_sweep_us_ = sample.link_time_us + kFrameSpan_us;
-  }
   if (!cloud_) return;
   cloud_->add(sample);
   if (sample.link_time_us < next_cloud_us_) return;
@@ -98,14 +75,14 @@ void McapRecorder::tick(std::uint64_t steady_us) {
   if (!waiting_) return;
   if (!waiting_since_us_) waiting_since_us_ = steady_us;
   if (steady_us - *waiting_since_us_ < kMostWait_us) return;
-  write_frames(kAll);
+  frames_.flush();
   writer_.flush();
   waiting_ = false;
   waiting_since_us_.reset();
 }
 
 void McapRecorder::finish(const std::map<std::string, std::string>& result) {
-  write_frames(kAll);
+  frames_.flush();
   writer_.describe({"triskin_result", result});
   writer_.finish();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "triskin/recording/mcap_file.hpp"
+#include "triskin/recording/raw_frames.hpp"
 #include "triskin/recording/recorder.hpp"
 
 namespace triskin::recording {
@@ -15,18 +16,15 @@ class McapRecorder final : public Recorder {
   void finish(const std::map<std::string, std::string>& result) override;
 
  private:
-  using Frame = std::vector<ModuleSample>;
   [[nodiscard]] std::uint64_t unix_ns(std::uint64_t link_time_us) const;
   void begin(const design::Design& design);
-  void write_frame(Frame& frame);
-  void write_frames(std::uint64_t before_us);
 
   Origin origin_;
   mcap::Writer writer_;
   std::uint16_t raw_ = 0, layout_ = 0, contacts_ = 0, cloud_channel_ = 0;
-  std::map<std::uint8_t, Frame> frames_;  // by node: modules of its latest sample
+  RawFrames frames_;
   std::optional<PointCloud> cloud_;
-  std::uint64_t next_cloud_us_ = 0, next_sweep_us_ = 0;
+  std::uint64_t next_cloud_us_ = 0;
   bool waiting_ = false;  // something came since the last flush
   std::optional<std::uint64_t> waiting_since_us_;
 };

@@ -10,16 +10,9 @@ namespace {
 
 constexpr double kMetre_mm = 1000.0;
 constexpr std::uint64_t kSecond_ns = 1'000'000'000;
-constexpr const char* kFrame = "skin";
 
 std::vector<std::uint8_t> bytes_of(const CdrWriter& w) {
   return {w.message().begin(), w.message().end()};
-}
-
-void put_header(CdrWriter& w, std::uint64_t stamp_ns) {
-  w.u32(static_cast<std::uint32_t>(stamp_ns / kSecond_ns));
-  w.u32(static_cast<std::uint32_t>(stamp_ns % kSecond_ns));
-  w.text(kFrame);
 }
 
 void put_point(CdrWriter& w, const design::Vec3& v, double scale) {
@@ -46,6 +39,12 @@ void take_times(CdrReader& r, std::vector<ModuleSample>& samples) {
 }
 
 }  // namespace
+
+void put_header(CdrWriter& w, std::uint64_t stamp_ns, std::string_view frame_id) {
+  w.u32(static_cast<std::uint32_t>(stamp_ns / kSecond_ns));
+  w.u32(static_cast<std::uint32_t>(stamp_ns % kSecond_ns));
+  w.text(frame_id);
+}
 
 std::vector<std::uint8_t> encode_raw(std::span<const ModuleSample> samples) {
   CdrWriter w;
@@ -105,14 +104,15 @@ std::optional<std::vector<ModuleSample>> decode_raw(Bytes message) {
   return samples;
 }
 
-std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint64_t stamp_ns) {
+std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint64_t stamp_ns,
+                                        std::string_view frame_id) {
   const auto& modules = design.layout.modules;
   const auto wiring = design::wiring_of(design);
   std::vector<std::array<design::TaxelPose, layout::kTaxelsPerModule>> taxels;
   for (std::size_t m = 0; m < modules.size(); ++m)
     taxels.push_back(design::taxels_of(modules[m], wiring[m].routed.rotation));
   CdrWriter w;
-  put_header(w, stamp_ns);
+  put_header(w, stamp_ns, frame_id);
   w.text(design.name);
   w.u64(design.design_id);
   put_each(w, modules, 9, [&](const design::PlacedModule& m) {
@@ -126,9 +126,10 @@ std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint6
   return bytes_of(w);
 }
 
-std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns) {
+std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns,
+                                          std::string_view frame_id) {
   CdrWriter w;
-  put_header(w, stamp_ns);
+  put_header(w, stamp_ns, frame_id);
   put_each(w, contacts, 1, [&](const Contact& c) { w.u32(static_cast<std::uint32_t>(c.module)); });
   put_each(w, contacts, 1, [&](const Contact& c) { w.u8(static_cast<std::uint8_t>(c.taxel)); });
   put_each(w, contacts, 1, [&](const Contact& c) { w.f32(static_cast<float>(c.change_counts)); });
@@ -154,7 +155,7 @@ void PointCloud::add(const ModuleSample& sample) {
   }
 }
 
-std::vector<std::uint8_t> PointCloud::encode(std::uint64_t stamp_ns) const {
+std::vector<std::uint8_t> PointCloud::encode(std::uint64_t stamp_ns, std::string_view frame_id) const {
   struct Field {
     const char* name;
     std::uint32_t offset;
@@ -174,7 +175,7 @@ std::vector<std::uint8_t> PointCloud::encode(std::uint64_t stamp_ns) const {
   constexpr std::uint32_t kStep = 32;
   const auto n = static_cast<std::uint32_t>(points_.size() * layout::kTaxelsPerModule);
   CdrWriter w;
-  put_header(w, stamp_ns);
+  put_header(w, stamp_ns, frame_id);
   w.u32(1);
   w.u32(n);
   put_each(w, kFields, 1, [&](const Field& f) {

@@ -12,6 +12,7 @@
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/layout/flash_pages.hpp"
+#include "triskin/wire/taxel_frames.hpp"
 
 namespace triskin::scene {
 namespace {
@@ -19,6 +20,7 @@ namespace {
 // A controller that stays busy is run again after this time, so that the loop always advances.
 constexpr std::uint64_t kBusyStepUs = 50;
 constexpr std::uint64_t kNeverUs = ~std::uint64_t{0};
+constexpr std::uint32_t kStreamMask = 0x1FFF0000;
 
 // Sorted by patch, so that fresh boards can be told apart, and different for every design.
 wire::UniqueId unique_id_of(const Scene& scene, std::size_t patch) {
@@ -159,7 +161,9 @@ std::size_t VirtualSkin::host_frames_waiting() const {
 
 void VirtualSkin::deliver(const Pending& pending) {
   ++bus_frames_;
-  for (std::size_t p = 0; p < nodes_.size(); ++p) {
+  // Samples are what fills the bus, and the filter of a controller refuses them (firmware_board.md).
+  const bool refused = pending.frame.extended && (pending.frame.id & kStreamMask) == wire::kFullBase;
+  for (std::size_t p = 0; p < nodes_.size() && !refused; ++p) {
     if (p == pending.from || nodes_[p].controller == nullptr) continue;
     // What it has not done yet it does before the frame comes, or it would date its answer before the request.
     if (pending.from == kHost) run_controller(nodes_[p]);

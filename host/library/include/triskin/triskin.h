@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/** @file
- * The library of Triskin: opens the skin of a design, reads its samples with positions and times, tares, verifies.
- * docs/library.md has examples. C11 or later, C++ too.
- *
- * Every function that can fail returns a triskin_status; triskin_error() then says what failed, where, and what to do.
- * Threads: a skin is used by one thread at a time; different skins are independent. No function waits for ever.
- */
+/// @file
+/// The library of Triskin: opens the skin of a design, reads its samples with positions and times, tares, verifies.
+/// docs/library.md has examples. C11 or later, C++ too.
+///
+/// Every function that can fail returns a triskin_status; triskin_error() then says what failed, where, and what to do.
+/// Threads: a skin is used by one thread at a time; different skins are independent. No function waits for ever.
 #ifndef TRISKIN_TRISKIN_H
 #define TRISKIN_TRISKIN_H
 
@@ -19,100 +18,100 @@ extern "C" {
 /* What the library shows to others; everything else in it is hidden. */
 #define TRISKIN_API __attribute__((visibility("default")))
 
-/** Taxels of a module; 6 and 10 measure temperature and feel no finger. */
+/// Taxels of a module; 6 and 10 measure temperature and feel no finger.
 #define TRISKIN_TAXELS 12
 
-/** How a call ended. The numbers are the exit statuses of the program. */
+/// How a call ended. The numbers are the exit statuses of the program.
 typedef enum triskin_status {
-  TRISKIN_OK = 0,          /**< done */
-  TRISKIN_BAD_ANSWER = 1,  /**< done, and the answer is bad: verify found something */
-  TRISKIN_BAD_INPUT = 2,   /**< an argument or a file cannot be used */
-  TRISKIN_DEVICE_FAILED = 3 /**< a device or a link failed */
+  TRISKIN_OK = 0,            ///< done
+  TRISKIN_BAD_ANSWER = 1,    ///< done, and the answer is bad: verify found something
+  TRISKIN_BAD_INPUT = 2,     ///< an argument or a file cannot be used
+  TRISKIN_DEVICE_FAILED = 3  ///< a device or a link failed
 } triskin_status;
 
-/** The skin of a design, over a link. */
+/// The skin of a design, over a link.
 typedef struct triskin_skin triskin_skin;
 
-/** How a skin is opened. Set it to TRISKIN_OPTIONS_INIT, then change what is wanted. */
+/// How a skin is opened. Set it to TRISKIN_OPTIONS_INIT, then change what is wanted.
 typedef struct triskin_options {
-  size_t size;       /**< sizeof(triskin_options) of the caller: later versions append fields */
-  const char *link;  /**< as --link of the program: "sim", "sim:HOST:PORT", "can:IFACE", "hid", "usb" …; NULL: "sim" */
-  const char *scene; /**< scene file of "sim"; NULL: none */
-  int every;         /**< each n-th sample, 1 … 255; 0: the smallest n that fits the bus */
-  int overload;      /**< not 0: streams `every` also where it does not fit */
-  double queue_s;    /**< samples that wait for triskin_read are kept so long, s, (0, 600]; older ones count as lost_here */
+  size_t size;        ///< sizeof(triskin_options) of the caller: later versions append fields
+  const char* link;   ///< as --link of the program: "sim", "sim:HOST:PORT", "can:IFACE", "hid", "usb" …; NULL: "sim"
+  const char* scene;  ///< scene file of "sim"; NULL: none
+  int every;          ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
+  int overload;       ///< not 0: streams `every` also where it does not fit
+  double queue_s;  ///< samples that wait for triskin_read are kept so long, s, (0, 600]; older ones count as lost_here
 } triskin_options;
 #define TRISKIN_OPTIONS_INIT {sizeof(triskin_options), 0, 0, 0, 0, 10.0}
 
-/** One sample of one module. */
+/// One sample of one module.
 typedef struct triskin_sample {
-  double time_s;  /**< when it was taken, s since 1970 by the clock of this computer */
-  double error_s; /**< time_s is within ± this, s; infinity: nothing bounds it yet */
-  uint64_t device_time_us; /**< the same by the clock of its controller, µs */
-  uint32_t number;         /**< counts the samples of a module that were due, from 1 */
-  int32_t module;          /**< number of the module in the design, 0 … */
-  uint16_t node;           /**< address of its controller */
-  uint16_t valid;          /**< bit t: value[t] is valid */
-  uint16_t value[TRISKIN_TAXELS]; /**< converter counts; pressure makes them fall */
+  double time_s;                   ///< when it was taken, s since 1970 by the clock of this computer
+  double error_s;                  ///< time_s is within ± this, s; infinity: nothing bounds it yet
+  uint64_t device_time_us;         ///< the same by the clock of its controller, µs
+  uint32_t number;                 ///< counts the samples of a module that were due, from 1
+  int32_t module;                  ///< number of the module in the design, 0 …
+  uint16_t node;                   ///< address of its controller
+  uint16_t valid;                  ///< bit t: value[t] is valid
+  uint16_t value[TRISKIN_TAXELS];  ///< converter counts; pressure makes them fall
 } triskin_sample;
 
-/** What became of the samples that were due since triskin_start. expected = received + lost. */
+/// What became of the samples that were due since triskin_start. expected = received + lost.
 typedef struct triskin_counts {
   uint64_t expected, received;
-  uint64_t lost;      /**< due, and never here: not read, no room on the bus, lost on the way, controller away */
-  uint64_t lost_here; /**< of the received: thrown away because nobody called triskin_read for queue_s */
+  uint64_t lost;       ///< due, and never here: not read, no room on the bus, lost on the way, controller away
+  uint64_t lost_here;  ///< of the received: thrown away because nobody called triskin_read for queue_s
 } triskin_counts;
 
-/** Version of the library as "major.minor.patch". Never fails. */
-TRISKIN_API const char *triskin_version(void);
-/** What the last call that failed in this thread could not do, where, and the remedy; UTF-8, valid until the next call
- * of this thread that fails. Empty: none failed. */
-TRISKIN_API const char *triskin_error(void);
+/// Version of the library as "major.minor.patch". Never fails.
+TRISKIN_API const char* triskin_version(void);
+/// What the last call that failed in this thread could not do, where, and the remedy; UTF-8, valid until the next call
+/// of this thread that fails. Empty: none failed.
+TRISKIN_API const char* triskin_error(void);
 
-/** Reads a design file and opens its link. `options` may be NULL. On success *skin is to be closed by triskin_close; else
- * it is NULL. Does not talk to controllers yet. TRISKIN_BAD_INPUT: the file or an option cannot be used.
- * TRISKIN_DEVICE_FAILED: the link cannot be opened. Signals are left to the caller. */
-TRISKIN_API triskin_status triskin_open(const char *design_file, const triskin_options *options, triskin_skin **skin);
-/** Ends the stream, if there is one, and forgets the skin; NULL is allowed. Takes at most 0.5 s. */
-TRISKIN_API void triskin_close(triskin_skin *skin);
+/// Reads a design file and opens its link. `options` may be NULL. On success *skin is to be closed by triskin_close;
+/// else it is NULL. Does not talk to controllers yet. TRISKIN_BAD_INPUT: the file or an option cannot be used.
+/// TRISKIN_DEVICE_FAILED: the link cannot be opened. Signals are left to the caller.
+TRISKIN_API triskin_status triskin_open(const char* design_file, const triskin_options* options, triskin_skin** skin);
+/// Ends the stream, if there is one, and forgets the skin; NULL is allowed. Takes at most 0.5 s.
+TRISKIN_API void triskin_close(triskin_skin* skin);
 
-/** Number of modules of the design. */
-TRISKIN_API size_t triskin_module_count(const triskin_skin *skin);
-/** Writes where each taxel is, mm, frame of the mesh: x, y, z of taxel 0 of module 0, of taxel 1 … `n` is the number of
- * doubles, 36 a module. TRISKIN_BAD_INPUT: `n` is another. */
-TRISKIN_API triskin_status triskin_positions_mm(const triskin_skin *skin, double *xyz_mm, size_t n);
-/** Writes the outward unit normal of each taxel, as triskin_positions_mm. */
-TRISKIN_API triskin_status triskin_normals(const triskin_skin *skin, double *normals, size_t n);
-/** Writes the patch of each module, −1: none. `n`: number of modules. TRISKIN_BAD_INPUT: `n` is another. */
-TRISKIN_API triskin_status triskin_patches(const triskin_skin *skin, int32_t *patches, size_t n);
+/// Number of modules of the design.
+TRISKIN_API size_t triskin_module_count(const triskin_skin* skin);
+/// Writes where each taxel is, mm, frame of the mesh: x, y, z of taxel 0 of module 0, of taxel 1 … `n` is the number of
+/// doubles, 36 a module. TRISKIN_BAD_INPUT: `n` is another.
+TRISKIN_API triskin_status triskin_positions_mm(const triskin_skin* skin, double* xyz_mm, size_t n);
+/// Writes the outward unit normal of each taxel, as triskin_positions_mm.
+TRISKIN_API triskin_status triskin_normals(const triskin_skin* skin, double* normals, size_t n);
+/// Writes the patch of each module, −1: none. `n`: number of modules. TRISKIN_BAD_INPUT: `n` is another.
+TRISKIN_API triskin_status triskin_patches(const triskin_skin* skin, int32_t* patches, size_t n);
 
-/** Begins to receive; from now on samples wait for triskin_read. A thread of the library receives them (on the link "sim"
- * time passes in triskin_read only). No effect when it runs. TRISKIN_DEVICE_FAILED: a controller does not answer or holds
- * another design; TRISKIN_BAD_INPUT: the samples do not fit the bus. */
-TRISKIN_API triskin_status triskin_start(triskin_skin *skin);
-/** Takes at most `capacity` samples, oldest first, and sets *count. Waits at most `timeout_s` (0 … 3600 s) for the first
- * one; none is no failure. Calls triskin_start if need be. TRISKIN_DEVICE_FAILED: the link failed, and all samples that
- * came before were taken. */
-TRISKIN_API triskin_status triskin_read(triskin_skin *skin, double timeout_s, triskin_sample *samples, size_t capacity,
-                                        size_t *count);
-/** The time of the link now, s since 1970: that of this computer, or the virtual one of the link "sim". */
-TRISKIN_API double triskin_now_s(const triskin_skin *skin);
-/** What became of the samples that were due until now; after triskin_stop of all of them. `counts` may be NULL. */
-TRISKIN_API triskin_status triskin_get_counts(triskin_skin *skin, triskin_counts *counts);
-/** Ends the stream; samples that wait can still be read. Takes at most 0.5 s. No effect when none runs. */
-TRISKIN_API triskin_status triskin_stop(triskin_skin *skin);
+/// Begins to receive; from now on samples wait for triskin_read. A thread of the library receives them (on the link
+/// "sim" time passes in triskin_read only). No effect when it runs. TRISKIN_DEVICE_FAILED: a controller does not answer
+/// or holds another design; TRISKIN_BAD_INPUT: the samples do not fit the bus.
+TRISKIN_API triskin_status triskin_start(triskin_skin* skin);
+/// Takes at most `capacity` samples, oldest first, and sets *count. Waits at most `timeout_s` (0 … 3600 s) for the
+/// first one; none is no failure. Calls triskin_start if nobody has. TRISKIN_DEVICE_FAILED: the link failed, and all
+/// samples that came before were taken.
+TRISKIN_API triskin_status triskin_read(triskin_skin* skin, double timeout_s, triskin_sample* samples, size_t capacity,
+                                        size_t* count);
+/// The time of the link now, s since 1970: that of this computer, or the virtual one of the link "sim".
+TRISKIN_API double triskin_now_s(const triskin_skin* skin);
+/// What became of the samples that were due until now; after triskin_stop of all of them. `counts` may be NULL.
+TRISKIN_API triskin_status triskin_get_counts(triskin_skin* skin, triskin_counts* counts);
+/// Ends the stream; samples that wait can still be read. Takes at most 0.5 s. No effect when none runs.
+TRISKIN_API triskin_status triskin_stop(triskin_skin* skin);
 
-/** Takes the present values for those of a skin that nobody touches; starts the stream if need be, and on the link "sim"
- * lets time pass. Takes at most 2 s. TRISKIN_DEVICE_FAILED: no sample came. */
-TRISKIN_API triskin_status triskin_tare(triskin_skin *skin);
-/** Writes by how many counts each taxel reads below its rest value, as its latest sample says: more is more pressure, 0
- * where nothing is known. `n` is the number of doubles, 12 a module. TRISKIN_BAD_INPUT: `n` is another. */
-TRISKIN_API triskin_status triskin_change_counts(triskin_skin *skin, double *change_counts, size_t n);
+/// Takes the present values for those of a skin that nobody touches; starts the stream if need be, and on the link
+/// "sim" lets time pass. Takes at most 2 s. TRISKIN_DEVICE_FAILED: no sample came.
+TRISKIN_API triskin_status triskin_tare(triskin_skin* skin);
+/// Writes by how many counts each taxel reads below its rest value, as its latest sample says: more is more pressure, 0
+/// where nothing is known. `n` is the number of doubles, 12 a module. TRISKIN_BAD_INPUT: `n` is another.
+TRISKIN_API triskin_status triskin_change_counts(triskin_skin* skin, double* change_counts, size_t n);
 
-/** Asks the hardware whether it is the design, without touches; the stream has to be stopped. Takes 2 s and more. Sets
- * *report (UTF-8, a line for each finding with place and remedy, valid until the next call) and returns
- * TRISKIN_BAD_ANSWER when there is a finding. `report` may be NULL. */
-TRISKIN_API triskin_status triskin_verify(triskin_skin *skin, const char **report);
+/// Asks the hardware whether it is the design, without touches; the stream has to be stopped. Takes 2 s and more. Sets
+/// *report (UTF-8, a line for each finding with place and remedy, valid until the next call) and returns
+/// TRISKIN_BAD_ANSWER when there is a finding. `report` may be NULL.
+TRISKIN_API triskin_status triskin_verify(triskin_skin* skin, const char** report);
 
 #ifdef __cplusplus
 }

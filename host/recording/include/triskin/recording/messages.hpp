@@ -14,6 +14,8 @@
 /// The messages of a recording, in CDR, and their definitions as ROS 2 reads them (docs/recording.md).
 namespace triskin::recording {
 
+class CdrWriter;
+
 /// One sample of one module.
 struct ModuleSample {
   int module = 0;                  ///< id in the design
@@ -38,6 +40,11 @@ struct MessageType {
 };
 extern const MessageType kRawFrameType, kLayoutType, kContactsType, kPointCloudType;
 
+/// Frame of a skin's coordinates in the messages of a recording: that of the mesh, in m.
+inline constexpr std::string_view kMeshFrame = "skin";
+/// Appends std_msgs/Header. `stamp_ns`: since 1970.
+void put_header(CdrWriter& w, std::uint64_t stamp_ns, std::string_view frame_id);
+
 /// The raw frame of samples of one controller that have one sample number and device times within 30 min; not empty.
 /// Throws nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_raw(std::span<const ModuleSample> samples);
@@ -45,9 +52,11 @@ extern const MessageType kRawFrameType, kLayoutType, kContactsType, kPointCloudT
 [[nodiscard]] std::optional<std::vector<ModuleSample>> decode_raw(Bytes message);
 /// The message that says where each taxel is, lengths in m. Throws std::out_of_range for a patch that names a module
 /// the layout lacks. Cost: linear.
-[[nodiscard]] std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint64_t stamp_ns);
+[[nodiscard]] std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint64_t stamp_ns,
+                                                      std::string_view frame_id = kMeshFrame);
 /// The message of taxels under pressure, lengths in m. Throws nothing of its own.
-[[nodiscard]] std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns);
+[[nodiscard]] std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns,
+                                                        std::string_view frame_id = kMeshFrame);
 
 /// All taxels of a design as sensor_msgs/msg/PointCloud2, with their latest values.
 class PointCloud {
@@ -58,7 +67,7 @@ class PointCloud {
   void add(const ModuleSample& sample);
   /// One point a taxel: x, y, z (m), normal_x, normal_y, normal_z, module, value (counts), valid (1 or 0), taxel.
   /// Throws nothing of its own.
-  [[nodiscard]] std::vector<std::uint8_t> encode(std::uint64_t stamp_ns) const;
+  [[nodiscard]] std::vector<std::uint8_t> encode(std::uint64_t stamp_ns, std::string_view frame_id = kMeshFrame) const;
 
  private:
   struct Point {

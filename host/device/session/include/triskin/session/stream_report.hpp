@@ -21,6 +21,7 @@ struct ModuleCounts {
 
 /// What is known of a controller's clock.
 struct ClockState {
+  int cover = 0;  ///< which of the stream's designs
   int patch = 0;
   std::uint8_t node = 0;
   double drift_ppm = 0.0;      ///< by how much the clock of the link runs faster

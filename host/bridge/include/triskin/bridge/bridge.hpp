@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "triskin/bridge/dds.hpp"
+#include "triskin/recording/raw_frames.hpp"
+
+namespace triskin::bridge {
+
+struct BridgeOptions {
+  std::string part;                        ///< names the topics /skin/PART/…; letters, digits, _; see part_name
+  std::string parent_frame = "base_link";  ///< frame of the link that carries the cover
+  Pose pose;                               ///< of the cover's frame in it
+  double points_hz = 10.0;                 ///< point clouds a second; 0: none
+  bool raw = true;                         ///< every sample
+};
+
+/// A name of a topic or frame made of `text`: what ROS does not allow becomes "_"; in front of a digit stands "p".
+[[nodiscard]] std::string part_name(const std::string& text);
+
+/// How many messages were handed to DDS, by topic.
+struct Published {
+  std::uint64_t raw = 0, points = 0, contacts = 0, diagnostics = 0;
+  std::uint64_t samples = 0;  ///< in the raw messages
+};
+
+/// Publishes one cover: /skin/PART/raw, points, contacts, layout, and its part of /diagnostics and /tf_static. Times
+/// are those of the samples. Threads: one.
+class Bridge {
+ public:
+  /// Advertises the topics, publishes layout and transform. `domain` and `design` outlive it. `now_ns`: since 1970.
+  /// Throws DeviceError, InputError for a part that is no name of a topic.
+  Bridge(Domain& domain, const design::Design& design, const BridgeOptions& options, std::uint64_t now_ns);
+
+  /// Takes a sample whose `sampled_ns` is known. Throws DeviceError as all of these.
+  void add(const recording::ModuleSample& sample);
+  /// Publishes the taxels under pressure; none once when there were some before. Throws DeviceError.
+  void add_contacts(std::span<const recording::Contact> contacts, std::uint64_t stamp_ns);
+  /// Publishes how the parts do. Throws DeviceError.
+  void add_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns);
+  /// Publishes what waits for samples that may still come.
+  void flush();
+  /// What was published until now.
+  [[nodiscard]] const Published& published() const { return published_; }
+  /// Frame of the positions.
+  [[nodiscard]] const std::string& frame() const { return frame_; }
+
+ private:
+  void put_raw(std::span<const recording::ModuleSample> samples);
+
+  std::string frame_;
+  std::uint64_t points_period_ns_;
+  std::unique_ptr<Publisher> raw_, points_, contacts_, layout_, diagnostics_, transforms_;
+  recording::RawFrames frames_;
+  recording::PointCloud cloud_;
+  std::uint64_t next_points_ns_ = 0;
+  bool had_contacts_ = false;
+  Published published_;
+};
+
+}  // namespace triskin::bridge

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "triskin/recording/messages.hpp"
+
+/// Types that the bridge publishes. Those of host/recording are used as they are; here are the two of ROS that a
+/// recording has no use for, and what ROS calls the hash of a type.
+namespace triskin::bridge {
+
+/// A message type with its hash (REP-2016, version 1), which ROS compares before a reader and a writer match.
+struct RosType {
+  const recording::MessageType& message;
+  std::string_view hash;  ///< "RIHS01_" and 64 hexadecimal digits
+};
+extern const RosType kRaw, kLayout, kContacts, kPoints, kDiagnostics, kTransforms;
+/// All of them.
+[[nodiscard]] std::span<const RosType* const> all_types();
+/// "sensor_msgs::msg::dds_::PointCloud2_" of "sensor_msgs/msg/PointCloud2".
+[[nodiscard]] std::string dds_name(std::string_view ros_name);
+
+/// How well a part of the skin does, of diagnostic_msgs/msg/DiagnosticStatus.
+struct Diagnosis {
+  enum class Level : std::uint8_t { kOk = 0, kWarn = 1, kError = 2, kStale = 3 };
+  Level level = Level::kOk;
+  std::string name, message, hardware_id;
+  std::vector<std::pair<std::string, std::string>> values;
+};
+/// diagnostic_msgs/msg/DiagnosticArray. `stamp_ns`: since 1970. Throws nothing of its own.
+[[nodiscard]] std::vector<std::uint8_t> encode_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns);
+
+/// Where a frame stands in its parent: metres, and a unit quaternion x, y, z, w.
+struct Pose {
+  std::array<double, 3> translation_m{0.0, 0.0, 0.0};
+  std::array<double, 4> rotation{0.0, 0.0, 0.0, 1.0};
+};
+/// tf2_msgs/msg/TFMessage with one transform from `parent` to `child`. `stamp_ns`: since 1970. Throws nothing of its
+/// own.
+[[nodiscard]] std::vector<std::uint8_t> encode_transform(std::string_view parent, std::string_view child,
+                                                         const Pose& pose, std::uint64_t stamp_ns);
+
+}  // namespace triskin::bridge

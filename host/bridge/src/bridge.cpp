@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/bridge/bridge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "triskin/host/error.hpp"
+
+namespace triskin::bridge {
+namespace {
+
+constexpr double kSecond_ns = 1e9;
+// A quarter of a second of 126 controllers at 54 Hz.
+constexpr Delivery kStream{.depth = 2000, .latched = false}, kLatest{.depth = 10, .latched = false},
+    kForEver{.depth = 1, .latched = true};
+
+bool is_name_character(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+}  // namespace
+
+std::string part_name(const std::string& text) {
+  std::string name;
+  for (const char c : text) name += is_name_character(c) ? c : '_';
+  if (name.empty() || (name[0] >= '0' && name[0] <= '9')) name = "p" + name;
+  return name;
+}
+
+Bridge::Bridge(Domain& domain, const design::Design& design, const BridgeOptions& options, std::uint64_t now_ns)
+    : frame_("skin_" + options.part),
+      points_period_ns_(options.points_hz > 0.0 ? static_cast<std::uint64_t>(kSecond_ns / options.points_hz) : 0),
+      frames_([this](std::span<const recording::ModuleSample> samples) { put_raw(samples); }),
+      cloud_(design) {
+  if (part_name(options.part) != options.part)
+    throw InputError(fmt::format("\"{}\" is no name of a ROS topic; take letters, digits and _, for example {}",
+                                 options.part, part_name(options.part)));
+  const std::string base = "/skin/" + options.part + "/";
+  if (options.raw) raw_ = domain.advertise(base + "raw", kRaw, kStream);
+  if (points_period_ns_ > 0) points_ = domain.advertise(base + "points", kPoints, kLatest);
+  contacts_ = domain.advertise(base + "contacts", kContacts, kLatest);
+  layout_ = domain.advertise(base + "layout", kLayout, kForEver);
+  diagnostics_ = domain.advertise("/diagnostics", kDiagnostics, kLatest);
+  transforms_ = domain.advertise("/tf_static", kTransforms, kForEver);
+  layout_->write(recording::encode_layout(design, now_ns, frame_));
+  transforms_->write(encode_transform(options.parent_frame, frame_, options.pose, now_ns));
+}
+
+void Bridge::put_raw(std::span<const recording::ModuleSample> samples) {
+  if (!raw_) return;
+  raw_->write(recording::encode_raw(samples));
+  ++published_.raw;
+  published_.samples += samples.size();
+}
+
+void Bridge::add(const recording::ModuleSample& sample) {
+  frames_.add(sample);
+  if (!points_) return;
+  cloud_.add(sample);
+  if (sample.sampled_ns < next_points_ns_) return;
+  points_->write(cloud_.encode(sample.sampled_ns, frame_));
+  ++published_.points;
+  // On a grid, so that the rate holds; anew after a gap.
+  next_points_ns_ = std::max(next_points_ns_ + points_period_ns_, sample.sampled_ns);
+  if (published_.points == 1) next_points_ns_ = sample.sampled_ns + points_period_ns_;
+}
+
+void Bridge::add_contacts(std::span<const recording::Contact> contacts, std::uint64_t stamp_ns) {
+  if (contacts.empty() && !had_contacts_) return;
+  contacts_->write(recording::encode_contacts(contacts, stamp_ns, frame_));
+  ++published_.contacts;
+  had_contacts_ = !contacts.empty();
+}
+
+void Bridge::add_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns) {
+  diagnostics_->write(encode_diagnostics(parts, stamp_ns));
+  ++published_.diagnostics;
+}
+
+void Bridge::flush() {
+  frames_.flush();
+}
+
+}  // namespace triskin::bridge

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// In place of dds_cyclone.cpp where Cyclone DDS was not there when the program was built.
+#include "triskin/bridge/dds.hpp"
+#include "triskin/host/error.hpp"
+
+namespace triskin::bridge {
+
+bool dds_available() {
+  return false;
+}
+
+std::unique_ptr<Domain> join_domain(std::uint32_t /*id*/) {
+  throw InputError(
+      "bridge: this program was built without DDS; install cyclonedds-dev, then configure and build it again");
+}
+
+}  // namespace triskin::bridge

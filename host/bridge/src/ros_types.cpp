@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/bridge/ros_types.hpp"
+
+#include "triskin/recording/cdr.hpp"
+
+namespace triskin::bridge {
+namespace {
+
+using recording::CdrWriter;
+using recording::MessageType;
+
+#define TRISKIN_RULE "================================================================================\n"
+#define TRISKIN_HEADER              \
+  TRISKIN_RULE                      \
+  "MSG: std_msgs/Header\n"          \
+  "builtin_interfaces/Time stamp\n" \
+  "string frame_id\n" TRISKIN_RULE  \
+  "MSG: builtin_interfaces/Time\n"  \
+  "int32 sec\n"                     \
+  "uint32 nanosec\n"
+
+const MessageType kDiagnosticsType{"diagnostic_msgs/msg/DiagnosticArray",
+                                   "std_msgs/Header header\n"
+                                   "diagnostic_msgs/DiagnosticStatus[] status\n" TRISKIN_HEADER TRISKIN_RULE
+                                   "MSG: diagnostic_msgs/DiagnosticStatus\n"
+                                   "byte OK=0\n"
+                                   "byte WARN=1\n"
+                                   "byte ERROR=2\n"
+                                   "byte STALE=3\n"
+                                   "byte level\n"
+                                   "string name\n"
+                                   "string message\n"
+                                   "string hardware_id\n"
+                                   "diagnostic_msgs/KeyValue[] values\n" TRISKIN_RULE
+                                   "MSG: diagnostic_msgs/KeyValue\n"
+                                   "string key\n"
+                                   "string value\n"};
+
+const MessageType kTransformsType{"tf2_msgs/msg/TFMessage",
+                                  "geometry_msgs/TransformStamped[] transforms\n" TRISKIN_RULE
+                                  "MSG: geometry_msgs/TransformStamped\n"
+                                  "std_msgs/Header header\n"
+                                  "string child_frame_id\n"
+                                  "geometry_msgs/Transform transform\n" TRISKIN_HEADER TRISKIN_RULE
+                                  "MSG: geometry_msgs/Transform\n"
+                                  "geometry_msgs/Vector3 translation\n"
+                                  "geometry_msgs/Quaternion rotation\n" TRISKIN_RULE
+                                  "MSG: geometry_msgs/Vector3\n"
+                                  "float64 x\n"
+                                  "float64 y\n"
+                                  "float64 z\n" TRISKIN_RULE
+                                  "MSG: geometry_msgs/Quaternion\n"
+                                  "float64 x\n"
+                                  "float64 y\n"
+                                  "float64 z\n"
+                                  "float64 w\n"};
+#undef TRISKIN_HEADER
+#undef TRISKIN_RULE
+
+std::vector<std::uint8_t> bytes_of(const CdrWriter& w) {
+  return {w.message().begin(), w.message().end()};
+}
+
+}  // namespace
+
+// Computed from the definitions; tests/bridge/type_hash.py does so again.
+const RosType kRaw{recording::kRawFrameType, "RIHS01_73cb35a97e218354bc1b0cf26b0d649e96dc34049322e8af47a52a640139eaf5"};
+const RosType kLayout{recording::kLayoutType,
+                      "RIHS01_864edfff3d05b703e18ceac4fa7e0939d0fa4349b23d6c0fe542bc7dbd4ec0bd"};
+const RosType kContacts{recording::kContactsType,
+                        "RIHS01_d4a0a443415402efaffdcbc65b74dbf3f645a2662db783ab582b4c78bf1e3812"};
+const RosType kPoints{recording::kPointCloudType,
+                      "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"};
+const RosType kDiagnostics{kDiagnosticsType, "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"};
+const RosType kTransforms{kTransformsType, "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"};
+
+std::span<const RosType* const> all_types() {
+  static constexpr std::array<const RosType*, 6> kAll{&kRaw,    &kLayout,      &kContacts,
+                                                      &kPoints, &kDiagnostics, &kTransforms};
+  return kAll;
+}
+
+std::string dds_name(std::string_view ros_name) {
+  const std::size_t first = ros_name.find('/'), last = ros_name.rfind('/');
+  return std::string(ros_name.substr(0, first)) + "::msg::dds_::" + std::string(ros_name.substr(last + 1)) + "_";
+}
+
+std::vector<std::uint8_t> encode_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns) {
+  CdrWriter w;
+  recording::put_header(w, stamp_ns, "");
+  w.count(parts.size());
+  for (const Diagnosis& d : parts) {
+    w.u8(static_cast<std::uint8_t>(d.level));
+    w.text(d.name);
+    w.text(d.message);
+    w.text(d.hardware_id);
+    w.count(d.values.size());
+    for (const auto& [key, value] : d.values) {
+      w.text(key);
+      w.text(value);
+    }
+  }
+  return bytes_of(w);
+}
+
+std::vector<std::uint8_t> encode_transform(std::string_view parent, std::string_view child, const Pose& pose,
+                                           std::uint64_t stamp_ns) {
+  CdrWriter w;
+  w.count(1);
+  recording::put_header(w, stamp_ns, parent);
+  w.text(child);
+  for (const double v : pose.translation_m) w.f64(v);
+  for (const double v : pose.rotation) w.f64(v);
+  return bytes_of(w);
+}
+
+}  // namespace triskin::bridge

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/bridge/bridge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "contacts.hpp"
+#include "triskin/cli/site_options.hpp"
+#include "triskin/cli/stream_options.hpp"
+#include "triskin/host/interrupt.hpp"
+#include "triskin/jobs/touch_map.hpp"
+#include "triskin/robot/robot.hpp"
+
+namespace triskin::cli {
+namespace {
+
+struct Options {
+  SiteOptions site;
+  device::StreamOptions stream;
+  bridge::BridgeOptions bridge;
+  std::vector<double> pose;  // x, y, z in m, then a quaternion x, y, z, w
+  double contacts_hz = 10.0;
+  double seconds = 0.0;
+  std::uint32_t domain = 0;
+};
+
+std::uint64_t unix_ns() {
+  using namespace std::chrono;
+  return static_cast<std::uint64_t>(duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count());
+}
+
+bridge::Pose pose_of(const std::vector<double>& numbers) {
+  bridge::Pose pose;
+  if (numbers.empty()) return pose;
+  std::copy_n(numbers.begin(), 3, pose.translation_m.begin());
+  std::copy_n(numbers.begin() + 3, 4, pose.rotation.begin());
+  double square = 0.0;
+  for (const double v : pose.rotation) square += v * v;
+  if (std::abs(square - 1.0) > 1e-3) throw InputError("--pose: the last four numbers are no unit quaternion x y z w");
+  return pose;
+}
+
+// One controller a part of the diagnostics; the first sentence says what is wrong.
+std::vector<bridge::Diagnosis> diagnose(const device::StreamReport& report, const std::string& part) {
+  using Level = bridge::Diagnosis::Level;
+  std::map<int, device::SampleCounts> counts;
+  for (const device::ModuleCounts& m : report.modules) counts[m.patch] += m.counts;
+  std::vector<bridge::Diagnosis> parts;
+  for (const device::ClockState& c : report.clocks) {
+    bridge::Diagnosis d;
+    d.name = fmt::format("skin {}: patch {}", part, c.patch);
+    d.hardware_id = fmt::format("controller {}", c.node);
+    const device::SampleCounts& n = counts[c.patch];
+    const bool silent = std::ranges::find(report.silent, c.patch) != report.silent.end();
+    d.level = silent ? Level::kError : n.lost() > 0 ? Level::kWarn : Level::kOk;
+    d.message = silent         ? "its controller is silent; check power and cable"
+                : n.lost() > 0 ? fmt::format("{} of {} samples were lost", n.lost(), n.expected)
+                               : "ok";
+    d.values = {{"expected", std::to_string(n.expected)},
+                {"received", std::to_string(n.received)},
+                {"lost", std::to_string(n.lost())},
+                {"clock_drift_ppm", fmt::format("{:.1f}", c.drift_ppm)},
+                {"clock_error_us", c.error_us == device::LinkTime::kUnbounded ? "" : std::to_string(c.error_us)}};
+    parts.push_back(std::move(d));
+  }
+  return parts;
+}
+
+// One cover: its topics, and what presses it.
+class CoverFeed {
+ public:
+  CoverFeed(const robot::CoverOnBus& cover, bridge::Domain& domain, const bridge::BridgeOptions& options,
+            std::uint64_t now_ns)
+      : cover_(cover), part_(options.part), touches_(cover.design), bridge_(domain, cover.design, options, now_ns) {}
+
+  void add(const device::ModuleFrame& f, std::uint64_t sampled_ns) {
+    touches_.add(f);
+    bridge_.add({f.module, f.link_time_us, f.sample, sampled_ns, f.sampled.error_us});
+  }
+  void slice(std::uint64_t now_ns) { bridge_.add_contacts(contacts_of(touches_), now_ns); }
+  void diagnose(const device::StreamReport& report, std::uint64_t now_ns) {
+    bridge_.add_diagnostics(cli::diagnose(report, part_), now_ns);
+  }
+  void end(const device::StreamReport& report, std::uint64_t now_ns) {
+    bridge_.flush();
+    diagnose(report, now_ns);
+    report_ = report;
+  }
+  // Adds what is told of the cover; returns the exit status.
+  int tell(const robot::BusSite& bus, nlohmann::json& rows, Output& output) const {
+    nlohmann::json row = keys_of(bus, cover_);
+    const bridge::Published& p = bridge_.published();
+    for (const std::string& line : sentences(report_)) output.say(prefix_of(cover_) + line);
+    add_stream_keys(report_, row);
+    row["part"] = part_;
+    row["published"] = {{"raw", p.raw},
+                        {"samples", p.samples},
+                        {"points", p.points},
+                        {"contacts", p.contacts},
+                        {"diagnostics", p.diagnostics}};
+    output.say(fmt::format("/skin/{}: {} raw messages with {} samples, {} point clouds, {} lists of contacts", part_,
+                           p.raw, p.samples, p.points, p.contacts));
+    rows.push_back(std::move(row));
+    return report_.complete() ? 0 : 1;
+  }
+
+ private:
+  const robot::CoverOnBus& cover_;
+  std::string part_;
+  device::TouchMap touches_;
+  bridge::Bridge bridge_;
+  device::StreamReport report_;
+};
+
+// One bus: from its stream to the topics of its covers.
+class BusFeed {
+ public:
+  BusFeed(const Options& options, const robot::BusSite& site) : options_(options), site_(site) {}
+
+  void run(device::Link& link, bridge::Domain& domain, const std::vector<bridge::BridgeOptions>& by_cover) {
+    device::Bus bus(link);
+    start_us_ = bus.now_us();
+    start_ns_ = unix_ns();
+    std::vector<const design::Design*> designs;
+    for (const robot::CoverOnBus& cover : site_.covers) {
+      if (!cover.chosen) continue;
+      covers_.push_back(
+          std::make_unique<CoverFeed>(cover, domain, by_cover[static_cast<std::size_t>(cover.cover)], start_ns_));
+      designs.push_back(&cover.design);
+    }
+    device::Stream stream(
+        bus, designs,
+        [this](const device::ModuleFrame& f) {
+          covers_[static_cast<std::size_t>(f.cover)]->add(f, ns_of(f.sampled.link_us));
+        },
+        robot::stream_options(site_, designs, speaking(options_.stream)));
+    feed(bus, stream);
+    stream.finish();
+    for (std::size_t c = 0; c < covers_.size(); ++c)
+      covers_[c]->end(stream.report(static_cast<int>(c)), ns_of(bus.now_us()));
+  }
+  int tell(nlohmann::json& rows, Output& output) const {
+    int status = 0;
+    for (const auto& cover : covers_) status = std::max(status, cover->tell(site_, rows, output));
+    return status;
+  }
+
+ private:
+  static constexpr std::uint64_t kDiagnostics_us = 1'000'000;
+
+  [[nodiscard]] std::uint64_t ns_of(std::uint64_t link_us) const { return start_ns_ + (link_us - start_us_) * 1000; }
+
+  void feed(device::Bus& bus, device::Stream& stream) {
+    const auto end_us = options_.seconds > 0.0 ? start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6) : 0;
+    const auto slice_us = static_cast<std::uint64_t>(1e6 / options_.contacts_hz);
+    std::uint64_t diagnostics_us = 0;
+    try {
+      while ((end_us == 0 || bus.now_us() < end_us) && !interrupt_request()) {
+        stream.run_until(bus.now_us() + slice_us);
+        for (const auto& cover : covers_) cover->slice(ns_of(bus.now_us()));
+        if (bus.now_us() < diagnostics_us) continue;
+        for (std::size_t c = 0; c < covers_.size(); ++c)
+          covers_[c]->diagnose(stream.report(static_cast<int>(c)), ns_of(bus.now_us()));
+        diagnostics_us = bus.now_us() + kDiagnostics_us;
+      }
+    } catch (const Cancelled&) {
+      // Ctrl-C is the usual end.
+    }
+  }
+
+  const Options& options_;
+  const robot::BusSite& site_;
+  std::vector<std::unique_ptr<CoverFeed>> covers_;
+  std::uint64_t start_us_ = 0, start_ns_ = 0;
+};
+
+// By cover of the robot file; of a design file the one.
+std::vector<bridge::BridgeOptions> options_of(const Options& options, const robot::Site& site) {
+  bridge::BridgeOptions common = options.bridge;
+  common.pose = pose_of(options.pose);
+  if (!site.is_robot) {
+    if (common.part.empty()) common.part = bridge::part_name(site.buses.front().covers.front().design.name);
+    return {common};
+  }
+  if (!common.part.empty() || !options.pose.empty())
+    throw InputError("--part and --pose are for a design file; the covers of a robot have theirs in the robot file");
+  constexpr double kMetre_mm = 1000.0;
+  std::vector<bridge::BridgeOptions> by_cover;
+  for (const robot::CoverEntry& cover : robot::read_robot(site.file).covers) {
+    bridge::BridgeOptions o = common;
+    o.part = bridge::part_name(cover.name);
+    if (!cover.frame.empty()) o.parent_frame = cover.frame;
+    const Eigen::Quaterniond q(cover.pose.linear());
+    for (int axis = 0; axis < 3; ++axis)
+      o.pose.translation_m[static_cast<std::size_t>(axis)] = cover.pose.translation()[axis] / kMetre_mm;
+    o.pose.rotation = {q.x(), q.y(), q.z(), q.w()};
+    by_cover.push_back(std::move(o));
+  }
+  return by_cover;
+}
+
+int run(const Options& options, Output& output) {
+  robot::Site site = robot::read_site(options.site.file);
+  robot::choose(site, options.site.cover);
+  const std::vector<bridge::BridgeOptions> by_cover = options_of(options, site);
+  const auto domain = bridge::join_domain(options.domain);
+  OpenSite open{std::move(site), {}};
+  open.links = device::open_buses(open.site, options.site.link);
+  std::deque<BusFeed> feeds;
+  for (const robot::BusSite& bus : open.site.buses) feeds.emplace_back(options, bus);
+  output.say(fmt::format("publishing /skin/… in domain {}; end with Ctrl-C", options.domain));
+  on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+    feeds[static_cast<std::size_t>(&bus - open.site.buses.data())].run(link, *domain, by_cover);
+  });
+  nlohmann::json rows = nlohmann::json::array();
+  int status = 0;
+  for (const BusFeed& feed : feeds) status = std::max(status, feed.tell(rows, output));
+  if (open.site.is_robot)
+    output.result = {{"covers", std::move(rows)}};
+  else
+    output.result = std::move(rows[0]);
+  return status;
+}
+
+const Registration kBridge{{
+    "bridge",
+    "publish the skin on DDS as ROS 2 has it: points, raw samples, contacts, layout, diagnostics, tf",
+    "triskin bridge forearm.json --link can:can0 --points-hz 20",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      add_site_options(app, options->site);
+      add_stream_options(app, options->stream);
+      app.add_option(
+          "--part", options->bridge.part,
+          "name in the topics /skin/PART/…; default: that of the design. Of a robot: the names of its covers");
+      app.add_option("--domain", options->domain, "DDS domain")
+          ->envname("ROS_DOMAIN_ID")
+          ->check(CLI::Range(0, 232))
+          ->capture_default_str();
+      app.add_option("--points-hz", options->bridge.points_hz, "point clouds a second; 0: none")
+          ->check(CLI::Range(0.0, 100.0))
+          ->capture_default_str();
+      app.add_option("--contacts-hz", options->contacts_hz, "lists of pressed taxels a second")
+          ->check(CLI::Range(0.5, 100.0))
+          ->capture_default_str();
+      app.add_flag("!--no-raw", options->bridge.raw, "without every sample of every module");
+      app.add_option("--parent", options->bridge.parent_frame, "frame of the link that carries the cover")
+          ->capture_default_str();
+      app.add_option("--pose", options->pose, "of the cover's mesh in it: x y z (m), quaternion x y z w")->expected(7);
+      app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")
+          ->check(CLI::Range(0.0, 1e7));
+      return [options](Output& output) { return run(*options, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The time of a sample in a recording, and recordings of 0.1, which have none.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "triskin/recording/messages.hpp"
+
+namespace triskin::recording {
+namespace {
+
+constexpr std::uint64_t kFirst_ns = 1'700'000'000'123'456'000;
+
+std::vector<ModuleSample> frame() {
+  std::vector<ModuleSample> samples(4);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    samples[k].module = static_cast<int>(k);
+    samples[k].link_time_us = 900 + k;
+    samples[k].sample.module = static_cast<std::uint8_t>(k);
+    samples[k].sample.sample = 7;
+    samples[k].sample.device_time_us = 5'000 - 300 * k;  // lines are not read in the order of the frame
+    samples[k].sampled_ns = kFirst_ns - 300'000 * k;
+    samples[k].error_us = 850;
+  }
+  return samples;
+}
+
+TEST(RecordedTime, comes_back_with_its_bound) {
+  EXPECT_EQ(decode_raw(encode_raw(frame())), frame());
+}
+
+// For four modules the counts end four bytes before a multiple of eight, so a frame of 0.1 lacks the last sixteen bytes.
+TEST(RecordedTime, a_frame_of_0_1_is_read_without_it) {
+  const auto message = encode_raw(frame());
+  const auto samples = decode_raw(Bytes(message).first(message.size() - 16));
+  ASSERT_TRUE(samples.has_value());
+  ASSERT_EQ(samples->size(), 4U);
+  EXPECT_EQ((*samples)[3].sample.device_time_us, 4'100U);
+  EXPECT_EQ((*samples)[3].sampled_ns, 0U);
+  EXPECT_EQ((*samples)[3].error_us, ModuleSample::kNoBound);
+  EXPECT_FALSE(decode_raw(Bytes(message).first(message.size() - 4)).has_value()) << "half of it is damage";
+}
+
+}  // namespace
+}  // namespace triskin::recording
