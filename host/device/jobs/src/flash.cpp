@@ -142,7 +142,7 @@ class Pass {
 
  private:
   std::vector<wire::NodeClaim> find() {
-    const std::vector<wire::NodeClaim> claims = bus_.discover();
+    std::vector<wire::NodeClaim> claims = bus_.discover();
     const auto wanted = ways_for_flashed(claims, {bus_, design_, options_});
     if (options_.dry_run || wanted.empty()) return claims;
     assign_addresses(bus_, wanted);
