@@ -35,7 +35,7 @@ Source read_source(const std::string& file, const triskin_options& options) {
 
 Skin::Skin(Source source, const triskin_options& options)
     : design_(std::move(source.design)),
-      stream_options_{.every = options.every, .overload = options.overload != 0, .say = {}},
+      stream_options_{.every = options.every, .overload = options.overload != 0, .neighbours = {}, .say = {}},
       queue_s_(options.queue_s),
       link_(device::open_link(source.link, &design_)),
       virtual_time_(source.link.link == "sim"),
