@@ -17,6 +17,13 @@ namespace {
 constexpr std::uint64_t kSlice_us = 20'000, kTare_us = 2'000'000;
 constexpr double kSecond_us = 1e6;
 
+device::StreamOptions stream_options(const triskin_options& options) {
+  device::StreamOptions s;
+  s.every = options.every;
+  s.overload = options.overload != 0;
+  return s;
+}
+
 double unix_now_s() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
@@ -35,7 +42,7 @@ Source read_source(const std::string& file, const triskin_options& options) {
 
 Skin::Skin(Source source, const triskin_options& options)
     : design_(std::move(source.design)),
-      stream_options_{.every = options.every, .overload = options.overload != 0, .neighbours = {}, .say = {}},
+      stream_options_(stream_options(options)),
       queue_s_(options.queue_s),
       link_(device::open_link(source.link, &design_)),
       virtual_time_(source.link.link == "sim"),
