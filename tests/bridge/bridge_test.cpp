@@ -110,7 +110,8 @@ TEST_F(BridgeTest, points_are_a_cloud_with_the_places_of_the_design) {
     const auto poses = design::taxels_of(design_.layout.modules[5], design::wiring_of(design_)[5].routed.rotation);
     float xyz[3];
     std::memcpy(xyz, cloud.data._buffer + (5 * 12 + 3) * cloud.point_step, sizeof xyz);
-    for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(static_cast<double>(xyz[axis]) * 1000.0, poses[3].position_mm[axis], 1e-3);
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(static_cast<double>(xyz[axis]) * 1000.0, poses[3].position_mm[axis], 1e-3);
   };
   EXPECT_TRUE(wait_until([&] { return reader.take(compare), clouds >= 10; })) << clouds;
 }

@@ -29,7 +29,8 @@ TEST(RecordedTime, comes_back_with_its_bound) {
   EXPECT_EQ(decode_raw(encode_raw(frame())), frame());
 }
 
-// For four modules the counts end four bytes before a multiple of eight, so a frame of 0.1 lacks the last sixteen bytes.
+// For four modules the counts end four bytes before a multiple of eight, so a frame of 0.1 lacks the last sixteen
+// bytes.
 TEST(RecordedTime, a_frame_of_0_1_is_read_without_it) {
   const auto message = encode_raw(frame());
   const auto samples = decode_raw(Bytes(message).first(message.size() - 16));

@@ -117,7 +117,8 @@ TEST(Readers, robot) {
       R"({"format":"triskin-robot","version":1,"name":"r","urdf":"r.urdf",
           "buses":[{"name":"left","link":"can:can0","bit_rate":1000000,"data_bit_rate":2000000,"cable_mm":500}],
           "covers":[{"name":"arm","design":"arm.json","design_id":"9f86d081884c7d65","bus":"left","frame":"l_arm",
-            "rate_hz":20,"pose":{"matrix":[[0,-1,0,5],[1,0,0,6],[0,0,1,7],[0,0,0,1]]},"measured":{"points":8,"rms_mm":1.5},
+            "rate_hz":20,"pose":{"matrix":[[0,-1,0,5],[1,0,0,6],[0,0,1,7],[0,0,0,1]]},
+            "measured":{"points":8,"rms_mm":1.5},
             "controllers":[{"patch":0,"node":3,"serial":"0123456789abcdef01234567","cable_mm":90}]},
            {"name":"leg","design":"leg.json","design_id":"9f86d081884c7d65","bus":"left",
             "pose":{"xyz_mm":[1,2,3],"rpy_rad":[0.1,0.2,0.3]},"controllers":[]}]})";

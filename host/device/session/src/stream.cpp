@@ -227,8 +227,8 @@ void Stream::take(Node& node, const wire::FullTaxels& sample, std::uint64_t hear
   node.clock.arrived(sample.device_time_us, heard_us);
   node.newest_device_us = sample.device_time_us;
   if (handler_)
-    handler_({node.modules[sample.module], heard_us, sample, node.cover,
-              node.clock.at(sample.device_time_us, heard_us)});
+    handler_(
+        {node.modules[sample.module], heard_us, sample, node.cover, node.clock.at(sample.device_time_us, heard_us)});
 }
 
 // A controller that is silent is asked once: five attempts on a dead one would take seconds.
@@ -295,8 +295,8 @@ StreamReport Stream::report_of(int cover) const {
       r.modules.push_back({node.modules[k], node.patch, c, slow, node.cover});
     }
     if (node.silent) r.silent.push_back(node.patch);
-    r.clocks.push_back({node.cover, node.patch, address, node.clock.drift_ppm(), node.clock.at(node.newest_device_us).error_us,
-                        node.clock.restarts()});
+    r.clocks.push_back({node.cover, node.patch, address, node.clock.drift_ppm(),
+                        node.clock.at(node.newest_device_us).error_us, node.clock.restarts()});
   }
   r.lapses = lapses_;
   r.budget = budget_;

@@ -11,16 +11,16 @@ namespace triskin::device {
 /// What `--link` and `--scene` name.
 struct LinkOptions {
   std::string link = "sim";
-  bool chosen = false;    ///< `link` was given; else a robot file says which
-  std::string scene;      ///< scene file for `sim`; empty: the design, with nothing wrong
-  bool switched = false;  ///< `sim` without a scene file has switched modules
+  bool chosen = false;         ///< `link` was given; else a robot file says which
+  std::string scene;           ///< scene file for `sim`; empty: the design, with nothing wrong
+  bool switched = false;       ///< `sim` without a scene file has switched modules
   bool own_interrupts = true;  ///< catch_interrupts(); false: signals are left to the caller
 };
 
 /// Opens `sim`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last three, joined by
 /// commas. `design` is what `sim` simulates when there is no scene; null where a command has none; not kept. From now
-/// on Ctrl-C only sets interrupt_request(), unless the options leave signals to the caller. Throws InputError (unknown link, no design or scene
-/// for `sim`, a scene of another design), DeviceError (cannot connect).
+/// on Ctrl-C only sets interrupt_request(), unless the options leave signals to the caller. Throws InputError (unknown
+/// link, no design or scene for `sim`, a scene of another design), DeviceError (cannot connect).
 [[nodiscard]] std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design* design);
 
 }  // namespace triskin::device

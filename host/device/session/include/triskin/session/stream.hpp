@@ -25,7 +25,7 @@ struct ModuleFrame {
   int module = 0;                  ///< id in the design; in the frame it is a row of the controller's table
   std::uint64_t link_time_us = 0;  ///< clock of the link when the frame came
   wire::FullTaxels sample;
-  int cover = 0;  ///< which of the stream's designs
+  int cover = 0;       ///< which of the stream's designs
   LinkTime sampled{};  ///< when the controller took it (ClockFilter)
 };
 
@@ -42,8 +42,8 @@ struct StreamOptions {
 
 /// A reader of the data stream of all controllers of a design, or of several designs that share a bus. It has a lease
 /// on the stream and renews it; the ends of other readers leave it alone. Every sample that was due is accounted for:
-/// received, or lost and where. Each controller is asked for its clock when the stream begins and once a second, so each
-/// sample has a time and a bound.
+/// received, or lost and where. Each controller is asked for its clock when the stream begins and once a second, so
+/// each sample has a time and a bound.
 class Stream {
  public:
   using OnFrame = std::function<void(const ModuleFrame&)>;
