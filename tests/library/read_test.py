@@ -53,7 +53,8 @@ def stream(skin):
         assert len(mine) > 50, len(mine)
         assert (np.diff(mine["number"].astype(int)) == 1).all(), "a sample is missing"
         assert (np.diff(mine["time_s"]) > 0).all()
-    assert samples["value"].shape[1:] == (12,) and samples["valid"].min() == 0xFFF
+    assert samples["value"].shape[1:] == (12,)
+    assert samples["valid"][-200:].min() == 0xFFF, "before, the controllers look for the offsets of their converters"
     assert np.isfinite(samples["error_s"]).all() and np.median(samples["error_s"]) < 0.1
     skin.stop()
     rest = skin.read()
