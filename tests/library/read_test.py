@@ -3,7 +3,6 @@
 Usage: read_test.py PROGRAM DESIGN SCENE"""
 import json
 import math
-import os
 import re
 import signal
 import subprocess
@@ -82,10 +81,10 @@ try:
         good, report = skin.verify()
         assert good, report
     errors()
-    os.environ["XDG_STATE_HOME"] = os.path.dirname(design)
-    with triskin.open(design, link="sim", scene=scene) as skin:  # virtual time
-        assert len(skin.read(2.0)) > 8 * 50 and skin.counts()["lost"] == 0
 finally:
     server.send_signal(signal.SIGINT)
     server.wait()
+# Now that nobody else simulates these boards: the same in this process, in virtual time.
+with triskin.open(design, link="sim", scene=scene) as skin:
+    assert len(skin.read(2.0)) > 8 * 50 and skin.counts()["lost"] == 0
 print("ok")
