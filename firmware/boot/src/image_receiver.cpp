@@ -70,8 +70,8 @@ void ImageReceiver::join(const Order& order) {
   offer_ = offered_;
   if (offered_session_ != order.session) return enter(Phase::kRefused, Status::kEmpty);
   if (!slots_.peek(self_.running_slot).confirmed) return enter(Phase::kRefused, Status::kUnproven);
-  if (offer_.size_bytes > slots_.records(free_slot())) return enter(Phase::kRefused, Status::kNoSpace);
-  const Status s = acceptable(offer_, free_slot(), self_.firmware_version);
+  Status s = acceptable(offer_, free_slot(), self_.firmware_version);
+  if (s == Status::kOk && offer_.size_bytes > slots_.records(free_slot())) s = Status::kNoSpace;
   enter(s == Status::kOk ? Phase::kJoined : Phase::kRefused, s);
 }
 

@@ -44,8 +44,8 @@ Mesh forearm(int faces) {
   for (int a = 0; a < along; ++a) {
     for (int r = 0; r < around; ++r) {
       const int v = a * (around + 1) + r;
-      mesh.faces.push_back({v, v + 1, v + around + 1});
-      mesh.faces.push_back({v + 1, v + around + 2, v + around + 1});
+      mesh.faces.push_back({v, v + around + 1, v + 1});
+      mesh.faces.push_back({v + 1, v + around + 1, v + around + 2});
     }
   }
   return mesh;
