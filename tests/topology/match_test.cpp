@@ -201,8 +201,9 @@ TEST(Flash, a_prepared_route_leaves_the_failed_module_out_and_is_no_wrong_table)
   std::mt19937_64 random(37);
   const design::Design design = random_design(12, random);
   const design::Patch& patch = design.patches[0];
-  const auto failed = std::ranges::find_if(
-      patch.failures, [&](const auto& f) { return f.other_node < 0 && f.node != patch.entry && f.lost_one_entry == 1; });
+  const auto failed = std::ranges::find_if(patch.failures, [&](const auto& f) {
+    return f.other_node < 0 && f.node != patch.entry && f.lost_one_entry == 1;
+  });
   ASSERT_NE(failed, patch.failures.end());
   device::SimLink link(assembled(design, {fault(FaultKind::kDeadModule, failed->node)}));
   device::Bus bus(link);
