@@ -2,6 +2,7 @@
 #include "triskin/bridge/ros_types.hpp"
 
 #include "triskin/recording/cdr.hpp"
+#include "triskin/recording/ros_text.hpp"
 
 namespace triskin::bridge {
 namespace {
@@ -9,19 +10,9 @@ namespace {
 using recording::CdrWriter;
 using recording::MessageType;
 
-#define TRISKIN_RULE "================================================================================\n"
-#define TRISKIN_HEADER              \
-  TRISKIN_RULE                      \
-  "MSG: std_msgs/Header\n"          \
-  "builtin_interfaces/Time stamp\n" \
-  "string frame_id\n" TRISKIN_RULE  \
-  "MSG: builtin_interfaces/Time\n"  \
-  "int32 sec\n"                     \
-  "uint32 nanosec\n"
-
 const MessageType kDiagnosticsType{"diagnostic_msgs/msg/DiagnosticArray",
                                    "std_msgs/Header header\n"
-                                   "diagnostic_msgs/DiagnosticStatus[] status\n" TRISKIN_HEADER TRISKIN_RULE
+                                   "diagnostic_msgs/DiagnosticStatus[] status\n" TRISKIN_ROS_HEADER TRISKIN_ROS_RULE
                                    "MSG: diagnostic_msgs/DiagnosticStatus\n"
                                    "byte OK=0\n"
                                    "byte WARN=1\n"
@@ -31,31 +22,29 @@ const MessageType kDiagnosticsType{"diagnostic_msgs/msg/DiagnosticArray",
                                    "string name\n"
                                    "string message\n"
                                    "string hardware_id\n"
-                                   "diagnostic_msgs/KeyValue[] values\n" TRISKIN_RULE
+                                   "diagnostic_msgs/KeyValue[] values\n" TRISKIN_ROS_RULE
                                    "MSG: diagnostic_msgs/KeyValue\n"
                                    "string key\n"
                                    "string value\n"};
 
 const MessageType kTransformsType{"tf2_msgs/msg/TFMessage",
-                                  "geometry_msgs/TransformStamped[] transforms\n" TRISKIN_RULE
+                                  "geometry_msgs/TransformStamped[] transforms\n" TRISKIN_ROS_RULE
                                   "MSG: geometry_msgs/TransformStamped\n"
                                   "std_msgs/Header header\n"
                                   "string child_frame_id\n"
-                                  "geometry_msgs/Transform transform\n" TRISKIN_HEADER TRISKIN_RULE
+                                  "geometry_msgs/Transform transform\n" TRISKIN_ROS_HEADER TRISKIN_ROS_RULE
                                   "MSG: geometry_msgs/Transform\n"
                                   "geometry_msgs/Vector3 translation\n"
-                                  "geometry_msgs/Quaternion rotation\n" TRISKIN_RULE
+                                  "geometry_msgs/Quaternion rotation\n" TRISKIN_ROS_RULE
                                   "MSG: geometry_msgs/Vector3\n"
                                   "float64 x\n"
                                   "float64 y\n"
-                                  "float64 z\n" TRISKIN_RULE
+                                  "float64 z\n" TRISKIN_ROS_RULE
                                   "MSG: geometry_msgs/Quaternion\n"
                                   "float64 x\n"
                                   "float64 y\n"
                                   "float64 z\n"
                                   "float64 w\n"};
-#undef TRISKIN_HEADER
-#undef TRISKIN_RULE
 
 std::vector<std::uint8_t> bytes_of(const CdrWriter& w) {
   return {w.message().begin(), w.message().end()};

@@ -1,19 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/recording/messages.hpp"
+#include "triskin/recording/ros_text.hpp"
 
 namespace triskin::recording {
 namespace {
-
-// Types of others, as far as ours use them: fields and order are those of ROS 2.
-#define TRISKIN_RULE "================================================================================\n"
-#define TRISKIN_HEADER              \
-  TRISKIN_RULE                      \
-  "MSG: std_msgs/Header\n"          \
-  "builtin_interfaces/Time stamp\n" \
-  "string frame_id\n" TRISKIN_RULE  \
-  "MSG: builtin_interfaces/Time\n"  \
-  "int32 sec\n"                     \
-  "uint32 nanosec\n"
 
 constexpr std::string_view kRawFrame =
     "# Samples of modules of one controller with one sample number\n"
@@ -39,7 +29,7 @@ constexpr std::string_view kLayout =
     "float32[] corner         # m, 9 a module: three corners\n"
     "float32[] position       # m, 36 a module: twelve taxels\n"
     "float32[] normal         # 3 a module, outward\n"
-    "int32[] patch            # 1 a module, -1: none\n" TRISKIN_HEADER;
+    "int32[] patch            # 1 a module, -1: none\n" TRISKIN_ROS_HEADER;
 
 constexpr std::string_view kContacts =
     "# Taxels under pressure, the strongest first\n"
@@ -48,8 +38,9 @@ constexpr std::string_view kContacts =
     "uint8[] taxel\n"
     "float32[] change         # counts against rest\n"
     "float32[] position       # m, 3 a taxel\n"
-    "float32[] normal         # 3 a taxel, outward\n" TRISKIN_HEADER;
+    "float32[] normal         # 3 a taxel, outward\n" TRISKIN_ROS_HEADER;
 
+// Of others, as far as ours use it: fields and order are those of ROS 2.
 constexpr std::string_view kPointCloud =
     "std_msgs/Header header\n"
     "uint32 height\n"
@@ -59,7 +50,7 @@ constexpr std::string_view kPointCloud =
     "uint32 point_step\n"
     "uint32 row_step\n"
     "uint8[] data\n"
-    "bool is_dense\n" TRISKIN_HEADER TRISKIN_RULE
+    "bool is_dense\n" TRISKIN_ROS_HEADER TRISKIN_ROS_RULE
     "MSG: sensor_msgs/PointField\n"
     "uint8 INT8=1\n"
     "uint8 UINT8=2\n"
@@ -73,8 +64,6 @@ constexpr std::string_view kPointCloud =
     "uint32 offset\n"
     "uint8 datatype\n"
     "uint32 count\n";
-#undef TRISKIN_HEADER
-#undef TRISKIN_RULE
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "fiber.hpp"
+#include "triskin/link/forwarding_link.hpp"
 #include "triskin/wire/uds.hpp"
 
 namespace triskin::device {
@@ -17,23 +18,14 @@ namespace {
 class Scheduler;
 
 // The link as one task sees it: receive() hands control to the scheduler instead of blocking.
-class TaskLink final : public Link {
+class TaskLink final : public ForwardingLink {
  public:
   TaskLink(Scheduler& scheduler, Link& link, const Task& task)
-      : scheduler_(scheduler), link_(link), task_(task), wire_(link.wire_of(task.node)), fiber_([this] { run(); }) {}
+      : ForwardingLink(link), scheduler_(scheduler), task_(task), wire_(link.wire_of(task.node)), fiber_([this] {
+          run();
+        }) {}
 
-  void send(const wire::CanFrame& frame) override { link_.send(frame); }
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
-  [[nodiscard]] std::uint64_t now_us() const override { return link_.now_us(); }
-  [[nodiscard]] bool fd() const override { return link_.fd(); }
-  [[nodiscard]] std::uint8_t frame_bytes() const override { return link_.frame_bytes(); }
-  [[nodiscard]] std::uint64_t answer_us() const override { return link_.answer_us(); }
-  [[nodiscard]] std::string name() const override { return link_.name(); }
-  [[nodiscard]] std::string trouble() const override { return link_.trouble(); }
-  [[nodiscard]] std::unique_ptr<MessageChannel> open_channel(std::uint32_t tx_id, std::uint32_t rx_id) override {
-    return link_.open_channel(tx_id, rx_id);
-  }
-  [[nodiscard]] int wire_of(std::uint8_t node) const override { return link_.wire_of(node); }
 
   // What follows is for the scheduler, while the task is suspended.
   [[nodiscard]] int wire() const { return wire_; }
@@ -58,7 +50,6 @@ class TaskLink final : public Link {
   void run();
 
   Scheduler& scheduler_;
-  Link& link_;
   const Task& task_;
   const int wire_;
   State state_ = State::kFresh;
