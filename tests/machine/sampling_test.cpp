@@ -85,7 +85,8 @@ TEST_P(Whole, SixteenModulesOnTheirOwnClocksLoseNothing) {
     const double expected = static_cast<double>(kRun_us) / static_cast<double>(module_at(m).chip->sequence_us());
     least = std::min(least, static_cast<double>(list.size()) / expected);
     EXPECT_GE(static_cast<double>(list.size()), rate * expected - 1) << m;
-    EXPECT_LE(static_cast<double>(list.size()), expected + 1) << m;
+    // One more than fits because of the ends, and one that was converted before and still waited for the bus.
+    EXPECT_LE(static_cast<double>(list.size()), expected + 2) << m;
   }
   std::printf("samples of the slowest module: %.1f %% of its sequences\n", 100 * least);
   if (!on_posix) expect_no_violation();
