@@ -7,15 +7,12 @@
 #include <set>
 
 #include "drawing.hpp"
+#include "module_geometry.hpp"
 #include "pages.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::sheet {
 namespace {
-
-std::size_t index(int value) {
-  return static_cast<std::size_t>(value);
-}
 
 // One side of a module on the page, without its cut corners.
 struct PageSide {

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "drawing.hpp"
+#include "module_geometry.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::sheet {
@@ -39,9 +40,6 @@ struct Shape {
   Color color;
 };
 
-Vec3 center_of(const design::PlacedModule& m) {
-  return (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
-}
 Vec3 normal_of(const std::array<Vec3, 3>& p) {
   return (p[1] - p[0]).cross(p[2] - p[0]).normalized();
 }

@@ -7,18 +7,14 @@
 #include <set>
 #include <tuple>
 
+#include "module_geometry.hpp"
+
 namespace triskin::sheet {
 namespace {
 
 using design::PlacedModule;
 using design::Vec3;
 
-std::size_t index(int value) {
-  return static_cast<std::size_t>(value);
-}
-Vec3 center_of(const PlacedModule& m) {
-  return (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
-}
 Vec3 normal_of(const PlacedModule& m) {
   return (m.corner_mm[1] - m.corner_mm[0]).cross(m.corner_mm[2] - m.corner_mm[0]).normalized();
 }

@@ -49,21 +49,34 @@ Stand visit(const Surface& surface, const Vec3& p, double& best) {
   return s;
 }
 
-// Whether a part of the module, all within `reach` of a point, may stand over the border by more than is known. Both
-// distances change by no more than the way of the point, and the foot on the surface by little more. A point that just
-// leaves the surface may at once stand over the border by as much as the normals of vertices are turned from the
-// face's: such slivers are searched for. Three: the normal turns along the border, too.
-bool may_exceed(const Surface& surface, const Stand& s, double reach, double known_mm) {
-  if (s.to_border_mm - s.foot.distance_mm > 2.0 * reach || s.across_mm + 3.0 * reach <= known_mm + kStep_mm)
-    return false;
-  return s.over() || surface.border_distance(s.foot.position_mm) <= 4.0 * reach;
+// Whether a part of the module, all within `reach` of a point, may stand over the border by more than is known. The
+// distances to the surface and to an edge change by no more than the way of the point, so an edge that is nearest to
+// some point of the part lies within twice the reach of being nearest here; the part may lie under another sheet of the
+// surface, so that it need not be the nearest one here. A point that just leaves the surface may at once stand over the
+// border by as much as the normals of vertices are turned from the face's: such slivers are searched for. Three: the
+// normal turns along the border, too. Of two edges at a corner one passes the test of the side.
+bool may_exceed(const Surface& surface, const Vec3& p, const Stand& s, double reach, double known_mm) {
+  if (s.to_border_mm - s.foot.distance_mm > 2.0 * reach) return false;
+  static thread_local std::vector<BorderPoint> near;
+  near.clear();
+  surface.border_within(p, s.foot.distance_mm + 2.0 * reach + 1e-7, near);
+  return std::ranges::any_of(near, [&](const BorderPoint& b) {
+    const Vec3 off = p - b.point.position_mm, n = surface.normal_at(b.point);
+    if ((off - off.dot(n) * n).norm() + 3.0 * reach <= known_mm + kStep_mm) return false;
+    const auto& face = surface.mesh().faces[static_cast<std::size_t>(b.point.face)];
+    const auto corner = [&](int k) -> const Vec3& {
+      return surface.mesh().vertices[static_cast<std::size_t>(face[static_cast<std::size_t>(k % 3)])];
+    };
+    const Vec3 out = (corner(b.side + 1) - corner(b.side)).cross(surface.face_normal(b.point.face)).normalized();
+    return off.dot(out) >= -2.0 * reach;
+  });
 }
 
 void walk_over_border(const Surface& surface, const Vec3& from, const Vec3& to, double& best) {
   const Vec3 middle = 0.5 * (from + to);
   const double reach = 0.5 * (to - from).norm();
   const Stand s = visit(surface, middle, best);
-  if (reach < kFineSide_mm || !may_exceed(surface, s, reach, best)) return;
+  if (reach < kFineSide_mm || !may_exceed(surface, middle, s, reach, best)) return;
   walk_over_border(surface, from, middle, best);
   walk_over_border(surface, middle, to, best);
 }
@@ -72,7 +85,7 @@ void walk_over_border(const Surface& surface, const Vec3& from, const Vec3& to, 
 void search_over_border(const Surface& surface, const std::array<Vec3, 3>& part, double reach, double& best) {
   const Vec3 middle = (part[0] + part[1] + part[2]) / 3.0;
   const Stand s = visit(surface, middle, best);
-  if (reach < kFineArea_mm || !may_exceed(surface, s, reach, best)) return;
+  if (reach < kFineArea_mm || !may_exceed(surface, middle, s, reach, best)) return;
   const Vec3 ab = 0.5 * (part[0] + part[1]), bc = 0.5 * (part[1] + part[2]), ca = 0.5 * (part[2] + part[0]);
   for (const auto& quarter : {std::array{part[0], ab, ca}, std::array{part[1], bc, ab}, std::array{part[2], ca, bc},
                               std::array{ab, bc, ca}}) {

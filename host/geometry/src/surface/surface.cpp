@@ -232,24 +232,40 @@ void Surface::faces_within(const Vec3& query_mm, double distance_mm, std::vector
   });
 }
 
+BorderPoint Surface::closest_on_edge(int item, const Vec3& query_mm) const {
+  const auto [face, side] = border_sides_[at(item)];
+  const auto& f = mesh_.faces[at(face)];
+  const Vec3 &a = mesh_.vertices[at(f[at(side)])], &b = mesh_.vertices[at(f[at((side + 1) % 3)])];
+  const double t = closest_on_segment(query_mm, a, b);
+  BorderPoint closest{{a + t * (b - a), face, Vec3::Zero(), 0.0}, side};
+  closest.point.barycentric[side] = 1.0 - t;
+  closest.point.barycentric[(side + 1) % 3] = t;
+  return closest;
+}
+
 SurfacePoint Surface::closest_on_border(const Vec3& query_mm) const {
   SurfacePoint best;
   double best_squared = std::numeric_limits<double>::infinity();
   nearest(border_tree_, query_mm, best_squared, [&](int item) {
-    const auto [face, side] = border_sides_[at(item)];
-    const auto& f = mesh_.faces[at(face)];
-    const Vec3 &a = mesh_.vertices[at(f[at(side)])], &b = mesh_.vertices[at(f[at((side + 1) % 3)])];
-    const double t = closest_on_segment(query_mm, a, b);
-    const Vec3 p = a + t * (b - a);
-    const double squared = (p - query_mm).squaredNorm();
+    const BorderPoint closest = closest_on_edge(item, query_mm);
+    const double squared = (closest.point.position_mm - query_mm).squaredNorm();
     if (squared >= best_squared) return;
     best_squared = squared;
-    best = {p, face, Vec3::Zero(), 0.0};
-    best.barycentric[side] = 1.0 - t;
-    best.barycentric[(side + 1) % 3] = t;
+    best = closest.point;
   });
   best.distance_mm = std::sqrt(best_squared);
   return best;
+}
+
+void Surface::border_within(const Vec3& query_mm, double distance_mm, std::vector<BorderPoint>& points) const {
+  double limit = std::nextafter(distance_mm * distance_mm, std::numeric_limits<double>::infinity());
+  nearest(border_tree_, query_mm, limit, [&](int item) {
+    BorderPoint closest = closest_on_edge(item, query_mm);
+    const double squared = (closest.point.position_mm - query_mm).squaredNorm();
+    if (squared >= limit) return;
+    closest.point.distance_mm = std::sqrt(squared);
+    points.push_back(closest);
+  });
 }
 
 double Surface::border_distance(const Vec3& query_mm) const {

@@ -17,6 +17,12 @@ struct SurfacePoint {
   double distance_mm = std::numeric_limits<double>::infinity();
 };
 
+/// Closest point of one border edge.
+struct BorderPoint {
+  SurfacePoint point;
+  int side = 0;  ///< of the face: corner side → side + 1
+};
+
 /// Manifold, oriented triangle surface with border: topology, normals, closest points. Immutable after construction;
 /// all queries are const and thread-safe.
 class Surface {
@@ -50,6 +56,9 @@ class Surface {
   /// Closest point of the border polyline; `face` -1 and distance infinity when the surface is closed. Cost: O(log n)
   /// typical.
   [[nodiscard]] SurfacePoint closest_on_border(const Vec3& query_mm) const;
+  /// Appends the closest point of every border edge within distance_mm ≥ 0 of a point, with the edge's face and side,
+  /// in no order. Cost: O(log n + edges found) typical.
+  void border_within(const Vec3& query_mm, double distance_mm, std::vector<BorderPoint>& points) const;
   /// Distance to the border polyline, mm; infinity when the surface is closed. Cost: as closest_on_border().
   [[nodiscard]] double border_distance(const Vec3& query_mm) const;
 
@@ -71,6 +80,7 @@ class Surface {
   template <class Visit>
   static void nearest(const Tree& tree, const Vec3& query, double& best_squared, Visit visit);
 
+  [[nodiscard]] BorderPoint closest_on_edge(int item, const Vec3& query_mm) const;
   void connect_faces();
   void compute_normals();
   void find_loops();
