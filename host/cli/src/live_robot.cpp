@@ -70,7 +70,8 @@ class BusShow {
         {"time_s", time_s}, {"bus", site_.name}, {"frames", stream.frames()}, {"lost", stream.lost()}};
     object["pressed"] = nlohmann::json::array();
     for (std::size_t c = 0; c < covers_.size(); ++c) {
-      for (nlohmann::json& taxel : to_json(monitors_[c], {})["pressed"]) {
+      nlohmann::json of_cover = to_json(monitors_[c], {});
+      for (nlohmann::json& taxel : of_cover["pressed"]) {
         taxel["cover"] = covers_[c]->name;
         object["pressed"].push_back(std::move(taxel));
       }
