@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <map>
@@ -16,6 +15,7 @@
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/interrupt.hpp"
+#include "triskin/host/wall_clock.hpp"
 #include "triskin/jobs/touch_map.hpp"
 #include "triskin/robot/robot.hpp"
 
@@ -31,11 +31,6 @@ struct Options {
   double seconds = 0.0;
   std::uint32_t domain = 0;
 };
-
-std::uint64_t unix_ns() {
-  using namespace std::chrono;
-  return static_cast<std::uint64_t>(duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count());
-}
 
 bridge::Pose pose_of(const std::vector<double>& numbers) {
   bridge::Pose pose;

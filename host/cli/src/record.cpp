@@ -11,6 +11,7 @@
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/host/interrupt.hpp"
+#include "triskin/host/wall_clock.hpp"
 #include "triskin/jobs/touch_map.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/session/controller.hpp"
@@ -51,11 +52,6 @@ Format format_of(const Options& options, bool is_robot) {
 std::uint64_t steady_us() {
   using namespace std::chrono;
   return static_cast<std::uint64_t>(duration_cast<microseconds>(steady_clock::now().time_since_epoch()).count());
-}
-
-std::uint64_t unix_ns() {
-  using namespace std::chrono;
-  return static_cast<std::uint64_t>(duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count());
 }
 
 std::string firmware_of(device::Bus& bus, std::uint8_t node) {

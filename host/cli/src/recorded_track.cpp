@@ -16,11 +16,15 @@ bool is_recording(const std::string& file) {
   return std::filesystem::path(file).extension() == ".mcap";
 }
 
-RecordedTrack read_track(const std::string& file, std::size_t most_bytes) {
+design::Design recorded_design(const std::string& file) {
   const recording::Summary origin = recording::read_origin(file);
   if (origin.design_text.empty())
     throw InputError(fmt::format("{}: holds no design: is it a recording of triskin?", file));
-  RecordedTrack recorded{design::parse_design(origin.design_text, file + ": design.json"), {}, {}};
+  return design::parse_design(origin.design_text, file + ": design.json");
+}
+
+RecordedTrack read_track(const std::string& file, std::size_t most_bytes) {
+  RecordedTrack recorded{recorded_design(file), {}, {}};
   view::FrameTrack track(recorded.design.layout.modules.size(), most_bytes);
   const recording::Summary summary = recording::read_recording(file, [&](const recording::ModuleSample& s) {
     track.add(s.module, s.sample, static_cast<std::int64_t>(s.link_time_us));

@@ -7,7 +7,7 @@
 
 #include "live_display.hpp"
 #include "triskin/cli/command.hpp"
-#include "triskin/design/design_text.hpp"
+#include "triskin/cli/recorded_track.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/recording/recording.hpp"
 
@@ -68,10 +68,7 @@ class Player {
 
 int run(const Options& options, Output& output) {
   catch_interrupts();
-  const recording::Summary origin = recording::read_origin(options.file);
-  if (origin.design_text.empty())
-    throw InputError(fmt::format("{}: holds no design: is it a recording of triskin?", options.file));
-  const design::Design design = design::parse_design(origin.design_text, options.file + ": design.json");
+  const design::Design design = recorded_design(options.file);
   recording::Summary summary;
   auto display = make_display(design, output);
   Player player(options, design, *display);

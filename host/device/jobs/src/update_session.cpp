@@ -178,6 +178,16 @@ std::array<bool, 2> UpdateSession::slots_wanted() const {
   return wanted;
 }
 
+wire::update::Offer UpdateSession::offer_of(int slot) const {
+  const Bytes image = package_.image(slot);
+  return {.slot = static_cast<std::uint8_t>(slot),
+          .may_be_older = options_.allow_older,
+          .size_bytes = static_cast<std::uint32_t>(image.size()),
+          .firmware_version = package_.head.firmware_version,
+          .hardware_crc = crc32(wire::kPartNumber),
+          .image_crc = crc32(image)};
+}
+
 // The offer of each slot that is free somewhere goes to all; then each one is asked to take part.
 void UpdateSession::join() {
   const auto wanted = slots_wanted();
@@ -185,17 +195,13 @@ void UpdateSession::join() {
   const auto joined = [&](const Board& b) {
     return b.state && b.state->session == session_ && b.state->phase == Phase::kJoined;
   };
+  std::vector<wire::update::Offer> offers;
+  for (int slot = 0; slot < 2; ++slot) {
+    if (wanted[static_cast<std::size_t>(slot)]) offers.push_back(offer_of(slot));
+  }
   const std::uint64_t until_us = bus_.now_us() + kConfirmed_us;
   for (int k = 0; k < kTries || bus_.now_us() < until_us; ++k) {
-    for (int slot = 0; slot < 2; ++slot) {
-      if (!wanted[static_cast<std::size_t>(slot)]) continue;
-      const Bytes image = package_.image(slot);
-      const wire::update::Offer offer{.slot = static_cast<std::uint8_t>(slot),
-                                      .may_be_older = options_.allow_older,
-                                      .size_bytes = static_cast<std::uint32_t>(image.size()),
-                                      .firmware_version = package_.head.firmware_version,
-                                      .hardware_crc = crc32(wire::kPartNumber),
-                                      .image_crc = crc32(image)};
+    for (const wire::update::Offer& offer : offers) {
       for (const auto& order : wire::update::encode_offer(offer, session_)) send(order);
     }
     ask(
@@ -269,7 +275,7 @@ void UpdateSession::erase() {
   }
   if (most == 0) return;
   send_to_all(Command::kErase);
-  const std::size_t pages = (most + 2047) / 2048 + 1;
+  const std::size_t pages = (most + layout::kFlashPageBytes - 1) / layout::kFlashPageBytes + 1;
   listen(bus_.now_us() + pages * kErasePage_us);
   poll_until([](const Board& b) { return b.state && b.state->phase == Phase::kReceiving; }, kErasePatience_us,
              Command::kErase, Phase::kJoined, "erasing");

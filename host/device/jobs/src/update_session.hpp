@@ -85,6 +85,7 @@ class UpdateSession {
   [[nodiscard]] int free_slot(const Board& board) const { return 1 - board.who->running_slot; }
   [[nodiscard]] bool erased(int slot, std::size_t unit) const;
   [[nodiscard]] std::array<bool, 2> slots_wanted() const;
+  [[nodiscard]] wire::update::Offer offer_of(int slot) const;
   [[nodiscard]] bool any_under_way() const;
 
   Bus& bus_;

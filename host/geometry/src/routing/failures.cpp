@@ -143,17 +143,15 @@ class PatchAnalysis {
     result.node = g_.node[at(f.dead >= 0 ? f.dead : f.broken[1])];
     result.other_node = f.dead >= 0 ? -1 : g_.node[at(f.broken[0])];
     result.lost_strapped = size_[at(f.dead >= 0 ? f.dead : f.broken[1])];
-    const std::uint32_t second = patch_.second_entry < 0 ? 0U : 1U << index(patch_.second_entry);
     result.lost_one_entry = g_.size() - std::popcount(reached(f, 1U << entry_));
-    result.lost_rerouted = g_.size() - std::popcount(reached(f, 1U << entry_ | second));
     regrow(f);
+    result.lost_rerouted = static_cast<int>(std::ranges::count_if(depth_, [](int d) { return d < 0; }));
     for (int v = 0; v < g_.size(); ++v) {
       if (depth_[at(v)] < 0 || parent_[at(v)] == tree_parent_[at(v)]) continue;
       result.backup_tree.push_back({g_.node[at(v)], parent_[at(v)] < 0 ? -1 : g_.node[at(parent_[at(v)])]});
     }
     if (options_.adoption) adopt(f, result);
-    const int alive = static_cast<int>(std::ranges::count_if(depth_, [](int d) { return d >= 0; }));
-    result.lost_backed_up = g_.size() - alive - static_cast<int>(result.adopted.size());
+    result.lost_backed_up = result.lost_rerouted - static_cast<int>(result.adopted.size());
     return result;
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "disjoint_sets.hpp"
 #include "frontier_blocks.hpp"
 
 namespace triskin::geometry {
@@ -113,12 +114,7 @@ class FrontierProgramme {
   }
 
   std::vector<std::vector<int>> read_back() const {
-    std::vector<int> leader(at(g_.size()), -1);
-    const auto find = [&](int v) {
-      while (leader[at(v)] != v) v = leader[at(v)];
-      return v;
-    };
-    for (const int v : order_.nodes) leader[at(v)] = v;
+    DisjointSets sets(at(g_.size()));
     std::vector<std::vector<int>> parts = folding_.closed;
     std::vector<bool> keeps(at(g_.size()), true);
     const State* state = &layers_.back()[0];
@@ -126,13 +122,13 @@ class FrontierProgramme {
       const int v = order_.nodes[layer - 1];
       keeps[at(v)] = state->keeps_branch;
       for (std::size_t s = 0; s < 3; ++s) {
-        if ((state->joined >> s & 1) != 0) leader[at(find(v))] = find(g_.neighbour[at(v)][s]);
+        if ((state->joined >> s & 1) != 0) sets.join(v, g_.neighbour[at(v)][s]);
       }
       state = &layers_[layer - 1][at(state->before)];
     }
     std::vector<int> index(at(g_.size()), -1);
     for (const int v : order_.nodes) {
-      const int top = find(v);
+      const int top = sets.find(v);
       if (index[at(top)] < 0) {
         index[at(top)] = static_cast<int>(parts.size());
         parts.emplace_back();

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "disjoint_sets.hpp"
 #include "frontier_blocks.hpp"
 
 namespace triskin::geometry {
@@ -115,24 +116,19 @@ class CheapestPartition {
   }
 
   [[nodiscard]] CheapestParts read_back() const {
-    std::vector<int> leader(at(g_.size()));
-    for (int v = 0; v < g_.size(); ++v) leader[at(v)] = v;
-    const auto find = [&](int v) {
-      while (leader[at(v)] != v) v = leader[at(v)];
-      return v;
-    };
+    DisjointSets sets(at(g_.size()));
     const State* state = &layers_.back()[0];
     for (std::size_t layer = order_.nodes.size(); layer > 0; --layer) {
       const int v = order_.nodes[layer - 1];
       for (std::size_t s = 0; s < 3; ++s) {
-        if ((state->joined >> s & 1) != 0) leader[at(find(v))] = find(g_.neighbour[at(v)][s]);
+        if ((state->joined >> s & 1) != 0) sets.join(v, g_.neighbour[at(v)][s]);
       }
       state = &layers_[layer - 1][at(state->before)];
     }
     CheapestParts answer{true, std::vector<int>(at(g_.size()), -1), 0};
     std::vector<int> number(at(g_.size()), -1);
     for (int v = 0; v < g_.size(); ++v) {
-      int& part = number[at(find(v))];
+      int& part = number[at(sets.find(v))];
       if (part < 0) part = answer.parts++;
       answer.part_of[at(v)] = part;
     }

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <numeric>
 #include <string_view>
 
+#include "disjoint_sets.hpp"
 #include "failures.hpp"
 #include "jumper_partition.hpp"
 #include "milp.hpp"
@@ -51,15 +51,10 @@ void require_options(const RoutingOptions& o) {
 // The shortest of the places that hold each part together, given what holds without them: fewest by number.
 std::vector<Jumper> fitted_jumpers(const JumperGraph& g, const std::vector<Jumper>& places,
                                    const std::vector<int>& part_of) {
-  std::vector<int> leader(part_of.size());
-  std::iota(leader.begin(), leader.end(), 0);
-  const auto find = [&](int v) {
-    while (leader[at(v)] != v) v = leader[at(v)] = leader[at(leader[at(v)])];
-    return v;
-  };
+  DisjointSets sets(part_of.size());
   for (int v = 0; v < g.apart.size(); ++v) {
     for (const int w : g.apart.neighbour[at(v)]) {
-      if (w >= 0 && part_of[at(w)] == part_of[at(v)]) leader[at(find(v))] = find(w);
+      if (w >= 0 && part_of[at(w)] == part_of[at(v)]) sets.join(v, w);
     }
   }
   const auto local = [&](int node) {
@@ -69,9 +64,8 @@ std::vector<Jumper> fitted_jumpers(const JumperGraph& g, const std::vector<Jumpe
   std::vector<Jumper> fitted;
   for (const Jumper& j : places) {
     const int a = local(j.node[0]), b = local(j.node[1]);
-    if (a < 0 || b < 0 || part_of[at(a)] != part_of[at(b)] || find(a) == find(b)) continue;
-    leader[at(find(a))] = find(b);
-    fitted.push_back(j);
+    if (a < 0 || b < 0 || part_of[at(a)] != part_of[at(b)]) continue;
+    if (sets.join(a, b)) fitted.push_back(j);
   }
   return fitted;
 }

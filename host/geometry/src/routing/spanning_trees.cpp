@@ -3,6 +3,8 @@
 
 #include <numeric>
 
+#include "disjoint_sets.hpp"
+
 namespace triskin::geometry {
 namespace {
 
@@ -37,18 +39,10 @@ class Enumerator {
   }
 
   [[nodiscard]] bool still_connected() const {
-    std::vector<int> leader(at(n_));
-    std::iota(leader.begin(), leader.end(), 0);
-    const auto find = [&](int v) {
-      while (leader[at(v)] != v) v = leader[at(v)] = leader[at(leader[at(v)])];
-      return v;
-    };
+    DisjointSets sets(at(n_));
     int blocks = n_;
     for (std::size_t k = 0; k < joints_.size(); ++k) {
-      if (out_[k]) continue;
-      const int a = find(joints_[k].a), b = find(joints_[k].b);
-      blocks -= a != b ? 1 : 0;
-      leader[at(a)] = b;
+      if (!out_[k] && sets.join(joints_[k].a, joints_[k].b)) --blocks;
     }
     return blocks == 1;
   }

@@ -132,7 +132,7 @@ class Chain {
   void take(const Found& found) {
     best_ = found.net;
     set(*best_);
-    value_ = best_value_ = found.value;
+    best_value_ = value_;
   }
 
   static void keep_best(std::vector<Found>& starts, std::size_t count) {

@@ -15,7 +15,6 @@ constexpr int kRelaxSteps = 5;
 constexpr double kCrowded_mm = 6.0;  // overlap that relaxing will not undo
 constexpr double kShort_mm = 6.0;    // an apex that the border holds back by more is not tried
 constexpr double kReach_mm = 45.0;
-constexpr double kCover_mm = 20.0;  // a point of a module lies within 2h/3 = 17.3 mm of its centre
 constexpr double kCornerReach_mm =
     28.0;  // of a vertex from the centre of its triangle: 17.3 mm, and the largest edge error
 constexpr double kSampleCell_mm = 20.0;
@@ -280,13 +279,7 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts)
 }
 
 bool Grower::covered(const LatticeNet& net, const Vec3& p) const {
-  return net.any_near(p, kCover_mm, [&](int triangle) {
-    const NetTriangle& t = net.triangles()[at(triangle)];
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (t.normal.cross(t.rigid[(k + 1) % 3] - t.rigid[k]).dot(p - t.rigid[k]) < 0) return false;
-    }
-    return true;
-  });
+  return net.any_near(p, kModuleReach_mm, [&](int t) { return lies_over(net.triangles()[at(t)], p); });
 }
 
 }  // namespace triskin::geometry::surface_lattice

@@ -201,14 +201,10 @@ void LatticeNet::remove_triangle(int triangle) {
   for (int s = 0; s < 3; ++s) {
     if (const int n = neighbour(triangle, s); n >= 0) beside_removed_.push_back(n);
   }
-  detach(triangle);
+  take_back(triangle);
 }
 
 void LatticeNet::take_back(int triangle) {
-  detach(triangle);
-}
-
-void LatticeNet::detach(int triangle) {
   mark_with_neighbours(triangle);
   for (int s = 0; s < 3; ++s) joints_ -= neighbour(triangle, s) >= 0 ? 1 : 0;
   remove_from_index(triangle);

@@ -109,7 +109,6 @@ class LatticeNet {
   void touch(int triangle);
   void index(int triangle);
   void remove_from_index(int triangle);
-  void detach(int triangle);
   void mark_changed(int triangle);
   void mark_with_neighbours(int triangle);
   [[nodiscard]] int tile_bucket(int island, const Tile& tile) const;
@@ -133,7 +132,7 @@ class LatticeNet {
   std::vector<int> beside_removed_;  // triangles that lost a joint since separate()
   std::vector<int> changed_;
   std::vector<char> is_changed_;
-  std::vector<int> front_of_;  // work of part_island(): −1 outside it
+  std::vector<int> search_of_;  // work of part_island(): −1 outside it
 
   // What was there at begin(), of what was changed since.
   bool is_recording_ = false;
@@ -145,6 +144,16 @@ class LatticeNet {
   std::vector<int> free_before_;
   int size_before_ = 0, joints_before_ = 0;
 };
+
+/// A point over a module lies within this of its centre: 2h/3 = 17.3 mm along it, and its height.
+inline constexpr double kModuleReach_mm = 20.0;
+/// Whether a point lies over the whole triangle of a module, seen along its normal, at whatever height.
+[[nodiscard]] inline bool lies_over(const NetTriangle& t, const Vec3& p) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (t.normal.cross(t.rigid[(k + 1) % 3] - t.rigid[k]).dot(p - t.rigid[k]) < 0) return false;
+  }
+  return true;
+}
 
 /// The rigid module nearest to three points in the least-squares sense.
 [[nodiscard]] Triangle fit_rigid(const Triangle& target);

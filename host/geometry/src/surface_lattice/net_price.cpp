@@ -30,11 +30,6 @@ double relaxed_price(const std::vector<int>& sizes, const std::vector<int>& grou
   return price.controller * controllers + price.jumper * (islands - groups) + price.island * islands;
 }
 
-int NetPrice::find(int island) {
-  while (leader_[at(island)] != island) island = leader_[at(island)] = leader_[at(leader_[at(island)])];
-  return island;
-}
-
 void NetPrice::unlink(int triangle) {
   if (at(triangle) >= linked_.size()) return;
   for (const int other : linked_[at(triangle)]) std::erase(linked_[at(other)], triangle);
@@ -85,15 +80,11 @@ void NetPrice::follow(LatticeNet& net) {
 
 double NetPrice::operator()(LatticeNet& net) {
   const std::vector<int>& by_id = net.island_sizes();
-  leader_.resize(by_id.size());
-  std::iota(leader_.begin(), leader_.end(), 0);
+  islands_.reset(by_id.size());
   if (jumper_mm_ > 0.0 && price_.jumper < price_.controller) {
     follow(net);
     for (std::size_t t = 0; t < net.triangles().size(); ++t) {
-      for (const int other : linked_[t]) {
-        const int a = find(net.triangles()[t].island), b = find(net.triangles()[at(other)].island);
-        leader_[at(a)] = b;
-      }
+      for (const int other : linked_[t]) islands_.join(net.triangles()[t].island, net.triangles()[at(other)].island);
     }
   }
   sizes_.clear();
@@ -101,7 +92,7 @@ double NetPrice::operator()(LatticeNet& net) {
   for (int id = 0; id < static_cast<int>(by_id.size()); ++id) {
     if (by_id[at(id)] == 0) continue;
     sizes_.push_back(by_id[at(id)]);
-    group_.push_back(find(id));
+    group_.push_back(islands_.find(id));
   }
   return relaxed_price(sizes_, group_, price_);
 }

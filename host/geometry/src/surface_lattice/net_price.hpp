@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "disjoint_sets.hpp"
 #include "net.hpp"
 
 namespace triskin::geometry::surface_lattice {
@@ -26,13 +27,13 @@ class NetPrice {
   void link(const LatticeNet& net, int triangle);
   void unlink(int triangle);
   [[nodiscard]] bool can_be_joined(const LatticeNet& net, int a, int b) const;
-  [[nodiscard]] int find(int island);
 
   Price price_;
   double jumper_mm_;
   bool knows_net_ = false;
   std::vector<std::vector<int>> linked_;  // by triangle: those of which a free side faces one of its own
-  std::vector<int> changed_, leader_, sizes_, group_;
+  DisjointSets islands_;                  // by number: those that jumpers can join
+  std::vector<int> changed_, sizes_, group_;
 };
 
 }  // namespace triskin::geometry::surface_lattice

@@ -3,9 +3,88 @@
 #include <algorithm>
 #include <utility>
 
+#include "disjoint_sets.hpp"
 #include "net.hpp"
 
 namespace triskin::geometry::surface_lattice {
+namespace {
+
+// Breadth-first searches from all triangles beside those that were removed, one triangle of each in turn; those that
+// meet go on as one. A search that comes to its end is a part of its own; when only one goes on, what it has not seen
+// need not be looked at.
+class IslandSearch {
+ public:
+  // `search_of`: by triangle, −1 in all; it is so again afterwards.
+  IslandSearch(const LatticeNet& net, std::vector<int>& search_of, const std::vector<int>& from)
+      : net_(net), search_of_(search_of), searches_(from.size()), met_(from.size()) {
+    for (int k = 0; k < count(); ++k) reach(k, from[at(k)]);
+  }
+
+  // The parts that need a number of their own: all but the one that is still open, or one when all were seen to their
+  // ends.
+  std::vector<std::vector<int>> parts() {
+    while (several_open()) {
+      for (int k = 0; k < count(); ++k) {
+        if (is_open(k)) expand(k);
+      }
+    }
+    int keeps = met_.find(0);
+    for (int k = 0; k < count(); ++k) {
+      if (is_open(k)) keeps = met_.find(k);
+    }
+    std::vector<std::vector<int>> of_leader(searches_.size());
+    for (int k = 0; k < count(); ++k) {
+      const std::vector<int>& reached = searches_[at(k)].reached;
+      for (const int t : reached) search_of_[at(t)] = -1;
+      std::vector<int>& part = of_leader[at(met_.find(k))];
+      if (met_.find(k) != keeps) part.insert(part.end(), reached.begin(), reached.end());
+    }
+    std::erase_if(of_leader, [](const std::vector<int>& part) { return part.empty(); });
+    return of_leader;
+  }
+
+ private:
+  struct Search {
+    std::vector<int> reached;
+    std::size_t expanded = 0;
+  };
+
+  [[nodiscard]] int count() const { return static_cast<int>(searches_.size()); }
+  [[nodiscard]] bool is_open(int k) const { return searches_[at(k)].expanded < searches_[at(k)].reached.size(); }
+
+  void reach(int k, int triangle) {
+    search_of_[at(triangle)] = k;
+    searches_[at(k)].reached.push_back(triangle);
+  }
+  void expand(int k) {
+    const int t = searches_[at(k)].reached[searches_[at(k)].expanded++];
+    for (int s = 0; s < 3; ++s) {
+      const int n = net_.neighbour(t, s);
+      if (n < 0) continue;
+      if (search_of_[at(n)] < 0)
+        reach(k, n);
+      else
+        met_.join(search_of_[at(n)], k);
+    }
+  }
+  // Searches that have not met go on.
+  [[nodiscard]] bool several_open() {
+    int first = -1;
+    for (int k = 0; k < count(); ++k) {
+      if (!is_open(k)) continue;
+      if (first >= 0 && met_.find(k) != first) return true;
+      first = met_.find(k);
+    }
+    return false;
+  }
+
+  const LatticeNet& net_;
+  std::vector<int>& search_of_;
+  std::vector<Search> searches_;
+  DisjointSets met_;
+};
+
+}  // namespace
 
 void LatticeNet::separate() {
   std::ranges::sort(loose_vertices_);
@@ -55,7 +134,7 @@ void LatticeNet::part_islands() {
   std::ranges::sort(beside_removed_, {}, [&](int t) { return std::pair(triangles_[at(t)].island, t); });
   const auto twice = std::ranges::unique(beside_removed_);
   beside_removed_.erase(twice.begin(), twice.end());
-  front_of_.resize(triangles_.size(), -1);
+  search_of_.resize(triangles_.size(), -1);
   for (std::size_t from = 0; from < beside_removed_.size();) {
     const int island = triangles_[at(beside_removed_[from])].island;
     std::vector<int> beside;
@@ -66,69 +145,9 @@ void LatticeNet::part_islands() {
   beside_removed_.clear();
 }
 
-// Breadth-first searches from all of them, one triangle of each in turn; those that meet go on as one. A search that
-// comes to its end is a part of its own; when only one goes on, what it has not seen need not be looked at.
 void LatticeNet::part_island(const std::vector<int>& beside_removed) {
-  struct Search {
-    std::vector<int> triangles;
-    std::size_t seen = 0;
-  };
-  std::vector<Search> searches(beside_removed.size());
-  std::vector<int> leader(searches.size());
-  const auto find = [&](int k) {
-    while (leader[at(k)] != k) k = leader[at(k)] = leader[at(leader[at(k)])];
-    return k;
-  };
-  for (std::size_t k = 0; k < searches.size(); ++k) {
-    leader[k] = static_cast<int>(k);
-    searches[k].triangles.push_back(beside_removed[k]);
-    front_of_[at(beside_removed[k])] = static_cast<int>(k);
-  }
-  const auto expand = [&](int k) {
-    const int t = searches[at(k)].triangles[searches[at(k)].seen++];
-    for (int s = 0; s < 3; ++s) {
-      const int n = neighbour(t, s);
-      if (n < 0) continue;
-      if (front_of_[at(n)] < 0) {
-        front_of_[at(n)] = k;
-        searches[at(k)].triangles.push_back(n);
-      } else if (const int other = find(front_of_[at(n)]); other != find(k)) {
-        leader[at(other)] = find(k);
-      }
-    }
-  };
-  const auto is_open = [&](const Search& s) { return s.seen < s.triangles.size(); };
-  for (;;) {
-    std::vector<int> open;  // leaders of whom some search goes on
-    for (std::size_t k = 0; k < searches.size(); ++k) {
-      if (is_open(searches[k])) open.push_back(find(static_cast<int>(k)));
-    }
-    std::ranges::sort(open);
-    const auto twice = std::ranges::unique(open);
-    open.erase(twice.begin(), twice.end());
-    int parts = 0;
-    for (std::size_t k = 0; k < searches.size(); ++k) parts += find(static_cast<int>(k)) == static_cast<int>(k) ? 1 : 0;
-    if (parts == 1 || open.empty()) break;
-    if (open.size() == 1) break;
-    for (std::size_t k = 0; k < searches.size(); ++k) {
-      if (is_open(searches[k])) expand(static_cast<int>(k));
-    }
-  }
-  // The part that is still open keeps the number, or the first when all were seen to their ends.
-  int keeps = find(0);
-  for (std::size_t k = 0; k < searches.size(); ++k) {
-    if (is_open(searches[k])) keeps = find(static_cast<int>(k));
-  }
-  std::vector<std::vector<int>> parts(searches.size());
-  for (std::size_t k = 0; k < searches.size(); ++k) {
-    for (const int t : searches[k].triangles) front_of_[at(t)] = -1;
-    const int part = find(static_cast<int>(k));
-    if (part != keeps)
-      parts[at(part)].insert(parts[at(part)].end(), searches[k].triangles.begin(), searches[k].triangles.end());
-  }
-  for (const std::vector<int>& part : parts) {
-    if (!part.empty()) give_island(part, new_island());
-  }
+  IslandSearch search(*this, search_of_, beside_removed);
+  for (const std::vector<int>& part : search.parts()) give_island(part, new_island());
 }
 
 void LatticeNet::give_island(const std::vector<int>& triangles, int island) {

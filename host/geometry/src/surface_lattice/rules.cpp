@@ -16,7 +16,6 @@ constexpr double kClear_mm = 5.0;  // a point farther from the border than a mod
 constexpr double kOutward = 0.6;   // cosine between module and surface
 constexpr double kProbeStep_mm = 2.0;
 constexpr double kProbeHeight_mm = 8.0;
-constexpr double kCover_mm = 20.0;  // a point over a module lies within 2h/3 = 17.3 mm and its height of the centre
 
 LayoutLimits with_margin(LayoutLimits l) {
   for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm})
@@ -40,11 +39,8 @@ bool in_cut_corner(const NetTriangle& t, const Vec3& p) {
 // Seen along the module's normal, and near its plane.
 bool covers(const NetTriangle& t, const Vec3& p) {
   const Vec3 d = p - t.center;
-  if (d.squaredNorm() > kCover_mm * kCover_mm || std::abs(d.dot(t.normal)) > kProbeHeight_mm) return false;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (t.normal.cross(t.rigid[(k + 1) % 3] - t.rigid[k]).dot(p - t.rigid[k]) < 0) return false;
-  }
-  return t.corner_cut_mm <= 0.0 || !in_cut_corner(t, p);
+  if (d.squaredNorm() > kModuleReach_mm * kModuleReach_mm || std::abs(d.dot(t.normal)) > kProbeHeight_mm) return false;
+  return lies_over(t, p) && (t.corner_cut_mm <= 0.0 || !in_cut_corner(t, p));
 }
 
 }  // namespace
@@ -58,7 +54,7 @@ const char* name_of(Refusal refusal) {
 Rules::Rules(const Surface& surface, const LayoutLimits& limits)
     : limits_(with_margin(limits)),
       fold_cosine_(std::cos(limits_.fold_rad)),
-      probe_grid_(surface.mesh().vertices, kCover_mm) {
+      probe_grid_(surface.mesh().vertices, kModuleReach_mm) {
   const Mesh& mesh = surface.mesh();
   for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
     for (int s = 0; s < 3; ++s) {
@@ -130,7 +126,7 @@ bool Rules::over_border(NearSurface& surface, const LatticeNet& net, int triangl
                               : is_free && side_over_border(surface, t.rigid[s], t.rigid[(s + 1) % 3], kSide_mm))
       return true;
   }
-  return probe_grid_.any_near(t.center, kCover_mm, [&](int k) { return covers(t, probes_[at(k)]); });
+  return probe_grid_.any_near(t.center, kModuleReach_mm, [&](int k) { return covers(t, probes_[at(k)]); });
 }
 
 // The long side s, when it is free, and the short one at its end: a hole may lie where the cut corners of several

@@ -9,10 +9,13 @@
 /// A firmware file: the application linked for slot A, and for slot B. docs/firmware_board.md, "Firmware package".
 namespace triskin::layout {
 
+/// Page of the flash, the least that is erased at once (RM0440 §3, as sim/flash_model.hpp has it).
+inline constexpr std::uint32_t kFlashPageBytes = 2048;
+
 inline constexpr std::array<std::uint8_t, 4> kPackageMagic{'T', 'S', 'K', 'F'};
 inline constexpr std::uint16_t kPackageVersion = 1;
 inline constexpr std::size_t kPackageHeadBytes = 32;
-inline constexpr std::uint32_t kMostImageBytes = 0x3C000 - 2048;
+inline constexpr std::uint32_t kMostImageBytes = 0x3C000 - kFlashPageBytes;
 
 struct PackageHead {
   std::uint32_t firmware_version = 0;

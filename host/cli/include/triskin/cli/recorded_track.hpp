@@ -17,6 +17,10 @@ struct RecordedTrack {
 /// True for the name of a recording: the extension is .mcap.
 [[nodiscard]] bool is_recording(const std::string& file);
 
+/// The design in a recording. Throws InputError when it is no recording of triskin, or holds no design. Cost: reads the
+/// first part of the file.
+[[nodiscard]] design::Design recorded_design(const std::string& file);
+
 /// Reads a recording. `most_bytes`: of the frames; later ones are dropped. Throws InputError when it is no recording of
 /// triskin, or holds no design or no sample. Cost: reads the file.
 [[nodiscard]] RecordedTrack read_track(const std::string& file, std::size_t most_bytes);
