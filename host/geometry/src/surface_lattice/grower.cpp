@@ -269,7 +269,7 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts)
     return false;
   });
   std::ranges::sort(near);
-  for (int k = 0; k < attempts && !near.empty() && !late(); ++k) {
+  for (int k = 0; k < attempts && !near.empty() && !late(net); ++k) {
     const Sample& sample = samples_[at(near[at(random.scaled_below(static_cast<int>(near.size())))])];
     if (covered(net, sample.point)) continue;
     const int before = net.size();

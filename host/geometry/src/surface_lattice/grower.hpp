@@ -41,6 +41,8 @@ class Grower {
 
   [[nodiscard]] bool covered(const LatticeNet& net, const Vec3& p) const;
   [[nodiscard]] bool late() const { return Clock::now() > end_ || interrupt_request(); }
+  /// As late, but on a slow machine the time does not end the search for the first module: no module is no answer.
+  [[nodiscard]] bool late(const LatticeNet& net) const { return (net.size() > 0 && late()) || interrupt_request(); }
   /// Number of refusals by limit since the last reset.
   std::array<int, kRefusals> refused{};
 
