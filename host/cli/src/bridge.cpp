@@ -19,7 +19,7 @@
 #include "triskin/jobs/touch_map.hpp"
 #include "triskin/robot/robot.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::bridge_command {
 namespace {
 
 struct Options {
@@ -82,7 +82,7 @@ class CoverFeed {
   }
   void slice(std::uint64_t now_ns) { bridge_.add_contacts(contacts_of(touches_), now_ns); }
   void diagnose(const device::StreamReport& report, std::uint64_t now_ns) {
-    bridge_.add_diagnostics(cli::diagnose(report, part_), now_ns);
+    bridge_.add_diagnostics(bridge_command::diagnose(report, part_), now_ns);
   }
   void end(const device::StreamReport& report, std::uint64_t now_ns) {
     bridge_.flush();
@@ -257,4 +257,4 @@ const Registration kBridge{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::bridge_command

@@ -11,7 +11,7 @@
 #include "triskin/cli/link_options.hpp"
 #include "triskin/host/files.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::bring_up_command {
 namespace {
 
 struct Options {
@@ -73,4 +73,4 @@ const Registration kBringUp{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::bring_up_command

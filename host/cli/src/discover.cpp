@@ -12,7 +12,7 @@
 #include "triskin/robot/edit.hpp"
 #include "triskin/session/controller.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::discover_command {
 namespace {
 
 struct Options {
@@ -225,4 +225,4 @@ const Registration kDiscover{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::discover_command

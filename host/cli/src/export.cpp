@@ -18,7 +18,7 @@
 #include "triskin/view/frame_track.hpp"
 #include "triskin/view/page.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::export_command {
 namespace {
 
 struct Options {
@@ -136,4 +136,4 @@ const Registration kExport{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::export_command

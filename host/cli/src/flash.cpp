@@ -16,7 +16,7 @@
 #include "triskin/jobs/offset_report.hpp"
 #include "triskin/layout/module.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::flash_command {
 namespace {
 
 struct Options {
@@ -204,4 +204,4 @@ const Registration kFlash{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::flash_command

@@ -18,7 +18,7 @@
 #include "triskin/layout/module.hpp"
 #include "triskin/link/cover_link.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::live_command {
 namespace {
 
 constexpr int kWalk = -2, kNobody = -1;
@@ -237,4 +237,4 @@ const Registration kLive{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::live_command

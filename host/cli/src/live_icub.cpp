@@ -12,7 +12,7 @@
 namespace triskin::cli {
 namespace {
 
-constexpr std::uint64_t kLine_us = 500'000;
+constexpr std::uint64_t kIcubLine_us = 500'000;
 
 std::string to_line(const wire::IcubTaxels& t) {
   const char* trouble = t.no_acknowledge ? "  no acknowledge" : t.out_of_range != 0 ? "  out of range" : "";
@@ -34,7 +34,7 @@ int live_icub(const device::LinkOptions& link_options, const design::Design* des
   }
   const std::uint64_t start_us = bus.now_us(), end_us = start_us + static_cast<std::uint64_t>(seconds * 1e6);
   while ((seconds <= 0.0 || bus.now_us() < end_us) && !interrupt_request()) {
-    const std::uint64_t next_us = bus.now_us() + kLine_us;
+    const std::uint64_t next_us = bus.now_us() + kIcubLine_us;
     try {
       stream.run_until(seconds > 0.0 ? std::min(next_us, end_us) : next_us);
     } catch (const Cancelled&) {

@@ -14,7 +14,7 @@
 namespace triskin::cli {
 namespace {
 
-constexpr std::uint64_t kLine_us = 200'000;
+constexpr std::uint64_t kRobotLine_us = 200'000;
 
 // The covers of one bus while their samples come.
 class BusShow {
@@ -39,7 +39,7 @@ class BusShow {
     const auto end_us = seconds > 0.0 ? start_us + static_cast<std::uint64_t>(seconds * 1e6) : UINT64_MAX;
     try {
       while (bus_.now_us() < end_us && !interrupt_request()) {
-        stream.run_until(std::min(end_us, bus_.now_us() + kLine_us));
+        stream.run_until(std::min(end_us, bus_.now_us() + kRobotLine_us));
         const std::lock_guard lock(mutex);
         show(static_cast<double>(bus_.now_us() - start_us) * 1e-6, stream, output);
       }

@@ -16,7 +16,7 @@
 #include "triskin/recording/recorder.hpp"
 #include "triskin/session/controller.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::record_command {
 namespace {
 
 using recording::Format;
@@ -313,4 +313,4 @@ const Registration kRecord{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::record_command

@@ -6,7 +6,7 @@
 #include "triskin/cli/command.hpp"
 #include "triskin/recording/recording.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::recover_command {
 namespace {
 
 struct Options {
@@ -41,4 +41,4 @@ const Registration kRecover{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::recover_command

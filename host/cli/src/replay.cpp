@@ -11,7 +11,7 @@
 #include "triskin/host/interrupt.hpp"
 #include "triskin/recording/recording.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::replay_command {
 namespace {
 
 struct Options {
@@ -105,4 +105,4 @@ const Registration kReplay{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::replay_command

@@ -16,7 +16,7 @@
 #include "triskin/robot/edit.hpp"
 #include "triskin/robot/registration.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::robot_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -369,4 +369,4 @@ const cli::Registration kRobot{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::robot_command

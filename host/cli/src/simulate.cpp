@@ -11,7 +11,7 @@
 #include "triskin/simlink/sim_server.hpp"
 #include "triskin/simlink/skin_server.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::simulate_command {
 namespace {
 
 struct Options {
@@ -158,4 +158,4 @@ const Registration kSimulate{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::simulate_command

@@ -21,7 +21,7 @@
 #include "triskin/jobs/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::verify_command {
 namespace {
 
 struct Options {
@@ -218,4 +218,4 @@ const Registration kVerify{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::verify_command

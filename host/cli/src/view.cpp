@@ -17,7 +17,7 @@
 #include "triskin/view/frame_track.hpp"
 #include "view_feed.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::view_command {
 namespace {
 
 struct Options {
@@ -125,4 +125,4 @@ const Registration kView{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::view_command

@@ -75,9 +75,9 @@ Polygon largest_island(const fs::path& file) {
   return geometry::normalize_polygon(std::move(largest), file.filename().string());
 }
 
-class Rows {
+class PaperRows {
  public:
-  Rows(const BenchOptions& options, Output& output)
+  PaperRows(const BenchOptions& options, Output& output)
       : data_(options.data), quick_(options.quick), sink_(output.progress()) {}
 
   json run() {
@@ -189,7 +189,7 @@ class Rows {
 };
 
 json paper_rows(const BenchOptions& options, Output& output) {
-  return Rows(options, output).run();
+  return PaperRows(options, output).run();
 }
 
 const BenchSubject kPaper("paper", paper_rows);

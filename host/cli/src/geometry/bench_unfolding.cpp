@@ -19,12 +19,11 @@ namespace triskin::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 using geometry::Mesh;
 using geometry::Surface;
 
-double since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
+double since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 // z = 25 mm · sin(x / 45 mm) · sin(y / 45 mm): domes and saddles, principal radii of 81 mm and more, as large as
@@ -64,9 +63,9 @@ nlohmann::json row_of(const char* series, const std::string& shape, const Surfac
           {"uncovered", 1.0 - modules * geometry::kModuleArea_mm2 / surface.area_mm2()}};
 }
 
-class Rows {
+class UnfoldingRows {
  public:
-  Rows(const BenchOptions& options, Output& output)
+  UnfoldingRows(const BenchOptions& options, Output& output)
       : quick_(options.quick), data_(options.data), sink_(output.progress()) {}
 
   nlohmann::json run() {
@@ -104,7 +103,7 @@ class Rows {
   nlohmann::json& grow(const char* series, const std::string& shape, const Surface& surface,
                        const geometry::LayoutLimits& limits, const geometry::SurfaceLatticeOptions& options) {
     report(sink_, "bench unfolding", -1.0, series);
-    const auto start = Clock::now();
+    const auto start = std::chrono::steady_clock::now();
     const geometry::ModuleLayout layout = geometry::grow_lattice(surface, limits, options);
     const double seconds = since(start);
     rows_.push_back(row_of(series, shape, surface, layout));
@@ -131,7 +130,7 @@ class Rows {
       l = {};
       l.center_gap_mm *= scale;
       grow("centre gap", "sheet", surface, l, o)["center_gap_mm"] = l.center_gap_mm;
-      const auto start = Clock::now();
+      const auto start = std::chrono::steady_clock::now();
       const geometry::Net net = geometry::unfold(surface, {.edge_error_mm = scale});
       rows_.push_back({{"series", "pieces"},
                        {"shape", "sheet"},
@@ -181,8 +180,8 @@ class Rows {
     std::ifstream file(net);
     std::vector<geometry::Polygon> islands;
     double area = 0.0;
-    const nlohmann::json json = nlohmann::json::parse(file);
-    for (const auto& island : json.at("islands")) {
+    const nlohmann::json read = nlohmann::json::parse(file);
+    for (const auto& island : read.at("islands")) {
       try {
         islands.push_back(geometry::normalize_polygon(polygon_of(island), net.stem().string()));
         area += geometry::polygon_area(islands.back());
@@ -220,11 +219,11 @@ class Rows {
 };
 
 nlohmann::json unfolding_rows(const BenchOptions& options, Output& output) {
-  return Rows(options, output).run();
+  return UnfoldingRows(options, output).run();
 }
 
 nlohmann::json net_rows(const BenchOptions& options, Output& output) {
-  return Rows(options, output).run_nets();
+  return UnfoldingRows(options, output).run_nets();
 }
 
 const BenchSubject kUnfolding("unfolding", unfolding_rows);

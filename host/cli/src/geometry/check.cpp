@@ -7,7 +7,7 @@
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::check_command {
 namespace {
 
 int run(const std::string& path, Output& output) {
@@ -47,4 +47,4 @@ const Registration kCheck{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::check_command

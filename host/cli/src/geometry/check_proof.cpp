@@ -6,7 +6,7 @@
 #include "triskin/check/placement_proof.hpp"
 #include "triskin/cli/command.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::check_proof_command {
 namespace {
 
 int run(const std::string& log, const std::string& polygon, Output& output) {
@@ -38,4 +38,4 @@ const Registration kCheckProof{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::check_proof_command

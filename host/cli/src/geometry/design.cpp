@@ -12,7 +12,7 @@
 #include "triskin/host/interrupt.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::design_command {
 namespace {
 
 struct Options {
@@ -225,4 +225,4 @@ const Registration kDesign{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::design_command

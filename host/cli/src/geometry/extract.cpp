@@ -17,7 +17,7 @@
 #include "triskin/geometry/surface.hpp"
 #include "triskin/host/error.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::extract_command {
 namespace {
 
 using When = geometry::ExtractOptions::When;
@@ -131,4 +131,4 @@ const Registration kExtract{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::extract_command

@@ -9,7 +9,7 @@
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/host/error.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::generate_command {
 namespace {
 
 struct Options {
@@ -62,4 +62,4 @@ const Registration kGenerate{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::generate_command

@@ -13,7 +13,7 @@
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::place_command {
 namespace {
 
 using geometry::PlacementMethod;
@@ -250,4 +250,4 @@ const Registration kPlace{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::place_command

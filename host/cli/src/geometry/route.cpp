@@ -15,7 +15,7 @@
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::route_command {
 namespace {
 
 struct Options {
@@ -265,4 +265,4 @@ const Registration kRoute{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::route_command

@@ -13,7 +13,7 @@
 #include "triskin/geometry/unfolding.hpp"
 #include "triskin/host/files.hpp"
 
-namespace triskin::cli {
+namespace triskin::cli::unfold_command {
 namespace {
 
 using nlohmann::json;
@@ -109,4 +109,4 @@ const Registration kUnfold{{
 }};
 
 }  // namespace
-}  // namespace triskin::cli
+}  // namespace triskin::cli::unfold_command
