@@ -107,19 +107,21 @@ void UpdateCuts::cut_each(Way way, Taken taken) {
               new_ones);
 }
 
-TEST_P(UpdateCuts, EachLeavesTheOldOrTheNewApplicationAndItBoots) {
-  cut_each([this] { by_loader(); }, [](std::size_t, const auto&) { return true; });
+// Every erase, what comes first and last, and one unit of `one_in` between; with TRISKIN_ALL_CUTS every operation.
+auto sample(std::size_t one_in) {
+  const bool all = std::getenv("TRISKIN_ALL_CUTS") != nullptr;
+  return [all, one_in](std::size_t k, const std::vector<FlashOperation>& operations) {
+    constexpr std::size_t kEnds = 60;
+    return all || operations[k].erase || k < kEnds || k + kEnds > operations.size() || k / kShards % one_in == 0;
+  };
 }
 
-// Every erase, what comes first and last, and one unit of 32 between; with TRISKIN_ALL_CUTS every operation.
+TEST_P(UpdateCuts, EachLeavesTheOldOrTheNewApplicationAndItBoots) {
+  cut_each([this] { by_loader(); }, sample(8));
+}
+
 TEST_P(UpdateCuts, OfABroadcastLeaveTheOldOrTheNewApplicationAndItBoots) {
-  const bool all = std::getenv("TRISKIN_ALL_CUTS") != nullptr;
-  cut_each([this] { by_broadcast(); },
-           [all](std::size_t k, const std::vector<FlashOperation>& operations) {
-             constexpr std::size_t kEnds = 60, kOneIn = 32;
-             return all || operations[k].erase || k < kEnds || k + kEnds > operations.size() ||
-                    k / kShards % kOneIn == 0;
-           });
+  cut_each([this] { by_broadcast(); }, sample(32));
 }
 
 INSTANTIATE_TEST_SUITE_P(Shards, UpdateCuts, ::testing::Range(0, kShards));
