@@ -48,6 +48,10 @@ def constants(path):
     return found
 
 
+# `address`, `offset` and names are words; a reset value's address is a number.
+EXPRESSION = re.compile(r"-|0x[0-9A-Fa-f]+.*|[A-Za-z_(~].*")
+
+
 def facts(path):
     """[constant, register, bit, value, source] of each line."""
     out = []
@@ -57,6 +61,9 @@ def facts(path):
         columns = [c.replace("\\|", "|").strip() for c in re.split(r"(?<!\\)\|", line)]
         if len(columns) != 5 or not all(columns):
             sys.exit(f"{path}:{number}: five columns are needed: constant | register | bit | value | source")
+        if not EXPRESSION.fullmatch(columns[2]):
+            sys.exit(f"{path}:{number}: bit {columns[2]}: an expression of the vendor's header is needed, address, offset or -; "
+                     "bits without a name there stand at the register, REGISTER[5:0]")
         out.append(columns)
     return out
 
