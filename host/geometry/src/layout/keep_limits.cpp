@@ -6,6 +6,7 @@
 
 #include "index.hpp"
 #include "triskin/geometry/map_modules.hpp"
+#include "worst_places.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -65,18 +66,19 @@ class Keeper {
     for (;;) {
       measure_between(layout_);
       if (open_bad_joints()) continue;
-      double highest = 0.98;
-      int which = -1;
+      std::vector<BrokenModule> broken;
       for (std::size_t k = 0; k < layout_.modules.size(); ++k) {
-        if (worst(layout_.modules[k]).first > highest) {
-          highest = worst(layout_.modules[k]).first;
-          which = static_cast<int>(k);
-        }
+        const PlacedModule& m = layout_.modules[k];
+        const double ratio = worst(m).first;
+        if (ratio > 0.98)
+          broken.push_back({static_cast<int>(k), ratio, (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0});
       }
-      if (which < 0) return;
-      ++refused_[worst(layout_.modules[at(which)]).second];
+      if (broken.empty()) return;
       std::vector<bool> bad(layout_.modules.size(), false);
-      bad[at(which)] = true;
+      for (const int k : worst_of_their_places(broken)) {
+        ++refused_[worst(layout_.modules[at(k)]).second];
+        bad[at(k)] = true;
+      }
       remove(bad);
     }
   }

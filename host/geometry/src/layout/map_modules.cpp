@@ -14,17 +14,67 @@
 namespace triskin::geometry {
 namespace {
 
+// Triangles of a flat piece by squares of a grid, so that those near a point are found without walking over all.
+class TriangleGrid {
+ public:
+  // A triangle is near what lies within `reach_mm` of its box.
+  TriangleGrid(const std::vector<std::array<Vec2, 3>>& triangles, double reach_mm) : reach_mm_(reach_mm) {
+    if (triangles.empty()) return;
+    Vec2 high = triangles.front()[0];
+    low_ = high;
+    for (const auto& t : triangles) {
+      boxes_.push_back({t[0].cwiseMin(t[1]).cwiseMin(t[2]), t[0].cwiseMax(t[1]).cwiseMax(t[2])});
+      low_ = low_.cwiseMin(boxes_.back()[0]);
+      high = high.cwiseMax(boxes_.back()[1]);
+    }
+    low_.array() -= reach_mm;
+    high.array() += reach_mm;
+    // About one square for each triangle, each not narrower than the reach.
+    const Vec2 size = high - low_;
+    side_mm_ = std::max({std::sqrt(size.prod() / static_cast<double>(triangles.size())), reach_mm, 1e-9 * size.norm()});
+    for (int k = 0; k < 2; ++k) squares_[at(k)] = 1 + static_cast<int>(size[k] / side_mm_);
+    near_.resize(at(squares_[0]) * at(squares_[1]));
+    for (std::size_t k = 0; k < boxes_.size(); ++k) {
+      const auto from = square_of(boxes_[k][0].array() - reach_mm), to = square_of(boxes_[k][1].array() + reach_mm);
+      for (int y = from[1]; y <= to[1]; ++y) {
+        for (int x = from[0]; x <= to[0]; ++x) near_[at(y * squares_[0] + x)].push_back(k);
+      }
+    }
+  }
+
+  // Calls visit(triangle) for those near the point, in their order.
+  void each_near(const Vec2& p, const auto& visit) const {
+    if (near_.empty()) return;
+    const auto square = square_of(p);
+    for (const std::size_t k : near_[at(square[1] * squares_[0] + square[0])]) {
+      if ((p - boxes_[k][0]).minCoeff() >= -reach_mm_ && (boxes_[k][1] - p).minCoeff() >= -reach_mm_) visit(k);
+    }
+  }
+
+ private:
+  // Of points outside: the one at the border of the grid.
+  [[nodiscard]] std::array<int, 2> square_of(const Vec2& p) const {
+    std::array<int, 2> square{};
+    for (int k = 0; k < 2; ++k) {
+      const double x = std::floor((p[k] - low_[k]) / side_mm_);
+      square[at(k)] = static_cast<int>(std::clamp(x, 0.0, squares_[at(k)] - 1.0));
+    }
+    return square;
+  }
+
+  double reach_mm_, side_mm_ = 1.0;
+  Vec2 low_ = Vec2::Zero();
+  std::array<int, 2> squares_{};
+  std::vector<std::array<Vec2, 2>> boxes_;
+  std::vector<std::vector<std::size_t>> near_;  // by square
+};
+
 // Point of the flat piece → point of the surface.
 class PieceMap {
  public:
   // Grid vertices may lie outside the piece by `overhang_mm`.
   PieceMap(const Surface& surface, const TiledPiece& placed, double overhang_mm)
-      : surface_(surface), placed_(placed), overhang_mm_(overhang_mm) {
-    for (const auto& t : placed.piece->flat) {
-      const Vec2 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
-      boxes_.push_back({low, high});
-    }
-  }
+      : surface_(surface), placed_(placed), overhang_mm_(overhang_mm), grid_(placed.piece->flat, 1.0 + overhang_mm) {}
 
   [[nodiscard]] Vec3 at_grid_vertex(int i, int j) const {
     const double c = std::cos(placed_.placement.theta_rad), s = std::sin(placed_.placement.theta_rad);
@@ -38,9 +88,7 @@ class PieceMap {
     double best = -1e300;
     Vec3 best_weights = Vec3::Zero();
     std::size_t best_triangle = 0;
-    for (std::size_t k = 0; k < boxes_.size(); ++k) {
-      const double room = -1.0 - overhang_mm_;
-      if ((p - boxes_[k][0]).minCoeff() < room || (boxes_[k][1] - p).minCoeff() < room) continue;
+    grid_.each_near(p, [&](std::size_t k) {
       const auto& t = placed_.piece->flat[k];
       const auto area = [](const Vec2& u, const Vec2& v) { return u.x() * v.y() - u.y() * v.x(); };
       const double total = area(t[1] - t[0], t[2] - t[0]);
@@ -52,7 +100,7 @@ class PieceMap {
         best_weights = w;
         best_triangle = k;
       }
-    }
+    });
     const auto& face = surface_.mesh().faces[at(placed_.piece->faces[best_triangle])];
     const auto& v = surface_.mesh().vertices;
     return best_weights[0] * v[at(face[0])] + best_weights[1] * v[at(face[1])] + best_weights[2] * v[at(face[2])];
@@ -70,7 +118,7 @@ class PieceMap {
   const Surface& surface_;
   const TiledPiece& placed_;
   double overhang_mm_;
-  std::vector<std::array<Vec2, 2>> boxes_;
+  TriangleGrid grid_;
 };
 
 class Mapper {

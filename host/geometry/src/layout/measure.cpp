@@ -6,6 +6,7 @@
 
 #include "index.hpp"
 #include "rigid.hpp"
+#include "surface_lattice/point_grid.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/geometry/map_modules.hpp"
 
@@ -112,12 +113,18 @@ void measure_between(ModuleLayout& layout) {
     m.edge_error_mm = 0.0;
     for (int s = 0; s < 3; ++s) measure_joint(modules, m, s);
   }
-  for (std::size_t a = 0; a < modules.size(); ++a) {
-    for (std::size_t b = a + 1; b < modules.size(); ++b) {
-      const double depth = penetration_depth(modules[a].corner_mm, modules[b].corner_mm, layout.corner_cut_mm);
-      modules[a].penetration_mm = std::max(modules[a].penetration_mm, depth);
-      modules[b].penetration_mm = std::max(modules[b].penetration_mm, depth);
-    }
+  std::vector<Vec3> middles;
+  for (const PlacedModule& m : modules) middles.push_back(centroid_of(m.corner_mm));
+  surface_lattice::PointGrid grid(middles, kNear_mm);
+  for (std::size_t b = 0; b < modules.size(); ++b) {
+    (void)grid.any_near(middles[b], kNear_mm, [&](int k) {
+      PlacedModule &m = modules[at(k)], &n = modules[b];
+      const double depth = penetration_depth(m.corner_mm, n.corner_mm, layout.corner_cut_mm);
+      m.penetration_mm = std::max(m.penetration_mm, depth);
+      n.penetration_mm = std::max(n.penetration_mm, depth);
+      return false;
+    });
+    grid.add(static_cast<int>(b), middles[b]);
   }
 }
 

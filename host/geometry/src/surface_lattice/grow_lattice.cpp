@@ -11,12 +11,14 @@
 #include <thread>
 
 #include "canonical.hpp"
+#include "certify.hpp"
 #include "grower.hpp"
 #include "net_price.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
 #include "triskin/host/error.hpp"
+#include "triskin/host/parallel.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -33,9 +35,8 @@ constexpr int kStepsAModule = 40, kMostRuns = 20;  // of one annealing
 constexpr double kHot = 0.6, kCold = 0.05;         // modules a step may lose, at the start and at the end
 constexpr int kSmallIsland = 8;                    // modules: such an island may go as a whole
 constexpr int kFront = 12;                         // of the layouts that are kept beside the best
+constexpr double kFrontShare = 0.05;               // of the time, beyond its end: to certify them
 constexpr double kSampleArea_mm2 = 50.0;
-constexpr double kFinalMargin = 0.98;
-constexpr double kApart_mm = 60.0;   // of centres: modules that have no side, corner or overlap in common
 constexpr double kNothing = -1e300;  // value of no layout
 
 struct GrowthTask {
@@ -265,96 +266,8 @@ class Chain {
   int steps_ = 0;
 };
 
-// Module k is triangle triangle_of[k] of the net.
-ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
-  ModuleLayout layout;
-  layout.method = LayoutMethod::kSurface;
-  layout.corner_cut_mm = net.corner_cut_mm();
-  std::vector<int> number(net.island_sizes().size(), -1);  // of islands, as their first modules come
-  int numbers = 0;
-  layout.islands = net.islands();
-  std::vector<int> index(net.triangles().size(), -1);
-  for (std::size_t t = 0; t < net.triangles().size(); ++t) {
-    if (net.triangles()[t].island < 0) continue;
-    index[t] = static_cast<int>(layout.modules.size());
-    triangle_of.push_back(static_cast<int>(t));
-    PlacedModule m;
-    int& island = number[at(net.triangles()[t].island)];
-    if (island < 0) island = numbers++;
-    m.island = island;
-    m.tile = net.triangles()[t].tile;
-    m.corner_mm = net.triangles()[t].rigid;
-    layout.modules.push_back(m);
-  }
-  for (std::size_t t = 0; t < net.triangles().size(); ++t) {
-    for (int s = 0; index[t] >= 0 && s < 3; ++s) {
-      const int n = net.neighbour(static_cast<int>(t), s);
-      if (n >= 0) layout.modules[at(index[t])].neighbour[at(s)] = index[at(n)];
-    }
-  }
-  return layout;
-}
-
-double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
-  double worst = std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm,
-                           m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm});
-  for (std::size_t s = 0; s < 3; ++s)
-    worst = std::max({worst, m.hinge_gap_mm[s] / l.hinge_gap_mm, m.fold_rad[s] / l.fold_rad});
-  return worst;
-}
-
-// Modules that break a limit and are the worst among those near them: what is farther does not change when they go.
-std::vector<int> worst_of_their_places(const ModuleLayout& layout, const LayoutLimits& limits) {
-  struct Broken {
-    int module;
-    double ratio;
-    Vec3 center;
-  };
-  std::vector<Broken> broken;
-  for (int k = 0; k < static_cast<int>(layout.modules.size()); ++k) {
-    const PlacedModule& m = layout.modules[at(k)];
-    const double ratio = worst_ratio(m, limits);
-    if (ratio > kFinalMargin) broken.push_back({k, ratio, (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0});
-  }
-  std::vector<int> worst;
-  for (const Broken& b : broken) {
-    if (std::ranges::none_of(broken, [&](const Broken& o) {
-          return std::pair(-o.ratio, o.module) < std::pair(-b.ratio, b.module) &&
-                 (o.center - b.center).norm() < kApart_mm;
-        }))
-      worst.push_back(b.module);
-  }
-  return worst;
-}
-
-// Removes modules that break a limit under the finer walk along the sides, the worst first.
-ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, LatticeNet net, const LayoutLimits& limits) {
-  std::map<int, PlacedModule> measured;  // by triangle: corners stay, so what depends on the surface does too
-  for (;;) {
-    net.separate();
-    std::vector<int> triangle_of;
-    ModuleLayout layout = layout_of(net, triangle_of);
-    copy.carry_back(layout);
-    for (std::size_t k = 0; k < triangle_of.size(); ++k) {
-      PlacedModule& m = layout.modules[k];
-      const auto [known, is_new] = measured.try_emplace(triangle_of[k], m);
-      if (is_new) measure_on_surface(surface, known->second, layout.corner_cut_mm);
-      m.center_gap_mm = known->second.center_gap_mm;
-      m.edge_depth_mm = known->second.edge_depth_mm;
-      m.overrun_mm = known->second.overrun_mm;
-      m.bend_radius_mm = known->second.bend_radius_mm;
-    }
-    measure_between(layout);
-    const std::vector<int> worst = worst_of_their_places(layout, limits);
-    if (worst.empty()) return layout;
-    for (const int k : worst) net.remove_triangle(triangle_of[at(k)]);
-  }
-}
-
-void in_parallel(std::deque<Chain>& chains, const auto& work) {
-  std::vector<std::jthread> threads;
-  for (std::size_t k = 1; k < chains.size(); ++k) threads.emplace_back([&, k] { work(chains[k]); });
-  work(chains[0]);
+void each(std::deque<Chain>& chains, const auto& work) {
+  in_parallel(static_cast<int>(chains.size()), chains.size(), [&](std::size_t k) { work(chains[k]); });
 }
 
 void check_options(const LayoutLimits& l, const SurfaceLatticeOptions& o) {
@@ -423,13 +336,13 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   std::deque<Chain> chains;
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));
-  in_parallel(chains, [](Chain& c) { c.build(); });
+  each(chains, [](Chain& c) { c.build(); });
   for (int round = 1; Clock::now() < end && !interrupt_request() &&
                       (options.iterations == 0 || chains[0].steps() < options.iterations);
        ++round) {
     const int steps =
         options.iterations == 0 ? kStepsARound : std::min(kStepsARound, options.iterations - chains[0].steps());
-    in_parallel(chains, [steps](Chain& c) { c.run(steps); });
+    each(chains, [steps](Chain& c) { c.run(steps); });
     const Chain& best = best_of(chains);
     report(progress, "lattice", task.fraction(chains[0].steps()),
            fmt::format("{} modules in {} islands", best.best()->size(), best.best()->islands()));
@@ -441,16 +354,20 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   LatticeNet net = *best_of(chains).best();
   ModuleLayout refusals;
   count_refusals(task, net, refusals);
-  std::vector<ModuleLayout> layouts{certified(original, copy, std::move(net), limits)};
+  Certifier certifier(original, copy, limits, options.threads);
+  std::vector<ModuleLayout> layouts{certifier.first(std::move(net))};
   layouts[0].refused = std::move(refusals.refused);
   if (!options.front) return layouts;
   const std::vector<const LatticeNet*> others = front_of(chains);
-  layouts.resize(1 + others.size());
-  std::atomic<std::size_t> next{0};
-  in_parallel(chains, [&](const Chain&) {
-    for (std::size_t k = next++; k < others.size(); k = next++)
-      layouts[1 + k] = certified(original, copy, *others[k], limits);
+  std::vector<std::optional<ModuleLayout>> front(others.size());
+  const auto front_end = end + std::chrono::duration_cast<Clock::duration>(
+                                   std::chrono::duration<double>(kFrontShare * options.time_limit_s));
+  in_parallel(options.threads, others.size(), [&](std::size_t k) {
+    if (options.iterations > 0 || Clock::now() < front_end) front[k] = certifier.other(*others[k]);
   });
+  for (std::optional<ModuleLayout>& layout : front) {
+    if (layout) layouts.push_back(std::move(*layout));
+  }
   return layouts;
 }
 

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "certify.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "layout/worst_places.hpp"
+#include "triskin/host/parallel.hpp"
+
+namespace triskin::geometry::surface_lattice {
+namespace {
+
+constexpr double kFinalMargin = 0.98;
+
+// Module k is triangle triangle_of[k] of the net.
+ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
+  ModuleLayout layout;
+  layout.method = LayoutMethod::kSurface;
+  layout.corner_cut_mm = net.corner_cut_mm();
+  std::vector<int> number(net.island_sizes().size(), -1);  // of islands, as their first modules come
+  int numbers = 0;
+  layout.islands = net.islands();
+  std::vector<int> index(net.triangles().size(), -1);
+  for (std::size_t t = 0; t < net.triangles().size(); ++t) {
+    if (net.triangles()[t].island < 0) continue;
+    index[t] = static_cast<int>(layout.modules.size());
+    triangle_of.push_back(static_cast<int>(t));
+    PlacedModule m;
+    int& island = number[at(net.triangles()[t].island)];
+    if (island < 0) island = numbers++;
+    m.island = island;
+    m.tile = net.triangles()[t].tile;
+    m.corner_mm = net.triangles()[t].rigid;
+    layout.modules.push_back(m);
+  }
+  for (std::size_t t = 0; t < net.triangles().size(); ++t) {
+    for (int s = 0; index[t] >= 0 && s < 3; ++s) {
+      const int n = net.neighbour(static_cast<int>(t), s);
+      if (n >= 0) layout.modules[at(index[t])].neighbour[at(s)] = index[at(n)];
+    }
+  }
+  return layout;
+}
+
+double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
+  double worst = std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm,
+                           m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm});
+  for (std::size_t s = 0; s < 3; ++s)
+    worst = std::max({worst, m.hinge_gap_mm[s] / l.hinge_gap_mm, m.fold_rad[s] / l.fold_rad});
+  return worst;
+}
+
+std::vector<int> worst_modules(const ModuleLayout& layout, const LayoutLimits& limits) {
+  std::vector<BrokenModule> broken;
+  for (int k = 0; k < static_cast<int>(layout.modules.size()); ++k) {
+    const PlacedModule& m = layout.modules[at(k)];
+    const double ratio = worst_ratio(m, limits);
+    if (ratio > kFinalMargin) broken.push_back({k, ratio, (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0});
+  }
+  return worst_of_their_places(broken);
+}
+
+}  // namespace
+
+// Corners stay, so what depends on the surface does too.
+void Certifier::measure_on_surface(ModuleLayout& layout, Known& own, int threads) const {
+  const auto corners_of = [](const PlacedModule& m) {
+    Corners corners;
+    for (std::size_t k = 0; k < 9; ++k) corners[k] = m.corner_mm[k / 3][static_cast<int>(k % 3)];
+    return corners;
+  };
+  const auto found = [](const Known& known, const Corners& corners) {
+    const auto place = known.find(corners);
+    return place == known.end() ? nullptr : &place->second;
+  };
+  std::vector<PlacedModule*> unknown;
+  for (PlacedModule& m : layout.modules) {
+    const Corners corners = corners_of(m);
+    const PlacedModule* measured = found(own, corners);
+    if (measured == nullptr) measured = found(known_, corners);
+    if (measured == nullptr) {
+      unknown.push_back(&m);
+      continue;
+    }
+    m.center_gap_mm = measured->center_gap_mm;
+    m.edge_depth_mm = measured->edge_depth_mm;
+    m.overrun_mm = measured->overrun_mm;
+    m.bend_radius_mm = measured->bend_radius_mm;
+  }
+  in_parallel(threads, unknown.size(),
+              [&](std::size_t k) { geometry::measure_on_surface(surface_, *unknown[k], layout.corner_cut_mm); });
+  for (const PlacedModule* m : unknown) own.emplace(corners_of(*m), *m);
+}
+
+ModuleLayout Certifier::certified(LatticeNet net, Known& own, int threads) const {
+  for (;;) {
+    net.separate();
+    std::vector<int> triangle_of;
+    ModuleLayout layout = layout_of(net, triangle_of);
+    copy_.carry_back(layout);
+    measure_on_surface(layout, own, threads);
+    measure_between(layout);
+    const std::vector<int> worst = worst_modules(layout, limits_);
+    if (worst.empty()) return layout;
+    for (const int k : worst) net.remove_triangle(triangle_of[at(k)]);
+  }
+}
+
+}  // namespace triskin::geometry::surface_lattice
