@@ -24,7 +24,7 @@ struct CheckedDesign {
     Triangle3 corner;
     std::array<int, 3> neighbour;
     std::array<int, 3> beside;  ///< neighbours, and what a jumper leads to
-    double edge_error, center_gap, edge_depth, penetration, overrun, bend_radius;
+    double edge_error, center_gap, edge_lift, edge_depth, penetration, overrun, bend_radius;
     std::array<double, 3> hinge_gap, fold;
     int patch, line, address, rotation, parent, depth;
     std::array<P3, 12> taxel, taxel_normal;
@@ -51,7 +51,8 @@ struct CheckedDesign {
   };
   struct Limits {
     double edge_error, hinge_gap, center_gap, fold, penetration, overrun;
-    double jumper;  ///< beside jumpers only, else 0
+    double lift, depth;  ///< infinite in files that do not limit the sides
+    double jumper;       ///< beside jumpers only, else 0
   };
   std::vector<P3> vertices;
   std::vector<std::array<int, 3>> faces;
@@ -62,7 +63,7 @@ struct CheckedDesign {
   std::vector<Jumper> jumpers;
   std::vector<Piece> pieces;
   std::vector<Patch> patches;
-  double area_cm2, coverage, coverage_cut, max_edge_error, max_hinge_gap, max_center_gap;
+  double area_cm2, coverage, coverage_cut, max_edge_error, max_hinge_gap, max_center_gap, max_edge_lift, max_edge_depth;
   int upper_bound, patches_lower_bound, jumpers_lower_bound;
   std::string method;
   std::uint64_t design_id;

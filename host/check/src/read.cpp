@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <limits>
 
 #include "checked_design.hpp"
 #include "triskin/host/error.hpp"
@@ -45,7 +46,7 @@ double corner_cut(double value) {
   return value;
 }
 
-CheckedDesign::Module read_module(const json& j, int n) {
+CheckedDesign::Module read_module(const json& j, int n, bool with_lift) {
   CheckedDesign::Module m{};
   m.island = j.at("island").get<int>();
   m.i = bounded(j.at("i").get<int>(), -1'000'000, 1'000'000, "lattice coordinate");
@@ -58,6 +59,7 @@ CheckedDesign::Module read_module(const json& j, int n) {
   m.edge_error = j.at("edge_error_mm").get<double>();
   m.center_gap = j.at("center_gap_mm").get<double>();
   m.edge_depth = j.at("edge_depth_mm").get<double>();
+  m.edge_lift = with_lift ? j.at("edge_lift_mm").get<double>() : 0.0;
   m.penetration = j.at("penetration_mm").get<double>();
   m.overrun = j.at("overrun_mm").get<double>();
   m.bend_radius = j.at("bend_radius_mm").get<double>();
@@ -150,12 +152,15 @@ CheckedDesign read_all(const json& j) {
   }
   if (d.faces.empty()) throw InputError("the surface has no faces");
   const json& l = j.at("limits");
+  const bool with_lift = l.contains("lift_mm") || l.contains("depth_mm");  // both, or a file of before them
   d.limits = {l.at("edge_error_mm"),
               l.at("hinge_gap_mm"),
               l.at("center_gap_mm"),
               l.at("fold_rad"),
               l.at("penetration_mm"),
               l.at("overrun_mm"),
+              with_lift ? l.at("lift_mm").get<double>() : std::numeric_limits<double>::infinity(),
+              with_lift ? l.at("depth_mm").get<double>() : std::numeric_limits<double>::infinity(),
               with_jumpers ? l.at("jumper_mm").get<double>() : 0.0};
   if (j.contains("corner_cut_mm")) d.corner_cut = corner_cut(j["corner_cut_mm"].get<double>());
   d.islands = j.at("islands").get<int>();
@@ -164,7 +169,7 @@ CheckedDesign read_all(const json& j) {
   const int n = static_cast<int>(j.at("modules").size());
   for (const json& m : j.at("modules")) {
     bounded(m.at("id").get<int>(), static_cast<int>(d.modules.size()), static_cast<int>(d.modules.size()), "module id");
-    d.modules.push_back(read_module(m, n));
+    d.modules.push_back(read_module(m, n, with_lift));
   }
   if (with_jumpers) read_jumpers(j.at("jumpers"), d);
   for (const json& p : j.at("pieces")) d.pieces.push_back(read_piece(p, static_cast<int>(d.faces.size())));
@@ -179,6 +184,10 @@ CheckedDesign read_all(const json& j) {
   d.max_edge_error = r.at("max_edge_error_mm");
   d.max_hinge_gap = r.at("max_hinge_gap_mm");
   d.max_center_gap = r.at("max_center_gap_mm");
+  if (with_lift) {
+    d.max_edge_lift = r.at("max_edge_lift_mm");
+    d.max_edge_depth = r.at("max_edge_depth_mm");
+  }
   return d;
 }
 

@@ -114,6 +114,8 @@ void fill_report(design::Design& design, const geometry::Surface& surface) {
   for (const design::PlacedModule& m : design.layout.modules) {
     r.max_edge_error_mm = std::max(r.max_edge_error_mm, m.edge_error_mm);
     r.max_center_gap_mm = std::max(r.max_center_gap_mm, m.center_gap_mm);
+    r.max_edge_lift_mm = std::max(r.max_edge_lift_mm, m.edge_lift_mm);
+    r.max_edge_depth_mm = std::max(r.max_edge_depth_mm, m.edge_depth_mm);
     for (const double gap : m.hinge_gap_mm) r.max_hinge_gap_mm = std::max(r.max_hinge_gap_mm, gap);
   }
 }

@@ -87,6 +87,8 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"max_edge_error_mm", r.max_edge_error_mm},
                          {"max_hinge_gap_mm", r.max_hinge_gap_mm},
                          {"max_center_gap_mm", r.max_center_gap_mm},
+                         {"max_edge_lift_mm", r.max_edge_lift_mm},
+                         {"max_edge_depth_mm", r.max_edge_depth_mm},
                          {"method", design::kLayoutMethodNames.name(d.layout.method)},
                          {"modules_pieces", notes.pieces},
                          {"modules_surface", notes.surface},
@@ -111,11 +113,11 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
                            100.0 * r.coverage_cut));
     say_cut_pads(d.layout.corner_cut_mm, output);
   }
-  output.say(
-      fmt::format("{} islands, {} patches (lower bound {}), {} jumpers (lower bound {}); edge error ≤ {:.2f} mm, hinge "
-                  "gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm",
-                  d.layout.islands, d.patches.size(), r.patches_lower_bound, d.layout.jumpers.size(),
-                  r.jumpers_lower_bound, r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm));
+  output.say(fmt::format(
+      "{} islands, {} patches (lower bound {}), {} jumpers (lower bound {}); edge error ≤ {:.2f} mm, hinge "
+      "gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm, sides lift ≤ {:.2f} mm, depth ≤ {:.2f} mm",
+      d.layout.islands, d.patches.size(), r.patches_lower_bound, d.layout.jumpers.size(), r.jumpers_lower_bound,
+      r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm, r.max_edge_lift_mm, r.max_edge_depth_mm));
   output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces, notes.surface,
                          design::kLayoutMethodNames.name(d.layout.method)));
   for (const auto& [limit, count] : d.layout.refused)
@@ -165,6 +167,12 @@ void add_limits(CLI::App& app, design::LayoutLimits& l) {
       ->capture_default_str();
   app.add_option("--overrun-mm", l.overrun_mm, "limit over the border")
       ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+  app.add_option("--lift-mm", l.lift_mm, "limit of corners and sides above the surface")
+      ->check(CLI::Range(0.01, 50.0))
+      ->capture_default_str();
+  app.add_option("--depth-mm", l.depth_mm, "limit of corners and sides under the surface")
+      ->check(CLI::Range(0.01, 50.0))
       ->capture_default_str();
 }
 

@@ -44,7 +44,9 @@ class Keeper {
     return std::max({std::pair{m.edge_error_mm / limits_.edge_error_mm, "edge_error_mm"},
                      std::pair{m.center_gap_mm / limits_.center_gap_mm, "center_gap_mm"},
                      std::pair{m.penetration_mm / limits_.penetration_mm, "penetration_mm"},
-                     std::pair{m.overrun_mm / limits_.overrun_mm, "overrun_mm"}},
+                     std::pair{m.overrun_mm / limits_.overrun_mm, "overrun_mm"},
+                     std::pair{m.edge_lift_mm / limits_.lift_mm, "lift_mm"},
+                     std::pair{m.edge_depth_mm / limits_.depth_mm, "depth_mm"}},
                     [](const auto& a, const auto& b) { return a.first < b.first; });
   }
 

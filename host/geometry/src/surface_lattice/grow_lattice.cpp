@@ -35,6 +35,8 @@ constexpr int kSmallIsland = 8;                    // modules: such an island ma
 constexpr int kFront = 12;                         // of the layouts that are kept beside the best
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kFinalMargin = 0.98;
+constexpr double kLiftShare =
+    0.7;  // of the limit, for corners of the net: those of the rigid module stand off a little more
 constexpr double kApart_mm = 60.0;   // of centres: modules that have no side, corner or overlap in common
 constexpr double kNothing = -1e300;  // value of no layout
 
@@ -43,7 +45,7 @@ struct GrowthTask {
   const Rules& rules;
   const SurfaceLatticeOptions& options;
   const std::vector<Sample>& samples;
-  double jumper_mm;
+  double jumper_mm, corner_lift_mm;
   Clock::time_point start, end;
 
   [[nodiscard]] LatticeNet empty_net() const { return {surface.mesh().vertices, options.corner_cut_mm}; }
@@ -71,7 +73,7 @@ class Chain {
       : task_(task),
         random_(seed),
         price_(task.options.price, task.jumper_mm),
-        grower_(task.surface, task.rules, task.samples, task.options.corner_lift_mm, task.end) {}
+        grower_(task.surface, task.rules, task.samples, task.corner_lift_mm, task.end) {}
 
   // Makes complete layouts from several starts: place and turn of the first module decide more than later steps mend.
   // The better half is improved for a while, and again its better half, until one is left.
@@ -297,7 +299,8 @@ ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
 
 double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
   double worst = std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm,
-                           m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm});
+                           m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm, m.edge_lift_mm / l.lift_mm,
+                           m.edge_depth_mm / l.depth_mm});
   for (std::size_t s = 0; s < 3; ++s)
     worst = std::max({worst, m.hinge_gap_mm[s] / l.hinge_gap_mm, m.fold_rad[s] / l.fold_rad});
   return worst;
@@ -340,6 +343,7 @@ ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, Lattic
       const auto [known, is_new] = measured.try_emplace(triangle_of[k], m);
       if (is_new) measure_on_surface(surface, known->second, layout.corner_cut_mm);
       m.center_gap_mm = known->second.center_gap_mm;
+      m.edge_lift_mm = known->second.edge_lift_mm;
       m.edge_depth_mm = known->second.edge_depth_mm;
       m.overrun_mm = known->second.overrun_mm;
       m.bend_radius_mm = known->second.bend_radius_mm;
@@ -369,8 +373,8 @@ void check_options(const LayoutLimits& l, const SurfaceLatticeOptions& o) {
   if (!(o.corner_cut_mm >= 0.0 && o.corner_cut_mm <= design::kMostCornerCut_mm))
     throw InputError(fmt::format("lattice: the corner cut must be 0 … {} mm", design::kMostCornerCut_mm));
   if (!(o.corner_lift_mm >= 0.0)) throw InputError("lattice: the corner lift must not be negative");
-  for (const double v :
-       {l.edge_error_mm, l.hinge_gap_mm, l.center_gap_mm, l.fold_rad, l.penetration_mm, l.overrun_mm}) {
+  for (const double v : {l.edge_error_mm, l.hinge_gap_mm, l.center_gap_mm, l.fold_rad, l.penetration_mm, l.overrun_mm,
+                         l.lift_mm, l.depth_mm}) {
     if (!(v > 0.0)) throw InputError("lattice: every limit must be positive");
   }
 }
@@ -400,7 +404,7 @@ std::vector<const LatticeNet*> front_of(const std::deque<Chain>& chains) {
 // Counts, for the report, the limits that refuse further modules; a module that fits after all is kept.
 void count_refusals(const GrowthTask& task, LatticeNet& net, ModuleLayout& layout) {
   Dice random(task.options.seed);
-  Grower grower(task.surface, task.rules, task.samples, task.options.corner_lift_mm, Clock::time_point::max());
+  Grower grower(task.surface, task.rules, task.samples, task.corner_lift_mm, Clock::time_point::max());
   grower.grow(net, {}, random);
   for (std::size_t k = 1; k < kRefusals; ++k) {
     if (grower.refused[k] > 0) layout.refused.emplace_back(name_of(static_cast<Refusal>(k)), grower.refused[k]);
@@ -419,7 +423,8 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
       start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
   const Rules rules(surface, limits);
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
-  const GrowthTask task{surface, rules, options, samples, limits.jumper_mm, start, end};
+  const double corner_lift_mm = std::min(options.corner_lift_mm, kLiftShare * limits.lift_mm);
+  const GrowthTask task{surface, rules, options, samples, limits.jumper_mm, corner_lift_mm, start, end};
   std::deque<Chain> chains;
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));

@@ -18,7 +18,8 @@ constexpr double kProbeStep_mm = 2.0;
 constexpr double kProbeHeight_mm = 8.0;
 
 LayoutLimits with_margin(LayoutLimits l) {
-  for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm})
+  for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm,
+                    &l.lift_mm, &l.depth_mm})
     *v *= kMargin;
   return l;
 }
@@ -46,8 +47,8 @@ bool covers(const NetTriangle& t, const Vec3& p) {
 }  // namespace
 
 const char* name_of(Refusal refusal) {
-  static constexpr std::array kNames{"none",          "edge_error_mm", "hinge_gap_mm",   "fold_rad",
-                                     "center_gap_mm", "outward",       "penetration_mm", "overrun_mm"};
+  static constexpr std::array kNames{"none",    "edge_error_mm",  "hinge_gap_mm", "fold_rad", "center_gap_mm",
+                                     "outward", "penetration_mm", "overrun_mm",   "lift_mm",  "depth_mm"};
   return kNames[static_cast<std::size_t>(refusal)];
 }
 
@@ -87,8 +88,11 @@ Refusal Rules::evaluate(NearSurface& surface, const LatticeNet& net, const std::
     if (under.distance_mm > limits_.center_gap_mm) return Refusal::kCenterGap;
     if (under.normal.dot(triangle.normal) < kOutward) return Refusal::kOutward;
   }
-  const bool over = std::ranges::any_of(triangles, [&](int t) { return over_border(surface, net, t); });
-  return over ? Refusal::kOverrun : Refusal::kNone;
+  if (std::ranges::any_of(triangles, [&](int t) { return over_border(surface, net, t); })) return Refusal::kOverrun;
+  for (const int t : triangles) {
+    if (const Refusal r = evaluate_sides(surface, net, t); r != Refusal::kNone) return r;
+  }
+  return Refusal::kNone;
 }
 
 Refusal Rules::evaluate_joints(const LatticeNet& net, int triangle) const {
@@ -104,6 +108,27 @@ Refusal Rules::evaluate_joints(const LatticeNet& net, int triangle) const {
     if (n.dot(t.normal) < fold_cosine_) return Refusal::kFold;
     int axis = 0;
     if (overlap_of(t, net.triangles()[at(other)], axis).depth_mm > limits_.penetration_mm) return Refusal::kPenetration;
+  }
+  return Refusal::kNone;
+}
+
+// Lift and depth at corners, middles and quarters of the sides; the walk at the end is finer. What is joined lies
+// within a hinge gap: one of the two is asked.
+Refusal Rules::evaluate_sides(NearSurface& surface, const LatticeNet& net, int triangle) const {
+  const NetTriangle& t = net.triangles()[at(triangle)];
+  const design::Outline outline = design::outline_of(t.rigid, t.corner_cut_mm);
+  const std::size_t sides = outline.size / 3;  // those between two long ones are short
+  for (std::size_t s = 0; s < 3; ++s) {
+    const Vec3 &from = outline.point[sides * s], &to = outline.point[(sides * s + 1) % outline.size];
+    const int other = net.neighbour(triangle, static_cast<int>(s));
+    for (const double x : {0.5, 0.0, 0.25, 0.75}) {
+      const Vec3 p = from + x * (to - from);
+      const Foot foot = surface.closest(p);
+      const double height = (p - foot.point).dot(foot.normal);
+      if (height > limits_.lift_mm) return Refusal::kLift;
+      if (-height > limits_.depth_mm) return Refusal::kDepth;
+      if (x == 0.0 && other >= 0 && other < triangle) break;
+    }
   }
   return Refusal::kNone;
 }

@@ -12,8 +12,8 @@
 namespace triskin::geometry::surface_lattice {
 
 /// Limit that refuses a module; kNone when all limits hold.
-enum class Refusal { kNone, kEdgeError, kHingeGap, kFold, kCenterGap, kOutward, kPenetration, kOverrun };
-inline constexpr std::size_t kRefusals = 8;
+enum class Refusal { kNone, kEdgeError, kHingeGap, kFold, kCenterGap, kOutward, kPenetration, kOverrun, kLift, kDepth };
+inline constexpr std::size_t kRefusals = 10;
 [[nodiscard]] const char* name_of(Refusal refusal);
 
 /// The limits, measured on rigid modules. Immutable: shared by the chains.
@@ -30,6 +30,7 @@ class Rules {
  private:
   [[nodiscard]] Refusal evaluate_joints(const LatticeNet& net, int triangle) const;
   [[nodiscard]] bool overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const;
+  [[nodiscard]] Refusal evaluate_sides(NearSurface& surface, const LatticeNet& net, int triangle) const;
   [[nodiscard]] bool over_border(NearSurface& surface, const LatticeNet& net, int triangle) const;
   [[nodiscard]] bool side_over_border(NearSurface& surface, const Vec3& from, const Vec3& to, double length_mm) const;
   [[nodiscard]] bool cut_sides_over_border(NearSurface& surface, const NetTriangle& triangle, std::size_t side,

@@ -38,6 +38,8 @@ struct Design {
     int patches_lower_bound = 0;
     int jumpers_lower_bound = 0;  ///< with as many patches no fewer jumpers do; in the file only beside jumpers
     double max_edge_error_mm = 0.0, max_hinge_gap_mm = 0.0, max_center_gap_mm = 0.0;
+    /// Of corners and sides, above and under the surface; in the file beside their limits only.
+    double max_edge_lift_mm = 0.0, max_edge_depth_mm = 0.0;
     double seconds = 0.0;
     double coverage_cut = 0.0;  ///< modules · what corner cuts leave of 389.7 mm² / area; in the file only with a cut
   };
@@ -55,7 +57,7 @@ struct Design {
   /// Node address of the controller of each patch, 0 where it hangs on another bus than the one in hand; empty: patch p
   /// has p + 1. A robot file gives addresses (docs/robot_file.md); they are neither in the design file nor in its id.
   std::vector<std::uint8_t> node_addresses;
-  Price price;  ///< in the file only beside alternatives
+  Price price;      ///< in the file only beside alternatives
   /// Most modules first, falling price. `taken`: index of the one in `layout`, -1 where there are none.
   std::vector<Alternative> alternatives;
   int taken = -1;

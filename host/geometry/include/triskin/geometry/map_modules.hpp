@@ -32,10 +32,10 @@ void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayou
 /// are defined in docs/design_file.md; all ≥ 0.
 void measure(const Surface& surface, ModuleLayout& layout);
 
-/// Measures what depends on the surface alone: gap under the centre, depth, overrun (mm, to 0.02 mm below), bend
-/// radius. All but gap and radius are those of the outline that the cut leaves. Sides are walked every 0.5 mm for the
-/// depth, by bisection where they leave the surface; its area is searched for border under it. Cost: ~200 closest-point
-/// queries.
+/// Measures what depends on the surface alone: gap under the centre, lift, depth, overrun (mm, to 0.02 mm below),
+/// bend radius. All but gap and radius are those of the outline that the cut leaves. Sides are walked every 0.5 mm for
+/// lift and depth, by bisection where they leave the surface; its area is searched for border under it. Cost: ~200
+/// closest-point queries.
 void measure_on_surface(const Surface& surface, PlacedModule& module, double corner_cut_mm = 0.0);
 
 /// Measures what depends on the other modules: edge error, hinge gap and fold of each joint, penetration. Cost: n² / 2
