@@ -130,6 +130,7 @@ DesignReport check_design(const std::filesystem::path& path) {
   check_surface(design, findings);
   check_pieces(design, findings);
   check_jumpers(design, findings);
+  check_regions(design, findings);
   check_patches(design, findings);
   check_report(design, findings);
   return report;

@@ -113,6 +113,34 @@ CheckedDesign::Patch read_patch(const json& j, int n) {
   return p;
 }
 
+CheckedDesign::Region read_region(const json& j, int n_faces) {
+  CheckedDesign::Region r{};
+  r.name = j.at("name").get<std::string>();
+  if (j.contains("sphere")) {
+    r.kind = CheckedDesign::Region::Kind::kSphere;
+    r.a = p3(j["sphere"].at("center_mm"));
+    r.radius = j["sphere"].at("radius_mm");
+  } else if (j.contains("box")) {
+    r.kind = CheckedDesign::Region::Kind::kBox;
+    r.a = p3(j["box"].at("low_mm"));
+    r.b = p3(j["box"].at("high_mm"));
+  } else {
+    r.kind = CheckedDesign::Region::Kind::kFaces;
+    r.faces = all(j.at("faces"), [n_faces](const json& f) { return bounded(f.get<int>(), 0, n_faces - 1, "face"); });
+  }
+  r.free = j.contains("free") && j["free"].get<bool>();
+  r.cover = j.contains("cover") && j["cover"].get<bool>();
+  if (r.cover) r.within = j.at("within_mm");
+  return r;
+}
+
+void read_regions(const json& j, CheckedDesign& d) {
+  for (const json& r : j.at("regions").at("list"))
+    d.regions.push_back(read_region(r, static_cast<int>(d.faces.size())));
+  for (std::size_t k = 0; k < d.modules.size(); ++k)
+    d.modules[k].keep_out = j.at("modules").at(k).at("keep_out_mm").get<double>();
+}
+
 void read_jumpers(const json& list, CheckedDesign& d) {
   const int n = static_cast<int>(d.modules.size());
   for (const json& j : list) {
@@ -172,6 +200,7 @@ CheckedDesign read_all(const json& j) {
     d.modules.push_back(read_module(m, n, with_lift));
   }
   if (with_jumpers) read_jumpers(j.at("jumpers"), d);
+  if (j.contains("regions")) read_regions(j, d);
   for (const json& p : j.at("pieces")) d.pieces.push_back(read_piece(p, static_cast<int>(d.faces.size())));
   for (const json& p : j.at("patches")) d.patches.push_back(read_patch(p, n));
   const json& r = j.at("report");

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "alternatives_json.hpp"
+#include "regions_json.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/json_fields.hpp"
@@ -247,6 +248,7 @@ Design parse_design(const std::string& text, const std::string& file) {
   }
   d.report = read_report(v["report"]);
   read_alternatives(v, d);
+  read_regions(v, d);
   return d;
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "alternatives_json.hpp"
+#include "regions_json.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/host/files.hpp"
 
@@ -182,6 +183,7 @@ void write_design(const std::filesystem::path& path, const Design& design) {
   }
   if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // files without a cut stay as they were
   write_alternatives(design, file);
+  write_regions(design, file);
   for (const Jumper& j : design.layout.jumpers) file["jumpers"].push_back(jumper_json(j));
   write_output(path, file.dump() + "\n");
 }

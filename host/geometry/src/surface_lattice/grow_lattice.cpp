@@ -13,6 +13,7 @@
 #include "canonical.hpp"
 #include "grower.hpp"
 #include "net_price.hpp"
+#include "place_value.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
@@ -45,13 +46,14 @@ struct GrowthTask {
   const Rules& rules;
   const SurfaceLatticeOptions& options;
   const std::vector<Sample>& samples;
+  const CopiedRegions& regions;
   double jumper_mm, corner_lift_mm;
   Clock::time_point start, end;
 
   [[nodiscard]] LatticeNet empty_net() const { return {surface.mesh().vertices, options.corner_cut_mm}; }
-  [[nodiscard]] double value(LatticeNet& net, NetPrice& price) const {
+  [[nodiscard]] double value(LatticeNet& net, NetPrice& price, PlaceValue& worth) const {
     if (net.size() == 0) return kNothing;  // one module is better, although its controller costs more
-    return net.size() - price(net) + options.hinge_reward * net.joints();
+    return worth(net) - price(net) + options.hinge_reward * net.joints();
   }
   [[nodiscard]] double fraction(int steps) const {
     if (options.iterations > 0) return std::min(1.0, static_cast<double>(steps) / options.iterations);
@@ -73,6 +75,7 @@ class Chain {
       : task_(task),
         random_(seed),
         price_(task.options.price, task.jumper_mm),
+        worth_(task.regions),
         grower_(task.surface, task.rules, task.samples, task.corner_lift_mm, task.end) {}
 
   // Makes complete layouts from several starts: place and turn of the first module decide more than later steps mend.
@@ -121,7 +124,7 @@ class Chain {
   void set(LatticeNet net) {
     now_ = std::move(net);
     price_.forget();
-    value_ = task_.value(now_, price_);
+    value_ = task_.value(now_, price_, worth_);
   }
 
   void start_anew() {
@@ -189,7 +192,7 @@ class Chain {
     grower_.grow(now_, around, random_);
     grower_.fill(now_, around, random_, 4);
     now_.separate();
-    return task_.value(now_, price_);
+    return task_.value(now_, price_, worth_);
   }
 
   // The best of all, and the best of each number of modules near it.
@@ -206,8 +209,13 @@ class Chain {
     front_.erase(front_.begin(), front_.lower_bound(best_->size() - 2 * kFront));
   }
 
-  // Around an uncovered place when one is found quickly, else around any module.
+  // Around an uncovered place when one is found quickly, else around any module; what must be covered first.
   [[nodiscard]] Vec3 place_to_ruin(const LatticeNet& net) {
+    const auto& must_cover = task_.regions.must_cover();
+    for (int k = 0; k < 2 && !must_cover.empty(); ++k) {
+      const auto& place = must_cover[at(random_.scaled_below(static_cast<int>(must_cover.size())))];
+      if (!PlaceValue::covered(net, place)) return place.point_mm;
+    }
     for (int k = 0; k < 8 && !task_.samples.empty(); ++k) {
       const Sample& s = task_.samples[at(random_.scaled_below(static_cast<int>(task_.samples.size())))];
       if (!grower_.covered(net, s.point)) return s.point;
@@ -256,6 +264,7 @@ class Chain {
   const GrowthTask& task_;
   Dice random_;
   NetPrice price_;
+  PlaceValue worth_;
   Grower grower_;
   LatticeNet now_;  // what price_ knows
   NetCopy best_;
@@ -300,7 +309,7 @@ ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
 double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
   double worst = std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm,
                            m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm, m.edge_lift_mm / l.lift_mm,
-                           m.edge_depth_mm / l.depth_mm});
+                           m.edge_depth_mm / l.depth_mm, m.keep_out_mm / l.overrun_mm});
   for (std::size_t s = 0; s < 3; ++s)
     worst = std::max({worst, m.hinge_gap_mm[s] / l.hinge_gap_mm, m.fold_rad[s] / l.fold_rad});
   return worst;
@@ -331,7 +340,8 @@ std::vector<int> worst_of_their_places(const ModuleLayout& layout, const LayoutL
 }
 
 // Removes modules that break a limit under the finer walk along the sides, the worst first.
-ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, LatticeNet net, const LayoutLimits& limits) {
+ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, LatticeNet net, const LayoutLimits& limits,
+                       const SurfaceRegions* regions) {
   std::map<int, PlacedModule> measured;  // by triangle: corners stay, so what depends on the surface does too
   for (;;) {
     net.separate();
@@ -341,11 +351,12 @@ ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, Lattic
     for (std::size_t k = 0; k < triangle_of.size(); ++k) {
       PlacedModule& m = layout.modules[k];
       const auto [known, is_new] = measured.try_emplace(triangle_of[k], m);
-      if (is_new) measure_on_surface(surface, known->second, layout.corner_cut_mm);
+      if (is_new) measure_on_surface(surface, known->second, layout.corner_cut_mm, regions);
       m.center_gap_mm = known->second.center_gap_mm;
       m.edge_lift_mm = known->second.edge_lift_mm;
       m.edge_depth_mm = known->second.edge_depth_mm;
       m.overrun_mm = known->second.overrun_mm;
+      m.keep_out_mm = known->second.keep_out_mm;
       m.bend_radius_mm = known->second.bend_radius_mm;
     }
     measure_between(layout);
@@ -413,6 +424,10 @@ void count_refusals(const GrowthTask& task, LatticeNet& net, ModuleLayout& layou
 
 }  // namespace
 
+double corner_lift_of(const LayoutLimits& limits, const SurfaceLatticeOptions& options) {
+  return std::min(options.corner_lift_mm, kLiftShare * limits.lift_mm);
+}
+
 std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits& limits,
                                      const SurfaceLatticeOptions& options, const ProgressSink& progress) {
   check_options(limits, options);
@@ -421,10 +436,11 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   const Surface surface(copy.mesh());
   const auto end =
       start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
-  const Rules rules(surface, limits);
+  const CopiedRegions regions(options.regions, copy);
+  const Rules rules(surface, limits, regions.free_points());
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
-  const double corner_lift_mm = std::min(options.corner_lift_mm, kLiftShare * limits.lift_mm);
-  const GrowthTask task{surface, rules, options, samples, limits.jumper_mm, corner_lift_mm, start, end};
+  const GrowthTask task{surface, rules, options, samples, regions, limits.jumper_mm, corner_lift_of(limits, options),
+                        start,   end};
   std::deque<Chain> chains;
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));
@@ -446,7 +462,7 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   LatticeNet net = *best_of(chains).best();
   ModuleLayout refusals;
   count_refusals(task, net, refusals);
-  std::vector<ModuleLayout> layouts{certified(original, copy, std::move(net), limits)};
+  std::vector<ModuleLayout> layouts{certified(original, copy, std::move(net), limits, options.regions)};
   layouts[0].refused = std::move(refusals.refused);
   if (!options.front) return layouts;
   const std::vector<const LatticeNet*> others = front_of(chains);
@@ -454,7 +470,7 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   std::atomic<std::size_t> next{0};
   in_parallel(chains, [&](const Chain&) {
     for (std::size_t k = next++; k < others.size(); k = next++)
-      layouts[1 + k] = certified(original, copy, *others[k], limits);
+      layouts[1 + k] = certified(original, copy, *others[k], limits, options.regions);
   });
   return layouts;
 }

@@ -41,6 +41,7 @@ struct PlacedModule {
   double edge_depth_mm = 0.0;  ///< the same under the surface
   double penetration_mm = 0.0;
   double overrun_mm = 0.0;
+  double keep_out_mm = 0.0;     ///< how far it reaches into a region that must stay free; limit: overrun_mm
   double bend_radius_mm = 0.0;  ///< smallest radius of curvature under the module; 0 when flat
 };
 
