@@ -209,8 +209,8 @@ TEST_F(Damage, what_flashing_relies_on) {
 }
 
 TEST_F(Damage, limits_are_the_users_choice_but_must_be_limits) {
-  for (const char* limit :
-       {"edge_error_mm", "hinge_gap_mm", "center_gap_mm", "fold_rad", "penetration_mm", "overrun_mm"}) {
+  for (const char* limit : {"edge_error_mm", "hinge_gap_mm", "center_gap_mm", "fold_rad", "penetration_mm",
+                            "overrun_mm", "lift_mm", "depth_mm"}) {
     EXPECT_THAT(broken_by([&](json& j) { j["limits"][limit] = 50.0; }), testing::IsEmpty()) << limit;
     expect("limits", [&](json& j) { j["limits"][limit] = -1.0; });
     EXPECT_THROW((void)broken_by([&](json& j) { j["limits"][limit] = std::nan(""); }), InputError)

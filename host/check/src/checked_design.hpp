@@ -24,7 +24,7 @@ struct CheckedDesign {
     Triangle3 corner;
     std::array<int, 3> neighbour;
     std::array<int, 3> beside;  ///< neighbours, and what a jumper leads to
-    double edge_error, center_gap, edge_depth, penetration, overrun, bend_radius;
+    double edge_error, center_gap, edge_lift, edge_depth, penetration, overrun, keep_out, bend_radius;
     std::array<double, 3> hinge_gap, fold;
     int patch, line, address, rotation, parent, depth;
     std::array<P3, 12> taxel, taxel_normal;
@@ -49,9 +49,20 @@ struct CheckedDesign {
     std::array<int, 2> module, side;
     double length, fold;
   };
+  struct Region {
+    enum class Kind { kSphere, kBox, kFaces };
+    std::string name;
+    Kind kind;
+    P3 a, b;  ///< centre; low and high corner
+    double radius;
+    std::vector<int> faces;
+    bool cover, free;
+    double within;
+  };
   struct Limits {
     double edge_error, hinge_gap, center_gap, fold, penetration, overrun;
-    double jumper;  ///< beside jumpers only, else 0
+    double lift, depth;  ///< infinite in files that do not limit the sides
+    double jumper;       ///< beside jumpers only, else 0
   };
   std::vector<P3> vertices;
   std::vector<std::array<int, 3>> faces;
@@ -61,8 +72,9 @@ struct CheckedDesign {
   std::vector<Module> modules;
   std::vector<Jumper> jumpers;
   std::vector<Piece> pieces;
+  std::vector<Region> regions;
   std::vector<Patch> patches;
-  double area_cm2, coverage, coverage_cut, max_edge_error, max_hinge_gap, max_center_gap;
+  double area_cm2, coverage, coverage_cut, max_edge_error, max_hinge_gap, max_center_gap, max_edge_lift, max_edge_depth;
   int upper_bound, patches_lower_bound, jumpers_lower_bound;
   std::string method;
   std::uint64_t design_id;
@@ -88,6 +100,7 @@ void check_surface(const CheckedDesign& design, Findings& findings);  ///< gaps,
 void check_pieces(const CheckedDesign& design, Findings& findings);   ///< nets and placements on the plane
 void check_jumpers(const CheckedDesign& design, Findings& findings);  ///< joints between islands
 void check_patches(const CheckedDesign& design, Findings& findings);  ///< wiring
+void check_regions(const CheckedDesign& design, Findings& findings);  ///< what stays free, what must be covered
 void check_report(const CheckedDesign& design, Findings& findings);   ///< the numbers and the id that the file states
 
 inline constexpr double kSide = 30.0;

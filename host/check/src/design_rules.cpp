@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "checked_design.hpp"
 #include "module_outline.hpp"
@@ -26,6 +27,10 @@ void check_limits(const CheckedDesign::Limits& l, bool with_jumpers, DesignRepor
                                                      {"center_gap_mm", l.center_gap},   {"fold_rad", l.fold},
                                                      {"penetration_mm", l.penetration}, {"overrun_mm", l.overrun}};
   if (with_jumpers) limits.emplace_back("jumper_mm", l.jumper);
+  if (l.lift != std::numeric_limits<double>::infinity()) {
+    limits.emplace_back("lift_mm", l.lift);
+    limits.emplace_back("depth_mm", l.depth);
+  }
   for (const auto& [name, value] : limits) {
     report.limits.emplace_back(name, value);
     if (!(std::isfinite(value) && value >= 0.0))
@@ -93,15 +98,21 @@ void check_report(const CheckedDesign& d, Findings& f) {
   stated(f, "report-coverage", d.coverage, covered / area, 1e-9);
   const double left = static_cast<double>(d.modules.size()) * area_left(d.corner_cut);
   if (d.corner_cut > 0.0) stated(f, "report-coverage", d.coverage_cut, left / area, 1e-9);
-  double edge = 0.0, hinge = 0.0, center = 0.0;
+  double edge = 0.0, hinge = 0.0, center = 0.0, lift = 0.0, depth = 0.0;
   for (const auto& m : d.modules) {
     edge = std::max(edge, m.edge_error);
     center = std::max(center, m.center_gap);
+    lift = std::max(lift, m.edge_lift);
+    depth = std::max(depth, m.edge_depth);
     for (const double g : m.hinge_gap) hinge = std::max(hinge, g);
   }
   stated(f, "report-maxima", d.max_edge_error, edge, 1e-9);
   stated(f, "report-maxima", d.max_hinge_gap, hinge, 1e-9);
   stated(f, "report-maxima", d.max_center_gap, center, 1e-9);
+  if (std::isfinite(d.limits.lift)) {
+    stated(f, "report-maxima", d.max_edge_lift, lift, 1e-9);
+    stated(f, "report-maxima", d.max_edge_depth, depth, 1e-9);
+  }
   if (static_cast<int>(d.modules.size()) > d.upper_bound) {
     f.broken("report-bound", "design",
              fmt::format("{} modules above the stated upper bound {}", d.modules.size(), d.upper_bound));
@@ -119,6 +130,7 @@ DesignReport check_design(const std::filesystem::path& path) {
   check_surface(design, findings);
   check_pieces(design, findings);
   check_jumpers(design, findings);
+  check_regions(design, findings);
   check_patches(design, findings);
   check_report(design, findings);
   return report;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <limits>
 
 #include "checked_design.hpp"
 #include "triskin/host/error.hpp"
@@ -45,7 +46,7 @@ double corner_cut(double value) {
   return value;
 }
 
-CheckedDesign::Module read_module(const json& j, int n) {
+CheckedDesign::Module read_module(const json& j, int n, bool with_lift) {
   CheckedDesign::Module m{};
   m.island = j.at("island").get<int>();
   m.i = bounded(j.at("i").get<int>(), -1'000'000, 1'000'000, "lattice coordinate");
@@ -58,6 +59,7 @@ CheckedDesign::Module read_module(const json& j, int n) {
   m.edge_error = j.at("edge_error_mm").get<double>();
   m.center_gap = j.at("center_gap_mm").get<double>();
   m.edge_depth = j.at("edge_depth_mm").get<double>();
+  m.edge_lift = with_lift ? j.at("edge_lift_mm").get<double>() : 0.0;
   m.penetration = j.at("penetration_mm").get<double>();
   m.overrun = j.at("overrun_mm").get<double>();
   m.bend_radius = j.at("bend_radius_mm").get<double>();
@@ -111,6 +113,34 @@ CheckedDesign::Patch read_patch(const json& j, int n) {
   return p;
 }
 
+CheckedDesign::Region read_region(const json& j, int n_faces) {
+  CheckedDesign::Region r{};
+  r.name = j.at("name").get<std::string>();
+  if (j.contains("sphere")) {
+    r.kind = CheckedDesign::Region::Kind::kSphere;
+    r.a = p3(j["sphere"].at("center_mm"));
+    r.radius = j["sphere"].at("radius_mm");
+  } else if (j.contains("box")) {
+    r.kind = CheckedDesign::Region::Kind::kBox;
+    r.a = p3(j["box"].at("low_mm"));
+    r.b = p3(j["box"].at("high_mm"));
+  } else {
+    r.kind = CheckedDesign::Region::Kind::kFaces;
+    r.faces = all(j.at("faces"), [n_faces](const json& f) { return bounded(f.get<int>(), 0, n_faces - 1, "face"); });
+  }
+  r.free = j.contains("free") && j["free"].get<bool>();
+  r.cover = j.contains("cover") && j["cover"].get<bool>();
+  if (r.cover) r.within = j.at("within_mm");
+  return r;
+}
+
+void read_regions(const json& j, CheckedDesign& d) {
+  for (const json& r : j.at("regions").at("list"))
+    d.regions.push_back(read_region(r, static_cast<int>(d.faces.size())));
+  for (std::size_t k = 0; k < d.modules.size(); ++k)
+    d.modules[k].keep_out = j.at("modules").at(k).at("keep_out_mm").get<double>();
+}
+
 void read_jumpers(const json& list, CheckedDesign& d) {
   const int n = static_cast<int>(d.modules.size());
   for (const json& j : list) {
@@ -150,12 +180,15 @@ CheckedDesign read_all(const json& j) {
   }
   if (d.faces.empty()) throw InputError("the surface has no faces");
   const json& l = j.at("limits");
+  const bool with_lift = l.contains("lift_mm") || l.contains("depth_mm");  // both, or a file of before them
   d.limits = {l.at("edge_error_mm"),
               l.at("hinge_gap_mm"),
               l.at("center_gap_mm"),
               l.at("fold_rad"),
               l.at("penetration_mm"),
               l.at("overrun_mm"),
+              with_lift ? l.at("lift_mm").get<double>() : std::numeric_limits<double>::infinity(),
+              with_lift ? l.at("depth_mm").get<double>() : std::numeric_limits<double>::infinity(),
               with_jumpers ? l.at("jumper_mm").get<double>() : 0.0};
   if (j.contains("corner_cut_mm")) d.corner_cut = corner_cut(j["corner_cut_mm"].get<double>());
   d.islands = j.at("islands").get<int>();
@@ -164,9 +197,10 @@ CheckedDesign read_all(const json& j) {
   const int n = static_cast<int>(j.at("modules").size());
   for (const json& m : j.at("modules")) {
     bounded(m.at("id").get<int>(), static_cast<int>(d.modules.size()), static_cast<int>(d.modules.size()), "module id");
-    d.modules.push_back(read_module(m, n));
+    d.modules.push_back(read_module(m, n, with_lift));
   }
   if (with_jumpers) read_jumpers(j.at("jumpers"), d);
+  if (j.contains("regions")) read_regions(j, d);
   for (const json& p : j.at("pieces")) d.pieces.push_back(read_piece(p, static_cast<int>(d.faces.size())));
   for (const json& p : j.at("patches")) d.patches.push_back(read_patch(p, n));
   const json& r = j.at("report");
@@ -179,6 +213,10 @@ CheckedDesign read_all(const json& j) {
   d.max_edge_error = r.at("max_edge_error_mm");
   d.max_hinge_gap = r.at("max_hinge_gap_mm");
   d.max_center_gap = r.at("max_center_gap_mm");
+  if (with_lift) {
+    d.max_edge_lift = r.at("max_edge_lift_mm");
+    d.max_edge_depth = r.at("max_edge_depth_mm");
+  }
   return d;
 }
 

@@ -57,8 +57,8 @@ Triangle3 SurfaceIndex::triangle(const std::array<int, 3>& face) const {
 
 SurfaceIndex::Hit SurfaceIndex::closest(const P3& p) const {
   const auto [point, primitive] = tree_.closest_point_and_primitive(Kernel::Point_3(p.x(), p.y(), p.z()));
-  Hit hit{{point.x(), point.y(), point.z()}, P3::Zero()};
-  const auto& f = design_.faces[static_cast<std::size_t>(primitive - triangles_.cbegin())];
+  Hit hit{{point.x(), point.y(), point.z()}, P3::Zero(), static_cast<std::size_t>(primitive - triangles_.cbegin())};
+  const auto& f = design_.faces[hit.face];
   const Triangle3 t = triangle(f);
   const P3 n = (t[1] - t[0]).cross(t[2] - t[0]);
   for (std::size_t k = 0; k < 3; ++k) {

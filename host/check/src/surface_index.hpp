@@ -23,6 +23,7 @@ class SurfaceIndex {
   struct Hit {
     P3 point;
     P3 normal;  ///< interpolated from the corners of the face, unit
+    std::size_t face;
   };
 
   explicit SurfaceIndex(const CheckedDesign& design);

@@ -11,7 +11,8 @@ namespace {
 
 // Stated and measured numbers may differ by how finely the sides are walked and by how normals are interpolated.
 constexpr double kStated_mm = 0.05;
-constexpr double kStep_mm = 0.5;  // along the sides, for the stated depth
+constexpr double kStatedHeight_mm = 0.1;
+constexpr double kStep_mm = 0.5;  // along the sides, for lift and depth
 
 void within_limit(Findings& f, const char* rule, std::size_t module, double measured, double limit) {
   if (!(measured <= limit)) f.broken(rule, module_name(module), fmt::format("{:.3f} mm, limit {} mm", measured, limit));
@@ -46,23 +47,37 @@ void check_overrun(const CheckedDesign& d, std::size_t k, const SurfaceIndex& su
   as_stated(f, "overrun", k, measured, m.overrun);
 }
 
-double depth_of_sides(const Outline3& outline, const SurfaceIndex& surface) {
-  double depth = 0.0;
+// The least and the greatest height of the sides over the surface, along its normal.
+std::array<double, 2> heights_of_sides(const Outline3& outline, const SurfaceIndex& surface) {
+  std::array<double, 2> range{0.0, 0.0};
   for (std::size_t s = 0; s < outline.size(); ++s) {
     const P3 side = outline[(s + 1) % outline.size()] - outline[s];
     const double steps = std::max(1.0, std::round(side.norm() / kStep_mm));
     for (double q = 0.0; q < steps; q += 1.0) {
       const P3 p = outline[s] + side * (q / steps);
       const auto h = surface.closest(p);
-      const P3 off = p - h.point;
-      depth = std::max(depth, -off.dot(h.normal));
+      const double height = (p - h.point).dot(h.normal);
+      range = {std::min(range[0], height), std::max(range[1], height)};
     }
   }
-  return depth;
+  return range;
+}
+
+void check_sides(const CheckedDesign& d, std::size_t k, const SurfaceIndex& surface, Findings& f) {
+  const auto& m = d.modules[k];
+  const auto [low, high] = heights_of_sides(module_outline(m.corner, d.corner_cut), surface);
+  const auto check = [&](const char* rule, double measured, double stated, double limit) {
+    within_limit(f, rule, k, measured, limit);
+    if (!(std::abs(measured - stated) <= kStatedHeight_mm))
+      f.broken(rule, module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", stated, measured));
+  };
+  check("edge-depth", -low, m.edge_depth, d.limits.depth);
+  if (std::isfinite(d.limits.lift)) check("edge-lift", high, m.edge_lift, d.limits.lift);
 }
 
 void check_against_surface(const CheckedDesign& d, Findings& f) {
   for (const char* rule : {"center-gap", "overrun", "edge-depth", "outward", "bend-radius"}) f.rule(rule);
+  if (std::isfinite(d.limits.lift)) f.rule("edge-lift");
   const SurfaceIndex surface(d);
   for (std::size_t k = 0; k < d.modules.size(); ++k) {
     const auto& m = d.modules[k];
@@ -76,10 +91,8 @@ void check_against_surface(const CheckedDesign& d, Findings& f) {
       f.broken("outward", module_name(k),
                fmt::format("its normal is {:.0f}° off the surface's", std::acos(cosine) * 180 / M_PI));
     check_bend(m, k, surface, hit.normal, f);
-    const double depth = depth_of_sides(module_outline(m.corner, d.corner_cut), surface);
     check_overrun(d, k, surface, f);
-    if (!(std::abs(depth - m.edge_depth) <= 0.1))
-      f.broken("edge-depth", module_name(k), fmt::format("stated {:.3f} mm, measured {:.3f} mm", m.edge_depth, depth));
+    check_sides(d, k, surface, f);
   }
 }
 

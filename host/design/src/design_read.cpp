@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <limits>
 #include <optional>
 
 #include "alternatives_json.hpp"
+#include "regions_json.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/json_fields.hpp"
@@ -50,6 +52,9 @@ void read_limits(const JsonValue& v, LayoutLimits& l) {
   l.penetration_mm = v["penetration_mm"].number();
   l.overrun_mm = v["overrun_mm"].number();
   if (has(v, "jumper_mm")) l.jumper_mm = v["jumper_mm"].number();
+  // Files of 0.1 do not limit them.
+  l.lift_mm = has(v, "lift_mm") ? v["lift_mm"].number() : std::numeric_limits<double>::infinity();
+  l.depth_mm = has(v, "lift_mm") ? v["depth_mm"].number() : std::numeric_limits<double>::infinity();
 }
 
 Jumper read_jumper(const JsonValue& v, std::size_t n_modules) {
@@ -106,6 +111,7 @@ PlacedModule read_module(const JsonValue& v, std::size_t id, std::size_t n_modul
   m.hinge_gap_mm = triple(v["hinge_gap_mm"], number);
   m.fold_rad = triple(v["fold_rad"], number);
   m.center_gap_mm = v["center_gap_mm"].number();
+  if (has(v, "edge_lift_mm")) m.edge_lift_mm = v["edge_lift_mm"].number();
   m.edge_depth_mm = v["edge_depth_mm"].number();
   m.penetration_mm = v["penetration_mm"].number();
   m.overrun_mm = v["overrun_mm"].number();
@@ -189,6 +195,10 @@ Design::Report read_report(const JsonValue& v) {
   r.max_hinge_gap_mm = v["max_hinge_gap_mm"].number();
   r.max_center_gap_mm = v["max_center_gap_mm"].number();
   r.seconds = v["seconds"].number();
+  if (has(v, "max_edge_lift_mm")) {
+    r.max_edge_lift_mm = v["max_edge_lift_mm"].number();
+    r.max_edge_depth_mm = v["max_edge_depth_mm"].number();
+  }
   if (has(v, "jumpers_lower_bound")) r.jumpers_lower_bound = v["jumpers_lower_bound"].integer(0, kMaxCount);
   r.coverage_cut = v.raw().contains("coverage_cut") ? v["coverage_cut"].number() : r.coverage;
   return r;
@@ -238,6 +248,7 @@ Design parse_design(const std::string& text, const std::string& file) {
   }
   d.report = read_report(v["report"]);
   read_alternatives(v, d);
+  read_regions(v, d);
   return d;
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "alternatives_json.hpp"
+#include "regions_json.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/host/files.hpp"
 
@@ -30,11 +32,20 @@ json surface_json(const Mesh& mesh) {
   return {{"vertices", list(mesh.vertices)}, {"faces", mesh.faces}};
 }
 
+// Files of before these limits stay as they were.
+bool limits_sides(const LayoutLimits& l) {
+  return std::isfinite(l.lift_mm) && std::isfinite(l.depth_mm);
+}
+
 json limits_json(const LayoutLimits& l, bool with_jumpers) {
   json limits = {{"edge_error_mm", l.edge_error_mm},   {"hinge_gap_mm", l.hinge_gap_mm},
                  {"center_gap_mm", l.center_gap_mm},   {"fold_rad", l.fold_rad},
                  {"penetration_mm", l.penetration_mm}, {"overrun_mm", l.overrun_mm}};
   if (with_jumpers) limits["jumper_mm"] = l.jumper_mm;
+  if (limits_sides(l)) {
+    limits["lift_mm"] = l.lift_mm;
+    limits["depth_mm"] = l.depth_mm;
+  }
   return limits;
 }
 
@@ -140,6 +151,7 @@ void write_design(const std::filesystem::path& path, const Design& design) {
   json modules = json::array();
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     modules.push_back(module_json(design.layout.modules[k], static_cast<int>(k), wiring[k]));
+    if (limits_sides(design.limits)) modules.back()["edge_lift_mm"] = design.layout.modules[k].edge_lift_mm;
   }
   json pieces = json::array();
   for (const auto& piece : design.pieces) pieces.push_back(piece_json(piece));
@@ -165,8 +177,13 @@ void write_design(const std::filesystem::path& path, const Design& design) {
                {"patches", std::move(patches)},
                {"refused", std::move(refused)},
                {"report", report_json(design.report, with_jumpers, is_cut)}};
+  if (limits_sides(design.limits)) {
+    file["report"]["max_edge_lift_mm"] = design.report.max_edge_lift_mm;
+    file["report"]["max_edge_depth_mm"] = design.report.max_edge_depth_mm;
+  }
   if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // files without a cut stay as they were
   write_alternatives(design, file);
+  write_regions(design, file);
   for (const Jumper& j : design.layout.jumpers) file["jumpers"].push_back(jumper_json(j));
   write_output(path, file.dump() + "\n");
 }

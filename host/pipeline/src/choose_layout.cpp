@@ -12,9 +12,10 @@
 namespace triskin::pipeline {
 
 WiredLayout priced(const geometry::Surface& surface, design::ModuleLayout layout, const design::LayoutLimits& limits,
-                   const geometry::RoutingOptions& routing) {
+                   const geometry::RoutingOptions& routing, const geometry::SurfaceRegions* regions) {
   WiredLayout wired;
   wired.layout = std::move(layout);
+  wired.worth = regions == nullptr ? static_cast<double>(wired.layout.modules.size()) : regions->worth(wired.layout);
   wired.places = geometry::find_jumpers(surface, wired.layout, limits);
   geometry::RoutingOptions quick = routing;
   quick.failure_analysis = false;
@@ -28,12 +29,13 @@ WiredLayout priced(const geometry::Surface& surface, design::ModuleLayout layout
 
 std::vector<WiredLayout> priced(const geometry::Surface& surface, std::vector<design::ModuleLayout> layouts,
                                 const design::LayoutLimits& limits, const geometry::RoutingOptions& routing,
-                                int threads, const std::function<bool()>& is_late) {
+                                const geometry::SurfaceRegions* regions, int threads,
+                                const std::function<bool()>& is_late) {
   std::vector<std::optional<WiredLayout>> done(layouts.size());
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
     for (std::size_t k = next++; k < layouts.size() && (k == 0 || !is_late()); k = next++)
-      done[k] = priced(surface, std::move(layouts[k]), limits, routing);
+      done[k] = priced(surface, std::move(layouts[k]), limits, routing, regions);
   };
   {
     std::vector<std::jthread> others;
@@ -51,13 +53,12 @@ std::vector<design::Alternative> front_of(const std::vector<WiredLayout>& wired)
   std::vector<const WiredLayout*> sorted;
   for (const WiredLayout& w : wired) sorted.push_back(&w);
   std::ranges::stable_sort(sorted, [](const WiredLayout* a, const WiredLayout* b) {
-    return a->layout.modules.size() != b->layout.modules.size() ? a->layout.modules.size() > b->layout.modules.size()
-                                                                : a->price < b->price;
+    return a->worth != b->worth ? a->worth > b->worth : a->price < b->price;
   });
   std::vector<design::Alternative> front;
   for (const WiredLayout* w : sorted) {
     if (w->layout.modules.empty() || (!front.empty() && w->price >= front.back().price - 1e-9)) continue;
-    front.push_back({w->layout, w->patches, w->jumpers, w->price});
+    front.push_back({w->layout, w->patches, w->jumpers, w->price, w->worth});
   }
   return front;
 }

@@ -6,6 +6,7 @@
 #include "triskin/design/design.hpp"
 #include "triskin/geometry/routing.hpp"
 #include "triskin/geometry/surface.hpp"
+#include "triskin/geometry/surface_regions.hpp"
 
 namespace triskin::pipeline {
 
@@ -15,16 +16,16 @@ struct WiredLayout {
   std::vector<design::Jumper> places;  ///< where jumpers may be
   int patches = 0, jumpers = 0;        ///< the cheapest found
   double price = 0.0;                  ///< of them and of the islands
-  /// Modules − price; of no module less than anything, since a cover was asked for.
-  [[nodiscard]] double value() const {
-    return layout.modules.empty() ? -1e300 : static_cast<double>(layout.modules.size()) - price;
-  }
+  double worth = 0.0;                  ///< of the modules: their number without regions
+  /// Worth − price; of no module less than anything, since a cover was asked for.
+  [[nodiscard]] double value() const { return layout.modules.empty() ? -1e300 : worth - price; }
 };
 
-/// Finds the places of jumpers and the cheapest controllers of a layout. Cost: about 0.1 s for 150 modules, 2 s for
-/// 4,500.
+/// Finds the places of jumpers and the cheapest controllers of a layout. `regions` of the surface, or null. Cost: about
+/// 0.1 s for 150 modules, 2 s for 4,500.
 [[nodiscard]] WiredLayout priced(const geometry::Surface& surface, design::ModuleLayout layout,
-                                 const design::LayoutLimits& limits, const geometry::RoutingOptions& routing);
+                                 const design::LayoutLimits& limits, const geometry::RoutingOptions& routing,
+                                 const geometry::SurfaceRegions* regions);
 
 /// The same for each of several layouts. The first is priced whatever time it takes; others that are not begun when
 /// `is_late()` are left out. Uses `threads` ≥ 1 threads; while it is not late the result does not depend on their
@@ -32,10 +33,11 @@ struct WiredLayout {
 [[nodiscard]] std::vector<WiredLayout> priced(const geometry::Surface& surface,
                                               std::vector<design::ModuleLayout> layouts,
                                               const design::LayoutLimits& limits,
-                                              const geometry::RoutingOptions& routing, int threads,
+                                              const geometry::RoutingOptions& routing,
+                                              const geometry::SurfaceRegions* regions, int threads,
                                               const std::function<bool()>& is_late);
 
-/// Those of which none has at least as many modules for a lower or equal price: most modules first.
+/// Those of which none is worth at least as much for a lower or equal price: the highest worth first.
 [[nodiscard]] std::vector<design::Alternative> front_of(const std::vector<WiredLayout>& wired);
 
 }  // namespace triskin::pipeline

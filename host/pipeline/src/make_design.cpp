@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "choose_layout.hpp"
+#include "resolve_regions.hpp"
 #include "triskin/design/module_list.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/geometry/bend_seams.hpp"
@@ -114,6 +115,8 @@ void fill_report(design::Design& design, const geometry::Surface& surface) {
   for (const design::PlacedModule& m : design.layout.modules) {
     r.max_edge_error_mm = std::max(r.max_edge_error_mm, m.edge_error_mm);
     r.max_center_gap_mm = std::max(r.max_center_gap_mm, m.center_gap_mm);
+    r.max_edge_lift_mm = std::max(r.max_edge_lift_mm, m.edge_lift_mm);
+    r.max_edge_depth_mm = std::max(r.max_edge_depth_mm, m.edge_depth_mm);
     for (const double gap : m.hinge_gap_mm) r.max_hinge_gap_mm = std::max(r.max_hinge_gap_mm, gap);
   }
 }
@@ -125,15 +128,37 @@ geometry::RoutingOptions routing_options(const design::Design& design) {
   return routing;
 }
 
+std::optional<geometry::SurfaceRegions> regions_of(const geometry::Surface& surface, const design::Design& design) {
+  if (design.regions.empty()) return std::nullopt;
+  return std::make_optional<geometry::SurfaceRegions>(surface, design.regions);
+}
+
+void report_regions(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions) {
+  design.report.worth = static_cast<double>(design.layout.modules.size());
+  if (regions == nullptr) return;
+  design.report.worth = 0.0;
+  for (const design::PlacedModule& m : design.layout.modules)
+    design.report.worth += regions->weight_at((m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0);
+  design.report.uncovered = regions->uncovered(design.layout);
+  geometry::SurfaceLatticeOptions lattice;
+  lattice.corner_cut_mm = design.layout.corner_cut_mm;
+  lattice.regions = regions;
+  for (design::Uncovered& u : design.report.uncovered) {
+    const auto region = std::ranges::find(design.regions.list, u.region, &design::Region::name);
+    u.why = geometry::why_uncovered(surface, design.limits, lattice, u.place_mm, region->within_mm);
+  }
+}
+
 // Controllers, jumpers and report of the layout.
-void wire(design::Design& design, const geometry::Surface& surface, const std::vector<design::Jumper>& places,
-          const ProgressSink& progress) {
+void wire(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions,
+          const std::vector<design::Jumper>& places, const ProgressSink& progress) {
   geometry::RoutingResult routes =
       geometry::route(design::graph_of(design.layout), places, routing_options(design), progress);
   design.layout.jumpers = std::move(routes.jumpers);
   design.patches = std::move(routes.patches);
   design.report = {};
   fill_report(design, surface);
+  report_regions(design, surface, regions);
   design.report.patches_lower_bound = routes.lower_bound;
   design.report.jumpers_lower_bound = routes.jumpers_lower_bound;
   design.design_id = design::design_id_of(design);
@@ -143,13 +168,15 @@ void wire(design::Design& design, const geometry::Surface& surface, const std::v
 // pieces took. The pieces of a fine mesh may take longer than the whole limit on a busy machine: the growth keeps its
 // share all the same.
 std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const DesignOptions& options,
-                                       Clock::time_point start, double pricing_s, const ProgressSink& progress) {
+                                       const geometry::SurfaceRegions* regions, Clock::time_point start,
+                                       double pricing_s, const ProgressSink& progress) {
   geometry::SurfaceLatticeOptions lattice;
   lattice.seed = options.seed;
   lattice.iterations = options.iterations;
   lattice.corner_cut_mm = options.corner_cut_mm;
   lattice.threads = options.threads;
   lattice.price = options.price;
+  lattice.regions = regions;
   lattice.front = options.iterations > 0 || options.time_limit_s > kShortLimit_s;
   const double routing_s =
       std::max(std::min(kRoutingShare * options.time_limit_s, kRoutingMost_s), (1.0 + kWiringPricings) * pricing_s);
@@ -172,8 +199,10 @@ design::Design take_alternative(const design::Design& design, int index, const P
   const geometry::Surface surface(taken.surface);
   taken.layout = taken.alternatives[static_cast<std::size_t>(index)].layout;
   taken.taken = index;
-  geometry::measure(surface, taken.layout);
-  wire(taken, surface, geometry::find_jumpers(surface, taken.layout, taken.limits), progress);
+  const auto regions = regions_of(surface, taken);
+  const geometry::SurfaceRegions* const known = regions ? &*regions : nullptr;
+  geometry::measure(surface, taken.layout, known);
+  wire(taken, surface, known, geometry::find_jumpers(surface, taken.layout, taken.limits), progress);
   taken.report.seconds = seconds_since(start);
   return taken;
 }
@@ -197,24 +226,28 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
     return design;
   }
   geometry::Extraction extraction = surface_of(file.mesh, mesh.string(), options, progress);
-  design.surface = std::move(extraction.surface);
+  design.surface = extraction.surface;
   if (notes != nullptr) notes->extract = extraction.report;
+  if (options.regions) design.regions = resolve_regions(mesh, file, extraction, *options.regions);
   const geometry::Surface surface(design.surface);
+  const auto of_surface = regions_of(surface, design);
+  const geometry::SurfaceRegions* const regions = of_surface ? &*of_surface : nullptr;
   const geometry::Net net = pieces_of(surface, options, start, progress);
   const auto placed = place_pieces(design, net, options, start, progress);
   report(progress, "mapping to the surface", -1.0);
   const geometry::RoutingOptions routing = routing_options(design);
   const double pricing_from_s = seconds_since(start);
-  std::vector<WiredLayout> choices{priced(
-      surface, geometry::map_modules(surface, placed, options.limits, options.corner_cut_mm), options.limits, routing)};
+  std::vector<WiredLayout> choices{
+      priced(surface, geometry::map_modules(surface, placed, options.limits, options.corner_cut_mm, regions),
+             options.limits, routing, regions)};
   const double pricing_s = seconds_since(start) - pricing_from_s;
   if (notes != nullptr) notes->pieces = static_cast<int>(choices[0].layout.modules.size());
-  std::vector<design::ModuleLayout> grown = grow(surface, options, start, pricing_s, progress);
+  std::vector<design::ModuleLayout> grown = grow(surface, options, regions, start, pricing_s, progress);
   if (notes != nullptr) notes->surface = static_cast<int>(grown[0].modules.size());
   report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));
   const double end_s = options.time_limit_s - kWiringPricings * pricing_s;
   const auto is_late = [&] { return options.iterations == 0 && seconds_since(start) > end_s; };
-  std::ranges::move(priced(surface, std::move(grown), options.limits, routing, options.threads, is_late),
+  std::ranges::move(priced(surface, std::move(grown), options.limits, routing, regions, options.threads, is_late),
                     std::back_inserter(choices));
   std::ranges::stable_sort(choices, std::greater{}, &WiredLayout::value);
   design.alternatives = front_of(choices);
@@ -223,7 +256,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
     if (design.alternatives[k].layout.modules.size() == design.layout.modules.size())
       design.taken = static_cast<int>(k);
   }
-  wire(design, surface, choices[0].places, progress);
+  wire(design, surface, regions, choices[0].places, progress);
   design.report.seconds = seconds_since(start);
   return design;
 }

@@ -36,16 +36,17 @@ json metrics_of(const design::LayoutLimits& l) {
   const auto row = [](const char* name, const char* unit, double limit) {
     return json{{"name", name}, {"unit", unit}, {"limit", rounded(limit)}};
   };
+  const auto limit_or_none = [](double limit) { return std::isfinite(limit) ? limit : 0.0; };
   return json::array({row("edge error", "mm", l.edge_error_mm), row("hinge gap", "mm", l.hinge_gap_mm),
                       row("fold", "rad", l.fold_rad), row("centre gap", "mm", l.center_gap_mm),
-                      row("edge depth", "mm", 0.0), row("penetration", "mm", l.penetration_mm),
-                      row("overrun", "mm", l.overrun_mm)});
+                      row("edge depth", "mm", limit_or_none(l.depth_mm)), row("penetration", "mm", l.penetration_mm),
+                      row("overrun", "mm", l.overrun_mm), row("edge lift", "mm", limit_or_none(l.lift_mm))});
 }
 
 json metrics_of(const design::PlacedModule& m) {
   json list = json::array();
   for (const double value : {m.edge_error_mm, std::ranges::max(m.hinge_gap_mm), std::ranges::max(m.fold_rad),
-                             m.center_gap_mm, m.edge_depth_mm, m.penetration_mm, m.overrun_mm})
+                             m.center_gap_mm, m.edge_depth_mm, m.penetration_mm, m.overrun_mm, m.edge_lift_mm})
     list.push_back(std::round(value * 1000.0) / 1000.0);
   return list;
 }

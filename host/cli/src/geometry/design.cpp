@@ -16,11 +16,30 @@ namespace triskin::cli::design_command {
 namespace {
 
 struct Options {
-  std::string mesh, output;
+  std::string mesh, output, regions;
   UnitOption unit;
   pipeline::DesignOptions design;
   int take = -1;
 };
+
+// What the regions got. False: a place that must be covered is not.
+bool report_regions(const design::Design& d, Output& output) {
+  if (d.regions.empty()) return true;
+  output.result["worth"] = d.report.worth;
+  output.result["uncovered"] = nlohmann::json::array();
+  output.say(fmt::format("{} regions: the modules are worth {:.2f}", d.regions.list.size(), d.report.worth));
+  for (const design::Uncovered& u : d.report.uncovered) {
+    const auto& p = u.place_mm;
+    const std::string why = u.why == "room" ? "a module fits there, but not beside the others" : u.why + " refuses any";
+    output.result["uncovered"].push_back(
+        {{"region", u.region}, {"share", u.share}, {"place_mm", {p.x(), p.y(), p.z()}}, {"why", u.why}});
+    output.say(
+        fmt::format("  region \"{}\" must be covered, {:.1f} % of it is not: farthest from a module is "
+                    "({:.1f}, {:.1f}, {:.1f}); {}",
+                    u.region, 100.0 * u.share, p.x(), p.y(), p.z(), why));
+  }
+  return d.report.uncovered.empty();
+}
 
 // Modules against price, the layout that is taken marked.
 void report_alternatives(const design::Design& d, Output& output) {
@@ -35,11 +54,12 @@ void report_alternatives(const design::Design& d, Output& output) {
                                              {"patches", a.patches},
                                              {"jumpers", a.jumpers},
                                              {"islands", a.layout.islands},
-                                             {"price", a.price}});
+                                             {"price", a.price},
+                                             {"worth", a.worth}});
     output.say(
         fmt::format("{} alternative {}: {} modules, {} controllers, {} jumpers, {} islands: price {:.2f}, value {:.2f}",
                     static_cast<int>(k) == d.taken ? "*" : " ", k, n, a.patches, a.jumpers, a.layout.islands, a.price,
-                    static_cast<double>(n) - a.price));
+                    a.worth - a.price));
   }
 }
 
@@ -51,9 +71,10 @@ int take(const Options& options, Output& output) {
                    {"patches", d.patches.size()},        {"patches_lower_bound", d.report.patches_lower_bound},
                    {"jumpers", d.layout.jumpers.size()}, {"jumpers_lower_bound", d.report.jumpers_lower_bound},
                    {"coverage", d.report.coverage},      {"seconds", d.report.seconds}};
+  const bool is_covered = report_regions(d, output);
   report_alternatives(d, output);
   output.say(fmt::format("design {:016x} written to {}", d.design_id, options.output));
-  return 0;
+  return is_covered ? 0 : 1;
 }
 
 // Why nothing fits: most often the mesh is in another unit than the one it was read in.
@@ -87,6 +108,8 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"max_edge_error_mm", r.max_edge_error_mm},
                          {"max_hinge_gap_mm", r.max_hinge_gap_mm},
                          {"max_center_gap_mm", r.max_center_gap_mm},
+                         {"max_edge_lift_mm", r.max_edge_lift_mm},
+                         {"max_edge_depth_mm", r.max_edge_depth_mm},
                          {"method", design::kLayoutMethodNames.name(d.layout.method)},
                          {"modules_pieces", notes.pieces},
                          {"modules_surface", notes.surface},
@@ -111,11 +134,11 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
                            100.0 * r.coverage_cut));
     say_cut_pads(d.layout.corner_cut_mm, output);
   }
-  output.say(
-      fmt::format("{} islands, {} patches (lower bound {}), {} jumpers (lower bound {}); edge error ≤ {:.2f} mm, hinge "
-                  "gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm",
-                  d.layout.islands, d.patches.size(), r.patches_lower_bound, d.layout.jumpers.size(),
-                  r.jumpers_lower_bound, r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm));
+  output.say(fmt::format(
+      "{} islands, {} patches (lower bound {}), {} jumpers (lower bound {}); edge error ≤ {:.2f} mm, hinge "
+      "gap ≤ {:.2f} mm, centre gap ≤ {:.2f} mm, sides lift ≤ {:.2f} mm, depth ≤ {:.2f} mm",
+      d.layout.islands, d.patches.size(), r.patches_lower_bound, d.layout.jumpers.size(), r.jumpers_lower_bound,
+      r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm, r.max_edge_lift_mm, r.max_edge_depth_mm));
   output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces, notes.surface,
                          design::kLayoutMethodNames.name(d.layout.method)));
   for (const auto& [limit, count] : d.layout.refused)
@@ -126,6 +149,7 @@ int run(Options options, Output& output) {
   if (options.take >= 0) return take(options, output);
   catch_interrupts();
   options.design.unit = options.unit.unit;
+  if (!options.regions.empty()) options.design.regions = design::read_region_file(options.regions);
   pipeline::DesignNotes notes;
   const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
   const bool nothing = d.layout.modules.empty();
@@ -141,10 +165,11 @@ int run(Options options, Output& output) {
   if (interrupt_signal() > 0)
     output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
                            d.layout.modules.size()));
+  const bool is_covered = report_regions(d, output);
   report_alternatives(d, output);
   report_bus(d.layout.modules.size(), output);
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, d.report.seconds));
-  return 0;
+  return is_covered ? 0 : 1;
 }
 
 void add_limits(CLI::App& app, design::LayoutLimits& l) {
@@ -165,6 +190,12 @@ void add_limits(CLI::App& app, design::LayoutLimits& l) {
       ->capture_default_str();
   app.add_option("--overrun-mm", l.overrun_mm, "limit over the border")
       ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+  app.add_option("--lift-mm", l.lift_mm, "limit of corners and sides above the surface")
+      ->check(CLI::Range(0.01, 50.0))
+      ->capture_default_str();
+  app.add_option("--depth-mm", l.depth_mm, "limit of corners and sides under the surface")
+      ->check(CLI::Range(0.01, 50.0))
       ->capture_default_str();
 }
 
@@ -212,6 +243,9 @@ const Registration kDesign{{
                      "part the pieces from what bends more than this, as the reference paper does at 50 (0: no)")
           ->check(CLI::Range(0.0, 1e4))
           ->capture_default_str();
+      app.add_option("--regions", options->regions,
+                     "file of weights, keep-outs and places that must be covered (docs/regions.md)")
+          ->check(CLI::ExistingFile);
       add_price(app, options->design.limits, options->design.price);
       app.add_option("--threads", options->design.threads, "chains of the growth; part of what a result depends on")
           ->check(CLI::Range(1, 256))

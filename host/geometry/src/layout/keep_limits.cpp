@@ -13,12 +13,12 @@ namespace {
 
 class Keeper {
  public:
-  Keeper(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout)
-      : surface_(surface), limits_(limits), layout_(layout) {}
+  Keeper(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout, const SurfaceRegions* regions)
+      : surface_(surface), limits_(limits), layout_(layout), regions_(regions) {}
 
   void run() {
     for (PlacedModule& m : layout_.modules)
-      measure_on_surface(surface_, m, layout_.corner_cut_mm);  // nothing moves from here on
+      measure_on_surface(surface_, m, layout_.corner_cut_mm, regions_);  // nothing moves from here on
     give_up_turned();
     give_up_bad();
     number_islands();
@@ -45,7 +45,10 @@ class Keeper {
     return std::max({std::pair{m.edge_error_mm / limits_.edge_error_mm, "edge_error_mm"},
                      std::pair{m.center_gap_mm / limits_.center_gap_mm, "center_gap_mm"},
                      std::pair{m.penetration_mm / limits_.penetration_mm, "penetration_mm"},
-                     std::pair{m.overrun_mm / limits_.overrun_mm, "overrun_mm"}},
+                     std::pair{m.overrun_mm / limits_.overrun_mm, "overrun_mm"},
+                     std::pair{m.edge_lift_mm / limits_.lift_mm, "lift_mm"},
+                     std::pair{m.edge_depth_mm / limits_.depth_mm, "depth_mm"},
+                     std::pair{m.keep_out_mm / limits_.overrun_mm, "keep_out"}},
                     [](const auto& a, const auto& b) { return a.first < b.first; });
   }
 
@@ -119,13 +122,15 @@ class Keeper {
   const Surface& surface_;
   const LayoutLimits limits_;
   ModuleLayout& layout_;
+  const SurfaceRegions* regions_;
   std::map<std::string, int> refused_;
 };
 
 }  // namespace
 
-void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout) {
-  Keeper(surface, limits, layout).run();
+void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout,
+                 const SurfaceRegions* regions) {
+  Keeper(surface, limits, layout, regions).run();
 }
 
 }  // namespace triskin::geometry

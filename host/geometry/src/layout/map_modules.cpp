@@ -123,8 +123,8 @@ class PieceMap {
 
 class Mapper {
  public:
-  Mapper(const Surface& surface, const LayoutLimits& limits, double corner_cut_mm)
-      : surface_(surface), limits_(limits), overhang_mm_(design::cut_height_mm(corner_cut_mm)) {
+  Mapper(const Surface& surface, const LayoutLimits& limits, double corner_cut_mm, const SurfaceRegions* regions)
+      : surface_(surface), limits_(limits), regions_(regions), overhang_mm_(design::cut_height_mm(corner_cut_mm)) {
     layout_.method = LayoutMethod::kPieces;
     layout_.corner_cut_mm = corner_cut_mm;
   }
@@ -132,7 +132,7 @@ class Mapper {
   ModuleLayout run(const std::vector<TiledPiece>& pieces) {
     for (std::size_t p = 0; p < pieces.size(); ++p) add_piece(pieces[p], static_cast<int>(p));
     relax();
-    keep_limits(surface_, limits_, layout_);
+    keep_limits(surface_, limits_, layout_, regions_);
     return std::move(layout_);
   }
 
@@ -187,6 +187,7 @@ class Mapper {
 
   const Surface& surface_;
   const LayoutLimits limits_;
+  const SurfaceRegions* regions_;
   const double overhang_mm_;  // of corners over the border: they are cut off
   ModuleLayout layout_;
 };
@@ -194,8 +195,8 @@ class Mapper {
 }  // namespace
 
 ModuleLayout map_modules(const Surface& surface, const std::vector<TiledPiece>& pieces, const LayoutLimits& limits,
-                         double corner_cut_mm) {
-  return Mapper(surface, limits, corner_cut_mm).run(pieces);
+                         double corner_cut_mm, const SurfaceRegions* regions) {
+  return Mapper(surface, limits, corner_cut_mm, regions).run(pieces);
 }
 
 }  // namespace triskin::geometry

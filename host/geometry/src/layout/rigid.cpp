@@ -106,7 +106,9 @@ SideMetrics walk_sides(const Surface& surface, const design::Outline& outline, d
     for (int k = 0; k < samples; ++k) {
       const Vec3 p = corners[s] + side * (static_cast<double>(k) / samples);
       const SurfacePoint c = surface.closest(p);
-      m.depth_mm = std::max(m.depth_mm, (c.position_mm - p).dot(surface.normal_at(c)));
+      const double height = (p - c.position_mm).dot(surface.normal_at(c));
+      m.lift_mm = std::max(m.lift_mm, height);
+      m.depth_mm = std::max(m.depth_mm, -height);
     }
   }
   for (std::size_t s = 0; s < n; ++s) walk_over_border(surface, corners[s], corners[(s + 1) % n], m.overrun_mm);

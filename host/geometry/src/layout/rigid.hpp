@@ -10,10 +10,10 @@ namespace triskin::geometry {
 /// The rigid module nearest to three points (Kabsch, 1976).
 [[nodiscard]] std::array<Vec3, 3> fit_rigid(const std::array<Vec3, 3>& target);
 
-/// Overrun of the sides of an outline over the border, to 0.02 mm below, and their depth under the surface, in steps of
-/// `step_mm`.
+/// Overrun of the sides of an outline over the border, to 0.02 mm below, and how far they lie above and under the
+/// surface along its normal, in steps of `step_mm`.
 struct SideMetrics {
-  double overrun_mm = 0.0, depth_mm = 0.0;
+  double overrun_mm = 0.0, lift_mm = 0.0, depth_mm = 0.0;
 };
 [[nodiscard]] SideMetrics walk_sides(const Surface& surface, const design::Outline& outline, double step_mm);
 

@@ -4,6 +4,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -189,6 +190,20 @@ MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> 
   if (file.mesh.faces.empty()) throw InputError(fmt::format("{}: no triangle with an area in it", path.string()));
   require_size(path, file.mesh, unit.has_value() || file.report.unit_from_file);
   return file;
+}
+
+Mesh read_obj_group(const std::filesystem::path& path, const std::string& group, double scale_to_mm) {
+  if (extension_of(path) != ".obj")
+    throw InputError(fmt::format("{}: only OBJ files have named groups; give faces, a sphere or a box", path.string()));
+  std::set<std::string> names;
+  Mesh mesh = read_obj(read_file(path), path.string(), group, names);
+  if (!names.contains(group)) {
+    throw InputError(names.empty() ? fmt::format("{}: has no group \"{}\", nor any other", path.string(), group)
+                                   : fmt::format("{}: has no group \"{}\"; it has {}", path.string(), group,
+                                                 fmt::join(names, ", ")));
+  }
+  for (Vec3& v : mesh.vertices) v *= scale_to_mm;
+  return mesh;
 }
 
 void write_obj(const std::filesystem::path& path, const Mesh& mesh) {

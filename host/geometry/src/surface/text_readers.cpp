@@ -84,7 +84,15 @@ void each_line(std::string_view text, Take take) {
 }  // namespace
 
 Mesh read_obj(const std::string& text, const std::string& file) {
+  std::set<std::string> names;
+  return read_obj(text, file, "", names);
+}
+
+// An empty group is all faces.
+Mesh read_obj(const std::string& text, const std::string& file, const std::string& group,
+              std::set<std::string>& names) {
   Mesh mesh;
+  std::array<bool, 2> is_in{};  // the object, one of the groups
   each_line(text, [&](std::string_view line, int number) {
     const std::string_view kind = word_of(line);
     if (kind == "v") {
@@ -92,7 +100,14 @@ Mesh read_obj(const std::string& text, const std::string& file) {
       if (!p) fail(file, number, "a vertex must be three numbers");
       mesh.vertices.push_back(*p);
     }
-    if (kind != "f") return;
+    if (kind == "o" || kind == "g") {
+      bool& is_named = is_in[kind == "o" ? 0 : 1] = false;
+      for (std::string_view word = word_of(line); !word.empty(); word = word_of(line)) {
+        names.emplace(word);
+        is_named = is_named || word == group;
+      }
+    }
+    if (kind != "f" || (!group.empty() && !is_in[0] && !is_in[1])) return;
     std::vector<int> corners;
     for (std::string_view word = word_of(line); !word.empty() && word.front() != '#'; word = word_of(line)) {
       const auto index = number_of<long>(word.substr(0, word.find('/')));

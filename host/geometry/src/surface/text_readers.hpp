@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <set>
 #include <string>
 
 #include "triskin/geometry/design_types.hpp"
@@ -9,6 +10,9 @@ namespace triskin::geometry {
 /// Vertices and faces of a Wavefront OBJ text in double precision: polygons, indices from the end, continued lines;
 /// what is no surface is skipped. Errors: InputError naming `file` and the line. Cost: linear.
 [[nodiscard]] Mesh read_obj(const std::string& text, const std::string& file);
+/// The same with the faces of one group (`g`) or object (`o`) only; adds the names of all to `names`.
+[[nodiscard]] Mesh read_obj(const std::string& text, const std::string& file, const std::string& group,
+                            std::set<std::string>& names);
 
 /// Does a file hold binary STL? Its length is that of the count at byte 80, whatever its first word says; a longer file
 /// counts where it does not begin with "solid" and a facet.

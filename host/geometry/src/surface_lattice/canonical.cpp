@@ -116,7 +116,7 @@ void CanonicalCopy::move_and_sort(const Mesh& original, bool on_grid) {
 
 void CanonicalCopy::carry_back(ModuleLayout& layout) const {
   for (PlacedModule& m : layout.modules) {
-    for (Vec3& c : m.corner_mm) c = middle_ + c.x() * axis_[0] + c.y() * axis_[1] + c.z() * axis_[2];
+    for (Vec3& c : m.corner_mm) c = to_original(c);
     if (!mirrored_) continue;
     m.corner_mm = mirrored_corners(m.tile, m.corner_mm);
     m.neighbour = mirrored_sides(m.tile, m.neighbour);

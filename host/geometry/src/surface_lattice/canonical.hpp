@@ -14,6 +14,12 @@ class CanonicalCopy {
   explicit CanonicalCopy(const Mesh& original);
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
+  [[nodiscard]] Vec3 to_original(const Vec3& p) const {
+    return middle_ + p.x() * axis_[0] + p.y() * axis_[1] + p.z() * axis_[2];
+  }
+  [[nodiscard]] Vec3 to_copy(const Vec3& p) const {
+    return {axis_[0].dot(p - middle_), axis_[1].dot(p - middle_), axis_[2].dot(p - middle_)};
+  }
   /// A layout on this copy → the same on the original: corners are moved, and where the copy is a mirror image tiles
   /// are too.
   void carry_back(ModuleLayout& layout) const;

@@ -44,7 +44,8 @@ ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
 
 double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
   double worst = std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm,
-                           m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm});
+                           m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm, m.edge_lift_mm / l.lift_mm,
+                           m.edge_depth_mm / l.depth_mm, m.keep_out_mm / l.overrun_mm});
   for (std::size_t s = 0; s < 3; ++s)
     worst = std::max({worst, m.hinge_gap_mm[s] / l.hinge_gap_mm, m.fold_rad[s] / l.fold_rad});
   return worst;
@@ -83,12 +84,14 @@ void Certifier::measure_on_surface(ModuleLayout& layout, Known& own, int threads
       continue;
     }
     m.center_gap_mm = measured->center_gap_mm;
+    m.edge_lift_mm = measured->edge_lift_mm;
     m.edge_depth_mm = measured->edge_depth_mm;
     m.overrun_mm = measured->overrun_mm;
+    m.keep_out_mm = measured->keep_out_mm;
     m.bend_radius_mm = measured->bend_radius_mm;
   }
   in_parallel(threads, unknown.size(),
-              [&](std::size_t k) { geometry::measure_on_surface(surface_, *unknown[k], layout.corner_cut_mm); });
+              [&](std::size_t k) { geometry::measure_on_surface(surface_, *unknown[k], layout.corner_cut_mm, regions_); });
   for (const PlacedModule* m : unknown) own.emplace(corners_of(*m), *m);
 }
 

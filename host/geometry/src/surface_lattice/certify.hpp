@@ -14,9 +14,10 @@ namespace triskin::geometry::surface_lattice {
 /// first. What the first net's modules were measured to is known for the others, which differ from it in few.
 class Certifier {
  public:
-  /// All must live as long as this. threads ≥ 1.
-  Certifier(const Surface& original, const CanonicalCopy& copy, const LayoutLimits& limits, int threads)
-      : surface_(original), copy_(copy), limits_(limits), threads_(threads) {}
+  /// All must live as long as this. regions: of the original, may be null. threads ≥ 1.
+  Certifier(const Surface& original, const CanonicalCopy& copy, const LayoutLimits& limits,
+            const SurfaceRegions* regions, int threads)
+      : surface_(original), copy_(copy), limits_(limits), regions_(regions), threads_(threads) {}
 
   /// Uses all threads. Cost: some 0.1 ms a module.
   [[nodiscard]] ModuleLayout first(LatticeNet net) { return certified(std::move(net), known_, threads_); }
@@ -35,6 +36,7 @@ class Certifier {
   const Surface& surface_;
   const CanonicalCopy& copy_;
   const LayoutLimits& limits_;
+  const SurfaceRegions* regions_;
   int threads_;
   Known known_;
 };

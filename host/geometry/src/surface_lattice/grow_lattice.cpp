@@ -14,6 +14,7 @@
 #include "certify.hpp"
 #include "grower.hpp"
 #include "net_price.hpp"
+#include "place_value.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
@@ -37,6 +38,8 @@ constexpr int kSmallIsland = 8;                    // modules: such an island ma
 constexpr int kFront = 12;                         // of the layouts that are kept beside the best
 constexpr double kFrontShare = 0.05;               // of the time, beyond its end: to certify them
 constexpr double kSampleArea_mm2 = 50.0;
+constexpr double kLiftShare =
+    0.7;  // of the limit, for corners of the net: those of the rigid module stand off a little more
 constexpr double kNothing = -1e300;  // value of no layout
 
 struct GrowthTask {
@@ -44,13 +47,14 @@ struct GrowthTask {
   const Rules& rules;
   const SurfaceLatticeOptions& options;
   const std::vector<Sample>& samples;
-  double jumper_mm;
+  const CopiedRegions& regions;
+  double jumper_mm, corner_lift_mm;
   Clock::time_point start, end;
 
   [[nodiscard]] LatticeNet empty_net() const { return {surface.mesh().vertices, options.corner_cut_mm}; }
-  [[nodiscard]] double value(LatticeNet& net, NetPrice& price) const {
+  [[nodiscard]] double value(LatticeNet& net, NetPrice& price, PlaceValue& worth) const {
     if (net.size() == 0) return kNothing;  // one module is better, although its controller costs more
-    return net.size() - price(net) + options.hinge_reward * net.joints();
+    return worth(net) - price(net) + options.hinge_reward * net.joints();
   }
   [[nodiscard]] double fraction(int steps) const {
     if (options.iterations > 0) return std::min(1.0, static_cast<double>(steps) / options.iterations);
@@ -72,7 +76,8 @@ class Chain {
       : task_(task),
         random_(seed),
         price_(task.options.price, task.jumper_mm),
-        grower_(task.surface, task.rules, task.samples, task.options.corner_lift_mm, task.end) {}
+        worth_(task.regions),
+        grower_(task.surface, task.rules, task.samples, task.corner_lift_mm, task.end) {}
 
   // Makes complete layouts from several starts: place and turn of the first module decide more than later steps mend.
   // The better half is improved for a while, and again its better half, until one is left.
@@ -120,7 +125,7 @@ class Chain {
   void set(LatticeNet net) {
     now_ = std::move(net);
     price_.forget();
-    value_ = task_.value(now_, price_);
+    value_ = task_.value(now_, price_, worth_);
   }
 
   void start_anew() {
@@ -188,7 +193,7 @@ class Chain {
     grower_.grow(now_, around, random_);
     grower_.fill(now_, around, random_, 4);
     now_.separate();
-    return task_.value(now_, price_);
+    return task_.value(now_, price_, worth_);
   }
 
   // The best of all, and the best of each number of modules near it.
@@ -205,8 +210,13 @@ class Chain {
     front_.erase(front_.begin(), front_.lower_bound(best_->size() - 2 * kFront));
   }
 
-  // Around an uncovered place when one is found quickly, else around any module.
+  // Around an uncovered place when one is found quickly, else around any module; what must be covered first.
   [[nodiscard]] Vec3 place_to_ruin(const LatticeNet& net) {
+    const auto& must_cover = task_.regions.must_cover();
+    for (int k = 0; k < 2 && !must_cover.empty(); ++k) {
+      const auto& place = must_cover[at(random_.scaled_below(static_cast<int>(must_cover.size())))];
+      if (!PlaceValue::covered(net, place)) return place.point_mm;
+    }
     for (int k = 0; k < 8 && !task_.samples.empty(); ++k) {
       const Sample& s = task_.samples[at(random_.scaled_below(static_cast<int>(task_.samples.size())))];
       if (!grower_.covered(net, s.point)) return s.point;
@@ -255,6 +265,7 @@ class Chain {
   const GrowthTask& task_;
   Dice random_;
   NetPrice price_;
+  PlaceValue worth_;
   Grower grower_;
   LatticeNet now_;  // what price_ knows
   NetCopy best_;
@@ -282,8 +293,8 @@ void check_options(const LayoutLimits& l, const SurfaceLatticeOptions& o) {
   if (!(o.corner_cut_mm >= 0.0 && o.corner_cut_mm <= design::kMostCornerCut_mm))
     throw InputError(fmt::format("lattice: the corner cut must be 0 … {} mm", design::kMostCornerCut_mm));
   if (!(o.corner_lift_mm >= 0.0)) throw InputError("lattice: the corner lift must not be negative");
-  for (const double v :
-       {l.edge_error_mm, l.hinge_gap_mm, l.center_gap_mm, l.fold_rad, l.penetration_mm, l.overrun_mm}) {
+  for (const double v : {l.edge_error_mm, l.hinge_gap_mm, l.center_gap_mm, l.fold_rad, l.penetration_mm, l.overrun_mm,
+                         l.lift_mm, l.depth_mm}) {
     if (!(v > 0.0)) throw InputError("lattice: every limit must be positive");
   }
 }
@@ -313,7 +324,7 @@ std::vector<const LatticeNet*> front_of(const std::deque<Chain>& chains) {
 // Counts, for the report, the limits that refuse further modules; a module that fits after all is kept.
 void count_refusals(const GrowthTask& task, LatticeNet& net, ModuleLayout& layout) {
   Dice random(task.options.seed);
-  Grower grower(task.surface, task.rules, task.samples, task.options.corner_lift_mm, Clock::time_point::max());
+  Grower grower(task.surface, task.rules, task.samples, task.corner_lift_mm, Clock::time_point::max());
   grower.grow(net, {}, random);
   for (std::size_t k = 1; k < kRefusals; ++k) {
     if (grower.refused[k] > 0) layout.refused.emplace_back(name_of(static_cast<Refusal>(k)), grower.refused[k]);
@@ -321,6 +332,10 @@ void count_refusals(const GrowthTask& task, LatticeNet& net, ModuleLayout& layou
 }
 
 }  // namespace
+
+double corner_lift_of(const LayoutLimits& limits, const SurfaceLatticeOptions& options) {
+  return std::min(options.corner_lift_mm, kLiftShare * limits.lift_mm);
+}
 
 std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits& limits,
                                      const SurfaceLatticeOptions& options, const ProgressSink& progress) {
@@ -330,9 +345,11 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   const Surface surface(copy.mesh());
   const auto end =
       start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
-  const Rules rules(surface, limits);
+  const CopiedRegions regions(options.regions, copy);
+  const Rules rules(surface, limits, regions.free_points());
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
-  const GrowthTask task{surface, rules, options, samples, limits.jumper_mm, start, end};
+  const GrowthTask task{surface, rules, options, samples, regions, limits.jumper_mm, corner_lift_of(limits, options),
+                        start,   end};
   std::deque<Chain> chains;
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));
@@ -354,7 +371,7 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   LatticeNet net = *best_of(chains).best();
   ModuleLayout refusals;
   count_refusals(task, net, refusals);
-  Certifier certifier(original, copy, limits, options.threads);
+  Certifier certifier(original, copy, limits, options.regions, options.threads);
   std::vector<ModuleLayout> layouts{certifier.first(std::move(net))};
   layouts[0].refused = std::move(refusals.refused);
   if (!options.front) return layouts;

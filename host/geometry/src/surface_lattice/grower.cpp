@@ -122,7 +122,7 @@ bool Grower::try_corner(LatticeNet& net, Side side, int apex) {
 bool Grower::keep_or_revert(LatticeNet& net, int triangle) {
   Refusal refusal = Refusal::kPenetration;
   if (relaxer_.relax(net, triangle, kRelaxRadius_mm, kRelaxSteps))
-    refusal = rules_.evaluate(surface_, net, relaxer_.changed(), relaxer_.pairs());
+    refusal = rules_.evaluate(surface_, net, relaxer_.changed(), relaxer_.pairs(), known_sides_);
   if (refusal == Refusal::kNone) return true;
   ++refused[static_cast<std::size_t>(refusal)];
   relaxer_.undo(net);

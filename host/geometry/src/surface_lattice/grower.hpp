@@ -39,6 +39,9 @@ class Grower {
   /// Starts islands on what is uncovered in the ball and grows each.
   void fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts);
 
+  /// Begins an island with a module at three corners, if it keeps the rules.
+  bool try_seed(LatticeNet& net, const Triangle& corners);
+
   [[nodiscard]] bool covered(const LatticeNet& net, const Vec3& p) const;
   [[nodiscard]] bool late() const { return Clock::now() > end_ || interrupt_request(); }
   /// As late, but on a slow machine the time does not end the search for the first module: no module is no answer.
@@ -53,7 +56,6 @@ class Grower {
   bool roll(const Vec3& a, const Vec3& b, const Vec3& away, Foot& apex);
   bool try_side(LatticeNet& net, Side side);
   bool try_corner(LatticeNet& net, Side side, int apex);
-  bool try_seed(LatticeNet& net, const Triangle& corners);
   bool seed_at_side(LatticeNet& net, Side side);
   bool seed_at_sample(LatticeNet& net, const Sample& sample, Dice& random);
   bool seed_at_border(LatticeNet& net, const Sample& sample);
@@ -73,6 +75,7 @@ class Grower {
   // By side: signature of its surroundings when a module was refused there. While it is equal the side is not tried
   // again.
   std::vector<std::array<std::uint64_t, 3>> failed_join_, failed_seed_;
+  std::vector<KnownSides> known_sides_;
   Clock::time_point end_;
 };
 

@@ -16,9 +16,11 @@ constexpr double kClear_mm = 5.0;  // a point farther from the border than a mod
 constexpr double kOutward = 0.6;   // cosine between module and surface
 constexpr double kProbeStep_mm = 2.0;
 constexpr double kProbeHeight_mm = 8.0;
+constexpr double kSafeMove = 0.7;  // of the room: the height changes by as much as a side moves, and its normal turns
 
 LayoutLimits with_margin(LayoutLimits l) {
-  for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm})
+  for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm,
+                    &l.lift_mm, &l.depth_mm})
     *v *= kMargin;
   return l;
 }
@@ -47,14 +49,18 @@ bool covers(const NetTriangle& t, const Vec3& p) {
 
 const char* name_of(Refusal refusal) {
   static constexpr std::array kNames{"none",          "edge_error_mm", "hinge_gap_mm",   "fold_rad",
-                                     "center_gap_mm", "outward",       "penetration_mm", "overrun_mm"};
+                                     "center_gap_mm", "outward",       "penetration_mm", "overrun_mm",
+                                     "lift_mm",       "depth_mm",      "keep_out"};
   return kNames[static_cast<std::size_t>(refusal)];
 }
 
-Rules::Rules(const Surface& surface, const LayoutLimits& limits)
+Rules::Rules(const Surface& surface, const LayoutLimits& limits, const std::vector<Vec3>& free_points)
     : limits_(with_margin(limits)),
       fold_cosine_(std::cos(limits_.fold_rad)),
-      probe_grid_(surface.mesh().vertices, kModuleReach_mm) {
+      probe_grid_(surface.mesh().vertices, kModuleReach_mm),
+      free_points_(free_points),
+      free_grid_(free_points, kModuleReach_mm) {
+  for (std::size_t k = 0; k < free_points_.size(); ++k) free_grid_.add(static_cast<int>(k), free_points_[k]);
   const Mesh& mesh = surface.mesh();
   for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
     for (int s = 0; s < 3; ++s) {
@@ -74,7 +80,7 @@ Rules::Rules(const Surface& surface, const LayoutLimits& limits)
 }
 
 Refusal Rules::evaluate(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles,
-                        std::vector<Pair>& pairs) const {
+                        std::vector<Pair>& pairs, std::vector<KnownSides>& known) const {
   for (const int t : triangles) {
     if (const Refusal r = evaluate_joints(net, t); r != Refusal::kNone) return r;
   }
@@ -87,8 +93,19 @@ Refusal Rules::evaluate(NearSurface& surface, const LatticeNet& net, const std::
     if (under.distance_mm > limits_.center_gap_mm) return Refusal::kCenterGap;
     if (under.normal.dot(triangle.normal) < kOutward) return Refusal::kOutward;
   }
-  const bool over = std::ranges::any_of(triangles, [&](int t) { return over_border(surface, net, t); });
-  return over ? Refusal::kOverrun : Refusal::kNone;
+  if (std::ranges::any_of(triangles, [&](int t) { return over_border(surface, net, t); })) return Refusal::kOverrun;
+  const auto is_over_free = [&](int t) {
+    const NetTriangle& triangle = net.triangles()[at(t)];
+    return free_grid_.any_near(triangle.center, kModuleReach_mm,
+                               [&](int k) { return covers(triangle, free_points_[at(k)]); });
+  };
+  if (!free_points_.empty() && std::ranges::any_of(triangles, is_over_free)) return Refusal::kKeepOut;
+  if (known.size() < net.triangles().size()) known.resize(net.triangles().size());
+  for (const int t : triangles) {
+    const Refusal r = evaluate_sides(surface, net.triangles()[at(t)], known[at(t)]);
+    if (r != Refusal::kNone) return r;
+  }
+  return Refusal::kNone;
 }
 
 Refusal Rules::evaluate_joints(const LatticeNet& net, int triangle) const {
@@ -105,6 +122,30 @@ Refusal Rules::evaluate_joints(const LatticeNet& net, int triangle) const {
     int axis = 0;
     if (overlap_of(t, net.triangles()[at(other)], axis).depth_mm > limits_.penetration_mm) return Refusal::kPenetration;
   }
+  return Refusal::kNone;
+}
+
+// Lift and depth at corners, quarters and middles of the sides; the walk at the end is finer.
+Refusal Rules::evaluate_sides(NearSurface& surface, const NetTriangle& t, KnownSides& known) const {
+  double moved = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) moved = std::max(moved, (t.rigid[k] - known.rigid[k]).squaredNorm());
+  if (moved <= kSafeMove * kSafeMove * known.room_mm * known.room_mm) return Refusal::kNone;
+  const design::Outline outline = design::outline_of(t.rigid, t.corner_cut_mm);
+  const std::size_t sides = outline.size / 3;  // those between two long ones are short
+  double lowest = 0.0, highest = 0.0;
+  for (std::size_t s = 0; s < 3; ++s) {
+    const Vec3 &from = outline.point[sides * s], &to = outline.point[(sides * s + 1) % outline.size];
+    for (const double x : {0.0, 0.25, 0.5, 0.75}) {
+      const Vec3 p = from + x * (to - from);
+      const Foot foot = surface.closest(p);
+      const double height = (p - foot.point).dot(foot.normal);
+      lowest = std::min(lowest, height);
+      highest = std::max(highest, height);
+    }
+  }
+  if (highest > limits_.lift_mm) return Refusal::kLift;
+  if (-lowest > limits_.depth_mm) return Refusal::kDepth;
+  known = {t.rigid, std::min(limits_.lift_mm - highest, limits_.depth_mm + lowest)};
   return Refusal::kNone;
 }
 

@@ -12,24 +12,45 @@
 namespace triskin::geometry::surface_lattice {
 
 /// Limit that refuses a module; kNone when all limits hold.
-enum class Refusal { kNone, kEdgeError, kHingeGap, kFold, kCenterGap, kOutward, kPenetration, kOverrun };
-inline constexpr std::size_t kRefusals = 8;
+enum class Refusal {
+  kNone,
+  kEdgeError,
+  kHingeGap,
+  kFold,
+  kCenterGap,
+  kOutward,
+  kPenetration,
+  kOverrun,
+  kLift,
+  kDepth,
+  kKeepOut
+};
+inline constexpr std::size_t kRefusals = 11;
 [[nodiscard]] const char* name_of(Refusal refusal);
+
+/// Where the sides of a triangle were last measured, and how far from a limit they were there: until they move by about
+/// as much they keep it.
+struct KnownSides {
+  Triangle rigid{Vec3::Constant(1e300), Vec3::Constant(1e300), Vec3::Constant(1e300)};
+  double room_mm = 0.0;
+};
 
 /// The limits, measured on rigid modules. Immutable: shared by the chains.
 class Rules {
  public:
-  Rules(const Surface& surface, const LayoutLimits& limits);
+  /// No module may cover one of `free_points`.
+  Rules(const Surface& surface, const LayoutLimits& limits, const std::vector<Vec3>& free_points = {});
 
   [[nodiscard]] const LayoutLimits& limits() const { return limits_; }
   /// The first limit that one of the triangles breaks, cheapest limits first. `pairs`: all that may overlap and are not
-  /// joined. Cost: about 1 µs a triangle, ten times as much at the border.
+  /// joined; `known`, by triangle, is work of one thread. Cost: about 1 µs a triangle, ten times as much at the border.
   [[nodiscard]] Refusal evaluate(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles,
-                                 std::vector<Pair>& pairs) const;
+                                 std::vector<Pair>& pairs, std::vector<KnownSides>& known) const;
 
  private:
   [[nodiscard]] Refusal evaluate_joints(const LatticeNet& net, int triangle) const;
   [[nodiscard]] bool overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const;
+  [[nodiscard]] Refusal evaluate_sides(NearSurface& surface, const NetTriangle& triangle, KnownSides& known) const;
   [[nodiscard]] bool over_border(NearSurface& surface, const LatticeNet& net, int triangle) const;
   [[nodiscard]] bool side_over_border(NearSurface& surface, const Vec3& from, const Vec3& to, double length_mm) const;
   [[nodiscard]] bool cut_sides_over_border(NearSurface& surface, const NetTriangle& triangle, std::size_t side,
@@ -39,6 +60,8 @@ class Rules {
   double fold_cosine_;
   std::vector<Vec3> probes_;  // points just outside the border: no module may cover one
   PointGrid probe_grid_;
+  std::vector<Vec3> free_points_;
+  PointGrid free_grid_;
 };
 
 }  // namespace triskin::geometry::surface_lattice

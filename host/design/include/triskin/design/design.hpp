@@ -11,6 +11,7 @@
 #include "triskin/design/patch.hpp"
 #include "triskin/design/piece.hpp"
 #include "triskin/design/price.hpp"
+#include "triskin/design/regions.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::design {
@@ -21,6 +22,7 @@ struct Alternative {
   int patches = 0;
   int jumpers = 0;
   double price = 0.0;  ///< in modules, by Design::price
+  double worth = 0.0;  ///< of its modules by Design::regions; their number without regions
 };
 
 /// Design of a cover: the only thing that passes between geometry and the device side (docs/design_file.md has the
@@ -38,7 +40,11 @@ struct Design {
     int patches_lower_bound = 0;
     int jumpers_lower_bound = 0;  ///< with as many patches no fewer jumpers do; in the file only beside jumpers
     double max_edge_error_mm = 0.0, max_hinge_gap_mm = 0.0, max_center_gap_mm = 0.0;
+    /// Of corners and sides, above and under the surface; in the file beside their limits only.
+    double max_edge_lift_mm = 0.0, max_edge_depth_mm = 0.0;
     double seconds = 0.0;
+    double worth = 0.0;                ///< of the modules by Design::regions; in the file beside regions only
+    std::vector<Uncovered> uncovered;  ///< must-cover regions that are not covered; in the file beside regions only
     double coverage_cut = 0.0;  ///< modules · what corner cuts leave of 389.7 mm² / area; in the file only with a cut
   };
 
@@ -55,7 +61,8 @@ struct Design {
   /// Node address of the controller of each patch, 0 where it hangs on another bus than the one in hand; empty: patch p
   /// has p + 1. A robot file gives addresses (docs/robot_file.md); they are neither in the design file nor in its id.
   std::vector<std::uint8_t> node_addresses;
-  Price price;  ///< in the file only beside alternatives
+  Price price;      ///< in the file only beside alternatives
+  Regions regions;  ///< none: every place is worth the same; the file then has no such key
   /// Most modules first, falling price. `taken`: index of the one in `layout`, -1 where there are none.
   std::vector<Alternative> alternatives;
   int taken = -1;

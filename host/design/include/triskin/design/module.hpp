@@ -20,6 +20,8 @@ struct LayoutLimits {
   double fold_rad = 1.0471975511965976;  ///< largest angle between the planes of joined modules (60°)
   double penetration_mm = 0.5;           ///< largest depth by which two modules may overlap
   double overrun_mm = 0.5;  ///< largest distance by which a module may stand over the border of the surface
+  double lift_mm = 3.5;     ///< largest height of corners and sides above the surface; infinity: no limit (old files)
+  double depth_mm = 4.5;    ///< largest depth of corners and sides under the surface; infinity: no limit (old files)
   double jumper_mm = 15.0;  ///< longest jumper along the surface; 0: no jumpers. In the file only beside jumpers
 };
 
@@ -35,9 +37,11 @@ struct PlacedModule {
   std::array<double, 3> hinge_gap_mm{};
   std::array<double, 3> fold_rad{};
   double center_gap_mm = 0.0;
-  double edge_depth_mm = 0.0;  ///< largest depth of a point of the sides under the surface
+  double edge_lift_mm = 0.0;   ///< largest height of a point of the sides, corners too, above the surface
+  double edge_depth_mm = 0.0;  ///< the same under the surface
   double penetration_mm = 0.0;
   double overrun_mm = 0.0;
+  double keep_out_mm = 0.0;     ///< how far it reaches into a region that must stay free; limit: overrun_mm
   double bend_radius_mm = 0.0;  ///< smallest radius of curvature under the module; 0 when flat
 };
 

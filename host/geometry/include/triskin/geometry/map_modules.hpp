@@ -3,6 +3,7 @@
 #include "triskin/geometry/design_types.hpp"
 #include "triskin/geometry/placement.hpp"
 #include "triskin/geometry/surface.hpp"
+#include "triskin/geometry/surface_regions.hpp"
 #include "triskin/geometry/unfolding.hpp"
 
 namespace triskin::geometry {
@@ -18,25 +19,29 @@ struct TiledPiece {
 /// are averaged, projected and refitted (Kabsch) until they settle; modules and joints that break a limit are given up,
 /// the worst first. Islands are what stays joined. The metrics of each module are those of measure(). `corner_cut_mm`
 /// (design/outline.hpp): that of the tiles; corners that are cut off may stand over the border.
+/// `regions` of the surface: what reaches into one that must stay free is given up.
 /// Errors: none for pieces of this surface. Deterministic; thread-safe. Cost: that of measure() a round of refitting.
 /// Source: W. Kabsch, Acta Cryst. A32 (1976).
 [[nodiscard]] ModuleLayout map_modules(const Surface& surface, const std::vector<TiledPiece>& pieces,
-                                       const LayoutLimits& limits, double corner_cut_mm = 0.0);
+                                       const LayoutLimits& limits, double corner_cut_mm = 0.0,
+                                       const SurfaceRegions* regions = nullptr);
 
 /// Measures the layout and gives up what breaks a limit, the worst first: joints become slits, modules go (counted in
 /// layout.refused, names as in design files). Numbers the islands anew by what stays joined. Cost: measure() once, then
 /// what changes.
-void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout);
+void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout,
+                 const SurfaceRegions* regions = nullptr);
 
 /// Measures every metric of every module of the layout: measure_on_surface() of each, then measure_between(). Metrics
 /// are defined in docs/design_file.md; all ≥ 0.
-void measure(const Surface& surface, ModuleLayout& layout);
+void measure(const Surface& surface, ModuleLayout& layout, const SurfaceRegions* regions = nullptr);
 
-/// Measures what depends on the surface alone: gap under the centre, depth, overrun (mm, to 0.02 mm below), bend
-/// radius. All but gap and radius are those of the outline that the cut leaves. Sides are walked every 0.5 mm for the
-/// depth, by bisection where they leave the surface; its area is searched for border under it. Cost: ~200 closest-point
-/// queries.
-void measure_on_surface(const Surface& surface, PlacedModule& module, double corner_cut_mm = 0.0);
+/// Measures what depends on the surface alone: gap under the centre, lift, depth, overrun (mm, to 0.02 mm below),
+/// bend radius. All but gap and radius are those of the outline that the cut leaves. Sides are walked every 0.5 mm for
+/// lift and depth, by bisection where they leave the surface; its area is searched for border under it. Cost: ~200
+/// closest-point queries.
+void measure_on_surface(const Surface& surface, PlacedModule& module, double corner_cut_mm = 0.0,
+                        const SurfaceRegions* regions = nullptr);
 
 /// Measures what depends on the other modules: edge error, hinge gap and fold of each joint, penetration. Cost: n² / 2
 /// distances.

@@ -37,6 +37,10 @@ struct MeshFile {
 /// assimp reads are read in a child process: a crash of the library is an InputError.
 [[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt);
 
+/// The triangles of one group or object (`g`, `o`) of an OBJ file, as read_mesh() has them. Errors: InputError for
+/// other files and for a name that is not in it, naming those that are. Cost: linear.
+[[nodiscard]] Mesh read_obj_group(const std::filesystem::path& path, const std::string& group, double scale_to_mm);
+
 /// Writes vertices (mm) and faces as OBJ, whole or not at all. Errors: InputError naming the file when it cannot be
 /// written. Cost: linear.
 void write_obj(const std::filesystem::path& path, const Mesh& mesh);

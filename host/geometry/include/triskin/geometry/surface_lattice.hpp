@@ -4,12 +4,14 @@
 
 #include "triskin/geometry/design_types.hpp"
 #include "triskin/geometry/surface.hpp"
+#include "triskin/geometry/surface_regions.hpp"
 #include "triskin/host/progress.hpp"
 
 namespace triskin::geometry {
 
-/// Effort of grow_lattice(), and what it maximises: modules + hinge_reward · joints − price, where the price is
-/// relaxed: islands that jumpers can join count n / 16 + 15 / 32 controllers together. Out of range: InputError.
+/// Effort of grow_lattice(), and what it maximises: worth of the modules (their number without regions) + hinge_reward
+/// · joints − price, where the price is relaxed: islands that jumpers can join count n / 16 + 15 / 32 controllers
+/// together. Out of range: InputError.
 struct SurfaceLatticeOptions {
   double time_limit_s = 20.0;  ///< > 0, wall clock; the search stops within about 0.1 s of it once a module is found
   int iterations = 0;  ///< > 0: stops after so many ruin-and-recreate steps a chain, as well as at the time limit
@@ -22,6 +24,8 @@ struct SurfaceLatticeOptions {
                                 ///< centre stays in its limit
   double corner_cut_mm = 0.0;   ///< 0 … design::kMostCornerCut_mm: cut off along each side from every corner; overlap
                                 ///< and border are then those of what is left
+  const SurfaceRegions* regions = nullptr;  ///< of this surface, not owned: worth of places, what stays free, what must
+                                            ///< be covered; none: every place is worth 1 module
 };
 
 /// Grows the isometric lattice directly on the surface (docs/surface_lattice.md): triangles are added edge by edge,
@@ -39,5 +43,14 @@ struct SurfaceLatticeOptions {
 [[nodiscard]] std::vector<ModuleLayout> grow_front(const Surface& surface, const LayoutLimits& limits,
                                                    const SurfaceLatticeOptions& options = {},
                                                    const ProgressSink& progress = {});
+
+/// Why no module lies within `within_mm` of a place of the surface: the limit that refuses most of the modules that
+/// would (name as in design files), "keep_out", or "room" where one fits that has no others beside it. Cost: about
+/// 0.1 s.
+[[nodiscard]] std::string why_uncovered(const Surface& surface, const LayoutLimits& limits,
+                                        const SurfaceLatticeOptions& options, const Vec3& place_mm, double within_mm);
+
+/// How far corners of the net may stand off a convex surface under these limits, mm.
+[[nodiscard]] double corner_lift_of(const LayoutLimits& limits, const SurfaceLatticeOptions& options);
 
 }  // namespace triskin::geometry

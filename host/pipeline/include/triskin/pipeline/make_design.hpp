@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "triskin/design/design.hpp"
+#include "triskin/design/region_file.hpp"
 #include "triskin/geometry/extract.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/host/progress.hpp"
@@ -26,6 +27,7 @@ struct DesignOptions {
   design::LayoutLimits limits;  ///< each > 0
   double bend_radius_mm = 0.0;  ///< > 0: pieces are parted from what bends more (bend_seams.hpp); 0: not for that alone
   double corner_cut_mm = 0.0;   ///< 0 … design::kMostCornerCut_mm: of every module
+  std::optional<design::RegionFile> regions;  ///< worth of places, keep-outs, what must be covered (docs/regions.md)
   int iterations = 0;   ///< ≥ 0; > 0: the growth ends after so many steps: repeatable whatever the machine's load
   int threads = 2;      ///< 1 … 256 chains of the growth; part of what a result depends on
   design::Price price;  ///< each 0 … 16 modules; jumpers may be as long as limits.jumper_mm
@@ -45,7 +47,7 @@ struct DesignNotes {
 
 /// Makes a design of a mesh file: extract, unfold, certified placement of each piece, rigid modules on the surface,
 /// jumpers, controllers and wiring; of the pieces and the lattice grown on the surface the layout of higher value,
-/// modules less price, stays. Fills
+/// worth of the modules less price, stays. Fills
 /// `notes` when it is given. Errors: InputError for unusable meshes and options out of range. Deterministic for
 /// seed, threads and iterations unless the time limit cuts a search short. Cost: about time_limit_s,
 /// less where `iterations` ends the growth sooner.

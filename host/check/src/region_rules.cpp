@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Regions: what must stay free is, what must be covered is.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "surface_index.hpp"
+
+namespace triskin::check {
+namespace {
+
+constexpr double kPlaceStep_mm = 0.9;   // between places that must be covered
+constexpr double kPlaceSlack_mm = 1.0;  // by which a place may be farther off: solver and checker look at other places
+constexpr double kStated_mm = 0.15;
+constexpr double kLayer_mm = 8.0;  // of height over a module
+
+double distance_to_edge(const P3& p, const P3& a, const P3& b) {
+  const P3 d = b - a;
+  const double part = d.squaredNorm() > 0.0 ? std::min(1.0, std::max(0.0, d.dot(p - a) / d.squaredNorm())) : 0.0;
+  return (a + part * d - p).norm();
+}
+
+// A region, and which faces of the surface it names.
+class Area {
+ public:
+  Area(const CheckedDesign& d, const CheckedDesign::Region& r) : d_(d), r_(r), named_(d.faces.size(), false) {
+    for (const int f : r.faces) named_[static_cast<std::size_t>(f)] = true;
+    if (r.kind != CheckedDesign::Region::Kind::kFaces) return;
+    std::map<std::pair<int, int>, std::array<int, 2>> sides;  // of how many faces, named or not
+    for (std::size_t f = 0; f < d.faces.size(); ++f) {
+      for (std::size_t k = 0; k < 3; ++k) ++sides[std::minmax(d.faces[f][k], d.faces[f][(k + 1) % 3])][named_[f] ? 0 : 1];
+    }
+    for (const auto& [edge, count] : sides) {
+      if (count[0] > 0 && count[1] > 0)
+        rim_.push_back({d.vertices[static_cast<std::size_t>(edge.first)],
+                        d.vertices[static_cast<std::size_t>(edge.second)]});
+    }
+  }
+
+  // Distance to the rim, negative outside.
+  [[nodiscard]] double depth(const P3& p, std::size_t face) const {
+    using Kind = CheckedDesign::Region::Kind;
+    if (r_.kind == Kind::kSphere) return r_.radius - (p - r_.a).norm();
+    if (r_.kind == Kind::kBox) {
+      double least = std::numeric_limits<double>::infinity();
+      for (int k = 0; k < 3; ++k) least = std::min({least, p[k] - r_.a[k], r_.b[k] - p[k]});
+      return least;
+    }
+    double least = 1e6;
+    for (const auto& [a, b] : rim_) least = std::min(least, distance_to_edge(p, a, b));
+    return named_[face] ? least : -least;
+  }
+
+  // Calls `visit(place)` for places of the region not farther apart than the step.
+  void each_place(double step, const auto& visit) const {
+    for (std::size_t f = 0; f < d_.faces.size(); ++f) {
+      const auto corner = [&](std::size_t k) { return d_.vertices[static_cast<std::size_t>(d_.faces[f][k])]; };
+      const P3 a = corner(0), u = corner(1) - a, v = corner(2) - a;
+      const double longest = std::max({u.norm(), v.norm(), (u - v).norm()});
+      if (depth(a + (u + v) / 3.0, f) < -longest) continue;
+      const int n = static_cast<int>(std::ceil(longest / step));
+      for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n - i; ++j) {
+          const P3 p = a + (i + 1.0 / 3.0) / n * u + (j + 1.0 / 3.0) / n * v;
+          if (depth(p, f) >= 0.0) visit(p);
+        }
+      }
+    }
+  }
+
+ private:
+  const CheckedDesign& d_;
+  const CheckedDesign::Region& r_;
+  std::vector<bool> named_;
+  std::vector<std::pair<P3, P3>> rim_;
+};
+
+// How far the feet of a module's points reach into the region: by parts, as the overrun.
+double reach_into(const Area& area, const SurfaceIndex& surface, const Outline3& outline) {
+  constexpr double kStep = 0.02, kPart = 0.05, kSlope = 2.0;  // of what reaches in far a part is enough
+  double most = 0.0;
+  std::vector<std::array<P3, 3>> parts;
+  for (std::size_t k = 2; k < outline.size(); ++k) parts.push_back({outline[0], outline[k - 1], outline[k]});
+  while (!parts.empty()) {
+    const auto t = parts.back();
+    parts.pop_back();
+    const P3 middle = centroid(t);
+    const double radius = std::max({(t[0] - middle).norm(), (t[1] - middle).norm(), (t[2] - middle).norm()});
+    const auto hit = surface.closest(middle);
+    const double here = area.depth(hit.point, hit.face);
+    most = std::max(most, here);
+    if (here + kSlope * radius <= most + kStep + kPart * std::max(0.0, most - 1.0)) continue;
+    const P3 p = (t[0] + t[1]) / 2, q = (t[1] + t[2]) / 2, r = (t[2] + t[0]) / 2;
+    for (const auto& part : {std::array{t[0], p, r}, std::array{p, t[1], q}, std::array{r, q, t[2]}, std::array{p, q, r}})
+      parts.push_back(part);
+  }
+  return most;
+}
+
+// From a module, seen along its normal; infinite for one on another sheet.
+double distance_from(const Outline3& outline, const P3& place) {
+  const P3 n = (outline[1] - outline[0]).cross(outline[2] - outline[0]).normalized();
+  const double height = n.dot(place - outline[0]);
+  if (!(std::abs(height) <= kLayer_mm)) return std::numeric_limits<double>::infinity();
+  const P3 foot = place - height * n;
+  double least = std::numeric_limits<double>::infinity();
+  bool outside = false;
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const P3 &a = outline[k], &b = outline[(k + 1) % outline.size()];
+    least = std::min(least, distance_to_edge(foot, a, b));
+    outside = outside || n.dot((b - a).cross(foot - a)) < 0;
+  }
+  return outside ? least : 0.0;
+}
+
+void check_free(const CheckedDesign& d, const SurfaceIndex& surface, Findings& f) {
+  std::vector<double> reach(d.modules.size(), 0.0);
+  for (const auto& region : d.regions) {
+    if (!region.free) continue;
+    const Area area(d, region);
+    for (std::size_t k = 0; k < d.modules.size(); ++k) {
+      const double into = reach_into(area, surface, module_outline(d.modules[k].corner, d.corner_cut));
+      reach[k] = std::max(reach[k], into);
+      if (!(into <= d.limits.overrun)) {
+        f.broken("keep-out", module_name(k),
+                 fmt::format("reaches {:.3f} mm into region \"{}\", which must stay free, limit {} mm", into,
+                             region.name, d.limits.overrun));
+      }
+    }
+  }
+  for (std::size_t k = 0; k < reach.size(); ++k) {
+    if (!(std::abs(reach[k] - d.modules[k].keep_out) <= kStated_mm + 0.1 * reach[k])) {
+      f.broken("keep-out", module_name(k),
+               fmt::format("stated {:.3f} mm, measured {:.3f} mm", d.modules[k].keep_out, reach[k]));
+    }
+  }
+}
+
+void check_cover(const CheckedDesign& d, Findings& f) {
+  std::vector<Outline3> outlines;
+  for (const auto& m : d.modules) outlines.push_back(module_outline(m.corner, d.corner_cut));
+  for (const auto& region : d.regions) {
+    if (!region.cover) continue;
+    double farthest = 0.0;
+    P3 where = P3::Zero();
+    Area(d, region).each_place(kPlaceStep_mm, [&](const P3& place) {
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t k = 0; k < outlines.size() && least > region.within; ++k) {
+        if ((d.modules[k].corner[0] - place).norm() < 2.5 * kSide) least = std::min(least, distance_from(outlines[k], place));
+      }
+      if (least <= farthest) return;
+      farthest = least;
+      where = place;
+    });
+    if (farthest > region.within + kPlaceSlack_mm) {
+      f.broken("must-cover", fmt::format("region {}", region.name),
+               fmt::format("({:.1f}, {:.1f}, {:.1f}) lies {:.1f} mm from the nearest module, limit {} mm", where.x(),
+                           where.y(), where.z(), farthest, region.within));
+    }
+  }
+}
+
+}  // namespace
+
+void check_regions(const CheckedDesign& design, Findings& findings) {
+  if (design.regions.empty()) return;
+  for (const char* rule : {"keep-out", "must-cover"}) findings.rule(rule);
+  check_free(design, SurfaceIndex(design), findings);
+  check_cover(design, findings);
+}
+
+}  // namespace triskin::check

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "triskin/design/regions.hpp"
+
+namespace triskin::design {
+
+/// A region as a person wrote it: faces count in the triangles of the mesh file, or are those of a named group.
+struct WantedRegion {
+  Region region;
+  std::string group;  ///< name of a group or object of an OBJ file; empty: the shape of `region` says it
+};
+
+/// A region file (docs/regions.md).
+struct RegionFile {
+  double elsewhere = 1.0;
+  std::vector<WantedRegion> regions;
+};
+
+/// Reads one and checks its form; ranges are for geometry::SurfaceRegions to check, which knows the surface. Errors:
+/// InputError naming file and key, also for keys that are unknown. Cost: linear.
+[[nodiscard]] RegionFile read_region_file(const std::filesystem::path& path);
+
+}  // namespace triskin::design

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "regions_json.hpp"
+
+#include "triskin/design/design_text.hpp"
+#include "triskin/design/json_fields.hpp"
+#include "triskin/design/region_file.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::design {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kPage = "docs/regions.md";
+
+json point(const Vec3& p) {
+  return json::array({p.x(), p.y(), p.z()});
+}
+
+json region_json(const Region& r) {
+  json j = {{"name", r.name}};
+  if (const auto* s = std::get_if<Sphere>(&r.shape))
+    j["sphere"] = {{"center_mm", point(s->center_mm)}, {"radius_mm", s->radius_mm}};
+  else if (const auto* b = std::get_if<Box>(&r.shape))
+    j["box"] = {{"low_mm", point(b->low_mm)}, {"high_mm", point(b->high_mm)}};
+  else
+    j["faces"] = std::get<FaceSet>(r.shape).faces;
+  if (r.weight) j["weight"] = *r.weight;
+  if (r.free) j["free"] = true;
+  if (r.cover) {
+    j["cover"] = true;
+    j["within_mm"] = r.within_mm;
+  }
+  return j;
+}
+
+// Exactly one shape.
+WantedRegion read_region(const JsonValue& v) {
+  only_keys(v, {"name", "sphere", "box", "faces", "group", "weight", "cover", "free", "within_mm"}, kPage);
+  WantedRegion wanted;
+  Region& r = wanted.region;
+  r.name = v["name"].text();
+  int shapes = 0;
+  for (const char* shape : {"sphere", "box", "faces", "group"}) shapes += has(v, shape) ? 1 : 0;
+  if (shapes != 1) v.fail("needs one of \"sphere\", \"box\", \"faces\" and \"group\"");
+  if (has(v, "sphere")) {
+    only_keys(v["sphere"], {"center_mm", "radius_mm"}, kPage);
+    r.shape = Sphere{vec3(v["sphere"]["center_mm"]), v["sphere"]["radius_mm"].number()};
+  } else if (has(v, "box")) {
+    only_keys(v["box"], {"low_mm", "high_mm"}, kPage);
+    r.shape = Box{vec3(v["box"]["low_mm"]), vec3(v["box"]["high_mm"])};
+  } else {
+    FaceSet set;
+    if (has(v, "group")) wanted.group = v["group"].text();
+    for (std::size_t k = 0; has(v, "faces") && k < v["faces"].size(); ++k)
+      set.faces.push_back(v["faces"].at(k).integer(0, 2'000'000'000));
+    r.shape = std::move(set);
+  }
+  if (has(v, "weight")) r.weight = v["weight"].number();
+  if (has(v, "cover")) r.cover = v["cover"].boolean();
+  if (has(v, "free")) r.free = v["free"].boolean();
+  if (has(v, "within_mm")) r.within_mm = v["within_mm"].number();
+  return wanted;
+}
+
+std::vector<WantedRegion> read_list(const JsonValue& v) {
+  std::vector<WantedRegion> list;
+  for (std::size_t k = 0; k < v.size(); ++k) list.push_back(read_region(v.at(k)));
+  return list;
+}
+
+}  // namespace
+
+RegionFile read_region_file(const std::filesystem::path& path) {
+  const json document = parse_json(read_file(path), path.string());
+  const JsonValue v(document, path.string(), "");
+  only_keys(v, {"format", "version", "elsewhere", "regions"}, kPage);
+  if (v["format"].text() != "triskin-regions") v["format"].fail("must be \"triskin-regions\"");
+  if (v["version"].integer(0, 1000) != 1) v["version"].fail("must be 1");
+  RegionFile file;
+  if (has(v, "elsewhere")) file.elsewhere = v["elsewhere"].number();
+  file.regions = read_list(v["regions"]);
+  if (file.regions.empty()) v["regions"].fail("must name at least one region");
+  return file;
+}
+
+void write_regions(const Design& design, json& document) {
+  if (design.regions.empty()) return;
+  json list = json::array(), uncovered = json::array();
+  for (const Region& r : design.regions.list) list.push_back(region_json(r));
+  for (const Uncovered& u : design.report.uncovered) {
+    json j = {{"region", u.region}, {"share", u.share}, {"place_mm", point(u.place_mm)}, {"why", u.why}};
+    if (std::isfinite(u.distance_mm)) j["distance_mm"] = u.distance_mm;
+    uncovered.push_back(std::move(j));
+  }
+  document["regions"] = {{"elsewhere", design.regions.elsewhere}, {"list", std::move(list)}};
+  document["report"]["worth"] = design.report.worth;
+  document["report"]["uncovered"] = std::move(uncovered);
+  for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
+    document["modules"][k]["keep_out_mm"] = design.layout.modules[k].keep_out_mm;
+  for (std::size_t k = 0; k < design.alternatives.size(); ++k)
+    document["alternatives"][k]["worth"] = design.alternatives[k].worth;
+}
+
+void read_regions(const JsonValue& v, Design& design) {
+  for (Alternative& a : design.alternatives) a.worth = static_cast<double>(a.layout.modules.size());
+  design.report.worth = static_cast<double>(design.layout.modules.size());
+  if (!has(v, "regions")) return;
+  design.regions.elsewhere = v["regions"]["elsewhere"].number();
+  for (WantedRegion& wanted : read_list(v["regions"]["list"])) design.regions.list.push_back(std::move(wanted.region));
+  design.report.worth = v["report"]["worth"].number();
+  const JsonValue uncovered = v["report"]["uncovered"];
+  for (std::size_t k = 0; k < uncovered.size(); ++k) {
+    const JsonValue u = uncovered.at(k);
+    design.report.uncovered.push_back(
+        {u["region"].text(), u["share"].number(), vec3(u["place_mm"]),
+         has(u, "distance_mm") ? u["distance_mm"].number() : std::numeric_limits<double>::infinity(), u["why"].text()});
+  }
+  for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
+    design.layout.modules[k].keep_out_mm = v["modules"].at(k)["keep_out_mm"].number();
+  for (std::size_t k = 0; k < design.alternatives.size(); ++k)
+    design.alternatives[k].worth = v["alternatives"].at(k)["worth"].number();
+}
+
+}  // namespace triskin::design

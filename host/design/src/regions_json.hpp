@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "triskin/design/design.hpp"
+#include "triskin/design/json_value.hpp"
+
+namespace triskin::design {
+
+/// Adds "regions" and what the report says of them to the document of a design that has regions.
+void write_regions(const Design& design, nlohmann::json& document);
+/// Reads them where they are. Errors: InputError naming the key.
+void read_regions(const JsonValue& document, Design& design);
+
+}  // namespace triskin::design

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+
+#include "triskin/design/region_file.hpp"
+#include "triskin/geometry/extract.hpp"
+#include "triskin/geometry/mesh_io.hpp"
+
+namespace triskin::pipeline {
+
+/// The regions on the surface that was made of a mesh file: groups and faces of the file become faces of the surface.
+/// Errors: InputError naming the region for groups and faces that are not there, that do not belong to the surface, and
+/// for any of them where the mesh had to be repaired, so that its faces are others. Cost: O(faces) a region of faces.
+[[nodiscard]] design::Regions resolve_regions(const std::filesystem::path& mesh, const geometry::MeshFile& file,
+                                              const geometry::Extraction& surface, const design::RegionFile& wanted);
+
+}  // namespace triskin::pipeline
