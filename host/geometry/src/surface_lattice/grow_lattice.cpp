@@ -12,6 +12,7 @@
 
 #include "canonical.hpp"
 #include "grower.hpp"
+#include "kept_modules.hpp"
 #include "net_price.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/geometry/map_modules.hpp"
@@ -44,9 +45,9 @@ struct GrowthTask {
   const SurfaceLatticeOptions& options;
   const std::vector<Sample>& samples;
   double jumper_mm;
+  const LatticeNet& begun;  // the modules that are kept, or none
   Clock::time_point start, end;
 
-  [[nodiscard]] LatticeNet empty_net() const { return {surface.mesh().vertices, options.corner_cut_mm}; }
   [[nodiscard]] double value(LatticeNet& net, NetPrice& price) const {
     if (net.size() == 0) return kNothing;  // one module is better, although its controller costs more
     return net.size() - price(net) + options.hinge_reward * net.joints();
@@ -123,7 +124,8 @@ class Chain {
   }
 
   void start_anew() {
-    LatticeNet net = task_.empty_net();
+    LatticeNet net = task_.begun;
+    if (net.size() > 0) grower_.grow(net, {}, random_);
     grower_.fill(net, {}, random_, static_cast<int>(task_.samples.size()) / 2);
     net.separate();
     set(std::move(net));
@@ -227,7 +229,9 @@ class Chain {
     const Grower::Ball ball{place_to_ruin(net), 20.0 + 45.0 * random_.unit() * random_.unit()};
     std::vector<int> inside;
     net.near(ball.center, ball.radius_mm, inside);
-    for (const int t : inside) net.remove_triangle(t);
+    for (const int t : inside) {
+      if (!net.triangles()[at(t)].is_fixed) net.remove_triangle(t);
+    }
     return ball;
   }
 
@@ -236,6 +240,7 @@ class Chain {
     std::vector<int> members{some_triangle(net)};
     if (net.island_sizes()[at(net.triangles()[at(members[0])].island)] > kSmallIsland) return std::nullopt;
     for (std::size_t k = 0; k < members.size(); ++k) {
+      if (net.triangles()[at(members[k])].is_fixed) return std::nullopt;
       for (int s = 0; s < 3; ++s) {
         const int n = net.neighbour(members[k], s);
         if (n >= 0 && std::ranges::find(members, n) == members.end()) members.push_back(n);
@@ -303,15 +308,16 @@ double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
   return worst;
 }
 
-// Modules that break a limit and are the worst among those near them: what is farther does not change when they go.
-std::vector<int> worst_of_their_places(const ModuleLayout& layout, const LayoutLimits& limits) {
+// Modules, but for the first `kept`, that break a limit and are the worst among those near them: what is farther does
+// not change when they go.
+std::vector<int> worst_of_their_places(const ModuleLayout& layout, const LayoutLimits& limits, std::size_t kept) {
   struct Broken {
     int module;
     double ratio;
     Vec3 center;
   };
   std::vector<Broken> broken;
-  for (int k = 0; k < static_cast<int>(layout.modules.size()); ++k) {
+  for (int k = static_cast<int>(kept); k < static_cast<int>(layout.modules.size()); ++k) {
     const PlacedModule& m = layout.modules[at(k)];
     const double ratio = worst_ratio(m, limits);
     if (ratio > kFinalMargin) broken.push_back({k, ratio, (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0});
@@ -328,13 +334,15 @@ std::vector<int> worst_of_their_places(const ModuleLayout& layout, const LayoutL
 }
 
 // Removes modules that break a limit under the finer walk along the sides, the worst first.
-ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, LatticeNet net, const LayoutLimits& limits) {
+ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, LatticeNet net, const LayoutLimits& limits,
+                       const std::vector<PlacedModule>& kept) {
   std::map<int, PlacedModule> measured;  // by triangle: corners stay, so what depends on the surface does too
   for (;;) {
     net.separate();
     std::vector<int> triangle_of;
     ModuleLayout layout = layout_of(net, triangle_of);
     copy.carry_back(layout);
+    restore_kept(kept, layout);
     for (std::size_t k = 0; k < triangle_of.size(); ++k) {
       PlacedModule& m = layout.modules[k];
       const auto [known, is_new] = measured.try_emplace(triangle_of[k], m);
@@ -345,7 +353,7 @@ ModuleLayout certified(const Surface& surface, const CanonicalCopy& copy, Lattic
       m.bend_radius_mm = known->second.bend_radius_mm;
     }
     measure_between(layout);
-    const std::vector<int> worst = worst_of_their_places(layout, limits);
+    const std::vector<int> worst = worst_of_their_places(layout, limits, kept.size());
     if (worst.empty()) return layout;
     for (const int k : worst) net.remove_triangle(triangle_of[at(k)]);
   }
@@ -419,7 +427,8 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
       start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
   const Rules rules(surface, limits);
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
-  const GrowthTask task{surface, rules, options, samples, limits.jumper_mm, start, end};
+  const LatticeNet begun = net_of_kept(surface, copy, options.kept, options.corner_cut_mm);
+  const GrowthTask task{surface, rules, options, samples, limits.jumper_mm, begun, start, end};
   std::deque<Chain> chains;
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));
@@ -441,7 +450,7 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   LatticeNet net = *best_of(chains).best();
   ModuleLayout refusals;
   count_refusals(task, net, refusals);
-  std::vector<ModuleLayout> layouts{certified(original, copy, std::move(net), limits)};
+  std::vector<ModuleLayout> layouts{certified(original, copy, std::move(net), limits, options.kept)};
   layouts[0].refused = std::move(refusals.refused);
   if (!options.front) return layouts;
   const std::vector<const LatticeNet*> others = front_of(chains);
@@ -449,7 +458,7 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   std::atomic<std::size_t> next{0};
   in_parallel(chains, [&](const Chain&) {
     for (std::size_t k = next++; k < others.size(); k = next++)
-      layouts[1 + k] = certified(original, copy, *others[k], limits);
+      layouts[1 + k] = certified(original, copy, *others[k], limits, options.kept);
   });
   return layouts;
 }

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "wire_design.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "triskin/design/module_graph.hpp"
+#include "triskin/design/outline.hpp"
+
+namespace triskin::pipeline {
+namespace {
+
+void fill_report(design::Design& design, const geometry::Surface& surface) {
+  design::Design::Report& r = design.report;
+  r.area_cm2 = surface.area_mm2() / 100.0;
+  const double cut_mm2 = design::module_area_mm2(design.layout.corner_cut_mm);
+  r.upper_bound = static_cast<int>(std::floor(surface.area_mm2() / cut_mm2));
+  r.coverage = static_cast<double>(design.layout.modules.size()) * design::kModuleArea_mm2 / surface.area_mm2();
+  r.coverage_cut = static_cast<double>(design.layout.modules.size()) * cut_mm2 / surface.area_mm2();
+  for (const design::PlacedModule& m : design.layout.modules) {
+    r.max_edge_error_mm = std::max(r.max_edge_error_mm, m.edge_error_mm);
+    r.max_center_gap_mm = std::max(r.max_center_gap_mm, m.center_gap_mm);
+    for (const double gap : m.hinge_gap_mm) r.max_hinge_gap_mm = std::max(r.max_hinge_gap_mm, gap);
+  }
+}
+
+}  // namespace
+
+geometry::RoutingOptions routing_options(const design::Design& design) {
+  geometry::RoutingOptions routing;
+  routing.seed = design.seed;
+  routing.price = design.price;
+  return routing;
+}
+
+void wire(design::Design& design, const geometry::Surface& surface, const std::vector<design::Jumper>& places,
+          const ProgressSink& progress) {
+  geometry::RoutingResult routes =
+      geometry::route(design::graph_of(design.layout), places, routing_options(design), progress);
+  design.layout.jumpers = std::move(routes.jumpers);
+  design.patches = std::move(routes.patches);
+  design.report = {};
+  fill_report(design, surface);
+  design.report.patches_lower_bound = routes.lower_bound;
+  design.report.jumpers_lower_bound = routes.jumpers_lower_bound;
+  design.design_id = design::design_id_of(design);
+}
+
+}  // namespace triskin::pipeline
