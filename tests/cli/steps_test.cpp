@@ -52,6 +52,34 @@ TEST_F(Steps, a_net_is_placed_and_the_modules_are_routed) {
   EXPECT_GE(nlohmann::json::parse(routed.out)["patches"].get<int>(), (modules + 15) / 16);
 }
 
+TEST_F(Steps, a_design_is_changed_by_hand) {
+  require_geometry();
+  if (IsSkipped()) return;
+  write_plate("plate.obj", 100, 60);
+  ASSERT_EQ(run("design plate.obj -o a.json --iterations 20 --time-limit-s 100").status, 0);
+  const Outcome removed = run("design a.json --remove 1,3-4 -o b.json --json");
+  ASSERT_EQ(removed.status, 0) << removed.messages;
+  const auto result = nlohmann::json::parse(removed.out);
+  EXPECT_EQ(result["removed"], 3);
+  EXPECT_EQ(result["map"][0], 0);
+  EXPECT_EQ(result["map"][1], -1);
+  EXPECT_EQ(result["map"][2], 1);
+  EXPECT_EQ(result["map"][5], 2);
+  EXPECT_EQ(run("check b.json").status, 0);
+  EXPECT_THAT(run("design a.json --keep 0-2 --mirror x -o c.json").messages, HasSubstr("excludes"));
+  EXPECT_THAT(run("design a.json --remove 1 --center-gap-mm 2 -o c.json").messages,
+              HasSubstr("--center-gap-mm has no effect"));
+  EXPECT_THAT(run("design a.json --remove 1-x -o c.json").messages, HasSubstr("\"1-x\" is not understood"));
+  EXPECT_THAT(run("design a.json --add 0.3 -o c.json").messages, HasSubstr("give MODULE.SIDE"));
+  EXPECT_THAT(run("design a.json --add 0:1/2/left -o c.json").messages, HasSubstr("ISLAND:I/J/up"));
+  EXPECT_THAT(run("design a.json --mirror 0,0,0,5 -o c.json").messages, HasSubstr("--mirror: \"0,0,0,5\""));
+  EXPECT_FALSE(fs::exists(folder_ / "c.json"));
+  ASSERT_EQ(run("design a.json --mirror 1,1,0,20 -o c.json").status, 0);
+  EXPECT_EQ(run("check c.json").status, 0);
+  ASSERT_EQ(run("design b.json --keep 0-1 --iterations 5 --time-limit-s 100 -o d.json").status, 0);
+  EXPECT_EQ(run("check d.json").status, 0);
+}
+
 TEST_F(Steps, every_piece_of_a_net_becomes_an_island) {
   require_geometry();
   if (IsSkipped()) return;

@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 
 #include "choose_layout.hpp"
 #include "resolve_regions.hpp"
-#include "triskin/design/module_list.hpp"
+#include "seconds_since.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/geometry/bend_seams.hpp"
 #include "triskin/geometry/extract.hpp"
@@ -20,12 +19,10 @@
 #include "triskin/geometry/routing.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
-#include "triskin/host/error.hpp"
+#include "wire_design.hpp"
 
 namespace triskin::pipeline {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr double kRepairShare = 0.4, kRepairLeast_s = 2.0;  // processor time
 constexpr double kUnfoldingShare = 0.3;                     // of what reading and repair leave
@@ -34,10 +31,6 @@ constexpr double kPieceLeast_s = 0.1;                       // a piece gets, or 
 constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;   // up to which the limit binds
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
 constexpr double kWiringPricings = 2.0;  // the wiring of a layout, with its failures, takes as long as so many pricings
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& name, const DesignOptions& options,
                                 const ProgressSink& progress) {
@@ -105,65 +98,6 @@ std::vector<geometry::TiledPiece> place_pieces(design::Design& design, const geo
   return placed;
 }
 
-void fill_report(design::Design& design, const geometry::Surface& surface) {
-  design::Design::Report& r = design.report;
-  r.area_cm2 = surface.area_mm2() / 100.0;
-  const double cut_mm2 = design::module_area_mm2(design.layout.corner_cut_mm);
-  r.upper_bound = static_cast<int>(std::floor(surface.area_mm2() / cut_mm2));
-  r.coverage = static_cast<double>(design.layout.modules.size()) * design::kModuleArea_mm2 / surface.area_mm2();
-  r.coverage_cut = static_cast<double>(design.layout.modules.size()) * cut_mm2 / surface.area_mm2();
-  for (const design::PlacedModule& m : design.layout.modules) {
-    r.max_edge_error_mm = std::max(r.max_edge_error_mm, m.edge_error_mm);
-    r.max_center_gap_mm = std::max(r.max_center_gap_mm, m.center_gap_mm);
-    r.max_edge_lift_mm = std::max(r.max_edge_lift_mm, m.edge_lift_mm);
-    r.max_edge_depth_mm = std::max(r.max_edge_depth_mm, m.edge_depth_mm);
-    for (const double gap : m.hinge_gap_mm) r.max_hinge_gap_mm = std::max(r.max_hinge_gap_mm, gap);
-  }
-}
-
-geometry::RoutingOptions routing_options(const design::Design& design) {
-  geometry::RoutingOptions routing;
-  routing.seed = design.seed;
-  routing.price = design.price;
-  return routing;
-}
-
-std::optional<geometry::SurfaceRegions> regions_of(const geometry::Surface& surface, const design::Design& design) {
-  if (design.regions.empty()) return std::nullopt;
-  return std::make_optional<geometry::SurfaceRegions>(surface, design.regions);
-}
-
-void report_regions(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions) {
-  design.report.worth = static_cast<double>(design.layout.modules.size());
-  if (regions == nullptr) return;
-  design.report.worth = 0.0;
-  for (const design::PlacedModule& m : design.layout.modules)
-    design.report.worth += regions->weight_at((m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0);
-  design.report.uncovered = regions->uncovered(design.layout);
-  geometry::SurfaceLatticeOptions lattice;
-  lattice.corner_cut_mm = design.layout.corner_cut_mm;
-  lattice.regions = regions;
-  for (design::Uncovered& u : design.report.uncovered) {
-    const auto region = std::ranges::find(design.regions.list, u.region, &design::Region::name);
-    u.why = geometry::why_uncovered(surface, design.limits, lattice, u.place_mm, region->within_mm);
-  }
-}
-
-// Controllers, jumpers and report of the layout.
-void wire(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions,
-          const std::vector<design::Jumper>& places, const ProgressSink& progress) {
-  geometry::RoutingResult routes =
-      geometry::route(design::graph_of(design.layout), places, routing_options(design), progress);
-  design.layout.jumpers = std::move(routes.jumpers);
-  design.patches = std::move(routes.patches);
-  design.report = {};
-  fill_report(design, surface);
-  report_regions(design, surface, regions);
-  design.report.patches_lower_bound = routes.lower_bound;
-  design.report.jumpers_lower_bound = routes.jumpers_lower_bound;
-  design.design_id = design::design_id_of(design);
-}
-
 // The layouts grown on the surface, best first. What follows, pricing and wiring, is told from what the pricing of the
 // pieces took. The pieces of a fine mesh may take longer than the whole limit on a busy machine: the growth keeps its
 // share all the same.
@@ -186,26 +120,6 @@ std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const D
 }
 
 }  // namespace
-
-design::Design take_alternative(const design::Design& design, int index, const ProgressSink& progress) {
-  const auto start = Clock::now();
-  if (index < 0 || index >= static_cast<int>(design.alternatives.size())) {
-    throw InputError(
-        design.alternatives.empty()
-            ? std::string("the design has no alternatives; make it again with triskin design")
-            : fmt::format("alternative {} is not there; 0 … {} are", index, design.alternatives.size() - 1));
-  }
-  design::Design taken = design;
-  const geometry::Surface surface(taken.surface);
-  taken.layout = taken.alternatives[static_cast<std::size_t>(index)].layout;
-  taken.taken = index;
-  const auto regions = regions_of(surface, taken);
-  const geometry::SurfaceRegions* const known = regions ? &*regions : nullptr;
-  geometry::measure(surface, taken.layout, known);
-  wire(taken, surface, known, geometry::find_jumpers(surface, taken.layout, taken.limits), progress);
-  taken.report.seconds = seconds_since(start);
-  return taken;
-}
 
 design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
                            const ProgressSink& progress, DesignNotes* notes) {

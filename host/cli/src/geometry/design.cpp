@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "corner_cut_option.hpp"
+#include "design_edit.hpp"
 #include "mesh_options.hpp"
 #include "repair_text.hpp"
 #include "triskin/cli/bus_report.hpp"
@@ -19,63 +20,8 @@ struct Options {
   std::string mesh, output, regions;
   UnitOption unit;
   pipeline::DesignOptions design;
-  int take = -1;
+  EditOptions edit;
 };
-
-// What the regions got. False: a place that must be covered is not.
-bool report_regions(const design::Design& d, Output& output) {
-  if (d.regions.empty()) return true;
-  output.result["worth"] = d.report.worth;
-  output.result["uncovered"] = nlohmann::json::array();
-  output.say(fmt::format("{} regions: the modules are worth {:.2f}", d.regions.list.size(), d.report.worth));
-  for (const design::Uncovered& u : d.report.uncovered) {
-    const auto& p = u.place_mm;
-    const std::string why = u.why == "room" ? "a module fits there, but not beside the others" : u.why + " refuses any";
-    output.result["uncovered"].push_back(
-        {{"region", u.region}, {"share", u.share}, {"place_mm", {p.x(), p.y(), p.z()}}, {"why", u.why}});
-    output.say(
-        fmt::format("  region \"{}\" must be covered, {:.1f} % of it is not: farthest from a module is "
-                    "({:.1f}, {:.1f}, {:.1f}); {}",
-                    u.region, 100.0 * u.share, p.x(), p.y(), p.z(), why));
-  }
-  return d.report.uncovered.empty();
-}
-
-// Modules against price, the layout that is taken marked.
-void report_alternatives(const design::Design& d, Output& output) {
-  output.result["price"] =
-      d.price.of(static_cast<int>(d.patches.size()), static_cast<int>(d.layout.jumpers.size()), d.layout.islands);
-  output.result["taken"] = d.taken;
-  output.result["alternatives"] = nlohmann::json::array();
-  for (std::size_t k = 0; k < d.alternatives.size(); ++k) {
-    const design::Alternative& a = d.alternatives[k];
-    const std::size_t n = a.layout.modules.size();
-    output.result["alternatives"].push_back({{"modules", n},
-                                             {"patches", a.patches},
-                                             {"jumpers", a.jumpers},
-                                             {"islands", a.layout.islands},
-                                             {"price", a.price},
-                                             {"worth", a.worth}});
-    output.say(
-        fmt::format("{} alternative {}: {} modules, {} controllers, {} jumpers, {} islands: price {:.2f}, value {:.2f}",
-                    static_cast<int>(k) == d.taken ? "*" : " ", k, n, a.patches, a.jumpers, a.layout.islands, a.price,
-                    a.worth - a.price));
-  }
-}
-
-int take(const Options& options, Output& output) {
-  const design::Design d =
-      pipeline::take_alternative(design::read_design(options.mesh), options.take, output.progress());
-  design::write_design(options.output, d);
-  output.result = {{"modules", d.layout.modules.size()}, {"islands", d.layout.islands},
-                   {"patches", d.patches.size()},        {"patches_lower_bound", d.report.patches_lower_bound},
-                   {"jumpers", d.layout.jumpers.size()}, {"jumpers_lower_bound", d.report.jumpers_lower_bound},
-                   {"coverage", d.report.coverage},      {"seconds", d.report.seconds}};
-  const bool is_covered = report_regions(d, output);
-  report_alternatives(d, output);
-  output.say(fmt::format("design {:016x} written to {}", d.design_id, options.output));
-  return is_covered ? 0 : 1;
-}
 
 // Why nothing fits: most often the mesh is in another unit than the one it was read in.
 std::string reason_of_nothing(const design::Design& d, bool unit_given) {
@@ -146,8 +92,8 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
 }
 
 int run(Options options, Output& output) {
-  if (options.take >= 0) return take(options, output);
   catch_interrupts();
+  if (options.edit.wanted()) return edit(options.mesh, options.output, options.edit, options.design, output);
   options.design.unit = options.unit.unit;
   if (!options.regions.empty()) options.design.regions = design::read_region_file(options.regions);
   pipeline::DesignNotes notes;
@@ -222,11 +168,12 @@ const Registration kDesign{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("MESH", options->mesh,
-                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise; with --take a design")
+                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise; with --take, "
+                     "--remove, --add, --keep or --mirror a "
+                     "design")
           ->required();
       app.add_option("-o,--output", options->output, "design file")->required();
-      app.add_option("--take", options->take, "MESH is a design: take its alternative of this number, without a search")
-          ->check(CLI::Range(0, 1000));
+      options->edit.add_to(app);
       app.add_option("--repair", options->design.repair,
                      "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
                      "refused")
@@ -254,7 +201,10 @@ const Registration kDesign{{
                      "steps of each chain (0: as the time permits); repeatable when the time suffices")
           ->check(CLI::Range(0, 1000000000))
           ->capture_default_str();
-      return [options](Output& output) { return run(*options, output); };
+      return [options, &app](Output& output) {
+        options->edit.require_fitting(app);
+        return run(*options, output);
+      };
     },
 }};
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "index.hpp"
+#include "triskin/design/mirror.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {
@@ -27,21 +28,6 @@ double mean_cube(double a, double b, double c) {
   return (a * a * a + b * b * b + c * c * c + a * a * b + a * a * c + b * b * a + b * b * c + c * c * a + c * c * b +
           a * b * c) /
          10.0;
-}
-
-Tile mirrored_tile(const Tile& t) {
-  return {t.j, t.i, t.up};
-}
-
-// Exchanging the two axes of the lattice keeps corner 0 of an up triangle and corner 1 of a down triangle.
-template <class T>
-std::array<T, 3> mirrored_corners(const Tile& t, const std::array<T, 3>& c) {
-  return t.up ? std::array<T, 3>{c[0], c[2], c[1]} : std::array<T, 3>{c[2], c[1], c[0]};
-}
-// Side s lies between corners s and s + 1.
-template <class T>
-std::array<T, 3> mirrored_sides(const Tile& t, const std::array<T, 3>& s) {
-  return t.up ? std::array<T, 3>{s[2], s[1], s[0]} : std::array<T, 3>{s[1], s[0], s[2]};
 }
 
 bool keeps_faces(const Mesh& before, const Mesh& after) {
@@ -117,11 +103,13 @@ void CanonicalCopy::move_and_sort(const Mesh& original, bool on_grid) {
 void CanonicalCopy::carry_back(ModuleLayout& layout) const {
   for (PlacedModule& m : layout.modules) {
     for (Vec3& c : m.corner_mm) c = to_original(c);
-    if (!mirrored_) continue;
-    m.corner_mm = mirrored_corners(m.tile, m.corner_mm);
-    m.neighbour = mirrored_sides(m.tile, m.neighbour);
-    m.tile = mirrored_tile(m.tile);
+    if (mirrored_) m = design::in_mirrored_lattice(m);
   }
+}
+
+PlacedModule CanonicalCopy::carried_there(PlacedModule m) const {
+  for (Vec3& c : m.corner_mm) c = to_copy(c);
+  return mirrored_ ? design::in_mirrored_lattice(m) : m;
 }
 
 }  // namespace triskin::geometry::surface_lattice

@@ -23,6 +23,8 @@ class CanonicalCopy {
   /// A layout on this copy → the same on the original: corners are moved, and where the copy is a mirror image tiles
   /// are too.
   void carry_back(ModuleLayout& layout) const;
+  /// A module of the original → the same on this copy.
+  [[nodiscard]] PlacedModule carried_there(PlacedModule module) const;
 
  private:
   void choose_axes(const Mesh& original);

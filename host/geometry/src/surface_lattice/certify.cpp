@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "kept_modules.hpp"
 #include "layout/worst_places.hpp"
 #include "triskin/host/parallel.hpp"
 
@@ -51,9 +52,10 @@ double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
   return worst;
 }
 
-std::vector<int> worst_modules(const ModuleLayout& layout, const LayoutLimits& limits) {
+// But for the first `kept`.
+std::vector<int> worst_modules(const ModuleLayout& layout, const LayoutLimits& limits, std::size_t kept) {
   std::vector<BrokenModule> broken;
-  for (int k = 0; k < static_cast<int>(layout.modules.size()); ++k) {
+  for (auto k = static_cast<int>(kept); k < static_cast<int>(layout.modules.size()); ++k) {
     const PlacedModule& m = layout.modules[at(k)];
     const double ratio = worst_ratio(m, limits);
     if (ratio > kFinalMargin) broken.push_back({k, ratio, (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0});
@@ -90,8 +92,9 @@ void Certifier::measure_on_surface(ModuleLayout& layout, Known& own, int threads
     m.keep_out_mm = measured->keep_out_mm;
     m.bend_radius_mm = measured->bend_radius_mm;
   }
-  in_parallel(threads, unknown.size(),
-              [&](std::size_t k) { geometry::measure_on_surface(surface_, *unknown[k], layout.corner_cut_mm, regions_); });
+  in_parallel(threads, unknown.size(), [&](std::size_t k) {
+    geometry::measure_on_surface(surface_, *unknown[k], layout.corner_cut_mm, options_.regions);
+  });
   for (const PlacedModule* m : unknown) own.emplace(corners_of(*m), *m);
 }
 
@@ -101,9 +104,10 @@ ModuleLayout Certifier::certified(LatticeNet net, Known& own, int threads) const
     std::vector<int> triangle_of;
     ModuleLayout layout = layout_of(net, triangle_of);
     copy_.carry_back(layout);
+    restore_kept(options_.kept, layout);
     measure_on_surface(layout, own, threads);
     measure_between(layout);
-    const std::vector<int> worst = worst_modules(layout, limits_);
+    const std::vector<int> worst = worst_modules(layout, limits_, options_.kept.size());
     if (worst.empty()) return layout;
     for (const int k : worst) net.remove_triangle(triangle_of[at(k)]);
   }

@@ -6,21 +6,22 @@
 #include "canonical.hpp"
 #include "net.hpp"
 #include "triskin/geometry/map_modules.hpp"
+#include "triskin/geometry/surface_lattice.hpp"
 
 namespace triskin::geometry::surface_lattice {
 
 /// Makes layouts of nets on the original surface, in which every module keeps every limit as `measure` measures it:
 /// the finer walk along the sides may find what the search did not. Modules that break a limit are removed, the worst
-/// first. What the first net's modules were measured to is known for the others, which differ from it in few.
+/// first; those that are kept stay. What the first net's modules were measured to is known for the others, which differ from it in few.
 class Certifier {
  public:
-  /// All must live as long as this. regions: of the original, may be null. threads ≥ 1.
+  /// All must live as long as this. Of the options: the modules that are kept, regions, threads.
   Certifier(const Surface& original, const CanonicalCopy& copy, const LayoutLimits& limits,
-            const SurfaceRegions* regions, int threads)
-      : surface_(original), copy_(copy), limits_(limits), regions_(regions), threads_(threads) {}
+            const SurfaceLatticeOptions& options)
+      : surface_(original), copy_(copy), limits_(limits), options_(options) {}
 
   /// Uses all threads. Cost: some 0.1 ms a module.
-  [[nodiscard]] ModuleLayout first(LatticeNet net) { return certified(std::move(net), known_, threads_); }
+  [[nodiscard]] ModuleLayout first(LatticeNet net) { return certified(std::move(net), known_, options_.threads); }
   /// On the calling thread; thread-safe after first().
   [[nodiscard]] ModuleLayout other(const LatticeNet& net) const {
     Known own;
@@ -36,8 +37,7 @@ class Certifier {
   const Surface& surface_;
   const CanonicalCopy& copy_;
   const LayoutLimits& limits_;
-  const SurfaceRegions* regions_;
-  int threads_;
+  const SurfaceLatticeOptions& options_;
   Known known_;
 };
 

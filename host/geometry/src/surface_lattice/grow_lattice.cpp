@@ -13,6 +13,7 @@
 #include "canonical.hpp"
 #include "certify.hpp"
 #include "grower.hpp"
+#include "kept_modules.hpp"
 #include "net_price.hpp"
 #include "place_value.hpp"
 #include "triskin/design/outline.hpp"
@@ -49,9 +50,9 @@ struct GrowthTask {
   const std::vector<Sample>& samples;
   const CopiedRegions& regions;
   double jumper_mm, corner_lift_mm;
+  const LatticeNet& begun;  // the modules that are kept, or none
   Clock::time_point start, end;
 
-  [[nodiscard]] LatticeNet empty_net() const { return {surface.mesh().vertices, options.corner_cut_mm}; }
   [[nodiscard]] double value(LatticeNet& net, NetPrice& price, PlaceValue& worth) const {
     if (net.size() == 0) return kNothing;  // one module is better, although its controller costs more
     return worth(net) - price(net) + options.hinge_reward * net.joints();
@@ -129,7 +130,8 @@ class Chain {
   }
 
   void start_anew() {
-    LatticeNet net = task_.empty_net();
+    LatticeNet net = task_.begun;
+    if (net.size() > 0) grower_.grow(net, {}, random_);
     grower_.fill(net, {}, random_, static_cast<int>(task_.samples.size()) / 2);
     net.separate();
     set(std::move(net));
@@ -238,7 +240,9 @@ class Chain {
     const Grower::Ball ball{place_to_ruin(net), 20.0 + 45.0 * random_.unit() * random_.unit()};
     std::vector<int> inside;
     net.near(ball.center, ball.radius_mm, inside);
-    for (const int t : inside) net.remove_triangle(t);
+    for (const int t : inside) {
+      if (!net.triangles()[at(t)].is_fixed) net.remove_triangle(t);
+    }
     return ball;
   }
 
@@ -247,6 +251,7 @@ class Chain {
     std::vector<int> members{some_triangle(net)};
     if (net.island_sizes()[at(net.triangles()[at(members[0])].island)] > kSmallIsland) return std::nullopt;
     for (std::size_t k = 0; k < members.size(); ++k) {
+      if (net.triangles()[at(members[k])].is_fixed) return std::nullopt;
       for (int s = 0; s < 3; ++s) {
         const int n = net.neighbour(members[k], s);
         if (n >= 0 && std::ranges::find(members, n) == members.end()) members.push_back(n);
@@ -348,8 +353,9 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   const CopiedRegions regions(options.regions, copy);
   const Rules rules(surface, limits, regions.free_points());
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
-  const GrowthTask task{surface, rules, options, samples, regions, limits.jumper_mm, corner_lift_of(limits, options),
-                        start,   end};
+  const LatticeNet begun = net_of_kept(surface, copy, options.kept, options.corner_cut_mm);
+  const GrowthTask task{
+      surface, rules, options, samples, regions, limits.jumper_mm, corner_lift_of(limits, options), begun, start, end};
   std::deque<Chain> chains;
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));
@@ -371,7 +377,7 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   LatticeNet net = *best_of(chains).best();
   ModuleLayout refusals;
   count_refusals(task, net, refusals);
-  Certifier certifier(original, copy, limits, options.regions, options.threads);
+  Certifier certifier(original, copy, limits, options);
   std::vector<ModuleLayout> layouts{certifier.first(std::move(net))};
   layouts[0].refused = std::move(refusals.refused);
   if (!options.front) return layouts;

@@ -222,11 +222,23 @@ void LatticeNet::take_back(int triangle) {
   --size_;
 }
 
+void LatticeNet::pin(int triangle, const Triangle& corners) {
+  set_rigid(triangle, corners);
+  triangles_[at(triangle)].is_fixed = true;
+  for (const int v : triangles_[at(triangle)].vertex) edit_vertex(v).is_fixed = true;
+}
+
 void LatticeNet::fit(int triangle) {
+  const NetTriangle& t = triangles_[at(triangle)];
+  if (t.is_fixed) return;
+  set_rigid(triangle, fit_rigid({vertices_[at(t.vertex[0])].point, vertices_[at(t.vertex[1])].point,
+                                 vertices_[at(t.vertex[2])].point}));
+}
+
+void LatticeNet::set_rigid(int triangle, const Triangle& corners) {
   touch(triangle);
   NetTriangle& t = triangles_[at(triangle)];
-  t.rigid =
-      fit_rigid({vertices_[at(t.vertex[0])].point, vertices_[at(t.vertex[1])].point, vertices_[at(t.vertex[2])].point});
+  t.rigid = corners;
   t.center = (t.rigid[0] + t.rigid[1] + t.rigid[2]) / 3.0;
   t.normal = (t.rigid[1] - t.rigid[0]).cross(t.rigid[2] - t.rigid[0]) / (kSide_mm * kHeight_mm);
   centers_[at(triangle)] = t.center;

@@ -24,6 +24,7 @@ struct NetVertex {
   std::array<int, 6> triangles{};
   int valence = 0;
   bool used = false;
+  bool is_fixed = false;  ///< a corner of a fixed triangle: it does not move
   bool on_border = false;
   Vec3 outward = Vec3::Zero();  ///< direction in which the border was last run over
 };
@@ -34,7 +35,8 @@ struct NetTriangle {
   Tile tile;
   int island = -1;  ///< -1: unused
   double corner_cut_mm = 0.0;
-  Triangle rigid;  ///< corners of the whole triangle
+  bool is_fixed = false;  ///< the module stays as it was given (pin)
+  Triangle rigid;         ///< corners of the whole triangle
   Vec3 center = Vec3::Zero(), normal = Vec3::UnitZ();
 };
 
@@ -85,10 +87,12 @@ class LatticeNet {
 
   int add_vertex(const Vec3& point, const Vec3& normal, int i, int j);
   int add_triangle(int island, const Tile& tile, const std::array<int, 3>& vertex);
+  /// Makes a triangle that was just added a module that never moves, with these corners, and its vertices too.
+  void pin(int triangle, const Triangle& corners);
   void remove_triangle(int triangle);
   /// Removes a triangle that was just added: its island hangs together without it.
   void take_back(int triangle);
-  /// Fits the rigid module of a triangle to its vertices.
+  /// Fits the rigid module of a triangle to its vertices; a fixed one stays.
   void fit(int triangle);
   /// After changes: parts that hang together only at a corner, or not at all, get corners and islands of their own.
   /// Cost: what was added and removed since the last call; where an island falls apart, its smaller parts.
@@ -107,6 +111,7 @@ class LatticeNet {
 
  private:
   void touch(int triangle);
+  void set_rigid(int triangle, const Triangle& corners);
   void index(int triangle);
   void remove_from_index(int triangle);
   void mark_changed(int triangle);

@@ -114,6 +114,7 @@ void LatticeNet::split_fans(int vertex) {
     NetVertex copy = vertices_[at(vertex)];
     copy.valence = static_cast<int>(fan.size());
     std::ranges::copy(fan, copy.triangles.begin());
+    copy.is_fixed = std::ranges::any_of(fan, [&](int t) { return triangles_[at(t)].is_fixed; });
     if (first) {
       edit_vertex(vertex) = copy;
     } else {

@@ -27,7 +27,7 @@ constexpr double kLongest_mm = 5.0;    // of one step
 
 bool Relaxer::relax(LatticeNet& net, int triangle, double radius_mm, int steps) {
   overhang_mm_ = design::cut_height_mm(net.corner_cut_mm());
-  choose(net, net.triangles()[at(triangle)].center, radius_mm);
+  choose(net, triangle, radius_mm);
   find_pairs(net);
   bool hope = true;
   for (int k = 0; k < steps && hope; ++k) {
@@ -46,7 +46,8 @@ bool Relaxer::overlaps(const LatticeNet& net, int triangle, double depth_mm) {
   });
 }
 
-void Relaxer::choose(const LatticeNet& net, const Vec3& place, double radius_mm) {
+void Relaxer::choose(const LatticeNet& net, int triangle, double radius_mm) {
+  const Vec3 place = net.triangles()[at(triangle)].center;
   for (const Moving& m : moving_) local_[at(m.vertex)] = -1;
   for (const int t : triangles_) is_local_[at(t)] = 0;
   local_.resize(std::max(local_.size(), net.vertices().size()), -1);
@@ -54,12 +55,14 @@ void Relaxer::choose(const LatticeNet& net, const Vec3& place, double radius_mm)
   moving_.clear();
   triangles_.clear();
   near_.clear();
+  is_local_[at(triangle)] = 1;  // also one between fixed modules, which has no corner to move
   net.near(place, radius_mm + 2.0 * kReach_mm + kPair_mm, near_);
   Vec3 low = place, high = place;
   for (const int t : near_) {
     for (const int v : net.triangles()[at(t)].vertex) {
       const NetVertex& w = net.vertices()[at(v)];
       const bool is_moving = local_[at(v)] >= 0;
+      if (!is_moving && w.is_fixed) continue;
       if (!is_moving && (w.point - place).squaredNorm() > radius_mm * radius_mm) continue;
       if (!is_moving) {
         local_[at(v)] = 0;
@@ -202,6 +205,7 @@ void Relaxer::solve() {
 }
 
 double Relaxer::step(LatticeNet& net) {
+  if (moving_.empty()) return 0.0;
   for (Moving& m : moving_) {
     m.x = net.vertices()[at(m.vertex)].normal.unitOrthogonal();
     m.y = net.vertices()[at(m.vertex)].normal.cross(m.x);

@@ -38,7 +38,7 @@ class Relaxer {
     std::array<int, 2> local;  // moving vertices, −1: fixed; the first is never −1
     std::array<std::array<double, 2>, 2> gradient;
   };
-  void choose(const LatticeNet& net, const Vec3& place, double radius_mm);
+  void choose(const LatticeNet& net, int triangle, double radius_mm);
   void find_pairs(const LatticeNet& net);
   [[nodiscard]] bool overlaps(const LatticeNet& net, int triangle, double depth_mm);
   double step(LatticeNet& net);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <vector>
 
 #include "triskin/geometry/design_types.hpp"
 #include "triskin/geometry/surface.hpp"
@@ -26,6 +27,9 @@ struct SurfaceLatticeOptions {
                                 ///< and border are then those of what is left
   const SurfaceRegions* regions = nullptr;  ///< of this surface, not owned: worth of places, what stays free, what must
                                             ///< be covered; none: every place is worth 1 module
+  /// Modules that stay exactly where they are, with the joints among them: the first modules of every layout, in this
+  /// order. They must keep the limits and have the corner cut of the others.
+  std::vector<PlacedModule> kept;
 };
 
 /// Grows the isometric lattice directly on the surface (docs/surface_lattice.md): triangles are added edge by edge,

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "design_edit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+
+#include "triskin/host/error.hpp"
+#include "triskin/pipeline/edit_design.hpp"
+
+namespace triskin::cli {
+namespace {
+
+constexpr int kMostId = 9'999'999;
+
+std::vector<std::string> parts_of(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+[[noreturn]] void refuse(const std::string& option, const std::string& part, const std::string& remedy) {
+  throw InputError(fmt::format("{}: \"{}\" is not understood; {}", option, part, remedy));
+}
+
+// Whole number in [low, high]; nothing else in the text.
+bool read_whole(const std::string& text, int low, int high, int& value) {
+  std::istringstream in(text);
+  return !text.empty() && text.find_first_not_of("-0123456789") == std::string::npos && (in >> value) && in.eof() &&
+         value >= low && value <= high;
+}
+
+// "3,7-9" → 3, 7, 8, 9.
+std::vector<int> ids_of(const std::string& option, const std::string& text) {
+  std::vector<int> ids;
+  for (const std::string& part : parts_of(text, ',')) {
+    const std::size_t dash = part.find('-');
+    int first = 0, last = 0;
+    const bool is_read = dash == std::string::npos ? read_whole(part, 0, kMostId, first)
+                                                   : read_whole(part.substr(0, dash), 0, kMostId, first) &&
+                                                         read_whole(part.substr(dash + 1), first, kMostId, last);
+    if (!is_read) refuse(option, part, "give module ids and ranges of them, as 3,7-9");
+    for (int id = first; id <= std::max(first, last); ++id) ids.push_back(id);
+  }
+  return ids;
+}
+
+// "MODULE.SIDE" or "ISLAND:I/J/up".
+pipeline::NewPlace place_of(const std::string& part) {
+  const char* remedy = "give MODULE.SIDE (side 0 … 2) or ISLAND:I/J/up or ISLAND:I/J/down";
+  if (const std::size_t colon = part.find(':'); colon != std::string::npos) {
+    const std::vector<std::string> tile = parts_of(part.substr(colon + 1), '/');
+    pipeline::TileOfIsland place;
+    if (tile.size() != 3 || !read_whole(part.substr(0, colon), 0, kMostId, place.island) ||
+        !read_whole(tile[0], -design::kMaxLattice, design::kMaxLattice, place.tile.i) ||
+        !read_whole(tile[1], -design::kMaxLattice, design::kMaxLattice, place.tile.j) ||
+        (tile[2] != "up" && tile[2] != "down"))
+      refuse("--add", part, remedy);
+    place.tile.up = tile[2] == "up";
+    return place;
+  }
+  pipeline::BesideModule place;
+  const std::vector<std::string> side = parts_of(part, '.');
+  if (side.size() != 2 || !read_whole(side[0], 0, kMostId, place.module) || !read_whole(side[1], 0, 2, place.side))
+    refuse("--add", part, remedy);
+  return place;
+}
+
+// "x", "y", "z", or "NX,NY,NZ[,D]" with a normal of any length and D in mm along it.
+design::MirrorPlane plane_of(const std::string& text) {
+  if (text == "x") return {design::Vec3::UnitX(), 0.0};
+  if (text == "y") return {design::Vec3::UnitY(), 0.0};
+  if (text == "z") return {design::Vec3::UnitZ(), 0.0};
+  std::array<double, 4> value{};
+  const std::vector<std::string> parts = parts_of(text, ',');
+  bool is_read = parts.size() == 3 || parts.size() == 4;
+  for (std::size_t k = 0; is_read && k < parts.size(); ++k) {
+    std::istringstream in(parts[k]);
+    is_read = (in >> value[k]) && in.eof() && std::isfinite(value[k]);
+  }
+  const design::Vec3 normal(value[0], value[1], value[2]);
+  if (!is_read || !(normal.norm() > 1e-9))
+    refuse("--mirror", text, "give x, y or z, or a plane NX,NY,NZ,D: normal, and distance from the origin in mm");
+  return {normal.normalized(), value[3]};
+}
+
+pipeline::EditedDesign edited(const design::Design& design, const EditOptions& options,
+                              const pipeline::DesignOptions& effort, const ProgressSink& progress) {
+  if (!options.mirror.empty()) return pipeline::mirror_design(design, plane_of(options.mirror), progress);
+  if (!options.keep.empty())
+    return pipeline::grow_around(design, ids_of("--keep", options.keep),
+                                 {effort.time_limit_s, effort.iterations, effort.threads}, progress);
+  pipeline::LayoutEdit edit;
+  edit.remove = ids_of("--remove", options.remove);
+  for (const std::string& part : parts_of(options.add, ',')) edit.add.push_back(place_of(part));
+  return pipeline::edit_design(design, edit, progress);
+}
+
+void report_changes(const pipeline::EditedDesign& e, Output& output) {
+  const auto removed = std::ranges::count(e.new_id, -1);
+  int renumbered = 0;
+  for (std::size_t id = 0; id < e.new_id.size(); ++id)
+    renumbered += e.new_id[id] >= 0 && e.new_id[id] != static_cast<int>(id) ? 1 : 0;
+  output.result["map"] = e.new_id;
+  output.result["added"] = e.added;
+  output.result["removed"] = removed;
+  output.result["renumbered"] = renumbered;
+  std::string added;
+  for (const int id : e.added) added += fmt::format(" {}", id);
+  output.say(fmt::format("{} modules stand where they stood, {} of them with a new number; {} gone; {} new{}{}",
+                         static_cast<std::ptrdiff_t>(e.new_id.size()) - removed, renumbered, removed, e.added.size(),
+                         e.added.empty() ? "" : ":", added));
+}
+
+int report_design(const design::Design& d, Output& output) {
+  output.result.update({{"modules", d.layout.modules.size()},
+                        {"islands", d.layout.islands},
+                        {"patches", d.patches.size()},
+                        {"patches_lower_bound", d.report.patches_lower_bound},
+                        {"jumpers", d.layout.jumpers.size()},
+                        {"jumpers_lower_bound", d.report.jumpers_lower_bound},
+                        {"coverage", d.report.coverage},
+                        {"seconds", d.report.seconds}});
+  output.say(fmt::format("{} modules in {} islands, {} controllers, {} jumpers, coverage {:.1f} %",
+                         d.layout.modules.size(), d.layout.islands, d.patches.size(), d.layout.jumpers.size(),
+                         100.0 * d.report.coverage));
+  const bool is_covered = report_regions(d, output);
+  report_alternatives(d, output);
+  return is_covered ? 0 : 1;
+}
+
+}  // namespace
+
+void EditOptions::add_to(CLI::App& app) {
+  auto* take_option =
+      app.add_option("--take", take, "MESH is a design: take its alternative of this number, without a search")
+          ->check(CLI::Range(0, 1000));
+  auto* remove_option = app.add_option("--remove", remove, "MESH is a design: take these modules away, as 3,7-9");
+  auto* add_option = app.add_option(
+      "--add", add, "MESH is a design: a module at each of these free sides (MODULE.SIDE) or tiles (ISLAND:I/J/up)");
+  auto* keep_option = app.add_option(
+      "--keep", keep, "MESH is a design: these modules (as 0-40,52) stay exactly where they are, the rest is searched");
+  auto* mirror_option = app.add_option(
+      "--mirror", mirror, "MESH is a design: its mirror image at the plane x = 0 (x, y, z) or at NX,NY,NZ,D");
+  for (CLI::Option* a : {remove_option, add_option}) {
+    for (CLI::Option* b : {take_option, keep_option, mirror_option}) a->excludes(b);
+  }
+  take_option->excludes(keep_option)->excludes(mirror_option);
+  keep_option->excludes(mirror_option);
+}
+
+bool EditOptions::wanted() const {
+  return take >= 0 || !(remove.empty() && add.empty() && keep.empty() && mirror.empty());
+}
+
+void EditOptions::require_fitting(const CLI::App& app) const {
+  if (!wanted()) return;
+  std::vector<std::string> allowed{"--output", "--take", "--remove", "--add", "--keep", "--mirror", "--json"};
+  if (!keep.empty()) allowed.insert(allowed.end(), {"--time-limit-s", "--threads", "--iterations"});
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0 || option->get_lnames().empty()) continue;
+    const std::string name = "--" + option->get_lnames().front();
+    if (std::ranges::find(allowed, name) == allowed.end())
+      throw InputError(fmt::format("{} has no effect on a design that is there already; leave it out", name));
+  }
+}
+
+bool report_regions(const design::Design& d, Output& output) {
+  if (d.regions.empty()) return true;
+  output.result["worth"] = d.report.worth;
+  output.result["uncovered"] = nlohmann::json::array();
+  output.say(fmt::format("{} regions: the modules are worth {:.2f}", d.regions.list.size(), d.report.worth));
+  for (const design::Uncovered& u : d.report.uncovered) {
+    const auto& p = u.place_mm;
+    const std::string why = u.why == "room" ? "a module fits there, but not beside the others" : u.why + " refuses any";
+    output.result["uncovered"].push_back(
+        {{"region", u.region}, {"share", u.share}, {"place_mm", {p.x(), p.y(), p.z()}}, {"why", u.why}});
+    output.say(
+        fmt::format("  region \"{}\" must be covered, {:.1f} % of it is not: farthest from a module is "
+                    "({:.1f}, {:.1f}, {:.1f}); {}",
+                    u.region, 100.0 * u.share, p.x(), p.y(), p.z(), why));
+  }
+  return d.report.uncovered.empty();
+}
+
+void report_alternatives(const design::Design& d, Output& output) {
+  output.result["price"] =
+      d.price.of(static_cast<int>(d.patches.size()), static_cast<int>(d.layout.jumpers.size()), d.layout.islands);
+  output.result["taken"] = d.taken;
+  output.result["alternatives"] = nlohmann::json::array();
+  for (std::size_t k = 0; k < d.alternatives.size(); ++k) {
+    const design::Alternative& a = d.alternatives[k];
+    const std::size_t n = a.layout.modules.size();
+    output.result["alternatives"].push_back({{"modules", n},
+                                             {"patches", a.patches},
+                                             {"jumpers", a.jumpers},
+                                             {"islands", a.layout.islands},
+                                             {"price", a.price},
+                                             {"worth", a.worth}});
+    output.say(
+        fmt::format("{} alternative {}: {} modules, {} controllers, {} jumpers, {} islands: price {:.2f}, value {:.2f}",
+                    static_cast<int>(k) == d.taken ? "*" : " ", k, n, a.patches, a.jumpers, a.layout.islands, a.price,
+                    a.worth - a.price));
+  }
+}
+
+int edit(const std::string& from, const std::string& to, const EditOptions& options,
+         const pipeline::DesignOptions& effort, Output& output) {
+  const design::Design before = design::read_design(from);
+  output.result = nlohmann::json::object();
+  if (options.take >= 0) {
+    const design::Design d = pipeline::take_alternative(before, options.take, output.progress());
+    design::write_design(to, d);
+    const int status = report_design(d, output);
+    output.say(fmt::format("design {:016x} written to {}", d.design_id, to));
+    return status;
+  }
+  const pipeline::EditedDesign e = edited(before, options, effort, output.progress());
+  design::write_design(to, e.design);
+  report_changes(e, output);
+  const int status = report_design(e.design, output);
+  output.say(fmt::format("design {:016x} written to {}", e.design.design_id, to));
+  return status;
+}
+
+}  // namespace triskin::cli

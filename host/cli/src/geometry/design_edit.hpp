@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "triskin/cli/command.hpp"
+#include "triskin/pipeline/make_design.hpp"
+
+namespace triskin::cli {
+
+/// Options of `triskin design` that make a design of a design.
+struct EditOptions {
+  int take = -1;
+  std::string remove, add, keep, mirror;
+
+  void add_to(CLI::App& app);
+  [[nodiscard]] bool wanted() const;
+  /// Throws InputError for options beside these that would have no effect: limits and price are those of the design.
+  void require_fitting(const CLI::App& app) const;
+};
+
+/// Makes the design `to` of the design `from`. `effort`: of --keep. Returns the exit status.
+int edit(const std::string& from, const std::string& to, const EditOptions& options,
+         const pipeline::DesignOptions& effort, Output& output);
+
+/// What the regions got. False: a place that must be covered is not.
+bool report_regions(const design::Design& design, Output& output);
+
+/// Modules against price, the layout that is taken marked.
+void report_alternatives(const design::Design& design, Output& output);
+
+}  // namespace triskin::cli

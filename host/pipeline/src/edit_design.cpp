@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/pipeline/edit_design.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <optional>
+
+#include "choose_layout.hpp"
+#include "seconds_since.hpp"
+#include "triskin/geometry/add_module.hpp"
+#include "triskin/geometry/jumpers.hpp"
+#include "triskin/geometry/map_modules.hpp"
+#include "triskin/geometry/surface_lattice.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/pipeline/make_design.hpp"
+#include "wire_design.hpp"
+
+namespace triskin::pipeline {
+namespace {
+
+constexpr std::string_view kMirroredSuffix = "_mirrored";
+
+void require_module(const design::Design& d, int id) {
+  const auto count = static_cast<int>(d.layout.modules.size());
+  if (id < 0 || id >= count)
+    throw InputError(fmt::format("module {} is not there; the design has 0 … {}", id, count - 1));
+}
+
+// Measures the layout and makes jumpers, controllers, wiring and report.
+void finish(design::Design& d, const geometry::Surface& surface, Clock::time_point start,
+            const ProgressSink& progress) {
+  const auto regions = regions_of(surface, d);
+  const geometry::SurfaceRegions* const known = regions ? &*regions : nullptr;
+  geometry::measure(surface, d.layout, known);
+  wire(d, surface, known, geometry::find_jumpers(surface, d.layout, d.limits), progress);
+  d.report.seconds = seconds_since(start);
+}
+
+// `new_id` by old id; −1: the module goes. Those that stay keep their order.
+void keep_only(design::ModuleLayout& layout, const std::vector<int>& new_id) {
+  std::vector<design::PlacedModule> kept;
+  for (std::size_t k = 0; k < new_id.size(); ++k) {
+    if (new_id[k] < 0) continue;
+    design::PlacedModule m = layout.modules[k];
+    for (int& n : m.neighbour) n = n < 0 ? -1 : new_id[static_cast<std::size_t>(n)];
+    kept.push_back(m);
+  }
+  layout.modules = std::move(kept);
+}
+
+std::vector<int> numbers_without(std::size_t count, const std::vector<int>& removed) {
+  std::vector<int> number(count, 0);
+  for (const int id : removed) number[static_cast<std::size_t>(id)] = -1;
+  int next = 0;
+  for (int& n : number) {
+    if (n == 0) n = next++;
+  }
+  return number;
+}
+
+// Islands by what hangs together, as their first modules come.
+void number_islands_anew(design::ModuleLayout& layout) {
+  for (design::PlacedModule& m : layout.modules) m.island = -1;
+  layout.islands = 0;
+  for (std::size_t first = 0; first < layout.modules.size(); ++first) {
+    if (layout.modules[first].island >= 0) continue;
+    std::vector<std::size_t> reached{first};
+    layout.modules[first].island = layout.islands;
+    for (std::size_t k = 0; k < reached.size(); ++k) {
+      for (const int n : layout.modules[reached[k]].neighbour) {
+        if (n < 0 || layout.modules[static_cast<std::size_t>(n)].island >= 0) continue;
+        layout.modules[static_cast<std::size_t>(n)].island = layout.islands;
+        reached.push_back(static_cast<std::size_t>(n));
+      }
+    }
+    ++layout.islands;
+  }
+}
+
+// The module and side that a place hangs on, in a layout whose islands still have their old numbers.
+BesideModule resolved(const NewPlace& place, const design::ModuleLayout& layout, const std::vector<int>& new_id) {
+  if (const auto* beside = std::get_if<BesideModule>(&place)) {
+    const int id = new_id.at(static_cast<std::size_t>(beside->module));
+    if (id < 0) throw InputError(fmt::format("module {} is removed; nothing can be added beside it", beside->module));
+    return {id, beside->side};
+  }
+  const auto& [island, tile] = std::get<TileOfIsland>(place);
+  for (std::size_t k = 0; k < layout.modules.size(); ++k) {
+    const design::PlacedModule& m = layout.modules[k];
+    for (int s = 0; m.island == island && s < 3; ++s) {
+      if (design::across(m.tile, s).tile == tile && m.neighbour[static_cast<std::size_t>(s)] < 0)
+        return {static_cast<int>(k), s};
+    }
+  }
+  throw InputError(fmt::format("island {}: tile {}/{}/{} lies beside no free side of a module of the island", island,
+                               tile.i, tile.j, tile.up ? "up" : "down"));
+}
+
+std::string text_of(const NewPlace& place) {
+  if (const auto* beside = std::get_if<BesideModule>(&place))
+    return fmt::format("side {} of module {}", beside->side, beside->module);
+  const auto& [island, tile] = std::get<TileOfIsland>(place);
+  return fmt::format("tile {}/{}/{} of island {}", tile.i, tile.j, tile.up ? "up" : "down", island);
+}
+
+// "overrun_mm 4.90 (0.49 is allowed), …", modules by their old ids.
+std::string text_of(const std::vector<geometry::BrokenLimit>& broken, const std::vector<int>& new_id) {
+  std::string text;
+  for (const geometry::BrokenLimit& b : broken) {
+    const auto old = std::ranges::find(new_id, b.other);
+    const std::string with = b.other < 0           ? ""
+                             : old == new_id.end() ? " with a module that was just added"
+                                                   : fmt::format(" with module {}", old - new_id.begin());
+    text += fmt::format("{}{} {:.2f}{} ({:.2f} is allowed)", text.empty() ? "" : ", ", b.limit, b.measured, with,
+                        b.allowed);
+  }
+  return text;
+}
+
+void add_one(const NewPlace& place, const geometry::Surface& surface, EditedDesign& result) {
+  design::Design& d = result.design;
+  const BesideModule at = resolved(place, d.layout, result.new_id);
+  const auto broken = geometry::add_module(surface, d.limits, d.layout, at.module, at.side);
+  if (!broken.empty()) {
+    throw InputError(fmt::format("no module can stand at {}, nor moved a little: there it breaks {}", text_of(place),
+                                 text_of(broken, result.new_id)));
+  }
+  result.added.push_back(static_cast<int>(d.layout.modules.size()) - 1);
+}
+
+EditedDesign unchanged(const design::Design& design) {
+  EditedDesign result{design, std::vector<int>(design.layout.modules.size()), {}};
+  std::iota(result.new_id.begin(), result.new_id.end(), 0);
+  return result;
+}
+
+// The layouts of the search and that of the design, best first.
+std::vector<WiredLayout> choices_around(const design::Design& d, const geometry::Surface& surface,
+                                        const std::vector<design::PlacedModule>& kept, const GrowAroundOptions& options,
+                                        Clock::time_point start, const ProgressSink& progress) {
+  const geometry::RoutingOptions routing = routing_options(d);
+  const auto of_surface = regions_of(surface, d);
+  const geometry::SurfaceRegions* const regions = of_surface ? &*of_surface : nullptr;
+  std::vector<WiredLayout> choices{priced(surface, d.layout, d.limits, routing, regions)};
+  const double pricing_s = seconds_since(start);
+  geometry::SurfaceLatticeOptions lattice;
+  lattice.seed = d.seed;
+  lattice.iterations = options.iterations;
+  lattice.threads = options.threads;
+  lattice.price = d.price;
+  lattice.corner_cut_mm = d.layout.corner_cut_mm;
+  lattice.kept = kept;
+  lattice.regions = regions;
+  constexpr double kWiring = 3.0;  // pricings that the layouts and the wiring take after the growth
+  lattice.time_limit_s = std::max(0.5 * options.time_limit_s, options.time_limit_s - kWiring * pricing_s);
+  std::vector<design::ModuleLayout> grown = geometry::grow_front(surface, d.limits, lattice, progress);
+  report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));
+  const auto is_late = [&] {
+    return options.iterations == 0 && seconds_since(start) > options.time_limit_s - 2 * pricing_s;
+  };
+  std::ranges::move(priced(surface, std::move(grown), d.limits, routing, regions, options.threads, is_late),
+                    std::back_inserter(choices));
+  return choices;
+}
+
+}  // namespace
+
+design::Design take_alternative(const design::Design& design, int index, const ProgressSink& progress) {
+  const auto start = Clock::now();
+  if (index < 0 || index >= static_cast<int>(design.alternatives.size())) {
+    throw InputError(
+        design.alternatives.empty()
+            ? std::string("the design has no alternatives; make it again with triskin design")
+            : fmt::format("alternative {} is not there; 0 … {} are", index, design.alternatives.size() - 1));
+  }
+  design::Design taken = design;
+  const geometry::Surface surface(taken.surface);
+  taken.layout = taken.alternatives[static_cast<std::size_t>(index)].layout;
+  taken.taken = index;
+  finish(taken, surface, start, progress);
+  return taken;
+}
+
+EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit, const ProgressSink& progress) {
+  const auto start = Clock::now();
+  for (const int id : edit.remove) require_module(design, id);
+  for (const NewPlace& place : edit.add) {
+    if (const auto* beside = std::get_if<BesideModule>(&place)) require_module(design, beside->module);
+  }
+  EditedDesign result{design, numbers_without(design.layout.modules.size(), edit.remove), {}};
+  design::Design& d = result.design;
+  const geometry::Surface surface(d.surface);
+  keep_only(d.layout, result.new_id);
+  d.layout.jumpers.clear();
+  d.layout.refused.clear();
+  d.taken = -1;
+  for (const NewPlace& place : edit.add) add_one(place, surface, result);
+  if (d.layout.modules.empty()) throw InputError("no module would be left; a design needs one");
+  number_islands_anew(d.layout);
+  finish(d, surface, start, progress);
+  return result;
+}
+
+EditedDesign grow_around(const design::Design& design, const std::vector<int>& kept, const GrowAroundOptions& options,
+                         const ProgressSink& progress) {
+  const auto start = Clock::now();
+  if (!(options.time_limit_s > 0.0)) throw InputError("the time limit must be positive");
+  for (const int id : kept) require_module(design, id);
+  std::vector<int> others;
+  for (int id = 0; id < static_cast<int>(design.layout.modules.size()); ++id) {
+    if (std::ranges::find(kept, id) == kept.end()) others.push_back(id);
+  }
+  EditedDesign result{design, numbers_without(design.layout.modules.size(), others), {}};
+  design::Design& d = result.design;
+  const geometry::Surface surface(d.surface);
+  design::ModuleLayout fixed = d.layout;
+  keep_only(fixed, result.new_id);
+  d.layout.jumpers.clear();
+  std::vector<WiredLayout> choices = choices_around(d, surface, fixed.modules, options, start, progress);
+  const auto best = std::ranges::max_element(choices, std::less{}, &WiredLayout::value);
+  const std::size_t count = best->layout.modules.size();
+  d.alternatives = front_of(choices);
+  const auto same = std::ranges::find(d.alternatives, count, [](const auto& a) { return a.layout.modules.size(); });
+  d.taken = same == d.alternatives.end() ? -1 : static_cast<int>(same - d.alternatives.begin());
+  if (best == choices.begin()) {
+    result.new_id = unchanged(design).new_id;
+  } else {
+    for (std::size_t id = fixed.modules.size(); id < count; ++id) result.added.push_back(static_cast<int>(id));
+  }
+  d.layout = best->layout;
+  finish(d, surface, start, progress);
+  return result;
+}
+
+EditedDesign mirror_design(const design::Design& design, const design::MirrorPlane& plane,
+                           const ProgressSink& progress) {
+  const auto start = Clock::now();
+  EditedDesign result = unchanged(design);
+  design::Design& d = result.design;
+  if (d.name.ends_with(kMirroredSuffix))
+    d.name.resize(d.name.size() - kMirroredSuffix.size());
+  else
+    d.name += kMirroredSuffix;
+  d.surface = design::mirrored(d.surface, plane);
+  for (design::PlacedPiece& piece : d.pieces) piece = design::turned_over(std::move(piece));
+  d.layout = design::mirrored(d.layout, plane);
+  for (design::Alternative& a : d.alternatives) a.layout = design::mirrored(a.layout, plane);
+  d.regions = design::mirrored(d.regions, plane);
+  finish(d, geometry::Surface(d.surface), start, progress);
+  return result;
+}
+
+}  // namespace triskin::pipeline

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "wire_design.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "triskin/design/module_graph.hpp"
+#include "triskin/design/outline.hpp"
+#include "triskin/geometry/surface_lattice.hpp"
+
+namespace triskin::pipeline {
+namespace {
+
+void fill_report(design::Design& design, const geometry::Surface& surface) {
+  design::Design::Report& r = design.report;
+  r.area_cm2 = surface.area_mm2() / 100.0;
+  const double cut_mm2 = design::module_area_mm2(design.layout.corner_cut_mm);
+  r.upper_bound = static_cast<int>(std::floor(surface.area_mm2() / cut_mm2));
+  r.coverage = static_cast<double>(design.layout.modules.size()) * design::kModuleArea_mm2 / surface.area_mm2();
+  r.coverage_cut = static_cast<double>(design.layout.modules.size()) * cut_mm2 / surface.area_mm2();
+  for (const design::PlacedModule& m : design.layout.modules) {
+    r.max_edge_error_mm = std::max(r.max_edge_error_mm, m.edge_error_mm);
+    r.max_center_gap_mm = std::max(r.max_center_gap_mm, m.center_gap_mm);
+    r.max_edge_lift_mm = std::max(r.max_edge_lift_mm, m.edge_lift_mm);
+    r.max_edge_depth_mm = std::max(r.max_edge_depth_mm, m.edge_depth_mm);
+    for (const double gap : m.hinge_gap_mm) r.max_hinge_gap_mm = std::max(r.max_hinge_gap_mm, gap);
+  }
+}
+
+void report_regions(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions) {
+  design.report.worth = static_cast<double>(design.layout.modules.size());
+  if (regions == nullptr) return;
+  design.report.worth = 0.0;
+  for (const design::PlacedModule& m : design.layout.modules)
+    design.report.worth += regions->weight_at((m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0);
+  design.report.uncovered = regions->uncovered(design.layout);
+  geometry::SurfaceLatticeOptions lattice;
+  lattice.corner_cut_mm = design.layout.corner_cut_mm;
+  lattice.regions = regions;
+  for (design::Uncovered& u : design.report.uncovered) {
+    const auto region = std::ranges::find(design.regions.list, u.region, &design::Region::name);
+    u.why = geometry::why_uncovered(surface, design.limits, lattice, u.place_mm, region->within_mm);
+  }
+}
+
+}  // namespace
+
+std::optional<geometry::SurfaceRegions> regions_of(const geometry::Surface& surface, const design::Design& design) {
+  if (design.regions.empty()) return std::nullopt;
+  return std::make_optional<geometry::SurfaceRegions>(surface, design.regions);
+}
+
+geometry::RoutingOptions routing_options(const design::Design& design) {
+  geometry::RoutingOptions routing;
+  routing.seed = design.seed;
+  routing.price = design.price;
+  return routing;
+}
+
+void wire(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions,
+          const std::vector<design::Jumper>& places, const ProgressSink& progress) {
+  geometry::RoutingResult routes =
+      geometry::route(design::graph_of(design.layout), places, routing_options(design), progress);
+  design.layout.jumpers = std::move(routes.jumpers);
+  design.patches = std::move(routes.patches);
+  design.report = {};
+  fill_report(design, surface);
+  report_regions(design, surface, regions);
+  design.report.patches_lower_bound = routes.lower_bound;
+  design.report.jumpers_lower_bound = routes.jumpers_lower_bound;
+  design.design_id = design::design_id_of(design);
+}
+
+}  // namespace triskin::pipeline

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/geometry/routing.hpp"
+#include "triskin/geometry/surface.hpp"
+#include "triskin/geometry/surface_regions.hpp"
+#include "triskin/host/progress.hpp"
+
+namespace triskin::pipeline {
+
+/// Seed and price of a design for the router.
+[[nodiscard]] geometry::RoutingOptions routing_options(const design::Design& design);
+
+/// The regions of a design on its surface; nothing without regions. Cost: linear in the faces.
+[[nodiscard]] std::optional<geometry::SurfaceRegions> regions_of(const geometry::Surface& surface,
+                                                                 const design::Design& design);
+
+/// Gives the layout of a design, whose modules are measured, controllers, jumpers (at some of `places`), report and id.
+/// `regions` of the surface, or null.
+void wire(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions,
+          const std::vector<design::Jumper>& places, const ProgressSink& progress);
+
+}  // namespace triskin::pipeline

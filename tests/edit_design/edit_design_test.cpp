@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Modules removed, added, kept and mirrored: the rest stays, and the result keeps every rule.
+#include "triskin/pipeline/edit_design.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <numeric>
+#include <set>
+
+#include "support/covers.hpp"
+#include "support/flat_design.hpp"
+#include "triskin/check/design_rules.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/pipeline/make_design.hpp"
+
+namespace triskin::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using design::Design;
+using design::kHeight_mm;
+using design::Tile;
+using design::Vec3;
+
+// Rules that a design breaks, by what `triskin check` says.
+std::vector<std::string> broken_by(const Design& d) {
+  const fs::path file = fs::temp_directory_path() / ("edit_design." + std::to_string(::getpid()) + ".json");
+  design::write_design(file, d);
+  std::vector<std::string> broken;
+  for (const check::Violation& v : check::check_design(file).violations)
+    broken.push_back(v.rule + ": " + v.where + ": " + v.text);
+  fs::remove(file);
+  return broken;
+}
+using Nothing = std::vector<std::string>;
+
+void expect_where_they_stood(const Design& before, const EditedDesign& e) {
+  ASSERT_EQ(e.new_id.size(), before.layout.modules.size());
+  std::set<int> ids(e.added.begin(), e.added.end());
+  for (std::size_t id = 0; id < e.new_id.size(); ++id) {
+    if (e.new_id[id] < 0) continue;
+    EXPECT_TRUE(ids.insert(e.new_id[id]).second) << id;
+    const auto& now = e.design.layout.modules.at(static_cast<std::size_t>(e.new_id[id]));
+    EXPECT_EQ(now.corner_mm, before.layout.modules[id].corner_mm) << id;
+    EXPECT_EQ(now.tile, before.layout.modules[id].tile) << id;
+  }
+  EXPECT_EQ(ids.size(), e.design.layout.modules.size());
+}
+
+// Five of the six triangles round the lattice point (1, 1), which lies at (45, h), on a plate: 4 is missing. Tiles
+// counter-clockwise from the right; the plate ends 1 mm beside them.
+const std::vector<Tile> kRing{{1, 1, true}, {0, 1, false}, {0, 1, true}, {0, 0, false}, {1, 0, true}, {1, 0, false}};
+constexpr std::size_t kMissing = 4;
+
+Design ring() {
+  Design d = test::flat_design("ring", {14, -1}, {76, 2 * kHeight_mm + 1});
+  std::vector<Tile> tiles = kRing;
+  tiles.erase(tiles.begin() + kMissing);
+  std::map<Tile, int> number;
+  for (const Tile& t : tiles) number.emplace(t, static_cast<int>(number.size()));
+  for (std::size_t k = 0; k < tiles.size(); ++k) number[tiles[k]] = static_cast<int>(k);
+  test::lay_modules(d, tiles, number);
+  return edit_design(d, {}).design;  // measured and wired
+}
+
+std::string error_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return {};
+}
+
+TEST(EditDesign, removes_modules_and_parts_islands) {
+  const Design before = ring();
+  EXPECT_EQ(broken_by(before), Nothing{});
+  ASSERT_EQ(before.layout.modules.size(), 5U);
+  EXPECT_EQ(before.layout.islands, 1);
+  // Modules 0 … 3 hang together in this order, 4 at 0: without 1 and 2, module 3 is alone.
+  const EditedDesign e = edit_design(before, {{2, 1, 2}, {}});
+  EXPECT_EQ(e.new_id, (std::vector{0, -1, -1, 1, 2}));
+  EXPECT_TRUE(e.added.empty());
+  EXPECT_EQ(e.design.layout.islands, 2);
+  EXPECT_EQ(e.design.layout.modules[0].island, 0);
+  EXPECT_EQ(e.design.layout.modules[1].island, 1);
+  EXPECT_EQ(e.design.layout.modules[2].island, 0);
+  expect_where_they_stood(before, e);
+  EXPECT_EQ(broken_by(e.design), Nothing{});
+  EXPECT_NE(e.design.design_id, before.design_id);
+}
+
+TEST(EditDesign, adds_the_module_that_closes_a_ring) {
+  const Design before = ring();
+  // Module 3 is the down tile (0, 0): its side 0 leads to the up tile (1, 0), whose side 1 leads to module 4.
+  for (const NewPlace place : {NewPlace{BesideModule{3, 0}}, NewPlace{TileOfIsland{0, kRing[kMissing]}}}) {
+    const EditedDesign e = edit_design(before, {{}, {place}});
+    ASSERT_EQ(e.added, std::vector{5});
+    const auto& m = e.design.layout.modules[5];
+    EXPECT_EQ(m.tile, kRing[kMissing]);
+    const std::array<Vec3, 3> wanted{Vec3(30, 0, 0), Vec3(60, 0, 0), Vec3(45, kHeight_mm, 0)};
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_LT((m.corner_mm[c] - wanted[c]).norm(), 1e-6) << c;
+    EXPECT_EQ(m.neighbour, (std::array{-1, 4, 3}));
+    expect_where_they_stood(before, e);
+    EXPECT_EQ(broken_by(e.design), Nothing{});
+  }
+}
+
+TEST(EditDesign, a_tile_may_hang_on_one_that_was_just_added) {
+  const Design before = edit_design(ring(), {{2, 3}, {}}).design;  // 0, 1, 2 are left: tiles 0, 1 and 5 of the ring
+  const EditedDesign e =
+      edit_design(before, {{}, {TileOfIsland{0, kRing[2]}, TileOfIsland{0, kRing[3]}, BesideModule{2, 2}}});
+  EXPECT_EQ(e.added, (std::vector{3, 4, 5}));
+  EXPECT_EQ(e.design.layout.islands, 1);
+  EXPECT_EQ(broken_by(e.design), Nothing{});
+}
+
+TEST(EditDesign, names_the_limit_that_forbids_a_module) {
+  const Design d = ring();
+  // Module 0 is the up tile (1, 1): beyond its side 1 the plate ends, 1 mm beside it.
+  const std::string over = error_of([&] { (void)edit_design(d, {{}, {BesideModule{0, 1}}}); });
+  EXPECT_NE(over.find("no module can stand at side 1 of module 0"), std::string::npos) << over;
+  EXPECT_NE(over.find("overrun_mm"), std::string::npos) << over;
+  EXPECT_NE(error_of([&] { (void)edit_design(d, {{}, {BesideModule{3, 1}}}); }).find("module 2 is joined there"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { (void)edit_design(d, {{9}, {}}); }).find("module 9 is not there; the design has 0 … 4"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { (void)edit_design(d, {{3}, {BesideModule{3, 0}}}); }).find("module 3 is removed"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { (void)edit_design(d, {{}, {TileOfIsland{0, {7, 7, true}}}}); }).find("beside no free side"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { (void)edit_design(d, {{0, 1, 2, 3, 4}, {}}); }).find("no module would be left"),
+            std::string::npos);
+  // A slit: the tile across is taken, though nothing is joined there.
+  Design slit = d;
+  slit.layout.modules[0].neighbour[2] = slit.layout.modules[1].neighbour[0] = -1;
+  EXPECT_NE(error_of([&] { (void)edit_design(slit, {{}, {BesideModule{1, 0}}}); }).find("lies at a slit: module 0"),
+            std::string::npos);
+}
+
+// The generated forearm.
+Design curved(int iterations) {
+  geometry::GenerateOptions size;
+  const test::CoverFile file("edit_cover", geometry::generate(*geometry::shape_named("forearm"), size));
+  DesignOptions options;
+  options.iterations = iterations;
+  options.time_limit_s = 300.0;
+  return make_design(file.path(), options);
+}
+
+TEST(EditDesign, what_is_kept_stays_and_the_value_never_falls) {
+  const Design whole = curved(1);
+  const int count = static_cast<int>(whole.layout.modules.size());
+  // A band of it is kept, and what was thinned out is grown anew.
+  std::vector<int> gone;
+  for (int id = 0; id < count; ++id) {
+    if (id % 3 == 0) gone.push_back(id);
+  }
+  const Design before = edit_design(whole, {gone, {}}).design;
+  std::vector<int> kept(before.layout.modules.size() / 2);
+  std::iota(kept.begin(), kept.end(), 0);
+  const GrowAroundOptions effort{300.0, 40, 2};
+  const EditedDesign e = grow_around(before, kept, effort);
+  expect_where_they_stood(before, e);
+  EXPECT_GT(e.design.layout.modules.size(), before.layout.modules.size());
+  for (const int id : kept) {
+    const auto& was = before.layout.modules[static_cast<std::size_t>(id)];
+    const auto& is = e.design.layout.modules.at(static_cast<std::size_t>(e.new_id[static_cast<std::size_t>(id)]));
+    for (std::size_t s = 0; s < 3; ++s) {
+      const int other = was.neighbour[s];
+      if (other >= 0 && other < static_cast<int>(kept.size())) {
+        EXPECT_EQ(is.neighbour[s], e.new_id[static_cast<std::size_t>(other)]);
+      }
+    }
+  }
+  EXPECT_EQ(broken_by(e.design), Nothing{});
+  EXPECT_EQ(grow_around(before, kept, effort).design.design_id, e.design.design_id);
+  const auto value = [](const Design& d) {
+    return static_cast<double>(d.layout.modules.size()) -
+           d.price.of(static_cast<int>(d.patches.size()), static_cast<int>(d.layout.jumpers.size()), d.layout.islands);
+  };
+  EXPECT_GE(value(e.design), value(before));
+  // Where all are kept and nothing fits beside them, the design stays what it was.
+  const EditedDesign again = grow_around(e.design,
+                                         [&] {
+                                           std::vector<int> all(e.design.layout.modules.size());
+                                           std::iota(all.begin(), all.end(), 0);
+                                           return all;
+                                         }(),
+                                         {300.0, 1, 1});
+  expect_where_they_stood(e.design, again);
+  EXPECT_GE(value(again.design), value(e.design) - 1e-9);
+  EXPECT_THROW((void)grow_around(before, {count}, effort), InputError);
+}
+
+// Covers with small effort: whatever is done, the rules hold.
+class Covers : public testing::TestWithParam<test::CoverName> {};
+
+TEST_P(Covers, keep_every_rule_after_each_change) {
+  const auto file = test::cover_file(GetParam());
+  if (!file) GTEST_SKIP() << test::no_data();
+  DesignOptions options;
+  options.iterations = 60;
+  options.time_limit_s = 300.0;
+  const Design d = make_design(file->path(), options);
+  ASSERT_GT(d.layout.modules.size(), 8U);
+
+  const EditedDesign fewer = edit_design(d, {{1, 4, 5}, {}});
+  expect_where_they_stood(d, fewer);
+  EXPECT_EQ(broken_by(fewer.design), Nothing{});
+  int tried = 0, added = 0;
+  for (std::size_t id = 0; id < fewer.design.layout.modules.size() && tried < 12; ++id) {
+    for (int s = 0; s < 3 && tried < 12; ++s) {
+      if (fewer.design.layout.modules[id].neighbour[static_cast<std::size_t>(s)] >= 0) continue;
+      ++tried;
+      EditedDesign more;
+      if (!error_of([&] { more = edit_design(fewer.design, {{}, {BesideModule{static_cast<int>(id), s}}}); }).empty())
+        continue;
+      ++added;
+      expect_where_they_stood(fewer.design, more);
+      EXPECT_EQ(broken_by(more.design), Nothing{}) << id << "." << s;
+    }
+  }
+  EXPECT_GT(added, 0);
+
+  const EditedDesign grown = grow_around(fewer.design, {0, 1, 2, 3, 5, 6}, {300.0, 30, 2});
+  expect_where_they_stood(fewer.design, grown);
+  EXPECT_EQ(broken_by(grown.design), Nothing{});
+
+  const EditedDesign image = mirror_design(d, {Vec3(1, 2, -0.5).normalized(), 30.0});
+  EXPECT_EQ(broken_by(image.design), Nothing{});
+  EXPECT_EQ(image.design.layout.modules.size(), d.layout.modules.size());
+  EXPECT_EQ(image.design.patches.size(), d.patches.size());
+  EXPECT_EQ(image.design.name, d.name + "_mirrored");
+  // Twice at a plane of the axes is the same design, to the last digit of each corner.
+  const design::MirrorPlane y{Vec3::UnitY(), 0.0};
+  const Design twice = mirror_design(mirror_design(d, y).design, y).design;
+  EXPECT_EQ(twice.design_id, d.design_id);
+  EXPECT_EQ(twice.name, d.name);
+  for (std::size_t k = 0; k < d.alternatives.size(); ++k)
+    EXPECT_EQ(broken_by(take_alternative(image.design, static_cast<int>(k))), Nothing{}) << k;
+}
+INSTANTIATE_TEST_SUITE_P(Covers, Covers,
+                         testing::Values(test::CoverName{"forearm"}, test::CoverName{"LH_hipwing_v1"},
+                                         test::CoverName{"RUF_forearm_v2"}),
+                         [](const auto& cover) { return test::case_name(cover.param.name); });
+
+}  // namespace
+}  // namespace triskin::pipeline
