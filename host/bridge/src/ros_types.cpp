@@ -57,7 +57,7 @@ const RosType kRaw{recording::kRawFrameType, "RIHS01_73cb35a97e218354bc1b0cf26b0
 const RosType kLayout{recording::kLayoutType,
                       "RIHS01_864edfff3d05b703e18ceac4fa7e0939d0fa4349b23d6c0fe542bc7dbd4ec0bd"};
 const RosType kContacts{recording::kContactsType,
-                        "RIHS01_d4a0a443415402efaffdcbc65b74dbf3f645a2662db783ab582b4c78bf1e3812"};
+                        "RIHS01_67b6910a494dfaa0a3dfab5eff2f997e49943635ce28ff9077c30982634b878c"};
 const RosType kPoints{recording::kPointCloudType,
                       "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"};
 const RosType kDiagnostics{kDiagnosticsType, "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"};

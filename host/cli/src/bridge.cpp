@@ -80,7 +80,7 @@ class CoverFeed {
     touches_.add(f);
     bridge_.add({f.module, f.link_time_us, f.sample, sampled_ns, f.sampled.error_us});
   }
-  void slice(std::uint64_t now_ns) { bridge_.add_contacts(contacts_of(touches_), now_ns); }
+  void slice(std::uint64_t now_ns) { bridge_.add_contacts(contacts_of(touches_, cover_.design), now_ns); }
   void diagnose(const device::StreamReport& report, std::uint64_t now_ns) {
     bridge_.add_diagnostics(bridge_command::diagnose(report, part_), now_ns);
   }
@@ -243,9 +243,12 @@ const Registration kBridge{{
       app.add_option("--points-hz", options->bridge.points_hz, "point clouds a second; 0: none")
           ->check(CLI::Range(0.0, 100.0))
           ->capture_default_str();
-      app.add_option("--contacts-hz", options->contacts_hz, "lists of pressed taxels a second")
+      app.add_option("--contacts-hz", options->contacts_hz, "lists of contacts a second")
           ->check(CLI::Range(0.5, 100.0))
           ->capture_default_str();
+      app.add_option("--newton-per-count", options->bridge.calibration.newton_per_count,
+                     "force of a contact by the sum of its counts; default: not known, forces are in counts")
+          ->check(CLI::PositiveNumber);
       app.add_flag("!--no-raw", options->bridge.raw, "without every sample of every module");
       app.add_option("--parent", options->bridge.parent_frame, "frame of the link that carries the cover")
           ->capture_default_str();
