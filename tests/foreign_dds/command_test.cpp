@@ -4,19 +4,22 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "fast_reader.hpp"
 #include "fast_types.hpp"
 #include "library/flashed_sim.hpp"
-#include "running_bridge.hpp"
 #include "settings.hpp"
+#include "support/child_process.hpp"
 #include "triskin/bridge/ros_types.hpp"
 
 namespace triskin::foreign {
 namespace {
 
 using nlohmann::json;
+using test::Child;
+using test::ServedSimulation;
 
 std::string bridge_line(const std::string& design, const std::string& link, std::uint32_t domain, int seconds) {
   return "'" TRISKIN_PROGRAM "' bridge '" + design + "' --link " + link + " --part arm --json --seconds " +
@@ -61,7 +64,8 @@ TEST(BridgeCommand, a_reader_on_Fast_DDS_counts_what_the_command_says) {
   EXPECT_GT(points.take([&](const PointCloud2& cloud, std::uint64_t sequence) {
     clouds = sequence;
     EXPECT_EQ(cloud.width, 96U);
-  }), 20U);
+  }),
+            20U);
   EXPECT_EQ(clouds, told["published"]["points"]);
   EXPECT_EQ(layout.take([&](const SkinLayout& l, std::uint64_t) { EXPECT_EQ(l.design_id, sim.design().design_id); }),
             1U);
@@ -77,7 +81,8 @@ TEST(BridgeCommand, a_reader_on_Fast_DDS_counts_what_the_command_says) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       EXPECT_NEAR(c.contacts[0].position[axis], pads[3].position_mm[static_cast<int>(axis)] / 1000.0, 0.003);
     EXPECT_EQ(c.contacts[0].normal, (std::array{0.0, 0.0, 1.0}));
-  }), 5U);
+  }),
+            5U);
   EXPECT_EQ(lists, told["published"]["contacts"]);
 }
 
@@ -89,8 +94,7 @@ TEST(BridgeCommand, the_dissector_of_Wireshark_finds_topics_types_qualities_and_
   ASSERT_NE(served.link(), "");
   // Cyclone DDS writes what it sends and receives to a file, so that no rights to capture are needed.
   const std::string packets = sim.folder() / "rtps.pcap";
-  const std::uint32_t id =
-      domain_with("<Tracing><PacketCaptureFile>" + packets + "</PacketCaptureFile></Tracing>");
+  const std::uint32_t id = domain_with("<Tracing><PacketCaptureFile>" + packets + "</PacketCaptureFile></Tracing>");
   Participant participant(id);  // somebody has to listen, or nothing is sent
   FastReader<RawFrame> raw(participant, "rt/skin/arm/raw", bridge::dds_name(bridge::kRaw.message.name), true, false);
   FastReader<PointCloud2> points(participant, "rt/skin/arm/points", bridge::dds_name(bridge::kPoints.message.name),

@@ -2,6 +2,8 @@
 #pragma once
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
 
 #include <cstdint>
 #include <fastdds/dds/core/policy/QosPolicies.hpp>
@@ -13,9 +15,6 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
-
 #include <functional>
 #include <map>
 #include <memory>
@@ -80,8 +79,7 @@ class Participant : public dds::DomainParticipantListener {
       peer.port = 7400 + 250 * domain + 10 + 2 * k;
       qos.wire_protocol().builtin.initialPeersList.push_back(peer);
     }
-    me_ = dds::DomainParticipantFactory::get_instance()->create_participant(domain, qos, this,
-                                                                            dds::StatusMask::none());
+    me_ = dds::DomainParticipantFactory::get_instance()->create_participant(domain, qos, this, dds::StatusMask::none());
     if (me_ == nullptr) throw std::runtime_error("Fast DDS: no participant");
     subscriber_ = me_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
   }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fast DDS, the default of ROS 2, reads what the bridge publishes, and finds every number equal.
+#include "fast_reader.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <set>
 
-#include "fast_reader.hpp"
 #include "fast_types.hpp"
 #include "settings.hpp"
 #include "support/strip_design.hpp"
@@ -108,8 +109,7 @@ TEST(FastDds, points_have_place_normal_and_value_of_every_taxel) {
     ASSERT_EQ(cloud.fields.size(), 10U);
     EXPECT_EQ(cloud.fields[7].name, "value");
     EXPECT_EQ(cloud.fields[7].offset, 28U);
-    const std::uint64_t stamp_ns =
-        static_cast<std::uint64_t>(cloud.header.sec) * 1'000'000'000 + cloud.header.nanosec;
+    const std::uint64_t stamp_ns = static_cast<std::uint64_t>(cloud.header.sec) * 1'000'000'000 + cloud.header.nanosec;
     const auto number = static_cast<std::uint32_t>((stamp_ns - kStart_ns) / kPeriod_ns);
     for (std::size_t m = 0; m < 40; ++m) {
       const auto poses = design::taxels_of(design.layout.modules[m], wiring[m].routed.rotation);

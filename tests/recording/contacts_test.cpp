@@ -43,8 +43,7 @@ TEST(Contacts, temperature_is_no_contact) {
 TEST(Contacts, a_force_says_its_unit) {
   const std::vector<PressedTaxel> taxels{taxel(0, 0, 400.0, 0.0)};
   const auto contacts = gather_contacts(taxels, kModule_mm2);
-  for (const auto& [newton_per_count, unit, force] :
-       {std::tuple{0.0, "counts", 400.0}, std::tuple{0.005, "N", 2.0}}) {
+  for (const auto& [newton_per_count, unit, force] : {std::tuple{0.0, "counts", 400.0}, std::tuple{0.005, "N", 2.0}}) {
     const auto message = encode_contacts(contacts, 1, "f", {.newton_per_count = newton_per_count});
     CdrReader r(message);
     (void)r.u32(), (void)r.u32();

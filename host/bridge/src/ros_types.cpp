@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/bridge/ros_types.hpp"
 
+#include <fmt/format.h>
+
 #include "triskin/recording/cdr.hpp"
 #include "triskin/recording/ros_text.hpp"
 
@@ -69,9 +71,14 @@ std::span<const RosType* const> all_types() {
   return kAll;
 }
 
-std::string dds_name(std::string_view ros_name) {
+std::string dds_service_name(std::string_view ros_name) {
   const std::size_t first = ros_name.find('/'), last = ros_name.rfind('/');
-  return std::string(ros_name.substr(0, first)) + "::msg::dds_::" + std::string(ros_name.substr(last + 1)) + "_";
+  return fmt::format("{}::{}::dds_::{}", ros_name.substr(0, first), ros_name.substr(first + 1, last - first - 1),
+                     ros_name.substr(last + 1));
+}
+
+std::string dds_name(std::string_view ros_name) {
+  return dds_service_name(ros_name) + "_";
 }
 
 std::vector<std::uint8_t> encode_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns) {

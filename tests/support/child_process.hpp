@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <gtest/gtest.h>
 #include <signal.h>
 
+#include <sys/types.h>
+
 #include <cstdio>
-#include <nlohmann/json.hpp>
+#include <cstdlib>
 #include <string>
 
-namespace triskin::foreign {
+namespace triskin::test {
 
 /// A program that runs beside the test. Reading waits for it.
 class Child {
@@ -61,4 +62,4 @@ class ServedSimulation {
   std::string link_;
 };
 
-}  // namespace triskin::foreign
+}  // namespace triskin::test
