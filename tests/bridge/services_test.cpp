@@ -134,7 +134,8 @@ TEST_F(ServicesTest, an_answer_names_the_request_and_both_ends_name_the_service)
   EXPECT_EQ(second.foreign, 1);
 }
 
-// The command beside its stream, in another process, on switched modules, one of which is pressed from the third second on.
+// The command beside its stream, in another process, on switched modules, one of which is pressed from the third second
+// on.
 TEST_F(ServicesTest, the_command_tares_reroutes_and_identifies) {
   const test::FlashedSim sim;
   const std::string scene = sim.folder() / "pressed.json";

@@ -12,8 +12,8 @@
 
 namespace triskin::bridge {
 
-/// Cyclone DDS is given messages that are CDR already, and gives such: a sertype and a serdata of our own carry the bytes
-/// as they are. A type without a key, of this name on DDS.
+/// Cyclone DDS is given messages that are CDR already, and gives such: a sertype and a serdata of our own carry the
+/// bytes as they are. A type without a key, of this name on DDS.
 [[nodiscard]] ddsi_sertype* make_message_type(const std::string& name);
 /// A message with the four bytes that name the encoding. The caller owns one reference.
 [[nodiscard]] ddsi_serdata* make_message(const ddsi_sertype* type, Bytes message);

@@ -12,8 +12,8 @@
 
 namespace triskin::cli {
 
-/// Serves /skin/PART/tare, reroute and identify of one cover on one bus, beside its stream. A failure of a controller is
-/// an answer, and the stream goes on. Threads: that of the bus.
+/// Serves /skin/PART/tare, reroute and identify of one cover on one bus, beside its stream. A failure of a controller
+/// is an answer, and the stream goes on. Threads: that of the bus.
 class CoverServices {
  public:
   /// `domain`, `design` and `touches` outlive it. Throws DeviceError.
@@ -34,7 +34,7 @@ class CoverServices {
   bridge::Service<bridge::Tare> tare_;
   bridge::Service<bridge::Reroute> reroute_;
   bridge::Service<bridge::Identify> identify_;
-  std::vector<bridge::RequestId> taring_;        // who waits for it
+  std::vector<bridge::RequestId> taring_;  // who waits for it
   std::uint64_t tare_begun_us_ = 0;
   std::vector<std::uint16_t> valid_since_tare_;  // by module
 };
