@@ -144,7 +144,9 @@ TEST_F(BridgeTest, contacts_and_diagnostics_are_read) {
   Reader<Diagnostics> diagnostics(participant_, diagnostic_msgs_msg_dds__DiagnosticArray__desc, "rt/diagnostics", true,
                                   false);
   ASSERT_TRUE(wait_until([&] { return contacts.matched() && diagnostics.matched(); }));
-  const std::vector<recording::Contact> pressed{{5, 3, 7958.0, {10.0, 20.0, 30.0}, {0.0, 0.0, 1.0}}};
+  const std::vector<recording::PressedTaxel> taxels{{5, 3, 6000.0, {10.0, 20.0, 30.0}, {0.0, 0.0, 1.0}},
+                                                    {5, 4, 2000.0, {18.0, 20.0, 30.0}, {0.0, 0.0, 1.0}}};
+  const auto pressed = recording::gather_contacts(taxels, 390.0);
   bridge.add_contacts({}, kStart_ns);  // there were none before
   bridge.add_contacts(pressed, kStart_ns);
   bridge.add_contacts({}, kStart_ns + 1);
@@ -156,12 +158,21 @@ TEST_F(BridgeTest, contacts_and_diagnostics_are_read) {
   std::vector<std::size_t> sizes;
   EXPECT_TRUE(wait_until([&] {
     contacts.take([&](const Contacts& c) {
-      sizes.push_back(c.taxel._length);
-      if (c.taxel._length == 0) return;
-      EXPECT_EQ(c.module_._buffer[0], 5U);
-      EXPECT_EQ(c.taxel._buffer[0], 3);
-      EXPECT_FLOAT_EQ(c.position._buffer[1], 0.02F);
-      EXPECT_FLOAT_EQ(c.change._buffer[0], 7958.0F);
+      sizes.push_back(c.contacts._length);
+      EXPECT_STREQ(c.force_unit, "counts");
+      if (c.contacts._length == 0) return;
+      const auto& contact = c.contacts._buffer[0];
+      EXPECT_EQ(contact.position.x, 0.012);  // (6 · 10 + 2 · 18) / 8
+      EXPECT_EQ(contact.position.z, 0.03);
+      EXPECT_EQ(contact.normal.z, 1.0);
+      EXPECT_EQ(contact.force, 8000.0);
+      EXPECT_DOUBLE_EQ(contact.area, 78e-6);
+      ASSERT_EQ(contact.taxel._length, 2U);
+      EXPECT_EQ(contact.module_._buffer[0], 5U);
+      EXPECT_EQ(contact.taxel._buffer[0], 3);
+      EXPECT_FLOAT_EQ(contact.taxel_position._buffer[3], 0.018F);
+      EXPECT_FLOAT_EQ(contact.taxel_normal._buffer[5], 1.0F);
+      EXPECT_FLOAT_EQ(contact.change._buffer[0], 6000.0F);
     });
     return sizes.size() == 2;
   }));
@@ -231,14 +242,20 @@ TEST(RosTypes, hashes_are_those_of_the_definitions) {
   std::filesystem::remove(file);
 }
 
+std::string msg_file(const std::string& name) {
+  return read_file(std::filesystem::path(TRISKIN_SOURCE) / "ros/triskin_msgs/msg" / (name + ".msg"));
+}
+
 // The package that ROS nodes build has the same messages.
 TEST(RosTypes, messages_of_the_package_are_those_of_the_program) {
   for (const RosType* t : {&kRaw, &kLayout, &kContacts}) {
     const std::string name(t->message.name.substr(t->message.name.rfind('/') + 1));
-    std::string definition(t->message.definition);
-    definition = definition.substr(0, definition.find("====="));
-    EXPECT_EQ(read_file(std::filesystem::path(TRISKIN_SOURCE) / "ros/triskin_msgs/msg" / (name + ".msg")), definition);
+    const std::string definition(t->message.definition);
+    EXPECT_EQ(msg_file(name), definition.substr(0, definition.find("=====")));
   }
+  const std::string all(kContacts.message.definition), head = "MSG: triskin_msgs/Contact\n";
+  const std::size_t first = all.find(head) + head.size();
+  EXPECT_EQ(msg_file("Contact"), all.substr(first, all.find("=====", first) - first));
 }
 
 TEST(RosTypes, names_are_those_of_ROS) {

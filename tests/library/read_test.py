@@ -3,6 +3,7 @@
 Usage: read_test.py PROGRAM DESIGN SCENE"""
 import json
 import math
+import os
 import re
 import signal
 import subprocess
@@ -63,6 +64,20 @@ def stream(skin):
     assert counts["expected"] == counts["received"] >= len(samples) + len(rest), counts
 
 
+def robot():
+    """Two covers of this design on two buses; nothing of them is flashed, so it is opened and looked at only."""
+    folder = os.path.dirname(design)
+    file = os.path.join(folder, "robot.json")
+    say = lambda *words: subprocess.run([program, "robot", *words], check=True, stdout=subprocess.DEVNULL)
+    say("new", file, "--name", "demo", "--bus", "left=sim", "--bus", "right=sim")
+    say("add", file, design, "--name", "arm", "--bus", "left")
+    say("add", file, design, "--name", "leg", "--bus", "right", "--xyz-mm", "0,0,500")
+    with triskin.open(file) as skin:
+        assert skin.covers == ["arm", "leg"] and skin.modules == 16
+        assert list(skin.cover) == [0] * 8 + [1] * 8
+        assert np.allclose(skin.positions_mm[8:] - skin.positions_mm[:8], [0.0, 0.0, 500.0])
+
+
 def errors():
     for bad in (lambda: triskin.open("/no/such.json"), lambda: triskin.open(design, link="nothing")):
         try:
@@ -81,6 +96,7 @@ try:
         good, report = skin.verify()
         assert good, report
     errors()
+    robot()
 finally:
     server.send_signal(signal.SIGINT)
     server.wait()

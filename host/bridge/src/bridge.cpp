@@ -31,6 +31,7 @@ std::string part_name(const std::string& text) {
 Bridge::Bridge(Domain& domain, const design::Design& design, const BridgeOptions& options, std::uint64_t now_ns)
     : frame_("skin_" + options.part),
       points_period_ns_(options.points_hz > 0.0 ? static_cast<std::uint64_t>(kSecond_ns / options.points_hz) : 0),
+      calibration_(options.calibration),
       frames_([this](std::span<const recording::ModuleSample> samples) { put_raw(samples); }),
       cloud_(design) {
   if (part_name(options.part) != options.part)
@@ -68,7 +69,7 @@ void Bridge::add(const recording::ModuleSample& sample) {
 
 void Bridge::add_contacts(std::span<const recording::Contact> contacts, std::uint64_t stamp_ns) {
   if (contacts.empty() && !had_contacts_) return;
-  contacts_->write(recording::encode_contacts(contacts, stamp_ns, frame_));
+  contacts_->write(recording::encode_contacts(contacts, stamp_ns, frame_, calibration_));
   ++published_.contacts;
   had_contacts_ = !contacts.empty();
 }
@@ -76,6 +77,13 @@ void Bridge::add_contacts(std::span<const recording::Contact> contacts, std::uin
 void Bridge::add_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns) {
   diagnostics_->write(encode_diagnostics(parts, stamp_ns));
   ++published_.diagnostics;
+}
+
+int Bridge::readers() const {
+  int readers = 0;
+  for (const auto* topic : {&raw_, &points_, &contacts_, &layout_, &diagnostics_, &transforms_})
+    readers += *topic ? (*topic)->readers() : 0;
+  return readers;
 }
 
 void Bridge::flush() {

@@ -1,153 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cyclone DDS is given messages that are CDR already: a sertype and a serdata of our own carry the bytes as they are.
 #include <dds/dds.h>
-#include <dds/ddsi/ddsi_serdata.h>
-#include <dds/ddsi/ddsi_sertype.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <cstring>
 #include <utility>
 #include <vector>
 
+#include "dds_cyclone_messages.hpp"
 #include "triskin/bridge/dds.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::bridge {
 namespace {
-
-// One message on its way. Cyclone counts who needs it.
-struct Message {
-  ddsi_serdata head;  // first: Cyclone knows it by this address
-  std::size_t size;
-  std::vector<std::uint8_t> bytes;  // up to a multiple of four: so many may be asked for
-};
-Message& message_of(const ddsi_serdata* d) {
-  return *const_cast<Message*>(reinterpret_cast<const Message*>(d));
-}
-
-// Topics of ours have no key, so all messages of one are of one instance.
-bool same_key(const ddsi_serdata* /*a*/, const ddsi_serdata* /*b*/) {
-  return true;
-}
-std::uint32_t size_of(const ddsi_serdata* d) {
-  return static_cast<std::uint32_t>(message_of(d).size);
-}
-ddsi_serdata* make(const ddsi_sertype* type, ddsi_serdata_kind kind, std::vector<std::uint8_t> bytes) {
-  const std::size_t size = bytes.size();
-  bytes.resize((size + 3) / 4 * 4);
-  auto* m = new Message{{}, size, std::move(bytes)};
-  ddsi_serdata_init(&m->head, type, kind);
-  m->head.hash = type->serdata_basehash;
-  return &m->head;
-}
-// Nothing is read: the participant has writers only.
-ddsi_serdata* from_network(const ddsi_sertype* /*type*/, ddsi_serdata_kind /*kind*/, const nn_rdata* /*chain*/,
-                           std::size_t /*size*/) {
-  return nullptr;
-}
-ddsi_serdata* from_vector(const ddsi_sertype* type, ddsi_serdata_kind kind, ddsrt_msg_iovlen_t n,
-                          const ddsrt_iovec_t* parts, std::size_t size) {
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(size);
-  for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
-    const auto* first = static_cast<const std::uint8_t*>(parts[k].iov_base);
-    bytes.insert(bytes.end(), first, first + parts[k].iov_len);
-  }
-  return make(type, kind, std::move(bytes));
-}
-ddsi_serdata* from_hash(const ddsi_sertype* type, const ddsi_keyhash* /*hash*/) {
-  return make(type, SDK_KEY, {0, 1, 0, 0});
-}
-ddsi_serdata* from_sample(const ddsi_sertype* /*type*/, ddsi_serdata_kind /*kind*/, const void* /*sample*/) {
-  return nullptr;
-}
-void copy_out(const ddsi_serdata* d, std::size_t offset, std::size_t size, void* out) {
-  std::memcpy(out, message_of(d).bytes.data() + offset, size);
-}
-ddsi_serdata* lend(const ddsi_serdata* d, std::size_t offset, std::size_t size, ddsrt_iovec_t* out) {
-  out->iov_base = message_of(d).bytes.data() + offset;
-  out->iov_len = size;
-  return ddsi_serdata_ref(d);
-}
-void take_back(ddsi_serdata* d, const ddsrt_iovec_t* /*part*/) {
-  ddsi_serdata_unref(d);
-}
-bool to_sample(const ddsi_serdata* /*d*/, void* /*sample*/, void** /*buffer*/, void* /*end*/) {
-  return false;
-}
-ddsi_serdata* to_untyped(const ddsi_serdata* d) {
-  ddsi_serdata* key = make(d->type, SDK_KEY, {0, 1, 0, 0});
-  key->type = nullptr;
-  return key;
-}
-bool untyped_to_sample(const ddsi_sertype* /*type*/, const ddsi_serdata* /*d*/, void* /*sample*/, void** /*buffer*/,
-                       void* /*end*/) {
-  return true;
-}
-void release(ddsi_serdata* d) {
-  delete &message_of(d);
-}
-std::size_t print(const ddsi_sertype* /*type*/, const ddsi_serdata* /*d*/, char* out, std::size_t size) {
-  if (size > 0) *out = '\0';
-  return 0;
-}
-void key_hash(const ddsi_serdata* /*d*/, ddsi_keyhash* out, bool /*md5*/) {
-  std::memset(out, 0, sizeof *out);
-}
-
-const ddsi_serdata_ops& data_operations() {
-  static const ddsi_serdata_ops kOps = [] {
-    ddsi_serdata_ops ops{};
-    ops.eqkey = same_key;
-    ops.get_size = size_of;
-    ops.from_ser = from_network;
-    ops.from_ser_iov = from_vector;
-    ops.from_keyhash = from_hash;
-    ops.from_sample = from_sample;
-    ops.to_ser = copy_out;
-    ops.to_ser_ref = lend;
-    ops.to_ser_unref = take_back;
-    ops.to_sample = to_sample;
-    ops.to_untyped = to_untyped;
-    ops.untyped_to_sample = untyped_to_sample;
-    ops.free = release;
-    ops.print = print;
-    ops.get_keyhash = key_hash;
-    return ops;
-  }();
-  return kOps;
-}
-
-void free_type(ddsi_sertype* type) {
-  ddsi_sertype_fini(type);
-  delete type;
-}
-bool same_type(const ddsi_sertype* /*a*/, const ddsi_sertype* /*b*/) {
-  return true;  // the names were compared
-}
-std::uint32_t hash_type(const ddsi_sertype* /*type*/) {
-  return 0;
-}
-
-const ddsi_sertype_ops& type_operations() {
-  static const ddsi_sertype_ops kOps = [] {
-    ddsi_sertype_ops ops{};
-    ops.version = ddsi_sertype_v0;
-    ops.free = free_type;
-    ops.equal = same_type;
-    ops.hash = hash_type;
-    return ops;
-  }();
-  return kOps;
-}
-
-ddsi_sertype* make_type(const std::string& name) {
-  auto* type = new ddsi_sertype{};
-  ddsi_sertype_init_flags(type, name.c_str(), &type_operations(), &data_operations(),
-                          DDSI_SERTYPE_FLAG_TOPICKIND_NO_KEY);
-  type->allowed_data_representation = DDS_DATA_REPRESENTATION_FLAG_XCDR1;
-  return type;
-}
 
 dds_entity_t checked(dds_entity_t entity, const std::string& what) {
   if (entity >= 0) return entity;
@@ -159,7 +23,7 @@ struct QosDeleter {
 };
 using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
 
-Qos qos_of(const Delivery& delivery, std::string_view type_hash) {
+Qos qos_of(const Delivery& delivery, const std::string& user_data) {
   Qos qos(dds_create_qos());
   const dds_data_representation_id_t plain = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
@@ -169,30 +33,41 @@ Qos qos_of(const Delivery& delivery, std::string_view type_hash) {
     dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, delivery.depth, DDS_LENGTH_UNLIMITED,
                                 DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
   dds_qset_data_representation(qos.get(), 1, &plain);
-  const std::string data = fmt::format("typehash={};", type_hash);
-  dds_qset_userdata(qos.get(), data.data(), data.size());
+  dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
   return qos;
 }
 
+class CycloneTopic {
+ public:
+  CycloneTopic(dds_entity_t participant, const std::string& name, const std::string& type)
+      : type_(make_message_type(type)) {
+    const dds_entity_t topic = dds_create_topic_sertype(participant, name.c_str(), &type_, nullptr, nullptr, nullptr);
+    if (topic < 0) ddsi_sertype_unref(type_);
+    topic_ = checked(topic, "topic " + name);
+  }
+  ~CycloneTopic() { (void)dds_delete(topic_); }
+  CycloneTopic(const CycloneTopic&) = delete;
+  CycloneTopic& operator=(const CycloneTopic&) = delete;
+  [[nodiscard]] dds_entity_t entity() const { return topic_; }
+  [[nodiscard]] const ddsi_sertype* type() const { return type_; }
+
+ private:
+  ddsi_sertype* type_;
+  dds_entity_t topic_ = 0;
+};
+
 class CyclonePublisher final : public Publisher {
  public:
-  CyclonePublisher(dds_entity_t participant, const std::string& name, const RosType& type, const Delivery& delivery)
-      : name_("rt" + name), type_(make_type(dds_name(type.message.name))) {
-    const Qos qos = qos_of(delivery, type.hash);
-    const dds_entity_t topic = dds_create_topic_sertype(participant, name_.c_str(), &type_, nullptr, nullptr, nullptr);
-    if (topic < 0) ddsi_sertype_unref(type_);
-    topic_ = checked(topic, "topic " + name_);
-    writer_ = checked(dds_create_writer(participant, topic_, qos.get(), nullptr), "writer of " + name_);
-  }
-  ~CyclonePublisher() override {
-    (void)dds_delete(writer_);
-    (void)dds_delete(topic_);
-  }
+  CyclonePublisher(dds_entity_t participant, const std::string& name, const std::string& type, const Qos& qos)
+      : name_(name),
+        topic_(participant, name, type),
+        writer_(checked(dds_create_writer(participant, topic_.entity(), qos.get(), nullptr), "writer of " + name)) {}
+  ~CyclonePublisher() override { (void)dds_delete(writer_); }
   CyclonePublisher(const CyclonePublisher&) = delete;
   CyclonePublisher& operator=(const CyclonePublisher&) = delete;
 
   void write(Bytes message) override {
-    const dds_return_t result = dds_writecdr(writer_, make(type_, SDK_DATA, {message.begin(), message.end()}));
+    const dds_return_t result = dds_writecdr(writer_, make_message(topic_.type(), message));
     // A reader that takes nothing holds the writer up; its messages are dropped, and the others get theirs.
     if (result != DDS_RETCODE_TIMEOUT) (void)checked(result, "write to " + name_);
   }
@@ -205,8 +80,38 @@ class CyclonePublisher final : public Publisher {
 
  private:
   std::string name_;
-  ddsi_sertype* type_;  // of the topic
-  dds_entity_t topic_ = 0, writer_ = 0;
+  CycloneTopic topic_;
+  dds_entity_t writer_;
+};
+
+// The requests of a service; its answers are written by a publisher.
+class CycloneServer final : public Server {
+ public:
+  CycloneServer(dds_entity_t participant, const std::string& name, const std::string& type, const Qos& qos)
+      : requests_(participant, "rq" + name + "Request", type + "_Request_"),
+        answers_(participant, "rr" + name + "Reply", type + "_Response_", qos),
+        reader_(checked(dds_create_reader(participant, requests_.entity(), qos.get(), nullptr), "reader of " + name)) {}
+  ~CycloneServer() override { (void)dds_delete(reader_); }
+  CycloneServer(const CycloneServer&) = delete;
+  CycloneServer& operator=(const CycloneServer&) = delete;
+
+  std::optional<std::vector<std::uint8_t>> take() override {
+    while (true) {
+      ddsi_serdata* message = nullptr;
+      dds_sample_info_t info{};
+      if (checked(dds_takecdr(reader_, &message, 1, &info, DDS_ANY_STATE), "take a request") == 0) return std::nullopt;
+      std::vector<std::uint8_t> bytes;
+      if (info.valid_data) bytes = bytes_of_message(message);
+      ddsi_serdata_unref(message);
+      if (info.valid_data) return bytes;
+    }
+  }
+  void write(Bytes answer) override { answers_.write(answer); }
+
+ private:
+  CycloneTopic requests_;
+  CyclonePublisher answers_;
+  dds_entity_t reader_;
 };
 
 class CycloneDomain final : public Domain {
@@ -218,10 +123,26 @@ class CycloneDomain final : public Domain {
   CycloneDomain& operator=(const CycloneDomain&) = delete;
   std::unique_ptr<Publisher> advertise(const std::string& name, const RosType& type,
                                        const Delivery& delivery) override {
-    return std::make_unique<CyclonePublisher>(participant_, name, type, delivery);
+    return std::make_unique<CyclonePublisher>(participant_, "rt" + name, dds_name(type.message.name),
+                                              qos_of(delivery, fmt::format("typehash={};", type.hash)));
+  }
+  std::unique_ptr<Server> serve(const std::string& name, std::string_view type) override {
+    return std::make_unique<CycloneServer>(participant_, name, dds_service_name(type),
+                                           qos_of({.depth = 10, .latched = false}, next_service_id()));
   }
 
  private:
+  // By it a client knows that a reader of requests and a writer of answers are one service: an identifier of 16 bytes,
+  // of the participant and a number, as rmw_cyclonedds writes it.
+  std::string next_service_id() {
+    dds_guid_t guid{};
+    (void)checked(dds_get_guid(participant_, &guid), "identifier of the participant");
+    ++services_;
+    for (std::size_t k = 0; k < 4; ++k) guid.v[12 + k] = static_cast<std::uint8_t>(services_ >> (24 - 8 * k));
+    return fmt::format("serviceid={:x};", fmt::join(guid.v, "."));
+  }
+
+  std::uint32_t services_ = 0;
   dds_entity_t participant_;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/bridge/ros_types.hpp"
 
+#include <fmt/format.h>
+
 #include "triskin/recording/cdr.hpp"
 #include "triskin/recording/ros_text.hpp"
 
@@ -57,7 +59,7 @@ const RosType kRaw{recording::kRawFrameType, "RIHS01_73cb35a97e218354bc1b0cf26b0
 const RosType kLayout{recording::kLayoutType,
                       "RIHS01_864edfff3d05b703e18ceac4fa7e0939d0fa4349b23d6c0fe542bc7dbd4ec0bd"};
 const RosType kContacts{recording::kContactsType,
-                        "RIHS01_d4a0a443415402efaffdcbc65b74dbf3f645a2662db783ab582b4c78bf1e3812"};
+                        "RIHS01_67b6910a494dfaa0a3dfab5eff2f997e49943635ce28ff9077c30982634b878c"};
 const RosType kPoints{recording::kPointCloudType,
                       "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"};
 const RosType kDiagnostics{kDiagnosticsType, "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"};
@@ -69,9 +71,14 @@ std::span<const RosType* const> all_types() {
   return kAll;
 }
 
-std::string dds_name(std::string_view ros_name) {
+std::string dds_service_name(std::string_view ros_name) {
   const std::size_t first = ros_name.find('/'), last = ros_name.rfind('/');
-  return std::string(ros_name.substr(0, first)) + "::msg::dds_::" + std::string(ros_name.substr(last + 1)) + "_";
+  return fmt::format("{}::{}::dds_::{}", ros_name.substr(0, first), ros_name.substr(first + 1, last - first - 1),
+                     ros_name.substr(last + 1));
+}
+
+std::string dds_name(std::string_view ros_name) {
+  return dds_service_name(ros_name) + "_";
 }
 
 std::vector<std::uint8_t> encode_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns) {

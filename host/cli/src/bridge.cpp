@@ -8,9 +8,11 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "bridge_services.hpp"
 #include "contacts.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
@@ -29,6 +31,7 @@ struct Options {
   std::vector<double> pose;  // x, y, z in m, then a quaternion x, y, z, w
   double contacts_hz = 10.0;
   double seconds = 0.0;
+  bool services = true;
   std::uint32_t domain = 0;
 };
 
@@ -72,15 +75,21 @@ std::vector<bridge::Diagnosis> diagnose(const device::StreamReport& report, cons
 // One cover: its topics, and what presses it.
 class CoverFeed {
  public:
-  CoverFeed(const robot::CoverOnBus& cover, bridge::Domain& domain, const bridge::BridgeOptions& options,
+  CoverFeed(const robot::CoverOnBus& cover, bridge::Domain& domain, const bridge::BridgeOptions& options, bool services,
             std::uint64_t now_ns)
-      : cover_(cover), part_(options.part), touches_(cover.design), bridge_(domain, cover.design, options, now_ns) {}
+      : cover_(cover), part_(options.part), touches_(cover.design), bridge_(domain, cover.design, options, now_ns) {
+    if (services) services_.emplace(domain, part_, cover.design, touches_);
+  }
 
   void add(const device::ModuleFrame& f, std::uint64_t sampled_ns) {
     touches_.add(f);
+    if (services_) services_->add(f);
     bridge_.add({f.module, f.link_time_us, f.sample, sampled_ns, f.sampled.error_us});
   }
-  void slice(std::uint64_t now_ns) { bridge_.add_contacts(contacts_of(touches_), now_ns); }
+  void slice(device::Bus& bus, std::uint64_t now_ns) {
+    bridge_.add_contacts(contacts_of(touches_, cover_.design), now_ns);
+    if (services_) services_->step(bus);
+  }
   void diagnose(const device::StreamReport& report, std::uint64_t now_ns) {
     bridge_.add_diagnostics(bridge_command::diagnose(report, part_), now_ns);
   }
@@ -112,6 +121,7 @@ class CoverFeed {
   std::string part_;
   device::TouchMap touches_;
   bridge::Bridge bridge_;
+  std::optional<CoverServices> services_;
   device::StreamReport report_;
 };
 
@@ -127,8 +137,8 @@ class BusFeed {
     std::vector<const design::Design*> designs;
     for (const robot::CoverOnBus& cover : site_.covers) {
       if (!cover.chosen) continue;
-      covers_.push_back(
-          std::make_unique<CoverFeed>(cover, domain, by_cover[static_cast<std::size_t>(cover.cover)], start_ns_));
+      covers_.push_back(std::make_unique<CoverFeed>(cover, domain, by_cover[static_cast<std::size_t>(cover.cover)],
+                                                    options_.services, start_ns_));
       designs.push_back(&cover.design);
     }
     device::Stream stream(
@@ -160,7 +170,7 @@ class BusFeed {
     try {
       while ((end_us == 0 || bus.now_us() < end_us) && !interrupt_request()) {
         stream.run_until(bus.now_us() + slice_us);
-        for (const auto& cover : covers_) cover->slice(ns_of(bus.now_us()));
+        for (const auto& cover : covers_) cover->slice(bus, ns_of(bus.now_us()));
         if (bus.now_us() < diagnostics_us) continue;
         for (std::size_t c = 0; c < covers_.size(); ++c)
           covers_[c]->diagnose(stream.report(static_cast<int>(c)), ns_of(bus.now_us()));
@@ -243,10 +253,14 @@ const Registration kBridge{{
       app.add_option("--points-hz", options->bridge.points_hz, "point clouds a second; 0: none")
           ->check(CLI::Range(0.0, 100.0))
           ->capture_default_str();
-      app.add_option("--contacts-hz", options->contacts_hz, "lists of pressed taxels a second")
+      app.add_option("--contacts-hz", options->contacts_hz, "lists of contacts a second")
           ->check(CLI::Range(0.5, 100.0))
           ->capture_default_str();
+      app.add_option("--newton-per-count", options->bridge.calibration.newton_per_count,
+                     "force of a contact by the sum of its counts; default: not known, forces are in counts")
+          ->check(CLI::PositiveNumber);
       app.add_flag("!--no-raw", options->bridge.raw, "without every sample of every module");
+      app.add_flag("!--no-services", options->services, "without the services to tare, reroute and identify");
       app.add_option("--parent", options->bridge.parent_frame, "frame of the link that carries the cover")
           ->capture_default_str();
       app.add_option("--pose", options->pose, "of the cover's mesh in it: x y z (m), quaternion x y z w")->expected(7);

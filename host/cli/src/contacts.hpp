@@ -2,17 +2,18 @@
 #pragma once
 #include <vector>
 
+#include "triskin/design/outline.hpp"
 #include "triskin/jobs/touch_map.hpp"
 #include "triskin/recording/messages.hpp"
 
 namespace triskin::cli {
 
-/// The taxels under pressure as messages have them.
-inline std::vector<recording::Contact> contacts_of(const device::TouchMap& touches) {
-  std::vector<recording::Contact> contacts;
+/// The contacts on a cover as messages have them.
+inline std::vector<recording::Contact> contacts_of(const device::TouchMap& touches, const design::Design& design) {
+  std::vector<recording::PressedTaxel> taxels;
   for (const auto& t : touches.pressed())
-    contacts.push_back({t.module, t.taxel, t.change_counts, t.position_mm, t.normal});
-  return contacts;
+    taxels.push_back({t.module, t.taxel, t.change_counts, t.position_mm, t.normal});
+  return recording::gather_contacts(taxels, design::module_area_mm2(design.layout.corner_cut_mm));
 }
 
 }  // namespace triskin::cli

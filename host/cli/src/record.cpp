@@ -95,7 +95,7 @@ class CoverFile {
   }
 
   void slice(std::uint64_t now_us) {
-    const auto contacts = contacts_of(touches_);
+    const auto contacts = contacts_of(touches_, cover_.design);
     if (!contacts.empty() || had_contacts_) recorder_->add_contacts(now_us, contacts);
     had_contacts_ = !contacts.empty();
     recorder_->tick(steady_us());

@@ -87,12 +87,12 @@ const char* triskin_error(void) {
   return triskin::library::last_error.c_str();
 }
 
-triskin_status triskin_open(const char* design_file, const triskin_options* options, triskin_skin** skin) {
+triskin_status triskin_open(const char* file, const triskin_options* options, triskin_skin** skin) {
   return guarded([&] {
-    require(skin != nullptr && design_file != nullptr, "triskin_open: an argument is NULL");
+    require(skin != nullptr && file != nullptr, "triskin_open: an argument is NULL");
     *skin = nullptr;
     const triskin_options all = triskin::library::complete(options);
-    *skin = new triskin_skin{{triskin::library::read_source(design_file, all), all}, {}};
+    *skin = new triskin_skin{{triskin::library::read_source(file, all), all}, {}};
     return TRISKIN_OK;
   });
 }
@@ -102,13 +102,14 @@ void triskin_close(triskin_skin* skin) {
 }
 
 size_t triskin_module_count(const triskin_skin* skin) {
-  return skin->skin.design().layout.modules.size();
+  return skin->skin.source().design.layout.modules.size();
 }
 
 triskin_status triskin_positions_mm(const triskin_skin* skin, double* xyz_mm, size_t n) {
   return guarded([&] {
     require_size("triskin_positions_mm", n, triskin_module_count(skin) * 3 * TRISKIN_TAXELS);
-    triskin::library::write_poses(skin->skin.design(), xyz_mm, [](const auto& pose) { return pose.position_mm; });
+    triskin::library::write_poses(skin->skin.source().design, xyz_mm,
+                                  [](const auto& pose) { return pose.position_mm; });
     return TRISKIN_OK;
   });
 }
@@ -116,7 +117,7 @@ triskin_status triskin_positions_mm(const triskin_skin* skin, double* xyz_mm, si
 triskin_status triskin_normals(const triskin_skin* skin, double* normals, size_t n) {
   return guarded([&] {
     require_size("triskin_normals", n, triskin_module_count(skin) * 3 * TRISKIN_TAXELS);
-    triskin::library::write_poses(skin->skin.design(), normals, [](const auto& pose) { return pose.normal; });
+    triskin::library::write_poses(skin->skin.source().design, normals, [](const auto& pose) { return pose.normal; });
     return TRISKIN_OK;
   });
 }
@@ -124,7 +125,28 @@ triskin_status triskin_normals(const triskin_skin* skin, double* normals, size_t
 triskin_status triskin_patches(const triskin_skin* skin, int32_t* patches, size_t n) {
   return guarded([&] {
     require_size("triskin_patches", n, triskin_module_count(skin));
-    for (const auto& m : triskin::design::wiring_of(skin->skin.design())) *patches++ = m.patch;
+    for (const auto& m : triskin::design::wiring_of(skin->skin.source().design)) *patches++ = m.patch;
+    return TRISKIN_OK;
+  });
+}
+
+size_t triskin_cover_count(const triskin_skin* skin) {
+  return skin->skin.source().covers.size();
+}
+
+const char* triskin_cover_name(const triskin_skin* skin, size_t cover) {
+  const auto& names = skin->skin.source().covers;
+  return cover < names.size() ? names[cover].c_str() : "";
+}
+
+triskin_status triskin_covers(const triskin_skin* skin, int32_t* covers, size_t n) {
+  return guarded([&] {
+    require_size("triskin_covers", n, triskin_module_count(skin));
+    const auto& offsets = skin->skin.source().offsets;
+    for (std::size_t m = 0, cover = 0; m < n; ++m) {
+      while (cover + 1 < offsets.size() && static_cast<std::size_t>(offsets[cover + 1].module) <= m) ++cover;
+      covers[m] = static_cast<std::int32_t>(cover);
+    }
     return TRISKIN_OK;
   });
 }

@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 #include <utility>
 
-#include "triskin/jobs/verify.hpp"
-#include "triskin/jobs/verify_report.hpp"
+#include "triskin/host/error.hpp"
+#include "triskin/robot/assembly.hpp"
 
 namespace triskin::library {
 namespace {
@@ -24,127 +23,140 @@ device::StreamOptions stream_options(const triskin_options& options) {
   return s;
 }
 
-double unix_now_s() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+device::LinkOptions link_options(const triskin_options& options) {
+  device::LinkOptions link;
+  link.chosen = options.link != nullptr;
+  if (link.chosen) link.link = options.link;
+  if (options.scene != nullptr) link.scene = options.scene;
+  link.own_interrupts = false;
+  return link;
+}
+
+// The time of simulations in this process passes when somebody waits, that of all others by itself.
+bool has_virtual_time(const Source& source) {
+  std::size_t here = 0;
+  const bool by_file = source.site.is_robot && !source.link.chosen;
+  for (const robot::BusSite& bus : source.site.buses) here += (by_file ? bus.link : source.link.link) == "sim" ? 1 : 0;
+  if (here != 0 && here != source.site.buses.size())
+    throw InputError(fmt::format(
+        "{}: some buses are simulated in this process and some are not; open it with the link sim, or serve "
+        "the simulation by triskin simulate",
+        source.site.file.string()));
+  return here != 0;
 }
 
 }  // namespace
 
 Source read_source(const std::string& file, const triskin_options& options) {
-  Source source{design::read_intact_design(file), {}};
-  if (options.link != nullptr) source.link.link = options.link;
-  if (options.scene != nullptr) source.link.scene = options.scene;
-  source.link.own_interrupts = false;
+  Source source{robot::read_site(file), {}, {}, {}, link_options(options)};
+  if (source.site.is_robot) {
+    const robot::Assembly assembly = robot::read_assembly(file);
+    design::SideBySide joint = robot::in_base(assembly);
+    source.design = std::move(joint.design);
+    source.offsets = std::move(joint.offsets);
+    for (const robot::CoverEntry& cover : assembly.robot.covers) source.covers.push_back(cover.name);
+  } else {
+    source.design = source.site.buses.front().covers.front().design;
+    source.offsets.emplace_back();
+    source.covers.push_back(source.design.name);
+  }
   if (source.design.layout.modules.empty())
     throw InputError(fmt::format("{}: the design has no modules: there is nothing to read", file));
   return source;
 }
 
 Skin::Skin(Source source, const triskin_options& options)
-    : design_(std::move(source.design)),
+    : source_(std::move(source)),
       stream_options_(stream_options(options)),
       queue_s_(options.queue_s),
-      link_(device::open_link(source.link, &design_)),
-      virtual_time_(source.link.link == "sim"),
-      bus_(*link_),
-      unix_start_s_(unix_now_s()),
-      link_start_us_(bus_.now_us()),
-      touches_(design_) {
+      virtual_time_(has_virtual_time(source_)),
+      touches_(source_.design) {
   if (options.every < 0 || options.every > 255) throw InputError("every: must be 0 … 255");
   if (!(options.queue_s > 0.0 && options.queue_s <= 600.0))
     throw InputError("queue_s: must be above 0 and at most 600");
+  for (std::size_t b = 0; b < source_.site.buses.size(); ++b) buses_.push_back(std::make_unique<BusReader>(source_, b));
+  fresh_.resize(buses_.size());
+  by_bus_.resize(buses_.size());
 }
 
 Skin::~Skin() {
   stop();
 }
 
-double Skin::unix_s(std::uint64_t link_us) const {
-  const auto since_us = static_cast<std::int64_t>(link_us - link_start_us_);
-  return unix_start_s_ + static_cast<double>(since_us) / kSecond_us;
-}
-
-double Skin::now_s() const {
-  return unix_s(link_->now_us());
-}
-
 void Skin::start() {
-  if (stream_) return;
+  if (runs()) return;
   {
     const std::lock_guard lock(mutex_);
     waiting_.clear();
-    counts_ = {};
+    by_bus_.assign(buses_.size(), {});
+    lost_here_ = 0;
     failure_ = nullptr;
     ending_ = false;
     running_ = true;
   }
-  fresh_.clear();
   try {
-    stream_ = std::make_unique<device::Stream>(
-        bus_, design_, [this](const device::ModuleFrame& frame) { add(frame); }, stream_options_);
+    for (std::size_t b = 0; b < buses_.size(); ++b) {
+      fresh_[b].clear();
+      buses_[b]->start(stream_options_, [this, b](const triskin_sample& sample, const device::ModuleFrame& frame) {
+        fresh_[b].push_back(sample);
+        const std::lock_guard lock(mutex_);
+        touches_.add(frame);
+      });
+    }
   } catch (...) {
+    for (const auto& bus : buses_) bus->stop();
     running_ = false;
     throw;
   }
-  publish();
+  for (std::size_t b = 0; b < buses_.size(); ++b) publish(b);
   started_ = true;
-  if (!virtual_time_) thread_ = std::thread([this] { receive(); });
-}
-
-void Skin::add(const device::ModuleFrame& f) {
-  triskin_sample s{};
-  s.time_s = unix_s(f.sampled.link_us);
-  s.error_s = f.sampled.error_us == device::LinkTime::kUnbounded ? std::numeric_limits<double>::infinity()
-                                                                 : f.sampled.error_us / kSecond_us;
-  s.device_time_us = f.sample.device_time_us;
-  s.number = f.sample.sample;
-  s.module = f.module;
-  s.node = f.sample.node_address;
-  s.valid = f.sample.valid;
-  std::ranges::copy(f.sample.value, std::begin(s.value));
-  fresh_.push_back(s);
-  const std::lock_guard lock(mutex_);
-  touches_.add(f);
+  if (virtual_time_) return;
+  for (std::size_t b = 0; b < buses_.size(); ++b) threads_.emplace_back([this, b] { receive(b); });
 }
 
 void Skin::drop_old(double newest_s) {
   while (!waiting_.empty() && waiting_.front().time_s < newest_s - queue_s_) {
     waiting_.pop_front();
-    ++counts_.lost_here;
+    ++lost_here_;
   }
 }
 
 // What the slice brought, to those who wait for it.
-void Skin::publish() {
-  const device::StreamReport report = stream_->report();
+void Skin::publish(std::size_t bus) {
+  const device::SampleCounts counts = buses_[bus]->counts();
+  std::vector<triskin_sample>& fresh = fresh_[bus];
   const std::lock_guard lock(mutex_);
-  waiting_.insert(waiting_.end(), fresh_.begin(), fresh_.end());
-  if (!fresh_.empty()) drop_old(fresh_.back().time_s);
-  counts_.expected = report.total.expected;
-  counts_.received = report.total.received;
-  counts_.lost = report.total.lost();
-  fresh_.clear();
+  waiting_.insert(waiting_.end(), fresh.begin(), fresh.end());
+  if (!fresh.empty()) drop_old(fresh.back().time_s);
+  by_bus_[bus] = counts;
+  fresh.clear();
   came_.notify_all();
 }
 
-void Skin::pass(std::uint64_t until_us) {
-  stream_->run_until(until_us);
-  publish();
+void Skin::pass(std::size_t bus, std::uint64_t until_us) {
+  buses_[bus]->run_until(until_us);
+  publish(bus);
 }
 
-// The thread of a link whose time passes by itself.
-void Skin::receive() {
+// The simulated buses of this process, side by side.
+void Skin::pass_all(std::uint64_t slice_us) {
+  for (std::size_t b = 0; b < buses_.size(); ++b) pass(b, buses_[b]->now_us() + slice_us);
+}
+
+// The thread of a bus whose time passes by itself. When one fails all end.
+void Skin::receive(std::size_t bus) {
   while (true) {
     {
       const std::lock_guard lock(mutex_);
       if (ending_) return;
     }
     try {
-      pass(bus_.now_us() + kSlice_us);
+      pass(bus, buses_[bus]->now_us() + kSlice_us);
     } catch (...) {
       const std::lock_guard lock(mutex_);
-      failure_ = std::current_exception();
+      if (!failure_) failure_ = std::current_exception();
       running_ = false;
+      ending_ = true;
       came_.notify_all();
       return;
     }
@@ -154,9 +166,11 @@ void Skin::receive() {
 std::size_t Skin::read(double timeout_s, triskin_sample* samples, std::size_t capacity) {
   if (!(timeout_s >= 0.0 && timeout_s <= 3600.0)) throw InputError("timeout_s: must be 0 … 3600");
   if (!started_) start();  // after stop() what waits can be read, and nothing begins anew
-  if (virtual_time_ && stream_) {
-    const std::uint64_t end_us = bus_.now_us() + static_cast<std::uint64_t>(timeout_s * kSecond_us);
-    while (waiting_.empty() && bus_.now_us() < end_us) pass(std::min(end_us, bus_.now_us() + kSlice_us));
+  if (virtual_time_ && runs()) {
+    const std::uint64_t end_us = buses_.front()->now_us() + static_cast<std::uint64_t>(timeout_s * kSecond_us);
+    for (std::uint64_t now_us = buses_.front()->now_us(); waiting_.empty() && now_us < end_us;
+         now_us = buses_.front()->now_us())
+      pass_all(std::min(end_us - now_us, kSlice_us));
   }
   std::unique_lock lock(mutex_);
   if (!virtual_time_)
@@ -174,41 +188,51 @@ void Skin::join() {
     const std::lock_guard lock(mutex_);
     ending_ = true;
   }
-  if (thread_.joinable()) thread_.join();
+  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
 }
 
 void Skin::stop() {
-  if (!stream_) return;
+  if (buses_.empty() || !runs()) return;
   join();
-  stream_->finish();
-  publish();
-  stream_.reset();
+  for (std::size_t b = 0; b < buses_.size(); ++b) {
+    buses_[b]->stop();
+    publish(b);
+  }
   running_ = false;
 }
 
 triskin_counts Skin::counts() {
   const std::lock_guard lock(mutex_);
-  return counts_;
+  device::SampleCounts all;
+  for (const device::SampleCounts& bus : by_bus_) all += bus;
+  return {.expected = all.expected, .received = all.received, .lost = all.lost(), .lost_here = lost_here_};
 }
 
 void Skin::tare() {
   start();
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::microseconds(kTare_us);
-  const std::uint64_t before = counts().received, end_us = virtual_time_ ? bus_.now_us() + kTare_us : 0;
+  const std::uint64_t before = counts().received, end_us = buses_.front()->now_us() + kTare_us;
   {
     const std::lock_guard lock(mutex_);
     touches_.tare();
   }
   // Other taxels may have been there before: at least one sample of this tare, then until all have their rest.
-  const auto done = [&] { return counts_.received > before && touches_.tared(); };
+  const auto received = [&] {
+    std::uint64_t sum = 0;
+    for (const device::SampleCounts& bus : by_bus_) sum += bus.received;
+    return sum;
+  };
+  const auto done = [&] { return received() > before && touches_.tared(); };
   if (virtual_time_) {
-    while (!done() && bus_.now_us() < end_us) pass(bus_.now_us() + kSlice_us);
+    while (!done() && buses_.front()->now_us() < end_us) pass_all(kSlice_us);
   } else {
     std::unique_lock lock(mutex_);
     came_.wait_until(lock, deadline, [&] { return done() || !running_; });
     if (failure_) std::rethrow_exception(failure_);
   }
-  if (counts().received == before) throw DeviceError(bus_.name() + ": no sample came, so there is nothing to tare");
+  if (counts().received == before)
+    throw DeviceError(buses_.front()->name() + ": no sample came, so there is nothing to tare");
 }
 
 std::array<double, layout::kTaxelsPerModule> Skin::change_counts(int module) {
@@ -217,9 +241,11 @@ std::array<double, layout::kTaxelsPerModule> Skin::change_counts(int module) {
 }
 
 std::pair<std::string, bool> Skin::verify() {
-  if (stream_) throw InputError("verify: stop the stream first (triskin_stop)");
-  const device::VerifyResult result = device::verify(bus_, design_, {});
-  return {device::report_text(design_, result), !result.findings.empty()};
+  if (runs()) throw InputError("verify: stop the stream first (triskin_stop)");
+  std::string report;
+  bool good = true;
+  for (const auto& bus : buses_) good = bus->verify(report) && good;
+  return {std::move(report), !good};
 }
 
 }  // namespace triskin::library

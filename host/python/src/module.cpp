@@ -33,15 +33,15 @@ void check(triskin_status status) {
 
 class Skin {
  public:
-  Skin(const std::string& design, const std::string& link, const std::string& scene, int every, bool overload,
+  Skin(const std::string& file, const std::string& link, const std::string& scene, int every, bool overload,
        double queue_s) {
     triskin_options options = TRISKIN_OPTIONS_INIT;
-    options.link = link.c_str();
+    options.link = link.empty() ? nullptr : link.c_str();
     options.scene = scene.empty() ? nullptr : scene.c_str();
     options.every = every;
     options.overload = overload ? 1 : 0;
     options.queue_s = queue_s;
-    check(without_python([&] { return triskin_open(design.c_str(), &options, &skin_); }));
+    check(without_python([&] { return triskin_open(file.c_str(), &options, &skin_); }));
     modules_ = triskin_module_count(skin_);
   }
   ~Skin() { close(); }
@@ -70,6 +70,16 @@ class Skin {
     py::array_t<std::int32_t> out(static_cast<py::ssize_t>(modules_));
     check(triskin_patches(open(), out.mutable_data(), modules_));
     return out;
+  }
+  [[nodiscard]] py::array_t<std::int32_t> cover() const {
+    py::array_t<std::int32_t> out(static_cast<py::ssize_t>(modules_));
+    check(triskin_covers(open(), out.mutable_data(), modules_));
+    return out;
+  }
+  [[nodiscard]] std::vector<std::string> covers() const {
+    std::vector<std::string> names;
+    for (std::size_t c = 0; c < triskin_cover_count(open()); ++c) names.emplace_back(triskin_cover_name(open(), c));
+    return names;
   }
   void start() {
     check(without_python([this] { return triskin_start(open()); }));
@@ -149,16 +159,18 @@ PYBIND11_MODULE(triskin, m) {
   PYBIND11_NUMPY_DTYPE(triskin_sample, time_s, error_s, device_time_us, number, module, node, valid, value);
   py::register_exception<BadInput>(m, "BadInput", PyExc_ValueError);
   py::register_exception<DeviceFailed>(m, "DeviceFailed", PyExc_OSError);
-  py::class_<Skin>(m, "Skin", "The skin of a design, over a link. Use triskin.open.")
+  py::class_<Skin>(m, "Skin", "The skin of a design or of a robot. Use triskin.open.")
       .def("close", &Skin::close, "Ends the stream and the link.")
       .def(
           "__enter__", [](Skin& s) -> Skin& { return s; }, py::return_value_policy::reference)
       .def("__exit__", [](Skin& s, const py::args&) { s.close(); })
       .def_property_readonly("modules", &Skin::modules, "Number of modules.")
       .def_property_readonly("positions_mm", &Skin::positions_mm,
-                             "Place of each taxel, (modules, 12, 3), mm, frame of the mesh.")
+                             "Place of each taxel, (modules, 12, 3), mm, frame of the mesh or of the robot's base.")
       .def_property_readonly("normals", &Skin::normals, "Outward unit normal of each taxel, (modules, 12, 3).")
       .def_property_readonly("patches", &Skin::patches, "Patch of each module, (modules,); -1: none.")
+      .def_property_readonly("covers", &Skin::covers, "Names of the covers; of a design one.")
+      .def_property_readonly("cover", &Skin::cover, "Which of the covers each module is on, (modules,).")
       .def("start", &Skin::start, "Begins to receive: samples wait for read().")
       .def("stop", &Skin::stop, "Ends the stream; what waits can still be read.")
       .def("read", &Skin::read, py::arg("seconds") = 0.0,
@@ -171,9 +183,11 @@ PYBIND11_MODULE(triskin, m) {
            "Whether the hardware is the design, and the report as text. Stop the stream first.");
   m.def(
       "open",
-      [](const std::string& design, const std::string& link, const std::string& scene, int every, bool overload,
-         double queue_s) { return std::make_unique<Skin>(design, link, scene, every, overload, queue_s); },
-      py::arg("design"), py::kw_only(), py::arg("link") = "sim", py::arg("scene") = "", py::arg("every") = 0,
+      [](const std::string& file, const std::string& link, const std::string& scene, int every, bool overload,
+         double queue_s) { return std::make_unique<Skin>(file, link, scene, every, overload, queue_s); },
+      py::arg("file"), py::kw_only(), py::arg("link") = "", py::arg("scene") = "", py::arg("every") = 0,
       py::arg("overload") = false, py::arg("queue_s") = 10.0,
-      "Opens the skin of a design file. link: as --link of the program. Raises BadInput, DeviceFailed.");
+      "Opens the skin of a design file or of a robot file. link: as --link of the program; empty: of a design sim, of "
+      "a "
+      "robot what its file names. Raises BadInput, DeviceFailed.");
 }

@@ -32,13 +32,29 @@ constexpr std::string_view kLayout =
     "int32[] patch            # 1 a module, -1: none\n" TRISKIN_ROS_HEADER;
 
 constexpr std::string_view kContacts =
-    "# Taxels under pressure, the strongest first\n"
+    "# Regions of the skin under pressure, the strongest first\n"
     "std_msgs/Header header\n"
-    "uint32[] module\n"
-    "uint8[] taxel\n"
-    "float32[] change         # counts against rest\n"
-    "float32[] position       # m, 3 a taxel\n"
-    "float32[] normal         # 3 a taxel, outward\n" TRISKIN_ROS_HEADER;
+    "string force_unit               # of the forces: counts (not calibrated) or N\n"
+    "triskin_msgs/Contact[] contacts\n" TRISKIN_ROS_RULE
+    "MSG: triskin_msgs/Contact\n"
+    "# A region of the skin under pressure: taxels within 12 mm of each other\n"
+    "geometry_msgs/Point position    # m, mean of its taxels, weighted by their change\n"
+    "geometry_msgs/Vector3 normal    # outward unit vector, weighted likewise\n"
+    "float64 force                   # against the normal: sum of change, in the unit that Contacts names\n"
+    "float64 area                    # m2 of skin that its taxels stand for\n"
+    "uint32[] module                 # of each taxel, the strongest first: id in the design\n"
+    "uint8[] taxel                   # its number in the module, 0 to 11\n"
+    "float32[] change                # counts against rest\n"
+    "float32[] taxel_position        # m, 3 a taxel\n"
+    "float32[] taxel_normal          # 3 a taxel, outward\n" TRISKIN_ROS_HEADER TRISKIN_ROS_RULE
+    "MSG: geometry_msgs/Point\n"
+    "float64 x\n"
+    "float64 y\n"
+    "float64 z\n" TRISKIN_ROS_RULE
+    "MSG: geometry_msgs/Vector3\n"
+    "float64 x\n"
+    "float64 y\n"
+    "float64 z\n";
 
 // Of others, as far as ours use it: fields and order are those of ROS 2.
 constexpr std::string_view kPointCloud =

@@ -127,14 +127,23 @@ std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint6
 }
 
 std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns,
-                                          std::string_view frame_id) {
+                                          std::string_view frame_id, const Calibration& calibration) {
+  const bool calibrated = calibration.newton_per_count > 0.0;
   CdrWriter w;
   put_header(w, stamp_ns, frame_id);
-  put_each(w, contacts, 1, [&](const Contact& c) { w.u32(static_cast<std::uint32_t>(c.module)); });
-  put_each(w, contacts, 1, [&](const Contact& c) { w.u8(static_cast<std::uint8_t>(c.taxel)); });
-  put_each(w, contacts, 1, [&](const Contact& c) { w.f32(static_cast<float>(c.change_counts)); });
-  put_each(w, contacts, 3, [&](const Contact& c) { put_point(w, c.position_mm, kMetre_mm); });
-  put_each(w, contacts, 3, [&](const Contact& c) { put_point(w, c.normal, 1.0); });
+  w.text(calibrated ? "N" : "counts");
+  w.count(contacts.size());
+  for (const Contact& c : contacts) {
+    for (int axis = 0; axis < 3; ++axis) w.f64(c.position_mm[axis] / kMetre_mm);
+    for (int axis = 0; axis < 3; ++axis) w.f64(c.normal[axis]);
+    w.f64(c.change_counts * (calibrated ? calibration.newton_per_count : 1.0));
+    w.f64(c.area_mm2 / (kMetre_mm * kMetre_mm));
+    put_each(w, c.taxels, 1, [&](const PressedTaxel& t) { w.u32(static_cast<std::uint32_t>(t.module)); });
+    put_each(w, c.taxels, 1, [&](const PressedTaxel& t) { w.u8(static_cast<std::uint8_t>(t.taxel)); });
+    put_each(w, c.taxels, 1, [&](const PressedTaxel& t) { w.f32(static_cast<float>(t.change_counts)); });
+    put_each(w, c.taxels, 3, [&](const PressedTaxel& t) { put_point(w, t.position_mm, kMetre_mm); });
+    put_each(w, c.taxels, 3, [&](const PressedTaxel& t) { put_point(w, t.normal, 1.0); });
+  }
   return bytes_of(w);
 }
 

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 namespace triskin::sheet {
 namespace {
@@ -34,6 +35,10 @@ struct Canvas::Cairo {
   std::string bytes;
   cairo_surface_t* surface = nullptr;
   cairo_t* context = nullptr;
+  // While a picture is drawn: the page, and where on it the picture will be.
+  cairo_t* page = nullptr;
+  Vec2 picture_mm{0, 0};
+  double dots_per_mm = 1.0;
 
   void use(const Color& c) const { cairo_set_source_rgb(context, c.red, c.green, c.blue); }
   void use(const Pen& pen) const {
@@ -180,6 +185,34 @@ void Canvas::end_clip() {
   cairo_restore(cairo_->context);
 }
 
+void Canvas::begin_raster(const Vec2& corner, const Vec2& size_mm, double dots_per_mm) {
+  Cairo& c = *cairo_;
+  const Vec2 dots = (dots_per_mm * size_mm).array().ceil().max(1.0);
+  cairo_surface_t* const picture =
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(dots.x()), static_cast<int>(dots.y()));
+  c.page = c.context;
+  c.picture_mm = corner;
+  c.dots_per_mm = dots_per_mm;
+  c.context = cairo_create(picture);
+  cairo_surface_destroy(picture);  // the context keeps it
+  cairo_scale(c.context, dots_per_mm, dots_per_mm);
+  cairo_translate(c.context, -corner.x(), -corner.y());
+  c.use(kWhite);
+  cairo_paint(c.context);
+}
+
+void Canvas::end_raster() {
+  Cairo& c = *cairo_;
+  cairo_t* const drawn = std::exchange(c.context, std::exchange(c.page, nullptr));
+  cairo_save(c.context);
+  cairo_translate(c.context, c.picture_mm.x(), c.picture_mm.y());
+  cairo_scale(c.context, 1.0 / c.dots_per_mm, 1.0 / c.dots_per_mm);
+  cairo_set_source_surface(c.context, cairo_get_target(drawn), 0.0, 0.0);
+  cairo_paint(c.context);
+  cairo_restore(c.context);
+  cairo_destroy(drawn);
+}
+
 std::string Canvas::finish() {
   cairo_surface_finish(cairo_->surface);
   for (const cairo_status_t status : {cairo_status(cairo_->context), cairo_surface_status(cairo_->surface)}) {
@@ -237,6 +270,8 @@ void Canvas::fill_circle(const Vec2& /*center*/, double /*radius_mm*/, const Col
 void Canvas::text(const Vec2& /*at*/, const std::string& /*text*/, const TextLook& /*look*/) {}
 void Canvas::begin_clip(const Vec2& /*corner*/, const Vec2& /*size_mm*/) {}
 void Canvas::end_clip() {}
+void Canvas::begin_raster(const Vec2& /*corner*/, const Vec2& /*size_mm*/, double /*dots_per_mm*/) {}
+void Canvas::end_raster() {}
 std::string Canvas::finish() {
   return {};
 }

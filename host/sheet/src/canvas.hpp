@@ -62,6 +62,10 @@ class Canvas {
   /// Until end_clip() nothing is drawn outside of the rectangle.
   void begin_clip(const Vec2& corner, const Vec2& size_mm);
   void end_clip();
+  /// Until end_raster() all is drawn into a picture of `dots_per_mm`, which then fills the rectangle: for shapes that
+  /// are too many to be written one by one. White where nothing is drawn.
+  void begin_raster(const Vec2& corner, const Vec2& size_mm, double dots_per_mm);
+  void end_raster();
   /// Ends the drawing: the bytes of the file. Throws InputError when Cairo reports an error.
   [[nodiscard]] std::string finish();
 

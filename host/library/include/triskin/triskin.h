@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /// @file
-/// The library of Triskin: opens the skin of a design, reads its samples with positions and times, tares, verifies.
-/// docs/library.md has examples. C11 or later, C++ too.
+/// The library of Triskin: opens the skin of a design or of a whole robot, reads its samples with positions and times,
+/// tares, verifies. docs/library.md has examples. C11 or later, C++ too.
 ///
 /// Every function that can fail returns a triskin_status; triskin_error() then says what failed, where, and what to do.
 /// Threads: a skin is used by one thread at a time; different skins are independent. No function waits for ever.
@@ -29,13 +29,14 @@ typedef enum triskin_status {
   TRISKIN_DEVICE_FAILED = 3  ///< a device or a link failed
 } triskin_status;
 
-/// The skin of a design, over a link.
+/// The skin of a design over a link, or of a robot over its buses.
 typedef struct triskin_skin triskin_skin;
 
 /// How a skin is opened. Set it to TRISKIN_OPTIONS_INIT, then change what is wanted.
 typedef struct triskin_options {
   size_t size;        ///< sizeof(triskin_options) of the caller: later versions append fields
-  const char* link;   ///< as --link of the program: "sim", "sim:HOST:PORT", "can:IFACE", "hid", "usb" …; NULL: "sim"
+  const char* link;   ///< as --link of the program: "sim", "sim:HOST:PORT", "can:IFACE", "hid", "usb" …; NULL: of a
+                      ///< design "sim", of a robot the links that its file names
   const char* scene;  ///< scene file of "sim"; NULL: none
   int every;          ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
   int overload;       ///< not 0: streams `every` also where it does not fit
@@ -49,8 +50,8 @@ typedef struct triskin_sample {
   double error_s;                  ///< time_s is within ± this, s; infinity: nothing bounds it yet
   uint64_t device_time_us;         ///< the same by the clock of its controller, µs
   uint32_t number;                 ///< counts the samples of a module that were due, from 1
-  int32_t module;                  ///< number of the module in the design, 0 …
-  uint16_t node;                   ///< address of its controller
+  int32_t module;                  ///< number of the module, 0 …; of a robot its covers count on, see triskin_covers
+  uint16_t node;                   ///< address of its controller on its bus
   uint16_t valid;                  ///< bit t: value[t] is valid
   uint16_t value[TRISKIN_TAXELS];  ///< converter counts; pressure makes them fall
 } triskin_sample;
@@ -68,30 +69,40 @@ TRISKIN_API const char* triskin_version(void);
 /// of this thread that fails. Empty: none failed.
 TRISKIN_API const char* triskin_error(void);
 
-/// Reads a design file and opens its link. `options` may be NULL. On success *skin is to be closed by triskin_close;
-/// else it is NULL. Does not talk to controllers yet. TRISKIN_BAD_INPUT: the file or an option cannot be used.
-/// TRISKIN_DEVICE_FAILED: the link cannot be opened. Signals are left to the caller.
-TRISKIN_API triskin_status triskin_open(const char* design_file, const triskin_options* options, triskin_skin** skin);
+/// Reads a design file and opens its link, or reads a robot file (docs/robot_file.md) and opens the links of all buses.
+/// `options` may be NULL. On success *skin is to be closed by triskin_close; else it is NULL. Does not talk to
+/// controllers yet. TRISKIN_BAD_INPUT: the file or an option cannot be used. TRISKIN_DEVICE_FAILED: a link cannot be
+/// opened. Signals are left to the caller.
+TRISKIN_API triskin_status triskin_open(const char* file, const triskin_options* options, triskin_skin** skin);
 /// Ends the stream, if there is one, and forgets the skin; NULL is allowed. Takes at most 0.5 s.
 TRISKIN_API void triskin_close(triskin_skin* skin);
 
-/// Number of modules of the design.
+/// Number of modules: of the design, or of all covers of the robot.
 TRISKIN_API size_t triskin_module_count(const triskin_skin* skin);
-/// Writes where each taxel is, mm, frame of the mesh: x, y, z of taxel 0 of module 0, of taxel 1 … `n` is the number of
-/// doubles, 36 a module. TRISKIN_BAD_INPUT: `n` is another.
+/// Writes where each taxel is, mm, frame of the mesh or (robot) of its base with all joints at 0: x, y, z of taxel 0 of
+/// module 0, of taxel 1 … `n` is the number of doubles, 36 a module. TRISKIN_BAD_INPUT: `n` is another.
 TRISKIN_API triskin_status triskin_positions_mm(const triskin_skin* skin, double* xyz_mm, size_t n);
 /// Writes the outward unit normal of each taxel, as triskin_positions_mm.
 TRISKIN_API triskin_status triskin_normals(const triskin_skin* skin, double* normals, size_t n);
-/// Writes the patch of each module, −1: none. `n`: number of modules. TRISKIN_BAD_INPUT: `n` is another.
+/// Writes the patch of each module, −1: none; of a robot the patches of its covers count on. `n`: number of modules.
+/// TRISKIN_BAD_INPUT: `n` is another.
 TRISKIN_API triskin_status triskin_patches(const triskin_skin* skin, int32_t* patches, size_t n);
 
-/// Begins to receive; from now on samples wait for triskin_read. A thread of the library receives them (on the link
-/// "sim" time passes in triskin_read only). No effect when it runs. TRISKIN_DEVICE_FAILED: a controller does not answer
-/// or holds another design; TRISKIN_BAD_INPUT: the samples do not fit the bus.
+/// Number of covers: 1 of a design.
+TRISKIN_API size_t triskin_cover_count(const triskin_skin* skin);
+/// Name of cover 0 … triskin_cover_count − 1, valid as long as the skin; empty: there is none. Never fails.
+TRISKIN_API const char* triskin_cover_name(const triskin_skin* skin, size_t cover);
+/// Writes the cover of each module: those of a cover follow each other, so number in the cover = number − that of the
+/// cover's first. `n`: number of modules. TRISKIN_BAD_INPUT: `n` is another.
+TRISKIN_API triskin_status triskin_covers(const triskin_skin* skin, int32_t* covers, size_t n);
+
+/// Begins to receive; from now on samples wait for triskin_read. A thread of the library for each bus receives them (on
+/// the link "sim" time passes in triskin_read only). No effect when it runs. TRISKIN_DEVICE_FAILED: a controller does
+/// not answer or holds another design; TRISKIN_BAD_INPUT: the samples do not fit the bus.
 TRISKIN_API triskin_status triskin_start(triskin_skin* skin);
-/// Takes at most `capacity` samples, oldest first, and sets *count. Waits at most `timeout_s` (0 … 3600 s) for the
-/// first one; none is no failure. Calls triskin_start if nobody has. TRISKIN_DEVICE_FAILED: the link failed, and all
-/// samples that came before were taken.
+/// Takes at most `capacity` samples, oldest first (of several buses as they came, in slices of 20 ms), and sets *count.
+/// Waits at most `timeout_s` (0 … 3600 s) for the first one; none is no failure. Calls triskin_start if nobody has.
+/// TRISKIN_DEVICE_FAILED: a link failed, which ends those of all buses, and all samples that came before were taken.
 TRISKIN_API triskin_status triskin_read(triskin_skin* skin, double timeout_s, triskin_sample* samples, size_t capacity,
                                         size_t* count);
 /// The time of the link now, s since 1970: that of this computer, or the virtual one of the link "sim".

@@ -17,6 +17,7 @@ struct BridgeOptions {
   Pose pose;                               ///< of the cover's frame in it
   double points_hz = 10.0;                 ///< point clouds a second; 0: none
   bool raw = true;                         ///< every sample
+  recording::Calibration calibration;      ///< forces of contacts
 };
 
 /// A name of a topic or frame made of `text`: what ROS does not allow becomes "_"; in front of a digit stands "p".
@@ -38,7 +39,7 @@ class Bridge {
 
   /// Takes a sample whose `sampled_ns` is known. Throws DeviceError as all of these.
   void add(const recording::ModuleSample& sample);
-  /// Publishes the taxels under pressure; none once when there were some before. Throws DeviceError.
+  /// Publishes the contacts; none once when there were some before. Throws DeviceError.
   void add_contacts(std::span<const recording::Contact> contacts, std::uint64_t stamp_ns);
   /// Publishes how the parts do. Throws DeviceError.
   void add_diagnostics(std::span<const Diagnosis> parts, std::uint64_t stamp_ns);
@@ -46,6 +47,8 @@ class Bridge {
   void flush();
   /// What was published until now.
   [[nodiscard]] const Published& published() const { return published_; }
+  /// Readers of its topics that match now, over all topics.
+  [[nodiscard]] int readers() const;
   /// Frame of the positions.
   [[nodiscard]] const std::string& frame() const { return frame_; }
 
@@ -54,6 +57,7 @@ class Bridge {
 
   std::string frame_;
   std::uint64_t points_period_ns_;
+  recording::Calibration calibration_;
   std::unique_ptr<Publisher> raw_, points_, contacts_, layout_, diagnostics_, transforms_;
   recording::RawFrames frames_;
   recording::PointCloud cloud_;

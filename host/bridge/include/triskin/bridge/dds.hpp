@@ -2,7 +2,10 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "triskin/base/bytes.hpp"
 #include "triskin/bridge/ros_types.hpp"
@@ -30,6 +33,17 @@ class Publisher {
   [[nodiscard]] virtual int readers() const = 0;
 };
 
+/// Serves requests, as rmw_cyclonedds has them: in front of request and answer stand 16 bytes that say which request it
+/// is (triskin/bridge/services.hpp). Threads: one.
+class Server {
+ public:
+  virtual ~Server() = default;
+  /// The oldest request that nobody has taken, in CDR; empty: there is none. Throws DeviceError.
+  [[nodiscard]] virtual std::optional<std::vector<std::uint8_t>> take() = 0;
+  /// Sends an answer in CDR. Throws DeviceError.
+  virtual void write(Bytes answer) = 0;
+};
+
 /// A participant of a DDS domain. It finds others by itself; CYCLONEDDS_URI may say how.
 class Domain {
  public:
@@ -38,6 +52,9 @@ class Domain {
   /// "package::msg::dds_::Type_", and USER_DATA carries the type hash. The domain outlives it. Throws DeviceError.
   [[nodiscard]] virtual std::unique_ptr<Publisher> advertise(const std::string& name, const RosType& type,
                                                              const Delivery& delivery) = 0;
+  /// A server of the service `name` as ROS has it ("/skin/arm/tare") of the type "package/srv/Type"; on DDS it reads
+  /// "rq/skin/arm/tareRequest" and writes "rr/skin/arm/tareReply". The domain outlives it. Throws DeviceError.
+  [[nodiscard]] virtual std::unique_ptr<Server> serve(const std::string& name, std::string_view type) = 0;
 };
 
 /// Joins domain `id` 0 … 232 (ROS_DOMAIN_ID). Throws InputError when this program was built without Cyclone DDS,

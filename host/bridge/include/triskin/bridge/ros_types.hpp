@@ -24,6 +24,8 @@ extern const RosType kRaw, kLayout, kContacts, kPoints, kDiagnostics, kTransform
 [[nodiscard]] std::span<const RosType* const> all_types();
 /// "sensor_msgs::msg::dds_::PointCloud2_" of "sensor_msgs/msg/PointCloud2".
 [[nodiscard]] std::string dds_name(std::string_view ros_name);
+/// "triskin_msgs::srv::dds_::Tare" of "triskin_msgs/srv/Tare"; behind it stands "_Request_" or "_Response_".
+[[nodiscard]] std::string dds_service_name(std::string_view ros_name);
 
 /// How well a part of the skin does, of diagnostic_msgs/msg/DiagnosticStatus.
 struct Diagnosis {

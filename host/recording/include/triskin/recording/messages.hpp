@@ -28,11 +28,28 @@ struct ModuleSample {
 };
 
 /// A taxel under pressure, mesh frame.
-struct Contact {
+struct PressedTaxel {
   int module = 0, taxel = 0;
-  double change_counts = 0.0;
+  double change_counts = 0.0;  ///< against rest, above 0
   design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};
 };
+
+/// A region of the skin under pressure, mesh frame.
+struct Contact {
+  design::Vec3 position_mm{0, 0, 0};  ///< mean of its taxels, weighted by their change
+  design::Vec3 normal{0, 0, 0};       ///< outward unit vector, weighted likewise
+  double change_counts = 0.0;         ///< sum over its taxels
+  double area_mm2 = 0.0;              ///< of skin: what its taxels stand for
+  std::vector<PressedTaxel> taxels;   ///< the strongest first; not empty
+};
+/// Farthest that two taxels of one contact lie from the next one: those of a module are 7 mm apart, those of neighbours
+/// up to 10 mm.
+inline constexpr double kContactReach_mm = 12.0;
+/// Gathers taxels to contacts, the strongest first: two belong together when they lie within kContactReach_mm and do
+/// not face away from each other (the two sides of a thin part). Taxels that measure temperature are left out.
+/// `module_area_mm2`: of one module, of which each of its taxels for pressure stands for an equal share. Throws nothing
+/// of its own. Cost: O(taxels²).
+[[nodiscard]] std::vector<Contact> gather_contacts(std::span<const PressedTaxel> taxels, double module_area_mm2);
 
 /// Name and definition of a message type.
 struct MessageType {
@@ -54,9 +71,14 @@ void put_header(CdrWriter& w, std::uint64_t stamp_ns, std::string_view frame_id)
 /// the layout lacks. Cost: linear.
 [[nodiscard]] std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint64_t stamp_ns,
                                                       std::string_view frame_id = kMeshFrame);
-/// The message of taxels under pressure, lengths in m. Throws nothing of its own.
+/// What the counts of a contact are worth.
+struct Calibration {
+  double newton_per_count = 0.0;  ///< of the sum over a contact, > 0; 0: not known, and the unit of forces is "counts"
+};
+/// The message of contacts, lengths in m. Throws nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns,
-                                                        std::string_view frame_id = kMeshFrame);
+                                                        std::string_view frame_id = kMeshFrame,
+                                                        const Calibration& calibration = {});
 
 /// All taxels of a design as sensor_msgs/msg/PointCloud2, with their latest values.
 class PointCloud {

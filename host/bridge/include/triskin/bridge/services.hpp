@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "triskin/bridge/dds.hpp"
+#include "triskin/recording/cdr.hpp"
+
+/// Services of the bridge, with the definitions of ros/triskin_msgs/srv. On the wire a request and its answer begin
+/// with who asks and the number of the request, 8 bytes each, as rmw_cyclonedds writes them.
+namespace triskin::bridge {
+
+/// Takes the present values of the taxels for those of a skin that nobody touches.
+struct Tare {
+  static constexpr std::string_view kName = "triskin_msgs/srv/Tare", kTopic = "tare";
+  static const std::string_view kDefinition;
+  struct Request {
+    void read(recording::CdrReader& r) { (void)r.u8(); }  // ROS 2 sends a byte for a message without fields
+  };
+  struct Answer {
+    bool success = false;
+    std::string message;  ///< what failed, and the remedy
+    std::uint32_t taxels = 0;
+    void write(recording::CdrWriter& w) const;
+  };
+};
+
+/// Lets controllers find modules and joints anew and open a tree.
+struct Reroute {
+  static constexpr std::string_view kName = "triskin_msgs/srv/Reroute", kTopic = "reroute";
+  static const std::string_view kDefinition;
+  struct Request {
+    std::int32_t patch = -1;  ///< −1: all
+    void read(recording::CdrReader& r) { patch = static_cast<std::int32_t>(r.u32()); }
+  };
+  struct Answer {
+    bool success = false;
+    std::string message;
+    std::vector<std::int32_t> patch;    ///< that were asked
+    std::vector<std::int32_t> modules;  ///< in the tree of each; −1: its modules have no switches
+    void write(recording::CdrWriter& w) const;
+  };
+};
+
+/// Says which controllers serve the cover.
+struct Identify {
+  static constexpr std::string_view kName = "triskin_msgs/srv/Identify", kTopic = "identify";
+  static const std::string_view kDefinition;
+  using Request = Tare::Request;
+  struct Answer {
+    bool success = false;
+    std::string message;
+    std::uint64_t design_id = 0;          ///< of the design that is published
+    std::vector<std::int32_t> patch;      ///< of each controller that answered, as all of these
+    std::vector<std::uint8_t> node;       ///< address
+    std::vector<std::string> serial;      ///< unique id
+    std::vector<std::string> firmware;    ///< version
+    std::vector<std::uint64_t> table_id;  ///< design of its table; 0: it has none
+    void write(recording::CdrWriter& w) const;
+  };
+};
+
+/// Which request an answer is for.
+struct RequestId {
+  std::uint64_t client = 0, number = 0;
+  bool operator==(const RequestId&) const = default;
+};
+
+/// Serves /skin/PART/TOPIC of `Type`, one of those above. Threads: one.
+template <class Type>
+class Service {
+ public:
+  struct Asked {
+    RequestId id;
+    typename Type::Request request;
+  };
+  /// Advertises the service. `domain` outlives it. Throws DeviceError.
+  Service(Domain& domain, const std::string& part)
+      : server_(domain.serve("/skin/" + part + "/" + std::string(Type::kTopic), Type::kName)) {}
+  /// The oldest request that nobody has taken; empty: there is none. Those that are malformed are dropped. Throws
+  /// DeviceError.
+  std::optional<Asked> take() {
+    while (const auto bytes = server_->take()) {
+      recording::CdrReader r(*bytes);
+      Asked asked;
+      asked.id = {r.u64(), r.u64()};
+      asked.request.read(r);
+      if (r.ok()) return asked;
+    }
+    return std::nullopt;
+  }
+  /// Answers a request. Throws DeviceError.
+  void answer(const RequestId& id, const typename Type::Answer& answer) {
+    recording::CdrWriter w;
+    w.u64(id.client);
+    w.u64(id.number);
+    answer.write(w);
+    server_->write(w.message());
+  }
+
+ private:
+  std::unique_ptr<Server> server_;
+};
+
+}  // namespace triskin::bridge

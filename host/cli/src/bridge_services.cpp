@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bridge_services.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "triskin/host/error.hpp"
+#include "triskin/session/controller.hpp"
+
+namespace triskin::cli::bridge_services {
+namespace {
+
+constexpr std::uint64_t kTareMost_us = 2'000'000;
+
+// Calls `ask` for each controller; what one cannot do is said, and the others are asked all the same.
+template <class Answer, class Ask>
+void ask_each(device::Bus& bus, const design::Design& design, const std::vector<int>& patches, Answer& answer,
+              Ask ask) {
+  for (const int patch : patches) {
+    const auto node = static_cast<std::uint8_t>(design::node_address_of(design, patch));
+    try {
+      device::Controller controller(bus, node);
+      ask(patch, controller);
+    } catch (const DeviceError& e) {
+      answer.message += fmt::format("{}patch {}: {}", answer.message.empty() ? "" : "; ", patch, e.what());
+    }
+  }
+  answer.success = answer.message.empty();
+}
+
+std::string version_of(const wire::Hello& hello) {
+  const std::uint32_t v = hello.firmware_version;
+  return fmt::format("{}.{}.{}", v >> 24 & 0xFF, v >> 16 & 0xFF, v >> 8 & 0xFF);
+}
+
+}  // namespace
+}  // namespace triskin::cli::bridge_services
+
+namespace triskin::cli {
+
+CoverServices::CoverServices(bridge::Domain& domain, const std::string& part, const design::Design& design,
+                             device::TouchMap& touches)
+    : design_(design),
+      touches_(touches),
+      tare_(domain, part),
+      reroute_(domain, part),
+      identify_(domain, part),
+      valid_since_tare_(design.layout.modules.size()) {}
+
+void CoverServices::add(const device::ModuleFrame& frame) {
+  valid_since_tare_.at(static_cast<std::size_t>(frame.module)) |= frame.sample.valid;
+}
+
+void CoverServices::step(device::Bus& bus) {
+  step_tare(bus.now_us());
+  while (const auto asked = reroute_.take()) reroute_.answer(asked->id, reroute(bus, asked->request.patch));
+  while (const auto asked = identify_.take()) identify_.answer(asked->id, identify(bus));
+}
+
+// Those who ask while one is under way get the answer of the one that then begins anew.
+void CoverServices::step_tare(std::uint64_t now_us) {
+  bool begin = false;
+  while (const auto asked = tare_.take()) {
+    taring_.push_back(asked->id);
+    begin = true;
+  }
+  if (begin) {
+    touches_.tare();
+    std::ranges::fill(valid_since_tare_, 0);
+    tare_begun_us_ = now_us;
+    return;
+  }
+  if (taring_.empty()) return;
+  bridge::Tare::Answer answer;
+  for (const std::uint16_t valid : valid_since_tare_) answer.taxels += static_cast<std::uint32_t>(std::popcount(valid));
+  answer.success = answer.taxels > 0 && touches_.tared();
+  if (!answer.success && now_us < tare_begun_us_ + bridge_services::kTareMost_us) return;
+  if (answer.taxels == 0)
+    answer.message = "no valid sample came in 2 s, so there is nothing to tare; look at /diagnostics";
+  else if (!answer.success)
+    answer.message = "some taxels gave fewer than three samples in 2 s; ask again, or let the stream be faster";
+  for (const bridge::RequestId& id : taring_) tare_.answer(id, answer);
+  taring_.clear();
+}
+
+bridge::Reroute::Answer CoverServices::reroute(device::Bus& bus, std::int32_t patch) const {
+  bridge::Reroute::Answer answer;
+  std::vector<int> patches = design::patches_here(design_);
+  if (patch >= 0) std::erase_if(patches, [&](int p) { return p != patch; });
+  if (patches.empty()) {
+    answer.message = fmt::format("no controller of patch {} hangs here; patches count from 0", patch);
+    return answer;
+  }
+  bridge_services::ask_each(bus, design_, patches, answer, [&](int p, device::Controller& controller) {
+    controller.reroute();
+    const wire::ActiveRoute route = controller.route();
+    answer.patch.push_back(p);
+    answer.modules.push_back(route.switched ? std::popcount(route.alive) : -1);
+  });
+  return answer;
+}
+
+bridge::Identify::Answer CoverServices::identify(device::Bus& bus) const {
+  bridge::Identify::Answer answer;
+  answer.design_id = design_.design_id;
+  bridge_services::ask_each(bus, design_, design::patches_here(design_), answer,
+                            [&](int patch, device::Controller& controller) {
+                              const wire::Hello hello = controller.hello();
+                              const wire::ActiveTable table = controller.active_table();
+                              answer.patch.push_back(patch);
+                              answer.node.push_back(hello.node_address);
+                              answer.serial.push_back(device::to_text(hello.unique_id));
+                              answer.firmware.push_back(bridge_services::version_of(hello));
+                              answer.table_id.push_back(table.present() ? table.design_id : 0);
+                            });
+  return answer;
+}
+
+}  // namespace triskin::cli

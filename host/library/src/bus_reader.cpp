@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include "skin.hpp"
+#include "triskin/jobs/verify.hpp"
+#include "triskin/jobs/verify_report.hpp"
+#include "triskin/link/cover_link.hpp"
+#include "triskin/simlink/open_bus.hpp"
+
+namespace triskin::library {
+namespace {
+
+constexpr double kMicros = 1e6;
+
+double wall_s() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+BusReader::BusReader(const Source& source, std::size_t bus)
+    : source_(source),
+      site_(source.site.buses[bus]),
+      link_(device::open_bus(source.site, bus, source.link)),
+      bus_(*link_),
+      unix_start_s_(wall_s()),
+      link_start_us_(bus_.now_us()) {}
+
+double BusReader::unix_s(std::uint64_t link_us) const {
+  const auto since_us = static_cast<std::int64_t>(link_us - link_start_us_);
+  return unix_start_s_ + static_cast<double>(since_us) / kMicros;
+}
+
+void BusReader::start(const device::StreamOptions& options, OnSample on_sample) {
+  std::vector<const design::Design*> covers;
+  for (const robot::CoverOnBus& cover : site_.covers) covers.push_back(&cover.design);
+  stream_ = std::make_unique<device::Stream>(
+      bus_, covers,
+      [this, on_sample = std::move(on_sample)](const device::ModuleFrame& frame) { take(frame, on_sample); },
+      robot::stream_options(site_, covers, options));
+}
+
+void BusReader::take(const device::ModuleFrame& f, const OnSample& on_sample) const {
+  const int cover = site_.covers[static_cast<std::size_t>(f.cover)].cover;
+  device::ModuleFrame frame = f;
+  frame.module += source_.offsets[static_cast<std::size_t>(cover)].module;
+  triskin_sample s{};
+  s.time_s = unix_s(f.sampled.link_us);
+  s.error_s = f.sampled.error_us == device::LinkTime::kUnbounded ? std::numeric_limits<double>::infinity()
+                                                                 : f.sampled.error_us / kMicros;
+  s.device_time_us = f.sample.device_time_us;
+  s.number = f.sample.sample;
+  s.module = frame.module;
+  s.node = f.sample.node_address;
+  s.valid = f.sample.valid;
+  std::ranges::copy(f.sample.value, std::begin(s.value));
+  on_sample(s, frame);
+}
+
+void BusReader::stop() {
+  if (!stream_) return;
+  stream_->finish();
+  counts_ = stream_->report().total;
+  stream_.reset();
+}
+
+bool BusReader::verify(std::string& report) {
+  bool good = true;
+  for (const robot::CoverOnBus& cover : site_.covers) {
+    device::CoverLink own(*link_, cover.first_module);
+    device::Bus bus(own);
+    device::VerifyOptions options;
+    options.neighbours = robot::other_demands(site_, std::array{&cover.design});
+    const device::VerifyResult result = device::verify(bus, cover.design, options);
+    if (!cover.name.empty()) report += "cover " + cover.name + "\n";
+    report += device::report_text(cover.design, result);
+    good = good && result.findings.empty();
+  }
+  return good;
+}
+
+}  // namespace triskin::library

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the RTPS dissector of tshark finds in a capture, as JSON: for each topic that a writer announces its type, user
+data, qualities, and the numbers of the messages that were sent. Usage: dissect.py PACKETS"""
+import json
+import subprocess
+import sys
+import xml.etree.ElementTree as tree
+
+PUBLICATIONS, DATA, DATA_FRAGMENT = 0x3C2, 0x15, 0x16  # writer of announcements; kinds of submessages
+
+
+def first(submessage, name, key="show"):
+    for field in submessage.iter("field"):
+        if field.get("name") == name:
+            return field.get(key)
+    return None
+
+
+topics, writers = {}, {}
+packets = subprocess.run(["tshark", "-r", sys.argv[1], "-Y", "rtps", "-T", "pdml"], capture_output=True, check=True)
+for rtps in tree.fromstring(packets.stdout).iter("proto"):
+    if rtps.get("name") != "rtps":
+        continue
+    sender = first(rtps, "rtps.guidPrefix.src", "value")
+    for submessage in rtps.findall("field[@name='rtps.sm.id']"):
+        if int(submessage.get("show"), 16) not in (DATA, DATA_FRAGMENT):
+            continue
+        writer = int(first(submessage, "rtps.sm.wrEntityId"), 16)
+        topic = first(submessage, "rtps.param.topicName")
+        if writer == PUBLICATIONS and topic:
+            topics[topic] = {
+                "writer": first(submessage, "rtps.param.endpoint_guid", "value"),
+                "type": first(submessage, "rtps.param.typeName"),
+                "user_data": bytes.fromhex(first(submessage, "rtps.param.userData", "value") or "").decode(),
+                # What is not said is what RTPS takes for granted of a writer: reliable, volatile.
+                "reliable": int(first(submessage, "rtps.reliability_kind") or "2", 16) == 2,
+                "latched": int(first(submessage, "rtps.durability") or "0", 16) == 1,
+                "depth": int(first(submessage, "rtps.history_depth") or "1")}
+        else:
+            numbers = writers.setdefault(f"{sender}{writer:08x}", set())
+            numbers.add(int(first(submessage, "rtps.sm.seqNumber")))
+for topic in topics.values():
+    numbers = writers.get(topic.pop("writer"), set())
+    topic["messages"], topic["newest"] = len(numbers), max(numbers, default=0)
+print(json.dumps(topics))
