@@ -72,7 +72,9 @@ TEST_F(Backups, keep_every_value_that_the_protocol_reads) {
     EXPECT_EQ(b.node_address, p + 1);
     EXPECT_EQ(b.table, bytes_of(image_of(hub_.design(), p)));
     for (const wire::Identifier& row : wire::kIdentifiers) {
-      if (row.access != wire::Access::kFreeze) EXPECT_TRUE(b.values.contains(row.id)) << std::hex << row.id;
+      // Simulated controllers are not started from a slot, so they have no image to tell of.
+      if (row.access == wire::Access::kFreeze || row.id == wire::did::kImageState) continue;
+      EXPECT_TRUE(b.values.contains(row.id)) << std::hex << row.id;
     }
     EXPECT_EQ(b.values.at(wire::did::kOffsets).size(), 5U + 16U * 4);  // 4 modules, 16 bytes each
   }
@@ -97,7 +99,7 @@ TEST_F(Backups, remember_faults_and_when_they_came) {
   ASSERT_EQ(boards.size(), 1U);
   ASSERT_EQ(boards[0].faults.size(), 1U);
   EXPECT_EQ(boards[0].faults[0].code, 0x920002U);  // absent, row 2
-  EXPECT_EQ(boards[0].faults[0].noted.size(), 1U + wire::FreezeFrame::kBytes);
+  EXPECT_TRUE(wire::FreezeFrame::decode(boards[0].faults[0].noted));
 }
 
 TEST_F(Backups, bring_the_tables_of_a_design_back) {
