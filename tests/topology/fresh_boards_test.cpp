@@ -167,9 +167,7 @@ TEST(Shapes, differ_in_the_places_where_only_one_has_a_chip) {
 TEST(Shapes, settle_what_every_way_to_serve_all_patches_agrees_on) {
   const design::Design design = strip(10, 4);
   const std::vector<int> all{0, 1, 2};
-  const auto settled = [&](std::vector<BoardShape> shapes) {
-    return device::assign_by_shape(shapes, design, all);
-  };
+  const auto settled = [&](std::vector<BoardShape> shapes) { return device::assign_by_shape(shapes, design, all); };
   const auto plain = settled({answers(0b1111), answers(0b0011), answers(0b1111)});
   EXPECT_EQ(plain.patch, (std::vector<int>{-1, 2, -1}));
   EXPECT_EQ(plain.likely, (std::vector<std::vector<int>>{{0, 1}, {2}, {0, 1}}));
@@ -204,9 +202,9 @@ scene::Contact touch_of(const design::Design& design, int module, double from_s,
 TEST(Identify, says_who_felt_the_finger) {
   for (const bool switched : {false, true}) {
     const design::Design design = alike();
-    FreshSkin skin(design, switched, 7, {},
-                   {touch_of(design, 1, 4, 5), touch_of(design, 5, 6, 7), touch_of(design, 9, 6, 7),
-                    touch_of(design, 6, 8, 9)});
+    FreshSkin skin(
+        design, switched, 7, {},
+        {touch_of(design, 1, 4, 5), touch_of(design, 5, 6, 7), touch_of(design, 9, 6, 7), touch_of(design, 6, 8, 9)});
     std::vector<int> asked;
     std::vector<std::string> said;
     device::IdentifyOptions options;

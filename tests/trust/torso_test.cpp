@@ -21,7 +21,8 @@ using test::strip_scene;
 constexpr double kSequence_us = 36'900.0;
 constexpr double kSeconds = 60.0;
 
-// `nominal`, `data`: bit/s, that a clock of 80 MHz divides into; `every`: n. `load`: by each n-th sample, with the longest frames, 1 = the share of samples.
+// `nominal`, `data`: bit/s, that a clock of 80 MHz divides into; `every`: n. `load`: by each n-th sample, with the
+// longest frames, 1 = the share of samples.
 struct Case {
   const char* name;
   int modules, controllers;
@@ -104,7 +105,8 @@ INSTANTIATE_TEST_SUITE_P(Covers, LargeCover,
                                          Case{"torso_100_percent_too_much", 151, 10, 1'000'000, 1'356'000, 1, 2.0},
                                          Case{"lower_torso_fits", 207, 13, 1'000'000, 2'000'000, 2, 0.99},
                                          Case{"lower_torso_10_percent_too_much", 207, 13, 1'000'000, 4'444'000, 1, 1.1},
-                                         Case{"lower_torso_100_percent_too_much", 207, 13, 1'000'000, 2'000'000, 1, 2.0}),
+                                         Case{"lower_torso_100_percent_too_much", 207, 13, 1'000'000, 2'000'000, 1,
+                                              2.0}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "triskin/jobs/firmware_update.hpp"
 #include "triskin/jobs/offset_report.hpp"
 #include "triskin/layout/module.hpp"
+#include "triskin/link/cover_link.hpp"
 
 namespace triskin::cli::flash_command {
 namespace {
@@ -67,12 +68,14 @@ BusOutcome flash_bus(const robot::BusSite& site, device::Link& link, const Optio
                      const ProgressSink& progress) {
   BusOutcome outcome;
   outcome.bus = &site;
-  device::Bus bus(link);
   for (const robot::CoverOnBus& cover : site.covers) {
     if (!cover.chosen) continue;
     const device::FlashOptions own = robot::flash_options(site, cover, options.flash);
+    device::CoverLink finger(link, cover.first_module);  // its finger counts the modules of this cover
+    device::Bus bus(finger);
     outcome.covers.emplace_back(&cover, device::flash(bus, cover.design, own, progress_of(site, cover, progress)));
   }
+  device::Bus bus(link);
   for (const auto& [cover, r] : outcome.covers) {
     if (!options.flash.dry_run && std::ranges::any_of(r.patches, &device::FlashResult::Patch::written))
       wait_for_offsets(bus, cover->design);
@@ -145,9 +148,8 @@ void add_board_file(Options& options, const robot::Site& site) {
   const auto cover = std::ranges::find_if(covers, [](const robot::CoverOnBus& c) { return c.chosen; });
   if (cover == covers.end()) throw InputError("--assign-file: the cover has nothing on this bus");
   for (const auto& a : device::read_board_file(options.assign_file, cover->design).boards) {
-    const bool named = std::ranges::any_of(options.flash.assign, [&](const auto& given) {
-      return given.patch == a.patch || given.serial == a.serial;
-    });
+    const bool named = std::ranges::any_of(
+        options.flash.assign, [&](const auto& given) { return given.patch == a.patch || given.serial == a.serial; });
     if (!named) options.flash.assign.push_back(a);
   }
 }
@@ -230,9 +232,10 @@ const Registration kFlash{{
                      "given several times");
       app.add_option("--assign-file", options->assign_file,
                      "the same from a file that triskin identify wrote (docs/device.md)");
-      app.add_flag("--by-serial", options->by_serial,
-                   "fresh controllers get the patches in the order of their serial numbers; else they are told apart by "
-                   "the shapes of their patches, and refused where those are equal");
+      app.add_flag(
+          "--by-serial", options->by_serial,
+          "fresh controllers get the patches in the order of their serial numbers; else they are told apart by "
+          "the shapes of their patches, and refused where those are equal");
       app.add_flag("--no-touch", options->no_touch,
                    "on a simulated link: no virtual finger where shapes do not tell fresh controllers apart");
       app.add_option("--patch", options->flash.patch, "this patch alone, with its one controller on the link")

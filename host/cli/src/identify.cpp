@@ -13,6 +13,7 @@
 #include "triskin/host/files.hpp"
 #include "triskin/jobs/board_file.hpp"
 #include "triskin/layout/module.hpp"
+#include "triskin/link/cover_link.hpp"
 
 namespace triskin::cli::identify_command {
 namespace {
@@ -46,7 +47,8 @@ class Notes {
  public:
   Notes(std::string path, const design::Design& design) : path_(std::move(path)) {
     file_.design_id = design.design_id;
-    if (!path_.empty() && path_ != "-" && std::filesystem::exists(path_)) file_ = device::read_board_file(path_, design);
+    if (!path_.empty() && path_ != "-" && std::filesystem::exists(path_))
+      file_ = device::read_board_file(path_, design);
   }
   // A controller serves one patch only: what the file said before is replaced.
   void add(const device::IdentifiedBoard& found) {
@@ -94,9 +96,10 @@ int conclude(const std::vector<device::IdentifiedBoard>& boards, const Options& 
   output.say(fmt::format("{} of {} patches have their controller{}", boards.size() - missing.size(), boards.size(),
                          options.output.empty() || options.output == "-" ? "" : "; written to " + options.output));
   if (!missing.empty())
-    output.say(fmt::format("nobody felt a touch of patch{} {} within {:g} s: the patch is dead, its controller is not "
-                           "connected, or another patch was touched",
-                           missing.size() == 1 ? "" : "es", fmt::join(missing, ", "), options.identify.limit_s));
+    output.say(
+        fmt::format("nobody felt a touch of patch{} {} within {:g} s: the patch is dead, its controller is not "
+                    "connected, or another patch was touched",
+                    missing.size() == 1 ? "" : "es", fmt::join(missing, ", "), options.identify.limit_s));
   return missing.empty() ? 0 : 1;
 }
 
@@ -104,7 +107,8 @@ int run(Options options, Output& output) {
   OpenSite open = open_site(options.site);
   const robot::CoverOnBus& cover = cover_of(open.site);
   Notes notes(options.output, cover.design);
-  device::Bus bus(*open.links[0]);
+  device::CoverLink link(*open.links[0], cover.first_module);
+  device::Bus bus(link);
   options.identify.say = tell_person;
   // Contacts in a scene are somebody's fingers.
   options.identify.finger = options.site.link.link == "sim" && options.site.link.scene.empty() && !options.by_hand;

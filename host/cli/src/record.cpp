@@ -45,7 +45,8 @@ Format format_of(const Options& options, bool is_robot) {
   if (options.to.empty()) {
     if (by_extension) return *by_extension;
     if (options.output == "-" || is_robot) return Format::kMcap;
-    throw InputError(fmt::format("{}: say the format by the extension .mcap, .csv or .h5, or with --to", options.output));
+    throw InputError(
+        fmt::format("{}: say the format by the extension .mcap, .csv or .h5, or with --to", options.output));
   }
   const Format format = kFormatNames.value(options.to).value();
   if (by_extension && *by_extension != format) {
@@ -89,8 +90,8 @@ class CoverFile {
     if (format_ == Format::kHdf5)
       recorder_ = hdf5::make_recorder(file_, cover_.design, origin_);
     else
-      recorder_ = recording::make_recorder(
-          format_ == Format::kCsv ? recording::Format::kCsv : recording::Format::kMcap, file_, cover_.design, origin_);
+      recorder_ = recording::make_recorder(format_ == Format::kCsv ? recording::Format::kCsv : recording::Format::kMcap,
+                                           file_, cover_.design, origin_);
   }
   [[nodiscard]] bool begun() const { return recorder_ != nullptr; }
 
@@ -259,8 +260,8 @@ void require_hdf5(const std::string& path) {
         "mcap or csv");
   std::error_code none;
   if (path == "-" || (std::filesystem::exists(path, none) && std::filesystem::is_other(path, none)))
-    throw InputError(fmt::format("{}: HDF5 writes at any place of a file, a pipe or device cannot; record to mcap or csv",
-                                 path));
+    throw InputError(
+        fmt::format("{}: HDF5 writes at any place of a file, a pipe or device cannot; record to mcap or csv", path));
 }
 
 void make_folder(const std::string& path) {
@@ -320,8 +321,9 @@ const Registration kRecord{{
     "triskin record forearm.json --link sim -o touch.mcap --seconds 5",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("-o,--output", options->output,
-                     "file.mcap (docs/recording.md), file.csv or file.h5; of a robot a folder, with a file for each cover")
+      app.add_option(
+             "-o,--output", options->output,
+             "file.mcap (docs/recording.md), file.csv or file.h5; of a robot a folder, with a file for each cover")
           ->required();
       app.add_option("--to", options->to, "format; default: by the extension of -o")
           ->check(CLI::IsMember({"mcap", "csv", "hdf5"}));

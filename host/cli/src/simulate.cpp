@@ -97,7 +97,8 @@ void tell_boards(const std::vector<SimulatedBus>& buses, Output& output) {
     for (std::size_t p = 0; p < bus.skin->controllers(); ++p) {
       boards.push_back({{"patch", p}, {"serial", device::to_text(scene::unique_id_of(scene, p))}});
       if (!bus.name.empty()) boards.back()["bus"] = bus.name;
-      if (bus.name.empty()) output.say(fmt::format("patch {:3}  controller {}", p, boards.back()["serial"].get<std::string>()));
+      if (bus.name.empty())
+        output.say(fmt::format("patch {:3}  controller {}", p, boards.back()["serial"].get<std::string>()));
     }
   }
   output.result["boards"] = std::move(boards);

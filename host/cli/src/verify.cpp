@@ -165,8 +165,7 @@ std::vector<Told> verify_bus(const robot::BusSite& site, device::Link& link, con
     const std::string arguments = arguments_of(options, cover);
     all.push_back(tell(cover, std::move(result), bus, arguments));
     all.back().keys.update(keys_of(site, cover));
-    write_report(report_file(options.report, cover, site), cover.design, all.back().result, all.back().keys,
-                 arguments);
+    write_report(report_file(options.report, cover, site), cover.design, all.back().result, all.back().keys, arguments);
   }
   return all;
 }

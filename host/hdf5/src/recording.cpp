@@ -124,7 +124,8 @@ class Hdf5Recorder {
     try {
       work();
     } catch (const InputError& e) {
-      throw recording::WriteFailed(fmt::format("{}: {}; what was written before is there, check the disk", name_, e.what()));
+      throw recording::WriteFailed(
+          fmt::format("{}: {}; what was written before is there, check the disk", name_, e.what()));
     }
   }
   void write_design(const std::string& text) const {
@@ -164,15 +165,17 @@ class Hdf5Recorder {
                               H5T_NATIVE_UINT32),
                state_ = list({"state", "1", "of the module (docs/protocol.md)"}, H5T_STD_U8LE, H5T_NATIVE_UINT8),
                valid_ = list({"valid", "1", "bit t: taxel t"}, H5T_STD_U16LE, H5T_NATIVE_UINT16),
-               link_time_ = list({"link_time", "us", "when it came, clock of the link"}, H5T_STD_U64LE,
-                                 H5T_NATIVE_UINT64),
-               device_time_ =
-                   list({"device_time", "us", "clock of the controller"}, H5T_STD_U64LE, H5T_NATIVE_UINT64),
+               link_time_ =
+                   list({"link_time", "us", "when it came, clock of the link"}, H5T_STD_U64LE, H5T_NATIVE_UINT64),
+               device_time_ = list({"device_time", "us", "clock of the controller"}, H5T_STD_U64LE, H5T_NATIVE_UINT64),
                sampled_ = list({"sampled", "ns", "when it was taken, since 1970, within error; 0: not known"},
                                H5T_STD_U64LE, H5T_NATIVE_UINT64),
                error_ = list({"error", "us", "bound of the error of sampled; 4294967295: none"}, H5T_STD_U32LE,
                              H5T_NATIVE_UINT32),
-               value_{file_.id(), {"value", "counts", "of the twelve taxels"}, layout::kTaxelsPerModule, H5T_STD_U16LE,
+               value_{file_.id(),
+                      {"value", "counts", "of the twelve taxels"},
+                      layout::kTaxelsPerModule,
+                      H5T_STD_U16LE,
                       H5T_NATIVE_UINT16};
   Block block_;
   std::uint64_t flushed_us_ = 0;

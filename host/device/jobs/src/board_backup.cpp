@@ -42,7 +42,7 @@ std::optional<std::vector<std::uint8_t>> raw_value(Bus& bus, std::uint8_t node, 
 
 std::vector<std::uint8_t> noted_of(Bus& bus, std::uint8_t node, std::uint32_t code) {
   const auto byte = [&](int shift) { return static_cast<std::uint8_t>(code >> shift); };
-  const std::array<std::uint8_t, 6> request{wire::service::kReadFaults,       0x04, byte(16), byte(8), byte(0),
+  const std::array<std::uint8_t, 6> request{wire::service::kReadFaults, 0x04, byte(16), byte(8), byte(0),
                                             wire::FreezeFrame::kRecord};
   try {
     Message m = bus.request(node, request, Bus::Repeat::kSafe);
@@ -141,7 +141,8 @@ BoardBackup board_in(const JsonValue& v) {
 void require_table(const JsonValue& v, const BoardBackup& b) {
   if (b.table.empty()) return;
   const auto image = layout::decode(b.table);
-  if (!image) v["table"].fail(fmt::format("is no table of a controller: {}; save the board again", describe(image.error())));
+  if (!image)
+    v["table"].fail(fmt::format("is no table of a controller: {}; save the board again", describe(image.error())));
   if (image->node_address != b.node_address)
     v["table"].fail(fmt::format("is for node address {}, the board had {}", image->node_address, b.node_address));
 }
@@ -188,9 +189,10 @@ class Restoration {
       const auto claim =
           std::ranges::find_if(claims_, [&](const wire::NodeClaim& c) { return to_text(c.unique_id) == serial; });
       if (claim == claims_.end())
-        throw DeviceError(fmt::format("{}: no controller {} answers; connect it, or say which one takes its place: "
-                                      "--onto {}=SERIAL; nothing was written",
-                                      bus_.name(), serial, b.serial));
+        throw DeviceError(
+            fmt::format("{}: no controller {} answers; connect it, or say which one takes its place: "
+                        "--onto {}=SERIAL; nothing was written",
+                        bus_.name(), serial, b.serial));
       if (!taken.insert(serial).second)
         throw InputError(fmt::format("controller {} would get what two boards held; nothing was written", serial));
       pairs_.push_back({&b, *claim});
@@ -202,16 +204,16 @@ class Restoration {
   void require_kinds() {
     if (!options_.dry_run) {
       claims_ = put_apart(bus_, std::move(claims_), false);
-      for (Pair& p : pairs_)
-        p.claim = *std::ranges::find(claims_, p.claim.unique_id, &wire::NodeClaim::unique_id);
+      for (Pair& p : pairs_) p.claim = *std::ranges::find(claims_, p.claim.unique_id, &wire::NodeClaim::unique_id);
     }
     const auto users = users_of_addresses(claims_);
     for (const Pair& p : pairs_) {
       if (users.at(p.claim.node_address) > 1) {
         if (options_.dry_run && !p.claim.has_table) continue;
-        throw DeviceError(fmt::format("{}: controller {} shares node address {} and cannot be asked; connect it alone; "
-                                      "nothing was written",
-                                      bus_.name(), to_text(p.claim.unique_id), p.claim.node_address));
+        throw DeviceError(
+            fmt::format("{}: controller {} shares node address {} and cannot be asked; connect it alone; "
+                        "nothing was written",
+                        bus_.name(), to_text(p.claim.unique_id), p.claim.node_address));
       }
       Controller controller(bus_, p.claim.node_address);
       controller.require_versions(controller.hello());
@@ -237,15 +239,17 @@ class Restoration {
     for (const Pair& p : pairs_) {
       const int address = p.board->node_address;
       if (!addresses.insert(address).second)
-        throw InputError(fmt::format("two boards of the file had node address {}: restore them one after the other; "
-                                     "nothing was written",
-                                     address));
+        throw InputError(
+            fmt::format("two boards of the file had node address {}: restore them one after the other; "
+                        "nothing was written",
+                        address));
       const auto other = std::ranges::find_if(
           claims_, [&](const wire::NodeClaim& c) { return c.node_address == address && !is_paired(c); });
       if (other == claims_.end()) continue;
-      throw DeviceError(fmt::format("{}: controller {}, which is not in the file, has node address {} that controller "
-                                    "{} is to get; take it off the bus; nothing was written",
-                                    bus_.name(), to_text(other->unique_id), address, to_text(p.claim.unique_id)));
+      throw DeviceError(
+          fmt::format("{}: controller {}, which is not in the file, has node address {} that controller "
+                      "{} is to get; take it off the bus; nothing was written",
+                      bus_.name(), to_text(other->unique_id), address, to_text(p.claim.unique_id)));
     }
   }
 
@@ -265,7 +269,8 @@ class Restoration {
     const auto now = static_cast<std::uint8_t>(options_.dry_run ? p.claim.node_address : b.node_address);
     Controller controller(bus_, now);
     const wire::ActiveTable table = controller.active_table();
-    const bool same = table.present() && table.crc == crc32(b.table) && controller.read_table(b.table.size()) == b.table;
+    const bool same =
+        table.present() && table.crc == crc32(b.table) && controller.read_table(b.table.size()) == b.table;
     r.equal = same && !moved;
     if (same || options_.dry_run) return r;
     write_and_compare(controller, bus_, b.table, {});
@@ -292,9 +297,10 @@ std::vector<BoardBackup> save_boards(Bus& bus, const std::function<void(const st
     if (users.at(c.node_address) == 1) {
       boards.push_back(read_board(bus, c));
     } else if (c.has_table) {
-      throw DeviceError(fmt::format("{}: controller {} holds a table and shares node address {}, so it cannot be asked; "
-                                    "connect it alone to keep what it holds",
-                                    bus.name(), to_text(c.unique_id), c.node_address));
+      throw DeviceError(
+          fmt::format("{}: controller {} holds a table and shares node address {}, so it cannot be asked; "
+                      "connect it alone to keep what it holds",
+                      bus.name(), to_text(c.unique_id), c.node_address));
     } else if (say) {
       say(fmt::format("controller {} was never flashed: there is nothing to keep", to_text(c.unique_id)));
     }

@@ -38,16 +38,18 @@ BoardFile read_board_file(const std::filesystem::path& path, const design::Desig
   const std::string name = path.string();
   const nlohmann::json document = design::parse_json(read_file(path), name);
   const JsonValue v(document, name, "");
-  if (v["format"].text() != kFormat) v["format"].fail(fmt::format("must be \"{}\", as triskin identify writes it", kFormat));
+  if (v["format"].text() != kFormat)
+    v["format"].fail(fmt::format("must be \"{}\", as triskin identify writes it", kFormat));
   if (const int version = v["version"].integer(0, 1'000'000); version != kVersion)
-    v["version"].fail(fmt::format("is {}, this program reads {}; make the file again with triskin identify", version,
-                                  kVersion));
+    v["version"].fail(
+        fmt::format("is {}, this program reads {}; make the file again with triskin identify", version, kVersion));
   design::only_keys(v, {"format", "version", "design_id", "boards"}, kPage);
   BoardFile file;
   file.design_id = design::hex64(v["design_id"]);
   if (file.design_id != design.design_id)
-    v["design_id"].fail(fmt::format("the boards are those of design {:016x}, this design is {:016x}; identify them again",
-                                    file.design_id, design.design_id));
+    v["design_id"].fail(
+        fmt::format("the boards are those of design {:016x}, this design is {:016x}; identify them again",
+                    file.design_id, design.design_id));
   const JsonValue list = v["boards"];
   for (std::size_t k = 0; k < list.size(); ++k) {
     const auto a = assignment_in(list.at(k), design);

@@ -189,9 +189,10 @@ class Matcher {
   }
   void touch(const std::vector<int>& open, std::vector<FeelingBoard> boards, const std::vector<Candidate*>& rest) {
     if (options_.say)
-      options_.say(fmt::format("the shapes of patch{} {} do not tell their controllers apart: the finger of the "
-                               "simulation does",
-                               open.size() == 1 ? "" : "es", fmt::join(open, ", ")));
+      options_.say(
+          fmt::format("the shapes of patch{} {} do not tell their controllers apart: the finger of the "
+                      "simulation does",
+                      open.size() == 1 ? "" : "es", fmt::join(open, ", ")));
     const std::vector<FeelingBoard> alike = boards;
     IdentifyOptions how;
     how.say = options_.say;
@@ -209,21 +210,21 @@ class Matcher {
     std::vector<std::string> names;
     for (const FeelingBoard& b : boards) {
       names.push_back(fmt::format("{} ({})", to_text(b.claim.unique_id),
-                                  b.likely.empty()        ? "like no patch that is left"
+                                  b.likely.empty()       ? "like no patch that is left"
                                   : b.likely.size() == 1 ? fmt::format("like patch {}", b.likely[0])
                                                          : fmt::format("like patches {}", fmt::join(b.likely, ", "))));
     }
     throw DeviceError(fmt::format(
-        "{}: it is ambiguous which controller serves patch{} {}: {}. Let triskin identify find it out by touch, name them "
+        "{}: it is ambiguous which controller serves patch{} {}: {}. Let triskin identify find it out by touch, name "
+        "them "
         "(--assign {}=SERIAL), or plug them in one after the other (--patch); --by-serial takes them in the order of "
         "their serial numbers; no table of the design was written",
         bus_.name(), open.size() == 1 ? "" : "es", fmt::join(open, ", "), fmt::join(names, ", "), open.front()));
   }
   static bool share_addresses(const std::vector<Candidate*>& list) {
     std::set<int> addresses;
-    return !std::ranges::all_of(list, [&](const Candidate* c) {
-      return addresses.insert(c->board.claim.node_address).second;
-    });
+    return !std::ranges::all_of(
+        list, [&](const Candidate* c) { return addresses.insert(c->board.claim.node_address).second; });
   }
   // Fresh controllers may be those of neighbours whose designs are not here: shapes cannot tell.
   [[nodiscard]] bool neighbour_seats() const {

@@ -74,14 +74,15 @@ class Guide {
     const Work work = work_of(finding_.kind);
     if (work == Work::kNone) return {};
     if (work != Work::kFlash) {
-      steps_.push_back(fmt::format("keep what the controllers hold: triskin flash {} --save before_repair.json --dry-run",
-                                   arguments_));
+      steps_.push_back(fmt::format(
+          "keep what the controllers hold: triskin flash {} --save before_repair.json --dry-run", arguments_));
       steps_.emplace_back("switch the supply of the skin off");
     }
     by_hand(work);
     if (work != Work::kFlash) steps_.emplace_back("switch the supply on");
-    steps_.push_back(fmt::format("triskin flash {}{}", arguments_,
-                                 work == Work::kFlash ? "" : " (equal tables are skipped; a new controller gets its own)"));
+    steps_.push_back(
+        fmt::format("triskin flash {}{}", arguments_,
+                    work == Work::kFlash ? "" : " (equal tables are skipped; a new controller gets its own)"));
     steps_.push_back(fmt::format("triskin verify {} --touch: this finding is gone", arguments_));
     return std::move(steps_);
   }
@@ -125,15 +126,17 @@ class Guide {
   void find(int module) {
     if (!known(module)) return;
     const std::string place = module == finding_.module ? finding_.place : "";
-    steps_.push_back(fmt::format("find module {} of patch {}{}", module, wiring_[static_cast<std::size_t>(module)].patch,
+    steps_.push_back(fmt::format("find module {} of patch {}{}", module,
+                                 wiring_[static_cast<std::size_t>(module)].patch,
                                  place.empty() ? "" : fmt::format(" ({})", place)));
   }
   void straps(int module) {
     if (!known(module)) return;
     const design::RoutedModule& m = wiring_[static_cast<std::size_t>(module)].routed;
-    steps_.push_back(fmt::format(
-        "module {}: port A at side {}; close the straps of line {} and address {}, no others (switched modules have none)",
-        module, m.rotation, m.line, m.address));
+    steps_.push_back(
+        fmt::format("module {}: port A at side {}; close the straps of line {} and address {}, no others (switched "
+                    "modules have none)",
+                    module, m.rotation, m.line, m.address));
   }
 
   // Both ends of each joint, and whether the tree uses it.
@@ -142,7 +145,8 @@ class Guide {
     const int patch = wiring_[static_cast<std::size_t>(module)].patch;
     const layout::PatchImage image = image_of(design_, patch);
     const auto rows = image.rows();
-    const auto row = static_cast<std::size_t>(std::ranges::find(rows, module, &layout::ModuleRow::module_id) - rows.begin());
+    const auto row =
+        static_cast<std::size_t>(std::ranges::find(rows, module, &layout::ModuleRow::module_id) - rows.begin());
     const auto kept = layout::kept_ports(image);
     std::vector<std::string> carrying, cut;
     for (std::size_t port = 0; port < layout::kPorts; ++port) {
@@ -159,10 +163,9 @@ class Guide {
       (carries ? carrying : cut).push_back(joint);
     }
     steps_.push_back(fmt::format("{}: {}", before, fmt::join(carrying, ", ")));
-    steps_.push_back(fmt::format("{}, with the joints that carry the lines: {}{}", after, fmt::join(carrying, ", "),
-                                 cut.empty() ? ""
-                                             : fmt::format("; on strapped modules these stay cut: {}",
-                                                           fmt::join(cut, ", "))));
+    steps_.push_back(
+        fmt::format("{}, with the joints that carry the lines: {}{}", after, fmt::join(carrying, ", "),
+                    cut.empty() ? "" : fmt::format("; on strapped modules these stay cut: {}", fmt::join(cut, ", "))));
   }
 
   // The joint to `other`, or the one towards the controller.
@@ -178,9 +181,9 @@ class Guide {
     }
     const auto& neighbour = design_.layout.modules[static_cast<std::size_t>(module)].neighbour;
     const auto side = std::ranges::find(neighbour, other);
-    steps_.push_back(fmt::format("look at the joint between module {}{} and module {}; solder it anew, all pads of it",
-                                 module, side == neighbour.end() ? "" : fmt::format(" (its side {})", side - neighbour.begin()),
-                                 other));
+    steps_.push_back(
+        fmt::format("look at the joint between module {}{} and module {}; solder it anew, all pads of it", module,
+                    side == neighbour.end() ? "" : fmt::format(" (its side {})", side - neighbour.begin()), other));
   }
 
   const design::Design& design_;

@@ -161,9 +161,8 @@ std::optional<std::size_t> TouchFinder::find(int patch) {
   take_rest();
   Finger* finger = options_.finger ? bus_.link().finger() : nullptr;
   if (options_.ask) options_.ask(patch);
-  const auto board = finger != nullptr
-                         ? press(*finger, patch)
-                         : wait(bus_.now_us() + static_cast<std::uint64_t>(options_.limit_s * 1e6));
+  const auto board = finger != nullptr ? press(*finger, patch)
+                                       : wait(bus_.now_us() + static_cast<std::uint64_t>(options_.limit_s * 1e6));
   if (board) probes_[*board].found = true;
   return board;
 }

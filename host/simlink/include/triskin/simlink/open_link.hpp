@@ -14,9 +14,9 @@ namespace triskin::device {
 /// What `--link` and `--scene` name.
 struct LinkOptions {
   std::string link = "sim";
-  bool chosen = false;         ///< `link` was given; else a robot file says which
-  std::string scene;           ///< scene file for `sim`; empty: the design, with nothing wrong
-  bool switched = false;       ///< `sim` without a scene file has switched modules
+  bool chosen = false;    ///< `link` was given; else a robot file says which
+  std::string scene;      ///< scene file for `sim`; empty: the design, with nothing wrong
+  bool switched = false;  ///< `sim` without a scene file has switched modules
   /// What the serial numbers of simulated boards are drawn from: 0: they ascend with the patches; empty: the scene's
   /// seed. Boards of a robot file are numbered by it.
   std::optional<std::uint64_t> board_seed;

@@ -65,8 +65,8 @@ struct ShapeAssignment {
                                               std::span<const int> patches);
 
 /// Gives controllers without a table that share their node address addresses of their own, from the highest free one
-/// downwards, so that each can be asked; with `tables` those with one, too. Nobody else is touched. Returns who is there
-/// then. Throws DeviceError when addresses do not suffice or one is not taken.
+/// downwards, so that each can be asked; with `tables` those with one, too. Nobody else is touched. Returns who is
+/// there then. Throws DeviceError when addresses do not suffice or one is not taken.
 [[nodiscard]] std::vector<wire::NodeClaim> put_apart(Bus& bus, std::vector<wire::NodeClaim> claims, bool tables);
 
 }  // namespace triskin::device

@@ -48,10 +48,10 @@ struct FlashOptions {
 struct FlashResult {
   struct Patch {
     int patch = 0;
-    std::string serial;   ///< unique id
+    std::string serial;              ///< unique id
     FoundBy by = FoundBy::kNothing;  ///< kNothing in a dry run: which controller it will be shows when flashing
-    int old_address = 0;  ///< node address before
-    int address = 0;      ///< node address of the patch
+    int old_address = 0;             ///< node address before
+    int address = 0;                 ///< node address of the patch
     bool new_address = false;
     bool equal = false;    ///< the table was there already
     bool written = false;  ///< written, read back and compared
