@@ -7,6 +7,7 @@
 
 #include "support/strip_design.hpp"
 #include "support/switched_case.hpp"
+#include "triskin/host/files.hpp"
 
 namespace triskin::test {
 namespace {
@@ -67,6 +68,42 @@ TEST_F(AlikeBoards, touches_of_the_scene_are_waited_for) {
   const json none = run("identify patch.json --scene scene.json --patch 2 --limit-s 2 -o boards.json", 1);
   EXPECT_EQ(none["missing"], json::array({2}));
   EXPECT_EQ(boards()["boards"].size(), 1U);
+}
+
+// A board's tables are kept, lost to another design and brought back.
+TEST_F(AlikeBoards, what_they_hold_is_saved_and_restored) {
+  scene(json::array());
+  (void)run("flash patch.json --scene scene.json", 0);
+  const json flashed = run("flash patch.json --scene scene.json --save kept.json --dry-run", 0);
+  EXPECT_EQ(flashed["skipped"], 3);
+  const std::string text = read_file(folder_ / "kept.json");
+  EXPECT_EQ(run("flash patch.json --scene scene.json --positive-input", 0)["skipped"], 0);
+  EXPECT_EQ(run("flash patch.json --scene scene.json --restore kept.json --dry-run", 0)["restored"].size(), 3U);
+  EXPECT_EQ(run("flash patch.json --scene scene.json --dry-run", 0)["skipped"], 0);
+  const json restored = run("flash patch.json --scene scene.json --restore kept.json", 0);
+  EXPECT_EQ(restored["controllers"], 3);
+  EXPECT_EQ(restored["bytes"], 3 * (32 + 4 * 12));  // docs/flash_layout.md: 32 bytes, 12 a module
+  EXPECT_EQ(run("flash patch.json --scene scene.json --dry-run", 0)["skipped"], 3);
+  EXPECT_TRUE(run("verify patch.json --scene scene.json --watch-s 0", 0)["findings"].empty());
+  std::ofstream(folder_ / "cut.json") << text.substr(0, text.size() / 2);
+  (void)run("flash patch.json --scene scene.json --restore cut.json", 2);
+  (void)run("flash patch.json --scene scene.json --save kept.json --restore kept.json", 2);
+  (void)run("flash patch.json --scene scene.json --onto 00112233445566778899AABB=00112233445566778899AABC", 2);
+  EXPECT_EQ(read_file(folder_ / "kept.json"), text);
+}
+
+TEST_F(AlikeBoards, a_finding_has_the_steps_that_mend_it) {
+  scene(json::array());
+  (void)run("flash patch.json --scene scene.json", 0);
+  scene({{{"kind", "dead_module"}, {"module", 3}}});
+  const json findings = run("verify patch.json --scene scene.json --watch-s 0 --report r.txt", 1)["findings"];
+  ASSERT_FALSE(findings.empty());
+  const json& steps = findings[0]["repair"];
+  ASSERT_GE(steps.size(), 5U);
+  EXPECT_EQ(steps.front(),
+            "keep what the controllers hold: triskin flash patch.json --link sim --scene scene.json "
+            "--save before_repair.json --dry-run");
+  EXPECT_NE(read_file(folder_ / "r.txt").find("1. keep what the controllers hold"), std::string::npos);
 }
 
 TEST_F(AlikeBoards, a_file_that_cannot_be_is_refused) {

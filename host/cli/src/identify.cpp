@@ -22,7 +22,7 @@ struct Options {
   SiteOptions site;
   device::IdentifyOptions identify;
   std::string output;
-  bool by_hand = false;
+  bool by_hand = false, finger = false;
 };
 
 constexpr double kDefaultLimit_s = 60.0;
@@ -111,7 +111,8 @@ int run(Options options, Output& output) {
   device::Bus bus(link);
   options.identify.say = tell_person;
   // Contacts in a scene are somebody's fingers.
-  options.identify.finger = options.site.link.link == "sim" && options.site.link.scene.empty() && !options.by_hand;
+  const bool own = options.site.link.link == "sim" && options.site.link.scene.empty();
+  options.identify.finger = options.finger || (own && !options.by_hand);
   options.identify.ask = [&](int patch) {
     tell_person(fmt::format("press any module of patch {} now (within {:g} s)", patch, options.identify.limit_s));
   };
@@ -140,6 +141,8 @@ const Registration kIdentify{{
           ->capture_default_str();
       app.add_flag("--by-hand", options->by_hand,
                    "wait for touches also on --link sim without a scene, where else a virtual finger presses");
+      app.add_flag("--finger", options->finger, "let the virtual finger of any simulation press, also of a served one")
+          ->excludes("--by-hand");
       return [options](Output& output) { return run(*options, output); };
     },
 }};
