@@ -47,7 +47,7 @@ PARTS = [
          "triskin_simlink"),
     Part("host/view", "view", "host design base wire layout", HOST_BASE + " boost_beast", "triskin_view"),
     Part("host/sheet", "sheet", "host design base wire layout", HOST_BASE + " cairo", "triskin_sheet"),
-    Part("host/hdf5", "hdf5", "host design base wire layout", HOST_BASE + " HDF5", "triskin_hdf5"),
+    Part("host/hdf5", "hdf5", "host design base wire layout recording", HOST_BASE + " HDF5", "triskin_hdf5"),
     # Each header of the library is its own: <triskin/triskin.h> has no prefix.
     Part("host/library", "", "host design base wire layout link session jobs robot simlink scene", "fmt", "triskin_library"),
     Part("host/python", "", "", "pybind11", "triskin_python"),

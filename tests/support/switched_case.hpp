@@ -34,9 +34,9 @@ class SwitchedCase : public testing::Test {
         {"faults", faults}}.dump();
   }
   /// The simulated boards keep their flash in this folder between commands.
-  nlohmann::json run(const std::string& command, int expected_status) const {
+  nlohmann::json run(const std::string& command, int expected_status, const std::string& link = " --link sim") const {
     const std::string line = "cd '" + folder_.string() + "' && XDG_STATE_HOME='" + folder_.string() + "' " +
-                             TRISKIN_PROGRAM + " " + command + " --link sim --json 2>messages";
+                             TRISKIN_PROGRAM + " " + command + link + " --json 2>messages";
     std::FILE* p = ::popen(line.c_str(), "r");
     std::string text;
     for (int c = std::fgetc(p); c != EOF; c = std::fgetc(p)) text += static_cast<char>(c);

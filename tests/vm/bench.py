@@ -79,7 +79,7 @@ def stop_all():
 @contextlib.contextmanager
 def controllers(link, scene=DESIGN, fresh=True):
     """Simulated controllers on a link of this kernel."""
-    process = start(TRISKIN, "simulate", scene, "--listen", link, *(["--fresh"] if fresh else []), wait_for="end with Ctrl-C")
+    process = start(TRISKIN, "simulate", scene, "--board-seed", "0", "--listen", link, *(["--fresh"] if fresh else []), wait_for="end with Ctrl-C")
     try:
         yield process
     finally:

@@ -15,12 +15,12 @@ def flash_verify_live(link):
     """The whole way of a user; the controllers were never flashed before."""
     found = triskin("discover", "--link", link)["controllers"]
     assert len(found) == bench.PATCHES and all(c["node_address"] == 1 and not c["flashed"] for c in found), found
-    planned = triskin("flash", DESIGN, "--link", link, "--dry-run")
+    planned = triskin("flash", DESIGN, "--by-serial", "--link", link, "--dry-run")
     assert planned["dry_run"] and planned["bytes"] == 0
     assert triskin("verify", DESIGN, "--link", link, "--no-touch", "--watch-s", "0", status=1)["findings"][0]["kind"] == "not_flashed"
-    done = triskin("flash", DESIGN, "--link", link)
+    done = triskin("flash", DESIGN, "--by-serial", "--link", link)
     assert done["controllers"] == bench.PATCHES and done["skipped"] == 0 and done["bytes"] == 32 * bench.PATCHES + 12 * bench.MODULES, done
-    again = triskin("flash", DESIGN, "--link", link)
+    again = triskin("flash", DESIGN, "--by-serial", "--link", link)
     assert again["skipped"] == bench.PATCHES and again["bytes"] == 0
     bench.verify_all(link, watch_s=1)
 
@@ -50,7 +50,7 @@ def test_an_interface_that_is_down_or_missing_is_named():
 
 def test_isotpsend_and_isotprecv_read_the_part_number():
     with controllers("can:vcan1"):
-        triskin("flash", DESIGN, "--link", "can:vcan1")  # node addresses 1 and 2 from now on
+        triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1")  # node addresses 1 and 2 from now on
         receiver = start("isotprecv", "-s", "18DA01F1", "-d", "18DAF101", "-p", "CC:CC", "-b", "8", "-m", "0", "vcan1")
         time.sleep(0.5)
         run("isotpsend", "-s", "18DA01F1", "-d", "18DAF101", "-p", "CC:", "vcan1", text="22 F1 90\n")
@@ -64,7 +64,7 @@ def test_tshark_decodes_a_flash_session():
         with open("/tmp/flash.log", "w") as out:
             dump = subprocess.Popen(["candump", "-L", "vcan1"], stdout=out)
             time.sleep(0.5)
-            triskin("flash", DESIGN, "--link", "can:vcan1")
+            triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1")
             time.sleep(0.5)
             dump.terminate()
             dump.wait()
@@ -81,7 +81,7 @@ def test_tshark_decodes_a_flash_session():
 
 def test_bus_off_ends_a_command_with_the_remedy():
     with controllers("can:vcan1"):
-        triskin("flash", DESIGN, "--link", "can:vcan1")
+        triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1")
         watching = start(bench.TRISKIN, "verify", DESIGN, "--link", "can:vcan1", "--no-touch", "--watch-s", "60")
         time.sleep(2)
         run("cansend", "vcan1", "20000040#0000000000000000")  # the error frame of a controller chip that leaves the bus
@@ -92,7 +92,7 @@ def test_bus_off_ends_a_command_with_the_remedy():
 def test_a_controller_streams_as_an_icub_board():
     """Frames as an MTB4 board sends them, told by somebody who knows nothing of Triskin; then read by live."""
     with controllers("can:vcan1"):
-        triskin("flash", DESIGN, "--link", "can:vcan1")
+        triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1")
         log = open("/tmp/icub.log", "w")
         dump = subprocess.Popen(["candump", "-L", "vcan1,400:700,700:700"], stdout=log)
         time.sleep(0.5)

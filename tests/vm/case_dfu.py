@@ -27,16 +27,16 @@ def test_firmware_over_can():
     make_package("/tmp/first.tsf", 1)
     make_package("/tmp/second.tsf", 2)
     with controllers("can:vcan1"):
-        triskin("flash", DESIGN, "--link", "can:vcan1")
-        first = triskin("flash", DESIGN, "--link", "can:vcan1", "--firmware", "/tmp/first.tsf", timeout=120)
+        triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1")
+        first = triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1", "--firmware", "/tmp/first.tsf", timeout=120)
         assert [f["slot"] for f in first["firmware"]] == [0] * bench.PATCHES and first["skipped"] == bench.PATCHES, first
-        again = triskin("flash", DESIGN, "--link", "can:vcan1", "--firmware", "/tmp/first.tsf")
+        again = triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1", "--firmware", "/tmp/first.tsf")
         assert all(f["equal"] and f["bytes"] == 0 for f in again["firmware"]), again
-        second = triskin("flash", DESIGN, "--link", "can:vcan1", "--firmware", "/tmp/second.tsf", timeout=120)
+        second = triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1", "--firmware", "/tmp/second.tsf", timeout=120)
         assert [f["slot"] for f in second["firmware"]] == [1] * bench.PATCHES, second
         bench.verify_all("can:vcan1")
     os.truncate("/tmp/second.tsf", 30_000)
-    assert "cut off" in triskin("flash", DESIGN, "--link", "can:vcan1", "--firmware", "/tmp/second.tsf", status=2)["error"]
+    assert "cut off" in triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1", "--firmware", "/tmp/second.tsf", status=2)["error"]
 
 
 def test_firmware_to_all_controllers_at_once():
@@ -44,12 +44,12 @@ def test_firmware_to_all_controllers_at_once():
     make_package("/tmp/second.tsf", 2, labelled=True)
     for link in ("can:vcan0", "can:vcan1"):
         with controllers(link):
-            triskin("flash", DESIGN, "--link", link)
-            first = triskin("flash", DESIGN, "--link", link, "--firmware", "/tmp/first.tsf", timeout=120)
+            triskin("flash", DESIGN, "--by-serial", "--link", link)
+            first = triskin("flash", DESIGN, "--by-serial", "--link", link, "--firmware", "/tmp/first.tsf", timeout=120)
             assert [f["outcome"] for f in first["firmware"]] == ["updated"] * bench.PATCHES, first  # by their loaders
-            second = triskin("flash", DESIGN, "--link", link, "--firmware", "/tmp/second.tsf", timeout=120)
+            second = triskin("flash", DESIGN, "--by-serial", "--link", link, "--firmware", "/tmp/second.tsf", timeout=120)
             assert [(f["outcome"], f["slot"], f["bytes"]) for f in second["firmware"]] == [("updated", 1, 20_000)] * bench.PATCHES, second
-            again = triskin("flash", DESIGN, "--link", link, "--firmware", "/tmp/second.tsf")
+            again = triskin("flash", DESIGN, "--by-serial", "--link", link, "--firmware", "/tmp/second.tsf")
             assert all(f["outcome"] == "equal" for f in again["firmware"]), again
             bench.verify_all(link)
 
@@ -59,7 +59,7 @@ def test_dfu_util_updates_the_firmware():
     run("dfu-suffix", "-v", "1209", "-p", "0002", "-d", "ffff", "-a", "/tmp/first.tsf")
     with controllers("usb"):
         wait_for_devices(bench.PATCHES)
-        triskin("flash", DESIGN, "--link", "usb")
+        triskin("flash", DESIGN, "--by-serial", "--link", "usb")
         serial = triskin("discover", "--link", "usb")["controllers"][0]["serial"]
         assert "1209:0001" in run("dfu-util", "-l")
         text = run("dfu-util", "-d", "1209:0001,1209:0002", "-S", serial, "-D", "/tmp/first.tsf", "-R", timeout=120, status=None)

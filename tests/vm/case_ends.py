@@ -11,7 +11,7 @@ from bench import DESIGN, controllers, start, stop, triskin
 
 def test_ctrl_c_ends_live_and_stops_the_stream():
     with controllers("can:vcan0"):
-        triskin("flash", DESIGN, "--link", "can:vcan0")
+        triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan0")
         seen = subprocess.Popen(["candump", "-n", "20", "vcan0,18F00000:1FFF0000"], stdout=subprocess.DEVNULL)
         time.sleep(0.5)
         live = start(bench.TRISKIN, "live", DESIGN, "--link", "can:vcan0", "--json")
@@ -26,11 +26,11 @@ def test_ctrl_c_ends_live_and_stops_the_stream():
 
 def test_ctrl_c_ends_a_flash_and_it_says_what_was_done():
     with controllers("can:vcan1") as skin:
-        triskin("flash", DESIGN, "--link", "can:vcan1")
+        triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1")
         try:
             seen = subprocess.Popen(["candump", "-n", "14", "vcan1"], stdout=subprocess.DEVNULL)
             time.sleep(0.5)
-            flash = start(bench.TRISKIN, "flash", DESIGN, "--link", "can:vcan1", "--force")
+            flash = start(bench.TRISKIN, "flash", DESIGN, "--by-serial", "--link", "can:vcan1", "--force")
             seen.wait(30)  # all controllers are found
             skin.send_signal(signal.SIGSTOP)  # now they do not answer
             time.sleep(0.3)
@@ -40,7 +40,7 @@ def test_ctrl_c_ends_a_flash_and_it_says_what_was_done():
             skin.send_signal(signal.SIGCONT)
         text = flash.output_path.read_text()
         assert flash.returncode == 130 and "ended on request" in text and "controller" in text, (flash.returncode, text)
-        assert triskin("flash", DESIGN, "--link", "can:vcan1")["controllers"] == bench.PATCHES
+        assert triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1")["controllers"] == bench.PATCHES
         bench.verify_all("can:vcan1")
 
 
@@ -58,7 +58,7 @@ def pull_and_plug(link, moments, wait_for_moment):
     """Controllers vanish while they are flashed, and come back as fresh boards: the same command completes."""
     for moment in moments:  # one of them falls into the flash
         with controllers(link) as skin:
-            process = start(bench.TRISKIN, "flash", DESIGN, "--link", link, "--wait-s", "60")
+            process = start(bench.TRISKIN, "flash", DESIGN, "--by-serial", "--link", link, "--wait-s", "60")
             wait_for_moment(process, moment)
             skin.kill()
             skin.wait()

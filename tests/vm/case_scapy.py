@@ -30,7 +30,7 @@ socket.close()
 
 def test_scapy_reads_identifiers_and_is_refused_a_write():
     with controllers("can:vcan1"):
-        serial = triskin("flash", DESIGN, "--link", "can:vcan1")["patches"][0]["serial"]
+        serial = triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1")["patches"][0]["serial"]
         done = subprocess.run([sys.executable, "-c", SESSION], capture_output=True, text=True, timeout=180, stdin=subprocess.DEVNULL)
         bench.log.append(done.stdout + done.stderr[-3000:])
     answers = dict(line.split() for line in done.stdout.splitlines())

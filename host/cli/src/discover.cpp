@@ -9,6 +9,7 @@
 #include "topology_report.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/jobs/board_shape.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/session/controller.hpp"
 
@@ -183,7 +184,8 @@ int run_link(const Options& options, Output& output) {
   const bool simulated = options.link.scene.empty() && !designs.empty();
   const auto link = device::open_link(options.link, simulated ? &designs[0].second : nullptr);
   device::Bus bus(*link);
-  const auto claims = claims_on(bus);
+  auto claims = claims_on(bus);
+  if (options.topology) claims = device::put_apart(bus, std::move(claims), false);
   auto users = users_of(claims);
   nlohmann::json controllers = nlohmann::json::array();
   bool bad = false;
@@ -216,7 +218,8 @@ const Registration kDiscover{{
       app.add_flag("--note", options->note, "with a robot file: write the serial numbers into it");
       app.add_flag(
           "--topology", options->topology,
-          "let controllers of switched modules find their modules and joints; interrupts sampling for up to 60 ms");
+          "let controllers of switched modules find their modules and joints; interrupts sampling for up to 60 ms; "
+          "controllers without a table that share a node address get their own");
       app.add_option(
           "--design", options->designs,
           "design files that the topology is compared with; also recognizes patches that were never flashed");

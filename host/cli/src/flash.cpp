@@ -9,12 +9,15 @@
 #include <memory>
 #include <optional>
 
+#include "flash_backup.hpp"
 #include "flash_firmware.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/site_options.hpp"
+#include "triskin/jobs/board_file.hpp"
 #include "triskin/jobs/firmware_update.hpp"
 #include "triskin/jobs/offset_report.hpp"
 #include "triskin/layout/module.hpp"
+#include "triskin/link/cover_link.hpp"
 
 namespace triskin::cli::flash_command {
 namespace {
@@ -24,7 +27,10 @@ struct Options {
   device::FlashOptions flash;
   std::string route = "normal";
   FirmwareOptions firmware;
+  BackupOptions backup;
   std::vector<std::string> assign;
+  std::string assign_file;
+  bool by_serial = false, no_touch = false;
 };
 
 // What became of a bus.
@@ -36,6 +42,8 @@ struct BusOutcome {
 std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
   const std::string address = p.new_address ? fmt::format(", node address {} -> {}", p.old_address, p.address) : "";
   if (p.equal && !p.written) return "equal, skipped";
+  if (dry_run && p.by == device::FoundBy::kNothing)
+    return fmt::format("would write {} bytes; which of the fresh controllers gets them shows when flashing", p.bytes);
   if (dry_run) return fmt::format("would write {} bytes{}", p.bytes, address);
   return fmt::format("{} bytes written and read back{}", p.bytes, address);
 }
@@ -60,12 +68,14 @@ BusOutcome flash_bus(const robot::BusSite& site, device::Link& link, const Optio
                      const ProgressSink& progress) {
   BusOutcome outcome;
   outcome.bus = &site;
-  device::Bus bus(link);
   for (const robot::CoverOnBus& cover : site.covers) {
     if (!cover.chosen) continue;
     const device::FlashOptions own = robot::flash_options(site, cover, options.flash);
+    device::CoverLink finger(link, cover.first_module);  // its finger counts the modules of this cover
+    device::Bus bus(finger);
     outcome.covers.emplace_back(&cover, device::flash(bus, cover.design, own, progress_of(site, cover, progress)));
   }
+  device::Bus bus(link);
   for (const auto& [cover, r] : outcome.covers) {
     if (!options.flash.dry_run && std::ranges::any_of(r.patches, &device::FlashResult::Patch::written))
       wait_for_offsets(bus, cover->design);
@@ -78,6 +88,7 @@ nlohmann::json patch_rows(const robot::CoverOnBus& cover, const device::FlashRes
   for (const auto& p : r.patches) {
     patches.push_back({{"patch", p.patch},
                        {"serial", p.serial},
+                       {"found_by", device::kFoundByNames.name(p.by)},
                        {"node_address", p.address},
                        {"bytes", p.bytes},
                        {"equal", p.equal},
@@ -123,9 +134,24 @@ void say_all(const std::vector<BusOutcome>& buses, const nlohmann::json& firmwar
 
 // Numbers of patches and modules are those of one cover.
 void require_cover(const Options& options, const robot::Site& site) {
-  const bool of_one = options.flash.patch >= 0 || !options.flash.assign.empty() || options.flash.route.module >= 0;
+  const bool of_one = options.flash.patch >= 0 || !options.flash.assign.empty() || !options.assign_file.empty() ||
+                      options.flash.route.module >= 0;
   if (site.is_robot && of_one && options.site.cover.empty())
-    throw InputError("--patch, --assign and --route count patches and modules of one cover: say which with --cover");
+    throw InputError(
+        "--patch, --assign, --assign-file and --route count patches and modules of one cover: say which with --cover");
+}
+
+// The file of triskin identify. What is named on the command line goes first.
+void add_board_file(Options& options, const robot::Site& site) {
+  if (options.assign_file.empty()) return;
+  const auto& covers = site.buses.at(0).covers;
+  const auto cover = std::ranges::find_if(covers, [](const robot::CoverOnBus& c) { return c.chosen; });
+  if (cover == covers.end()) throw InputError("--assign-file: the cover has nothing on this bus");
+  for (const auto& a : device::read_board_file(options.assign_file, cover->design).boards) {
+    const bool named = std::ranges::any_of(
+        options.flash.assign, [&](const auto& given) { return given.patch == a.patch || given.serial == a.serial; });
+    if (!named) options.flash.assign.push_back(a);
+  }
 }
 
 int run(Options options, Output& output) {
@@ -144,6 +170,17 @@ int run(Options options, Output& output) {
   }
   OpenSite open = open_site(options.site);
   require_cover(options, open.site);
+  add_board_file(options, open.site);
+  if (!options.backup.onto.empty() && options.backup.restore.empty()) throw InputError("--onto belongs to --restore");
+  if (!options.backup.save.empty() && options.backup.save == options.backup.restore)
+    throw InputError("--save and --restore name one file: what was kept would be lost; choose two");
+  if (!options.backup.save.empty()) save_backup(open, options.backup, output);
+  if (!options.backup.restore.empty()) {
+    restore_backup(open, options.backup, options.flash.dry_run, output);
+    return 0;
+  }
+  options.flash.recognise = !options.by_serial;
+  options.flash.touch = !options.no_touch;
   options.flash.say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
   std::vector<BusOutcome> buses(open.site.buses.size());
   const ProgressSink progress = output.progress();
@@ -176,6 +213,7 @@ const Registration kFlash{{
       options->flash.wait_s = 20.0;
       add_site_options(app, options->site);
       add_firmware_options(app, options->firmware);
+      add_backup_options(app, options->backup);
       app.add_option("--wait-s", options->flash.wait_s,
                      "how long to wait for a cable that was pulled meanwhile, and then go on; 0: end at once")
           ->check(CLI::Range(0.0, 86400.0))
@@ -192,6 +230,14 @@ const Registration kFlash{{
       app.add_option("--assign", options->assign,
                      "PATCH=SERIAL: the controller with this serial number serves the patch, whatever it holds; may be "
                      "given several times");
+      app.add_option("--assign-file", options->assign_file,
+                     "the same from a file that triskin identify wrote (docs/device.md)");
+      app.add_flag(
+          "--by-serial", options->by_serial,
+          "fresh controllers get the patches in the order of their serial numbers; else they are told apart by "
+          "the shapes of their patches, and refused where those are equal");
+      app.add_flag("--no-touch", options->no_touch,
+                   "on a simulated link: no virtual finger where shapes do not tell fresh controllers apart");
       app.add_option("--patch", options->flash.patch, "this patch alone, with its one controller on the link")
           ->check(CLI::Range(0, int{layout::kLastNode} - 1));
       app.add_flag("--take-over", options->flash.take_over,

@@ -9,6 +9,8 @@
 #include "contacts.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
+#include "triskin/hdf5/recording.hpp"
+#include "triskin/hdf5/taxel_table.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/host/wall_clock.hpp"
@@ -19,7 +21,10 @@
 namespace triskin::cli::record_command {
 namespace {
 
-using recording::Format;
+enum class Format { kMcap, kCsv, kHdf5 };
+// Names of the option --to, which are extensions too.
+constexpr NameTable kFormatNames{std::array<std::pair<Format, std::string_view>, 3>{
+    {{Format::kMcap, "mcap"}, {Format::kCsv, "csv"}, {Format::kHdf5, "hdf5"}}}};
 
 struct Options {
   SiteOptions site;
@@ -35,13 +40,15 @@ constexpr std::uint64_t kSlice_us = 100'000;
 // What --to says, else the extension; one that says something else is refused.
 Format format_of(const Options& options, bool is_robot) {
   const std::string extension = std::filesystem::path(options.output).extension().string();
-  const auto by_extension = recording::kFormatNames.value(extension.empty() ? "" : extension.substr(1));
+  const auto by_extension =
+      extension == ".h5" ? Format::kHdf5 : kFormatNames.value(extension.empty() ? "" : extension.substr(1));
   if (options.to.empty()) {
     if (by_extension) return *by_extension;
     if (options.output == "-" || is_robot) return Format::kMcap;
-    throw InputError(fmt::format("{}: say the format by the extension .mcap or .csv, or with --to", options.output));
+    throw InputError(
+        fmt::format("{}: say the format by the extension .mcap, .csv or .h5, or with --to", options.output));
   }
-  const Format format = recording::kFormatNames.value(options.to).value();
+  const Format format = kFormatNames.value(options.to).value();
   if (by_extension && *by_extension != format) {
     throw InputError(
         fmt::format("{}: the extension says {}, --to says {}; choose one", options.output, extension, options.to));
@@ -79,7 +86,12 @@ class CoverFile {
     origin_.unix_start_ns = unix_ns();
   }
   void begin() {
-    if (!recorder_) recorder_ = recording::make_recorder(format_, file_, cover_.design, origin_);
+    if (recorder_) return;
+    if (format_ == Format::kHdf5)
+      recorder_ = hdf5::make_recorder(file_, cover_.design, origin_);
+    else
+      recorder_ = recording::make_recorder(format_ == Format::kCsv ? recording::Format::kCsv : recording::Format::kMcap,
+                                           file_, cover_.design, origin_);
   }
   [[nodiscard]] bool begun() const { return recorder_ != nullptr; }
 
@@ -108,6 +120,7 @@ class CoverFile {
                        {"samples", fmt::format("{}", samples_)},
                        {"lost", fmt::format("{}", lost)},
                        {"seconds", fmt::format("{:.6f}", seconds)}});
+    recorder_.reset();
     file_.close();
   }
 
@@ -131,7 +144,7 @@ std::string file_of(const Options& options, Format format, const robot::CoverOnB
   if (cover.name.empty()) return options.output;
   const bool divided = cover.design.patches.size() != design::patches_here(cover.design).size();
   return (std::filesystem::path(options.output) /
-          fmt::format("{}{}.{}", cover.name, divided ? "_" + bus.name : "", recording::kFormatNames.name(format)))
+          fmt::format("{}{}.{}", cover.name, divided ? "_" + bus.name : "", kFormatNames.name(format)))
       .string();
 }
 
@@ -239,6 +252,18 @@ void require_modules(const robot::Site& site) {
   }
 }
 
+// Before the hardware is asked.
+void require_hdf5(const std::string& path) {
+  if (!hdf5::can_write())
+    throw InputError(
+        "--to hdf5: this triskin was built without HDF5; install the package libhdf5-dev and build again, or record to "
+        "mcap or csv");
+  std::error_code none;
+  if (path == "-" || (std::filesystem::exists(path, none) && std::filesystem::is_other(path, none)))
+    throw InputError(
+        fmt::format("{}: HDF5 writes at any place of a file, a pipe or device cannot; record to mcap or csv", path));
+}
+
 void make_folder(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
@@ -276,6 +301,7 @@ int run(const Options& options, Output& output) {
   robot::choose(site, options.site.cover);
   const Format format = format_of(options, site.is_robot);
   require_modules(site);
+  if (format == Format::kHdf5) require_hdf5(options.output);
   if (site.is_robot) make_folder(options.output);
   OpenSite open{std::move(site), {}};
   std::vector<std::unique_ptr<BusRecording>> buses;
@@ -295,11 +321,12 @@ const Registration kRecord{{
     "triskin record forearm.json --link sim -o touch.mcap --seconds 5",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
-      app.add_option("-o,--output", options->output,
-                     "file.mcap (docs/recording.md) or file.csv; of a robot a folder, with a file for each cover")
+      app.add_option(
+             "-o,--output", options->output,
+             "file.mcap (docs/recording.md), file.csv or file.h5; of a robot a folder, with a file for each cover")
           ->required();
       app.add_option("--to", options->to, "format; default: by the extension of -o")
-          ->check(CLI::IsMember({"mcap", "csv"}));
+          ->check(CLI::IsMember({"mcap", "csv", "hdf5"}));
       add_site_options(app, options->site);
       add_stream_options(app, options->stream);
       app.add_option("--seconds", options->seconds, "of the link's time")

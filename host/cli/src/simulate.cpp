@@ -3,10 +3,12 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include "triskin/cli/command.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/robot/bus_threads.hpp"
+#include "triskin/session/controller.hpp"
 #include "triskin/simlink/open_bus.hpp"
 #include "triskin/simlink/sim_server.hpp"
 #include "triskin/simlink/skin_server.hpp"
@@ -19,6 +21,7 @@ struct Options {
   std::string listen;
   double seconds = -1.0;
   bool fresh = false, switched = false;
+  std::optional<std::uint64_t> board_seed;
 };
 
 // Without a client time is only a number: as fast as the computer is.
@@ -41,6 +44,7 @@ struct SimulatedBus {
 SimulatedBus one_bus(const Options& options) {
   scene::Scene scene = scene::read_scene(options.scene);
   scene.switched = scene.switched || options.switched;
+  device::number_boards(scene, options.board_seed);
   const auto folder = options.fresh ? std::filesystem::path{} : scene::state_folder_of(scene.design);
   return {"", std::make_unique<scene::VirtualSkin>(std::move(scene), folder), nullptr};
 }
@@ -85,6 +89,24 @@ void listen(std::vector<SimulatedBus>& buses, const std::string& at) {
   }
 }
 
+// Which board hangs on which patch: what a person at the robot cannot see.
+void tell_boards(const std::vector<SimulatedBus>& buses, Output& output) {
+  nlohmann::json boards = nlohmann::json::array();
+  for (const SimulatedBus& bus : buses) {
+    const scene::Scene& scene = bus.skin->scene();
+    for (std::size_t p = 0; p < bus.skin->controllers(); ++p) {
+      boards.push_back({{"patch", p}, {"serial", device::to_text(scene::unique_id_of(scene, p))}});
+      if (!bus.name.empty()) boards.back()["bus"] = bus.name;
+      if (bus.name.empty())
+        output.say(fmt::format("patch {:3}  controller {}", p, boards.back()["serial"].get<std::string>()));
+    }
+  }
+  output.result["boards"] = std::move(boards);
+  const auto& seed = buses[0].skin->scene().board_seed;
+  output.result["board_seed"] = seed ? nlohmann::json(*seed) : nlohmann::json(nullptr);
+  if (seed) output.say(fmt::format("serial numbers drawn with --board-seed {}", *seed));
+}
+
 void serve(std::vector<SimulatedBus>& buses, const Options& options, std::size_t modules, Output& output) {
   listen(buses, options.listen);
   std::vector<std::string> names;
@@ -98,6 +120,7 @@ void serve(std::vector<SimulatedBus>& buses, const Options& options, std::size_t
   }
   output.say(fmt::format("{} controllers, {} modules on {}; end with Ctrl-C", controllers, modules,
                          buses[0].server->link_name()));
+  tell_boards(buses, output);
   robot::on_each_bus(names,
                      [&](std::size_t k) { buses[k].server->run(interrupt_request(), std::max(0.0, options.seconds)); });
 }
@@ -112,6 +135,7 @@ int run(const Options& options, Output& output) {
   catch_interrupts();
   const auto start = std::chrono::steady_clock::now();
   if (options.listen.empty()) {
+    tell_boards(buses, output);
     std::vector<std::string> names;
     for (const SimulatedBus& bus : buses) names.push_back(bus.name);
     const ProgressSink progress = output.progress();
@@ -129,10 +153,14 @@ int run(const Options& options, Output& output) {
     bus_frames += bus.skin->bus_frames();
   }
   const double factor = wall_s > 0.0 ? virtual_s / wall_s : 0.0;
-  output.result = {{"controllers", controllers}, {"modules", modules},
-                   {"real_time_factor", factor}, {"virtual_s", virtual_s},
-                   {"seconds", wall_s},          {"bus_frames", bus_frames},
-                   {"buses", buses.size()},      {"switched", buses[0].skin->scene().switched}};
+  output.result.update({{"controllers", controllers},
+                        {"modules", modules},
+                        {"real_time_factor", factor},
+                        {"virtual_s", virtual_s},
+                        {"seconds", wall_s},
+                        {"bus_frames", bus_frames},
+                        {"buses", buses.size()},
+                        {"switched", buses[0].skin->scene().switched}});
   output.say(fmt::format("{} controllers, {} modules: {:.3f} s of virtual time in {:.3f} s, {:.1f} times real time",
                          controllers, modules, virtual_s, wall_s, factor));
   return 0;
@@ -152,6 +180,9 @@ const Registration kSimulate{{
           ->check(CLI::Range(0.0, 1e7));
       app.add_flag("--switched", options->switched,
                    "switched modules, which the controllers route; a scene says it by its key \"hardware\"");
+      app.add_option("--board-seed", options->board_seed,
+                     "serial numbers of the boards are drawn from this; 0: they ascend with the patches; default: the "
+                     "scene's seed");
       app.add_flag("--fresh", options->fresh, "boards that were never flashed, kept in memory only");
       return [options](Output& output) { return run(*options, output); };
     },

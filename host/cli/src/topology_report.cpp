@@ -141,6 +141,9 @@ json report_topology(device::Controller& controller, const std::vector<NamedDesi
     say_match(recognized.back(), output);
   }
   if (!designs.empty() && recognized.empty()) output.say("  no patch of the given designs");
+  if (recognized.size() > 1)
+    output.say("  these patches look alike: triskin identify tells by touch which one it is, or name it with --assign");
+  j["ambiguous"] = recognized.size() > 1;
   j["recognized"] = std::move(recognized);
   return j;
 }

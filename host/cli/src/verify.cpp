@@ -18,6 +18,7 @@
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/jobs/repair.hpp"
 #include "triskin/jobs/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
 
@@ -74,11 +75,11 @@ std::string report_file(const std::string& file, const robot::CoverOnBus& cover,
 }
 
 void write_report(const std::string& file, const design::Design& design, const device::VerifyResult& result,
-                  const nlohmann::json& json) {
+                  const nlohmann::json& json, const std::string& arguments) {
   if (file.empty()) return;
   const std::string extension = extension_of(file);
-  write_output(file, extension == ".html"  ? device::report_html(design, result)
-                     : extension == ".txt" ? device::report_text(design, result)
+  write_output(file, extension == ".html"  ? device::report_html(design, result, arguments)
+                     : extension == ".txt" ? device::report_text(design, result, arguments)
                                            : json.dump(1) + "\n");
 }
 
@@ -100,12 +101,24 @@ struct Told {
   std::vector<std::string> lines;
 };
 
-Told tell(const robot::CoverOnBus& cover, device::VerifyResult r, device::Bus& bus) {
+// What stands behind `triskin flash` and `triskin verify` in the steps of a repair.
+std::string arguments_of(const Options& options, const robot::CoverOnBus& cover) {
+  const device::LinkOptions& link = options.site.link;
+  return options.site.file + (cover.name.empty() ? "" : " --cover " + cover.name) +
+         (link.chosen || cover.name.empty() ? " --link " + link.link : "") +
+         (link.scene.empty() ? "" : " --scene " + link.scene);
+}
+
+// One repair at a time: the steps of the first finding are said, those of all stand in --json and in the report.
+Told tell(const robot::CoverOnBus& cover, device::VerifyResult r, device::Bus& bus, const std::string& arguments) {
   Told told;
   const std::string name = prefix_of(cover);
   nlohmann::json findings = nlohmann::json::array(), earlier = nlohmann::json::array();
+  std::vector<std::string> first;
   for (const auto& f : r.findings) {
     findings.push_back(to_json(f));
+    findings.back()["repair"] = device::repair_steps(cover.design, f, arguments);
+    if (&f == &r.findings.front()) first = findings.back()["repair"].get<std::vector<std::string>>();
     const std::string place = f.place.empty() ? "" : fmt::format("\n    on the cover: {}", f.place);
     told.lines.push_back(
         fmt::format("{}{}: {}{}\n    {}", name, device::kFindingKindNames.name(f.kind), f.text, place, f.remedy));
@@ -123,6 +136,8 @@ Told tell(const robot::CoverOnBus& cover, device::VerifyResult r, device::Bus& b
     for (std::string& line : sentences(*r.stream)) rest.push_back(std::move(line));
   }
   for (const std::string& line : rest) told.lines.push_back(name + line);
+  if (!first.empty()) told.lines.push_back(name + "to mend the first finding:");
+  for (std::size_t k = 0; k < first.size(); ++k) told.lines.push_back(fmt::format("  {}. {}", k + 1, first[k]));
   told.result = std::move(r);
   return told;
 }
@@ -147,9 +162,10 @@ std::vector<Told> verify_bus(const robot::BusSite& site, device::Link& link, con
     };
     device::VerifyResult result = device::verify(bus, cover.design, verify, progress_of(site, cover, progress));
     if (patch >= 0) std::ranges::stable_partition(result.findings, [=](const auto& f) { return f.patch == patch; });
-    all.push_back(tell(cover, std::move(result), bus));
+    const std::string arguments = arguments_of(options, cover);
+    all.push_back(tell(cover, std::move(result), bus, arguments));
     all.back().keys.update(keys_of(site, cover));
-    write_report(report_file(options.report, cover, site), cover.design, all.back().result, all.back().keys);
+    write_report(report_file(options.report, cover, site), cover.design, all.back().result, all.back().keys, arguments);
   }
   return all;
 }

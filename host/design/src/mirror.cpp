@@ -62,9 +62,10 @@ Regions mirrored(const Regions& regions, const MirrorPlane& plane) {
     if (auto* sphere = std::get_if<Sphere>(&r.shape)) sphere->center_mm = mirrored(sphere->center_mm, plane);
     if (auto* box = std::get_if<Box>(&r.shape)) {
       if ((plane.normal.array() != 0.0).count() != 1)
-        throw InputError(fmt::format(
-            "region \"{}\" is a box: its mirror image is one at a plane normal to x, y or z alone; name its faces instead",
-            r.name));
+        throw InputError(
+            fmt::format("region \"{}\" is a box: its mirror image is one at a plane normal to x, y or z alone; name "
+                        "its faces instead",
+                        r.name));
       const Vec3 a = mirrored(box->low_mm, plane), b = mirrored(box->high_mm, plane);
       *box = {a.cwiseMin(b), a.cwiseMax(b)};
     }

@@ -4,52 +4,21 @@
 #include "triskin/host/error.hpp"
 
 #ifdef TRISKIN_HDF5
-#include <fmt/format.h>
-#include <hdf5.h>
-
-#include <algorithm>
 #include <vector>
 
+#include "hdf5_object.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::hdf5 {
 namespace {
 
-// An object of the library with the function that closes it.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t), const char* what) : id_(id), close_(close) {
-    if (id < 0) throw InputError(fmt::format("export: HDF5 cannot make {}", what));
-  }
-  ~Handle() { close_(id_); }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  [[nodiscard]] hid_t id() const { return id_; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-void require(herr_t status, const char* what) {
-  if (status < 0) throw InputError(fmt::format("export: HDF5 cannot write {}", what));
-}
-
-void write_text(hid_t object, const char* name, const std::string& value) {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, name), space(H5Screate(H5S_SCALAR), H5Sclose, name);
-  require(H5Tset_size(type.id(), std::max<std::size_t>(1, value.size())), name);
-  require(H5Tset_cset(type.id(), H5T_CSET_UTF8), name);
-  const Handle attribute(H5Acreate2(object, name, type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name);
-  require(H5Awrite(attribute.id(), type.id(), value.empty() ? "" : value.data()), name);
-}
-
 // A table with `columns` numbers a row; one column is a plain list. `unit` and `meaning` become attributes.
-struct Column {
+struct TableColumn {
   const char* name;
   const char* unit;
   const char* meaning;
 };
-void write_table(hid_t file, const Column& column, hsize_t rows, hsize_t columns, hid_t stored, hid_t given,
+void write_table(hid_t file, const TableColumn& column, hsize_t rows, hsize_t columns, hid_t stored, hid_t given,
                  const void* values) {
   const hsize_t size[2]{rows, columns};
   const Handle space(H5Screate_simple(columns == 1 ? 1 : 2, size, nullptr), H5Sclose, column.name);
@@ -90,7 +59,7 @@ Rows rows_of(const design::Design& design) {
 
 void write_rows(hid_t file, const Rows& rows) {
   const hsize_t n = rows.module.size();
-  const auto list = [&](const Column& column, const std::vector<int>& values) {
+  const auto list = [&](const TableColumn& column, const std::vector<int>& values) {
     write_table(file, column, n, 1, H5T_STD_I32LE, H5T_NATIVE_INT, values.data());
   };
   list({"module", "1", "id in the design"}, rows.module);
@@ -108,9 +77,9 @@ void write_rows(hid_t file, const Rows& rows) {
 std::string image_of(hid_t file) {
   require(H5Fflush(file, H5F_SCOPE_GLOBAL), "the file");
   const ssize_t size = H5Fget_file_image(file, nullptr, 0);
-  if (size < 0) throw InputError("export: HDF5 cannot write the file");
+  if (size < 0) throw InputError("HDF5 cannot write the file");
   std::string bytes(static_cast<std::size_t>(size), '\0');
-  if (H5Fget_file_image(file, bytes.data(), bytes.size()) < 0) throw InputError("export: HDF5 cannot write the file");
+  if (H5Fget_file_image(file, bytes.data(), bytes.size()) < 0) throw InputError("HDF5 cannot write the file");
   return bytes;
 }
 

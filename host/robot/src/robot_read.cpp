@@ -4,6 +4,7 @@
 
 #include "triskin/design/json_fields.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/jobs/board_file.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::robot {
@@ -32,15 +33,8 @@ double length_or_none(const JsonValue& v, const char* key) {
   return has(v, key) ? number_in(v[key], 0.0, kMostCable_mm) : 0.0;
 }
 
-// Empty: no serial number.
-std::string serial_of(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  const bool good = text.size() == 24 && text.find_first_not_of("0123456789ABCDEF") == std::string::npos;
-  return good ? text : std::string{};
-}
-
 std::string serial_in(const JsonValue& v) {
-  std::string serial = serial_of(v.text());
+  std::string serial = device::normal_serial(v.text());
   if (serial.empty()) v.fail("must have 24 hexadecimal digits, as triskin discover shows serial numbers");
   return serial;
 }
@@ -198,7 +192,7 @@ Eigen::Isometry3d parse_pose(const std::string& text, const std::string& file) {
 std::pair<int, std::string> parse_serial(const std::string& text) {
   const std::size_t at = text.find('=');
   const std::string patch = text.substr(0, at);
-  const std::string serial = at == std::string::npos ? "" : serial_of(text.substr(at + 1));
+  const std::string serial = at == std::string::npos ? "" : device::normal_serial(text.substr(at + 1));
   if (patch.empty() || patch.size() > 6 || patch.find_first_not_of("0123456789") != std::string::npos || serial.empty())
     throw InputError(fmt::format(
         "\"{}\": give PATCH=SERIAL, where SERIAL has 24 hexadecimal digits, as triskin discover shows them", text));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <random>
 #include <string_view>
 #include <utility>
 
@@ -205,6 +206,13 @@ void hash_in(std::uint64_t& hash, std::uint64_t value) {
   for (int k = 0; k < 64; k += 8) hash = (hash ^ (value >> k & 0xFF)) * kPrime;
 }
 
+// Every bit of the result depends on every bit of `x` (the finalizer of SplitMix64).
+std::uint64_t mixed(std::uint64_t x) {
+  x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9ULL;
+  x = (x ^ x >> 27) * 0x94D049BB133111EBULL;
+  return x ^ x >> 31;
+}
+
 void read_electrodes(const JsonValue& v, Effects& e) {
   constexpr double kMost_pf = 30.0;
   v.require_size(2);
@@ -282,6 +290,22 @@ design::Vec3 center_of(const design::Design& design, int module) {
   return (corner[0] + corner[1] + corner[2]) / 3.0;
 }
 
+wire::UniqueId unique_id_of(const Scene& scene, std::size_t patch) {
+  if (!scene.boards.empty()) return scene.boards.at(patch);
+  const std::uint64_t design_id = scene.design.design_id;
+  std::uint64_t high = design_id;
+  auto low = static_cast<std::uint32_t>(patch);
+  if (scene.board_seed) {
+    std::mt19937_64 random(mixed(mixed(design_id ^ *scene.board_seed) + patch));
+    high = random();
+    low = static_cast<std::uint32_t>(random());
+  }
+  wire::UniqueId id{};
+  for (std::size_t k = 0; k < 8; ++k) id[k] = static_cast<std::uint8_t>(high >> (56 - 8 * k));
+  for (std::size_t k = 0; k < 4; ++k) id[8 + k] = static_cast<std::uint8_t>(low >> (24 - 8 * k));
+  return id;
+}
+
 Scene read_scene(const std::filesystem::path& path) {
   const std::string file = path.string();
   const nlohmann::json document = design::parse_json(read_file(path), file);
@@ -289,12 +313,14 @@ Scene read_scene(const std::filesystem::path& path) {
   Scene scene;
   if (has(v, "format") && v["format"].raw() == "triskin-design") {
     scene.design = design::read_design(path);
+    scene.board_seed = scene.seed;
     return scene;
   }
   read_head(v);
   const std::filesystem::path design = v["design"].text();
   scene.design = design::read_design(design.is_absolute() ? design : path.parent_path() / design);
   if (has(v, "seed")) scene.seed = v["seed"].unsigned_integer();
+  scene.board_seed = scene.seed;
   if (has(v, "hardware")) {
     const std::string hardware = v["hardware"].text();
     if (hardware != "switched" && hardware != "strapped") v["hardware"].fail("must be \"strapped\" or \"switched\"");

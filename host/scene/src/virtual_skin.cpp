@@ -22,16 +22,6 @@ constexpr std::uint64_t kBusyStepUs = 50;
 constexpr std::uint64_t kNeverUs = ~std::uint64_t{0};
 constexpr std::uint32_t kStreamMask = 0x1FFF0000;
 
-// Sorted by patch, so that fresh boards can be told apart, and different for every design.
-wire::UniqueId unique_id_of(const Scene& scene, std::size_t patch) {
-  if (!scene.boards.empty()) return scene.boards.at(patch);
-  const std::uint64_t design_id = scene.design.design_id;
-  wire::UniqueId id{};
-  for (std::size_t k = 0; k < 8; ++k) id[k] = static_cast<std::uint8_t>(design_id >> (56 - 8 * k));
-  for (std::size_t k = 0; k < 4; ++k) id[8 + k] = static_cast<std::uint8_t>(patch >> (24 - 8 * k));
-  return id;
-}
-
 // Of the files that keep a controller's flash.
 std::string board_name(const Scene& scene, std::size_t patch) {
   if (scene.boards.empty()) return fmt::format("controller_{}", patch + 1);

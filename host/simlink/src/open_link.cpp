@@ -26,6 +26,8 @@ std::unique_ptr<Link> open_sim(const LinkOptions& options, const design::Design*
     scene::Scene scene;
     scene.design = *design;
     scene.switched = options.switched;
+    scene.board_seed = scene.seed;
+    number_boards(scene, options.board_seed);
     const auto folder = scene::state_folder_of(scene.design);
     return std::make_unique<SimLink>(std::move(scene), folder);
   }
@@ -35,6 +37,7 @@ std::unique_ptr<Link> open_sim(const LinkOptions& options, const design::Design*
     throw InputError(fmt::format("{}: its design is {:016x}, the one given is {:016x}; use a scene of this design",
                                  options.scene, scene.design.design_id, design->design_id));
   }
+  number_boards(scene, options.board_seed);
   const auto folder = scene::state_folder_of(scene.design);
   return std::make_unique<SimLink>(std::move(scene), folder);
 }
@@ -56,6 +59,11 @@ std::unique_ptr<Link> open_usb(const std::string& link) {
 }
 
 }  // namespace
+
+void number_boards(scene::Scene& scene, std::optional<std::uint64_t> seed) {
+  if (!seed) return;
+  scene.board_seed = *seed == 0 ? std::nullopt : seed;
+}
 
 HostPort parse_host_port(const std::string& text) {
   const std::size_t colon = text.rfind(':');

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "touch_finder.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 
@@ -43,6 +44,7 @@ class Matcher {
     assign_named();
     keep_own();
     keep_moved();
+    if (options_.recognise && !neighbour_seats()) recognise();
     fill(Owner::kNobody);
     if (options_.take_over) {
       fill(Owner::kAnother);
@@ -75,7 +77,9 @@ class Matcher {
     const wire::ActiveTable table = Controller(bus_, c.board.claim.node_address).active_table();
     if (!table.present()) return;
     c.table = table;
-    c.owner = table.design_id == design_.design_id ? Owner::kThis : Owner::kAnother;
+    c.owner = table.design_id == design_.design_id ? Owner::kThis
+              : table.design_id == kIdentifyDesign ? Owner::kNobody
+                                                   : Owner::kAnother;
   }
 
   // By its serial number; where the file names none, by its address and the design that it holds.
@@ -90,8 +94,9 @@ class Matcher {
   [[nodiscard]] bool wanted(int patch) const {
     return std::ranges::binary_search(here_, patch) && (options_.patch < 0 || options_.patch == patch);
   }
-  void give(Candidate& c, int patch) {
+  void give(Candidate& c, int patch, FoundBy by) {
     c.board.patch = patch;
+    c.board.by = by;
     taken_.insert(patch);
   }
 
@@ -102,18 +107,23 @@ class Matcher {
             fmt::format("--assign {}={}: the design has patches 0 … {}", a.patch, a.serial, n_patches_ - 1));
       const auto named = std::ranges::find_if(
           candidates_, [&](const Candidate& c) { return to_text(c.board.claim.unique_id) == a.serial; });
+      if (named == candidates_.end() && !wanted(a.patch)) continue;
       if (named == candidates_.end())
         throw DeviceError(
             fmt::format("{}: no controller {} answers; triskin discover lists those that do", bus_.name(), a.serial));
       if (named->board.patch >= 0 || taken_.contains(a.patch))
         throw InputError(fmt::format("--assign {}={}: the patch or the controller is named twice", a.patch, a.serial));
-      if (wanted(a.patch)) give(*named, a.patch);
+      if (wanted(a.patch))
+        give(*named, a.patch, FoundBy::kName);
+      else
+        named->owner = Owner::kNeighbour;  // of a patch that is not asked for
     }
   }
   void keep_own() {
     for (Candidate& c : candidates_) {
       const int patch = design::patch_at(design_, c.board.claim.node_address);
-      if (c.board.patch < 0 && c.owner == Owner::kThis && wanted(patch) && !taken_.contains(patch)) give(c, patch);
+      if (c.board.patch < 0 && c.owner == Owner::kThis && wanted(patch) && !taken_.contains(patch))
+        give(c, patch, FoundBy::kTable);
     }
   }
   // A controller that was flashed with this design while its patch had another address, as without a robot file.
@@ -126,8 +136,104 @@ class Matcher {
       const auto found = std::ranges::find_if(here_, [&](int patch) {
         return wanted(patch) && !taken_.contains(patch) && holds_image(c.table.crc, image_of(then, patch));
       });
-      if (found != here_.end()) give(c, *found);
+      if (found != here_.end()) give(c, *found, FoundBy::kTable);
     }
+  }
+
+  // Free controllers, and the patches of this design that they may serve. Those of another design are needed only where
+  // the others do not suffice.
+  [[nodiscard]] std::vector<Candidate*> free_candidates(std::size_t n_open) {
+    std::vector<Candidate*> free;
+    for (const Owner owner : {Owner::kNobody, Owner::kAnother}) {
+      if (owner == Owner::kAnother && (!options_.take_over || free.size() >= n_open)) break;
+      for (Candidate& c : candidates_) {
+        if (c.board.patch < 0 && c.owner == owner) free.push_back(&c);
+      }
+    }
+    return free;
+  }
+  // By shape, also where one patch alone is wanted: what the others are says which one that is. Where controllers are
+  // missing nothing is asked: require_all tells.
+  void recognise() {
+    std::vector<int> open;
+    for (const int p : here_) {
+      if (!taken_.contains(p)) open.push_back(p);
+    }
+    const std::vector<Candidate*> free = free_candidates(options_.patch < 0 ? open.size() : 1);
+    const bool one = options_.patch >= 0 ? free.size() < 2 : open.size() < 2 && free.size() < 2;
+    if (open.empty() || one || (options_.patch >= 0 && taken_.contains(options_.patch))) return;
+    if (options_.patch < 0 && free.size() < open.size()) return;
+    if (options_.dry_run && share_addresses(free)) return;
+    std::vector<BoardShape> shapes;
+    for (const Candidate* c : free) {
+      Controller controller(bus_, c->board.claim.node_address);
+      shapes.push_back(read_shape(controller));
+    }
+    const ShapeAssignment by_shape = assign_by_shape(shapes, design_, open);
+    std::vector<FeelingBoard> boards;
+    std::vector<Candidate*> rest;
+    for (std::size_t k = 0; k < free.size(); ++k) {
+      if (by_shape.patch[k] < 0) {
+        boards.push_back({free[k]->board.claim, shapes[k], by_shape.likely[k]});
+        rest.push_back(free[k]);
+      } else if (wanted(by_shape.patch[k])) {
+        give(*free[k], by_shape.patch[k], FoundBy::kShape);
+      } else {
+        free[k]->owner = Owner::kNeighbour;  // another patch's
+      }
+    }
+    std::erase_if(open, [&](int p) { return !wanted(p) || taken_.contains(p); });
+    if (open.empty()) return;
+    if (!options_.touch || options_.dry_run || bus_.link().finger() == nullptr) refuse_alike(open, boards);
+    touch(open, std::move(boards), rest);
+  }
+  void touch(const std::vector<int>& open, std::vector<FeelingBoard> boards, const std::vector<Candidate*>& rest) {
+    if (options_.say)
+      options_.say(
+          fmt::format("the shapes of patch{} {} do not tell their controllers apart: the finger of the "
+                      "simulation does",
+                      open.size() == 1 ? "" : "es", fmt::join(open, ", ")));
+    const std::vector<FeelingBoard> alike = boards;
+    IdentifyOptions how;
+    how.say = options_.say;
+    TouchFinder finder(bus_, design_, std::move(boards), how);
+    std::vector<int> silent;
+    for (const int patch : open) {
+      if (const auto board = finder.find(patch))
+        give(*rest[*board], patch, FoundBy::kTouch);
+      else
+        silent.push_back(patch);
+    }
+    if (!silent.empty()) refuse_alike(silent, alike);
+  }
+  [[noreturn]] void refuse_alike(const std::vector<int>& open, const std::vector<FeelingBoard>& boards) const {
+    std::vector<std::string> names;
+    for (const FeelingBoard& b : boards) {
+      names.push_back(fmt::format("{} ({})", to_text(b.claim.unique_id),
+                                  b.likely.empty()       ? "like no patch that is left"
+                                  : b.likely.size() == 1 ? fmt::format("like patch {}", b.likely[0])
+                                                         : fmt::format("like patches {}", fmt::join(b.likely, ", "))));
+    }
+    throw DeviceError(fmt::format(
+        "{}: it is ambiguous which controller serves patch{} {}: {}. Let triskin identify find it out by touch, name "
+        "them "
+        "(--assign {}=SERIAL), or plug them in one after the other (--patch); --by-serial takes them in the order of "
+        "their serial numbers; no table of the design was written",
+        bus_.name(), open.size() == 1 ? "" : "es", fmt::join(open, ", "), fmt::join(names, ", "), open.front()));
+  }
+  static bool share_addresses(const std::vector<Candidate*>& list) {
+    std::set<int> addresses;
+    return !std::ranges::all_of(
+        list, [&](const Candidate* c) { return addresses.insert(c->board.claim.node_address).second; });
+  }
+  // Fresh controllers may be those of neighbours whose designs are not here: shapes cannot tell.
+  [[nodiscard]] bool neighbour_seats() const {
+    return std::ranges::any_of(options_.neighbours, [&](const FlashOptions::Neighbour& n) { return is_vacant(n); });
+  }
+  [[nodiscard]] bool is_vacant(const FlashOptions::Neighbour& n) const {
+    return n.serial.empty() && std::ranges::none_of(candidates_, [&](const Candidate& c) {
+             return c.owner == Owner::kNeighbour && c.board.claim.node_address == n.node;
+           });
   }
   // One patch alone: it must be clear which controller is meant.
   void fill(Owner owner) {
@@ -141,9 +247,15 @@ class Matcher {
                       "--assign {}=SERIAL",
                       bus_.name(), free.size(), options_.patch, serials(free), options_.patch));
     auto next = free.begin();
-    for (const int patch : seats(free.size())) {
+    const auto patches = seats(free.size());
+    const bool only = patches.size() == 1 && free.size() == 1;
+    // In a dry run what shapes would say is not known.
+    const FoundBy by = only                                     ? FoundBy::kOnly
+                       : options_.dry_run && options_.recognise ? FoundBy::kNothing
+                                                                : FoundBy::kOrder;
+    for (const int patch : patches) {
       if (next == free.end()) return;
-      if (patch >= 0) give(**next, patch);
+      if (patch >= 0) give(**next, patch, by);
       ++next;
     }
   }
@@ -157,10 +269,7 @@ class Matcher {
     }
     all = own;
     for (const FlashOptions::Neighbour& n : options_.neighbours) {
-      const auto has_address = [&](const Candidate& c) {
-        return c.owner == Owner::kNeighbour && c.board.claim.node_address == n.node;
-      };
-      if (n.serial.empty() && std::ranges::none_of(candidates_, has_address)) all.emplace_back(n.node, -1);
+      if (is_vacant(n)) all.emplace_back(n.node, -1);
     }
     std::vector<int> patches;
     auto& list = n_free >= all.size() ? all : own;

@@ -10,7 +10,9 @@
 #include <set>
 #include <thread>
 
+#include "address_moves.hpp"
 #include "board_match.hpp"
+#include "table_writer.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -18,10 +20,6 @@
 
 namespace triskin::device {
 namespace {
-
-constexpr std::uint64_t kRestart_us = 20'000;  // a controller starts anew under its new address
-
-constexpr int kAssignRounds = 5;  // nobody confirms an assignment, and its frames or the claims after it may be lost
 
 // Node addresses that nobody has and nobody is to have, lowest first.
 class FreeAddresses {
@@ -78,44 +76,6 @@ std::map<wire::UniqueId, int> moves(const std::vector<Board>& boards, const desi
   return wanted;
 }
 
-// Returns when every board has said its new address: two that share one would both take the table of one patch, and
-// none of them could be asked afterwards whose it is.
-void assign_addresses(Bus& bus, std::map<wire::UniqueId, int> wanted) {
-  for (int round = 0; round < kAssignRounds && !wanted.empty(); ++round) {
-    for (const auto& [id, address] : wanted) bus.assign(id, static_cast<std::uint8_t>(address));
-    bus.listen(bus.now_us() + kRestart_us);
-    // A link of several wires learns here which one leads to which address.
-    for (const wire::NodeClaim& c : bus.discover()) {
-      const auto board = wanted.find(c.unique_id);
-      if (board != wanted.end() && board->second == c.node_address) wanted.erase(board);
-    }
-  }
-  if (wanted.empty()) return;
-  const auto& [id, address] = *wanted.begin();
-  throw DeviceError(
-      fmt::format("{}: controller {} does not say that it has taken node address {}; check its power and the cable, "
-                  "then run the command again; nothing was written",
-                  bus.name(), to_text(id), address));
-}
-
-// The answer to the activation may be lost, and the table active all the same: what counts is what is read back.
-void write_and_compare(Controller& controller, Bus& bus, Bytes image, const std::function<void(double)>& steps) {
-  try {
-    controller.write_table(image, steps);
-  } catch (const NoAnswer&) {
-    if (controller.active_table().crc != crc32(image)) throw;
-  }
-  const Bus::Uninterrupted guard(bus);  // what is active is known to be right before anything else
-  const std::vector<std::uint8_t> back = controller.read_table(image.size());
-  const auto [a, b] = std::mismatch(image.begin(), image.end(), back.begin(), back.end());
-  if (a != image.end() || b != back.end()) {
-    throw DeviceError(
-        fmt::format("{}: controller {}: byte {} of the table reads back differently; its flash memory is damaged",
-                    bus.link().name(), controller.node(), a - image.begin()));
-  }
-  controller.clear_faults();
-}
-
 // One attempt at all controllers. Boards, images and results have the order of the patches.
 class Pass {
  public:
@@ -144,9 +104,14 @@ class Pass {
   std::vector<wire::NodeClaim> find() {
     std::vector<wire::NodeClaim> claims = bus_.discover();
     const auto wanted = ways_for_flashed(claims, {bus_, design_, options_});
-    if (options_.dry_run || wanted.empty()) return claims;
-    assign_addresses(bus_, wanted);
-    return bus_.discover();
+    if (options_.dry_run) return claims;
+    if (!wanted.empty()) {
+      assign_addresses(bus_, wanted);
+      claims = bus_.discover();
+    }
+    // Whose shape is to be seen must be asked alone. One that is the only fresh one is not asked.
+    const bool many = std::ranges::count(claims, false, &wire::NodeClaim::has_table) > 1 || options_.take_over;
+    return options_.recognise && many ? put_apart(bus_, std::move(claims), options_.take_over) : claims;
   }
   [[nodiscard]] std::uint8_t address_of(const Board& board) const {
     return static_cast<std::uint8_t>(design::node_address_of(design_, board.patch));
@@ -156,6 +121,7 @@ class Pass {
     if (r.written && r.patch == board.patch) return;
     r = {board.patch,
          to_text(board.claim.unique_id),
+         board.by,
          board.claim.node_address,
          address_of(board),
          false,

@@ -9,6 +9,7 @@
 
 #include "triskin/design/tile.hpp"
 #include "triskin/host/markup.hpp"
+#include "triskin/jobs/repair.hpp"
 
 namespace triskin::device {
 namespace {
@@ -60,19 +61,21 @@ std::string drawing(const design::Design& design, int island, const std::map<int
 
 }  // namespace
 
-std::string report_text(const design::Design& design, const VerifyResult& result) {
+std::string report_text(const design::Design& design, const VerifyResult& result, const std::string& arguments) {
   std::string text = fmt::format("{} (design {:016x})\n", design.name, design.design_id);
   for (std::size_t k = 0; k < result.findings.size(); ++k) {
     const Finding& f = result.findings[k];
     text += fmt::format("{}. {}: {}\n", k + 1, kFindingKindNames.name(f.kind), f.text);
     if (!f.place.empty()) text += fmt::format("    on the cover: {}\n", f.place);
     text += fmt::format("    {}\n", f.remedy);
+    int step = 0;
+    for (const std::string& s : repair_steps(design, f, arguments)) text += fmt::format("      {}. {}\n", ++step, s);
   }
   for (const Finding& f : result.earlier) text += fmt::format("remembered from before, not there now: {}\n", f.text);
   return text + summary(result) + "\n";
 }
 
-std::string report_html(const design::Design& design, const VerifyResult& result) {
+std::string report_html(const design::Design& design, const VerifyResult& result, const std::string& arguments) {
   std::string html = fmt::format(
       "<!doctype html><meta charset=\"utf-8\"><title>{0}: verification</title>\n<style>body{{font:12pt "
       "sans-serif}}svg{{max-height:110mm;max-width:100%}}polygon{{fill:#eee;stroke:#555}}polygon.bad{{fill:#f88}}"
@@ -86,8 +89,11 @@ std::string report_html(const design::Design& design, const VerifyResult& result
     html += "<table><tr><th><th>finding<th>on the cover<th>what was seen<th>what to do</tr>\n";
   for (std::size_t k = 0; k < result.findings.size(); ++k) {
     const Finding& f = result.findings[k];
-    html += fmt::format("<tr><td>({})<td>{}<td>{}<td>{}<td>{}</tr>\n", k + 1, kFindingKindNames.name(f.kind),
-                        escape_markup(f.place), escape_markup(f.text), escape_markup(f.remedy));
+    std::string steps;
+    for (const std::string& s : repair_steps(design, f, arguments)) steps += "<li>" + escape_markup(s);
+    html += fmt::format("<tr><td>({})<td>{}<td>{}<td>{}<td>{}{}</tr>\n", k + 1, kFindingKindNames.name(f.kind),
+                        escape_markup(f.place), escape_markup(f.text), escape_markup(f.remedy),
+                        steps.empty() ? "" : "<ol>" + steps + "</ol>");
   }
   if (!result.findings.empty()) html += "</table>\n";
   for (const Finding& f : result.earlier)

@@ -12,7 +12,8 @@ namespace triskin::geometry::surface_lattice {
 
 /// Makes layouts of nets on the original surface, in which every module keeps every limit as `measure` measures it:
 /// the finer walk along the sides may find what the search did not. Modules that break a limit are removed, the worst
-/// first; those that are kept stay. What the first net's modules were measured to is known for the others, which differ from it in few.
+/// first; those that are kept stay. What the first net's modules were measured to is known for the others, which differ
+/// from it in few.
 class Certifier {
  public:
   /// All must live as long as this. Of the options: the modules that are kept, regions, threads.

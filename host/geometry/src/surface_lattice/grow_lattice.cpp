@@ -354,8 +354,8 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   const Rules rules(surface, limits, regions.free_points());
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
   const LatticeNet begun = net_of_kept(surface, copy, options.kept, options.corner_cut_mm);
-  const GrowthTask task{
-      surface, rules, options, samples, regions, limits.jumper_mm, corner_lift_of(limits, options), begun, start, end};
+  const GrowthTask task{surface, rules, options, samples, regions, limits.jumper_mm, corner_lift_of(limits, options),
+                        begun,   start, end};
   std::deque<Chain> chains;
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));

@@ -16,6 +16,9 @@ inline void add_link_options(CLI::App& app, device::LinkOptions& options) {
   app.add_flag(
       "--switched", options.switched,
       "the link sim has switched modules, which the controller routes; a scene says it by its key \"hardware\"");
+  app.add_option("--board-seed", options.board_seed,
+                 "the link sim draws the serial numbers of its boards from this; 0: they ascend with the patches; "
+                 "default: the scene's seed");
   app.add_option("--scene", options.scene, "what the link sim simulates: contacts, faults, effects (docs/scene.md)");
 }
 

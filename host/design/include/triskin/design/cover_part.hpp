@@ -30,7 +30,8 @@ using CoverPart = std::variant<Sphere, Box, IslandPart, ModulePart>;
 /// std::out_of_range for an id that the layout lacks. Cost: linear in a list of modules, else constant.
 [[nodiscard]] bool holds(const CoverPart& part, const ModuleLayout& layout, int id);
 
-/// Reads one of {"sphere": {"center_mm": [x, y, z], "radius_mm": r}}, {"box": {"low_mm": [x, y, z], "high_mm": [x, y, z]}},
+/// Reads one of {"sphere": {"center_mm": [x, y, z], "radius_mm": r}}, {"box": {"low_mm": [x, y, z], "high_mm": [x, y,
+/// z]}},
 /// {"island": k}, {"modules": [id, …]}; `v` may have other keys beside. Errors: InputError with file and place for none
 /// or several of these keys, wrong types, a radius that is not positive, a box without inside, and negative numbers of
 /// modules. Cost: linear.

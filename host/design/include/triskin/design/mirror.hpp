@@ -45,8 +45,8 @@ struct MirrorPlane {
 /// Mirror image of a layout: real modules of the mirrored lattice. Metrics stay as they are; jumpers are left out,
 /// since wiring makes them. Cost: linear.
 [[nodiscard]] ModuleLayout mirrored(const ModuleLayout& layout, const MirrorPlane& plane);
-/// Mirror image of regions. Errors: InputError for a box at a plane that is not normal to an axis: the image would be no
-/// box. Cost: linear.
+/// Mirror image of regions. Errors: InputError for a box at a plane that is not normal to an axis: the image would be
+/// no box. Cost: linear.
 [[nodiscard]] Regions mirrored(const Regions& regions, const MirrorPlane& plane);
 /// A flat piece turned over, for the mirrored mesh: outlines run counter-clockwise still, and the mirrored tiles lie in
 /// it as the tiles did. Cost: linear.

@@ -105,6 +105,10 @@ struct Scene {
   /// Unique id of the controller of each patch; empty: made of the design's id. Where they are given the flash of a
   /// controller is kept under its unique id. Not in scene files.
   std::vector<wire::UniqueId> boards;
+  /// Where `boards` is empty: what the unique ids are drawn from, beside the design's id, so that the boards do not
+  /// hang on the bus in the order of their ids, as on a workbench. Empty: they ascend with the patches. Scene and
+  /// design files are read with that of `seed`.
+  std::optional<std::uint64_t> board_seed;
   /// What the electrodes and the noise of each module are drawn from, beside `seed`; empty: its id. Not in scene files.
   std::vector<std::uint64_t> module_seeds;
 };
@@ -113,6 +117,10 @@ struct Scene {
 /// file and key: wrong types or ranges, unknown keys or kinds, keys that stand twice, a module that the design does not
 /// have, a contact that no taxel of the skin can feel.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
+
+/// Unique id of the controller of patch `patch` (0-based) of a scene: of `boards`, else drawn or counted as
+/// `board_seed` says. Equal scenes give equal ids. Throws std::out_of_range for a patch that `boards` lacks.
+[[nodiscard]] wire::UniqueId unique_id_of(const Scene& scene, std::size_t patch);
 
 /// Number of the hardware of a scene: equal for scenes with the same faults and the same kind of modules.
 [[nodiscard]] std::uint64_t hardware_id(const Scene& scene);

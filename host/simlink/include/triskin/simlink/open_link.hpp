@@ -1,21 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "triskin/design/design.hpp"
 #include "triskin/link/link.hpp"
+#include "triskin/scene/scene.hpp"
 
 namespace triskin::device {
 
 /// What `--link` and `--scene` name.
 struct LinkOptions {
   std::string link = "sim";
-  bool chosen = false;         ///< `link` was given; else a robot file says which
-  std::string scene;           ///< scene file for `sim`; empty: the design, with nothing wrong
-  bool switched = false;       ///< `sim` without a scene file has switched modules
+  bool chosen = false;    ///< `link` was given; else a robot file says which
+  std::string scene;      ///< scene file for `sim`; empty: the design, with nothing wrong
+  bool switched = false;  ///< `sim` without a scene file has switched modules
+  /// What the serial numbers of simulated boards are drawn from: 0: they ascend with the patches; empty: the scene's
+  /// seed. Boards of a robot file are numbered by it.
+  std::optional<std::uint64_t> board_seed;
   bool own_interrupts = true;  ///< catch_interrupts(); false: signals are left to the caller
 };
+
+/// Gives the boards of a scene the serial numbers that LinkOptions::board_seed asks for. Without effect on a scene that
+/// names its boards.
+void number_boards(scene::Scene& scene, std::optional<std::uint64_t> seed);
 
 /// Opens `sim`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last three, joined by
 /// commas. `design` is what `sim` simulates when there is no scene; null where a command has none; not kept. From now

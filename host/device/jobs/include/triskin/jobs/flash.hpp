@@ -6,6 +6,7 @@
 
 #include "triskin/design/design.hpp"
 #include "triskin/host/progress.hpp"
+#include "triskin/jobs/board_shape.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/patch_table.hpp"
 
@@ -32,7 +33,13 @@ struct FlashOptions {
   };
   /// They keep their tables, and their addresses are given to nobody else.
   std::vector<Neighbour> neighbours;
-  int patch = -1;                               ///< this patch alone; −1: all
+  int patch = -1;  ///< this patch alone; −1: all
+  /// Controllers without a table are told apart by the shapes of their patches, before anything is written; those with
+  /// equal shapes are refused. False: they get the patches in the order of their unique ids.
+  bool recognise = false;
+  /// With `recognise`: the finger of a simulated link tells controllers with equal shapes apart; without effect on
+  /// other links.
+  bool touch = false;
   bool take_over = false;                       ///< controllers that hold a table of another design may be taken
   double wait_s = 0.0;                          ///< how long an unplugged cable is waited for before this is an error
   std::function<void(const std::string&)> say;  ///< called with a sentence when flashing waits and when it continues
@@ -41,9 +48,10 @@ struct FlashOptions {
 struct FlashResult {
   struct Patch {
     int patch = 0;
-    std::string serial;   ///< unique id
-    int old_address = 0;  ///< node address before
-    int address = 0;      ///< node address of the patch
+    std::string serial;              ///< unique id
+    FoundBy by = FoundBy::kNothing;  ///< kNothing in a dry run: which controller it will be shows when flashing
+    int old_address = 0;             ///< node address before
+    int address = 0;                 ///< node address of the patch
     bool new_address = false;
     bool equal = false;    ///< the table was there already
     bool written = false;  ///< written, read back and compared
@@ -58,7 +66,7 @@ struct FlashResult {
 /// Puts the tables of a design into the controllers on the bus: finds them by unique id, gives each patch a controller
 /// and its address (design::node_address_of), skips equal tables, writes the others, reads them back and compares every
 /// byte. Controllers that `options.assign` names get that patch, those that hold a table of this design keep theirs,
-/// also when its address has changed; others without a table are taken in the order of their unique ids. A controller
+/// also when its address has changed; others without a table are told apart as `options.recognise` says. A controller
 /// that holds a table of another design is written only when it is named, or with `options.take_over`. Throws
 /// InputError for a name that cannot be; DeviceError when a patch finds no controller (nothing is written then), when
 /// one does not answer or refuses, or when a table read back differs; Cancelled when the process was asked to end. Both

@@ -8,9 +8,11 @@ namespace triskin::device {
 
 /// What a verification found, one finding after the other: what, where on the cover, what to do. UTF-8, ends with a
 /// line that counts. Cost: linear.
-[[nodiscard]] std::string report_text(const design::Design& design, const VerifyResult& result);
+[[nodiscard]] std::string report_text(const design::Design& design, const VerifyResult& result,
+                                      const std::string& arguments = "DESIGN");
 /// The same as a page to print (HTML without references to other files): a drawing of the lattice on which the modules
 /// of the findings are marked with the finding's number, and a table. Cost: linear.
-[[nodiscard]] std::string report_html(const design::Design& design, const VerifyResult& result);
+[[nodiscard]] std::string report_html(const design::Design& design, const VerifyResult& result,
+                                      const std::string& arguments = "DESIGN");
 
 }  // namespace triskin::device

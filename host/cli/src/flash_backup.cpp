@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "flash_backup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "triskin/host/files.hpp"
+#include "triskin/jobs/board_backup.hpp"
+#include "triskin/jobs/board_file.hpp"
+
+namespace triskin::cli {
+namespace {
+
+std::map<std::string, std::string> read_onto(const std::vector<std::string>& texts) {
+  std::map<std::string, std::string> onto;
+  for (const std::string& text : texts) {
+    const std::size_t at = text.find('=');
+    const std::string from = device::normal_serial(text.substr(0, at)),
+                      to = at == std::string::npos ? "" : device::normal_serial(text.substr(at + 1));
+    if (from.empty() || to.empty())
+      throw InputError(
+          fmt::format("--onto \"{}\": give OLD=NEW, two serial numbers as triskin discover shows them", text));
+    if (!onto.emplace(from, to).second) throw InputError(fmt::format("--onto: controller {} is named twice", from));
+  }
+  return onto;
+}
+
+std::string outcome_of(const device::RestoredBoard& b, bool dry_run) {
+  if (b.bytes == 0) return "had no table: what it holds stays";
+  if (b.equal) return "equal, skipped";
+  if (dry_run) return fmt::format("would write {} bytes for node address {}", b.bytes, b.node_address);
+  if (!b.written) return fmt::format("node address {} again", b.node_address);
+  return fmt::format("{} bytes written and read back, node address {}", b.bytes, b.node_address);
+}
+
+}  // namespace
+
+void add_backup_options(CLI::App& app, BackupOptions& options) {
+  app.add_option("--save", options.save, "before anything is written: keep what the controllers hold in this file");
+  app.add_option("--restore", options.restore,
+                 "write back what --save kept, in place of the design's tables (docs/device.md says what that is)");
+  app.add_option("--onto", options.onto,
+                 "with --restore: OLD=NEW, serial numbers: controller NEW takes the place of OLD; may be given several "
+                 "times");
+}
+
+void save_backup(OpenSite& open, const BackupOptions& options, Output& output) {
+  const auto say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
+  std::vector<std::vector<device::BoardBackup>> buses(open.site.buses.size());
+  on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+    device::Bus own(link);
+    buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = device::save_boards(own, say);
+  });
+  std::vector<device::BoardBackup> all;
+  for (auto& bus : buses) std::ranges::move(bus, std::back_inserter(all));
+  write_output(options.save, device::backup_text(all));
+  output.say(fmt::format("what {} controllers hold -> {}", all.size(), options.save));
+}
+
+void restore_backup(OpenSite& open, const BackupOptions& options, bool dry_run, Output& output) {
+  if (open.site.buses.size() != 1)
+    throw InputError("--restore writes on one bus: give a design and --link, or a cover on one bus with --cover");
+  const auto boards = device::read_backup(options.restore);
+  device::Bus bus(*open.links[0]);
+  const auto restored = device::restore_boards(bus, boards, {dry_run, read_onto(options.onto)});
+  nlohmann::json rows = nlohmann::json::array();
+  std::size_t bytes = 0;
+  for (const device::RestoredBoard& b : restored) {
+    rows.push_back({{"serial", b.serial},
+                    {"kept_from", b.kept_from},
+                    {"node_address", b.node_address},
+                    {"bytes", b.bytes},
+                    {"equal", b.equal},
+                    {"written", b.written}});
+    if (b.written) bytes += b.bytes;
+    output.say(fmt::format("controller {}  {}", b.serial, outcome_of(b, dry_run)));
+  }
+  output.result = {{"controllers", restored.size()}, {"bytes", bytes}, {"dry_run", dry_run}, {"restored", rows}};
+}
+
+}  // namespace triskin::cli

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/jobs/identify.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "triskin/cli/site_options.hpp"
+#include "triskin/host/files.hpp"
+#include "triskin/jobs/board_file.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/link/cover_link.hpp"
+
+namespace triskin::cli::identify_command {
+namespace {
+
+struct Options {
+  SiteOptions site;
+  device::IdentifyOptions identify;
+  std::string output;
+  bool by_hand = false, finger = false;
+};
+
+constexpr double kDefaultLimit_s = 60.0;
+
+void tell_person(const std::string& text) {
+  std::fputs(("triskin: " + text + "\n").c_str(), stderr);
+}
+
+std::string how(device::FoundBy by) {
+  switch (by) {
+    case device::FoundBy::kShape:
+      return "by the shape of its patch";
+    case device::FoundBy::kOnly:
+      return "the only one left";
+    default:
+      return "felt the touch";
+  }
+}
+
+// What was found is kept at once, so that Ctrl-C loses nothing.
+class Notes {
+ public:
+  Notes(std::string path, const design::Design& design) : path_(std::move(path)) {
+    file_.design_id = design.design_id;
+    if (!path_.empty() && path_ != "-" && std::filesystem::exists(path_))
+      file_ = device::read_board_file(path_, design);
+  }
+  // A controller serves one patch only: what the file said before is replaced.
+  void add(const device::IdentifiedBoard& found) {
+    std::erase_if(file_.boards, [&](const auto& a) { return a.patch == found.patch || a.serial == found.serial; });
+    file_.boards.push_back({found.patch, found.serial});
+    std::ranges::sort(file_.boards, {}, &device::FlashOptions::Assignment::patch);
+    if (!path_.empty() && path_ != "-") write_output(path_, device::board_file_text(file_));
+  }
+  void end() const {
+    if (path_ == "-") write_output(path_, device::board_file_text(file_));
+  }
+
+ private:
+  std::string path_;
+  device::BoardFile file_;
+};
+
+// The one cover whose patches are counted.
+const robot::CoverOnBus& cover_of(const robot::Site& site) {
+  std::size_t covers = 0;
+  const robot::CoverOnBus* chosen = nullptr;
+  for (const robot::BusSite& bus : site.buses) {
+    for (const robot::CoverOnBus& c : bus.covers) {
+      if (!c.chosen) continue;
+      chosen = &c;
+      ++covers;
+    }
+  }
+  if (covers != 1 || site.buses.size() != 1)
+    throw InputError("identify looks at one cover on one bus: say which with --cover");
+  return *chosen;
+}
+
+int conclude(const std::vector<device::IdentifiedBoard>& boards, const Options& options, Output& output) {
+  nlohmann::json rows = nlohmann::json::array();
+  std::vector<int> missing;
+  for (const device::IdentifiedBoard& b : boards) {
+    if (b.serial.empty()) missing.push_back(b.patch);
+    rows.push_back({{"patch", b.patch},
+                    {"serial", b.serial.empty() ? nlohmann::json(nullptr) : nlohmann::json(b.serial)},
+                    {"found_by", device::kFoundByNames.name(b.by)}});
+  }
+  output.result = {{"boards", std::move(rows)}, {"missing", missing}};
+  if (!options.output.empty()) output.result["file"] = options.output;
+  output.say(fmt::format("{} of {} patches have their controller{}", boards.size() - missing.size(), boards.size(),
+                         options.output.empty() || options.output == "-" ? "" : "; written to " + options.output));
+  if (!missing.empty())
+    output.say(
+        fmt::format("nobody felt a touch of patch{} {} within {:g} s: the patch is dead, its controller is not "
+                    "connected, or another patch was touched",
+                    missing.size() == 1 ? "" : "es", fmt::join(missing, ", "), options.identify.limit_s));
+  return missing.empty() ? 0 : 1;
+}
+
+int run(Options options, Output& output) {
+  OpenSite open = open_site(options.site);
+  const robot::CoverOnBus& cover = cover_of(open.site);
+  Notes notes(options.output, cover.design);
+  device::CoverLink link(*open.links[0], cover.first_module);
+  device::Bus bus(link);
+  options.identify.say = tell_person;
+  // Contacts in a scene are somebody's fingers.
+  const bool own = options.site.link.link == "sim" && options.site.link.scene.empty();
+  options.identify.finger = options.finger || (own && !options.by_hand);
+  options.identify.ask = [&](int patch) {
+    tell_person(fmt::format("press any module of patch {} now (within {:g} s)", patch, options.identify.limit_s));
+  };
+  const auto boards = device::identify(bus, cover.design, options.identify, [&](const device::IdentifiedBoard& found) {
+    notes.add(found);
+    output.say(fmt::format("patch {:3}  controller {}  {}", found.patch, found.serial, how(found.by)));
+  });
+  notes.end();
+  return conclude(boards, options, output);
+}
+
+const Registration kIdentify{{
+    "identify",
+    "find out which controller serves which patch: by its shape, or by a touch",
+    "triskin identify forearm.json --link sim -o boards.json",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      options->identify.limit_s = kDefaultLimit_s;
+      add_site_options(app, options->site);
+      app.add_option("--patch", options->identify.patch, "ask for this patch alone, also where shapes settle it")
+          ->check(CLI::Range(0, int{layout::kLastNode} - 1));
+      app.add_option("-o,--output", options->output,
+                     "assignment file for triskin flash --assign-file; one of this design that is there is added to");
+      app.add_option("--limit-s", options->identify.limit_s, "how long a touch of each patch is waited for")
+          ->check(CLI::Range(0.1, 3600.0))
+          ->capture_default_str();
+      app.add_flag("--by-hand", options->by_hand,
+                   "wait for touches also on --link sim without a scene, where else a virtual finger presses");
+      app.add_flag("--finger", options->finger, "let the virtual finger of any simulation press, also of a served one")
+          ->excludes("--by-hand");
+      return [options](Output& output) { return run(*options, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli::identify_command

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/jobs/board_shape.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <map>
+
+#include "address_moves.hpp"
+#include "triskin/jobs/topology.hpp"
+
+namespace triskin::device {
+namespace {
+
+using Edges = std::vector<std::vector<int>>;  // by board: columns of patches
+
+// A largest matching of boards and patches, by augmenting paths.
+class Matching {
+ public:
+  Matching(const Edges& edges, std::size_t patches) : edges_(edges), board_(patches, -1) {
+    for (std::size_t b = 0; b < edges.size(); ++b) {
+      std::vector<bool> seen(patches, false);
+      if (augment(static_cast<int>(b), seen)) ++size_;
+    }
+  }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  // Board of a patch; −1: none.
+  [[nodiscard]] int board(std::size_t patch) const { return board_[patch]; }
+
+ private:
+  bool augment(int board, std::vector<bool>& seen) {
+    for (const int p : edges_[static_cast<std::size_t>(board)]) {
+      const auto patch = static_cast<std::size_t>(p);
+      if (seen[patch]) continue;
+      seen[patch] = true;
+      if (board_[patch] >= 0 && !augment(board_[patch], seen)) continue;
+      board_[patch] = board;
+      return true;
+    }
+    return false;
+  }
+
+  const Edges& edges_;
+  std::vector<int> board_;
+  std::size_t size_ = 0;
+};
+
+// By board and patch: shape_difference.
+using Differences = std::vector<std::vector<int>>;
+
+// Patches that a board differs from in at most `slack` things more than from the nearest; `slack` < 0: equal ones.
+Edges edges_of(const Differences& differences, int slack) {
+  Edges edges(differences.size());
+  for (std::size_t b = 0; b < differences.size(); ++b) {
+    int least = -1;
+    for (const int d : differences[b]) {
+      if (d >= 0 && (least < 0 || d < least)) least = d;
+    }
+    const int most = slack < 0 ? 0 : least + slack;
+    for (std::size_t p = 0; p < differences[b].size(); ++p) {
+      if (differences[b][p] >= 0 && differences[b][p] <= most) edges[b].push_back(static_cast<int>(p));
+    }
+  }
+  return edges;
+}
+
+int strapped_difference(const BoardShape& shape, const design::Patch& patch) {
+  std::array<std::uint8_t, layout::kLines> designed{};
+  for (const design::RoutedModule& m : patch.modules) {
+    auto& line = designed.at(static_cast<std::size_t>(m.line));
+    line = static_cast<std::uint8_t>(line | 1U << static_cast<unsigned>(m.address));
+  }
+  int differences = 0;
+  for (std::size_t l = 0; l < designed.size(); ++l)
+    differences += std::popcount(static_cast<unsigned>(designed[l] ^ shape.answers[l]));
+  return 2 * differences > static_cast<int>(patch.modules.size()) ? -1 : differences;
+}
+
+}  // namespace
+
+BoardShape read_shape(Controller& controller) {
+  BoardShape shape;
+  controller.reroute();
+  shape.found = controller.topology();
+  shape.switched = shape.found.switched;
+  if (shape.switched) return shape;
+  const auto lines = controller.discover();
+  for (std::size_t l = 0; l < lines.size(); ++l) shape.answers[l] = lines[l].answers;
+  return shape;
+}
+
+int shape_difference(const BoardShape& shape, const design::Design& design, int patch) {
+  const design::Patch& designed = design.patches.at(static_cast<std::size_t>(patch));
+  if (!shape.switched) return strapped_difference(shape, designed);
+  if (shape.found.count == 0 || designed.modules.empty()) return -1;
+  const TopologyMatch match = match_topology(shape.found, design, patch);
+  return match.another_patch() ? -1 : static_cast<int>(match.differences.size());
+}
+
+ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, const design::Design& design,
+                                std::span<const int> patches) {
+  Differences differences;
+  for (const BoardShape& s : shapes) {
+    auto& row = differences.emplace_back();
+    for (const int p : patches) row.push_back(shape_difference(s, design, p));
+  }
+  constexpr int kSlack = 1;
+  Edges edges = edges_of(differences, -1);
+  if (Matching(edges, patches.size()).size() < std::min(shapes.size(), patches.size()))
+    edges = edges_of(differences, kSlack);
+  const Matching all(edges, patches.size());
+  ShapeAssignment result;
+  result.patch.assign(shapes.size(), -1);
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    if (all.board(p) < 0) continue;
+    const auto b = static_cast<std::size_t>(all.board(p));
+    Edges without = edges;
+    std::erase(without[b], static_cast<int>(p));
+    if (Matching(without, patches.size()).size() < all.size()) result.patch[b] = patches[p];
+  }
+  for (const auto& row : edges) {
+    auto& likely = result.likely.emplace_back();
+    for (const int p : row) likely.push_back(patches[static_cast<std::size_t>(p)]);
+    std::ranges::sort(likely);
+  }
+  return result;
+}
+
+std::vector<wire::NodeClaim> put_apart(Bus& bus, std::vector<wire::NodeClaim> claims, bool tables) {
+  std::map<int, int> users;
+  for (const wire::NodeClaim& c : claims) ++users[c.node_address];
+  std::map<wire::UniqueId, int> wanted;
+  int next = layout::kLastNode;
+  for (const wire::NodeClaim& c : claims) {
+    if (users[c.node_address] < 2 || (c.has_table && !tables)) continue;
+    while (next >= layout::kFirstNode && users.contains(next)) --next;
+    if (next < layout::kFirstNode)
+      throw DeviceError(fmt::format("{}: no free node address is left; take controllers off the bus", bus.name()));
+    wanted[c.unique_id] = next--;
+  }
+  if (wanted.empty()) return claims;
+  assign_addresses(bus, std::move(wanted));
+  return bus.discover();
+}
+
+}  // namespace triskin::device

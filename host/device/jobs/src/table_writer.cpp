@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "table_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace triskin::device {
+
+// The answer to the activation may be lost, and the table active all the same: what counts is what is read back.
+void write_and_compare(Controller& controller, Bus& bus, Bytes image, const std::function<void(double)>& steps) {
+  try {
+    controller.write_table(image, steps);
+  } catch (const NoAnswer&) {
+    if (controller.active_table().crc != crc32(image)) throw;
+  }
+  const Bus::Uninterrupted guard(bus);  // what is active is known to be right before anything else
+  const std::vector<std::uint8_t> back = controller.read_table(image.size());
+  const auto [a, b] = std::mismatch(image.begin(), image.end(), back.begin(), back.end());
+  if (a != image.end() || b != back.end()) {
+    throw DeviceError(
+        fmt::format("{}: controller {}: byte {} of the table reads back differently; its flash memory is damaged",
+                    bus.link().name(), controller.node(), a - image.begin()));
+  }
+  controller.clear_faults();
+}
+
+}  // namespace triskin::device

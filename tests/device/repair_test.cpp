@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The steps that follow a finding, against the strip as it is drawn in support/strip_design.hpp.
+#include "triskin/jobs/repair.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fixture.hpp"
+
+namespace triskin::device {
+namespace {
+
+using scene::FaultKind;
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::vector<std::string> steps_after(std::vector<scene::Fault> faults, FindingKind kind) {
+  Fixture fixture(8, 8, std::move(faults));
+  fixture.flash();
+  const VerifyResult r = fixture.verify();
+  const auto found = std::ranges::find(r.findings, kind, &Finding::kind);
+  if (found == r.findings.end()) return {"no such finding"};
+  return repair_steps(fixture.design(), *found, "d.json --link sim");
+}
+
+// Module 5 is a down tile with line 1 and address 1. Its parent 4 lies across its side 2, where port A is; module 6
+// hangs on it across side 0.
+TEST(Repair, a_dead_module_is_replaced_joint_by_joint) {
+  const auto steps = steps_after({fault(FaultKind::kRemovedChip, 5)}, FindingKind::kAbsentModule);
+  ASSERT_EQ(steps.size(), 9U);
+  EXPECT_THAT(steps[0], HasSubstr("triskin flash d.json --link sim --save"));
+  EXPECT_THAT(steps[1], HasSubstr("supply"));
+  EXPECT_THAT(steps[2], AllOf(HasSubstr("module 5 of patch 0"), HasSubstr("row 1 of 1")));
+  EXPECT_THAT(steps[3], AllOf(HasSubstr("side 2 (port A) to side 1 of module 4"),
+                              HasSubstr("side 0 (port B) to side 2 of module 6")));
+  EXPECT_THAT(steps[4], HasSubstr("solder the new module in"));
+  EXPECT_THAT(steps[5], AllOf(HasSubstr("port A at side 2"), HasSubstr("line 1 and address 1")));
+  EXPECT_THAT(steps[7], HasSubstr("triskin flash d.json --link sim"));
+  EXPECT_THAT(steps[8], HasSubstr("triskin verify d.json --link sim"));
+}
+
+TEST(Repair, exchanged_modules_get_their_own_straps) {
+  const auto steps = steps_after({fault(FaultKind::kSwappedChips, 1, 6)}, FindingKind::kSwappedModules);
+  EXPECT_THAT(steps, Contains(AllOf(HasSubstr("module 1:"), HasSubstr("line 0 and address 1"))));
+  EXPECT_THAT(steps, Contains(AllOf(HasSubstr("module 6:"), HasSubstr("line 1 and address 2"))));
+}
+
+TEST(Repair, a_joint_is_named_by_both_modules) {
+  Finding f;
+  f.kind = FindingKind::kLooseJoint;
+  f.module = 3;
+  const auto steps = repair_steps(strip(8, 8), f, "d.json");
+  EXPECT_THAT(steps, Contains(HasSubstr("between module 3 (its side 2) and module 2")));
+  f.module = 0;
+  EXPECT_THAT(repair_steps(strip(8, 8), f, "d.json"), Contains(HasSubstr("the cable of patch 0")));
+}
+
+TEST(Repair, wrong_tables_need_no_hand) {
+  Finding f;
+  f.kind = FindingKind::kWrongTable;
+  f.patch = 0;
+  const auto steps = repair_steps(strip(8, 8), f, "d.json");
+  ASSERT_EQ(steps.size(), 2U);
+  EXPECT_EQ(steps[0], "triskin flash d.json");
+  f.kind = FindingKind::kLostSamples;
+  EXPECT_THAT(repair_steps(strip(8, 8), f, "d.json"), IsEmpty());
+}
+
+}  // namespace
+}  // namespace triskin::device

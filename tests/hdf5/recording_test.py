@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Records one simulated skin to HDF5 and to CSV, and holds the two against each other with h5py. Usage: recording_test.py TRISKIN WRITE_STRIP
+Exit status: 0 they agree, 1 they do not, 77 h5py is missing or the program has no HDF5."""
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+# Debian's h5py belongs to Debian's Python, which need not be the first in the path.
+try:
+    import h5py
+except ImportError:
+    if sys.executable != "/usr/bin/python3" and pathlib.Path("/usr/bin/python3").exists():
+        sys.exit(subprocess.run(["/usr/bin/python3", *sys.argv], check=False).returncode)
+    print("h5py is not installed: the recording is not read back")
+    sys.exit(77)
+
+
+def triskin(folder, *arguments, status=0):
+    environment = dict(os.environ, XDG_STATE_HOME=folder)
+    run = subprocess.run([sys.argv[1], *arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    if "without HDF5" in run.stderr:
+        print(run.stderr.strip())
+        sys.exit(77)
+    assert run.returncode == status, (arguments, run.returncode, run.stderr)
+    return run.stderr
+
+
+def text(value):
+    return value.decode() if isinstance(value, bytes) else value
+
+
+def compare(table, rows):
+    assert len(rows) == len(table["module"]) > 500, (len(rows), len(table["module"]))
+    for k, row in enumerate(rows):
+        for name, column in (("module", "module"), ("sample", "sample"), ("valid", "valid"), ("link_time", "link_time_us"), ("device_time", "device_time_us")):
+            assert table[name][k] == int(row[column]), (name, k)
+        assert list(table["value"][k]) == [int(row[f"taxel_{t}"]) for t in range(12)], k
+        assert (table["error"][k] == 4294967295) == (row["error_us"] == ""), k
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([sys.argv[2], str(pathlib.Path(folder) / "strip.json"), "20"], check=True)
+        triskin(folder, "flash", "strip.json", "--link", "sim")
+        for name in ("a.h5", "a.csv"):
+            triskin(folder, "record", "strip.json", "--link", "sim", "--seconds", "2", "-o", name)
+        with open(pathlib.Path(folder) / "a.csv", encoding="utf-8") as file, h5py.File(pathlib.Path(folder) / "a.h5") as recorded:
+            compare({name: recorded[name][:] for name in recorded if name != "design"}, list(csv.DictReader(file)))
+            assert text(recorded.attrs["format"]) == "triskin-recording" and text(recorded.attrs["result_status"]) == "complete"
+            assert text(recorded.attrs["link"]) == "sim" and text(recorded["value"].attrs["unit"]) == "counts"
+            design = json.loads(text(recorded["design"][()]))
+            assert design["design_id"] == text(recorded.attrs["design_id"])
+        assert "mcap or csv" in triskin(folder, "record", "strip.json", "--link", "sim", "--to", "hdf5", "-o", "-", status=2)
+        assert "choose one" in triskin(folder, "record", "strip.json", "--link", "sim", "--to", "csv", "-o", "b.h5", status=2)
+    print("the recordings agree")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which controller hangs on which patch, found out before a table is written.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "support/random_design.hpp"
+#include "support/strip_design.hpp"
+#include "triskin/jobs/flash.hpp"
+#include "triskin/jobs/identify.hpp"
+#include "triskin/jobs/verify.hpp"
+#include "triskin/session/bus.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/simlink/sim_link.hpp"
+
+namespace triskin::test {
+namespace {
+
+using device::BoardShape;
+using device::FoundBy;
+
+// A skin whose boards were never flashed and hang on the bus in any order of their ids.
+class FreshSkin {
+ public:
+  FreshSkin(const design::Design& design, bool switched, std::uint64_t seed, std::vector<scene::Fault> faults = {},
+            std::vector<scene::Contact> contacts = {})
+      : link_(scene_of(design, switched, seed, std::move(faults), std::move(contacts))), bus_(link_) {}
+
+  device::FlashResult flash(bool touch = false, bool recognise = true) {
+    device::FlashOptions options;
+    options.recognise = recognise;
+    options.touch = touch;
+    return device::flash(bus_, design(), options);
+  }
+  std::string refusal() {
+    try {
+      (void)flash();
+    } catch (const DeviceError& e) {
+      return e.what();
+    }
+    return {};
+  }
+  [[nodiscard]] const design::Design& design() { return link_.skin().scene().design; }
+  [[nodiscard]] std::string serial(int patch) {
+    return device::to_text(scene::unique_id_of(link_.skin().scene(), static_cast<std::size_t>(patch)));
+  }
+  [[nodiscard]] bool right(const device::FlashResult& r) {
+    return r.patches.size() == design().patches.size() &&
+           std::ranges::all_of(r.patches, [&](const auto& p) { return p.serial == serial(p.patch); });
+  }
+  [[nodiscard]] device::Bus& bus() { return bus_; }
+
+ private:
+  static scene::Scene scene_of(const design::Design& design, bool switched, std::uint64_t seed,
+                               std::vector<scene::Fault> faults, std::vector<scene::Contact> contacts) {
+    scene::Scene s;
+    s.design = design;
+    s.switched = switched;
+    s.board_seed = seed;
+    s.faults = std::move(faults);
+    s.contacts = std::move(contacts);
+    return s;
+  }
+  device::SimLink link_;
+  device::Bus bus_;
+};
+
+// Two patches alike: a strip in which they repeat.
+design::Design alike() {
+  return strip(12, 4);
+}
+
+// What was wrong: fresh boards got the patches in the order of their ids, so switched patches got wrong tables.
+TEST(FreshBoards, switched_patches_are_recognised_by_their_shape_though_all_share_an_address) {
+  std::mt19937_64 random(51);
+  int wrong_by_order = 0, several = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const design::Design design = random_design(40, random);
+    FreshSkin by_order(design, true, seed);
+    if (!by_order.right(by_order.flash(false, false))) ++wrong_by_order;
+    FreshSkin skin(design, true, seed);
+    std::set<int> addresses;
+    for (const auto& c : skin.bus().discover()) addresses.insert(c.node_address);
+    ASSERT_EQ(addresses, std::set<int>{1});
+    const auto r = skin.flash();
+    EXPECT_TRUE(skin.right(r)) << seed;
+    several += r.patches.size() > 2 ? 1 : 0;
+    for (const auto& p : r.patches) EXPECT_EQ(p.by, FoundBy::kShape);
+    EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty()) << seed;
+  }
+  EXPECT_GE(several, 6);
+  EXPECT_GE(wrong_by_order, 4);  // of 8: with three patches one order in six is right by chance
+}
+
+TEST(FreshBoards, equal_shapes_are_refused_and_no_table_is_written) {
+  FreshSkin skin(alike(), true, 3);
+  const std::string text = skin.refusal();
+  for (const char* part : {"ambiguous", "patches 0, 1, 2", "triskin identify", "--assign 0=SERIAL"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << '\n' << text;
+  for (int p = 0; p < 3; ++p) EXPECT_NE(text.find(skin.serial(p)), std::string::npos) << text;
+  for (const auto& c : skin.bus().discover()) EXPECT_FALSE(c.has_table);
+}
+
+TEST(FreshBoards, the_finger_of_a_simulation_tells_equal_shapes_apart) {
+  for (const bool switched : {false, true}) {
+    FreshSkin skin(alike(), switched, 3);
+    const auto r = skin.flash(true);
+    EXPECT_TRUE(skin.right(r));
+    for (const auto& p : r.patches) EXPECT_EQ(p.by, FoundBy::kTouch);
+    EXPECT_TRUE(device::verify(skin.bus(), skin.design(), {}).findings.empty());
+  }
+}
+
+// Strapped modules show no joints, but where chips answer. Only the patches that are alike are asked for.
+TEST(FreshBoards, strapped_patches_are_recognised_by_their_places) {
+  FreshSkin skin(strip(10, 4), false, 5);  // 4, 4 and 2 modules
+  const std::string text = skin.refusal();
+  EXPECT_NE(text.find("patches 0, 1:"), std::string::npos) << text;
+  EXPECT_EQ(text.find(skin.serial(2)), std::string::npos) << text;
+  const auto r = skin.flash(true);
+  EXPECT_TRUE(skin.right(r));
+  EXPECT_EQ(r.patches[2].by, FoundBy::kShape);
+}
+
+TEST(FreshBoards, a_broken_joint_does_not_hide_a_patch) {
+  std::mt19937_64 random(52);
+  int tried = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const design::Design design = random_design(40, random);
+    const design::RoutedModule& last = design.patches[0].modules.back();
+    scene::Fault cut;
+    cut.kind = scene::FaultKind::kOpenJoint;
+    cut.module = last.node;
+    cut.other = last.parent;
+    FreshSkin skin(design, true, seed, {cut});
+    EXPECT_TRUE(skin.right(skin.flash())) << seed;
+    ++tried;
+  }
+  EXPECT_EQ(tried, 6);
+}
+
+TEST(FreshBoards, a_dry_run_moves_nobody) {
+  FreshSkin skin(alike(), true, 3);
+  device::FlashOptions options;
+  options.recognise = options.dry_run = true;
+  for (const auto& p : device::flash(skin.bus(), skin.design(), options).patches) EXPECT_EQ(p.by, FoundBy::kNothing);
+  for (const auto& c : skin.bus().discover()) EXPECT_EQ(c.node_address, 1);
+}
+
+BoardShape answers(std::uint8_t line0, std::uint8_t line1 = 0) {
+  BoardShape s;
+  s.answers = {line0, line1, 0, 0};
+  return s;
+}
+
+TEST(Shapes, differ_in_the_places_where_only_one_has_a_chip) {
+  const design::Design design = strip(10, 4);  // patches 0 and 1: line 0, addresses 0 … 3; patch 2: 0 and 1
+  EXPECT_EQ(device::shape_difference(answers(0b1111), design, 0), 0);
+  EXPECT_EQ(device::shape_difference(answers(0b0111), design, 0), 1);
+  EXPECT_EQ(device::shape_difference(answers(0b1111, 1), design, 0), 1);
+  EXPECT_EQ(device::shape_difference(answers(0b0001), design, 0), -1);  // three of four
+  EXPECT_EQ(device::shape_difference(answers(0), design, 2), -1);
+}
+
+TEST(Shapes, settle_what_every_way_to_serve_all_patches_agrees_on) {
+  const design::Design design = strip(10, 4);
+  const std::vector<int> all{0, 1, 2};
+  const auto settled = [&](std::vector<BoardShape> shapes) { return device::assign_by_shape(shapes, design, all); };
+  const auto plain = settled({answers(0b1111), answers(0b0011), answers(0b1111)});
+  EXPECT_EQ(plain.patch, (std::vector<int>{-1, 2, -1}));
+  EXPECT_EQ(plain.likely, (std::vector<std::vector<int>>{{0, 1}, {2}, {0, 1}}));
+  // A dead chip on one of the patches of four: it is nearest to them all the same.
+  EXPECT_EQ(settled({answers(0b1111), answers(0b0011), answers(0b1101)}).patch, (std::vector<int>{-1, 2, -1}));
+  // A fourth board that equals patch 2, too: one of the two has it.
+  EXPECT_EQ(settled({answers(0b1111), answers(0b0011), answers(0b1111), answers(0b0011)}).patch,
+            (std::vector<int>{-1, -1, -1, -1}));
+  // Nothing answers.
+  EXPECT_EQ(settled({answers(0), answers(0b0011)}).patch, (std::vector<int>{-1, 2}));
+}
+
+// Patches of 4 and 3: with one dead chip both boards look like the patch of three.
+TEST(Shapes, do_not_settle_what_one_dead_chip_explains_otherwise) {
+  const design::Design design = strip(7, 4);
+  const std::vector<int> all{0, 1};
+  const std::vector<BoardShape> doubtful{answers(0b0111), answers(0b0111)}, sound{answers(0b0111), answers(0b1111)};
+  EXPECT_EQ(device::assign_by_shape(doubtful, design, all).patch, (std::vector<int>{-1, -1}));
+  EXPECT_EQ(device::assign_by_shape(sound, design, all).patch, (std::vector<int>{1, 0}));
+}
+
+scene::Contact touch_of(const design::Design& design, int module, double from_s, double until_s) {
+  scene::Contact c;
+  c.from_us = static_cast<std::uint64_t>(from_s * 1e6);
+  c.until_us = static_cast<std::uint64_t>(until_s * 1e6);
+  c.position_mm = scene::center_of(design, module);
+  c.radius_mm = 8.0;
+  return c;
+}
+
+// Fingers come from the scene: patch 0, then a hand on two patches, then patch 1.
+TEST(Identify, says_who_felt_the_finger) {
+  for (const bool switched : {false, true}) {
+    const design::Design design = alike();
+    FreshSkin skin(
+        design, switched, 7, {},
+        {touch_of(design, 1, 4, 5), touch_of(design, 5, 6, 7), touch_of(design, 9, 6, 7), touch_of(design, 6, 8, 9)});
+    std::vector<int> asked;
+    std::vector<std::string> said;
+    device::IdentifyOptions options;
+    options.finger = false;
+    options.limit_s = 10.0;
+    options.ask = [&](int patch) { asked.push_back(patch); };
+    options.say = [&](const std::string& text) { said.push_back(text); };
+    const auto boards = device::identify(skin.bus(), design, options);
+    ASSERT_EQ(boards.size(), 3U);
+    for (const auto& b : boards) EXPECT_EQ(b.serial, skin.serial(b.patch)) << b.patch;
+    EXPECT_EQ(asked, (std::vector<int>{0, 1}));  // the third is the only one left
+    EXPECT_EQ(boards[2].by, FoundBy::kOnly);
+    ASSERT_EQ(said.size(), 1U);
+    EXPECT_NE(said[0].find("two patches"), std::string::npos);
+    // Its tables are nobody's: the design is flashed as if the boards were fresh.
+    device::FlashOptions named;
+    for (const auto& b : boards) named.assign.push_back({b.patch, b.serial});
+    EXPECT_TRUE(skin.right(device::flash(skin.bus(), design, named)));
+    EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty());
+  }
+}
+
+TEST(Identify, a_patch_that_nobody_touches_is_missing) {
+  const design::Design design = alike();
+  FreshSkin skin(design, false, 7, {}, {touch_of(design, 1, 4, 5)});
+  device::IdentifyOptions options;
+  options.finger = false;
+  options.limit_s = 5.0;
+  const auto boards = device::identify(skin.bus(), design, options);
+  ASSERT_EQ(boards.size(), 3U);
+  EXPECT_EQ(boards[0].serial, skin.serial(0));
+  EXPECT_EQ(boards[1].by, FoundBy::kNothing);
+  EXPECT_TRUE(boards[2].serial.empty());
+}
+
+TEST(Identify, asks_for_one_patch_also_where_its_table_is_there) {
+  const design::Design design = alike();
+  FreshSkin skin(design, false, 9);
+  ASSERT_TRUE(skin.right(skin.flash(true)));
+  device::IdentifyOptions options;
+  options.patch = 2;
+  const auto boards = device::identify(skin.bus(), design, options);
+  ASSERT_EQ(boards.size(), 1U);
+  EXPECT_EQ(boards[0].serial, skin.serial(2));
+  EXPECT_EQ(boards[0].by, FoundBy::kTouch);
+  EXPECT_TRUE(device::verify(skin.bus(), design, {}).findings.empty());  // its tables stayed
+  options.patch = 3;
+  EXPECT_THROW((void)device::identify(skin.bus(), design, options), InputError);
+}
+
+}  // namespace
+}  // namespace triskin::test

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What boards hold is kept in a file and written back, or refused before the first byte.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "shared_skin.hpp"
+#include "triskin/host/files.hpp"
+#include "triskin/jobs/board_backup.hpp"
+#include "triskin/jobs/verify.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/session/patch_table.hpp"
+
+namespace triskin::device {
+namespace {
+
+namespace fs = std::filesystem;
+using test::SharedSkin;
+using test::strip;
+using test::strip_scene;
+
+class Backups : public testing::Test {
+ protected:
+  void SetUp() override {
+    file_ = fs::temp_directory_path() / fmt::format("triskin_backup.{}.json", ::getpid());
+    hub_.flash();
+    bus_.listen(bus_.now_us() + 3'000'000);  // offsets are searched and kept
+  }
+  void TearDown() override { fs::remove(file_); }
+
+  [[nodiscard]] std::vector<BoardBackup> read_of(const std::string& text) const {
+    write_file_atomically(file_, text);
+    return read_backup(file_);
+  }
+  [[nodiscard]] std::string error_of(const std::string& text) const {
+    try {
+      (void)read_of(text);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return {};
+  }
+  std::string refusal(const std::vector<BoardBackup>& boards, const RestoreOptions& options = {}) {
+    const std::uint64_t before = operations();
+    try {
+      (void)restore_boards(bus_, boards, options);
+    } catch (const Error& e) {
+      EXPECT_EQ(operations(), before);
+      return e.what();
+    }
+    return {};
+  }
+  std::uint64_t operations() {
+    std::uint64_t n = 0;
+    for (std::size_t p = 0; p < hub_.skin().controllers(); ++p) n += hub_.skin().flash(p).operations();
+    return n;
+  }
+
+  fs::path file_;
+  SharedSkin hub_{strip_scene(12, 4)};  // three controllers
+  SharedSkin::Client link_{hub_};
+  Bus bus_{link_};
+};
+
+TEST_F(Backups, keep_every_value_that_the_protocol_reads) {
+  const auto boards = save_boards(bus_, {});
+  ASSERT_EQ(boards.size(), 3U);
+  for (int p = 0; p < 3; ++p) {
+    const BoardBackup& b = boards[static_cast<std::size_t>(p)];
+    EXPECT_EQ(b.node_address, p + 1);
+    EXPECT_EQ(b.table, bytes_of(image_of(hub_.design(), p)));
+    for (const wire::Identifier& row : wire::kIdentifiers) {
+      // Simulated controllers are not started from a slot, so they have no image to tell of.
+      if (row.access == wire::Access::kFreeze || row.id == wire::did::kImageState) continue;
+      EXPECT_TRUE(b.values.contains(row.id)) << std::hex << row.id;
+    }
+    EXPECT_EQ(b.values.at(wire::did::kOffsets).size(), 5U + 16U * 4);  // 4 modules, 16 bytes each
+  }
+  const auto again = read_of(backup_text(boards));
+  ASSERT_EQ(again.size(), 3U);
+  EXPECT_EQ(backup_text(again), backup_text(boards));
+  EXPECT_EQ(again[2].values, boards[2].values);
+}
+
+TEST_F(Backups, remember_faults_and_when_they_came) {
+  scene::Scene scene = strip_scene(4, 4);
+  scene::Fault away;
+  away.module = 2;
+  away.from_us = 3'000'000;
+  scene.faults.push_back(away);
+  SharedSkin skin(std::move(scene));
+  skin.flash();
+  SharedSkin::Client link(skin);
+  Bus bus(link);
+  bus.listen(6'000'000);
+  const auto boards = read_of(backup_text(save_boards(bus, {})));
+  ASSERT_EQ(boards.size(), 1U);
+  ASSERT_EQ(boards[0].faults.size(), 1U);
+  EXPECT_EQ(boards[0].faults[0].code, 0x920002U);  // absent, row 2
+  EXPECT_TRUE(wire::FreezeFrame::decode(boards[0].faults[0].noted));
+}
+
+TEST_F(Backups, bring_the_tables_of_a_design_back) {
+  const auto boards = read_of(backup_text(save_boards(bus_, {})));
+  FlashOptions options;
+  options.take_over = true;
+  (void)flash(bus_, strip(9, 3), options);
+  ASSERT_FALSE(verify(bus_, hub_.design(), {}).findings.empty());
+  const auto restored = restore_boards(bus_, boards, {});
+  ASSERT_EQ(restored.size(), 3U);
+  for (const RestoredBoard& r : restored) EXPECT_TRUE(r.written);
+  bus_.listen(bus_.now_us() + 3'000'000);
+  EXPECT_TRUE(verify(bus_, hub_.design(), {}).findings.empty());
+  for (const RestoredBoard& r : restore_boards(bus_, boards, {})) EXPECT_TRUE(r.equal);
+}
+
+TEST_F(Backups, put_a_new_board_in_the_place_of_a_broken_one) {
+  const auto boards = save_boards(bus_, {});
+  scene::Scene scene = strip_scene(12, 4);
+  scene.board_seed = 11;  // other boards, never flashed
+  SharedSkin other(std::move(scene));
+  SharedSkin::Client link(other);
+  Bus bus(link);
+  EXPECT_THROW((void)restore_boards(bus, boards, {}), DeviceError);
+  RestoreOptions options;
+  for (std::size_t p = 0; p < 3; ++p)
+    options.onto[boards[p].serial] = to_text(scene::unique_id_of(other.skin().scene(), p));
+  options.dry_run = true;
+  for (const RestoredBoard& r : restore_boards(bus, boards, options)) EXPECT_FALSE(r.written);
+  for (const auto& c : bus.discover()) EXPECT_FALSE(c.has_table);
+  options.dry_run = false;
+  EXPECT_EQ(restore_boards(bus, boards, options).size(), 3U);
+  bus.listen(bus.now_us() + 3'000'000);
+  EXPECT_TRUE(verify(bus, other.design(), {}).findings.empty());
+}
+
+TEST_F(Backups, are_refused_for_another_kind_of_board_or_a_taken_address) {
+  const auto boards = save_boards(bus_, {});
+  auto other = boards;
+  other[1].values[wire::did::kPartNumber] = {'T', 'R', 'I', 'S', 'K', 'I', 'N', '2'};
+  const std::string kind = refusal(other);
+  EXPECT_NE(kind.find("\"TRISKIN1\""), std::string::npos) << kind;
+  EXPECT_NE(kind.find("\"TRISKIN2\""), std::string::npos) << kind;
+  EXPECT_NE(kind.find(boards[1].serial), std::string::npos) << kind;
+  RestoreOptions swap;
+  swap.onto[boards[0].serial] = boards[1].serial;
+  EXPECT_NE(refusal({boards[0]}, swap).find("which is not in the file, has node address 1"), std::string::npos);
+  EXPECT_NE(refusal(boards, swap).find("what two boards held"), std::string::npos);
+  swap.onto = {{"00112233445566778899AABB", boards[1].serial}};
+  EXPECT_NE(refusal(boards, swap).find("keeps no controller"), std::string::npos);
+}
+
+TEST_F(Backups, that_were_cut_or_changed_are_refused) {
+  const std::string text = backup_text(save_boards(bus_, {}));
+  for (std::size_t n = 0; n + 2 < text.size(); n += 97) EXPECT_NE(error_of(text.substr(0, n)), "") << n;
+  int refused = 0, tried = 0;
+  for (std::size_t at = 0; at < text.size(); at += 53) {
+    if (!std::isxdigit(static_cast<unsigned char>(text[at]))) continue;
+    std::string changed = text;
+    changed[at] = changed[at] == '7' ? '8' : '7';
+    ++tried;
+    refused += error_of(changed).empty() ? 0 : 1;
+  }
+  EXPECT_GT(tried, 50);
+  EXPECT_EQ(refused, tried);
+}
+
+// A table that is none, with a CRC that fits: the second check.
+TEST_F(Backups, of_something_else_than_a_table_are_refused) {
+  auto boards = save_boards(bus_, {});
+  boards[0].table[40] ^= 1;
+  EXPECT_NE(error_of(backup_text(boards)).find("boards[0].table"), std::string::npos);
+  boards = save_boards(bus_, {});
+  boards[0].node_address = 9;
+  EXPECT_NE(error_of(backup_text(boards)).find("is for node address 1, the board had 9"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace triskin::device
