@@ -19,7 +19,7 @@ struct LinkOptions {
   bool switched = false;  ///< `sim` without a scene file has switched modules
   /// What the serial numbers of simulated boards are drawn from: 0: they ascend with the patches; empty: the scene's
   /// seed. Boards of a robot file are numbered by it.
-  std::optional<std::uint64_t> board_seed;
+  std::optional<std::uint64_t> board_seed{};
   bool own_interrupts = true;  ///< catch_interrupts(); false: signals are left to the caller
 };
 
