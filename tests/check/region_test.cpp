@@ -131,9 +131,8 @@ TEST_F(RegionDesign, a_flattering_keep_out_is_found) {
   EXPECT_THAT(broken_by([](json& j) { j["modules"][0]["keep_out_mm"] = 0.3; }), Contains("keep-out"));
   EXPECT_THROW((void)broken_by([](json& j) { j["modules"][0].erase("keep_out_mm"); }), InputError);
   // The region as a little larger than it was: what lies beside it now reaches in.
-  const auto larger = broken_by([](json& j) {
-    j["regions"]["list"][0]["box"] = {{"low_mm", {60, 20, -5}}, {"high_mm", {140, 90, 5}}};
-  });
+  const auto larger = broken_by(
+      [](json& j) { j["regions"]["list"][0]["box"] = {{"low_mm", {60, 20, -5}}, {"high_mm", {140, 90, 5}}}; });
   EXPECT_THAT(larger, Contains("keep-out"));
 }
 
@@ -172,11 +171,13 @@ TEST_F(RegionDesign, weight_draws_modules) {
   };
   const design::Design plain = design_with(json::array(), 600), drawn = design_with(balls, 600);
   EXPECT_GT(drawn_by(drawn), drawn_by(plain));
-  EXPECT_NEAR(drawn.report.worth, static_cast<double>(drawn.layout.modules.size()) + 5.0 * static_cast<double>(drawn_by(drawn)), 1e-6);
+  EXPECT_NEAR(drawn.report.worth,
+              static_cast<double>(drawn.layout.modules.size()) + 5.0 * static_cast<double>(drawn_by(drawn)), 1e-6);
 }
 
 TEST_F(RegionDesign, what_must_be_covered_is_or_is_named) {
-  const json middle = {{"name", "middle"}, {"cover", true}, {"box", {{"low_mm", {70, 40, -5}}, {"high_mm", {120, 70, 5}}}}};
+  const json middle = {
+      {"name", "middle"}, {"cover", true}, {"box", {{"low_mm", {70, 40, -5}}, {"high_mm", {120, 70, 5}}}}};
   const design::Design d = design_with(json::array({middle}));
   EXPECT_THAT(d.report.uncovered, IsEmpty());
   EXPECT_THAT(broken(), IsEmpty());
@@ -204,8 +205,8 @@ TEST_F(RegionDesign, what_must_be_covered_is_or_is_named) {
 }
 
 TEST_F(RegionDesign, alternatives_keep_the_regions) {
-  const design::Design d = design_with(
-      {{{"name", "hole"}, {"free", true}, {"sphere", {{"center_mm", {100, 55, 0}}, {"radius_mm", 15}}}}});
+  const design::Design d =
+      design_with({{{"name", "hole"}, {"free", true}, {"sphere", {{"center_mm", {100, 55, 0}}, {"radius_mm", 15}}}}});
   const int last = static_cast<int>(d.alternatives.size()) - 1;
   design::write_design(folder_ / "design.json",
                        pipeline::take_alternative(design::read_design(folder_ / "design.json"), last));

@@ -31,12 +31,13 @@ class Area {
     if (r.kind != CheckedDesign::Region::Kind::kFaces) return;
     std::map<std::pair<int, int>, std::array<int, 2>> sides;  // of how many faces, named or not
     for (std::size_t f = 0; f < d.faces.size(); ++f) {
-      for (std::size_t k = 0; k < 3; ++k) ++sides[std::minmax(d.faces[f][k], d.faces[f][(k + 1) % 3])][named_[f] ? 0 : 1];
+      for (std::size_t k = 0; k < 3; ++k)
+        ++sides[std::minmax(d.faces[f][k], d.faces[f][(k + 1) % 3])][named_[f] ? 0 : 1];
     }
     for (const auto& [edge, count] : sides) {
       if (count[0] > 0 && count[1] > 0)
-        rim_.push_back({d.vertices[static_cast<std::size_t>(edge.first)],
-                        d.vertices[static_cast<std::size_t>(edge.second)]});
+        rim_.push_back(
+            {d.vertices[static_cast<std::size_t>(edge.first)], d.vertices[static_cast<std::size_t>(edge.second)]});
     }
   }
 
@@ -94,7 +95,8 @@ double reach_into(const Area& area, const SurfaceIndex& surface, const Outline3&
     most = std::max(most, here);
     if (here + kSlope * radius <= most + kStep + kPart * std::max(0.0, most - 1.0)) continue;
     const P3 p = (t[0] + t[1]) / 2, q = (t[1] + t[2]) / 2, r = (t[2] + t[0]) / 2;
-    for (const auto& part : {std::array{t[0], p, r}, std::array{p, t[1], q}, std::array{r, q, t[2]}, std::array{p, q, r}})
+    for (const auto& part :
+         {std::array{t[0], p, r}, std::array{p, t[1], q}, std::array{r, q, t[2]}, std::array{p, q, r}})
       parts.push_back(part);
   }
   return most;
@@ -149,7 +151,8 @@ void check_cover(const CheckedDesign& d, Findings& f) {
     Area(d, region).each_place(kPlaceStep_mm, [&](const P3& place) {
       double least = std::numeric_limits<double>::infinity();
       for (std::size_t k = 0; k < outlines.size() && least > region.within; ++k) {
-        if ((d.modules[k].corner[0] - place).norm() < 2.5 * kSide) least = std::min(least, distance_from(outlines[k], place));
+        if ((d.modules[k].corner[0] - place).norm() < 2.5 * kSide)
+          least = std::min(least, distance_from(outlines[k], place));
       }
       if (least <= farthest) return;
       farthest = least;

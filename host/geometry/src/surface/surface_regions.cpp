@@ -19,9 +19,10 @@ namespace {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kFreeRim_mm = 1.5, kFreeRimStep_mm = 0.5, kFreeStep_mm = 3.0;
 constexpr double kCoverStep_mm = 1.0;
-constexpr double kLayer_mm = 8.0;       // of height: what lies farther off is another sheet
-constexpr double kStretch = 1.5;        // of a way along a module, on the surface under it
-constexpr double kReachStep_mm = 0.005, kReachPart = 0.05;  // to which keep_out_mm() is found: of what is beyond 1 mm a part
+constexpr double kLayer_mm = 8.0;  // of height: what lies farther off is another sheet
+constexpr double kStretch = 1.5;   // of a way along a module, on the surface under it
+constexpr double kReachStep_mm = 0.005,
+                 kReachPart = 0.05;  // to which keep_out_mm() is found: of what is beyond 1 mm a part
 constexpr double kModuleRadius_mm = 2.0 * kHeight_mm / 3.0;
 
 double distance_to_segment(const Vec3& p, const std::array<Vec3, 2>& s) {
@@ -67,14 +68,14 @@ SurfaceRegions::SurfaceRegions(const Surface& surface, design::Regions regions)
     has_weights_ = has_weights_ || r.weight.has_value();
     if (const auto* set = std::get_if<design::FaceSet>(&r.shape)) {
       Group& group = groups_[k];
-      weighs_faces_ = weighs_faces_ || r.weight.has_value();
       group.holds.assign(mesh.faces.size(), 0);
       for (const int f : set->faces) group.holds[at(f)] = 1;
       for (const int f : set->faces) {
         for (std::size_t s = 0; s < 3; ++s) {
           const int other = surface_.neighbours(f)[s];
           if (other < 0 || group.holds[at(other)]) continue;
-          group.rim.push_back({mesh.vertices[at(mesh.faces[at(f)][s])], mesh.vertices[at(mesh.faces[at(f)][(s + 1) % 3])]});
+          group.rim.push_back(
+              {mesh.vertices[at(mesh.faces[at(f)][s])], mesh.vertices[at(mesh.faces[at(f)][(s + 1) % 3])]});
         }
       }
     }
@@ -164,8 +165,8 @@ double SurfaceRegions::keep_out_mm(const std::array<Vec3, 3>& corner_mm, double 
       deepest = std::max(deepest, here);
       if (here + kStretch * reach <= deepest + kReachStep_mm + kReachPart * std::max(0.0, deepest - 1.0)) return;
       const Vec3 ab = 0.5 * (part[0] + part[1]), bc = 0.5 * (part[1] + part[2]), ca = 0.5 * (part[2] + part[0]);
-      for (const auto& quarter : {std::array{part[0], ab, ca}, std::array{part[1], bc, ab},
-                                  std::array{part[2], ca, bc}, std::array{ab, bc, ca}})
+      for (const auto& quarter : {std::array{part[0], ab, ca}, std::array{part[1], bc, ab}, std::array{part[2], ca, bc},
+                                  std::array{ab, bc, ca}})
         search(quarter);
     };
     const design::Outline outline = design::outline_of(corner_mm, corner_cut_mm);

@@ -34,7 +34,8 @@ std::string why_uncovered(const Surface& surface, const LayoutLimits& limits, co
       for (int turn = 0; turn < kTurns; ++turn) {
         Triangle corners;
         for (int k = 0; k < 3; ++k)
-          corners[at(k)] = center + around(2.0 * M_PI * (k + turn / static_cast<double>(kTurns)) / 3.0, 2.0 * kHeight_mm / 3.0);
+          corners[at(k)] =
+              center + around(2.0 * M_PI * (k + turn / static_cast<double>(kTurns)) / 3.0, 2.0 * kHeight_mm / 3.0);
         LatticeNet net(surface.mesh().vertices, options.corner_cut_mm);
         if (!grower.try_seed(net, corners)) continue;
         if (distance_beside(net.triangles()[0].rigid, options.corner_cut_mm, place_mm) <= within_mm) return "room";

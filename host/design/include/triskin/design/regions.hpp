@@ -28,10 +28,11 @@ struct FaceSet {
 struct Region {
   std::string name;  ///< unique, not empty
   std::variant<Sphere, Box, FaceSet> shape;
-  std::optional<double> weight;  ///< 0 … 1000 modules that a module is worth whose centre lies in it; none: as elsewhere
-  bool cover = false;            ///< every place of it must lie within `within_mm` of a module, seen along its normal
-  bool free = false;             ///< no module may lie over it: its rim is a border
-  double within_mm = 2.0;        ///< 0 … 30
+  std::optional<double>
+      weight;              ///< 0 … 1000 modules that a module is worth whose centre lies in it; none: as elsewhere
+  bool cover = false;      ///< every place of it must lie within `within_mm` of a module, seen along its normal
+  bool free = false;       ///< no module may lie over it: its rim is a border
+  double within_mm = 2.0;  ///< 0 … 30
 };
 
 /// Regions of a cover. Of several with a weight the last one counts.
@@ -44,10 +45,10 @@ struct Regions {
 /// A must-cover region that is not covered everywhere.
 struct Uncovered {
   std::string region;
-  double share = 0.0;             ///< of its area, 0 … 1
-  Vec3 place_mm = Vec3::Zero();   ///< the place farthest from the modules
-  double distance_mm = 0.0;       ///< of it from the nearest module; infinity: none near
-  std::string why;                ///< limit that refuses every module there (as Design: refused), or "room"
+  double share = 0.0;            ///< of its area, 0 … 1
+  Vec3 place_mm = Vec3::Zero();  ///< the place farthest from the modules
+  double distance_mm = 0.0;      ///< of it from the nearest module; infinity: none near
+  std::string why;               ///< limit that refuses every module there (as Design: refused), or "room"
 };
 
 }  // namespace triskin::design

@@ -21,11 +21,11 @@ class SurfaceRegions {
 
   [[nodiscard]] const design::Regions& regions() const { return regions_; }
   [[nodiscard]] bool has_weights() const { return has_weights_; }
-  /// Worth of a module with this centre. Cost: one closest point where face sets are weighed, else a few ns a region.
+  /// Worth of a module with this centre. Cost: one closest point.
   [[nodiscard]] double weight_at(const Vec3& center_mm) const;
   /// How far the module (corners in mm, less its corner cut) reaches into a region that must stay free: the largest
-  /// distance from a foot of the module on the surface to the rim of the region, to 0.005 mm below, beyond 1 mm to 5 %. 0: it does not. Cost:
-  /// nothing far from such regions, some hundred closest points near one.
+  /// distance from a foot of the module on the surface to the rim of the region, to 0.005 mm below, beyond 1 mm to 5 %.
+  /// 0: it does not. Cost: nothing far from such regions, some hundred closest points near one.
   [[nodiscard]] double keep_out_mm(const std::array<Vec3, 3>& corner_mm, double corner_cut_mm) const;
 
   /// Points of the regions that must stay free, 0.5 mm apart at their rims and 3 mm inside: a module that covers none
@@ -35,9 +35,9 @@ class SurfaceRegions {
   /// A place that must be covered.
   struct MustCover {
     Vec3 point_mm;
-    int region;         ///< index in regions().list
-    double within_mm;   ///< of a module
-    double share;       ///< of the region's area
+    int region;        ///< index in regions().list
+    double within_mm;  ///< of a module
+    double share;      ///< of the region's area
   };
   /// Places of the must-cover regions, at most `step_mm` > 0 apart (a region smaller than that has one).
   [[nodiscard]] std::vector<MustCover> must_cover(double step_mm) const;
@@ -61,7 +61,7 @@ class SurfaceRegions {
   design::Regions regions_;
   std::vector<Group> groups_;  // by region; empty for other shapes
   std::vector<Vec3> free_points_;
-  bool has_weights_ = false, weighs_faces_ = false;
+  bool has_weights_ = false;
 };
 
 /// Modules that a must-cover region is worth which is not covered at all: more than any lattice round it could gain.
