@@ -15,7 +15,8 @@ namespace {
 constexpr double kPlaceStep_mm = 0.9;   // between places that must be covered
 constexpr double kPlaceSlack_mm = 1.0;  // by which a place may be farther off: solver and checker look at other places
 constexpr double kStated_mm = 0.15;
-constexpr double kLayer_mm = 8.0;  // of height over a module
+constexpr double kMostParts = 5000.0;  // of a side of a face: no cover is larger than 5 m
+constexpr double kLayer_mm = 8.0;      // of height over a module
 
 double distance_to_edge(const P3& p, const P3& a, const P3& b) {
   const P3 d = b - a;
@@ -62,7 +63,7 @@ class Area {
       const P3 a = corner(0), u = corner(1) - a, v = corner(2) - a;
       const double longest = std::max({u.norm(), v.norm(), (u - v).norm()});
       if (depth(a + (u + v) / 3.0, f) < -longest) continue;
-      const int n = static_cast<int>(std::ceil(longest / step));
+      const int n = static_cast<int>(std::ceil(std::min(longest / step, kMostParts)));
       for (int i = 0; i < n; ++i) {
         for (int j = 0; j < n - i; ++j) {
           const P3 p = a + (i + 1.0 / 3.0) / n * u + (j + 1.0 / 3.0) / n * v;
@@ -93,7 +94,8 @@ double reach_into(const Area& area, const SurfaceIndex& surface, const Outline3&
     const auto hit = surface.closest(middle);
     const double here = area.depth(hit.point, hit.face);
     most = std::max(most, here);
-    if (here + kSlope * radius <= most + kStep + kPart * std::max(0.0, most - 1.0)) continue;
+    const double known = most + kStep + kPart * std::max(0.0, most - 1.0);
+    if (!(here + kSlope * radius > known && std::isfinite(radius))) continue;
     const P3 p = (t[0] + t[1]) / 2, q = (t[1] + t[2]) / 2, r = (t[2] + t[0]) / 2;
     for (const auto& part :
          {std::array{t[0], p, r}, std::array{p, t[1], q}, std::array{r, q, t[2]}, std::array{p, q, r}})

@@ -18,9 +18,10 @@ namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kFreeRim_mm = 1.5, kFreeRimStep_mm = 0.5, kFreeStep_mm = 3.0;
-constexpr double kCoverStep_mm = 1.0;
-constexpr double kLayer_mm = 8.0;  // of height: what lies farther off is another sheet
-constexpr double kStretch = 1.5;   // of a way along a module, on the surface under it
+constexpr double kCoverStep_mm = 1.0, kWorthStep_mm = 3.0;
+constexpr double kBeside_mm = 75.0;  // of a module's corner from a place beside it: within_mm, a side, some height
+constexpr double kLayer_mm = 8.0;    // of height: what lies farther off is another sheet
+constexpr double kStretch = 1.5;     // of a way along a module, on the surface under it
 constexpr double kReachStep_mm = 0.005,
                  kReachPart = 0.05;  // to which keep_out_mm() is found: of what is beyond 1 mm a part
 constexpr double kModuleRadius_mm = 2.0 * kHeight_mm / 3.0;
@@ -196,13 +197,22 @@ std::vector<SurfaceRegions::MustCover> SurfaceRegions::must_cover(double step_mm
 }
 
 std::vector<design::Uncovered> SurfaceRegions::uncovered(const ModuleLayout& layout) const {
+  return uncovered(layout, kCoverStep_mm);
+}
+
+std::vector<design::Uncovered> SurfaceRegions::uncovered(const ModuleLayout& layout, double step_mm) const {
+  std::vector<const PlacedModule*> along_x;
+  for (const PlacedModule& m : layout.modules) along_x.push_back(&m);
+  const auto x_of = [](const PlacedModule* m) { return m->corner_mm[0].x(); };
+  std::ranges::sort(along_x, {}, x_of);
   std::vector<design::Uncovered> of_region(regions_.list.size());
-  for (const MustCover& place : must_cover(kCoverStep_mm)) {
+  for (const MustCover& place : must_cover(step_mm)) {
     double distance = kFar;
-    for (const PlacedModule& m : layout.modules) {
-      if ((m.corner_mm[0] - place.point_mm).squaredNorm() > 75.0 * 75.0) continue;  // within_mm and a side at most
-      distance = std::min(distance, distance_beside(m.corner_mm, layout.corner_cut_mm, place.point_mm));
-      if (distance <= 0.0) break;
+    const double x = place.point_mm.x();
+    for (auto m = std::ranges::lower_bound(along_x, x - kBeside_mm, {}, x_of);
+         m != along_x.end() && x_of(*m) < x + kBeside_mm && distance > 0.0; ++m) {
+      if (((*m)->corner_mm[0] - place.point_mm).norm() < kBeside_mm)
+        distance = std::min(distance, distance_beside((*m)->corner_mm, layout.corner_cut_mm, place.point_mm));
     }
     if (distance <= place.within_mm) continue;
     design::Uncovered& u = of_region[at(place.region)];
@@ -220,7 +230,7 @@ double SurfaceRegions::worth(const ModuleLayout& layout) const {
   double sum = 0.0;
   for (const PlacedModule& m : layout.modules)
     sum += weight_at((m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0);
-  for (const design::Uncovered& u : uncovered(layout)) sum -= kUncoveredCost * u.share;
+  for (const design::Uncovered& u : uncovered(layout, kWorthStep_mm)) sum -= kUncoveredCost * u.share;
   return sum;
 }
 

@@ -45,7 +45,7 @@ class SurfaceRegions {
   /// apart.
   [[nodiscard]] std::vector<design::Uncovered> uncovered(const ModuleLayout& layout) const;
   /// Σ weight_at() of the modules, less kUncoveredCost modules for each share of a must-cover region that is not
-  /// covered.
+  /// covered, at places 3 mm apart.
   [[nodiscard]] double worth(const ModuleLayout& layout) const;
 
  private:
@@ -53,6 +53,7 @@ class SurfaceRegions {
     std::vector<char> holds;
     std::vector<std::array<Vec3, 2>> rim;
   };
+  [[nodiscard]] std::vector<design::Uncovered> uncovered(const ModuleLayout& layout, double step_mm) const;
   [[nodiscard]] double inside_mm(std::size_t region, const Vec3& on_surface, int face) const;
   void sample(std::size_t region, double rim_step_mm, double step_mm, double rim_mm,
               const std::function<void(const Vec3&, double area_mm2)>& visit) const;
