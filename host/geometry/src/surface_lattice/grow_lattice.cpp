@@ -36,6 +36,7 @@ constexpr int kSmallIsland = 8;                    // modules: such an island ma
 constexpr int kFront = 12;                         // of the layouts that are kept beside the best
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kFinalMargin = 0.98;
+constexpr double kOfSides = kFinalMargin / 0.997;  // lift and depth: checker and solver walk the sides alike
 constexpr double kLiftShare =
     0.7;  // of the limit, for corners of the net: those of the rigid module stand off a little more
 constexpr double kApart_mm = 60.0;   // of centres: modules that have no side, corner or overlap in common
@@ -307,9 +308,10 @@ ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
 }
 
 double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
-  double worst = std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm,
-                           m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm, m.edge_lift_mm / l.lift_mm,
-                           m.edge_depth_mm / l.depth_mm, m.keep_out_mm / l.overrun_mm});
+  double worst =
+      std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm,
+                m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm, kOfSides * m.edge_lift_mm / l.lift_mm,
+                kOfSides * m.edge_depth_mm / l.depth_mm, m.keep_out_mm / l.overrun_mm});
   for (std::size_t s = 0; s < 3; ++s)
     worst = std::max({worst, m.hinge_gap_mm[s] / l.hinge_gap_mm, m.fold_rad[s] / l.fold_rad});
   return worst;
