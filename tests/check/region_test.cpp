@@ -123,6 +123,9 @@ TEST_F(RegionDesign, a_ball_that_must_stay_free_does) {
     for (json& m : j["modules"]) m["keep_out_mm"] = 0.0;
   });
   EXPECT_THAT(refused, Contains("keep-out"));
+  const auto found = check_design(folder_ / "damaged.json").violations;
+  EXPECT_TRUE(std::ranges::any_of(
+      found, [](const Violation& v) { return v.text.find("must stay free, limit 0.5 mm") != std::string::npos; }));
 }
 
 TEST_F(RegionDesign, a_flattering_keep_out_is_found) {

@@ -14,8 +14,9 @@ namespace {
 
 constexpr double kPlaceStep_mm = 0.9;   // between places that must be covered
 constexpr double kPlaceSlack_mm = 1.0;  // by which a place may be farther off: solver and checker look at other places
-constexpr double kStated_mm = 0.15;
-constexpr double kLayer_mm = 8.0;  // of height over a module
+constexpr double kStatedReach_mm = 0.15;
+constexpr double kMostParts = 5000.0;  // of a side of a face: no cover is larger than 5 m
+constexpr double kSheet_mm = 8.0;      // of height over a module
 
 double distance_to_edge(const P3& p, const P3& a, const P3& b) {
   const P3 d = b - a;
@@ -24,9 +25,9 @@ double distance_to_edge(const P3& p, const P3& a, const P3& b) {
 }
 
 // A region, and which faces of the surface it names.
-class Area {
+class RegionArea {
  public:
-  Area(const CheckedDesign& d, const CheckedDesign::Region& r) : d_(d), r_(r), named_(d.faces.size(), false) {
+  RegionArea(const CheckedDesign& d, const CheckedDesign::Region& r) : d_(d), r_(r), named_(d.faces.size(), false) {
     for (const int f : r.faces) named_[static_cast<std::size_t>(f)] = true;
     if (r.kind != CheckedDesign::Region::Kind::kFaces) return;
     std::map<std::pair<int, int>, std::array<int, 2>> sides;  // of how many faces, named or not
@@ -62,7 +63,7 @@ class Area {
       const P3 a = corner(0), u = corner(1) - a, v = corner(2) - a;
       const double longest = std::max({u.norm(), v.norm(), (u - v).norm()});
       if (depth(a + (u + v) / 3.0, f) < -longest) continue;
-      const int n = static_cast<int>(std::ceil(longest / step));
+      const int n = static_cast<int>(std::ceil(std::min(longest / step, kMostParts)));
       for (int i = 0; i < n; ++i) {
         for (int j = 0; j < n - i; ++j) {
           const P3 p = a + (i + 1.0 / 3.0) / n * u + (j + 1.0 / 3.0) / n * v;
@@ -80,7 +81,7 @@ class Area {
 };
 
 // How far the feet of a module's points reach into the region: by parts, as the overrun.
-double reach_into(const Area& area, const SurfaceIndex& surface, const Outline3& outline) {
+double reach_into(const RegionArea& area, const SurfaceIndex& surface, const Outline3& outline) {
   constexpr double kStep = 0.02, kPart = 0.05, kSlope = 2.0;  // of what reaches in far a part is enough
   double most = 0.0;
   std::vector<std::array<P3, 3>> parts;
@@ -93,7 +94,8 @@ double reach_into(const Area& area, const SurfaceIndex& surface, const Outline3&
     const auto hit = surface.closest(middle);
     const double here = area.depth(hit.point, hit.face);
     most = std::max(most, here);
-    if (here + kSlope * radius <= most + kStep + kPart * std::max(0.0, most - 1.0)) continue;
+    const double known = most + kStep + kPart * std::max(0.0, most - 1.0);
+    if (!(here + kSlope * radius > known && std::isfinite(radius))) continue;
     const P3 p = (t[0] + t[1]) / 2, q = (t[1] + t[2]) / 2, r = (t[2] + t[0]) / 2;
     for (const auto& part :
          {std::array{t[0], p, r}, std::array{p, t[1], q}, std::array{r, q, t[2]}, std::array{p, q, r}})
@@ -106,7 +108,7 @@ double reach_into(const Area& area, const SurfaceIndex& surface, const Outline3&
 double distance_from(const Outline3& outline, const P3& place) {
   const P3 n = (outline[1] - outline[0]).cross(outline[2] - outline[0]).normalized();
   const double height = n.dot(place - outline[0]);
-  if (!(std::abs(height) <= kLayer_mm)) return std::numeric_limits<double>::infinity();
+  if (!(std::abs(height) <= kSheet_mm)) return std::numeric_limits<double>::infinity();
   const P3 foot = place - height * n;
   double least = std::numeric_limits<double>::infinity();
   bool outside = false;
@@ -122,7 +124,7 @@ void check_free(const CheckedDesign& d, const SurfaceIndex& surface, Findings& f
   std::vector<double> reach(d.modules.size(), 0.0);
   for (const auto& region : d.regions) {
     if (!region.free) continue;
-    const Area area(d, region);
+    const RegionArea area(d, region);
     for (std::size_t k = 0; k < d.modules.size(); ++k) {
       const double into = reach_into(area, surface, module_outline(d.modules[k].corner, d.corner_cut));
       reach[k] = std::max(reach[k], into);
@@ -134,7 +136,7 @@ void check_free(const CheckedDesign& d, const SurfaceIndex& surface, Findings& f
     }
   }
   for (std::size_t k = 0; k < reach.size(); ++k) {
-    if (!(std::abs(reach[k] - d.modules[k].keep_out) <= kStated_mm + 0.1 * reach[k])) {
+    if (!(std::abs(reach[k] - d.modules[k].keep_out) <= kStatedReach_mm + 0.1 * reach[k])) {
       f.broken("keep-out", module_name(k),
                fmt::format("stated {:.3f} mm, measured {:.3f} mm", d.modules[k].keep_out, reach[k]));
     }
@@ -148,7 +150,7 @@ void check_cover(const CheckedDesign& d, Findings& f) {
     if (!region.cover) continue;
     double farthest = 0.0;
     P3 where = P3::Zero();
-    Area(d, region).each_place(kPlaceStep_mm, [&](const P3& place) {
+    RegionArea(d, region).each_place(kPlaceStep_mm, [&](const P3& place) {
       double least = std::numeric_limits<double>::infinity();
       for (std::size_t k = 0; k < outlines.size() && least > region.within; ++k) {
         if ((d.modules[k].corner[0] - place).norm() < 2.5 * kSide)

@@ -18,9 +18,10 @@ namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kFreeRim_mm = 1.5, kFreeRimStep_mm = 0.5, kFreeStep_mm = 3.0;
-constexpr double kCoverStep_mm = 1.0;
-constexpr double kLayer_mm = 8.0;  // of height: what lies farther off is another sheet
-constexpr double kStretch = 1.5;   // of a way along a module, on the surface under it
+constexpr double kCoverStep_mm = 1.0, kWorthStep_mm = 3.0;
+constexpr double kBeside_mm = 75.0;  // of a module's corner from a place beside it: within_mm, a side, some height
+constexpr double kSheet_mm = 8.0;    // of height: what lies farther off is another sheet
+constexpr double kStretch = 1.5;     // of a way along a module, on the surface under it
 constexpr double kReachStep_mm = 0.005,
                  kReachPart = 0.05;  // to which keep_out_mm() is found: of what is beyond 1 mm a part
 constexpr double kModuleRadius_mm = 2.0 * kHeight_mm / 3.0;
@@ -31,23 +32,23 @@ double distance_to_segment(const Vec3& p, const std::array<Vec3, 2>& s) {
   return (p - s[0] - x * d).norm();
 }
 
-[[noreturn]] void refuse(const design::Region& r, const std::string& what) {
+[[noreturn]] void refuse_region(const design::Region& r, const std::string& what) {
   throw InputError(fmt::format("region \"{}\": {}; see docs/regions.md", r.name, what));
 }
 
-void require_sane(const design::Region& r, std::size_t faces) {
-  if (r.name.empty()) refuse(r, "needs a name");
-  if (r.cover && r.free) refuse(r, "cannot be covered and free at once");
-  if (!r.cover && !r.free && !r.weight) refuse(r, "says nothing: needs \"weight\", \"cover\" or \"free\"");
-  if (r.weight && !(*r.weight >= 0.0 && *r.weight <= 1000.0)) refuse(r, "its weight must be 0 … 1000");
-  if (!(r.within_mm >= 0.0 && r.within_mm <= 30.0)) refuse(r, "within_mm must be 0 … 30");
+void require_region(const design::Region& r, std::size_t faces) {
+  if (r.name.empty()) refuse_region(r, "needs a name");
+  if (r.cover && r.free) refuse_region(r, "cannot be covered and free at once");
+  if (!r.cover && !r.free && !r.weight) refuse_region(r, "says nothing: needs \"weight\", \"cover\" or \"free\"");
+  if (r.weight && !(*r.weight >= 0.0 && *r.weight <= 1000.0)) refuse_region(r, "its weight must be 0 … 1000");
+  if (!(r.within_mm >= 0.0 && r.within_mm <= 30.0)) refuse_region(r, "within_mm must be 0 … 30");
   if (const auto* s = std::get_if<design::Sphere>(&r.shape)) {
-    if (!(s->radius_mm > 0.0 && s->center_mm.allFinite())) refuse(r, "its radius must be above 0");
+    if (!(s->radius_mm > 0.0 && s->center_mm.allFinite())) refuse_region(r, "its radius must be above 0");
   } else if (const auto* b = std::get_if<design::Box>(&r.shape)) {
-    if (!((b->high_mm - b->low_mm).minCoeff() > 0.0)) refuse(r, "low_mm must be below high_mm on every axis");
+    if (!((b->high_mm - b->low_mm).minCoeff() > 0.0)) refuse_region(r, "low_mm must be below high_mm on every axis");
   } else {
     for (const int f : std::get<design::FaceSet>(r.shape).faces) {
-      if (f < 0 || at(f) >= faces) refuse(r, fmt::format("face {} is not there; 0 … {} are", f, faces - 1));
+      if (f < 0 || at(f) >= faces) refuse_region(r, fmt::format("face {} is not there; 0 … {} are", f, faces - 1));
     }
   }
 }
@@ -63,12 +64,11 @@ SurfaceRegions::SurfaceRegions(const Surface& surface, design::Regions regions)
   std::set<std::string> names;
   for (std::size_t k = 0; k < regions_.list.size(); ++k) {
     const design::Region& r = regions_.list[k];
-    require_sane(r, mesh.faces.size());
-    if (!names.insert(r.name).second) refuse(r, "the name is taken");
+    require_region(r, mesh.faces.size());
+    if (!names.insert(r.name).second) refuse_region(r, "the name is taken");
     has_weights_ = has_weights_ || r.weight.has_value();
     if (const auto* set = std::get_if<design::FaceSet>(&r.shape)) {
       Group& group = groups_[k];
-      weighs_faces_ = weighs_faces_ || r.weight.has_value();
       group.holds.assign(mesh.faces.size(), 0);
       for (const int f : set->faces) group.holds[at(f)] = 1;
       for (const int f : set->faces) {
@@ -82,7 +82,7 @@ SurfaceRegions::SurfaceRegions(const Surface& surface, design::Regions regions)
     }
     bool any = false;
     sample(k, 3.0, 3.0, 0.0, [&](const Vec3&, double) { any = true; });
-    if (!any) refuse(r, "no part of the surface lies in it: it has the frame of the mesh, in mm");
+    if (!any) refuse_region(r, "no part of the surface lies in it: it has the frame of the mesh, in mm");
     if (r.free) {
       sample(k, kFreeRimStep_mm, kFreeStep_mm, kFreeRim_mm,
              [this](const Vec3& p, double) { free_points_.push_back(p); });
@@ -197,13 +197,22 @@ std::vector<SurfaceRegions::MustCover> SurfaceRegions::must_cover(double step_mm
 }
 
 std::vector<design::Uncovered> SurfaceRegions::uncovered(const ModuleLayout& layout) const {
+  return uncovered(layout, kCoverStep_mm);
+}
+
+std::vector<design::Uncovered> SurfaceRegions::uncovered(const ModuleLayout& layout, double step_mm) const {
+  std::vector<const PlacedModule*> along_x;
+  for (const PlacedModule& m : layout.modules) along_x.push_back(&m);
+  const auto x_of = [](const PlacedModule* m) { return m->corner_mm[0].x(); };
+  std::ranges::sort(along_x, {}, x_of);
   std::vector<design::Uncovered> of_region(regions_.list.size());
-  for (const MustCover& place : must_cover(kCoverStep_mm)) {
+  for (const MustCover& place : must_cover(step_mm)) {
     double distance = kFar;
-    for (const PlacedModule& m : layout.modules) {
-      if ((m.corner_mm[0] - place.point_mm).squaredNorm() > 75.0 * 75.0) continue;  // within_mm and a side at most
-      distance = std::min(distance, distance_beside(m.corner_mm, layout.corner_cut_mm, place.point_mm));
-      if (distance <= 0.0) break;
+    const double x = place.point_mm.x();
+    for (auto m = std::ranges::lower_bound(along_x, x - kBeside_mm, {}, x_of);
+         m != along_x.end() && x_of(*m) < x + kBeside_mm && distance > 0.0; ++m) {
+      if (((*m)->corner_mm[0] - place.point_mm).norm() < kBeside_mm)
+        distance = std::min(distance, distance_beside((*m)->corner_mm, layout.corner_cut_mm, place.point_mm));
     }
     if (distance <= place.within_mm) continue;
     design::Uncovered& u = of_region[at(place.region)];
@@ -221,14 +230,14 @@ double SurfaceRegions::worth(const ModuleLayout& layout) const {
   double sum = 0.0;
   for (const PlacedModule& m : layout.modules)
     sum += weight_at((m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0);
-  for (const design::Uncovered& u : uncovered(layout)) sum -= kUncoveredCost * u.share;
+  for (const design::Uncovered& u : uncovered(layout, kWorthStep_mm)) sum -= kUncoveredCost * u.share;
   return sum;
 }
 
 double distance_beside(const std::array<Vec3, 3>& corner_mm, double corner_cut_mm, const Vec3& place_mm) {
   const Vec3 n = (corner_mm[1] - corner_mm[0]).cross(corner_mm[2] - corner_mm[0]).normalized();
   const double height = (place_mm - corner_mm[0]).dot(n);
-  if (std::abs(height) > kLayer_mm) return kFar;
+  if (std::abs(height) > kSheet_mm) return kFar;
   const Vec3 p = place_mm - height * n;
   const design::Outline outline = design::outline_of(corner_mm, corner_cut_mm);
   const auto points = outline.points();

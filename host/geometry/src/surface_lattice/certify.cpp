@@ -12,6 +12,7 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr double kFinalMargin = 0.98;
+constexpr double kOfSides = kFinalMargin / 0.997;  // lift and depth: checker and solver walk the sides alike
 
 // Module k is triangle triangle_of[k] of the net.
 ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
@@ -44,9 +45,10 @@ ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
 }
 
 double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
-  double worst = std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm,
-                           m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm, m.edge_lift_mm / l.lift_mm,
-                           m.edge_depth_mm / l.depth_mm, m.keep_out_mm / l.overrun_mm});
+  double worst =
+      std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm,
+                m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm, kOfSides * m.edge_lift_mm / l.lift_mm,
+                kOfSides * m.edge_depth_mm / l.depth_mm, m.keep_out_mm / l.overrun_mm});
   for (std::size_t s = 0; s < 3; ++s)
     worst = std::max({worst, m.hinge_gap_mm[s] / l.hinge_gap_mm, m.fold_rad[s] / l.fold_rad});
   return worst;

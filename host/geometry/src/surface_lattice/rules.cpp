@@ -10,18 +10,19 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kMargin = 0.97;   // an independent measurement must agree
-constexpr double kStep_mm = 1.5;   // of the walk along a side; the end result is measured every 0.5 mm
-constexpr double kClear_mm = 5.0;  // a point farther from the border than a module may stand off is not over it
-constexpr double kOutward = 0.6;   // cosine between module and surface
+constexpr double kMargin = 0.97;        // an independent measurement must agree
+constexpr double kSidesMargin = 0.995;  // for what lies between the quarters of a side
+constexpr double kStep_mm = 1.5;        // of the walk along a side; the end result is measured every 0.5 mm
+constexpr double kClear_mm = 5.0;       // a point farther from the border than a module may stand off is not over it
+constexpr double kOutward = 0.6;        // cosine between module and surface
 constexpr double kProbeStep_mm = 2.0;
 constexpr double kProbeHeight_mm = 8.0;
 constexpr double kSafeMove = 0.7;  // of the room: the height changes by as much as a side moves, and its normal turns
 
 LayoutLimits with_margin(LayoutLimits l) {
-  for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm,
-                    &l.lift_mm, &l.depth_mm})
+  for (double* v : {&l.edge_error_mm, &l.hinge_gap_mm, &l.center_gap_mm, &l.fold_rad, &l.penetration_mm, &l.overrun_mm})
     *v *= kMargin;
+  for (double* v : {&l.lift_mm, &l.depth_mm}) *v *= kSidesMargin;
   return l;
 }
 

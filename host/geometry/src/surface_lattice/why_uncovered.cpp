@@ -16,7 +16,7 @@ using namespace surface_lattice;
 
 constexpr int kTurns = 24;  // of 120°
 constexpr std::array kOffsets_mm{0.0, 5.0, 9.0, 13.0};
-constexpr int kDirections = 12;
+constexpr int kWays = 12;
 
 }  // namespace
 
@@ -29,8 +29,8 @@ std::string why_uncovered(const Surface& surface, const LayoutLimits& limits, co
   const Vec3 n = surface.normal_at(surface.closest(place_mm)), x = n.unitOrthogonal(), y = n.cross(x);
   const auto around = [&](double angle, double r) { return Vec3(r * (std::cos(angle) * x + std::sin(angle) * y)); };
   for (const double offset : kOffsets_mm) {
-    for (int d = 0; d < (offset > 0.0 ? kDirections : 1); ++d) {
-      const Vec3 center = place_mm + around(2.0 * M_PI * d / kDirections, offset);
+    for (int d = 0; d < (offset > 0.0 ? kWays : 1); ++d) {
+      const Vec3 center = place_mm + around(2.0 * M_PI * d / kWays, offset);
       for (int turn = 0; turn < kTurns; ++turn) {
         Triangle corners;
         for (int k = 0; k < 3; ++k)

@@ -21,7 +21,7 @@ class SurfaceRegions {
 
   [[nodiscard]] const design::Regions& regions() const { return regions_; }
   [[nodiscard]] bool has_weights() const { return has_weights_; }
-  /// Worth of a module with this centre. Cost: one closest point where face sets are weighed, else a few ns a region.
+  /// Worth of a module with this centre. Cost: one closest point.
   [[nodiscard]] double weight_at(const Vec3& center_mm) const;
   /// How far the module (corners in mm, less its corner cut) reaches into a region that must stay free: the largest
   /// distance from a foot of the module on the surface to the rim of the region, to 0.005 mm below, beyond 1 mm to 5 %.
@@ -45,7 +45,7 @@ class SurfaceRegions {
   /// apart.
   [[nodiscard]] std::vector<design::Uncovered> uncovered(const ModuleLayout& layout) const;
   /// Σ weight_at() of the modules, less kUncoveredCost modules for each share of a must-cover region that is not
-  /// covered.
+  /// covered, at places 3 mm apart.
   [[nodiscard]] double worth(const ModuleLayout& layout) const;
 
  private:
@@ -53,6 +53,7 @@ class SurfaceRegions {
     std::vector<char> holds;
     std::vector<std::array<Vec3, 2>> rim;
   };
+  [[nodiscard]] std::vector<design::Uncovered> uncovered(const ModuleLayout& layout, double step_mm) const;
   [[nodiscard]] double inside_mm(std::size_t region, const Vec3& on_surface, int face) const;
   void sample(std::size_t region, double rim_step_mm, double step_mm, double rim_mm,
               const std::function<void(const Vec3&, double area_mm2)>& visit) const;
@@ -61,7 +62,7 @@ class SurfaceRegions {
   design::Regions regions_;
   std::vector<Group> groups_;  // by region; empty for other shapes
   std::vector<Vec3> free_points_;
-  bool has_weights_ = false, weighs_faces_ = false;
+  bool has_weights_ = false;
 };
 
 /// Modules that a must-cover region is worth which is not covered at all: more than any lattice round it could gain.
