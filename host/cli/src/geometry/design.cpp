@@ -91,8 +91,10 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
 
 int run(Options options, Output& output) {
   catch_interrupts();
-  if (options.edit.wanted()) return edit(options.mesh, options.output, options.edit, options.design, output);
+  if (options.edit.wanted(options.mesh))
+    return edit(options.mesh, options.output, options.edit, options.design, output);
   options.design.unit = options.unit.unit;
+  options.design.kinds = options.edit.kind_plan();
   pipeline::DesignNotes notes;
   const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
   const bool nothing = d.layout.modules.empty();
@@ -108,6 +110,7 @@ int run(Options options, Output& output) {
   if (interrupt_signal() > 0)
     output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
                            d.layout.modules.size()));
+  report_kinds(d, output);
   report_alternatives(d, output);
   report_bus(d.layout.modules.size(), output);
   output.say(fmt::format("design {:016x} written to {} in {:.1f} s", d.design_id, options.output, d.report.seconds));
@@ -189,7 +192,7 @@ const Registration kDesign{{
           ->check(CLI::Range(0, 1000000000))
           ->capture_default_str();
       return [options, &app](Output& output) {
-        options->edit.require_fitting(app);
+        options->edit.require_fitting(app, options->mesh);
         return run(*options, output);
       };
     },

@@ -39,6 +39,7 @@ struct PlacedModule {
   double penetration_mm = 0.0;
   double overrun_mm = 0.0;
   double bend_radius_mm = 0.0;  ///< smallest radius of curvature under the module; 0 when flat
+  int kind = 0;                 ///< number of the kind (kinds.hpp), 0: the standard one
 };
 
 /// Method that made a layout.

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <variant>
 #include <vector>
 
-#include "triskin/design/json_value.hpp"
 #include "triskin/design/mesh.hpp"
 #include "triskin/design/module.hpp"
 
 namespace triskin::design {
+
+class JsonValue;
 
 /// All points at most `radius_mm` > 0 from `center_mm`, mesh frame.
 struct Sphere {
@@ -34,6 +36,10 @@ struct ModuleRegion {
 /// of one layout and hold no point.
 using Region = std::variant<Sphere, Box, IslandRegion, ModuleRegion>;
 
+/// Whether a region is a part of space.
+[[nodiscard]] inline bool is_place(const Region& region) {
+  return std::holds_alternative<Sphere>(region) || std::holds_alternative<Box>(region);
+}
 /// Whether a point (mesh frame, mm) lies in a region; never in an island or a list of modules. Constant cost.
 [[nodiscard]] bool holds(const Region& region, const Vec3& point_mm);
 /// Whether module `id` of a layout belongs to a region: of a part of space, when its centre lies in it. Errors:

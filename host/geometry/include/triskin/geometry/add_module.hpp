@@ -19,10 +19,9 @@ struct BrokenLimit {
 /// Appends a module at free side `side` (0 … 2) of module `id`, in its island: the pose that keeps the limits best is
 /// sought on the surface, and all other modules stay exactly where they are. It is joined across that side, and to
 /// those other neighbours in the lattice to which the limits allow it. Metrics are not brought up to date: measure()
-/// does that. Where no pose keeps the limits the layout stays as it was, and what the module would break without sliding is
-/// returned, the worst first.
-/// Errors: std::out_of_range for an id or side that is not there; InputError when the side carries a joint, or the
-/// island has its tile already (a slit). Deterministic. Cost: about 0.5 s.
+/// does that. Where no pose keeps the limits the layout stays as it was, and what the module would break without
+/// sliding is returned, the worst first. Errors: std::out_of_range for an id or side that is not there; InputError when
+/// the side carries a joint, or the island has its tile already (a slit). Deterministic. Cost: about 0.5 s.
 [[nodiscard]] std::vector<BrokenLimit> add_module(const Surface& surface, const LayoutLimits& limits,
                                                   ModuleLayout& layout, int id, int side);
 
