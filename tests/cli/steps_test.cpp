@@ -76,6 +76,14 @@ TEST_F(Steps, a_design_is_changed_by_hand) {
   EXPECT_FALSE(fs::exists(folder_ / "c.json"));
   ASSERT_EQ(run("design a.json --mirror 1,1,0,20 -o c.json").status, 0);
   EXPECT_EQ(run("check c.json").status, 0);
+  write("kinds.json", R"({"format":"triskin-kinds","version":1,"kinds":[{"name":"soft","taxels":8}],
+                          "regions":[{"kind":"soft","modules":[1]}]})");
+  EXPECT_THAT(run("design plate.obj --kinds kinds.json -o e.json").messages, HasSubstr("make it without --kinds"));
+  const Outcome kinds = run("design b.json --kinds kinds.json -o e.json --json");
+  EXPECT_EQ(nlohmann::json::parse(kinds.out)["kinds"]["soft"], 1);
+  EXPECT_EQ(run("check e.json").status, 0);
+  ASSERT_EQ(run("design e.json --kinds none -o f.json").status, 0);
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder_ / "f.json")), nlohmann::json::parse(read_file(folder_ / "b.json")));
   ASSERT_EQ(run("design b.json --keep 0-1 --iterations 5 --time-limit-s 100 -o d.json").status, 0);
   EXPECT_EQ(run("check d.json").status, 0);
 }

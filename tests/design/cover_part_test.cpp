@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/flat_design.hpp"
+#include "triskin/design/json_value.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::design {

@@ -140,6 +140,37 @@ TEST(EditDesign, names_the_limit_that_forbids_a_module) {
             std::string::npos);
 }
 
+TEST(EditDesign, kinds_go_with_their_modules_and_are_checked) {
+  Design d = ring();
+  d.kinds.kinds = {{"soft", 12, "foam", 80.0}};
+  // Round the lattice point (45, h): the modules above it, 0 … 2; by number module 4, below.
+  d.kinds.regions = {{design::Box{{0, kHeight_mm, -1}, {100, 100, 1}}, 1}, {design::ModulePart{{4}}, 1}};
+  design::assign_kinds(d.kinds, d.layout);
+  d.design_id = design::design_id_of(d);
+  const auto kinds = [](const Design& of) {
+    std::vector<int> list;
+    for (const auto& m : of.layout.modules) list.push_back(m.kind);
+    return list;
+  };
+  EXPECT_EQ(kinds(d), (std::vector{1, 1, 1, 0, 1}));
+  EXPECT_EQ(broken_by(d), Nothing{});
+  const Design image = mirror_design(d, {Vec3::UnitY(), 0.0}).design;
+  EXPECT_EQ(kinds(image), kinds(d));
+  EXPECT_EQ(broken_by(image), Nothing{});
+  // Module 1 goes and comes again, 4 of the kind that its number had; the missing one below is of the standard kind.
+  const EditedDesign e = edit_design(d, {{1}, {TileOfIsland{0, kRing[1]}, TileOfIsland{0, kRing[kMissing]}}});
+  EXPECT_EQ(kinds(e.design), (std::vector{1, 1, 0, 1, 1, 0}));
+  EXPECT_EQ(e.design.kinds.regions.size(), 1U);
+  EXPECT_EQ(broken_by(e.design), Nothing{});
+  Design damaged = d;
+  damaged.layout.modules[3].kind = 1;
+  EXPECT_EQ(broken_by(damaged).size(), 1U);  // its id
+  damaged = d;
+  damaged.kinds.kinds[0].taxels = 13;
+  damaged.design_id = design::design_id_of(damaged);
+  EXPECT_EQ(broken_by(damaged), (std::vector<std::string>{"kinds: kind \"soft\": 13 taxels; a converter has 1 … 12"}));
+}
+
 // The generated forearm.
 Design curved(int iterations) {
   geometry::GenerateOptions size;

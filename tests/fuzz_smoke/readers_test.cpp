@@ -134,6 +134,14 @@ TEST(Readers, touches) {
        [](const fs::path& p) { (void)robot::read_touches(read_file(p), p.string()); });
 }
 
+TEST(Readers, kinds) {
+  fuzz(
+      R"({"format":"triskin-kinds","version":1,"kinds":[{"name":"soft","taxels":10,"dielectric":"foam",
+          "sensitivity_counts_per_kpa":80},{"name":"hard"}],"regions":[{"kind":"soft","box":{"low_mm":[0,-1,-1],
+          "high_mm":[50,30,1]}},{"kind":"hard","modules":[1,5]},{"kind":"hard","island":1},
+          {"kind":"standard","sphere":{"center_mm":[15,8.7,0],"radius_mm":1}}]})",
+      ".json", 1000, [](const fs::path& p) { (void)design::read_kind_plan(p); });
+}
 TEST(Readers, module_list) {
   fuzz(R"({"modules":[{"id":0,"i":3,"j":5,"up":true,"island":0,"border":true},{"id":7,"i":3,"j":5,"up":false}]})",
        ".json", 1000, [](const fs::path& p) { (void)design::read_module_list(p); });

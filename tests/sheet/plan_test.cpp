@@ -21,6 +21,7 @@ using sheet::PieceCount;
 using sheet::SideKind;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(PageCode, is_written_and_read) {
   const PageCode code{0x00ab00000000cdef, 3, 12};
@@ -128,6 +129,25 @@ TEST(Bill, of_a_strip) {
   EXPECT_EQ(bill.cut_joints, 0);
   // Entry 0 lies at (7.5, 13.0), 8.5 mm from the rim x = −1; entry 2 at (37.5, 13.0), 14.0 mm from the rim y = −1.
   EXPECT_THAT(bill.cables, ElementsAre(PieceCount{10, 1}, PieceCount{20, 1}));
+}
+
+TEST(Bill, counts_modules_by_kind_and_controllers_say_which) {
+  design::Design d = strip(4, 2);
+  EXPECT_THAT(sheet::bill_of(d, sheet::sides_of(d)).modules_by_kind, ElementsAre(4));
+  d.kinds.kinds = {{"soft", 10, "foam", 80.0}, {"hard", 12, "", 0.0}};
+  d.layout.modules[1].kind = d.layout.modules[3].kind = d.layout.modules[2].kind = 1;
+  EXPECT_THAT(sheet::bill_of(d, sheet::sides_of(d)).modules_by_kind, ElementsAre(1, 3, 0));
+  std::string text;
+  for (const auto& page : sheet::plan_of(d, sheet::Paper::kA4).pages) {
+    for (const auto& line : page.lines) {
+      for (const std::string& cell : line.cells) text += cell + "|";
+    }
+  }
+  EXPECT_THAT(text, HasSubstr("modules|standard: 12 taxels; whole triangles, side 30 mm|1|"));
+  EXPECT_THAT(text, HasSubstr("modules|soft: 10 taxels, foam; whole triangles, side 30 mm|3|"));
+  EXPECT_THAT(text, Not(HasSubstr("hard")));
+  EXPECT_THAT(text, HasSubstr("Kind standard: modules 0.|Kind soft: modules 1.|"));
+  EXPECT_THAT(text, HasSubstr("Kind soft: modules 2, 3.|"));
 }
 
 TEST(Bill, counts_jumpers_by_length) {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "shapes.hpp"
 #include "surface_lattice/relax.hpp"
-#include "surface_lattice/shapes.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {

@@ -3,14 +3,11 @@
 #include <cmath>
 #include <functional>
 
+#include "index.hpp"
 #include "triskin/design/module.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
 
 namespace triskin::geometry {
-
-inline std::size_t at(int k) {
-  return static_cast<std::size_t>(k);
-}
 
 // A grid of nu × nv cells over the unit square, brought to space.
 inline Mesh grid_mesh(int nu, int nv, const std::function<Vec3(double, double)>& place) {

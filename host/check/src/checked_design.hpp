@@ -28,6 +28,7 @@ struct CheckedDesign {
     std::array<double, 3> hinge_gap, fold;
     int patch, line, address, rotation, parent, depth;
     std::array<P3, 12> taxel, taxel_normal;
+    std::string kind;  ///< empty in a file without kinds
   };
   struct Piece {
     std::vector<P2> outline;
@@ -59,6 +60,11 @@ struct CheckedDesign {
     bool cover, free;
     double within;
   };
+  struct Kind {
+    std::string name, dielectric;
+    int taxels;
+    double sensitivity;
+  };
   struct Limits {
     double edge_error, hinge_gap, center_gap, fold, penetration, overrun;
     double lift, depth;  ///< infinite in files that do not limit the sides
@@ -70,6 +76,7 @@ struct CheckedDesign {
   int islands;
   double corner_cut;  ///< mm; 0 where the file has none
   std::vector<Module> modules;
+  std::vector<Kind> kinds;  ///< besides the standard one
   std::vector<Jumper> jumpers;
   std::vector<Piece> pieces;
   std::vector<Region> regions;
@@ -79,6 +86,9 @@ struct CheckedDesign {
   std::string method;
   std::uint64_t design_id;
 };
+
+/// Number of a kind by its name: 0 the standard one, k + 1 kinds[k], −1 none.
+[[nodiscard]] int kind_number(const CheckedDesign& design, const std::string& name);
 
 [[nodiscard]] CheckedDesign read_checked_design(const std::filesystem::path& path);
 

@@ -51,6 +51,31 @@ class Fnv {
   std::uint64_t value_ = 0xCBF29CE484222325U;
 };
 
+// Kinds are in tables as numbers of three bits above ids of thirteen.
+void check_kinds(const CheckedDesign& d, Findings& f) {
+  f.rule("kinds");
+  constexpr std::size_t kMostKinds = 7, kMostModules = 8192;
+  if (d.kinds.size() > kMostKinds || d.modules.size() > kMostModules) {
+    f.broken("kinds", "design",
+             fmt::format("{} kinds and {} modules; a table holds {} and {}", d.kinds.size(), d.modules.size(),
+                         kMostKinds, kMostModules));
+  }
+  for (std::size_t k = 0; k < d.kinds.size(); ++k) {
+    const auto& kind = d.kinds[k];
+    const std::string where = fmt::format("kind \"{}\"", kind.name);
+    if (kind.name.empty() || kind_number(d, kind.name) != static_cast<int>(k) + 1)
+      f.broken("kinds", where, "its name is empty, taken or that of the standard kind");
+    if (kind.taxels < 1 || kind.taxels > 12)
+      f.broken("kinds", where, fmt::format("{} taxels; a converter has 1 … 12", kind.taxels));
+    if (!(std::isfinite(kind.sensitivity) && kind.sensitivity >= 0.0))
+      f.broken("kinds", where, fmt::format("a sensitivity of {:.6g} counts per kPa", kind.sensitivity));
+  }
+  for (std::size_t m = 0; m < d.modules.size(); ++m) {
+    if (kind_number(d, d.modules[m].kind) < 0)
+      f.broken("kinds", module_name(m), fmt::format("\"{}\" is no kind of this design", d.modules[m].kind));
+  }
+}
+
 // A controller whose id matches is not flashed again: an id that belongs to other modules would leave it as it is.
 void check_id(const CheckedDesign& d, Findings& f) {
   f.rule("design-id");
@@ -75,6 +100,15 @@ void check_id(const CheckedDesign& d, Findings& f) {
     }
   }
   if (d.corner_cut > 0.0) fnv.add(std::llround(d.corner_cut * 1000.0));
+  for (const auto& k : d.kinds) {
+    for (const std::string& text : {k.name, k.dielectric}) {
+      fnv.add(static_cast<std::int64_t>(text.size()));
+      for (const char c : text) fnv.add(static_cast<unsigned char>(c));
+    }
+    fnv.add(k.taxels);
+    fnv.add(std::llround(std::clamp(k.sensitivity, -1e9, 1e9) * 1000.0));
+  }
+  for (std::size_t m = 0; !d.kinds.empty() && m < d.modules.size(); ++m) fnv.add(kind_number(d, d.modules[m].kind));
   if (fnv.value() != d.design_id) {
     f.broken("design-id", "design",
              fmt::format("states {:016x}, its modules and wiring have {:016x}: the file was changed", d.design_id,
@@ -83,6 +117,14 @@ void check_id(const CheckedDesign& d, Findings& f) {
 }
 
 }  // namespace
+
+int kind_number(const CheckedDesign& d, const std::string& name) {
+  if (name == "standard") return 0;
+  for (std::size_t k = 0; k < d.kinds.size(); ++k) {
+    if (d.kinds[k].name == name) return static_cast<int>(k) + 1;
+  }
+  return -1;
+}
 
 void check_report(const CheckedDesign& d, Findings& f) {
   check_id(d, f);
@@ -132,6 +174,7 @@ DesignReport check_design(const std::filesystem::path& path) {
   check_jumpers(design, findings);
   check_regions(design, findings);
   check_patches(design, findings);
+  if (!design.kinds.empty()) check_kinds(design, findings);
   check_report(design, findings);
   return report;
 }

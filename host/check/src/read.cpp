@@ -159,6 +159,15 @@ void read_jumpers(const json& list, CheckedDesign& d) {
   }
 }
 
+void read_kinds(const json& j, CheckedDesign& d) {
+  for (const json& k : j.at("kinds").at("kinds")) {
+    d.kinds.push_back({k.at("name").get<std::string>(), k.at("dielectric").get<std::string>(),
+                       k.at("taxels").get<int>(), k.at("sensitivity_counts_per_kpa").get<double>()});
+  }
+  for (std::size_t m = 0; m < d.modules.size(); ++m)
+    d.modules[m].kind = j.at("modules").at(m).at("kind").get<std::string>();
+}
+
 std::uint64_t hex_id(const std::string& text) {
   std::uint64_t id = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id, 16);
@@ -201,6 +210,7 @@ CheckedDesign read_all(const json& j) {
   }
   if (with_jumpers) read_jumpers(j.at("jumpers"), d);
   if (j.contains("regions")) read_regions(j, d);
+  if (j.contains("kinds")) read_kinds(j, d);
   for (const json& p : j.at("pieces")) d.pieces.push_back(read_piece(p, static_cast<int>(d.faces.size())));
   for (const json& p : j.at("patches")) d.patches.push_back(read_patch(p, n));
   const json& r = j.at("report");

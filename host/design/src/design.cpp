@@ -40,6 +40,18 @@ class Hash {
   std::uint64_t state_ = 0xCBF29CE484222325ULL;
 };
 
+void add_kinds(const Design& design, Hash& hash) {
+  for (const ModuleKind& k : design.kinds.kinds) {
+    for (const std::string& text : {k.name, k.dielectric}) {
+      hash.add(static_cast<int>(text.size()));
+      for (const char c : text) hash.add(static_cast<int>(static_cast<unsigned char>(c)));
+    }
+    hash.add(k.taxels);
+    hash.add_length(k.sensitivity_counts_per_kpa);  // to 0.001
+  }
+  for (const PlacedModule& m : design.layout.modules) hash.add(m.kind);
+}
+
 }  // namespace
 
 std::vector<ModuleWiring> wiring_of(const Design& design) {
@@ -109,6 +121,7 @@ std::uint64_t design_id_of(const Design& design) {
     }
   }
   if (design.layout.corner_cut_mm > 0.0) hash.add_length(design.layout.corner_cut_mm);
+  if (!design.kinds.empty()) add_kinds(design, hash);
   return hash.value();
 }
 

@@ -179,6 +179,17 @@ double read_corner_cut(const JsonValue& v) {
   return cut_mm;
 }
 
+// Files without the key have modules of the standard kind.
+void read_kinds(const JsonValue& v, Design& d) {
+  d.kinds = kind_plan_of(v["kinds"]);
+  for (std::size_t k = 0; k < d.layout.modules.size(); ++k) {
+    const JsonValue name = v["modules"].at(k)["kind"];
+    const std::optional<int> kind = number_of_kind(d.kinds, name.text());
+    if (!kind) name.fail(fmt::format("\"{}\" is no kind of this design", name.text()));
+    d.layout.modules[k].kind = *kind;
+  }
+}
+
 LayoutMethod read_method(const JsonValue& v) {
   const auto method = kLayoutMethodNames.value(v.text());
   if (!method) v.fail("must be " + kLayoutMethodNames.list());
@@ -238,6 +249,7 @@ Design parse_design(const std::string& text, const std::string& file) {
   for (std::size_t k = 0; k < modules.size(); ++k) {
     d.layout.modules.push_back(read_module(modules.at(k), k, modules.size()));
   }
+  if (has(v, "kinds")) read_kinds(v, d);
   if (has(v, "jumpers"))
     d.layout.jumpers = list(v["jumpers"], [&](const JsonValue& j) { return read_jumper(j, modules.size()); });
   const JsonValue patches = v["patches"];

@@ -182,6 +182,11 @@ void write_design(const std::filesystem::path& path, const Design& design) {
     file["report"]["max_edge_depth_mm"] = design.report.max_edge_depth_mm;
   }
   if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // files without a cut stay as they were
+  if (!design.kinds.empty()) {                                      // nor has a file without kinds a key of them
+    file["kinds"] = kind_plan_json(design.kinds);
+    for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
+      file["modules"][k]["kind"] = kind_of(design.kinds, design.layout.modules[k].kind).name;
+  }
   write_alternatives(design, file);
   write_regions(design, file);
   for (const Jumper& j : design.layout.jumpers) file["jumpers"].push_back(jumper_json(j));

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "triskin/design/outline.hpp"
+#include "triskin/host/markup.hpp"
 
 namespace triskin::design {
 namespace {
@@ -111,6 +112,10 @@ void add_jumpers(const Design& d, const View& view, std::vector<Shape>& shapes) 
   }
 }
 
+std::string kind_name(const Design& design, int module) {
+  return kind_of(design.kinds, design.layout.modules.at(static_cast<std::size_t>(module)).kind).name;
+}
+
 std::string jumpers_html(const Design& design, const Patch& patch) {
   std::string rows;
   for (const Jumper& j : design.layout.jumpers) {
@@ -167,14 +172,16 @@ std::string picture_svg(const Design& design) {
 }
 
 std::string taxels_csv(const Design& design) {
-  std::string csv = "module,taxel,patch,line,address,x_mm,y_mm,z_mm,nx,ny,nz\n";
+  std::string csv = "module,taxel,patch,line,address,x_mm,y_mm,z_mm,nx,ny,nz";
+  csv += design.kinds.empty() ? "\n" : ",kind\n";
   const auto wiring = wiring_of(design);
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     const auto taxels = taxels_of(design.layout.modules[k], wiring[k].routed.rotation);
     for (std::size_t t = 0; t < taxels.size(); ++t) {
       const auto& [p, n] = taxels[t];
-      csv += fmt::format("{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f}\n", k, t, wiring[k].patch,
+      csv += fmt::format("{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f}", k, t, wiring[k].patch,
                          wiring[k].routed.line, wiring[k].routed.address, p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
+      csv += design.kinds.empty() ? "\n" : fmt::format(",{}\n", kind_name(design, static_cast<int>(k)));
     }
   }
   return csv;
@@ -198,13 +205,15 @@ std::string assembly_html(const Design& design) {
     html += patch.cut_joints.empty() ? " none.</p>\n" : ".</p>\n";
     html +=
         "<table><tr><th>module</th><th>line strap</th><th>address strap</th><th>turned "
-        "by</th><th>parent</th><th>lattice place</th></tr>\n";
+        "by</th><th>parent</th><th>lattice place</th>";
+    html += design.kinds.empty() ? "</tr>\n" : "<th>kind</th></tr>\n";
     for (const RoutedModule& m : patch.modules) {
       const auto& tile = design.layout.modules[static_cast<std::size_t>(m.node)].tile;
-      html += fmt::format(
-          "<tr><td>{}</td><td>{}</td><td>{} (0x{:02X})</td><td>{}°</td><td>{}</td><td>{}, {} {}</td></tr>\n", m.node,
-          m.line, m.address, layout::cdc_address(m.address), 120 * m.rotation,
-          m.parent < 0 ? "cable" : std::to_string(m.parent), tile.i, tile.j, tile.up ? "up" : "down");
+      html += fmt::format("<tr><td>{}</td><td>{}</td><td>{} (0x{:02X})</td><td>{}°</td><td>{}</td><td>{}, {} {}</td>",
+                          m.node, m.line, m.address, layout::cdc_address(m.address), 120 * m.rotation,
+                          m.parent < 0 ? "cable" : std::to_string(m.parent), tile.i, tile.j, tile.up ? "up" : "down");
+      html += design.kinds.empty() ? "</tr>\n"
+                                   : fmt::format("<td>{}</td></tr>\n", escape_markup(kind_name(design, m.node)));
     }
     html += "</table>\n" + jumpers_html(design, patch);
   }

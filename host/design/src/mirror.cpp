@@ -55,6 +55,20 @@ ModuleLayout mirrored(const ModuleLayout& layout, const MirrorPlane& plane) {
   return image;
 }
 
+KindPlan mirrored(KindPlan plan, const MirrorPlane& plane) {
+  const bool is_across_axis = plane.normal.cwiseAbs().maxCoeff() > 1.0 - 1e-12;
+  std::erase_if(plan.regions,
+                [&](const KindRegion& r) { return !is_across_axis && std::holds_alternative<Box>(r.region); });
+  for (KindRegion& r : plan.regions) {
+    if (auto* sphere = std::get_if<Sphere>(&r.region)) sphere->center_mm = mirrored(sphere->center_mm, plane);
+    if (auto* box = std::get_if<Box>(&r.region)) {
+      const Vec3 a = mirrored(box->low_mm, plane), b = mirrored(box->high_mm, plane);
+      *box = {a.cwiseMin(b), a.cwiseMax(b)};
+    }
+  }
+  return plan;
+}
+
 // With F the flip, grid point R(θ)p + t becomes F(R(θ)p + t) = R(−θ)(Fp) + Ft.
 Regions mirrored(const Regions& regions, const MirrorPlane& plane) {
   Regions image = regions;

@@ -61,25 +61,6 @@ std::vector<int> numbers_without(std::size_t count, const std::vector<int>& remo
   return number;
 }
 
-// Islands by what hangs together, as their first modules come.
-void number_islands_anew(design::ModuleLayout& layout) {
-  for (design::PlacedModule& m : layout.modules) m.island = -1;
-  layout.islands = 0;
-  for (std::size_t first = 0; first < layout.modules.size(); ++first) {
-    if (layout.modules[first].island >= 0) continue;
-    std::vector<std::size_t> reached{first};
-    layout.modules[first].island = layout.islands;
-    for (std::size_t k = 0; k < reached.size(); ++k) {
-      for (const int n : layout.modules[reached[k]].neighbour) {
-        if (n < 0 || layout.modules[static_cast<std::size_t>(n)].island >= 0) continue;
-        layout.modules[static_cast<std::size_t>(n)].island = layout.islands;
-        reached.push_back(static_cast<std::size_t>(n));
-      }
-    }
-    ++layout.islands;
-  }
-}
-
 // The module and side that a place hangs on, in a layout whose islands still have their old numbers.
 BesideModule resolved(const NewPlace& place, const design::ModuleLayout& layout, const std::vector<int>& new_id) {
   if (const auto* beside = std::get_if<BesideModule>(&place)) {
@@ -131,6 +112,13 @@ void add_one(const NewPlace& place, const geometry::Surface& surface, EditedDesi
   result.added.push_back(static_cast<int>(d.layout.modules.size()) - 1);
 }
 
+// Kinds by place for the modules from number `first` on; the others keep theirs. Regions that name modules or islands
+// by their old numbers have done their work.
+void give_kinds(design::Design& d, std::size_t first) {
+  std::erase_if(d.kinds.regions, [](const auto& r) { return !design::is_place(r.region); });
+  design::assign_kinds_by_place(d.kinds, d.layout, first);
+}
+
 EditedDesign unchanged(const design::Design& design) {
   EditedDesign result{design, std::vector<int>(design.layout.modules.size()), {}};
   std::iota(result.new_id.begin(), result.new_id.end(), 0);
@@ -180,6 +168,7 @@ design::Design take_alternative(const design::Design& design, int index, const P
   const geometry::Surface surface(taken.surface);
   taken.layout = taken.alternatives[static_cast<std::size_t>(index)].layout;
   taken.taken = index;
+  design::assign_kinds_by_place(taken.kinds, taken.layout);
   finish(taken, surface, start, progress);
   return taken;
 }
@@ -199,7 +188,8 @@ EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit, c
   d.taken = -1;
   for (const NewPlace& place : edit.add) add_one(place, surface, result);
   if (d.layout.modules.empty()) throw InputError("no module would be left; a design needs one");
-  number_islands_anew(d.layout);
+  give_kinds(d, d.layout.modules.size() - result.added.size());
+  geometry::number_islands(d.layout);
   finish(d, surface, start, progress);
   return result;
 }
@@ -231,6 +221,7 @@ EditedDesign grow_around(const design::Design& design, const std::vector<int>& k
     for (std::size_t id = fixed.modules.size(); id < count; ++id) result.added.push_back(static_cast<int>(id));
   }
   d.layout = best->layout;
+  if (best != choices.begin()) give_kinds(d, fixed.modules.size());
   finish(d, surface, start, progress);
   return result;
 }
@@ -249,6 +240,7 @@ EditedDesign mirror_design(const design::Design& design, const design::MirrorPla
   d.layout = design::mirrored(d.layout, plane);
   for (design::Alternative& a : d.alternatives) a.layout = design::mirrored(a.layout, plane);
   d.regions = design::mirrored(d.regions, plane);
+  d.kinds = design::mirrored(d.kinds, plane);
   finish(d, geometry::Surface(d.surface), start, progress);
   return result;
 }

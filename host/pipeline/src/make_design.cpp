@@ -19,6 +19,7 @@
 #include "triskin/geometry/routing.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
+#include "triskin/host/error.hpp"
 #include "wire_design.hpp"
 
 namespace triskin::pipeline {
@@ -98,6 +99,13 @@ std::vector<geometry::TiledPiece> place_pieces(design::Design& design, const geo
   return placed;
 }
 
+void require_places(const design::KindPlan& plan) {
+  if (std::ranges::all_of(plan.regions, [](const auto& r) { return design::is_place(r.region); })) return;
+  throw InputError(
+      "kinds: a region names modules or an island, which have numbers only when the design is there; make it without "
+      "--kinds, then run triskin design DESIGN --kinds");
+}
+
 // The layouts grown on the surface, best first. What follows, pricing and wiring, is told from what the pricing of the
 // pieces took. The pieces of a fine mesh may take longer than the whole limit on a busy machine: the growth keeps its
 // share all the same.
@@ -130,6 +138,8 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   design.seed = options.seed;
   design.limits = options.limits;
   design.price = options.price;
+  design.kinds = options.kinds;
+  require_places(options.kinds);
   const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit);
   design.scale_to_mm = file.report.scale_to_mm;
   // Smaller than a module: nothing fits, whatever its faces do, and that is an answer.
@@ -170,6 +180,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
     if (design.alternatives[k].layout.modules.size() == design.layout.modules.size())
       design.taken = static_cast<int>(k);
   }
+  design::assign_kinds_by_place(design.kinds, design.layout);
   wire(design, surface, regions, choices[0].places, progress);
   design.report.seconds = seconds_since(start);
   return design;

@@ -37,6 +37,7 @@ void count_sides(const Sides& sides, Bill& bill) {
 Bill bill_of(const design::Design& design, const Sides& sides) {
   Bill bill;
   bill.modules = static_cast<int>(design.layout.modules.size());
+  bill.modules_by_kind = design::count_kinds(design.kinds, design.layout);
   bill.controllers = static_cast<int>(design.patches.size());
   std::map<int, int> cables, second_cables, jumpers;
   const auto rim = rim_edges_of(design.surface);

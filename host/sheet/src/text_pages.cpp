@@ -83,6 +83,12 @@ int total(const std::vector<PieceCount>& pieces) {
   return std::accumulate(pieces.begin(), pieces.end(), 0, [](int sum, const PieceCount& p) { return sum + p.count; });
 }
 
+std::string text_of_kind(const design::Design& design, int kind, const std::string& shape) {
+  if (design.kinds.empty()) return shape;
+  const design::ModuleKind k = design::kind_of(design.kinds, kind);
+  return fmt::format("{}: {} taxels{}; {}", k.name, k.taxels, k.dielectric.empty() ? "" : ", " + k.dielectric, shape);
+}
+
 void add_parts(Lines& lines, const design::Design& design, const Bill& bill) {
   const std::vector<double> columns{6.0, 76.0, 150.0};
   const auto row = [&](const std::string& what, const std::string& kind, int count) {
@@ -91,8 +97,12 @@ void add_parts(Lines& lines, const design::Design& design, const Bill& bill) {
   add_title(lines, "Parts");
   lines.push_back({LineKind::kHead, {"part", "kind", "pieces"}, columns});
   const double cut_mm = design.layout.corner_cut_mm;
-  row("modules", cut_mm > 0.0 ? fmt::format("all corners cut by {:g} mm", cut_mm) : "whole triangles, side 30 mm",
-      bill.modules);
+  const std::string shape =
+      cut_mm > 0.0 ? fmt::format("all corners cut by {:g} mm", cut_mm) : "whole triangles, side 30 mm";
+  for (std::size_t k = 0; k < bill.modules_by_kind.size(); ++k) {
+    if (bill.modules_by_kind[k] > 0 || design.kinds.empty())
+      row("modules", text_of_kind(design, static_cast<int>(k), shape), bill.modules_by_kind[k]);
+  }
   row("controllers", "", bill.controllers);
   for (std::size_t k = 0; k < 4; ++k) row("line straps", fmt::format("line L{}", k), bill.line_straps[k]);
   for (std::size_t k = 0; k < 4; ++k)
@@ -231,6 +241,20 @@ void add_entry(Lines& lines, const design::Design& design, const Plan& plan, int
                               text_of(fix_of(plan.landmarks, at), plan.landmarks)));
 }
 
+// Which modules are of which kind, where there are several.
+void add_kinds(Lines& lines, const design::Design& design, const design::Patch& patch) {
+  for (std::size_t k = 0; !design.kinds.empty() && k <= design.kinds.kinds.size(); ++k) {
+    std::string ids;
+    for (const auto& m : patch.modules) {
+      if (design.layout.modules[static_cast<std::size_t>(m.node)].kind != static_cast<int>(k)) continue;
+      ids += fmt::format("{}{}", ids.empty() ? "" : ", ", m.node);
+    }
+    if (!ids.empty())
+      add_text(lines,
+               fmt::format("Kind {}: modules {}.", design::kind_of(design.kinds, static_cast<int>(k)).name, ids));
+  }
+}
+
 Lines controller_lines(const design::Design& design, const Plan& plan, int p) {
   const auto& patch = design.patches[static_cast<std::size_t>(p)];
   const std::vector<double> columns{6.0, 22.0, 36.0, 52.0, 72.0, 108.0, 150.0};
@@ -255,6 +279,7 @@ Lines controller_lines(const design::Design& design, const Plan& plan, int p) {
     lines.push_back(std::move(row));
   }
   lines.push_back({LineKind::kGap, {}, {}});
+  add_kinds(lines, design, patch);
   add_text(lines,
            "A number: the joint to that module is kept. cut: its traces are cut. edge: the outline of the island. m: "
            "mark across a seam.");

@@ -57,6 +57,12 @@ export function modesOf(model) {
     {name: "loss when it fails", color: byValue((k) => model.subtree(k).length, 16), legend: bar(scale, "0", "16 modules") +
      "<p>Choose a module: red are lost for good, orange are read over the blue joints (switched modules).</p>"},
   ];
+  const kinds = [...new Set(model.modules.map((m) => m.kind || ""))].filter((kind) => kind).sort();
+  const colorOfKind = (kind) => hsl((kinds.indexOf(kind) * 137.508 + 30) % 360, 0.5, 0.55);
+  if (kinds.length > 0) {
+    modes.push({name: "kinds", color: (k) => colorOfKind(model.modules[k].kind),
+                legend: kinds.map((kind) => swatch(colorOfKind(kind), asText(kind))).join("")});
+  }
   model.data.metrics.forEach((metric, row) => {
     const most = metric.limit || Math.max(0.01, ...model.modules.map((m) => m.metrics[row]));
     modes.push({name: metric.name, color: byValue((k) => model.modules[k].metrics[row], most),
@@ -67,6 +73,8 @@ export function modesOf(model) {
 
 function depthMost(model) { return Math.max(1, ...model.modules.map((m) => m.depth)); }
 function byValue(value, most) { return (k) => value(k) > most * 1.0001 ? OVER : scale(value(k) / most); }
+// A name from a file must not become markup of the legend.
+function asText(name) { return name.replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`); }
 function swatch(c, text) { return `<span class="swatch" data-color="${css(c)}"></span>${text}`; }
 function bar(of, low, high) {
   const stops = [0, 0.25, 0.5, 0.75, 1].map((x) => css(of(x))).join(",");

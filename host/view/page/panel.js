@@ -40,6 +40,7 @@ const entryText = (model, k) => model.isEntry(k) ? "cable (entry)" : model.modul
 export function fillModule(model, live, k) {
   const m = model.modules[k], failure = model.failureOf(k), joint = model.failureOf(k, m.parent), list = document.createElement("dl");
   const rows = /** @type {[string, string|number][]} */ ([["module", k], ["island, tile", `${m.island}: ${m.tile[0]}, ${m.tile[1]} ${m.tile[2] ? "up" : "down"}`]]);
+  if (m.kind) rows.push(["kind", m.kind]);
   if (m.patch >= 0) {
     rows.push(["controller", `${m.patch} (node ${m.patch + 1})`], ["line strap", m.line], ["address strap", `${m.address} (0x${(0x2c + m.address).toString(16).toUpperCase()})`],
               ["port A at side", `${m.rotation} (turned ${120 * m.rotation}°)`], ["parent", entryText(model, k)], ["depth", m.depth],

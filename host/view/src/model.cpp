@@ -98,8 +98,11 @@ json jumpers_of(const design::ModuleLayout& layout) {
 std::string model_json(const design::Design& design, bool recording) {
   const auto wiring = design::wiring_of(design);
   json modules = json::array(), patches = json::array();
-  for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
+  for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
     modules.push_back(module_of(design.layout.modules[k], wiring[k]));
+    if (!design.kinds.empty())
+      modules.back()["kind"] = design::kind_of(design.kinds, design.layout.modules[k].kind).name;
+  }
   for (const auto& p : design.patches) patches.push_back(patch_of(p));
   const json model = {{"name", design.name},
                       {"design_id", fmt::format("{:016x}", design.design_id)},

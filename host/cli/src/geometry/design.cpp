@@ -93,9 +93,11 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
 
 int run(Options options, Output& output) {
   catch_interrupts();
-  if (options.edit.wanted()) return edit(options.mesh, options.output, options.edit, options.design, output);
+  if (options.edit.wanted(options.mesh))
+    return edit(options.mesh, options.output, options.edit, options.design, output);
   options.design.unit = options.unit.unit;
   if (!options.regions.empty()) options.design.regions = design::read_region_file(options.regions);
+  options.design.kinds = options.edit.kind_plan();
   pipeline::DesignNotes notes;
   const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
   const bool nothing = d.layout.modules.empty();
@@ -111,6 +113,7 @@ int run(Options options, Output& output) {
   if (interrupt_signal() > 0)
     output.say(fmt::format("ended before its time: the best layout so far, with {} modules, is kept",
                            d.layout.modules.size()));
+  report_kinds(d, output);
   const bool is_covered = report_regions(d, output);
   report_alternatives(d, output);
   report_bus(d.layout.modules.size(), output);
@@ -202,7 +205,7 @@ const Registration kDesign{{
           ->check(CLI::Range(0, 1000000000))
           ->capture_default_str();
       return [options, &app](Output& output) {
-        options->edit.require_fitting(app);
+        options->edit.require_fitting(app, options->mesh);
         return run(*options, output);
       };
     },

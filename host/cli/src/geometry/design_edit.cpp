@@ -89,10 +89,12 @@ design::MirrorPlane plane_of(const std::string& text) {
 
 pipeline::EditedDesign edited(const design::Design& design, const EditOptions& options,
                               const pipeline::DesignOptions& effort, const ProgressSink& progress) {
+  if (options.take >= 0) return {pipeline::take_alternative(design, options.take, progress), {}, {}};
   if (!options.mirror.empty()) return pipeline::mirror_design(design, plane_of(options.mirror), progress);
   if (!options.keep.empty())
     return pipeline::grow_around(design, ids_of("--keep", options.keep),
                                  {effort.time_limit_s, effort.iterations, effort.threads}, progress);
+  if (options.remove.empty() && options.add.empty()) return {design, {}, {}};  // kinds alone
   pipeline::LayoutEdit edit;
   edit.remove = ids_of("--remove", options.remove);
   for (const std::string& part : parts_of(options.add, ',')) edit.add.push_back(place_of(part));
@@ -127,6 +129,7 @@ int report_design(const design::Design& d, Output& output) {
   output.say(fmt::format("{} modules in {} islands, {} controllers, {} jumpers, coverage {:.1f} %",
                          d.layout.modules.size(), d.layout.islands, d.patches.size(), d.layout.jumpers.size(),
                          100.0 * d.report.coverage));
+  report_kinds(d, output);
   const bool is_covered = report_regions(d, output);
   report_alternatives(d, output);
   return is_covered ? 0 : 1;
@@ -150,15 +153,25 @@ void EditOptions::add_to(CLI::App& app) {
   }
   take_option->excludes(keep_option)->excludes(mirror_option);
   keep_option->excludes(mirror_option);
+  app.add_option(
+      "--kinds", kinds,
+      "file that says which modules are of which kind (docs/kinds.md); of a design (.json) it changes nothing "
+      "else; none: all are standard");
 }
 
-bool EditOptions::wanted() const {
-  return take >= 0 || !(remove.empty() && add.empty() && keep.empty() && mirror.empty());
+bool EditOptions::wanted(const std::string& from) const {
+  return take >= 0 || !(remove.empty() && add.empty() && keep.empty() && mirror.empty()) ||
+         (!kinds.empty() && from.ends_with(".json"));
 }
 
-void EditOptions::require_fitting(const CLI::App& app) const {
-  if (!wanted()) return;
-  std::vector<std::string> allowed{"--output", "--take", "--remove", "--add", "--keep", "--mirror", "--json"};
+design::KindPlan EditOptions::kind_plan() const {
+  return kinds.empty() || kinds == "none" ? design::KindPlan{} : design::read_kind_plan(kinds);
+}
+
+void EditOptions::require_fitting(const CLI::App& app, const std::string& from) const {
+  if (!wanted(from)) return;
+  std::vector<std::string> allowed{"--output", "--take",   "--remove", "--add",
+                                   "--keep",   "--mirror", "--kinds",  "--json"};
   if (!keep.empty()) allowed.insert(allowed.end(), {"--time-limit-s", "--threads", "--iterations"});
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;
@@ -186,6 +199,18 @@ bool report_regions(const design::Design& d, Output& output) {
   return d.report.uncovered.empty();
 }
 
+void report_kinds(const design::Design& d, Output& output) {
+  if (d.kinds.empty()) return;
+  const std::vector<int> counts = design::count_kinds(d.kinds, d.layout);
+  std::string text;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    const std::string name = design::kind_of(d.kinds, static_cast<int>(k)).name;
+    output.result["kinds"][name] = counts[k];
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", counts[k], name);
+  }
+  output.say(fmt::format("kinds: {}", text));
+}
+
 void report_alternatives(const design::Design& d, Output& output) {
   output.result["price"] =
       d.price.of(static_cast<int>(d.patches.size()), static_cast<int>(d.layout.jumpers.size()), d.layout.islands);
@@ -211,16 +236,15 @@ int edit(const std::string& from, const std::string& to, const EditOptions& opti
          const pipeline::DesignOptions& effort, Output& output) {
   const design::Design before = design::read_design(from);
   output.result = nlohmann::json::object();
-  if (options.take >= 0) {
-    const design::Design d = pipeline::take_alternative(before, options.take, output.progress());
-    design::write_design(to, d);
-    const int status = report_design(d, output);
-    output.say(fmt::format("design {:016x} written to {}", d.design_id, to));
-    return status;
+  const design::KindPlan plan = options.kind_plan();  // refused before any work
+  pipeline::EditedDesign e = edited(before, options, effort, output.progress());
+  if (!options.kinds.empty()) {
+    e.design.kinds = plan;
+    design::assign_kinds(plan, e.design.layout);
+    e.design.design_id = design::design_id_of(e.design);
   }
-  const pipeline::EditedDesign e = edited(before, options, effort, output.progress());
   design::write_design(to, e.design);
-  report_changes(e, output);
+  if (!e.new_id.empty()) report_changes(e, output);
   const int status = report_design(e.design, output);
   output.say(fmt::format("design {:016x} written to {}", e.design.design_id, to));
   return status;

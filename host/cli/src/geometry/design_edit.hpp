@@ -11,11 +11,15 @@ namespace triskin::cli {
 struct EditOptions {
   int take = -1;
   std::string remove, add, keep, mirror;
+  std::string kinds;  ///< file, or "none"; also beside a mesh
 
   void add_to(CLI::App& app);
-  [[nodiscard]] bool wanted() const;
+  /// Whether `from` is a design that is to be changed, not a mesh.
+  [[nodiscard]] bool wanted(const std::string& from) const;
+  /// Kinds of the file; none without one.
+  [[nodiscard]] design::KindPlan kind_plan() const;
   /// Throws InputError for options beside these that would have no effect: limits and price are those of the design.
-  void require_fitting(const CLI::App& app) const;
+  void require_fitting(const CLI::App& app, const std::string& from) const;
 };
 
 /// Makes the design `to` of the design `from`. `effort`: of --keep. Returns the exit status.
@@ -24,6 +28,8 @@ int edit(const std::string& from, const std::string& to, const EditOptions& opti
 
 /// What the regions got. False: a place that must be covered is not.
 bool report_regions(const design::Design& design, Output& output);
+/// How many modules are of each kind; nothing for a design without kinds.
+void report_kinds(const design::Design& design, Output& output);
 
 /// Modules against price, the layout that is taken marked.
 void report_alternatives(const design::Design& design, Output& output);

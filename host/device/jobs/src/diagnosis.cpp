@@ -43,10 +43,8 @@ void Diagnosis::run(VerifyResult& result) {
       for (std::size_t row = 0; row < p.image.module_count; ++row) bad_.insert(p.module(row));
       continue;
     }
-    for (const auto& m :
-         design_.patches[static_cast<std::size_t>(p.patch)].modules) {  // a backup table leaves some out
-      if (std::ranges::none_of(p.image.rows(), [&](const auto& row) { return row.module_id == m.node; }))
-        bad_.insert(m.node);
+    for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
+      if (!p.reads(m.node)) bad_.insert(m.node);
     }
     examine_topology(p);
     examine_lines(p);
@@ -108,10 +106,7 @@ void Diagnosis::examine_topology(const PatchState& p) {
     return;
   }
   for (const TopologyDifference& d : match.differences) {
-    const bool left_out =
-        d.kind == FindingKind::kMissingModule &&
-        std::ranges::none_of(p.image.rows(), [&](const auto& row) { return row.module_id == d.module; });
-    if (left_out) continue;
+    if (d.kind == FindingKind::kMissingModule && !p.reads(d.module)) continue;
     const bool joint = d.kind == FindingKind::kMissingJoint ||
                        d.kind == FindingKind::kExtraJoint;  // its modules may be read all the same
     Finding& f = add(d.kind, joint ? -1 : d.module, p.patch, fmt::format("patch {}: {}", p.patch, d.text), d.remedy);

@@ -47,7 +47,7 @@ std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design) {
     try {
       PatchOffsets p{patch, {}, c.offsets()};
       const layout::PatchImage image = image_of(design, patch);
-      for (const layout::ModuleRow& row : image.rows()) p.modules.push_back(row.module_id);
+      for (const layout::ModuleRow& row : image.rows()) p.modules.push_back(module_of(design, row));
       if (p.modules.size() == p.offsets.count) all.push_back(std::move(p));
     } catch (const Refused& e) {
       if (e.code() != wire::nrc::kOutOfRange) throw;

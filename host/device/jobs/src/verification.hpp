@@ -27,7 +27,18 @@ struct PatchState {
   wire::ActiveRoute route;
 
   [[nodiscard]] Controller controller(Bus& bus) const { return {bus, image.node_address}; }
-  [[nodiscard]] int module(std::size_t row) const { return image.modules[row].module_id; }
+  bool with_kinds = false;  ///< the design has kinds of modules: so has the table
+  [[nodiscard]] int module(std::size_t row) const {
+    const unsigned id = image.modules[row].module_id;
+    return static_cast<int>(with_kinds ? id % layout::kIdsBesideKinds : id);
+  }
+  /// Whether the table has a module; a backup table leaves some out.
+  [[nodiscard]] bool reads(int id) const {
+    for (std::size_t row = 0; row < image.module_count; ++row) {
+      if (module(row) == id) return true;
+    }
+    return false;
+  }
 };
 
 /// What happened when a module was pressed.

@@ -49,6 +49,7 @@ class ControllerCheck {
     const wire::ActiveTable active = c.active_table();
     if (active.design_id == design_.design_id && holds_image(active.crc, p.image)) return true;
     if (active.design_id == design_.design_id && runs_on_backup(p, active.crc, findings)) return true;
+    if (differs_in_kinds(p, c, active, findings)) return false;
     findings.push_back(
         controller_finding(FindingKind::kWrongTable, p.patch,
                            fmt::format("patch {}: controller {} holds another table (design {:016x}, this is {:016x})",
@@ -58,6 +59,50 @@ class ControllerCheck {
   }
 
  private:
+  // The table of a design with the same modules, places and wiring, but other kinds: a finding for each module.
+  bool differs_in_kinds(const PatchState& p, Controller& c, const wire::ActiveTable& active,
+                        std::vector<Finding>& findings) {
+    if (!active.present() || active.modules != p.image.module_count) return false;
+    const auto bytes = c.read_table(layout::kHeaderBytes + active.modules * layout::kRowBytes);
+    const auto table = layout::decode(bytes);
+    if (!table) return false;
+    layout::PatchImage alike = *table;
+    alike.design_id = p.image.design_id;
+    alike.positive_input = p.image.positive_input;
+    for (std::size_t k = 0; k < alike.module_count; ++k) alike.modules[k].module_id = p.image.modules[k].module_id;
+    if (!(alike == p.image)) return false;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < table->module_count; ++k) {
+      const unsigned is = table->modules[k].module_id, meant = p.image.modules[k].module_id;
+      if (is % layout::kIdsBesideKinds != meant % layout::kIdsBesideKinds) return false;
+      count += is == meant ? 0 : 1;
+    }
+    if (count == 0) return false;
+    for (std::size_t k = 0; k < table->module_count; ++k) {
+      const int is = table->modules[k].module_id >> layout::kKindShift, meant = kind_of(p.image, k);
+      if (is == meant) continue;
+      Finding f = controller_finding(
+          FindingKind::kWrongKind, p.patch,
+          fmt::format("patch {}: module {} is {} in the table of controller {}, {} in the design", p.patch, p.module(k),
+                      name_of_kind(is), p.image.node_address, name_of_kind(meant)),
+          "look which kind is mounted; run triskin flash with the design that says so");
+      f.module = p.module(k);
+      findings.push_back(std::move(f));
+    }
+    return true;
+  }
+
+  static int kind_of(const layout::PatchImage& image, std::size_t row) {
+    return image.modules[row].module_id >> layout::kKindShift;
+  }
+
+  // Kinds of the other design may be named otherwise: it is not at hand.
+  [[nodiscard]] std::string name_of_kind(int kind) const {
+    if (kind == 0) return "of the standard kind";
+    if (kind > static_cast<int>(design_.kinds.kinds.size())) return fmt::format("of kind {}", kind);
+    return fmt::format("of kind {} ({})", kind, design_.kinds.kinds[static_cast<std::size_t>(kind) - 1].name);
+  }
+
   // A table that the design prepared for a failure is right as well; a finding says what it leaves out.
   bool runs_on_backup(PatchState& p, std::uint32_t crc, std::vector<Finding>& findings) {
     for (const design::FailureLoss& f : design_.patches[static_cast<std::size_t>(p.patch)].failures) {
@@ -203,7 +248,10 @@ void watch_stream(Bus& bus, const design::Design& design, const VerifyOptions& o
 // By patch; one whose controller hangs on another bus has no rows and is never usable.
 std::vector<PatchState> patches_of(const design::Design& design) {
   std::vector<PatchState> patches(design.patches.size());
-  for (std::size_t k = 0; k < patches.size(); ++k) patches[k].patch = static_cast<int>(k);
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    patches[k].patch = static_cast<int>(k);
+    patches[k].with_kinds = !design.kinds.empty();
+  }
   for (const int patch : design::patches_here(design))
     patches[static_cast<std::size_t>(patch)].image = image_of(design, patch);
   return patches;

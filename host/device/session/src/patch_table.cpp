@@ -105,6 +105,9 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
   if (patch.modules.empty() || patch.modules.size() > layout::kMaxModules)
     refuse(fmt::format("{} modules, a controller reads 1 … {}", patch.modules.size(), layout::kMaxModules));
   if (design.layout.modules.size() > 0xFFFF) refuse("module ids beyond 65535 fit no table");
+  if (!design.kinds.empty() && design.layout.modules.size() > layout::kIdsBesideKinds)
+    refuse(
+        fmt::format("module ids beyond {} fit no table beside kinds; divide the cover", layout::kIdsBesideKinds - 1));
   const Tree tree = concerns(patch, choice) ? tree_after(patch, choice) : Tree{patch.modules, -1, -1};
   if (tree.modules.empty()) {
     throw InputError(fmt::format("patch {}: module {} is its entry, nothing is read without it; replace it",
@@ -122,7 +125,8 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
   for (std::size_t k = 0; k < tree.modules.size(); ++k) {
     const design::RoutedModule& m = tree.modules[k];
     layout::ModuleRow& row = image.modules[k];
-    row.module_id = static_cast<std::uint16_t>(m.node);
+    const int kind = design.layout.modules.at(static_cast<std::size_t>(m.node)).kind;
+    row.module_id = static_cast<std::uint16_t>(m.node + (kind << layout::kKindShift));
     row.line = static_cast<std::uint8_t>(m.line);
     row.address = static_cast<std::uint8_t>(m.address);
     row.rotation = static_cast<std::uint8_t>(m.rotation);
@@ -152,6 +156,14 @@ layout::PatchImage image_of(const design::Design& design, int patch_index, const
                                    : "a joint leaves by the input port or is used twice");
   }
   return image;
+}
+
+int module_of(const design::Design& design, const layout::ModuleRow& row) {
+  return design.kinds.empty() ? row.module_id : static_cast<int>(row.module_id % layout::kIdsBesideKinds);
+}
+
+int kind_of_row(const design::Design& design, const layout::ModuleRow& row) {
+  return design.kinds.empty() ? 0 : row.module_id >> layout::kKindShift;
 }
 
 std::vector<std::uint8_t> bytes_of(const layout::PatchImage& image) {

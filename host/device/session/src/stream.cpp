@@ -82,7 +82,7 @@ void Stream::find_controllers(const design::Design& design, int cover) {
     }
     const wire::SamplingSetting sampling = c.sampling();
     node.interval_us = std::uint64_t{wire::sequence_us(sampling.decimation)} * sampling.every;
-    for (const auto& row : image.rows()) node.modules.push_back(row.module_id);
+    for (const auto& row : image.rows()) node.modules.push_back(module_of(design, row));
     nodes_[image.node_address] = std::move(node);
   }
 }

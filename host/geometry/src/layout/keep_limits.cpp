@@ -23,7 +23,7 @@ class Keeper {
       measure_on_surface(surface_, m, layout_.corner_cut_mm, regions_);  // nothing moves from here on
     give_up_turned();
     give_up_bad();
-    number_islands();
+    number_islands(layout_);
     for (const auto& [limit, count] : refused_) layout_.refused.emplace_back(limit, count);
   }
 
@@ -103,24 +103,6 @@ class Keeper {
     return any;
   }
 
-  void number_islands() {
-    std::vector<int> island(layout_.modules.size(), -1);
-    for (std::size_t first = 0; first < island.size(); ++first) {
-      if (island[first] >= 0) continue;
-      std::vector<int> queue{static_cast<int>(first)};
-      island[first] = layout_.islands;
-      for (std::size_t q = 0; q < queue.size(); ++q) {
-        for (const int n : layout_.modules[at(queue[q])].neighbour) {
-          if (n < 0 || island[at(n)] >= 0) continue;
-          island[at(n)] = layout_.islands;
-          queue.push_back(n);
-        }
-      }
-      ++layout_.islands;
-    }
-    for (std::size_t k = 0; k < island.size(); ++k) layout_.modules[k].island = island[k];
-  }
-
   const Surface& surface_;
   const LayoutLimits limits_;
   ModuleLayout& layout_;
@@ -129,6 +111,25 @@ class Keeper {
 };
 
 }  // namespace
+
+void number_islands(ModuleLayout& layout) {
+  std::vector<PlacedModule>& modules = layout.modules;
+  for (PlacedModule& m : modules) m.island = -1;
+  layout.islands = 0;
+  for (std::size_t first = 0; first < modules.size(); ++first) {
+    if (modules[first].island >= 0) continue;
+    std::vector<int> queue{static_cast<int>(first)};
+    modules[first].island = layout.islands;
+    for (std::size_t q = 0; q < queue.size(); ++q) {
+      for (const int n : modules[at(queue[q])].neighbour) {
+        if (n < 0 || modules[at(n)].island >= 0) continue;
+        modules[at(n)].island = layout.islands;
+        queue.push_back(n);
+      }
+    }
+    ++layout.islands;
+  }
+}
 
 void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout,
                  const SurfaceRegions* regions) {

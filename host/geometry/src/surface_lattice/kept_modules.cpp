@@ -56,6 +56,7 @@ void restore_kept(const std::vector<PlacedModule>& kept, ModuleLayout& layout) {
   for (std::size_t k = 0; k < kept.size(); ++k) {
     PlacedModule& m = layout.modules[k];
     m.corner_mm = kept[k].corner_mm;
+    m.kind = kept[k].kind;
     for (std::size_t s = 0; s < 3; ++s) {
       if (m.neighbour[s] < count) m.neighbour[s] = kept[k].neighbour[s];
     }

@@ -14,7 +14,7 @@ namespace triskin::geometry::surface_lattice {
                                      const std::vector<PlacedModule>& kept, double corner_cut_mm);
 
 /// Of a layout that was carried back and whose first modules are those that were kept: they stand as they were given,
-/// to the last digit, and have among each other the joints that they had.
+/// to the last digit, are of the same kind, and have among each other the joints that they had.
 void restore_kept(const std::vector<PlacedModule>& kept, ModuleLayout& layout);
 
 }  // namespace triskin::geometry::surface_lattice

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <variant>
 #include <vector>
 
-#include "triskin/design/json_value.hpp"
 #include "triskin/design/mesh.hpp"
 #include "triskin/design/module.hpp"
 #include "triskin/design/regions.hpp"
 
 namespace triskin::design {
+
+class JsonValue;
 
 /// All modules of an island.
 struct IslandPart {
@@ -24,6 +26,10 @@ struct ModulePart {
 /// of one layout and hold no point.
 using CoverPart = std::variant<Sphere, Box, IslandPart, ModulePart>;
 
+/// Whether a part is a part of space.
+[[nodiscard]] inline bool is_place(const CoverPart& part) {
+  return std::holds_alternative<Sphere>(part) || std::holds_alternative<Box>(part);
+}
 /// Whether a point (mesh frame, mm) lies in a part; never in an island or a list of modules. Constant cost.
 [[nodiscard]] bool holds(const CoverPart& part, const Vec3& point_mm);
 /// Whether module `id` of a layout belongs to a part: of a part of space, when its centre lies in it. Errors:

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "triskin/design/kinds.hpp"
 #include "triskin/design/mesh.hpp"
 #include "triskin/design/module.hpp"
 #include "triskin/design/patch.hpp"
@@ -61,6 +62,7 @@ struct Design {
   /// Node address of the controller of each patch, 0 where it hangs on another bus than the one in hand; empty: patch p
   /// has p + 1. A robot file gives addresses (docs/robot_file.md); they are neither in the design file nor in its id.
   std::vector<std::uint8_t> node_addresses;
+  KindPlan kinds;   ///< of the modules; empty: all of the standard kind, and no key in the file
   Price price;      ///< in the file only beside alternatives
   Regions regions;  ///< none: every place is worth the same; the file then has no such key
   /// Most modules first, falling price. `taken`: index of the one in `layout`, -1 where there are none.
@@ -96,8 +98,8 @@ struct TaxelPose {
 /// cost.
 [[nodiscard]] std::array<TaxelPose, layout::kTaxelsPerModule> taxels_of(const PlacedModule& module, int rotation);
 
-/// FNV-1a over the modules, jumpers, patches and wiring, in file order: equal designs have equal ids on every compiler.
-/// Cost: O(n).
+/// FNV-1a over the modules, jumpers, patches and wiring, in file order, then corner cut and kinds where there are any:
+/// equal designs have equal ids on every compiler. Cost: O(n).
 [[nodiscard]] std::uint64_t design_id_of(const Design& design);
 
 /// Reads a design file of version kVersion or kJumperVersion and checks its form: types, ranges, indices (not the

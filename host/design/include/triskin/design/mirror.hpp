@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 
+#include "triskin/design/kinds.hpp"
 #include "triskin/design/mesh.hpp"
 #include "triskin/design/module.hpp"
 #include "triskin/design/piece.hpp"
@@ -51,5 +52,9 @@ struct MirrorPlane {
 /// A flat piece turned over, for the mirrored mesh: outlines run counter-clockwise still, and the mirrored tiles lie in
 /// it as the tiles did. Cost: linear.
 [[nodiscard]] PlacedPiece turned_over(PlacedPiece piece);
+
+/// Kinds for the mirrored layout: spheres and, at a plane across an axis, boxes are mirrored, lists stay. A box at
+/// another plane would be no box and is left out; modules keep their kinds all the same. Cost: linear.
+[[nodiscard]] KindPlan mirrored(KindPlan plan, const MirrorPlane& plane);
 
 }  // namespace triskin::design

@@ -43,6 +43,7 @@ struct PlacedModule {
   double overrun_mm = 0.0;
   double keep_out_mm = 0.0;     ///< how far it reaches into a region that must stay free; limit: overrun_mm
   double bend_radius_mm = 0.0;  ///< smallest radius of curvature under the module; 0 when flat
+  int kind = 0;                 ///< number of the kind (kinds.hpp), 0: the standard one
 };
 
 /// Method that made a layout.

@@ -32,6 +32,9 @@ struct TiledPiece {
 void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout,
                  const SurfaceRegions* regions = nullptr);
 
+/// Numbers the islands anew, 0, 1, …, by what is joined: as their first modules come. Cost: O(n).
+void number_islands(ModuleLayout& layout);
+
 /// Measures every metric of every module of the layout: measure_on_surface() of each, then measure_between(). Metrics
 /// are defined in docs/design_file.md; all ≥ 0.
 void measure(const Surface& surface, ModuleLayout& layout, const SurfaceRegions* regions = nullptr);

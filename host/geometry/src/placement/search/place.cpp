@@ -42,7 +42,9 @@ void require_corner_cut(const PlacementOptions& o) {
   if (cut == 0.0) return;
   if (o.shape != TileShape::kTriangle) throw InputError("corner cut: only triangles have corners that are cut");
   if (is_of_paper(o.method))
-    throw InputError("corner cut: methods r1 … r7 place whole triangles; bnb and the scans take cut corners");
+    throw InputError(
+        "corner cut: methods r1 … r7 are those of the reference paper, which knows a module by its three whole sides; "
+        "leave --corner-cut-mm out, or use --method bnb or a scan (docs/placement.md, Cut corners)");
 }
 
 void require_sane(const PlacementOptions& o) {

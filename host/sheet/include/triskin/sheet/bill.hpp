@@ -18,6 +18,7 @@ struct PieceCount {
 /// Bill of materials, and how much work there is.
 struct Bill {
   int modules = 0;
+  std::vector<int> modules_by_kind;     ///< by number of the kind, the standard one first
   std::array<int, 4> line_straps{};     ///< by line
   std::array<int, 4> address_straps{};  ///< by address
   int controllers = 0;

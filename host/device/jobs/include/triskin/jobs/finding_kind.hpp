@@ -16,6 +16,7 @@ enum class FindingKind {
   kDuplicateController,  ///< several controllers share the node address
   kNotFlashed,           ///< no controller has the table of the patch, and some have none
   kWrongTable,           ///< the controller holds another table
+  kWrongKind,            ///< its table has the modules of the design, this one of another kind
   kBackupRoute,          ///< it holds the table that the design prepared for a failure
   kLostSamples,          ///< samples of the stream did not arrive
   kWrongPatch,           ///< its cable leads to the modules of another patch
@@ -49,11 +50,12 @@ enum class FindingKind {
 };
 
 /// Names in reports and in --json.
-inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 32>{{
+inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 33>{{
     {FindingKind::kAbsentController, "absent_controller"},
     {FindingKind::kDuplicateController, "duplicate_controller"},
     {FindingKind::kNotFlashed, "not_flashed"},
     {FindingKind::kWrongTable, "wrong_table"},
+    {FindingKind::kWrongKind, "wrong_kind"},
     {FindingKind::kBackupRoute, "backup_route"},
     {FindingKind::kLostSamples, "lost_samples"},
     {FindingKind::kWrongPatch, "wrong_patch"},

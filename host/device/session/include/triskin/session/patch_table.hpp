@@ -24,9 +24,15 @@ struct RouteChoice {
 /// Table of the controller of patch `patch` (0-based), with the node address of design::node_address_of; after a
 /// failure without the modules that the failure costs, so that its rows are no longer those of the design's patch.
 /// Throws InputError naming the patch when the design does not fit into a table: no module or more than
-/// layout::kMaxModules, more than layout::kMaxNodes patches, a line and address used twice, a parent that is no
-/// neighbour or stands behind its child, a failed entry module; std::out_of_range for a patch that the design lacks.
+/// layout::kMaxModules, more than layout::kMaxNodes patches, module ids beyond those that a table can name, a line and
+/// address used twice, a parent that is no neighbour or stands behind its child, a failed entry module;
+/// std::out_of_range for a patch that the design lacks.
 [[nodiscard]] layout::PatchImage image_of(const design::Design& design, int patch, const RouteChoice& choice = {});
+
+/// Module of a row of a table of `design`: the id without the number of the kind. Constant cost.
+[[nodiscard]] int module_of(const design::Design& design, const layout::ModuleRow& row);
+/// Number of its kind; 0 for a design without kinds. It may be one that the design lacks. Constant cost.
+[[nodiscard]] int kind_of_row(const design::Design& design, const layout::ModuleRow& row);
 
 /// Bytes of an image as they are flashed (docs/flash_layout.md). Throws InputError when it cannot be encoded.
 [[nodiscard]] std::vector<std::uint8_t> bytes_of(const layout::PatchImage& image);
