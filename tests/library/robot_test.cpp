@@ -38,7 +38,8 @@ class RobotSkin : public testing::Test {
     fs::remove_all(folder_);
   }
   void run(const std::string& arguments) const {
-    const std::string line = "cd '" + folder_.string() + "' && '" TRISKIN_PROGRAM "' " + arguments + " > /dev/null 2>&1";
+    const std::string line =
+        "cd '" + folder_.string() + "' && '" TRISKIN_PROGRAM "' " + arguments + " > /dev/null 2>&1";
     ASSERT_EQ(std::system(line.c_str()), 0) << line;
   }
   void open(const char* link) {
