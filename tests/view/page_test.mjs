@@ -220,8 +220,67 @@ async function recorded() {
   await browser.close();
 }
 
+/** Times between frames while the camera turns, and what the page itself takes of each to hand its drawing over, ms, sorted.
+ * A point of the drawing is read back each time, so that none is only queued. */
+const frameTimes = (page, frames) => page.evaluate((n) => new Promise((resolve) => {
+  const triskin = window.triskin, times = [], own = [], view = triskin.views[0], pixel = new Uint8Array(4);
+  const context = document.getElementById("drawing").getContext("webgl2");
+  let before = performance.now();
+  const step = () => {
+    context?.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, pixel);
+    times.push(performance.now() - before);
+    before = performance.now();
+    if (times.length === n) return resolve([times, own].map((list) => list.sort((a, b) => a - b)));
+    view.camera.turn(2, 0);
+    const begin = performance.now();
+    triskin.drawing.draw(triskin.views, triskin.shown);
+    triskin.drawLabels();
+    own.push(performance.now() - begin);
+    requestAnimationFrame(step);
+  };
+  requestAnimationFrame(step);
+}), frames);
+
+// Covers on two buses and more, all in one page. ROBOT=COVERSxMODULES measures another size.
+async function robot() {
+  const [covers, modules] = (process.env.ROBOT ?? "4x32").split("x").map(Number), file = path.join(folder, "robot.json");
+  const run = (...words) => execFileSync(triskin, words, {env: environment, stdio: "ignore"});
+  execFileSync(writeStrip, [design, String(modules)]);
+  const buses = Math.max(2, Math.ceil(covers / 4));
+  run("robot", "new", file, "--name", "demo", ...Array.from({length: buses}, (_, b) => ["--bus", `bus_${b}=sim`]).flat());
+  for (let c = 0; c < covers; ++c)
+    run("robot", "add", file, design, "--name", `cover_${c}`, "--bus", `bus_${c % buses}`, "--xyz-mm", `0,${60 * c},${20 * c}`);
+  run("flash", file);
+  const server = spawn(triskin, ["view", file, "--no-open", "--port", "0"], {env: environment});
+  let printed = "";
+  server.stdout.on("data", (text) => { printed += text; });
+  while (!printed.includes("\n")) await new Promise((resolve) => setTimeout(resolve, 20));
+  const browser = await launch(), origin = new URL(printed.trim()).origin;
+  const {page, wrong} = await open(browser, printed.trim(), (url) => url.startsWith(origin));
+  await page.waitForFunction((n) => window.triskin.live.heard.every((h) => h) && window.triskin.health?.frames > 10 * n, covers * modules, {timeout: 60000});
+  assert.equal(await page.evaluate(() => window.triskin.model.count), covers * modules);
+  await page.evaluate(() => { window.triskin.setMode(1); window.triskin.shown.numbers = false; });
+  // A finger on the third module of the last cover, which hangs on the other bus.
+  const pressed = (covers - 1) * modules + 2;
+  await page.evaluate((m) => window.triskin.link.send({do: "press", module: m, taxel: 3}), pressed);
+  await page.waitForFunction((m) => window.triskin.pressed(m).includes(3), pressed);
+  await bringNear(page, pressed);
+  for (const view of ["cover", "flat"]) assert(isHot(await colorAt(page, view, pressed, 3)), `the pressed taxel is lit: ${view}`);
+  assert.equal((await page.evaluate(() => window.triskin.pressed(2))).length, 0, "the same module of the first cover is not");
+  await page.evaluate(() => { for (const {camera} of window.triskin.views) camera.reset(); window.triskin.dirty = true; });
+  const [times, own] = await frameTimes(page, 60), health = await page.evaluate(() => window.triskin.health);
+  console.log(`${covers} covers, ${covers * modules} modules, ${health.frames} samples, ${health.lost} lost; frame time by software: ` +
+              `median ${times[30].toFixed(1)} ms, 90 of 100 below ${times[54].toFixed(1)} ms; ` +
+              `of it the page's own: median ${own[30].toFixed(1)} ms`);
+  assert.equal(health.lost, 0, "no sample is lost");
+  assert.deepEqual(wrong, []);
+  await page.screenshot({path: path.join(process.cwd(), "page_robot.png")});
+  await browser.close();
+  server.kill("SIGINT");
+}
+
 try {
-  await {live, offline, recorded}[name]();
+  await {live, offline, recorded, robot}[name]();
   console.log("1 passed, 0 failed");
 } catch (e) {
   console.error(e);

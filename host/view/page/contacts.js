@@ -20,7 +20,7 @@ export function contactsOf(model, live, most = 300) {
     const taxels = [first];
     for (let at = 0; at < taxels.length; ++at) {
       for (const other of left)
-        if (distance(model.cover.taxels, taxels[at], other) <= NEAR_MM) { left.delete(other); taxels.push(other); }
+        if (distance(model.cover.taxels, taxels[at], other) <= NEAR_MM && faceAlike(model.cover.normals, taxels[at], other)) { left.delete(other); taxels.push(other); }
     }
     contacts.push(regionOf(model, taxels, strength));
   }
@@ -29,6 +29,12 @@ export function contactsOf(model, live, most = 300) {
 
 function distance(places, a, b) {
   return Math.hypot(places[3 * a] - places[3 * b], places[3 * a + 1] - places[3 * b + 1], places[3 * a + 2] - places[3 * b + 2]);
+}
+
+// The two sides of a thin part are two contacts.
+function faceAlike(normals, a, b) {
+  const i = 3 * Math.floor(a / TAXELS), j = 3 * Math.floor(b / TAXELS);
+  return normals[i] * normals[j] + normals[i + 1] * normals[j + 1] + normals[i + 2] * normals[j + 2] > 0;
 }
 
 function regionOf(model, taxels, strength) {
