@@ -101,10 +101,11 @@ std::string text_of(const std::vector<geometry::BrokenLimit>& broken, const std:
   return text;
 }
 
-void add_one(const NewPlace& place, const geometry::Surface& surface, EditedDesign& result) {
+void add_one(const NewPlace& place, const geometry::Surface& surface, const geometry::SurfaceRegions* regions,
+             EditedDesign& result) {
   design::Design& d = result.design;
   const BesideModule at = resolved(place, d.layout, result.new_id);
-  const auto broken = geometry::add_module(surface, d.limits, d.layout, at.module, at.side);
+  const auto broken = geometry::add_module(surface, d.limits, regions, d.layout, at.module, at.side);
   if (!broken.empty()) {
     throw InputError(fmt::format("no module can stand at {}, nor moved a little: there it breaks {}", text_of(place),
                                  text_of(broken, result.new_id)));
@@ -186,7 +187,8 @@ EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit, c
   d.layout.jumpers.clear();
   d.layout.refused.clear();
   d.taken = -1;
-  for (const NewPlace& place : edit.add) add_one(place, surface, result);
+  const auto regions = regions_of(surface, d);
+  for (const NewPlace& place : edit.add) add_one(place, surface, regions ? &*regions : nullptr, result);
   if (d.layout.modules.empty()) throw InputError("no module would be left; a design needs one");
   give_kinds(d, d.layout.modules.size() - result.added.size());
   geometry::number_islands(d.layout);

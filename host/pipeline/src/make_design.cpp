@@ -30,6 +30,7 @@ constexpr double kUnfoldingShare = 0.3;                     // of what reading a
 constexpr double kPiecesShare = 0.12;                       // of the time; what the growth has left after it
 constexpr double kPieceLeast_s = 0.1;                       // a piece gets, or what a short limit has for it
 constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;   // up to which the limit binds
+constexpr double kWorthGrowing = 0.1;  // of the surface, uncovered by the pieces: all of that share
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
 constexpr double kWiringPricings = 2.0;  // the wiring of a layout, with its failures, takes as long as so many pricings
 
@@ -106,12 +107,18 @@ void require_places(const design::KindPlan& plan) {
       "--kinds, then run triskin design DESIGN --kinds");
 }
 
-// The layouts grown on the surface, best first. What follows, pricing and wiring, is told from what the pricing of the
+// What the pieces gave and took, from which the time of the growth follows.
+struct PiecesDone {
+  double pricing_s;  // measuring and pricing of their layout
+  double uncovered;  // share of the surface, 0 … 1
+};
+
+// The layouts grown on the surface, best first. What follows, measuring, pricing and wiring, is told from what the
 // pieces took. The pieces of a fine mesh may take longer than the whole limit on a busy machine: the growth keeps its
-// share all the same.
+// share all the same, but for pieces that leave it next to nothing to gain.
 std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const DesignOptions& options,
                                        const geometry::SurfaceRegions* regions, Clock::time_point start,
-                                       double pricing_s, const ProgressSink& progress) {
+                                       const PiecesDone& pieces, const ProgressSink& progress) {
   geometry::SurfaceLatticeOptions lattice;
   lattice.seed = options.seed;
   lattice.iterations = options.iterations;
@@ -120,10 +127,11 @@ std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const D
   lattice.price = options.price;
   lattice.regions = regions;
   lattice.front = options.iterations > 0 || options.time_limit_s > kShortLimit_s;
-  const double routing_s =
-      std::max(std::min(kRoutingShare * options.time_limit_s, kRoutingMost_s), (1.0 + kWiringPricings) * pricing_s);
-  lattice.time_limit_s = std::max({0.1, kGrowthShare * (options.time_limit_s - kShortLimit_s),
-                                   options.time_limit_s - routing_s - seconds_since(start)});
+  const double routing_s = std::max(std::min(kRoutingShare * options.time_limit_s, kRoutingMost_s),
+                                    (2.0 + kWiringPricings) * pieces.pricing_s);
+  const double share = kGrowthShare * std::min(1.0, pieces.uncovered / kWorthGrowing);
+  lattice.time_limit_s = std::max(
+      {0.1, share * (options.time_limit_s - kShortLimit_s), options.time_limit_s - routing_s - seconds_since(start)});
   return geometry::grow_front(surface, options.limits, lattice, progress);
 }
 
@@ -166,7 +174,9 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
              options.limits, routing, regions)};
   const double pricing_s = seconds_since(start) - pricing_from_s;
   if (notes != nullptr) notes->pieces = static_cast<int>(choices[0].layout.modules.size());
-  std::vector<design::ModuleLayout> grown = grow(surface, options, regions, start, pricing_s, progress);
+  const double covered = static_cast<double>(choices[0].layout.modules.size()) * design::kModuleArea_mm2;
+  const PiecesDone pieces{pricing_s, std::max(0.0, 1.0 - covered / surface.area_mm2())};
+  std::vector<design::ModuleLayout> grown = grow(surface, options, regions, start, pieces, progress);
   if (notes != nullptr) notes->surface = static_cast<int>(grown[0].modules.size());
   report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));
   const double end_s = options.time_limit_s - kWiringPricings * pricing_s;

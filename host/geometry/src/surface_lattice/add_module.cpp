@@ -50,8 +50,9 @@ struct Judged {
 
 class ModulePlacer {
  public:
-  ModulePlacer(const Surface& surface, const LayoutLimits& limits, const ModuleLayout& layout, int id, int side)
-      : surface_(surface), limits_(limits), layout_(layout), beside_(id), side_(side) {
+  ModulePlacer(const Surface& surface, const LayoutLimits& limits, const SurfaceRegions* regions,
+               const ModuleLayout& layout, int id, int side)
+      : surface_(surface), limits_(limits), regions_(regions), layout_(layout), beside_(id), side_(side) {
     const PlacedModule& m = layout.modules.at(at(id));
     if (m.neighbour.at(at(side)) >= 0) {
       throw InputError(
@@ -203,9 +204,12 @@ class ModulePlacer {
       j.sum += kFar;
       return;
     }
-    measure_on_surface(surface_, m, layout_.corner_cut_mm);
+    measure_on_surface(surface_, m, layout_.corner_cut_mm, regions_);
     j.add("center_gap_mm", m.center_gap_mm, allowed(limits_.center_gap_mm));
     j.add("overrun_mm", m.overrun_mm, allowed(limits_.overrun_mm));
+    j.add("lift_mm", m.edge_lift_mm, allowed(limits_.lift_mm));
+    j.add("depth_mm", m.edge_depth_mm, allowed(limits_.depth_mm));
+    j.add("keep_out", m.keep_out_mm, allowed(limits_.overrun_mm));
     const Vec3 under = surface_.normal_at(surface_.closest(center_of(m.corner_mm)));
     if (const double cosine = under.dot(normal_of(m.corner_mm)); cosine < kOutward)
       j.add("outward", std::acos(std::clamp(cosine, -1.0, 1.0)), 0.5 * std::acos(kOutward));
@@ -243,6 +247,7 @@ class ModulePlacer {
 
   const Surface& surface_;
   const LayoutLimits& limits_;
+  const SurfaceRegions* regions_;
   const ModuleLayout& layout_;
   int beside_, side_, its_side_ = 0;
   Tile tile_;
@@ -251,9 +256,9 @@ class ModulePlacer {
 
 }  // namespace
 
-std::vector<BrokenLimit> add_module(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout, int id,
-                                    int side) {
-  const ModulePlacer placer(surface, limits, layout, id, side);
+std::vector<BrokenLimit> add_module(const Surface& surface, const LayoutLimits& limits, const SurfaceRegions* regions,
+                                    ModuleLayout& layout, int id, int side) {
+  const ModulePlacer placer(surface, limits, regions, layout, id, side);
   Judged best = placer.best();
   if (best.broken.empty()) {
     placer.join(best.module, layout);

@@ -5,12 +5,13 @@
 
 #include "triskin/geometry/design_types.hpp"
 #include "triskin/geometry/surface.hpp"
+#include "triskin/geometry/surface_regions.hpp"
 
 namespace triskin::geometry {
 
 /// A limit that a place for a module breaks.
 struct BrokenLimit {
-  std::string limit;      ///< as in design files, or "outward": the angle to the surface, rad
+  std::string limit;      ///< as in design files, "outward": the angle to the surface, rad, or "keep_out": mm
   double measured = 0.0;  ///< in the unit of the limit
   double allowed = 0.0;   ///< what a new module may have: 98 % of the limit, so that other measurements agree
   int other = -1;         ///< module with which it is broken, where there is one
@@ -22,7 +23,9 @@ struct BrokenLimit {
 /// does that. Where no pose keeps the limits the layout stays as it was, and what the module would break without
 /// sliding is returned, the worst first. Errors: std::out_of_range for an id or side that is not there; InputError when
 /// the side carries a joint, or the island has its tile already (a slit). Deterministic. Cost: about 0.5 s.
+/// `regions` of the surface, or null: what must stay free of modules is a limit as well.
 [[nodiscard]] std::vector<BrokenLimit> add_module(const Surface& surface, const LayoutLimits& limits,
-                                                  ModuleLayout& layout, int id, int side);
+                                                  const SurfaceRegions* regions, ModuleLayout& layout, int id,
+                                                  int side);
 
 }  // namespace triskin::geometry
