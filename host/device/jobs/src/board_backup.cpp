@@ -77,9 +77,9 @@ std::string hex_of(Bytes bytes) {
 
 using design::JsonValue;
 
-constexpr const char* kFormat = "triskin-board-backup";
-constexpr int kVersion = 1;
-constexpr const char* kPage = "docs/device.md";
+constexpr const char* kBackupFormat = "triskin-board-backup";
+constexpr int kBackupVersion = 1;
+constexpr const char* kBackupPage = "docs/device.md";
 
 nlohmann::ordered_json board_json(const BoardBackup& b) {
   nlohmann::ordered_json values = nlohmann::ordered_json::object(), faults = nlohmann::ordered_json::array();
@@ -118,7 +118,7 @@ std::uint32_t number_in_hex(const JsonValue& v, const std::string& text, std::si
 }
 
 BoardBackup board_in(const JsonValue& v) {
-  design::only_keys(v, {"serial", "node_address", "table", "values", "faults"}, kPage);
+  design::only_keys(v, {"serial", "node_address", "table", "values", "faults"}, kBackupPage);
   BoardBackup b;
   b.serial = normal_serial(v["serial"].text());
   if (b.serial.empty()) v["serial"].fail("must have 24 hexadecimal digits");
@@ -311,8 +311,8 @@ std::vector<BoardBackup> save_boards(Bus& bus, const std::function<void(const st
 std::string backup_text(std::span<const BoardBackup> boards) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const BoardBackup& b : boards) list.push_back(board_json(b));
-  const nlohmann::ordered_json document = {{"format", kFormat},
-                                           {"version", kVersion},
+  const nlohmann::ordered_json document = {{"format", kBackupFormat},
+                                           {"version", kBackupVersion},
                                            {"crc32", fmt::format("{:08X}", crc_of(boards))},
                                            {"boards", std::move(list)}};
   return document.dump(1) + "\n";
@@ -322,11 +322,12 @@ std::vector<BoardBackup> read_backup(const std::filesystem::path& path) {
   const std::string name = path.string();
   const nlohmann::json document = design::parse_json(read_file(path), name);
   const JsonValue v(document, name, "");
-  if (v["format"].text() != kFormat)
-    v["format"].fail(fmt::format("must be \"{}\", as triskin flash --save writes it", kFormat));
-  if (const int version = v["version"].integer(0, 1'000'000); version != kVersion)
-    v["version"].fail(fmt::format("is {}, this program reads {}; use the release that wrote it", version, kVersion));
-  design::only_keys(v, {"format", "version", "crc32", "boards"}, kPage);
+  if (v["format"].text() != kBackupFormat)
+    v["format"].fail(fmt::format("must be \"{}\", as triskin flash --save writes it", kBackupFormat));
+  if (const int version = v["version"].integer(0, 1'000'000); version != kBackupVersion)
+    v["version"].fail(
+        fmt::format("is {}, this program reads {}; use the release that wrote it", version, kBackupVersion));
+  design::only_keys(v, {"format", "version", "crc32", "boards"}, kBackupPage);
   const std::uint32_t stated = number_in_hex(v["crc32"], v["crc32"].text(), 8);
   std::vector<BoardBackup> boards;
   const JsonValue list = v["boards"];

@@ -13,12 +13,12 @@ namespace {
 
 using design::JsonValue;
 
-constexpr const char* kFormat = "triskin-boards";
-constexpr int kVersion = 1;
-constexpr const char* kPage = "docs/device.md";
+constexpr const char* kBoardFormat = "triskin-boards";
+constexpr int kBoardVersion = 1;
+constexpr const char* kBoardPage = "docs/device.md";
 
 FlashOptions::Assignment assignment_in(const JsonValue& v, const design::Design& design) {
-  design::only_keys(v, {"patch", "serial"}, kPage);
+  design::only_keys(v, {"patch", "serial"}, kBoardPage);
   FlashOptions::Assignment a;
   a.patch = v["patch"].integer(0, static_cast<int>(design.patches.size()) - 1);
   a.serial = normal_serial(v["serial"].text());
@@ -38,12 +38,12 @@ BoardFile read_board_file(const std::filesystem::path& path, const design::Desig
   const std::string name = path.string();
   const nlohmann::json document = design::parse_json(read_file(path), name);
   const JsonValue v(document, name, "");
-  if (v["format"].text() != kFormat)
-    v["format"].fail(fmt::format("must be \"{}\", as triskin identify writes it", kFormat));
-  if (const int version = v["version"].integer(0, 1'000'000); version != kVersion)
+  if (v["format"].text() != kBoardFormat)
+    v["format"].fail(fmt::format("must be \"{}\", as triskin identify writes it", kBoardFormat));
+  if (const int version = v["version"].integer(0, 1'000'000); version != kBoardVersion)
     v["version"].fail(
-        fmt::format("is {}, this program reads {}; make the file again with triskin identify", version, kVersion));
-  design::only_keys(v, {"format", "version", "design_id", "boards"}, kPage);
+        fmt::format("is {}, this program reads {}; make the file again with triskin identify", version, kBoardVersion));
+  design::only_keys(v, {"format", "version", "design_id", "boards"}, kBoardPage);
   BoardFile file;
   file.design_id = design::hex64(v["design_id"]);
   if (file.design_id != design.design_id)
@@ -66,8 +66,8 @@ BoardFile read_board_file(const std::filesystem::path& path, const design::Desig
 std::string board_file_text(const BoardFile& file) {
   nlohmann::ordered_json boards = nlohmann::ordered_json::array();
   for (const auto& a : file.boards) boards.push_back({{"patch", a.patch}, {"serial", a.serial}});
-  const nlohmann::ordered_json document = {{"format", kFormat},
-                                           {"version", kVersion},
+  const nlohmann::ordered_json document = {{"format", kBoardFormat},
+                                           {"version", kBoardVersion},
                                            {"design_id", fmt::format("{:016x}", file.design_id)},
                                            {"boards", std::move(boards)}};
   return document.dump(1) + "\n";

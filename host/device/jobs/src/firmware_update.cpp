@@ -13,7 +13,7 @@
 namespace triskin::device {
 namespace {
 
-using wire::loader::Command;
+using LoaderCommand = wire::loader::Command;
 
 constexpr std::uint64_t kHelloEvery_us = 4'000, kEnter_us = 500'000;
 constexpr int kResets = 6;  // the loader's window may pass before a busy host gets a word in
@@ -41,20 +41,20 @@ class LoaderSession {
     }
     const std::uint64_t end_us = link_.now_us() + kEnter_us;
     while (link_.now_us() < end_us) {
-      send(Command::kHello);
-      const auto reply = wait(Command::kHello, kHelloEvery_us);
+      send(LoaderCommand::kHello);
+      const auto reply = wait(LoaderCommand::kHello, kHelloEvery_us);
       if (!reply || reply->size() != 7 || ByteReader(Bytes(*reply).subspan(3)).le32() != id_crc_) continue;
       if (((*reply)[2] >> 6) != wire::loader::kProtocol)
         fail("speaks another loader protocol; use the tool of its release");
-      send(Command::kSelect, id_crc_, 4);
-      if (!wait(Command::kSelect, kReply_us)) fail("does not answer in its loader");
+      send(LoaderCommand::kSelect, id_crc_, 4);
+      if (!wait(LoaderCommand::kSelect, kReply_us)) fail("does not answer in its loader");
       return (*reply)[2];
     }
     return std::nullopt;
   }
   void erase(int slot) {
-    send(Command::kErase, static_cast<std::uint64_t>(slot), 1);
-    check(wait(Command::kErase, kErase_us), "erasing");
+    send(LoaderCommand::kErase, static_cast<std::uint64_t>(slot), 1);
+    check(wait(LoaderCommand::kErase, kErase_us), "erasing");
   }
   void write(Bytes image, const std::function<void(double)>& steps) {
     constexpr std::size_t kBlock = std::size_t{8} * wire::loader::kFramesPerReply;
@@ -66,7 +66,7 @@ class LoaderSession {
       std::ranges::copy(image.subspan(at, 8), f.data.begin());
       link_.send(f);
       if ((at + 8) % kBlock != 0) continue;
-      const auto reply = wait(Command::kData, kReply_us);
+      const auto reply = wait(LoaderCommand::kData, kReply_us);
       check(reply, "writing");
       if (reply->size() != 6 || ByteReader(Bytes(*reply).subspan(2)).le32() != at + 8)
         fail("has lost a frame; run the command again");
@@ -74,13 +74,13 @@ class LoaderSession {
     }
   }
   void commit(Bytes image) {
-    send(Command::kCommit, image.size() | static_cast<std::uint64_t>(crc32(image)) << 24, 7);
-    check(wait(Command::kCommit, kReply_us), "checking");
+    send(LoaderCommand::kCommit, image.size() | static_cast<std::uint64_t>(crc32(image)) << 24, 7);
+    check(wait(LoaderCommand::kCommit, kReply_us), "checking");
   }
-  void boot() { send(Command::kBoot); }
+  void boot() { send(LoaderCommand::kBoot); }
 
  private:
-  void send(Command command, std::uint64_t arguments = 0, int bytes = 0) {
+  void send(LoaderCommand command, std::uint64_t arguments = 0, int bytes = 0) {
     wire::CanFrame f;
     f.id = wire::loader::kRequestId;
     f.extended = true;
@@ -90,7 +90,7 @@ class LoaderSession {
     f.size = static_cast<std::uint8_t>(1 + bytes);
     link_.send(f);
   }
-  std::optional<std::vector<std::uint8_t>> wait(Command command, std::uint64_t timeout_us) {
+  std::optional<std::vector<std::uint8_t>> wait(LoaderCommand command, std::uint64_t timeout_us) {
     const std::uint64_t end_us = link_.now_us() + timeout_us;
     do {
       const auto f = bus_.receive(end_us);
