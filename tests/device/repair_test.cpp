@@ -41,6 +41,18 @@ TEST(Repair, a_dead_module_is_replaced_joint_by_joint) {
   EXPECT_THAT(steps[8], HasSubstr("triskin verify d.json --link sim"));
 }
 
+// The kind stands in the high bits of the id of a table's row.
+TEST(Repair, modules_with_kinds_have_the_same_steps) {
+  Finding f;
+  f.kind = FindingKind::kAbsentModule;
+  f.module = 5;
+  design::Design d = strip(8, 8);
+  const auto plain = repair_steps(d, f, "d.json");
+  d.kinds.kinds = {{"soft", 12, "foam", 80.0}};
+  for (const std::size_t k : {4U, 5U}) d.layout.modules[k].kind = 1;
+  EXPECT_EQ(repair_steps(d, f, "d.json"), plain);
+}
+
 TEST(Repair, exchanged_modules_get_their_own_straps) {
   const auto steps = steps_after({fault(FaultKind::kSwappedChips, 1, 6)}, FindingKind::kSwappedModules);
   EXPECT_THAT(steps, Contains(AllOf(HasSubstr("module 1:"), HasSubstr("line 0 and address 1"))));

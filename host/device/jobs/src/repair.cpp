@@ -145,8 +145,8 @@ class Guide {
     const int patch = wiring_[static_cast<std::size_t>(module)].patch;
     const layout::PatchImage image = image_of(design_, patch);
     const auto rows = image.rows();
-    const auto row =
-        static_cast<std::size_t>(std::ranges::find(rows, module, &layout::ModuleRow::module_id) - rows.begin());
+    const auto id_of = [this](const layout::ModuleRow& r) { return module_of(design_, r); };
+    const auto row = static_cast<std::size_t>(std::ranges::find(rows, module, id_of) - rows.begin());
     const auto kept = layout::kept_ports(image);
     std::vector<std::string> carrying, cut;
     for (std::size_t port = 0; port < layout::kPorts; ++port) {
@@ -158,8 +158,8 @@ class Guide {
         continue;
       }
       const layout::ModuleRow& other = image.modules[layout::joint_row(far)];
-      const std::string joint = fmt::format("{} to side {} of module {}", side,
-                                            (layout::joint_port(far) + other.rotation) % 3, other.module_id);
+      const std::string joint =
+          fmt::format("{} to side {} of module {}", side, (layout::joint_port(far) + other.rotation) % 3, id_of(other));
       (carries ? carrying : cut).push_back(joint);
     }
     steps_.push_back(fmt::format("{}: {}", before, fmt::join(carrying, ", ")));

@@ -79,7 +79,8 @@ class ControllerCheck {
     }
     if (count == 0) return false;
     for (std::size_t k = 0; k < table->module_count; ++k) {
-      const int is = table->modules[k].module_id >> layout::kKindShift, meant = kind_of(p.image, k);
+      const int is = table->modules[k].module_id >> layout::kKindShift,
+                meant = kind_of_row(design_, p.image.modules[k]);
       if (is == meant) continue;
       Finding f = controller_finding(
           FindingKind::kWrongKind, p.patch,
@@ -90,10 +91,6 @@ class ControllerCheck {
       findings.push_back(std::move(f));
     }
     return true;
-  }
-
-  static int kind_of(const layout::PatchImage& image, std::size_t row) {
-    return image.modules[row].module_id >> layout::kKindShift;
   }
 
   // Kinds of the other design may be named otherwise: it is not at hand.
