@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 
+#include "overloaded_stream.hpp"
 #include "reader.hpp"
 #include "skin.h"
 #include "support/strip_design.hpp"
@@ -199,19 +200,7 @@ TEST_F(BridgeTest, losses_at_the_reader_are_those_that_are_told) {
   Bridge bridge(*domain_, design_, options(0.0), kStart_ns);
   Reader<Raw> reader(participant_, triskin_msgs_msg_dds__RawFrame__desc, "rt/skin/arm/raw", true, false);
   ASSERT_TRUE(wait_until([&] { return reader.matched(); }));
-  device::StreamOptions overload;
-  overload.every = 1;
-  overload.overload = true;
-  device::Stream stream(
-      bus, design_,
-      [&](const device::ModuleFrame& f) {
-        bridge.add({f.module, f.link_time_us, f.sample, kStart_ns + f.sampled.link_us * 1000, f.sampled.error_us});
-      },
-      overload);
-  stream.run_until(bus.now_us() + 6'000'000);
-  stream.finish();
-  bridge.flush();
-  const device::StreamReport told = stream.report();
+  const device::StreamReport told = stream_overloaded(bus, design_, bridge, 6'000'000, kStart_ns);
   ASSERT_GT(told.total.lost(), 100U);
   std::map<std::uint32_t, std::set<std::uint32_t>> seen;  // numbers by module
   std::size_t received = 0;

@@ -32,6 +32,17 @@ inline bool wait_until(const std::function<bool()>& done) {
   return false;
 }
 
+/// USER_DATA of an endpoint that was found, which is freed here.
+inline std::string user_data_of(dds_builtintopic_endpoint_t* endpoint) {
+  void* data = nullptr;
+  std::size_t size = 0;
+  std::string text;
+  if (dds_qget_userdata(endpoint->qos, &data, &size)) text.assign(static_cast<const char*>(data), size);
+  dds_free(data);
+  dds_builtintopic_free_endpoint(endpoint);
+  return text;
+}
+
 /// A reader of a type that idlc described. ROS asks for `reliable` by default, and for best effort for sensor data.
 template <class Type>
 class Reader {
@@ -68,14 +79,7 @@ class Reader {
   [[nodiscard]] std::string user_data() const {
     dds_instance_handle_t writer = 0;
     if (dds_get_matched_publications(reader_, &writer, 1) != 1) return "no writer";
-    dds_builtintopic_endpoint_t* endpoint = dds_get_matched_publication_data(reader_, writer);
-    void* data = nullptr;
-    std::size_t size = 0;
-    std::string text;
-    if (dds_qget_userdata(endpoint->qos, &data, &size)) text.assign(static_cast<const char*>(data), size);
-    dds_free(data);
-    dds_builtintopic_free_endpoint(endpoint);
-    return text;
+    return user_data_of(dds_get_matched_publication_data(reader_, writer));
   }
 
  private:

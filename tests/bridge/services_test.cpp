@@ -57,14 +57,7 @@ class Client {
   [[nodiscard]] std::string server_id() const {
     dds_instance_handle_t reader = 0;
     if (dds_get_matched_subscriptions(writer_, &reader, 1) != 1) return "no reader";
-    dds_builtintopic_endpoint_t* endpoint = dds_get_matched_subscription_data(writer_, reader);
-    void* data = nullptr;
-    std::size_t size = 0;
-    std::string text;
-    if (dds_qget_userdata(endpoint->qos, &data, &size)) text.assign(static_cast<const char*>(data), size);
-    dds_free(data);
-    dds_builtintopic_free_endpoint(endpoint);
-    return text;
+    return user_data_of(dds_get_matched_subscription_data(writer_, reader));
   }
   [[nodiscard]] const Reader<Answer>& answers() const { return answers_; }
   int foreign = 0;

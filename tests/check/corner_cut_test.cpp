@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "checked_file.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/design/export.hpp"
 #include "triskin/design/outline.hpp"
@@ -29,19 +30,8 @@ namespace fs = std::filesystem;
 
 // A plate, 150 mm by 76 mm: three rows of whole modules are 77.9 mm high.
 design::Mesh plate() {
-  design::Mesh mesh;
   constexpr int kColumns = 15, kRows = 8;
-  for (int r = 0; r <= kRows; ++r) {
-    for (int c = 0; c <= kColumns; ++c) mesh.vertices.emplace_back(150.0 * c / kColumns, 76.0 * r / kRows, 0.0);
-  }
-  for (int r = 0; r < kRows; ++r) {
-    for (int c = 0; c < kColumns; ++c) {
-      const int v = r * (kColumns + 1) + c;
-      mesh.faces.push_back({v, v + 1, v + kColumns + 1});
-      mesh.faces.push_back({v + 1, v + kColumns + 2, v + kColumns + 1});
-    }
-  }
-  return mesh;
+  return sheet_mesh(kColumns, kRows, [](int c, int r) { return Vec3(150.0 * c / kColumns, 76.0 * r / kRows, 0.0); });
 }
 
 class CutDesign : public testing::Test {
@@ -67,10 +57,7 @@ class CutDesign : public testing::Test {
   static std::vector<std::string> broken_by(const std::function<void(json&)>& damage) {
     json j = *good_;
     damage(j);
-    std::ofstream(folder_ / "damaged.json") << j.dump();
-    std::vector<std::string> names;
-    for (const Violation& v : check_design(folder_ / "damaged.json").violations) names.push_back(v.rule);
-    return names;
+    return broken_rules(j, folder_ / "damaged.json");
   }
 
   static inline fs::path folder_;

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "checked_file.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/geometry/map_modules.hpp"
@@ -30,22 +31,10 @@ constexpr double kPeriod_mm = 44.0, kGroove_mm = 8.0;
 
 // 176 mm by 120 mm; its height is a cosine from 0 to kGroove_mm, or 0 everywhere.
 design::Mesh sheet(double groove_mm) {
-  design::Mesh mesh;
-  constexpr int kColumns = 88, kRows = 12;
-  for (int r = 0; r <= kRows; ++r) {
-    for (int c = 0; c <= kColumns; ++c) {
-      const double x = 2.0 * c;
-      mesh.vertices.emplace_back(x, 10.0 * r, 0.5 * groove_mm * (1.0 + std::cos(2.0 * M_PI * x / kPeriod_mm)));
-    }
-  }
-  for (int r = 0; r < kRows; ++r) {
-    for (int c = 0; c < kColumns; ++c) {
-      const int v = r * (kColumns + 1) + c;
-      mesh.faces.push_back({v, v + 1, v + kColumns + 1});
-      mesh.faces.push_back({v + 1, v + kColumns + 2, v + kColumns + 1});
-    }
-  }
-  return mesh;
+  return sheet_mesh(88, 12, [=](int c, int r) {
+    const double x = 2.0 * c;
+    return design::Vec3(x, 10.0 * r, 0.5 * groove_mm * (1.0 + std::cos(2.0 * M_PI * x / kPeriod_mm)));
+  });
 }
 
 class Lift : public testing::Test {
@@ -67,15 +56,8 @@ class Lift : public testing::Test {
     design::write_design(folder_ / "design.json", d);
     return json::parse(read_file(folder_ / "design.json"));
   }
-  std::vector<Violation> violations(const json& j) {
-    std::ofstream(folder_ / "checked.json") << j.dump();
-    return check_design(folder_ / "checked.json").violations;
-  }
-  std::vector<std::string> broken(const json& j) {
-    std::vector<std::string> names;
-    for (const Violation& v : violations(j)) names.push_back(v.rule);
-    return names;
-  }
+  std::vector<Violation> violations(const json& j) { return violations_of(j, folder_ / "checked.json"); }
+  std::vector<std::string> broken(const json& j) { return broken_rules(j, folder_ / "checked.json"); }
 
   fs::path folder_;
 };

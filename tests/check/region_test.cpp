@@ -12,6 +12,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "checked_file.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/geometry/surface_regions.hpp"
@@ -30,19 +31,7 @@ namespace fs = std::filesystem;
 
 // A plate of 200 mm by 110 mm; the faces with x < 40 mm are the group "left" of its file.
 design::Mesh plate() {
-  design::Mesh mesh;
-  constexpr int kColumns = 20, kRows = 11;
-  for (int r = 0; r <= kRows; ++r) {
-    for (int c = 0; c <= kColumns; ++c) mesh.vertices.emplace_back(10.0 * c, 10.0 * r, 0.0);
-  }
-  for (int r = 0; r < kRows; ++r) {
-    for (int c = 0; c < kColumns; ++c) {
-      const int v = r * (kColumns + 1) + c;
-      mesh.faces.push_back({v, v + 1, v + kColumns + 1});
-      mesh.faces.push_back({v + 1, v + kColumns + 2, v + kColumns + 1});
-    }
-  }
-  return mesh;
+  return sheet_mesh(20, 11, [](int c, int r) { return Vec3(10.0 * c, 10.0 * r, 0.0); });
 }
 
 void write_grouped(const fs::path& path, const design::Mesh& mesh) {
@@ -84,10 +73,7 @@ class RegionDesign : public testing::Test {
   std::vector<std::string> broken_by(const std::function<void(json&)>& damage) {
     json j = json::parse(read_file(folder_ / "design.json"));
     damage(j);
-    std::ofstream(folder_ / "damaged.json") << j.dump();
-    std::vector<std::string> names;
-    for (const Violation& v : check_design(folder_ / "damaged.json").violations) names.push_back(v.rule);
-    return names;
+    return broken_rules(j, folder_ / "damaged.json");
   }
   std::vector<std::string> broken() {
     return broken_by([](json&) {});

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <set>
 
+#include "bridge/overloaded_stream.hpp"
 #include "fast_types.hpp"
 #include "settings.hpp"
 #include "support/strip_design.hpp"
@@ -226,19 +227,7 @@ TEST(FastDds, losses_at_a_reliable_reader_are_those_that_are_told_although_packe
   Participant participant(id);
   FastReader<RawFrame> reader(participant, "rt/skin/arm/raw", "triskin_msgs::msg::dds_::RawFrame_", true, false);
   ASSERT_TRUE(wait_until([&] { return reader.matched() && bridge.readers() == 1; }));
-  device::StreamOptions overload;
-  overload.every = 1;
-  overload.overload = true;
-  device::Stream stream(
-      bus, design,
-      [&](const device::ModuleFrame& f) {
-        bridge.add({f.module, f.link_time_us, f.sample, kStart_ns + f.sampled.link_us * 1000, f.sampled.error_us});
-      },
-      overload);
-  stream.run_until(bus.now_us() + 30'000'000);
-  stream.finish();
-  bridge.flush();
-  const device::StreamReport told = stream.report();
+  const device::StreamReport told = bridge::stream_overloaded(bus, design, bridge, 30'000'000, kStart_ns);
   ASSERT_GT(told.total.lost(), 500U);
   Seen seen;
   std::size_t received = 0;

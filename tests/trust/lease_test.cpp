@@ -10,10 +10,9 @@
 namespace triskin::device {
 namespace {
 
+using test::kSequence_us;
 using test::SharedSkin;
 using test::strip_scene;
-
-constexpr double kSequence_us = 36'900.0;
 
 /// A program that reads: a link, a bus and a stream of its own.
 class Reader {

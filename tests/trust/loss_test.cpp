@@ -10,11 +10,10 @@
 namespace triskin::device {
 namespace {
 
+using test::kSequence_us;
 using test::SampleName;
 using test::SharedSkin;
 using test::strip_scene;
-
-constexpr double kSequence_us = 36'900.0;
 
 // 193 modules on 13 controllers on one bus with 1 Mbit/s and 2 Mbit/s data: 163 % of it.
 class Crowded : public testing::Test {

@@ -16,6 +16,9 @@
 
 namespace triskin::test {
 
+/// Of a controller with 16 modules, by default: from one sample of a module to its next.
+inline constexpr double kSequence_us = 36'900.0;
+
 /// A module's sample: node address, row, number.
 struct SampleName {
   int node = 0, row = 0;

@@ -14,11 +14,11 @@
 namespace triskin::device {
 namespace {
 
+using test::kSequence_us;
 using test::SampleName;
 using test::SharedSkin;
 using test::strip_scene;
 
-constexpr double kSequence_us = 36'900.0;
 constexpr double kSeconds = 60.0;
 
 // `nominal`, `data`: bit/s, that a clock of 80 MHz divides into; `every`: n. `load`: by each n-th sample, with the

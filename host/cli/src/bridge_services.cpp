@@ -8,6 +8,7 @@
 
 #include "triskin/host/error.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/firmware_version.hpp"
 
 namespace triskin::cli::bridge_services {
 namespace {
@@ -28,11 +29,6 @@ void ask_each(device::Bus& bus, const design::Design& design, const std::vector<
     }
   }
   answer.success = answer.message.empty();
-}
-
-std::string version_of(const wire::Hello& hello) {
-  const std::uint32_t v = hello.firmware_version;
-  return fmt::format("{}.{}.{}", v >> 24 & 0xFF, v >> 16 & 0xFF, v >> 8 & 0xFF);
 }
 
 }  // namespace
@@ -112,7 +108,7 @@ bridge::Identify::Answer CoverServices::identify(device::Bus& bus) const {
                               answer.patch.push_back(patch);
                               answer.node.push_back(hello.node_address);
                               answer.serial.push_back(device::to_text(hello.unique_id));
-                              answer.firmware.push_back(bridge_services::version_of(hello));
+                              answer.firmware.push_back(device::firmware_version_text(hello.firmware_version));
                               answer.table_id.push_back(table.present() ? table.design_id : 0);
                             });
   return answer;

@@ -12,6 +12,7 @@
 #include "triskin/jobs/board_shape.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/firmware_version.hpp"
 
 namespace triskin::cli::discover_command {
 namespace {
@@ -34,11 +35,9 @@ nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim) {
   device::Controller c(bus, claim.node_address);
   const wire::Hello hello = c.hello();
   const wire::ActiveTable table = c.active_table();
-  nlohmann::json j = {
-      {"wire_version", hello.wire_version},
-      {"layout_version", hello.layout_version},
-      {"firmware", fmt::format("{}.{}.{}", hello.firmware_version >> 24 & 0xFF, hello.firmware_version >> 16 & 0xFF,
-                               hello.firmware_version >> 8 & 0xFF)}};
+  nlohmann::json j = {{"wire_version", hello.wire_version},
+                      {"layout_version", hello.layout_version},
+                      {"firmware", device::firmware_version_text(hello.firmware_version)}};
   if (table.present()) {
     j["design_id"] = fmt::format("{:016x}", table.design_id);
     j["table_modules"] = table.modules;

@@ -17,6 +17,7 @@
 #include "triskin/jobs/touch_map.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/firmware_version.hpp"
 
 namespace triskin::cli::record_command {
 namespace {
@@ -62,8 +63,7 @@ std::uint64_t steady_us() {
 }
 
 std::string firmware_of(device::Bus& bus, std::uint8_t node) {
-  const std::uint32_t v = device::Controller(bus, node).hello().firmware_version;
-  return fmt::format("{}.{}.{}", v >> 24 & 0xFF, v >> 16 & 0xFF, v >> 8 & 0xFF);
+  return device::firmware_version_text(device::Controller(bus, node).hello().firmware_version);
 }
 
 // The recording of one cover.

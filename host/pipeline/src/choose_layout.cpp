@@ -2,12 +2,11 @@
 #include "choose_layout.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <optional>
-#include <thread>
 
 #include "triskin/design/module_graph.hpp"
 #include "triskin/geometry/jumpers.hpp"
+#include "triskin/host/parallel.hpp"
 
 namespace triskin::pipeline {
 
@@ -32,16 +31,9 @@ std::vector<WiredLayout> priced(const geometry::Surface& surface, std::vector<de
                                 const geometry::SurfaceRegions* regions, int threads,
                                 const std::function<bool()>& is_late) {
   std::vector<std::optional<WiredLayout>> done(layouts.size());
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t k = next++; k < layouts.size() && (k == 0 || !is_late()); k = next++)
-      done[k] = priced(surface, std::move(layouts[k]), limits, routing, regions);
-  };
-  {
-    std::vector<std::jthread> others;
-    for (int k = 1; k < threads; ++k) others.emplace_back(work);
-    work();
-  }
+  in_parallel(threads, layouts.size(), [&](std::size_t k) {
+    if (k == 0 || !is_late()) done[k] = priced(surface, std::move(layouts[k]), limits, routing, regions);
+  });
   std::vector<WiredLayout> wired;
   for (std::optional<WiredLayout>& w : done) {
     if (w) wired.push_back(std::move(*w));

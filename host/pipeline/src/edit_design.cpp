@@ -30,35 +30,21 @@ void require_module(const design::Design& d, int id) {
 }
 
 // Measures the layout and makes jumpers, controllers, wiring and report.
-void finish(design::Design& d, const geometry::Surface& surface, Clock::time_point start,
-            const ProgressSink& progress) {
-  const auto regions = regions_of(surface, d);
-  const geometry::SurfaceRegions* const known = regions ? &*regions : nullptr;
-  geometry::measure(surface, d.layout, known);
-  wire(d, surface, known, geometry::find_jumpers(surface, d.layout, d.limits), progress);
+void finish(design::Design& d, const geometry::Surface& surface, const geometry::SurfaceRegions* regions,
+            Clock::time_point start, const ProgressSink& progress) {
+  geometry::measure(surface, d.layout, regions);
+  wire(d, surface, regions, geometry::find_jumpers(surface, d.layout, d.limits), progress);
   d.report.seconds = seconds_since(start);
 }
 
-// `new_id` by old id; −1: the module goes. Those that stay keep their order.
-void keep_only(design::ModuleLayout& layout, const std::vector<int>& new_id) {
-  std::vector<design::PlacedModule> kept;
-  for (std::size_t k = 0; k < new_id.size(); ++k) {
-    if (new_id[k] < 0) continue;
-    design::PlacedModule m = layout.modules[k];
-    for (int& n : m.neighbour) n = n < 0 ? -1 : new_id[static_cast<std::size_t>(n)];
-    kept.push_back(m);
+// By id: whether it is named, or with `others` whether it is not.
+std::vector<bool> marked(const design::Design& d, const std::vector<int>& ids, bool others = false) {
+  std::vector<bool> mark(d.layout.modules.size(), others);
+  for (const int id : ids) {
+    require_module(d, id);
+    mark[static_cast<std::size_t>(id)] = !others;
   }
-  layout.modules = std::move(kept);
-}
-
-std::vector<int> numbers_without(std::size_t count, const std::vector<int>& removed) {
-  std::vector<int> number(count, 0);
-  for (const int id : removed) number[static_cast<std::size_t>(id)] = -1;
-  int next = 0;
-  for (int& n : number) {
-    if (n == 0) n = next++;
-  }
-  return number;
+  return mark;
 }
 
 // The module and side that a place hangs on, in a layout whose islands still have their old numbers.
@@ -128,11 +114,10 @@ EditedDesign unchanged(const design::Design& design) {
 
 // The layouts of the search and that of the design, best first.
 std::vector<WiredLayout> choices_around(const design::Design& d, const geometry::Surface& surface,
+                                        const geometry::SurfaceRegions* regions,
                                         const std::vector<design::PlacedModule>& kept, const GrowAroundOptions& options,
                                         Clock::time_point start, const ProgressSink& progress) {
   const geometry::RoutingOptions routing = routing_options(d);
-  const auto of_surface = regions_of(surface, d);
-  const geometry::SurfaceRegions* const regions = of_surface ? &*of_surface : nullptr;
   std::vector<WiredLayout> choices{priced(surface, d.layout, d.limits, routing, regions)};
   const double pricing_s = seconds_since(start);
   geometry::SurfaceLatticeOptions lattice;
@@ -170,29 +155,29 @@ design::Design take_alternative(const design::Design& design, int index, const P
   taken.layout = taken.alternatives[static_cast<std::size_t>(index)].layout;
   taken.taken = index;
   design::assign_kinds_by_place(taken.kinds, taken.layout);
-  finish(taken, surface, start, progress);
+  finish(taken, surface, regions_of(surface, taken).get(), start, progress);
   return taken;
 }
 
 EditedDesign edit_design(const design::Design& design, const LayoutEdit& edit, const ProgressSink& progress) {
   const auto start = Clock::now();
-  for (const int id : edit.remove) require_module(design, id);
+  const std::vector<bool> gone = marked(design, edit.remove);
   for (const NewPlace& place : edit.add) {
     if (const auto* beside = std::get_if<BesideModule>(&place)) require_module(design, beside->module);
   }
-  EditedDesign result{design, numbers_without(design.layout.modules.size(), edit.remove), {}};
+  EditedDesign result{design, {}, {}};
   design::Design& d = result.design;
   const geometry::Surface surface(d.surface);
-  keep_only(d.layout, result.new_id);
+  result.new_id = geometry::remove_modules(d.layout, gone);
   d.layout.jumpers.clear();
   d.layout.refused.clear();
   d.taken = -1;
   const auto regions = regions_of(surface, d);
-  for (const NewPlace& place : edit.add) add_one(place, surface, regions ? &*regions : nullptr, result);
+  for (const NewPlace& place : edit.add) add_one(place, surface, regions.get(), result);
   if (d.layout.modules.empty()) throw InputError("no module would be left; a design needs one");
   give_kinds(d, d.layout.modules.size() - result.added.size());
   geometry::number_islands(d.layout);
-  finish(d, surface, start, progress);
+  finish(d, surface, regions.get(), start, progress);
   return result;
 }
 
@@ -200,18 +185,15 @@ EditedDesign grow_around(const design::Design& design, const std::vector<int>& k
                          const ProgressSink& progress) {
   const auto start = Clock::now();
   if (!(options.time_limit_s > 0.0)) throw InputError("the time limit must be positive");
-  for (const int id : kept) require_module(design, id);
-  std::vector<int> others;
-  for (int id = 0; id < static_cast<int>(design.layout.modules.size()); ++id) {
-    if (std::ranges::find(kept, id) == kept.end()) others.push_back(id);
-  }
-  EditedDesign result{design, numbers_without(design.layout.modules.size(), others), {}};
+  const std::vector<bool> searched = marked(design, kept, true);
+  EditedDesign result{design, {}, {}};
   design::Design& d = result.design;
   const geometry::Surface surface(d.surface);
+  const auto regions = regions_of(surface, d);
   design::ModuleLayout fixed = d.layout;
-  keep_only(fixed, result.new_id);
+  result.new_id = geometry::remove_modules(fixed, searched);
   d.layout.jumpers.clear();
-  std::vector<WiredLayout> choices = choices_around(d, surface, fixed.modules, options, start, progress);
+  std::vector<WiredLayout> choices = choices_around(d, surface, regions.get(), fixed.modules, options, start, progress);
   const auto best = std::ranges::max_element(choices, std::less{}, &WiredLayout::value);
   const std::size_t count = best->layout.modules.size();
   d.alternatives = front_of(choices);
@@ -224,7 +206,7 @@ EditedDesign grow_around(const design::Design& design, const std::vector<int>& k
   }
   d.layout = best->layout;
   if (best != choices.begin()) give_kinds(d, fixed.modules.size());
-  finish(d, surface, start, progress);
+  finish(d, surface, regions.get(), start, progress);
   return result;
 }
 
@@ -243,7 +225,8 @@ EditedDesign mirror_design(const design::Design& design, const design::MirrorPla
   for (design::Alternative& a : d.alternatives) a.layout = design::mirrored(a.layout, plane);
   d.regions = design::mirrored(d.regions, plane);
   d.kinds = design::mirrored(d.kinds, plane);
-  finish(d, geometry::Surface(d.surface), start, progress);
+  const geometry::Surface surface(d.surface);
+  finish(d, surface, regions_of(surface, d).get(), start, progress);
   return result;
 }
 

@@ -163,7 +163,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   if (options.regions) design.regions = resolve_regions(mesh, file, extraction, *options.regions);
   const geometry::Surface surface(design.surface);
   const auto of_surface = regions_of(surface, design);
-  const geometry::SurfaceRegions* const regions = of_surface ? &*of_surface : nullptr;
+  const geometry::SurfaceRegions* const regions = of_surface.get();
   const geometry::Net net = pieces_of(surface, options, start, progress);
   const auto placed = place_pieces(design, net, options, start, progress);
   report(progress, "mapping to the surface", -1.0);

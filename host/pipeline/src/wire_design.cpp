@@ -31,9 +31,7 @@ void fill_report(design::Design& design, const geometry::Surface& surface) {
 void report_regions(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions) {
   design.report.worth = static_cast<double>(design.layout.modules.size());
   if (regions == nullptr) return;
-  design.report.worth = 0.0;
-  for (const design::PlacedModule& m : design.layout.modules)
-    design.report.worth += regions->weight_at((m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0);
+  design.report.worth = regions->weight_of(design.layout);
   design.report.uncovered = regions->uncovered(design.layout);
   geometry::SurfaceLatticeOptions lattice;
   lattice.corner_cut_mm = design.layout.corner_cut_mm;
@@ -46,9 +44,10 @@ void report_regions(design::Design& design, const geometry::Surface& surface, co
 
 }  // namespace
 
-std::optional<geometry::SurfaceRegions> regions_of(const geometry::Surface& surface, const design::Design& design) {
-  if (design.regions.empty()) return std::nullopt;
-  return std::make_optional<geometry::SurfaceRegions>(surface, design.regions);
+std::unique_ptr<const geometry::SurfaceRegions> regions_of(const geometry::Surface& surface,
+                                                           const design::Design& design) {
+  if (design.regions.empty()) return nullptr;
+  return std::make_unique<const geometry::SurfaceRegions>(surface, design.regions);
 }
 
 geometry::RoutingOptions routing_options(const design::Design& design) {

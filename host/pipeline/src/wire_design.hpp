@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include "triskin/design/design.hpp"
@@ -14,9 +14,9 @@ namespace triskin::pipeline {
 /// Seed and price of a design for the router.
 [[nodiscard]] geometry::RoutingOptions routing_options(const design::Design& design);
 
-/// The regions of a design on its surface; nothing without regions. Cost: linear in the faces.
-[[nodiscard]] std::optional<geometry::SurfaceRegions> regions_of(const geometry::Surface& surface,
-                                                                 const design::Design& design);
+/// The regions of a design on its surface, which it refers to; null without regions. Cost: linear in the faces.
+[[nodiscard]] std::unique_ptr<const geometry::SurfaceRegions> regions_of(const geometry::Surface& surface,
+                                                                         const design::Design& design);
 
 /// Gives the layout of a design, whose modules are measured, controllers, jumpers (at some of `places`), report and id.
 /// `regions` of the surface, or null.

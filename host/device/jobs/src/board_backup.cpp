@@ -8,6 +8,7 @@
 #include <set>
 
 #include "address_moves.hpp"
+#include "address_users.hpp"
 #include "table_writer.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/host/files.hpp"
@@ -21,12 +22,6 @@ using Message = Bus::Message;
 
 // What says that two boards are of one kind.
 constexpr std::array<std::uint16_t, 2> kKind{wire::did::kPartNumber, wire::did::kHardware};
-
-std::map<int, int> users_of_addresses(const std::vector<wire::NodeClaim>& claims) {
-  std::map<int, int> users;
-  for (const wire::NodeClaim& c : claims) ++users[c.node_address];
-  return users;
-}
 
 // Empty: the controller has no such value, as an older one, or one without a table.
 std::optional<std::vector<std::uint8_t>> raw_value(Bus& bus, std::uint8_t node, std::uint16_t id) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "address_users.hpp"
 #include "touch_finder.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -61,11 +62,10 @@ class Matcher {
   void find(const std::vector<wire::NodeClaim>& claims) {
     if (claims.empty())
       throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus_.name()));
-    std::map<int, int> users;
-    for (const auto& c : claims) ++users[c.node_address];
+    const auto users = users_of_addresses(claims);
     for (const auto& c : claims) {
       Candidate candidate{{c, -1}, Owner::kNobody, {}};
-      if (c.has_table) ask(candidate, users[c.node_address] == 1);
+      if (c.has_table) ask(candidate, users.at(c.node_address) == 1);
       if (is_neighbour(candidate)) candidate.owner = Owner::kNeighbour;
       candidates_.push_back(candidate);
     }

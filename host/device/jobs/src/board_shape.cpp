@@ -8,6 +8,7 @@
 #include <map>
 
 #include "address_moves.hpp"
+#include "address_users.hpp"
 #include "triskin/jobs/topology.hpp"
 
 namespace triskin::device {
@@ -128,13 +129,12 @@ ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, const design
 }
 
 std::vector<wire::NodeClaim> put_apart(Bus& bus, std::vector<wire::NodeClaim> claims, bool tables) {
-  std::map<int, int> users;
-  for (const wire::NodeClaim& c : claims) ++users[c.node_address];
+  const auto users = users_of_addresses(claims);
   std::map<wire::UniqueId, int> wanted;
   int next = layout::kLastNode;
   for (const wire::NodeClaim& c : claims) {
-    if (users[c.node_address] < 2 || (c.has_table && !tables)) continue;
-    while (next >= layout::kFirstNode && users.contains(next)) --next;
+    if (users.at(c.node_address) < 2 || (c.has_table && !tables)) continue;
+    while (next >= layout::kFirstNode && users.contains(static_cast<std::uint8_t>(next))) --next;
     if (next < layout::kFirstNode)
       throw DeviceError(fmt::format("{}: no free node address is left; take controllers off the bus", bus.name()));
     wanted[c.unique_id] = next--;

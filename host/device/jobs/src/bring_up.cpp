@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "address_users.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/jobs/flash.hpp"
 #include "triskin/jobs/offset_report.hpp"
@@ -118,8 +119,7 @@ class Session {
   }
 
   StepAnswer find_controllers() {
-    std::map<int, int> users;
-    for (const wire::NodeClaim& c : bus_->discover()) ++users[c.node_address];
+    const auto users = users_of_addresses(bus_->discover());
     if (users.empty()) return failed("no controller answers");
     std::string found;
     bool good = true;
@@ -219,12 +219,7 @@ class Session {
 
   // Controllers that have an address of their own.
   [[nodiscard]] std::vector<std::uint8_t> nodes() {
-    std::map<std::uint8_t, int> users;
-    for (const wire::NodeClaim& c : bus_->discover()) ++users[c.node_address];
-    std::vector<std::uint8_t> out;
-    for (const auto& [node, count] : users) {
-      if (count == 1) out.push_back(node);
-    }
+    std::vector<std::uint8_t> out = lone_addresses(bus_->discover());
     if (out.empty()) throw DeviceError("no controller with an address of its own; step 11 gives them out");
     return out;
   }

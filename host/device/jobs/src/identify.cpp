@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
+#include "address_users.hpp"
 #include "touch_finder.hpp"
 
 namespace triskin::device {
@@ -37,10 +37,9 @@ class Identification {
     if (claims.empty())
       throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus_.name()));
     claims = put_apart(bus_, std::move(claims), false);
-    std::map<int, int> users;
-    for (const auto& c : claims) ++users[c.node_address];
+    const auto users = users_of_addresses(claims);
     for (const auto& c : claims) {
-      if (users[c.node_address] == 1) {
+      if (users.at(c.node_address) == 1) {
         Controller controller(bus_, c.node_address);
         boards_.push_back({c, read_shape(controller), {}});
       } else if (options_.say) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "address_users.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/wire/uds.hpp"
@@ -14,17 +15,6 @@ namespace triskin::device {
 namespace {
 
 using wire::OffsetState;
-
-// Controllers that can be asked: one at its address.
-std::vector<std::uint8_t> nodes_of(Bus& bus) {
-  std::map<std::uint8_t, int> users;
-  for (const wire::NodeClaim& c : bus.discover()) ++users[c.node_address];
-  std::vector<std::uint8_t> nodes;
-  for (const auto& [node, count] : users) {
-    if (count == 1) nodes.push_back(node);
-  }
-  return nodes;
-}
 
 std::string taxels_in(std::uint16_t mask, const wire::ModuleOffsets& m) {
   std::string text;
@@ -39,7 +29,7 @@ std::string taxels_in(std::uint16_t mask, const wire::ModuleOffsets& m) {
 
 std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design) {
   std::vector<PatchOffsets> all;
-  for (const std::uint8_t node : nodes_of(bus)) {
+  for (const std::uint8_t node : lone_addresses(bus.discover())) {
     const int patch = design::patch_at(design, node);
     if (patch < 0) continue;
     Controller c(bus, node);

@@ -11,8 +11,6 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kSidesShare = 0.983;  // of lift and depth, which the checker walks alike: hardly a margin is left
-
 class Keeper {
  public:
   Keeper(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout, const SurfaceRegions* regions)
@@ -28,32 +26,6 @@ class Keeper {
   }
 
  private:
-  void remove(const std::vector<bool>& bad) {
-    std::vector<int> target(layout_.modules.size(), -1);
-    std::vector<PlacedModule> kept;
-    for (std::size_t k = 0; k < bad.size(); ++k) {
-      if (bad[k]) continue;
-      target[k] = static_cast<int>(kept.size());
-      kept.push_back(layout_.modules[k]);
-    }
-    for (PlacedModule& m : kept) {
-      for (int& n : m.neighbour) n = n < 0 ? -1 : target[at(n)];
-    }
-    layout_.modules = std::move(kept);
-  }
-
-  // How far over its limit, 1 = at the limit; the name of the limit that is broken most.
-  [[nodiscard]] std::pair<double, const char*> worst(const PlacedModule& m) const {
-    return std::max({std::pair{m.edge_error_mm / limits_.edge_error_mm, "edge_error_mm"},
-                     std::pair{m.center_gap_mm / limits_.center_gap_mm, "center_gap_mm"},
-                     std::pair{m.penetration_mm / limits_.penetration_mm, "penetration_mm"},
-                     std::pair{m.overrun_mm / limits_.overrun_mm, "overrun_mm"},
-                     std::pair{kSidesShare * m.edge_lift_mm / limits_.lift_mm, "lift_mm"},
-                     std::pair{kSidesShare * m.edge_depth_mm / limits_.depth_mm, "depth_mm"},
-                     std::pair{m.keep_out_mm / limits_.overrun_mm, "keep_out"}},
-                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  }
-
   // Thin shells have two sheets: a module whose nearest sheet is the other one would be measured against that.
   void give_up_turned() {
     std::vector<bool> bad;
@@ -63,7 +35,7 @@ class Keeper {
       bad.push_back(surface_.normal_at(surface_.closest(middle)).dot(normal) < 0.6);
     }
     if (const auto count = static_cast<int>(std::ranges::count(bad, true)); count > 0) refused_["outward"] += count;
-    remove(bad);
+    remove_modules(layout_, bad);
   }
 
   // First joints (they become slits), then modules; a margin of 2 % keeps another measurement from disagreeing.
@@ -71,20 +43,14 @@ class Keeper {
     for (;;) {
       measure_between(layout_);
       if (open_bad_joints()) continue;
-      std::vector<BrokenModule> broken;
-      for (std::size_t k = 0; k < layout_.modules.size(); ++k) {
-        const PlacedModule& m = layout_.modules[k];
-        const double ratio = worst(m).first;
-        if (ratio > 0.98)
-          broken.push_back({static_cast<int>(k), ratio, (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0});
-      }
-      if (broken.empty()) return;
+      const std::vector<int> worst = worst_modules(layout_, limits_);
+      if (worst.empty()) return;
       std::vector<bool> bad(layout_.modules.size(), false);
-      for (const int k : worst_of_their_places(broken)) {
-        ++refused_[worst(layout_.modules[at(k)]).second];
+      for (const int k : worst) {
+        ++refused_[worst_limit(layout_.modules[at(k)], limits_).second];
         bad[at(k)] = true;
       }
-      remove(bad);
+      remove_modules(layout_, bad);
     }
   }
 
@@ -111,6 +77,21 @@ class Keeper {
 };
 
 }  // namespace
+
+std::vector<int> remove_modules(ModuleLayout& layout, const std::vector<bool>& gone) {
+  std::vector<int> new_id(layout.modules.size(), -1);
+  std::vector<PlacedModule> kept;
+  for (std::size_t k = 0; k < gone.size(); ++k) {
+    if (gone[k]) continue;
+    new_id[k] = static_cast<int>(kept.size());
+    kept.push_back(layout.modules[k]);
+  }
+  for (PlacedModule& m : kept) {
+    for (int& n : m.neighbour) n = n < 0 ? -1 : new_id[at(n)];
+  }
+  layout.modules = std::move(kept);
+  return new_id;
+}
 
 void number_islands(ModuleLayout& layout) {
   std::vector<PlacedModule>& modules = layout.modules;

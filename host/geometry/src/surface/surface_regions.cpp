@@ -226,10 +226,15 @@ std::vector<design::Uncovered> SurfaceRegions::uncovered(const ModuleLayout& lay
   return of_region;
 }
 
-double SurfaceRegions::worth(const ModuleLayout& layout) const {
+double SurfaceRegions::weight_of(const ModuleLayout& layout) const {
   double sum = 0.0;
   for (const PlacedModule& m : layout.modules)
     sum += weight_at((m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0);
+  return sum;
+}
+
+double SurfaceRegions::worth(const ModuleLayout& layout) const {
+  double sum = weight_of(layout);
   for (const design::Uncovered& u : uncovered(layout, kWorthStep_mm)) sum -= kUncoveredCost * u.share;
   return sum;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "certify.hpp"
 
-#include <algorithm>
 #include <vector>
 
 #include "kept_modules.hpp"
@@ -10,9 +9,6 @@
 
 namespace triskin::geometry::surface_lattice {
 namespace {
-
-constexpr double kFinalMargin = 0.98;
-constexpr double kOfSides = kFinalMargin / 0.997;  // lift and depth: checker and solver walk the sides alike
 
 // Module k is triangle triangle_of[k] of the net.
 ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
@@ -42,27 +38,6 @@ ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
     }
   }
   return layout;
-}
-
-double worst_ratio(const PlacedModule& m, const LayoutLimits& l) {
-  double worst =
-      std::max({m.edge_error_mm / l.edge_error_mm, m.center_gap_mm / l.center_gap_mm,
-                m.penetration_mm / l.penetration_mm, m.overrun_mm / l.overrun_mm, kOfSides * m.edge_lift_mm / l.lift_mm,
-                kOfSides * m.edge_depth_mm / l.depth_mm, m.keep_out_mm / l.overrun_mm});
-  for (std::size_t s = 0; s < 3; ++s)
-    worst = std::max({worst, m.hinge_gap_mm[s] / l.hinge_gap_mm, m.fold_rad[s] / l.fold_rad});
-  return worst;
-}
-
-// But for the first `kept`.
-std::vector<int> worst_modules(const ModuleLayout& layout, const LayoutLimits& limits, std::size_t kept) {
-  std::vector<BrokenModule> broken;
-  for (auto k = static_cast<int>(kept); k < static_cast<int>(layout.modules.size()); ++k) {
-    const PlacedModule& m = layout.modules[at(k)];
-    const double ratio = worst_ratio(m, limits);
-    if (ratio > kFinalMargin) broken.push_back({k, ratio, (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0});
-  }
-  return worst_of_their_places(broken);
 }
 
 }  // namespace

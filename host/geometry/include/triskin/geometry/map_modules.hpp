@@ -32,6 +32,10 @@ struct TiledPiece {
 void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout,
                  const SurfaceRegions* regions = nullptr);
 
+/// Takes out the modules for which `gone` is true; those that stay keep their order, and sides towards what went are
+/// free. Returns the new id by old id, −1: gone. Islands and jumpers stay as they are numbered. Cost: O(n).
+std::vector<int> remove_modules(ModuleLayout& layout, const std::vector<bool>& gone);
+
 /// Numbers the islands anew, 0, 1, …, by what is joined: as their first modules come. Cost: O(n).
 void number_islands(ModuleLayout& layout);
 

@@ -44,7 +44,9 @@ class SurfaceRegions {
   /// The must-cover regions that the modules do not cover, each with its worst place; `why` is empty. Places are 1 mm
   /// apart.
   [[nodiscard]] std::vector<design::Uncovered> uncovered(const ModuleLayout& layout) const;
-  /// Σ weight_at() of the modules, less kUncoveredCost modules for each share of a must-cover region that is not
+  /// Σ weight_at() of the modules.
+  [[nodiscard]] double weight_of(const ModuleLayout& layout) const;
+  /// weight_of(), less kUncoveredCost modules for each share of a must-cover region that is not
   /// covered, at places 3 mm apart.
   [[nodiscard]] double worth(const ModuleLayout& layout) const;
 
