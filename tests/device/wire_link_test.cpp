@@ -2,6 +2,7 @@
 // Two processes: `triskin simulate` serves the skin, this test and `triskin` are its clients.
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -41,6 +42,7 @@ class Served : public testing::Test {
     const std::string scene = folder_ / "strip.json";
     child_ = ::fork();
     if (child_ == 0) {
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that dies leaves no server behind
       ::dup2(pipe[1], STDOUT_FILENO);
       ::execl(TRISKIN_PROGRAM, "triskin", "simulate", scene.c_str(), "--fresh", "--listen", "127.0.0.1:0", nullptr);
       ::_exit(127);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A robot as the program sees it: 12 covers, 96 controllers and more, 6 buses, one file.
+// A robot as the program sees it: 12 covers, 96 controllers and more, 6 CAN buses and 2 USB hubs, one file.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,9 +28,10 @@ class RobotCommands : public ShellCase {
     ShellCase::TearDown();
   }
   // Cover k has strips of 30 + k modules, so that no two designs are equal.
-  void make_robot(int covers, int buses, int modules, int per_patch) {
+  // The last `hubs` of the buses are USB hubs, the others CAN.
+  void make_robot(int covers, int buses, int modules, int per_patch, int hubs = 0) {
     std::string command = "robot new robot.json --name robot";
-    for (int b = 0; b < buses; ++b) command += fmt::format(" --bus bus{}=sim", b);
+    for (int b = 0; b < buses; ++b) command += fmt::format(" --bus bus{}={}", b, b < buses - hubs ? "sim" : "sim-usb");
     ASSERT_EQ(run(command).status, 0);
     for (int c = 0; c < covers; ++c) {
       design::write_design(folder_ / fmt::format("cover{}.json", c), strip(modules + c, per_patch));
@@ -143,8 +144,8 @@ TEST_F(RobotCommands, register_writes_a_pose_and_leaves_the_file_alone_for_a_bad
   EXPECT_EQ(read_file(folder_ / "robot.json"), before);
 }
 
-TEST_F(RobotCommands, TwelveCovers_96_controllers_6_buses) {
-  make_robot(12, 6, 30, 4);  // 30 … 41 modules, 8 … 11 controllers a cover
+TEST_F(RobotCommands, TwelveCovers_96_controllers_6_buses_2_hubs) {
+  make_robot(12, 8, 30, 4, 2);  // 30 … 41 modules, 8 … 11 controllers a cover
   const json shown = asked("robot show robot.json");
   int controllers = 0, modules = 0;
   for (const auto& bus : shown["buses"]) {

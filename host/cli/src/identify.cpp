@@ -111,7 +111,7 @@ int run(Options options, Output& output) {
   device::Bus bus(link);
   options.identify.say = tell_person;
   // Contacts in a scene are somebody's fingers.
-  const bool own = options.site.link.link == "sim" && options.site.link.scene.empty();
+  const bool own = device::is_in_process(options.site.link.link) && options.site.link.scene.empty();
   options.identify.finger = options.finger || (own && !options.by_hand);
   options.identify.ask = [&](int patch) {
     tell_person(fmt::format("press any module of patch {} now (within {:g} s)", patch, options.identify.limit_s));

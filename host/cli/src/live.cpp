@@ -43,7 +43,7 @@ constexpr std::uint64_t kFingerMoves_us = 2'000'000;
 class Demonstrator {
  public:
   Demonstrator(device::Link& link, const Options& options, int modules)
-      : finger_(options.press >= 0 || (options.site.link.link == "sim" && options.site.link.scene.empty())
+      : finger_(options.press >= 0 || (device::is_in_process(options.site.link.link) && options.site.link.scene.empty())
                     ? link.finger()
                     : nullptr),
         options_(options),

@@ -45,10 +45,9 @@ std::vector<BusLoad> bus_loads(const Assembly& a) {
       load.modules += static_cast<int>(modules);
       const BusEntry& entry = a.robot.buses[static_cast<std::size_t>(bus)];
       // Each USB device has a wire of its own.
-      if (entry.link.starts_with("usb")) {
-        load.full = std::max(load.full, load_of(modules, wire::kUsbBulkFrame_ns));
-      } else if (entry.link.starts_with("hid")) {
-        load.full = std::max(load.full, load_of(modules, wire::kUsbHidFrame_ns));
+      if (is_usb(entry.link)) {
+        const bool hid = entry.link.starts_with("hid");
+        load.full = std::max(load.full, load_of(modules, hid ? wire::kUsbHidFrame_ns : wire::kUsbBulkFrame_ns));
       } else {
         load.full += load_of(modules, wire::full_sample_ns(entry.rates));
       }

@@ -19,10 +19,6 @@ constexpr double kMostCan_mm = 25'000.0, kMostStub_mm = 1'500.0, kMostStubs_mm =
 constexpr double kCableRate = 1e6;
 constexpr int kMostEvery = 255;  // that a reader may ask for
 
-bool is_usb(const BusEntry& bus) {
-  return bus.link.starts_with("usb") || bus.link.starts_with("hid");
-}
-
 class Checker {
  public:
   explicit Checker(const Assembly& a) : a_(a), robot_(a.robot), loads_(bus_loads(a)) {}
@@ -56,14 +52,14 @@ class Checker {
         add("bus " + bus.name, "the name stands there twice", "give each bus a name of its own");
       for (const auto part : std::views::split(bus.link, ',')) {
         const std::string link(part.begin(), part.end());
-        if (link == "sim") continue;
+        if (link == "sim" || link == "sim-usb") continue;  // each bus has a simulation of its own
         const auto [first, fresh] = links.try_emplace(link, bus.name);
         if (!fresh)
           add("bus " + bus.name, fmt::format("opens {}, which bus {} opens too", link, first->second),
               "give each bus a link of its own");
       }
       const double most_mm = kMostCan_mm * kCableRate / bus.rates.nominal;
-      if (!is_usb(bus) && bus.cable_mm > most_mm)
+      if (!is_usb(bus.link) && bus.cable_mm > most_mm)
         add("bus " + bus.name,
             fmt::format("its cable of {:.1f} m is longer than {:.1f} m, the most at {} kbit/s", bus.cable_mm / 1e3,
                         most_mm / 1e3, bus.rates.nominal / 1000),
@@ -130,7 +126,7 @@ class Checker {
     if (!fresh)
       add(place, fmt::format("node address {} of bus {} is also that of {}", e.node, bus.name, first->second),
           "give one of them a free address");
-    if (is_usb(bus) && e.cable_mm > kMostUsb_mm)
+    if (is_usb(bus.link) && e.cable_mm > kMostUsb_mm)
       add(place, fmt::format("its USB cable of {:.1f} m is longer than 5 m", e.cable_mm / 1e3),
           "put a hub nearer to it");
   }
@@ -164,7 +160,7 @@ class Checker {
     for (const CoverEntry& cover : robot_.covers) {
       for (const ControllerEntry& e : cover.controllers) {
         const int index = bus_of(robot_, cover, e);
-        if (index < 0 || is_usb(robot_.buses[static_cast<std::size_t>(index)])) continue;
+        if (index < 0 || is_usb(robot_.buses[static_cast<std::size_t>(index)].link)) continue;
         sums_mm[index] += e.cable_mm;
         const double most_mm = kMostStub_mm * share(index);
         if (e.cable_mm > most_mm)

@@ -5,7 +5,6 @@
 
 #include "triskin/host/interrupt.hpp"
 #include "triskin/scene/virtual_skin.hpp"
-#include "triskin/simlink/sim_link.hpp"
 #include "triskin/simlink/tcp_link.hpp"
 
 namespace triskin::device {
@@ -21,7 +20,8 @@ wire::UniqueId id_of(const std::string& serial) {
 std::string link_of(const robot::Site& site, std::size_t bus, const LinkOptions& options) {
   if (!options.chosen) return site.buses[bus].link;
   if (!options.link.starts_with("sim:")) {
-    if (options.link == "sim" || site.buses.size() == 1) return options.link;
+    if (options.link == "sim") return robot::is_usb(site.buses[bus].link) ? "sim-usb" : "sim";
+    if (options.link == "sim-usb" || site.buses.size() == 1) return options.link;
     throw InputError(
         fmt::format("--link {}: {} has {} buses; its file names their links, only sim or sim:HOST:PORT can "
                     "stand for all of them",
@@ -61,9 +61,9 @@ std::unique_ptr<Link> open_bus(const robot::Site& site, std::size_t bus, const L
   if (!options.scene.empty()) throw InputError("--scene is for a design file; a robot is simulated untouched");
   LinkOptions own = options;
   own.link = link_of(site, bus, options);
-  if (own.link != "sim") return open_link(own, nullptr);
+  if (!is_in_process(own.link)) return open_link(own, nullptr);
   catch_interrupts();
-  return std::make_unique<SimLink>(scene_of(entry, options.switched), state_folder_of(site, entry));
+  return simulate_here(own.link, scene_of(entry, options.switched), state_folder_of(site, entry));
 }
 
 }  // namespace triskin::device

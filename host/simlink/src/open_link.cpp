@@ -18,7 +18,8 @@ namespace triskin::device {
 namespace {
 
 constexpr const char* kKnown =
-    "sim, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]; several of the last three joined by commas";
+    "sim, sim-usb, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]; several of the last three joined by commas";
+constexpr const char* kSimulatedHub = "sim-usb";
 
 std::unique_ptr<Link> open_sim(const LinkOptions& options, const design::Design* design) {
   if (options.scene.empty()) {
@@ -29,7 +30,7 @@ std::unique_ptr<Link> open_sim(const LinkOptions& options, const design::Design*
     scene.board_seed = scene.seed;
     number_boards(scene, options.board_seed);
     const auto folder = scene::state_folder_of(scene.design);
-    return std::make_unique<SimLink>(std::move(scene), folder);
+    return simulate_here(options.link, std::move(scene), folder);
   }
   scene::Scene scene = scene::read_scene(options.scene);
   scene.switched = scene.switched || options.switched;
@@ -39,7 +40,7 @@ std::unique_ptr<Link> open_sim(const LinkOptions& options, const design::Design*
   }
   number_boards(scene, options.board_seed);
   const auto folder = scene::state_folder_of(scene.design);
-  return std::make_unique<SimLink>(std::move(scene), folder);
+  return simulate_here(options.link, std::move(scene), folder);
 }
 
 // Empty: neither hid nor usb.
@@ -59,6 +60,15 @@ std::unique_ptr<Link> open_usb(const std::string& link) {
 }
 
 }  // namespace
+
+bool is_in_process(const std::string& link) {
+  return link == "sim" || link == kSimulatedHub;
+}
+
+std::unique_ptr<Link> simulate_here(const std::string& link, scene::Scene scene, const std::filesystem::path& folder) {
+  if (link == kSimulatedHub) return std::make_unique<SimUsbLink>(std::move(scene), folder);
+  return std::make_unique<SimLink>(std::move(scene), folder);
+}
 
 void number_boards(scene::Scene& scene, std::optional<std::uint64_t> seed) {
   if (!seed) return;
@@ -102,9 +112,9 @@ std::unique_ptr<Link> open_several(const std::string& text) {
 
 std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design* design) {
   if (options.own_interrupts) catch_interrupts();
-  if (options.link == "sim") return open_sim(options, design);
+  if (is_in_process(options.link)) return open_sim(options, design);
   if (!options.scene.empty())
-    throw InputError("--scene belongs to --link sim; give the scene to triskin simulate instead");
+    throw InputError("--scene belongs to --link sim and sim-usb; give the scene to triskin simulate instead");
   if (options.link.starts_with("sim:")) return std::make_unique<TcpLink>(parse_host_port(options.link.substr(4)));
   if (options.link.find(',') != std::string::npos) return open_several(options.link);
   if (auto wire = open_wire(options.link)) return wire;

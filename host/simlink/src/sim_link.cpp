@@ -5,8 +5,22 @@
 
 namespace triskin::device {
 
+std::uint64_t InProcessLink::answer_us() const {
+  return 2 * wire::kP2_us;
+}
+
+void InProcessLink::press(int module, int taxel) {
+  lift();
+  touch_ = skin_.press_module(module, taxel);
+}
+
+void InProcessLink::lift() {
+  if (touch_ != 0) skin_.release(touch_);
+  touch_ = 0;
+}
+
 SimLink::SimLink(scene::Scene scene, const std::filesystem::path& state_folder)
-    : skin_(std::move(scene), state_folder) {
+    : InProcessLink(std::move(scene), state_folder) {
   skin_.on_frame([this](const wire::CanFrame& frame, std::uint64_t) { inbox_.push_back(frame); });
 }
 
@@ -24,20 +38,6 @@ std::optional<wire::CanFrame> SimLink::receive(std::uint64_t until_us) {
   const wire::CanFrame frame = inbox_.front();
   inbox_.pop_front();
   return frame;
-}
-
-std::uint64_t SimLink::answer_us() const {
-  return 2 * wire::kP2_us;
-}
-
-void SimLink::press(int module, int taxel) {
-  lift();
-  touch_ = skin_.press_module(module, taxel);
-}
-
-void SimLink::lift() {
-  if (touch_ != 0) skin_.release(touch_);
-  touch_ = 0;
 }
 
 }  // namespace triskin::device

@@ -17,12 +17,17 @@ namespace triskin::robot {
 /// A bus of the robot: a CAN bus, or USB devices that are read as one bus.
 struct BusEntry {
   std::string name;
-  std::string link = "sim";                       ///< as --link has it: can:IFACE, usb:SERIAL,…, sim:HOST:PORT, sim
+  std::string link = "sim";                       ///< as --link has it: can:IFACE, usb:SERIAL,…, sim:HOST:PORT, sim, sim-usb
   wire::BitRates rates = wire::kControllerRates;  ///< of a CAN bus, bit/s
   int first_node = layout::kFirstNode;            ///< range of its node addresses, 1 … 126
   int last_node = layout::kLastNode;
   double cable_mm = 0.0;  ///< from end to end; 0: not given
 };
+
+/// True for a link to USB devices: `usb`, `hid`, `sim-usb`. Else it is one CAN bus, or a simulated one.
+[[nodiscard]] inline bool is_usb(const std::string& link) {
+  return link.starts_with("usb") || link.starts_with("hid") || link == "sim-usb";
+}
 
 /// The controller of one patch.
 struct ControllerEntry {

@@ -27,7 +27,14 @@ struct LinkOptions {
 /// names its boards.
 void number_boards(scene::Scene& scene, std::optional<std::uint64_t> seed);
 
-/// Opens `sim`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last three, joined by
+/// True for the links that simulate in this process: `sim` (one CAN bus) and `sim-usb` (a USB hub).
+[[nodiscard]] bool is_in_process(const std::string& link);
+/// The simulation of `scene` behind such a link; `folder` keeps the flash of its controllers, empty: memory. Throws as
+/// scene::VirtualSkin does.
+[[nodiscard]] std::unique_ptr<Link> simulate_here(const std::string& link, scene::Scene scene,
+                                                  const std::filesystem::path& folder);
+
+/// Opens `sim`, `sim-usb`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last three, joined by
 /// commas. `design` is what `sim` simulates when there is no scene; null where a command has none; not kept. From now
 /// on Ctrl-C only sets interrupt_request(), unless the options leave signals to the caller. Throws InputError (unknown
 /// link, no design or scene for `sim`, a scene of another design), DeviceError (cannot connect).

@@ -3,12 +3,37 @@
 #include <deque>
 
 #include "triskin/link/link.hpp"
+#include "triskin/link/node_map.hpp"
 #include "triskin/scene/virtual_skin.hpp"
+#include "triskin/wire/usb_packet.hpp"
 
 namespace triskin::device {
 
-/// The simulation in this process. Waiting advances virtual time; nothing depends on the wall clock. Threads: one.
-class SimLink final : public Link, private Finger {
+/// What links to a simulation in this process have in common. Waiting advances virtual time; nothing depends on the
+/// wall clock. Threads: one.
+class InProcessLink : public Link, private Finger {
+ public:
+  [[nodiscard]] std::uint64_t now_us() const override { return skin_.now_us(); }
+  [[nodiscard]] bool fd() const override { return true; }
+  [[nodiscard]] std::uint64_t answer_us() const override;
+  [[nodiscard]] Finger* finger() override { return this; }
+  /// The simulated hardware, to change it while it runs.
+  [[nodiscard]] scene::VirtualSkin& skin() { return skin_; }
+
+ protected:
+  InProcessLink(scene::Scene scene, const std::filesystem::path& state_folder)
+      : skin_(std::move(scene), state_folder) {}
+  scene::VirtualSkin skin_;
+
+ private:
+  void press(int module, int taxel) override;
+  void lift() override;
+
+  int touch_ = 0;
+};
+
+/// All controllers on one CAN bus.
+class SimLink final : public InProcessLink {
  public:
   /// Powers the skin of the scene; `state_folder` keeps the flash of its controllers, empty: memory. Throws as
   /// scene::VirtualSkin does.
@@ -16,22 +41,44 @@ class SimLink final : public Link, private Finger {
 
   void send(const wire::CanFrame& frame) override;
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
-  [[nodiscard]] std::uint64_t now_us() const override { return skin_.now_us(); }
-  [[nodiscard]] bool fd() const override { return true; }
-  [[nodiscard]] std::uint64_t answer_us() const override;
   [[nodiscard]] std::string name() const override { return "sim"; }
-  [[nodiscard]] Finger* finger() override { return this; }
   [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override { return wire::full_sample_ns(skin_.bit_rates()); }
-  /// The simulated hardware, to change it while it runs.
-  [[nodiscard]] scene::VirtualSkin& skin() { return skin_; }
 
  private:
-  void press(int module, int taxel) override;
-  void lift() override;
-
-  scene::VirtualSkin skin_;
   std::deque<wire::CanFrame> inbox_;
-  int touch_ = 0;
+};
+
+/// Each controller a USB device with the vendor interface, all behind one full-speed hub; their CAN ports are open.
+/// The hub carries 19 bulk packets a millisecond (USB 2.0 §5.8.4), in both directions together, and asks the devices in
+/// turn, so that none starves another. Frames, device states and descriptors are those of wire::UsbFunction.
+class SimUsbLink final : public InProcessLink {
+ public:
+  /// As SimLink. Bit rates of the scene's bus have no effect.
+  explicit SimUsbLink(scene::Scene scene, const std::filesystem::path& state_folder = {});
+
+  /// To the device that has answered from the node address of a request, everything else to all. Throws DeviceError for
+  /// a frame longer than frame_bytes().
+  void send(const wire::CanFrame& frame) override;
+  std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
+  [[nodiscard]] std::uint8_t frame_bytes() const override { return wire::kUsbFrameBytes; }
+  [[nodiscard]] std::string name() const override { return "sim-usb"; }
+  [[nodiscard]] int wire_of(std::uint8_t node) const override { return nodes_.wire_of(node).value_or(0); }
+  [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override { return wire::kUsbBulkFrame_ns; }
+  /// Packets that went over the hub in both directions since construction.
+  [[nodiscard]] std::uint64_t packets() const { return packets_; }
+
+ private:
+  [[nodiscard]] bool ready(std::size_t device);
+  [[nodiscard]] bool fetch();
+  void occupy_hub();
+  void wait_for_hub();
+
+  std::deque<wire::CanFrame> inbox_;
+  NodeMap nodes_;
+  std::vector<int> sessions_;  // by device; changes when it plugs itself in anew
+  std::size_t next_ = 0;       // device that is asked first
+  std::uint64_t hub_free_ns_ = 0;
+  std::uint64_t packets_ = 0;
 };
 
 }  // namespace triskin::device

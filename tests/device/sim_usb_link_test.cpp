@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Controllers as USB devices behind one simulated hub, in virtual time.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "fixture.hpp"
+#include "triskin/session/stream.hpp"
+
+namespace triskin::device {
+namespace {
+
+std::unique_ptr<SimUsbLink> simulated_hub(int modules, int per_patch, std::vector<scene::Fault> faults = {}) {
+  scene::Scene scene;
+  scene.design = strip(modules, per_patch);
+  scene.faults = std::move(faults);
+  return std::make_unique<SimUsbLink>(std::move(scene));
+}
+
+TEST(SimUsbLink, flash_and_verify_need_no_can_bus) {
+  const auto link = simulated_hub(12, 4);
+  Bus bus(*link);
+  const FlashResult flashed = flash(bus, strip(12, 4));
+  EXPECT_EQ(flashed.patches.size(), 3U);
+  const VerifyResult r = verify(bus, strip(12, 4));
+  EXPECT_EQ(r.modules_ok, 12);
+  EXPECT_EQ(r.touched, 12);
+  EXPECT_TRUE(r.findings.empty());
+  // Each device has a wire of its own.
+  EXPECT_EQ((std::set{link->wire_of(1), link->wire_of(2), link->wire_of(3)}), (std::set{1, 2, 3}));
+  EXPECT_EQ(link->skin().bus_busy_us(), 0U);
+}
+
+TEST(SimUsbLink, finds_what_is_wrong_as_a_can_bus_does) {
+  const auto link = simulated_hub(8, 8, {fault(scene::FaultKind::kSwappedChips, 1, 6)});
+  Bus bus(*link);
+  flash(bus, strip(8, 8));
+  const VerifyResult r = verify(bus, strip(8, 8));
+  ASSERT_FALSE(r.findings.empty());
+  EXPECT_EQ(r.findings[0].kind, FindingKind::kSwappedModules);
+}
+
+// 16 requests to a device that is known take 16 / 19 ms of the hub; the same to nobody go to all three devices.
+TEST(SimUsbLink, the_hub_carries_19_packets_a_millisecond) {
+  const auto link = simulated_hub(6, 2);
+  Bus bus(*link);
+  flash(bus, strip(6, 2));
+  bus.listen(bus.now_us() + 100'000);
+  wire::CanFrame request;
+  request.extended = true;
+  request.size = 1;
+  for (const auto& [node, devices] : {std::pair{2, 1U}, std::pair{99, 3U}}) {
+    request.id = wire::physical_id(static_cast<std::uint8_t>(node), wire::kTesterAddress);
+    const std::uint64_t packets = link->packets(), from_us = link->now_us();
+    for (int k = 0; k < 16; ++k) link->send(request);
+    EXPECT_EQ(link->packets() - packets, 16 * devices);
+    EXPECT_NEAR(static_cast<double>(link->now_us() - from_us), (16.0 * devices - 1) * 1000 / 19, 60.0);
+  }
+}
+
+TEST(SimUsbLink, a_frame_longer_than_a_packet_is_refused) {
+  const auto link = simulated_hub(2, 2);
+  wire::CanFrame f;
+  f.fd = true;
+  f.size = 64;
+  EXPECT_THROW(link->send(f), DeviceError);
+}
+
+StreamReport streamed(SimUsbLink& link, const design::Design& design, double seconds) {
+  Bus bus(link);
+  flash(bus, design);
+  bus.listen(bus.now_us() + 2'000'000);  // the offsets are found
+  StreamOptions options;
+  options.overload = true;
+  Stream stream(bus, design, [](const ModuleFrame&) {}, options);
+  stream.run_until(bus.now_us() + static_cast<std::uint64_t>(seconds * 1e6));
+  stream.finish();
+  return stream.report();
+}
+
+// 16 modules give 434 samples a second; the hub carries 19,000 packets.
+TEST(SimUsbLink, every_sample_of_twenty_controllers_arrives) {
+  const auto link = simulated_hub(320, 16);
+  const StreamReport r = streamed(*link, strip(320, 16), 3.0);
+  EXPECT_TRUE(r.complete()) << sentences(r).at(0);
+  EXPECT_NEAR(static_cast<double>(r.total.expected), 320 * 3.0 / 0.0369, 0.02 * 320 * 3.0 / 0.0369);
+}
+
+// 48 controllers are 10 % too much for one hub: what is missing is counted, and none is starved for another.
+TEST(SimUsbLink, what_a_full_hub_cannot_carry_is_counted_and_shared) {
+  const auto link = simulated_hub(48 * 16, 16);
+  const StreamReport r = streamed(*link, strip(48 * 16, 16), 3.0);
+  EXPECT_FALSE(r.complete());
+  std::uint64_t least = UINT64_MAX, most = 0;
+  std::map<int, std::uint64_t> received;
+  for (const ModuleCounts& m : r.modules) {
+    EXPECT_EQ(m.counts.expected, m.counts.received + m.counts.unread + m.counts.dropped) << m.module;
+    received[m.module / 16] += m.counts.received;
+  }
+  for (const auto& [patch, count] : received) {
+    least = std::min(least, count);
+    most = std::max(most, count);
+  }
+  EXPECT_EQ(received.size(), 48U);
+  EXPECT_GT(r.total.dropped, 0U);
+  EXPECT_LE(r.total.received, 3 * 19'000U + 48U * 32U);  // and what waits in the controllers
+  EXPECT_GE(static_cast<double>(least), 0.95 * static_cast<double>(most)) << least << " … " << most;
+}
+
+}  // namespace
+}  // namespace triskin::device
