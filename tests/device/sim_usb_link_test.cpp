@@ -17,12 +17,18 @@ std::unique_ptr<SimUsbLink> simulated_hub(int modules, int per_patch, std::vecto
   return std::make_unique<SimUsbLink>(std::move(scene));
 }
 
+VerifyResult verified(Bus& bus, const design::Design& design) {
+  VerifyOptions options;
+  options.touch = true;
+  return verify(bus, design, options);
+}
+
 TEST(SimUsbLink, flash_and_verify_need_no_can_bus) {
   const auto link = simulated_hub(12, 4);
   Bus bus(*link);
   const FlashResult flashed = flash(bus, strip(12, 4));
   EXPECT_EQ(flashed.patches.size(), 3U);
-  const VerifyResult r = verify(bus, strip(12, 4));
+  const VerifyResult r = verified(bus, strip(12, 4));
   EXPECT_EQ(r.modules_ok, 12);
   EXPECT_EQ(r.touched, 12);
   EXPECT_TRUE(r.findings.empty());
@@ -35,7 +41,7 @@ TEST(SimUsbLink, finds_what_is_wrong_as_a_can_bus_does) {
   const auto link = simulated_hub(8, 8, {fault(scene::FaultKind::kSwappedChips, 1, 6)});
   Bus bus(*link);
   flash(bus, strip(8, 8));
-  const VerifyResult r = verify(bus, strip(8, 8));
+  const VerifyResult r = verified(bus, strip(8, 8));
   ASSERT_FALSE(r.findings.empty());
   EXPECT_EQ(r.findings[0].kind, FindingKind::kSwappedModules);
 }
@@ -54,7 +60,10 @@ TEST(SimUsbLink, the_hub_carries_19_packets_a_millisecond) {
     const std::uint64_t packets = link->packets(), from_us = link->now_us();
     for (int k = 0; k < 16; ++k) link->send(request);
     EXPECT_EQ(link->packets() - packets, 16 * devices);
-    EXPECT_NEAR(static_cast<double>(link->now_us() - from_us), (16.0 * devices - 1) * 1000 / 19, 60.0);
+    // The last one is under way. The first waits for one at most, and each begins at a whole microsecond.
+    const double took_us = static_cast<double>(link->now_us() - from_us);
+    EXPECT_GE(took_us, (16.0 * devices - 1) * 1000 / 19);
+    EXPECT_LE(took_us, 16.0 * devices * (1000.0 / 19 + 1));
   }
 }
 
@@ -86,25 +95,28 @@ TEST(SimUsbLink, every_sample_of_twenty_controllers_arrives) {
   EXPECT_NEAR(static_cast<double>(r.total.expected), 320 * 3.0 / 0.0369, 0.02 * 320 * 3.0 / 0.0369);
 }
 
-// 48 controllers are 10 % too much for one hub: what is missing is counted, and none is starved for another.
+// 48 controllers are 10 % too much for one hub: what is missing is counted, and none is starved for another. Leases
+// begin one after the other, each after what waits on the full hub.
 TEST(SimUsbLink, what_a_full_hub_cannot_carry_is_counted_and_shared) {
   const auto link = simulated_hub(48 * 16, 16);
   const StreamReport r = streamed(*link, strip(48 * 16, 16), 3.0);
   EXPECT_FALSE(r.complete());
-  std::uint64_t least = UINT64_MAX, most = 0;
-  std::map<int, std::uint64_t> received;
+  std::map<int, SampleCounts> patches;
   for (const ModuleCounts& m : r.modules) {
-    EXPECT_EQ(m.counts.expected, m.counts.received + m.counts.unread + m.counts.dropped) << m.module;
-    received[m.module / 16] += m.counts.received;
+    EXPECT_EQ(m.counts.expected, m.counts.received + m.counts.lost()) << m.module;
+    patches[m.module / 16] += m.counts;
   }
-  for (const auto& [patch, count] : received) {
-    least = std::min(least, count);
-    most = std::max(most, count);
+  EXPECT_EQ(patches.size(), 48U);
+  EXPECT_LE(r.total.received, link->packets());
+  EXPECT_GT(r.total.dropped, r.total.lost() / 2);
+  double least = 1.0, most = 0.0;
+  for (const auto& [patch, counts] : patches) {
+    const double share = static_cast<double>(counts.received) / static_cast<double>(counts.expected);
+    least = std::min(least, share);
+    most = std::max(most, share);
   }
-  EXPECT_EQ(received.size(), 48U);
-  EXPECT_GT(r.total.dropped, 0U);
-  EXPECT_LE(r.total.received, 3 * 19'000U + 48U * 32U);  // and what waits in the controllers
-  EXPECT_GE(static_cast<double>(least), 0.95 * static_cast<double>(most)) << least << " … " << most;
+  EXPECT_GE(least, 0.9 * most) << least << " … " << most;
+  EXPECT_NEAR(most, 19'000.0 * 0.0369 / (48 * 16), 0.05);  // packets over samples that are due
 }
 
 }  // namespace

@@ -144,6 +144,15 @@ TEST_F(RobotCommands, register_writes_a_pose_and_leaves_the_file_alone_for_a_bad
   EXPECT_EQ(read_file(folder_ / "robot.json"), before);
 }
 
+// More than half of a bus's addresses: fresh boards, which got free ones to be asked, sit on those of other covers.
+TEST_F(RobotCommands, fresh_controllers_fill_a_bus) {
+  make_robot(5, 1, 20, 1);
+  const json flashed = asked("flash robot.json");
+  EXPECT_EQ(flashed["controllers"], 20 + 21 + 22 + 23 + 24);
+  EXPECT_EQ(asked("flash robot.json")["bytes"], 0);
+  EXPECT_EQ(asked("verify robot.json --watch-s 0.2")["modules_ok"], 110);
+}
+
 TEST_F(RobotCommands, TwelveCovers_96_controllers_6_buses_2_hubs) {
   make_robot(12, 8, 30, 4, 2);  // 30 … 41 modules, 8 … 11 controllers a cover
   const json shown = asked("robot show robot.json");

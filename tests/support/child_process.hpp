@@ -12,8 +12,8 @@ namespace triskin::test {
 /// A program that runs beside the test. Reading waits for it.
 class Child {
  public:
-  /// `line`: a program and its arguments, as the shell reads them. The kernel ends it when the test dies, which CTest would
-  /// else wait for: the program holds the test's output open.
+  /// `line`: a program and its arguments, as the shell reads them. The kernel ends it when the test dies, which CTest
+  /// would else wait for: the program holds the test's output open.
   explicit Child(const std::string& line)
       : pipe_(::popen(("echo $$; exec setpriv --pdeathsig KILL -- " + line).c_str(), "r")) {
     pid_ = static_cast<pid_t>(std::strtol(read_line().c_str(), nullptr, 10));

@@ -36,7 +36,8 @@ device::LinkOptions link_options(const triskin_options& options) {
 bool has_virtual_time(const Source& source) {
   std::size_t here = 0;
   const bool by_file = source.site.is_robot && !source.link.chosen;
-  for (const robot::BusSite& bus : source.site.buses) here += device::is_in_process(by_file ? bus.link : source.link.link) ? 1 : 0;
+  for (const robot::BusSite& bus : source.site.buses)
+    here += device::is_in_process(by_file ? bus.link : source.link.link) ? 1 : 0;
   if (here != 0 && here != source.site.buses.size())
     throw InputError(fmt::format(
         "{}: some buses are simulated in this process and some are not; open it with the link sim, or serve "

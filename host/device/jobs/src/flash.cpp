@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -21,26 +23,33 @@
 namespace triskin::device {
 namespace {
 
-// Node addresses that nobody has and nobody is to have, lowest first.
+// Node addresses that nobody has and that no patch of this design is to have, lowest first. Those that the robot file
+// gives to controllers of other covers come last: who sits there makes way when their cover is flashed.
 class FreeAddresses {
  public:
   FreeAddresses(const Bus& bus, const design::Design& design, const FlashOptions& options) : name_(bus.name()) {
     for (const int patch : design::patches_here(design)) used_.insert(design::node_address_of(design, patch));
-    for (const FlashOptions::Neighbour& n : options.neighbours) used_.insert(n.node);
+    for (const FlashOptions::Neighbour& n : options.neighbours) promised_.insert(n.node);
   }
   void take(int address) { used_.insert(address); }
   int next() {
-    int address = layout::kFirstNode;
-    while (used_.contains(address)) ++address;
-    if (address > layout::kLastNode)
+    auto address = lowest([this](int a) { return !used_.contains(a) && !promised_.contains(a); });
+    if (!address) address = lowest([this](int a) { return !used_.contains(a); });
+    if (!address)
       throw DeviceError(fmt::format("{}: no free node address is left; take controllers off the bus", name_));
-    used_.insert(address);
-    return address;
+    used_.insert(*address);
+    return *address;
   }
 
  private:
+  static std::optional<int> lowest(const std::function<bool(int)>& free) {
+    for (int address = layout::kFirstNode; address <= layout::kLastNode; ++address)
+      if (free(address)) return address;
+    return std::nullopt;
+  }
+
   std::string name_;
-  std::set<int> used_;
+  std::set<int> used_, promised_;
 };
 
 // Fresh boards have the first address, and so may have one that holds a table: neither could be asked. The fresh ones

@@ -17,7 +17,7 @@ namespace triskin::robot {
 /// A bus of the robot: a CAN bus, or USB devices that are read as one bus.
 struct BusEntry {
   std::string name;
-  std::string link = "sim";                       ///< as --link has it: can:IFACE, usb:SERIAL,…, sim:HOST:PORT, sim, sim-usb
+  std::string link = "sim";  ///< as --link has it: can:IFACE, usb:SERIAL,…, sim:HOST:PORT, sim, sim-usb
   wire::BitRates rates = wire::kControllerRates;  ///< of a CAN bus, bit/s
   int first_node = layout::kFirstNode;            ///< range of its node addresses, 1 … 126
   int last_node = layout::kLastNode;

@@ -10,9 +10,10 @@
 namespace triskin::device {
 
 /// Opens the link of bus `bus` (0-based) of a site. Of a design file: as open_link does. Of a robot file: the link that
-/// the file names, or what `options.link` says where it is `chosen`: `sim` simulates each bus in this process, as CAN or as USB hub as the file has it,
-/// `sim:HOST:PORT` is bus 0 of `triskin simulate ROBOT --listen HOST:PORT`, whose further buses have the ports behind.
-/// Throws as open_link does, and InputError for another chosen link of a robot with several buses, or a scene.
+/// the file names, or what `options.link` says where it is `chosen`: `sim` simulates each bus in this process, as CAN
+/// or as USB hub as the file has it, `sim:HOST:PORT` is bus 0 of `triskin simulate ROBOT --listen HOST:PORT`, whose
+/// further buses have the ports behind. Throws as open_link does, and InputError for another chosen link of a robot
+/// with several buses, or a scene.
 [[nodiscard]] std::unique_ptr<Link> open_bus(const robot::Site& site, std::size_t bus, const LinkOptions& options);
 
 /// open_bus for each bus of the site, in its order. Throws as it does.

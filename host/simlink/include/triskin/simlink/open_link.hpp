@@ -34,10 +34,10 @@ void number_boards(scene::Scene& scene, std::optional<std::uint64_t> seed);
 [[nodiscard]] std::unique_ptr<Link> simulate_here(const std::string& link, scene::Scene scene,
                                                   const std::filesystem::path& folder);
 
-/// Opens `sim`, `sim-usb`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last three, joined by
-/// commas. `design` is what `sim` simulates when there is no scene; null where a command has none; not kept. From now
-/// on Ctrl-C only sets interrupt_request(), unless the options leave signals to the caller. Throws InputError (unknown
-/// link, no design or scene for `sim`, a scene of another design), DeviceError (cannot connect).
+/// Opens `sim`, `sim-usb`, `sim:HOST:PORT`, `can:IFACE`, `hid[:SERIAL]` or `usb[:SERIAL]`, or several of the last
+/// three, joined by commas. `design` is what `sim` simulates when there is no scene; null where a command has none; not
+/// kept. From now on Ctrl-C only sets interrupt_request(), unless the options leave signals to the caller. Throws
+/// InputError (unknown link, no design or scene for `sim`, a scene of another design), DeviceError (cannot connect).
 [[nodiscard]] std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design* design);
 
 }  // namespace triskin::device
