@@ -48,6 +48,35 @@ class Reader {
   int every_ = 1;
 };
 
+// 54 samples a second for one reader; another, who wants 108, would change what the first one reads.
+TEST(Leases, decimation_is_chosen_by_the_first_reader) {
+  SharedSkin hub(strip_scene(6, 3));
+  hub.flash();
+  SharedSkin::Client link(hub), other_link(hub);
+  Bus bus(link), other_bus(other_link);
+  StreamOptions options;
+  options.decimation = wire::Decimation::k128;
+  Stream first(bus, hub.design(), [](const ModuleFrame&) {}, options);
+  first.run_until(bus.now_us() + 2'000'000);
+  options.decimation = wire::Decimation::k64;
+  try {
+    const Stream second(other_bus, hub.design(), [](const ModuleFrame&) {}, options);
+    ADD_FAILURE() << "changed under the first reader";
+  } catch (const DeviceError& e) {
+    EXPECT_NE(std::string(e.what()).find("patch 0 at decimation 128; end them first"), std::string::npos) << e.what();
+  }
+  options.decimation = wire::Decimation::k128;
+  {
+    const Stream third(other_bus, hub.design(), [](const ModuleFrame&) {}, options);
+  }
+  first.finish();
+  const StreamReport r = first.report();
+  EXPECT_TRUE(r.complete()) << sentences(r).at(0);
+  EXPECT_NEAR(static_cast<double>(r.total.expected), 6 * 2.0 / 0.0184, 0.05 * 6 * 2.0 / 0.0184);
+  options.decimation = wire::Decimation::k256;  // nobody reads now
+  EXPECT_NO_THROW(Stream(other_bus, hub.design(), [](const ModuleFrame&) {}, options));
+}
+
 // What was wrong: the reader that ended first switched the streams off; the other had half its data, "0 lost".
 TEST(Leases, the_end_of_one_reader_leaves_the_other_its_stream) {
   SharedSkin hub(strip_scene(6, 3));

@@ -241,17 +241,19 @@ const frameTimes = (page, frames) => page.evaluate((n) => new Promise((resolve) 
   requestAnimationFrame(step);
 }), frames);
 
-// Covers on two buses and more, all in one page. ROBOT=COVERSxMODULES measures another size.
+// Covers on two buses and more, all in one page. ROBOT=COVERSxMODULES measures another size, BUSES=NUMBERxLINK on other
+// buses (8xsim-usb), DECIMATION=128 at twice the rate.
 async function robot() {
   const [covers, modules] = (process.env.ROBOT ?? "4x32").split("x").map(Number), file = path.join(folder, "robot.json");
   const run = (...words) => execFileSync(triskin, words, {env: environment, stdio: "ignore"});
   execFileSync(writeStrip, [design, String(modules)]);
-  const buses = Math.max(2, Math.ceil(covers / 4));
-  run("robot", "new", file, "--name", "demo", ...Array.from({length: buses}, (_, b) => ["--bus", `bus_${b}=sim`]).flat());
+  const [number, link] = (process.env.BUSES ?? `${Math.max(2, Math.ceil(covers / 4))}xsim`).split("x"), buses = Number(number);
+  run("robot", "new", file, "--name", "demo", ...Array.from({length: buses}, (_, b) => ["--bus", `bus_${b}=${link}`]).flat());
   for (let c = 0; c < covers; ++c)
     run("robot", "add", file, design, "--name", `cover_${c}`, "--bus", `bus_${c % buses}`, "--xyz-mm", `0,${60 * c},${20 * c}`);
   run("flash", file);
-  const server = spawn(triskin, ["view", file, "--no-open", "--port", "0"], {env: environment});
+  const rate = process.env.DECIMATION ? ["--decimation", process.env.DECIMATION] : [];
+  const server = spawn(triskin, ["view", file, "--no-open", "--port", "0", ...rate], {env: environment});
   let printed = "";
   server.stdout.on("data", (text) => { printed += text; });
   while (!printed.includes("\n")) await new Promise((resolve) => setTimeout(resolve, 20));

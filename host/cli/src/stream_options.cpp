@@ -34,7 +34,20 @@ nlohmann::json clocks_of(const device::StreamReport& r) {
 
 }  // namespace
 
+void add_decimation_option(CLI::App& app, device::StreamOptions& options) {
+  app.add_option_function<int>(
+         "--decimation",
+         [&options](const int& readings) {
+           for (const auto d : {wire::Decimation::k256, wire::Decimation::k128, wire::Decimation::k64})
+             if (wire::readings_added(d) == readings) options.decimation = d;
+         },
+         "readings that a converter adds up for a sample: 256, 128 or 64 for 27, 54 or 108 samples a second, with more "
+         "noise; the controllers keep it until they lose power; default: as they are set")
+      ->check(CLI::IsMember({256, 128, 64}));
+}
+
 void add_stream_options(CLI::App& app, device::StreamOptions& options) {
+  add_decimation_option(app, options);
   app.add_option("--every", options.every,
                  "each n-th sample; 0: the smallest n that fits the bus. What does not fit is refused")
       ->check(CLI::Range(0, 255))

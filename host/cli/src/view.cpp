@@ -11,6 +11,7 @@
 #include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/cli/recorded_track.hpp"
+#include "triskin/cli/stream_options.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/robot/site.hpp"
@@ -23,6 +24,7 @@ namespace {
 struct Options {
   std::string design;
   device::LinkOptions link;
+  device::StreamOptions stream;
   std::uint16_t port = 0;
   bool no_open = false;
 };
@@ -97,7 +99,7 @@ int run(const Options& options, Output& output) {
   if (!options.no_open) open_browser(address);
   FeedTotals totals;
   if (site) {
-    totals = feed(options.link, *site, shown.offsets, live, commands);
+    totals = feed(options.link, options.stream, *site, shown.offsets, live, commands);
   } else {
     wait_for_interrupt();
   }
@@ -118,6 +120,7 @@ const Registration kView{{
       add_link_options(app, options->link);
       app.get_option("--link")->description(app.get_option("--link")->get_description() +
                                             "; none: the design without live samples");
+      add_decimation_option(app, options->stream);
       app.add_option("--port", options->port, "of the page on 127.0.0.1; 0 takes a free one")->capture_default_str();
       app.add_flag("--no-open", options->no_open, "do not start a browser");
       return [options](Output& output) { return run(*options, output); };

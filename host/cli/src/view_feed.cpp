@@ -79,9 +79,16 @@ class Health {
 // One bus; runs in a thread of its own where there are several.
 class Feed {
  public:
-  Feed(const device::LinkOptions& options, const robot::Site& site, std::size_t bus,
-       const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, Health& health, CommandQueue& commands)
-      : options_(options), site_(site), bus_(bus), live_(live), health_(health), commands_(commands) {
+  Feed(const device::LinkOptions& options, const device::StreamOptions& stream, const robot::Site& site,
+       std::size_t bus, const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, Health& health,
+       CommandQueue& commands)
+      : options_(options),
+        stream_options_(stream),
+        site_(site),
+        bus_(bus),
+        live_(live),
+        health_(health),
+        commands_(commands) {
     for (const robot::CoverOnBus& cover : site.buses[bus].covers) {
       if (!cover.chosen) continue;
       covers_.push_back(&cover);
@@ -95,7 +102,7 @@ class Feed {
     const auto link = device::open_bus(site_, bus_, options_);
     device::Bus bus(*link);
     Pace pace(bus.now_us());
-    const auto stream_options = robot::stream_options(site_.buses[bus_], designs_, {});
+    const auto stream_options = robot::stream_options(site_.buses[bus_], designs_, stream_options_);
     device::Stream stream(
         bus, designs_,
         [&](const device::ModuleFrame& f) {
@@ -140,6 +147,7 @@ class Feed {
   }
 
   const device::LinkOptions& options_;
+  const device::StreamOptions& stream_options_;
   const robot::Site& site_;
   std::size_t bus_;
   std::vector<const robot::CoverOnBus*> covers_;
@@ -175,7 +183,7 @@ std::optional<view::Command> CommandQueue::pop(int reader) {
   return command;
 }
 
-FeedTotals feed(const device::LinkOptions& options, const robot::Site& site,
+FeedTotals feed(const device::LinkOptions& options, const device::StreamOptions& stream, const robot::Site& site,
                 const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, CommandQueue& commands) {
   std::vector<std::string> names;
   for (const robot::BusSite& bus : site.buses) names.push_back(bus.name);
@@ -183,7 +191,7 @@ FeedTotals feed(const device::LinkOptions& options, const robot::Site& site,
   Health health(by_file ? site.name : options.link, names.size(), live);
   std::vector<FeedTotals> totals(names.size());
   robot::on_each_bus(names, [&](std::size_t b) {
-    Feed feed(options, site, b, offsets, live, health, commands);
+    Feed feed(options, stream, site, b, offsets, live, health, commands);
     feed.state(false, "waiting for the first sample");
     while (!interrupt_request()) {
       try {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "triskin/robot/site.hpp"
+#include "triskin/session/stream.hpp"
 #include "triskin/simlink/open_bus.hpp"
 #include "triskin/view/live_skin.hpp"
 #include "triskin/view/server.hpp"
@@ -37,7 +38,7 @@ struct FeedTotals {
 /// `offsets`: by cover of the robot file, ids of its modules on the page. A link that fails is stated on the page and
 /// opened again every second. Virtual time is held to the clock on the wall. Throws InputError when a link cannot be
 /// used at all.
-FeedTotals feed(const device::LinkOptions& options, const robot::Site& site,
+FeedTotals feed(const device::LinkOptions& options, const device::StreamOptions& stream, const robot::Site& site,
                 const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, CommandQueue& commands);
 
 }  // namespace triskin::cli

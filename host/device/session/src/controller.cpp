@@ -279,6 +279,15 @@ wire::StreamAccount Controller::stream_account() {
   }
 }
 
+void Controller::set_sampling(const wire::SamplingSetting& setting) {
+  unlock(wire::Session::kExtended);
+  std::array<std::uint8_t, 3 + wire::SamplingSetting::kMostBytes> request{
+      wire::service::kWrite, high(wire::SamplingSetting::kId), low(wire::SamplingSetting::kId)};
+  ByteWriter out(std::span<std::uint8_t>(request).subspan(3));
+  setting.encode(out);
+  (void)bus_.request(node_, request, Repeat::kSafe);
+}
+
 void Controller::set_stream(wire::StreamMode mode) {
   unlock(wire::Session::kExtended);
   const auto id = wire::did::kStream;

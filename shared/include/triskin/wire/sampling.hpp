@@ -38,6 +38,11 @@ enum class TaxelOutput : std::uint8_t {
 [[nodiscard]] constexpr Result<StreamMode> to_stream_mode(std::uint8_t number) {
   return checked_enum(number, StreamMode::kFull);
 }
+/// How many readings the converter adds up for one result: 256, 128 or 64.
+[[nodiscard]] constexpr int readings_added(Decimation d) {
+  return 256 >> static_cast<int>(d);
+}
+
 /// Decimation of a number from the wire. Errors: kOutOfRange.
 [[nodiscard]] constexpr Result<Decimation> to_decimation(std::uint8_t number) {
   return checked_enum(number, Decimation::k64);

@@ -5,7 +5,10 @@
 
 namespace triskin::cli {
 
-/// Adds --every and --overload, as all commands that read the full stream have them.
+/// Adds --decimation: for commands that choose every n-th sample by themselves.
+void add_decimation_option(CLI::App& app, device::StreamOptions& options);
+
+/// Adds --decimation, --every and --overload, as all commands that read the full stream have them.
 void add_stream_options(CLI::App& app, device::StreamOptions& options);
 
 /// `options` with messages of the stream to standard error.

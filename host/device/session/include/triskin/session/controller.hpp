@@ -74,6 +74,9 @@ class Controller {
   wire::LiveTaxels taxels();
   /// How the controller samples.
   wire::SamplingSetting sampling();
+  /// Lets it sample so until it is set anew or loses power. Sampling begins anew when the decimation or every n-th
+  /// sequence changes, for all readers.
+  void set_sampling(const wire::SamplingSetting& setting);
   /// What became of each module's samples, and who reads them over this link. Throws DeviceError naming the remedy when
   /// the firmware is too old to say so.
   wire::StreamAccount stream_account();

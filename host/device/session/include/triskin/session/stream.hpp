@@ -16,9 +16,12 @@
 #include "triskin/session/clock_filter.hpp"
 #include "triskin/session/sample_account.hpp"
 #include "triskin/session/stream_report.hpp"
+#include "triskin/wire/sampling.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
 namespace triskin::device {
+
+class Controller;
 
 /// A sample of one module as it came over the wire, with the module that it belongs to in the design.
 struct ModuleFrame {
@@ -30,6 +33,9 @@ struct ModuleFrame {
 };
 
 struct StreamOptions {
+  /// How many readings a converter adds up: 36.9, 18.4 or 9.2 ms a sample. Empty: as the controllers are set. They keep
+  /// it until they are set anew or lose power.
+  std::optional<wire::Decimation> decimation;
   int every = 0;  ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
   /// Controllers of other designs on the same bus. A lease is for all that hear it, so they stream too and count in the
   /// budget; their samples are ignored. Interval 0: that of the default sampling.
@@ -50,7 +56,8 @@ class Stream {
 
   /// Takes a lease from every controller of the design. `bus` outlives the stream; `handler` is called inside the
   /// waiting calls of the bus, with samples of the lease only. Throws DeviceError when a controller is missing, holds
-  /// another table, has a firmware that keeps no account, or serves as many readers as it can; InputError when the link
+  /// another table, has a firmware that keeps no account, serves as many readers as it can, or is to sample at another
+  /// decimation while others read it; InputError when the link
   /// cannot carry the full stream (no FD frames) or what `options` asks for does not fit the bus.
   Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOptions options = {});
   /// The same for several designs (docs/robot_file.md), one rate and one budget for all of them: `covers` need not
@@ -97,7 +104,8 @@ class Stream {
     bool begun = false;
     std::deque<std::pair<wire::FullTaxels, std::uint64_t>> early;  // before the account has begun, and when they came
   };
-  void find_controllers(const design::Design& design, int cover);
+  void find_controllers(const design::Design& design, int cover, std::optional<wire::Decimation> decimation);
+  wire::SamplingSetting set_decimation(Controller& controller, const Node& node, wire::Decimation decimation);
   [[nodiscard]] StreamReport report_of(int cover) const;
   [[nodiscard]] std::string name_of(const Node& node) const;
   void choose_rate(const StreamOptions& options);
