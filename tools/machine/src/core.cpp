@@ -435,27 +435,41 @@ void Machine::Core::book(Trouble trouble) {
 
 // When nothing is under way it waits for the next transfer or frame.
 void Machine::Core::make(Trouble trouble) {
-  if (disturb(trouble)) return book(trouble);
+  if (disturb_any(trouble)) return book(trouble);
   time_.after(17 * kMicrosecond, [this, trouble] { make(trouble); });
 }
 
 // On whichever line is busy.
-bool Machine::Core::disturb(Trouble trouble) {
-  if (trouble == Trouble::kCanError) {
-    const bool spoilt = can_.spoil_frame();
-    counts_.can_errors += spoilt ? 1 : 0;
-    counts_.bus_offs = can_.bus_offs();
-    return spoilt;
-  }
+bool Machine::Core::disturb_any(Trouble trouble) {
+  if (trouble == Trouble::kCanError) return spoil_frame();
   const std::size_t first = random_() % i2c_.size();
+  const Time stretch = (60 + random_() % 340) * kMicrosecond;
   for (std::size_t k = 0; k < i2c_.size(); ++k) {
-    I2cController& line = *i2c_[(first + k) % i2c_.size()];
-    if (trouble == Trouble::kBusError && line.spurious_bus_error()) return ++counts_.spurious_bus_errors > 0;
-    if (trouble == Trouble::kArbitrationLoss && line.lose_arbitration()) return ++counts_.arbitration_losses > 0;
-    const Time stretch = (60 + random_() % 340) * kMicrosecond;
-    if (trouble == Trouble::kStretch && line.stretch(stretch)) return ++counts_.clock_stretches > 0;
+    if (disturb((first + k) % i2c_.size(), trouble, stretch)) return true;
   }
   return false;
+}
+
+bool Machine::Core::disturb(std::size_t line, Trouble trouble, Time stretch) {
+  I2cController& i2c = *i2c_.at(line);
+  const bool done = trouble == Trouble::kBusError          ? i2c.spurious_bus_error()
+                    : trouble == Trouble::kArbitrationLoss ? i2c.lose_arbitration()
+                                                           : i2c.stretch(stretch);
+  if (!done) return false;
+  ++(trouble == Trouble::kBusError          ? counts_.spurious_bus_errors
+     : trouble == Trouble::kArbitrationLoss ? counts_.arbitration_losses
+                                            : counts_.clock_stretches);
+  incidents_.push_back({time_.now_us(), trouble, line});
+  return true;
+}
+
+bool Machine::Core::spoil_frame() {
+  const bool spoilt = can_.spoil_frame();
+  counts_.bus_offs = can_.bus_offs();
+  if (!spoilt) return false;
+  ++counts_.can_errors;
+  incidents_.push_back({time_.now_us(), Trouble::kCanError, 0});
+  return true;
 }
 
 // The core waits for an instruction from the bank that is being written (RM0440 §3.3.5): nothing else happens in it, no
