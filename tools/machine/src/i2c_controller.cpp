@@ -96,8 +96,14 @@ bool I2cController::spurious_bus_error() {
   return true;
 }
 
+// Arbitration is lost while SCL is high. A master that waits for its program keeps SCL low: before a repeated start, or
+// for a byte to send, or until one is taken.
+bool I2cController::holds_scl() const {
+  return (isr_ & kTc) != 0 || stretched_ || (!shifting_ && (isr_ & kTxIs) != 0);
+}
+
 bool I2cController::lose_arbitration() {
-  if (!on_bus_ || (cr1_ & 1) == 0) return false;
+  if (!on_bus_ || (cr1_ & 1) == 0 || holds_scl()) return false;
   ++generation_;  // nothing that was under way ends
   cr2_ &= ~kStartBit;
   tx_waits_ = shifting_ = stretched_ = on_bus_ = false;

@@ -34,7 +34,8 @@ class I2cController final : public Peripheral {
   /// the last one still stands.
   bool spurious_bus_error();
   /// The controller takes a disturbance for another master: it lets go in the middle of a transfer, and the chips are
-  /// left where they are. The bus counts as busy until a stop. False: no transfer is under way.
+  /// left where they are. The bus counts as busy until a stop. False: no transfer is under way, or the controller holds
+  /// SCL low itself.
   bool lose_arbitration();
   /// A chip holds SCL low for so long after the next byte. False: no transfer is under way.
   bool stretch(Time by);
@@ -55,6 +56,7 @@ class I2cController final : public Peripheral {
   void finish_phase();
   void send_stop();
   void hang();
+  [[nodiscard]] bool holds_scl() const;
   [[nodiscard]] bool lines_free() const { return bus_.scl() && bus_.sda(); }
   void update_irqs();
   void serve_dma();
