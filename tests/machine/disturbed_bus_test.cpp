@@ -91,7 +91,7 @@ class DisturbedAtRandom : public Disturbed, public ::testing::WithParamInterface
 
 TEST_P(DisturbedAtRandom, CostsSingleSequencesOnly) {
   constexpr double kPerHour = 18'000;  // five a second of each kind
-  disturbances = {kPerHour, kPerHour, kPerHour, kPerHour, static_cast<std::uint64_t>(GetParam())};
+  disturbances = {kPerHour, kPerHour, kPerHour, kPerHour, kPerHour, static_cast<std::uint64_t>(GetParam())};
   spread_clocks(0.05);
   start(16, {Decimation::k64, 1});
   run_for(500'000);
@@ -106,6 +106,7 @@ TEST_P(DisturbedAtRandom, CostsSingleSequencesOnly) {
   EXPECT_GE(counts.arbitration_losses, 8U);
   EXPECT_GE(counts.clock_stretches, 8U);
   EXPECT_GE(counts.can_errors, 8U);
+  EXPECT_GE(counts.no_acknowledges, 8U);
   expect_no_fault();
   std::printf(
       "%llu lost arbitrations, %llu stretches, %llu CAN errors: the slowest module gives %.1f %% of its samples\n",
@@ -126,6 +127,21 @@ TEST_F(Disturbed, TransferThatIsLostTwiceIsNoFault) {
     while (!machine->disturb(line, Trouble::kArbitrationLoss)) run_for(kStep_us);
     run_for(50'000);
   }
+  EXPECT_GE(expect_single_sequences_missing(), 0.9);
+  expect_no_fault();
+  expect_no_violation();
+}
+
+// An acknowledge that is spoilt on the wire looks like a chip that is not there: one was enough for the fault "absent".
+TEST_F(Disturbed, SpoiltAcknowledgeIsNoAbsentChip) {
+  start_undisturbed();
+  for (std::size_t line = 0; line < layout::kLines; ++line) {
+    for (int k = 0; k < 3; ++k) {
+      while (!machine->disturb(line, Trouble::kNoAcknowledge)) run_for(kStep_us);
+    }
+    run_for(50'000);
+  }
+  EXPECT_EQ(machine->counts().no_acknowledges, 12U);
   EXPECT_GE(expect_single_sequences_missing(), 0.9);
   expect_no_fault();
   expect_no_violation();

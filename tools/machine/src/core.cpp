@@ -261,7 +261,8 @@ void Machine::Core::reset_core() {
   gpio_.set_boot_pin(setup_.boot_pin_high);
   cell_writes_.clear();
   exception_entry_.clear();
-  for (const Trouble t : {Trouble::kBusError, Trouble::kArbitrationLoss, Trouble::kStretch, Trouble::kCanError})
+  for (const Trouble t :
+       {Trouble::kBusError, Trouble::kArbitrationLoss, Trouble::kStretch, Trouble::kCanError, Trouble::kNoAcknowledge})
     book(t);
   sleeping_ = fp_active_ = nmi_ = reset_wanted_ = stalled_ = false;
   in_rom_loader_ = boots_from_rom();
@@ -419,6 +420,8 @@ double Machine::Core::per_hour(Trouble trouble) const {
       return d.arbitration_losses;
     case Trouble::kStretch:
       return d.clock_stretches;
+    case Trouble::kNoAcknowledge:
+      return d.no_acknowledges;
     case Trouble::kCanError:
       break;
   }
@@ -452,13 +455,23 @@ bool Machine::Core::disturb_any(Trouble trouble) {
 
 bool Machine::Core::disturb(std::size_t line, Trouble trouble, Time stretch) {
   I2cController& i2c = *i2c_.at(line);
-  const bool done = trouble == Trouble::kBusError          ? i2c.spurious_bus_error()
-                    : trouble == Trouble::kArbitrationLoss ? i2c.lose_arbitration()
-                                                           : i2c.stretch(stretch);
-  if (!done) return false;
-  ++(trouble == Trouble::kBusError          ? counts_.spurious_bus_errors
-     : trouble == Trouble::kArbitrationLoss ? counts_.arbitration_losses
-                                            : counts_.clock_stretches);
+  const auto count = [](bool done, std::uint64_t& of) { return done && ++of > 0; };
+  const auto happens = [&] {
+    switch (trouble) {
+      case Trouble::kBusError:
+        return count(i2c.spurious_bus_error(), counts_.spurious_bus_errors);
+      case Trouble::kArbitrationLoss:
+        return count(i2c.lose_arbitration(), counts_.arbitration_losses);
+      case Trouble::kStretch:
+        return count(i2c.stretch(stretch), counts_.clock_stretches);
+      case Trouble::kNoAcknowledge:
+        return count(i2c.spoil_acknowledge(), counts_.no_acknowledges);
+      case Trouble::kCanError:
+        break;
+    }
+    return false;
+  };
+  if (!happens()) return false;
   incidents_.push_back({time_.now_us(), trouble, line});
   return true;
 }

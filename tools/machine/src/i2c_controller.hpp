@@ -37,6 +37,9 @@ class I2cController final : public Peripheral {
   /// left where they are. The bus counts as busy until a stop. False: no transfer is under way, or the controller holds
   /// SCL low itself.
   bool lose_arbitration();
+  /// The chip's next acknowledge is spoilt on the wire: the chip takes the byte, the controller sees none. False: none
+  /// is to come in this transfer, or the last one still is.
+  bool spoil_acknowledge();
   /// A chip holds SCL low for so long after the next byte. False: no transfer is under way.
   bool stretch(Time by);
   [[nodiscard]] Time busy_time() const { return busy_time_; }
@@ -78,7 +81,7 @@ class I2cController final : public Peripheral {
   std::uint32_t count_ = 0, loaded_ = 0, moved_ = 0;
   std::uint32_t rise_ns_ = 0;
   std::uint64_t generation_ = 0;
-  bool on_bus_ = false;
+  bool on_bus_ = false, spoilt_ = false;
   Time stretch_ = 0;
   Time busy_since_ = 0, busy_time_ = 0;
 };

@@ -46,6 +46,7 @@ class Stm32I2cLine final : public fw::I2cLine {
   void begin_reading();
   [[nodiscard]] bool moves();
   [[nodiscard]] bool repeat();
+  void begin_again();
   [[nodiscard]] Register reg(std::uint32_t offset) const { return Register(place_.base + offset); }
   void enable();
   void disable();
@@ -58,6 +59,7 @@ class Stm32I2cLine final : public fw::I2cLine {
   std::uint8_t address_ = 0;
   bool reading_ = false, active_ = false, nack_ = false;
   volatile Outcome outcome_ = Outcome::kRunning;
+  std::uint8_t refusals_ = 0;
   std::size_t left_ = 0;  // bytes that had not moved when the deadline was set
   std::uint64_t deadline_us_ = 0, started_us_ = 0, ended_us_ = 0;
 };
