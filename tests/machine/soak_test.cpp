@@ -91,7 +91,7 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
 TEST_P(Soak, RandomFaultsLeaveNoStuckStateAndAreAllInTheRecord) {
   on_posix = GetParam();
   constexpr double kPerHour = 1'200;  // every three seconds, of each kind
-  disturbances = {kPerHour, kPerHour, kPerHour, kPerHour};
+  disturbances = {kPerHour, kPerHour, kPerHour, kPerHour, kPerHour};
   store_table(patch(16));
   power_up();
   run_for(1'000'000);

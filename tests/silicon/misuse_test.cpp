@@ -201,5 +201,39 @@ TEST(Misuse, LineStartedWhileItsPinsAreSomethingElse) {
   around.expect("I2C3");
 }
 
+// On which a chip acknowledges everything.
+class WillingLine final : public QuietLine {
+ public:
+  bool start(std::uint8_t, std::uint64_t) override { return true; }
+  bool write(std::uint8_t, std::uint64_t) override { return true; }
+};
+
+// Between the bytes that were written and the repeated start the controller holds SCL low: nobody can be taken for
+// another master then. With a loss there, firmware that follows the manual was blamed for its repeated start.
+TEST(Misuse, ArbitrationCannotBeLostWhileTheControllerHoldsSclItself) {
+  Around around;
+  WillingLine bus;
+  Dma dma(around, [](std::uint32_t) -> std::uint8_t* { return nullptr; });
+  I2cController line(around, 0, bus, 31, 32, dma, nullptr, [] { return true; });
+  constexpr std::uint32_t kTxIs = 2, kComplete = 1U << 6, kLost = 1U << 9, kStart = 1U << 13;
+  line.write(0x10, 0x10305F7F, 4);
+  line.write(0x00, 1, 4);
+  EXPECT_FALSE(line.lose_arbitration()) << "idle";
+  line.write(0x04, 0x2C << 1 | kStart | 1U << 16, 4);  // one byte, no automatic end
+  around.pass(kSecond);
+  ASSERT_EQ(line.read(0x18, 4) & kTxIs, kTxIs);
+  EXPECT_FALSE(line.lose_arbitration()) << "waits for the byte to send";
+  line.write(0x28, 0x0B, 4);
+  around.pass(kSecond);
+  ASSERT_EQ(line.read(0x18, 4) & kComplete, kComplete);
+  EXPECT_FALSE(line.lose_arbitration()) << "waits for the repeated start";
+  line.write(0x04, 0x2C << 1 | kStart | 1U << 10 | 1U << 16, 4);
+  EXPECT_TRUE(line.lose_arbitration());
+  EXPECT_EQ(line.read(0x18, 4) & kLost, kLost);
+  EXPECT_TRUE(around.violations.empty());
+  line.write(0x04, 0x2C << 1 | kStart | 1U << 16, 4);
+  around.expect("before the bus was cleared");
+}
+
 }  // namespace
 }  // namespace triskin::machine

@@ -7,7 +7,7 @@
 namespace triskin {
 
 /// An I²C line on which nobody answers; both wires are high.
-class QuietLine final : public sim::I2cBus {
+class QuietLine : public sim::I2cBus {
  public:
   bool start(std::uint8_t, std::uint64_t) override { return false; }
   bool write(std::uint8_t, std::uint64_t) override { return false; }

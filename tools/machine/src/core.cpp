@@ -261,7 +261,8 @@ void Machine::Core::reset_core() {
   gpio_.set_boot_pin(setup_.boot_pin_high);
   cell_writes_.clear();
   exception_entry_.clear();
-  for (const Trouble t : {Trouble::kBusError, Trouble::kArbitrationLoss, Trouble::kStretch, Trouble::kCanError})
+  for (const Trouble t :
+       {Trouble::kBusError, Trouble::kArbitrationLoss, Trouble::kStretch, Trouble::kCanError, Trouble::kNoAcknowledge})
     book(t);
   sleeping_ = fp_active_ = nmi_ = reset_wanted_ = stalled_ = false;
   in_rom_loader_ = boots_from_rom();
@@ -419,6 +420,8 @@ double Machine::Core::per_hour(Trouble trouble) const {
       return d.arbitration_losses;
     case Trouble::kStretch:
       return d.clock_stretches;
+    case Trouble::kNoAcknowledge:
+      return d.no_acknowledges;
     case Trouble::kCanError:
       break;
   }
@@ -435,27 +438,51 @@ void Machine::Core::book(Trouble trouble) {
 
 // When nothing is under way it waits for the next transfer or frame.
 void Machine::Core::make(Trouble trouble) {
-  if (disturb(trouble)) return book(trouble);
+  if (disturb_any(trouble)) return book(trouble);
   time_.after(17 * kMicrosecond, [this, trouble] { make(trouble); });
 }
 
 // On whichever line is busy.
-bool Machine::Core::disturb(Trouble trouble) {
-  if (trouble == Trouble::kCanError) {
-    const bool spoilt = can_.spoil_frame();
-    counts_.can_errors += spoilt ? 1 : 0;
-    counts_.bus_offs = can_.bus_offs();
-    return spoilt;
-  }
+bool Machine::Core::disturb_any(Trouble trouble) {
+  if (trouble == Trouble::kCanError) return spoil_frame();
   const std::size_t first = random_() % i2c_.size();
+  const Time stretch = (60 + random_() % 340) * kMicrosecond;
   for (std::size_t k = 0; k < i2c_.size(); ++k) {
-    I2cController& line = *i2c_[(first + k) % i2c_.size()];
-    if (trouble == Trouble::kBusError && line.spurious_bus_error()) return ++counts_.spurious_bus_errors > 0;
-    if (trouble == Trouble::kArbitrationLoss && line.lose_arbitration()) return ++counts_.arbitration_losses > 0;
-    const Time stretch = (60 + random_() % 340) * kMicrosecond;
-    if (trouble == Trouble::kStretch && line.stretch(stretch)) return ++counts_.clock_stretches > 0;
+    if (disturb((first + k) % i2c_.size(), trouble, stretch)) return true;
   }
   return false;
+}
+
+bool Machine::Core::disturb(std::size_t line, Trouble trouble, Time stretch) {
+  I2cController& i2c = *i2c_.at(line);
+  const auto count = [](bool done, std::uint64_t& of) { return done && ++of > 0; };
+  const auto happens = [&] {
+    switch (trouble) {
+      case Trouble::kBusError:
+        return count(i2c.spurious_bus_error(), counts_.spurious_bus_errors);
+      case Trouble::kArbitrationLoss:
+        return count(i2c.lose_arbitration(), counts_.arbitration_losses);
+      case Trouble::kStretch:
+        return count(i2c.stretch(stretch), counts_.clock_stretches);
+      case Trouble::kNoAcknowledge:
+        return count(i2c.spoil_acknowledge(), counts_.no_acknowledges);
+      case Trouble::kCanError:
+        break;
+    }
+    return false;
+  };
+  if (!happens()) return false;
+  incidents_.push_back({time_.now_us(), trouble, line});
+  return true;
+}
+
+bool Machine::Core::spoil_frame() {
+  const bool spoilt = can_.spoil_frame();
+  counts_.bus_offs = can_.bus_offs();
+  if (!spoilt) return false;
+  ++counts_.can_errors;
+  incidents_.push_back({time_.now_us(), Trouble::kCanError, 0});
+  return true;
 }
 
 // The core waits for an instruction from the bank that is being written (RM0440 §3.3.5): nothing else happens in it, no

@@ -27,6 +27,7 @@ class Machine::Core final : public Surroundings {
   void power_cycle(const FlashChip& cells);
   void receive(const wire::CanFrame& frame) { can_.from_bus(frame); }
   [[nodiscard]] std::size_t frames_waiting() const { return can_.waiting(); }
+  bool disturb(std::size_t line, Trouble trouble, Time stretch);
   [[nodiscard]] UsbWire& usb() { return usb_; }
   [[nodiscard]] std::uint32_t load(std::uint32_t address);
   [[nodiscard]] std::uint32_t peek(std::uint32_t address);
@@ -40,6 +41,7 @@ class Machine::Core final : public Surroundings {
 
   const MachineSetup setup_;
   std::vector<Violation> violations_;
+  std::vector<Incident> incidents_;
   MachineCounts counts_;
   [[nodiscard]] bool in_rom_loader() const { return in_rom_loader_; }
   [[nodiscard]] std::uint32_t image() const { return nvic_.image(); }
@@ -76,11 +78,11 @@ class Machine::Core final : public Surroundings {
   bool gate_open(const Window& w);
 
   void execute(Time until);
-  enum class Trouble : std::uint8_t { kBusError, kArbitrationLoss, kStretch, kCanError };
   [[nodiscard]] double per_hour(Trouble trouble) const;
   void book(Trouble trouble);
   void make(Trouble trouble);
-  [[nodiscard]] bool disturb(Trouble trouble);
+  [[nodiscard]] bool disturb_any(Trouble trouble);
+  [[nodiscard]] bool spoil_frame();
   void wait_for_flash(Time until);
   void finish_it_block();
   void after_execution(uc_err error);
@@ -123,7 +125,7 @@ class Machine::Core final : public Surroundings {
   std::vector<Block> blocks_, code_ram_blocks_;  ///< by half-word; code elsewhere is not remembered
   Block elsewhere_;
   std::vector<CellWrite> cell_writes_;
-  std::mt19937_64 random_{20261122};
+  std::mt19937_64 random_{setup_.disturbances.seed};
   std::vector<Time> exception_entry_;
   Time slice_end_ = 0, cycle_ = 0;
   bool in_rom_loader_ = false, stalled_ = false, stopped_before_block_ = false, one_block_ = false,

@@ -19,7 +19,7 @@ void I2cController::reset() {
   ++generation_;
   cr1_ = cr2_ = timing_ = timeout_ = 0;
   isr_ = kTxEmpty;
-  tx_waits_ = shifting_ = stretched_ = on_bus_ = false;
+  tx_waits_ = shifting_ = stretched_ = on_bus_ = spoilt_ = false;
   stretch_ = 0;
   update_irqs();
 }
@@ -96,14 +96,27 @@ bool I2cController::spurious_bus_error() {
   return true;
 }
 
+// Arbitration is lost while SCL is high. A master that waits for its program keeps SCL low: before a repeated start, or
+// for a byte to send, or until one is taken.
+bool I2cController::holds_scl() const {
+  return (isr_ & kTc) != 0 || stretched_ || (!shifting_ && (isr_ & kTxIs) != 0);
+}
+
 bool I2cController::lose_arbitration() {
-  if (!on_bus_ || (cr1_ & 1) == 0) return false;
+  if (!on_bus_ || (cr1_ & 1) == 0 || holds_scl()) return false;
   ++generation_;  // nothing that was under way ends
   cr2_ &= ~kStartBit;
-  tx_waits_ = shifting_ = stretched_ = on_bus_ = false;
+  tx_waits_ = shifting_ = stretched_ = on_bus_ = spoilt_ = false;
   busy_time_ += around_.time().now() - busy_since_;
   isr_ = (isr_ & ~(kTxIs | kTc)) | kArbitrationLost | kBusy;
   update_irqs();
+  return true;
+}
+
+bool I2cController::spoil_acknowledge() {
+  const bool address_to_come = (cr2_ & kStartBit) != 0, bytes_to_come = !reading_ && moved_ < count_;
+  if (!on_bus_ || spoilt_ || !(address_to_come || bytes_to_come)) return false;
+  spoilt_ = true;
   return true;
 }
 
@@ -226,7 +239,7 @@ void I2cController::hang() {
 
 void I2cController::address_sent() {
   const auto address = static_cast<std::uint8_t>((cr2_ & 0xFE) | (reading_ ? 1 : 0));
-  const bool acknowledged = bus_.start(address, around_.time().now_us());
+  const bool acknowledged = bus_.start(address, around_.time().now_us()) && !std::exchange(spoilt_, false);
   if (!lines_free()) {
     hang();
     return;
@@ -251,7 +264,7 @@ void I2cController::shift_out() {
   if (loaded_ < count_) isr_ |= kTxIs;
   after(scl_period() * 9 + std::exchange(stretch_, 0), [this, byte = tx_] {
     shifting_ = false;
-    const bool acknowledged = bus_.write(byte, around_.time().now_us());
+    const bool acknowledged = bus_.write(byte, around_.time().now_us()) && !std::exchange(spoilt_, false);
     if (!lines_free()) return hang();
     if (trace_ != nullptr) trace_->i2c_byte(line_, byte, acknowledged, around_.time().now(), scl_period());
     ++moved_;

@@ -34,8 +34,12 @@ class I2cController final : public Peripheral {
   /// the last one still stands.
   bool spurious_bus_error();
   /// The controller takes a disturbance for another master: it lets go in the middle of a transfer, and the chips are
-  /// left where they are. The bus counts as busy until a stop. False: no transfer is under way.
+  /// left where they are. The bus counts as busy until a stop. False: no transfer is under way, or the controller holds
+  /// SCL low itself.
   bool lose_arbitration();
+  /// The chip's next acknowledge is spoilt on the wire: the chip takes the byte, the controller sees none. False: none
+  /// is to come in this transfer, or the last one still is.
+  bool spoil_acknowledge();
   /// A chip holds SCL low for so long after the next byte. False: no transfer is under way.
   bool stretch(Time by);
   [[nodiscard]] Time busy_time() const { return busy_time_; }
@@ -55,6 +59,7 @@ class I2cController final : public Peripheral {
   void finish_phase();
   void send_stop();
   void hang();
+  [[nodiscard]] bool holds_scl() const;
   [[nodiscard]] bool lines_free() const { return bus_.scl() && bus_.sda(); }
   void update_irqs();
   void serve_dma();
@@ -76,7 +81,7 @@ class I2cController final : public Peripheral {
   std::uint32_t count_ = 0, loaded_ = 0, moved_ = 0;
   std::uint32_t rise_ns_ = 0;
   std::uint64_t generation_ = 0;
-  bool on_bus_ = false;
+  bool on_bus_ = false, spoilt_ = false;
   Time stretch_ = 0;
   Time busy_since_ = 0, busy_time_ = 0;
 };

@@ -25,6 +25,12 @@ void Machine::receive(const wire::CanFrame& frame) {
 std::size_t Machine::frames_waiting() const {
   return core_->frames_waiting();
 }
+bool Machine::disturb(std::size_t line, Trouble trouble, std::uint64_t stretch_us) {
+  return core_->disturb(line, trouble, stretch_us * kMicrosecond);
+}
+const std::vector<Incident>& Machine::incidents() const {
+  return core_->incidents_;
+}
 UsbWire& Machine::usb() {
   return core_->usb();
 }

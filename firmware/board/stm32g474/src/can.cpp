@@ -14,6 +14,16 @@ Stm32CanPort can;
 
 namespace {
 
+template <std::size_t N>
+struct Queue {
+  std::array<wire::CanFrame, N> frames;
+  volatile std::size_t head = 0, tail = 0;
+  [[nodiscard]] bool full() const { return (head + 1) % N == tail; }
+};
+// Beside the port and not in it: with its table of functions the port has initial values, which lie in the flash.
+constinit Queue<32> received;
+constinit Queue<16> waiting;
+
 constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
 // 170 MHz: nominal 10 · (1 + 13 + 3) = 170 clocks a bit, sample point 82 %; data 5 · (1 + 13 + 3) = 85 clocks, 2
 // Mbit/s. No transmitter delay compensation: M_CAN allows it with a data prescaler of 1 or 2 only, and a data bit of
@@ -80,6 +90,17 @@ void write_filters(CanFilters filters) {
                kRefuseOther << kOtherExtendedShift | kRefuseRemote);
 }
 
+void fill_transmit_buffers() {
+  while (waiting.head != waiting.tail) {
+    const std::uint32_t state = kTxfqs.read();
+    if ((state & kTxFull) != 0) return;
+    const std::uint32_t index = state >> kTxPutShift & kFifoIndexMask;
+    write_element(kTxBuffers + index * kElementBytes, waiting.frames[waiting.tail]);
+    waiting.tail = (waiting.tail + 1) % waiting.frames.size();
+    kTxbar.write(bit(index));
+  }
+}
+
 }  // namespace
 
 void Stm32CanPort::open(CanFilters filters) {
@@ -114,29 +135,26 @@ void Stm32CanPort::open(CanFilters filters) {
 
 bool Stm32CanPort::send(const wire::CanFrame& frame) {
   const InterruptLock lock;
-  if (waiting_.full()) return false;
-  waiting_.frames[waiting_.head] = frame;
-  waiting_.head = (waiting_.head + 1) % waiting_.frames.size();
+  if (waiting.full()) return false;
+  waiting.frames[waiting.head] = frame;
+  waiting.head = (waiting.head + 1) % waiting.frames.size();
   fill_transmit_buffers();
   return true;
 }
 
-void Stm32CanPort::fill_transmit_buffers() {
-  while (waiting_.head != waiting_.tail) {
-    const std::uint32_t state = kTxfqs.read();
-    if ((state & kTxFull) != 0) return;
-    const std::uint32_t index = state >> kTxPutShift & kFifoIndexMask;
-    write_element(kTxBuffers + index * kElementBytes, waiting_.frames[waiting_.tail]);
-    waiting_.tail = (waiting_.tail + 1) % waiting_.frames.size();
-    kTxbar.write(bit(index));
-  }
+bool Stm32CanPort::has_room() const {
+  return !waiting.full();
+}
+
+bool Stm32CanPort::frame_waits() const {
+  return received.head != received.tail;
 }
 
 std::optional<wire::CanFrame> Stm32CanPort::receive() {
   const InterruptLock lock;
-  if (received_.head == received_.tail) return std::nullopt;
-  const wire::CanFrame frame = received_.frames[received_.tail];
-  received_.tail = (received_.tail + 1) % received_.frames.size();
+  if (received.head == received.tail) return std::nullopt;
+  const wire::CanFrame frame = received.frames[received.tail];
+  received.tail = (received.tail + 1) % received.frames.size();
   return frame;
 }
 
@@ -147,11 +165,11 @@ void Stm32CanPort::on_interrupt() {
   if ((flags & kBusOff) != 0) kCccr.clear(kInit);  // joins again after 128 idle sequences (§44.3.3)
   for (std::uint32_t state = kRxf0s.read(); (state & kFifoLevelMask) != 0; state = kRxf0s.read()) {
     const std::uint32_t index = state >> kFifoGetShift & kFifoIndexMask;
-    if (received_.full()) {
+    if (received.full()) {
       ++triskin_budget.can_lost;
     } else {
-      received_.frames[received_.head] = read_element(kRxFifo0 + index * kElementBytes);
-      received_.head = (received_.head + 1) % received_.frames.size();
+      received.frames[received.head] = read_element(kRxFifo0 + index * kElementBytes);
+      received.head = (received.head + 1) % received.frames.size();
     }
     kRxf0a.write(index);
   }

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <array>
-
 #include "triskin/ports/ports.hpp"
 
 namespace triskin::board {
@@ -20,21 +18,9 @@ class Stm32CanPort final : public fw::CanPort {
   [[nodiscard]] bool fd() const override { return true; }
   bool send(const wire::CanFrame& frame) override;
   std::optional<wire::CanFrame> receive() override;
-  [[nodiscard]] bool frame_waits() const { return received_.head != received_.tail; }
-  [[nodiscard]] bool has_room() const override { return !waiting_.full(); }
+  [[nodiscard]] bool frame_waits() const;
+  [[nodiscard]] bool has_room() const override;
   void on_interrupt();
-
- private:
-  template <std::size_t N>
-  struct Queue {
-    std::array<wire::CanFrame, N> frames;
-    volatile std::size_t head = 0, tail = 0;
-    [[nodiscard]] bool full() const { return (head + 1) % N == tail; }
-  };
-  void fill_transmit_buffers();
-
-  Queue<32> received_;
-  Queue<16> waiting_;
 };
 
 extern Stm32CanPort can;

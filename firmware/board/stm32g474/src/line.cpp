@@ -29,6 +29,12 @@ static_assert(kTiming.has_value());
 constexpr std::uint64_t kSlack_us = 800;      // above the bytes: slow edges, clock stretching, interrupt latency
 constexpr std::uint32_t kSclLowTimeout = 82;  // (82 + 1) · 2048 / 170 MHz = 1.0 ms of SCL low
 constexpr std::uint64_t kHalfPulse_us = 5;    // bus clear at 100 kHz
+// Fast transients come in bursts of 15 ms (IEC 61000-4-4), which may spoil each transfer in them. Single disturbances
+// need 23 losses in a row to last that long, each within the 0.87 ms of a burst of results and its bus clear.
+constexpr std::uint64_t kRepeatFor_us = 20'000;
+// An acknowledge bit that a disturbance spoils looks like an absent chip. One disturbance a second spoils the 0.75 ms
+// of a burst of results four times in a row once in 2 · 10⁹ seconds; an absent chip costs 0.1 ms more.
+constexpr std::uint8_t kMostRefusals = 3;
 
 std::uint32_t address_of(const void* p) {
   return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(p));
@@ -93,7 +99,7 @@ void Stm32I2cLine::start(std::uint8_t address, Bytes write, std::span<std::uint8
   write_ = write;
   read_ = read;
   address_ = address;
-  repeated_ = false;
+  refusals_ = 0;
   active_ = true;
   started_us_ = microseconds();
   begin_transfer();
@@ -103,6 +109,7 @@ void Stm32I2cLine::begin_transfer() {
   nack_ = false;
   reading_ = write_.empty();
   outcome_ = Outcome::kRunning;
+  left_ = write_.size() + read_.size();
   deadline_us_ = microseconds() + (write_.size() + read_.size() + 2) * 23 + kSlack_us;
   if (reading_) return begin_reading();
   asm volatile("dmb" ::: "memory");  // what was written to the buffer is there before the DMA looks
@@ -156,10 +163,14 @@ void Stm32I2cLine::end(Outcome outcome) {
 std::optional<Status> Stm32I2cLine::poll() {
   if (!active_) return std::nullopt;
   if (outcome_ == Outcome::kRunning) {
-    if (microseconds() < deadline_us_) return std::nullopt;
+    if (microseconds() < deadline_us_ || moves()) return std::nullopt;
     end(Outcome::kStuck);
   }
   if (outcome_ == Outcome::kLost && repeat()) return std::nullopt;
+  if (outcome_ == Outcome::kNack && refusals_++ < kMostRefusals) {
+    begin_again();
+    return std::nullopt;
+  }
   active_ = false;
   const bool whole = (reading_ ? receiver() : sender()).remaining() == 0;
   receiver().stop();
@@ -174,16 +185,28 @@ std::optional<Status> Stm32I2cLine::poll() {
   return whole ? Status::kOk : Status::kBusError;
 }
 
+// A chip that holds SCL low now and then makes a transfer late; one that hangs moves no byte.
+bool Stm32I2cLine::moves() {
+  const std::size_t left = reading_ ? receiver().remaining() : sender().remaining() + read_.size();
+  if (left == left_) return false;
+  left_ = left;
+  deadline_us_ = microseconds() + kSlack_us;
+  return true;
+}
+
 // There is no other master: a disturbance looked like one. The bus counts as busy and a chip may hold it in the middle
-// of a byte, so it is cleared; then the transfer is made once more.
+// of a byte, so it is cleared; then the transfer is made once more. The line is stuck when clearing does not free it,
+// or when it is disturbed for longer than anything that passes.
 bool Stm32I2cLine::repeat() {
-  if (repeated_) return false;
-  repeated_ = true;
+  if (microseconds() - started_us_ >= kRepeatFor_us || recover() != Status::kOk) return false;
+  begin_again();
+  return true;
+}
+
+void Stm32I2cLine::begin_again() {
   receiver().stop();
   sender().stop();
-  if (recover() != Status::kOk) return false;
   begin_transfer();
-  return true;
 }
 
 // Bus clear (UM10204 §3.1.16) by hand: up to nine pulses until SDA is free, then a stop. At most 120 µs.

@@ -19,7 +19,7 @@ struct LinePlace {
 
 /// I2C1 … I2C4 as masters at 400 kHz. DMA moves the bytes; an interrupt turns from writing to reading, another ends
 /// the transfer. Every transfer has a deadline made of its bytes, so that a line that hangs without an error flag is
-/// also noticed.
+/// also noticed. A transfer that a disturbance broke off is made again while the bus can be cleared, for 20 ms at most.
 class Stm32I2cLine final : public fw::I2cLine {
  public:
   void open(const LinePlace& place);
@@ -44,7 +44,9 @@ class Stm32I2cLine final : public fw::I2cLine {
   [[nodiscard]] dma_reg::Channel receiver() const { return dma_reg::Channel(place_.index); }
   void begin_transfer();
   void begin_reading();
+  [[nodiscard]] bool moves();
   [[nodiscard]] bool repeat();
+  void begin_again();
   [[nodiscard]] Register reg(std::uint32_t offset) const { return Register(place_.base + offset); }
   void enable();
   void disable();
@@ -55,8 +57,10 @@ class Stm32I2cLine final : public fw::I2cLine {
   Bytes write_;
   std::span<std::uint8_t> read_;
   std::uint8_t address_ = 0;
-  bool reading_ = false, active_ = false, nack_ = false, repeated_ = false;
+  bool reading_ = false, active_ = false, nack_ = false;
   volatile Outcome outcome_ = Outcome::kRunning;
+  std::uint8_t refusals_ = 0;
+  std::size_t left_ = 0;  // bytes that had not moved when the deadline was set
   std::uint64_t deadline_us_ = 0, started_us_ = 0, ended_us_ = 0;
 };
 

@@ -17,12 +17,24 @@
 
 namespace triskin::machine {
 
+/// What disturbs a bus.
+enum class Trouble : std::uint8_t { kBusError, kArbitrationLoss, kStretch, kCanError, kNoAcknowledge };
+
+/// Something that has disturbed a bus.
+struct Incident {
+  std::uint64_t at_us = 0;
+  Trouble trouble = Trouble::kBusError;
+  std::size_t line = 0;  ///< 0..3, of I²C; without meaning for a CAN error
+};
+
 /// How often something disturbs the buses, times an hour; each waits for a transfer or frame to spoil.
 struct Disturbances {
   double bus_errors = 0;          ///< spurious I²C bus errors (errata ES0430, 2.15.2)
   double arbitration_losses = 0;  ///< an I²C controller takes a disturbance for another master
   double clock_stretches = 0;     ///< a chip holds SCL low, for 60 … 400 µs
   double can_errors = 0;          ///< a frame on the CAN bus is spoilt, and sent again
+  double no_acknowledges = 0;     ///< an acknowledge of a chip is spoilt on the wire
+  std::uint64_t seed = 20261122;  ///< of times and lines: equal seeds give equal ones
 };
 
 /// Hardware around the microcontroller. Everything must outlive the machine.
@@ -50,8 +62,9 @@ struct MachineCounts {
   Time flash_stall = 0;                        ///< the core waited for a bank that was written
   std::uint64_t flash_read_stalls = 0;         ///< loads among these, with MachineSetup::watch_reads
   std::array<std::uint64_t, 4> i2c_busy_us{};  ///< start to stop, summed
-  std::uint64_t spurious_bus_errors = 0, arbitration_losses = 0, clock_stretches = 0, can_errors = 0;  ///< injected
-  std::uint64_t bus_offs = 0;  ///< of the CAN block
+  std::uint64_t spurious_bus_errors = 0, arbitration_losses = 0, clock_stretches = 0, can_errors = 0,
+                no_acknowledges = 0;  ///< injected
+  std::uint64_t bus_offs = 0;         ///< of the CAN block
 };
 
 /// An STM32G474 that runs an unmodified image (docs/machine.md). Deterministic. Not thread-safe; one instruction counts
@@ -77,6 +90,12 @@ class Machine {
   void receive(const wire::CanFrame& frame);
   /// Frames given to receive() that have not been on the bus yet.
   [[nodiscard]] std::size_t frames_waiting() const;
+  /// Disturbs `line` (0..3) now: a spurious bus error, a lost arbitration, the next acknowledge spoilt, or SCL held low
+  /// for `stretch_us` after the next byte. False: no transfer is under way there, or the last such thing still stands.
+  /// Not for CAN errors.
+  bool disturb(std::size_t line, Trouble trouble, std::uint64_t stretch_us = 0);
+  /// What has disturbed the buses since power-up, random or not, in order of time.
+  [[nodiscard]] const std::vector<Incident>& incidents() const;
   /// The device's end of the USB cable. Lives as long as the machine.
   [[nodiscard]] UsbWire& usb();
   /// Word at an address of flash or RAM, as the core reads it, without side effects. The tests read symbols of the ELF
