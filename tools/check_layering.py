@@ -19,7 +19,7 @@ class Part:
 
 
 HOST_BASE = "Eigen nlohmann fmt"
-GEOMETRY = "Eigen nlohmann fmt CGAL tbb assimp boost Cbc"
+GEOMETRY = "Eigen nlohmann fmt CGAL tbb assimp minizip boost Cbc"
 # Folder; include prefixes that it owns; prefixes that it may include besides; libraries that are not ours; its target.
 PARTS = [
     Part("shared", "base wire layout sim", "", "", "triskin_shared"),
@@ -62,17 +62,18 @@ PARTS = [
 ]
 # Include paths of libraries that only the parts that name them may include.
 FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "fmt": r"^fmt/", "tbb": r"^(tbb|oneapi)/",
-           "assimp": r"^assimp/", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
+           "assimp": r"^assimp/", "minizip": r"^minizip/", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
            "boost_beast": r"^boost/(beast|asio)/", "cairo": r"^(cairo|fontconfig|qrencode)", "HDF5": r"^(hdf5|H5)", "CLI": r"^CLI/",
            "Cbc": r"^(Cbc|Coin|Osi|Cgl|Clp)", "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
            "pybind11": r"^pybind11/", "dds": r"^dds/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).
 HOSTED = re.compile(r"^(iostream|fstream|sstream|thread|mutex|chrono|future|regex|filesystem)$")
 # Link names of libraries that only some targets may reach, and which ones.
-HEAVY = {"CGAL": r"CGAL", "TBB": r"TBB|tbb", "assimp": r"assimp", "Cbc": r"Cbc"}
+HEAVY = {"CGAL": r"CGAL", "TBB": r"TBB|tbb", "assimp": r"assimp", "minizip": r"minizip", "Cbc": r"Cbc"}
 MAY_BE_HEAVY = {"CGAL": {"triskin_geometry", "triskin_pipeline", "triskin_check", "triskin"},
                 "TBB": {"triskin_geometry", "triskin_pipeline", "triskin"},
                 "assimp": {"triskin_geometry", "triskin_pipeline", "triskin"},
+                "minizip": {"triskin_geometry", "triskin_pipeline", "triskin"},
                 "Cbc": {"triskin_geometry", "triskin_pipeline", "triskin"}}
 # Targets without a prefix of their own that parts may link.
 NEUTRAL = {"triskin_options"}

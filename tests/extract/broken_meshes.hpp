@@ -233,6 +233,45 @@ inline void noise(Mesh& m, Dice& d) {
   for (Vec3& v : m.vertices) v += Vec3(dice(d, -3.0, 3.0), dice(d, -3.0, 3.0), dice(d, -3.0, 3.0));
 }
 
+// A vertex that two fans share: corners of tetrahedra that stand on it, and vertices pulled onto others.
+inline void pinched(Mesh& m, Dice& d) {
+  for (int k = 0; k < 6; ++k) {
+    const int at = static_cast<int>(pick(d, m.vertices.size()));
+    const Vec3 p = m.vertices[static_cast<std::size_t>(at)];
+    const Vec3 out = (p - middle_of(m)).normalized() * dice(d, 3.0, 15.0);
+    const int first = static_cast<int>(m.vertices.size());
+    m.vertices.push_back(p + out);
+    m.vertices.push_back(p + out + Vec3(dice(d, 1.0, 4.0), 0, 0));
+    m.vertices.push_back(p + out + Vec3(0, dice(d, 1.0, 4.0), dice(d, -2.0, 2.0)));
+    for (const auto& f : {std::array{at, first + 1, first}, std::array{at, first + 2, first + 1},
+                          std::array{at, first, first + 2}, std::array{first, first + 1, first + 2}})
+      m.faces.push_back(f);
+  }
+  for (int k = 0; k < 4; ++k) m.vertices[pick(d, m.vertices.size())] = m.vertices[pick(d, m.vertices.size())];
+}
+// Tetrahedra and single faces of a few mm that hang on nothing, far enough outside to hide nothing; some inside.
+inline void crumbs(Mesh& m, Dice& d) {
+  const Vec3 middle = middle_of(m);
+  for (int k = 0; k < 25; ++k) {
+    const Vec3 at = m.vertices[pick(d, m.vertices.size())];
+    const Vec3 p = at + (at - middle).normalized() * (k % 5 == 0 ? -10.0 : dice(d, 15.0, 60.0));
+    const int first = static_cast<int>(m.vertices.size());
+    for (int c = 0; c < 4; ++c)
+      m.vertices.push_back(p + Vec3(dice(d, -2.0, 2.0), dice(d, -2.0, 2.0), dice(d, -2.0, 2.0)));
+    m.faces.push_back({first, first + 1, first + 2});
+    if (k % 2 == 0) continue;
+    for (const auto& f : {std::array{first, first + 3, first + 1}, std::array{first + 1, first + 3, first + 2},
+                          std::array{first, first + 2, first + 3}})
+      m.faces.push_back(f);
+  }
+}
+// Up to a kilometre off the origin, and a vertex without a face 10 km off.
+inline void far_off(Mesh& m, Dice& d) {
+  const Vec3 by(dice(d, -1e6, 1e6), dice(d, -1e6, 1e6), std::pow(10.0, dice(d, 3.0, 6.0)));
+  for (Vec3& v : m.vertices) v += by;
+  m.vertices.emplace_back(1e7, -1e7, 1e7);
+}
+
 }  // namespace damage
 
 inline std::vector<Damage> damages() {
@@ -251,7 +290,10 @@ inline std::vector<Damage> damages() {
           {"copies", true, copies},
           {"holes", false, holes},
           {"crossed", false, crossed},
-          {"noise", false, noise}};
+          {"noise", false, noise},
+          {"pinched", false, pinched},
+          {"crumbs", true, crumbs},
+          {"far_off", false, far_off}};
 }
 
 }  // namespace triskin::test

@@ -2,6 +2,7 @@
 // Mesh files as programs write them: polygons, indices from the end, STL with wrong headers, units that nobody said.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <minizip/zip.h>
 #include <unistd.h>
 
 #include <Eigen/Geometry>
@@ -9,6 +10,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <utility>
 
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/geometry/surface.hpp"
@@ -27,9 +30,32 @@ class Formats : public testing::Test {
     return path_;
   }
   void TearDown() override { fs::remove(path_); }
-  std::string error_of(const std::string& name, const std::string& bytes, std::optional<LengthUnit> unit = {}) {
+  // A 3MF file with this model, packed as its programs do.
+  fs::path package(const std::string& name, const std::string& model) {
+    const std::string types =
+        R"(<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="model" )"
+        R"(ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>)";
+    const std::string root =
+        R"(<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="r0" )"
+        R"(Target="/3D/3dmodel.model" )"
+        R"(Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>
+)";
+    const fs::path path = file(name, "");
+    void* const zip = zipOpen(path.c_str(), APPEND_STATUS_CREATE);
+    for (const auto& [part, text] : {std::pair<const char*, const std::string&>{"[Content_Types].xml", types},
+                                     {"_rels/.rels", root},
+                                     {"3D/3dmodel.model", model}}) {
+      zipOpenNewFileInZip(zip, part, nullptr, nullptr, 0, nullptr, 0, nullptr, Z_DEFLATED, Z_DEFAULT_COMPRESSION);
+      zipWriteInFileInZip(zip, text.data(), static_cast<unsigned>(text.size()));
+      zipCloseFileInZip(zip);
+    }
+    zipClose(zip, nullptr);
+    return path;
+  }
+  std::string error_of(const std::string& name, const std::string& bytes, std::optional<LengthUnit> unit = {},
+                       const std::string& object = {}) {
     try {
-      (void)read_mesh(file(name, bytes), unit);
+      (void)read_mesh(file(name, bytes), unit, object);
     } catch (const InputError& e) {
       return e.what();
     }
@@ -152,6 +178,193 @@ TEST_F(Formats, UnlikelySizesAreAQuestion) {
   EXPECT_NE(error_of("i.obj", triangle(3000.0)).find("--unit mm"), std::string::npos);
   EXPECT_EQ(error_of("i.obj", triangle(3000.0), LengthUnit::kMillimetre), "");
   EXPECT_EQ(error_of("i.obj", triangle(0.3), LengthUnit::kMetre), "");
+}
+
+// A geometry of COLLADA with one triangle of legs `size`, named as the node that shows it.
+std::string dae_geometry(const std::string& name, int size) {
+  return fmt::format(
+      R"(<geometry id="{0}-g" name="{0}"><mesh><source id="{0}-p"><float_array id="{0}-a" count="9">
+0 0 0 {1} 0 0 0 {1} 0</float_array><technique_common><accessor source="#{0}-a" count="3" stride="3">
+<param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="{0}-v"><input semantic="POSITION" source="#{0}-p"/></vertices>
+<triangles count="1"><input semantic="VERTEX" source="#{0}-v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry>)",
+      name, size);
+}
+std::string dae(const std::string& unit) {
+  const auto node = [](const char* name) {
+    return fmt::format(R"(<node id="{0}" name="{0}"><instance_geometry url="#{0}-g"/></node>)", name);
+  };
+  return fmt::format(
+      R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset>{}<up_axis>Z_UP</up_axis></asset><library_geometries>{}{}</library_geometries>
+<library_visual_scenes><visual_scene id="s" name="s">{}{}</visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>)",
+      unit, dae_geometry("hull", 30), dae_geometry("fin", 20), node("hull"), node("fin"));
+}
+
+// 30 and 20 cm: 450 + 200 cm².
+TEST_F(Formats, DaeSaysItsUnit) {
+  const MeshFile cm = read_mesh(file("u.dae", dae(R"(<unit name="centimeter" meter="0.01"/>)")));
+  EXPECT_TRUE(cm.report.unit_from_file);
+  EXPECT_NEAR(area(cm.mesh), 45000.0 + 20000.0, 0.1);
+  const MeshFile inch = read_mesh(file("u.dae", dae(R"(<unit meter = '0.0254' name = 'inch'/>)")));
+  EXPECT_NEAR(area(inch.mesh), 650.0 * 25.4 * 25.4, 0.1);
+  const MeshFile told = read_mesh(file("u.dae", dae(R"(<unit meter="0.01"/>)")), LengthUnit::kMillimetre);
+  EXPECT_NEAR(area(told.mesh), 650.0, 1e-3);
+}
+
+TEST_F(Formats, DaeWithoutAUnitIsTakenForMillimetres) {
+  const MeshFile file_mm = read_mesh(file("w.dae", dae("")));
+  EXPECT_FALSE(file_mm.report.unit_from_file);
+  EXPECT_NEAR(area(file_mm.mesh), 650.0, 1e-3);
+}
+
+TEST_F(Formats, OneObjectOfADae) {
+  const std::string bytes = dae(R"(<unit meter="0.01"/>)");
+  EXPECT_NEAR(area(read_mesh(file("o.dae", bytes), {}, "fin").mesh), 20000.0, 0.1);
+  const std::string error = error_of("o.dae", bytes, {}, "wing");
+  EXPECT_NE(error.find("no object \"wing\""), std::string::npos) << error;
+  EXPECT_NE(error.find("fin"), std::string::npos) << error;
+  EXPECT_NE(error.find("hull"), std::string::npos) << error;
+}
+
+std::string model_3mf(const std::string& unit) {
+  const auto object = [](int id, const char* name, int size) {
+    return fmt::format(
+        R"(<object id="{}" name="{}" type="model"><mesh><vertices>
+<vertex x="0" y="0" z="0"/><vertex x="{}" y="0" z="0"/>
+<vertex x="0" y="{}" z="0"/></vertices><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh></object>)",
+        id, name, size, size);
+  };
+  return fmt::format(
+      R"(<?xml version="1.0" encoding="UTF-8"?><model {} xml:lang="en-US"
+xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>{}{}</resources>
+<build><item objectid="1"/><item objectid="2"/></build></model>)",
+      unit, object(1, "hull", 40), object(2, "fin", 20));
+}
+
+TEST_F(Formats, ThreeMfSaysItsUnit) {
+  for (const auto& [unit, mm] : {std::pair{"unit=\"inch\"", 25.4}, {"unit='centimeter'", 10.0}, {"", 1.0}}) {
+    const MeshFile read = read_mesh(package("m.3mf", model_3mf(unit)));
+    EXPECT_TRUE(read.report.unit_from_file) << unit;
+    EXPECT_NEAR(area(read.mesh), 1000.0 * mm * mm, 1e-3 * mm * mm) << unit;
+  }
+}
+
+TEST_F(Formats, OneObjectOfA3mf) {
+  const fs::path path = package("n.3mf", model_3mf("unit=\"centimeter\""));
+  EXPECT_NEAR(area(read_mesh(path, {}, "fin").mesh), 20000.0, 0.1);
+  EXPECT_THROW((void)read_mesh(path, {}, "wing"), InputError);
+}
+
+// A triangle with legs of 0.1 m.
+TEST_F(Formats, GltfAndGlbAreInMetres) {
+  const std::array<float, 9> corners{0, 0, 0, 0.1F, 0, 0, 0, 0.1F, 0};
+  const std::string raw(reinterpret_cast<const char*>(corners.data()), sizeof(corners));
+  const auto scene = [](const std::string& uri) {
+    return fmt::format(
+        R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0,"name":"sole"}}],
+"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+"accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[0.1,0.1,0]}}],
+"bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"byteLength":36{}}}]}})",
+        uri);
+  };
+  const std::string base64 = "AAAAAAAAAAAAAAAAzczMPQAAAAAAAAAAAAAAAM3MzD0AAAAA";  // of `raw`
+  std::string json = scene("");
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::string glb = "glTF";
+  const auto put = [&](std::size_t value) {
+    const auto word = static_cast<std::uint32_t>(value);
+    glb.append(reinterpret_cast<const char*>(&word), 4);
+  };
+  put(2);
+  put(12 + 8 + json.size() + 8 + raw.size());
+  put(json.size());
+  glb += "JSON" + json;
+  put(raw.size());
+  glb += std::string("BIN\0", 4) + raw;
+  for (const fs::path& path :
+       {file("t.gltf", scene(",\"uri\":\"data:application/octet-stream;base64," + base64 + '"')), file("t.glb", glb)}) {
+    const MeshFile read = read_mesh(path, {}, "sole");
+    EXPECT_TRUE(read.report.unit_from_file);
+    EXPECT_NEAR(area(read.mesh), 5000.0, 1e-2);
+    EXPECT_THROW((void)read_mesh(path, {}, "heel"), InputError);
+    fs::remove(path);
+  }
+}
+
+const char* const kTwoObjects =
+    "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 40\no front plate\nf 1 2 3\no rib\ng web thin\nf 1 2 4\n";
+
+TEST_F(Formats, OneObjectOfAnObj) {
+  EXPECT_NEAR(area(read_mesh(file("j.obj", kTwoObjects), {}, "front plate").mesh), 5000.0, 1e-9);
+  EXPECT_NEAR(area(read_mesh(file("j.obj", kTwoObjects), {}, "rib").mesh), 2000.0, 1e-9);
+  EXPECT_NEAR(area(read_mesh(file("j.obj", kTwoObjects), {}, "thin").mesh), 2000.0, 1e-9);
+  EXPECT_NE(error_of("j.obj", kTwoObjects, {}, "lid").find("front plate"), std::string::npos);
+}
+
+TEST_F(Formats, AFormatWithoutNamesSaysSo) {
+  const std::string error = error_of("k.off", "OFF\n3 1 0\n0 0 0\n90 0 0\n0 90 0\n3 0 1 2\n", {}, "lid");
+  EXPECT_NE(error.find("no named objects"), std::string::npos) << error;
+}
+
+TEST_F(Formats, OneSolidOfATextStl) {
+  const auto solid = [](const char* name, int size) {
+    return fmt::format(
+        "solid {0}\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex {1} 0 0\nvertex 0 {1} 0\nendloop\nendfacet\n"
+        "endsolid {0}\n",
+        name, size);
+  };
+  const std::string bytes = solid("left shin", 100) + solid("right shin", 60);
+  EXPECT_NEAR(area(read_mesh(file("s.stl", bytes), {}, "right shin").mesh), 1800.0, 1e-9);
+  EXPECT_NE(error_of("s.stl", bytes, {}, "knee").find("left shin, right shin"), std::string::npos);
+}
+
+// Capitals, a byte order mark, no "solid", no end.
+TEST_F(Formats, TextStlWithAWrongHeadIsRead) {
+  const Mesh m = read_mesh(file("v.stl",
+                                "\xEF\xBB\xBF"
+                                "FACET NORMAL 0 0 1\n OUTER LOOP\n  VERTEX 0 0 0\n  VERTEX 100 0 0\n  VERTEX 0 100 0\n"
+                                " ENDLOOP\nENDFACET\n"))
+                     .mesh;
+  EXPECT_NEAR(area(m), 5000.0, 1e-9);
+}
+
+TEST_F(Formats, BinaryStlThatEndsInAFacetGivesTheWholeOnes) {
+  const std::string bytes = binary_stl("x", 2, kSquare);
+  EXPECT_EQ(read_mesh(file("x.stl", bytes.substr(0, bytes.size() - 20))).mesh.faces.size(), 1U);
+}
+
+TEST_F(Formats, PlyStripsAreTriangles) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+      "0 0 0\n100 0 0\n0 100 0\n100 100 0\n8 0 1 2 3 -1 3 2 0\n";
+  const Mesh m = read_mesh(file("y.ply", text)).mesh;
+  ASSERT_EQ(m.faces.size(), 3U);
+  EXPECT_EQ(m.faces[0], (std::array{0, 1, 2}));
+  EXPECT_EQ(m.faces[1], (std::array{1, 3, 2}));  // as the first, seen from above
+  EXPECT_EQ(m.faces[2], (std::array{3, 2, 0}));
+}
+
+TEST_F(Formats, NumbersThatAreNoneAreNamed) {
+  for (const char* bad : {"nan", "inf", "-inf", "1e400"}) {
+    const std::string v = fmt::format("v 0 0 0\nv 100 {} 0\nv 0 100 0\nf 1 2 3\n", bad);
+    EXPECT_NE(error_of("z.obj", v), "") << bad;
+  }
+  EXPECT_NE(error_of("z.obj", "v 0 0 0\nv 100 nan 0\nv 0 100 0\nf 1 2 3\n").find("vertex 1"), std::string::npos);
+  auto facets = kSquare;
+  facets[1][4] = std::numeric_limits<float>::infinity();
+  EXPECT_NE(error_of("z.stl", binary_stl("x", 2, facets)).find("vertex 4"), std::string::npos);
+}
+
+// A vertex without a face, 10 km off: it made all others one, which lie within 1e-7 of the size.
+TEST_F(Formats, AVertexWithoutAFaceDoesNotTellTheSize) {
+  const std::string text = "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0.3 0 0.5\nv 1e7 1e7 1e7\nf 1 2 3\nf 4 2 3\n";
+  const MeshFile read = read_mesh(file("far.obj", text));
+  EXPECT_EQ(read.mesh.vertices.size(), 4U);
+  EXPECT_EQ(read.report.welded_vertices, 0);
 }
 
 }  // namespace

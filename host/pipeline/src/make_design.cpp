@@ -148,7 +148,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   design.price = options.price;
   design.kinds = options.kinds;
   require_places(options.kinds);
-  const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit);
+  const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit, options.object);
   design.scale_to_mm = file.report.scale_to_mm;
   // Smaller than a module: nothing fits, whatever its faces do, and that is an answer.
   if (const double area_mm2 = area_of(file.mesh); area_mm2 < design::kModuleArea_mm2) {

@@ -187,6 +187,7 @@ const Registration kDesign{{
           ->capture_default_str();
       app.add_option("--seed", options->design.seed, "of every random choice")->capture_default_str();
       options->unit.add_to(app);
+      add_object_option(app, options->design.object);
       add_limits(app, options->design.limits);
       add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--bend-radius-mm", options->design.bend_radius_mm,

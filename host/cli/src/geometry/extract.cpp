@@ -23,7 +23,7 @@ namespace {
 using When = geometry::ExtractOptions::When;
 
 struct Options {
-  std::string mesh, output, keep_out;
+  std::string mesh, output, object, keep_out;
   UnitOption unit;
   geometry::ExtractOptions steps;
   std::vector<std::string> spheres, boxes;
@@ -64,7 +64,7 @@ void take_keep_outs(Options& o) {
 int run(Options options, Output& output) {
   take_keep_outs(options);
   const auto start = std::chrono::steady_clock::now();
-  const geometry::MeshFile file = geometry::read_mesh(options.mesh, options.unit.unit);
+  const geometry::MeshFile file = geometry::read_mesh(options.mesh, options.unit.unit, options.object);
   const geometry::Extraction e = geometry::extract(file.mesh, options.steps, output.progress());
   geometry::write_obj(options.output, e.surface);
   const double area_cm2 = geometry::Surface(e.surface).area_mm2() / 100.0;
@@ -100,6 +100,7 @@ const Registration kExtract{{
       app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF")->required();
       app.add_option("-o,--output", options->output, "surface (OBJ, mm)")->required();
       options->unit.add_to(app);
+      add_object_option(app, options->object);
       const std::map<std::string, When> when{
           {"never", When::kNever}, {"auto", When::kWhenNeeded}, {"always", When::kAlways}};
       auto& s = options->steps;

@@ -22,4 +22,9 @@ struct UnitOption {
   }
 };
 
+/// --object NAME, for every command that reads a mesh.
+inline void add_object_option(CLI::App& app, std::string& object) {
+  app.add_option("--object", object, "one object of the mesh file by its name; a wrong one lists those that are in it");
+}
+
 }  // namespace triskin::cli

@@ -20,6 +20,7 @@ using nlohmann::json;
 
 struct Options {
   std::string surface, output, picture, seams, uncut;
+  std::string object;
   UnitOption unit;
   double bend_radius_mm = 0.0;
   geometry::UnfoldingOptions unfolding;
@@ -49,7 +50,7 @@ json net_json(const geometry::Net& net) {
 
 int run(Options options, Output& output) {
   const auto start = std::chrono::steady_clock::now();
-  const geometry::MeshFile file = geometry::read_mesh(options.surface, options.unit.unit);
+  const geometry::MeshFile file = geometry::read_mesh(options.surface, options.unit.unit, options.object);
   const geometry::Surface surface(geometry::extract(file.mesh).surface);
   if (!options.seams.empty())
     options.unfolding.seams =
@@ -104,6 +105,7 @@ const Registration kUnfold{{
           ->capture_default_str();
       app.add_option("--picture", options->picture, "also an SVG: pieces, triangles coloured by their edge error");
       options->unit.add_to(app);
+      add_object_option(app, options->object);
       return [options](Output& output) { return run(*options, output); };
     },
 }};

@@ -82,7 +82,9 @@ double diagonal_of(const Mesh& mesh) {
   return mesh.vertices.empty() ? 0.0 : box.diagonal().norm();
 }
 
+// A vertex without a face may lie anywhere and must not tell the size by which the others are welded.
 void clean(Mesh& mesh, MeshReadReport& report) {
+  drop_unused_vertices(mesh);
   weld(mesh, report);
   drop_bad_faces(mesh, report);
   drop_unused_vertices(mesh);

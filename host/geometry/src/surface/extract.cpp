@@ -265,7 +265,8 @@ void drop_hidden(Extraction& e, const ExtractOptions& options, const ProgressSin
   report(progress, "looking for the outside", 0.3);
   const std::size_t before = e.surface.faces.size();
   e.report.outer = true;
-  repair_again(e, outer_faces(e.surface, options.sky_fraction), "dropping the faces that see little of the sky");
+  repair_again(e, outer_faces(e.surface, options.sky_fraction, kSkyTimeShare * options.repair_s),
+               "dropping the faces that see little of the sky");
   e.report.removed_faces += static_cast<int>(before - e.surface.faces.size());
 }
 

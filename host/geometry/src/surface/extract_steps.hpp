@@ -15,8 +15,16 @@ struct Sky {
 };
 [[nodiscard]] std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces);
 
+/// The same of all faces in about `cpu_s` > 0 seconds of processor time, at least 0.5 s: of a mesh with too many faces
+/// for that, neighbours that face much the same way share the answer of one of them. Depends on no clock.
+[[nodiscard]] std::vector<Sky> sky_of_all(const Mesh& mesh, double cpu_s);
+
 /// Parts that see more with their back are turned; faces that see less than the fraction go, ragged rims evened out.
-[[nodiscard]] Mesh outer_faces(const Mesh& mesh, double sky_fraction);
+/// Cost: sky_of_all().
+[[nodiscard]] Mesh outer_faces(const Mesh& mesh, double sky_fraction, double cpu_s);
+
+/// Share of ExtractOptions::repair_s that one look at the sky of all faces may take: up to three are taken.
+inline constexpr double kSkyTimeShare = 0.12;
 
 /// Closed surface around the mesh (CGAL's alpha wrap), made in a child process; nothing when that needs more than
 /// `cpu_s` seconds of processor time, or fails.

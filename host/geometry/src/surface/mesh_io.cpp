@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/geometry/mesh_io.hpp"
 
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <assimp/Importer.hpp>
 #include <cctype>
 #include <cmath>
-#include <cstring>
 
 #include "clean.hpp"
-#include "isolated.hpp"
+#include "library_reader.hpp"
+#include "object_filter.hpp"
 #include "off_reader.hpp"
 #include "ply_reader.hpp"
 #include "text_readers.hpp"
@@ -27,36 +24,6 @@ namespace {
 constexpr double kSmallestPart_mm = 20.0;
 constexpr double kLargestGuess_mm = 3000.0;  // without a unit
 constexpr double kLargestPart_mm = 5000.0;
-
-// COLLADA states its unit; assimp hands it over as a scene or root property. Other formats have none.
-// 0: none.
-double file_scale(const aiScene& scene) {
-  double metres = 0.0;
-  float single = 0.0F;
-  if (scene.mMetaData == nullptr) return 0.0;
-  if (scene.mMetaData->Get("UnitScaleFactor", metres) && metres > 0.0) return metres * 10.0;
-  if (scene.mMetaData->Get("UnitScaleFactor", single) && single > 0.0F) return static_cast<double>(single) * 10.0;
-  return 0.0;
-}
-
-void collect(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent, Mesh& out) {
-  const aiMatrix4x4 transform = parent * node.mTransformation;
-  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
-    const aiMesh& part = *scene.mMeshes[node.mMeshes[m]];
-    const int base = static_cast<int>(out.vertices.size());
-    for (unsigned v = 0; v < part.mNumVertices; ++v) {
-      const aiVector3D p = transform * part.mVertices[v];
-      out.vertices.emplace_back(static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z));
-    }
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;  // points and lines carry no surface
-      out.faces.push_back({base + static_cast<int>(face.mIndices[0]), base + static_cast<int>(face.mIndices[1]),
-                           base + static_cast<int>(face.mIndices[2])});
-    }
-  }
-  for (unsigned c = 0; c < node.mNumChildren; ++c) collect(scene, *node.mChildren[c], transform, out);
-}
 
 void require_finite(const std::filesystem::path& path, const Mesh& mesh) {
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
@@ -102,62 +69,26 @@ bool is_off(const std::filesystem::path& path, const std::string& bytes) {
          bytes.starts_with("NOFF");
 }
 
-// What the child process hands over: scale, counts, vertices, faces; or a message.
-template <class T>
-void put(std::string& out, const T* values, std::size_t n) {
-  if (n > 0) out.append(reinterpret_cast<const char*>(values), n * sizeof(T));
+void require_object(const std::filesystem::path& path, const ObjectFilter& objects) {
+  if (objects.wanted.empty() || objects.names.contains(objects.wanted)) return;
+  if (objects.names.empty())
+    throw InputError(fmt::format("{}: has no named objects; leave \"{}\" out", path.string(), objects.wanted));
+  throw InputError(fmt::format("{}: has no object \"{}\"; it has {}", path.string(), objects.wanted,
+                               fmt::join(objects.names, ", ")));
 }
 
-std::string library_answer(const std::filesystem::path& path) {
-  Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
-  if (scene == nullptr || scene->mRootNode == nullptr) return std::string("!") + importer.GetErrorString();
-  Mesh mesh;
-  collect(*scene, *scene->mRootNode, aiMatrix4x4(), mesh);
-  const double scale = file_scale(*scene);
-  const std::array<std::size_t, 2> counts{mesh.vertices.size(), mesh.faces.size()};
-  std::string out = "m";
-  put(out, &scale, 1);
-  put(out, counts.data(), 2);
-  put(out, mesh.vertices.data(), mesh.vertices.size());
-  put(out, mesh.faces.data(), mesh.faces.size());
-  return out;
-}
-
-// The library crashes, aborts or never returns on some damaged files (seen with 5.2.5: OFF, PLY, OBJ), so it works in a
-// process of its own.
-void read_with_library(const std::filesystem::path& path, std::size_t size, MeshFile& file) {
-  const auto answer = run_isolated([&] { return library_answer(path); }, static_cast<unsigned>(1 + size / 500'000));
-  const auto damaged = [&](const std::string& why) {
-    throw InputError(fmt::format("{}: not a mesh that can be read ({}); give OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF",
-                                 path.string(), why));
-  };
-  if (!answer || answer->empty()) return damaged("the file is damaged");
-  if (answer->front() == '!') return damaged(answer->substr(1));
-  const char* at = answer->data() + 1;
-  const auto take = [&](auto* values, std::size_t n) {
-    const std::size_t bytes = n * sizeof(*values);
-    if (bytes > 0) std::memcpy(values, at, bytes);
-    at += bytes;
-  };
-  std::array<std::size_t, 2> counts{};
-  double scale = 0.0;
-  take(&scale, 1);
+Mesh read_any(const std::filesystem::path& path, const std::string& bytes, ObjectFilter& objects,
+              MeshReadReport& report) {
   const std::string extension = extension_of(path);
-  if (extension == ".gltf" || extension == ".glb") scale = 1000.0;  // both are in metres by their standard
-  file.report.unit_from_file = scale > 0.0;
-  if (scale > 0.0) file.report.scale_to_mm = scale;
-  take(counts.data(), 2);
-  file.mesh.vertices.resize(counts[0]);
-  file.mesh.faces.resize(counts[1]);
-  for (Vec3& v : file.mesh.vertices) take(v.data(), 3);
-  take(file.mesh.faces.data(), counts[1]);
-  for (const auto& f : file.mesh.faces) {
-    for (const int v : f) {
-      if (v < 0 || static_cast<std::size_t>(v) >= counts[0])
-        return damaged("a face names a vertex that does not exist");
-    }
-  }
+  if (is_off(path, bytes)) return read_off(bytes, path.string());
+  if (extension == ".obj") return read_obj(bytes, path.string(), objects);
+  if (extension == ".stl")
+    return is_binary_stl(bytes) ? read_binary_stl(bytes) : read_text_stl(bytes, path.string(), objects);
+  if (extension == ".ply") return read_ply(bytes, path.string());
+  LibraryMesh read = read_with_library(path, bytes, objects);
+  report.unit_from_file = read.unit_mm > 0.0;
+  if (report.unit_from_file) report.scale_to_mm = read.unit_mm;
+  return std::move(read.mesh);
 }
 
 }  // namespace
@@ -167,22 +98,13 @@ double scale_of(LengthUnit unit) {
   return unit == LengthUnit::kCentimetre ? 10.0 : 1.0;
 }
 
-MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
+MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit, const std::string& object) {
   const std::string bytes = read_file(path);  // names the file when it cannot be read
   if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty", path.string()));
   MeshFile file;
-  const std::string extension = extension_of(path);
-  if (is_off(path, bytes)) {
-    file.mesh = read_off(bytes, path.string());
-  } else if (extension == ".obj") {
-    file.mesh = read_obj(bytes, path.string());
-  } else if (extension == ".stl") {
-    file.mesh = is_binary_stl(bytes) ? read_binary_stl(bytes) : read_text_stl(bytes, path.string());
-  } else if (extension == ".ply") {
-    file.mesh = read_ply(bytes, path.string());
-  } else {
-    read_with_library(path, bytes.size(), file);
-  }
+  ObjectFilter objects{object, {}};
+  file.mesh = read_any(path, bytes, objects, file.report);
+  require_object(path, objects);
   if (unit) file.report.scale_to_mm = scale_of(*unit);
   require_finite(path, file.mesh);
   for (Vec3& v : file.mesh.vertices) v *= file.report.scale_to_mm;
@@ -195,12 +117,12 @@ MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> 
 Mesh read_obj_group(const std::filesystem::path& path, const std::string& group, double scale_to_mm) {
   if (extension_of(path) != ".obj")
     throw InputError(fmt::format("{}: only OBJ files have named groups; give faces, a sphere or a box", path.string()));
-  std::set<std::string> names;
-  Mesh mesh = read_obj(read_file(path), path.string(), group, names);
-  if (!names.contains(group)) {
-    throw InputError(names.empty() ? fmt::format("{}: has no group \"{}\", nor any other", path.string(), group)
-                                   : fmt::format("{}: has no group \"{}\"; it has {}", path.string(), group,
-                                                 fmt::join(names, ", ")));
+  ObjectFilter objects{group, {}};
+  Mesh mesh = read_obj(read_file(path), path.string(), objects);
+  if (!objects.names.contains(group)) {
+    throw InputError(objects.names.empty() ? fmt::format("{}: has no group \"{}\", nor any other", path.string(), group)
+                                           : fmt::format("{}: has no group \"{}\"; it has {}", path.string(), group,
+                                                         fmt::join(objects.names, ", ")));
   }
   for (Vec3& v : mesh.vertices) v *= scale_to_mm;
   return mesh;

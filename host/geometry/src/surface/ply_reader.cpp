@@ -139,7 +139,19 @@ class PlyReader {
       if (!(value >= -1.0 && value <= 2e9)) fail("a face names a vertex that does not exist");
       values.push_back(static_cast<int>(value));
     }
-    if (e.name == "face" && p.name.starts_with("vertex_ind")) polygons_.push_back(std::move(values));
+    if (!p.name.starts_with("vertex_ind")) return;
+    if (e.name == "face") polygons_.push_back(std::move(values));
+    if (e.name == "tristrips") add_strips(values);
+  }
+  // Three in a row are a triangle, every second one turned; -1 begins a new strip.
+  void add_strips(const std::vector<int>& values) {
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (values[k] < 0) first = k + 1;
+      if (k < first + 2) continue;
+      const bool turned = (k - first) % 2 == 1;
+      polygons_.push_back({values[k - 2], values[turned ? k : k - 1], values[turned ? k - 1 : k]});
+    }
   }
 
   double number(const TypeRow& type) { return text_ ? text_number() : binary_number(type); }

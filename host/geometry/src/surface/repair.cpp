@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "clean.hpp"
 #include "extract_steps.hpp"
@@ -253,11 +252,9 @@ struct Reference {
   std::vector<bool> outside;
 };
 
-Reference reference_of(Mesh mesh, double sky_fraction) {
+Reference reference_of(Mesh mesh, double sky_fraction, double cpu_s) {
   Reference r{std::move(mesh), {}};
-  std::vector<int> all(r.mesh.faces.size());
-  std::iota(all.begin(), all.end(), 0);
-  for (const Sky& s : sky_of(r.mesh, all)) r.outside.push_back(std::max(s.front, s.back) >= sky_fraction);
+  for (const Sky& s : sky_of_all(r.mesh, cpu_s)) r.outside.push_back(std::max(s.front, s.back) >= sky_fraction);
   return r;
 }
 
@@ -332,6 +329,10 @@ class Repairer {
     return d.largest_mm <= kGoodDeviation_mm || d.mean_mm <= kGoodMean_mm;
   }
 
+  [[nodiscard]] Mesh outside_of(const Mesh& mesh) const {
+    return outer_faces(mesh, options_.sky_fraction, kSkyTimeShare * options_.repair_s);
+  }
+
   void local() {
     report(progress_, "dividing faces that cross", 0.1);
     Mesh input = mesh_;
@@ -345,7 +346,7 @@ class Repairer {
       crossings_ = static_cast<int>(crossing_faces(mesh_).size());
     }
     const auto parts = divided(input, cpu_s(0.3));
-    reference_ = reference_of(parts ? *parts : input, options_.sky_fraction);
+    reference_ = reference_of(parts ? *parts : input, options_.sky_fraction, kSkyTimeShare * options_.repair_s);
     try_settling(without_hidden_parts(reference_.mesh), Repair::kLocal,
                  options_.outer == ExtractOptions::When::kAlways);
   }
@@ -371,7 +372,7 @@ class Repairer {
 
   void try_settling(const Mesh& mesh, Repair way, bool outer) {
     try {
-      Extraction e = settled(outer ? outer_faces(joined(mesh).surface, options_.sky_fraction) : mesh);
+      Extraction e = settled(outer ? outside_of(joined(mesh).surface) : mesh);
       ExtractReport& r = e.report;
       r.removed_components += before_.removed_components;
       r.flipped_faces += before_.flipped_faces;

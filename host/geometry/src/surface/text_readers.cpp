@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
@@ -32,6 +33,20 @@ std::string_view word_of(std::string_view& line) {
   return word;
 }
 
+// What is left of the line, without spaces at its ends; the line is empty then.
+std::string rest_of(std::string_view& line) {
+  line.remove_prefix(std::min(line.find_first_not_of(kSpace), line.size()));
+  const std::string rest(line.substr(0, line.find_last_not_of(kSpace) + 1));
+  line = {};
+  return rest;
+}
+
+std::string lower(std::string_view word) {
+  std::string result(word);
+  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
 template <class Number>
 std::optional<Number> number_of(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
@@ -54,6 +69,8 @@ std::optional<Vec3> point_of(std::string_view& line) {
 // Calls `take` with each line and its number; a backslash at the end joins the next line.
 template <class Take>
 void each_line(std::string_view text, Take take) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   int number = 0;
   std::string joined;
   while (!text.empty()) {
@@ -83,14 +100,7 @@ void each_line(std::string_view text, Take take) {
 
 }  // namespace
 
-Mesh read_obj(const std::string& text, const std::string& file) {
-  std::set<std::string> names;
-  return read_obj(text, file, "", names);
-}
-
-// An empty group is all faces.
-Mesh read_obj(const std::string& text, const std::string& file, const std::string& group,
-              std::set<std::string>& names) {
+Mesh read_obj(const std::string& text, const std::string& file, ObjectFilter& objects) {
   Mesh mesh;
   std::array<bool, 2> is_in{};  // the object, one of the groups
   each_line(text, [&](std::string_view line, int number) {
@@ -102,12 +112,11 @@ Mesh read_obj(const std::string& text, const std::string& file, const std::strin
     }
     if (kind == "o" || kind == "g") {
       bool& is_named = is_in[kind == "o" ? 0 : 1] = false;
-      for (std::string_view word = word_of(line); !word.empty(); word = word_of(line)) {
-        names.emplace(word);
-        is_named = is_named || word == group;
-      }
+      if (kind == "o") is_named = objects.meets(rest_of(line));
+      for (std::string_view word = word_of(line); !word.empty(); word = word_of(line))
+        is_named = objects.meets(std::string(word)) || is_named;
     }
-    if (kind != "f" || (!group.empty() && !is_in[0] && !is_in[1])) return;
+    if (kind != "f" || (!objects.wanted.empty() && !is_in[0] && !is_in[1])) return;
     std::vector<int> corners;
     for (std::string_view word = word_of(line); !word.empty() && word.front() != '#'; word = word_of(line)) {
       const auto index = number_of<long>(word.substr(0, word.find('/')));
@@ -149,15 +158,16 @@ Mesh read_binary_stl(const std::string& bytes) {
   return mesh;
 }
 
-Mesh read_text_stl(const std::string& text, const std::string& file) {
+Mesh read_text_stl(const std::string& text, const std::string& file, ObjectFilter& objects) {
   Mesh mesh;
   std::vector<int> corners;
-  bool known = false;
+  bool known = false, is_in = objects.wanted.empty();
   each_line(text, [&](std::string_view line, int number) {
-    const std::string_view kind = word_of(line);
+    const std::string kind = lower(word_of(line));
     known = known || kind == "solid" || kind == "facet";
+    if (kind == "solid") is_in = objects.meets(rest_of(line)) || objects.wanted.empty();
     if (kind == "outer" || kind == "facet") corners.clear();
-    if (kind == "endloop") add_polygon(mesh, std::exchange(corners, {}));
+    if (kind == "endloop" && is_in) add_polygon(mesh, std::exchange(corners, {}));
     if (kind != "vertex") return;
     const auto p = point_of(line);
     if (!p) fail(file, number, "a vertex must be three numbers");

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "triskin/design/design.hpp"
 #include "triskin/design/region_file.hpp"
@@ -21,6 +22,7 @@ enum class RepairMode : std::uint8_t {
 /// Options of make_design(). Out of range: InputError.
 struct DesignOptions {
   std::optional<geometry::LengthUnit> unit;  ///< of the mesh file; none: its own or mm
+  std::string object;                        ///< of a mesh file with several, by its name; empty: all
   RepairMode repair = RepairMode::kAuto;
   double time_limit_s = 20.0;   ///< > 0, of all steps together; what placement and wiring leave goes to the growth
   std::uint64_t seed = 1;       ///< of every random choice
