@@ -170,7 +170,7 @@ bool Grower::seed_at_sample(LatticeNet& net, const Sample& sample, Dice& random)
   return try_seed(net, corners);
 }
 
-// One side towards the nearest border and parallel to it.
+// One side along the nearest border, counter-clockwise seen from outside.
 bool Grower::seed_at_border(LatticeNet& net, const Sample& sample) {
   const double reach = surface_.surface().border_distance(sample.point);
   if (!(reach < 20.0)) return false;
@@ -181,8 +181,7 @@ bool Grower::seed_at_border(LatticeNet& net, const Sample& sample) {
   if (uphill.norm() < 1e-6) return false;
   const Vec3 in = uphill.normalized(), along = in.cross(sample.normal);
   const Vec3 foot = sample.point - (reach - 0.2) * in;
-  return try_seed(net, {Vec3(foot - 15.0 * along), Vec3(foot + 15.0 * along), Vec3(foot + kHeight_mm * in)}) ||
-         try_seed(net, {Vec3(foot + 15.0 * along), Vec3(foot - 15.0 * along), Vec3(foot + kHeight_mm * in)});
+  return try_seed(net, {Vec3(foot - 15.0 * along), Vec3(foot + 15.0 * along), Vec3(foot + kHeight_mm * in)});
 }
 
 std::vector<Grower::Side> Grower::open_sides(const LatticeNet& net, const Ball& ball) const {
