@@ -23,6 +23,14 @@ constexpr double kNearBorder_mm = 12.0;
 constexpr double kWantedGap_mm = 2.0;  // corners lift off where the centre would be deeper than this
 constexpr double kLongest_mm = 5.0;    // of one step
 
+// Of the way along a surface between two points whose normals have this cosine, as on an arc over the chord: the chord
+// times (asin s / s)², s² = (1 − cosine) / 2, by its first four terms. What lies on the other side of a narrow part is
+// far away.
+double squared_way(const Vec3& chord, double cosine) {
+  const double s2 = 0.5 * (1.0 - cosine);
+  return chord.squaredNorm() * (1.0 + s2 * (1.0 / 3.0 + s2 * (8.0 / 45.0 + s2 * (4.0 / 35.0))));
+}
+
 }  // namespace
 
 bool Relaxer::relax(LatticeNet& net, int triangle, double radius_mm, int steps) {
@@ -47,7 +55,7 @@ bool Relaxer::overlaps(const LatticeNet& net, int triangle, double depth_mm) {
 }
 
 void Relaxer::choose(const LatticeNet& net, int triangle, double radius_mm) {
-  const Vec3 place = net.triangles()[at(triangle)].center;
+  const Vec3 place = net.triangles()[at(triangle)].center, normal = net.triangles()[at(triangle)].normal;
   for (const Moving& m : moving_) local_[at(m.vertex)] = -1;
   for (const int t : triangles_) is_local_[at(t)] = 0;
   local_.resize(std::max(local_.size(), net.vertices().size()), -1);
@@ -66,7 +74,7 @@ void Relaxer::choose(const LatticeNet& net, int triangle, double radius_mm) {
       const NetVertex& w = net.vertices()[at(v)];
       const bool is_moving = local_[at(v)] >= 0;
       if (!is_moving && w.is_fixed) continue;
-      if (!is_moving && (w.point - place).squaredNorm() > radius_mm * radius_mm) continue;
+      if (!is_moving && squared_way(w.point - place, w.normal.dot(normal)) > radius_mm * radius_mm) continue;
       if (!is_moving) {
         local_[at(v)] = 0;
         Moving& m = moving_.emplace_back();
@@ -162,27 +170,31 @@ void Relaxer::add_border(const LatticeNet& net) {
 }
 
 void Relaxer::add_side_at_border(const NetTriangle& triangle, std::size_t side) {
-  if (triangle.corner_cut_mm > 0.0) {
-    const double cut = triangle.corner_cut_mm / kSide_mm;
-    for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0}) add_point_at_border(triangle, side, cut + x * (1.0 - 2.0 * cut));
-    return;
+  const double cut = triangle.corner_cut_mm / kSide_mm;
+  const bool is_cut = cut > 0.0;  // else the end of the side is the start of the next
+  const double spacing = is_cut ? 0.25 * (1.0 - 2.0 * cut) : 0.2;
+  for (int k = 0; k < 5;) {
+    const double x = cut + k * spacing;
+    const double far_mm = add_point_at_border(triangle, side, x);
+    k += 1 + std::max(0, static_cast<int>(far_mm / (spacing * kSide_mm)));
   }
-  for (const double x : {0.0, 0.2, 0.4, 0.6, 0.8}) add_point_at_border(triangle, side, x);
 }
 
-// The point at part x of a side.
-void Relaxer::add_point_at_border(const NetTriangle& triangle, std::size_t side, double x) {
+// The point at part x of a side; how far from it no other has to be looked at.
+double Relaxer::add_point_at_border(const NetTriangle& triangle, std::size_t side, double x) {
   const Vec3 &a = triangle.rigid[side], &b = triangle.rigid[(side + 1) % 3];
   const Vec3 p = a + x * (b - a);
-  if (!surface_.may_be_over_border(p)) return;
+  if (const double far_mm = surface_.border_at_least(p) - kNearBorder_mm; far_mm >= 0.0) return far_mm;
+  if (!surface_.may_be_over_border(p)) return 0.0;
   const Foot foot = surface_.closest(p);
-  if (!foot.on_border) return;
+  if (!foot.on_border) return 0.0;
   const Vec3 off = p - foot.point, over = off - off.dot(foot.normal) * foot.normal;
   const double depth = over.norm();
-  if (depth < 0.15 || depth > 10.0) return;
+  if (depth < 0.15 || depth > 10.0) return 0.0;
   const Vec3 out = over / depth;
   add_residual(depth - 0.15, 2.0, {triangle.vertex[side], triangle.vertex[(side + 1) % 3]},
                {Vec3((1 - x) * out), Vec3(x * out)});
+  return 0.0;
 }
 
 void Relaxer::solve() {

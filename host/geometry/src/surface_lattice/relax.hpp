@@ -52,7 +52,7 @@ class Relaxer {
   void add_pairs(const LatticeNet& net);
   void add_border(const LatticeNet& net);
   void add_side_at_border(const NetTriangle& triangle, std::size_t side);
-  void add_point_at_border(const NetTriangle& triangle, std::size_t side, double x);
+  double add_point_at_border(const NetTriangle& triangle, std::size_t side, double x);
   void add_residual(double value, double weight, const std::array<int, 2>& vertex, const std::array<Vec3, 2>& gradient);
   void solve();
   void move(LatticeNet& net, const Moving& moving, const Vec3& by);
