@@ -10,8 +10,8 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr double kSnap_mm = 7.0;  // an apex this near to a corner of the same lattice point joins it
-constexpr double kRelaxRadius_mm = 60.0;
-constexpr int kRelaxSteps = 5;
+constexpr double kRelaxRadius_mm = 60.0, kSecondRadius_mm = 90.0;  // what may give way, at the first and second try
+constexpr int kRelaxSteps = 5, kSecondSteps = 6;
 constexpr double kCrowded_mm = 6.0;  // overlap that relaxing will not undo
 constexpr double kShort_mm = 6.0;    // an apex that the border holds back by more is not tried
 constexpr double kReach_mm = 45.0;
@@ -119,15 +119,25 @@ bool Grower::try_corner(LatticeNet& net, Side side, int apex) {
   return keep_or_revert(net, net.add_triangle(t.island, next.tile, v));
 }
 
+// A module that is refused after a hopeful start, beside others of its island, is tried again with more around it
+// giving way.
 bool Grower::keep_or_revert(LatticeNet& net, int triangle) {
-  Refusal refusal = Refusal::kPenetration;
-  if (relaxer_.relax(net, triangle, kRelaxRadius_mm, kRelaxSteps))
-    refusal = rules_.evaluate(surface_, net, relaxer_.changed(), relaxer_.pairs(), known_sides_);
+  Refusal refusal = refusal_of(net, triangle, kRelaxRadius_mm, kRelaxSteps);
+  const bool was_hopeful = !relaxer_.changed().empty();
+  if (refusal != Refusal::kNone && was_hopeful && net.island_sizes()[at(net.triangles()[at(triangle)].island)] > 1) {
+    relaxer_.undo(net);
+    refusal = refusal_of(net, triangle, kSecondRadius_mm, kSecondSteps);
+  }
   if (refusal == Refusal::kNone) return true;
   ++refused[static_cast<std::size_t>(refusal)];
   relaxer_.undo(net);
   net.take_back(triangle);
   return false;
+}
+
+Refusal Grower::refusal_of(LatticeNet& net, int triangle, double radius_mm, int steps) {
+  if (!relaxer_.relax(net, triangle, radius_mm, steps)) return Refusal::kPenetration;
+  return rules_.evaluate(surface_, net, relaxer_.changed(), relaxer_.pairs(), known_sides_);
 }
 
 // Hopeless places are found before the costly relaxing.
@@ -170,7 +180,7 @@ bool Grower::seed_at_sample(LatticeNet& net, const Sample& sample, Dice& random)
   return try_seed(net, corners);
 }
 
-// One side towards the nearest border and parallel to it.
+// One side along the nearest border, counter-clockwise seen from outside.
 bool Grower::seed_at_border(LatticeNet& net, const Sample& sample) {
   const double reach = surface_.surface().border_distance(sample.point);
   if (!(reach < 20.0)) return false;
@@ -181,8 +191,7 @@ bool Grower::seed_at_border(LatticeNet& net, const Sample& sample) {
   if (uphill.norm() < 1e-6) return false;
   const Vec3 in = uphill.normalized(), along = in.cross(sample.normal);
   const Vec3 foot = sample.point - (reach - 0.2) * in;
-  return try_seed(net, {Vec3(foot - 15.0 * along), Vec3(foot + 15.0 * along), Vec3(foot + kHeight_mm * in)}) ||
-         try_seed(net, {Vec3(foot + 15.0 * along), Vec3(foot - 15.0 * along), Vec3(foot + kHeight_mm * in)});
+  return try_seed(net, {Vec3(foot - 15.0 * along), Vec3(foot + 15.0 * along), Vec3(foot + kHeight_mm * in)});
 }
 
 std::vector<Grower::Side> Grower::open_sides(const LatticeNet& net, const Ball& ball) const {

@@ -61,6 +61,7 @@ class Grower {
   bool seed_at_border(LatticeNet& net, const Sample& sample);
   [[nodiscard]] bool crowded(const LatticeNet& net, const Triangle& corners, int beside) const;
   bool keep_or_revert(LatticeNet& net, int triangle);
+  [[nodiscard]] Refusal refusal_of(LatticeNet& net, int triangle, double radius_mm, int steps);
   [[nodiscard]] std::vector<Side> open_sides(const LatticeNet& net, const Ball& ball) const;
   [[nodiscard]] std::uint64_t surroundings_of(const LatticeNet& net, Side side) const;
   [[nodiscard]] std::uint64_t& last_failure(std::vector<std::array<std::uint64_t, 3>>& failures, Side side);

@@ -32,7 +32,8 @@ NearSurface::NearSurface(const Surface& surface)
   const double face_mm = std::sqrt(surface.area_mm2() / std::max(1.0, static_cast<double>(mesh.faces.size())));
   size_mm_ =
       std::max(std::clamp(0.7 * face_mm, kSmallestVoxel_mm, kLargestVoxel_mm), std::cbrt(extent.prod() / kMaxVoxels));
-  for (int k = 0; k < 3; ++k) voxels_[at(k)] = static_cast<int>(extent[k] / size_mm_) + 1;
+  per_mm_ = 1.0 / size_mm_;
+  for (int k = 0; k < 3; ++k) voxels_[at(k)] = static_cast<int>(extent[k] * per_mm_) + 1;
   index_.assign(at(voxels_[0]) * at(voxels_[1]) * at(voxels_[2]), -1);
   for (const auto& loop : surface.border_loops()) {
     for (const int v : loop) border_vertex_[at(v)] = true;
@@ -43,7 +44,7 @@ NearSurface::NearSurface(const Surface& surface)
 }
 
 const NearSurface::Voxel* NearSurface::voxel_at(const Vec3& query_mm) {
-  const Vec3 q = (query_mm - origin_) / size_mm_;
+  const Vec3 q = (query_mm - origin_) * per_mm_;
   if (!(q.minCoeff() >= 0.0)) return nullptr;
   const std::array<int, 3> c{static_cast<int>(q[0]), static_cast<int>(q[1]), static_cast<int>(q[2])};
   if (c[0] >= voxels_[0] || c[1] >= voxels_[1] || c[2] >= voxels_[2]) return nullptr;

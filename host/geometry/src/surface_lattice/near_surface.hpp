@@ -41,7 +41,7 @@ class NearSurface {
 
   const Surface& surface_;
   Vec3 origin_ = Vec3::Zero();
-  double size_mm_ = 5.0;
+  double size_mm_ = 5.0, per_mm_ = 0.2;  ///< side of a voxel, voxels a mm
   std::array<int, 3> voxels_{};
   std::vector<int> index_;  ///< voxel → its entry in `filled_`, −1: not asked for yet
   std::vector<Voxel> filled_;

@@ -224,11 +224,18 @@ void LatticeNet::take_back(int triangle) {
 
 void LatticeNet::pin(int triangle, const Triangle& corners) {
   set_rigid(triangle, corners);
+  note_moved(triangle);
   triangles_[at(triangle)].is_fixed = true;
   for (const int v : triangles_[at(triangle)].vertex) edit_vertex(v).is_fixed = true;
 }
 
 void LatticeNet::fit(int triangle) {
+  if (triangles_[at(triangle)].is_fixed) return;
+  fit_for_now(triangle);
+  note_moved(triangle);
+}
+
+void LatticeNet::fit_for_now(int triangle) {
   const NetTriangle& t = triangles_[at(triangle)];
   if (t.is_fixed) return;
   set_rigid(triangle, fit_rigid({vertices_[at(t.vertex[0])].point, vertices_[at(t.vertex[1])].point,
@@ -241,8 +248,16 @@ void LatticeNet::set_rigid(int triangle, const Triangle& corners) {
   t.rigid = corners;
   t.center = (t.rigid[0] + t.rigid[1] + t.rigid[2]) / 3.0;
   t.normal = (t.rigid[1] - t.rigid[0]).cross(t.rigid[2] - t.rigid[0]) / (kSide_mm * kHeight_mm);
-  centers_[at(triangle)] = t.center;
-  grid_.move(triangle, t.center);
+}
+
+void LatticeNet::set_back(int triangle, const ModuleShape& shape) {
+  static_cast<ModuleShape&>(triangles_[at(triangle)]) = shape;
+}
+
+void LatticeNet::note_moved(int triangle) {
+  const Vec3& center = triangles_[at(triangle)].center;
+  centers_[at(triangle)] = center;
+  grid_.move(triangle, center);
   mark_changed(triangle);
 }
 

@@ -29,15 +29,20 @@ struct NetVertex {
   Vec3 outward = Vec3::Zero();  ///< direction in which the border was last run over
 };
 
+/// Where a rigid module lies.
+struct ModuleShape {
+  Triangle rigid;  ///< corners of the whole triangle
+  Vec3 center = Vec3::Zero(), normal = Vec3::UnitZ();
+};
+
 /// One module: corners in tile order, and the rigid module that fits them best.
-struct NetTriangle {
+struct NetTriangle : ModuleShape {
   std::array<int, 3> vertex{};
   Tile tile;
   int island = -1;  ///< -1: unused
   double corner_cut_mm = 0.0;
   bool is_fixed = false;  ///< the module stays as it was given (pin)
-  Triangle rigid;         ///< corners of the whole triangle
-  Vec3 center = Vec3::Zero(), normal = Vec3::UnitZ();
+  [[nodiscard]] const ModuleShape& shape() const { return *this; }
 };
 
 /// Triangles over shared vertices that unfold into isometric lattices, one lattice an island. Value type: copies are
@@ -94,6 +99,12 @@ class LatticeNet {
   void take_back(int triangle);
   /// Fits the rigid module of a triangle to its vertices; a fixed one stays.
   void fit(int triangle);
+  /// The same for a module that is about to be fitted again: searches find it where it was until note_moved().
+  void fit_for_now(int triangle);
+  /// Puts back the module that a triangle had before fit_for_now().
+  void set_back(int triangle, const ModuleShape& shape);
+  /// After fit_for_now(): searches find the module where it is, and it counts as changed.
+  void note_moved(int triangle);
   /// After changes: parts that hang together only at a corner, or not at all, get corners and islands of their own.
   /// Cost: what was added and removed since the last call; where an island falls apart, its smaller parts.
   void separate();

@@ -15,19 +15,23 @@ constexpr double kCenters_mm =
     2.0 * kHeight_mm / 3.0 + 1.0;   // of two modules, farther apart than the middles of their sides
 constexpr double kStraight = 0.95;  // a jumper along the surface is a little longer than the straight line
 
+// Controllers of n modules that hang together.
+double divided_by_controllers(int n) {
+  return n > 0 ? std::max(1.0, n / kModulesAController + kRoundedUp) : 0.0;
+}
+
 }  // namespace
 
 double relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price) {
   std::vector<int> modules(group.empty() ? 0 : at(std::ranges::max(group)) + 1, 0);
-  int groups = 0;
+  double pieces = 0.0, controllers = 0.0;
   for (std::size_t k = 0; k < sizes.size(); ++k) {
-    groups += modules[at(group[k])] == 0 ? 1 : 0;
+    pieces += divided_by_controllers(sizes[k]);
     modules[at(group[k])] += sizes[k];
   }
-  double controllers = 0.0;
-  for (const int n : modules) controllers += n > 0 ? std::max(1.0, n / kModulesAController + kRoundedUp) : 0.0;
+  for (const int n : modules) controllers += divided_by_controllers(n);
   const double islands = static_cast<double>(sizes.size());
-  return price.controller * controllers + price.jumper * (islands - groups) + price.island * islands;
+  return price.controller * controllers + price.jumper * (pieces - controllers) + price.island * islands;
 }
 
 void NetPrice::unlink(int triangle) {

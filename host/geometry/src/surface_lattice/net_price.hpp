@@ -7,9 +7,11 @@
 
 namespace triskin::geometry::surface_lattice {
 
-/// Price of islands before they are wired. Islands of one group can be joined by jumpers; a group of n modules in i
-/// islands is counted as max(1, n / 16 + 15 / 32) controllers and i − 1 jumpers. Controllers are a fraction, because a
-/// search that pays a whole one for the next module never places it. `group[k]` ≥ 0 of island k. Cost: O(islands).
+/// Price of islands before they are wired. n modules that hang together are counted as p(n) = max(1, n / 16 + 15 / 32)
+/// pieces, one for each controller. Islands of one group can be joined by jumpers; a group of n modules in islands of
+/// n₁, n₂ … has p(n) controllers and, as after the wiring, a jumper for each piece more: Σ p(nᵢ) − p(n). They are
+/// fractions, because a search that pays a whole controller for the next module never places it. `group[k]` ≥ 0 of
+/// island k. Cost: O(islands).
 [[nodiscard]] double relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price);
 
 /// relaxed_price() of a net, of which it follows the changes. Islands are in one group where two free sides lie within

@@ -23,6 +23,14 @@ constexpr double kNearBorder_mm = 12.0;
 constexpr double kWantedGap_mm = 2.0;  // corners lift off where the centre would be deeper than this
 constexpr double kLongest_mm = 5.0;    // of one step
 
+// Of the way along a surface between two points whose normals have this cosine, as on an arc over the chord: the chord
+// times (asin s / s)², s² = (1 − cosine) / 2, by its first four terms. What lies on the other side of a narrow part is
+// far away.
+double squared_way(const Vec3& chord, double cosine) {
+  const double s2 = 0.5 * (1.0 - cosine);
+  return chord.squaredNorm() * (1.0 + s2 * (1.0 / 3.0 + s2 * (8.0 / 45.0 + s2 * (4.0 / 35.0))));
+}
+
 }  // namespace
 
 bool Relaxer::relax(LatticeNet& net, int triangle, double radius_mm, int steps) {
@@ -47,13 +55,16 @@ bool Relaxer::overlaps(const LatticeNet& net, int triangle, double depth_mm) {
 }
 
 void Relaxer::choose(const LatticeNet& net, int triangle, double radius_mm) {
-  const Vec3 place = net.triangles()[at(triangle)].center;
+  const Vec3 place = net.triangles()[at(triangle)].center, normal = net.triangles()[at(triangle)].normal;
   for (const Moving& m : moving_) local_[at(m.vertex)] = -1;
   for (const int t : triangles_) is_local_[at(t)] = 0;
   local_.resize(std::max(local_.size(), net.vertices().size()), -1);
   is_local_.resize(std::max(is_local_.size(), net.triangles().size()), 0);
+  known_gaps_.resize(std::max(known_gaps_.size(), net.triangles().size()));
   moving_.clear();
   triangles_.clear();
+  saved_.clear();
+  changed_.clear();
   near_.clear();
   is_local_[at(triangle)] = 1;  // also one between fixed modules, which has no corner to move
   net.near(place, radius_mm + 2.0 * kReach_mm + kPair_mm, near_);
@@ -63,16 +74,22 @@ void Relaxer::choose(const LatticeNet& net, int triangle, double radius_mm) {
       const NetVertex& w = net.vertices()[at(v)];
       const bool is_moving = local_[at(v)] >= 0;
       if (!is_moving && w.is_fixed) continue;
-      if (!is_moving && (w.point - place).squaredNorm() > radius_mm * radius_mm) continue;
+      if (!is_moving && squared_way(w.point - place, w.normal.dot(normal)) > radius_mm * radius_mm) continue;
       if (!is_moving) {
         local_[at(v)] = 0;
-        moving_.push_back({v, 0.0, Vec3::Zero(), Vec3::Zero(), w.point, w.normal, w.lift_mm});
+        Moving& m = moving_.emplace_back();
+        m.vertex = v;
+        m.saved_point = w.point;
+        m.saved_normal = w.normal;
+        m.saved_lift_mm = w.lift_mm;
         low = low.cwiseMin(w.point);
         high = high.cwiseMax(w.point);
       }
       is_local_[at(t)] = 1;
     }
-    if (is_local_[at(t)]) triangles_.push_back(t);
+    if (!is_local_[at(t)]) continue;
+    triangles_.push_back(t);
+    saved_.push_back(net.triangles()[at(t)].shape());
   }
   const Vec3 line = high - low;
   for (Moving& m : moving_) m.key = line.dot(m.saved_point);
@@ -153,27 +170,31 @@ void Relaxer::add_border(const LatticeNet& net) {
 }
 
 void Relaxer::add_side_at_border(const NetTriangle& triangle, std::size_t side) {
-  if (triangle.corner_cut_mm > 0.0) {
-    const double cut = triangle.corner_cut_mm / kSide_mm;
-    for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0}) add_point_at_border(triangle, side, cut + x * (1.0 - 2.0 * cut));
-    return;
+  const double cut = triangle.corner_cut_mm / kSide_mm;
+  const bool is_cut = cut > 0.0;  // else the end of the side is the start of the next
+  const double spacing = is_cut ? 0.25 * (1.0 - 2.0 * cut) : 0.2;
+  for (int k = 0; k < 5;) {
+    const double x = cut + k * spacing;
+    const double far_mm = add_point_at_border(triangle, side, x);
+    k += 1 + std::max(0, static_cast<int>(far_mm / (spacing * kSide_mm)));
   }
-  for (const double x : {0.0, 0.2, 0.4, 0.6, 0.8}) add_point_at_border(triangle, side, x);
 }
 
-// The point at part x of a side.
-void Relaxer::add_point_at_border(const NetTriangle& triangle, std::size_t side, double x) {
+// The point at part x of a side; how far from it no other has to be looked at.
+double Relaxer::add_point_at_border(const NetTriangle& triangle, std::size_t side, double x) {
   const Vec3 &a = triangle.rigid[side], &b = triangle.rigid[(side + 1) % 3];
   const Vec3 p = a + x * (b - a);
-  if (!surface_.may_be_over_border(p)) return;
+  if (const double far_mm = surface_.border_at_least(p) - kNearBorder_mm; far_mm >= 0.0) return far_mm;
+  if (!surface_.may_be_over_border(p)) return 0.0;
   const Foot foot = surface_.closest(p);
-  if (!foot.on_border) return;
+  if (!foot.on_border) return 0.0;
   const Vec3 off = p - foot.point, over = off - off.dot(foot.normal) * foot.normal;
   const double depth = over.norm();
-  if (depth < 0.15 || depth > 10.0) return;
+  if (depth < 0.15 || depth > 10.0) return 0.0;
   const Vec3 out = over / depth;
   add_residual(depth - 0.15, 2.0, {triangle.vertex[side], triangle.vertex[(side + 1) % 3]},
                {Vec3((1 - x) * out), Vec3(x * out)});
+  return 0.0;
 }
 
 void Relaxer::solve() {
@@ -225,7 +246,7 @@ double Relaxer::step(LatticeNet& net) {
     largest = std::max(largest, std::min(length, kLongest_mm));
     move(net, m, by);
   }
-  for (const int t : triangles_) net.fit(t);
+  for (const int t : triangles_) net.fit_for_now(t);
   return largest;
 }
 
@@ -248,32 +269,49 @@ void Relaxer::move(LatticeNet& net, const Moving& moving, const Vec3& by) {
 void Relaxer::adapt_lift(LatticeNet& net) {
   if (lift_mm_ <= 0.0) return;
   bool any = false;
-  for (const Moving& m : moving_) {
-    NetVertex& v = net.edit_vertex(m.vertex);
-    if (v.lift_mm == 0.0) continue;
-    any = true;
-    v.point -= v.lift_mm * v.normal;
-    v.lift_mm = std::max(0.0, v.lift_mm - 0.1);
+  for (Moving& m : moving_) {
+    const double lift = net.vertices()[at(m.vertex)].lift_mm;
+    any = any || lift != 0.0;
+    m.wanted_lift_mm = std::max(0.0, lift - 0.1);
   }
   for (const int t : triangles_) {
     const NetTriangle& triangle = net.triangles()[at(t)];
-    const Foot foot = surface_.closest(triangle.center);
-    if (foot.distance_mm < kWantedGap_mm) continue;
-    const double under = (foot.point - triangle.center).dot(triangle.normal);
+    const double under = height_of_surface(t, triangle);
     if (under < kWantedGap_mm) continue;
-    any = true;
     for (const int v : triangle.vertex) {
       if (local_[at(v)] < 0) continue;
-      double& lift = net.edit_vertex(v).lift_mm;
+      any = true;
+      double& lift = moving_[at(local_[at(v)])].wanted_lift_mm;
       lift = std::min(lift_mm_, lift + 0.5 * (under - kWantedGap_mm));
     }
   }
-  if (!any) return;
-  for (const Moving& m : moving_) {
+  if (any) apply_lift(net);
+}
+
+// Height of the surface over the centre of a module; below the wanted gap it may be any number below it. The distance
+// changes by no more than the centre moves: most centres need not be measured again.
+double Relaxer::height_of_surface(int t, const NetTriangle& triangle) {
+  KnownGap& known = known_gaps_[at(t)];
+  const double room = kWantedGap_mm - known.distance_mm;
+  if (room > 0.0 && (triangle.center - known.center).squaredNorm() < room * room) return 0.0;
+  const Foot foot = surface_.closest(triangle.center);
+  known = {triangle.center, foot.distance_mm};
+  return foot.distance_mm < kWantedGap_mm ? 0.0 : (foot.point - triangle.center).dot(triangle.normal);
+}
+
+void Relaxer::apply_lift(LatticeNet& net) {
+  for (Moving& m : moving_) {
+    const double by = m.wanted_lift_mm - net.vertices()[at(m.vertex)].lift_mm;
+    m.is_lifted = by != 0.0;
+    if (!m.is_lifted) continue;
     NetVertex& v = net.edit_vertex(m.vertex);
-    v.point += v.lift_mm * v.normal;
+    v.point += by * v.normal;
+    v.lift_mm = m.wanted_lift_mm;
   }
-  for (const int t : triangles_) net.fit(t);
+  const auto is_lifted = [&](int v) { return local_[at(v)] >= 0 && moving_[at(local_[at(v)])].is_lifted; };
+  for (const int t : triangles_) {
+    if (std::ranges::any_of(net.triangles()[at(t)].vertex, is_lifted)) net.fit_for_now(t);
+  }
 }
 
 // Corners that hardly moved go back, so that their modules need no new evaluation.
@@ -289,9 +327,11 @@ void Relaxer::settle(LatticeNet& net, int triangle) {
   }
   changed_.clear();
   for (const int t : triangles_) {
-    net.fit(t);
     const auto has_moved = [&](int v) { return local_[at(v)] >= 0 && moving_[at(local_[at(v)])].key > 0.0; };
-    if (t == triangle || std::ranges::any_of(net.triangles()[at(t)].vertex, has_moved)) changed_.push_back(t);
+    net.fit_for_now(t);
+    if (t != triangle && std::ranges::none_of(net.triangles()[at(t)].vertex, has_moved)) continue;
+    net.note_moved(t);
+    changed_.push_back(t);
   }
 }
 
@@ -302,7 +342,8 @@ void Relaxer::undo(LatticeNet& net) const {
     v.normal = m.saved_normal;
     v.lift_mm = m.saved_lift_mm;
   }
-  for (const int t : triangles_) net.fit(t);
+  for (std::size_t k = 0; k < triangles_.size(); ++k) net.set_back(triangles_[k], saved_[k]);
+  for (const int t : changed_) net.note_moved(t);
 }
 
 }  // namespace triskin::geometry::surface_lattice

@@ -17,7 +17,7 @@ class Relaxer {
   Relaxer(NearSurface& surface, double corner_lift_mm) : surface_(surface), lift_mm_(corner_lift_mm) {}
 
   /// Moves the vertices within `radius_mm` of a triangle that was just added. Afterwards `changed()` lists it and the
-  /// triangles that moved. False: it cannot fit; the remaining steps are skipped and `changed()` is not set.
+  /// triangles that moved. False: it cannot fit; the remaining steps are skipped and `changed()` is empty.
   bool relax(LatticeNet& net, int triangle, double radius_mm, int steps);
   /// Takes back the last relax (triangles added before it stay).
   void undo(LatticeNet& net) const;
@@ -32,6 +32,12 @@ class Relaxer {
     Vec3 x, y;   // tangent frame
     Vec3 saved_point, saved_normal;
     double saved_lift_mm;
+    double wanted_lift_mm;
+    bool is_lifted;  // or lowered, by the last apply_lift()
+  };
+  struct KnownGap {
+    Vec3 center = Vec3::Zero();
+    double distance_mm = 1e300;  // of it from the surface
   };
   struct Residual {
     double value, weight;
@@ -46,11 +52,13 @@ class Relaxer {
   void add_pairs(const LatticeNet& net);
   void add_border(const LatticeNet& net);
   void add_side_at_border(const NetTriangle& triangle, std::size_t side);
-  void add_point_at_border(const NetTriangle& triangle, std::size_t side, double x);
+  double add_point_at_border(const NetTriangle& triangle, std::size_t side, double x);
   void add_residual(double value, double weight, const std::array<int, 2>& vertex, const std::array<Vec3, 2>& gradient);
   void solve();
   void move(LatticeNet& net, const Moving& moving, const Vec3& by);
   void adapt_lift(LatticeNet& net);
+  [[nodiscard]] double height_of_surface(int t, const NetTriangle& triangle);
+  void apply_lift(LatticeNet& net);
   void settle(LatticeNet& net, int triangle);
 
   NearSurface& surface_;
@@ -59,7 +67,9 @@ class Relaxer {
   std::vector<int> local_;    // vertex → index among the moving ones, or -1
   std::vector<Moving> moving_;
   std::vector<int> triangles_, near_, changed_;
-  std::vector<char> is_local_;  // triangle → in triangles_
+  std::vector<ModuleShape> saved_;    // of triangles_
+  std::vector<KnownGap> known_gaps_;  // by triangle: where its centre was measured last
+  std::vector<char> is_local_;        // triangle → in triangles_
   std::vector<Pair> pairs_;
   std::vector<Residual> residuals_;
   std::vector<int> first_;
