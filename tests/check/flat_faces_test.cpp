@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cmath>
 #include <filesystem>
 #include <numbers>
 #include <random>
 
+#include "check/flat_parts.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/host/files.hpp"
@@ -19,42 +19,7 @@ namespace triskin::check {
 namespace {
 
 namespace fs = std::filesystem;
-using design::Mesh;
-using design::Vec3;
-
-// Two plates of width × length mm each, joined along a side under `fold_rad` (0: one flat plate, < 0: a valley).
-Mesh ridge(double width_mm, double length_mm, double fold_rad) {
-  const Vec3 left{-width_mm * std::cos(0.5 * fold_rad), 0, -width_mm * std::sin(0.5 * fold_rad)};
-  const Vec3 right{-left.x(), 0, left.z()}, along{0, length_mm, 0}, middle = Vec3::Zero();
-  return {{left, middle, right, left + along, middle + along, right + along},
-          {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}}};
-}
-
-// An open box: four walls and a lid.
-Mesh box(double x_mm, double y_mm, double z_mm) {
-  Mesh mesh;
-  for (const double z : {0.0, z_mm}) {
-    for (const auto& [x, y] : {std::pair{0.0, 0.0}, {x_mm, 0.0}, {x_mm, y_mm}, {0.0, y_mm}})
-      mesh.vertices.push_back({x, y, z});
-  }
-  for (int k = 0; k < 4; ++k) {
-    const int next = (k + 1) % 4;
-    mesh.faces.push_back({k, next, next + 4});
-    mesh.faces.push_back({k, next + 4, k + 4});
-  }
-  mesh.faces.push_back({4, 5, 6});
-  mesh.faces.push_back({4, 6, 7});
-  return mesh;
-}
-
-Mesh in_pose(Mesh mesh, std::mt19937_64& random) {
-  std::normal_distribution<double> normal;
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
-  const Vec3 shift = 100.0 * Vec3{normal(random), normal(random), normal(random)};
-  for (Vec3& v : mesh.vertices) v = turn * v + shift;
-  return mesh;
-}
+using parts::box, parts::ridge;
 
 class FlatFaces : public testing::Test {
  protected:
@@ -64,10 +29,10 @@ class FlatFaces : public testing::Test {
   ~FlatFaces() override { fs::remove_all(folder_); }
 
   // Designs the mesh in `poses` random poses; each design must keep every rule and hold at least `least` modules.
-  void expect_no_finding(const Mesh& mesh, int poses, std::size_t least) {
+  void expect_no_finding(const design::Mesh& mesh, int poses, std::size_t least) {
     std::mt19937_64 random(20);
     for (int pose = 0; pose < poses; ++pose) {
-      geometry::write_obj(folder_ / "part.obj", in_pose(mesh, random));
+      geometry::write_obj(folder_ / "part.obj", parts::in_pose(mesh, 100.0, random));
       pipeline::DesignOptions options;
       options.iterations = 20;
       options.time_limit_s = 4.0;

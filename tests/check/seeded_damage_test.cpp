@@ -1,224 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Generated and real covers: the design is accepted; every kind of damage, on many modules, is found. Damaged modules
-// stay whole (taxels move with their corners, the id of the design is not counted), so that what is found is the
-// geometry.
+// Generated and real covers: the design is accepted; every kind of damage, on many modules, is found.
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
-#include <set>
 
+#include "check/damage_kinds.hpp"
 #include "support/covers.hpp"
 #include "triskin/check/design_rules.hpp"
-#include "triskin/geometry/surface.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {
 namespace {
 
-using design::Vec3;
 using nlohmann::json;
 namespace fs = std::filesystem;
-using Names = std::set<std::string>;
-
-Vec3 vec(const json& j) {
-  return {j[0].get<double>(), j[1].get<double>(), j[2].get<double>()};
-}
-json list(const Vec3& v) {
-  return json::array({v.x(), v.y(), v.z()});
-}
-
-struct Frame {
-  Vec3 center, normal;
-  std::array<Vec3, 3> corner;
-  explicit Frame(const json& m) : corner{vec(m["corners"][0]), vec(m["corners"][1]), vec(m["corners"][2])} {
-    center = (corner[0] + corner[1] + corner[2]) / 3.0;
-    normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
-  }
-};
-
-void transform(json& m, const std::function<Vec3(const Vec3&)>& place,
-               const Eigen::Matrix3d& turn = Eigen::Matrix3d::Identity()) {
-  for (json& c : m["corners"]) c = list(place(vec(c)));
-  for (json& t : m["taxels"]) {
-    t["position"] = list(place(vec(t["position"])));
-    t["normal"] = list(turn * vec(t["normal"]));
-  }
-}
-void move(json& m, const Vec3& by) {
-  transform(m, [&](const Vec3& p) { return Vec3(p + by); });
-}
-void turn(json& m, const Vec3& axis, double degrees) {
-  const Eigen::Matrix3d r = Eigen::AngleAxisd(degrees * M_PI / 180.0, axis.normalized()).toRotationMatrix();
-  const Vec3 c = Frame(m).center;
-  transform(m, [&](const Vec3& p) { return Vec3(c + r * (p - c)); }, r);
-}
-
-bool joined(const json& m) {
-  return std::ranges::any_of(m["neighbours"], [](const json& n) { return n.get<int>() >= 0; });
-}
-
-struct Kind {
-  const char* name;
-  Names rules;                                                  // any of them
-  std::function<bool(json& design, std::size_t module)> apply;  // false: makes no damage of this kind on this module
-};
-
-std::vector<Kind> kinds(const geometry::Surface& surface) {
-  const auto module = [](json& d, std::size_t k) -> json& { return d["modules"][k]; };
-  const auto neighbour = [](const json& m) {
-    for (const json& n : m["neighbours"]) {
-      if (n.get<int>() >= 0) return n.get<std::size_t>();
-    }
-    return std::size_t{0};
-  };
-  const auto border_way = [&surface](const json& m) {  // towards the nearest place of the border
-    const Frame f(m);
-    Vec3 best = Vec3::Zero();
-    double least = 1e300;
-    for (const auto& loop : surface.border_loops()) {
-      for (const int v : loop) {
-        const Vec3 d = surface.mesh().vertices[static_cast<std::size_t>(v)] - f.center;
-        if (d.norm() >= least) continue;
-        least = d.norm();
-        best = d;
-      }
-    }
-    return best;
-  };
-  return {
-      {"moved 2 mm in its plane",
-       {"hinge-gap", "edge-error"},
-       [=](json& d, std::size_t k) {
-         const Frame f(module(d, k));
-         move(module(d, k), 2.0 * (f.corner[1] - f.corner[0]).normalized());
-         return joined(module(d, k));
-       }},
-      {"rotated 3° in its plane",
-       {"hinge-gap", "edge-error"},
-       [=](json& d, std::size_t k) {
-         turn(module(d, k), Frame(module(d, k)).normal, 3.0);
-         return joined(module(d, k));
-       }},
-      {"doubled",
-       {"tile-unique", "penetration"},
-       [=](json& d, std::size_t k) {
-         json copy = module(d, k);
-         copy["id"] = d["modules"].size();
-         d["modules"].push_back(copy);
-         return true;
-       }},
-      {"doubled on a tile of its own",
-       {"penetration", "every-module-wired"},
-       [=](json& d, std::size_t k) {
-         json copy = module(d, k);
-         copy["id"] = d["modules"].size();
-         copy["i"] = 1000;
-         copy["neighbours"] = {-1, -1, -1};
-         d["modules"].push_back(copy);
-         return true;
-       }},
-      {"over the border",
-       {"overrun"},
-       [=](json& d, std::size_t k) {
-         const Vec3 way = border_way(module(d, k));
-         const Frame f(module(d, k));
-         const Vec3 flat = way - way.dot(f.normal) * f.normal;
-         if (way.norm() > 25.0) return false;
-         move(module(d, k), std::max(4.0, flat.norm() - 5.0) * flat.normalized());
-         return true;
-       }},
-      {"through a neighbour",
-       {"penetration", "pierced"},
-       [=](json& d, std::size_t k) {
-         if (!joined(module(d, k))) return false;
-         const Frame f(module(d, k)), other(module(d, neighbour(module(d, k))));
-         const Vec3 across = (other.center - f.center).normalized();
-         move(module(d, k), 8.0 * across + 3.0 * f.normal);
-         turn(module(d, k), f.normal.cross(across), 35.0);
-         return true;
-       }},
-      {"off the lattice",
-       {"joint-lattice", "tile-unique"},
-       [=](json& d, std::size_t k) {
-         module(d, k)["i"] = module(d, k)["i"].get<int>() + 1;
-         return joined(module(d, k));
-       }},
-      {"4 mm above its place",
-       {"center-gap", "hinge-gap"},
-       [=](json& d, std::size_t k) {
-         move(module(d, k), 4.0 * Frame(module(d, k)).normal);
-         return true;
-       }},
-      {"tilted by 30°, a corner 9 mm off",
-       {"edge-lift"},
-       [=](json& d, std::size_t k) {
-         const Frame f(module(d, k));
-         turn(module(d, k), f.corner[1] - f.corner[0], 30.0);
-         return true;
-       }},
-      {"a flattering lift",
-       {"edge-lift"},
-       [=](json& d, std::size_t k) {
-         double& lift = module(d, k)["edge_lift_mm"].get_ref<double&>();
-         const bool lie = lift > 0.2;
-         lift = 0.0;
-         return lie;
-       }},
-      {"upside down",
-       {"outward", "hinge-gap", "fold"},
-       [=](json& d, std::size_t k) {
-         const Frame f(module(d, k));
-         turn(module(d, k), f.corner[1] - f.corner[0], 180.0);
-         return true;
-       }},
-      {"1 % too large",
-       {"rigid"},
-       [=](json& d, std::size_t k) {
-         const Vec3 c = Frame(module(d, k)).center;
-         transform(module(d, k), [&](const Vec3& p) { return Vec3(c + 1.01 * (p - c)); });
-         return true;
-       }},
-      {"joined to a module elsewhere",
-       {"joint-lattice", "joint-symmetric"},
-       [=](json& d, std::size_t k) {
-         const std::size_t n = d["modules"].size();
-         for (json& side : module(d, k)["neighbours"]) {
-           if (side.get<int>() < 0) continue;
-           side = (side.get<std::size_t>() + n / 2) % n;
-           return true;
-         }
-         return false;
-       }},
-      {"in another island",
-       {"joint-island", "island-connected"},
-       [=](json& d, std::size_t k) {
-         module(d, k)["island"] = module(d, k)["island"].get<int>() + 1;
-         return joined(module(d, k));
-       }},
-      {"a taxel 1 mm off",
-       {"taxel-pose"},
-       [=](json& d, std::size_t k) {
-         json& p = module(d, k)["taxels"][7]["position"];
-         p = list(vec(p) + Vec3(0, 1, 0));
-         return true;
-       }},
-      {"a flattering centre gap",
-       {"center-gap"},
-       [=](json& d, std::size_t k) {
-         double& gap = module(d, k)["center_gap_mm"].get_ref<double&>();
-         const bool lie = gap > 0.2;
-         gap = 0.0;
-         return lie;
-       }},
-  };
-}
 
 constexpr std::size_t kModulesEach = 4;
 
@@ -241,7 +41,7 @@ TEST_P(SeededDamage, is_found_on_every_module_that_is_tried) {
   constexpr unsigned kSeed = 20;
   std::mt19937 random(kSeed);
   const geometry::Surface surface(design.surface);
-  for (const Kind& kind : kinds(surface)) {
+  for (const damage::DamageKind& kind : damage::damage_kinds(surface)) {
     std::vector<std::size_t> order(good["modules"].size());
     for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
     std::ranges::shuffle(order, random);
@@ -253,7 +53,7 @@ TEST_P(SeededDamage, is_found_on_every_module_that_is_tried) {
       ++done;
       std::ofstream(file) << damaged.dump();
       bool found = false;
-      Names seen;
+      damage::Names seen;
       for (const Violation& v : check_design(file).violations) {
         found = found || kind.rules.contains(v.rule);
         seen.insert(v.rule);
