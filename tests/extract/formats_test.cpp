@@ -258,6 +258,24 @@ TEST_F(Formats, OneObjectOfA3mf) {
   EXPECT_THROW((void)read_mesh(path, {}, "wing"), InputError);
 }
 
+// The fin, turned by 90° about z and moved by 100 cm in x, in an assembly that is moved by 7 in z; nothing else.
+TEST_F(Formats, ComponentsOfA3mfLieWhereTheirTransformsSay) {
+  std::string model = model_3mf("unit=\"centimeter\"");
+  const std::string assembly =
+      R"(<object id="9" name="boat"><components><component objectid="2" transform="0 1 0 -1 0 0 0 0 1 100 0 0"/>)"
+      R"(</components></object></resources><build><item objectid="9" transform="1 0 0 0 1 0 0 0 1 0 0 7"/></build>)";
+  model.replace(model.find("</resources>"), model.find("</model>") - model.find("</resources>"), assembly);
+  const Mesh m = read_mesh(package("c.3mf", model)).mesh;
+  ASSERT_EQ(m.faces.size(), 1U);
+  const auto corner = [&](std::size_t k) { return m.vertices[static_cast<std::size_t>(m.faces[0][k])]; };
+  EXPECT_EQ(corner(0), Vec3(1000, 0, 70));
+  EXPECT_EQ(corner(1), Vec3(1000, 200, 70));
+  EXPECT_EQ(corner(2), Vec3(800, 0, 70));
+  EXPECT_EQ(read_mesh(package("c.3mf", model), {}, "fin").mesh.faces.size(), 1U);
+  model.replace(model.find("objectid=\"2\""), 12, "objectid=\"9\"");
+  EXPECT_THROW((void)read_mesh(package("c.3mf", model)), InputError);
+}
+
 // A triangle with legs of 0.1 m.
 TEST_F(Formats, GltfAndGlbAreInMetres) {
   const std::array<float, 9> corners{0, 0, 0, 0.1F, 0, 0, 0, 0.1F, 0};

@@ -144,6 +144,22 @@ TEST(TooSmallMesh, is_refused_and_not_wrapped) {
   }
 }
 
+// Two balls, one in the other, of 10,800 faces each: in 2 s of processor time 3,100 of them are asked for their sky.
+TEST(ManyFaces, share_answers_about_the_sky_and_hidden_ones_go) {
+  const auto ball = test::base_shapes()[0].place;
+  Mesh mesh = read_back(test::grid_of(ball, 90, 61));
+  const std::size_t outer = mesh.faces.size();
+  Mesh inner = mesh;
+  for (Vec3& v : inner.vertices) v *= 0.97;
+  test::append(mesh, inner);
+  ExtractOptions options;
+  options.outer = ExtractOptions::When::kAlways;
+  options.repair_s = 2.0;
+  const Extraction e = geometry::extract(mesh, options);
+  EXPECT_EQ(e.surface.faces.size(), outer);
+  for (const Vec3& v : e.surface.vertices) ASSERT_NEAR(v.norm(), 75.0, 1e-6);  // rounded when written
+}
+
 int number_from(const char* name, int otherwise) {
   const char* text = std::getenv(name);
   return text != nullptr ? std::atoi(text) : otherwise;

@@ -8,14 +8,16 @@
 #include <array>
 #include <assimp/Importer.hpp>
 #include <cctype>
+#include <charconv>
+#include <cmath>
 #include <cstring>
-#include <map>
+#include <string_view>
 #include <utility>
 
 #include "clean.hpp"
-#include "file_unit.hpp"
 #include "isolated.hpp"
 #include "triskin/host/error.hpp"
+#include "xml_tag.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -36,11 +38,20 @@ std::string extension_in_lower_case(const std::filesystem::path& path) {
   return extension;
 }
 
+// Length of the unit that a COLLADA text states (`<unit meter="0.01"/>`); 0 where it states none.
+double unit_of_dae_mm(std::string_view text) {
+  const std::size_t from = text.find("<unit");
+  if (from == std::string_view::npos) return 0.0;
+  const std::string_view metres = attribute_of(text.substr(from, text.find('>', from) - from), "meter");
+  double value = 0.0;
+  const auto [rest, error] = std::from_chars(metres.data(), metres.data() + metres.size(), value);
+  return error == std::errc{} && std::isfinite(value) && value > 0.0 ? 1000.0 * value : 0.0;
+}
+
 double unit_of_file_mm(const std::filesystem::path& path, const std::string& bytes, const aiScene& scene) {
   const std::string extension = extension_in_lower_case(path);
   if (extension == ".gltf" || extension == ".glb") return 1000.0;  // metres by their standard
   if (extension == ".dae") return unit_of_dae_mm(bytes);
-  if (extension == ".3mf") return unit_of_3mf_mm(path);
   return unit_of_scene_mm(scene);
 }
 
@@ -61,10 +72,7 @@ void append_part(const aiMesh& part, const aiMatrix4x4& transform, Mesh& out) {
 // Takes the faces of a scene that are wanted. Nodes below the wanted one belong to it.
 class Collector {
  public:
-  Collector(const aiScene& scene, const std::filesystem::path& path, ObjectFilter& objects)
-      : scene_(scene), objects_(objects) {
-    if (extension_in_lower_case(path) == ".3mf") names_ = names_in_3mf(path);  // the library has the ids alone
-  }
+  Collector(const aiScene& scene, ObjectFilter& objects) : scene_(scene), objects_(objects) {}
 
   Mesh run() {
     take(*scene_.mRootNode, aiMatrix4x4(), objects_.wanted.empty());
@@ -81,18 +89,17 @@ class Collector {
     for (unsigned m = 0; m < node.mNumMeshes; ++m) {
       const aiMesh& part = *scene_.mMeshes[node.mMeshes[m]];
       has_faces = has_faces || part.mNumFaces > 0;
-      const auto told = names_.find(part.mName.C_Str());
-      const bool is_named = objects_.meets(told != names_.end() ? told->second : part.mName.C_Str());
+      const bool is_named = objects_.meets(part.mName.C_Str());
       if (is_in || is_named) append_part(part, transform, mesh_);
     }
-    for (unsigned c = 0; c < node.mNumChildren; ++c) has_faces = take(*node.mChildren[c], transform, is_in) || has_faces;
+    for (unsigned c = 0; c < node.mNumChildren; ++c)
+      has_faces = take(*node.mChildren[c], transform, is_in) || has_faces;
     if (has_faces) objects_.meets(name);
     return has_faces;
   }
 
   const aiScene& scene_;
   ObjectFilter& objects_;
-  std::map<std::string, std::string> names_;  // of a 3MF, by id
   Mesh mesh_;
 };
 
@@ -101,7 +108,7 @@ std::string library_answer(const std::filesystem::path& path, const std::string&
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
   if (scene == nullptr || scene->mRootNode == nullptr) return std::string("!") + importer.GetErrorString();
-  Mesh mesh = Collector(*scene, path, objects).run();
+  Mesh mesh = Collector(*scene, objects).run();
   const double unit_mm = unit_of_file_mm(path, bytes, *scene);
   if (extension_in_lower_case(path) == ".dae" && unit_mm > 0.0) {
     for (Vec3& v : mesh.vertices) v *= 1000.0 / unit_mm;  // the library gives metres, this reader the file's numbers
@@ -115,8 +122,8 @@ std::string library_answer(const std::filesystem::path& path, const std::string&
   return out + names + bytes_of(mesh);
 }
 
-LibraryMesh taken_from(const std::string& answer, ObjectFilter& objects) {
-  LibraryMesh result;
+MeshInUnit taken_from(const std::string& answer, ObjectFilter& objects) {
+  MeshInUnit result;
   std::size_t length = 0, at = 1;
   std::memcpy(&result.unit_mm, answer.data() + at, sizeof(result.unit_mm));
   at += sizeof(result.unit_mm);
@@ -135,16 +142,16 @@ LibraryMesh taken_from(const std::string& answer, ObjectFilter& objects) {
 
 // The library crashes, aborts or never returns on some damaged files (seen with 5.2.5: OFF, PLY, OBJ), so it works in a
 // process of its own.
-LibraryMesh read_with_library(const std::filesystem::path& path, const std::string& bytes, ObjectFilter& objects) {
+MeshInUnit read_with_library(const std::filesystem::path& path, const std::string& bytes, ObjectFilter& objects) {
   const auto damaged = [&](const std::string& why) {
-    return InputError(fmt::format("{}: not a mesh that can be read ({}); give OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF",
-                                  path.string(), why));
+    return InputError(fmt::format(
+        "{}: not a mesh that can be read ({}); give OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF", path.string(), why));
   };
   const auto answer = run_isolated([&] { return library_answer(path, bytes, objects); },
                                    static_cast<unsigned>(1 + bytes.size() / 500'000));
   if (!answer || answer->empty()) throw damaged("the file is damaged");
   if (answer->front() == '!') throw damaged(answer->substr(1));
-  LibraryMesh result = taken_from(*answer, objects);
+  MeshInUnit result = taken_from(*answer, objects);
   for (const auto& f : result.mesh.faces) {
     for (const int v : f) {
       if (v < 0 || static_cast<std::size_t>(v) >= result.mesh.vertices.size())

@@ -85,7 +85,7 @@ Mesh read_any(const std::filesystem::path& path, const std::string& bytes, Objec
   if (extension == ".stl")
     return is_binary_stl(bytes) ? read_binary_stl(bytes) : read_text_stl(bytes, path.string(), objects);
   if (extension == ".ply") return read_ply(bytes, path.string());
-  LibraryMesh read = read_with_library(path, bytes, objects);
+  MeshInUnit read = extension == ".3mf" ? read_3mf(path, objects) : read_with_library(path, bytes, objects);
   report.unit_from_file = read.unit_mm > 0.0;
   if (report.unit_from_file) report.scale_to_mm = read.unit_mm;
   return std::move(read.mesh);

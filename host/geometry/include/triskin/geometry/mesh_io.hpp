@@ -29,7 +29,7 @@ struct MeshFile {
   MeshReadReport report;
 };
 
-/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF (by content and extension); the first four in the
+/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF (by content and extension); the first four and 3MF in the
 /// precision of the file. Without `unit` the file's numbers are mm, or in the unit of the file (DAE, 3MF) or format
 /// (glTF, GLB: m). With `object` the faces of one object alone: `o` and `g` of OBJ, `solid` of a text STL, nodes and
 /// meshes of DAE, glTF, GLB and 3MF. Errors: InputError naming the file for unreadable, empty, non-finite or face-less
