@@ -4,11 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <utility>
+#include <vector>
 
 #include "checked_file.hpp"
 #include "triskin/check/design_rules.hpp"
@@ -78,18 +80,25 @@ Vec3 center_of(const json& module) {
   return sum / 3.0;
 }
 
-// The two modules whose centres are nearest to each other, which share a side or almost: the first, and the direction
-// to the second. A way of 4 mm along it is 4 mm of penetration less the gap, at most the limit of a hinge (2 mm), while
+// A module with the fewest others at its sides, so that there is room away from them, and the direction to the nearest
+// of these. A way of 4 mm along it is 4 mm of penetration less the gap, at most the limit of a hinge (2 mm), while
 // 0.5 mm is allowed.
 std::pair<std::size_t, Vec3> towards_a_neighbour(const json& modules) {
-  std::pair<std::size_t, Vec3> nearest{0, Vec3::Constant(1e9)};
+  constexpr double kAtASide_mm = 30.0 / 1.7320508 + 2.0;  // between centres, with the limit of a hinge
+  std::size_t fewest = modules.size(), module = 0;
+  Vec3 nearest = Vec3::UnitX();
   for (std::size_t a = 0; a < modules.size(); ++a) {
+    std::vector<Vec3> ways;
     for (std::size_t b = 0; b < modules.size(); ++b) {
       const Vec3 way = center_of(modules[b]) - center_of(modules[a]);
-      if (a != b && way.norm() < nearest.second.norm()) nearest = {a, way};
+      if (a != b && way.norm() <= kAtASide_mm) ways.push_back(way);
     }
+    if (ways.empty() || ways.size() >= fewest) continue;
+    fewest = ways.size();
+    module = a;
+    nearest = *std::ranges::min_element(ways, {}, [](const Vec3& way) { return way.norm(); });
   }
-  return {nearest.first, nearest.second.normalized()};
+  return {module, nearest.normalized()};
 }
 
 TEST_F(CutDesign, is_accepted_and_states_coverage_both_ways) {
