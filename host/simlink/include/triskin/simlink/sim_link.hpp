@@ -28,6 +28,7 @@ class SimLink final : public Link, private Finger {
  private:
   void press(int module, int taxel) override;
   void lift() override;
+  void pressurize(int module, double kpa) override { skin_.pressurize(module, kpa); }
 
   scene::VirtualSkin skin_;
   std::deque<wire::CanFrame> inbox_;
