@@ -159,6 +159,24 @@ TEST_F(Recordings, a_replay_shows_what_live_showed) {
   EXPECT_GT(std::ranges::count(o.out, '\n'), 3);
 }
 
+TEST_F(Recordings, a_recording_is_played_into_a_link_that_live_reads) {
+  write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":1,"radius_mm":3}])");
+  ASSERT_EQ(run("record strip.json --link sim --scene scene.json --seconds 2 -o r.mcap").status, 0);
+  const pid_t server = start("replay r.mcap --listen 127.0.0.1:0 --loop", "served");
+  wait_for_text("served", "end with Ctrl-C");
+  const std::string text = read_file(folder_ / "served");
+  const auto at = text.find("sim:127.0.0.1:");
+  const Outcome o =
+      run("live strip.json --link " + text.substr(at, text.find_first_of(" ,;", at) - at) + " --seconds 3 --json");
+  ::kill(server, SIGTERM);
+  EXPECT_EQ(end_of(server), 143);
+  EXPECT_EQ(o.status, 0) << o.messages;
+  const auto last = nlohmann::json::parse(o.out.substr(o.out.rfind('\n', o.out.size() - 2) + 1));
+  ASSERT_EQ(last["pressed"].size(), 1U) << last.dump();
+  EXPECT_EQ(last["pressed"][0]["module"], 4);
+  EXPECT_EQ(last["pressed"][0]["taxel"], 3);
+}
+
 TEST_F(Recordings, live_shows_contacts_that_are_there_at_the_start_and_adds_no_finger_to_a_served_scene) {
   write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":1,"radius_mm":3}])");
   pid_t server = 0;

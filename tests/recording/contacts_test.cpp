@@ -57,5 +57,23 @@ TEST(Contacts, a_force_says_its_unit) {
   }
 }
 
+// Two taxels with their own sensitivities: 0.1 N and 0.25 N are 0.35 N, whatever their counts.
+TEST(Contacts, a_force_by_taxels_is_their_sum) {
+  std::vector<PressedTaxel> taxels{taxel(0, 0, 400.0, 0.0), taxel(0, 1, 300.0, 6.0)};
+  taxels[0].force_n = 0.1;
+  taxels[1].force_n = 0.25;
+  const auto contacts = gather_contacts(taxels, kModule_mm2);
+  ASSERT_EQ(contacts.size(), 1U);
+  EXPECT_DOUBLE_EQ(contacts[0].force_n, 0.35);
+  const auto message = encode_contacts(contacts, 1, "f", {.newton_per_count = 7.0, .by_taxel = true});
+  CdrReader r(message);
+  (void)r.u32(), (void)r.u32();
+  (void)r.text();
+  EXPECT_EQ(r.text(), "N");
+  (void)r.count(1);
+  for (int k = 0; k < 6; ++k) (void)r.f64();
+  EXPECT_DOUBLE_EQ(r.f64(), 0.35);
+}
+
 }  // namespace
 }  // namespace triskin::recording

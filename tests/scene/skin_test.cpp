@@ -89,6 +89,43 @@ TEST(SkinModel, each_taxel_has_its_own_electrode_of_2_to_18_pF) {
   EXPECT_DOUBLE_EQ(ModuleSkin(scene, 0, 0).rest_counts(5), 7.0 * 4096);
 }
 
+// Each pad feels the pressure by its own gain; pads 6 and 10 feel none.
+TEST(SkinModel, a_pressure_everywhere_changes_each_taxel_by_its_sensitivity) {
+  Scene scene = scene_of(2);
+  scene.effects.sensitivity_spread = 0.3;
+  scene.pressure = PressureCurve({{1'000'000, 0.0}, {3'000'000, 20.0}});
+  const ModuleSkin skin(scene, 1, 0), same(scene, 1, 0);
+  double least = 1e9, most = 0.0;
+  for (int t = 0; t < 12; ++t) {
+    EXPECT_EQ(skin.counts_per_kpa(t), same.counts_per_kpa(t));
+    least = std::min(least, skin.counts_per_kpa(t));
+    most = std::max(most, skin.counts_per_kpa(t));
+    const bool feels = t != 6 && t != 10;
+    EXPECT_NEAR(skin.counts(t, 2'000'000) - skin.counts(t, 0), feels ? 10.0 * skin.counts_per_kpa(t) : 0.0, 1e-6);
+    EXPECT_NEAR(skin.counts(t, 9'000'000) - skin.counts(t, 0), feels ? 20.0 * skin.counts_per_kpa(t) : 0.0, 1e-6);
+  }
+  EXPECT_GE(least, 105.0);
+  EXPECT_LE(most, 195.0);
+  EXPECT_GT(most - least, 30.0);
+  scene.effects.sensitivity_spread = 0.0;
+  EXPECT_EQ(ModuleSkin(scene, 1, 0).counts_per_kpa(3), 150.0);
+}
+
+TEST(PressureCurve, is_linear_between_points_and_steps_from_now_on) {
+  PressureCurve curve({{1'000, 0.0}, {3'000, 20.0}});
+  EXPECT_EQ(curve.kpa(0), 0.0);
+  EXPECT_EQ(curve.kpa(1'500), 5.0);
+  EXPECT_EQ(curve.kpa(5'000), 20.0);
+  curve.step(2'000, 3.0);
+  EXPECT_EQ(curve.kpa(1'500), 5.0);
+  EXPECT_EQ(curve.kpa(1'999), 9.99);
+  EXPECT_EQ(curve.kpa(2'000), 3.0);
+  EXPECT_EQ(curve.kpa(5'000), 3.0);
+  curve.step(2'000, 0.0);
+  EXPECT_EQ(curve.kpa(2'000), 0.0);
+  EXPECT_EQ(PressureCurve().kpa(7), 0.0);
+}
+
 bool answers(Skin& skin, int line, int address) {
   const bool yes = skin.line(0, line).start(static_cast<std::uint8_t>((0x2C + address) << 1), 0);
   skin.line(0, line).stop(0);

@@ -84,6 +84,22 @@ TEST_F(Backups, keep_every_value_that_the_protocol_reads) {
   EXPECT_EQ(again[2].values, boards[2].values);
 }
 
+TEST_F(Backups, carry_the_calibration_that_is_kept_for_a_board) {
+  auto boards = save_boards(bus_, {});
+  EXPECT_EQ(backup_text(boards).find("calibration"), std::string::npos) << "files without one are what they were";
+  design::BoardCalibration calibration{
+      boards[1].serial, hub_.design().design_id, 1, 3, "2026-11-22T17:30:00Z", "ramp", 40.0, 38.97, {}};
+  calibration.places.push_back({2, 1, {}});
+  calibration.places[0].taxels[4] = {151.25, 0.125, 0.0625};
+  boards[1].calibration = calibration;
+  const auto again = read_of(backup_text(boards));
+  EXPECT_FALSE(again[0].calibration);
+  ASSERT_TRUE(again[1].calibration);
+  EXPECT_EQ(*again[1].calibration, calibration);
+  boards[1].calibration->serial = boards[0].serial;
+  EXPECT_NE(error_of(backup_text(boards)).find("is not that of this controller"), std::string::npos);
+}
+
 TEST_F(Backups, remember_faults_and_when_they_came) {
   scene::Scene scene = strip_scene(4, 4);
   scene::Fault away;

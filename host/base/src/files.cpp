@@ -101,4 +101,17 @@ void write_output(const std::filesystem::path& path, std::string_view bytes) {
   ::close(fd);
 }
 
+std::filesystem::path state_home() {
+  std::filesystem::path base;
+  if (const char* xdg = std::getenv("XDG_STATE_HOME"); xdg != nullptr && *xdg != '\0') {
+    base = xdg;
+  } else if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
+    base = std::filesystem::path(home) / ".local" / "state";
+  }
+  std::error_code error;
+  if (!base.empty()) std::filesystem::create_directories(base, error);
+  if (base.empty() || error) base = std::filesystem::temp_directory_path();
+  return base / "triskin";
+}
+
 }  // namespace triskin

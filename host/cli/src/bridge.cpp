@@ -14,6 +14,7 @@
 
 #include "bridge_services.hpp"
 #include "contacts.hpp"
+#include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/interrupt.hpp"
@@ -27,6 +28,7 @@ namespace {
 struct Options {
   SiteOptions site;
   device::StreamOptions stream;
+  CalibrationOptions calibration;
   bridge::BridgeOptions bridge;
   std::vector<double> pose;  // x, y, z in m, then a quaternion x, y, z, w
   double contacts_hz = 10.0;
@@ -72,12 +74,22 @@ std::vector<bridge::Diagnosis> diagnose(const device::StreamReport& report, cons
   return parts;
 }
 
+// What a person says with --newton-per-count goes before a calibration.
+bridge::BridgeOptions with_unit(bridge::BridgeOptions options, const design::SkinCalibration& calibration) {
+  options.calibration.by_taxel = calibration.complete() && options.calibration.newton_per_count <= 0.0;
+  return options;
+}
+
 // One cover: its topics, and what presses it.
 class CoverFeed {
  public:
   CoverFeed(const robot::CoverOnBus& cover, bridge::Domain& domain, const bridge::BridgeOptions& options, bool services,
-            std::uint64_t now_ns)
-      : cover_(cover), part_(options.part), touches_(cover.design), bridge_(domain, cover.design, options, now_ns) {
+            design::SkinCalibration calibration, std::uint64_t now_ns)
+      : cover_(cover),
+        part_(options.part),
+        touches_(cover.design),
+        calibration_(std::move(calibration)),
+        bridge_(domain, cover.design, with_unit(options, calibration_), now_ns) {
     if (services) services_.emplace(domain, part_, cover.design, touches_);
   }
 
@@ -87,7 +99,7 @@ class CoverFeed {
     bridge_.add({f.module, f.link_time_us, f.sample, sampled_ns, f.sampled.error_us});
   }
   void slice(device::Bus& bus, std::uint64_t now_ns) {
-    bridge_.add_contacts(contacts_of(touches_, cover_.design), now_ns);
+    bridge_.add_contacts(contacts_of(touches_, cover_.design, calibration_), now_ns);
     if (services_) services_->step(bus);
   }
   void diagnose(const device::StreamReport& report, std::uint64_t now_ns) {
@@ -105,6 +117,7 @@ class CoverFeed {
     for (const std::string& line : sentences(report_)) output.say(prefix_of(cover_) + line);
     add_stream_keys(report_, row);
     row["part"] = part_;
+    row["calibration"] = calibration_keys(calibration_);
     row["published"] = {{"raw", p.raw},
                         {"samples", p.samples},
                         {"points", p.points},
@@ -120,6 +133,7 @@ class CoverFeed {
   const robot::CoverOnBus& cover_;
   std::string part_;
   device::TouchMap touches_;
+  design::SkinCalibration calibration_;
   bridge::Bridge bridge_;
   std::optional<CoverServices> services_;
   device::StreamReport report_;
@@ -130,15 +144,18 @@ class BusFeed {
  public:
   BusFeed(const Options& options, const robot::BusSite& site) : options_(options), site_(site) {}
 
-  void run(device::Link& link, bridge::Domain& domain, const std::vector<bridge::BridgeOptions>& by_cover) {
+  void run(device::Link& link, bridge::Domain& domain, const std::vector<bridge::BridgeOptions>& by_cover,
+           const Output& output) {
     device::Bus bus(link);
+    const auto claims = bus.discover();
     start_us_ = bus.now_us();
     start_ns_ = unix_ns();
     std::vector<const design::Design*> designs;
     for (const robot::CoverOnBus& cover : site_.covers) {
       if (!cover.chosen) continue;
-      covers_.push_back(std::make_unique<CoverFeed>(cover, domain, by_cover[static_cast<std::size_t>(cover.cover)],
-                                                    options_.services, start_ns_));
+      covers_.push_back(
+          std::make_unique<CoverFeed>(cover, domain, by_cover[static_cast<std::size_t>(cover.cover)], options_.services,
+                                      calibration_for(options_.calibration, cover, claims, output), start_ns_));
       designs.push_back(&cover.design);
     }
     device::Stream stream(
@@ -223,7 +240,7 @@ int run(const Options& options, Output& output) {
   for (const robot::BusSite& bus : open.site.buses) feeds.emplace_back(options, bus);
   output.say(fmt::format("publishing /skin/… in domain {}; end with Ctrl-C", options.domain));
   on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
-    feeds[static_cast<std::size_t>(&bus - open.site.buses.data())].run(link, *domain, by_cover);
+    feeds[static_cast<std::size_t>(&bus - open.site.buses.data())].run(link, *domain, by_cover, output);
   });
   nlohmann::json rows = nlohmann::json::array();
   int status = 0;
@@ -243,6 +260,7 @@ const Registration kBridge{{
       auto options = std::make_shared<Options>();
       add_site_options(app, options->site);
       add_stream_options(app, options->stream);
+      add_calibration_options(app, options->calibration);
       app.add_option(
           "--part", options->bridge.part,
           "name in the topics /skin/PART/…; default: that of the design. Of a robot: the names of its covers");
@@ -257,7 +275,7 @@ const Registration kBridge{{
           ->check(CLI::Range(0.5, 100.0))
           ->capture_default_str();
       app.add_option("--newton-per-count", options->bridge.calibration.newton_per_count,
-                     "force of a contact by the sum of its counts; default: not known, forces are in counts")
+                     "force of a contact by the sum of its counts, in place of a calibration of each taxel")
           ->check(CLI::PositiveNumber);
       app.add_flag("!--no-raw", options->bridge.raw, "without every sample of every module");
       app.add_flag("!--no-services", options->services, "without the services to tare, reroute and identify");

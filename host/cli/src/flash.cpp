@@ -12,8 +12,10 @@
 #include "flash_backup.hpp"
 #include "flash_firmware.hpp"
 #include "triskin/cli/bus_report.hpp"
+#include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/jobs/board_file.hpp"
+#include "triskin/jobs/calibrate.hpp"
 #include "triskin/jobs/firmware_update.hpp"
 #include "triskin/jobs/offset_report.hpp"
 #include "triskin/layout/module.hpp"
@@ -85,6 +87,7 @@ BusOutcome flash_bus(const robot::BusSite& site, device::Link& link, const Optio
 
 nlohmann::json patch_rows(const robot::CoverOnBus& cover, const device::FlashResult& r, bool dry_run, Output& output) {
   nlohmann::json patches = nlohmann::json::array();
+  const device::CalibrationStore calibrations;
   for (const auto& p : r.patches) {
     patches.push_back({{"patch", p.patch},
                        {"serial", p.serial},
@@ -95,6 +98,9 @@ nlohmann::json patch_rows(const robot::CoverOnBus& cover, const device::FlashRes
                        {"written", p.written}});
     output.say(
         fmt::format("{}patch {:3}  controller {}  {}", prefix_of(cover), p.patch, p.serial, what_happened(p, dry_run)));
+    const auto kept = calibrations.read(p.serial);
+    if (kept && (kept->design_id != cover.design.design_id || kept->patch != p.patch))
+      output.say(prefix_of(cover) + note_of_other(*kept));
   }
   return patches;
 }

@@ -10,6 +10,7 @@
 #include "triskin/host/files.hpp"
 #include "triskin/jobs/board_backup.hpp"
 #include "triskin/jobs/board_file.hpp"
+#include "triskin/jobs/calibrate.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -36,6 +37,21 @@ std::string outcome_of(const device::RestoredBoard& b, bool dry_run) {
   return fmt::format("{} bytes written and read back, node address {}", b.bytes, b.node_address);
 }
 
+// A calibration is of the modules, which stay where they are when a new board takes the place of the old one.
+void restore_calibrations(std::span<const device::BoardBackup> boards, std::span<const device::RestoredBoard> restored,
+                          const Output& output) {
+  const device::CalibrationStore store;
+  for (const device::BoardBackup& b : boards) {
+    const auto now = std::ranges::find(restored, b.serial, &device::RestoredBoard::kept_from);
+    if (!b.calibration || now == restored.end()) continue;
+    design::BoardCalibration calibration = *b.calibration;
+    calibration.serial = now->serial;
+    store.write(calibration);
+    output.say(
+        fmt::format("controller {}  revision {} of its calibration is kept again", now->serial, calibration.revision));
+  }
+}
+
 }  // namespace
 
 void add_backup_options(CLI::App& app, BackupOptions& options) {
@@ -56,6 +72,8 @@ void save_backup(OpenSite& open, const BackupOptions& options, Output& output) {
   });
   std::vector<device::BoardBackup> all;
   for (auto& bus : buses) std::ranges::move(bus, std::back_inserter(all));
+  const device::CalibrationStore calibrations;
+  for (device::BoardBackup& b : all) b.calibration = calibrations.read(b.serial);
   write_output(options.save, device::backup_text(all));
   output.say(fmt::format("what {} controllers hold -> {}", all.size(), options.save));
 }
@@ -66,6 +84,7 @@ void restore_backup(OpenSite& open, const BackupOptions& options, bool dry_run, 
   const auto boards = device::read_backup(options.restore);
   device::Bus bus(*open.links[0]);
   const auto restored = device::restore_boards(bus, boards, {dry_run, read_onto(options.onto)});
+  if (!dry_run) restore_calibrations(boards, restored, output);
   nlohmann::json rows = nlohmann::json::array();
   std::size_t bytes = 0;
   for (const device::RestoredBoard& b : restored) {

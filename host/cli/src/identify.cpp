@@ -66,22 +66,6 @@ class Notes {
   device::BoardFile file_;
 };
 
-// The one cover whose patches are counted.
-const robot::CoverOnBus& cover_of(const robot::Site& site) {
-  std::size_t covers = 0;
-  const robot::CoverOnBus* chosen = nullptr;
-  for (const robot::BusSite& bus : site.buses) {
-    for (const robot::CoverOnBus& c : bus.covers) {
-      if (!c.chosen) continue;
-      chosen = &c;
-      ++covers;
-    }
-  }
-  if (covers != 1 || site.buses.size() != 1)
-    throw InputError("identify looks at one cover on one bus: say which with --cover");
-  return *chosen;
-}
-
 int conclude(const std::vector<device::IdentifiedBoard>& boards, const Options& options, Output& output) {
   nlohmann::json rows = nlohmann::json::array();
   std::vector<int> missing;
@@ -105,7 +89,7 @@ int conclude(const std::vector<device::IdentifiedBoard>& boards, const Options& 
 
 int run(Options options, Output& output) {
   OpenSite open = open_site(options.site);
-  const robot::CoverOnBus& cover = cover_of(open.site);
+  const robot::CoverOnBus& cover = one_cover(open.site, "identify");
   Notes notes(options.output, cover.design);
   device::CoverLink link(*open.links[0], cover.first_module);
   device::Bus bus(link);

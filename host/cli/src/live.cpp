@@ -11,6 +11,7 @@
 #include "live_robot.hpp"
 #include "offset_lines.hpp"
 #include "rest_store.hpp"
+#include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/interrupt.hpp"
@@ -27,6 +28,7 @@ struct Options {
   SiteOptions site;
   std::string protocol = "triskin";
   device::StreamOptions stream;
+  CalibrationOptions calibration;
   double seconds = 0.0;
   int press = kWalk;  // module, kNobody, or kWalk
   int taxel = -1;
@@ -181,14 +183,17 @@ int show_cover(const Options& options, const robot::BusSite& site, const robot::
   std::vector<std::string> lines;
   nlohmann::json offsets = read_offset_lines(bus, design, lines);
   for (const std::string& line : lines) output.say(line);
-  const RestStore store(design, boards_of(cover, bus));
-  device::LiveMonitor monitor(design, options.tare ? device::RestValues{} : store.read());
+  const std::vector<wire::NodeClaim> boards = boards_of(cover, bus);
+  const RestStore store(design, boards);
+  device::LiveMonitor monitor(design, options.tare ? device::RestValues{} : store.read(),
+                              calibration_for(options.calibration, cover, boards, output));
   const std::array streamed{&design};
   device::Stream stream(
       bus, design, [&](const device::ModuleFrame& f) { monitor.add(f); },
       robot::stream_options(site, streamed, speaking(options.stream)));
   const int status = Show(options, design, link, bus, stream, monitor, store).run(output);
   output.result["offsets"] = std::move(offsets);
+  output.result["calibration"] = calibration_keys(monitor.calibration());
   return status;
 }
 
@@ -206,7 +211,7 @@ int run(const Options& options, Output& output) {
   }
   if (options.press >= 0 || options.tare)
     throw InputError("live: --press and --tare are for one cover of a robot: say which with --cover");
-  return live_robot(open, options.stream, options.seconds, output);
+  return live_robot(open, options.stream, options.calibration, options.seconds, output);
 }
 
 const Registration kLive{{
@@ -222,6 +227,7 @@ const Registration kLive{{
                      "triskin: full stream; icub: what MTB4 skin boards send, 8 bits a taxel")
           ->check(CLI::IsMember({"triskin", "icub"}));
       add_stream_options(app, options->stream);
+      add_calibration_options(app, options->calibration);
       app.add_option("--seconds", options->seconds, "of the link's time; default: until Ctrl-C")
           ->check(CLI::Range(0.0, 1e7));
       app.add_option("--press", options->press,

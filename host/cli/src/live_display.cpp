@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <thread>
 
@@ -16,9 +17,16 @@ using device::LiveMonitor;
 using device::PressedTaxel;
 using device::PressureUnit;
 
-std::string place_of(const PressedTaxel& t) {
-  return fmt::format("module {:4} taxel {:2}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm  {:6.0f}", t.module, t.taxel,
-                     t.position_mm.x(), t.position_mm.y(), t.position_mm.z(), t.change_counts);
+std::string_view name_of(PressureUnit unit) {
+  return unit == PressureUnit::kKpa ? "kPa" : unit == PressureUnit::kPercent ? "% of range" : "counts";
+}
+
+PressureUnit best_unit(const LiveMonitor& monitor) {
+  return monitor.calibration().complete() ? PressureUnit::kKpa : PressureUnit::kCounts;
+}
+
+std::string force_of(const LiveMonitor& monitor) {
+  return monitor.calibration().complete() ? fmt::format("  {:.2f} N in all", monitor.force_n()) : "";
 }
 
 class Lines final : public LiveDisplay {
@@ -29,7 +37,8 @@ class Lines final : public LiveDisplay {
     if (pressed.empty()) return Wish::kNothing;
     const auto& first = pressed.front();
     const auto bar = std::string(static_cast<std::size_t>(std::clamp(first.change_counts / 500.0, 1.0, 24.0)), '#');
-    output_.say(fmt::format("{:7.2f} s  {} {:<24} +{} taxels", state.time_s, place_of(first), bar, pressed.size() - 1));
+    output_.say(fmt::format("{:7.2f} s  {} {:<24} +{} taxels{}", state.time_s, place_text(monitor, first), bar,
+                            pressed.size() - 1, force_of(monitor)));
     return Wish::kNothing;
   }
 
@@ -72,25 +81,33 @@ class Screen final : public LiveDisplay {
     if (key == 't') return Wish::kTare;
     if (key == 'n') patch_ = (patch_ + 1) % patches;
     if (key == 'p') patch_ = (patch_ + patches - 1) % patches;
-    if (key == 'u') unit_ = unit_ == PressureUnit::kCounts ? PressureUnit::kPercent : PressureUnit::kCounts;
+    if (key == 'u') ++unit_turns_;
     return Wish::kNothing;
+  }
+
+  // The key u goes through the units; kPa is the first where it is known.
+  [[nodiscard]] PressureUnit unit(const LiveMonitor& monitor) const {
+    constexpr std::array kUnits{PressureUnit::kKpa, PressureUnit::kCounts, PressureUnit::kPercent};
+    const std::size_t unknown = monitor.calibration().complete() ? 0 : 1;
+    return kUnits[unknown + unit_turns_ % (kUnits.size() - unknown)];
   }
 
   [[nodiscard]] std::vector<std::string> page(const LiveMonitor& monitor, const LiveState& state) const {
     std::vector<std::string> lines;
-    lines.push_back(
-        fmt::format("{}  {:.1f} s  {} samples, {} lost", design_.name, state.time_s, state.frames, state.lost));
+    lines.push_back(fmt::format("{}  {:.1f} s  {} samples, {} lost{}", design_.name, state.time_s, state.frames,
+                                state.lost, force_of(monitor)));
     for (int p = 0; p < static_cast<int>(design_.patches.size()); ++p) lines.push_back(line_of(monitor, p));
     lines.emplace_back();
-    for (std::string& line : monitor.picture(patch_, unit_, true)) lines.push_back(std::move(line));
+    for (std::string& line : monitor.picture(patch_, unit(monitor), true)) lines.push_back(std::move(line));
     lines.emplace_back();
     constexpr std::size_t kMostTaxels = 5;
     const auto pressed = monitor.touches().pressed();
-    for (std::size_t k = 0; k < std::min(kMostTaxels, pressed.size()); ++k) lines.push_back(place_of(pressed[k]));
+    for (std::size_t k = 0; k < std::min(kMostTaxels, pressed.size()); ++k)
+      lines.push_back(place_text(monitor, pressed[k]));
     if (pressed.size() > kMostTaxels) lines.push_back(fmt::format("+{} taxels", pressed.size() - kMostTaxels));
     if (!state.note.empty()) lines.push_back(state.note);
     lines.push_back(fmt::format("n, p: patch   u: unit ({})   t: tare, nobody may touch the skin   q: end",
-                                unit_ == PressureUnit::kCounts ? "counts" : "% of range"));
+                                name_of(unit(monitor))));
     return lines;
   }
 
@@ -105,12 +122,20 @@ class Screen final : public LiveDisplay {
   Terminal terminal_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   int patch_ = 0;
-  PressureUnit unit_ = PressureUnit::kCounts;
+  std::size_t unit_turns_ = 0;
 };
 
 }  // namespace
 
+std::string place_text(const LiveMonitor& monitor, const PressedTaxel& t) {
+  const std::string place = fmt::format("module {:4} taxel {:2}  at ({:8.2f}, {:8.2f}, {:8.2f}) mm", t.module, t.taxel,
+                                        t.position_mm.x(), t.position_mm.y(), t.position_mm.z());
+  if (best_unit(monitor) == PressureUnit::kCounts) return fmt::format("{}  {:6.0f} counts", place, t.change_counts);
+  return fmt::format("{}  {:6.2f} kPa", place, monitor.calibration().pressure_kpa(t.module, t.taxel, t.change_counts));
+}
+
 nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
+  const bool calibrated = monitor.calibration().complete();
   nlohmann::json pressed = nlohmann::json::array();
   for (const PressedTaxel& t : monitor.touches().pressed()) {
     pressed.push_back({{"module", t.module},
@@ -118,9 +143,13 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
                        {"change_counts", t.change_counts},
                        {"position_mm", {t.position_mm.x(), t.position_mm.y(), t.position_mm.z()}},
                        {"normal", {t.normal.x(), t.normal.y(), t.normal.z()}}});
+    if (calibrated)
+      pressed.back()["pressure_kpa"] = monitor.calibration().pressure_kpa(t.module, t.taxel, t.change_counts);
   }
   nlohmann::json line = {
       {"time_s", state.time_s}, {"frames", state.frames}, {"lost", state.lost}, {"pressed", std::move(pressed)}};
+  line["unit"] = name_of(best_unit(monitor));
+  if (calibrated) line["force_n"] = monitor.force_n();
   if (state.error_us) line["time_error_us"] = *state.error_us;
   return line;
 }

@@ -32,7 +32,10 @@ class LiveDisplay {
 
 /// The display for an output. `design` and `output` outlive it.
 [[nodiscard]] std::unique_ptr<LiveDisplay> make_display(const design::Design& design, const Output& output);
-/// Keys "time_s", "frames", "lost", "pressed" and, where it is known, "time_error_us" of a line.
+/// Place of a taxel and what presses it, in kPa where the monitor is calibrated, else in counts.
+[[nodiscard]] std::string place_text(const device::LiveMonitor& monitor, const device::PressedTaxel& taxel);
+/// Keys "time_s", "frames", "lost", "pressed", "unit", with a calibration "force_n" and, where it is known,
+/// "time_error_us" of a line.
 [[nodiscard]] nlohmann::json to_json(const device::LiveMonitor& monitor, const LiveState& state);
 
 }  // namespace triskin::cli

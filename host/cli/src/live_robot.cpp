@@ -19,13 +19,15 @@ constexpr std::uint64_t kRobotLine_us = 200'000;
 // The covers of one bus while their samples come.
 class BusShow {
  public:
-  BusShow(const robot::BusSite& site, device::Link& link, device::StreamOptions options)
+  BusShow(const robot::BusSite& site, device::Link& link, device::StreamOptions options,
+          const CalibrationOptions& calibration, const Output& output)
       : site_(site), bus_(link), options_(std::move(options)) {
+    const auto claims = bus_.discover();
     for (const robot::CoverOnBus& cover : site.covers) {
       if (!cover.chosen) continue;
       covers_.push_back(&cover);
       designs_.push_back(&cover.design);
-      monitors_.emplace_back(cover.design);
+      monitors_.emplace_back(cover.design, device::RestValues{}, calibration_for(calibration, cover, claims, output));
     }
     options_ = robot::stream_options(site, designs_, std::move(options_));
   }
@@ -78,10 +80,8 @@ class BusShow {
       const auto pressed = monitors_[c].touches().pressed();
       if (pressed.empty() || output.json()) continue;
       const auto& first = pressed.front();
-      output.say(
-          fmt::format("{:7.2f} s  {}: module {:4} taxel {:2}  at ({:.2f}, {:.2f}, {:.2f}) mm  {:6.0f} +{} taxels",
-                      time_s, covers_[c]->name, first.module, first.taxel, first.position_mm.x(), first.position_mm.y(),
-                      first.position_mm.z(), first.change_counts, pressed.size() - 1));
+      output.say(fmt::format("{:7.2f} s  {}: {} +{} taxels", time_s, covers_[c]->name, place_text(monitors_[c], first),
+                             pressed.size() - 1));
     }
     output.each(object);
   }
@@ -97,10 +97,12 @@ class BusShow {
 
 }  // namespace
 
-int live_robot(OpenSite& open, const device::StreamOptions& options, double seconds, Output& output) {
+int live_robot(OpenSite& open, const device::StreamOptions& options, const CalibrationOptions& calibration,
+               double seconds, Output& output) {
   std::vector<std::unique_ptr<BusShow>> shows;
   for (std::size_t b = 0; b < open.site.buses.size(); ++b)
-    shows.push_back(std::make_unique<BusShow>(open.site.buses[b], *open.links[b], speaking(options)));
+    shows.push_back(
+        std::make_unique<BusShow>(open.site.buses[b], *open.links[b], speaking(options), calibration, output));
   std::mutex mutex;
   on_each_bus(open, [&](const robot::BusSite& bus, device::Link&) {
     shows[static_cast<std::size_t>(&bus - open.site.buses.data())]->run(seconds, output, mutex);

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
 
 #include "contacts.hpp"
+#include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/hdf5/recording.hpp"
@@ -16,6 +18,7 @@
 #include "triskin/host/wall_clock.hpp"
 #include "triskin/jobs/touch_map.hpp"
 #include "triskin/recording/recorder.hpp"
+#include "triskin/recording/recording.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/firmware_version.hpp"
 
@@ -32,6 +35,7 @@ struct Options {
   std::string output;
   std::string to;
   device::StreamOptions stream;
+  CalibrationOptions calibration;
   double seconds = 10.0;
   double cloud_hz = 0.0;
 };
@@ -72,15 +76,21 @@ class CoverFile {
   CoverFile(const robot::CoverOnBus& cover, const std::string& path, Format format)
       : cover_(cover), format_(format), file_(path), touches_(cover.design) {}
 
-  void describe(device::Bus& bus, const Options& options) {
+  void describe(device::Bus& bus, const Options& options, const Output& output) {
     origin_.design_text = read_file(cover_.design_file);
     origin_.facts["link"] = bus.name();
     origin_.facts["program"] = fmt::format("triskin {}", TRISKIN_VERSION);
     if (!cover_.name.empty()) origin_.facts["cover"] = cover_.name;
+    const auto claims = bus.discover();
     for (const int patch : design::patches_here(cover_.design)) {
       const auto node = static_cast<std::uint8_t>(design::node_address_of(cover_.design, patch));
       origin_.facts[fmt::format("firmware_{}", node)] = firmware_of(bus, node);
+      const auto claim = std::ranges::find(claims, node, &wire::NodeClaim::node_address);
+      if (claim != claims.end()) origin_.facts[recording::serial_fact(node)] = device::to_text(claim->unique_id);
     }
+    calibration_ = calibration_for(options.calibration, cover_, claims, output);
+    origin_.force_in_newton = calibration_.complete();
+    if (calibration_.complete()) origin_.calibration_text = design::calibration_text(calibration_.boards());
     if (options.cloud_hz > 0.0) origin_.cloud_period_us = static_cast<std::uint64_t>(1e6 / options.cloud_hz);
     origin_.link_start_us = bus.now_us();
     origin_.unix_start_ns = unix_ns();
@@ -107,7 +117,7 @@ class CoverFile {
   }
 
   void slice(std::uint64_t now_us) {
-    const auto contacts = contacts_of(touches_, cover_.design);
+    const auto contacts = contacts_of(touches_, cover_.design, calibration_);
     if (!contacts.empty() || had_contacts_) recorder_->add_contacts(now_us, contacts);
     had_contacts_ = !contacts.empty();
     recorder_->tick(steady_us());
@@ -133,6 +143,7 @@ class CoverFile {
   Format format_;
   recording::OutputFile file_;
   device::TouchMap touches_;
+  design::SkinCalibration calibration_;
   recording::Origin origin_;
   std::unique_ptr<recording::Recorder> recorder_;
   std::uint64_t samples_ = 0;
@@ -160,9 +171,9 @@ class BusRecording {
     }
   }
 
-  void run(device::Link& link, const ProgressSink& progress) {
+  void run(device::Link& link, const ProgressSink& progress, const Output& output) {
     device::Bus bus(link);
-    for (const auto& file : files_) file->describe(bus, options_);
+    for (const auto& file : files_) file->describe(bus, options_, output);
     start_us_ = bus.now_us();
     try {
       receive(bus, progress);
@@ -310,7 +321,7 @@ int run(const Options& options, Output& output) {
   open.links = device::open_buses(open.site, options.site.link);
   const ProgressSink progress = output.progress();
   on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
-    buses[static_cast<std::size_t>(&bus - open.site.buses.data())]->run(link, progress);
+    buses[static_cast<std::size_t>(&bus - open.site.buses.data())]->run(link, progress, output);
   });
   return conclude_all(buses, open.site.is_robot, output);
 }
@@ -329,6 +340,7 @@ const Registration kRecord{{
           ->check(CLI::IsMember({"mcap", "csv", "hdf5"}));
       add_site_options(app, options->site);
       add_stream_options(app, options->stream);
+      add_calibration_options(app, options->calibration);
       app.add_option("--seconds", options->seconds, "of the link's time")
           ->check(CLI::Range(0.0, 1e6))
           ->capture_default_str();

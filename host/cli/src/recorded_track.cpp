@@ -23,6 +23,16 @@ design::Design recorded_design(const std::string& file) {
   return design::parse_design(origin.design_text, file + ": design.json");
 }
 
+design::SkinCalibration recorded_calibration(const std::string& file, const design::Design& design) {
+  const recording::Summary origin = recording::read_origin(file);
+  if (origin.calibration_text.empty()) return {};
+  const auto boards = design::parse_calibration(origin.calibration_text, file + ": " + recording::kCalibrationName);
+  return design::SkinCalibration(design, boards, [&](int patch) -> std::string {
+    const auto serial = origin.facts.find(recording::serial_fact(design::node_address_of(design, patch)));
+    return serial == origin.facts.end() ? "" : serial->second;
+  });
+}
+
 RecordedTrack read_track(const std::string& file, std::size_t most_bytes) {
   RecordedTrack recorded{recorded_design(file), {}, {}};
   view::FrameTrack track(recorded.design.layout.modules.size(), most_bytes);

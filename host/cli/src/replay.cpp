@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "live_display.hpp"
+#include "replay_link.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/recorded_track.hpp"
 #include "triskin/host/interrupt.hpp"
@@ -15,8 +16,9 @@ namespace triskin::cli::replay_command {
 namespace {
 
 struct Options {
-  std::string file;
+  std::string file, listen;
   double speed = 1.0;
+  bool loop = false;
 };
 
 struct Ended {};  // a person ends the replay
@@ -24,8 +26,9 @@ struct Ended {};  // a person ends the replay
 // Plays samples into the display of `live`, in the time in which they came.
 class Player {
  public:
-  Player(const Options& options, const design::Design& design, LiveDisplay& display)
-      : options_(options), monitor_(design), display_(display) {}
+  Player(const Options& options, const design::Design& design, design::SkinCalibration calibration,
+         LiveDisplay& display)
+      : options_(options), monitor_(design, {}, std::move(calibration)), display_(display) {}
 
   void take(const recording::ModuleSample& s) {
     if (static_cast<std::size_t>(s.module) >= modules_) return;
@@ -67,11 +70,16 @@ class Player {
 };
 
 int run(const Options& options, Output& output) {
+  if (!options.listen.empty()) {
+    if (options.speed <= 0.0) throw InputError("replay: --listen plays in time; give a --speed above 0");
+    return replay_into_link({options.file, options.listen, options.speed, options.loop}, output);
+  }
+  if (options.loop) throw InputError("replay: --loop belongs to --listen");
   catch_interrupts();
   const design::Design design = recorded_design(options.file);
   recording::Summary summary;
   auto display = make_display(design, output);
-  Player player(options, design, *display);
+  Player player(options, design, recorded_calibration(options.file, design), *display);
   player.modules(design.layout.modules.size());
   try {
     summary = recording::read_recording(options.file, [&](const recording::ModuleSample& s) { player.take(s); });
@@ -92,7 +100,7 @@ int run(const Options& options, Output& output) {
 
 const Registration kReplay{{
     "replay",
-    "play a recording as live shows it",
+    "play a recording as live shows it, or into a link",
     "triskin replay touch.mcap --speed 2",
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
@@ -100,6 +108,10 @@ const Registration kReplay{{
       app.add_option("--speed", options->speed, "times the speed at which it was recorded; 0: as fast as possible")
           ->check(CLI::Range(0.0, 1000.0))
           ->capture_default_str();
+      app.add_option("--listen", options->listen,
+                     "play it into a link instead, for any client: HOST:PORT (then --link sim:HOST:PORT), can:IFACE or "
+                     "usb, as simulate does; it begins when a client asks");
+      app.add_flag("--loop", options->loop, "with --listen: from the beginning again, until Ctrl-C");
       return [options](Output& output) { return run(*options, output); };
     },
 }};

@@ -9,7 +9,6 @@
 #include "triskin/base/bytes.hpp"
 #include "triskin/design/json_value.hpp"
 #include "triskin/host/files.hpp"
-#include "triskin/scene/virtual_skin.hpp"
 
 namespace triskin::cli {
 
@@ -17,9 +16,7 @@ RestStore::RestStore(const design::Design& design, const std::vector<wire::NodeC
     : modules_(design.layout.modules.size()) {
   std::vector<std::uint8_t> ids;
   for (const auto& board : boards) ids.insert(ids.end(), board.unique_id.begin(), board.unique_id.end());
-  // Beside the folder of the simulated boards.
-  file_ = scene::state_folder_of(design).parent_path().parent_path() / "rest" /
-          fmt::format("{:016x}_{:08x}.json", design.design_id, crc32(ids));
+  file_ = state_home() / "rest" / fmt::format("{:016x}_{:08x}.json", design.design_id, crc32(ids));
 }
 
 device::RestValues RestStore::read() const {

@@ -18,6 +18,21 @@ OpenSite open_site(const SiteOptions& options) {
   return open;
 }
 
+const robot::CoverOnBus& one_cover(const robot::Site& site, std::string_view command) {
+  std::size_t covers = 0;
+  const robot::CoverOnBus* chosen = nullptr;
+  for (const robot::BusSite& bus : site.buses) {
+    for (const robot::CoverOnBus& c : bus.covers) {
+      if (!c.chosen) continue;
+      chosen = &c;
+      ++covers;
+    }
+  }
+  if (covers != 1 || site.buses.size() != 1)
+    throw InputError(std::string(command) + " looks at one cover on one bus: say which with --cover");
+  return *chosen;
+}
+
 void on_each_bus(OpenSite& open, const std::function<void(const robot::BusSite&, device::Link&)>& work) {
   std::vector<std::string> names;
   for (const robot::BusSite& bus : open.site.buses) names.push_back(bus.name);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/cli/recorded_track.hpp"
@@ -15,6 +16,8 @@
 #include "triskin/host/error.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/robot/site.hpp"
+#include "triskin/session/bus.hpp"
+#include "triskin/simlink/open_bus.hpp"
 #include "triskin/view/frame_track.hpp"
 #include "view_feed.hpp"
 
@@ -25,6 +28,7 @@ struct Options {
   std::string design;
   device::LinkOptions link;
   device::StreamOptions stream;
+  CalibrationOptions calibration;
   std::uint16_t port = 0;
   bool no_open = false;
 };
@@ -65,6 +69,21 @@ std::string place_of(const DesignArgument& argument, const design::Design& desig
   return fmt::format("#module-{}", design.patches[patch].entry);
 }
 
+// The page shows N where the controllers answer and have a calibration; of a robot it shows counts. Standard output is
+// for the address alone.
+design::SkinCalibration calibration_now(const Options& options, const std::optional<robot::Site>& site,
+                                        const Output& output) {
+  if (!site || site->is_robot) return {};
+  const Output aside(output.json(), true);
+  try {
+    const auto link = device::open_bus(*site, 0, options.link);
+    device::Bus bus(*link);
+    return calibration_for(options.calibration, site->buses[0].covers[0], bus.discover(), aside);
+  } catch (const DeviceError&) {
+    return {};  // the page says what is wrong with the link
+  }
+}
+
 // A recording is played by the page itself: the server has no live skin then.
 int play(const Options& options, Output& output) {
   RecordedTrack track = read_track(options.design, view::FrameTrack::kMost_bytes);
@@ -72,8 +91,9 @@ int play(const Options& options, Output& output) {
   const std::size_t bytes = track.frames.size();
   const view::LiveSkin live(track.design.layout.modules.size());
   catch_interrupts();
-  const view::Server server(view::site_of(track.design, std::move(track.frames)), live, options.port,
-                            [](const view::Command&) {}, {});
+  const view::Server server(
+      view::site_of(track.design, std::move(track.frames), recorded_calibration(options.design, track.design)), live,
+      options.port, [](const view::Command&) {}, {});
   output.say(server.address());
   if (!options.no_open) open_browser(server.address());
   wait_for_interrupt();
@@ -92,7 +112,7 @@ int run(const Options& options, Output& output) {
   live.set_health({options.link.link, false, "", 0, 0});
   CommandQueue commands(site ? site->buses.size() : 1);
   catch_interrupts();
-  const view::Server server(view::site_of(shown.design), live, options.port,
+  const view::Server server(view::site_of(shown.design, {}, calibration_now(options, site, output)), live, options.port,
                             [&](const view::Command& c) { commands.push(c); }, {});
   const std::string address = server.address() + place_of(argument, shown.design);
   output.say(address);
@@ -121,6 +141,7 @@ const Registration kView{{
       app.get_option("--link")->description(app.get_option("--link")->get_description() +
                                             "; none: the design without live samples");
       add_decimation_option(app, options->stream);
+      add_calibration_options(app, options->calibration);
       app.add_option("--port", options->port, "of the page on 127.0.0.1; 0 takes a free one")->capture_default_str();
       app.add_flag("--no-open", options->no_open, "do not start a browser");
       return [options](Output& output) { return run(*options, output); };

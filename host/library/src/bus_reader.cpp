@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "skin.hpp"
+#include "triskin/jobs/calibrate.hpp"
 #include "triskin/jobs/verify.hpp"
 #include "triskin/jobs/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
@@ -66,6 +67,24 @@ void BusReader::stop() {
   stream_->finish();
   counts_ = stream_->report().total;
   stream_.reset();
+}
+
+void BusReader::calibrate(std::vector<ModuleCalibration>& modules) {
+  const auto claims = bus_.discover();
+  const device::CalibrationStore store;
+  for (const robot::CoverOnBus& cover : site_.covers) {
+    const design::SkinCalibration skin = device::calibration_of(cover.design, claims, {}, store).skin;
+    const int first = source_.offsets[static_cast<std::size_t>(cover.cover)].module;
+    for (const int patch : skin.modules() == 0 ? std::vector<int>{} : design::patches_here(cover.design)) {
+      for (const design::RoutedModule& routed : cover.design.patches[static_cast<std::size_t>(patch)].modules) {
+        ModuleCalibration& module = modules.at(static_cast<std::size_t>(first + routed.node));
+        module.taxel_area_mm2 = skin.taxel_area_mm2(routed.node);
+        module.known = module.taxel_area_mm2 > 0.0;
+        for (std::size_t t = 0; t < module.counts_per_kpa.size(); ++t)
+          module.counts_per_kpa[t] = skin.counts_per_kpa(routed.node, static_cast<int>(t));
+      }
+    }
+  }
 }
 
 bool BusReader::verify(std::string& report) {

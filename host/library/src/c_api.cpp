@@ -203,6 +203,21 @@ triskin_status triskin_change_counts(triskin_skin* skin, double* change_counts, 
   });
 }
 
+triskin_status triskin_calibration(triskin_skin* skin, double* counts_per_kpa, double* taxel_area_mm2, size_t n) {
+  return guarded([&] {
+    require_size("triskin_calibration", n, triskin_module_count(skin) * TRISKIN_TAXELS);
+    std::size_t unknown = 0;
+    for (const auto& module : skin->skin.calibration()) {
+      counts_per_kpa = std::ranges::copy(module.counts_per_kpa, counts_per_kpa).out;
+      if (taxel_area_mm2 != nullptr) *taxel_area_mm2++ = module.taxel_area_mm2;
+      unknown += module.known ? 0 : 1;
+    }
+    if (unknown == 0) return TRISKIN_OK;
+    const std::string text = std::to_string(unknown) + " modules have no calibration; run triskin calibrate";
+    return triskin::library::failed(TRISKIN_BAD_ANSWER, text.c_str());
+  });
+}
+
 triskin_status triskin_verify(triskin_skin* skin, const char** report) {
   return guarded([&] {
     auto [text, found] = skin->skin.verify();

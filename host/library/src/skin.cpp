@@ -241,6 +241,13 @@ std::array<double, layout::kTaxelsPerModule> Skin::change_counts(int module) {
   return touches_.change(module);
 }
 
+std::vector<ModuleCalibration> Skin::calibration() {
+  if (runs()) throw InputError("calibration: stop the stream first (triskin_stop)");
+  std::vector<ModuleCalibration> modules(source_.design.layout.modules.size());
+  for (const auto& bus : buses_) bus->calibrate(modules);
+  return modules;
+}
+
 std::pair<std::string, bool> Skin::verify() {
   if (runs()) throw InputError("verify: stop the stream first (triskin_stop)");
   std::string report;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -33,6 +34,13 @@ struct Source {
 /// Reads what `file` names. Throws InputError.
 [[nodiscard]] Source read_source(const std::string& file, const triskin_options& options);
 
+/// What the counts of a module are worth.
+struct ModuleCalibration {
+  std::array<double, layout::kTaxelsPerModule> counts_per_kpa{};  ///< 0: not known
+  double taxel_area_mm2 = 0.0;
+  bool known = false;
+};
+
 /// One bus with what hangs on it. Threads: that of the bus, and nobody else while it runs.
 class BusReader {
  public:
@@ -54,6 +62,8 @@ class BusReader {
   [[nodiscard]] double unix_s(std::uint64_t link_us) const;
   /// Verifies the covers one after the other, and appends what is found. True: nothing is.
   bool verify(std::string& report);
+  /// The calibrations of the covers on this bus, by module of Source::design; others are left as they are.
+  void calibrate(std::vector<ModuleCalibration>& modules);
   [[nodiscard]] std::string name() const { return bus_.name(); }
 
  private:
@@ -91,6 +101,8 @@ class Skin {
   /// Throws DeviceError when no sample came.
   void tare();
   [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change_counts(int module);
+  /// By module. Throws InputError while a stream runs, DeviceError.
+  [[nodiscard]] std::vector<ModuleCalibration> calibration();
   /// The report of a verification, and whether there is a finding. Throws InputError while a stream runs.
   std::pair<std::string, bool> verify();
 

@@ -118,6 +118,18 @@ class Skin {
     check(triskin_change_counts(open(), out.mutable_data(), static_cast<std::size_t>(out.size())));
     return out;
   }
+  // None: a module has no calibration.
+  [[nodiscard]] py::object calibration() {
+    py::array_t<double> counts({modules_, std::size_t{TRISKIN_TAXELS}});
+    py::array_t<double> area(static_cast<py::ssize_t>(modules_));
+    double *const counts_data = counts.mutable_data(), *const area_data = area.mutable_data();
+    const auto size = static_cast<std::size_t>(counts.size());
+    const triskin_status status =
+        without_python([&] { return triskin_calibration(open(), counts_data, area_data, size); });
+    if (status == TRISKIN_BAD_ANSWER) return py::none();
+    check(status);
+    return py::make_tuple(counts, area);
+  }
   [[nodiscard]] std::pair<bool, std::string> verify() {
     const char* report = "";
     const triskin_status status = without_python([&] { return triskin_verify(open(), &report); });
@@ -179,6 +191,9 @@ PYBIND11_MODULE(triskin, m) {
       .def("counts", &Skin::counts, "Samples since start(): expected, received, lost, lost_here.")
       .def("tare", &Skin::tare, "Takes the present values for those of a skin that nobody touches.")
       .def("change_counts", &Skin::change_counts, "Counts below rest, (modules, 12): more is more pressure.")
+      .def("calibration", &Skin::calibration,
+           "Counts for 1 kPa of each taxel, (modules, 12), and the skin that a taxel of each module stands for, mm2, "
+           "(modules,); None where a module has no calibration. Stop the stream first.")
       .def("verify", &Skin::verify,
            "Whether the hardware is the design, and the report as text. Stop the stream first.");
   m.def(

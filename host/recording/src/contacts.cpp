@@ -28,6 +28,7 @@ Contact contact_of(std::vector<PressedTaxel> taxels, double taxel_area_mm2) {
   Contact c;
   for (const PressedTaxel& t : taxels) {
     c.change_counts += t.change_counts;
+    c.force_n += t.force_n;
     c.position_mm += t.change_counts * t.position_mm;
     c.normal += t.change_counts * t.normal;
   }

@@ -42,6 +42,8 @@ void McapRecorder::begin(const design::Design& design) {
   }
   const std::uint64_t start_ns = origin_.unix_start_ns;
   writer_.attach({start_ns, 0, "design.json", "application/json", origin_.design_text});
+  if (!origin_.calibration_text.empty())
+    writer_.attach({start_ns, 0, kCalibrationName, "application/json", origin_.calibration_text});
   mcap::TextMap facts = origin_.facts;
   facts["design_id"] = fmt::format("{:016x}", design.design_id);
   facts["design"] = design.name;
@@ -51,7 +53,8 @@ void McapRecorder::begin(const design::Design& design) {
       "log time: when it came, ns since 1970, from the clock of the link in µs since link_start_us; publish time: when "
       "it "
       "was sampled, within error_us";
-  facts["units"] = "values: converter counts, not calibrated; lengths: m";
+  facts["units"] = fmt::format("values: converter counts; forces of contacts: {}; lengths: m",
+                               origin_.force_in_newton ? "N, by the calibration in calibration.json" : "counts");
   writer_.describe({"triskin", facts});
   writer_.write(layout_, start_ns, encode_layout(design, start_ns));
   writer_.flush();
@@ -68,7 +71,8 @@ void McapRecorder::add(const ModuleSample& sample) {
 }
 
 void McapRecorder::add_contacts(std::uint64_t link_time_us, std::span<const Contact> contacts) {
-  writer_.write(contacts_, unix_ns(link_time_us), encode_contacts(contacts, unix_ns(link_time_us)));
+  writer_.write(contacts_, unix_ns(link_time_us),
+                encode_contacts(contacts, unix_ns(link_time_us), kMeshFrame, {.by_taxel = origin_.force_in_newton}));
 }
 
 void McapRecorder::tick(std::uint64_t steady_us) {

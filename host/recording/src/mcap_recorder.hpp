@@ -3,6 +3,7 @@
 #include "triskin/recording/mcap_file.hpp"
 #include "triskin/recording/raw_frames.hpp"
 #include "triskin/recording/recorder.hpp"
+#include "triskin/recording/recording.hpp"
 
 namespace triskin::recording {
 

@@ -128,7 +128,11 @@ std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint6
 
 std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns,
                                           std::string_view frame_id, const Calibration& calibration) {
-  const bool calibrated = calibration.newton_per_count > 0.0;
+  const bool calibrated = calibration.by_taxel || calibration.newton_per_count > 0.0;
+  const auto force = [&](const Contact& c) {
+    if (calibration.by_taxel) return c.force_n;
+    return c.change_counts * (calibrated ? calibration.newton_per_count : 1.0);
+  };
   CdrWriter w;
   put_header(w, stamp_ns, frame_id);
   w.text(calibrated ? "N" : "counts");
@@ -136,7 +140,7 @@ std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std
   for (const Contact& c : contacts) {
     for (int axis = 0; axis < 3; ++axis) w.f64(c.position_mm[axis] / kMetre_mm);
     for (int axis = 0; axis < 3; ++axis) w.f64(c.normal[axis]);
-    w.f64(c.change_counts * (calibrated ? calibration.newton_per_count : 1.0));
+    w.f64(force(c));
     w.f64(c.area_mm2 / (kMetre_mm * kMetre_mm));
     put_each(w, c.taxels, 1, [&](const PressedTaxel& t) { w.u32(static_cast<std::uint32_t>(t.module)); });
     put_each(w, c.taxels, 1, [&](const PressedTaxel& t) { w.u8(static_cast<std::uint8_t>(t.taxel)); });

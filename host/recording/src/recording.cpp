@@ -25,6 +25,7 @@ class Samples final : public mcap::Visitor {
   }
   void on_attachment(const mcap::Attachment& attachment) override {
     if (attachment.name == "design.json") summary_.design_text = attachment.data;
+    if (attachment.name == kCalibrationName) summary_.calibration_text = attachment.data;
   }
   void on_metadata(const mcap::Metadata& metadata) override {
     if (metadata.name == "triskin") summary_.facts = metadata.entries;

@@ -221,8 +221,8 @@ void read_electrodes(const JsonValue& v, Effects& e) {
 }
 
 Effects read_effects(const JsonValue& v) {
-  only_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "electrode_pf", "bus_bit_rate",
-                "bus_data_bit_rate", "chain_bit_error_rate", "clock_ppm"});
+  only_keys(v, {"noise_counts", "drift_counts_per_s", "taxel_spread_counts", "sensitivity_spread", "electrode_pf",
+                "bus_bit_rate", "bus_data_bit_rate", "chain_bit_error_rate", "clock_ppm"});
   Effects e;
   if (has(v, "chain_bit_error_rate")) e.chain_bit_error_rate = number_in(v["chain_bit_error_rate"], 0.0, 0.5);
   if (has(v, "clock_ppm")) {
@@ -232,6 +232,7 @@ Effects read_effects(const JsonValue& v) {
   if (has(v, "noise_counts")) e.noise_counts = number_in(v["noise_counts"], 0.0, 1e4);
   if (has(v, "drift_counts_per_s")) e.drift_counts_per_s = number_in(v["drift_counts_per_s"], -1e4, 1e4);
   if (has(v, "taxel_spread_counts")) e.taxel_spread_counts = number_in(v["taxel_spread_counts"], 0.0, 1e4);
+  if (has(v, "sensitivity_spread")) e.sensitivity_spread = number_in(v["sensitivity_spread"], 0.0, 0.9);
   if (has(v, "electrode_pf")) read_electrodes(v["electrode_pf"], e);
   if (has(v, "bus_bit_rate")) e.bus_bit_rate = static_cast<std::uint64_t>(v["bus_bit_rate"].integer(10'000, 1'000'000));
   if (has(v, "bus_data_bit_rate")) {
@@ -240,12 +241,24 @@ Effects read_effects(const JsonValue& v) {
   return e;
 }
 
+PressureCurve read_pressure(const JsonValue& list) {
+  constexpr double kMost_kpa = 1e4;
+  std::vector<PressureCurve::Point> points;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const JsonValue v = list.at(k);
+    only_keys(v, {"at_s", "kpa"});
+    points.push_back({time_us(v["at_s"]), number_in(v["kpa"], 0.0, kMost_kpa)});
+    if (k > 0 && points[k].at_us < points[k - 1].at_us) v["at_s"].fail("is earlier than the point before");
+  }
+  return PressureCurve(std::move(points));
+}
+
 void read_head(const JsonValue& v) {
   constexpr int kVersion = 1;
   if (v["format"].text() != "triskin-scene") v["format"].fail("must be \"triskin-scene\" (or give a design file)");
   const int version = v["version"].integer(0, 1'000'000);
   if (version != kVersion) v["version"].fail(fmt::format("is {}, this program reads {}", version, kVersion));
-  only_keys(v, {"format", "version", "design", "hardware", "seed", "contacts", "faults", "effects"});
+  only_keys(v, {"format", "version", "design", "hardware", "seed", "contacts", "pressure", "faults", "effects"});
 }
 
 }  // namespace
@@ -331,6 +344,7 @@ Scene read_scene(const std::filesystem::path& path) {
     const JsonValue list = v["contacts"];
     for (std::size_t k = 0; k < list.size(); ++k) scene.contacts.push_back(reader.contact(list.at(k)));
   }
+  if (has(v, "pressure")) scene.pressure = read_pressure(v["pressure"]);
   if (has(v, "faults")) {
     const JsonValue list = v["faults"];
     for (std::size_t k = 0; k < list.size(); ++k) scene.faults.push_back(reader.fault(list.at(k)));

@@ -3,13 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+
+#include "triskin/layout/rest.hpp"
 
 namespace triskin::scene {
 namespace {
 
 constexpr double kSaturatedCounts = -1e6;  // beyond the converter's range: a pad shorted to the shield
 constexpr std::uint64_t kForgetAfterUs = 1'000'000;
+// An electrode that whole steps of the converter's offset take away.
+constexpr double kShownElectrode_counts = 20 * Ad7147Behaviour{}.afe_step_pf * kCountsPerPf;
+constexpr std::uint64_t kSensitivityStream = 0x100;  // its random numbers are others than those of the electrodes
 
 // SplitMix64 (Steele, Lea, Flood 2014): one hash per sample, so that noise needs no state.
 std::uint64_t mix(std::uint64_t x) {
@@ -50,8 +56,27 @@ double Touch::pressure_kpa(const design::Vec3& at_mm, std::uint64_t at_us) const
   return kKpaPerNewtonPerMm2 * 3.0 * contact.force_n / (2.0 * std::numbers::pi * r * r) * std::sqrt(1.0 - ratio2);
 }
 
+double PressureCurve::kpa(std::uint64_t at_us) const {
+  const auto next = std::ranges::upper_bound(points_, at_us, {}, &Point::at_us);
+  if (points_.empty()) return 0.0;
+  if (next == points_.begin()) return next->kpa;
+  const Point& last = *std::prev(next);
+  if (next == points_.end()) return last.kpa;
+  const double share = static_cast<double>(at_us - last.at_us) / static_cast<double>(next->at_us - last.at_us);
+  return last.kpa + share * (next->kpa - last.kpa);
+}
+
+void PressureCurve::step(std::uint64_t at_us, double kpa) {
+  const double before = this->kpa(at_us);
+  const auto planned = std::ranges::lower_bound(points_, at_us, {}, &Point::at_us);
+  points_.erase(planned, points_.end());
+  points_.push_back({at_us, before});
+  points_.push_back({at_us, kpa});
+}
+
 ModuleSkin::ModuleSkin(const Scene& scene, int module, int rotation)
-    : seed_(mix(scene.seed ^ drawn_from(scene, module))),
+    : pressure_(scene.pressure),
+      seed_(mix(scene.seed ^ drawn_from(scene, module))),
       noise_counts_(scene.effects.noise_counts),
       drift_counts_per_us_(scene.effects.drift_counts_per_s * 1e-6) {
   const auto taxels = design::taxels_of(scene.design.layout.modules[static_cast<std::size_t>(module)], rotation);
@@ -62,17 +87,22 @@ ModuleSkin::ModuleSkin(const Scene& scene, int module, int rotation)
     const double electrode_pf =
         e.electrode_least_pf + (e.electrode_most_pf - e.electrode_least_pf) * uniform(mix(seed_ ^ mix(t)));
     rest_counts_[t] = electrode_pf * kCountsPerPf + spread;
+    const double deviation = e.sensitivity_spread * (2.0 * uniform(mix(seed_ ^ mix(t + kSensitivityStream))) - 1.0);
+    counts_per_kpa_[t] = kCountsPerKpa * (1.0 + deviation);
   }
 }
 
 double ModuleSkin::counts(int cin, std::uint64_t at_us) const {
   const auto taxel = static_cast<std::size_t>(cin);
   if (taxel >= state_.size()) return 0.0;
+  if (shown_counts_) return kShownElectrode_counts + layout::kRestCounts - (*shown_counts_)[taxel];
   if (state_[taxel] == State::kSaturated) return kSaturatedCounts;
   double value = rest_counts_[taxel];
   if (state_[taxel] == State::kFrozen) return value;
   if (layout::measures_pressure(taxel)) {
-    for (const Touch* touch : touches_) value += kCountsPerKpa * touch->pressure_kpa(position_mm_[taxel], at_us);
+    double kpa = pressure_.kpa(at_us);
+    for (const Touch* touch : touches_) kpa += touch->pressure_kpa(position_mm_[taxel], at_us);
+    value += counts_per_kpa_[taxel] * kpa;
   }
   if (drift_counts_per_us_ != 0.0) value += drift_counts_per_us_ * static_cast<double>(at_us);
   if (noise_counts_ != 0.0) value += noise_counts_ * gaussian(seed_ ^ (at_us * 16 + taxel));
@@ -191,6 +221,11 @@ int Skin::press(const Contact& contact) {
     if (m.reached_by(contact)) m.add(touch);
   }
   return id;
+}
+
+void Skin::pressurize(int module, double kpa, std::uint64_t now_us) {
+  if (module >= 0) return modules_.at(static_cast<std::size_t>(module)).pressurize(kpa, now_us);
+  for (ModuleSkin& m : modules_) m.pressurize(kpa, now_us);
 }
 
 void Skin::release(int id, std::uint64_t now_us) {

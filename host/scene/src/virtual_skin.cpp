@@ -59,16 +59,7 @@ void forget_faults(FlashMemory& flash) {
 }  // namespace
 
 std::filesystem::path state_folder() {
-  std::filesystem::path base;
-  if (const char* xdg = std::getenv("XDG_STATE_HOME"); xdg != nullptr && *xdg != '\0') {
-    base = xdg;
-  } else if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
-    base = std::filesystem::path(home) / ".local" / "state";
-  }
-  std::error_code error;
-  if (!base.empty()) std::filesystem::create_directories(base, error);
-  if (base.empty() || error) base = std::filesystem::temp_directory_path();
-  return base / "triskin" / "sim";
+  return state_home() / "sim";
 }
 
 std::filesystem::path state_folder_of(const design::Design& design) {

@@ -114,6 +114,7 @@ void SimServer::handle(Client& client, const record::Record& r) {
     skin_.send(record::frame_of(r));
     return;
   }
+  if (r.kind == record::kPressure) return pressurize(r);
   if (r.kind != record::kPress && r.kind != record::kLift) throw DeviceError("unknown record");
   if (client.touch != 0) skin_.release(client.touch);
   client.touch = 0;
@@ -127,6 +128,17 @@ void SimServer::handle(Client& client, const record::Record& r) {
     throw DeviceError("no such module or taxel");
   }
   client.touch = skin_.press_module(static_cast<int>(module), whole ? -1 : taxel);
+}
+
+// It stays when the client goes: a bag is laid around the skin, no finger of a program.
+void SimServer::pressurize(const record::Record& r) {
+  constexpr double kKpaPerPa = 1e-3;
+  ByteReader reader(r.contents);
+  const std::uint32_t module = reader.le32(), pressure_pa = reader.le32();
+  const bool all = module == record::kAllModules;
+  if (!reader.ok() || (!all && module >= skin_.scene().design.layout.modules.size()))
+    throw DeviceError("no such module");
+  skin_.pressurize(all ? -1 : static_cast<int>(module), kKpaPerPa * pressure_pa);
 }
 
 void SimServer::write_client(Client& client) {

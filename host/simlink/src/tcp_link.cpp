@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 
 #include "triskin/base/bytes.hpp"
@@ -137,6 +138,17 @@ void TcpLink::press(int module, int taxel) {
 void TcpLink::lift() {
   std::vector<std::uint8_t> bytes;
   record::put(bytes, record::kLift, {});
+  write_all(bytes);
+}
+
+void TcpLink::pressurize(int module, double kpa) {
+  constexpr double kPaPerKpa = 1000.0;
+  std::array<std::uint8_t, 8> contents{};
+  ByteWriter w(contents);
+  w.le32(module < 0 ? record::kAllModules : static_cast<std::uint32_t>(module));
+  w.le32(static_cast<std::uint32_t>(std::lround(kpa * kPaPerKpa)));
+  std::vector<std::uint8_t> bytes;
+  record::put(bytes, record::kPressure, contents);
   write_all(bytes);
 }
 

@@ -6,7 +6,7 @@ import {TAXELS} from "./model.js";
 
 const NEAR_MM = 12; // taxels of a module are 7 mm apart, those of neighbours up to 10 mm
 
-/** @typedef {{taxels: number[], strongest: number, sum: number, centre: number[], module: number}} Contact */
+/** @typedef {{taxels: number[], strongest: number, sum: number, force: number | null, centre: number[], module: number}} Contact */
 
 /** All contact regions, strongest first; at most `most` taxels are looked at. @param {import("./model.js").Model} model
  * @param {import("./live.js").LiveSkin} live @returns {Contact[]} */
@@ -45,5 +45,7 @@ function regionOf(model, taxels, strength) {
     if (strength(n) > strength(strongest)) strongest = n;
     for (let x = 0; x < 3; ++x) centre[x] += strength(n) * model.cover.taxels[3 * n + x];
   }
-  return {taxels, strongest, sum, centre: centre.map((v) => v / sum), module: Math.floor(strongest / TAXELS)};
+  const worth = model.newtonPerCount;
+  const force = worth && taxels.reduce((all, n) => all + strength(n) * worth[n], 0);
+  return {taxels, strongest, sum, force, centre: centre.map((v) => v / sum), module: Math.floor(strongest / TAXELS)};
 }

@@ -93,9 +93,21 @@ json jumpers_of(const design::ModuleLayout& layout) {
   return list;
 }
 
+// By module: N for a count of each taxel; null where numbers are counts.
+json newton_per_count(const design::Design& design, const design::SkinCalibration& calibration) {
+  if (!calibration.complete()) return nullptr;
+  json modules = json::array();
+  for (int m = 0; m < static_cast<int>(design.layout.modules.size()); ++m) {
+    json taxels = json::array();
+    for (int t = 0; t < layout::kTaxelsPerModule; ++t) taxels.push_back(calibration.force_n(m, t, 1.0));
+    modules.push_back(std::move(taxels));
+  }
+  return modules;
+}
+
 }  // namespace
 
-std::string model_json(const design::Design& design, bool recording) {
+std::string model_json(const design::Design& design, bool recording, const design::SkinCalibration& calibration) {
   const auto wiring = design::wiring_of(design);
   json modules = json::array(), patches = json::array();
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k) {
@@ -110,6 +122,7 @@ std::string model_json(const design::Design& design, bool recording) {
                       {"corner_cut_mm", design.layout.corner_cut_mm},
                       {"jumpers", jumpers_of(design.layout)},
                       {"recording", recording},
+                      {"newton_per_count", newton_per_count(design, calibration)},
                       {"islands", design.layout.islands},
                       {"area_cm2", rounded(design.report.area_cm2)},
                       {"coverage", rounded(design.report.coverage)},

@@ -81,11 +81,23 @@ nlohmann::ordered_json board_json(const BoardBackup& b) {
   for (const auto& [id, value] : b.values) values[fmt::format("{:04X}", id)] = hex_of(value);
   for (const BoardBackup::Fault& f : b.faults)
     faults.push_back({{"code", fmt::format("{:06X}", f.code)}, {"status", f.status}, {"noted", hex_of(f.noted)}});
-  return {{"serial", b.serial},
-          {"node_address", b.node_address},
-          {"table", hex_of(b.table)},
-          {"values", std::move(values)},
-          {"faults", std::move(faults)}};
+  nlohmann::ordered_json board = {{"serial", b.serial},
+                                  {"node_address", b.node_address},
+                                  {"table", hex_of(b.table)},
+                                  {"values", std::move(values)},
+                                  {"faults", std::move(faults)}};
+  if (b.calibration)
+    board["calibration"] = nlohmann::ordered_json::parse(design::calibration_text(std::span(&*b.calibration, 1)));
+  return board;
+}
+
+std::optional<design::BoardCalibration> calibration_in(const JsonValue& v, const std::string& serial) {
+  if (!design::has(v, "calibration")) return std::nullopt;
+  const JsonValue calibration = v["calibration"];
+  const auto boards = design::parse_calibration(calibration.raw().dump(), "calibration of controller " + serial);
+  if (boards.size() != 1 || boards[0].serial != serial)
+    calibration.fail("is not that of this controller; use another copy");
+  return boards[0];
 }
 
 // Over the boards as this program writes them: key order and spaces of the file do not count.
@@ -113,7 +125,7 @@ std::uint32_t number_in_hex(const JsonValue& v, const std::string& text, std::si
 }
 
 BoardBackup board_in(const JsonValue& v) {
-  design::only_keys(v, {"serial", "node_address", "table", "values", "faults"}, kBackupPage);
+  design::only_keys(v, {"serial", "node_address", "table", "values", "faults", "calibration"}, kBackupPage);
   BoardBackup b;
   b.serial = normal_serial(v["serial"].text());
   if (b.serial.empty()) v["serial"].fail("must have 24 hexadecimal digits");
@@ -129,6 +141,7 @@ BoardBackup board_in(const JsonValue& v) {
     b.faults.push_back({number_in_hex(f["code"], f["code"].text(), 6),
                         static_cast<std::uint8_t>(f["status"].integer(0, 255)), hex_in(f["noted"])});
   }
+  b.calibration = calibration_in(v, b.serial);
   return b;
 }
 

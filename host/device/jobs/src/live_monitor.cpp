@@ -7,6 +7,7 @@
 #include <array>
 #include <map>
 #include <string_view>
+#include <utility>
 
 namespace triskin::device {
 namespace {
@@ -40,7 +41,8 @@ std::string_view trouble_of(ModuleState state) {
   return " bad";
 }
 
-std::string number(double counts, PressureUnit unit) {
+std::string number(double counts, double kpa, PressureUnit unit) {
+  if (unit == PressureUnit::kKpa) return kpa < 99.95 ? fmt::format("{:4.1f}", kpa) : fmt::format("{:4.0f}", kpa);
   if (unit == PressureUnit::kPercent) return fmt::format("{:3.0f}%", 100.0 * counts / layout::kRestCounts);
   return counts < 9999.5 ? fmt::format("{:4.0f}", counts) : fmt::format("{:3.0f}k", counts / 1000.0);
 }
@@ -63,8 +65,18 @@ int colour_of(double counts, bool trouble) {
 
 }  // namespace
 
-LiveMonitor::LiveMonitor(const design::Design& design, const RestValues& rest)
-    : design_(design), touches_(design, rest), modules_(design.layout.modules.size()) {}
+LiveMonitor::LiveMonitor(const design::Design& design, const RestValues& rest, design::SkinCalibration calibration)
+    : design_(design),
+      touches_(design, rest),
+      calibration_(std::move(calibration)),
+      modules_(design.layout.modules.size()) {}
+
+double LiveMonitor::force_n() const {
+  double sum_n = 0.0;
+  if (!calibration_.complete()) return sum_n;
+  for (const PressedTaxel& t : touches_.pressed()) sum_n += calibration_.force_n(t.module, t.taxel, t.change_counts);
+  return sum_n;
+}
 
 const std::vector<design::RoutedModule>& LiveMonitor::modules_of(int patch) const {
   return design_.patches.at(static_cast<std::size_t>(patch)).modules;
@@ -107,9 +119,12 @@ std::string LiveMonitor::cell(int module, PressureUnit unit, bool colour) const 
   const Module& m = modules_[static_cast<std::size_t>(module)];
   const auto change = touches_.change(module);
   const double counts = std::max(0.0, *std::ranges::max_element(change));
+  double kpa = 0.0;
+  for (std::size_t t = 0; t < change.size() && calibration_.complete(); ++t)
+    kpa = std::max(kpa, calibration_.pressure_kpa(module, static_cast<int>(t), change[t]));
   const std::string_view trouble = m.heard ? trouble_of(m.state) : "  --";
   const char* sign = design_.layout.modules[static_cast<std::size_t>(module)].tile.up ? "▲" : "▼";
-  const std::string text = sign + (trouble.empty() ? number(counts, unit) : std::string(trouble));
+  const std::string text = sign + (trouble.empty() ? number(counts, kpa, unit) : std::string(trouble));
   return colour ? fmt::format("\033[48;5;{}m{}\033[0m ", colour_of(counts, !trouble.empty()), text) : text + " ";
 }
 

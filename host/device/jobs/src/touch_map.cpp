@@ -12,8 +12,8 @@ TouchMap::TouchMap(const design::Design& design, const RestValues& rest)
       by_design_(rest.size() != modules_.size()) {
   if (by_design_) return;
   for (std::size_t m = 0; m < modules_.size(); ++m) {
-    for (std::size_t t = 0; t < modules_[m].size(); ++t) {
-      Taxel& taxel = modules_[m][t];
+    for (std::size_t t = 0; t < rest[m].size(); ++t) {
+      Taxel& taxel = modules_[m].taxels[t];
       taxel.rest = taxel.now = rest[m][t];
       taxel.seen = kRestSamples;
     }
@@ -41,43 +41,66 @@ void TouchMap::take(Taxel& taxel, double value) const {
   if (taxel.follows) taxel.rest = std::max(taxel.rest, value);
 }
 
+// No finger reaches them, so whatever they read first is their rest.
+void TouchMap::take_pads(Module& module, const wire::FullTaxels& sample) {
+  double sum = 0.0;
+  int known = 0;
+  for (const std::size_t t : layout::kTemperaturePads) {
+    if ((sample.valid >> t & 1) == 0) continue;
+    Taxel& pad = module.taxels[t];
+    pad.now = sample.value[t];
+    if (pad.seen < kRestSamples) {
+      pad.first[pad.seen++] = pad.now;
+      if (pad.seen < kRestSamples) continue;
+      std::ranges::sort(pad.first);
+      pad.rest = pad.first[kRestSamples / 2];
+    }
+    sum += pad.rest - pad.now;
+    ++known;
+  }
+  if (known > 0) module.warming_counts = sum / known;
+}
+
 void TouchMap::add(const ModuleFrame& frame) {
   Module& module = modules_[static_cast<std::size_t>(frame.module)];
-  for (std::size_t t = 0; t < module.size(); ++t) {
+  take_pads(module, frame.sample);
+  for (std::size_t t = 0; t < module.taxels.size(); ++t) {
+    if (!layout::measures_pressure(t)) continue;
+    Taxel& taxel = module.taxels[t];
     if ((frame.sample.valid >> t & 1) != 0)
-      take(module[t], frame.sample.value[t]);
+      take(taxel, frame.sample.value[t] + module.warming_counts);
     else
-      module[t].now = module[t].rest;  // an invalid taxel is unknown, not pressed
+      taxel.now = taxel.rest;  // an invalid taxel is unknown, not pressed
   }
 }
 
 void TouchMap::tare() {
   by_design_ = false;
-  for (Module& module : modules_) {
-    for (Taxel& taxel : module) taxel = Taxel{};
-  }
+  for (Module& module : modules_) module = Module{};
 }
 
 bool TouchMap::tared() const {
   return std::ranges::all_of(modules_, [](const Module& module) {
-    return std::ranges::all_of(module, [](const Taxel& t) { return t.seen == 0 || t.seen == kRestSamples; });
+    return std::ranges::all_of(module.taxels, [](const Taxel& t) { return t.seen == 0 || t.seen == kRestSamples; });
   });
 }
 
 RestValues TouchMap::rest() const {
   RestValues rest(modules_.size());
   for (std::size_t m = 0; m < modules_.size(); ++m) {
-    for (std::size_t t = 0; t < modules_[m].size(); ++t)
-      rest[m][t] = modules_[m][t].seen == kRestSamples ? modules_[m][t].rest : layout::kRestCounts;
+    for (std::size_t t = 0; t < rest[m].size(); ++t) {
+      const Taxel& taxel = modules_[m].taxels[t];
+      rest[m][t] = taxel.seen == kRestSamples ? taxel.rest : layout::kRestCounts;
+    }
   }
   return rest;
 }
 
 std::array<double, layout::kTaxelsPerModule> TouchMap::change(int module) const {
   std::array<double, layout::kTaxelsPerModule> change{};
-  const Module& m = modules_[static_cast<std::size_t>(module)];
-  for (std::size_t t = 0; t < m.size(); ++t) {
-    if (m[t].seen == kRestSamples && layout::measures_pressure(t)) change[t] = m[t].rest - m[t].now;
+  const auto& taxels = modules_[static_cast<std::size_t>(module)].taxels;
+  for (std::size_t t = 0; t < taxels.size(); ++t) {
+    if (taxels[t].seen == kRestSamples && layout::measures_pressure(t)) change[t] = taxels[t].rest - taxels[t].now;
   }
   return change;
 }

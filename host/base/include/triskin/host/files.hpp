@@ -18,4 +18,8 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
 /// Throws InputError naming the file and the cause, also for a folder.
 void write_output(const std::filesystem::path& path, std::string_view bytes);
 
+/// Folder for what the program keeps on this computer between two runs: $XDG_STATE_HOME/triskin, else
+/// ~/.local/state/triskin, else triskin in the temporary folder. The folder above it is made if it is not there.
+[[nodiscard]] std::filesystem::path state_home();
+
 }  // namespace triskin

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <string>
 
+#include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
 
 namespace triskin::cli {
@@ -20,6 +21,10 @@ struct RecordedTrack {
 /// The design in a recording. Throws InputError when it is no recording of triskin, or holds no design. Cost: reads the
 /// first part of the file.
 [[nodiscard]] design::Design recorded_design(const std::string& file);
+
+/// The calibration in a recording of `design`; none: counts alone. Throws InputError when it is damaged. Cost: as
+/// recorded_design.
+[[nodiscard]] design::SkinCalibration recorded_calibration(const std::string& file, const design::Design& design);
 
 /// Reads a recording. `most_bytes`: of the frames; later ones are dropped. Throws InputError when it is no recording of
 /// triskin, or holds no design or no sample. Cost: reads the file.

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "triskin/cli/link_options.hpp"
@@ -26,6 +27,9 @@ struct OpenSite {
 };
 /// Reads the file and opens the links. Throws as robot::read_site and device::open_bus do.
 [[nodiscard]] OpenSite open_site(const SiteOptions& options);
+
+/// The one cover that is chosen of a site with one bus. Throws InputError naming `command` where there are several.
+[[nodiscard]] const robot::CoverOnBus& one_cover(const robot::Site& site, std::string_view command);
 
 /// Runs `work` for each bus, side by side. Throws as robot::on_each_bus does.
 void on_each_bus(OpenSite& open, const std::function<void(const robot::BusSite& bus, device::Link& link)>& work);

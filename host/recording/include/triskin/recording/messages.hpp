@@ -32,6 +32,7 @@ struct PressedTaxel {
   int module = 0, taxel = 0;
   double change_counts = 0.0;  ///< against rest, above 0
   design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};
+  double force_n = 0.0;  ///< on the skin that it stands for, by its calibration; 0: it has none
 };
 
 /// A region of the skin under pressure, mesh frame.
@@ -39,6 +40,7 @@ struct Contact {
   design::Vec3 position_mm{0, 0, 0};  ///< mean of its taxels, weighted by their change
   design::Vec3 normal{0, 0, 0};       ///< outward unit vector, weighted likewise
   double change_counts = 0.0;         ///< sum over its taxels
+  double force_n = 0.0;               ///< sum over its taxels, N; 0: without calibration
   double area_mm2 = 0.0;              ///< of skin: what its taxels stand for
   std::vector<PressedTaxel> taxels;   ///< the strongest first; not empty
 };
@@ -71,9 +73,10 @@ void put_header(CdrWriter& w, std::uint64_t stamp_ns, std::string_view frame_id)
 /// the layout lacks. Cost: linear.
 [[nodiscard]] std::vector<std::uint8_t> encode_layout(const design::Design& design, std::uint64_t stamp_ns,
                                                       std::string_view frame_id = kMeshFrame);
-/// What the counts of a contact are worth.
+/// What the counts of a contact are worth. Without either the unit of forces is "counts".
 struct Calibration {
-  double newton_per_count = 0.0;  ///< of the sum over a contact, > 0; 0: not known, and the unit of forces is "counts"
+  double newton_per_count = 0.0;  ///< of the sum over a contact, > 0; 0: not known
+  bool by_taxel = false;          ///< the contacts have their force_n from the calibration of the skin; goes first
 };
 /// The message of contacts, lengths in m. Throws nothing of its own.
 [[nodiscard]] std::vector<std::uint8_t> encode_contacts(std::span<const Contact> contacts, std::uint64_t stamp_ns,

@@ -28,6 +28,28 @@ struct Contact {
   double force_n = 2.0;
 };
 
+/// A pressure of the same size everywhere, as of a bag around the skin, at times of the simulation: linear between
+/// points, before the first as there, after the last as there.
+class PressureCurve {
+ public:
+  struct Point {
+    std::uint64_t at_us = 0;
+    double kpa = 0.0;
+  };
+  /// Nothing presses.
+  PressureCurve() = default;
+  /// `points`: times do not fall. Of two with one time the later in the list counts from then on.
+  explicit PressureCurve(std::vector<Point> points) : points_(std::move(points)) {}
+  /// Pressure at a time, kPa. Cost: O(log points).
+  [[nodiscard]] double kpa(std::uint64_t at_us) const;
+  /// From `at_us` on it is `kpa`, whatever was planned; times before stay as they were.
+  void step(std::uint64_t at_us, double kpa);
+  [[nodiscard]] bool empty() const { return points_.empty(); }
+
+ private:
+  std::vector<Point> points_;
+};
+
 /// What is wrong with the simulated hardware (docs/scene.md describes each kind and its keys).
 enum class FaultKind {
   kRemovedChip,        ///< module; from_us … until_us: the time for which it is away
@@ -86,6 +108,7 @@ struct Effects {
   double noise_counts = 0.0;            ///< standard deviation of a sample
   double drift_counts_per_s = 0.0;      ///< of every taxel
   double taxel_spread_counts = 0.0;     ///< half range of what is added to the electrodes
+  double sensitivity_spread = 0.0;      ///< half range of the taxels' gains about kCountsPerKpa, as a share of it: < 1
   double electrode_least_pf = 2.0;      ///< capacitance of an electrode, another for each taxel: between this
   double electrode_most_pf = 18.0;      ///< and this
   Ad7147Behaviour converter;            ///< of every chip; not in scene files
@@ -100,6 +123,7 @@ struct Scene {
   bool switched = false;  ///< modules that the controller routes (docs/switched_module.md); false: strapped
   std::uint64_t seed = 1;
   std::vector<Contact> contacts;
+  PressureCurve pressure;  ///< on every taxel, beside the contacts
   std::vector<Fault> faults;
   Effects effects;
   /// Unique id of the controller of each patch; empty: made of the design's id. Where they are given the flash of a

@@ -5,6 +5,7 @@
 #include <deque>
 #include <list>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "triskin/layout/module.hpp"
@@ -16,7 +17,8 @@
 namespace triskin::scene {
 
 /// The electrical side of a taxel, in converter counts. An electrode has the capacitance that the effects of the scene
-/// allow (Effects::electrode_least_pf), another for each taxel; under pressure it gains this.
+/// allow (Effects::electrode_least_pf), another for each taxel; under pressure it gains this, give or take
+/// Effects::sensitivity_spread.
 inline constexpr double kCountsPerKpa = 150.0;
 
 /// A contact with its reach: which taxels of which modules it can press.
@@ -36,6 +38,9 @@ class ModuleSkin final : public CapacitanceSource {
   /// Capacitance of taxel 0..11 without touch, drift and noise, counts.
   [[nodiscard]] double rest_counts(int taxel) const { return rest_counts_[static_cast<std::size_t>(taxel)]; }
 
+  /// By how many counts taxel 0..11 answers to 1 kPa.
+  [[nodiscard]] double counts_per_kpa(int taxel) const { return counts_per_kpa_[static_cast<std::size_t>(taxel)]; }
+
   /// A contact that may press the pads; it outlives its presence here.
   void add(const Touch& touch);
   /// Forgets a contact; without effect when it is not there.
@@ -44,6 +49,11 @@ class ModuleSkin final : public CapacitanceSource {
   void saturate(int taxel) { state_[static_cast<std::size_t>(taxel)] = State::kSaturated; }
   /// From now on taxel 0..11 keeps its rest value.
   void freeze(int taxel) { state_[static_cast<std::size_t>(taxel)] = State::kFrozen; }
+  /// From `at_us` on every pad is under `kpa`, beside the contacts.
+  void pressurize(double kpa, std::uint64_t at_us) { pressure_.step(at_us, kpa); }
+  /// From now on the pads are such that the converter reads `counts`, once the controller has found their offsets at
+  /// layout::kRestCounts; nothing else has an effect on them.
+  void show(const std::array<double, layout::kTaxelsPerModule>& counts) { shown_counts_ = counts; }
   /// True: the contact can press a pad of this module at some time.
   [[nodiscard]] bool reached_by(const Contact& contact) const;
 
@@ -51,7 +61,9 @@ class ModuleSkin final : public CapacitanceSource {
   enum class State : std::uint8_t { kHealthy, kSaturated, kFrozen };
   std::array<design::Vec3, layout::kTaxelsPerModule> position_mm_;
   std::array<State, layout::kTaxelsPerModule> state_{};
-  std::array<double, layout::kTaxelsPerModule> rest_counts_{};
+  std::array<double, layout::kTaxelsPerModule> rest_counts_{}, counts_per_kpa_{};
+  PressureCurve pressure_;
+  std::optional<std::array<double, layout::kTaxelsPerModule>> shown_counts_;
   std::vector<const Touch*> touches_;
   std::uint64_t seed_;
   double noise_counts_;
@@ -73,8 +85,17 @@ class Skin {
   int press(const Contact& contact);
   /// Lifts the finger `id` at virtual time `now_us`; without effect when it is gone. Samples from before still see it.
   void release(int id, std::uint64_t now_us);
+  /// From virtual time `now_us` on every pad of a module (−1: of all) is under `kpa`, beside the contacts. Throws
+  /// std::out_of_range for a module that is not there. Cost: O(modules).
+  void pressurize(int module, double kpa, std::uint64_t now_us);
+  /// ModuleSkin::show of a module. Throws std::out_of_range.
+  void show(int module, const std::array<double, layout::kTaxelsPerModule>& counts) {
+    modules_.at(static_cast<std::size_t>(module)).show(counts);
+  }
   /// Number of modules.
   [[nodiscard]] std::size_t modules() const { return modules_.size(); }
+  /// The pads of module 0 … modules() − 1. Throws std::out_of_range.
+  [[nodiscard]] const ModuleSkin& module(int id) const { return modules_.at(static_cast<std::size_t>(id)); }
 
  private:
   void place_chips(const Scene& scene, SwitchedHardware* switched);

@@ -28,6 +28,7 @@ class InProcessLink : public Link, private Finger {
  private:
   void press(int module, int taxel) override;
   void lift() override;
+  void pressurize(int module, double kpa) override { skin_.pressurize(module, kpa); }
 
   int touch_ = 0;
 };

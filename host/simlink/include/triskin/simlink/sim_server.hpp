@@ -34,6 +34,7 @@ class SimServer final : public SkinServer {
   void read_client(Client& client);
   void write_client(Client& client);
   void handle(Client& client, const record::Record& record);
+  void pressurize(const record::Record& record);
   void drop_dead();
 
   std::string name_;

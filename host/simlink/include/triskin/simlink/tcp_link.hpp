@@ -29,6 +29,8 @@ inline constexpr std::uint8_t kWholeModule = 0xFF;
 inline constexpr std::uint8_t kLift = 3;
 inline constexpr std::uint8_t kBitRates =
     4;  ///< nominal (4), data (4) of the simulated bus: first record of the server
+inline constexpr std::uint8_t kPressure = 5;  ///< module (4; kAllModules: all), Pa (4): pressurizes its taxels
+inline constexpr std::uint32_t kAllModules = 0xFFFFFFFF;
 inline constexpr std::size_t kMaxBytes = 4096;
 
 /// Appends a record of at most kMaxBytes to `out`.
@@ -69,6 +71,7 @@ class TcpLink final : public Link, private Finger {
  private:
   void press(int module, int taxel) override;
   void lift() override;
+  void pressurize(int module, double kpa) override;
   void write_all(const std::vector<std::uint8_t>& bytes);
   [[noreturn]] void fail(const std::string& what) const;
 

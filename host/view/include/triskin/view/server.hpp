@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/view/live_skin.hpp"
 
@@ -74,6 +75,7 @@ class Server {
 
 /// The page's files, the model of a design and, where `track` is not empty, a recording (FrameTrack) that the page
 /// plays instead of a live skin. Throws InputError when the program has no page.
-[[nodiscard]] Site site_of(const design::Design& design, std::string track = {});
+[[nodiscard]] Site site_of(const design::Design& design, std::string track = {},
+                           const design::SkinCalibration& calibration = {});
 
 }  // namespace triskin::view

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "triskin/design/calibration.hpp"
 #include "triskin/session/bus.hpp"
 
 namespace triskin::device {
@@ -27,6 +28,8 @@ struct BoardBackup {
   std::map<std::uint16_t, std::vector<std::uint8_t>>
       values;  ///< of every identifier of wire::kIdentifiers that it gave
   std::vector<Fault> faults;
+  /// What this computer keeps for the controller (CalibrationStore); none: nothing, also in files of older releases.
+  std::optional<design::BoardCalibration> calibration{};
 };
 
 /// Reads every controller on the link whose address nobody shares; nothing is written. Controllers without a table that

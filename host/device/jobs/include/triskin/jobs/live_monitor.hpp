@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "triskin/design/calibration.hpp"
 #include "triskin/jobs/touch_map.hpp"
 #include "triskin/wire/module_state.hpp"
 
@@ -13,17 +14,23 @@ namespace triskin::device {
 enum class PressureUnit {
   kCounts,   ///< of the converter
   kPercent,  ///< of the counts between rest and the end of the range
+  kKpa,      ///< by the calibration; 0 where there is none
 };
 
 /// What is known of a skin while its samples come: pressure, states, rates; and its picture as text. Not thread-safe.
 class LiveMonitor {
  public:
   /// `design` outlives the monitor. `rest` as for TouchMap.
-  explicit LiveMonitor(const design::Design& design, const RestValues& rest = {});
+  explicit LiveMonitor(const design::Design& design, const RestValues& rest = {},
+                       design::SkinCalibration calibration = {});
   /// Takes a sample.
   void add(const ModuleFrame& frame);
   [[nodiscard]] TouchMap& touches() { return touches_; }
   [[nodiscard]] const TouchMap& touches() const { return touches_; }
+  /// What the counts are worth.
+  [[nodiscard]] const design::SkinCalibration& calibration() const { return calibration_; }
+  /// Force on all taxels under pressure together, against their normals, N; 0 without a complete calibration.
+  [[nodiscard]] double force_n() const;
 
   /// Closes a period of `seconds` (> 0): rates are those of the last closed period.
   void close_period(double seconds);
@@ -49,6 +56,7 @@ class LiveMonitor {
 
   const design::Design& design_;
   TouchMap touches_;
+  design::SkinCalibration calibration_;
   std::vector<Module> modules_;
 };
 

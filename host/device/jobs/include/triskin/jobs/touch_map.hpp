@@ -23,7 +23,9 @@ using RestValues = std::vector<std::array<double, layout::kTaxelsPerModule>>;
 /// Knows the rest value of every taxel and lists the taxels under pressure. Rest values are those that were given, or
 /// taken by tare(). Without them a taxel rests where a module rests by its design (layout::kRestCounts): if its first
 /// valid values are at most kRestBand_counts below that, their median is its rest value, which then follows it upwards;
-/// else it is under pressure from the start. Not thread-safe.
+/// else it is under pressure from the start. What the pads that feel the temperature and no finger have changed since
+/// rest is taken off every taxel of their module, so that warming is no pressure however long a contact lasts. Not
+/// thread-safe.
 class TouchMap {
  public:
   static constexpr double kPressed_counts = 200.0;
@@ -52,7 +54,11 @@ class TouchMap {
     double rest = 0.0, now = 0.0;
     bool follows = false;  // upwards: away from pressure
   };
-  using Module = std::array<Taxel, layout::kTaxelsPerModule>;
+  struct Module {
+    std::array<Taxel, layout::kTaxelsPerModule> taxels{};
+    double warming_counts = 0.0;  // by how much the pads for temperature read below their rest
+  };
+  static void take_pads(Module& module, const wire::FullTaxels& sample);
   void take(Taxel& taxel, double value) const;
   void settle(Taxel& taxel) const;
 

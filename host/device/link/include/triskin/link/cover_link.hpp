@@ -19,6 +19,9 @@ class CoverLink final : public ForwardingLink, private Finger {
  private:
   void press(int module, int taxel) override { link_.finger()->press(first_module_ + module, taxel); }
   void lift() override { link_.finger()->lift(); }
+  void pressurize(int module, double kpa) override {
+    link_.finger()->pressurize(module < 0 ? module : first_module_ + module, kpa);
+  }
 
   int first_module_;
 };

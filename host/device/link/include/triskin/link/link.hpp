@@ -22,6 +22,10 @@ class Finger {
   virtual void press(int module, int taxel = -1) = 0;
   /// Lifts the finger; without effect when it is up. Throws as Link::send does.
   virtual void lift() = 0;
+  /// Puts every taxel of a module (−1: of all) under the same pressure, kPa ≥ 0, as a bag or a foot of the module's
+  /// shape does, beside what presses already; 0 takes it away. Takes effect at the link's time of the call. Throws as
+  /// Link::send does.
+  virtual void pressurize(int module, double kpa) = 0;
 };
 
 /// The connection to a controller is cut; the work can go on after Link::reconnect succeeds.

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/jobs/calibrate.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+#include "rest_store.hpp"
+#include "triskin/cli/site_options.hpp"
+#include "triskin/cli/stream_options.hpp"
+#include "triskin/design/outline.hpp"
+#include "triskin/host/files.hpp"
+#include "triskin/host/interrupt.hpp"
+#include "triskin/host/wall_clock.hpp"
+#include "triskin/link/cover_link.hpp"
+#include "triskin/session/controller.hpp"
+
+namespace triskin::cli::calibrate_command {
+namespace {
+
+struct Options {
+  SiteOptions site;
+  std::vector<double> steps_kpa, weights_g;
+  std::string ramp, output;
+  double foot_mm2 = 0.0;  // 0: that of a module
+  device::CalibrateOptions calibrate;
+  bool by_hand = false, forget = false;
+};
+
+constexpr double kNewtonPerGram = 9.80665e-3;
+constexpr double kKpaPerNewtonPerMm2 = 1000.0;
+constexpr std::size_t kMostNamed = 12;  // taxels that are listed one by one
+
+// Pressure of a weight of 1 g on the foot.
+double kpa_per_gram(const Options& options, const design::Design& design) {
+  const double foot_mm2 =
+      options.foot_mm2 > 0.0 ? options.foot_mm2 : design::module_area_mm2(design.layout.corner_cut_mm);
+  return kKpaPerNewtonPerMm2 * kNewtonPerGram / foot_mm2;
+}
+
+std::string request_of(const device::PressureStep& step, double kpa_of_gram) {
+  if (step.pressure_kpa == 0.0) return "leave the skin untouched";
+  if (step.module < 0) return fmt::format("bring the whole skin under {:g} kPa", step.pressure_kpa);
+  return fmt::format("put {:.6g} g on module {} ({:.3g} kPa)", step.pressure_kpa / kpa_of_gram, step.module,
+                     step.pressure_kpa);
+}
+
+// A person brings the steps about, and says so with Enter.
+void ask_person(const std::string& request) {
+  std::fputs(("triskin: " + request + ", then press Enter\n").c_str(), stderr);
+  std::string line;
+  if (!std::getline(std::cin, line))
+    throw InputError("calibrate waits for Enter after each step, and standard input has ended; run it in a terminal");
+  if (interrupt_request()) throw Cancelled("ended before the calibration was complete; nothing was kept");
+}
+
+device::CalibrationOutcome measure(const Options& options, const design::Design& design, device::Link& link,
+                                   device::Bus& bus) {
+  device::CalibrateOptions calibrate = options.calibrate;
+  calibrate.stream = speaking(calibrate.stream);
+  calibrate.unix_minus_link_ns = unix_ns() - bus.now_us() * 1000;
+  if (!options.ramp.empty()) {
+    const device::PressureRamp ramp(options.ramp);
+    if (!ramp.by_calendar() && link.finger() == nullptr)
+      throw InputError(
+          fmt::format("{}: times of the link are known of simulated links only; give the column unix_s", options.ramp));
+    calibrate.method = "ramp";
+    return device::calibrate_by_ramp(bus, design, ramp, calibrate);
+  }
+  const bool by_module = !options.weights_g.empty();
+  calibrate.method = by_module ? "weights" : "steps";
+  const double of_gram = kpa_per_gram(options, design);
+  std::vector<double> pressures = options.steps_kpa;
+  for (const double g : options.weights_g) pressures.push_back(g * of_gram);
+  const auto steps = device::pressure_steps(pressures, by_module, design.layout.modules.size());
+  device::Finger* finger = options.by_hand ? nullptr : link.finger();
+  int pressed = -1;
+  calibrate.apply = [&](const device::PressureStep& step) {
+    if (interrupt_request()) throw Cancelled("ended before the calibration was complete; nothing was kept");
+    if (finger == nullptr) return ask_person(request_of(step, of_gram));
+    if (pressed != step.module) finger->pressurize(pressed, 0.0);
+    finger->pressurize(pressed = step.module, step.pressure_kpa);
+  };
+  auto outcome = device::calibrate_by_steps(bus, design, steps, calibrate);
+  if (finger != nullptr) finger->pressurize(pressed, 0.0);
+  return outcome;
+}
+
+void tell(const device::CalibrationOutcome& outcome, Output& output) {
+  const design::CalibrationQuality& q = outcome.quality;
+  output.say(
+      fmt::format("{} of {} taxels calibrated up to {:g} kPa; error of a sensitivity {:.2g} % (median), {:.2g} % "
+                  "(worst), 95 % bound; farthest from the line {:.2g} kPa",
+                  q.taxels, q.taxels + q.missing, q.most_kpa, q.median_percent, q.worst_percent, q.residual_kpa));
+  for (std::size_t k = 0; k < std::min(kMostNamed, outcome.without.size()); ++k)
+    output.say(fmt::format("module {} taxel {}: not calibrated: it does not follow the pressure; run triskin verify",
+                           outcome.without[k].first, outcome.without[k].second));
+  if (outcome.without.size() > kMostNamed)
+    output.say(fmt::format("… and {} taxels more", outcome.without.size() - kMostNamed));
+  nlohmann::json without = nlohmann::json::array();
+  for (const auto& [module, taxel] : outcome.without) without.push_back({{"module", module}, {"taxel", taxel}});
+  output.result = {{"taxels", q.taxels},
+                   {"median_percent", q.median_percent},
+                   {"worst_percent", q.worst_percent},
+                   {"residual_kpa", q.residual_kpa},
+                   {"most_kpa", q.most_kpa},
+                   {"without", std::move(without)}};
+}
+
+// Keeps the calibration and the rest values, which belong to it.
+void keep(const Options& options, const design::Design& design, device::Bus& bus, device::CalibrationOutcome& outcome,
+          Output& output) {
+  const device::CalibrationStore store;
+  nlohmann::json rows = nlohmann::json::array();
+  for (design::BoardCalibration& board : outcome.boards) {
+    board = store.renew(std::move(board));
+    rows.push_back({{"serial", board.serial}, {"revision", board.revision}, {"made", board.made}});
+    output.say(fmt::format("controller {}  revision {} of its calibration", board.serial, board.revision));
+  }
+  RestStore(design, bus.discover()).write(outcome.rest);
+  output.result["boards"] = std::move(rows);
+  if (options.output.empty()) return;
+  write_output(options.output, design::calibration_text(outcome.boards));
+  output.result["file"] = options.output;
+}
+
+int forget(const design::Design& design, device::Bus& bus, Output& output) {
+  const device::CalibrationStore store;
+  nlohmann::json forgotten = nlohmann::json::array();
+  for (const wire::NodeClaim& claim : bus.discover()) {
+    if (design::patch_at(design, claim.node_address) < 0) continue;
+    const std::string serial = device::to_text(claim.unique_id);
+    if (!store.forget(serial)) continue;
+    forgotten.push_back(serial);
+    output.say(fmt::format("controller {}  its calibration is forgotten", serial));
+  }
+  output.say(fmt::format("{} calibrations were forgotten", forgotten.size()));
+  output.result = {{"forgotten", std::move(forgotten)}};
+  return 0;
+}
+
+int run(const Options& options, Output& output) {
+  const int ways = (options.steps_kpa.empty() ? 0 : 1) + (options.weights_g.empty() ? 0 : 1) +
+                   (options.ramp.empty() ? 0 : 1) + (options.forget ? 1 : 0);
+  if (ways != 1)
+    throw InputError("calibrate: say what presses, with one of --steps, --weights and --ramp; or --forget");
+  OpenSite open = open_site(options.site);
+  const robot::BusSite& site = open.site.buses[0];
+  const robot::CoverOnBus& cover = one_cover(open.site, "calibrate");
+  device::CoverLink link(*open.links[0], cover.first_module);
+  device::Bus bus(link);
+  if (options.forget) return forget(cover.design, bus, output);
+  Options own = options;
+  const std::array streamed{&cover.design};
+  own.calibrate.stream = robot::stream_options(site, streamed, own.calibrate.stream);
+  device::CalibrationOutcome outcome = measure(own, cover.design, link, bus);
+  tell(outcome, output);
+  if (outcome.quality.taxels == 0) {
+    output.say("no taxel followed the pressure: nothing was kept");
+    return 1;
+  }
+  keep(own, cover.design, bus, outcome, output);
+  return outcome.without.empty() ? 0 : 1;
+}
+
+const Registration kCalibrate{{
+    "calibrate",
+    "find what the counts of each taxel are worth in kPa, from pressures or weights that are known",
+    "triskin calibrate forearm.json --link can:can0 --steps 5,10,20,30,40",
+    [](CLI::App& app) -> Run {
+      auto options = std::make_shared<Options>();
+      add_site_options(app, options->site);
+      app.add_option("--steps", options->steps_kpa,
+                     "pressures on the whole skin, kPa, as of a bag with a gauge: each is asked for and held")
+          ->delimiter(',')
+          ->check(CLI::Range(0.01, 1000.0));
+      app.add_option("--weights", options->weights_g, "weights on a foot, g: each is asked for on each module in turn")
+          ->delimiter(',')
+          ->check(CLI::Range(0.1, 1e5));
+      app.add_option("--foot-mm2", options->foot_mm2, "with --weights: area of the foot; default: that of a module")
+          ->check(CLI::Range(1.0, 1e5));
+      app.add_option("--ramp", options->ramp,
+                     "file of a gauge with lines \"unix_s,kpa\" while the pressure on the whole skin rises and falls");
+      app.add_option("-o,--output", options->output, "also writes the calibration into this file");
+      app.add_option("--settle-s", options->calibrate.settle_s, "a step is left alone for so long")
+          ->check(CLI::Range(0.0, 600.0))
+          ->capture_default_str();
+      app.add_option("--hold-s", options->calibrate.hold_s, "then its samples count for so long")
+          ->check(CLI::Range(0.1, 600.0))
+          ->capture_default_str();
+      app.add_option("--gauge-percent", options->calibrate.gauge_percent,
+                     "error of gauge or weights; it is added to that of every taxel")
+          ->check(CLI::Range(0.0, 50.0))
+          ->capture_default_str();
+      app.add_option("--most-error-percent", options->calibrate.most_error_percent,
+                     "a taxel with a larger error is left without a calibration")
+          ->check(CLI::Range(0.01, 100.0))
+          ->capture_default_str();
+      app.add_flag("--by-hand", options->by_hand, "ask for every step also on simulated links, which else press");
+      app.add_flag("--forget", options->forget, "forget what this computer keeps for the controllers of the design");
+      return [options](Output& output) { return run(*options, output); };
+    },
+}};
+
+}  // namespace
+}  // namespace triskin::cli::calibrate_command

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/cli/calibration_options.hpp"
+
+#include <fmt/format.h>
+
+#include "triskin/jobs/calibrate.hpp"
+
+namespace triskin::cli {
+
+void add_calibration_options(CLI::App& app, CalibrationOptions& options) {
+  app.add_option("--calibration", options.file,
+                 "file of triskin calibrate, for kPa and N; default: what this computer keeps for these controllers; "
+                 "none: counts");
+}
+
+design::SkinCalibration calibration_for(const CalibrationOptions& options, const robot::CoverOnBus& cover,
+                                        std::span<const wire::NodeClaim> claims, const Output& output) {
+  if (options.file == "none") return {};
+  std::vector<design::BoardCalibration> boards;
+  if (!options.file.empty()) boards = design::read_calibration(options.file);
+  const device::CalibrationStore store;
+  device::FoundCalibration found = device::calibration_of(cover.design, claims, boards, store);
+  for (const design::BoardCalibration& b : found.of_others) output.say(prefix_of(cover) + note_of_other(b));
+  design::SkinCalibration& calibration = found.skin;
+  if (calibration.complete()) {
+    const design::CalibrationQuality q = design::quality_of(calibration.boards());
+    output.say(
+        fmt::format("{}calibrated: {} taxels, error of a pressure {:.2g} % (median), {:.2g} % (worst), up to "
+                    "{:g} kPa",
+                    prefix_of(cover), q.taxels, q.median_percent, q.worst_percent, q.most_kpa));
+    return std::move(calibration);
+  }
+  if (calibration.missing() > 0) {
+    output.say(fmt::format("{}{} modules have no calibration, so numbers stay counts: run triskin calibrate",
+                           prefix_of(cover), calibration.missing()));
+  } else if (!options.file.empty()) {
+    throw InputError(
+        fmt::format("--calibration {}: has none of the controllers of {}; calibrate them with triskin "
+                    "calibrate, or leave the option out",
+                    options.file, cover.design.name));
+  }
+  return {};
+}
+
+std::string note_of_other(const design::BoardCalibration& board) {
+  return fmt::format(
+      "controller {} keeps a calibration of patch {} of design {:016x}, other modules, so it is not "
+      "used: run triskin calibrate",
+      board.serial, board.patch, board.design_id);
+}
+
+nlohmann::json calibration_keys(const design::SkinCalibration& calibration) {
+  if (!calibration.complete()) return nullptr;
+  const design::CalibrationQuality q = design::quality_of(calibration.boards());
+  nlohmann::json boards = nlohmann::json::array();
+  for (const design::BoardCalibration& b : calibration.boards())
+    boards.push_back({{"serial", b.serial}, {"revision", b.revision}, {"made", b.made}});
+  return {{"boards", std::move(boards)},
+          {"median_percent", q.median_percent},
+          {"worst_percent", q.worst_percent},
+          {"residual_kpa", q.residual_kpa},
+          {"most_kpa", q.most_kpa}};
+}
+
+}  // namespace triskin::cli

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "replay_link.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "triskin/cli/recorded_track.hpp"
+#include "triskin/host/interrupt.hpp"
+#include "triskin/jobs/board_file.hpp"
+#include "triskin/jobs/flash.hpp"
+#include "triskin/layout/rest.hpp"
+#include "triskin/recording/recording.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/simlink/sim_link.hpp"
+#include "triskin/simlink/skin_server.hpp"
+
+namespace triskin::cli {
+namespace {
+
+constexpr double kReplaySlice_us = 10'000;
+constexpr std::uint64_t kReplayOffsets_us = 2'500'000;  // within which controllers find their offsets
+
+struct ReplayEnded {};  // a person ends it
+
+// Modules of which the recording has a sample: the others are not there. Stops at nothing: reads the whole file.
+std::set<int> heard_modules(const std::string& file) {
+  std::set<int> heard;
+  (void)recording::read_recording(file, [&](const recording::ModuleSample& s) { heard.insert(s.module); });
+  return heard;
+}
+
+wire::UniqueId id_of(const std::string& serial) {
+  wire::UniqueId id{};
+  for (std::size_t k = 0; k < id.size(); ++k)
+    id[k] = static_cast<std::uint8_t>(std::stoul(serial.substr(2 * k, 2), nullptr, 16));
+  return id;
+}
+
+// The boards of the recording, by their serial numbers where it holds them.
+std::vector<wire::UniqueId> recorded_boards(const design::Design& design, const recording::Summary& origin) {
+  std::vector<wire::UniqueId> boards;
+  for (std::size_t p = 0; p < design.patches.size(); ++p) {
+    const auto fact = origin.facts.find(recording::serial_fact(design::node_address_of(design, static_cast<int>(p))));
+    const std::string serial = fact == origin.facts.end() ? "" : device::normal_serial(fact->second);
+    if (serial.empty()) return {};
+    boards.push_back(id_of(serial));
+  }
+  return boards;
+}
+
+scene::Scene replay_scene(const std::string& file, const design::Design& design) {
+  scene::Scene scene;
+  scene.design = design;
+  scene.boards = recorded_boards(design, recording::read_origin(file));
+  const std::set<int> heard = heard_modules(file);
+  if (heard.empty()) throw InputError(file + ": holds no sample, so there is nothing to play");
+  for (int m = 0; m < static_cast<int>(design.layout.modules.size()); ++m) {
+    if (heard.contains(m)) continue;
+    scene::Fault& absent = scene.faults.emplace_back();
+    absent.kind = scene::FaultKind::kRemovedChip;
+    absent.module = m;
+  }
+  return scene;
+}
+
+// Plays samples into a served skin, in the time in which they came.
+class LinkPlayer {
+ public:
+  LinkPlayer(const ReplayLinkOptions& options, device::SimLink& link)
+      : options_(options), skin_(link.skin()), server_(device::open_server(link.skin(), options.listen)) {}
+
+  [[nodiscard]] std::string link_name() const { return server_->link_name(); }
+  [[nodiscard]] std::uint64_t samples() const { return samples_; }
+  void wait_for_client() {
+    const std::uint64_t before = skin_.bus_frames();
+    while (skin_.bus_frames() == before) run_us(kReplaySlice_us);
+  }
+  void play() {
+    bool begun = false;
+    std::uint64_t shown_us = 0;
+    (void)recording::read_recording(options_.file, [&](const recording::ModuleSample& s) {
+      if (!begun) shown_us = s.link_time_us;
+      begun = true;
+      if (s.link_time_us > shown_us) {
+        due_us_ += static_cast<double>(s.link_time_us - shown_us) / options_.speed;
+        shown_us = s.link_time_us;
+      }
+      if (due_us_ >= kReplaySlice_us) run_us(std::exchange(due_us_, 0.0));
+      show(s);
+    });
+    run_us(std::exchange(due_us_, 0.0) + kReplaySlice_us);
+  }
+
+ private:
+  void show(const recording::ModuleSample& s) {
+    ++samples_;
+    if (static_cast<std::size_t>(s.module) >= skin_.scene().design.layout.modules.size() || s.sample.valid == 0) return;
+    std::array<double, layout::kTaxelsPerModule> counts{};
+    std::ranges::copy(s.sample.value, counts.begin());
+    skin_.skin().show(s.module, counts);
+  }
+  void run_us(double span_us) {
+    constexpr double kSecondsPerUs = 1e-6;
+    server_->run(interrupt_request(), span_us * kSecondsPerUs);
+    if (interrupt_request()) throw ReplayEnded{};
+  }
+
+  const ReplayLinkOptions& options_;
+  scene::VirtualSkin& skin_;
+  std::unique_ptr<device::SkinServer> server_;
+  double due_us_ = 0.0;
+  std::uint64_t samples_ = 0;
+};
+
+}  // namespace
+
+int replay_into_link(const ReplayLinkOptions& options, Output& output) {
+  catch_interrupts();
+  const design::Design design = recorded_design(options.file);
+  device::SimLink link(replay_scene(options.file, design));
+  // The offsets are found with every taxel at rest, so that what is played is read as it was recorded.
+  std::array<double, layout::kTaxelsPerModule> rest{};
+  rest.fill(layout::kRestCounts);
+  for (int m = 0; m < static_cast<int>(design.layout.modules.size()); ++m) link.skin().skin().show(m, rest);
+  {
+    device::Bus bus(link);
+    device::FlashOptions flash;
+    flash.recognise = false;  // fresh boards ascend with the patches, or have the serial numbers of the recording
+    for (std::size_t p = 0; p < design.patches.size(); ++p)
+      flash.assign.push_back({static_cast<int>(p), device::to_text(scene::unique_id_of(link.skin().scene(), p))});
+    (void)device::flash(bus, design, flash);
+    bus.listen(bus.now_us() + kReplayOffsets_us);
+  }
+  LinkPlayer player(options, link);
+  output.say(fmt::format("{} on {}; it begins when a client asks; end with Ctrl-C", options.file, player.link_name()));
+  std::fflush(stdout);
+  try {
+    player.wait_for_client();
+    do {
+      player.play();
+    } while (options.loop);
+  } catch (const ReplayEnded&) {
+    // Ctrl-C is the usual end of what is looped
+  }
+  output.result = {{"samples", player.samples()}, {"link", player.link_name()}};
+  output.say(fmt::format("{} module samples were played", player.samples()));
+  return 0;
+}
+
+}  // namespace triskin::cli

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "triskin/cli/command.hpp"
+
+namespace triskin::cli {
+
+/// How a recording is played into a link.
+struct ReplayLinkOptions {
+  std::string file;    ///< recording (.mcap)
+  std::string listen;  ///< as --listen of simulate
+  double speed = 1.0;  ///< > 0
+  bool loop = false;   ///< from the beginning again, until a person ends it
+};
+
+/// Serves simulated controllers whose taxels read what the recording holds, so that every client reads it over a link.
+/// It begins when the first client asks something. Sample numbers and times are those of the simulation; modules that
+/// the recording never heard are absent. Returns the exit status. Throws InputError, DeviceError. Memory: bounded.
+int replay_into_link(const ReplayLinkOptions& options, Output& output);
+
+}  // namespace triskin::cli

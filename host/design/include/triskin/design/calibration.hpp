@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/layout/module.hpp"
+
+/// What the counts of taxels are worth in kPa and N (docs/calibration.md).
+namespace triskin::design {
+
+/// How one taxel answers to pressure: change in counts = counts_per_kpa · kPa.
+struct TaxelSensitivity {
+  double counts_per_kpa = 0.0;  ///< > 0; 0: not calibrated
+  double error_percent = 0.0;  ///< bound of the relative error of counts_per_kpa (two standard errors, and the gauge's)
+  double residual_kpa = 0.0;   ///< farthest that a mean of the calibration lies from the line
+  bool operator==(const TaxelSensitivity&) const = default;
+};
+
+/// The taxels of the module at one place of a controller.
+struct PlaceCalibration {
+  int line = 0, address = 0;  ///< 0 … 3 each
+  std::array<TaxelSensitivity, layout::kTaxelsPerModule> taxels{};
+  bool operator==(const PlaceCalibration&) const = default;
+};
+
+/// The calibration of the modules that hang on one controller. It belongs to these modules and their skin.
+struct BoardCalibration {
+  std::string serial;           ///< unique id of the controller, 24 hexadecimal digits
+  std::uint64_t design_id = 0;  ///< of the design when it was made
+  int patch = 0;                ///< 0-based, in that design
+  int revision = 1;             ///< ≥ 1, one more with each calibration of this controller
+  std::string made;             ///< when, UTC: "2026-11-22T17:30:00Z"
+  std::string method;           ///< "steps", "weights" or "ramp"
+  double most_kpa = 0;          ///< largest pressure that was applied: beyond it nothing was measured
+  double taxel_area_mm2 = 0.0;  ///< skin that a taxel for pressure stands for, > 0
+  std::vector<PlaceCalibration> places;
+  bool operator==(const BoardCalibration&) const = default;
+};
+
+/// Text of a calibration file, format "triskin-calibration".
+[[nodiscard]] std::string calibration_text(std::span<const BoardCalibration> boards);
+/// Reads the text of such a file; `name` stands in messages. Throws InputError naming file, place and remedy: another
+/// format or version, values out of range, a board or place that stands twice. Cost: linear.
+[[nodiscard]] std::vector<BoardCalibration> parse_calibration(const std::string& text, const std::string& name);
+/// The same of a file.
+[[nodiscard]] std::vector<BoardCalibration> read_calibration(const std::filesystem::path& path);
+
+/// How good the calibration of several taxels is, over those that have one.
+struct CalibrationQuality {
+  std::size_t taxels = 0;       ///< calibrated
+  std::size_t missing = 0;      ///< for pressure and not calibrated
+  double median_percent = 0.0;  ///< of error_percent
+  double worst_percent = 0.0;   ///< of error_percent
+  double residual_kpa = 0.0;    ///< largest
+  double most_kpa = 0.0;        ///< least of the boards' largest pressures
+};
+/// Quality over all places of `boards`. Cost: O(n log n) in taxels.
+[[nodiscard]] CalibrationQuality quality_of(std::span<const BoardCalibration> boards);
+
+/// The calibration of a skin by module of its design. Immutable; threads: any.
+class SkinCalibration {
+ public:
+  /// None: numbers are counts.
+  SkinCalibration() = default;
+  /// `serial_of_patch` names the controller of a patch (0-based), empty: not known. A module whose controller or place
+  /// has no calibration in `boards` has none. Throws std::out_of_range as wiring_of. Cost: O(modules).
+  SkinCalibration(const Design& design, std::span<const BoardCalibration> boards,
+                  const std::function<std::string(int)>& serial_of_patch);
+
+  /// Every module of the patches on the bus in hand has a calibration, so pressures and forces can be told. A taxel
+  /// without one, which did not answer, counts as not pressed.
+  [[nodiscard]] bool complete() const { return !modules_.empty() && missing_ == 0; }
+  /// Modules of the design; 0 where there is no calibration at all.
+  [[nodiscard]] std::size_t modules() const { return modules_.size(); }
+  /// Modules without a calibration; 0 where there is none at all.
+  [[nodiscard]] std::size_t missing() const { return missing_; }
+  /// Sensitivity of taxel 0 … 11 of a module, counts/kPa; 0: not calibrated. Throws std::out_of_range.
+  [[nodiscard]] double counts_per_kpa(int module, int taxel) const;
+  /// Skin that a taxel of the module stands for, mm²; 0: not calibrated. Throws std::out_of_range.
+  [[nodiscard]] double taxel_area_mm2(int module) const {
+    return modules_.at(static_cast<std::size_t>(module)).area_mm2;
+  }
+  /// Pressure of a taxel that reads `change_counts` below rest, kPa; 0 where it is not calibrated. Throws
+  /// std::out_of_range.
+  [[nodiscard]] double pressure_kpa(int module, int taxel, double change_counts) const;
+  /// Force on the skin that this taxel stands for, against its normal, N. Throws std::out_of_range.
+  [[nodiscard]] double force_n(int module, int taxel, double change_counts) const;
+  /// The boards that it was made of and that the design uses.
+  [[nodiscard]] const std::vector<BoardCalibration>& boards() const { return boards_; }
+
+ private:
+  struct Module {
+    double area_mm2 = 0.0;  // 0: not calibrated
+    std::array<double, layout::kTaxelsPerModule> counts_per_kpa{};
+  };
+  std::vector<Module> modules_;
+  std::vector<BoardCalibration> boards_;
+  std::size_t missing_ = 0;
+};
+
+}  // namespace triskin::design

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/design/calibration.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "triskin/design/json_fields.hpp"
+#include "triskin/host/files.hpp"
+
+namespace triskin::design {
+namespace {
+
+constexpr const char* kCalibrationFormat = "triskin-calibration";
+constexpr int kCalibrationVersion = 1;
+constexpr const char* kCalibrationPage = "docs/calibration.md";
+constexpr double kMostCountsPerKpa = 65'535.0;
+constexpr double kMostPressure_kpa = 1e4;
+
+nlohmann::ordered_json place_json(const PlaceCalibration& place) {
+  nlohmann::ordered_json counts = nlohmann::ordered_json::array(), error = counts, residual = counts;
+  for (const TaxelSensitivity& t : place.taxels) {
+    counts.push_back(t.counts_per_kpa);
+    error.push_back(t.error_percent);
+    residual.push_back(t.residual_kpa);
+  }
+  return {{"line", place.line},
+          {"address", place.address},
+          {"counts_per_kpa", std::move(counts)},
+          {"error_percent", std::move(error)},
+          {"residual_kpa", std::move(residual)}};
+}
+
+PlaceCalibration place_in(const JsonValue& v) {
+  only_keys(v, {"line", "address", "counts_per_kpa", "error_percent", "residual_kpa"}, kCalibrationPage);
+  PlaceCalibration place;
+  place.line = v["line"].integer(0, layout::kLines - 1);
+  place.address = v["address"].integer(0, layout::kAddressesPerLine - 1);
+  for (const char* key : {"counts_per_kpa", "error_percent", "residual_kpa"}) v[key].require_size(place.taxels.size());
+  for (std::size_t t = 0; t < place.taxels.size(); ++t) {
+    place.taxels[t].counts_per_kpa = number_in(v["counts_per_kpa"].at(t), 0.0, kMostCountsPerKpa);
+    place.taxels[t].error_percent = number_in(v["error_percent"].at(t), 0.0, 1e6);
+    place.taxels[t].residual_kpa = number_in(v["residual_kpa"].at(t), 0.0, kMostPressure_kpa);
+  }
+  return place;
+}
+
+BoardCalibration board_in(const JsonValue& v) {
+  only_keys(v, {"serial", "design_id", "patch", "revision", "made", "method", "most_kpa", "taxel_area_mm2", "places"},
+            kCalibrationPage);
+  BoardCalibration board;
+  board.serial = v["serial"].text();
+  if (board.serial.size() != 24 || board.serial.find_first_not_of("0123456789ABCDEF") != std::string::npos)
+    v["serial"].fail("must have 24 hexadecimal digits, upper case, as triskin discover shows serial numbers");
+  board.design_id = hex64(v["design_id"]);
+  board.patch = v["patch"].integer(0, kMaxCount);
+  board.revision = v["revision"].integer(1, kMaxCount);
+  board.made = v["made"].text();
+  board.method = v["method"].text();
+  board.most_kpa = number_in(v["most_kpa"], 0.0, kMostPressure_kpa);
+  board.taxel_area_mm2 = number_in(v["taxel_area_mm2"], 1e-3, 1e6);
+  const JsonValue places = v["places"];
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const PlaceCalibration place = place_in(places.at(k));
+    for (const PlaceCalibration& before : board.places) {
+      if (before.line == place.line && before.address == place.address)
+        places.at(k).fail(fmt::format("line {}, address {} stands twice", place.line, place.address));
+    }
+    board.places.push_back(place);
+  }
+  return board;
+}
+
+}  // namespace
+
+std::string calibration_text(std::span<const BoardCalibration> boards) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const BoardCalibration& b : boards) {
+    nlohmann::ordered_json places = nlohmann::ordered_json::array();
+    for (const PlaceCalibration& place : b.places) places.push_back(place_json(place));
+    list.push_back({{"serial", b.serial},
+                    {"design_id", fmt::format("{:016x}", b.design_id)},
+                    {"patch", b.patch},
+                    {"revision", b.revision},
+                    {"made", b.made},
+                    {"method", b.method},
+                    {"most_kpa", b.most_kpa},
+                    {"taxel_area_mm2", b.taxel_area_mm2},
+                    {"places", std::move(places)}});
+  }
+  const nlohmann::ordered_json document = {
+      {"format", kCalibrationFormat}, {"version", kCalibrationVersion}, {"boards", std::move(list)}};
+  return document.dump() + "\n";
+}
+
+std::vector<BoardCalibration> parse_calibration(const std::string& text, const std::string& name) {
+  const nlohmann::json document = parse_json(text, name);
+  const JsonValue v(document, name, "");
+  if (v["format"].text() != kCalibrationFormat)
+    v["format"].fail(fmt::format("must be \"{}\", as triskin calibrate writes it", kCalibrationFormat));
+  if (const int version = v["version"].integer(0, kMaxCount); version != kCalibrationVersion)
+    v["version"].fail(fmt::format("is {}, this program reads {}; calibrate again, or use the release that wrote it",
+                                  version, kCalibrationVersion));
+  only_keys(v, {"format", "version", "boards"}, kCalibrationPage);
+  std::vector<BoardCalibration> boards;
+  const JsonValue list = v["boards"];
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    boards.push_back(board_in(list.at(k)));
+    for (std::size_t before = 0; before < k; ++before) {
+      if (boards[before].serial == boards[k].serial) list.at(k)["serial"].fail("the controller stands twice");
+    }
+  }
+  return boards;
+}
+
+std::vector<BoardCalibration> read_calibration(const std::filesystem::path& path) {
+  return parse_calibration(read_file(path), path.string());
+}
+
+CalibrationQuality quality_of(std::span<const BoardCalibration> boards) {
+  CalibrationQuality q;
+  std::vector<double> errors;
+  for (const BoardCalibration& b : boards) {
+    q.most_kpa = &b == boards.data() ? b.most_kpa : std::min(q.most_kpa, b.most_kpa);
+    for (const PlaceCalibration& place : b.places) {
+      for (std::size_t t = 0; t < place.taxels.size(); ++t) {
+        const TaxelSensitivity& taxel = place.taxels[t];
+        if (taxel.counts_per_kpa > 0.0) {
+          errors.push_back(taxel.error_percent);
+          q.residual_kpa = std::max(q.residual_kpa, taxel.residual_kpa);
+        } else if (layout::measures_pressure(t)) {
+          ++q.missing;
+        }
+      }
+    }
+  }
+  q.taxels = errors.size();
+  if (errors.empty()) return q;
+  std::ranges::sort(errors);
+  q.median_percent = errors[errors.size() / 2];
+  q.worst_percent = errors.back();
+  return q;
+}
+
+SkinCalibration::SkinCalibration(const Design& design, std::span<const BoardCalibration> boards,
+                                 const std::function<std::string(int)>& serial_of_patch)
+    : modules_(design.layout.modules.size()) {
+  for (const int patch : patches_here(design)) {
+    const std::string serial = serial_of_patch(patch);
+    const auto board = std::ranges::find(boards, serial, &BoardCalibration::serial);
+    const bool known = !serial.empty() && board != boards.end();
+    if (known) boards_.push_back(*board);
+    for (const RoutedModule& routed : design.patches[static_cast<std::size_t>(patch)].modules) {
+      const PlaceCalibration* place = nullptr;
+      if (known) {
+        for (const PlaceCalibration& candidate : board->places) {
+          if (candidate.line == routed.line && candidate.address == routed.address) place = &candidate;
+        }
+      }
+      if (place == nullptr) {
+        ++missing_;
+        continue;
+      }
+      Module& module = modules_.at(static_cast<std::size_t>(routed.node));
+      module.area_mm2 = board->taxel_area_mm2;
+      for (std::size_t t = 0; t < place->taxels.size(); ++t) module.counts_per_kpa[t] = place->taxels[t].counts_per_kpa;
+    }
+  }
+}
+
+double SkinCalibration::counts_per_kpa(int module, int taxel) const {
+  return modules_.at(static_cast<std::size_t>(module)).counts_per_kpa.at(static_cast<std::size_t>(taxel));
+}
+
+double SkinCalibration::pressure_kpa(int module, int taxel, double change_counts) const {
+  const double sensitivity = counts_per_kpa(module, taxel);
+  return sensitivity > 0.0 ? change_counts / sensitivity : 0.0;
+}
+
+double SkinCalibration::force_n(int module, int taxel, double change_counts) const {
+  constexpr double kNewtonPerKpaMm2 = 1e-3;
+  return kNewtonPerKpaMm2 * pressure_kpa(module, taxel, change_counts) * taxel_area_mm2(module);
+}
+
+}  // namespace triskin::design

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A calibration from the command line to the numbers of live, record and replay.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "shell_case.hpp"
+#include "support/strip_design.hpp"
+#include "triskin/design/design_text.hpp"
+
+namespace triskin {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+class Calibrated : public test::ShellCase {
+ protected:
+  void SetUp() override {
+    ShellCase::SetUp();
+    design::write_design(folder_ / "strip.json", test::strip(4));
+    write_scene("");
+    ASSERT_EQ(run("flash strip.json --link sim --scene scene.json").status, 0);
+  }
+  void write_scene(const std::string& more) const {
+    std::ofstream(folder_ / "scene.json") << R"({"format":"triskin-scene","version":1,"design":"strip.json","seed":5)" +
+                                                 more + R"(,"effects":{"sensitivity_spread":0.3,"noise_counts":2}})";
+  }
+  [[nodiscard]] json last_of(const std::string& arguments) const {
+    const auto outcome = run(arguments + " --json");
+    EXPECT_EQ(outcome.status, 0) << arguments << outcome.messages;
+    return json::parse(outcome.out.substr(outcome.out.rfind('\n', outcome.out.size() - 2) + 1));
+  }
+};
+
+// 30 kPa on 4 modules of 389.7 mm² are 46.77 N.
+TEST_F(Calibrated, counts_become_newton) {
+  const std::string bag = R"(,"pressure":[{"at_s":0.5,"kpa":0},{"at_s":0.6,"kpa":30}])";
+  write_scene(bag);
+  const std::string live = "live strip.json --link sim --scene scene.json --seconds 3";
+  const json before = last_of(live);
+  EXPECT_EQ(before["unit"], "counts");
+  EXPECT_FALSE(before.contains("force_n"));
+  EXPECT_TRUE(before["calibration"].is_null());
+
+  write_scene("");
+  const json made = last_of("calibrate strip.json --link sim --scene scene.json --steps 5,10,20,30,40 -o cal.json");
+  EXPECT_EQ(made["taxels"], 40);
+  EXPECT_LE(made["worst_percent"], 1.0);
+  ASSERT_EQ(made["boards"].size(), 1U);
+  EXPECT_EQ(made["boards"][0]["revision"], 1);
+
+  write_scene(bag);
+  const json after = last_of(live);
+  EXPECT_EQ(after["unit"], "kPa");
+  EXPECT_NEAR(after["force_n"].get<double>(), 46.77, 0.01 * 46.77);  // sensitivities and noise
+  ASSERT_EQ(after["pressed"].size(), 40U);
+  for (const json& t : after["pressed"]) EXPECT_NEAR(t["pressure_kpa"].get<double>(), 30.0, 0.5);
+  EXPECT_EQ(after["calibration"]["boards"][0]["revision"], 1);
+  EXPECT_EQ(last_of(live + " --calibration none")["unit"], "counts");
+
+  ASSERT_EQ(last_of("record strip.json --link sim --scene scene.json --seconds 2 -o r.mcap")["lost"], 0);
+  const json replayed = last_of("replay r.mcap --speed 0");
+  EXPECT_EQ(replayed["unit"], "kPa");
+  EXPECT_NEAR(replayed["force_n"].get<double>(), 46.77, 0.02 * 46.77);  // its rest values are first samples
+
+  ASSERT_EQ(run("calibrate strip.json --link sim --scene scene.json --forget").status, 0);
+  EXPECT_EQ(last_of(live)["unit"], "counts");
+  EXPECT_EQ(last_of(live + " --calibration cal.json")["unit"], "kPa");
+}
+
+TEST_F(Calibrated, a_backup_carries_it_and_a_restore_keeps_it_again) {
+  ASSERT_EQ(run("calibrate strip.json --link sim --scene scene.json --weights 200,500,1000,2000").status, 0);
+  ASSERT_EQ(run("flash strip.json --link sim --scene scene.json --save kept.json --dry-run").status, 0);
+  ASSERT_EQ(run("calibrate strip.json --link sim --scene scene.json --forget").status, 0);
+  const auto restored = run("flash strip.json --link sim --scene scene.json --restore kept.json");
+  EXPECT_EQ(restored.status, 0) << restored.messages;
+  EXPECT_THAT(restored.out, HasSubstr("revision 1 of its calibration is kept again"));
+  EXPECT_EQ(last_of("live strip.json --link sim --scene scene.json --seconds 1")["unit"], "kPa");
+}
+
+TEST_F(Calibrated, what_presses_has_to_be_said_once) {
+  EXPECT_EQ(run("calibrate strip.json --link sim").status, 2);
+  EXPECT_EQ(run("calibrate strip.json --link sim --steps 5,10 --weights 100,200").status, 2);
+  EXPECT_EQ(run("calibrate strip.json --link sim --steps 5").status, 2);
+}
+
+}  // namespace
+}  // namespace triskin
