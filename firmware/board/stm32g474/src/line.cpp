@@ -28,7 +28,10 @@ constexpr auto kTiming = compute_i2c_timing({});
 static_assert(kTiming.has_value());
 constexpr std::uint64_t kSlack_us = 800;      // above the bytes: slow edges, clock stretching, interrupt latency
 constexpr std::uint32_t kSclLowTimeout = 82;  // (82 + 1) · 2048 / 170 MHz = 1.0 ms of SCL low
-constexpr std::uint64_t kHalfPulse_us = 5;    // bus clear at 100 kHz
+// The counters of the DMA stand still while two bytes that it sent ahead, an address and the first byte read are on the
+// line: four times 27 µs, and the 1.0 ms for which a chip may hold SCL low after each.
+constexpr std::uint64_t kStill_us = 4'200;
+constexpr std::uint64_t kHalfPulse_us = 5;  // bus clear at 100 kHz
 // Fast transients come in bursts of 15 ms (IEC 61000-4-4), which may spoil each transfer in them. Single disturbances
 // need 23 losses in a row to last that long, each within the 0.87 ms of a burst of results and its bus clear.
 constexpr std::uint64_t kRepeatFor_us = 20'000;
@@ -190,7 +193,7 @@ bool Stm32I2cLine::moves() {
   const std::size_t left = reading_ ? receiver().remaining() : sender().remaining() + read_.size();
   if (left == left_) return false;
   left_ = left;
-  deadline_us_ = microseconds() + kSlack_us;
+  deadline_us_ = microseconds() + kStill_us;
   return true;
 }
 
