@@ -12,7 +12,7 @@ namespace triskin::geometry {
 
 /// Effort of grow_lattice(), and what it maximises: worth of the modules (their number without regions) + hinge_reward
 /// · joints − price, where the price is relaxed: islands that jumpers can join count n / 16 + 15 / 32 controllers
-/// together. Out of range: InputError.
+/// together, and jumpers as the wiring does (docs/cost.md). Out of range: InputError.
 struct SurfaceLatticeOptions {
   double time_limit_s = 20.0;  ///< > 0, wall clock; the search stops within about 0.1 s of it once a module is found
   int iterations = 0;  ///< > 0: stops after so many ruin-and-recreate steps a chain, as well as at the time limit
