@@ -71,9 +71,10 @@ TEST_F(Alternatives, are_a_front_from_which_another_layout_is_taken) {
   const design::Alternative& taken = d.alternatives[static_cast<std::size_t>(d.taken)];
   for (const design::Alternative& a : d.alternatives) EXPECT_LE(value(a), value(taken) + 1e-9);
   EXPECT_EQ(taken.layout.modules.size(), d.layout.modules.size());
+  const design::Price price;
   EXPECT_NEAR(taken.price,
-              2.0 * static_cast<double>(d.patches.size()) + 0.25 * static_cast<double>(d.layout.jumpers.size()) +
-                  0.1 * d.layout.islands,
+              price.controller * static_cast<double>(d.patches.size()) +
+                  price.jumper * static_cast<double>(d.layout.jumpers.size()) + price.island * d.layout.islands,
               1e-9);
   design::write_design(folder_ / "a.json", d);
   EXPECT_EQ(violations(folder_ / "a.json"), 0U);

@@ -2,7 +2,6 @@
 // Mesh files as programs write them: polygons, indices from the end, STL with wrong headers, units that nobody said.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <minizip/zip.h>
 #include <unistd.h>
 
 #include <Eigen/Geometry>
@@ -13,6 +12,7 @@
 #include <limits>
 #include <utility>
 
+#include "support/packed_model.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/host/error.hpp"
@@ -30,26 +30,9 @@ class Formats : public testing::Test {
     return path_;
   }
   void TearDown() override { fs::remove(path_); }
-  // A 3MF file with this model, packed as its programs do.
   fs::path package(const std::string& name, const std::string& model) {
-    const std::string types =
-        R"(<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="model" )"
-        R"(ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>)";
-    const std::string root =
-        R"(<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="r0" )"
-        R"(Target="/3D/3dmodel.model" )"
-        R"(Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>
-)";
     const fs::path path = file(name, "");
-    void* const zip = zipOpen(path.c_str(), APPEND_STATUS_CREATE);
-    for (const auto& [part, text] : {std::pair<const char*, const std::string&>{"[Content_Types].xml", types},
-                                     {"_rels/.rels", root},
-                                     {"3D/3dmodel.model", model}}) {
-      zipOpenNewFileInZip(zip, part, nullptr, nullptr, 0, nullptr, 0, nullptr, Z_DEFLATED, Z_DEFAULT_COMPRESSION);
-      zipWriteInFileInZip(zip, text.data(), static_cast<unsigned>(text.size()));
-      zipCloseFileInZip(zip);
-    }
-    zipClose(zip, nullptr);
+    test::write_packed_model(path, model);
     return path;
   }
   std::string error_of(const std::string& name, const std::string& bytes, std::optional<LengthUnit> unit = {},

@@ -8,8 +8,10 @@
 #include <functional>
 #include <random>
 
+#include "support/packed_model.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/check/design_rules.hpp"
+#include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/module_list.hpp"
 #include "triskin/geometry/mesh_io.hpp"
@@ -142,6 +144,21 @@ TEST(Readers, kinds) {
           {"kind":"standard","sphere":{"center_mm":[15,8.7,0],"radius_mm":1}}]})",
       ".json", 1000, [](const fs::path& p) { (void)design::read_kind_plan(p); });
 }
+TEST(Readers, calibration) {
+  design::BoardCalibration board;
+  board.serial = "0123456789ABCDEF01234567";
+  board.made = "2026-11-22T17:30:00Z";
+  board.method = "steps";
+  board.most_kpa = 40.0;
+  board.taxel_area_mm2 = 39.0;
+  design::PlaceCalibration place;
+  place.line = 1;
+  place.address = 2;
+  place.taxels.fill({150.0, 0.5, 0.1});
+  board.places.push_back(place);
+  fuzz(design::calibration_text(std::span(&board, 1)), ".json", 1000,
+       [](const fs::path& p) { (void)design::read_calibration(p); });
+}
 TEST(Readers, module_list) {
   fuzz(R"({"modules":[{"id":0,"i":3,"j":5,"up":true,"island":0,"border":true},{"id":7,"i":3,"j":5,"up":false}]})",
        ".json", 1000, [](const fs::path& p) { (void)design::read_module_list(p); });
@@ -167,6 +184,26 @@ TEST(Readers, meshes) {
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
       "property list uchar int vertex_indices\nend_header\n0 0 0\n100 0 0\n100 100 5\n0 100 0\n3 0 1 2\n3 0 2 3\n",
       ".ply", 20, read);
+}
+
+// Damage of the package, and of the model in a whole package.
+TEST(Readers, packed_models) {
+  const std::string model =
+      R"(<model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>
+         <object id="1" name="cover"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="100" y="0" z="0"/>
+         <vertex x="100" y="100" z="5"/><vertex x="0" y="100" z="0"/></vertices><triangles>
+         <triangle v1="0" v2="1" v3="2"/><triangle v1="0" v2="2" v3="3"/></triangles></mesh></object>
+         <object id="2"><components><component objectid="1" transform="1 0 0 0 1 0 0 0 1 5 0 0"/></components></object>
+         </resources><build><item objectid="2"/></build></model>)";
+  const fs::path path = fs::temp_directory_path() / ("readers_test." + std::to_string(::getpid()) + ".whole.3mf");
+  test::write_packed_model(path, model);
+  fuzz(read_file(path), ".3mf", 300, [](const fs::path& p) { (void)geometry::read_mesh(p); });
+  fuzz(model, ".model.3mf", 300, [](const fs::path& p) {
+    const std::string text = read_file(p);
+    test::write_packed_model(p, text);
+    (void)geometry::read_mesh(p);
+  });
+  fs::remove(path);
 }
 
 }  // namespace
