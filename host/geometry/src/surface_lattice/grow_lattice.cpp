@@ -37,6 +37,7 @@ constexpr int kStepsAModule = 40, kMostRuns = 20;  // of one annealing
 constexpr double kHot = 0.6, kCold = 0.05;         // modules a step may lose, at the start and at the end
 constexpr int kSmallIsland = 8;                    // modules: such an island may go as a whole
 constexpr int kFront = 12;                         // of the layouts that are kept beside the best
+constexpr std::size_t kMore = 8;                   // with as many modules as others of them
 constexpr double kFrontShare = 0.05;               // of the time, beyond its end: to certify them
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kLiftShare =
@@ -68,7 +69,9 @@ struct Found {
   NetCopy net;
   double value;
 };
-using Front = std::map<int, Found>;  // by number of modules: the best found
+// By numbers of modules and islands: the best found. The growth's price is not that of the wired layout, and islands
+// are what the two see most differently.
+using Front = std::map<std::pair<int, int>, Found>;
 
 // One annealed sequence of ruin and recreate.
 class Chain {
@@ -200,7 +203,7 @@ class Chain {
 
   // The best of all, and the best of each number of modules near it.
   void keep_when_best() {
-    const auto [place, is_new] = front_.try_emplace(now_.size());
+    const auto [place, is_new] = front_.try_emplace({now_.size(), now_.islands()});
     Found& of_size = place->second;
     const bool is_best = value_ > best_value_ + 1e-9;
     if (!is_new && value_ <= of_size.value && !is_best) return;
@@ -209,7 +212,7 @@ class Chain {
     if (!is_best) return;
     best_ = copy;
     best_value_ = value_;
-    front_.erase(front_.begin(), front_.lower_bound(best_->size() - 2 * kFront));
+    front_.erase(front_.begin(), front_.lower_bound({best_->size() - 2 * kFront, 0}));
   }
 
   // Around an uncovered place when one is found quickly, else around any module; what must be covered first.
@@ -309,19 +312,32 @@ const Chain& best_of(const std::deque<Chain>& chains) {
                                    [](const Chain& a, const Chain& b) { return a.best_value() < b.best_value(); });
 }
 
-// The best of all chains for each number of modules, most modules first; not the best of all, which is kept anyway.
+// The best of all chains for each number of modules, most modules first, then the most valuable of the others, with as
+// many modules on more or fewer islands; not the best of all, which is kept anyway.
 std::vector<const LatticeNet*> front_of(const std::deque<Chain>& chains) {
-  std::map<int, const Found*, std::greater<>> by_size;
+  std::map<std::pair<int, int>, const Found*, std::greater<>> found;
   for (const Chain& chain : chains) {
-    for (const auto& [size, found] : chain.front()) {
-      const Found*& best = by_size[size];
-      if (best == nullptr || found.value > best->value) best = &found;
+    for (const auto& [numbers, of_chain] : chain.front()) {
+      const Found*& best = found[numbers];
+      if (best == nullptr || of_chain.value > best->value) best = &of_chain;
     }
   }
+  const LatticeNet* const best = best_of(chains).best().get();
+  std::map<int, const Found*, std::greater<>> by_size;
+  std::vector<const Found*> more;
+  for (const auto& [numbers, of_numbers] : found) {
+    if (numbers.first < best->size() - kFront || of_numbers->net.get() == best) continue;
+    more.push_back(of_numbers);
+    const Found*& of_size = by_size[numbers.first];
+    if (of_size == nullptr || of_numbers->value > of_size->value) of_size = of_numbers;
+  }
+  by_size.erase(best->size());  // one of them is the best
   std::vector<const LatticeNet*> nets;
-  const int best = best_of(chains).best()->size();
-  for (const auto& [size, found] : by_size) {
-    if (size != best && size >= best - kFront) nets.push_back(found->net.get());
+  for (const auto& [size, of_size] : by_size) nets.push_back(of_size->net.get());
+  std::ranges::stable_sort(more, std::greater{}, &Found::value);
+  for (const Found* f : more) {
+    if (nets.size() >= by_size.size() + kMore) break;
+    if (std::ranges::find(nets, f->net.get()) == nets.end()) nets.push_back(f->net.get());
   }
   return nets;
 }
