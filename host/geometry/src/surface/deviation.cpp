@@ -6,7 +6,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <queue>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "extract_steps.hpp"
 #include "index.hpp"
@@ -16,7 +19,8 @@ namespace triskin::geometry {
 namespace {
 
 constexpr double kTolerance_mm = 0.02;  // by which the stated bound may exceed the largest distance
-constexpr int kMostDivisions = 4000;    // of a face; after that the bound is coarser, and still a bound
+constexpr int kMostDivisions = 10'000;  // of triangles, in all; after that the bound is coarser, and still a bound
+constexpr int kBatch = 32;              // of divisions side by side
 
 using Triangle = std::array<Vec3, 3>;
 
@@ -38,10 +42,10 @@ Key key_of(const Triangle& t) {
   return key;
 }
 
-// Of one triangle: the bound and where, and the distance of its middle.
-struct Found {
-  double most = 0.0, middle = 0.0;
-  Vec3 where = Vec3::Zero();
+// Of the distances of one triangle's points: a bound, a distance that one of them has and which, that of its middle.
+struct Bounds {
+  double upper = 0.0, lower = 0.0, middle = 0.0;
+  Vec3 lower_at = Vec3::Zero();
 };
 
 class OneWay {
@@ -58,19 +62,11 @@ class OneWay {
       area_ += wanted[at(f)] ? area_of(t) : 0.0;
       if (wanted[at(f)] && !same_.contains(key_of(t))) changed.push_back(f);
     }
-    std::vector<Found> found(changed.size());
-    tbb::parallel_for(std::size_t{0}, changed.size(),
-                      [&](std::size_t k) { found[k].most = bounds(triangle_of(from, changed[k])).second; });
-    double known = 0.0;
-    for (const Found& f : found) known = std::max(known, f.most);
-    tbb::parallel_for(std::size_t{0}, changed.size(),
-                      [&](std::size_t k) { found[k] = search(triangle_of(from, changed[k]), known); });
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      sum_ += area_of(triangle_of(from, changed[k])) * found[k].middle;
-      if (found[k].most <= largest) continue;
-      largest = found[k].most;
-      where = found[k].where;
-    }
+    std::vector<Triangle> triangles;
+    for (const int f : changed) triangles.push_back(triangle_of(from, f));
+    const std::vector<Bounds> bounds = bounds_of(triangles);
+    for (std::size_t k = 0; k < bounds.size(); ++k) sum_ += area_of(triangles[k]) * bounds[k].middle;
+    search(triangles, bounds);
   }
 
   double largest = 0.0;
@@ -84,45 +80,71 @@ class OneWay {
     return (w[0] * t[0] + w[1] * t[1] + w[2] * t[2] - p).norm();
   }
 
-  // Upper bound over the triangle, and a distance that one of its points has.
-  [[nodiscard]] std::pair<double, double> bounds(const Triangle& t) const {
-    double upper = std::numeric_limits<double>::infinity(), lower = 0.0;
+  [[nodiscard]] Bounds bounds_of(const Triangle& t) const {
+    Bounds b{.upper = std::numeric_limits<double>::infinity()};
     std::array<SurfacePoint, 4> found;
     const Vec3 middle = (t[0] + t[1] + t[2]) / 3.0;
     for (std::size_t k = 0; k < 4; ++k) {
-      found[k] = to_.closest(k < 3 ? t[k] : middle);
-      lower = std::max(lower, found[k].distance_mm);
+      const Vec3& point = k < 3 ? t[k] : middle;
+      found[k] = to_.closest(point);
+      if (found[k].distance_mm < b.lower) continue;
+      b.lower = found[k].distance_mm;
+      b.lower_at = point;
     }
     for (const SurfacePoint& p : found) {
       double most = 0.0;
       for (const Vec3& corner : t) most = std::max(most, distance_to_face(corner, p.face));
-      upper = std::min(upper, most);
+      b.upper = std::min(b.upper, most);
     }
     double radius = 0.0;
     for (const Vec3& corner : t) radius = std::max(radius, (corner - middle).norm());
-    return {std::min(upper, found[3].distance_mm + radius), lower};
+    b.middle = found[3].distance_mm;
+    b.upper = std::min(b.upper, b.middle + radius);
+    return b;
+  }
+  [[nodiscard]] std::vector<Bounds> bounds_of(const std::vector<Triangle>& triangles) const {
+    std::vector<Bounds> bounds(triangles.size());
+    tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t k) { bounds[k] = bounds_of(triangles[k]); });
+    return bounds;
   }
 
-  // Divides the triangle until its bound is near a distance that is known to occur.
-  [[nodiscard]] Found search(const Triangle& whole, double known) const {
-    Found found{0.0, to_.closest((whole[0] + whole[1] + whole[2]) / 3.0).distance_mm, whole[0]};
-    std::vector<Triangle> open{whole};
-    int divisions = 0;
-    while (!open.empty()) {
-      const Triangle t = open.back();
-      open.pop_back();
-      const auto [upper, lower] = bounds(t);
-      known = std::max(known, lower);
-      if (upper <= known + kTolerance_mm || ++divisions > kMostDivisions) {
-        if (upper > found.most) found = {upper, found.middle, (t[0] + t[1] + t[2]) / 3.0};
-        continue;
+  // Branch and bound over all triangles: the one with the largest bound is divided, until no bound is above a distance
+  // that is known to occur.
+  void search(const std::vector<Triangle>& triangles, const std::vector<Bounds>& bounds) {
+    using Open = std::pair<double, Triangle>;
+    const auto less = [](const Open& a, const Open& b) { return a.first < b.first; };
+    std::priority_queue<Open, std::vector<Open>, decltype(less)> open(less);
+    double known = 0.0, bound = 0.0;
+    Vec3 known_at = Vec3::Zero();
+    const auto take = [&](const std::vector<Triangle>& parts, const std::vector<Bounds>& of_parts) {
+      for (const Bounds& b : of_parts) {
+        if (b.lower <= known) continue;
+        known = b.lower;
+        known_at = b.lower_at;
       }
-      const Vec3 ab = 0.5 * (t[0] + t[1]), bc = 0.5 * (t[1] + t[2]), ca = 0.5 * (t[2] + t[0]);
-      for (const Triangle& part :
-           {Triangle{t[0], ab, ca}, Triangle{ab, t[1], bc}, Triangle{ca, bc, t[2]}, Triangle{ab, bc, ca}})
-        open.push_back(part);
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        if (of_parts[k].upper > known + kTolerance_mm)
+          open.emplace(of_parts[k].upper, parts[k]);
+        else
+          bound = std::max(bound, of_parts[k].upper);
+      }
+    };
+    take(triangles, bounds);
+    for (int divisions = 0; divisions < kMostDivisions;) {
+      std::vector<Triangle> parts;
+      for (int k = 0; k < kBatch && !open.empty() && open.top().first > known + kTolerance_mm; ++k, ++divisions) {
+        const Triangle t = open.top().second;
+        open.pop();
+        const Vec3 ab = 0.5 * (t[0] + t[1]), bc = 0.5 * (t[1] + t[2]), ca = 0.5 * (t[2] + t[0]);
+        parts.insert(parts.end(), {{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}});
+      }
+      if (parts.empty()) break;
+      take(parts, bounds_of(parts));
     }
-    return found;
+    if (!open.empty()) bound = std::max(bound, open.top().first);
+    if (bound <= largest) return;
+    largest = bound;
+    where = known_at;
   }
 
   Surface to_;
