@@ -10,11 +10,11 @@
 namespace triskin::design {
 namespace {
 
-constexpr const char* kPage = "docs/kinds.md";
+constexpr const char* kKindsPage = "docs/kinds.md";
 constexpr double kMostSensitivity = 1e6;
 
 ModuleKind read_kind(const JsonValue& v) {
-  only_keys(v, {"name", "taxels", "dielectric", "sensitivity_counts_per_kpa"}, kPage);
+  only_keys(v, {"name", "taxels", "dielectric", "sensitivity_counts_per_kpa"}, kKindsPage);
   ModuleKind k;
   k.name = v["name"].text();
   if (k.name.empty() || k.name.size() > 64 || k.name.find_first_of(",\"\n\r") != std::string::npos)
@@ -71,7 +71,7 @@ KindPlan kind_plan_of(const JsonValue& v) {
   const JsonValue regions = v["regions"];
   for (std::size_t k = 0; k < regions.size(); ++k) {
     const JsonValue region = regions.at(k);
-    only_keys(region, {"kind", "sphere", "box", "island", "modules"}, kPage);
+    only_keys(region, {"kind", "sphere", "box", "island", "modules"}, kKindsPage);
     const JsonValue name = region["kind"];
     const std::optional<int> kind = number_of_kind(plan, name.text());
     if (!kind) name.fail(fmt::format("\"{}\" is not among \"kinds\"", name.text()));
@@ -83,7 +83,7 @@ KindPlan kind_plan_of(const JsonValue& v) {
 KindPlan read_kind_plan(const std::filesystem::path& path) {
   const nlohmann::json document = parse_json(read_file(path), path.string());
   const JsonValue v(document, path.string(), "");
-  only_keys(v, {"format", "version", "kinds", "regions"}, kPage);
+  only_keys(v, {"format", "version", "kinds", "regions"}, kKindsPage);
   if (v["format"].text() != "triskin-kinds") v["format"].fail("must be \"triskin-kinds\"");
   if (v["version"].integer(0, kMaxCount) != 1) v["version"].fail("must be 1; use the matching release");
   return kind_plan_of(v);

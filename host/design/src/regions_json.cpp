@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kPage = "docs/regions.md";
+constexpr const char* kRegionsPage = "docs/regions.md";
 
 json point(const Vec3& p) {
   return json::array({p.x(), p.y(), p.z()});
@@ -36,7 +36,7 @@ json region_json(const Region& r) {
 
 // Exactly one shape.
 WantedRegion read_region(const JsonValue& v) {
-  only_keys(v, {"name", "sphere", "box", "faces", "group", "weight", "cover", "free", "within_mm"}, kPage);
+  only_keys(v, {"name", "sphere", "box", "faces", "group", "weight", "cover", "free", "within_mm"}, kRegionsPage);
   WantedRegion wanted;
   Region& r = wanted.region;
   r.name = v["name"].text();
@@ -44,10 +44,10 @@ WantedRegion read_region(const JsonValue& v) {
   for (const char* shape : {"sphere", "box", "faces", "group"}) shapes += has(v, shape) ? 1 : 0;
   if (shapes != 1) v.fail("needs one of \"sphere\", \"box\", \"faces\" and \"group\"");
   if (has(v, "sphere")) {
-    only_keys(v["sphere"], {"center_mm", "radius_mm"}, kPage);
+    only_keys(v["sphere"], {"center_mm", "radius_mm"}, kRegionsPage);
     r.shape = Sphere{vec3(v["sphere"]["center_mm"]), v["sphere"]["radius_mm"].number()};
   } else if (has(v, "box")) {
-    only_keys(v["box"], {"low_mm", "high_mm"}, kPage);
+    only_keys(v["box"], {"low_mm", "high_mm"}, kRegionsPage);
     r.shape = Box{vec3(v["box"]["low_mm"]), vec3(v["box"]["high_mm"])};
   } else {
     FaceSet set;
@@ -74,7 +74,7 @@ std::vector<WantedRegion> read_list(const JsonValue& v) {
 RegionFile read_region_file(const std::filesystem::path& path) {
   const json document = parse_json(read_file(path), path.string());
   const JsonValue v(document, path.string(), "");
-  only_keys(v, {"format", "version", "elsewhere", "regions"}, kPage);
+  only_keys(v, {"format", "version", "elsewhere", "regions"}, kRegionsPage);
   if (v["format"].text() != "triskin-regions") v["format"].fail("must be \"triskin-regions\"");
   if (v["version"].integer(0, 1000) != 1) v["version"].fail("must be 1");
   RegionFile file;
