@@ -136,12 +136,12 @@ TEST_F(Disturbed, TransferThatIsLostTwiceIsNoFault) {
 TEST_F(Disturbed, SpoiltAcknowledgeIsNoAbsentChip) {
   start_undisturbed();
   for (std::size_t line = 0; line < layout::kLines; ++line) {
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 2; ++k) {
       while (!machine->disturb(line, Trouble::kNoAcknowledge)) run_for(kStep_us);
     }
     run_for(50'000);
   }
-  EXPECT_EQ(machine->counts().no_acknowledges, 12U);
+  EXPECT_EQ(machine->counts().no_acknowledges, 8U);
   EXPECT_GE(expect_single_sequences_missing(), 0.9);
   expect_no_fault();
   expect_no_violation();
