@@ -59,6 +59,20 @@ inline bool joined(const json& m) {
   return std::ranges::any_of(m["neighbours"], [](const json& n) { return n.get<int>() >= 0; });
 }
 
+/// Adds a copy of a module with an id of its own.
+inline json& append_copy(json& d, std::size_t module) {
+  json copy = d["modules"][module];
+  copy["id"] = d["modules"].size();
+  d["modules"].push_back(std::move(copy));
+  return d["modules"].back();
+}
+/// States 0 for a number; false: it is nearly that.
+inline bool flattered(json& number) {
+  const bool lie = number.get<double>() > 0.2;
+  number = 0.0;
+  return lie;
+}
+
 /// A kind of damage.
 struct DamageKind {
   const char* name;
@@ -106,19 +120,15 @@ inline std::vector<DamageKind> damage_kinds(const geometry::Surface& surface) {
       {"doubled",
        {"tile-unique", "penetration"},
        [=](json& d, std::size_t k) {
-         json copy = module(d, k);
-         copy["id"] = d["modules"].size();
-         d["modules"].push_back(copy);
+         append_copy(d, k);
          return true;
        }},
       {"doubled on a tile of its own",
        {"penetration", "every-module-wired"},
        [=](json& d, std::size_t k) {
-         json copy = module(d, k);
-         copy["id"] = d["modules"].size();
+         json& copy = append_copy(d, k);
          copy["i"] = 1000;
          copy["neighbours"] = {-1, -1, -1};
-         d["modules"].push_back(copy);
          return true;
        }},
       {"over the border",
@@ -162,12 +172,7 @@ inline std::vector<DamageKind> damage_kinds(const geometry::Surface& surface) {
        }},
       {"a flattering lift",
        {"edge-lift"},
-       [=](json& d, std::size_t k) {
-         double& lift = module(d, k)["edge_lift_mm"].get_ref<double&>();
-         const bool lie = lift > 0.2;
-         lift = 0.0;
-         return lie;
-       }},
+       [=](json& d, std::size_t k) { return flattered(module(d, k)["edge_lift_mm"]); }},
       {"upside down",
        {"outward", "hinge-gap", "fold"},
        [=](json& d, std::size_t k) {
@@ -208,12 +213,7 @@ inline std::vector<DamageKind> damage_kinds(const geometry::Surface& surface) {
        }},
       {"a flattering centre gap",
        {"center-gap"},
-       [=](json& d, std::size_t k) {
-         double& gap = module(d, k)["center_gap_mm"].get_ref<double&>();
-         const bool lie = gap > 0.2;
-         gap = 0.0;
-         return lie;
-       }},
+       [=](json& d, std::size_t k) { return flattered(module(d, k)["center_gap_mm"]); }},
   };
 }
 

@@ -10,6 +10,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "checked_file.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/host/error.hpp"
@@ -24,22 +25,11 @@ namespace fs = std::filesystem;
 
 // Two thirds of a cylinder, radius 60 mm, 120 mm long: it unfolds without error and holds several islands and patches.
 design::Mesh half_pipe() {
-  design::Mesh mesh;
   constexpr int kAlong = 12, kAround = 24;
-  for (int a = 0; a <= kAlong; ++a) {
-    for (int r = 0; r <= kAround; ++r) {
-      const double angle = 4.0 * r / kAround;
-      mesh.vertices.emplace_back(60 * std::cos(angle), 60 * std::sin(angle), 10.0 * a);
-    }
-  }
-  for (int a = 0; a < kAlong; ++a) {
-    for (int r = 0; r < kAround; ++r) {
-      const int v = a * (kAround + 1) + r;
-      mesh.faces.push_back({v, v + 1, v + kAround + 1});
-      mesh.faces.push_back({v + 1, v + kAround + 2, v + kAround + 1});
-    }
-  }
-  return mesh;
+  return sheet_mesh(kAround, kAlong, [](int r, int a) {
+    const double angle = 4.0 * r / kAround;
+    return design::Vec3(60 * std::cos(angle), 60 * std::sin(angle), 10.0 * a);
+  });
 }
 
 class Damage : public testing::Test {
@@ -63,11 +53,7 @@ class Damage : public testing::Test {
   static std::vector<std::string> broken_by(const std::function<void(json&)>& damage) {
     json j = *good_;
     damage(j);
-    const fs::path path = folder_ / "damaged.json";
-    std::ofstream(path) << j.dump();
-    std::vector<std::string> names;
-    for (const Violation& v : check_design(path).violations) names.push_back(v.rule);
-    return names;
+    return broken_rules(j, folder_ / "damaged.json");
   }
   static void expect(const std::string& rule, const std::function<void(json&)>& damage) {
     EXPECT_THAT(broken_by(damage), testing::Contains(rule));

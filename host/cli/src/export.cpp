@@ -94,7 +94,7 @@ std::string recorded_page(const Options& options, Output& output) {
         "{}: a recording is exported as a page only: --format html; other formats take a design", options.design));
   const RecordedTrack track = read_track(options.design, view::FrameTrack::kMostInFile_bytes);
   if (!track.remark.empty()) output.say(track.remark);
-  return view::page_html(track.design, track.frames, recorded_calibration(options.design, track.design));
+  return view::page_html(track.skin.design, track.frames, track.skin.calibration);
 }
 
 int run(const Options& options, Output& output) {

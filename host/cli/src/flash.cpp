@@ -20,6 +20,7 @@
 #include "triskin/jobs/offset_report.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/link/cover_link.hpp"
+#include "triskin/link/link_kind.hpp"
 
 namespace triskin::cli::flash_command {
 namespace {
@@ -169,7 +170,7 @@ int run(Options options, Output& output) {
   }
   std::optional<device::FirmwarePackage> firmware;
   if (!options.firmware.file.empty()) {
-    if (options.site.link.link.starts_with("hid") || options.site.link.link.starts_with("usb")) {
+    if (device::is_usb(options.site.link.link)) {
       throw InputError("--firmware goes over CAN; over USB: dfu-util -D FILE (docs/wires.md)");
     }
     firmware = device::read_firmware(options.firmware.file);

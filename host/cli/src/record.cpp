@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "contacts.hpp"
 #include "triskin/cli/calibration_options.hpp"
@@ -76,20 +77,19 @@ class CoverFile {
   CoverFile(const robot::CoverOnBus& cover, const std::string& path, Format format)
       : cover_(cover), format_(format), file_(path), touches_(cover.design) {}
 
-  void describe(device::Bus& bus, const Options& options, const Output& output) {
+  void describe(device::Bus& bus, std::span<const wire::NodeClaim> claims, const Options& options,
+                const Output& output) {
     origin_.design_text = read_file(cover_.design_file);
     origin_.facts["link"] = bus.name();
     origin_.facts["program"] = fmt::format("triskin {}", TRISKIN_VERSION);
     if (!cover_.name.empty()) origin_.facts["cover"] = cover_.name;
-    const auto claims = bus.discover();
     for (const int patch : design::patches_here(cover_.design)) {
       const auto node = static_cast<std::uint8_t>(design::node_address_of(cover_.design, patch));
       origin_.facts[fmt::format("firmware_{}", node)] = firmware_of(bus, node);
-      const auto claim = std::ranges::find(claims, node, &wire::NodeClaim::node_address);
-      if (claim != claims.end()) origin_.facts[recording::serial_fact(node)] = device::to_text(claim->unique_id);
+      if (std::string serial = device::serial_at(claims, node); !serial.empty())
+        origin_.facts[recording::serial_fact(node)] = std::move(serial);
     }
     calibration_ = calibration_for(options.calibration, cover_, claims, output);
-    origin_.force_in_newton = calibration_.complete();
     if (calibration_.complete()) origin_.calibration_text = design::calibration_text(calibration_.boards());
     if (options.cloud_hz > 0.0) origin_.cloud_period_us = static_cast<std::uint64_t>(1e6 / options.cloud_hz);
     origin_.link_start_us = bus.now_us();
@@ -173,7 +173,8 @@ class BusRecording {
 
   void run(device::Link& link, const ProgressSink& progress, const Output& output) {
     device::Bus bus(link);
-    for (const auto& file : files_) file->describe(bus, options_, output);
+    const auto claims = bus.discover();
+    for (const auto& file : files_) file->describe(bus, claims, options_, output);
     start_us_ = bus.now_us();
     try {
       receive(bus, progress);

@@ -16,26 +16,26 @@ bool is_recording(const std::string& file) {
   return std::filesystem::path(file).extension() == ".mcap";
 }
 
-design::Design recorded_design(const std::string& file) {
+RecordedSkin recorded_skin(const std::string& file) {
   const recording::Summary origin = recording::read_origin(file);
   if (origin.design_text.empty())
     throw InputError(fmt::format("{}: holds no design: is it a recording of triskin?", file));
-  return design::parse_design(origin.design_text, file + ": design.json");
-}
-
-design::SkinCalibration recorded_calibration(const std::string& file, const design::Design& design) {
-  const recording::Summary origin = recording::read_origin(file);
-  if (origin.calibration_text.empty()) return {};
+  RecordedSkin skin{design::parse_design(origin.design_text, file + ": design.json"), {}, {}};
+  for (std::size_t patch = 0; patch < skin.design.patches.size(); ++patch) {
+    const int node = design::node_address_of(skin.design, static_cast<int>(patch));
+    const auto serial = origin.facts.find(recording::serial_fact(node));
+    skin.serials.push_back(serial == origin.facts.end() ? "" : serial->second);
+  }
+  if (origin.calibration_text.empty()) return skin;
   const auto boards = design::parse_calibration(origin.calibration_text, file + ": " + recording::kCalibrationName);
-  return design::SkinCalibration(design, boards, [&](int patch) -> std::string {
-    const auto serial = origin.facts.find(recording::serial_fact(design::node_address_of(design, patch)));
-    return serial == origin.facts.end() ? "" : serial->second;
-  });
+  skin.calibration = design::SkinCalibration(skin.design, boards,
+                                             [&](int patch) { return skin.serials[static_cast<std::size_t>(patch)]; });
+  return skin;
 }
 
 RecordedTrack read_track(const std::string& file, std::size_t most_bytes) {
-  RecordedTrack recorded{recorded_design(file), {}, {}};
-  view::FrameTrack track(recorded.design.layout.modules.size(), most_bytes);
+  RecordedTrack recorded{recorded_skin(file), {}, {}};
+  view::FrameTrack track(recorded.skin.design.layout.modules.size(), most_bytes);
   const recording::Summary summary = recording::read_recording(file, [&](const recording::ModuleSample& s) {
     track.add(s.module, s.sample, static_cast<std::int64_t>(s.link_time_us));
   });

@@ -76,10 +76,11 @@ int run(const Options& options, Output& output) {
   }
   if (options.loop) throw InputError("replay: --loop belongs to --listen");
   catch_interrupts();
-  const design::Design design = recorded_design(options.file);
+  RecordedSkin recorded = recorded_skin(options.file);
+  const design::Design& design = recorded.design;
   recording::Summary summary;
   auto display = make_display(design, output);
-  Player player(options, design, recorded_calibration(options.file, design), *display);
+  Player player(options, design, std::move(recorded.calibration), *display);
   player.modules(design.layout.modules.size());
   try {
     summary = recording::read_recording(options.file, [&](const recording::ModuleSample& s) { player.take(s); });

@@ -34,29 +34,22 @@ std::set<int> heard_modules(const std::string& file) {
   return heard;
 }
 
-wire::UniqueId id_of(const std::string& serial) {
-  wire::UniqueId id{};
-  for (std::size_t k = 0; k < id.size(); ++k)
-    id[k] = static_cast<std::uint8_t>(std::stoul(serial.substr(2 * k, 2), nullptr, 16));
-  return id;
-}
-
-// The boards of the recording, by their serial numbers where it holds them.
-std::vector<wire::UniqueId> recorded_boards(const design::Design& design, const recording::Summary& origin) {
+// The boards of the recording, where it holds the serial number of each.
+std::vector<wire::UniqueId> recorded_boards(const RecordedSkin& recorded) {
   std::vector<wire::UniqueId> boards;
-  for (std::size_t p = 0; p < design.patches.size(); ++p) {
-    const auto fact = origin.facts.find(recording::serial_fact(design::node_address_of(design, static_cast<int>(p))));
-    const std::string serial = fact == origin.facts.end() ? "" : device::normal_serial(fact->second);
+  for (const std::string& text : recorded.serials) {
+    const std::string serial = device::normal_serial(text);
     if (serial.empty()) return {};
-    boards.push_back(id_of(serial));
+    boards.push_back(device::to_unique_id(serial));
   }
   return boards;
 }
 
-scene::Scene replay_scene(const std::string& file, const design::Design& design) {
+scene::Scene replay_scene(const std::string& file, const RecordedSkin& recorded) {
+  const design::Design& design = recorded.design;
   scene::Scene scene;
   scene.design = design;
-  scene.boards = recorded_boards(design, recording::read_origin(file));
+  scene.boards = recorded_boards(recorded);
   const std::set<int> heard = heard_modules(file);
   if (heard.empty()) throw InputError(file + ": holds no sample, so there is nothing to play");
   for (int m = 0; m < static_cast<int>(design.layout.modules.size()); ++m) {
@@ -121,8 +114,9 @@ class LinkPlayer {
 
 int replay_into_link(const ReplayLinkOptions& options, Output& output) {
   catch_interrupts();
-  const design::Design design = recorded_design(options.file);
-  device::SimLink link(replay_scene(options.file, design));
+  const RecordedSkin recorded = recorded_skin(options.file);
+  const design::Design& design = recorded.design;
+  device::SimLink link(replay_scene(options.file, recorded));
   // The offsets are found with every taxel at rest, so that what is played is read as it was recorded.
   std::array<double, layout::kTaxelsPerModule> rest{};
   rest.fill(layout::kRestCounts);

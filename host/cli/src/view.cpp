@@ -89,11 +89,10 @@ int play(const Options& options, Output& output) {
   RecordedTrack track = read_track(options.design, view::FrameTrack::kMost_bytes);
   if (!track.remark.empty()) output.say(track.remark);
   const std::size_t bytes = track.frames.size();
-  const view::LiveSkin live(track.design.layout.modules.size());
+  const view::LiveSkin live(track.skin.design.layout.modules.size());
   catch_interrupts();
-  const view::Server server(
-      view::site_of(track.design, std::move(track.frames), recorded_calibration(options.design, track.design)), live,
-      options.port, [](const view::Command&) {}, {});
+  const view::Server server(view::site_of(track.skin.design, std::move(track.frames), track.skin.calibration), live,
+                            options.port, [](const view::Command&) {}, {});
   output.say(server.address());
   if (!options.no_open) open_browser(server.address());
   wait_for_interrupt();

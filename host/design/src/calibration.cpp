@@ -62,16 +62,20 @@ BoardCalibration board_in(const JsonValue& v) {
   const JsonValue places = v["places"];
   for (std::size_t k = 0; k < places.size(); ++k) {
     const PlaceCalibration place = place_in(places.at(k));
-    for (const PlaceCalibration& before : board.places) {
-      if (before.line == place.line && before.address == place.address)
-        places.at(k).fail(fmt::format("line {}, address {} stands twice", place.line, place.address));
-    }
+    if (board.at(place.line, place.address) != nullptr)
+      places.at(k).fail(fmt::format("line {}, address {} stands twice", place.line, place.address));
     board.places.push_back(place);
   }
   return board;
 }
 
 }  // namespace
+
+const PlaceCalibration* BoardCalibration::at(int line, int address) const {
+  const auto place =
+      std::ranges::find_if(places, [&](const PlaceCalibration& p) { return p.line == line && p.address == address; });
+  return place == places.end() ? nullptr : &*place;
+}
 
 std::string calibration_text(std::span<const BoardCalibration> boards) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -151,12 +155,7 @@ SkinCalibration::SkinCalibration(const Design& design, std::span<const BoardCali
     const bool known = !serial.empty() && board != boards.end();
     if (known) boards_.push_back(*board);
     for (const RoutedModule& routed : design.patches[static_cast<std::size_t>(patch)].modules) {
-      const PlaceCalibration* place = nullptr;
-      if (known) {
-        for (const PlaceCalibration& candidate : board->places) {
-          if (candidate.line == routed.line && candidate.address == routed.address) place = &candidate;
-        }
-      }
+      const PlaceCalibration* const place = known ? board->at(routed.line, routed.address) : nullptr;
       if (place == nullptr) {
         ++missing_;
         continue;

@@ -75,7 +75,8 @@ void BusReader::calibrate(std::vector<ModuleCalibration>& modules) {
   for (const robot::CoverOnBus& cover : site_.covers) {
     const design::SkinCalibration skin = device::calibration_of(cover.design, claims, {}, store).skin;
     const int first = source_.offsets[static_cast<std::size_t>(cover.cover)].module;
-    for (const int patch : skin.modules() == 0 ? std::vector<int>{} : design::patches_here(cover.design)) {
+    if (skin.modules() == 0) continue;
+    for (const int patch : design::patches_here(cover.design)) {
       for (const design::RoutedModule& routed : cover.design.patches[static_cast<std::size_t>(patch)].modules) {
         ModuleCalibration& module = modules.at(static_cast<std::size_t>(first + routed.node));
         module.taxel_area_mm2 = skin.taxel_area_mm2(routed.node);

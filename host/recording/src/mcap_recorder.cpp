@@ -53,8 +53,9 @@ void McapRecorder::begin(const design::Design& design) {
       "log time: when it came, ns since 1970, from the clock of the link in µs since link_start_us; publish time: when "
       "it "
       "was sampled, within error_us";
-  facts["units"] = fmt::format("values: converter counts; forces of contacts: {}; lengths: m",
-                               origin_.force_in_newton ? "N, by the calibration in calibration.json" : "counts");
+  facts["units"] =
+      fmt::format("values: converter counts; forces of contacts: {}; lengths: m",
+                  !origin_.calibration_text.empty() ? "N, by the calibration in calibration.json" : "counts");
   writer_.describe({"triskin", facts});
   writer_.write(layout_, start_ns, encode_layout(design, start_ns));
   writer_.flush();
@@ -71,8 +72,9 @@ void McapRecorder::add(const ModuleSample& sample) {
 }
 
 void McapRecorder::add_contacts(std::uint64_t link_time_us, std::span<const Contact> contacts) {
-  writer_.write(contacts_, unix_ns(link_time_us),
-                encode_contacts(contacts, unix_ns(link_time_us), kMeshFrame, {.by_taxel = origin_.force_in_newton}));
+  writer_.write(
+      contacts_, unix_ns(link_time_us),
+      encode_contacts(contacts, unix_ns(link_time_us), kMeshFrame, {.by_taxel = !origin_.calibration_text.empty()}));
 }
 
 void McapRecorder::tick(std::uint64_t steady_us) {

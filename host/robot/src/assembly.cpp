@@ -2,6 +2,7 @@
 #include "triskin/robot/assembly.hpp"
 
 #include "triskin/host/error.hpp"
+#include "triskin/link/link_kind.hpp"
 #include "triskin/session/bus_budget.hpp"
 #include "triskin/wire/bus_load.hpp"
 #include "triskin/wire/sampling.hpp"
@@ -45,7 +46,7 @@ std::vector<BusLoad> bus_loads(const Assembly& a) {
       load.modules += static_cast<int>(modules);
       const BusEntry& entry = a.robot.buses[static_cast<std::size_t>(bus)];
       // Each USB device has a wire of its own.
-      if (is_usb(entry.link)) {
+      if (device::is_usb(entry.link)) {
         const bool hid = entry.link.starts_with("hid");
         load.full = std::max(load.full, load_of(modules, hid ? wire::kUsbHidFrame_ns : wire::kUsbBulkFrame_ns));
       } else {

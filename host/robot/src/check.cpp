@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "triskin/link/link_kind.hpp"
 #include "triskin/robot/assembly.hpp"
 
 namespace triskin::robot {
@@ -52,14 +53,14 @@ class Checker {
         add("bus " + bus.name, "the name stands there twice", "give each bus a name of its own");
       for (const auto part : std::views::split(bus.link, ',')) {
         const std::string link(part.begin(), part.end());
-        if (link == "sim" || link == "sim-usb") continue;  // each bus has a simulation of its own
+        if (device::is_in_process(link)) continue;  // each bus has a simulation of its own
         const auto [first, fresh] = links.try_emplace(link, bus.name);
         if (!fresh)
           add("bus " + bus.name, fmt::format("opens {}, which bus {} opens too", link, first->second),
               "give each bus a link of its own");
       }
       const double most_mm = kMostCan_mm * kCableRate / bus.rates.nominal;
-      if (!is_usb(bus.link) && bus.cable_mm > most_mm)
+      if (!device::is_usb(bus.link) && bus.cable_mm > most_mm)
         add("bus " + bus.name,
             fmt::format("its cable of {:.1f} m is longer than {:.1f} m, the most at {} kbit/s", bus.cable_mm / 1e3,
                         most_mm / 1e3, bus.rates.nominal / 1000),
@@ -126,7 +127,7 @@ class Checker {
     if (!fresh)
       add(place, fmt::format("node address {} of bus {} is also that of {}", e.node, bus.name, first->second),
           "give one of them a free address");
-    if (is_usb(bus.link) && e.cable_mm > kMostUsb_mm)
+    if (device::is_usb(bus.link) && e.cable_mm > kMostUsb_mm)
       add(place, fmt::format("its USB cable of {:.1f} m is longer than 5 m", e.cable_mm / 1e3),
           "put a hub nearer to it");
   }
@@ -160,7 +161,7 @@ class Checker {
     for (const CoverEntry& cover : robot_.covers) {
       for (const ControllerEntry& e : cover.controllers) {
         const int index = bus_of(robot_, cover, e);
-        if (index < 0 || is_usb(robot_.buses[static_cast<std::size_t>(index)].link)) continue;
+        if (index < 0 || device::is_usb(robot_.buses[static_cast<std::size_t>(index)].link)) continue;
         sums_mm[index] += e.cable_mm;
         const double most_mm = kMostStub_mm * share(index);
         if (e.cable_mm > most_mm)

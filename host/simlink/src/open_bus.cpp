@@ -4,24 +4,19 @@
 #include <fmt/format.h>
 
 #include "triskin/host/interrupt.hpp"
+#include "triskin/link/link_kind.hpp"
 #include "triskin/scene/virtual_skin.hpp"
+#include "triskin/session/controller.hpp"
 #include "triskin/simlink/tcp_link.hpp"
 
 namespace triskin::device {
 namespace {
 
-wire::UniqueId id_of(const std::string& serial) {
-  wire::UniqueId id{};
-  for (std::size_t k = 0; 2 * k + 1 < serial.size() && k < id.size(); ++k)
-    id[k] = static_cast<std::uint8_t>(std::stoi(serial.substr(2 * k, 2), nullptr, 16));
-  return id;
-}
-
 std::string link_of(const robot::Site& site, std::size_t bus, const LinkOptions& options) {
   if (!options.chosen) return site.buses[bus].link;
   if (!options.link.starts_with("sim:")) {
-    if (options.link == "sim") return robot::is_usb(site.buses[bus].link) ? "sim-usb" : "sim";
-    if (options.link == "sim-usb" || site.buses.size() == 1) return options.link;
+    if (options.link == kSimulatedBus) return is_usb(site.buses[bus].link) ? kSimulatedHub : kSimulatedBus;
+    if (options.link == kSimulatedHub || site.buses.size() == 1) return options.link;
     throw InputError(
         fmt::format("--link {}: {} has {} buses; its file names their links, only sim or sim:HOST:PORT can "
                     "stand for all of them",
@@ -37,7 +32,7 @@ scene::Scene scene_of(const robot::BusSite& bus, bool switched) {
   std::vector<scene::SimulatedCover> covers;
   for (const robot::CoverOnBus& c : bus.covers) {
     scene::SimulatedCover cover{c.name, &c.design, {}};
-    for (const std::string& serial : c.serials) cover.boards.push_back(id_of(serial));
+    for (const std::string& serial : c.serials) cover.boards.push_back(to_unique_id(serial));
     covers.push_back(std::move(cover));
   }
   scene::Scene scene = scene::join_covers(covers, bus.rates).scene;

@@ -19,7 +19,6 @@ namespace {
 
 constexpr const char* kKnown =
     "sim, sim-usb, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]; several of the last three joined by commas";
-constexpr const char* kSimulatedHub = "sim-usb";
 
 std::unique_ptr<Link> open_sim(const LinkOptions& options, const design::Design* design) {
   if (options.scene.empty()) {
@@ -60,10 +59,6 @@ std::unique_ptr<Link> open_usb(const std::string& link) {
 }
 
 }  // namespace
-
-bool is_in_process(const std::string& link) {
-  return link == "sim" || link == kSimulatedHub;
-}
 
 std::unique_ptr<Link> simulate_here(const std::string& link, scene::Scene scene, const std::filesystem::path& folder) {
   if (link == kSimulatedHub) return std::make_unique<SimUsbLink>(std::move(scene), folder);

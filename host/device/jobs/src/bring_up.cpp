@@ -13,6 +13,7 @@
 #include "triskin/jobs/flash.hpp"
 #include "triskin/jobs/offset_report.hpp"
 #include "triskin/jobs/verify.hpp"
+#include "triskin/link/link_kind.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/session/stream.hpp"
@@ -100,8 +101,7 @@ class Session {
   }
 
   StepAnswer over_link(const BringUpStep& step) {
-    const std::string name = link_->name();
-    const bool usb = name.starts_with("hid") || name.starts_with("usb");
+    const bool usb = is_usb(link_->name());
     switch (step.number) {
       case 7:
         return usb ? skipped("the link is USB") : find_controllers();

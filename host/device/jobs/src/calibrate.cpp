@@ -85,13 +85,11 @@ class Fit {
     for (auto& module : outcome_.rest) module.fill(layout::kRestCounts);
     const auto claims = bus_.discover();
     for (const int patch : design::patches_here(design_)) {
-      const int node = design::node_address_of(design_, patch);
-      const auto claim = std::ranges::find(claims, node, &wire::NodeClaim::node_address);
-      if (claim == claims.end())
+      design::BoardCalibration board;
+      board.serial = serial_at(claims, design::node_address_of(design_, patch));
+      if (board.serial.empty())
         throw DeviceError(
             fmt::format("{}: the controller of patch {} has gone silent; nothing was kept", bus_.name(), patch));
-      design::BoardCalibration board;
-      board.serial = to_text(claim->unique_id);
       board.design_id = design_.design_id;
       board.patch = patch;
       board.method = options_.method;
@@ -233,11 +231,7 @@ FoundCalibration calibration_of(const design::Design& design, std::span<const wi
                                 std::span<const design::BoardCalibration> boards, const CalibrationStore& store) {
   FoundCalibration found;
   std::vector<design::BoardCalibration> known;
-  const auto serial_of = [&](int patch) -> std::string {
-    const int node = design::node_address_of(design, patch);
-    const auto claim = std::ranges::find(claims, node, &wire::NodeClaim::node_address);
-    return claim == claims.end() ? "" : to_text(claim->unique_id);
-  };
+  const auto serial_of = [&](int patch) { return serial_at(claims, design::node_address_of(design, patch)); };
   for (const int patch : design::patches_here(design)) {
     const std::string serial = serial_of(patch);
     if (serial.empty()) continue;

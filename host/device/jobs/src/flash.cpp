@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <functional>
 #include <map>
-#include <optional>
 #include <set>
 #include <thread>
 
@@ -33,21 +31,17 @@ class FreeAddresses {
   }
   void take(int address) { used_.insert(address); }
   int next() {
-    auto address = lowest([this](int a) { return !used_.contains(a) && !promised_.contains(a); });
-    if (!address) address = lowest([this](int a) { return !used_.contains(a); });
-    if (!address)
-      throw DeviceError(fmt::format("{}: no free node address is left; take controllers off the bus", name_));
-    used_.insert(*address);
-    return *address;
+    for (const bool may_be_promised : {false, true}) {
+      for (int address = layout::kFirstNode; address <= layout::kLastNode; ++address) {
+        if (used_.contains(address) || (!may_be_promised && promised_.contains(address))) continue;
+        used_.insert(address);
+        return address;
+      }
+    }
+    throw DeviceError(fmt::format("{}: no free node address is left; take controllers off the bus", name_));
   }
 
  private:
-  static std::optional<int> lowest(const std::function<bool(int)>& free) {
-    for (int address = layout::kFirstNode; address <= layout::kLastNode; ++address)
-      if (free(address)) return address;
-    return std::nullopt;
-  }
-
   std::string name_;
   std::set<int> used_, promised_;
 };

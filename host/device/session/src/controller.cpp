@@ -88,6 +88,18 @@ std::string to_text(const wire::UniqueId& id) {
   return text;
 }
 
+wire::UniqueId to_unique_id(const std::string& text) {
+  wire::UniqueId id{};
+  for (std::size_t k = 0; 2 * k + 1 < text.size() && k < id.size(); ++k)
+    id[k] = static_cast<std::uint8_t>(std::stoul(text.substr(2 * k, 2), nullptr, 16));
+  return id;
+}
+
+std::string serial_at(std::span<const wire::NodeClaim> claims, int node) {
+  const auto claim = std::ranges::find(claims, node, &wire::NodeClaim::node_address);
+  return claim == claims.end() ? "" : to_text(claim->unique_id);
+}
+
 void Controller::malformed(const char* what) const {
   throw DeviceError(fmt::format("{}: controller {}: the answer about its {} is malformed; update its firmware",
                                 bus_.link().name(), node_, what));
@@ -98,6 +110,16 @@ Controller::Message Controller::read(std::uint16_t did) {
   if (m.size() < 2 || m[0] != high(did) || m[1] != low(did)) malformed("data");
   m.erase(m.begin(), m.begin() + 2);
   return m;
+}
+
+template <class Value>
+void Controller::write(const Value& value) {
+  unlock(wire::Session::kExtended);
+  std::array<std::uint8_t, Value::kMostBytes> bytes{};
+  ByteWriter out(bytes);
+  value.encode(out);
+  const auto head = {wire::service::kWrite, high(Value::kId), low(Value::kId)};
+  (void)bus_.request(node_, request_of(head, Bytes(bytes).first(out.size())), Repeat::kSafe);
 }
 
 template <class Value>
@@ -280,19 +302,11 @@ wire::StreamAccount Controller::stream_account() {
 }
 
 void Controller::set_sampling(const wire::SamplingSetting& setting) {
-  unlock(wire::Session::kExtended);
-  std::array<std::uint8_t, 3 + wire::SamplingSetting::kMostBytes> request{
-      wire::service::kWrite, high(wire::SamplingSetting::kId), low(wire::SamplingSetting::kId)};
-  ByteWriter out(std::span<std::uint8_t>(request).subspan(3));
-  setting.encode(out);
-  (void)bus_.request(node_, request, Repeat::kSafe);
+  write(setting);
 }
 
 void Controller::set_stream(wire::StreamMode mode) {
-  unlock(wire::Session::kExtended);
-  const auto id = wire::did::kStream;
-  (void)bus_.request(node_, request_of({wire::service::kWrite, high(id), low(id), wire::wire_number(mode)}),
-                     Repeat::kSafe);
+  write(wire::StreamSetting{mode});
 }
 
 }  // namespace triskin::device

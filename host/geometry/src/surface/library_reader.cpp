@@ -7,7 +7,6 @@
 
 #include <array>
 #include <assimp/Importer.hpp>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -16,6 +15,7 @@
 
 #include "clean.hpp"
 #include "isolated.hpp"
+#include "lower_case.hpp"
 #include "triskin/host/error.hpp"
 #include "xml_tag.hpp"
 
@@ -32,12 +32,6 @@ double unit_of_scene_mm(const aiScene& scene) {
   return 0.0;
 }
 
-std::string extension_in_lower_case(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
 // Length of the unit that a COLLADA text states (`<unit meter="0.01"/>`); 0 where it states none.
 double unit_of_dae_mm(std::string_view text) {
   const std::size_t from = text.find("<unit");
@@ -49,7 +43,7 @@ double unit_of_dae_mm(std::string_view text) {
 }
 
 double unit_of_file_mm(const std::filesystem::path& path, const std::string& bytes, const aiScene& scene) {
-  const std::string extension = extension_in_lower_case(path);
+  const std::string extension = extension_of(path);
   if (extension == ".gltf" || extension == ".glb") return 1000.0;  // metres by their standard
   if (extension == ".dae") return unit_of_dae_mm(bytes);
   return unit_of_scene_mm(scene);
@@ -110,7 +104,7 @@ std::string library_answer(const std::filesystem::path& path, const std::string&
   if (scene == nullptr || scene->mRootNode == nullptr) return std::string("!") + importer.GetErrorString();
   Mesh mesh = Collector(*scene, objects).run();
   const double unit_mm = unit_of_file_mm(path, bytes, *scene);
-  if (extension_in_lower_case(path) == ".dae" && unit_mm > 0.0) {
+  if (extension_of(path) == ".dae" && unit_mm > 0.0) {
     for (Vec3& v : mesh.vertices) v *= 1000.0 / unit_mm;  // the library gives metres, this reader the file's numbers
   }
   std::string names;

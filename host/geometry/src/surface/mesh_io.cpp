@@ -6,11 +6,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "clean.hpp"
 #include "library_reader.hpp"
+#include "lower_case.hpp"
 #include "object_filter.hpp"
 #include "off_reader.hpp"
 #include "ply_reader.hpp"
@@ -55,13 +55,6 @@ void require_size(const std::filesystem::path& path, const Mesh& mesh, bool unit
                     "--unit mm",
                     path.string(), size_mm / 1000.0));
   }
-}
-
-std::string extension_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
 }
 
 bool is_off(const std::filesystem::path& path, const std::string& bytes) {

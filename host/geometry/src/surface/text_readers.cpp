@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "index.hpp"
+#include "lower_case.hpp"
 #include "polygon_faces.hpp"
 #include "triskin/host/error.hpp"
 
@@ -39,12 +39,6 @@ std::string rest_of(std::string_view& line) {
   const std::string rest(line.substr(0, line.find_last_not_of(kSpace) + 1));
   line = {};
   return rest;
-}
-
-std::string lower(std::string_view word) {
-  std::string result(word);
-  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return result;
 }
 
 template <class Number>
@@ -163,7 +157,7 @@ Mesh read_text_stl(const std::string& text, const std::string& file, ObjectFilte
   std::vector<int> corners;
   bool known = false, is_in = objects.wanted.empty();
   each_line(text, [&](std::string_view line, int number) {
-    const std::string kind = lower(word_of(line));
+    const std::string kind = lower_case(word_of(line));
     known = known || kind == "solid" || kind == "facet";
     if (kind == "solid") is_in = objects.meets(rest_of(line)) || objects.wanted.empty();
     if (kind == "outer" || kind == "facet") corners.clear();

@@ -323,22 +323,21 @@ std::vector<const LatticeNet*> front_of(const std::deque<Chain>& chains) {
     }
   }
   const LatticeNet* const best = best_of(chains).best().get();
-  std::map<int, const Found*, std::greater<>> by_size;
-  std::vector<const Found*> more;
+  std::vector<const Found*> by_value;
   for (const auto& [numbers, of_numbers] : found) {
-    if (numbers.first < best->size() - kFront || of_numbers->net.get() == best) continue;
-    more.push_back(of_numbers);
-    const Found*& of_size = by_size[numbers.first];
-    if (of_size == nullptr || of_numbers->value > of_size->value) of_size = of_numbers;
+    if (numbers.first >= best->size() - kFront && of_numbers->net.get() != best) by_value.push_back(of_numbers);
   }
-  by_size.erase(best->size());  // one of them is the best
+  std::ranges::stable_sort(by_value, std::greater{}, &Found::value);
+  std::map<int, const LatticeNet*, std::greater<>> by_size;
+  std::vector<const LatticeNet*> more;
+  for (const Found* f : by_value) {
+    const LatticeNet* const net = f->net.get();
+    const bool is_first = net->size() != best->size() && by_size.try_emplace(net->size(), net).second;
+    if (!is_first && more.size() < kMore) more.push_back(net);
+  }
   std::vector<const LatticeNet*> nets;
-  for (const auto& [size, of_size] : by_size) nets.push_back(of_size->net.get());
-  std::ranges::stable_sort(more, std::greater{}, &Found::value);
-  for (const Found* f : more) {
-    if (nets.size() >= by_size.size() + kMore) break;
-    if (std::ranges::find(nets, f->net.get()) == nets.end()) nets.push_back(f->net.get());
-  }
+  for (const auto& [size, net] : by_size) nets.push_back(net);
+  nets.insert(nets.end(), more.begin(), more.end());
   return nets;
 }
 

@@ -2,29 +2,33 @@
 #pragma once
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
 
 namespace triskin::cli {
 
+/// The skin that a recording is of.
+struct RecordedSkin {
+  design::Design design;
+  design::SkinCalibration calibration;  ///< none: counts alone
+  std::vector<std::string> serials;     ///< of the controllers, by patch; empty text: not known
+};
+
 /// A recording as the page plays it.
 struct RecordedTrack {
-  design::Design design;  ///< the one in the recording
-  std::string frames;     ///< view::FrameTrack
-  std::string remark;     ///< for a person: what of the recording is not there; empty: it is all there
+  RecordedSkin skin;
+  std::string frames;  ///< view::FrameTrack
+  std::string remark;  ///< for a person: what of the recording is not there; empty: it is all there
 };
 
 /// True for the name of a recording: the extension is .mcap.
 [[nodiscard]] bool is_recording(const std::string& file);
 
-/// The design in a recording. Throws InputError when it is no recording of triskin, or holds no design. Cost: reads the
-/// first part of the file.
-[[nodiscard]] design::Design recorded_design(const std::string& file);
-
-/// The calibration in a recording of `design`; none: counts alone. Throws InputError when it is damaged. Cost: as
-/// recorded_design.
-[[nodiscard]] design::SkinCalibration recorded_calibration(const std::string& file, const design::Design& design);
+/// The skin that a recording is of. Throws InputError when it is no recording of triskin, holds no design, or a damaged
+/// calibration. Cost: reads the first part of the file.
+[[nodiscard]] RecordedSkin recorded_skin(const std::string& file);
 
 /// Reads a recording. `most_bytes`: of the frames; later ones are dropped. Throws InputError when it is no recording of
 /// triskin, or holds no design or no sample. Cost: reads the file.

@@ -41,6 +41,9 @@ struct BoardCalibration {
   double taxel_area_mm2 = 0.0;  ///< skin that a taxel for pressure stands for, > 0
   std::vector<PlaceCalibration> places;
   bool operator==(const BoardCalibration&) const = default;
+
+  /// That of the module at a line and an address; null: it has none. Valid while `places` stays as it is.
+  [[nodiscard]] const PlaceCalibration* at(int line, int address) const;
 };
 
 /// Text of a calibration file, format "triskin-calibration".

@@ -33,8 +33,9 @@ struct Origin {
   std::uint64_t unix_start_ns = 0;           ///< at the same moment, since 1970
   std::map<std::string, std::string> facts;  ///< further entries of the metadata: link, versions, firmware
   std::uint64_t cloud_period_us = 0;         ///< between two point clouds; 0: none
-  std::string calibration_text;              ///< the calibration file of the skin (docs/calibration.md); empty: none
-  bool force_in_newton = false;              ///< contacts have their force_n
+  /// The calibration file of the skin (docs/calibration.md), by which contacts have their force_n; empty: none, and
+  /// forces are in counts.
+  std::string calibration_text;
 };
 
 /// Writes samples as they come. Memory is bounded; every function throws WriteFailed when the file takes no more.

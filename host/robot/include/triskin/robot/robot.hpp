@@ -24,11 +24,6 @@ struct BusEntry {
   double cable_mm = 0.0;  ///< from end to end; 0: not given
 };
 
-/// True for a link to USB devices: `usb`, `hid`, `sim-usb`. Else it is one CAN bus, or a simulated one.
-[[nodiscard]] inline bool is_usb(const std::string& link) {
-  return link.starts_with("usb") || link.starts_with("hid") || link == "sim-usb";
-}
-
 /// The controller of one patch.
 struct ControllerEntry {
   int patch = 0;          ///< of the cover's design, 0-based

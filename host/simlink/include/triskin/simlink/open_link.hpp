@@ -7,6 +7,7 @@
 
 #include "triskin/design/design.hpp"
 #include "triskin/link/link.hpp"
+#include "triskin/link/link_kind.hpp"
 #include "triskin/scene/scene.hpp"
 
 namespace triskin::device {
@@ -27,10 +28,8 @@ struct LinkOptions {
 /// names its boards.
 void number_boards(scene::Scene& scene, std::optional<std::uint64_t> seed);
 
-/// True for the links that simulate in this process: `sim` (one CAN bus) and `sim-usb` (a USB hub).
-[[nodiscard]] bool is_in_process(const std::string& link);
-/// The simulation of `scene` behind such a link; `folder` keeps the flash of its controllers, empty: memory. Throws as
-/// scene::VirtualSkin does.
+/// The simulation of `scene` behind a link that is_in_process(); `folder` keeps the flash of its controllers, empty:
+/// memory. Throws as scene::VirtualSkin does.
 [[nodiscard]] std::unique_ptr<Link> simulate_here(const std::string& link, scene::Scene scene,
                                                   const std::filesystem::path& folder);
 

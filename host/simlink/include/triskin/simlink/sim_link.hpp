@@ -3,6 +3,7 @@
 #include <deque>
 
 #include "triskin/link/link.hpp"
+#include "triskin/link/link_kind.hpp"
 #include "triskin/link/node_map.hpp"
 #include "triskin/scene/virtual_skin.hpp"
 #include "triskin/wire/usb_packet.hpp"
@@ -42,7 +43,7 @@ class SimLink final : public InProcessLink {
 
   void send(const wire::CanFrame& frame) override;
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
-  [[nodiscard]] std::string name() const override { return "sim"; }
+  [[nodiscard]] std::string name() const override { return kSimulatedBus; }
   [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override { return wire::full_sample_ns(skin_.bit_rates()); }
 
  private:
@@ -62,7 +63,7 @@ class SimUsbLink final : public InProcessLink {
   void send(const wire::CanFrame& frame) override;
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
   [[nodiscard]] std::uint8_t frame_bytes() const override { return wire::kUsbFrameBytes; }
-  [[nodiscard]] std::string name() const override { return "sim-usb"; }
+  [[nodiscard]] std::string name() const override { return kSimulatedHub; }
   [[nodiscard]] int wire_of(std::uint8_t node) const override { return nodes_.wire_of(node).value_or(0); }
   [[nodiscard]] std::uint64_t sample_ns(std::uint8_t) const override { return wire::kUsbBulkFrame_ns; }
   /// Packets that went over the hub in both directions since construction.

@@ -89,6 +89,9 @@ class Controller {
   /// Value of an identifier by its type.
   template <class Value>
   Value value(const char* what);
+  /// Writes an identifier by its type, in a session that allows it.
+  template <class Value>
+  void write(const Value& value);
   /// Starts a routine and asks for its result until it is done.
   template <class Value>
   Value run_routine(std::uint64_t poll_every_us, int polls, const char* what);
@@ -103,5 +106,9 @@ class Controller {
 [[nodiscard]] std::string describe(Status status);
 /// Unique id as 24 hexadecimal digits, as `triskin discover` shows it.
 [[nodiscard]] std::string to_text(const wire::UniqueId& id);
+/// The unique id that such a text shows; digits that it lacks are 0. Throws std::invalid_argument for other characters.
+[[nodiscard]] wire::UniqueId to_unique_id(const std::string& text);
+/// Unique id, as text, of the controller that claims a node address; empty: none of them does. Cost: linear.
+[[nodiscard]] std::string serial_at(std::span<const wire::NodeClaim> claims, int node);
 
 }  // namespace triskin::device

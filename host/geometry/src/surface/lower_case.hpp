@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cctype>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace triskin::geometry {
+
+/// ASCII letters in lower case; the rest as it is.
+[[nodiscard]] inline std::string lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+/// Extension of a file's name in lower case, with the dot; empty: it has none.
+[[nodiscard]] inline std::string extension_of(const std::filesystem::path& path) {
+  return lower_case(path.extension().string());
+}
+
+}  // namespace triskin::geometry
