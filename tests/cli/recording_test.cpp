@@ -206,8 +206,18 @@ TEST_F(Recordings, a_tare_makes_the_present_rest_and_is_kept) {
     return nlohmann::json::parse(o.out.substr(o.out.rfind('\n', o.out.size() - 2) + 1))["pressed"].size();
   };
   EXPECT_EQ(pressed(""), 1U);
+  const auto recorded = [&] {
+    EXPECT_EQ(run("record strip.json --link sim --scene scene.json --seconds 1 -o r.mcap").status, 0);
+    const Outcome o = run("replay r.mcap --speed 0 --json");
+    return nlohmann::json::parse(o.out.substr(o.out.rfind('\n', o.out.size() - 2) + 1))["pressed"].size();
+  };
+  EXPECT_EQ(recorded(), 1U);
   EXPECT_EQ(pressed("--tare"), 0U);
   EXPECT_EQ(pressed(""), 0U);
+  EXPECT_EQ(recorded(), 0U) << "record and replay do not begin with the rest values that were kept";
+  fs::remove_all(folder_ / "state" / "triskin" / "rest");
+  const Outcome replay = run("replay r.mcap --speed 0 --json");
+  EXPECT_THAT(replay.out, testing::Not(HasSubstr("\"taxel\""))) << "they are not in the recording";
 }
 
 TEST_F(Recordings, live_draws_the_patch_on_a_terminal_and_takes_keys) {

@@ -219,7 +219,7 @@ class SpreadSkin {
     return worst;
   }
   // Force of all that presses now.
-  [[nodiscard]] double force_n(const design::SkinCalibration& calibration, const RestValues& rest) {
+  [[nodiscard]] double force_n(const design::SkinCalibration& calibration, const design::RestValues& rest) {
     TouchMap map(design(), rest);
     Stream stream(*bus_, design(), [&](const ModuleFrame& f) { map.add(f); });
     stream.run_until(bus_->now_us() + kLook_us);

@@ -42,6 +42,20 @@ TEST(TouchMap, a_contact_that_is_there_at_the_start_is_shown) {
   EXPECT_TRUE(map.pressed().empty());
 }
 
+// The taxel rests 700 counts below the middle, which nobody could know while something lay on it.
+TEST(TouchMap, a_contact_that_is_there_at_the_start_ends_without_a_ghost) {
+  const design::Design design = strip(2);
+  TouchMap map(design);
+  feed(map, frame(0, layout::kRestCounts - 700, 4'000));
+  ASSERT_EQ(map.pressed().size(), 1U);
+  map.add(frame(0, layout::kRestCounts - 700, 500));  // it is being lifted
+  feed(map, frame(0, layout::kRestCounts - 700, 0));
+  EXPECT_TRUE(map.pressed().empty());
+  feed(map, frame(0, layout::kRestCounts - 700, 4'000));
+  ASSERT_EQ(map.pressed().size(), 1U);
+  EXPECT_DOUBLE_EQ(map.pressed()[0].change_counts, 4'000);
+}
+
 TEST(TouchMap, modules_that_rest_beside_the_design_are_not_pressed) {
   const design::Design design = strip(2);
   TouchMap map(design);
@@ -81,6 +95,22 @@ TEST(TouchMap, a_tare_holds_whatever_the_rest_is_and_can_be_kept) {
   next.add(frame(0, 20'000, 300));
   ASSERT_EQ(next.pressed().size(), 1U) << "the first sample counts when the rest is known";
   EXPECT_DOUBLE_EQ(next.pressed()[0].change_counts, 300);
+}
+
+// Two covers of a robot in one map: one was tared, the other rests by design.
+TEST(TouchMap, rest_values_of_some_modules_leave_the_others_to_the_design) {
+  const design::Design design = strip(3);
+  TouchMap map(design);
+  design::RestValues tared(2);
+  for (auto& module : tared) module.fill(20'000);
+  map.set_rest(tared, 1);
+  for (int m = 0; m < 3; ++m) feed(map, frame(m, m == 0 ? layout::kRestCounts : 20'000, 400));
+  ASSERT_EQ(map.pressed().size(), 2U);
+  for (const PressedTaxel& p : map.pressed()) EXPECT_GT(p.module, 0);
+  feed(map, frame(0, layout::kRestCounts, 0));
+  feed(map, frame(0, layout::kRestCounts, 400));
+  EXPECT_EQ(map.pressed().size(), 3U) << "a light touch at the start, which ended";
+  EXPECT_THROW(map.set_rest(tared, 2), std::out_of_range);
 }
 
 TEST(LiveMonitor, draws_the_patch_in_its_shape) {

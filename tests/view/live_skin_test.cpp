@@ -13,11 +13,9 @@ namespace {
 
 using view::LiveSkin;
 
-wire::FullTaxels sample_of(std::uint16_t value, std::uint16_t valid = layout::kAllTaxels) {
-  wire::FullTaxels sample;
-  sample.valid = valid;
-  sample.state = wire::ModuleState::kOk;
-  sample.value.fill(value);
+view::PressureSample sample_of(double below_rest_counts) {
+  view::PressureSample sample{wire::ModuleState::kOk, layout::kAllTaxels, {}};
+  sample.below_rest_counts.fill(below_rest_counts);
   return sample;
 }
 
@@ -50,37 +48,20 @@ TEST(ViewLiveSkin, sends_each_module_once_after_it_changed) {
   EXPECT_EQ(le(skin.frame_since(seen), 16, 2), 1U);
 }
 
-TEST(ViewLiveSkin, takes_the_median_of_three_valid_samples_for_rest) {
+TEST(ViewLiveSkin, pressure_is_below_rest_to_the_nearest_count) {
   LiveSkin skin(1);
   std::uint64_t seen = 0;
-  skin.add(0, sample_of(9000), 0);  // a finger that was just lifted
-  skin.add(0, sample_of(500), 0);
-  skin.add(0, sample_of(7, 0), 0);  // not valid: does not count
-  EXPECT_EQ(change(skin.frame_since(seen), 0, 3), 0);
-  skin.add(0, sample_of(510), 0);
-  skin.add(0, sample_of(710), 0);
-  EXPECT_EQ(change(skin.frame_since(seen), 0, 3), 200);
-  skin.add(0, sample_of(300), 0);
+  skin.add(0, sample_of(210.4), 0);
   EXPECT_EQ(change(skin.frame_since(seen), 0, 3), -210);
-  skin.add(0, sample_of(300, 0), 0);
-  EXPECT_EQ(change(skin.frame_since(seen), 0, 3), 0);
+  skin.add(0, sample_of(-200.0), 0);
+  EXPECT_EQ(change(skin.frame_since(seen), 0, 3), 200);
 }
 
 TEST(ViewLiveSkin, holds_changes_within_16_bits) {
   LiveSkin skin(1);
   std::uint64_t seen = 0;
-  for (int n = 0; n < 3; ++n) skin.add(0, sample_of(0), 0);
-  skin.add(0, sample_of(65535), 0);
+  skin.add(0, sample_of(-65'535), 0);
   EXPECT_EQ(change(skin.frame_since(seen), 0, 0), 32767);
-}
-
-TEST(ViewLiveSkin, forgets_rest_values_when_asked) {
-  LiveSkin skin(1);
-  std::uint64_t seen = 0;
-  for (int n = 0; n < 3; ++n) skin.add(0, sample_of(100), 0);
-  skin.rest_anew();
-  for (int n = 0; n < 3; ++n) skin.add(0, sample_of(900), 0);
-  EXPECT_EQ(change(skin.frame_since(seen), 0, 0), 0);
 }
 
 TEST(ViewLiveSkin, ignores_modules_that_the_design_lacks) {
@@ -96,7 +77,7 @@ TEST(ViewFrameTrack, gathers_the_samples_of_33_ms_into_a_frame) {
   view::FrameTrack track(2, 10'000);
   for (int k = 0; k < 6; ++k) {
     for (int module = 0; module < 2; ++module)
-      track.add(module, sample_of(static_cast<std::uint16_t>(100 + k)), 5'000'000 + 20'000 * k);
+      track.add(module, sample_of(100.0 + k), 5'000'000 + 20'000 * k);
   }
   const std::string bytes = track.finish();
   std::vector<double> times_ms;
@@ -110,7 +91,7 @@ TEST(ViewFrameTrack, gathers_the_samples_of_33_ms_into_a_frame) {
   EXPECT_EQ(at, bytes.size());
   EXPECT_EQ(times_ms, (std::vector<double>{20, 60, 100}));
   EXPECT_EQ(change(bytes.substr(at - LiveSkin::kHeaderBytes - 2 * LiveSkin::kRecordBytes), 1, 3),
-            4);  // 105 against the median 101
+            -105);
   EXPECT_FALSE(track.is_cut());
 }
 

@@ -125,7 +125,11 @@ async function checkSelection(page) {
 
 async function live() {
   execFileSync(triskin, ["flash", design, "--link", "sim"], {env: environment, stdio: "ignore"});
-  const server = spawn(triskin, ["view", design, "--no-open", "--port", "0"], {env: environment});
+  // Something lies on taxel 3 of module 20 from before the start.
+  const scene = path.join(folder, "scene.json");
+  fs.writeFileSync(scene, JSON.stringify({format: "triskin-scene", version: 1, design: "strip.json", seed: 1,
+    contacts: [{module: 20, taxel: 3}]}));
+  const server = spawn(triskin, ["view", design, "--scene", scene, "--no-open", "--port", "0"], {env: environment});
   let printed = "";
   server.stdout.on("data", (text) => { printed += text; });
   const ended = new Promise((resolve) => server.on("exit", resolve));
@@ -137,6 +141,12 @@ async function live() {
   // Rest values are known after three samples of every module.
   await page.waitForFunction((n) => window.triskin.live.heard.every((h) => h) && window.triskin.health?.frames > 10 * n, MODULES)
     .catch(async (e) => { throw new Error(`${e.message}; ${await page.evaluate(() => JSON.stringify(window.triskin.health))}; ${wrong}`); });
+  assert.deepEqual(await page.evaluate(() => window.triskin.pressed(20)), [3], "what lies there from the start is shown");
+  await page.evaluate(() => window.triskin.link.send({do: "rest"}));
+  await page.waitForFunction(() => window.triskin.pressed(20).length === 0);
+  const kept = path.join(environment.XDG_STATE_HOME, "triskin", "rest");
+  for (let n = 0; n < 100 && !fs.existsSync(kept); ++n) await new Promise((resolve) => setTimeout(resolve, 100));
+  assert.equal(fs.readdirSync(kept).length, 1, "rest values of the page are kept");
   await page.evaluate(() => { window.triskin.setMode(1); window.triskin.shown.numbers = false; });
   await bringNear(page, 7);
   for (const view of ["cover", "flat"]) assert(!isHot(await colorAt(page, view, 7, 3)), `taxel 3 rests: ${view}`);
@@ -181,11 +191,11 @@ async function offline() {
   await browser.close();
 }
 
-// A finger on taxel 3 of module 7 from 2 s to 3 s of the link's time; recorded, then played by the page.
+// Something lies on module 20 until 1.5 s; a finger on taxel 3 of module 7 from 2 s to 3 s of the link's time; recorded, then played by the page.
 async function recorded() {
   const scene = path.join(folder, "scene.json"), recording = path.join(folder, "touch.mcap"), file = path.join(folder, "touch.html");
   fs.writeFileSync(scene, JSON.stringify({format: "triskin-scene", version: 1, design: "strip.json", seed: 1,
-    contacts: [{module: 7, taxel: 3, at_s: 2, until_s: 3}]}));
+    contacts: [{module: 20, taxel: 3, until_s: 1.5}, {module: 7, taxel: 3, at_s: 2, until_s: 3}]}));
   execFileSync(triskin, ["flash", design, "--link", "sim"], {env: environment, stdio: "ignore"});
   execFileSync(triskin, ["record", design, "--link", "sim", "--scene", scene, "-o", recording, "--seconds", "4"], {env: environment, stdio: "ignore"});
   execFileSync(triskin, ["export", recording, "--format", "html", "-o", file], {env: environment, stdio: "ignore"});
@@ -197,6 +207,8 @@ async function recorded() {
     scrubber.dispatchEvent(new Event("input"));
     return window.triskin.pressed(7);
   }, ms);
+  const lies = async (ms) => { await at(ms); return page.evaluate(() => window.triskin.pressed(20)); };
+  assert.deepEqual([await lies(500), await lies(1800)], [[3], []], "what lies there from the start is shown until it goes");
   const length = await page.evaluate(() => window.triskin.player.length_ms);
   assert(length > 3000 && length < 4500, `the recording has 4 s: ${length}`);
   const touched = [];

@@ -23,11 +23,9 @@ using view::Server;
 
 constexpr int kModules = 2570;
 
-wire::FullTaxels sample_of(std::uint16_t value) {
-  wire::FullTaxels sample;
-  sample.valid = layout::kAllTaxels;
-  sample.state = wire::ModuleState::kOk;
-  sample.value.fill(value);
+view::PressureSample sample_of(double below_rest_counts) {
+  view::PressureSample sample{wire::ModuleState::kOk, layout::kAllTaxels, {}};
+  sample.below_rest_counts.fill(below_rest_counts);
   return sample;
 }
 
@@ -70,8 +68,8 @@ class ViewServer : public testing::Test {
     for (const char c : client.read(more)) size = size << 8 | static_cast<unsigned char>(c);
     return client.read(size);
   }
-  void fill_skin(std::uint16_t value) {
-    for (int k = 0; k < kModules; ++k) live_.add(k, sample_of(value), 1'000'000);
+  void fill_skin(double below_rest_counts) {
+    for (int k = 0; k < kModules; ++k) live_.add(k, sample_of(below_rest_counts), 1'000'000);
   }
   void take(const Command& command) {
     if (!got_command_) command_.set_value(command);
@@ -169,8 +167,7 @@ TEST_F(ViewServer, sends_the_state_of_the_link_and_then_what_changed) {
   live_.set_health({"sim", true, "", 7, 2});
   const auto page = open_live();
   EXPECT_EQ(next_message(*page), R"({"frames":7,"link":"sim","live":true,"lost":2,"trouble":""})");
-  for (int n = 0; n < 3; ++n) live_.add(5, sample_of(1000), 2'000'000);
-  live_.add(5, sample_of(1300), 2'000'000);
+  live_.add(5, sample_of(-300), 2'000'000);
   std::string frame = next_message(*page);
   while (frame.size() == 48 && frame[24] == 0) frame = next_message(*page);  // from before the last sample
   ASSERT_EQ(frame.size(), LiveSkin::kHeaderBytes + LiveSkin::kRecordBytes);

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/host/wall_clock.hpp"
+#include "triskin/jobs/rest_store.hpp"
 #include "triskin/jobs/touch_map.hpp"
 #include "triskin/robot/robot.hpp"
 
@@ -84,10 +86,10 @@ bridge::BridgeOptions with_unit(bridge::BridgeOptions options, const design::Ski
 class CoverFeed {
  public:
   CoverFeed(const robot::CoverOnBus& cover, bridge::Domain& domain, const bridge::BridgeOptions& options, bool services,
-            design::SkinCalibration calibration, std::uint64_t now_ns)
+            std::span<const wire::NodeClaim> claims, design::SkinCalibration calibration, std::uint64_t now_ns)
       : cover_(cover),
         part_(options.part),
-        touches_(cover.design),
+        touches_(cover.design, device::RestStore(cover.design, claims).read()),
         calibration_(std::move(calibration)),
         bridge_(domain, cover.design, with_unit(options, calibration_), now_ns) {
     if (services) services_.emplace(domain, part_, cover.design, touches_);
@@ -154,7 +156,7 @@ class BusFeed {
     for (const robot::CoverOnBus& cover : site_.covers) {
       if (!cover.chosen) continue;
       covers_.push_back(
-          std::make_unique<CoverFeed>(cover, domain, by_cover[static_cast<std::size_t>(cover.cover)], options_.services,
+          std::make_unique<CoverFeed>(cover, domain, by_cover[static_cast<std::size_t>(cover.cover)], options_.services, claims,
                                       calibration_for(options_.calibration, cover, claims, output), start_ns_));
       designs.push_back(&cover.design);
     }

@@ -7,13 +7,13 @@
 #include <iostream>
 #include <memory>
 
-#include "rest_store.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/host/wall_clock.hpp"
+#include "triskin/jobs/rest_store.hpp"
 #include "triskin/link/cover_link.hpp"
 #include "triskin/session/controller.hpp"
 
@@ -119,7 +119,7 @@ void keep(const Options& options, const design::Design& design, device::Bus& bus
     rows.push_back({{"serial", board.serial}, {"revision", board.revision}, {"made", board.made}});
     output.say(fmt::format("controller {}  revision {} of its calibration", board.serial, board.revision));
   }
-  RestStore(design, bus.discover()).write(outcome.rest);
+  device::RestStore(design, bus.discover()).write(outcome.rest);
   output.result["boards"] = std::move(rows);
   if (options.output.empty()) return;
   write_output(options.output, design::calibration_text(outcome.boards));

@@ -10,12 +10,12 @@
 #include "live_icub.hpp"
 #include "live_robot.hpp"
 #include "offset_lines.hpp"
-#include "rest_store.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/jobs/live_monitor.hpp"
+#include "triskin/jobs/rest_store.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/link/cover_link.hpp"
 
@@ -80,7 +80,7 @@ int run_icub(const Options& options, Output& output) {
 class Show {
  public:
   Show(const Options& options, const design::Design& design, device::Link& link, device::Bus& bus,
-       device::Stream& stream, device::LiveMonitor& monitor, const RestStore& store)
+       device::Stream& stream, device::LiveMonitor& monitor, const device::RestStore& store)
       : options_(options),
         design_(design),
         bus_(bus),
@@ -156,20 +156,12 @@ class Show {
   device::Bus& bus_;
   device::Stream& stream_;
   device::LiveMonitor& monitor_;
-  const RestStore& store_;
+  const device::RestStore& store_;
   Demonstrator demonstrator_;
   std::uint64_t start_us_ = 0;
   std::string note_;
   nlohmann::json last_pressed_;
 };
-
-// Whose rest values are kept: of a robot those of the cover alone, so that its neighbours may change.
-std::vector<wire::NodeClaim> boards_of(const robot::CoverOnBus& cover, device::Bus& bus) {
-  std::vector<wire::NodeClaim> boards = bus.discover();
-  if (!cover.name.empty())
-    std::erase_if(boards, [&](const auto& b) { return design::patch_at(cover.design, b.node_address) < 0; });
-  return boards;
-}
 
 // One cover, with its picture.
 int show_cover(const Options& options, const robot::BusSite& site, const robot::CoverOnBus& cover,
@@ -183,9 +175,9 @@ int show_cover(const Options& options, const robot::BusSite& site, const robot::
   std::vector<std::string> lines;
   nlohmann::json offsets = read_offset_lines(bus, design, lines);
   for (const std::string& line : lines) output.say(line);
-  const std::vector<wire::NodeClaim> boards = boards_of(cover, bus);
-  const RestStore store(design, boards);
-  device::LiveMonitor monitor(design, options.tare ? device::RestValues{} : store.read(),
+  const std::vector<wire::NodeClaim> boards = bus.discover();
+  const device::RestStore store(design, boards);
+  device::LiveMonitor monitor(design, options.tare ? design::RestValues{} : store.read(),
                               calibration_for(options.calibration, cover, boards, output));
   const std::array streamed{&design};
   device::Stream stream(

@@ -10,6 +10,7 @@
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/jobs/live_monitor.hpp"
+#include "triskin/jobs/rest_store.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -27,7 +28,8 @@ class BusShow {
       if (!cover.chosen) continue;
       covers_.push_back(&cover);
       designs_.push_back(&cover.design);
-      monitors_.emplace_back(cover.design, device::RestValues{}, calibration_for(calibration, cover, claims, output));
+      monitors_.emplace_back(cover.design, device::RestStore(cover.design, claims).read(),
+                             calibration_for(calibration, cover, claims, output));
     }
     options_ = robot::stream_options(site, designs_, std::move(options_));
   }

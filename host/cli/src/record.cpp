@@ -17,6 +17,7 @@
 #include "triskin/host/files.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/host/wall_clock.hpp"
+#include "triskin/jobs/rest_store.hpp"
 #include "triskin/jobs/touch_map.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
@@ -75,7 +76,7 @@ std::string firmware_of(device::Bus& bus, std::uint8_t node) {
 class CoverFile {
  public:
   CoverFile(const robot::CoverOnBus& cover, const std::string& path, Format format)
-      : cover_(cover), format_(format), file_(path), touches_(cover.design) {}
+      : cover_(cover), format_(format), file_(path) {}
 
   void describe(device::Bus& bus, std::span<const wire::NodeClaim> claims, const Options& options,
                 const Output& output) {
@@ -91,6 +92,9 @@ class CoverFile {
     }
     calibration_ = calibration_for(options.calibration, cover_, claims, output);
     if (calibration_.complete()) origin_.calibration_text = design::calibration_text(calibration_.boards());
+    const design::RestValues rest = device::RestStore(cover_.design, claims).read();
+    if (!rest.empty()) origin_.rest_text = design::rest_text(rest);
+    touches_.emplace(cover_.design, rest);
     if (options.cloud_hz > 0.0) origin_.cloud_period_us = static_cast<std::uint64_t>(1e6 / options.cloud_hz);
     origin_.link_start_us = bus.now_us();
     origin_.unix_start_ns = unix_ns();
@@ -108,7 +112,7 @@ class CoverFile {
   void add(const device::ModuleFrame& f) {
     begin();
     recorder_->add({f.module, f.link_time_us, f.sample, unix_ns_of(f.sampled.link_us), f.sampled.error_us});
-    touches_.add(f);
+    touches_->add(f);
     ++samples_;
   }
 
@@ -117,7 +121,7 @@ class CoverFile {
   }
 
   void slice(std::uint64_t now_us) {
-    const auto contacts = contacts_of(touches_, cover_.design, calibration_);
+    const auto contacts = contacts_of(*touches_, cover_.design, calibration_);
     if (!contacts.empty() || had_contacts_) recorder_->add_contacts(now_us, contacts);
     had_contacts_ = !contacts.empty();
     recorder_->tick(steady_us());
@@ -142,7 +146,7 @@ class CoverFile {
   const robot::CoverOnBus& cover_;
   Format format_;
   recording::OutputFile file_;
-  device::TouchMap touches_;
+  std::optional<device::TouchMap> touches_;  // from describe() on
   design::SkinCalibration calibration_;
   recording::Origin origin_;
   std::unique_ptr<recording::Recorder> recorder_;

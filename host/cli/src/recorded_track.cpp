@@ -7,6 +7,7 @@
 
 #include "triskin/design/design_text.hpp"
 #include "triskin/host/error.hpp"
+#include "triskin/jobs/touch_map.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/view/frame_track.hpp"
 
@@ -20,12 +21,14 @@ RecordedSkin recorded_skin(const std::string& file) {
   const recording::Summary origin = recording::read_origin(file);
   if (origin.design_text.empty())
     throw InputError(fmt::format("{}: holds no design: is it a recording of triskin?", file));
-  RecordedSkin skin{design::parse_design(origin.design_text, file + ": design.json"), {}, {}};
+  RecordedSkin skin{design::parse_design(origin.design_text, file + ": design.json"), {}, {}, {}};
   for (std::size_t patch = 0; patch < skin.design.patches.size(); ++patch) {
     const int node = design::node_address_of(skin.design, static_cast<int>(patch));
     const auto serial = origin.facts.find(recording::serial_fact(node));
     skin.serials.push_back(serial == origin.facts.end() ? "" : serial->second);
   }
+  if (!origin.rest_text.empty())
+    skin.rest = design::parse_rest(origin.rest_text, file + ": " + recording::kRestName, skin.design.layout.modules.size());
   if (origin.calibration_text.empty()) return skin;
   const auto boards = design::parse_calibration(origin.calibration_text, file + ": " + recording::kCalibrationName);
   skin.calibration = design::SkinCalibration(skin.design, boards,
@@ -35,9 +38,14 @@ RecordedSkin recorded_skin(const std::string& file) {
 
 RecordedTrack read_track(const std::string& file, std::size_t most_bytes) {
   RecordedTrack recorded{recorded_skin(file), {}, {}};
-  view::FrameTrack track(recorded.skin.design.layout.modules.size(), most_bytes);
+  const std::size_t modules = recorded.skin.design.layout.modules.size();
+  device::TouchMap touches(recorded.skin.design, recorded.skin.rest);
+  view::FrameTrack track(modules, most_bytes);
   const recording::Summary summary = recording::read_recording(file, [&](const recording::ModuleSample& s) {
-    track.add(s.module, s.sample, static_cast<std::int64_t>(s.link_time_us));
+    if (static_cast<std::size_t>(s.module) >= modules) return;
+    touches.add({s.module, s.link_time_us, s.sample});
+    track.add(s.module, {s.sample.state, s.sample.valid, touches.change(s.module)},
+              static_cast<std::int64_t>(s.link_time_us));
   });
   recorded.frames = track.finish();
   if (recorded.frames.empty()) throw InputError(fmt::format("{}: holds no sample, so there is nothing to play", file));

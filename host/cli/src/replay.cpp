@@ -26,9 +26,8 @@ struct Ended {};  // a person ends the replay
 // Plays samples into the display of `live`, in the time in which they came.
 class Player {
  public:
-  Player(const Options& options, const design::Design& design, design::SkinCalibration calibration,
-         LiveDisplay& display)
-      : options_(options), monitor_(design, {}, std::move(calibration)), display_(display) {}
+  Player(const Options& options, RecordedSkin& skin, LiveDisplay& display)
+      : options_(options), monitor_(skin.design, skin.rest, std::move(skin.calibration)), display_(display) {}
 
   void take(const recording::ModuleSample& s) {
     if (static_cast<std::size_t>(s.module) >= modules_) return;
@@ -80,7 +79,7 @@ int run(const Options& options, Output& output) {
   const design::Design& design = recorded.design;
   recording::Summary summary;
   auto display = make_display(design, output);
-  Player player(options, design, std::move(recorded.calibration), *display);
+  Player player(options, recorded, *display);
   player.modules(design.layout.modules.size());
   try {
     summary = recording::read_recording(options.file, [&](const recording::ModuleSample& s) { player.take(s); });

@@ -3,9 +3,12 @@
 
 #include <chrono>
 #include <mutex>
+#include <span>
 #include <thread>
 
 #include "triskin/host/interrupt.hpp"
+#include "triskin/jobs/rest_store.hpp"
+#include "triskin/jobs/touch_map.hpp"
 #include "triskin/robot/bus_threads.hpp"
 #include "triskin/session/stream.hpp"
 
@@ -76,6 +79,34 @@ class Health {
   std::vector<Bus> buses_;
 };
 
+// What presses a cover. The page asks for rest values anew when nothing touches the skin; they are kept, as those of
+// `live --tare`.
+class CoverTouches {
+ public:
+  CoverTouches(const design::Design& design, std::span<const wire::NodeClaim> claims)
+      : store_(design, claims), touches_(design, store_.read()) {}
+
+  view::PressureSample take(const device::ModuleFrame& f) {
+    touches_.add(f);
+    return {f.sample.state, f.sample.valid, touches_.change(f.module)};
+  }
+  void tare(std::uint64_t now_us) {
+    touches_.tare();
+    keep_us_ = now_us + kTare_us;
+  }
+  void keep_rest(std::uint64_t now_us) {
+    if (keep_us_ == 0 || now_us < keep_us_ || !touches_.tared()) return;
+    store_.write(touches_.rest());
+    keep_us_ = 0;
+  }
+
+ private:
+  static constexpr std::uint64_t kTare_us = 500'000;  // a controller that has been silent as long is called silent
+  device::RestStore store_;
+  device::TouchMap touches_;
+  std::uint64_t keep_us_ = 0;  // when the tare under way is to be kept; 0: none is
+};
+
 // One bus; runs in a thread of its own where there are several.
 class Feed {
  public:
@@ -101,18 +132,23 @@ class Feed {
   void stream() {
     const auto link = device::open_bus(site_, bus_, options_);
     device::Bus bus(*link);
+    const auto claims = bus.discover();
+    touches_.clear();
+    for (const design::Design* design : designs_) touches_.emplace_back(*design, claims);
     Pace pace(bus.now_us());
     const auto stream_options = robot::stream_options(site_.buses[bus_], designs_, stream_options_);
     device::Stream stream(
         bus, designs_,
         [&](const device::ModuleFrame& f) {
-          live_.add(first_[static_cast<std::size_t>(f.cover)] + f.module, f.sample, pace.wall_of(f.link_time_us));
+          const auto cover = static_cast<std::size_t>(f.cover);
+          live_.add(first_[cover] + f.module, touches_[cover].take(f), pace.wall_of(f.link_time_us));
         },
         stream_options);
     std::int64_t next_health_us = 0;
     while (!interrupt_request()) {
-      obey(link->finger());
+      obey(link->finger(), bus.now_us());
       stream.run_until(bus.now_us() + kSlice_us);
+      for (CoverTouches& cover : touches_) cover.keep_rest(bus.now_us());
       pace.hold(bus.now_us());
       if (wall_us() < next_health_us) continue;
       next_health_us = wall_us() + kHealthEvery.count();
@@ -129,9 +165,11 @@ class Feed {
 
  private:
   // A command is for the bus that has the module; presses of others are left to them.
-  void obey(device::Finger* finger) {
+  void obey(device::Finger* finger, std::uint64_t now_us) {
     while (const auto command = commands_.pop(static_cast<int>(bus_))) {
-      if (command->kind == view::Command::Kind::kRest && bus_ == 0) live_.rest_anew();
+      if (command->kind == view::Command::Kind::kRest) {
+        for (CoverTouches& cover : touches_) cover.tare(now_us);
+      }
       if (finger == nullptr) continue;
       if (command->kind == view::Command::Kind::kLift) finger->lift();
       if (command->kind == view::Command::Kind::kPress) press(*finger, command->module, command->taxel);
@@ -152,7 +190,8 @@ class Feed {
   std::size_t bus_;
   std::vector<const robot::CoverOnBus*> covers_;
   std::vector<const design::Design*> designs_;
-  std::vector<int> first_;  // of each cover's modules on the page
+  std::vector<int> first_;              // of each cover's modules on the page
+  std::vector<CoverTouches> touches_;  // by cover, while the link is open
   view::LiveSkin& live_;
   Health& health_;
   CommandQueue& commands_;

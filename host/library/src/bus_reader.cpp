@@ -7,6 +7,7 @@
 
 #include "skin.hpp"
 #include "triskin/jobs/calibrate.hpp"
+#include "triskin/jobs/rest_store.hpp"
 #include "triskin/jobs/verify.hpp"
 #include "triskin/jobs/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
@@ -67,6 +68,13 @@ void BusReader::stop() {
   stream_->finish();
   counts_ = stream_->report().total;
   stream_.reset();
+}
+
+void BusReader::set_rest(device::TouchMap& touches) {
+  const auto claims = bus_.discover();
+  for (const robot::CoverOnBus& cover : site_.covers)
+    touches.set_rest(device::RestStore(cover.design, claims).read(),
+                     source_.offsets[static_cast<std::size_t>(cover.cover)].module);
 }
 
 void BusReader::calibrate(std::vector<ModuleCalibration>& modules) {

@@ -96,6 +96,9 @@ void Skin::start() {
     running_ = true;
   }
   try {
+    if (!started_) {
+      for (const auto& bus : buses_) bus->set_rest(touches_);
+    }
     for (std::size_t b = 0; b < buses_.size(); ++b) {
       fresh_[b].clear();
       buses_[b]->start(stream_options_, [this, b](const triskin_sample& sample, const device::ModuleFrame& frame) {

@@ -62,6 +62,8 @@ class BusReader {
   [[nodiscard]] double unix_s(std::uint64_t link_us) const;
   /// Verifies the covers one after the other, and appends what is found. True: nothing is.
   bool verify(std::string& report);
+  /// Gives `touches`, of Source::design, the rest values that are kept for the covers on this bus.
+  void set_rest(device::TouchMap& touches);
   /// The calibrations of the covers on this bus, by module of Source::design; others are left as they are.
   void calibrate(std::vector<ModuleCalibration>& modules);
   [[nodiscard]] std::string name() const { return bus_.name(); }

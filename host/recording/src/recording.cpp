@@ -26,6 +26,7 @@ class Samples final : public mcap::Visitor {
   void on_attachment(const mcap::Attachment& attachment) override {
     if (attachment.name == "design.json") summary_.design_text = attachment.data;
     if (attachment.name == kCalibrationName) summary_.calibration_text = attachment.data;
+    if (attachment.name == kRestName) summary_.rest_text = attachment.data;
   }
   void on_metadata(const mcap::Metadata& metadata) override {
     if (metadata.name == "triskin") summary_.facts = metadata.entries;

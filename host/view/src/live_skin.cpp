@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 
 #include "triskin/base/bytes.hpp"
@@ -14,21 +15,15 @@ void put_le(std::string& out, std::uint64_t value, int bytes) {
   for (int k = 0; k < bytes; ++k) out += static_cast<char>(value >> 8 * k & 0xFF);
 }
 
-}  // namespace
-
-std::int16_t LiveSkin::change_of(Module& module, std::size_t taxel, std::uint16_t value) {
-  auto& first = module.first[taxel];
-  if (module.seen[taxel] < kRestSamples) {
-    first[module.seen[taxel]++] = value;
-    if (module.seen[taxel] == kRestSamples) std::ranges::sort(first);
-  }
-  if (module.seen[taxel] < kRestSamples) return 0;
+// As a frame has it: against rest, so that pressure is below 0.
+std::int16_t change_of(double below_rest_counts) {
   using Limits = std::numeric_limits<std::int16_t>;
-  const int change = static_cast<int>(value) - static_cast<int>(first[kRestSamples / 2]);
-  return static_cast<std::int16_t>(std::clamp<int>(change, Limits::min(), Limits::max()));
+  return static_cast<std::int16_t>(std::clamp<double>(std::round(-below_rest_counts), Limits::min(), Limits::max()));
 }
 
-void LiveSkin::add(int module, const wire::FullTaxels& sample, std::int64_t wall_time_us) {
+}  // namespace
+
+void LiveSkin::add(int module, const PressureSample& sample, std::int64_t wall_time_us) {
   const std::lock_guard lock(mutex_);
   if (module < 0 || static_cast<std::size_t>(module) >= modules_.size()) return;
   Module& m = modules_[static_cast<std::size_t>(module)];
@@ -37,12 +32,7 @@ void LiveSkin::add(int module, const wire::FullTaxels& sample, std::int64_t wall
   m.valid = sample.valid;
   m.state = sample.state;
   for (std::size_t t = 0; t < m.change.size(); ++t)
-    m.change[t] = (sample.valid >> t & 1) != 0 ? change_of(m, t, sample.value[t]) : std::int16_t{0};
-}
-
-void LiveSkin::rest_anew() {
-  const std::lock_guard lock(mutex_);
-  for (Module& m : modules_) m.seen = {};
+    m.change[t] = change_of(sample.below_rest_counts[t]);
 }
 
 void LiveSkin::set_health(Health health) {

@@ -5,38 +5,50 @@
 
 namespace triskin::device {
 
-TouchMap::TouchMap(const design::Design& design, const RestValues& rest)
-    : design_(design),
-      wiring_(design::wiring_of(design)),
-      modules_(design.layout.modules.size()),
-      by_design_(rest.size() != modules_.size()) {
-  if (by_design_) return;
-  for (std::size_t m = 0; m < modules_.size(); ++m) {
+TouchMap::TouchMap(const design::Design& design, const design::RestValues& rest)
+    : design_(design), wiring_(design::wiring_of(design)), modules_(design.layout.modules.size()) {
+  set_rest(rest, 0);
+}
+
+void TouchMap::set_rest(const design::RestValues& rest, int first_module) {
+  for (std::size_t m = 0; m < rest.size(); ++m) {
+    Module& module = modules_.at(static_cast<std::size_t>(first_module) + m);
+    module.by_design = false;
     for (std::size_t t = 0; t < rest[m].size(); ++t) {
-      Taxel& taxel = modules_[m].taxels[t];
+      Taxel& taxel = module.taxels[t];
       taxel.rest = taxel.now = rest[m][t];
       taxel.seen = kRestSamples;
     }
   }
 }
 
-// The median tolerates one sample of a finger that was lifted just before.
-void TouchMap::settle(Taxel& taxel) const {
-  std::ranges::sort(taxel.first);
-  const double median = taxel.first[kRestSamples / 2];
-  // Nothing but rest is above: pressure lowers the value.
-  const bool at_rest = !by_design_ || median >= layout::kRestCounts - kRestBand_counts;
-  taxel.rest = at_rest ? median : layout::kRestCounts;
-  taxel.follows = by_design_ && at_rest;
+// Nothing but rest is above: pressure lowers the value.
+bool TouchMap::may_rest(double value) {
+  return value >= layout::kRestCounts - kRestBand_counts;
 }
 
-void TouchMap::take(Taxel& taxel, double value) const {
+// The median tolerates one sample of a finger that was lifted just before.
+void TouchMap::settle(const Module& module, Taxel& taxel) {
+  std::ranges::sort(taxel.first);
+  const double median = taxel.first[kRestSamples / 2];
+  const bool at_rest = !module.by_design || may_rest(median);
+  taxel.rest = at_rest ? median : layout::kRestCounts;
+  taxel.follows = module.by_design && at_rest;
+  taxel.awaited = !at_rest;
+}
+
+void TouchMap::take(const Module& module, Taxel& taxel, double value) {
   if (taxel.seen < kRestSamples) {
     taxel.first[taxel.seen++] = value;
     if (taxel.seen < kRestSamples) return;
-    settle(taxel);
+    settle(module, taxel);
   }
   taxel.now = value;
+  if (taxel.awaited && may_rest(value)) {
+    taxel.awaited = false;
+    taxel.follows = true;
+    taxel.rest = value;
+  }
   // A light touch at the start was within the band; when it ends, the taxel shows where it rests.
   if (taxel.follows) taxel.rest = std::max(taxel.rest, value);
 }
@@ -68,15 +80,17 @@ void TouchMap::add(const ModuleFrame& frame) {
     if (!layout::measures_pressure(t)) continue;
     Taxel& taxel = module.taxels[t];
     if ((frame.sample.valid >> t & 1) != 0)
-      take(taxel, frame.sample.value[t] + module.warming_counts);
+      take(module, taxel, frame.sample.value[t] + module.warming_counts);
     else
       taxel.now = taxel.rest;  // an invalid taxel is unknown, not pressed
   }
 }
 
 void TouchMap::tare() {
-  by_design_ = false;
-  for (Module& module : modules_) module = Module{};
+  for (Module& module : modules_) {
+    module = Module{};
+    module.by_design = false;
+  }
 }
 
 bool TouchMap::tared() const {
@@ -85,8 +99,8 @@ bool TouchMap::tared() const {
   });
 }
 
-RestValues TouchMap::rest() const {
-  RestValues rest(modules_.size());
+design::RestValues TouchMap::rest() const {
+  design::RestValues rest(modules_.size());
   for (std::size_t m = 0; m < modules_.size(); ++m) {
     for (std::size_t t = 0; t < rest[m].size(); ++t) {
       const Taxel& taxel = modules_[m].taxels[t];

@@ -6,6 +6,7 @@
 
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/design/rest_values.hpp"
 
 namespace triskin::cli {
 
@@ -14,6 +15,7 @@ struct RecordedSkin {
   design::Design design;
   design::SkinCalibration calibration;  ///< none: counts alone
   std::vector<std::string> serials;     ///< of the controllers, by patch; empty text: not known
+  design::RestValues rest;              ///< empty: those by design
 };
 
 /// A recording as the page plays it.
@@ -27,7 +29,7 @@ struct RecordedTrack {
 [[nodiscard]] bool is_recording(const std::string& file);
 
 /// The skin that a recording is of. Throws InputError when it is no recording of triskin, holds no design, or a damaged
-/// calibration. Cost: reads the first part of the file.
+/// calibration or rest values. Cost: reads the first part of the file.
 [[nodiscard]] RecordedSkin recorded_skin(const std::string& file);
 
 /// Reads a recording. `most_bytes`: of the frames; later ones are dropped. Throws InputError when it is no recording of

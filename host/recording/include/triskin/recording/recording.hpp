@@ -12,7 +12,7 @@
 namespace triskin::recording {
 
 /// Name of the attachment that holds the calibration (design/calibration.hpp).
-inline constexpr const char* kCalibrationName = "calibration.json";
+inline constexpr const char *kCalibrationName = "calibration.json", *kRestName = "rest.json";
 
 /// Fact that holds the serial number of the controller with a node address.
 [[nodiscard]] inline std::string serial_fact(int node) {
@@ -25,6 +25,7 @@ struct Summary {
   std::map<std::string, std::string> result;  ///< how it went; empty when it was cut
   std::string design_text;                    ///< the design file
   std::string calibration_text;               ///< the calibration file; empty: counts alone
+  std::string rest_text;                      ///< the file of the rest values; empty: those by design
   std::uint64_t samples = 0;                  ///< of modules
   std::uint64_t first_us = 0, last_us = 0;    ///< link time of the first and the last sample
   mcap::ReadReport file;

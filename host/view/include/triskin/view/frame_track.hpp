@@ -22,7 +22,7 @@ class FrameTrack {
 
   /// Takes a sample; `time_us` is the clock of the recording and does not fall from one call to the next, but for
   /// samples of other controllers of the same instant. A module that the design lacks is ignored.
-  void add(int module, const wire::FullTaxels& sample, std::int64_t time_us);
+  void add(int module, const PressureSample& sample, std::int64_t time_us);
 
   /// The track: for each frame its length (4 bytes, little-endian) and its bytes as docs/view.md has them, times in ms
   /// since the first sample. Empty without samples. Call it once, at the end.

@@ -8,16 +8,21 @@
 #include <vector>
 
 #include "triskin/layout/module.hpp"
-#include "triskin/wire/taxel_frames.hpp"
+#include "triskin/wire/module_state.hpp"
 
 namespace triskin::view {
 
-/// The latest sample of every module, against its rest value. One thread adds samples, others encode what a reader has
-/// not got yet. Memory is fixed: a slow reader skips samples, it never makes a queue grow. Thread-safe.
+/// A sample of a module, against its rest values.
+struct PressureSample {
+  wire::ModuleState state = wire::ModuleState::kUnknown;
+  std::uint16_t valid = 0;                                            ///< bit t: taxel t
+  std::array<double, layout::kTaxelsPerModule> below_rest_counts{};  ///< pressure is above 0; of invalid taxels 0
+};
+
+/// The latest sample of every module. Threads add samples, others encode what a reader has not got yet. Memory is
+/// fixed: a slow reader skips samples, it never makes a queue grow. Thread-safe.
 class LiveSkin {
  public:
-  /// Valid samples of a taxel until its rest value (their median) is known.
-  static constexpr std::size_t kRestSamples = 3;
   /// Bytes before the records of a frame, and of one record (docs/view.md).
   static constexpr std::size_t kHeaderBytes = 16, kRecordBytes = 32;
   /// First two bytes of a frame: what it is, and the version of its layout.
@@ -35,10 +40,8 @@ class LiveSkin {
   explicit LiveSkin(std::size_t modules) : modules_(modules) {}
 
   /// Takes a sample of module `module`; one that the design lacks is ignored. `wall_time_us`: when it was taken, µs
-  /// since 1970. Values of invalid taxels are ignored; the change of such a taxel is 0.
-  void add(int module, const wire::FullTaxels& sample, std::int64_t wall_time_us);
-  /// Forgets the rest values: what the taxels read next is their rest.
-  void rest_anew();
+  /// since 1970.
+  void add(int module, const PressureSample& sample, std::int64_t wall_time_us);
   /// States how the link fares.
   void set_health(Health health);
   [[nodiscard]] Health health() const;
@@ -53,11 +56,8 @@ class LiveSkin {
     std::int64_t wall_time_us = 0;
     std::uint16_t valid = 0;
     wire::ModuleState state = wire::ModuleState::kUnknown;
-    std::array<std::uint8_t, layout::kTaxelsPerModule> seen{};  // valid samples, up to kRestSamples
-    std::array<std::array<std::uint16_t, kRestSamples>, layout::kTaxelsPerModule> first{};
     std::array<std::int16_t, layout::kTaxelsPerModule> change{};
   };
-  static std::int16_t change_of(Module& module, std::size_t taxel, std::uint16_t value);
 
   mutable std::mutex mutex_;
   std::vector<Module> modules_;

@@ -21,7 +21,7 @@ enum class PressureUnit {
 class LiveMonitor {
  public:
   /// `design` outlives the monitor. `rest` as for TouchMap.
-  explicit LiveMonitor(const design::Design& design, const RestValues& rest = {},
+  explicit LiveMonitor(const design::Design& design, const design::RestValues& rest = {},
                        design::SkinCalibration calibration = {});
   /// Takes a sample.
   void add(const ModuleFrame& frame);
