@@ -64,7 +64,8 @@ TEST_F(Calibrated, counts_become_newton) {
   ASSERT_EQ(last_of("record strip.json --link sim --scene scene.json --seconds 2 -o r.mcap")["lost"], 0);
   const json replayed = last_of("replay r.mcap --speed 0");
   EXPECT_EQ(replayed["unit"], "kPa");
-  EXPECT_NEAR(replayed["force_n"].get<double>(), 46.77, 0.01 * 46.77);  // by the rest values of the calibration, which it holds
+  EXPECT_NEAR(replayed["force_n"].get<double>(), 46.77,
+              0.01 * 46.77);  // by the rest values of the calibration, which it holds
 
   ASSERT_EQ(run("calibrate strip.json --link sim --scene scene.json --forget").status, 0);
   EXPECT_EQ(last_of(live)["unit"], "counts");

@@ -76,8 +76,7 @@ TEST(ViewLiveSkin, ignores_modules_that_the_design_lacks) {
 TEST(ViewFrameTrack, gathers_the_samples_of_33_ms_into_a_frame) {
   view::FrameTrack track(2, 10'000);
   for (int k = 0; k < 6; ++k) {
-    for (int module = 0; module < 2; ++module)
-      track.add(module, sample_of(100.0 + k), 5'000'000 + 20'000 * k);
+    for (int module = 0; module < 2; ++module) track.add(module, sample_of(100.0 + k), 5'000'000 + 20'000 * k);
   }
   const std::string bytes = track.finish();
   std::vector<double> times_ms;
@@ -90,8 +89,7 @@ TEST(ViewFrameTrack, gathers_the_samples_of_33_ms_into_a_frame) {
   }
   EXPECT_EQ(at, bytes.size());
   EXPECT_EQ(times_ms, (std::vector<double>{20, 60, 100}));
-  EXPECT_EQ(change(bytes.substr(at - LiveSkin::kHeaderBytes - 2 * LiveSkin::kRecordBytes), 1, 3),
-            -105);
+  EXPECT_EQ(change(bytes.substr(at - LiveSkin::kHeaderBytes - 2 * LiveSkin::kRecordBytes), 1, 3), -105);
   EXPECT_FALSE(track.is_cut());
 }
 

@@ -156,8 +156,8 @@ class BusFeed {
     for (const robot::CoverOnBus& cover : site_.covers) {
       if (!cover.chosen) continue;
       covers_.push_back(
-          std::make_unique<CoverFeed>(cover, domain, by_cover[static_cast<std::size_t>(cover.cover)], options_.services, claims,
-                                      calibration_for(options_.calibration, cover, claims, output), start_ns_));
+          std::make_unique<CoverFeed>(cover, domain, by_cover[static_cast<std::size_t>(cover.cover)], options_.services,
+                                      claims, calibration_for(options_.calibration, cover, claims, output), start_ns_));
       designs.push_back(&cover.design);
     }
     device::Stream stream(

@@ -28,7 +28,8 @@ RecordedSkin recorded_skin(const std::string& file) {
     skin.serials.push_back(serial == origin.facts.end() ? "" : serial->second);
   }
   if (!origin.rest_text.empty())
-    skin.rest = design::parse_rest(origin.rest_text, file + ": " + recording::kRestName, skin.design.layout.modules.size());
+    skin.rest =
+        design::parse_rest(origin.rest_text, file + ": " + recording::kRestName, skin.design.layout.modules.size());
   if (origin.calibration_text.empty()) return skin;
   const auto boards = design::parse_calibration(origin.calibration_text, file + ": " + recording::kCalibrationName);
   skin.calibration = design::SkinCalibration(skin.design, boards,

@@ -190,7 +190,7 @@ class Feed {
   std::size_t bus_;
   std::vector<const robot::CoverOnBus*> covers_;
   std::vector<const design::Design*> designs_;
-  std::vector<int> first_;              // of each cover's modules on the page
+  std::vector<int> first_;             // of each cover's modules on the page
   std::vector<CoverTouches> touches_;  // by cover, while the link is open
   view::LiveSkin& live_;
   Health& health_;

@@ -31,8 +31,7 @@ void LiveSkin::add(int module, const PressureSample& sample, std::int64_t wall_t
   m.wall_time_us = wall_time_us;
   m.valid = sample.valid;
   m.state = sample.state;
-  for (std::size_t t = 0; t < m.change.size(); ++t)
-    m.change[t] = change_of(sample.below_rest_counts[t]);
+  for (std::size_t t = 0; t < m.change.size(); ++t) m.change[t] = change_of(sample.below_rest_counts[t]);
 }
 
 void LiveSkin::set_health(Health health) {

@@ -65,7 +65,8 @@ int colour_of(double counts, bool trouble) {
 
 }  // namespace
 
-LiveMonitor::LiveMonitor(const design::Design& design, const design::RestValues& rest, design::SkinCalibration calibration)
+LiveMonitor::LiveMonitor(const design::Design& design, const design::RestValues& rest,
+                         design::SkinCalibration calibration)
     : design_(design),
       touches_(design, rest),
       calibration_(std::move(calibration)),

@@ -36,7 +36,8 @@ struct Origin {
   /// The calibration file of the skin (docs/calibration.md), by which contacts have their force_n; empty: none, and
   /// forces are in counts.
   std::string calibration_text;
-  std::string rest_text;  ///< the file of the rest values (design/rest_values.hpp) by which contacts are known; empty: by design
+  std::string rest_text;  ///< the file of the rest values (design/rest_values.hpp) by which contacts are known; empty:
+                          ///< by design
 };
 
 /// Writes samples as they come. Memory is bounded; every function throws WriteFailed when the file takes no more.

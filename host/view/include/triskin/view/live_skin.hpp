@@ -15,7 +15,7 @@ namespace triskin::view {
 /// A sample of a module, against its rest values.
 struct PressureSample {
   wire::ModuleState state = wire::ModuleState::kUnknown;
-  std::uint16_t valid = 0;                                            ///< bit t: taxel t
+  std::uint16_t valid = 0;                                           ///< bit t: taxel t
   std::array<double, layout::kTaxelsPerModule> below_rest_counts{};  ///< pressure is above 0; of invalid taxels 0
 };
 

@@ -73,7 +73,7 @@ struct CalibrateOptions {
 /// A calibration of a skin.
 struct CalibrationOutcome {
   std::vector<design::BoardCalibration> boards;  ///< revision 1, `made` empty: the store sets both
-  design::RestValues rest;                               ///< value of every taxel without pressure
+  design::RestValues rest;                       ///< value of every taxel without pressure
   std::vector<std::pair<int, int>> without;      ///< module, taxel for pressure: not calibrated
   design::CalibrationQuality quality;
 };
