@@ -34,11 +34,13 @@ inline void add_strip(robot::Assembly& a, const std::string& name, int bus, int 
   robot::seat(a.robot, a.robot.covers.back(), a.designs.back());
 }
 
-/// One bus of a robot in the simulation, whose boards keep their flash in `folder` (empty: in memory).
+/// One bus of a robot in the simulation, whose boards keep their flash in `folder` (empty: in memory). Their serial
+/// numbers ascend with the node addresses, or are drawn from `board_seed`.
 class SimulatedBus {
  public:
-  explicit SimulatedBus(const robot::BusSite& site, const std::filesystem::path& folder = {})
-      : site_(site), link_(device::scene_of(site, false), folder), bus_(link_) {}
+  explicit SimulatedBus(const robot::BusSite& site, const std::filesystem::path& folder = {},
+                        std::uint64_t board_seed = 0)
+      : site_(site), link_(device::scene_of(site, false, board_seed), folder), bus_(link_) {}
 
   [[nodiscard]] device::Bus& bus() { return bus_; }
   [[nodiscard]] device::SimLink& link() { return link_; }

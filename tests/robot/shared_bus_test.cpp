@@ -29,6 +29,13 @@ Assembly three_covers() {
   return a;
 }
 
+// Number of a cover's first controller on the bus.
+int device_number(const Site& site, std::size_t cover) {
+  std::size_t number = 0;
+  for (std::size_t c = 0; c < cover; ++c) number += site.buses[0].covers[c].design.patches.size();
+  return static_cast<int>(number);
+}
+
 TEST(SharedBus, covers_are_flashed_one_after_the_other_whatever_the_order) {
   const Site site = site_of(three_covers());
   SimulatedBus bus(site.buses[0]);
@@ -44,6 +51,45 @@ TEST(SharedBus, covers_are_flashed_one_after_the_other_whatever_the_order) {
   for (std::uint8_t node = 1; node <= 6; ++node)
     EXPECT_EQ(device::Controller(bus.bus(), node).active_table().design_id, ids[static_cast<std::size_t>(owner[node])]);
   for (std::size_t cover = 0; cover < 3; ++cover) EXPECT_EQ(bus.flash(cover).bytes, 0U);
+}
+
+// Fresh boards in any order, as on a workbench, of covers with equal and with different patches: 4, 4, 4; 5, 5; 3.
+TEST(SharedBus, fresh_boards_in_any_order_find_the_patch_that_they_hang_on) {
+  const Site site = site_of(three_covers());
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U}) {
+    SimulatedBus bus(site.buses[0], {}, seed);
+    device::FlashOptions options;
+    options.recognise = options.touch = true;
+    for (std::size_t cover = 0; cover < 3; ++cover) {
+      const CoverOnBus& c = site.buses[0].covers[cover];
+      device::CoverLink finger(bus.link(), c.first_module);
+      device::Bus own(finger);
+      for (const auto& p : device::flash(own, c.design, flash_options(site.buses[0], c, options)).patches) {
+        const auto number = static_cast<std::size_t>(device_number(site, cover) + p.patch);
+        EXPECT_EQ(p.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), number)))
+            << "seed " << seed << ", cover " << c.name << ", patch " << p.patch;
+        EXPECT_EQ(p.by, cover == 2 ? device::FoundBy::kOnly : device::FoundBy::kTouch);
+      }
+    }
+  }
+}
+
+// On a real bus nothing presses: what shapes do not settle is refused, also where the other cover has the equal patch.
+TEST(SharedBus, fresh_boards_that_could_be_of_two_covers_are_refused_without_a_touch) {
+  Assembly a = bare_robot(1);
+  add_strip(a, "left", 0, 4, 4);
+  add_strip(a, "right", 0, 4, 4);
+  add_strip(a, "hand", 0, 3, 16);
+  const Site site = site_of(a);
+  SimulatedBus bus(site.buses[0], {}, 7);
+  device::FlashOptions options;
+  options.recognise = true;
+  EXPECT_THROW((void)bus.flash(0, options), DeviceError);
+  EXPECT_THROW((void)bus.flash(1, options), DeviceError);
+  const auto hand = bus.flash(2, options).patches.at(0);
+  EXPECT_EQ(hand.by, device::FoundBy::kShape);
+  EXPECT_EQ(hand.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), 2)));
+  for (const auto& claim : bus.bus().discover()) EXPECT_EQ(claim.has_table, claim.node_address == 3);
 }
 
 TEST(SharedBus, every_cover_verifies_with_its_own_modules) {

@@ -167,17 +167,19 @@ TEST(Shapes, differ_in_the_places_where_only_one_has_a_chip) {
 TEST(Shapes, settle_what_every_way_to_serve_all_patches_agrees_on) {
   const design::Design design = strip(10, 4);
   const std::vector<int> all{0, 1, 2};
-  const auto settled = [&](std::vector<BoardShape> shapes) { return device::assign_by_shape(shapes, design, all); };
+  const auto settled = [&](std::vector<BoardShape> shapes) {
+    return device::assign_by_shape(shapes, device::seats_of(design, all));
+  };
   const auto plain = settled({answers(0b1111), answers(0b0011), answers(0b1111)});
-  EXPECT_EQ(plain.patch, (std::vector<int>{-1, 2, -1}));
+  EXPECT_EQ(plain.seat, (std::vector<int>{-1, 2, -1}));
   EXPECT_EQ(plain.likely, (std::vector<std::vector<int>>{{0, 1}, {2}, {0, 1}}));
   // A dead chip on one of the patches of four: it is nearest to them all the same.
-  EXPECT_EQ(settled({answers(0b1111), answers(0b0011), answers(0b1101)}).patch, (std::vector<int>{-1, 2, -1}));
+  EXPECT_EQ(settled({answers(0b1111), answers(0b0011), answers(0b1101)}).seat, (std::vector<int>{-1, 2, -1}));
   // A fourth board that equals patch 2, too: one of the two has it.
-  EXPECT_EQ(settled({answers(0b1111), answers(0b0011), answers(0b1111), answers(0b0011)}).patch,
+  EXPECT_EQ(settled({answers(0b1111), answers(0b0011), answers(0b1111), answers(0b0011)}).seat,
             (std::vector<int>{-1, -1, -1, -1}));
   // Nothing answers.
-  EXPECT_EQ(settled({answers(0), answers(0b0011)}).patch, (std::vector<int>{-1, 2}));
+  EXPECT_EQ(settled({answers(0), answers(0b0011)}).seat, (std::vector<int>{-1, 2}));
 }
 
 // Patches of 4 and 3: with one dead chip both boards look like the patch of three.
@@ -185,8 +187,8 @@ TEST(Shapes, do_not_settle_what_one_dead_chip_explains_otherwise) {
   const design::Design design = strip(7, 4);
   const std::vector<int> all{0, 1};
   const std::vector<BoardShape> doubtful{answers(0b0111), answers(0b0111)}, sound{answers(0b0111), answers(0b1111)};
-  EXPECT_EQ(device::assign_by_shape(doubtful, design, all).patch, (std::vector<int>{-1, -1}));
-  EXPECT_EQ(device::assign_by_shape(sound, design, all).patch, (std::vector<int>{1, 0}));
+  EXPECT_EQ(device::assign_by_shape(doubtful, device::seats_of(design, all)).seat, (std::vector<int>{-1, -1}));
+  EXPECT_EQ(device::assign_by_shape(sound, device::seats_of(design, all)).seat, (std::vector<int>{1, 0}));
 }
 
 scene::Contact touch_of(const design::Design& design, int module, double from_s, double until_s) {

@@ -59,7 +59,9 @@ std::vector<SimulatedBus> buses_of(const Options& options) {
   for (const robot::BusSite& bus : site.buses) {
     const auto folder = options.fresh ? std::filesystem::path{} : device::state_folder_of(site, bus);
     buses.push_back(
-        {bus.name, std::make_unique<scene::VirtualSkin>(device::scene_of(bus, options.switched), folder), nullptr});
+        {bus.name,
+         std::make_unique<scene::VirtualSkin>(device::scene_of(bus, options.switched, options.board_seed), folder),
+         nullptr});
   }
   return buses;
 }

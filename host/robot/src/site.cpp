@@ -121,7 +121,8 @@ device::FlashOptions flash_options(const BusSite& bus, const CoverOnBus& cover, 
     if (&other == &cover) continue;
     for (const int patch : design::patches_here(other.design))
       options.neighbours.push_back({static_cast<std::uint8_t>(design::node_address_of(other.design, patch)),
-                                    other.design.design_id, other.serials[static_cast<std::size_t>(patch)]});
+                                    other.design.design_id, other.serials[static_cast<std::size_t>(patch)],
+                                    &other.design, patch});
   }
   return options;
 }

@@ -18,12 +18,18 @@ std::uint64_t hash_of(std::string_view text, std::uint64_t more) {
   return hash;
 }
 
-// Sorted by node address, so that fresh boards find their patches; other boards for another design.
-wire::UniqueId board_of(const SimulatedCover& cover, std::size_t patch) {
+// Other boards for another design. With a seed in any order, as on a workbench; without one by node address.
+wire::UniqueId board_of(const SimulatedCover& cover, std::size_t patch, std::optional<std::uint64_t> seed) {
   if (patch < cover.boards.size() && cover.boards[patch] != wire::UniqueId{}) return cover.boards[patch];
   wire::UniqueId id{};
-  id[0] = static_cast<std::uint8_t>(design::node_address_of(*cover.design, static_cast<int>(patch)));
-  const std::uint64_t hash = hash_of(cover.name, cover.design->design_id);
+  std::uint64_t hash = hash_of(cover.name, cover.design->design_id);
+  if (seed) {
+    hash = hash_of(cover.name, hash_of(cover.name, hash ^ *seed) ^ patch);
+    const std::uint64_t first = hash_of(cover.name, hash);
+    for (std::size_t k = 0; k < 4; ++k) id[k] = static_cast<std::uint8_t>(first >> (24 - 8 * k));
+  } else {
+    id[0] = static_cast<std::uint8_t>(design::node_address_of(*cover.design, static_cast<int>(patch)));
+  }
   for (std::size_t k = 0; k < 8; ++k) id[4 + k] = static_cast<std::uint8_t>(hash >> (56 - 8 * k));
   return id;
 }
@@ -47,15 +53,17 @@ void leave_out_elsewhere(Scene& scene) {
 
 }  // namespace
 
-JointScene join_covers(std::span<const SimulatedCover> covers, const wire::BitRates& rates) {
+JointScene join_covers(std::span<const SimulatedCover> covers, const wire::BitRates& rates,
+                       std::optional<std::uint64_t> board_seed) {
   JointScene joint;
+  joint.scene.board_seed = board_seed;
   std::vector<design::PlacedCover> placed;
   for (const SimulatedCover& c : covers) {
     design::PlacedCover p{c.design, Eigen::Isometry3d::Identity()};
     p.pose.translation().x() = kApart_mm * static_cast<double>(placed.size());
     placed.push_back(p);
     for (std::size_t patch = 0; patch < c.design->patches.size(); ++patch)
-      joint.scene.boards.push_back(board_of(c, patch));
+      joint.scene.boards.push_back(board_of(c, patch, board_seed));
     for (std::size_t m = 0; m < c.design->layout.modules.size(); ++m)
       joint.scene.module_seeds.push_back(hash_of(c.name, m));
   }

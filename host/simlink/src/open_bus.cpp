@@ -28,14 +28,16 @@ std::string link_of(const robot::Site& site, std::size_t bus, const LinkOptions&
 
 }  // namespace
 
-scene::Scene scene_of(const robot::BusSite& bus, bool switched) {
+scene::Scene scene_of(const robot::BusSite& bus, bool switched, std::optional<std::uint64_t> board_seed) {
   std::vector<scene::SimulatedCover> covers;
   for (const robot::CoverOnBus& c : bus.covers) {
     scene::SimulatedCover cover{c.name, &c.design, {}};
     for (const std::string& serial : c.serials) cover.boards.push_back(to_unique_id(serial));
     covers.push_back(std::move(cover));
   }
-  scene::Scene scene = scene::join_covers(covers, bus.rates).scene;
+  constexpr std::uint64_t kSeed = 1;
+  const std::uint64_t seed = board_seed.value_or(kSeed);
+  scene::Scene scene = scene::join_covers(covers, bus.rates, seed == 0 ? std::nullopt : std::optional(seed)).scene;
   scene.switched = switched;
   return scene;
 }
@@ -58,7 +60,7 @@ std::unique_ptr<Link> open_bus(const robot::Site& site, std::size_t bus, const L
   own.link = link_of(site, bus, options);
   if (!is_in_process(own.link)) return open_link(own, nullptr);
   catch_interrupts();
-  return simulate_here(own.link, scene_of(entry, options.switched), state_folder_of(site, entry));
+  return simulate_here(own.link, scene_of(entry, options.switched, options.board_seed), state_folder_of(site, entry));
 }
 
 }  // namespace triskin::device

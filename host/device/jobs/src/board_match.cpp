@@ -45,7 +45,7 @@ class Matcher {
     assign_named();
     keep_own();
     keep_moved();
-    if (options_.recognise && !neighbour_seats()) recognise();
+    if (options_.recognise && neighbours_are_known()) recognise();
     fill(Owner::kNobody);
     if (options_.take_over) {
       fill(Owner::kAnother);
@@ -59,6 +59,12 @@ class Matcher {
   }
 
  private:
+  // Controllers that their shapes do not tell apart.
+  struct Undecided {
+    std::vector<FeelingBoard> boards;
+    std::vector<Candidate*> candidates;
+  };
+
   void find(const std::vector<wire::NodeClaim>& claims) {
     if (claims.empty())
       throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus_.name()));
@@ -160,51 +166,65 @@ class Matcher {
       if (!taken_.contains(p)) open.push_back(p);
     }
     const std::vector<Candidate*> free = free_candidates(options_.patch < 0 ? open.size() : 1);
-    const bool one = options_.patch >= 0 ? free.size() < 2 : open.size() < 2 && free.size() < 2;
+    std::vector<Seat> seats = seats_of(design_, open);
+    add_neighbours(seats);
+    const bool one = free.size() < 2 && (options_.patch >= 0 || seats.size() < 2);
     if (open.empty() || one || (options_.patch >= 0 && taken_.contains(options_.patch))) return;
     if (options_.patch < 0 && free.size() < open.size()) return;
     if (options_.dry_run && share_addresses(free)) return;
+    const Undecided alike = settle_by_shape(free, open, seats);
+    std::erase_if(open, [&](int p) { return !wanted(p) || taken_.contains(p); });
+    if (open.empty() || alike.boards.empty()) return;  // nobody is left to tell apart
+    if (!options_.touch || options_.dry_run || bus_.link().finger() == nullptr) refuse_alike(open, alike.boards);
+    touch(open, alike);
+  }
+  // `seats` begins with those of the patches `open`; the others are of neighbours.
+  Undecided settle_by_shape(const std::vector<Candidate*>& free, const std::vector<int>& open,
+                            const std::vector<Seat>& seats) {
     std::vector<BoardShape> shapes;
     for (const Candidate* c : free) {
       Controller controller(bus_, c->board.claim.node_address);
       shapes.push_back(read_shape(controller));
     }
-    const ShapeAssignment by_shape = assign_by_shape(shapes, design_, open);
-    std::vector<FeelingBoard> boards;
-    std::vector<Candidate*> rest;
+    const ShapeAssignment by_shape = assign_by_shape(shapes, seats);
+    Undecided alike;
     for (std::size_t k = 0; k < free.size(); ++k) {
-      if (by_shape.patch[k] < 0) {
-        boards.push_back({free[k]->board.claim, shapes[k], by_shape.likely[k]});
-        rest.push_back(free[k]);
-      } else if (wanted(by_shape.patch[k])) {
-        give(*free[k], by_shape.patch[k], FoundBy::kShape);
-      } else {
+      std::vector<int> likely;  // of this design
+      for (const int seat : by_shape.likely[k]) {
+        if (static_cast<std::size_t>(seat) < open.size()) likely.push_back(open[static_cast<std::size_t>(seat)]);
+      }
+      const bool elsewhere = likely.empty() && !by_shape.likely[k].empty();
+      const bool settled = by_shape.seat[k] >= 0;
+      const bool own = settled && static_cast<std::size_t>(by_shape.seat[k]) < open.size();
+      const int patch = own ? open[static_cast<std::size_t>(by_shape.seat[k])] : -1;
+      if (own && wanted(patch)) {
+        give(*free[k], patch, FoundBy::kShape);
+      } else if (settled || elsewhere) {
         free[k]->owner = Owner::kNeighbour;  // another patch's
+      } else {
+        alike.boards.push_back({free[k]->board.claim, shapes[k], std::move(likely)});
+        alike.candidates.push_back(free[k]);
       }
     }
-    std::erase_if(open, [&](int p) { return !wanted(p) || taken_.contains(p); });
-    if (open.empty()) return;
-    if (!options_.touch || options_.dry_run || bus_.link().finger() == nullptr) refuse_alike(open, boards);
-    touch(open, std::move(boards), rest);
+    return alike;
   }
-  void touch(const std::vector<int>& open, std::vector<FeelingBoard> boards, const std::vector<Candidate*>& rest) {
+  void touch(const std::vector<int>& open, const Undecided& alike) {
     if (options_.say)
       options_.say(
           fmt::format("the shapes of patch{} {} do not tell their controllers apart: the finger of the "
                       "simulation does",
                       open.size() == 1 ? "" : "es", fmt::join(open, ", ")));
-    const std::vector<FeelingBoard> alike = boards;
     IdentifyOptions how;
     how.say = options_.say;
-    TouchFinder finder(bus_, design_, std::move(boards), how);
+    TouchFinder finder(bus_, design_, alike.boards, how);
     std::vector<int> silent;
     for (const int patch : open) {
       if (const auto board = finder.find(patch))
-        give(*rest[*board], patch, FoundBy::kTouch);
+        give(*alike.candidates[*board], patch, FoundBy::kTouch);
       else
         silent.push_back(patch);
     }
-    if (!silent.empty()) refuse_alike(silent, alike);
+    if (!silent.empty()) refuse_alike(silent, alike.boards);
   }
   [[noreturn]] void refuse_alike(const std::vector<int>& open, const std::vector<FeelingBoard>& boards) const {
     std::vector<std::string> names;
@@ -214,21 +234,30 @@ class Matcher {
                                   : b.likely.size() == 1 ? fmt::format("like patch {}", b.likely[0])
                                                          : fmt::format("like patches {}", fmt::join(b.likely, ", "))));
     }
+    // With several covers on the bus the options need the name of the cover.
+    const bool alone = options_.neighbours.empty();
     throw DeviceError(fmt::format(
-        "{}: it is ambiguous which controller serves patch{} {}: {}. Let triskin identify find it out by touch, name "
-        "them "
-        "(--assign {}=SERIAL), or plug them in one after the other (--patch); --by-serial takes them in the order of "
-        "their serial numbers; no table of the design was written",
-        bus_.name(), open.size() == 1 ? "" : "es", fmt::join(open, ", "), fmt::join(names, ", "), open.front()));
+        "{}: it is ambiguous which controller serves patch{} {}{}: {}. Let triskin identify find it out by touch, name "
+        "them ({}--assign {}=SERIAL), or plug them in one after the other ({}--patch); --by-serial takes them in the "
+        "order of their serial numbers; no table of the design was written",
+        bus_.name(), open.size() == 1 ? "" : "es", fmt::join(open, ", "), alone ? "" : " of " + design_.name,
+        fmt::join(names, ", "), alone ? "" : fmt::format("--cover {} ", design_.name), open.front(),
+        alone ? "" : fmt::format("--cover {} ", design_.name)));
   }
   static bool share_addresses(const std::vector<Candidate*>& list) {
     std::set<int> addresses;
     return !std::ranges::all_of(
         list, [&](const Candidate* c) { return addresses.insert(c->board.claim.node_address).second; });
   }
-  // Fresh controllers may be those of neighbours whose designs are not here: shapes cannot tell.
-  [[nodiscard]] bool neighbour_seats() const {
-    return std::ranges::any_of(options_.neighbours, [&](const FlashOptions::Neighbour& n) { return is_vacant(n); });
+  // Fresh controllers may be those of neighbours whose designs are not at hand: shapes cannot tell.
+  [[nodiscard]] bool neighbours_are_known() const {
+    return std::ranges::none_of(options_.neighbours,
+                                [&](const FlashOptions::Neighbour& n) { return n.design == nullptr && is_vacant(n); });
+  }
+  void add_neighbours(std::vector<Seat>& seats) const {
+    for (const FlashOptions::Neighbour& n : options_.neighbours) {
+      if (is_vacant(n)) seats.push_back({n.design, n.patch});
+    }
   }
   [[nodiscard]] bool is_vacant(const FlashOptions::Neighbour& n) const {
     return n.serial.empty() && std::ranges::none_of(candidates_, [&](const Candidate& c) {

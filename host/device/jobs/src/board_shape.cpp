@@ -14,29 +14,29 @@
 namespace triskin::device {
 namespace {
 
-using Edges = std::vector<std::vector<int>>;  // by board: columns of patches
+using Edges = std::vector<std::vector<int>>;  // by board: numbers of seats, ascending
 
-// A largest matching of boards and patches, by augmenting paths.
+// A largest matching of boards and seats, by augmenting paths.
 class Matching {
  public:
-  Matching(const Edges& edges, std::size_t patches) : edges_(edges), board_(patches, -1) {
+  Matching(const Edges& edges, std::size_t seats) : edges_(edges), board_(seats, -1) {
     for (std::size_t b = 0; b < edges.size(); ++b) {
-      std::vector<bool> seen(patches, false);
+      std::vector<bool> seen(seats, false);
       if (augment(static_cast<int>(b), seen)) ++size_;
     }
   }
   [[nodiscard]] std::size_t size() const { return size_; }
-  // Board of a patch; −1: none.
-  [[nodiscard]] int board(std::size_t patch) const { return board_[patch]; }
+  // Board of a seat; −1: none.
+  [[nodiscard]] int board(std::size_t seat) const { return board_[seat]; }
 
  private:
   bool augment(int board, std::vector<bool>& seen) {
-    for (const int p : edges_[static_cast<std::size_t>(board)]) {
-      const auto patch = static_cast<std::size_t>(p);
-      if (seen[patch]) continue;
-      seen[patch] = true;
-      if (board_[patch] >= 0 && !augment(board_[patch], seen)) continue;
-      board_[patch] = board;
+    for (const int s : edges_[static_cast<std::size_t>(board)]) {
+      const auto seat = static_cast<std::size_t>(s);
+      if (seen[seat]) continue;
+      seen[seat] = true;
+      if (board_[seat] >= 0 && !augment(board_[seat], seen)) continue;
+      board_[seat] = board;
       return true;
     }
     return false;
@@ -47,10 +47,10 @@ class Matching {
   std::size_t size_ = 0;
 };
 
-// By board and patch: shape_difference.
+// By board and seat: shape_difference.
 using Differences = std::vector<std::vector<int>>;
 
-// Patches that a board differs from in at most `slack` things more than from the nearest; `slack` < 0: equal ones.
+// Seats whose patch a board differs from in at most `slack` things more than from the nearest; `slack` < 0: equal ones.
 Edges edges_of(const Differences& differences, int slack) {
   Edges edges(differences.size());
   for (std::size_t b = 0; b < differences.size(); ++b) {
@@ -99,32 +99,33 @@ int shape_difference(const BoardShape& shape, const design::Design& design, int 
   return match.another_patch() ? -1 : static_cast<int>(match.differences.size());
 }
 
-ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, const design::Design& design,
-                                std::span<const int> patches) {
+std::vector<Seat> seats_of(const design::Design& design, std::span<const int> patches) {
+  std::vector<Seat> seats;
+  for (const int p : patches) seats.push_back({&design, p});
+  return seats;
+}
+
+ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, std::span<const Seat> seats) {
   Differences differences;
   for (const BoardShape& s : shapes) {
     auto& row = differences.emplace_back();
-    for (const int p : patches) row.push_back(shape_difference(s, design, p));
+    for (const Seat& seat : seats) row.push_back(shape_difference(s, *seat.design, seat.patch));
   }
   constexpr int kSlack = 1;
   Edges edges = edges_of(differences, -1);
-  if (Matching(edges, patches.size()).size() < std::min(shapes.size(), patches.size()))
+  if (Matching(edges, seats.size()).size() < std::min(shapes.size(), seats.size()))
     edges = edges_of(differences, kSlack);
-  const Matching all(edges, patches.size());
+  const Matching all(edges, seats.size());
   ShapeAssignment result;
-  result.patch.assign(shapes.size(), -1);
-  for (std::size_t p = 0; p < patches.size(); ++p) {
-    if (all.board(p) < 0) continue;
-    const auto b = static_cast<std::size_t>(all.board(p));
+  result.seat.assign(shapes.size(), -1);
+  for (std::size_t seat = 0; seat < seats.size(); ++seat) {
+    if (all.board(seat) < 0) continue;
+    const auto b = static_cast<std::size_t>(all.board(seat));
     Edges without = edges;
-    std::erase(without[b], static_cast<int>(p));
-    if (Matching(without, patches.size()).size() < all.size()) result.patch[b] = patches[p];
+    std::erase(without[b], static_cast<int>(seat));
+    if (Matching(without, seats.size()).size() < all.size()) result.seat[b] = static_cast<int>(seat);
   }
-  for (const auto& row : edges) {
-    auto& likely = result.likely.emplace_back();
-    for (const int p : row) likely.push_back(patches[static_cast<std::size_t>(p)]);
-    std::ranges::sort(likely);
-  }
+  result.likely = std::move(edges);  // its rows ascend
   return result;
 }
 

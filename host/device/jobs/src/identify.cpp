@@ -49,14 +49,18 @@ class Identification {
     }
     std::vector<BoardShape> shapes;
     for (const FeelingBoard& b : boards_) shapes.push_back(b.shape);
-    shapes_ = assign_by_shape(shapes, design_, design::patches_here(design_));
-    for (std::size_t k = 0; k < boards_.size(); ++k) boards_[k].likely = shapes_.likely[k];
+    const std::vector<int> here = design::patches_here(design_);
+    const ShapeAssignment found = assign_by_shape(shapes, seats_of(design_, here));
+    for (std::size_t k = 0; k < boards_.size(); ++k) {
+      by_shape_.push_back(found.seat[k] < 0 ? -1 : here[static_cast<std::size_t>(found.seat[k])]);
+      for (const int seat : found.likely[k]) boards_[k].likely.push_back(here[static_cast<std::size_t>(seat)]);
+    }
   }
 
   void settle_by_shape(std::vector<int>& open) {
     std::vector<FeelingBoard> rest;
     for (std::size_t k = 0; k < boards_.size(); ++k) {
-      const int patch = shapes_.patch[k];
+      const int patch = by_shape_[k];
       if (patch < 0)
         rest.push_back(std::move(boards_[k]));
       else
@@ -93,7 +97,7 @@ class Identification {
   const IdentifyOptions& options_;
   const std::function<void(const IdentifiedBoard&)>& found_;
   std::vector<FeelingBoard> boards_;
-  ShapeAssignment shapes_;
+  std::vector<int> by_shape_;  // by board: the patch that its shape settles; −1: none
   std::vector<IdentifiedBoard> result_;
 };
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,7 +16,7 @@ namespace triskin::scene {
 struct SimulatedCover {
   std::string name;                    ///< unique on the robot; the electrodes of its modules are drawn from it
   const design::Design* design;        ///< with the node addresses of this bus (Design::node_addresses)
-  std::vector<wire::UniqueId> boards;  ///< by patch; all 0: made of name, design and node address
+  std::vector<wire::UniqueId> boards;  ///< by patch; all 0: fresh, drawn from name, design and `board_seed`
 };
 
 /// Several covers on one bus as one scene, in which nobody touches the skin and nothing is wrong.
@@ -23,7 +25,9 @@ struct JointScene {
   std::vector<design::CoverOffset> offsets;  ///< module m of cover c is module offsets[c].module + m of the scene
 };
 /// Joins covers; each lies 10 m from the next, so that a finger on one reaches no other. Another cover, or a changed
-/// one, leaves boards and electrodes of the others as they are. Throws as design::side_by_side does. Cost: linear.
-[[nodiscard]] JointScene join_covers(std::span<const SimulatedCover> covers, const wire::BitRates& rates);
+/// one, leaves boards and electrodes of the others as they are. `board_seed`: as Scene::board_seed, of boards without a
+/// number. Throws as design::side_by_side does. Cost: linear.
+[[nodiscard]] JointScene join_covers(std::span<const SimulatedCover> covers, const wire::BitRates& rates,
+                                     std::optional<std::uint64_t> board_seed = std::nullopt);
 
 }  // namespace triskin::scene

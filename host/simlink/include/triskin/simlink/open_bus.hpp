@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "triskin/robot/site.hpp"
@@ -19,8 +22,9 @@ namespace triskin::device {
 /// open_bus for each bus of the site, in its order. Throws as it does.
 [[nodiscard]] std::vector<std::unique_ptr<Link>> open_buses(const robot::Site& site, const LinkOptions& options);
 
-/// The simulation of a bus of a robot: its covers with nobody touching them. Throws as scene::join_covers.
-[[nodiscard]] scene::Scene scene_of(const robot::BusSite& bus, bool switched);
+/// The simulation of a bus of a robot: its covers with nobody touching them. `board_seed` as LinkOptions::board_seed.
+/// Throws as scene::join_covers.
+[[nodiscard]] scene::Scene scene_of(const robot::BusSite& bus, bool switched, std::optional<std::uint64_t> board_seed);
 /// Folder that keeps the flash of its simulated controllers, by unique id.
 [[nodiscard]] std::filesystem::path state_folder_of(const robot::Site& site, const robot::BusSite& bus);
 

@@ -50,19 +50,26 @@ struct BoardShape {
 /// Throws std::out_of_range for a patch that the design lacks. Cost: match_topology.
 [[nodiscard]] int shape_difference(const BoardShape& shape, const design::Design& design, int patch);
 
-/// Which board serves which patch, as far as shapes say it.
-struct ShapeAssignment {
-  std::vector<int> patch;                ///< by board; −1: the shapes do not settle it
-  std::vector<std::vector<int>> likely;  ///< by board: the patches that it may be, ascending; empty: it looks like none
+/// A patch that waits for its controller.
+struct Seat {
+  const design::Design* design = nullptr;
+  int patch = 0;  ///< 0-based in its design
 };
 
-/// Lays every shape over every patch of `patches` (0-based, each once). A board may be any patch that it equals; where
-/// the boards do not cover the patches so, any that it differs from in at most one thing more than from the nearest. A
-/// board is settled when it has the same patch in every way to give as many boards as possible a patch each: so equal
-/// and symmetric shapes stay open, and a board that could be two patches is settled when another takes one of them.
-/// Cost: boards · patches calls of shape_difference.
-[[nodiscard]] ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, const design::Design& design,
-                                              std::span<const int> patches);
+/// Which board serves which seat, as far as shapes say it. Seats are meant by their number in the list.
+struct ShapeAssignment {
+  std::vector<int> seat;                 ///< by board; −1: the shapes do not settle it
+  std::vector<std::vector<int>> likely;  ///< by board: the seats that it may have, ascending; empty: it looks like none
+};
+
+/// Lays every shape over the patch of every seat (each once). A board may have any seat whose patch it equals; where
+/// the boards do not cover the seats so, any that it differs from in at most one thing more than from the nearest. A
+/// board is settled when it has the same seat in every way to give as many boards as possible a seat each: so equal
+/// and symmetric shapes stay open, and a board that could have two seats is settled when another takes one of them.
+/// Cost: boards · seats calls of shape_difference.
+[[nodiscard]] ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, std::span<const Seat> seats);
+/// Seats for these patches of a design, which outlives them.
+[[nodiscard]] std::vector<Seat> seats_of(const design::Design& design, std::span<const int> patches);
 
 /// Gives controllers without a table that share their node address addresses of their own, from the highest free one
 /// downwards, so that each can be asked; with `tables` those with one, too. Nobody else is touched. Returns who is

@@ -30,6 +30,9 @@ struct FlashOptions {
     std::uint8_t node = 0;        ///< its node address
     std::uint64_t design_id = 0;  ///< of its table
     std::string serial;           ///< unique id as in Assignment; empty: not known
+    /// Where its design is at hand: fresh controllers that could be this one are told from those of the own patches.
+    const design::Design* design = nullptr;
+    int patch = 0;
   };
   /// They keep their tables, and their addresses are given to nobody else.
   std::vector<Neighbour> neighbours;
