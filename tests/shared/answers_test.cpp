@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "triskin/wire/adoption.hpp"
 #include "triskin/wire/faults.hpp"
 #include "triskin/wire/icub_commands.hpp"
 #include "triskin/wire/identity.hpp"
@@ -120,8 +121,10 @@ Statistics statistics(const Vector& v) {
   return {at(0), at(1), at(2), at(3)};
 }
 
-const std::map<std::string, Status> kStatuses{
-    {"too_short", Status::kTooShort}, {"bad_length", Status::kBadLength}, {"out_of_range", Status::kOutOfRange}};
+const std::map<std::string, Status> kStatuses{{"too_short", Status::kTooShort},
+                                              {"bad_length", Status::kBadLength},
+                                              {"out_of_range", Status::kOutOfRange},
+                                              {"duplicate", Status::kDuplicate}};
 
 // Refused as the vector says, or decoded to its fields, which encode to its bytes.
 template <class Value>
@@ -196,6 +199,17 @@ StreamAccount stream_account(const Vector& v) {
   }
   return a;
 }
+// parent.port.own port.line.address of each guest
+Adoption adoption(const Vector& v) {
+  Adoption a{byte(v, "rows"), number<std::uint16_t>(v, "out_of_reach"), byte(v, "list")};
+  std::istringstream in(v.one("guests"));
+  std::array<int, 5> f{};
+  char dot = 0;
+  const auto at = [&](std::size_t k) { return static_cast<std::uint8_t>(f[k]); };
+  while (in >> f[0] >> dot >> f[1] >> dot >> f[2] >> dot >> f[3] >> dot >> f[4])
+    a.guests.at(a.count++) = {at(0), at(1), at(2), at(3), at(4)};
+  return a;
+}
 RerouteResult reroute(const Vector& v) {
   return {v.number("done") != 0};
 }
@@ -207,6 +221,7 @@ ActivationResult activation(const Vector& v) {
 }
 
 const std::map<std::string, Check> kChecks{{"session", checked<ActiveSession, session>},
+                                           {"adoption", checked<Adoption, adoption>},
                                            {"serial_number", checked<SerialNumber, serial_number>},
                                            {"firmware", checked<FirmwareVersion, firmware>},
                                            {"hello", checked<Hello, hello>},

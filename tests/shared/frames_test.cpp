@@ -2,6 +2,7 @@
 // The frames of tests/vectors/frames.txt, which docs/protocol.md shows.
 #include <gtest/gtest.h>
 
+#include "triskin/wire/adoption.hpp"
 #include "triskin/wire/bus_load.hpp"
 #include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/stream_lease.hpp"
@@ -53,6 +54,36 @@ TEST(FrameVectors, leases) {
     expect_frames(v, std::array{encode_lease(lease)});
     EXPECT_EQ(decode_lease(frame_of(v.one("frame"))), lease);
   }
+}
+
+TEST(FrameVectors, what_a_controller_reaches) {
+  for (const char* name : {"out of reach", "modules taken in"}) {
+    const Vector v = vector_named(name);
+    const auto byte = [&](const char* key) { return static_cast<std::uint8_t>(v.number(key)); };
+    const Reach reach{byte("node"), static_cast<std::uint16_t>(v.number("rows")), byte("guests"), byte("list")};
+    expect_frames(v, std::array{encode_reach(reach)});
+    EXPECT_EQ(decode_reach(frame_of(v.one("frame"))), reach);
+  }
+}
+
+TEST(Reach, damaged_frames_are_refused) {
+  const CanFrame good = encode_reach({5, 22, 0, 0});
+  ASSERT_TRUE(decode_reach(good));
+  CanFrame f = good;
+  f.size = 5;
+  EXPECT_EQ(decode_reach(f).error(), Status::kBadLength);
+  f = good;
+  f.data[2] = 16;  // a controller reads sixteen modules at most, one of them its own
+  EXPECT_EQ(decode_reach(f).error(), Status::kOutOfRange);
+  f = good;
+  f.id = kReachBase;  // no node address
+  EXPECT_EQ(decode_reach(f).error(), Status::kOutOfRange);
+  f = good;
+  f.id = kReachBase + 0x105;
+  EXPECT_EQ(decode_reach(f).error(), Status::kOutOfRange);
+  f = good;
+  f.extended = false;
+  EXPECT_EQ(decode_reach(f).error(), Status::kOutOfRange);
 }
 
 TEST(Leases, damaged_ones_are_refused) {

@@ -38,6 +38,7 @@ FullTaxels full_of(const Vector& v) {
   t.dropped = static_cast<std::uint32_t>(v.number("dropped"));
   t.unread = static_cast<std::uint16_t>(v.number("unread"));
   t.starts = static_cast<std::uint8_t>(v.number("starts"));
+  if (v.has("guests")) t.guests = static_cast<std::uint8_t>(v.number("guests"));
   return t;
 }
 

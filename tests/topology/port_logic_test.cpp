@@ -23,18 +23,19 @@ struct State {
     int grant = sim::kNoGrant;
   };
   std::array<One, 4> module{};
-  bool cable = false;
+  std::uint32_t cables = 0;  // bit c: EN of cable c
   [[nodiscard]] std::uint32_t key() const {
-    std::uint32_t k = cable ? 1U : 0U;
+    std::uint32_t k = cables;
     for (const One& m : module) k = k << 5 | static_cast<std::uint32_t>(m.enable << 2 | m.grant);
     return k;
   }
 };
 
-// The cable is at port 0 of module 0.
+// Each cable is that of another controller.
 class Explorer {
  public:
-  explicit Explorer(Patch patch) : patch_(std::move(patch)) {}
+  explicit Explorer(Patch patch, std::vector<Wire> cables = {{0, 0}})
+      : patch_(std::move(patch)), cables_(std::move(cables)) {}
 
   std::size_t run() {
     visit(State{});
@@ -42,9 +43,11 @@ class Explorer {
       const State s = queue_.back();
       queue_.pop_back();
       expect_one_path(s);
-      State cable = s;
-      cable.cable = !s.cable;
-      visit(cable);
+      for (std::size_t c = 0; c < cables_.size(); ++c) {
+        State other = s;
+        other.cables ^= 1U << c;
+        visit(other);
+      }
       for (std::size_t m = 0; m < patch_.size(); ++m) {
         gates(s, m);
         if (!from_controller(s, static_cast<int>(m))) continue;
@@ -62,7 +65,10 @@ class Explorer {
  private:
   [[nodiscard]] sim::PortInputs inputs(const State& s, std::size_t m) const {
     sim::PortInputs in{s.module[m].enable, 0, s.module[m].grant};
-    if (m == 0 && s.cable) in.en_in = 1;
+    for (std::size_t c = 0; c < cables_.size(); ++c) {
+      if ((s.cables >> c & 1) != 0 && cables_[c].module == static_cast<int>(m))
+        in.en_in = static_cast<std::uint8_t>(in.en_in | 1U << cables_[c].port);
+    }
     for (std::size_t p = 0; p < 3; ++p) {
       const Wire w = patch_[m][p];
       if (w.module < 0) continue;
@@ -84,7 +90,9 @@ class Explorer {
     for (std::size_t steps = 0; steps <= patch_.size(); ++steps) {
       const int g = s.module[static_cast<std::size_t>(m)].grant;
       if (g == sim::kNoGrant) return false;
-      if (m == 0 && g == 0) return s.cable;
+      for (std::size_t c = 0; c < cables_.size(); ++c) {
+        if (cables_[c].module == m && cables_[c].port == g) return (s.cables >> c & 1) != 0;
+      }
       if (!conducts(s, m, g)) return false;
       m = patch_[static_cast<std::size_t>(m)][static_cast<std::size_t>(g)].module;
     }
@@ -104,13 +112,19 @@ class Explorer {
       visit(next);
     }
   }
-  // Paths of conducting joints from the cable: as many joints as modules reached besides the first, so none has two
-  // ways.
+  // Paths of conducting joints from a cable: as many joints as modules reached besides the first, so none has two ways;
+  // and no module is reached from two cables.
   void expect_one_path(const State& s) const {
-    if (!s.cable || !closed(s, 0, 0)) return;
-    std::vector<int> reached{0};
     std::vector<bool> in(patch_.size(), false);
-    in[0] = true;
+    for (std::size_t c = 0; c < cables_.size(); ++c) {
+      if ((s.cables >> c & 1) != 0 && closed(s, cables_[c].module, cables_[c].port))
+        walk_from(s, cables_[c].module, in);
+    }
+  }
+  void walk_from(const State& s, int first, std::vector<bool>& in) const {
+    EXPECT_FALSE(in[static_cast<std::size_t>(first)]);
+    std::vector<int> reached{first};
+    in[static_cast<std::size_t>(first)] = true;
     std::size_t ends = 0;
     for (std::size_t k = 0; k < reached.size(); ++k) {
       for (int p = 0; p < 3; ++p) {
@@ -129,6 +143,7 @@ class Explorer {
   }
 
   Patch patch_;
+  std::vector<Wire> cables_;
   std::unordered_set<std::uint32_t> seen_;
   std::vector<State> queue_;
 };
@@ -148,6 +163,18 @@ TEST(PortLogic, no_reachable_state_of_four_modules_with_every_possible_joint_has
   const Patch four{
       {{{-1, 0}, {1, 0}, {2, 0}}}, {{{0, 1}, {2, 1}, {3, 0}}}, {{{0, 2}, {1, 1}, {3, 1}}}, {{{1, 2}, {2, 2}, {-1, 0}}}};
   EXPECT_GT(Explorer(four).run(), 5000U);
+}
+
+// The joint of 1 and 2 is the border of two patches: each controller may open it from its side at any time.
+TEST(PortLogic, no_reachable_state_of_two_controllers_joins_their_lines) {
+  const Patch row{{{{-1, 0}, {1, 0}, {-1, 0}}},
+                  {{{0, 1}, {2, 0}, {-1, 0}}},
+                  {{{1, 1}, {3, 0}, {-1, 0}}},
+                  {{{2, 1}, {-1, 0}, {-1, 0}}}};
+  EXPECT_GT(Explorer(row, {{0, 0}, {3, 1}}).run(), 5000U);
+  const Patch ring{
+      {{{-1, 0}, {1, 0}, {2, 0}}}, {{{0, 1}, {2, 1}, {3, 0}}}, {{{0, 2}, {1, 1}, {3, 1}}}, {{{1, 2}, {2, 2}, {-1, 0}}}};
+  EXPECT_GT(Explorer(ring, {{0, 0}, {3, 2}}).run(), 20000U);
 }
 
 // Hand-worked rows of the truth table in docs/switched_module.md.

@@ -46,9 +46,7 @@ void Application::restart() {
 }
 
 void Application::restart_sampling() {
-  for (auto* samples : {&samples_, &published_}) {
-    for (ModuleSample& s : *samples) s = ModuleSample{};
-  }
+  forget_samples(0);
   ++starts_;
   for (Channel& c : channels()) c.stream.restart(starts_);
   icub_triangles_.calibrate();
@@ -74,8 +72,27 @@ void Application::keep_route() {
   if (!idle) return;
   invalidate_samples();
   if (route_.due(now_us())) route_.heal(*ports_.clock);
+  seat_guests();
   for (LineSampler& l : lines_) l.resume(now_us());
   pausing_ = false;
+}
+
+void Application::forget_samples(std::size_t first) {
+  for (std::size_t k = first; k < samples_.size(); ++k) samples_[k] = published_[k] = ModuleSample{};
+}
+
+void Application::seat_guests() {
+  const wire::Adoption& now = route_.adoption();
+  if (now.list == guest_list_) return;
+  guest_list_ = now.list;
+  forget_samples(rows());
+  for (Channel& c : channels()) c.stream.forget_from(rows());
+  for (LineSampler& l : lines_) l.replace_guests(rows(), now.list_of_guests(), now_us());
+}
+
+void Application::tell_neighbours() {
+  const auto reach = route_.to_tell(tables_.node_address(), now_us());
+  if (reach) route_.told(ports_.can->send(wire::encode_reach(*reach)), now_us());
 }
 
 // What was read since the last check of the chain that passed may come from another module.
@@ -104,6 +121,7 @@ void Application::step() {
   take_samples();
   offset_store_.step(offsets_);
   send_pending();
+  tell_neighbours();
   if (ports_.update != nullptr) ports_.update->step(*ports_.can, now_us());
   reset_when_answered();
 }
@@ -164,6 +182,7 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
     if (c.port->fd()) c.stream.renew(*lease, now_us());
     return;
   }
+  if (route_.hear(frame, tables_.node_address(), now_us())) return;
   const bool functional = frame.id == wire::kFunctionalId;
   if (!functional && frame.id != c.link.rx_id()) return;
   if (functional) {  // single frames only (ISO 15765-4)
@@ -251,7 +270,7 @@ bool Application::frames_wait() const {
 void Application::publish(std::size_t module) {
   samples_[module].fresh = false;
   published_[module] = samples_[module];
-  icub_triangles_.read(module, samples_[module]);
+  if (module < rows()) icub_triangles_.read(module, samples_[module]);
   stream_full(table_row(module));
 }
 
@@ -275,10 +294,11 @@ std::uint64_t Application::next_during_flash_us() const {
 void Application::take_samples() {
   const bool any = std::ranges::any_of(samples_, &ModuleSample::fresh);
   if (any && route_.switched() && !route_.check(now_us())) return invalidate_samples();
-  for (std::size_t k = 0; tables_.has_table() && k < tables_.table().module_count; ++k) {
+  for (std::size_t k = 0; k < modules(); ++k) {
     ModuleSample& s = samples_[k];
     if (!s.fresh) continue;
     publish(k);
+    if (k >= rows()) continue;  // a guest's faults are its owner's
     // Last: a full page of the fault memory is erased, and the module may have been read anew after that.
     faults_.note(table_row(k), s.state, {static_cast<std::uint32_t>(now_us() / 1000), s.number});
   }
@@ -294,7 +314,7 @@ void Application::tick() {
   next_tick_us_ = std::max(next_tick_us_ + sequence_us, now_us());
   if (!tables_.has_table()) return;
   ++sample_count_;
-  for (std::size_t k = 0; k < tables_.table().module_count; ++k) {
+  for (std::size_t k = 0; k < modules(); ++k) {
     ModuleSample& s = samples_[k];
     if (s.valid != 0 || ++s.unheard < 2) continue;  // one tick may just miss what the sampler says itself
     s.unheard = 1;
@@ -314,8 +334,9 @@ void Application::stream_full(TableRow row) {
                                 .device_time_us = s.time_us,
                                 .valid = s.valid,
                                 .state = s.state,
-                                .value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output()};
-  for (Channel& c : channels()) c.stream.add(sample, rows(), server_.transferring());
+                                .value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output(),
+                                .guests = index_of(row) < rows() ? std::uint8_t{0} : guest_list_};
+  for (Channel& c : channels()) c.stream.add(sample, modules(), server_.transferring());
 }
 
 // Every enabled triangle, also where no module is: an MTB4 board does the same, and hosts take silence for pressure.
@@ -372,7 +393,7 @@ Status Application::set_stream(StreamMode mode) {
 
 wire::StreamAccount Application::stream_account() const {
   const auto asking = std::ranges::find(channels(), asking_, &Channel::port);
-  return asking->stream.account(rows(), now_us());
+  return asking->stream.account(modules(), now_us());
 }
 
 std::uint32_t Application::dropped_samples() const {

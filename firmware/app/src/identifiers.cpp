@@ -72,6 +72,7 @@ struct Identifiers::Table {
       Row{wire::did::kSampling, read<&Identifiers::sampling>, write<wire::SamplingSetting, set_sampling>},
       Row{wire::did::kOffsets, read<&Identifiers::offsets>},
       Row{wire::did::kStreamAccount, read<&Identifiers::stream_account>},
+      Row{wire::did::kAdoption, read<&Identifiers::adoption>},
       Row{wire::did::kLiveTaxels, read<&Identifiers::live_taxels>},
       Row{wire::did::kIcub, read<&Identifiers::icub>},
   };

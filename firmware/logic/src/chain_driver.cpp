@@ -31,8 +31,11 @@ bool ChainDriver::restart(std::uint8_t cable) {
   port_.enable(0);
   port_.enable(static_cast<std::uint8_t>(1U << cable));
   // One register deep: what is shifted in comes back eight bits later.
+  refused_ = false;
   for (int k = 0; k < kTries; ++k) {
-    if (measure() != Answer::kModule) continue;
+    const Answer answer = measure();
+    refused_ = answer == Answer::kRefused;
+    if (answer != Answer::kModule) continue;
     members_ = 1;
     order();
     return true;

@@ -64,6 +64,14 @@ void FullStream::restart(std::uint8_t starts) {
   starts_ = starts;
 }
 
+void FullStream::forget_from(std::size_t row) {
+  for (; row < rows_.size(); ++row) {
+    size_ -= rows_[row].waiting;
+    dropped_ += rows_[row].waiting;
+    rows_[row] = {};
+  }
+}
+
 void FullStream::hold(bool on) {
   held_ = on;
   if (!active()) drop_waiting();

@@ -43,6 +43,11 @@ void ReadingSchedule::begin(std::size_t stations, std::uint32_t nominal_us, std:
   every_ = every;
 }
 
+void ReadingSchedule::replace_from(std::size_t first, std::size_t stations) {
+  for (std::size_t k = first; k < plans_.size(); ++k) plans_[k] = {};
+  count_ = stations;
+}
+
 void ReadingSchedule::plan_errand(std::size_t station, std::uint64_t at_us, std::uint64_t length_us) {
   plans_[station].errand_us = at_us;
   plans_[station].errand_length_us = length_us;

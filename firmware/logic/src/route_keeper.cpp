@@ -11,7 +11,12 @@ void RouteKeeper::begin(const layout::PatchImage* table) {
   route_ = {};
   route_.heals = heals;
   route_.repairs = repairs;
+  adoption_.rows = table_.graph.count;
+  if (adoption_.count > 0 || adoption_.out_of_reach != 0) tell_at_us_ = 0;
+  adoption_.count = 0;
+  adoption_.out_of_reach = 0;
   request();
+  beyond_ = false;  // as after power-up: the neighbours may be in the middle of their looks
 }
 
 void RouteKeeper::request() {
@@ -19,6 +24,7 @@ void RouteKeeper::request() {
   heal_at_us_ = 0;
   pause_us_ = kFirstPause_us;
   route_.busy = true;
+  beyond_ = true;
 }
 
 void RouteKeeper::line_state(std::uint8_t line, bool held) {
@@ -41,7 +47,11 @@ void RouteKeeper::heal(const Clock& clock) {
   const std::uint32_t heals = route_.heals + 1, repairs = route_.repairs;
   const bool was_switched = route_.switched;
   const bool has_table = table_.graph.count > 0;
-  const Topology::Report report = has_table ? topology_.heal(table_) : topology_.discover();
+  const auto look = neighbours_.begin_look(start_us) ? Topology::Look::kAdopt
+                    : beyond_                        ? Topology::Look::kBeyond
+                                                     : Topology::Look::kOwn;
+  beyond_ = false;
+  const Topology::Report report = has_table ? topology_.heal(table_, look) : topology_.discover();
   route_ = {};
   route_.heals = heals;
   route_.repairs = repairs;
@@ -51,6 +61,62 @@ void RouteKeeper::heal(const Clock& clock) {
   if (has_table) note(report);
   route_.last_us = static_cast<std::uint32_t>(clock.now_us() - start_us);
   plan_next(clock.now_us());
+  if (has_table && route_.switched) offer(report, clock.now_us());
+  if (has_table) note_guests();
+}
+
+// A module that is there and does not come in hangs on a neighbour. It is asked for first, and looked for then.
+void RouteKeeper::offer(const Topology::Report& report, std::uint64_t now_us) {
+  const auto all = static_cast<std::uint16_t>((1U << table_.graph.count) - 1U);
+  returned_ = report.held != 0 && !returned_;
+  const auto missing = static_cast<std::uint16_t>(all & ~route_.alive);
+  if (returned_) {
+    heal_at_us_ = now_us + Neighbours::kHandBack_us;
+    route_.busy = true;
+    tell_at_us_ = 0;  // also when nothing was offered: since a restart the neighbours know more than this one
+  }
+  set_offered(returned_ ? std::uint16_t{0} : missing);
+}
+
+void RouteKeeper::set_offered(std::uint16_t rows) {
+  if (rows != adoption_.out_of_reach) tell_at_us_ = 0;
+  adoption_.out_of_reach = rows;
+}
+
+// A list that is as before keeps its number: the samples of its guests go on.
+void RouteKeeper::note_guests() {
+  wire::Adoption now = adoption_;
+  now.count = 0;
+  for (const std::uint8_t m : topology_.guests()) {
+    const JointEnd above = topology_.parent_of(m);
+    const LineAddress place = topology_.address_of(m);
+    now.guests[now.count++] = {static_cast<std::uint8_t>(topology_.row_of(above.module)), above.port,
+                               topology_.input_of(m), place.line, place.address};
+  }
+  if (std::ranges::equal(now.list_of_guests(), adoption_.list_of_guests())) return;
+  now.list = static_cast<std::uint8_t>(now.list == 255 ? 1 : now.list + 1);
+  adoption_ = now;
+  tell_at_us_ = 0;
+}
+
+bool RouteKeeper::hear(const wire::CanFrame& frame, std::uint8_t own_node, std::uint64_t now_us) {
+  const auto reach = wire::decode_reach(frame);
+  if (reach && reach->node_address != own_node) neighbours_.hear(*reach, own_node, adoption_.count > 0, now_us);
+  return reach.has_value();
+}
+
+std::optional<wire::Reach> RouteKeeper::to_tell(std::uint8_t own_node, std::uint64_t now_us) const {
+  if (now_us < tell_at_us_) return std::nullopt;
+  return wire::Reach{own_node, adoption_.out_of_reach, adoption_.count, adoption_.list};
+}
+
+void RouteKeeper::told(bool sent, std::uint64_t now_us) {
+  constexpr std::uint64_t kNoRoom_us = 1'000;
+  const bool quiet = adoption_.out_of_reach == 0 && adoption_.count == 0;
+  if (!sent)
+    tell_at_us_ = now_us + kNoRoom_us;
+  else
+    tell_at_us_ = quiet ? UINT64_MAX : now_us + Neighbours::kRepeat_us;
 }
 
 void RouteKeeper::note(const Topology::Report& report) {
@@ -88,6 +154,7 @@ void RouteKeeper::plan_next(std::uint64_t now_us) {
 }
 
 bool RouteKeeper::check(std::uint64_t now_us) {
+  neighbours_.tick(adoption_.count > 0, now_us);
   check_at_us_ = now_us + kCheckEvery_us;
   if (!route_.complete) return true;  // strapped, or EN is low and no module is reached
   if (topology_.intact()) return true;
@@ -103,7 +170,9 @@ bool RouteKeeper::check(std::uint64_t now_us) {
 
 std::uint64_t RouteKeeper::next_event_us() const {
   if (!present_) return UINT64_MAX;
-  return std::min(heal_at_us_, switched() && table_.graph.count > 0 ? check_at_us_ : UINT64_MAX);
+  const std::uint64_t next_us = std::min(heal_at_us_, tell_at_us_);
+  if (!switched() || table_.graph.count == 0) return next_us;
+  return std::min(next_us, std::min(check_at_us_, neighbours_.next_event_us()));
 }
 
 wire::FoundTopology RouteKeeper::found() const {

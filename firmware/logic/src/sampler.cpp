@@ -38,6 +38,21 @@ void LineSampler::begin(I2cLine& line, std::uint8_t line_index, const Patch& pat
   for (Station& station : stations()) find(station, now_us);
 }
 
+// Guests are the last stations, so the others keep their numbers.
+void LineSampler::replace_guests(std::size_t own_rows, std::span<const wire::Guest> guests, std::uint64_t now_us) {
+  while (station_count_ > 0 && index_of(stations_[station_count_ - 1].row) >= own_rows) --station_count_;
+  const std::size_t first = station_count_;
+  for (std::size_t k = 0; k < guests.size(); ++k) {
+    if (guests[k].line != line_index_) continue;
+    Station& station = stations_[station_count_++];
+    station = {};
+    station.row = table_row(own_rows + k);
+    station.address = guests[k].address;
+  }
+  schedule_.replace_from(first, station_count_);
+  for (Station& station : stations().subspan(first)) find(station, now_us);
+}
+
 void LineSampler::request_scan() {
   scan_.request();
   recovery_.end_pause();  // also a line that is left alone

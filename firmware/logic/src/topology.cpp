@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "triskin/logic/topology.hpp"
 
+#include <bit>
+
 namespace triskin::fw {
 namespace {
 
@@ -26,8 +28,10 @@ void Topology::join(JointEnd a, JointEnd b) {
   graph_.joint[b.module][b.port] = a;
 }
 
-Topology::Report Topology::discover() {
+Topology::Report Topology::discover(const Table* table, Look look) {
   Report report;
+  expected_table_ = table;
+  look_ = table == nullptr ? Look::kBeyond : look;
   bad_.fill(0);
   shorts_ = 0;
   bool asked_again = false;
@@ -56,17 +60,24 @@ Topology::Pass Topology::explore() {
   parent_.fill({});
   for (auto& p : port_) p.fill(Port::kUnknown);
   cable_ = first_tried_;
+  entry_held_ = false;
   if (!chain_.restart(cable_)) {
+    entry_held_ = cable_ == 0 && chain_.refused();
     cable_ ^= 1U;
     if (!chain_.restart(cable_)) return Pass::kNobody;
   }
   held_lines_ = chain_.stuck_lines();  // nothing can be left out that would free these
   graph_.count = 1;
+  strangers_ = 0;
+  expected_[0] = expected_cable().module;
   std::array<std::uint8_t, layout::kMaxModules> next{};
   std::uint8_t m = 0;
   for (;;) {
     if (next[m] == layout::kPorts) {
-      if (input_[m] == kNoModule) return Pass::kAgain;  // something changed meanwhile
+      if (input_[m] == kNoModule) {  // something changed meanwhile, or the module is turned against the table
+        if (look_ == Look::kOwn) look_ = Look::kBeyond;
+        return Pass::kAgain;
+      }
       if (m == 0) return Pass::kDone;
       m = parent_[m].module;
       continue;
@@ -82,7 +93,11 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
     port_[module][port] = Port::kBad;
     return Pass::kDone;
   }
-  const bool full = graph_.count == layout::kMaxModules;
+  if (stays_closed(module, port)) {
+    port_[module][port] = Port::kNothing;
+    return Pass::kDone;
+  }
+  const bool full = graph_.count == layout::kMaxModules || !has_room_behind(module, port);
   const auto child = static_cast<std::uint8_t>(full ? layout::kMaxModules - 1 : graph_.count);
   // What brings no module in is asked until two answers agree: a flipped bit could have opened another port.
   ChainDriver::Answer answer = ChainDriver::Answer::kLost, before = answer;
@@ -104,6 +119,7 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
     }
     port_[module][port] = Port::kChild;
     parent_[child] = {module, port};
+    expect(child);
     ++graph_.count;
     return Pass::kDone;
   }
@@ -122,6 +138,41 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
       port_[module][port] = Port::kBad;
   }
   return Pass::kDone;
+}
+
+// Row and port of the cable that explore() came in by.
+JointEnd Topology::expected_cable() const {
+  if (expected_table_ == nullptr) return {};
+  return cable_ == 1 ? expected_table_->second_entry : JointEnd{0, expected_table_->graph.cable_port};
+}
+
+// The table has a joint, or the cable, at this port of a module whose row is expected.
+bool Topology::within_table(std::uint8_t module, std::uint8_t port) const {
+  if (module == 0 && port == expected_cable().port) return true;
+  return expected_table_->graph.joint[expected_[module]][port].module < expected_table_->graph.count;
+}
+
+// Strangers must leave room for the modules of the table, which may be found after them.
+bool Topology::stays_closed(std::uint8_t module, std::uint8_t port) const {
+  if (look_ == Look::kBeyond) return false;
+  const bool known = expected_[module] < expected_table_->graph.count;
+  if (known && within_table(module, port)) return false;
+  return known && (look_ == Look::kOwn || !has_room_behind(module, port));
+}
+
+bool Topology::has_room_behind(std::uint8_t module, std::uint8_t port) const {
+  if (look_ != Look::kAdopt) return true;
+  const bool known = expected_[module] < expected_table_->graph.count;
+  return (known && within_table(module, port)) || strangers_ + expected_table_->graph.count < layout::kMaxModules;
+}
+
+void Topology::expect(std::uint8_t child) {
+  const auto [module, port] = parent_[child];
+  expected_[child] = kNoModule;
+  if (expected_table_ == nullptr) return;
+  if (expected_[module] < expected_table_->graph.count)
+    expected_[child] = expected_table_->graph.joint[expected_[module]][port].module;
+  if (expected_[child] == kNoModule) ++strangers_;
 }
 
 // Only one port is the input. A second one whose enable does nothing is broken, and which of the two it is cannot be
@@ -302,40 +353,91 @@ Topology::Table Topology::table_of(const layout::PatchImage& image) {
   return table;
 }
 
-Topology::Report Topology::heal(const Table& table) {
-  Report report = find(table);
+Topology::Report Topology::heal(const Table& table, Look look) {
+  guest_count_ = 0;
+  Report report = find(table, look);
   if (more_behind_second(table, report)) {
     const std::uint8_t unknown = report.unknown, count = graph_.count;
     first_tried_ = 1;
-    report = find(table);
+    report = find(table, look);
     first_tried_ = 0;
-    if (graph_.count - report.unknown < count - unknown) report = find(table);
+    if (graph_.count - report.unknown < count - unknown) report = find(table, look);
   }
+  report.held = held_rows(table);
   if (report.complete) {
     for (std::uint8_t m = 0; m < graph_.count; ++m) {
       if (table_index_[m] != kNoModule) address_[m] = table.addresses[table_index_[m]];
     }
+    if (look == Look::kAdopt) invite_guests(table);
     report.complete = activate(table, report);
   }
   if (!report.complete) {
     chain_.silence();  // nothing of a half-open tree may answer
+    guest_count_ = 0;
     return report;
   }
+  report.unknown = static_cast<std::uint8_t>(report.unknown - guest_count_);
   for (std::uint8_t m = 0; m < graph_.count; ++m) {
     if (!has(chain_.members(), m))
       parent_[m] = {};
     else if (table_index_[m] != kNoModule)
       report.alive = with(report.alive, table_index_[m]);
   }
+  for (std::size_t k = 0; k < guest_count_; ++k)
+    table_index_[guests_[k]] = static_cast<std::uint8_t>(table.graph.count + k);
   report.max_depth = depth();
   return report;
 }
 
-Topology::Report Topology::find(const Table& table) {
-  Report report = discover();
+Topology::Report Topology::find(const Table& table, Look look) {
+  Report report = discover(&table, look);
   table_index_.fill(kNoModule);
   if (report.complete) identify(table, report);
   return report;
+}
+
+// Refused where the table has a joint to a module that is not in: it lives, and hangs on somebody else.
+std::uint16_t Topology::held_rows(const Table& table) const {
+  std::uint16_t found = 0, held = entry_held_ ? 1 : 0;
+  for (std::uint8_t m = 0; m < graph_.count; ++m) {
+    const std::uint8_t row = table_index_[m];
+    if (row == kNoModule) continue;
+    found = with(found, row);
+    for (std::uint8_t p = 0; p < layout::kPorts; ++p) {
+      const std::uint8_t other = table.graph.joint[row][p].module;
+      if (other < table.graph.count && open_end(m, p)) held = with(held, other);
+    }
+  }
+  return static_cast<std::uint16_t>(held & ~found);
+}
+
+// Each gets an address that no row of the table has: a module of the table that comes back must find its own free.
+void Topology::invite_guests(const Table& table) {
+  std::uint16_t taken = 0;
+  const auto place = [](LineAddress a) {
+    return static_cast<std::uint8_t>(a.line * layout::kAddressesPerLine + a.address);
+  };
+  for (std::uint8_t row = 0; row < table.graph.count; ++row) taken = with(taken, place(table.addresses[row]));
+  for (std::uint8_t m = 1; m < graph_.count; ++m) {
+    const auto free = static_cast<std::uint8_t>(std::countr_one(taken));
+    if (table_index_[m] != kNoModule || free >= layout::kMaxModules) continue;
+    taken = with(taken, free);
+    address_[m] = {static_cast<std::uint8_t>(free / layout::kAddressesPerLine),
+                   static_cast<std::uint8_t>(free % layout::kAddressesPerLine)};
+    guests_[guest_count_++] = m;
+  }
+}
+
+// Onto the tree in parent_, by the joints by which they were found; one whose parent is not in is left out.
+void Topology::graft_guests(const std::array<JointEnd, layout::kMaxModules>& as_found) {
+  std::size_t kept = 0;
+  for (const std::uint8_t guest : guests()) {
+    const std::uint8_t above = as_found[guest].module;
+    if (above != 0 && parent_[above].module == kNoModule) continue;
+    parent_[guest] = as_found[guest];
+    guests_[kept++] = guest;
+  }
+  guest_count_ = kept;
 }
 
 bool Topology::more_behind_second(const Table& table, const Report& report) const {
@@ -424,7 +526,16 @@ bool Topology::least_depth_tree(const Table& table) {
 bool Topology::activate(const Table& table, Report& report) {
   const auto as_found = parent_;
   constexpr std::uint16_t kAll = 0xFFFF;
-  const auto up = [&] { return rebuild(kAll, true) && lines_free(); };
+  const auto up = [&] {
+    for (std::uint8_t m = 1; m < graph_.count; ++m) {
+      if (table_index_[m] == kNoModule) parent_[m] = {};
+    }
+    graft_guests(as_found);
+    if (guest_count_ > 0 && rebuild(kAll, true) && lines_free()) return true;
+    for (const std::uint8_t guest : guests()) parent_[guest] = {};
+    guest_count_ = 0;  // somebody else took one, or it broke: the own modules come first
+    return rebuild(kAll, true) && lines_free();
+  };
   std::uint8_t least = kNoModule;
   if (!least_depth_tree(table)) return false;
   least = depth();
@@ -440,9 +551,6 @@ bool Topology::activate(const Table& table, Report& report) {
     return true;
   }
   parent_ = as_found;  // every one of these joints has just carried a module
-  for (std::uint8_t m = 1; m < graph_.count; ++m) {
-    if (table_index_[m] == kNoModule) parent_[m] = {};
-  }
   return up();
 }
 

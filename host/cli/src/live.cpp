@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <memory>
 #include <optional>
 
@@ -111,6 +112,7 @@ class Show {
     for (const device::ClockState& c : report.clocks) error_us = std::max(error_us, c.error_us);
     LiveState s{static_cast<double>(elapsed_us()) * 1e-6, stream_.frames(), report.total.lost(), note_};
     if (error_us != device::LinkTime::kUnbounded) s.error_us = error_us;
+    std::ranges::copy_if(report.adopted, std::back_inserter(s.adopted), &device::AdoptedCounts::now);
     return s;
   }
 

@@ -105,6 +105,8 @@ class Screen final : public LiveDisplay {
     for (std::size_t k = 0; k < std::min(kMostTaxels, pressed.size()); ++k)
       lines.push_back(place_text(monitor, pressed[k]));
     if (pressed.size() > kMostTaxels) lines.push_back(fmt::format("+{} taxels", pressed.size() - kMostTaxels));
+    for (const device::AdoptedCounts& a : state.adopted)
+      lines.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
     if (!state.note.empty()) lines.push_back(state.note);
     lines.push_back(fmt::format("n, p: patch   u: unit ({})   t: tare, nobody may touch the skin   q: end",
                                 name_of(unit(monitor))));
@@ -151,6 +153,8 @@ nlohmann::json to_json(const LiveMonitor& monitor, const LiveState& state) {
   line["unit"] = name_of(best_unit(monitor));
   if (calibrated) line["force_n"] = monitor.force_n();
   if (state.error_us) line["time_error_us"] = *state.error_us;
+  for (const device::AdoptedCounts& a : state.adopted)
+    line["adopted"].push_back({{"module", a.module}, {"patch", a.patch}});
   return line;
 }
 

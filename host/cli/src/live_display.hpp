@@ -4,9 +4,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "triskin/cli/command.hpp"
 #include "triskin/jobs/live_monitor.hpp"
+#include "triskin/session/stream_report.hpp"
 
 namespace triskin::cli {
 
@@ -14,8 +16,9 @@ namespace triskin::cli {
 struct LiveState {
   double time_s = 0.0;
   std::uint64_t frames = 0, lost = 0;
-  std::string note;                         ///< a line for a person, may be empty
-  std::optional<std::uint32_t> error_us{};  ///< largest bound of the time of a controller's latest sample
+  std::string note;                              ///< a line for a person, may be empty
+  std::optional<std::uint32_t> error_us{};       ///< largest bound of the time of a controller's latest sample
+  std::vector<device::AdoptedCounts> adopted{};  ///< modules that a controller of another patch reads now
 };
 
 /// Shows a skin while its samples come: a picture on a terminal, a line for each change elsewhere, an object a line
@@ -34,8 +37,8 @@ class LiveDisplay {
 [[nodiscard]] std::unique_ptr<LiveDisplay> make_display(const design::Design& design, const Output& output);
 /// Place of a taxel and what presses it, in kPa where the monitor is calibrated, else in counts.
 [[nodiscard]] std::string place_text(const device::LiveMonitor& monitor, const device::PressedTaxel& taxel);
-/// Keys "time_s", "frames", "lost", "pressed", "unit", with a calibration "force_n" and, where it is known,
-/// "time_error_us" of a line.
+/// Keys "time_s", "frames", "lost", "pressed", "unit", with a calibration "force_n" and, where they are known,
+/// "time_error_us" and "adopted" of a line.
 [[nodiscard]] nlohmann::json to_json(const device::LiveMonitor& monitor, const LiveState& state);
 
 }  // namespace triskin::cli

@@ -34,4 +34,31 @@ PortEnds joints_of(const Design& design, int patch_index, std::span<const int> r
   return ends;
 }
 
+std::vector<std::array<ModuleEnd, layout::kPorts>> module_ends(const Design& design, std::span<const int> rotations) {
+  const auto at = [](int k) { return static_cast<std::size_t>(k); };
+  const std::vector<ModuleWiring> wiring = wiring_of(design);
+  const auto port_at = [&](int module, int side) {
+    return (side + 3 - (rotations.empty() ? wiring[at(module)].routed.rotation : rotations[at(module)])) % 3;
+  };
+  const auto has_cable = [&](int module, int side) {
+    if (wiring[at(module)].patch < 0) return false;
+    const Patch& p = design.patches[at(wiring[at(module)].patch)];
+    return (p.entry == module && p.modules[0].rotation == side) ||
+           (p.second_entry == module && p.second_entry_side == side);
+  };
+  std::vector<std::array<ModuleEnd, layout::kPorts>> ends(wiring.size());
+  for (int m = 0; m < static_cast<int>(wiring.size()); ++m) {
+    const std::array<int, 3> neighbour = joined_to(design.layout, m);
+    for (int side = 0; side < 3; ++side) {
+      const int other = neighbour[at(side)];
+      if (other < 0 || has_cable(m, side)) continue;
+      const std::array<int, 3> back = joined_to(design.layout, other);
+      const int far_side = static_cast<int>(std::ranges::find(back, m) - back.begin());
+      if (far_side == 3 || has_cable(other, far_side)) continue;
+      ends[at(m)][at(port_at(m, side))] = {other, port_at(other, far_side)};
+    }
+  }
+  return ends;
+}
+
 }  // namespace triskin::design

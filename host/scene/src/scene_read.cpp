@@ -258,14 +258,15 @@ void read_head(const JsonValue& v) {
   if (v["format"].text() != "triskin-scene") v["format"].fail("must be \"triskin-scene\" (or give a design file)");
   const int version = v["version"].integer(0, 1'000'000);
   if (version != kVersion) v["version"].fail(fmt::format("is {}, this program reads {}", version, kVersion));
-  only_keys(v, {"format", "version", "design", "hardware", "seed", "contacts", "pressure", "faults", "effects"});
+  only_keys(v, {"format", "version", "design", "hardware", "border_joints", "seed", "contacts", "pressure", "faults",
+                "effects"});
 }
 
 }  // namespace
 
 std::uint64_t hardware_id(const Scene& scene) {
   std::uint64_t hash = 0xCBF29CE484222325ULL;  // FNV-1a
-  hash_in(hash, scene.switched ? 1 : 0);
+  hash_in(hash, (scene.switched ? 1U : 0U) | (scene.border_joints ? 2U : 0U));
   for (const Fault& f : scene.faults) {
     for (const int v : {static_cast<int>(f.kind), f.module, f.other, f.patch, f.line, f.address, f.taxel, f.value,
                         f.bit, f.stuck_scl ? 1 : 0, f.frees_after_pulses})
@@ -338,6 +339,10 @@ Scene read_scene(const std::filesystem::path& path) {
     const std::string hardware = v["hardware"].text();
     if (hardware != "switched" && hardware != "strapped") v["hardware"].fail("must be \"strapped\" or \"switched\"");
     scene.switched = hardware == "switched";
+  }
+  if (has(v, "border_joints")) {
+    scene.border_joints = v["border_joints"].boolean();
+    if (scene.border_joints && !scene.switched) v["border_joints"].fail("needs \"hardware\": \"switched\"");
   }
   const Reader reader(scene);
   if (has(v, "contacts")) {

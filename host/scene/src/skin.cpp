@@ -175,12 +175,18 @@ void Skin::place_chips(const Scene& scene, SwitchedHardware* switched) {
 void Skin::attach(Ad7147& chip, int module, int patch, SwitchedHardware& switched) {
   const SwitchedPatch& chain = switched.patch(patch);
   const int row = switched.row_of(module);
-  for (int l = 0; l < layout::kLines; ++l) {
-    I2cLineModel& model = line(patch, l);
-    model.attach(chip, [&chain, row, l] {
-      return chain.reached(row) && chain.line_of(row) == l ? layout::cdc_address(chain.address_of(row)) : -1;
-    });
-    if (row == 0) model.hold_while([&chain, l] { return (chain.stuck_lines() >> l & 1) != 0; });
+  for (std::size_t p = 0; p < lines_.size(); ++p) {
+    if (&switched.patch(static_cast<int>(p)) != &chain) continue;
+    const int controller = switched.controller_of(static_cast<int>(p));
+    for (int l = 0; l < layout::kLines; ++l) {
+      I2cLineModel& model = line(static_cast<int>(p), l);
+      model.attach(chip, [&chain, controller, row, l] {
+        return chain.controller_of(row) == controller && chain.line_of(row) == l
+                   ? layout::cdc_address(chain.address_of(row))
+                   : -1;
+      });
+      if (row == 0) model.hold_while([&chain, controller, l] { return (chain.stuck_lines(controller) >> l & 1) != 0; });
+    }
   }
 }
 

@@ -30,7 +30,9 @@ void add_joint(Joints& joints, int cable_port, int a, int b) {
 SwitchedHardware::SwitchedHardware(const Scene& scene)
     : patch_(scene.design.layout.modules.size(), -1), row_(patch_.size(), -1) {
   if (!scene.switched) return;
-  for (std::size_t p = 0; p < scene.design.patches.size(); ++p) add_patch(scene, static_cast<int>(p));
+  joined_ = scene.border_joints;
+  if (joined_) add_joined_patches(scene);
+  for (std::size_t p = 0; !joined_ && p < scene.design.patches.size(); ++p) add_patch(scene, static_cast<int>(p));
   for (const Fault& f : scene.faults) {
     events_.push_back({f.from_us, f, true});
     if (f.until_us != kForever) events_.push_back({f.until_us, f, false});
@@ -61,6 +63,43 @@ void SwitchedHardware::add_patch(const Scene& scene, int patch) {
   joints_.push_back(joints);
   patches_.emplace_back(std::move(joints), cable_port, scene.seed + static_cast<std::uint64_t>(patch));
   plug_second_cable(scene.design.patches[static_cast<std::size_t>(patch)], rotations);
+}
+
+void SwitchedHardware::add_joined_patches(const Scene& scene) {
+  std::vector<int> rotations(patch_.size(), 0), modules;
+  for (const design::Patch& p : scene.design.patches) {
+    for (const design::RoutedModule& m : p.modules) {
+      const auto id = static_cast<std::size_t>(m.node);
+      patch_[id] = 0;
+      row_[id] = static_cast<int>(modules.size());
+      rotations[id] = real_rotation(scene, m.node);
+      modules.push_back(m.node);
+    }
+  }
+  if (modules.empty()) return;
+  const auto ends = design::module_ends(scene.design, rotations);
+  Joints joints;
+  for (const int m : modules) {
+    auto& row = joints.emplace_back();
+    for (std::size_t p = 0; p < row.size(); ++p) {
+      const design::ModuleEnd& e = ends[static_cast<std::size_t>(m)][p];
+      if (e.module >= 0 && patch_[static_cast<std::size_t>(e.module)] == 0) row[p] = {row_of(e.module), e.port};
+    }
+  }
+  joints_.push_back(joints);
+  const auto cable_at = [&](int module, int side) -> SwitchedPatch::End {
+    return {row_of(module), (side + 3 - rotations[static_cast<std::size_t>(module)]) % 3};
+  };
+  for (const design::Patch& p : scene.design.patches) {
+    const SwitchedPatch::End cable = cable_at(p.entry, p.modules[0].rotation);
+    int controller = 0;
+    if (patches_.empty())
+      patches_.emplace_back(std::move(joints), cable.port, scene.seed);  // its module 0
+    else
+      controller = patches_.back().add_controller(cable);
+    if (p.second_entry >= 0)
+      patches_.back().set_second_cable(cable_at(p.second_entry, p.second_entry_side), controller);
+  }
 }
 
 // Where the design has it, unless a wrong joint took its port.

@@ -22,7 +22,7 @@ SwitchedPatch::SwitchedPatch(std::vector<std::array<End, layout::kPorts>> joints
     : joints_(std::move(joints)),
       faults_(joints_.size()),
       modules_(joints_.size()),
-      cables_{{{0, cable_port}, {}}},
+      controllers_{{{{End{0, cable_port}, End{}}}, 0}},
       random_(seed),
       flips_(~seed) {}
 
@@ -40,7 +40,7 @@ std::uint8_t SwitchedPatch::opened(int m) const {
 std::uint8_t SwitchedPatch::raised(int m) const {
   std::uint8_t in = 0;
   for (int p = 0; p < static_cast<int>(layout::kPorts); ++p) {
-    if (at_cable(m, p)) in = static_cast<std::uint8_t>(in | 1U << p);
+    if (at_cable(m, p) >= 0) in = static_cast<std::uint8_t>(in | 1U << p);
     const End e = end(m, p);
     if (e.row >= 0 && fault(m, p) != JointFault::kOpen && bit(opened(e.row), e.port))
       in = static_cast<std::uint8_t>(in | 1U << p);
@@ -48,11 +48,27 @@ std::uint8_t SwitchedPatch::raised(int m) const {
   return in;
 }
 
-bool SwitchedPatch::at_cable(int m, int port) const {
-  for (std::size_t c = 0; c < cables_.size(); ++c) {
-    if ((enabled_ >> c & 1) != 0 && cables_[c].row == m && cables_[c].port == port) return true;
+int SwitchedPatch::add_controller(End cable) {
+  controllers_.push_back({{cable, End{}}, 0});
+  return static_cast<int>(controllers_.size()) - 1;
+}
+
+// Made when it is asked for: one that is held refers to this object, which may be moved before.
+sim::ChainModel& SwitchedPatch::chain_of(int controller) {
+  (void)at_controller(controller);
+  while (chains_.size() < controllers_.size()) chains_.emplace_back(*this, static_cast<int>(chains_.size()));
+  return chains_[static_cast<std::size_t>(controller)];
+}
+
+int SwitchedPatch::at_cable(int m, int port) const {
+  for (std::size_t k = 0; k < controllers_.size(); ++k) {
+    const Controller& owner = controllers_[k];
+    for (std::size_t c = 0; c < owner.cables.size(); ++c) {
+      if ((owner.enabled >> c & 1) != 0 && owner.cables[c].row == m && owner.cables[c].port == port)
+        return static_cast<int>(k);
+    }
   }
-  return false;
+  return -1;
 }
 
 bool SwitchedPatch::attached_child(int m, int p) const {
@@ -61,9 +77,9 @@ bool SwitchedPatch::attached_child(int m, int p) const {
          bit(opened(m), p);
 }
 
-bool SwitchedPatch::shorted() const {
+bool SwitchedPatch::shorted(int controller) const {
   for (int m = 0; m < static_cast<int>(modules_.size()); ++m) {
-    if (!reached(m)) continue;
+    if (controller_of(m) != controller) continue;
     for (int p = 0; p < static_cast<int>(layout::kPorts); ++p) {
       if (bit(opened(m), p) && fault(m, p) == JointFault::kShort) return true;
     }
@@ -71,19 +87,15 @@ bool SwitchedPatch::shorted() const {
   return false;
 }
 
-int SwitchedPatch::depth_of(int module) const {
+SwitchedPatch::WayUp SwitchedPatch::walk_up(int module) const {
   int depth = 0;
   for (int m = module;; ++depth) {
-    if (at(m).dead || at(m).grant == sim::kNoGrant || depth > static_cast<int>(modules_.size())) return -1;
-    if (at_cable(m, at(m).grant)) return depth;
+    if (at(m).dead || at(m).grant == sim::kNoGrant || depth > static_cast<int>(modules_.size())) return {};
+    if (const int controller = at_cable(m, at(m).grant); controller >= 0) return {depth, controller};
     const End above = end(m, at(m).grant);
-    if (above.row < 0 || !attached_child(above.row, above.port)) return -1;
+    if (above.row < 0 || !attached_child(above.row, above.port)) return {};
     m = above.row;
   }
-}
-
-bool SwitchedPatch::reached(int module) const {
-  return depth_of(module) >= 0;
 }
 
 void SwitchedPatch::collect(int m, std::vector<int>& chain) const {
@@ -100,21 +112,24 @@ void SwitchedPatch::collect(int m, std::vector<int>& chain) const {
   }
 }
 
-// One for each cable that a module holds as its parent.
-std::vector<std::vector<int>> SwitchedPatch::chains() const {
+// One for each cable with EN: a module that hangs on another port refuses it.
+std::vector<std::vector<int>> SwitchedPatch::chains(int controller) const {
   std::vector<std::vector<int>> list;
-  if (shorted()) return list;
-  for (const End& c : cables_) {
-    if (c.row < 0 || at(c.row).dead || at(c.row).grant != c.port || !at_cable(c.row, c.port)) continue;
-    collect(c.row, list.emplace_back());
+  if (shorted(controller)) return list;
+  for (const End& c : at_controller(controller).cables) {
+    if (c.row < 0 || at(c.row).dead || at_cable(c.row, c.port) != controller) continue;
+    if (at(c.row).grant == c.port)
+      collect(c.row, list.emplace_back());
+    else if (at(c.row).grant != sim::kNoGrant)
+      list.push_back({kConstantOne});
   }
   return list;
 }
 
-void SwitchedPatch::exchange(Bytes out, std::span<std::uint8_t> in) {
+void SwitchedPatch::exchange(int controller, Bytes out, std::span<std::uint8_t> in) {
   time_us_ += static_cast<double>(8 * out.size()) * kBit_ns * 1e-3;
   std::fill_n(in.begin(), out.size(), std::uint8_t{0});
-  for (const std::vector<int>& chain : chains()) {
+  for (const std::vector<int>& chain : chains(controller)) {
     for (std::size_t k = 0; k < out.size(); ++k) {
       in[k] = static_cast<std::uint8_t>(in[k] |
                                         (bit_errors_ > 0.0 ? shift_bits(chain, out[k]) : shift_byte(chain, out[k])));
@@ -154,9 +169,9 @@ std::uint8_t SwitchedPatch::shift_bits(const std::vector<int>& chain, std::uint8
   return in;
 }
 
-void SwitchedPatch::latch() {
+void SwitchedPatch::latch(int controller) {
   time_us_ += kSettle_ns * 1e-3;
-  for (const std::vector<int>& chain : chains()) {
+  for (const std::vector<int>& chain : chains(controller)) {
     for (const int element : chain) {
       if (element >= 0) at(element).latched = at(element).shift;
     }
@@ -164,8 +179,8 @@ void SwitchedPatch::latch() {
   settle();
 }
 
-void SwitchedPatch::enable(std::uint8_t cables) {
-  enabled_ = cables;
+void SwitchedPatch::enable(int controller, std::uint8_t cables) {
+  at_controller(controller).enabled = cables;
   time_us_ += kSettle_ns * 1e-3;
   settle();
 }
@@ -196,10 +211,11 @@ void SwitchedPatch::settle() {
   }
 }
 
-std::uint8_t SwitchedPatch::stuck_lines() const {
+std::uint8_t SwitchedPatch::stuck_lines(int controller) const {
   std::uint8_t stuck = 0;
   for (int m = 0; m < static_cast<int>(modules_.size()); ++m) {
-    if (at(m).stuck_line >= 0 && reached(m)) stuck = static_cast<std::uint8_t>(stuck | 1U << at(m).stuck_line);
+    if (at(m).stuck_line >= 0 && controller_of(m) == controller)
+      stuck = static_cast<std::uint8_t>(stuck | 1U << at(m).stuck_line);
   }
   return stuck;
 }

@@ -87,7 +87,7 @@ VirtualSkin::VirtualSkin(Scene scene, const std::filesystem::path& state_folder)
     if (p < scene_.effects.clock_ppm.size()) node.clock = BoardClock(scene_.effects.clock_ppm[p]);
     for (int l = 0; l < layout::kLines; ++l)
       node.board.lines[static_cast<std::size_t>(l)] = &node.lines.emplace_back(skin_.line(plugged, l), node.clock);
-    if (switched_.present()) node.board.chain = &switched_.patch(plugged);
+    if (switched_.present()) node.board.chain = &switched_.patch(plugged).chain_of(switched_.controller_of(plugged));
     node.slots = state_folder.empty()
                      ? std::make_unique<FlashMemory>(sim::kSlotsBytes)
                      : std::make_unique<FlashMemory>(sim::kSlotsBytes, state_folder / (name + ".firmware"));

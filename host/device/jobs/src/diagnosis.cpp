@@ -8,6 +8,7 @@
 
 #include "cover_place.hpp"
 #include "triskin/jobs/topology.hpp"
+#include "triskin/session/guest_modules.hpp"
 #include "verification.hpp"
 
 namespace triskin::device {
@@ -21,13 +22,14 @@ constexpr int kManyTaxels = 6;  // of one module at their ends: it is one fault,
 // One cause for many modules is likelier than a cause for each; a wrong map is likelier than dead hardware.
 int likelihood_rank(FindingKind kind) {
   static constexpr std::array kOrder{
-      FindingKind::kWrongPatch,        FindingKind::kSwappedLines,       FindingKind::kMirroredPatch,
-      FindingKind::kStuckLine,         FindingKind::kMissingJoint,       FindingKind::kSaggingSupply,
-      FindingKind::kLooseJoint,        FindingKind::kWrongOrder,         FindingKind::kSwappedModules,
-      FindingKind::kWrongAddress,      FindingKind::kDuplicateAddress,   FindingKind::kRotatedModule,
-      FindingKind::kWrongId,           FindingKind::kAbsentModule,       FindingKind::kNoTouchResponse,
-      FindingKind::kLostConfiguration, FindingKind::kIntermittentModule, FindingKind::kSaturatedTaxel,
-      FindingKind::kFrozenTaxel,       FindingKind::kTouchedOtherModule, FindingKind::kUnexpectedChip};
+      FindingKind::kWrongPatch,      FindingKind::kSwappedLines,      FindingKind::kMirroredPatch,
+      FindingKind::kStuckLine,       FindingKind::kMissingJoint,      FindingKind::kSaggingSupply,
+      FindingKind::kLooseJoint,      FindingKind::kWrongOrder,        FindingKind::kSwappedModules,
+      FindingKind::kWrongAddress,    FindingKind::kDuplicateAddress,  FindingKind::kRotatedModule,
+      FindingKind::kWrongId,         FindingKind::kAbsentModule,      FindingKind::kAdoptedModule,
+      FindingKind::kNoTouchResponse, FindingKind::kLostConfiguration, FindingKind::kIntermittentModule,
+      FindingKind::kSaturatedTaxel,  FindingKind::kFrozenTaxel,       FindingKind::kTouchedOtherModule,
+      FindingKind::kUnexpectedChip};
   return static_cast<int>(std::ranges::find(kOrder, kind) - kOrder.begin());
 }
 
@@ -38,6 +40,7 @@ Diagnosis::Diagnosis(const design::Design& design, std::vector<PatchState> patch
 
 void Diagnosis::run(VerifyResult& result) {
   examine_cables();
+  examine_adoption();
   for (const PatchState& p : patches_) {
     if (!p.usable) {
       for (std::size_t row = 0; row < p.image.module_count; ++row) bad_.insert(p.module(row));
@@ -87,6 +90,24 @@ const TouchOutcome* Diagnosis::touch_of(int module) const {
   return found == touches_.end() ? nullptr : &*found;
 }
 
+// Modules that a neighbour reads are there: what is missing is the way from their own controller.
+void Diagnosis::examine_adoption() {
+  const ModuleEnds ends = design::module_ends(design_);
+  for (const PatchState& p : patches_) {
+    std::vector<int> rows;
+    for (std::size_t row = 0; row < p.image.module_count; ++row) rows.push_back(p.module(row));
+    for (const int m : guest_modules(ends, rows, p.adoption)) {
+      if (m < 0 || !adopter_.emplace(m, p.patch).second) continue;
+      const int own = wiring_[static_cast<std::size_t>(m)].patch;
+      add(FindingKind::kAdoptedModule, m, own,
+          fmt::format("module {} (patch {}): out of reach of its controller; the controller of patch {} reads it", m,
+                      own, p.patch),
+          "repair the modules or joints between it and its own controller; it is handed back then");
+      explained_.insert(m);
+    }
+  }
+}
+
 // Switched modules: what the chain shows says more than a silent chip.
 void Diagnosis::examine_topology(const PatchState& p) {
   if (!p.topology.switched) return;
@@ -106,7 +127,7 @@ void Diagnosis::examine_topology(const PatchState& p) {
     return;
   }
   for (const TopologyDifference& d : match.differences) {
-    if (d.kind == FindingKind::kMissingModule && !p.reads(d.module)) continue;
+    if (d.kind == FindingKind::kMissingModule && (!p.reads(d.module) || adopter_.contains(d.module))) continue;
     const bool joint = d.kind == FindingKind::kMissingJoint ||
                        d.kind == FindingKind::kExtraJoint;  // its modules may be read all the same
     Finding& f = add(d.kind, joint ? -1 : d.module, p.patch, fmt::format("patch {}: {}", p.patch, d.text), d.remedy);

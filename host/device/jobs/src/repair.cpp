@@ -49,6 +49,7 @@ Work work_of(FindingKind kind) {
     case FindingKind::kIntermittentModule:
     case FindingKind::kLostConfiguration:
     case FindingKind::kMissingJoint:
+    case FindingKind::kAdoptedModule:
     case FindingKind::kLooseJoint:
     case FindingKind::kSaggingSupply:
       return Work::kJoint;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <map>
 #include <optional>
 #include <set>
 #include <vector>
@@ -25,6 +26,7 @@ struct PatchState {
   wire::LiveTaxels now, rest;
   wire::FoundTopology topology;  ///< of switched modules
   wire::ActiveRoute route;
+  wire::Adoption adoption;  ///< when the samples were read
 
   [[nodiscard]] Controller controller(Bus& bus) const { return {bus, image.node_address}; }
   bool with_kinds = false;  ///< the design has kinds of modules: so has the table
@@ -117,6 +119,7 @@ class Diagnosis {
   void examine_absent(const PatchState& p, const std::vector<std::size_t>& rows);
   void examine_taxels(const PatchState& p, std::size_t row);
   void examine_topology(const PatchState& p);
+  void examine_adoption();
   void examine_history(const PatchState& p);
   [[nodiscard]] std::vector<Finding> examine_earlier() const;
   [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const wire::FaultRecord& fault) const;
@@ -134,8 +137,9 @@ class Diagnosis {
   std::vector<TouchOutcome> touches_;
   std::vector<design::ModuleWiring> wiring_;
   std::vector<Finding> findings_;
-  std::set<int> bad_;        // modules that are not ok
-  std::set<int> explained_;  // modules whose missing touch response has a finding already
+  std::set<int> bad_;           // modules that are not ok
+  std::set<int> explained_;     // modules whose missing touch response has a finding already
+  std::map<int, int> adopter_;  // of modules that another patch's controller reads: that patch
 };
 
 }  // namespace triskin::device

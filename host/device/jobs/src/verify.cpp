@@ -167,11 +167,32 @@ void start_patch(Bus& bus, PatchState& p) {
   if (p.earlier.count > 0) c.clear_faults();
 }
 
+// Modules that were taken in belong to another patch: what was found of this one is the rest.
+wire::FoundTopology without_guests(const wire::FoundTopology& found, const wire::Adoption& adoption) {
+  const auto is_guest = [&](std::size_t m) { return found.row[m] != wire::kNoRow && found.row[m] >= adoption.rows; };
+  if (adoption.count == 0) return found;
+  std::array<std::uint8_t, layout::kMaxModules> number{};
+  wire::FoundTopology own = found;
+  own.count = 0;
+  for (std::size_t m = 0; m < found.count; ++m) number[m] = is_guest(m) ? wire::kNoRow : own.count++;
+  for (std::size_t m = 0; m < found.count; ++m) {
+    if (number[m] == wire::kNoRow) continue;
+    own.row[number[m]] = found.row[m];
+    for (std::size_t p = 0; p < layout::kPorts; ++p) {
+      const std::uint8_t joint = found.joints[m][p];
+      const bool kept = joint != 0 && number[layout::joint_row(joint)] != wire::kNoRow;
+      own.joints[number[m]][p] =
+          kept ? layout::joint_to(number[layout::joint_row(joint)], layout::joint_port(joint)) : std::uint8_t{0};
+    }
+  }
+  return own;
+}
+
 // Switched modules are found anew before anything is asked of them.
 void find_topology(Bus& bus, PatchState& p) {
   Controller c = p.controller(bus);
   c.reroute();
-  p.topology = c.topology();
+  p.topology = without_guests(c.topology(), c.adoption());
   p.route = c.route();
 }
 
@@ -180,6 +201,7 @@ void read_patch(Bus& bus, PatchState& p) {
   p.states = c.module_states();
   p.faults = c.faults();
   p.line_states = c.line_states();
+  p.adoption = c.adoption();
   p.now = c.taxels();
   if (p.states.count != p.image.module_count || p.now.count != p.image.module_count) {
     throw DeviceError(fmt::format("{}: controller {} changed its table while it was verified; run verify again",

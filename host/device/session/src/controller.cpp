@@ -248,6 +248,15 @@ wire::ActiveRoute Controller::route() {
   return value<wire::ActiveRoute>("route");
 }
 
+wire::Adoption Controller::adoption() {
+  try {
+    return value<wire::Adoption>("adoption");
+  } catch (const Refused& e) {
+    if (e.code() != wire::nrc::kOutOfRange) throw;
+    return {};
+  }
+}
+
 std::optional<wire::ImageState> Controller::image_state() {
   try {
     return value<wire::ImageState>("firmware");

@@ -46,6 +46,7 @@ Stream::Stream(Bus& bus, std::span<const design::Design* const> covers, OnFrame 
         bus.link().name()));
   for (const design::Design* design : covers) {
     covers_.push_back(design->name);
+    ends_.push_back(design::module_ends(*design));
     find_controllers(*design, static_cast<int>(covers_.size()) - 1, options.decimation);
   }
   choose_rate(options);
@@ -171,6 +172,7 @@ void Stream::run_until(std::uint64_t until_us) {
     bus_.poll();
     watch();
     ask_clocks();
+    ask_guests();
   } while (bus_.now_us() < until_us);
 }
 
@@ -223,7 +225,7 @@ void Stream::handle(const wire::CanFrame& frame) {
   const auto decoded = wire::decode_full(frame);
   if (!decoded) return;
   const auto found = nodes_.find(decoded->node_address);
-  if (found == nodes_.end() || decoded->module >= found->second.modules.size()) return;
+  if (found == nodes_.end()) return;
   Node& node = found->second;
   // The answer that begins the account comes in several frames: samples that it does not count arrive between them.
   if (!node.begun) {
@@ -236,13 +238,47 @@ void Stream::handle(const wire::CanFrame& frame) {
 
 void Stream::take(Node& node, const wire::FullTaxels& sample, std::uint64_t heard_us) {
   node.heard_us = std::max(node.heard_us, heard_us);
+  if (sample.module >= node.modules.size()) return take_guest(node, sample, heard_us);
   if (!node.counts[sample.module].add(sample, heard_us)) return;
   ++frames_;
+  // Its own controller says that it does not reach the module; who reads it says more.
+  if (sample.valid == 0 && read_by_another(node, node.modules[sample.module])) return;
   node.clock.arrived(sample.device_time_us, heard_us);
   node.newest_device_us = sample.device_time_us;
   if (handler_)
     handler_(
         {node.modules[sample.module], heard_us, sample, node.cover, node.clock.at(sample.device_time_us, heard_us)});
+}
+
+void Stream::take_guest(Node& node, const wire::FullTaxels& sample, std::uint64_t heard_us) {
+  const int module = node.guests.add(sample.module - node.modules.size(), sample, heard_us);
+  if (module < 0) return;
+  ++frames_;
+  if (handler_)
+    handler_({module, heard_us, sample, node.cover, node.clock.at(sample.device_time_us, heard_us), node.patch});
+}
+
+bool Stream::read_by_another(const Node& node, int module) const {
+  const std::uint64_t since_us = bus_.now_us() - std::min(bus_.now_us(), silence_us(node));
+  return std::ranges::any_of(nodes_, [&](const auto& entry) {
+    return entry.second.cover == node.cover && entry.second.guests.reads(module, since_us);
+  });
+}
+
+// Samples of guests came whose list is not known here.
+void Stream::ask_guests() {
+  for (auto& [address, node] : nodes_) {
+    if (!node.guests.wants_list() || node.silent) continue;
+    wire::Adoption adoption;
+    try {
+      adoption = Controller(bus_, address).adoption();
+    } catch (const NoAnswer&) {
+      continue;  // asked again with the next slice
+    }
+    const auto modules = guest_modules(ends_[static_cast<std::size_t>(node.cover)], node.modules, adoption);
+    for (const auto& [sample, heard_us] : node.guests.set(adoption, modules, budget_.every, node.interval_us))
+      take_guest(node, sample, heard_us);
+  }
 }
 
 // A controller that is silent is asked once: five attempts on a dead one would take seconds.
@@ -307,6 +343,10 @@ StreamReport Stream::report_of(int cover) const {
       const SampleCounts c = node.counts[k].counts();
       const bool slow = 10 * (c.expected + 2) < 9 * node.due;
       r.modules.push_back({node.modules[k], node.patch, c, slow, node.cover});
+    }
+    for (const GuestReader::Read& g : node.guests.all()) {
+      const bool now = node.guests.reads(g.module, bus_.now_us() - std::min(bus_.now_us(), silence_us(node)));
+      r.adopted.push_back({g.module, node.patch, g.counts.counts(), now, node.cover});
     }
     if (node.silent) r.silent.push_back(node.patch);
     r.clocks.push_back({node.cover, node.patch, address, node.clock.drift_ppm(),

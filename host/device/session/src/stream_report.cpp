@@ -32,6 +32,17 @@ double percent(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
+// Modules that a controller of another patch reads, by that patch.
+std::map<int, std::vector<int>> adopters(const StreamReport& r) {
+  std::map<int, std::vector<int>> list;
+  for (const AdoptedCounts& a : r.adopted) {
+    std::vector<int>& modules = list[a.patch];
+    if (a.counts.with_data > 0 && std::ranges::count(modules, a.module) == 0) modules.push_back(a.module);
+  }
+  std::erase_if(list, [](const auto& entry) { return entry.second.empty(); });
+  return list;
+}
+
 std::string places(const StreamReport& r) {
   std::string text;
   const auto add = [&](std::uint64_t n, const char* where) {
@@ -54,6 +65,11 @@ void sum_up(StreamReport& r, std::uint64_t thrown_away) {
     patches[m.patch] += m.counts;
     if (m.never_heard()) r.never_heard.push_back(m.module);
     if (m.slow) r.slow.push_back(m.module);
+  }
+  for (const AdoptedCounts& a : r.adopted) {
+    r.total += a.counts;
+    patches[a.patch] += a.counts;
+    if (a.counts.with_data > 0) std::erase(r.never_heard, a.module);
   }
   for (const auto& [patch, counts] : patches) {
     if (percent(counts.dropped, counts.expected) > 1.0) r.starved.push_back(patch);
@@ -82,6 +98,10 @@ std::vector<std::string> sentences(const StreamReport& r) {
   if (!r.never_heard.empty())
     lines.push_back(fmt::format("never heard: module{} {}; run triskin verify", plural(r.never_heard.size()),
                                 ranges(r.never_heard)));
+  for (const auto& [patch, modules] : adopters(r))
+    lines.push_back(
+        fmt::format("read by the controller of patch {}, because their own does not reach them: module{} {}", patch,
+                    plural(modules.size()), ranges(modules)));
   if (!r.slow.empty())
     lines.push_back(fmt::format("fewer samples than the rate says: module{} {}; run triskin verify",
                                 plural(r.slow.size()), ranges(r.slow)));

@@ -15,8 +15,8 @@ inline constexpr std::uint16_t kActiveSession = 0xF186, kSerialNumber = 0xF18C, 
                                kHardware = 0xF191, kFirmware = 0xF195, kHello = 0xFD00, kNodeAddress = 0xFD01,
                                kActiveTable = 0xFD02, kModuleStates = 0xFD03, kStatistics = 0xFD04, kStream = 0xFD05,
                                kLineStates = 0xFD06, kTopology = 0xFD07, kRoute = 0xFD08, kImageState = 0xFD09,
-                               kSampling = 0xFD0A, kOffsets = 0xFD0B, kStreamAccount = 0xFD0C, kLiveTaxels = 0xFD10,
-                               kFreezeTime = 0xFD21, kFreezeSample = 0xFD22, kIcub = 0xFD30;
+                               kSampling = 0xFD0A, kOffsets = 0xFD0B, kStreamAccount = 0xFD0C, kAdoption = 0xFD0E,
+                               kLiveTaxels = 0xFD10, kFreezeTime = 0xFD21, kFreezeSample = 0xFD22, kIcub = 0xFD30;
 }  // namespace did
 
 namespace routine {
@@ -39,7 +39,7 @@ struct Identifier {
   std::string_view value;               ///< fields in order, (bytes of each); little-endian where nothing is said
 };
 
-inline constexpr std::array<Identifier, 22> kIdentifiers{{
+inline constexpr std::array<Identifier, 23> kIdentifiers{{
     {did::kActiveSession, Access::kRead, 1, 1, "identity.hpp", "session (1): 1 default, 2 programming, 3 extended"},
     {did::kSerialNumber, Access::kRead, 12, 12, "identity.hpp", "unique id (12)"},
     {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
@@ -63,7 +63,7 @@ inline constexpr std::array<Identifier, 22> kIdentifiers{{
     {did::kTopology, Access::kRead, 3, 67, "topology.hpp",
      "modules and joints as found on the route chain: flags (1; 1: switched modules, 2: complete, 4: module 0 is at "
      "the second cable), modules (1), cable port of module 0 (1), then per module far end of ports A, B, C (1 each; 0 "
-     "none, else 1 + 3 × module + port) and its row in the table (1; FF: not known)"},
+     "none, else 1 + 3 × module + port) and its row in the table, or as a guest (1; FF: neither)"},
     {did::kRoute, Access::kRead, 18, 50, "topology.hpp",
      "active route: flags (1; 1 switched, 2 busy, 4 a tree is up, 8 the table's, 10 least depth, 20 second cable), "
      "ports left closed as shorted (1), modules unknown to the table (1), depth (1), rows in the tree (2, a bit each), "
@@ -85,6 +85,10 @@ inline constexpr std::array<Identifier, 22> kIdentifiers{{
      "how often sampling began anew (1, modulo 256), time in µs (8), leases (1; 0 … 8), number of each reader (4), "
      "then "
      "per row of the table: number of the latest sample (4), samples not read (4), dropped (4), sent (4), waiting (1)"},
+    {did::kAdoption, Access::kRead, 4, 64, "adoption.hpp",
+     "rows of the table (1), rows that it does not reach and offers to its neighbours (2, a bit each), number of the "
+     "list of guests (1), then per module of another patch that it reads: row of the parent (1; from the number of "
+     "rows on a guest before this one), the parent's port (1), the guest's port to it (1), 4 × line + address (1)"},
     {did::kLiveTaxels, Access::kRead, 12, 428, "live_taxels.hpp",
      "nominal sequences since power-up (4), time in µs (8), then per row of the table: valid taxels (2, a bit each), "
      "12 values of the converter (2 each)"},

@@ -61,7 +61,7 @@ inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
 /// One module of one sample in full: a 48-byte CAN FD frame (fits no classic frame), id 0x18F0‹node›‹module›.
 struct FullTaxels {
   std::uint8_t node_address = 0;
-  std::uint8_t module = 0;   ///< row in the table
+  std::uint8_t module = 0;   ///< row in the table; from the number of its rows on a guest (Adoption)
   std::uint32_t sample = 0;  ///< counts the module's samples that were due: a gap is a lost sample
   std::uint64_t device_time_us = 0;
   std::uint16_t valid = 0;  ///< bit t: taxel t
@@ -71,6 +71,7 @@ struct FullTaxels {
   std::uint32_t dropped = 0;  ///< samples of this module that found no room before this one (RowAccount::dropped)
   std::uint16_t unread = 0;   ///< those that were not read in time, modulo 65536 (RowAccount::unread)
   std::uint8_t starts = 0;    ///< how often sampling began anew, modulo 256 (StreamAccount::starts)
+  std::uint8_t guests = 0;    ///< of a guest: the list that `module` refers to (Adoption::list); of a row: 0
   bool operator==(const FullTaxels&) const = default;
 };
 inline constexpr std::uint32_t kFullBase = 0x18F00000;
@@ -92,7 +93,7 @@ inline constexpr std::uint8_t kFullBytes = 48;
   w.le32(t.dropped);
   w.le16(t.unread);
   w.u8(t.starts);
-  w.u8(0);
+  w.u8(t.guests);
   return f;
 }
 
@@ -115,6 +116,7 @@ inline constexpr std::uint8_t kFullBytes = 48;
   t.dropped = r.le32();
   t.unread = r.le16();
   t.starts = r.u8();
+  t.guests = r.u8();
   return t;
 }
 

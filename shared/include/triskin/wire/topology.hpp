@@ -26,7 +26,7 @@ struct FoundTopology {
   std::uint8_t cable_port = 0;  ///< of module 0
   /// layout::joint_to of the far end, 0: none.
   std::array<std::array<std::uint8_t, layout::kPorts>, layout::kMaxModules> joints{};
-  std::array<std::uint8_t, layout::kMaxModules> row{};  ///< of the table; kNoRow: the table does not know it
+  std::array<std::uint8_t, layout::kMaxModules> row{};  ///< of the table, or a guest's (Adoption); kNoRow: neither
 
   /// Flags, count, cable port, then per module the far ends and the row.
   constexpr void encode(ByteWriter& out) const {

@@ -46,6 +46,8 @@ class FullStream {
 
   /// Sampling begins anew: numbers start at 1. Leases stay; what waits is dropped.
   void restart(std::uint8_t starts);
+  /// The rows from `row` on mean other modules now: their numbers start at 1, what waits counts in dropped() alone.
+  void forget_from(std::size_t row);
   /// A lease came.
   void renew(const wire::StreamLease& lease, std::uint64_t now_us) { leases_.renew(lease, now_us); }
   /// Streams without a lease (FD05), or no longer.

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <optional>
 
+#include "triskin/logic/neighbours.hpp"
 #include "triskin/logic/topology.hpp"
 #include "triskin/ports/ports.hpp"
+#include "triskin/wire/adoption.hpp"
 #include "triskin/wire/topology.hpp"
 
 namespace triskin::fw {
 
 /// Keeps a patch of switched modules routed. Heals after power-up and a new table, when the chain does not give back
 /// what was written, when a line is held low, on command, and, while modules of the table are missing, after pauses
-/// that grow. Without a chain, or when no module answers on it, the modules are strapped: nothing is done.
+/// that grow. Offers modules out of reach to the neighbouring controllers and takes in those that they offer. Without a
+/// chain, or when no module answers on it, the modules are strapped: nothing is done.
 class RouteKeeper {
  public:
   static constexpr std::uint64_t kCheckEvery_us = 5'000;  ///< 64 µs each with 16 modules
@@ -29,7 +33,9 @@ class RouteKeeper {
   /// No module of the table answers: perhaps a switched patch that has power only now. A healing is due after a pause.
   void nothing_answers(std::uint64_t now_us);
   /// True when sampling must pause and heal() be called then.
-  [[nodiscard]] bool due(std::uint64_t now_us) const { return present_ && now_us >= heal_at_us_; }
+  [[nodiscard]] bool due(std::uint64_t now_us) const {
+    return present_ && (now_us >= heal_at_us_ || (switched() && now_us >= neighbours_.look_us()));
+  }
   /// Takes up to about 60 ms with 16 modules.
   void heal(const Clock& clock);
   /// True when a module answers on the chain.
@@ -40,6 +46,15 @@ class RouteKeeper {
   [[nodiscard]] bool check_due(std::uint64_t now_us) const { return switched() && now_us >= check_at_us_; }
   /// Time at which a check or a discovery is due, µs; UINT64_MAX: never.
   [[nodiscard]] std::uint64_t next_event_us() const;
+
+  /// False: the frame is no wire::Reach. `own_node`: node address of this controller.
+  bool hear(const wire::CanFrame& frame, std::uint8_t own_node, std::uint64_t now_us);
+  /// What the others are to know now; empty: nothing new, or not yet. Said again until told() confirms it.
+  [[nodiscard]] std::optional<wire::Reach> to_tell(std::uint8_t own_node, std::uint64_t now_us) const;
+  /// to_tell() was sent (true), or found no room and waits a little.
+  void told(bool sent, std::uint64_t now_us);
+  /// What is offered and what was taken in, as FD0E reports it.
+  [[nodiscard]] const wire::Adoption& adoption() const { return adoption_; }
 
   /// What is routed now, as FD08 reports it.
   [[nodiscard]] const wire::ActiveRoute& route() const { return route_; }
@@ -57,6 +72,9 @@ class RouteKeeper {
     [[nodiscard]] std::uint8_t stuck_lines() override { return 0; }
   };
   void note(const Topology::Report& report);
+  void note_guests();
+  void offer(const Topology::Report& report, std::uint64_t now_us);
+  void set_offered(std::uint16_t rows);
   void plan_next(std::uint64_t now_us);
 
   NoChain absent_;
@@ -64,6 +82,11 @@ class RouteKeeper {
   bool present_;
   Topology::Table table_;
   wire::ActiveRoute route_;
+  Neighbours neighbours_;
+  wire::Adoption adoption_;
+  bool beyond_ = false;    // the next look is on command
+  bool returned_ = false;  // neighbours were asked to give modules back before this look
+  std::uint64_t tell_at_us_ = UINT64_MAX;
   bool complete_discovery_ = false;
   std::uint8_t held_lines_ = 0;  // reported already
   std::uint64_t heal_at_us_ = UINT64_MAX, check_at_us_ = 0;

@@ -18,6 +18,7 @@
 #include "triskin/logic/reading_schedule.hpp"
 #include "triskin/logic/table_row.hpp"
 #include "triskin/ports/ports.hpp"
+#include "triskin/wire/adoption.hpp"
 #include "triskin/wire/uds.hpp"
 
 namespace triskin::fw {
@@ -46,6 +47,9 @@ class LineSampler {
   /// Forgets everything but the offsets and starts anew with those modules of the table that hang on this line.
   void begin(I2cLine& line, std::uint8_t line_index, const Patch& patch, const Sampling& sampling,
              std::uint64_t now_us);
+  /// Replaces the modules that the table does not know: guest k has row `own_rows` + k and is read where it says. The
+  /// modules of the table go on as they were. Between pause() and resume(), when no transfer is under way.
+  void replace_guests(std::size_t own_rows, std::span<const wire::Guest> guests, std::uint64_t now_us);
   /// Also without a table: finds what answers at the four addresses; scan() has the result.
   void request_scan();
   /// Finds, configures and checks every chip of the line again.

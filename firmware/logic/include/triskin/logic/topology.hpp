@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/logic/table_row.hpp"
@@ -34,6 +35,8 @@ class ChainDriver {
   explicit ChainDriver(RouteChain& port) : port_(port) {}
   /// Closes everything, then lets the module at a cable (0, 1) in. False: no module answers.
   bool restart(std::uint8_t cable);
+  /// After restart() failed: a module is at that cable, and another controller holds it.
+  [[nodiscard]] bool refused() const { return refused_; }
   void set_address(std::uint8_t module, LineAddress address);
   /// Opens a port that is last in the chain; when a module comes in it gets the number `child`.
   Answer open(std::uint8_t module, std::uint8_t port, std::uint8_t child);
@@ -66,6 +69,7 @@ class ChainDriver {
   std::array<std::uint8_t, layout::kMaxModules> order_{};
   std::size_t length_ = 0;
   std::uint16_t members_ = 0;
+  bool refused_ = false;
 };
 
 /// Finds all modules and joints of a patch, and keeps it alive around what breaks. Sampling must pause while it works.
@@ -80,6 +84,14 @@ class Topology {
     bool as_table = false;       ///< heal(): the table's tree is up
     bool second_cable = false;   ///< module 0 is the one at the second cable
     std::uint8_t unknown = 0;    ///< heal(): modules found at places that the table does not know; left closed
+    std::uint16_t held = 0;      ///< heal(): bit m: module m of the table is there, and another controller holds it
+  };
+
+  /// How far a look goes beyond the joints of the table. Ports to a neighbouring patch have none.
+  enum class Look : std::uint8_t {
+    kOwn,     ///< such ports stay closed: what is behind them may be in the middle of its own controller's look
+    kBeyond,  ///< they are probed; what is there is noted and left closed
+    kAdopt,   ///< they are probed; what is there and held by nobody is taken in, while the table leaves addresses
   };
 
   /// What the table says: joints, addresses and tree, by row.
@@ -94,7 +106,7 @@ class Topology {
   explicit Topology(RouteChain& port) : chain_(port) {}
 
   /// Depth-first probing, then the far end of every joint that closes a cycle. Ends after at most 64 restarts.
-  Report discover();
+  Report discover() { return discover(nullptr, Look::kBeyond); }
   [[nodiscard]] const PatchGraph& graph() const { return graph_; }
   /// Module 0 of graph() is the one at the second cable.
   [[nodiscard]] bool second_cable() const { return cable_ == 1; }
@@ -102,24 +114,40 @@ class Topology {
   /// Discovers anew and activates the table's tree where all of it is there, else the tree of least depth over the
   /// joints of the table that survive. A module keeps its address. Where no tree comes up, no module is reached. The
   /// second cable serves when nobody answers at the first, or less than half of the table does and more is behind the
-  /// second.
-  Report heal(const Table& table);
+  /// second. Guests are left out where the tree does not come up with them.
+  Report heal(const Table& table, Look look = Look::kBeyond);
   /// Cheap check before and after a sampling cycle; false: samples of the cycle are not to be trusted, heal.
   bool intact() { return chain_.check(); }
   /// After intact() failed: writes the registers again. True: that was all; the same modules are in the tree.
   bool refresh() { return chain_.check() && chain_.settle() && chain_.check(); }
-  /// Row of a module of graph() after heal(), kNoTableRow when the table does not know it.
+  /// Row of a module of graph() after heal(); of guest k the number of rows of the table + k; kNoTableRow for any other
+  /// that the table does not know.
   [[nodiscard]] TableRow row_of(std::uint8_t module) const { return table_row(table_index_[module]); }
   /// Module of graph() and its output port on which a module of graph() hangs in the active tree.
   [[nodiscard]] JointEnd parent_of(std::uint8_t module) const { return parent_[module]; }
+  /// Modules of graph() that were taken in and that the table does not know; a parent stands before its children.
+  [[nodiscard]] std::span<const std::uint8_t> guests() const { return {guests_.data(), guest_count_}; }
+  /// Where a module of the tree is read.
+  [[nodiscard]] LineAddress address_of(std::uint8_t module) const { return address_[module]; }
+  /// Port of a module of graph() that leads to its parent.
+  [[nodiscard]] std::uint8_t input_of(std::uint8_t module) const { return input_[module]; }
 
  private:
   enum class Port : std::uint8_t { kUnknown, kInput, kNothing, kChild, kJoined, kBad };
   using Exclusions = std::array<std::uint8_t, layout::kMaxModules>;
 
   enum class Pass : std::uint8_t { kDone, kAgain, kNobody };
+  Report discover(const Table* table, Look look);
   Pass explore();
-  Report find(const Table& table);
+  Report find(const Table& table, Look look);
+  [[nodiscard]] JointEnd expected_cable() const;
+  [[nodiscard]] bool within_table(std::uint8_t module, std::uint8_t port) const;
+  [[nodiscard]] bool stays_closed(std::uint8_t module, std::uint8_t port) const;
+  [[nodiscard]] bool has_room_behind(std::uint8_t module, std::uint8_t port) const;
+  void expect(std::uint8_t child);
+  [[nodiscard]] std::uint16_t held_rows(const Table& table) const;
+  void invite_guests(const Table& table);
+  void graft_guests(const std::array<JointEnd, layout::kMaxModules>& as_found);
   [[nodiscard]] bool more_behind_second(const Table& table, const Report& report) const;
   Pass probe(std::uint8_t module, std::uint8_t port);
   Pass match();
@@ -155,6 +183,13 @@ class Topology {
   std::uint8_t shorts_ = 0, ends_left_ = 0;
   std::uint8_t first_tried_ = 0, cable_ = 0;  // cables: where explore() begins, and where it got in
   std::uint8_t held_lines_ = 0;               // low already with the entry module alone
+  bool entry_held_ = false;                   // by another controller, at the first cable
+  const Table* expected_table_ = nullptr;     // during discover(); null: none
+  Look look_ = Look::kBeyond;
+  std::array<std::uint8_t, layout::kMaxModules> expected_{};  // row by the table, if all is as it says; no module: none
+  std::uint8_t strangers_ = 0;                                // modules with no expected row
+  std::array<std::uint8_t, layout::kMaxModules> guests_{};
+  std::size_t guest_count_ = 0;
   std::array<std::uint8_t, layout::kMaxModules> table_index_{};
   std::array<LineAddress, layout::kMaxModules> address_{};  // by discovery number
 };

@@ -26,4 +26,17 @@ using PortEnds = std::vector<std::array<PortEnd, layout::kPorts>>;
 /// Cost: O(n²) of the patch.
 [[nodiscard]] PortEnds joints_of(const Design& design, int patch, std::span<const int> rotations = {});
 
+/// Far end of a port, by module id; −1 for none.
+struct ModuleEnd {
+  int module = -1;
+  int port = 0;
+  bool operator==(const ModuleEnd&) const = default;
+};
+
+/// All joints by module and port: those inside the patches, and those between modules of two patches that lie side by
+/// side; none where the cable of an entry or second entry is plugged in. `rotations` by module, 0 … 2, as the modules
+/// are really turned; empty: as designed. Errors: std::out_of_range for a module that the design lacks. Cost: O(n).
+[[nodiscard]] std::vector<std::array<ModuleEnd, layout::kPorts>> module_ends(const Design& design,
+                                                                             std::span<const int> rotations = {});
+
 }  // namespace triskin::design

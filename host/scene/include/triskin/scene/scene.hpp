@@ -120,7 +120,8 @@ struct Effects {
 
 struct Scene {
   design::Design design;
-  bool switched = false;  ///< modules that the controller routes (docs/switched_module.md); false: strapped
+  bool switched = false;       ///< modules that the controller routes (docs/switched_module.md); false: strapped
+  bool border_joints = false;  ///< of switched modules: also between two patches that lie side by side
   std::uint64_t seed = 1;
   std::vector<Contact> contacts;
   PressureCurve pressure;  ///< on every taxel, beside the contacts

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <random>
 #include <span>
 #include <vector>
@@ -13,6 +14,8 @@ namespace triskin::scene {
 
 /// Switched modules and their joints: registers, arbiters, constants of broken chains, faults, virtual time. The chain
 /// moves whole bytes, which is exact because every register is one byte long, and single bits only while they can flip.
+/// Modules of several patches that are joined are one object with a controller for each patch. As a ChainModel it is
+/// the chain of controller 0.
 class SwitchedPatch final : public sim::ChainModel {
  public:
   using End = design::PortEnd;  ///< by row of the patch
@@ -22,15 +25,20 @@ class SwitchedPatch final : public sim::ChainModel {
   /// `cable_port`.
   SwitchedPatch(std::vector<std::array<End, layout::kPorts>> joints, int cable_port, std::uint64_t seed);
 
-  void enable(std::uint8_t cables) override;
-  void exchange(Bytes out, std::span<std::uint8_t> in) override;
-  void latch() override;
-  [[nodiscard]] std::uint8_t stuck_lines() const override;
+  void enable(std::uint8_t cables) override { enable(0, cables); }
+  void exchange(Bytes out, std::span<std::uint8_t> in) override { exchange(0, out, in); }
+  void latch() override { latch(0); }
+  [[nodiscard]] std::uint8_t stuck_lines() const override { return stuck_lines(0); }
+
+  /// Plugs the cable of one more controller into a port without joint; result: its number, from 1 on.
+  int add_controller(End cable);
+  /// The chain of a controller, as its master sees it; valid as long as this. Throws std::out_of_range.
+  [[nodiscard]] sim::ChainModel& chain_of(int controller);
 
   // Modules are numbered by their position in the patch, ports 0..2, lines 0..3.
 
-  /// Plugs a second cable into a port without joint.
-  void set_second_cable(End end) { cables_[1] = end; }
+  /// Plugs a second cable of a controller into a port without joint.
+  void set_second_cable(End end, int controller = 0) { at_controller(controller).cables[1] = end; }
   /// Takes the supply of a module's logic away (true) or gives it back.
   void set_dead(int module, bool dead);
   /// Sets the fault of the joint at `end`, for both of its ends.
@@ -45,13 +53,17 @@ class SwitchedPatch final : public sim::ChainModel {
   void set_bit_error_rate(double rate) { bit_errors_ = rate; }
 
   /// True: the lines of the controller reach the module.
-  [[nodiscard]] bool reached(int module) const;
+  [[nodiscard]] bool reached(int module) const { return controller_of(module) >= 0; }
+  /// The controller whose lines reach the module; −1: nobody's.
+  [[nodiscard]] int controller_of(int module) const { return walk_up(module).controller; }
+  /// Bit l: line l of a controller is low while nobody drives it.
+  [[nodiscard]] std::uint8_t stuck_lines(int controller) const;
   /// Line 0..3 that the module's register selects.
   [[nodiscard]] int line_of(int module) const { return output(module) & 3; }
   /// Address 0..3 on that line that the module's register selects.
   [[nodiscard]] int address_of(int module) const { return output(module) >> 2 & 3; }
   /// Number of joints between module and cable; −1: not reached.
-  [[nodiscard]] int depth_of(int module) const;
+  [[nodiscard]] int depth_of(int module) const { return walk_up(module).depth; }
   /// Time that the exchanges of the chain have taken since construction, µs.
   [[nodiscard]] double time_us() const { return time_us_; }
 
@@ -62,6 +74,31 @@ class SwitchedPatch final : public sim::ChainModel {
     bool dead = false;
     int stuck_line = -1, stuck_bit = -1, stuck_value = 0;
   };
+  struct Controller {
+    std::array<End, 2> cables;
+    std::uint8_t enabled = 0;  // bit c: EN of cable c
+  };
+  class Chain final : public sim::ChainModel {
+   public:
+    Chain(SwitchedPatch& patch, int controller) : patch_(patch), controller_(controller) {}
+    void enable(std::uint8_t cables) override { patch_.enable(controller_, cables); }
+    void exchange(Bytes out, std::span<std::uint8_t> in) override { patch_.exchange(controller_, out, in); }
+    void latch() override { patch_.latch(controller_); }
+    [[nodiscard]] std::uint8_t stuck_lines() const override { return patch_.stuck_lines(controller_); }
+
+   private:
+    SwitchedPatch& patch_;
+    int controller_;
+  };
+  struct WayUp {
+    int depth = -1, controller = -1;
+  };
+  void enable(int controller, std::uint8_t cables);
+  void exchange(int controller, Bytes out, std::span<std::uint8_t> in);
+  void latch(int controller);
+  [[nodiscard]] WayUp walk_up(int module) const;
+  [[nodiscard]] Controller& at_controller(int c) { return controllers_.at(static_cast<std::size_t>(c)); }
+  [[nodiscard]] const Controller& at_controller(int c) const { return controllers_.at(static_cast<std::size_t>(c)); }
   [[nodiscard]] Module& at(int m) { return modules_[static_cast<std::size_t>(m)]; }
   [[nodiscard]] const Module& at(int m) const { return modules_[static_cast<std::size_t>(m)]; }
   [[nodiscard]] End end(int m, int p) const {
@@ -71,12 +108,12 @@ class SwitchedPatch final : public sim::ChainModel {
     return faults_[static_cast<std::size_t>(m)][static_cast<std::size_t>(p)];
   }
   [[nodiscard]] std::uint8_t output(int m) const;
-  [[nodiscard]] std::uint8_t opened(int m) const;      ///< EN outputs
-  [[nodiscard]] std::uint8_t raised(int m) const;      ///< EN inputs
-  [[nodiscard]] bool at_cable(int m, int port) const;  ///< one whose EN is high
+  [[nodiscard]] std::uint8_t opened(int m) const;     ///< EN outputs
+  [[nodiscard]] std::uint8_t raised(int m) const;     ///< EN inputs
+  [[nodiscard]] int at_cable(int m, int port) const;  ///< controller of a cable there whose EN is high; −1: none
   [[nodiscard]] bool attached_child(int m, int p) const;
-  [[nodiscard]] bool shorted() const;
-  [[nodiscard]] std::vector<std::vector<int>> chains() const;
+  [[nodiscard]] bool shorted(int controller) const;
+  [[nodiscard]] std::vector<std::vector<int>> chains(int controller) const;
   void collect(int m, std::vector<int>& chain) const;
   std::uint8_t shift_byte(const std::vector<int>& chain, std::uint8_t carry);
   std::uint8_t shift_bits(const std::vector<int>& chain, std::uint8_t out);
@@ -85,8 +122,8 @@ class SwitchedPatch final : public sim::ChainModel {
   std::vector<std::array<End, layout::kPorts>> joints_;
   std::vector<std::array<JointFault, layout::kPorts>> faults_;
   std::vector<Module> modules_;
-  std::array<End, 2> cables_;
-  std::uint8_t enabled_ = 0;  // bit c: EN of cable c
+  std::vector<Controller> controllers_;
+  std::deque<Chain> chains_;  // by controller
   double bit_errors_ = 0.0, time_us_ = 0.0;
   std::mt19937_64 random_, flips_;
 };

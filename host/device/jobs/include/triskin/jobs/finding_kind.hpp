@@ -47,10 +47,11 @@ enum class FindingKind {
   kRotatedModule,  ///< turned by 120° or 240° against the design
   kWrongEntry,     ///< the cable is plugged into another side or module
   kSecondCable,    ///< the patch is read over its second cable
+  kAdoptedModule,  ///< out of reach of its controller; the controller of another patch reads it
 };
 
 /// Names in reports and in --json.
-inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 33>{{
+inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, std::string_view>, 34>{{
     {FindingKind::kAbsentController, "absent_controller"},
     {FindingKind::kDuplicateController, "duplicate_controller"},
     {FindingKind::kNotFlashed, "not_flashed"},
@@ -84,6 +85,7 @@ inline constexpr NameTable kFindingKindNames{std::array<std::pair<FindingKind, s
     {FindingKind::kRotatedModule, "rotated_module"},
     {FindingKind::kWrongEntry, "wrong_entry"},
     {FindingKind::kSecondCable, "second_cable"},
+    {FindingKind::kAdoptedModule, "adopted_module"},
 }}};
 
 }  // namespace triskin::device

@@ -8,6 +8,7 @@
 
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/session/bus.hpp"
+#include "triskin/wire/adoption.hpp"
 #include "triskin/wire/faults.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
@@ -58,6 +59,8 @@ class Controller {
   wire::FoundTopology topology();
   /// Tree over which the modules are read now.
   wire::ActiveRoute route();
+  /// What it does not reach, and which modules of other patches it reads; nothing of both from an older firmware.
+  wire::Adoption adoption();
   /// State and number of recoveries of each line.
   wire::LineStates line_states();
   /// Counters since the controller started.

@@ -14,6 +14,7 @@
 #include "triskin/session/bus.hpp"
 #include "triskin/session/bus_budget.hpp"
 #include "triskin/session/clock_filter.hpp"
+#include "triskin/session/guest_modules.hpp"
 #include "triskin/session/sample_account.hpp"
 #include "triskin/session/stream_report.hpp"
 #include "triskin/wire/sampling.hpp"
@@ -30,6 +31,7 @@ struct ModuleFrame {
   wire::FullTaxels sample;
   int cover = 0;       ///< which of the stream's designs
   LinkTime sampled{};  ///< when the controller took it (ClockFilter)
+  int adopter = -1;    ///< patch whose controller read it in place of the module's own; −1: its own did
 };
 
 struct StreamOptions {
@@ -100,6 +102,7 @@ class Stream {
     std::uint64_t asked_us = 0;          // clock of the link when its clock was asked for last
     std::uint64_t newest_device_us = 0;  // time stamp of its newest sample
     std::uint64_t due = 0;               // samples of a module by the rate, known at the end
+    GuestReader guests;
     bool silent = false;
     bool begun = false;
     std::deque<std::pair<wire::FullTaxels, std::uint64_t>> early;  // before the account has begun, and when they came
@@ -118,6 +121,9 @@ class Stream {
   void ask_clock(std::uint8_t address, Node& node);
   void handle(const wire::CanFrame& frame);
   void take(Node& node, const wire::FullTaxels& sample, std::uint64_t heard_us);
+  void take_guest(Node& node, const wire::FullTaxels& sample, std::uint64_t heard_us);
+  void ask_guests();
+  [[nodiscard]] bool read_by_another(const Node& node, int module) const;
   void end(std::uint8_t address, Node& node);
   void wait_for_rest();
   [[nodiscard]] std::uint64_t silence_us(const Node& node) const;
@@ -126,6 +132,7 @@ class Stream {
   OnFrame handler_;
   std::function<void(const std::string&)> say_;
   std::vector<std::string> covers_;  // their names
+  std::vector<ModuleEnds> ends_;     // their joints
   std::map<std::uint8_t, Node> nodes_;
   BusBudget budget_;
   std::uint32_t reader_ = 0;

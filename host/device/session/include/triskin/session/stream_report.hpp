@@ -19,6 +19,16 @@ struct ModuleCounts {
   [[nodiscard]] bool never_heard() const { return counts.expected > 0 && counts.with_data == 0; }
 };
 
+/// Account of a module that the controller of another patch read for a time (docs/switched_module.md, "Adoption").
+/// Beside it the module has its account in StreamReport::modules, of its own controller.
+struct AdoptedCounts {
+  int module = -1;  ///< id in the design; −1: the design has no module there
+  int patch = 0;    ///< of the controller that read it
+  SampleCounts counts;
+  bool now = false;  ///< its samples come still
+  int cover = 0;     ///< which of the stream's designs
+};
+
 /// What is known of a controller's clock.
 struct ClockState {
   int cover = 0;  ///< which of the stream's designs
@@ -31,7 +41,8 @@ struct ClockState {
 
 /// What a reader of the stream got of what was due.
 struct StreamReport {
-  std::vector<ModuleCounts> modules;  ///< by patch, then by row of the table
+  std::vector<ModuleCounts> modules;   ///< by patch, then by row of the table
+  std::vector<AdoptedCounts> adopted;  ///< by patch, then in the order in which they were taken in
   SampleCounts total;
   std::uint64_t lost_bus = 0;      ///< part of total.on_the_way: between controller and this computer
   std::uint64_t lost_host = 0;     ///< the rest of it: this computer threw them away, or let its lease lapse
@@ -48,7 +59,7 @@ struct StreamReport {
   }
 };
 
-/// Fills everything that follows from `modules`. `thrown_away`: frames that this computer threw away.
+/// Fills everything that follows from `modules` and `adopted`. `thrown_away`: frames that this computer threw away.
 void sum_up(StreamReport& report, std::uint64_t thrown_away);
 
 /// What a person is told: the counts in one sentence, then one for each thing that is missing, with the remedy.

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "triskin/wire/adoption.hpp"
+
+namespace triskin::fw {
+
+/// What the controllers of neighbouring patches offer, and when a look at the patch is due because of it. A look while
+/// open() may take in their modules. Pure: time comes as an argument. docs/switched_module.md, "Adoption".
+class Neighbours {
+ public:
+  static constexpr std::uint64_t kRepeat_us = 1'000'000;  ///< between two frames of an owner that offers modules
+  static constexpr std::uint64_t kForget_us = 3'000'000;  ///< an offer that is not repeated ends
+  static constexpr std::uint64_t kTurn_us = 100'000;      ///< adopters of one offer look one after the other
+  static constexpr std::uint64_t kHandBack_us = 100'000;  ///< an owner waits so long before it takes its modules back
+  static constexpr std::uint64_t kKeepAway_us = 300'000;  ///< nobody takes them in meanwhile: kHandBack_us and a look
+  static constexpr std::uint64_t kNever_us = UINT64_MAX;
+
+  /// A frame of another controller came. `own_node`: decides whose turn it is. `guests`: modules are taken in now.
+  void hear(const wire::Reach& reach, std::uint8_t own_node, bool guests, std::uint64_t now_us);
+  /// Offers that were not repeated end.
+  void tick(bool guests, std::uint64_t now_us);
+  /// A look begins. True: it may take modules in; else what was taken in is given back.
+  [[nodiscard]] bool begin_look(std::uint64_t now_us);
+  /// When a look is due because of the neighbours.
+  [[nodiscard]] std::uint64_t look_us() const { return look_us_; }
+  /// When tick() has work.
+  [[nodiscard]] std::uint64_t next_event_us() const;
+
+ private:
+  struct Offer {
+    std::uint8_t node = 0;  // 0: none
+    std::uint16_t rows = 0;
+    std::uint64_t until_us = 0;
+  };
+  static constexpr std::size_t kMostOffers = 4;  // a fifth owner is heard when one of these has got its modules back
+  [[nodiscard]] bool any() const;
+  void end(Offer& offer, bool guests, std::uint64_t now_us);
+
+  std::array<Offer, kMostOffers> offers_{};
+  std::uint64_t look_us_ = kNever_us, away_until_us_ = 0;
+};
+
+}  // namespace triskin::fw

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// When a controller looks beyond its border, and when it gives back: by hand.
+#include "triskin/logic/neighbours.hpp"
+
+#include <gtest/gtest.h>
+
+namespace triskin::fw {
+namespace {
+
+constexpr std::uint8_t kOwn = 5;  // its turn is the second one: 5 mod 4 = 1
+constexpr wire::Reach kOffer{9, 0b0110, 0, 0}, kNothing{9, 0, 0, 0};
+
+TEST(Neighbours, look_once_at_an_offer_in_their_turn) {
+  Neighbours n;
+  EXPECT_FALSE(n.begin_look(0));
+  n.hear(kOffer, kOwn, false, 1'000'000);
+  EXPECT_EQ(n.look_us(), 1'200'000U);
+  EXPECT_TRUE(n.begin_look(1'200'000));
+  EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
+  n.hear(kOffer, kOwn, true, 2'000'000);  // said again: nothing new
+  EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
+  n.hear({9, 0b0010, 0, 0}, kOwn, true, 2'500'000);  // one has come back without our help
+  EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
+  n.hear({9, 0b1010, 0, 0}, kOwn, true, 3'000'000);  // one more is offered
+  EXPECT_EQ(n.look_us(), 3'200'000U);
+}
+
+TEST(Neighbours, give_back_at_once_when_the_owner_asks) {
+  Neighbours n;
+  n.hear(kOffer, kOwn, false, 0);
+  EXPECT_TRUE(n.begin_look(200'000));
+  n.hear(kNothing, kOwn, true, 5'000'000);
+  EXPECT_EQ(n.look_us(), 5'000'000U);
+  EXPECT_FALSE(n.begin_look(5'000'100));  // closes what was open
+  EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
+  n.hear(kNothing, kOwn, false, 6'000'000);  // nothing was taken in: nothing to do
+  EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
+}
+
+TEST(Neighbours, keep_away_until_the_owner_has_looked) {
+  Neighbours n;
+  n.hear(kOffer, kOwn, false, 0);
+  n.hear({10, 1, 0, 0}, kOwn, false, 0);  // a second owner
+  EXPECT_TRUE(n.begin_look(200'000));
+  n.hear(kNothing, kOwn, true, 1'000'000);
+  EXPECT_FALSE(n.begin_look(1'000'000));
+  EXPECT_EQ(n.look_us(), 1'300'000U);     // for those of the second one
+  EXPECT_FALSE(n.begin_look(1'100'000));  // a look for another reason meanwhile takes nothing in
+  EXPECT_TRUE(n.begin_look(1'300'000));
+  n.hear(kNothing, kOwn, true, 2'000'000);  // said again, as after a restart of the owner
+  EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
+  n.hear(kOffer, kOwn, true, 2'000'000);  // what the owner has not got back
+  EXPECT_EQ(n.look_us(), 2'200'000U);
+}
+
+TEST(Neighbours, forget_an_owner_that_falls_silent) {
+  Neighbours n;
+  n.hear(kOffer, kOwn, false, 0);
+  EXPECT_TRUE(n.begin_look(200'000));
+  EXPECT_EQ(n.next_event_us(), 3'000'000U);
+  n.tick(true, 2'999'999);
+  EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
+  n.tick(true, 3'000'000);
+  EXPECT_EQ(n.look_us(), 3'000'000U);
+  EXPECT_FALSE(n.begin_look(3'000'000));
+}
+
+TEST(Neighbours, a_fifth_owner_waits_for_a_place) {
+  Neighbours n;
+  for (std::uint8_t node = 1; node <= 4; ++node) n.hear({node, 1, 0, 0}, kOwn, false, 0);
+  EXPECT_TRUE(n.begin_look(200'000));
+  n.hear({6, 1, 0, 0}, kOwn, true, 300'000);
+  EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
+  n.hear({2, 0, 0, 0}, kOwn, true, 400'000);
+  EXPECT_FALSE(n.begin_look(400'000));
+  n.hear({6, 1, 0, 0}, kOwn, false, 1'000'000);  // repeated each second
+  EXPECT_EQ(n.look_us(), 700'000U);              // the look after the pause is first
+}
+
+}  // namespace
+}  // namespace triskin::fw
