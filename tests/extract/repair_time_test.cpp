@@ -104,7 +104,7 @@ TEST(RepairTime, settling_gives_up_without_a_look_at_the_sky) {
   test::damage::noise(mesh, dice);
   const Outcome whole = repaired(mesh, "", kPlenty_s), late = repaired(mesh, "settling the repair", kPlenty_s);
   expect_honest(late, mesh);
-  EXPECT_LE(late.extraction.surface.faces.size(), whole.extraction.surface.faces.size());
+  EXPECT_NE(late.extraction.surface.faces.size(), whole.extraction.surface.faces.size());  // others of a pair went
 }
 
 TEST(RepairTime, wrapping_gives_up_and_a_grid_follows) {

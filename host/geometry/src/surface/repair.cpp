@@ -37,7 +37,7 @@ constexpr double kGridNodes = 1.5e6;
 constexpr double kGridCost_s = 1e-4;  // for each cell² of the area, with all that follows, measured
 constexpr double kLeastCell_mm = 1.0;
 // Of the time, what each part may take at most; together more than all, since few meshes need all of them.
-constexpr double kDivideShare = 0.3, kWrapShare = 0.4, kNearShare = 0.15, kSettleShare = 0.15, kMeasureShare = 0.12;
+constexpr double kDivideShare = 0.4, kWrapShare = 0.4, kNearShare = 0.15, kSettleShare = 0.15, kMeasureShare = 0.12;
 constexpr double kLeastGridShare = 0.2;
 constexpr double kNeedle = 1e-5;        // twice the area to the square of the longest side
 constexpr int kRoundsNear = 6;          // of drawing a grid's surface to the input
@@ -145,31 +145,26 @@ void close_slits(Mesh& mesh, const IsLate& is_late) {
   }
 }
 
-// What decides which of two faces that cross goes: the sky that each sees, or where they are too many to ask in
-// `sky_s`, its area.
-std::map<int, double> worth_of(const Mesh& mesh, const Pairs& crossings, double sky_s) {
+// What decides which of two faces that cross goes: the sky that each sees, or where that is not asked, its area.
+std::map<int, double> worth_of(const Mesh& mesh, const Pairs& crossings, double sky_s, bool is_late) {
   std::vector<int> asked;
   for (const auto& [a, b] : crossings) asked.insert(asked.end(), {a, b});
   std::ranges::sort(asked);
   asked.erase(std::ranges::unique(asked).begin(), asked.end());
-  const bool few = asked.size() <= faces_asked_in(sky_s);
-  const std::vector<Sky> sky = few ? sky_of(mesh, asked) : std::vector<Sky>{};
+  const bool asks_sky = !is_late && asked.size() <= faces_asked_in(sky_s);
+  const std::vector<Sky> sky = asks_sky ? sky_of(mesh, asked) : std::vector<Sky>{};
   std::map<int, double> worth;
   for (std::size_t k = 0; k < asked.size(); ++k)
-    worth[asked[k]] = few ? std::max(sky[k].front, sky[k].back) : area_of_face(mesh, asked[k]);
+    worth[asked[k]] = asks_sky ? std::max(sky[k].front, sky[k].back) : area_of_face(mesh, asked[k]);
   return worth;
 }
 
-// Of two faces that cross the one of less worth goes; when late both, which needs fewer rounds.
+// Of two faces that cross the one of less worth goes.
 Mesh without_crossings(const Mesh& mesh, const Pairs& crossings, double sky_s, bool is_late) {
+  const std::map<int, double> worth = worth_of(mesh, crossings, sky_s, is_late);
   std::vector<bool> gone(mesh.faces.size(), false);
-  std::map<int, double> worth;
-  if (!is_late) worth = worth_of(mesh, crossings, sky_s);
   for (const auto& [a, b] : crossings) {
-    if (is_late)
-      gone[at(a)] = gone[at(b)] = true;
-    else if (!gone[at(a)] && !gone[at(b)])
-      gone[at(worth[a] < worth[b] ? a : b)] = true;
+    if (!gone[at(a)] && !gone[at(b)]) gone[at(worth.at(a) < worth.at(b) ? a : b)] = true;
   }
   Mesh result{mesh.vertices, {}};
   for (std::size_t f = 0; f < gone.size(); ++f) {
@@ -178,11 +173,13 @@ Mesh without_crossings(const Mesh& mesh, const Pairs& crossings, double sky_s, b
   return result;
 }
 
-// Divides what crosses, in a child process: exact constructions may take long.
-std::optional<Mesh> divided(const Mesh& mesh, unsigned cpu_s, const IsLate& is_late) {
+// Divides what crosses, in a child process: exact constructions may take long. A round that begins late might leave
+// nothing of those before it.
+std::optional<Mesh> divided(const Mesh& mesh, const RepairTime& time) {
+  const IsLate is_half_over = time.part(0.5 * kDivideShare);
   const auto work = [&] {
     Mesh m = mesh;
-    for (int round = 0; round < kRoundsDivided; ++round) {
+    for (int round = 0; round < kRoundsDivided && (round == 0 || !is_half_over()); ++round) {
       const Mesh whole = joined(m).surface;
       const Pairs crossings = crossing_faces(whole);
       if (crossings.empty()) break;
@@ -203,7 +200,7 @@ std::optional<Mesh> divided(const Mesh& mesh, unsigned cpu_s, const IsLate& is_l
           return {};
         }
       },
-      cpu_s, is_late);
+      time.cpu_s(kDivideShare), time.part(kDivideShare));
   if (!answer || answer->empty()) return std::nullopt;
   return mesh_of(*answer);
 }
@@ -367,7 +364,7 @@ class Repairer {
       // shattered: only the wraps help
       crossings_ = static_cast<int>(crossing_faces(mesh_).size());
     }
-    const auto parts = divided(input, time_.cpu_s(kDivideShare), time_.part(kDivideShare));
+    const auto parts = divided(input, time_);
     reference_ = reference_of(parts ? *parts : input, options_.sky_fraction, sky_s());
     try_settling(without_hidden_parts(reference_.mesh, sky_s()), Repair::kLocal,
                  options_.outer == ExtractOptions::When::kAlways);
