@@ -4,14 +4,13 @@
 // TRISKIN_BROKEN_FIRST=k leaves out the first k of them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cstdlib>
-#include <filesystem>
-#include <limits>
+#include <string_view>
+#include <utility>
 
 #include "extract/broken_meshes.hpp"
+#include "extract/distances.hpp"
 #include "triskin/geometry/extract.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/host/error.hpp"
@@ -23,58 +22,6 @@ using geometry::Extraction;
 using geometry::ExtractOptions;
 using geometry::Mesh;
 using geometry::Vec3;
-namespace fs = std::filesystem;
-
-// Point to triangle by its sides and its plane: shares nothing with the regions of the solver.
-double distance_to(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const auto to_segment = [&](const Vec3& s, const Vec3& e) {
-    const double length = (e - s).squaredNorm();
-    const double t = length > 0.0 ? std::clamp((p - s).dot(e - s) / length, 0.0, 1.0) : 0.0;
-    return (s + t * (e - s) - p).norm();
-  };
-  double best = std::min({to_segment(a, b), to_segment(b, c), to_segment(c, a)});
-  const Vec3 n = (b - a).cross(c - a);
-  if (!(n.squaredNorm() > 0.0)) return best;
-  const bool inside =
-      (b - a).cross(p - a).dot(n) >= 0.0 && (c - b).cross(p - b).dot(n) >= 0.0 && (a - c).cross(p - c).dot(n) >= 0.0;
-  return inside ? std::min(best, std::abs((p - a).dot(n)) / n.norm()) : best;
-}
-
-double distance_to(const Vec3& p, const Mesh& mesh) {
-  double best = std::numeric_limits<double>::infinity();
-  for (const auto& f : mesh.faces) {
-    const auto& v = mesh.vertices;
-    best = std::min(best, distance_to(p, v[static_cast<std::size_t>(f[0])], v[static_cast<std::size_t>(f[1])],
-                                      v[static_cast<std::size_t>(f[2])]));
-  }
-  return best;
-}
-
-// Largest distance of random points of a mesh to another.
-double sampled_distance(const Mesh& from, const Mesh& to, test::Dice& dice, int samples) {
-  double most = 0.0;
-  for (int k = 0; k < samples; ++k) {
-    const auto& f = from.faces[test::pick(dice, from.faces.size())];
-    double s = test::dice(dice, 0.0, 1.0), t = test::dice(dice, 0.0, 1.0);
-    if (s + t > 1.0) {
-      s = 1.0 - s;
-      t = 1.0 - t;
-    }
-    const auto& v = from.vertices;
-    const Vec3 p = (1.0 - s - t) * v[static_cast<std::size_t>(f[0])] + s * v[static_cast<std::size_t>(f[1])] +
-                   t * v[static_cast<std::size_t>(f[2])];
-    most = std::max(most, distance_to(p, to));
-  }
-  return most;
-}
-
-Mesh read_back(const Mesh& mesh) {
-  const fs::path path = fs::temp_directory_path() / fmt::format("triskin_repair_{}.obj", ::getpid());
-  geometry::write_obj(path, mesh);
-  Mesh result = geometry::read_mesh(path).mesh;
-  fs::remove(path);
-  return result;
-}
 
 struct Case {
   test::BaseShape shape;
@@ -90,26 +37,26 @@ void expect_repaired(const Case& c) {
   test::Dice dice(c.seed);
   const Mesh clean = test::grid_of(c.shape.place, 20, 14);
   // Written and read, so that coincident vertices are welded as those of any file.
-  Mesh broken = read_back(clean);
+  Mesh broken = test::read_back(clean);
   bool keeps_outside = c.shape.convex;
   for (const auto& damage : c.damages) {
     damage.make(broken, dice);
     keeps_outside = keeps_outside && damage.keeps_outside;
   }
-  const Mesh input = read_back(broken);
+  const Mesh input = test::read_back(broken);
   ExtractOptions options;
   options.repair = options.keep_usable = true;
   options.repair_s = c.repair_s;
   options.outer = options.wrap = ExtractOptions::When::kWhenNeeded;
   Extraction e;
   ASSERT_NO_THROW(e = geometry::extract(input, options));
-  EXPECT_TRUE(geometry::usable(read_back(e.surface)));
+  EXPECT_TRUE(geometry::usable(test::read_back(e.surface)));
   const auto& d = e.report.deviation;
   const double slack = 1e-6;  // mm: the plane of a face 1e-5 mm high is known no better to distance_to()
-  const double away = sampled_distance(e.surface, input, dice, 300);
+  const double away = test::sampled_distance(e.surface, input, dice, 300);
   EXPECT_LE(away, d.largest_mm + slack) << geometry::kRepairNames.name(e.report.repair);
   if (keeps_outside && e.report.repair != geometry::Repair::kNone) {
-    EXPECT_LE(sampled_distance(clean, e.surface, dice, 300), d.largest_mm + slack);
+    EXPECT_LE(test::sampled_distance(clean, e.surface, dice, 300), d.largest_mm + slack);
   }
   if (std::getenv("TRISKIN_REPAIR_TABLE") != nullptr) {
     fmt::print("{}: {} crossings {} faces {} -> {} stated {:.3f} mean {:.4f} measured {:.3f}\n", name,
@@ -147,7 +94,7 @@ TEST(TooSmallMesh, is_refused_and_not_wrapped) {
 // Two balls, one in the other, of 10,800 faces each: in 2 s of processor time 3,100 of them are asked for their sky.
 TEST(ManyFaces, share_answers_about_the_sky_and_hidden_ones_go) {
   const auto ball = test::base_shapes()[0].place;
-  Mesh mesh = read_back(test::grid_of(ball, 90, 61));
+  Mesh mesh = test::read_back(test::grid_of(ball, 90, 61));
   const std::size_t outer = mesh.faces.size();
   Mesh inner = mesh;
   for (Vec3& v : inner.vertices) v *= 0.97;
@@ -180,6 +127,8 @@ TEST(BrokenMeshesAtRandom, alone_and_mixed_long) {
       c.damages = {damages[static_cast<std::size_t>(k) / shapes.size()]};
     } else {
       for (int n = 0; n < 2; ++n) c.damages.push_back(damages[test::pick(dice, damages.size())]);
+      // Its vertex 10 km off is no part of the shape: another damage would pull the others there, to 54 m (seed 339).
+      if (std::string_view(c.damages[0].name) == "far_off") std::swap(c.damages[0], c.damages[1]);
     }
     expect_repaired(c);
   }

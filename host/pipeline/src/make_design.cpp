@@ -25,17 +25,19 @@
 namespace triskin::pipeline {
 namespace {
 
-constexpr double kRepairShare = 0.4, kRepairLeast_s = 2.0;  // processor time
-constexpr double kUnfoldingShare = 0.3;                     // of what reading and repair leave
-constexpr double kPiecesShare = 0.12;                       // of the time; what the growth has left after it
-constexpr double kPieceLeast_s = 0.1;                       // a piece gets, or what a short limit has for it
-constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;   // up to which the limit binds
+constexpr double kRepairShare = 0.4;                             // of the time
+constexpr double kShortRepair_s = 2.0, kShortRepairShare = 0.7;  // what a short limit has for it: that, or that share
+constexpr double kUnfoldingShare = 0.3;                          // of what reading and repair leave
+constexpr double kPiecesShare = 0.12;                            // of the time; what the growth has left after it
+constexpr double kPieceLeast_s = 0.1;                            // a piece gets, or what a short limit has for it
+constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;        // up to which the limit binds
 constexpr double kWorthGrowing = 0.1;  // of the surface, uncovered by the pieces: all of that share
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
 constexpr double kWiringPricings = 2.0;  // the wiring of a layout, with its failures, takes as long as so many pricings
 
+// With a fixed number of steps the repair's clock stands still: its result must not depend on the time.
 geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& name, const DesignOptions& options,
-                                const ProgressSink& progress) {
+                                Clock::time_point start, const ProgressSink& progress) {
   if (options.repair == RepairMode::kNever) {
     geometry::require_manifold(mesh, name);
     geometry::Extraction e = geometry::extract(mesh, progress);
@@ -45,7 +47,9 @@ geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& n
   geometry::ExtractOptions steps;
   steps.repair = steps.keep_usable = true;
   steps.outer = steps.wrap = geometry::ExtractOptions::When::kWhenNeeded;
-  steps.repair_s = std::max(kRepairLeast_s, kRepairShare * options.time_limit_s);
+  const double limit_s = options.time_limit_s;
+  steps.repair_s = std::max(kRepairShare * limit_s, std::min(kShortRepair_s, kShortRepairShare * limit_s));
+  steps.clock_s = [start, stands = options.iterations > 0] { return stands ? 0.0 : seconds_since(start); };
   return geometry::extract(mesh, steps, progress);
 }
 
@@ -157,7 +161,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
     design.report.seconds = seconds_since(start);
     return design;
   }
-  geometry::Extraction extraction = surface_of(file.mesh, mesh.string(), options, progress);
+  geometry::Extraction extraction = surface_of(file.mesh, mesh.string(), options, start, progress);
   design.surface = extraction.surface;
   if (notes != nullptr) notes->extract = extraction.report;
   if (options.regions) design.regions = resolve_regions(mesh, file, extraction, *options.regions);

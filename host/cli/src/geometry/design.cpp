@@ -62,6 +62,7 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"refused", refused},
                          {"repair", geometry::kRepairNames.name(notes.extract.repair)},
                          {"deviation_mm", notes.extract.deviation.largest_mm},
+                         {"deviation_found_mm", notes.extract.deviation.found_mm},
                          {"seconds", r.seconds}};
   if (d.layout.corner_cut_mm > 0.0) {
     keys["corner_cut_mm"] = d.layout.corner_cut_mm;

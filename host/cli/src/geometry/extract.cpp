@@ -82,6 +82,7 @@ int run(Options options, Output& output) {
                    {"repair", geometry::kRepairNames.name(e.report.repair)},
                    {"crossings", e.report.crossings},
                    {"deviation_mm", e.report.deviation.largest_mm},
+                   {"deviation_found_mm", e.report.deviation.found_mm},
                    {"mean_deviation_mm", e.report.deviation.mean_mm},
                    {"seconds", seconds}};
   if (const std::string change = repair_text(e.report); !change.empty()) output.say(change);

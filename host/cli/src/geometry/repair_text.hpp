@@ -20,10 +20,11 @@ namespace triskin::cli {
           ? fmt::format("{} pairs of faces cross, {} edges have more than two faces", r.crossings, r.crowded_edges)
           : "its parts are smaller than a module, or touch without being joined";
   return fmt::format(
-      "the mesh was repaired ({}): {}; it moved by {:.3f} mm in the mean and by at most {:.2f} mm, near ({:.1f}, "
+      "the mesh was repaired ({}): {}; it moved by {:.3f} mm in the mean and by at most {:.2f} mm ({:.2f} mm found), "
+      "near ({:.1f}, "
       "{:.1f}, {:.1f}) mm",
-      reason, kDone[static_cast<std::size_t>(r.repair)], d.mean_mm, d.largest_mm, d.where_mm.x(), d.where_mm.y(),
-      d.where_mm.z());
+      reason, kDone[static_cast<std::size_t>(r.repair)], d.mean_mm, d.largest_mm, d.found_mm, d.where_mm.x(),
+      d.where_mm.y(), d.where_mm.z());
 }
 
 }  // namespace triskin::cli

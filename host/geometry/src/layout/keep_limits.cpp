@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
@@ -17,8 +19,9 @@ class Keeper {
       : surface_(surface), limits_(limits), layout_(layout), regions_(regions) {}
 
   void run() {
-    for (PlacedModule& m : layout_.modules)
-      measure_on_surface(surface_, m, layout_.corner_cut_mm, regions_);  // nothing moves from here on
+    tbb::parallel_for(std::size_t{0}, layout_.modules.size(), [&](std::size_t k) {
+      measure_on_surface(surface_, layout_.modules[k], layout_.corner_cut_mm, regions_);  // nothing moves from here on
+    });
     give_up_turned();
     give_up_bad();
     number_islands(layout_);

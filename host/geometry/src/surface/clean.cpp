@@ -7,23 +7,33 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <map>
-#include <set>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace triskin::geometry {
 namespace {
+
+struct HashOfThree {
+  template <class T>
+  std::size_t operator()(const std::array<T, 3>& key) const {
+    std::size_t hash = 0;
+    for (const T& k : key) hash = (hash ^ static_cast<std::size_t>(k)) * 0x9e3779b97f4a7c15U;
+    return hash ^ (hash >> 32U);
+  }
+};
 
 // Makes coincident corners one vertex. Files store single precision, so equality is taken on a grid of 1e-7 of the
 // size.
 void weld(Mesh& mesh, MeshReadReport& report) {
   const double cell = std::max(1e-7 * diagonal_of(mesh), std::numeric_limits<double>::min());
-  std::map<std::array<std::int64_t, 3>, int> first;
+  std::unordered_map<std::array<std::int64_t, 3>, int, HashOfThree> first;
+  first.reserve(mesh.vertices.size());
   std::vector<int> target(mesh.vertices.size());
   std::vector<Vec3> kept;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const Vec3 q = mesh.vertices[v] / cell;
-    const std::array key{std::llround(q.x()), std::llround(q.y()), std::llround(q.z())};
-    const auto [entry, is_new] = first.try_emplace({key[0], key[1], key[2]}, static_cast<int>(kept.size()));
+    const std::array<std::int64_t, 3> key{std::llround(q.x()), std::llround(q.y()), std::llround(q.z())};
+    const auto [entry, is_new] = first.try_emplace(key, static_cast<int>(kept.size()));
     if (is_new) kept.push_back(mesh.vertices[v]);
     target[v] = entry->second;
   }
@@ -35,7 +45,8 @@ void weld(Mesh& mesh, MeshReadReport& report) {
 }
 
 void drop_bad_faces(Mesh& mesh, MeshReadReport& report) {
-  std::set<std::array<int, 3>> seen;
+  std::unordered_set<std::array<int, 3>, HashOfThree> seen;
+  seen.reserve(mesh.faces.size());
   std::vector<std::array<int, 3>> kept;
   for (const auto& f : mesh.faces) {
     const auto at = [&](int k) -> const Vec3& {

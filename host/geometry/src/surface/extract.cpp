@@ -5,9 +5,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <map>
-#include <set>
+#include <cstdint>
+#include <span>
+#include <unordered_set>
 
+#include "edge_sides.hpp"
 #include "extract_steps.hpp"
 #include "index.hpp"
 #include "triskin/geometry/design_types.hpp"
@@ -16,10 +18,6 @@
 
 namespace triskin::geometry {
 namespace {
-
-struct Side {
-  int face, side;
-};
 
 class Extractor {
  public:
@@ -44,36 +42,36 @@ class Extractor {
 
   // At an edge with more than two faces only the flattest pair stays joined; there the others get a border.
   void pair_faces() {
-    std::map<std::pair<int, int>, std::vector<Side>> edges;
-    for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
-      for (int s = 0; s < 3; ++s) {
-        const auto [a, b] = std::minmax(mesh_.faces[f][at(s)], mesh_.faces[f][at((s + 1) % 3)]);
-        edges[{a, b}].push_back({static_cast<int>(f), s});
-      }
-    }
     neighbour_.assign(mesh_.faces.size(), {-1, -1, -1});
-    for (const auto& [edge, sides] : edges) {
-      if (sides.size() < 2) continue;
-      report_.crowded_edges += sides.size() > 2 ? 1 : 0;
-      std::pair<std::size_t, std::size_t> best{0, 1};
-      double flattest = -2.0;
-      for (std::size_t i = 0; i < sides.size(); ++i) {
-        for (std::size_t k = i + 1; k < sides.size(); ++k) {
-          const bool same_direction = start(sides[i]) == start(sides[k]);
-          const double cosine = cross_of(sides[i].face).normalized().dot(cross_of(sides[k].face).normalized()) *
-                                (same_direction ? -1 : 1);
-          if (cosine > flattest) {
-            flattest = cosine;
-            best = {i, k};
-          }
-        }
-      }
-      const Side &a = sides[best.first], &b = sides[best.second];
+    const EdgeSides sides(mesh_);
+    sides.each_edge([&](std::span<const EdgeSide> edge) {
+      if (edge.size() < 2) return;
+      report_.crowded_edges += edge.size() > 2 ? 1 : 0;
+      const auto [first, second] = flattest_pair(edge);
+      const EdgeSide &a = edge[first], &b = edge[second];
       neighbour_[at(a.face)][at(a.side)] = b.face;
       neighbour_[at(b.face)][at(b.side)] = a.face;
-    }
+    });
   }
-  [[nodiscard]] int start(const Side& s) const { return mesh_.faces[at(s.face)][at(s.side)]; }
+  [[nodiscard]] std::pair<std::size_t, std::size_t> flattest_pair(std::span<const EdgeSide> edge) const {
+    std::pair<std::size_t, std::size_t> best{0, 1};
+    if (edge.size() == 2) return best;
+    double flattest = -2.0;
+    for (std::size_t i = 0; i < edge.size(); ++i) {
+      for (std::size_t k = i + 1; k < edge.size(); ++k) {
+        const bool same_direction = start(edge[i]) == start(edge[k]);
+        const double cosine =
+            cross_of(edge[i].face).normalized().dot(cross_of(edge[k].face).normalized()) * (same_direction ? -1 : 1);
+        if (cosine > flattest) {
+          flattest = cosine;
+          best = {i, k};
+        }
+      }
+    }
+    return best;
+  }
+  [[nodiscard]] int start(const EdgeSide& s) const { return start(s.face, s.side); }
+  [[nodiscard]] int start(int face, int side) const { return mesh_.faces[at(face)][at(side)]; }
 
   // Walks each component; where a face that is already oriented disagrees, the edge is opened.
   void orient_components() {
@@ -101,7 +99,7 @@ class Extractor {
     while (neighbour_[at(n)][at(back)] != f || !same_edge(f, s, n, back)) {
       if (++back == 3) return;
     }
-    const bool agrees = start({f, s}) != start({n, back});  // as stored, before any flip
+    const bool agrees = start(f, s) != start(n, back);  // as stored, before any flip
     const bool wanted = agrees ? flipped_[at(f)] : !flipped_[at(f)];
     if (component_[at(n)] < 0) {
       component_[at(n)] = id;
@@ -149,6 +147,7 @@ class Extractor {
   // New vertices: one per fan of joined faces, so that no edge has more than two faces and no vertex is pinched.
   void rebuild() {
     std::vector<std::array<int, 3>> vertex(mesh_.faces.size(), {-1, -1, -1});
+    used_edges_.reserve(3 * mesh_.faces.size());
     for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
       if (!keep_[at(component_[f])]) {
         ++report_.removed_faces;
@@ -165,13 +164,16 @@ class Extractor {
 
   // Two unjoined faces can still meet at an edge when the fans at both ends connect them elsewhere: the later one goes.
   void add_face(const std::array<int, 3>& face) {
+    const auto edge = [&](std::size_t k) {
+      return static_cast<std::uint64_t>(face[k]) << 32U | static_cast<std::uint64_t>(face[(k + 1) % 3]);
+    };
     for (std::size_t k = 0; k < 3; ++k) {
-      if (used_edges_.contains({face[k], face[(k + 1) % 3]})) {
+      if (used_edges_.contains(edge(k))) {
         ++report_.removed_faces;
         return;
       }
     }
-    for (std::size_t k = 0; k < 3; ++k) used_edges_.insert({face[k], face[(k + 1) % 3]});
+    for (std::size_t k = 0; k < 3; ++k) used_edges_.insert(edge(k));
     result_.faces.push_back(face);
   }
 
@@ -203,7 +205,7 @@ class Extractor {
   std::vector<double> areas_;
   std::vector<bool> keep_;
   Mesh result_;
-  std::set<std::pair<int, int>> used_edges_;  // directed
+  std::unordered_set<std::uint64_t> used_edges_;  // directed: from, to
   ExtractReport report_;
 };
 
@@ -230,15 +232,6 @@ double largest_share(const Mesh& mesh) {
     largest = std::max(largest, area_of(part));
   }
   return largest / area_of(mesh);
-}
-
-bool crosses_itself(const Mesh& mesh) {
-  try {
-    require_no_self_intersection(mesh, "surface");
-    return false;
-  } catch (const InputError&) {
-    return true;
-  }
 }
 
 // What the earlier steps counted stays in the report.
@@ -281,7 +274,7 @@ Extraction stepwise(const Mesh& mesh, const ExtractOptions& options, const Progr
                    (largest_share(e.surface) < kShattered || crosses_itself(e.surface));
   if (options.wrap != When::kAlways && !bad) return e;
   report(progress, "wrapping", 0.6);
-  const auto wrap = wrapped(mesh, options.wrap_alpha_mm, options.wrap_offset_mm, kWrap_s);
+  const auto wrap = wrapped(mesh, options.wrap_alpha_mm, options.wrap_offset_mm, kWrap_s, {});
   if (!wrap)
     throw InputError(fmt::format("surface: the wrap takes longer than {} s; give a larger --wrap-alpha-mm", kWrap_s));
   e.report.wrapped = true;
@@ -334,6 +327,7 @@ int turn_outward(Mesh& mesh) {
 
 // The steps where they lead to a surface that design() takes, and else the repair.
 Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
+  const RepairTime time(options);
   // A wrap has both sides of a sheet and would make one that is too small large enough.
   if (const double area_mm2 = area_of(mesh); area_mm2 < kModuleArea_mm2) {
     throw InputError(
@@ -350,7 +344,7 @@ Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const Progres
   } catch (const InputError&) {
     // nothing is left of the steps alone
   }
-  return repaired(mesh, options, progress);
+  return repaired(mesh, options, time, progress);
 }
 
 }  // namespace
@@ -372,7 +366,7 @@ Extraction extract(const Mesh& mesh, const ExtractOptions& options, const Progre
     const double before_mm2 = area_of(e.surface);
     const Mesh kept = without_keep_outs(e.surface, options);
     repair_again(e, kept, "taking the keep-outs away");
-    if (options.repair && !usable(e.surface)) e.surface = settled(e.surface).surface;
+    if (options.repair && !usable(e.surface)) e.surface = settled(e.surface, kSkyTimeShare * options.repair_s).surface;
     e.report.kept_out_mm2 = before_mm2 - area_of(e.surface);
   }
   if (options.repair) e.report.flipped_faces += turn_outward(e.surface);

@@ -8,11 +8,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <map>
+#include <unordered_map>
 
 #include "extract_steps.hpp"
 #include "index.hpp"
-#include "triskin/geometry/surface.hpp"
+#include "triangle_tree.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -28,7 +28,7 @@ constexpr std::array<std::array<int, 4>, 6> kTetrahedra{
 
 class GridWrap {
  public:
-  GridWrap(const Mesh& mesh, double cell_mm) : surface_(unshared(mesh)), cell_(cell_mm), level_(kLevel * cell_mm) {
+  GridWrap(const Mesh& mesh, double cell_mm) : surface_(mesh), cell_(cell_mm), level_(kLevel * cell_mm) {
     Eigen::AlignedBox3d box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
     origin_ = box.min() - Vec3::Constant(kMargin * cell_);
@@ -133,7 +133,7 @@ class GridWrap {
 
   int cut(std::size_t in, std::size_t out) {
     const auto [entry, is_new] =
-        corner_of_.try_emplace(std::minmax(in, out), static_cast<int>(result_.vertices.size()));
+        corner_of_.try_emplace(std::min(in, out) << 32U | std::max(in, out), static_cast<int>(result_.vertices.size()));
     if (is_new) {
       const double low = static_cast<double>(value_[in]), high = static_cast<double>(value_[out]);
       const double t = std::clamp(-low / std::max(high - low, 1e-12), kFromNode, 1.0 - kFromNode);
@@ -152,28 +152,17 @@ class GridWrap {
       result_.faces.push_back({a, c, b});
   }
 
-  Surface surface_;
+  TriangleTree surface_;
   double cell_, level_;
   Vec3 origin_ = Vec3::Zero();
   std::array<std::int64_t, 3> size_{};
   std::vector<float> value_;
   std::vector<std::uint8_t> outside_;
-  std::map<std::pair<std::size_t, std::size_t>, int> corner_of_;
+  std::unordered_map<std::uint64_t, int> corner_of_;  // by the edge of the grid
   Mesh result_;
 };
 
 }  // namespace
-
-Mesh unshared(const Mesh& mesh) {
-  Mesh result;
-  result.vertices.reserve(3 * mesh.faces.size());
-  for (const auto& f : mesh.faces) {
-    const int first = static_cast<int>(result.vertices.size());
-    for (const int v : f) result.vertices.push_back(mesh.vertices[at(v)]);
-    result.faces.push_back({first, first + 1, first + 2});
-  }
-  return result;
-}
 
 Mesh grid_wrapped(const Mesh& mesh, double cell_mm) {
   return GridWrap(mesh, cell_mm).run();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "isolated.hpp"
 
+#include <poll.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -13,6 +14,8 @@
 
 namespace triskin::geometry {
 namespace {
+
+constexpr int kPoll_ms = 20;
 
 [[noreturn]] void child(const std::function<std::string()>& work, int pipe, unsigned cpu_s) {
   const rlimit limit{cpu_s, cpu_s + 1}, none{0, 0};
@@ -31,7 +34,8 @@ namespace {
 
 }  // namespace
 
-std::optional<std::string> run_isolated(const std::function<std::string()>& work, unsigned cpu_s) {
+std::optional<std::string> run_isolated(const std::function<std::string()>& work, unsigned cpu_s,
+                                        const std::function<bool()>& is_late) {
   std::array<int, 2> ends{};
   if (::pipe(ends.data()) != 0) throw InputError("no pipe to a child process can be made; close other programs");
   const pid_t pid = ::fork();
@@ -42,7 +46,15 @@ std::optional<std::string> run_isolated(const std::function<std::string()>& work
   ::close(ends[1]);
   std::string bytes;
   std::array<char, 65536> buffer;
+  bool is_ended = pid < 0;
   for (;;) {
+    pollfd ready{ends[0], POLLIN, 0};
+    if (!is_ended && is_late && is_late()) {
+      ::kill(pid, SIGKILL);
+      is_ended = true;  // and the pipe with it
+    } else if (!is_ended && is_late && ::poll(&ready, 1, kPoll_ms) <= 0) {
+      continue;
+    }
     const ssize_t n = ::read(ends[0], buffer.data(), buffer.size());
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) break;

@@ -8,9 +8,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
+#include <span>
 
+#include "edge_sides.hpp"
 #include "extract_steps.hpp"
 #include "index.hpp"
 
@@ -26,7 +27,7 @@ constexpr int kRays = 64;
 constexpr double kStart_mm = 0.05;  // above the face
 constexpr int kEvenPasses = 4;
 constexpr double kRaysPer_s = 8e5;      // of processor time, measured on scans of 50,000 … 120,000 faces
-constexpr double kLeastSky_s = 0.5;     // of processor time: faces up to 3,000 are each asked
+constexpr double kLeastSky_s = 0.2;     // of processor time: faces up to 1,250 are each asked
 constexpr double kSameDirection = 0.8;  // cosine between the normals of faces that share an answer
 
 Kernel::Point_3 point(const Vec3& p) {
@@ -66,19 +67,21 @@ double share_free(const Tree& tree, const Vec3& from, const Vec3& up) {
   return static_cast<double>(free) / kRays;
 }
 
+// Sides that run opposite ways; of several that run the same way, each with the last before it that runs the other.
 std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh) {
-  std::map<std::pair<int, int>, std::pair<int, int>> open;
   std::vector<std::array<int, 3>> neighbour(mesh.faces.size(), {-1, -1, -1});
-  for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
-    for (int s = 0; s < 3; ++s) {
-      const int a = mesh.faces[at(f)][at(s)], b = mesh.faces[at(f)][at((s + 1) % 3)];
-      open[{a, b}] = {f, s};
-      const auto twin = open.find({b, a});
-      if (twin == open.end()) continue;
-      neighbour[at(f)][at(s)] = twin->second.first;
-      neighbour[at(twin->second.first)][at(twin->second.second)] = f;
+  const EdgeSides sides(mesh);
+  sides.each_edge([&](std::span<const EdgeSide> edge) {
+    std::array<const EdgeSide*, 2> last{};  // from the low vertex, from the high one
+    for (const EdgeSide& s : edge) {
+      const std::size_t way = mesh.faces[at(s.face)][at(s.side)] == s.low ? 0 : 1;
+      last[way] = &s;
+      const EdgeSide* const twin = last[1 - way];
+      if (twin == nullptr) continue;
+      neighbour[at(s.face)][at(s.side)] = twin->face;
+      neighbour[at(twin->face)][at(twin->side)] = s.face;
     }
-  }
+  });
   return neighbour;
 }
 
@@ -163,10 +166,13 @@ std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces) {
   return sky;
 }
 
+std::size_t faces_asked_in(double cpu_s) {
+  return static_cast<std::size_t>(kRaysPer_s * std::max(cpu_s, kLeastSky_s) / (2.0 * kRays));
+}
+
 std::vector<Sky> sky_of_all(const Mesh& mesh, double cpu_s) {
-  const double rays = kRaysPer_s * std::max(cpu_s, kLeastSky_s);
-  const double most = std::ceil(2.0 * kRays * static_cast<double>(mesh.faces.size()) / rays);
-  const auto groups = groups_of(mesh, static_cast<std::size_t>(std::max(1.0, most)));
+  const std::size_t asked_of = faces_asked_in(cpu_s);
+  const auto groups = groups_of(mesh, std::max<std::size_t>(1, (mesh.faces.size() + asked_of - 1) / asked_of));
   std::vector<int> asked;
   for (const auto& group : groups) asked.push_back(group.front());
   const std::vector<Sky> answers = sky_of(mesh, asked);

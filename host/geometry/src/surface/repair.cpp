@@ -6,13 +6,18 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <numeric>
+#include <span>
 
 #include "clean.hpp"
+#include "edge_sides.hpp"
 #include "extract_steps.hpp"
 #include "index.hpp"
 #include "isolated.hpp"
 #include "polygon_faces.hpp"
+#include "triangle_tree.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/host/error.hpp"
 
@@ -28,14 +33,28 @@ constexpr double kLooseShare = 0.05;  // of the area that may go with small part
 constexpr double kGoodDeviation_mm = 5.0, kGoodMean_mm = 0.2;  // up to which the next way is not tried
 constexpr double kSlitWidth_mm = 0.1;  // area of a border loop to its length: a hole of 0.4 mm across has this
 constexpr std::size_t kMostSlitCorners = 60, kMostSlits = 10;
-constexpr double kGridNodes = 1.5e6, kLeastGridNodes = 2e5, kGridNodesPer_s = 5e4;
+constexpr double kGridNodes = 1.5e6;
+constexpr double kGridCost_s = 1e-4;  // for each cell² of the area, with all that follows, measured
 constexpr double kLeastCell_mm = 1.0;
+// Of the time, what each part may take at most; together more than all, since few meshes need all of them.
+constexpr double kDivideShare = 0.4, kWrapShare = 0.4, kNearShare = 0.15, kSettleShare = 0.15, kMeasureShare = 0.12;
+constexpr double kLeastGridShare = 0.2;
 constexpr double kNeedle = 1e-5;        // twice the area to the square of the longest side
 constexpr int kRoundsNear = 6;          // of drawing a grid's surface to the input
 constexpr double kWrapCost_s = 3.2e-3;  // of processor time for each alpha² of the area, measured
 constexpr double kWelding = 1e-6;       // of the size: what welding moves vertices by, over all steps
 
 using Pairs = std::vector<std::pair<int, int>>;
+
+bool late(const IsLate& is_late) {
+  return is_late && is_late();
+}
+
+double area_of_face(const Mesh& mesh, int face) {
+  const auto& f = mesh.faces[at(face)];
+  const Vec3 &a = mesh.vertices[at(f[0])], &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];
+  return 0.5 * (b - a).cross(c - a).norm();
+}
 
 bool changed_by_cleaning(const Mesh& mesh) {
   Mesh copy = mesh;
@@ -45,27 +64,28 @@ bool changed_by_cleaning(const Mesh& mesh) {
 }
 
 std::vector<bool> border_vertices(const Mesh& mesh) {
-  std::map<std::pair<int, int>, int> faces_of;
-  for (const auto& f : mesh.faces) {
-    for (std::size_t k = 0; k < 3; ++k) ++faces_of[std::minmax(f[k], f[(k + 1) % 3])];
-  }
   std::vector<bool> border(mesh.vertices.size(), false);
-  for (const auto& [edge, count] : faces_of) {
-    if (count == 1) border[at(edge.first)] = border[at(edge.second)] = true;
-  }
+  const EdgeSides sides(mesh);
+  sides.each_edge([&](std::span<const EdgeSide> edge) {
+    if (edge.size() == 1) border[at(edge[0].low)] = border[at(edge[0].high)] = true;
+  });
   return border;
 }
 
 // Vertices at the same place go a little towards their own faces: those at a border, or else all of them.
 void draw_apart(Mesh& mesh) {
-  std::map<std::array<double, 3>, std::vector<int>> places;
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    const Vec3& p = mesh.vertices[v];
-    places[{p.x(), p.y(), p.z()}].push_back(static_cast<int>(v));
-  }
+  const auto place = [&](int v) {
+    const Vec3& p = mesh.vertices[at(v)];
+    return std::array<double, 3>{p.x(), p.y(), p.z()};
+  };
+  std::vector<int> by_place(mesh.vertices.size());
+  std::iota(by_place.begin(), by_place.end(), 0);
+  std::ranges::sort(by_place, {}, place);
   std::vector<bool> moves(mesh.vertices.size(), false);
   const std::vector<bool> border = border_vertices(mesh);
-  for (const auto& [place, vertices] : places) {
+  for (std::size_t first = 0, end = 0; first < by_place.size(); first = end) {
+    while (end < by_place.size() && place(by_place[end]) == place(by_place[first])) ++end;
+    const auto vertices = std::span(by_place).subspan(first, end - first);
     if (vertices.size() < 2) continue;
     const auto at_border = std::ranges::count_if(vertices, [&](int v) { return border[at(v)]; });
     for (const int v : vertices) moves[at(v)] = at_border == 0 || border[at(v)];
@@ -107,7 +127,7 @@ std::vector<std::vector<int>> slits_of(const Mesh& mesh) {
 }
 
 // Closes the slits that dropped faces leave: all, or else one by one those where nothing crosses.
-void close_slits(Mesh& mesh) {
+void close_slits(Mesh& mesh, const IsLate& is_late) {
   const auto slits = slits_of(mesh);
   const auto closed = [](Mesh m, const std::vector<int>& slit) {
     add_polygon(m, slit);
@@ -119,24 +139,32 @@ void close_slits(Mesh& mesh) {
     mesh = std::move(all);
     return;
   }
-  for (std::size_t k = 0; k < std::min(slits.size(), kMostSlits); ++k) {
+  for (std::size_t k = 0; k < std::min(slits.size(), kMostSlits) && !late(is_late); ++k) {
     Mesh one = closed(mesh, slits[k]);
     if (usable(one)) mesh = std::move(one);
   }
 }
 
-// Of two faces that cross the one that sees less goes.
-Mesh without_crossings(const Mesh& mesh, const Pairs& crossings) {
+// What decides which of two faces that cross goes: the sky that each sees, or where that is not asked, its area.
+std::map<int, double> worth_of(const Mesh& mesh, const Pairs& crossings, double sky_s, bool is_late) {
   std::vector<int> asked;
   for (const auto& [a, b] : crossings) asked.insert(asked.end(), {a, b});
   std::ranges::sort(asked);
   asked.erase(std::ranges::unique(asked).begin(), asked.end());
-  const std::vector<Sky> sky = sky_of(mesh, asked);
-  std::map<int, double> seen;
-  for (std::size_t k = 0; k < asked.size(); ++k) seen[asked[k]] = std::max(sky[k].front, sky[k].back);
+  const bool asks_sky = !is_late && asked.size() <= faces_asked_in(sky_s);
+  const std::vector<Sky> sky = asks_sky ? sky_of(mesh, asked) : std::vector<Sky>{};
+  std::map<int, double> worth;
+  for (std::size_t k = 0; k < asked.size(); ++k)
+    worth[asked[k]] = asks_sky ? std::max(sky[k].front, sky[k].back) : area_of_face(mesh, asked[k]);
+  return worth;
+}
+
+// Of two faces that cross the one of less worth goes.
+Mesh without_crossings(const Mesh& mesh, const Pairs& crossings, double sky_s, bool is_late) {
+  const std::map<int, double> worth = worth_of(mesh, crossings, sky_s, is_late);
   std::vector<bool> gone(mesh.faces.size(), false);
   for (const auto& [a, b] : crossings) {
-    if (!gone[at(a)] && !gone[at(b)]) gone[at(seen[a] < seen[b] ? a : b)] = true;
+    if (!gone[at(a)] && !gone[at(b)]) gone[at(worth.at(a) < worth.at(b) ? a : b)] = true;
   }
   Mesh result{mesh.vertices, {}};
   for (std::size_t f = 0; f < gone.size(); ++f) {
@@ -145,11 +173,13 @@ Mesh without_crossings(const Mesh& mesh, const Pairs& crossings) {
   return result;
 }
 
-// Divides what crosses, in a child process: exact constructions may take long.
-std::optional<Mesh> divided(const Mesh& mesh, unsigned cpu_s) {
+// Divides what crosses, in a child process: exact constructions may take long. A round that begins late might leave
+// nothing of those before it.
+std::optional<Mesh> divided(const Mesh& mesh, const RepairTime& time) {
+  const IsLate is_half_over = time.part(0.5 * kDivideShare);
   const auto work = [&] {
     Mesh m = mesh;
-    for (int round = 0; round < kRoundsDivided; ++round) {
+    for (int round = 0; round < kRoundsDivided && (round == 0 || !is_half_over()); ++round) {
       const Mesh whole = joined(m).surface;
       const Pairs crossings = crossing_faces(whole);
       if (crossings.empty()) break;
@@ -170,18 +200,20 @@ std::optional<Mesh> divided(const Mesh& mesh, unsigned cpu_s) {
           return {};
         }
       },
-      cpu_s);
+      time.cpu_s(kDivideShare), time.part(kDivideShare));
   if (!answer || answer->empty()) return std::nullopt;
   return mesh_of(*answer);
 }
 
 // Parts that hang together over edges of two faces.
 std::vector<std::vector<int>> parts_of(const Mesh& mesh) {
-  std::map<std::pair<int, int>, std::vector<int>> edges;
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    for (std::size_t k = 0; k < 3; ++k)
-      edges[std::minmax(mesh.faces[f][k], mesh.faces[f][(k + 1) % 3])].push_back(static_cast<int>(f));
-  }
+  std::vector<std::array<int, 3>> neighbour(mesh.faces.size(), {-1, -1, -1});
+  const EdgeSides sides(mesh);
+  sides.each_edge([&](std::span<const EdgeSide> edge) {
+    if (edge.size() != 2) return;
+    neighbour[at(edge[0].face)][at(edge[0].side)] = edge[1].face;
+    neighbour[at(edge[1].face)][at(edge[1].side)] = edge[0].face;
+  });
   std::vector<bool> seen(mesh.faces.size(), false);
   std::vector<std::vector<int>> parts;
   for (std::size_t first = 0; first < seen.size(); ++first) {
@@ -189,12 +221,8 @@ std::vector<std::vector<int>> parts_of(const Mesh& mesh) {
     std::vector<int> part{static_cast<int>(first)};
     seen[first] = true;
     for (std::size_t q = 0; q < part.size(); ++q) {
-      const auto f = mesh.faces[at(part[q])];
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto& sides = edges.at(std::minmax(f[k], f[(k + 1) % 3]));
-        if (sides.size() != 2) continue;
-        const int n = sides[0] == part[q] ? sides[1] : sides[0];
-        if (seen[at(n)]) continue;
+      for (const int n : neighbour[at(part[q])]) {
+        if (n < 0 || seen[at(n)]) continue;
         seen[at(n)] = true;
         part.push_back(n);
       }
@@ -204,30 +232,27 @@ std::vector<std::vector<int>> parts_of(const Mesh& mesh) {
   return parts;
 }
 
-double area_of_face(const Mesh& mesh, int face) {
-  const auto& f = mesh.faces[at(face)];
-  const Vec3 &a = mesh.vertices[at(f[0])], &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];
-  return 0.5 * (b - a).cross(c - a).norm();
-}
-
 // The largest faces of a part: they stand for it when the sky is asked.
-std::vector<int> samples_of(const Mesh& mesh, std::vector<int> part) {
-  const std::size_t n = std::min(part.size(), kSkySamples);
+std::vector<int> samples_of(const Mesh& mesh, std::vector<int> part, std::size_t most) {
+  const std::size_t n = std::min(part.size(), most);
   std::ranges::partial_sort(part, part.begin() + static_cast<std::ptrdiff_t>(n), std::greater<>(),
                             [&](int f) { return std::pair(area_of_face(mesh, f), f); });
   part.resize(n);
   return part;
 }
 
-// Parts whose better side sees next to nothing, in the mean over their samples, are inside.
-Mesh without_hidden_parts(const Mesh& mesh) {
-  const auto parts = parts_of(mesh);
+// Parts whose better side sees next to nothing, in the mean over their samples, are inside. Many parts have fewer
+// samples each; where they are too many for one each in `sky_s`, those of most faces are asked.
+Mesh without_hidden_parts(const Mesh& mesh, double sky_s) {
+  auto parts = parts_of(mesh);
   if (parts.size() < 2) return mesh;
+  std::ranges::stable_sort(parts, std::greater<>(), [](const auto& part) { return part.size(); });
+  const std::size_t most = faces_asked_in(sky_s), each = std::clamp(most / parts.size(), std::size_t{1}, kSkySamples);
   std::vector<int> asked;
   std::vector<std::size_t> first;
   for (const auto& part : parts) {
     first.push_back(asked.size());
-    const auto samples = samples_of(mesh, part);
+    const auto samples = samples_of(mesh, part, asked.size() < most ? each : 0);
     asked.insert(asked.end(), samples.begin(), samples.end());
   }
   first.push_back(asked.size());
@@ -240,7 +265,7 @@ Mesh without_hidden_parts(const Mesh& mesh) {
       sum += area * std::max(sky[k].front, sky[k].back);
       total += area;
     }
-    if (sum < kHiddenSky * total) continue;
+    if (sum < kHiddenSky * total) continue;  // not so where none was asked
     for (const int f : parts[p]) result.faces.push_back(mesh.faces[at(f)]);
   }
   return result.faces.empty() ? mesh : result;
@@ -276,9 +301,9 @@ std::vector<int> bad_faces(const Mesh& mesh) {
 }
 
 // The corners of a wrap go up to the gap to the input; those of faces that would cross stay on the way, or where they
-// are. A wrap that does not cross itself stays one.
-Mesh drawn_near(const Mesh& wrap, const Mesh& input, double gap_mm) {
-  const Surface surface(unshared(input));
+// are. A wrap that does not cross itself stays one; when late it stays as it is.
+Mesh drawn_near(const Mesh& wrap, const Mesh& input, double gap_mm, const IsLate& is_late) {
+  const TriangleTree surface(input);
   std::vector<Vec3> way(wrap.vertices.size());
   tbb::parallel_for(std::size_t{0}, way.size(), [&](std::size_t v) {
     const SurfacePoint p = surface.closest(wrap.vertices[v]);
@@ -287,7 +312,7 @@ Mesh drawn_near(const Mesh& wrap, const Mesh& input, double gap_mm) {
   });
   std::vector<double> part(way.size(), 1.0);
   Mesh result = wrap;
-  for (int round = 0; round < kRoundsNear; ++round) {
+  for (int round = 0; round < kRoundsNear && !late(is_late); ++round) {
     for (std::size_t v = 0; v < way.size(); ++v) result.vertices[v] = wrap.vertices[v] + part[v] * way[v];
     const std::vector<int> bad = bad_faces(result);
     if (bad.empty()) return result;
@@ -304,13 +329,13 @@ Mesh drawn_near(const Mesh& wrap, const Mesh& input, double gap_mm) {
 
 class Repairer {
  public:
-  Repairer(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress)
-      : mesh_(mesh), options_(options), progress_(progress) {}
+  Repairer(const Mesh& mesh, const ExtractOptions& options, const RepairTime& time, const ProgressSink& progress)
+      : mesh_(mesh), options_(options), time_(time), progress_(progress) {}
 
   Extraction run() {
     local();
     if (options_.wrap != ExtractOptions::When::kNever) {
-      if (!good()) wrap(options_.wrap_alpha_mm, 0.4);
+      if (!good()) wrap(options_.wrap_alpha_mm);
       if (!good()) grid();
     }
     if (!best_)
@@ -319,19 +344,13 @@ class Repairer {
   }
 
  private:
-  [[nodiscard]] unsigned cpu_s(double share) const {
-    return static_cast<unsigned>(std::max(1.0, std::ceil(share * options_.repair_s)));
-  }
   // A wrap changes all faces: it is worth that only where much is missing.
   [[nodiscard]] bool good() const {
     if (!best_) return false;
     const Deviation& d = best_->report.deviation;
     return d.largest_mm <= kGoodDeviation_mm || d.mean_mm <= kGoodMean_mm;
   }
-
-  [[nodiscard]] Mesh outside_of(const Mesh& mesh) const {
-    return outer_faces(mesh, options_.sky_fraction, kSkyTimeShare * options_.repair_s);
-  }
+  [[nodiscard]] double sky_s() const { return kSkyTimeShare * options_.repair_s; }
 
   void local() {
     report(progress_, "dividing faces that cross", 0.1);
@@ -345,34 +364,44 @@ class Repairer {
       // shattered: only the wraps help
       crossings_ = static_cast<int>(crossing_faces(mesh_).size());
     }
-    const auto parts = divided(input, cpu_s(0.3));
-    reference_ = reference_of(parts ? *parts : input, options_.sky_fraction, kSkyTimeShare * options_.repair_s);
-    try_settling(without_hidden_parts(reference_.mesh), Repair::kLocal,
+    const auto parts = divided(input, time_);
+    reference_ = reference_of(parts ? *parts : input, options_.sky_fraction, sky_s());
+    try_settling(without_hidden_parts(reference_.mesh, sky_s()), Repair::kLocal,
                  options_.outer == ExtractOptions::When::kAlways);
   }
 
-  void wrap(double alpha_mm, double share) {
-    if (kWrapCost_s * area_of(reference_.mesh) / (alpha_mm * alpha_mm) > share * options_.repair_s) return;
+  // What follows a wrap takes as long again as its share; what is left of the time must hold both.
+  void wrap(double alpha_mm) {
+    const double most_s = std::min(kWrapShare * options_.repair_s, 0.5 * time_.left_s());
+    if (kWrapCost_s * area_of(reference_.mesh) / (alpha_mm * alpha_mm) > most_s) return;
     report(progress_, "wrapping", 0.5);
-    const auto mesh = wrapped(reference_.mesh, alpha_mm, options_.wrap_offset_mm, cpu_s(share));
+    const auto mesh =
+        wrapped(reference_.mesh, alpha_mm, options_.wrap_offset_mm, time_.cpu_s(kWrapShare), time_.part(kWrapShare));
     if (mesh) try_settling(*mesh, Repair::kWrap, options_.outer != ExtractOptions::When::kNever);
   }
 
+  // As fine as the time allows that is left. A repair that has nothing yet takes a little more.
   void grid() {
+    const double least_s = best_ ? 0.0 : kLeastGridShare * options_.repair_s;
+    const double left_s = std::max(least_s, time_.left_s());
+    if (best_ && left_s < kLeastGridShare * options_.repair_s) return;
     report(progress_, "wrapping on a grid", 0.8);
     Eigen::AlignedBox3d box;
     for (const Vec3& v : reference_.mesh.vertices) box.extend(v);
     const double least = 0.02 * box.sizes().maxCoeff();
     const double volume = box.sizes().cwiseMax(least).prod();
-    const double nodes = std::clamp(kGridNodesPer_s * options_.repair_s, kLeastGridNodes, kGridNodes);
-    const double cell_mm = std::max(kLeastCell_mm, std::cbrt(volume / nodes));
+    const double cell_mm = std::max(
+        {kLeastCell_mm, std::cbrt(volume / kGridNodes), std::sqrt(kGridCost_s * area_of(reference_.mesh) / left_s)});
     const Mesh wrap = grid_wrapped(reference_.mesh, cell_mm);
-    try_settling(drawn_near(wrap, reference_.mesh, options_.wrap_offset_mm), Repair::kGrid, false);
+    try_settling(drawn_near(wrap, reference_.mesh, options_.wrap_offset_mm, time_.part(kNearShare)), Repair::kGrid,
+                 false);
   }
 
   void try_settling(const Mesh& mesh, Repair way, bool outer) {
     try {
-      Extraction e = settled(outer ? outside_of(joined(mesh).surface) : mesh);
+      report(progress_, "settling the repair", -1.0);
+      const Mesh seen = outer ? outer_faces(joined(mesh).surface, options_.sky_fraction, sky_s()) : mesh;
+      Extraction e = settled(seen, sky_s(), time_.part(kSettleShare));
       ExtractReport& r = e.report;
       r.removed_components += before_.removed_components;
       r.flipped_faces += before_.flipped_faces;
@@ -382,7 +411,7 @@ class Repairer {
       r.repair = way;
       r.crossings = crossings_;
       report(progress_, "measuring the repair", 0.9);
-      r.deviation = deviation_between(reference_.mesh, reference_.outside, e.surface);
+      r.deviation = deviation_between(reference_.mesh, reference_.outside, e.surface, time_.part(kMeasureShare));
       r.deviation.largest_mm += kWelding * diagonal_of(mesh_);
       if (!best_ || r.deviation.largest_mm < best_->report.deviation.largest_mm) best_ = std::move(e);
     } catch (const InputError&) {
@@ -392,6 +421,7 @@ class Repairer {
 
   const Mesh& mesh_;
   const ExtractOptions& options_;
+  const RepairTime& time_;
   const ProgressSink& progress_;
   Reference reference_;
   ExtractReport before_;
@@ -405,13 +435,13 @@ bool usable(const Mesh& mesh) {
   if (mesh.faces.empty() || changed_by_cleaning(mesh)) return false;
   try {
     require_manifold(mesh, "surface");
-    return crossing_faces(joined(mesh).surface).empty();
+    return !crosses_itself(joined(mesh).surface);
   } catch (const InputError&) {
     return false;
   }
 }
 
-Extraction settled(const Mesh& mesh) {
+Extraction settled(const Mesh& mesh, double sky_s, const IsLate& is_late) {
   Mesh m = mesh;
   for (int round = 0;; ++round) {
     MeshReadReport changes;
@@ -420,18 +450,19 @@ Extraction settled(const Mesh& mesh) {
     if (round < kRoundsApart) draw_apart(e.surface);
     const Pairs crossings = crossing_faces(e.surface);
     if (!crossings.empty()) {
-      m = without_crossings(e.surface, crossings);
+      m = without_crossings(e.surface, crossings, sky_s, late(is_late));
     } else if (!usable(e.surface)) {
       m = std::move(e.surface);
     } else {
-      close_slits(e.surface);
+      if (!late(is_late)) close_slits(e.surface, is_late);
       return e;
     }
   }
 }
 
-Extraction repaired(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
-  return Repairer(mesh, options, progress).run();
+Extraction repaired(const Mesh& mesh, const ExtractOptions& options, const RepairTime& time,
+                    const ProgressSink& progress) {
+  return Repairer(mesh, options, time, progress).run();
 }
 
 }  // namespace triskin::geometry

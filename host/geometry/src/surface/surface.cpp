@@ -7,20 +7,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+#include <optional>
+#include <span>
 
+#include "edge_sides.hpp"
 #include "index.hpp"
+#include "triangle_tree.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::geometry {
 namespace {
-
-inline double box_distance_squared(const Eigen::Array3d& low, const Eigen::Array3d& high, const Vec3& q) {
-  const double x = std::max(std::max(low[0] - q[0], q[0] - high[0]), 0.0);
-  const double y = std::max(std::max(low[1] - q[1], q[1] - high[1]), 0.0);
-  const double z = std::max(std::max(low[2] - q[2], q[2] - high[2]), 0.0);
-  return x * x + y * y + z * z;
-}
 
 // 0: at a … 1: at b.
 double closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -69,26 +65,26 @@ Surface::Surface(Mesh mesh) : mesh_(std::move(mesh)) {
 }
 
 void Surface::connect_faces() {
-  struct Side {
-    int face, side;
-  };
-  std::map<std::pair<int, int>, Side> open;  // directed edge → its only face
   neighbour_.assign(mesh_.faces.size(), {-1, -1, -1});
-  for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
-    for (int s = 0; s < 3; ++s) {
-      const std::pair edge{mesh_.faces[f][at(s)], mesh_.faces[f][at((s + 1) % 3)]};
-      if (!open.try_emplace(edge, Side{static_cast<int>(f), s}).second) {
-        throw InputError(
-            fmt::format("surface: the edge from vertex {} to {} has more than two faces or faces of opposite "
-                        "orientation (face {}); run `triskin extract` first",
-                        edge.first, edge.second, f));
-      }
+  const auto start = [&](const EdgeSide& s) { return mesh_.faces[at(s.face)][at(s.side)]; };
+  std::optional<EdgeSide> repeats;  // the first side with the direction of an earlier one
+  const EdgeSides sides(mesh_);
+  sides.each_edge([&](std::span<const EdgeSide> edge) {
+    for (std::size_t k = 1; k < edge.size(); ++k) {
+      const bool is_new = k == 1 && start(edge[0]) != start(edge[1]);
+      if (is_new || (repeats && std::pair(repeats->face, repeats->side) < std::pair(edge[k].face, edge[k].side)))
+        continue;
+      repeats = edge[k];
     }
-  }
-  for (const auto& [edge, side] : open) {
-    const auto twin = open.find({edge.second, edge.first});
-    if (twin != open.end()) neighbour_[at(side.face)][at(side.side)] = twin->second.face;
-  }
+    if (edge.size() != 2) return;
+    neighbour_[at(edge[0].face)][at(edge[0].side)] = edge[1].face;
+    neighbour_[at(edge[1].face)][at(edge[1].side)] = edge[0].face;
+  });
+  if (!repeats) return;
+  throw InputError(
+      fmt::format("surface: the edge from vertex {} to {} has more than two faces or faces of opposite "
+                  "orientation (face {}); run `triskin extract` first",
+                  start(*repeats), mesh_.faces[at(repeats->face)][at((repeats->side + 1) % 3)], repeats->face));
 }
 
 void Surface::compute_normals() {
@@ -134,96 +130,24 @@ void Surface::find_loops() {
   }
 }
 
-Surface::Tree Surface::build_tree(const std::vector<std::array<Eigen::Array3d, 2>>& extents) {
-  constexpr int kLeafSize = 4;
-  Tree tree;
-  tree.items.resize(extents.size());
-  std::iota(tree.items.begin(), tree.items.end(), 0);
-  if (extents.empty()) return tree;
-  tree.boxes.push_back({.first = 0, .count = static_cast<int>(extents.size())});
-  for (std::size_t n = 0; n < tree.boxes.size(); ++n) {  // boxes appended while walking: breadth first
-    const int first = tree.boxes[n].first, count = tree.boxes[n].count;
-    Eigen::Array3d low = extents[at(tree.items[at(first)])][0], high = extents[at(tree.items[at(first)])][1];
-    for (int k = first; k < first + count; ++k) {
-      low = low.min(extents[at(tree.items[at(k)])][0]);
-      high = high.max(extents[at(tree.items[at(k)])][1]);
-    }
-    tree.boxes[n].low = low;
-    tree.boxes[n].high = high;
-    if (count <= kLeafSize) continue;
-    Eigen::Index axis = 0;
-    (high - low).maxCoeff(&axis);
-    const auto middle_of = [&](int item) { return extents[at(item)][0][axis] + extents[at(item)][1][axis]; };
-    const auto begin = tree.items.begin() + first;
-    std::nth_element(begin, begin + count / 2, begin + count,
-                     [&](int a, int b) { return std::pair(middle_of(a), a) < std::pair(middle_of(b), b); });
-    tree.boxes[n].left = static_cast<int>(tree.boxes.size());
-    tree.boxes[n].right = tree.boxes[n].left + 1;
-    tree.boxes[n].count = 0;
-    tree.boxes.push_back({.first = first, .count = count / 2});
-    tree.boxes.push_back({.first = first + count / 2, .count = count - count / 2});
-  }
-  return tree;
-}
-
-template <class Visit>
-void Surface::nearest(const Tree& tree, const Vec3& query, double& best_squared, Visit visit) {
-  if (tree.boxes.empty()) return;
-  std::array<int, 128> stack;  // depth of a median split of 2^31 items is under 64
-  int top = 0;
-  stack[0] = 0;
-  while (top >= 0) {
-    const Box& box = tree.boxes[at(stack[at(top--)])];
-    if (box_distance_squared(box.low, box.high, query) >= best_squared) continue;
-    for (int k = box.first; k < box.first + box.count; ++k) visit(tree.items[at(k)]);
-    if (box.left < 0) continue;
-    const auto distance = [&](int n) {
-      return box_distance_squared(tree.boxes[at(n)].low, tree.boxes[at(n)].high, query);
-    };
-    const bool left_first = distance(box.left) <= distance(box.right);
-    stack[at(++top)] = left_first ? box.right : box.left;
-    stack[at(++top)] = left_first ? box.left : box.right;
-  }
-}
-
 void Surface::build_trees() {
-  std::vector<std::array<Eigen::Array3d, 2>> extents;
-  for (const auto& f : mesh_.faces) {
-    const auto a = mesh_.vertices[at(f[0])].array(), b = mesh_.vertices[at(f[1])].array(),
-               c = mesh_.vertices[at(f[2])].array();
-    extents.push_back({Eigen::Array3d(a.min(b).min(c)), Eigen::Array3d(a.max(b).max(c))});
-  }
-  face_tree_ = build_tree(extents);
-  extents.clear();
+  face_tree_ = tree_of_faces(mesh_);
+  std::vector<BoxTree::Extent> extents;
   for (const auto& [face, side] : border_sides_) {
     const auto& f = mesh_.faces[at(face)];
     const auto a = mesh_.vertices[at(f[at(side)])].array(), b = mesh_.vertices[at(f[at((side + 1) % 3)])].array();
     extents.push_back({Eigen::Array3d(a.min(b)), Eigen::Array3d(a.max(b))});
   }
-  border_tree_ = build_tree(extents);
+  border_tree_ = BoxTree(extents);
 }
 
 SurfacePoint Surface::closest(const Vec3& query_mm) const {
-  SurfacePoint best;
-  double best_squared = std::numeric_limits<double>::infinity();
-  nearest(face_tree_, query_mm, best_squared, [&](int face) {
-    const auto& f = mesh_.faces[at(face)];
-    const Vec3 &a = mesh_.vertices[at(f[0])], &b = mesh_.vertices[at(f[1])], &c = mesh_.vertices[at(f[2])];
-    const Vec3 weights = closest_on_triangle(query_mm, a, b, c);
-    const Vec3 p = weights[0] * a + weights[1] * b + weights[2] * c;
-    const double squared = (p - query_mm).squaredNorm();
-    if (squared < best_squared) {
-      best_squared = squared;
-      best = {p, face, weights, 0.0};
-    }
-  });
-  best.distance_mm = std::sqrt(best_squared);
-  return best;
+  return closest_face_point(face_tree_, mesh_, query_mm);
 }
 
 void Surface::faces_within(const Vec3& query_mm, double distance_mm, std::vector<std::pair<double, int>>& faces) const {
   double limit = std::nextafter(distance_mm * distance_mm, std::numeric_limits<double>::infinity());
-  nearest(face_tree_, query_mm, limit, [&](int face) {
+  face_tree_.nearest(query_mm, limit, [&](int face) {
     const auto& f = mesh_.faces[at(face)];
     const Vec3 &a = mesh_.vertices[at(f[0])], &b = mesh_.vertices[at(f[1])], &c = mesh_.vertices[at(f[2])];
     const Vec3 weights = closest_on_triangle(query_mm, a, b, c);
@@ -246,7 +170,7 @@ BorderPoint Surface::closest_on_edge(int item, const Vec3& query_mm) const {
 SurfacePoint Surface::closest_on_border(const Vec3& query_mm) const {
   SurfacePoint best;
   double best_squared = std::numeric_limits<double>::infinity();
-  nearest(border_tree_, query_mm, best_squared, [&](int item) {
+  border_tree_.nearest(query_mm, best_squared, [&](int item) {
     const BorderPoint closest = closest_on_edge(item, query_mm);
     const double squared = (closest.point.position_mm - query_mm).squaredNorm();
     if (squared >= best_squared) return;
@@ -259,7 +183,7 @@ SurfacePoint Surface::closest_on_border(const Vec3& query_mm) const {
 
 void Surface::border_within(const Vec3& query_mm, double distance_mm, std::vector<BorderPoint>& points) const {
   double limit = std::nextafter(distance_mm * distance_mm, std::numeric_limits<double>::infinity());
-  nearest(border_tree_, query_mm, limit, [&](int item) {
+  border_tree_.nearest(query_mm, limit, [&](int item) {
     BorderPoint closest = closest_on_edge(item, query_mm);
     const double squared = (closest.point.position_mm - query_mm).squaredNorm();
     if (squared >= limit) return;

@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <optional>
+#include <span>
 
+#include "edge_sides.hpp"
 #include "extract_steps.hpp"
 #include "index.hpp"
 #include "triskin/geometry/extract.hpp"
@@ -22,39 +24,54 @@ std::string place(const Vec3& p) {
   return fmt::format("({:.2f}, {:.2f}, {:.2f}) mm", p.x(), p.y(), p.z());
 }
 
+struct CheckedMesh {
+  explicit CheckedMesh(const Mesh& surface) {
+    std::vector<SurfaceMesh::Vertex_index> vertex;
+    vertex.reserve(surface.vertices.size());
+    for (const Vec3& v : surface.vertices) vertex.push_back(mesh.add_vertex({v.x(), v.y(), v.z()}));
+    for (std::size_t f = 0; f < surface.faces.size(); ++f) {
+      const auto& c = surface.faces[f];
+      const auto added = mesh.add_face(vertex[at(c[0])], vertex[at(c[1])], vertex[at(c[2])]);
+      if (added != SurfaceMesh::null_face()) face.push_back(static_cast<int>(f));
+    }
+  }
+
+  SurfaceMesh mesh;
+  std::vector<int> face;  // of the surface, by that of `mesh`, which numbers those that it takes
+};
+
 }  // namespace
 
 void require_manifold(const Mesh& mesh, const std::string& name) {
-  std::map<std::pair<int, int>, int> count;
-  for (const auto& f : mesh.faces) {
-    for (std::size_t k = 0; k < 3; ++k) ++count[std::minmax(f[k], f[(k + 1) % 3])];
-  }
-  const auto bad = std::ranges::find_if(count, [](const auto& e) { return e.second > 2; });
-  if (bad == count.end()) return;
-  const auto total = std::ranges::count_if(count, [](const auto& e) { return e.second > 2; });
+  std::optional<EdgeSide> first;
+  std::size_t faces = 0;
+  int total = 0;
+  const EdgeSides sides(mesh);
+  sides.each_edge([&](std::span<const EdgeSide> edge) {
+    if (edge.size() <= 2 || ++total > 1) return;
+    first = edge[0];
+    faces = edge.size();
+  });
+  if (!first) return;
   throw InputError(fmt::format(
       "{}: not a manifold: the edge from {} to {} has {} faces ({} such edges); run `triskin extract` first and "
       "design its surface",
-      name, place(mesh.vertices[at(bad->first.first)]), place(mesh.vertices[at(bad->first.second)]), bad->second,
-      total));
+      name, place(mesh.vertices[at(first->low)]), place(mesh.vertices[at(first->high)]), faces, total));
 }
 
 std::vector<std::pair<int, int>> crossing_faces(const Mesh& surface) {
-  SurfaceMesh mesh;
-  std::vector<SurfaceMesh::Vertex_index> vertex;
-  for (const Vec3& v : surface.vertices) vertex.push_back(mesh.add_vertex({v.x(), v.y(), v.z()}));
-  std::map<SurfaceMesh::Face_index, int> index;
-  for (std::size_t f = 0; f < surface.faces.size(); ++f) {
-    const auto& c = surface.faces[f];
-    const auto face = mesh.add_face(vertex[at(c[0])], vertex[at(c[1])], vertex[at(c[2])]);
-    if (face != SurfaceMesh::null_face()) index[face] = static_cast<int>(f);
-  }
+  const CheckedMesh checked(surface);
   std::vector<std::pair<SurfaceMesh::Face_index, SurfaceMesh::Face_index>> crossings;
-  CGAL::Polygon_mesh_processing::self_intersections(mesh, std::back_inserter(crossings));
+  // In one thread: the dividing asks in a child process, which has no others.
+  CGAL::Polygon_mesh_processing::self_intersections(checked.mesh, std::back_inserter(crossings));
   std::vector<std::pair<int, int>> pairs;
-  for (const auto& [a, b] : crossings) pairs.push_back(std::minmax({index.at(a), index.at(b)}));
+  for (const auto& [a, b] : crossings) pairs.push_back(std::minmax({checked.face[a], checked.face[b]}));
   std::ranges::sort(pairs);
   return pairs;
+}
+
+bool crosses_itself(const Mesh& surface) {
+  return CGAL::Polygon_mesh_processing::does_self_intersect(CheckedMesh(surface).mesh);
 }
 
 void require_no_self_intersection(const Mesh& surface, const std::string& name) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,8 +19,9 @@ namespace triskin::geometry {
 /// `sky_fraction` of the sky to the surface, and from all of the surface to the input.
 struct Deviation {
   double mean_mm = 0.0;          ///< over the area, of the direction in which it is larger
-  double largest_mm = 0.0;       ///< no point is farther; at most 0.02 mm above the largest distance found, typically
-  Vec3 where_mm = Vec3::Zero();  ///< of the largest
+  double largest_mm = 0.0;       ///< no point is farther: a proved bound
+  double found_mm = 0.0;         ///< largest distance found, ≤ largest_mm; 0.02 mm below it unless the time ran out
+  Vec3 where_mm = Vec3::Zero();  ///< of the largest found
 };
 
 /// What extract() did to make a surface that design() takes, in the order in which it is tried.
@@ -65,7 +67,9 @@ struct ExtractOptions {
   enum class When { kNever, kWhenNeeded, kAlways };
   bool repair = false;       ///< the result is one that usable() accepts, whatever the input; closed parts face outward
   bool keep_usable = false;  ///< with `repair`: a mesh that usable() accepts takes no other step
-  double repair_s = 60.0;    ///< > 0: processor time of the repair; a coarser one where it does not suffice
+  double repair_s = 60.0;    ///< > 0: time of the repair; a coarser one where it does not suffice
+  std::function<double()> clock_s{};  ///< seconds, from any start, for `repair_s`; none: the steady clock of this
+                                      ///< computer. One that stands still makes the result independent of the load
   When outer = When::kNever;    ///< drop what sees little of the sky; needed: several large parts, or edges with more
                                 ///< than two faces
   double sky_fraction = 0.25;   ///< 0 … 1: cosine-weighted share of the half sphere above a face that must be free

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "triskin/geometry/box_tree.hpp"
 #include "triskin/geometry/design_types.hpp"
 
 namespace triskin::geometry {
@@ -63,23 +64,6 @@ class Surface {
   [[nodiscard]] double border_distance(const Vec3& query_mm) const;
 
  private:
-  struct Box {
-    int first = 0, count = 0;  ///< leaf: items [first, first + count); inner: count 0 and two children
-    int left = -1, right = -1;
-    Eigen::Array3d low = Eigen::Array3d::Zero(), high = Eigen::Array3d::Zero();
-  };
-  /// Bounding volume hierarchy over primitives given by their boxes. Own, not CGAL's AABB tree, for three reasons: one
-  /// traversal serves triangles, border edges and range queries and yields barycentric weights; the checker measures
-  /// with CGAL's tree and must not share code with the solver; and it is faster (200,000 queries about 4 mm off the
-  /// forearm and torso covers: 2.5 and 3.1 µs, CGAL's tree 3.8 and 4.4 µs with the same distances to 6e-14 mm).
-  struct Tree {
-    std::vector<Box> boxes;
-    std::vector<int> items;
-  };
-  static Tree build_tree(const std::vector<std::array<Eigen::Array3d, 2>>& extents);
-  template <class Visit>
-  static void nearest(const Tree& tree, const Vec3& query, double& best_squared, Visit visit);
-
   [[nodiscard]] BorderPoint closest_on_edge(int item, const Vec3& query_mm) const;
   void connect_faces();
   void compute_normals();
@@ -92,7 +76,7 @@ class Surface {
   std::vector<std::vector<int>> loops_;
   std::vector<std::array<int, 2>> border_sides_;  // face, side
   double area_mm2_ = 0.0;
-  Tree face_tree_, border_tree_;
+  BoxTree face_tree_, border_tree_;
 };
 
 /// Closest point of triangle (a, b, c) to p as barycentric coordinates (≥ 0, sum 1). Constant cost. Source: C. Ericson,

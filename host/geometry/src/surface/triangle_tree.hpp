@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "triskin/geometry/box_tree.hpp"
+#include "triskin/geometry/surface.hpp"
+
+namespace triskin::geometry {
+
+/// Boxes of the faces of a mesh.
+[[nodiscard]] BoxTree tree_of_faces(const Mesh& mesh);
+
+/// Closest point of the mesh that `tree` was made of. Without a face: face −1 and distance infinity.
+[[nodiscard]] SurfacePoint closest_face_point(const BoxTree& tree, const Mesh& mesh, const Vec3& query_mm);
+
+/// Closest points of any triangles, a surface or not. The mesh must outlive it. Queries are thread-safe.
+class TriangleTree {
+ public:
+  explicit TriangleTree(const Mesh& mesh) : mesh_(mesh), tree_(tree_of_faces(mesh)) {}
+
+  [[nodiscard]] const Mesh& mesh() const { return mesh_; }
+  /// Cost: O(log n) typical.
+  [[nodiscard]] SurfacePoint closest(const Vec3& query_mm) const { return closest_face_point(tree_, mesh_, query_mm); }
+
+ private:
+  const Mesh& mesh_;
+  BoxTree tree_;
+};
+
+}  // namespace triskin::geometry

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The parts of a repair give up in their turn: a simulated clock jumps past the end when a part begins. What comes out
+// is a surface that design() takes, and the deviation that is stated is still not exceeded.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "extract/broken_meshes.hpp"
+#include "extract/distances.hpp"
+#include "triskin/geometry/extract.hpp"
+
+namespace triskin {
+namespace {
+
+using geometry::Extraction;
+using geometry::ExtractOptions;
+using geometry::Mesh;
+using geometry::Repair;
+using geometry::Vec3;
+
+// Seconds of a clock that stands still until a stage begins, and how often it is asked after that.
+struct JumpingClock {
+  std::string stage;
+  double now_s = 0.0;
+  int asked_late = 0;
+
+  void see(const std::string& begun) {
+    if (begun == stage) now_s = 1e6;
+  }
+  double ask() {
+    asked_late += now_s > 0.0 ? 1 : 0;
+    return now_s;
+  }
+};
+
+struct Outcome {
+  Extraction extraction;
+  int asked_late = 0;
+};
+
+// `stage`: what the progress calls the part at whose beginning the time is over; empty: it never is.
+Outcome repaired(const Mesh& mesh, const std::string& stage, double repair_s) {
+  JumpingClock clock{stage};
+  ExtractOptions options;
+  options.repair = options.keep_usable = true;
+  options.repair_s = repair_s;
+  options.wrap_alpha_mm = 12.0;  // a quarter of the time
+  options.outer = options.wrap = ExtractOptions::When::kWhenNeeded;
+  options.clock_s = [&clock] { return clock.ask(); };
+  Extraction e = geometry::extract(mesh, options, [&clock](const Progress& p) { clock.see(p.stage); });
+  return {std::move(e), clock.asked_late};
+}
+
+// Of a result that came late: it is one, and the two ends of the interval hold.
+void expect_honest(const Outcome& run, const Mesh& input) {
+  EXPECT_TRUE(geometry::usable(run.extraction.surface));
+  const auto& d = run.extraction.report.deviation;
+  test::Dice dice(7);
+  const double away_mm = test::sampled_distance(run.extraction.surface, input, dice, 300);
+  EXPECT_LE(away_mm, d.largest_mm + 1e-6);  // distance_to() of the test knows no more digits
+  EXPECT_LE(d.found_mm, d.largest_mm);
+  EXPECT_GT(run.asked_late, 0);
+  EXPECT_LT(run.asked_late, 30);  // each part asks once or twice; a child process is ended at once
+}
+
+// Two balls of 2,400 faces that cross along a circle.
+Mesh crossed_balls() {
+  Mesh mesh = test::read_back(test::grid_of(test::base_shapes()[0].place, 40, 31));
+  test::Dice dice(3);
+  test::damage::crossed(mesh, dice);
+  return mesh;
+}
+
+// A ball of 2,400 faces none of which is joined with another: no part is as large as a module.
+Mesh shattered_ball() {
+  Mesh mesh = test::grid_of(test::base_shapes()[0].place, 40, 31);
+  test::Dice dice(3);
+  test::damage::gaps(mesh, dice);
+  return test::read_back(mesh);
+}
+
+double interval_mm(const Outcome& run) {
+  const auto& d = run.extraction.report.deviation;
+  return d.largest_mm - d.found_mm;
+}
+
+constexpr double kPlenty_s = 40.0, kLittle_s = 1.0;
+
+TEST(RepairTime, dividing_gives_up_and_what_crosses_goes) {
+  const Mesh mesh = crossed_balls();
+  const Outcome whole = repaired(mesh, "", kPlenty_s), late = repaired(mesh, "dividing faces that cross", kPlenty_s);
+  expect_honest(late, mesh);
+  EXPECT_EQ(late.extraction.report.repair, Repair::kLocal);
+  EXPECT_EQ(whole.extraction.report.repair, Repair::kLocal);
+  EXPECT_LT(whole.extraction.report.deviation.largest_mm, 0.1);  // divided along the circle nothing is missing
+  EXPECT_GT(late.extraction.report.deviation.largest_mm, 1.0);
+  EXPECT_LE(interval_mm(late), 0.02 + 1e-3);  // welding moves vertices by 1e-6 of 260 mm; few faces: soon measured
+}
+
+TEST(RepairTime, settling_gives_up_without_a_look_at_the_sky) {
+  Mesh mesh = test::read_back(test::grid_of(test::base_shapes()[0].place, 40, 31));
+  test::Dice dice(5);
+  test::damage::noise(mesh, dice);
+  const Outcome whole = repaired(mesh, "", kPlenty_s), late = repaired(mesh, "settling the repair", kPlenty_s);
+  expect_honest(late, mesh);
+  EXPECT_NE(late.extraction.surface.faces.size(), whole.extraction.surface.faces.size());  // others of a pair went
+}
+
+TEST(RepairTime, wrapping_gives_up_and_a_grid_follows) {
+  const Mesh mesh = shattered_ball();
+  EXPECT_EQ(repaired(mesh, "", kPlenty_s).extraction.report.repair, Repair::kWrap);
+  const Outcome late = repaired(mesh, "wrapping", kPlenty_s);
+  expect_honest(late, mesh);
+  EXPECT_EQ(late.extraction.report.repair, Repair::kGrid);
+}
+
+TEST(RepairTime, grid_stays_where_it_is_and_is_measured) {
+  const Mesh mesh = shattered_ball();
+  const Outcome whole = repaired(mesh, "", kLittle_s), late = repaired(mesh, "wrapping on a grid", kLittle_s);
+  expect_honest(late, mesh);
+  EXPECT_EQ(whole.extraction.report.repair, Repair::kGrid);
+  EXPECT_EQ(late.extraction.report.repair, Repair::kGrid);
+  EXPECT_LT(whole.extraction.report.deviation.mean_mm, 0.5 * late.extraction.report.deviation.mean_mm);
+}
+
+TEST(RepairTime, measure_of_the_deviation_says_its_interval) {
+  const Mesh mesh = shattered_ball();
+  const Outcome whole = repaired(mesh, "", kPlenty_s), late = repaired(mesh, "measuring the repair", kPlenty_s);
+  expect_honest(late, mesh);
+  EXPECT_GT(interval_mm(late), interval_mm(whole));
+  EXPECT_LE(late.extraction.report.deviation.found_mm, whole.extraction.report.deviation.largest_mm);
+  EXPECT_GE(late.extraction.report.deviation.largest_mm, whole.extraction.report.deviation.found_mm);
+}
+
+}  // namespace
+}  // namespace triskin
