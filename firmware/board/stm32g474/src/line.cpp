@@ -5,6 +5,7 @@
 #include "triskin/board/board.hpp"
 #include "triskin/board/budget.hpp"
 #include "triskin/board/i2c_timing.hpp"
+#include "triskin/board/priorities.hpp"
 #include "triskin/board/registers/i2c.hpp"
 #include "triskin/board/registers/pins.hpp"
 #include "triskin/board/registers/system.hpp"
@@ -67,7 +68,7 @@ void Stm32I2cLine::open(const LinePlace& place) {
   pins_to_bus();
   enable();
   for (const int irq : {place.event_irq, place.error_irq}) {
-    core_reg::set_priority(irq, 0x40);
+    core_reg::set_priority(irq, priority::kLines);
     core_reg::enable_interrupt(irq);
   }
 }
