@@ -26,13 +26,15 @@ class Stack : public ScratchTree {
         "-Wl,--defsym,triskin_stack_top=0x20000100 -o image.elf image.cpp";
     const Ran built = run("cd " + root_.string() + " && " + compiler + " 2>&1");
     EXPECT_EQ(built.exit_status, 0) << built.output;
-    return run("cd " + root_.string() + " && python3 " TRISKIN_SOURCE
-               "/tools/check_stack.py arm-none-eabi-objdump arm-none-eabi-addr2line image.elf priorities.hpp image.stack 2>&1");
+    return run("cd " + root_.string() +
+               " && python3 " TRISKIN_SOURCE
+               "/tools/check_stack.py arm-none-eabi-objdump arm-none-eabi-addr2line image.elf priorities.hpp "
+               "image.stack 2>&1");
   }
 };
 
-// Worked by hand: `deep` holds 64 bytes, LR and a word that aligns the stack; `shallow` 32 and as much; reset_handler two
-// words. The handlers need nothing but what the processor pushes, 104 + 4 bytes.
+// Worked by hand: `deep` holds 64 bytes, LR and a word that aligns the stack; `shallow` 32 and as much; reset_handler
+// two words. The handlers need nothing but what the processor pushes, 104 + 4 bytes.
 constexpr const char* kTwoLevels =
     "NEVER_INLINE void deep() { char a[64]; hole(a); }\nNEVER_INLINE void shallow() { char a[32]; hole(a); }\n"
     "extern \"C\" {\nNEVER_INLINE void hole(void*) { asm volatile(\"\"); }\n"
@@ -81,8 +83,8 @@ TEST_F(Stack, refuses_a_recursion) {
 }
 
 TEST_F(Stack, refuses_a_call_that_it_cannot_follow) {
-  const Ran ran = bound(
-      "void (*volatile todo)();\nextern \"C\" void reset_handler() { todo(); asm volatile(\"\"); }\n");
+  const Ran ran =
+      bound("void (*volatile todo)();\nextern \"C\" void reset_handler() { todo(); asm volatile(\"\"); }\n");
   EXPECT_EQ(ran.exit_status, 1);
   EXPECT_NE(ran.output.find("is not known"), std::string::npos) << ran.output;
 }

@@ -155,7 +155,7 @@ class BusFeed {
       if (!cover.chosen) continue;
       covers_.push_back(
           std::make_unique<CoverFeed>(cover, domain, by_cover[static_cast<std::size_t>(cover.cover)], options_.services,
-                                      calibration_for(options_.calibration, cover, claims, output), start_ns_));
+                                      calibration_for(options_.calibration, bus, cover, claims, output), start_ns_));
       designs.push_back(&cover.design);
     }
     device::Stream stream(

@@ -27,7 +27,8 @@ class BusShow {
       if (!cover.chosen) continue;
       covers_.push_back(&cover);
       designs_.push_back(&cover.design);
-      monitors_.emplace_back(cover.design, device::RestValues{}, calibration_for(calibration, cover, claims, output));
+      monitors_.emplace_back(cover.design, device::RestValues{},
+                             calibration_for(calibration, bus_, cover, claims, output));
     }
     options_ = robot::stream_options(site, designs_, std::move(options_));
   }

@@ -88,7 +88,7 @@ class CoverFile {
       const auto claim = std::ranges::find(claims, node, &wire::NodeClaim::node_address);
       if (claim != claims.end()) origin_.facts[recording::serial_fact(node)] = device::to_text(claim->unique_id);
     }
-    calibration_ = calibration_for(options.calibration, cover_, claims, output);
+    calibration_ = calibration_for(options.calibration, bus, cover_, claims, output);
     origin_.force_in_newton = calibration_.complete();
     if (calibration_.complete()) origin_.calibration_text = design::calibration_text(calibration_.boards());
     if (options.cloud_hz > 0.0) origin_.cloud_period_us = static_cast<std::uint64_t>(1e6 / options.cloud_hz);

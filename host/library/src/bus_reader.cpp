@@ -7,6 +7,7 @@
 
 #include "skin.hpp"
 #include "triskin/jobs/calibrate.hpp"
+#include "triskin/jobs/controller_calibration.hpp"
 #include "triskin/jobs/verify.hpp"
 #include "triskin/jobs/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
@@ -73,7 +74,9 @@ void BusReader::calibrate(std::vector<ModuleCalibration>& modules) {
   const auto claims = bus_.discover();
   const device::CalibrationStore store;
   for (const robot::CoverOnBus& cover : site_.covers) {
-    const design::SkinCalibration skin = device::calibration_of(cover.design, claims, {}, store).skin;
+    const design::SkinCalibration skin =
+        device::calibration_of(cover.design, claims, {}, device::kept_in_controllers(bus_, cover.design, claims), store)
+            .skin;
     const int first = source_.offsets[static_cast<std::size_t>(cover.cover)].module;
     for (const int patch : skin.modules() == 0 ? std::vector<int>{} : design::patches_here(cover.design)) {
       for (const design::RoutedModule& routed : cover.design.patches[static_cast<std::size_t>(patch)].modules) {

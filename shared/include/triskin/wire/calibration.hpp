@@ -37,10 +37,10 @@ struct Calibration {
   static constexpr std::uint8_t kMostExponent = 30;
   static constexpr std::size_t kHeadBytes = 27, kRowBytes = 5 + 2 * layout::kTaxelsPerModule;
   static constexpr std::size_t kLeastBytes = kHeadBytes, kMostBytes = kHeadBytes + kRowBytes * layout::kMaxModules;
-  std::uint8_t exponent = 0;     ///< 0 … kMostExponent, of the sensitivities
-  std::uint16_t revision = 1;    ///< ≥ 1, one more with each calibration of the controller
-  std::uint64_t design_id = 0;   ///< of the table that it was made with
-  std::uint16_t patch = 0;       ///< of that design, from 0
+  std::uint8_t exponent = 0;    ///< 0 … kMostExponent, of the sensitivities
+  std::uint16_t revision = 1;   ///< ≥ 1, one more with each calibration of the controller
+  std::uint64_t design_id = 0;  ///< of the table that it was made with
+  std::uint16_t patch = 0;      ///< of that design, from 0
   std::uint32_t made_unix_s = 0;
   CalibrationMethod method = CalibrationMethod::kSteps;
   std::uint32_t most_pa = 0;     ///< largest pressure that was applied
