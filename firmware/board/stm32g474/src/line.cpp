@@ -37,8 +37,8 @@ constexpr std::uint64_t kHalfPulse_us = 5;  // bus clear at 100 kHz
 // need 23 losses in a row to last that long, each within the 0.87 ms of a burst of results and its bus clear.
 constexpr std::uint64_t kRepeatFor_us = 20'000;
 // An acknowledge bit that a disturbance spoils looks like an absent chip. One disturbance a second spoils the 0.75 ms
-// of a burst of results three times in a row once in 2 · 10⁶ seconds. Two are what fits: a transfer of a few bytes takes
-// 150 µs, a refusal about 35 µs, and the schedule keeps 250 µs free for both (ReadingSchedule::kShort_us).
+// of a burst of results three times in a row once in 2 · 10⁶ seconds. Two are what fits: a transfer of a few bytes
+// takes 150 µs, a refusal about 35 µs, and the schedule keeps 250 µs free for both (ReadingSchedule::kShort_us).
 constexpr std::uint8_t kMostRefusals = 2;
 
 std::uint32_t address_of(const void* p) {
