@@ -15,6 +15,7 @@
 #include "fixture.hpp"
 #include "triskin/design/tile.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/jobs/controller_calibration.hpp"
 
 namespace triskin::device {
 namespace {
@@ -155,18 +156,102 @@ TEST_F(CalibrationFolder, one_of_another_patch_or_design_is_not_used) {
   for (const auto& routed : fixture.design().patches[0].modules)
     board.places.push_back({routed.line, routed.address, {}});
   store.write(board);
-  EXPECT_TRUE(calibration_of(fixture.design(), claims, {}, store).skin.complete());
+  EXPECT_TRUE(calibration_of(fixture.design(), claims, {}, {}, store).skin.complete());
   board.design_id ^= 1;
   store.write(board);
-  const FoundCalibration found = calibration_of(fixture.design(), claims, {}, store);
+  const FoundCalibration found = calibration_of(fixture.design(), claims, {}, {}, store);
   EXPECT_FALSE(found.skin.complete());
   EXPECT_EQ(found.of_others.size(), 1U);
-  EXPECT_TRUE(calibration_of(fixture.design(), claims, std::array{board}, store).skin.complete())
+  EXPECT_TRUE(calibration_of(fixture.design(), claims, std::array{board}, {}, store).skin.complete())
       << "a file that is named";
   board.design_id ^= 1;
   board.places.pop_back();
   store.write(board);
-  EXPECT_EQ(calibration_of(fixture.design(), claims, {}, store).skin.missing(), 1U);
+  EXPECT_EQ(calibration_of(fixture.design(), claims, {}, {}, store).skin.missing(), 1U);
+}
+
+// 195 counts/kPa · 2^8 = 49,920 is the greatest number below 65,536: the unit is 1/256. 150.5 is 38,528 of it; 0.001
+// less than 105 is 26,879.7 of it, which is rounded to 105. Errors and residuals are the module's worst, rounded up.
+TEST(ControllerCalibration, has_the_numbers_of_the_calibration_as_far_as_its_bytes_go) {
+  design::BoardCalibration board{
+      "0102030405060708090A0B0C", 0x1234, 3, 7, "2026-11-22T17:30:00Z", "ramp", 40.0, 38.97114, {}};
+  board.places.push_back({1, 2, {}});
+  board.places[0].taxels[3] = {150.5, 0.251, 0.125};
+  board.places[0].taxels[4] = {195.0, 0.1, 0.0161};
+  board.places[0].taxels[5] = {104.999, 0.1, 0.0};
+  const wire::Calibration kept = to_wire(board);
+  EXPECT_EQ(kept.exponent, 8);
+  EXPECT_EQ(kept.made_unix_s, 1'795'368'600U);
+  ASSERT_EQ(kept.count, 1);
+  EXPECT_EQ(kept.places[0].place, 6);
+  EXPECT_EQ(kept.places[0].sensitivity, (decltype(kept.places[0].sensitivity){0, 0, 0, 38'528, 49'920, 26'880}));
+  EXPECT_EQ(kept.places[0].error, 26);
+  EXPECT_EQ(kept.places[0].residual_pa, 125);
+  const design::BoardCalibration back = from_wire(kept, board.serial);
+  EXPECT_EQ(back.places[0].taxels[3], (design::TaxelSensitivity{150.5, 0.26, 0.125}));
+  EXPECT_EQ(back.places[0].taxels[5].counts_per_kpa, 105.0);
+  EXPECT_EQ(back.places[0].taxels[0], design::TaxelSensitivity{});
+  EXPECT_EQ(back.made, board.made);
+  EXPECT_EQ(back.method, "ramp");
+  EXPECT_EQ(back.patch, 3);
+  EXPECT_EQ(back.revision, 7);
+  EXPECT_NEAR(back.taxel_area_mm2, 38.97114, 0.5e-4);
+  EXPECT_EQ(to_wire(back), kept);
+}
+
+// A calibration of the design's first patch, as `calibrate` would make it.
+design::BoardCalibration board_of(Fixture& fixture, int revision) {
+  const auto claims = fixture.bus().discover();
+  design::BoardCalibration board = small_board(to_text(claims.at(0).unique_id));
+  board.design_id = fixture.design().design_id;
+  board.revision = revision;
+  board.made = "2026-11-22T17:30:00Z";
+  board.places.clear();
+  for (const auto& routed : fixture.design().patches[0].modules) {
+    board.places.push_back({routed.line, routed.address, {}});
+    board.places.back().taxels[0] = {150.0 + revision, 0.1, 0.01};
+    board.places.back().taxels[1] = {140.0, 0.2, 0.02};
+  }
+  return board;
+}
+
+TEST_F(CalibrationFolder, the_controllers_own_goes_before_that_of_this_computer) {
+  Fixture fixture(4);
+  fixture.flash();
+  const auto claims = fixture.bus().discover();
+  const CalibrationStore store(folder_ / "kept");
+  const auto used = [&] {
+    const auto kept = kept_in_controllers(fixture.bus(), fixture.design(), claims);
+    return calibration_of(fixture.design(), claims, {}, kept, store);
+  };
+  EXPECT_EQ(used().skin.modules(), 0U);
+  ASSERT_TRUE(keep_in_controller(fixture.bus(), claims.at(0), board_of(fixture, 2)));
+  EXPECT_EQ(used().in_controllers, 1U);
+  EXPECT_EQ(used().skin.boards().at(0).revision, 2);
+  EXPECT_EQ(used().skin.boards().at(0).places[0].taxels[0].error_percent, 0.2) << "the module's worst";
+  store.write(board_of(fixture, 2));
+  EXPECT_EQ(used().in_controllers, 1U);
+  EXPECT_EQ(used().skin.boards().at(0).places[0].taxels[0].error_percent, 0.1) << "the same, with more to it";
+  store.write(board_of(fixture, 1));
+  EXPECT_EQ(used().skin.boards().at(0).revision, 2);
+  EXPECT_EQ(store.renew(board_of(fixture, 1), 7).revision, 8) << "no revision twice";
+  EXPECT_TRUE(forget_in_controller(fixture.bus(), claims.at(0)));
+  EXPECT_FALSE(forget_in_controller(fixture.bus(), claims.at(0)));
+  EXPECT_EQ(used().in_controllers, 0U);
+  EXPECT_EQ(used().skin.boards().at(0).revision, 8);
+}
+
+TEST_F(CalibrationFolder, a_controller_refuses_that_of_another_design) {
+  Fixture fixture(4);
+  fixture.flash();
+  const auto claims = fixture.bus().discover();
+  ASSERT_TRUE(keep_in_controller(fixture.bus(), claims.at(0), board_of(fixture, 2)));
+  design::BoardCalibration other = board_of(fixture, 3);
+  other.design_id ^= 1;
+  EXPECT_FALSE(keep_in_controller(fixture.bus(), claims.at(0), other));
+  const auto kept = kept_in_controllers(fixture.bus(), fixture.design(), claims);
+  ASSERT_EQ(kept.size(), 1U);
+  EXPECT_EQ(kept[0].revision, 2);
 }
 
 // A skin whose taxels differ by ± 30 %.
@@ -204,7 +289,7 @@ class SpreadSkin {
     return outcome;
   }
   [[nodiscard]] design::SkinCalibration calibration(const CalibrationOutcome& outcome) {
-    return calibration_of(design(), bus_->discover(), outcome.boards, CalibrationStore("/nonexistent")).skin;
+    return calibration_of(design(), bus_->discover(), outcome.boards, {}, CalibrationStore("/nonexistent")).skin;
   }
   // Truth of the scene against the calibration: the largest relative error of a sensitivity.
   [[nodiscard]] double worst_error(const design::SkinCalibration& calibration) const {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibration_value.hpp"
 #include "flash_double.hpp"
 #include "triskin/logic/fault_memory.hpp"
 
@@ -144,6 +145,162 @@ TEST(TableStore, ADamagedSlotGivesWayToTheOther) {
   after.load();
   ASSERT_TRUE(after.has_table());
   EXPECT_EQ(after.table(), table(1, 3));
+}
+
+// What a controller keeps after power-up; empty: no calibration.
+std::vector<std::uint8_t> calibration_in(Flash& flash) {
+  TableStore store(flash);
+  store.load();
+  return {store.calibration().begin(), store.calibration().end()};
+}
+
+std::vector<std::uint8_t> calibration(const layout::PatchImage& table, std::uint16_t revision) {
+  return test::bytes_of(test::calibration_of(table, revision));
+}
+
+// A record of 16 modules takes 8 + 496 + 8 bytes: three beside the table, the fourth goes to the other slot.
+TEST(KeptCalibration, IsTheNewestAndOutlivesAFullPage) {
+  Flash flash;
+  TableStore store(flash);
+  store.load();
+  const auto patch = table(7, 16);
+  EXPECT_EQ(store.set_calibration(calibration(patch, 1)), Status::kEmpty);
+  ASSERT_EQ(flash_table(store, bytes_of(patch)), Status::kOk);
+  EXPECT_TRUE(store.calibration().empty());
+  for (std::uint16_t revision = 1; revision <= 12; ++revision) {
+    const auto value = calibration(patch, revision);
+    ASSERT_EQ(store.set_calibration(value), Status::kOk);
+    EXPECT_TRUE(std::ranges::equal(store.calibration(), value));
+    EXPECT_EQ(calibration_in(flash), value);
+    EXPECT_EQ(store.table(), patch);
+    EXPECT_EQ(store.sequence(), 1U + (revision - 1U) / 3) << "each third one finds the page full";
+    const int operations = flash.operations();
+    EXPECT_EQ(store.set_calibration(value), Status::kOk);
+    EXPECT_EQ(flash.operations(), operations) << "nothing is written twice";
+  }
+}
+
+TEST(KeptCalibration, IsDeletedByOneWithoutModules) {
+  Flash flash;
+  TableStore store(flash);
+  store.load();
+  const auto patch = table(7, 5);
+  ASSERT_EQ(flash_table(store, bytes_of(patch)), Status::kOk);
+  ASSERT_EQ(store.set_calibration(calibration(patch, 1)), Status::kOk);
+  wire::Calibration none = test::calibration_of(patch, 1);
+  none.count = 0;
+  EXPECT_EQ(store.set_calibration(test::bytes_of(none)), Status::kOk);
+  EXPECT_TRUE(store.calibration().empty());
+  EXPECT_TRUE(calibration_in(flash).empty());
+}
+
+TEST(KeptCalibration, OfOtherModulesIsRefused) {
+  Flash flash;
+  TableStore store(flash);
+  store.load();
+  const auto patch = table(7, 5);
+  ASSERT_EQ(flash_table(store, bytes_of(patch)), Status::kOk);
+  ASSERT_EQ(store.set_calibration(calibration(patch, 1)), Status::kOk);
+  const auto before = flash.raw();
+  EXPECT_EQ(store.set_calibration(calibration(table(8, 5), 2)), Status::kWrongTarget);
+  EXPECT_EQ(store.set_calibration(calibration(table(7, 6), 2)), Status::kWrongTarget) << "a place without a module";
+  auto damaged = calibration(patch, 2);
+  damaged[0] = 2;
+  EXPECT_EQ(store.set_calibration(damaged), Status::kBadVersion);
+  EXPECT_EQ(flash.raw(), before);
+  flash.refuse(true);
+  EXPECT_EQ(store.set_calibration(calibration(patch, 2)), Status::kFlashFailed);
+  EXPECT_EQ(calibration_in(flash), calibration(patch, 1));
+}
+
+// A table keeps what was found out about its modules when it has them at the same places.
+TEST(KeptCalibration, GoesWithTheSameModulesToANewTable) {
+  auto joined = table(7, 5), moved = table(7, 5), fewer = table(7, 4), named = table(7, 5);
+  joined.modules[4].rotation = 2;
+  std::swap(moved.modules[3].address, moved.modules[2].address);
+  named.modules[4].module_id = 99;
+  for (const auto& [next, stays] : {std::pair{table(7, 5), true},
+                                    {joined, true},
+                                    {moved, false},
+                                    {fewer, false},
+                                    {named, false},
+                                    {table(8, 5), false}}) {
+    Flash flash;
+    TableStore store(flash);
+    store.load();
+    ASSERT_EQ(flash_table(store, bytes_of(table(7, 5))), Status::kOk);
+    const auto value = calibration(table(7, 5), 1);
+    ASSERT_EQ(store.set_calibration(value), Status::kOk);
+    ASSERT_EQ(flash_table(store, bytes_of(next)), Status::kOk);
+    EXPECT_EQ(store.table(), next);
+    EXPECT_EQ(calibration_in(flash), stays ? value : std::vector<std::uint8_t>{});
+  }
+}
+
+// Power fails in every operation in turn: of a record behind another, of one for which the page is full, and of a table
+// that takes the calibration along.
+TEST(KeptCalibration, APowerCutLeavesTheOldOrTheNewOne) {
+  const auto patch = table(7, 16);
+  for (const int before : {0, 1, 3}) {
+    for (const Tear tear : {Tear::kNothing, Tear::kHalf, Tear::kAll}) {
+      int cuts = 0;
+      for (bool completed = false; !completed; ++cuts) {
+        ASSERT_LT(cuts, 200);
+        SCOPED_TRACE(testing::Message() << before << " before, cut " << cuts << ", tear " << static_cast<int>(tear));
+        Flash flash;
+        TableStore store(flash);
+        store.load();
+        ASSERT_EQ(flash_table(store, bytes_of(patch)), Status::kOk);
+        for (int k = 1; k <= before; ++k)
+          ASSERT_EQ(store.set_calibration(calibration(patch, static_cast<std::uint16_t>(k))), Status::kOk);
+        const auto old = calibration_in(flash), next = calibration(patch, 9);
+        flash.cut_after(cuts, tear);
+        try {
+          EXPECT_EQ(store.set_calibration(next), Status::kOk);
+          completed = true;
+        } catch (const sim::PowerLost&) {
+        }
+        flash.never_cut();
+        const auto now = calibration_in(flash);
+        EXPECT_TRUE(now == next || (!completed && now == old));
+        TableStore after(flash);
+        after.load();
+        EXPECT_EQ(after.table(), patch);
+        ASSERT_EQ(after.set_calibration(calibration(patch, 10)), Status::kOk);  // and it can be written again
+        EXPECT_EQ(calibration_in(flash), calibration(patch, 10));
+      }
+      // Head, value and CRC in units of 8 bytes; with a full page erase, table and commit record besides.
+      EXPECT_EQ(cuts, 1 + 62 + 1 + (before == 3 ? 1 + 28 + 2 : 0) + 1);
+    }
+  }
+}
+
+TEST(KeptCalibration, APowerCutInANewTableLeavesTableAndCalibrationTogether) {
+  const auto old = table(7, 16);
+  auto next = old;
+  next.modules[15].rotation = 1;
+  const auto value = calibration(old, 1);
+  int cuts = 0;
+  for (bool completed = false; !completed; ++cuts) {
+    ASSERT_LT(cuts, 200);
+    Flash flash;
+    TableStore store(flash);
+    store.load();
+    ASSERT_EQ(flash_table(store, bytes_of(old)), Status::kOk);
+    ASSERT_EQ(store.set_calibration(value), Status::kOk);
+    flash.cut_after(cuts, Tear::kHalf);
+    try {
+      EXPECT_EQ(flash_table(store, bytes_of(next)), Status::kOk);
+      completed = true;
+    } catch (const sim::PowerLost&) {
+    }
+    flash.never_cut();
+    TableStore after(flash);
+    after.load();
+    EXPECT_TRUE(after.table() == next || (!completed && after.table() == old)) << cuts;
+    EXPECT_TRUE(std::ranges::equal(after.calibration(), value)) << cuts;
+  }
+  EXPECT_EQ(cuts, 1 + 28 + 64 + 2 + 1);
 }
 
 TEST(NodeAddress, IsKeptOverManyChangesAndPowerCuts) {

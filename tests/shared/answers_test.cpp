@@ -7,6 +7,7 @@
 #include <string>
 
 #include "triskin/wire/adoption.hpp"
+#include "triskin/wire/calibration.hpp"
 #include "triskin/wire/faults.hpp"
 #include "triskin/wire/icub_commands.hpp"
 #include "triskin/wire/identity.hpp"
@@ -110,6 +111,28 @@ Offsets offsets(const Vector& v) {
   for (std::size_t t = 0; t < m.steps.size(); ++t) m.steps[t] = static_cast<std::uint8_t>(steps.at(t));
   return o;
 }
+Calibration calibration(const Vector& v) {
+  const auto head = test::numbers(v.one("head"), 10);
+  const auto at = [&](std::size_t k) { return static_cast<std::uint32_t>(head.at(k)); };
+  Calibration c{static_cast<std::uint8_t>(at(0)),
+                static_cast<std::uint16_t>(at(1)),
+                v.number("design_id"),
+                static_cast<std::uint16_t>(at(2)),
+                at(3),
+                static_cast<CalibrationMethod>(at(4)),
+                at(5),
+                at(6)};
+  if (!v.has("place")) return c;
+  c.count = 1;
+  PlaceSensitivity& p = c.places[0];
+  p.place = byte(v, "place");
+  const auto sensitivity = test::numbers(v.one("sensitivity"), 10), quality = test::numbers(v.one("quality"), 10);
+  for (std::size_t t = 0; t < p.sensitivity.size(); ++t)
+    p.sensitivity[t] = static_cast<std::uint16_t>(sensitivity.at(t));
+  p.error = static_cast<std::uint16_t>(quality.at(0));
+  p.residual_pa = static_cast<std::uint16_t>(quality.at(1));
+  return c;
+}
 icub::State icub_state(const Vector& v) {
   const auto f = test::numbers(v.one("fields"), 10);
   const auto at = [&](std::size_t k) { return static_cast<std::uint8_t>(f.at(k)); };
@@ -123,6 +146,7 @@ Statistics statistics(const Vector& v) {
 
 const std::map<std::string, Status> kStatuses{{"too_short", Status::kTooShort},
                                               {"bad_length", Status::kBadLength},
+                                              {"bad_version", Status::kBadVersion},
                                               {"out_of_range", Status::kOutOfRange},
                                               {"duplicate", Status::kDuplicate}};
 
@@ -239,6 +263,7 @@ const std::map<std::string, Check> kChecks{{"session", checked<ActiveSession, se
                                            {"image_state", checked<ImageState, image_state>},
                                            {"live_taxels", checked<LiveTaxels, live_taxels>},
                                            {"offsets", checked<Offsets, offsets>},
+                                           {"calibration", checked<Calibration, calibration>},
                                            {"offset_result", checked<OffsetResult, offset_result>},
                                            {"reroute", checked<RerouteResult, reroute>},
                                            {"activation", checked<ActivationResult, activation>},
@@ -284,7 +309,7 @@ static_assert(std::ranges::all_of(kIdentifiers, [](const Identifier& i) { return
 
 TEST(Enumerations, take_exactly_the_numbers_that_exist) {
   int states = 0, streams = 0, decimations = 0, outputs = 0, statuses = 0, sessions = 0, offset_states = 0,
-      latchings = 0;
+      latchings = 0, methods = 0;
   for (unsigned n = 0; n < 256; ++n) {
     const auto b = static_cast<std::uint8_t>(n);
     states += to_module_state(b) ? 1 : 0;
@@ -295,6 +320,7 @@ TEST(Enumerations, take_exactly_the_numbers_that_exist) {
     sessions += to_session(b) ? 1 : 0;
     offset_states += to_offset_state(b) ? 1 : 0;
     latchings += to_latching(b) ? 1 : 0;
+    methods += to_calibration_method(b) ? 1 : 0;
   }
   EXPECT_EQ(states, 9);
   EXPECT_EQ(streams, 3);
@@ -304,6 +330,7 @@ TEST(Enumerations, take_exactly_the_numbers_that_exist) {
   EXPECT_EQ(sessions, 3);
   EXPECT_EQ(offset_states, 5);
   EXPECT_EQ(latchings, 3);
+  EXPECT_EQ(methods, 3);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "shared_skin.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/jobs/board_backup.hpp"
+#include "triskin/jobs/controller_calibration.hpp"
 #include "triskin/jobs/verify.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -98,6 +99,37 @@ TEST_F(Backups, carry_the_calibration_that_is_kept_for_a_board) {
   EXPECT_EQ(*again[1].calibration, calibration);
   boards[1].calibration->serial = boards[0].serial;
   EXPECT_NE(error_of(backup_text(boards)).find("is not that of this controller"), std::string::npos);
+}
+
+// What the controllers keep themselves goes with the table: into the file, back after another design, and onto a new
+// board.
+TEST_F(Backups, bring_the_calibration_back_that_a_controller_kept) {
+  const auto claims = bus_.discover();
+  design::BoardCalibration calibration{
+      to_text(claims.at(1).unique_id), hub_.design().design_id, 1, 3, "2026-11-22T17:30:00Z", "ramp", 40.0, 38.97, {}};
+  const auto patch = static_cast<std::size_t>(design::patch_at(hub_.design(), claims[1].node_address));
+  for (const auto& routed : hub_.design().patches[patch].modules) {
+    calibration.places.push_back({routed.line, routed.address, {}});
+    calibration.places.back().taxels[4] = {151.25, 0.125, 0.0625};
+  }
+  ASSERT_TRUE(keep_in_controller(bus_, claims[1], calibration));
+  const auto kept = [&] { return Controller(bus_, claims[1].node_address).calibration(); };
+  const auto boards = read_of(backup_text(save_boards(bus_, {})));
+  EXPECT_EQ(kept(), to_wire(calibration));
+  FlashOptions options;
+  options.take_over = true;
+  (void)flash(bus_, strip(9, 3), options);
+  EXPECT_FALSE(kept()) << "modules of another design";
+  int calibrated = 0;
+  for (const RestoredBoard& r : restore_boards(bus_, boards, {})) calibrated += r.calibrated ? 1 : 0;
+  EXPECT_EQ(calibrated, 1);
+  EXPECT_EQ(kept(), to_wire(calibration));
+  for (const RestoredBoard& r : restore_boards(bus_, boards, {})) EXPECT_TRUE(r.equal && !r.calibrated);
+  auto damaged = boards;
+  for (BoardBackup& b : damaged) {
+    if (const auto value = b.values.find(wire::Calibration::kId); value != b.values.end()) value->second[0] = 2;
+  }
+  EXPECT_NE(error_of(backup_text(damaged)).find("keeps a calibration that is none"), std::string::npos);
 }
 
 TEST_F(Backups, remember_faults_and_when_they_came) {

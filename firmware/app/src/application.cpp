@@ -2,6 +2,7 @@
 #include "triskin/app/application.hpp"
 
 #include <algorithm>
+#include <new>
 
 namespace triskin::fw {
 
@@ -38,7 +39,8 @@ void Application::restart() {
   faults_.load();
   offset_store_.load(offsets_);
   for (Channel& c : channels()) {
-    c.link = make_link(tables_.node_address(), c.port->frame_bytes());
+    // In place: a copy would take two kilobytes of the stack.
+    ::new (static_cast<void*>(&c.link)) wire::IsoTp(make_link(tables_.node_address(), c.port->frame_bytes()));
     c.held.reset();
   }
   if (stream_ == StreamMode::kIcub && !wire::icub::is_board(tables_.node_address())) stream_ = StreamMode::kOff;
@@ -149,7 +151,7 @@ void Application::reset_when_answered() {
   reset_at_us_ = UINT64_MAX;
   reset_requested_ = through_loader_ = false;
   stream_ = StreamMode::kOff;
-  for (Channel& c : channels()) c.stream = {};
+  for (Channel& c : channels()) ::new (static_cast<void*>(&c.stream)) FullStream;  // in place, as a link
   sampling_ = {};
   output_ = wire::TaxelOutput::kRaw;
   server_.restart();

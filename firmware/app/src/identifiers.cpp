@@ -44,6 +44,12 @@ struct Identifiers::Table {
     out.bytes(wire::kPartNumber);
     return true;
   }
+  static bool calibration(const Identifiers& self, ByteWriter& out) {
+    const Bytes kept = self.parts_.tables.calibration();
+    out.bytes(kept);
+    return !kept.empty();
+  }
+  static Status set_calibration(PatchControl& c, Bytes value) { return c.set_calibration(value); }
   /// Decodes a value and hands it on.
   template <class Value, auto kSet>
   static Status write(PatchControl& control, Bytes bytes) {
@@ -72,6 +78,7 @@ struct Identifiers::Table {
       Row{wire::did::kSampling, read<&Identifiers::sampling>, write<wire::SamplingSetting, set_sampling>},
       Row{wire::did::kOffsets, read<&Identifiers::offsets>},
       Row{wire::did::kStreamAccount, read<&Identifiers::stream_account>},
+      Row{wire::did::kCalibration, calibration, set_calibration},
       Row{wire::did::kAdoption, read<&Identifiers::adoption>},
       Row{wire::did::kLiveTaxels, read<&Identifiers::live_taxels>},
       Row{wire::did::kIcub, read<&Identifiers::icub>},

@@ -9,16 +9,19 @@ add_dependencies(triskin_fw_board triskin_layering)
 set(TRISKIN_CRYSTAL_MHZ 8 CACHE STRING "Crystal of the board in MHz, a multiple of 4 up to 48: 8 on the patch controller, 24 on a NUCLEO-G474RE")
 target_compile_definitions(triskin_fw_board PRIVATE TRISKIN_CRYSTAL_MHZ=${TRISKIN_CRYSTAL_MHZ}U)
 
+# tools/check_stack.py leaves the bound of the stack, and the chain of calls that needs it, beside the image.
 # triskin_image(name SCRIPT file FLASH_CEILING bytes RAM_CEILING bytes SOURCES files LIBS targets)
 function(triskin_image name)
   cmake_parse_arguments(arg "" "SCRIPT;FLASH_CEILING;RAM_CEILING" "SOURCES;LIBS" ${ARGN})
   add_executable(${name} ${triskin_board}/src/startup.cpp ${triskin_board}/src/memory.cpp ${arg_SOURCES})
-  set_target_properties(${name} PROPERTIES SUFFIX .elf LINK_DEPENDS "${triskin_board}/${arg_SCRIPT};${triskin_board}/sections.ld;${triskin_board}/app_sections.ld")
+  set_target_properties(${name} PROPERTIES SUFFIX .elf LINK_DEPENDS "${triskin_board}/${arg_SCRIPT};${triskin_board}/sections.ld;${triskin_board}/app_sections.ld;${CMAKE_SOURCE_DIR}/tools/check_stack.py")
   target_link_libraries(${name} PRIVATE ${arg_LIBS} triskin_fw_board)
   target_link_options(${name} PRIVATE -L${triskin_board} -T${triskin_board}/${arg_SCRIPT} -Wl,-Map=$<TARGET_FILE:${name}>.map)
   add_custom_command(TARGET ${name} POST_BUILD
     COMMAND ${Python3_EXECUTABLE} ${CMAKE_SOURCE_DIR}/tools/check_image_size.py ${CMAKE_SIZE} $<TARGET_FILE:${name}>
             ${arg_FLASH_CEILING} ${arg_RAM_CEILING}
+    COMMAND ${Python3_EXECUTABLE} ${CMAKE_SOURCE_DIR}/tools/check_stack.py ${CMAKE_OBJDUMP} ${CMAKE_ADDR2LINE} $<TARGET_FILE:${name}>
+            ${triskin_board}/include/triskin/board/priorities.hpp $<TARGET_FILE:${name}>.stack
     VERBATIM)
 endfunction()
 

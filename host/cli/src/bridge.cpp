@@ -155,9 +155,9 @@ class BusFeed {
     std::vector<const design::Design*> designs;
     for (const robot::CoverOnBus& cover : site_.covers) {
       if (!cover.chosen) continue;
-      covers_.push_back(
-          std::make_unique<CoverFeed>(cover, domain, by_cover[static_cast<std::size_t>(cover.cover)], options_.services,
-                                      claims, calibration_for(options_.calibration, cover, claims, output), start_ns_));
+      covers_.push_back(std::make_unique<CoverFeed>(
+          cover, domain, by_cover[static_cast<std::size_t>(cover.cover)], options_.services, claims,
+          calibration_for(options_.calibration, bus, cover, claims, output), start_ns_));
       designs.push_back(&cover.design);
     }
     device::Stream stream(

@@ -13,6 +13,7 @@
 #include "triskin/host/files.hpp"
 #include "triskin/host/interrupt.hpp"
 #include "triskin/host/wall_clock.hpp"
+#include "triskin/jobs/controller_calibration.hpp"
 #include "triskin/jobs/rest_store.hpp"
 #include "triskin/link/cover_link.hpp"
 #include "triskin/session/controller.hpp"
@@ -23,7 +24,7 @@ namespace {
 struct Options {
   SiteOptions site;
   std::vector<double> steps_kpa, weights_g;
-  std::string ramp, output;
+  std::string ramp, from, output;
   double foot_mm2 = 0.0;  // 0: that of a module
   device::CalibrateOptions calibrate;
   bool by_hand = false, forget = false;
@@ -109,17 +110,42 @@ void tell(const device::CalibrationOutcome& outcome, Output& output) {
                    {"without", std::move(without)}};
 }
 
-// Keeps the calibration and the rest values, which belong to it.
+// Writes one into its controller. One that does not take it is named: this computer keeps it in its place.
+bool into_controller(device::Bus& bus, const wire::NodeClaim& claim, const design::BoardCalibration& board,
+                     Output& output) {
+  const bool taken = device::keep_in_controller(bus, claim, board);
+  output.say(taken ? fmt::format("controller {}  keeps revision {} of its calibration", board.serial, board.revision)
+                   : fmt::format("controller {}  did not take revision {} of its calibration, so this computer alone "
+                                 "keeps it: its firmware is older (triskin flash --firmware) or its table is of "
+                                 "another design (triskin flash)",
+                                 board.serial, board.revision));
+  return taken;
+}
+
+nlohmann::json row_of(const design::BoardCalibration& board, bool taken) {
+  return {{"serial", board.serial}, {"revision", board.revision}, {"made", board.made}, {"in_controller", taken}};
+}
+
+const wire::NodeClaim* claim_of(std::span<const wire::NodeClaim> claims, const std::string& serial) {
+  const auto claim =
+      std::ranges::find_if(claims, [&](const wire::NodeClaim& c) { return device::to_text(c.unique_id) == serial; });
+  return claim == claims.end() ? nullptr : &*claim;
+}
+
+// Keeps the calibration, in the controllers and here, and the rest values, which belong to it.
 void keep(const Options& options, const design::Design& design, device::Bus& bus, device::CalibrationOutcome& outcome,
           Output& output) {
   const device::CalibrationStore store;
+  const auto claims = bus.discover();
+  const auto kept = device::kept_in_controllers(bus, design, claims);
   nlohmann::json rows = nlohmann::json::array();
   for (design::BoardCalibration& board : outcome.boards) {
-    board = store.renew(std::move(board));
-    rows.push_back({{"serial", board.serial}, {"revision", board.revision}, {"made", board.made}});
-    output.say(fmt::format("controller {}  revision {} of its calibration", board.serial, board.revision));
+    const auto before = std::ranges::find(kept, board.serial, &design::BoardCalibration::serial);
+    board = store.renew(std::move(board), before == kept.end() ? 0 : before->revision);
+    const wire::NodeClaim* claim = claim_of(claims, board.serial);
+    rows.push_back(row_of(board, claim != nullptr && into_controller(bus, *claim, board, output)));
   }
-  device::RestStore(design, bus.discover()).write(outcome.rest);
+  device::RestStore(design, claims).write(outcome.rest);
   output.result["boards"] = std::move(rows);
   if (options.output.empty()) return;
   write_output(options.output, design::calibration_text(outcome.boards));
@@ -132,7 +158,8 @@ int forget(const design::Design& design, device::Bus& bus, Output& output) {
   for (const wire::NodeClaim& claim : bus.discover()) {
     if (design::patch_at(design, claim.node_address) < 0) continue;
     const std::string serial = device::to_text(claim.unique_id);
-    if (!store.forget(serial)) continue;
+    const bool here = store.forget(serial), there = device::forget_in_controller(bus, claim);
+    if (!here && !there) continue;
     forgotten.push_back(serial);
     output.say(fmt::format("controller {}  its calibration is forgotten", serial));
   }
@@ -141,17 +168,39 @@ int forget(const design::Design& design, device::Bus& bus, Output& output) {
   return 0;
 }
 
+// Nothing is measured: a calibration of a file goes to the controllers that it is of, and is kept here.
+int write_again(const Options& options, const design::Design& design, device::Bus& bus, Output& output) {
+  const device::CalibrationStore store;
+  const auto claims = bus.discover();
+  nlohmann::json rows = nlohmann::json::array();
+  bool all = true;
+  for (const design::BoardCalibration& board : design::read_calibration(options.from)) {
+    const wire::NodeClaim* claim = claim_of(claims, board.serial);
+    if (claim == nullptr || design::patch_at(design, claim->node_address) < 0) continue;
+    store.write(board);
+    const bool taken = into_controller(bus, *claim, board, output);
+    all = all && taken;
+    rows.push_back(row_of(board, taken));
+  }
+  if (rows.empty())
+    throw InputError(fmt::format("--from {}: has none of the controllers of {} that answer; nothing was written",
+                                 options.from, design.name));
+  output.result = {{"boards", std::move(rows)}};
+  return all ? 0 : 1;
+}
+
 int run(const Options& options, Output& output) {
   const int ways = (options.steps_kpa.empty() ? 0 : 1) + (options.weights_g.empty() ? 0 : 1) +
-                   (options.ramp.empty() ? 0 : 1) + (options.forget ? 1 : 0);
+                   (options.ramp.empty() ? 0 : 1) + (options.from.empty() ? 0 : 1) + (options.forget ? 1 : 0);
   if (ways != 1)
-    throw InputError("calibrate: say what presses, with one of --steps, --weights and --ramp; or --forget");
+    throw InputError("calibrate: say what presses, with one of --steps, --weights and --ramp; or --from, or --forget");
   OpenSite open = open_site(options.site);
   const robot::BusSite& site = open.site.buses[0];
   const robot::CoverOnBus& cover = one_cover(open.site, "calibrate");
   device::CoverLink link(*open.links[0], cover.first_module);
   device::Bus bus(link);
   if (options.forget) return forget(cover.design, bus, output);
+  if (!options.from.empty()) return write_again(options, cover.design, bus, output);
   Options own = options;
   const std::array streamed{&cover.design};
   own.calibrate.stream = robot::stream_options(site, streamed, own.calibrate.stream);
@@ -183,6 +232,8 @@ const Registration kCalibrate{{
           ->check(CLI::Range(1.0, 1e5));
       app.add_option("--ramp", options->ramp,
                      "file of a gauge with lines \"unix_s,kpa\" while the pressure on the whole skin rises and falls");
+      app.add_option("--from", options->from,
+                     "measure nothing: write the calibration of this file into the controllers that it is of");
       app.add_option("-o,--output", options->output, "also writes the calibration into this file");
       app.add_option("--settle-s", options->calibrate.settle_s, "a step is left alone for so long")
           ->check(CLI::Range(0.0, 600.0))
@@ -199,7 +250,7 @@ const Registration kCalibrate{{
           ->check(CLI::Range(0.01, 100.0))
           ->capture_default_str();
       app.add_flag("--by-hand", options->by_hand, "ask for every step also on simulated links, which else press");
-      app.add_flag("--forget", options->forget, "forget what this computer keeps for the controllers of the design");
+      app.add_flag("--forget", options->forget, "forget the calibrations of the design's controllers, there and here");
       return [options](Output& output) { return run(*options, output); };
     },
 }};

@@ -3,31 +3,54 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "triskin/jobs/calibrate.hpp"
+#include "triskin/jobs/controller_calibration.hpp"
 
 namespace triskin::cli {
 
 void add_calibration_options(CLI::App& app, CalibrationOptions& options) {
   app.add_option("--calibration", options.file,
-                 "file of triskin calibrate, for kPa and N; default: what this computer keeps for these controllers; "
-                 "none: counts");
+                 "file of triskin calibrate, for kPa and N; default: what the controllers keep, else what this "
+                 "computer keeps for them; none: counts");
 }
 
-design::SkinCalibration calibration_for(const CalibrationOptions& options, const robot::CoverOnBus& cover,
-                                        std::span<const wire::NodeClaim> claims, const Output& output) {
+namespace {
+
+// Which calibration it is: revisions, and who keeps them.
+std::string version_of(const device::FoundCalibration& found, const std::string& file) {
+  const auto& boards = found.skin.boards();
+  const auto [least, most] = std::ranges::minmax(boards, {}, &design::BoardCalibration::revision);
+  const std::string revision = least.revision == most.revision
+                                   ? fmt::format("revision {}", most.revision)
+                                   : fmt::format("revisions {} … {}", least.revision, most.revision);
+  if (!file.empty()) return fmt::format("{} of {}", revision, file);
+  if (found.in_controllers == 0) return revision + ", kept by this computer";
+  if (found.in_controllers == boards.size()) return revision + ", kept in the controllers";
+  return fmt::format("{}, kept in {} of {} controllers, the others' by this computer", revision, found.in_controllers,
+                     boards.size());
+}
+
+}  // namespace
+
+design::SkinCalibration calibration_for(const CalibrationOptions& options, device::Bus& bus,
+                                        const robot::CoverOnBus& cover, std::span<const wire::NodeClaim> claims,
+                                        const Output& output) {
   if (options.file == "none") return {};
   std::vector<design::BoardCalibration> boards;
   if (!options.file.empty()) boards = design::read_calibration(options.file);
+  const auto kept = device::kept_in_controllers(bus, cover.design, claims);
   const device::CalibrationStore store;
-  device::FoundCalibration found = device::calibration_of(cover.design, claims, boards, store);
+  device::FoundCalibration found = device::calibration_of(cover.design, claims, boards, kept, store);
   for (const design::BoardCalibration& b : found.of_others) output.say(prefix_of(cover) + note_of_other(b));
   design::SkinCalibration& calibration = found.skin;
   if (calibration.complete()) {
     const design::CalibrationQuality q = design::quality_of(calibration.boards());
-    output.say(
-        fmt::format("{}calibrated: {} taxels, error of a pressure {:.2g} % (median), {:.2g} % (worst), up to "
-                    "{:g} kPa",
-                    prefix_of(cover), q.taxels, q.median_percent, q.worst_percent, q.most_kpa));
+    output.say(fmt::format(
+        "{}calibrated: {} taxels, error of a pressure {:.2g} % (median), {:.2g} % (worst), up to "
+        "{:g} kPa; {}",
+        prefix_of(cover), q.taxels, q.median_percent, q.worst_percent, q.most_kpa, version_of(found, options.file)));
     return std::move(calibration);
   }
   if (calibration.missing() > 0) {

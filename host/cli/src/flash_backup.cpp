@@ -93,9 +93,16 @@ void restore_backup(OpenSite& open, const BackupOptions& options, bool dry_run, 
                     {"node_address", b.node_address},
                     {"bytes", b.bytes},
                     {"equal", b.equal},
-                    {"written", b.written}});
+                    {"written", b.written},
+                    {"calibrated", b.calibrated}});
     if (b.written) bytes += b.bytes;
     output.say(fmt::format("controller {}  {}", b.serial, outcome_of(b, dry_run)));
+    if (b.calibrated) output.say(fmt::format("controller {}  holds its calibration again", b.serial));
+    if (b.calibration_refused)
+      output.say(
+          fmt::format("controller {}  did not take its calibration: its firmware is older; run triskin flash "
+                      "--firmware, then restore again",
+                      b.serial));
   }
   output.result = {{"controllers", restored.size()}, {"bytes", bytes}, {"dry_run", dry_run}, {"restored", rows}};
 }

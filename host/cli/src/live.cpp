@@ -180,7 +180,7 @@ int show_cover(const Options& options, const robot::BusSite& site, const robot::
   const std::vector<wire::NodeClaim> boards = bus.discover();
   const device::RestStore store(design, boards);
   device::LiveMonitor monitor(design, options.tare ? design::RestValues{} : store.read(),
-                              calibration_for(options.calibration, cover, boards, output));
+                              calibration_for(options.calibration, bus, cover, boards, output));
   const std::array streamed{&design};
   device::Stream stream(
       bus, design, [&](const device::ModuleFrame& f) { monitor.add(f); },

@@ -29,7 +29,7 @@ class BusShow {
       covers_.push_back(&cover);
       designs_.push_back(&cover.design);
       monitors_.emplace_back(cover.design, device::RestStore(cover.design, claims).read(),
-                             calibration_for(calibration, cover, claims, output));
+                             calibration_for(calibration, bus_, cover, claims, output));
     }
     options_ = robot::stream_options(site, designs_, std::move(options_));
   }

@@ -90,7 +90,7 @@ class CoverFile {
       if (std::string serial = device::serial_at(claims, node); !serial.empty())
         origin_.facts[recording::serial_fact(node)] = std::move(serial);
     }
-    calibration_ = calibration_for(options.calibration, cover_, claims, output);
+    calibration_ = calibration_for(options.calibration, bus, cover_, claims, output);
     if (calibration_.complete()) origin_.calibration_text = design::calibration_text(calibration_.boards());
     const design::RestValues rest = device::RestStore(cover_.design, claims).read();
     if (!rest.empty()) origin_.rest_text = design::rest_text(rest);

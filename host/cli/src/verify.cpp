@@ -18,6 +18,7 @@
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/host/files.hpp"
+#include "triskin/jobs/controller_calibration.hpp"
 #include "triskin/jobs/repair.hpp"
 #include "triskin/jobs/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
@@ -128,9 +129,19 @@ Told tell(const robot::CoverOnBus& cover, device::VerifyResult r, device::Bus& b
     told.lines.push_back(fmt::format("{}remembered from before, not there now: {}", name, f.text));
   }
   std::vector<std::string> rest;
-  told.keys = {{"modules_ok", r.modules_ok},    {"modules", r.modules},
-               {"touched", r.touched},          {"findings", std::move(findings)},
-               {"earlier", std::move(earlier)}, {"offsets", read_offset_lines(bus, cover.design, rest)}};
+  nlohmann::json calibrations = nlohmann::json::array();
+  for (const design::BoardCalibration& b : device::kept_in_controllers(bus, cover.design, bus.discover())) {
+    calibrations.push_back({{"serial", b.serial}, {"revision", b.revision}, {"made", b.made}});
+    rest.push_back(fmt::format("controller {} keeps revision {} of its calibration, made {} with {} up to {:g} kPa",
+                               b.serial, b.revision, b.made, b.method, b.most_kpa));
+  }
+  told.keys = {{"modules_ok", r.modules_ok},
+               {"modules", r.modules},
+               {"touched", r.touched},
+               {"findings", std::move(findings)},
+               {"earlier", std::move(earlier)},
+               {"offsets", read_offset_lines(bus, cover.design, rest)},
+               {"calibrations", std::move(calibrations)}};
   if (r.stream) {
     add_stream_keys(*r.stream, told.keys);
     for (std::string& line : sentences(*r.stream)) rest.push_back(std::move(line));

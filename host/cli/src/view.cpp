@@ -78,7 +78,7 @@ design::SkinCalibration calibration_now(const Options& options, const std::optio
   try {
     const auto link = device::open_bus(*site, 0, options.link);
     device::Bus bus(*link);
-    return calibration_for(options.calibration, site->buses[0].covers[0], bus.discover(), aside);
+    return calibration_for(options.calibration, bus, site->buses[0].covers[0], bus.discover(), aside);
   } catch (const DeviceError&) {
     return {};  // the page says what is wrong with the link
   }

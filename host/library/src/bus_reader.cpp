@@ -7,6 +7,7 @@
 
 #include "skin.hpp"
 #include "triskin/jobs/calibrate.hpp"
+#include "triskin/jobs/controller_calibration.hpp"
 #include "triskin/jobs/rest_store.hpp"
 #include "triskin/jobs/verify.hpp"
 #include "triskin/jobs/verify_report.hpp"
@@ -81,7 +82,9 @@ void BusReader::calibrate(std::vector<ModuleCalibration>& modules) {
   const auto claims = bus_.discover();
   const device::CalibrationStore store;
   for (const robot::CoverOnBus& cover : site_.covers) {
-    const design::SkinCalibration skin = device::calibration_of(cover.design, claims, {}, store).skin;
+    const design::SkinCalibration skin =
+        device::calibration_of(cover.design, claims, {}, device::kept_in_controllers(bus_, cover.design, claims), store)
+            .skin;
     const int first = source_.offsets[static_cast<std::size_t>(cover.cover)].module;
     if (skin.modules() == 0) continue;
     for (const int patch : design::patches_here(cover.design)) {

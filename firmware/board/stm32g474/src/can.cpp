@@ -2,6 +2,7 @@
 #include "can.hpp"
 
 #include "interrupt_timer.hpp"
+#include "triskin/board/priorities.hpp"
 #include "triskin/board/registers/fdcan.hpp"
 #include "triskin/board/registers/pins.hpp"
 #include "triskin/board/registers/system.hpp"
@@ -129,7 +130,7 @@ void Stm32CanPort::open(CanFilters filters) {
   kCccr.clear(kInit);
   while (kCccr.any(kInit)) {
   }
-  core_reg::set_priority(kIrq0, 0x80);
+  core_reg::set_priority(kIrq0, priority::kCan);
   core_reg::enable_interrupt(kIrq0);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "triskin/board/board.hpp"
+#include "triskin/board/priorities.hpp"
 #include "triskin/board/registers/system.hpp"
 
 extern "C" void tim2_handler();
@@ -66,6 +67,7 @@ void start_microseconds() {
   tim2_reg::kEgr.write(tim2_reg::kUpdate);  // loads the prescaler
   tim2_reg::kSr.write(0);
   tim2_reg::kCr1.write(tim2_reg::kEnable);
+  core_reg::set_priority(tim2_reg::kIrq, priority::kTimer);
   core_reg::enable_interrupt(tim2_reg::kIrq);
 }
 

@@ -5,6 +5,7 @@
 #include "triskin/board/board.hpp"
 #include "triskin/board/budget.hpp"
 #include "triskin/board/i2c_timing.hpp"
+#include "triskin/board/priorities.hpp"
 #include "triskin/board/registers/i2c.hpp"
 #include "triskin/board/registers/pins.hpp"
 #include "triskin/board/registers/system.hpp"
@@ -36,7 +37,8 @@ constexpr std::uint64_t kHalfPulse_us = 5;  // bus clear at 100 kHz
 // need 23 losses in a row to last that long, each within the 0.87 ms of a burst of results and its bus clear.
 constexpr std::uint64_t kRepeatFor_us = 20'000;
 // An acknowledge bit that a disturbance spoils looks like an absent chip. One disturbance a second spoils the 0.75 ms
-// of a burst of results three times in a row once in 2 · 10⁶ seconds; an absent chip costs 0.07 ms more.
+// of a burst of results three times in a row once in 2 · 10⁶ seconds. Two are what fits: a transfer of a few bytes
+// takes 150 µs, a refusal about 35 µs, and the schedule keeps 250 µs free for both (ReadingSchedule::kShort_us).
 constexpr std::uint8_t kMostRefusals = 2;
 
 std::uint32_t address_of(const void* p) {
@@ -67,7 +69,7 @@ void Stm32I2cLine::open(const LinePlace& place) {
   pins_to_bus();
   enable();
   for (const int irq : {place.event_irq, place.error_irq}) {
-    core_reg::set_priority(irq, 0x40);
+    core_reg::set_priority(irq, priority::kLines);
     core_reg::enable_interrupt(irq);
   }
 }

@@ -5,6 +5,7 @@
 
 #include "interrupt_timer.hpp"
 #include "triskin/board/board.hpp"
+#include "triskin/board/priorities.hpp"
 #include "triskin/board/registers/system.hpp"
 #include "triskin/board/registers/usb.hpp"
 
@@ -96,7 +97,7 @@ void Stm32Usb::open(wire::UsbFunction& function, bool data_endpoints) {
   kBtable.write(0);
   power_ = 0;
   kCntr.write(kMasks);
-  core_reg::set_priority(kIrq, 0xC0);
+  core_reg::set_priority(kIrq, priority::kUsb);
   core_reg::enable_interrupt(kIrq);
   kBcdr.set(kPullUp);
 }

@@ -13,6 +13,7 @@
 #include "triskin/design/json_fields.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/jobs/board_file.hpp"
+#include "triskin/wire/calibration.hpp"
 #include "triskin/wire/identifiers.hpp"
 
 namespace triskin::device {
@@ -155,6 +156,13 @@ void require_table(const JsonValue& v, const BoardBackup& b) {
     v["table"].fail(fmt::format("is for node address {}, the board had {}", image->node_address, b.node_address));
 }
 
+void require_calibration(const JsonValue& v, const BoardBackup& b) {
+  const auto value = b.values.find(wire::Calibration::kId);
+  if (value == b.values.end()) return;
+  if (const auto kept = wire::Calibration::decode(value->second); !kept)
+    v["values"].fail(fmt::format("keeps a calibration that is none: {}; save the board again", describe(kept.error())));
+}
+
 /// A board of the file and the controller that is to hold it.
 struct Pair {
   const BoardBackup* board = nullptr;
@@ -269,6 +277,15 @@ class Restoration {
     assign_addresses(bus_, std::move(wanted));
   }
 
+  // Behind the table that it belongs to. What a board without one keeps stays: a new table has taken care of it.
+  void write_calibration(Controller& controller, const BoardBackup& b, RestoredBoard& r) const {
+    const auto value = b.values.find(wire::Calibration::kId);
+    if (value == b.values.end() || options_.dry_run) return;
+    const wire::Calibration kept = wire::Calibration::decode(value->second).value();  // read_backup looked
+    if (controller.calibration() == kept) return;
+    r.calibrated = controller.set_calibration(kept);
+    r.calibration_refused = !r.calibrated;
+  }
   RestoredBoard write(const Pair& p) {
     const BoardBackup& b = *p.board;
     RestoredBoard r{to_text(p.claim.unique_id), b.serial, b.node_address, b.table.size(), false, false};
@@ -280,9 +297,11 @@ class Restoration {
     const bool same =
         table.present() && table.crc == crc32(b.table) && controller.read_table(b.table.size()) == b.table;
     r.equal = same && !moved;
-    if (same || options_.dry_run) return r;
-    write_and_compare(controller, bus_, b.table, {});
-    r.written = true;
+    if (!same && !options_.dry_run) {
+      write_and_compare(controller, bus_, b.table, {});
+      r.written = true;
+    }
+    write_calibration(controller, b, r);
     return r;
   }
 
@@ -347,7 +366,10 @@ std::vector<BoardBackup> read_backup(const std::filesystem::path& path) {
   }
   if (crc_of(boards) != stated)
     v["crc32"].fail("differs from that of the boards: the file was changed or damaged; use another copy");
-  for (std::size_t k = 0; k < list.size(); ++k) require_table(list.at(k), boards[k]);
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    require_table(list.at(k), boards[k]);
+    require_calibration(list.at(k), boards[k]);
+  }
   return boards;
 }
 

@@ -10,6 +10,7 @@
 #include "triskin/design/outline.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/host/wall_clock.hpp"
+#include "triskin/jobs/controller_calibration.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/stream.hpp"
 
@@ -210,14 +211,10 @@ void CalibrationStore::write(const design::BoardCalibration& board) const {
   write_file_atomically(file_of(board.serial), design::calibration_text(std::span(&board, 1)));
 }
 
-design::BoardCalibration CalibrationStore::renew(design::BoardCalibration board) const {
-  const auto before = read(board.serial);
-  board.revision = before ? before->revision + 1 : 1;
-  const auto now = static_cast<std::time_t>(unix_ns() / 1'000'000'000U);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  board.made = fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday,
-                           utc.tm_hour, utc.tm_min, utc.tm_sec);
+design::BoardCalibration CalibrationStore::renew(design::BoardCalibration board, int before) const {
+  const auto here = read(board.serial);
+  board.revision = std::max(before, here ? here->revision : 0) + 1;
+  board.made = utc_text(unix_ns() / 1'000'000'000U);
   write(board);
   return board;
 }
@@ -227,8 +224,17 @@ bool CalibrationStore::forget(const std::string& serial) const {
   return std::filesystem::remove(file_of(serial), none);
 }
 
+std::string utc_text(std::uint64_t unix_s) {
+  const auto time = static_cast<std::time_t>(unix_s);
+  std::tm utc{};
+  gmtime_r(&time, &utc);
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday,
+                     utc.tm_hour, utc.tm_min, utc.tm_sec);
+}
+
 FoundCalibration calibration_of(const design::Design& design, std::span<const wire::NodeClaim> claims,
-                                std::span<const design::BoardCalibration> boards, const CalibrationStore& store) {
+                                std::span<const design::BoardCalibration> boards,
+                                std::span<const design::BoardCalibration> kept, const CalibrationStore& store) {
   FoundCalibration found;
   std::vector<design::BoardCalibration> known;
   const auto serial_of = [&](int patch) { return serial_at(claims, design::node_address_of(design, patch)); };
@@ -238,11 +244,21 @@ FoundCalibration calibration_of(const design::Design& design, std::span<const wi
     const auto given = std::ranges::find(boards, serial, &design::BoardCalibration::serial);
     if (given != boards.end()) {
       known.push_back(*given);
-    } else if (auto kept = store.read(serial)) {
-      if (kept->design_id == design.design_id && kept->patch == patch)
-        known.push_back(std::move(*kept));
-      else
-        found.of_others.push_back(std::move(*kept));
+      continue;
+    }
+    const auto of_these = [&](const design::BoardCalibration& b) {
+      return b.design_id == design.design_id && b.patch == patch;
+    };
+    auto here = store.read(serial);
+    const auto own = std::ranges::find(kept, serial, &design::BoardCalibration::serial);
+    if (own != kept.end() && of_these(*own)) {
+      const bool the_same = here && to_wire(*here) == to_wire(*own);
+      known.push_back(the_same ? std::move(*here) : *own);
+      ++found.in_controllers;
+    } else if (here && of_these(*here)) {
+      known.push_back(std::move(*here));
+    } else if (here) {
+      found.of_others.push_back(std::move(*here));
     }
   }
   if (!known.empty()) found.skin = design::SkinCalibration(design, known, serial_of);

@@ -310,6 +310,30 @@ wire::StreamAccount Controller::stream_account() {
   }
 }
 
+std::optional<wire::Calibration> Controller::calibration() {
+  try {
+    return value<wire::Calibration>("calibration");
+  } catch (const Refused& e) {
+    if (e.code() != wire::nrc::kOutOfRange) throw;
+    return std::nullopt;
+  }
+}
+
+bool Controller::set_calibration(const wire::Calibration& calibration) {
+  unlock(wire::Session::kExtended);
+  std::array<std::uint8_t, wire::Calibration::kMostBytes> value{};
+  ByteWriter out(value);
+  calibration.encode(out);
+  constexpr std::uint16_t kId = wire::Calibration::kId;
+  try {
+    (void)bus_.request(node_, request_of({wire::service::kWrite, high(kId), low(kId)}, out.written()), Repeat::kSafe);
+  } catch (const Refused& e) {
+    if (e.code() != wire::nrc::kOutOfRange && e.code() != wire::nrc::kConditionsNotCorrect) throw;
+    return false;
+  }
+  return true;
+}
+
 void Controller::set_sampling(const wire::SamplingSetting& setting) {
   write(setting);
 }

@@ -15,8 +15,9 @@ inline constexpr std::uint16_t kActiveSession = 0xF186, kSerialNumber = 0xF18C, 
                                kHardware = 0xF191, kFirmware = 0xF195, kHello = 0xFD00, kNodeAddress = 0xFD01,
                                kActiveTable = 0xFD02, kModuleStates = 0xFD03, kStatistics = 0xFD04, kStream = 0xFD05,
                                kLineStates = 0xFD06, kTopology = 0xFD07, kRoute = 0xFD08, kImageState = 0xFD09,
-                               kSampling = 0xFD0A, kOffsets = 0xFD0B, kStreamAccount = 0xFD0C, kAdoption = 0xFD0E,
-                               kLiveTaxels = 0xFD10, kFreezeTime = 0xFD21, kFreezeSample = 0xFD22, kIcub = 0xFD30;
+                               kSampling = 0xFD0A, kOffsets = 0xFD0B, kStreamAccount = 0xFD0C, kCalibration = 0xFD0D,
+                               kAdoption = 0xFD0E, kLiveTaxels = 0xFD10, kFreezeTime = 0xFD21, kFreezeSample = 0xFD22,
+                               kIcub = 0xFD30;
 }  // namespace did
 
 namespace routine {
@@ -39,7 +40,7 @@ struct Identifier {
   std::string_view value;               ///< fields in order, (bytes of each); little-endian where nothing is said
 };
 
-inline constexpr std::array<Identifier, 23> kIdentifiers{{
+inline constexpr std::array<Identifier, 24> kIdentifiers{{
     {did::kActiveSession, Access::kRead, 1, 1, "identity.hpp", "session (1): 1 default, 2 programming, 3 extended"},
     {did::kSerialNumber, Access::kRead, 12, 12, "identity.hpp", "unique id (12)"},
     {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
@@ -85,6 +86,12 @@ inline constexpr std::array<Identifier, 23> kIdentifiers{{
      "how often sampling began anew (1, modulo 256), time in µs (8), leases (1; 0 … 8), number of each reader (4), "
      "then "
      "per row of the table: number of the latest sample (4), samples not read (4), dropped (4), sent (4), waiting (1)"},
+    {did::kCalibration, Access::kReadWrite, 27, 491, "calibration.hpp",
+     "calibration kept with the table: version (1): 1, exponent e (1; 0 … 30), revision (2; from 1), design id (8; "
+     "that of the table), patch (2), made (4; s since 1970 UTC), method (1): 0 steps, 1 weights, 2 ramp, largest "
+     "pressure in Pa (4), area of a taxel in 10⁻⁴ mm² (4), then per module its place (1; 4 × line + address), "
+     "sensitivity of 12 taxels in 2⁻ᵉ counts/kPa (2 each; 0 none), bound of their relative error in 0.01 % (2), "
+     "farthest from the line in Pa (2); without modules it deletes what was kept; refused without one"},
     {did::kAdoption, Access::kRead, 4, 64, "adoption.hpp",
      "rows of the table (1), rows that it does not reach and offers to its neighbours (2, a bit each), number of the "
      "list of guests (1), then per module of another patch that it reads: row of the parent (1; from the number of "

@@ -52,6 +52,7 @@ class Application final : private UdsHost, private PatchControl {
   Status set_node_address(std::uint8_t address) override;
   Status set_stream(wire::StreamMode mode) override;
   Status set_sampling(const wire::SamplingSetting& setting) override;
+  Status set_calibration(Bytes value) override { return tables_.set_calibration(value); }
   [[nodiscard]] wire::StreamAccount stream_account() const override;
   [[nodiscard]] std::uint32_t dropped_samples() const override;
   Status clear_faults() override { return faults_.clear() ? Status::kOk : Status::kFlashFailed; }

@@ -50,6 +50,8 @@ class PatchControl {
   virtual Status set_stream(wire::StreamMode mode) = 0;
   /// Takes effect at once: every converter is configured anew. kOk always; the decoder has refused what cannot be set.
   virtual Status set_sampling(const wire::SamplingSetting& setting) = 0;
+  /// Keeps a calibration with the table. Errors: those of TableStore::set_calibration.
+  virtual Status set_calibration(Bytes value) = 0;
   /// Account of the full stream over the port that asks.
   [[nodiscard]] virtual wire::StreamAccount stream_account() const = 0;
   /// Samples and iCub frames that found no room since power-up, all ports.

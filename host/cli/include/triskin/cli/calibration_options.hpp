@@ -8,20 +8,23 @@
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/design/calibration.hpp"
+#include "triskin/session/bus.hpp"
 #include "triskin/wire/node_claim.hpp"
 
 namespace triskin::cli {
 
 /// Which calibration a command uses.
 struct CalibrationOptions {
-  std::string file;  ///< calibration file; empty: what this computer keeps for the controllers; "none": counts
+  /// Calibration file; empty: what the controllers keep, else what this computer keeps for them; "none": counts.
+  std::string file;
 };
 /// Adds --calibration.
 void add_calibration_options(CLI::App& app, CalibrationOptions& options);
 
-/// The calibration of a cover on the controllers `claims` of its bus. One that lacks some modules is left out whole,
-/// and said with `output`. Throws InputError for a file that cannot be used.
-[[nodiscard]] design::SkinCalibration calibration_for(const CalibrationOptions& options, const robot::CoverOnBus& cover,
+/// The calibration of a cover on the controllers `claims` of `bus`, which are asked for theirs. One that lacks some
+/// modules is left out whole, and said with `output`. Throws InputError for a file that cannot be used.
+[[nodiscard]] design::SkinCalibration calibration_for(const CalibrationOptions& options, device::Bus& bus,
+                                                      const robot::CoverOnBus& cover,
                                                       std::span<const wire::NodeClaim> claims, const Output& output);
 
 /// Says that a calibration is of other modules than those that its controller serves now.

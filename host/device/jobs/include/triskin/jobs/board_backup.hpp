@@ -55,14 +55,19 @@ struct RestoredBoard {
   std::size_t bytes = 0;  ///< of the table; 0: it had none, and what the controller holds stays
   bool equal = false;     ///< table and address were there already
   bool written = false;
+  /// The calibration that was kept in the board of the file is in this one again; false: there was none, it was there
+  /// already, or a dry run.
+  bool calibrated = false;
+  /// The controller did not take it: its firmware is older.
+  bool calibration_refused = false;
 };
 
 /// Writes node address and table of every board of a file back into the controller with its serial number, or the one
-/// that `options.onto` names, and reads the table back. Everything is checked before the first byte is written: the
-/// controllers answer, are of the kind (part number, layout version) that was kept, and no two get one address, nor
-/// that of a controller that is not in the file. Each controller has its old table or its new one, whole. Throws
-/// InputError for a file that does not fit, DeviceError when a controller does not answer or refuses; both say what was
-/// written.
+/// that `options.onto` names, and reads the table back; then the calibration that the board kept with its table.
+/// Everything is checked before the first byte is written: the controllers answer, are of the kind (part number, layout
+/// version) that was kept, and no two get one address, nor that of a controller that is not in the file. Each
+/// controller has its old table or its new one, whole. Throws InputError for a file that does not fit, DeviceError when
+/// a controller does not answer or refuses; both say what was written.
 std::vector<RestoredBoard> restore_boards(Bus& bus, std::span<const BoardBackup> boards, const RestoreOptions& options);
 
 }  // namespace triskin::device

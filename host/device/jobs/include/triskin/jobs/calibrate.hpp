@@ -96,8 +96,9 @@ class CalibrationStore {
   [[nodiscard]] std::optional<design::BoardCalibration> read(const std::string& serial) const;
   /// Keeps it as it is, in place of an older one. Throws InputError when the file cannot be written.
   void write(const design::BoardCalibration& board) const;
-  /// Keeps a new one: its revision is one more than that of what is there, `made` is now. Returns what was written.
-  design::BoardCalibration renew(design::BoardCalibration board) const;
+  /// Keeps a new one: its revision is one more than that of what is there and than `before`, that of what its
+  /// controller keeps (0: nothing); `made` is now. Returns what was written.
+  design::BoardCalibration renew(design::BoardCalibration board, int before = 0) const;
   /// Forgets that of a controller; false: there was none.
   bool forget(const std::string& serial) const;
 
@@ -109,13 +110,20 @@ class CalibrationStore {
 /// What is known of a skin's calibration.
 struct FoundCalibration {
   design::SkinCalibration skin;
+  /// Controllers whose own calibration is used.
+  std::size_t in_controllers = 0;
   /// Kept for its controllers, but made when they served another patch or design, so of other modules: not used.
   std::vector<design::BoardCalibration> of_others;
 };
 /// The calibration of a design on the controllers `claims` of its bus: of `boards`, whatever design they were made
-/// with, where they have the controller, else what `store` keeps. Throws as CalibrationStore::read.
+/// with, where they have the controller, else of `kept`, what the controllers keep themselves (kept_in_controllers),
+/// else what `store` keeps. Where `store` has the very calibration that the controller keeps, it is taken from there:
+/// its errors are those of each taxel. Throws as CalibrationStore::read.
 [[nodiscard]] FoundCalibration calibration_of(const design::Design& design, std::span<const wire::NodeClaim> claims,
                                               std::span<const design::BoardCalibration> boards,
+                                              std::span<const design::BoardCalibration> kept,
                                               const CalibrationStore& store);
+/// Seconds since 1970 as a calibration says when it was made: "2026-11-22T17:30:00Z".
+[[nodiscard]] std::string utc_text(std::uint64_t unix_s);
 
 }  // namespace triskin::device

@@ -9,6 +9,7 @@
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/wire/adoption.hpp"
+#include "triskin/wire/calibration.hpp"
 #include "triskin/wire/faults.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
@@ -73,6 +74,11 @@ class Controller {
   wire::Offsets offsets();
   /// Lets the controller search all offsets anew; returns when it has them. Takes about 1 s.
   wire::Offsets search_offsets();
+  /// The calibration that it keeps with its table; empty: none, or its firmware cannot keep one.
+  std::optional<wire::Calibration> calibration();
+  /// Keeps a calibration with its table, or, of one without modules, deletes it. False: refused, because the firmware
+  /// cannot keep one or the table is of another design or other modules; what it kept stays.
+  [[nodiscard]] bool set_calibration(const wire::Calibration& calibration);
   /// The latest sample of all modules, by row of the table.
   wire::LiveTaxels taxels();
   /// How the controller samples.

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "triskin/base/bytes.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/wire/checked_enum.hpp"
+#include "triskin/wire/identifiers.hpp"
+
+/// What the counts of taxels are worth in kPa, as a controller keeps it with its table (FD0D). docs/calibration.md.
+namespace triskin::wire {
+
+/// What pressed while the calibration was made.
+enum class CalibrationMethod : std::uint8_t { kSteps = 0, kWeights = 1, kRamp = 2 };
+/// Method of a number from the wire.
+/// Error: kOutOfRange.
+[[nodiscard]] constexpr Result<CalibrationMethod> to_calibration_method(std::uint8_t number) {
+  return checked_enum(number, CalibrationMethod::kRamp);
+}
+
+/// The taxels of the module at one place.
+struct PlaceSensitivity {
+  std::uint8_t place = 0;  ///< kAddressesPerLine · line + address
+  /// Counts that 1 kPa takes away, in units of 2^-exponent counts/kPa; 0: not calibrated.
+  std::array<std::uint16_t, layout::kTaxelsPerModule> sensitivity{};
+  std::uint16_t error = 0;        ///< bound of the relative error of the module's worst taxel, 0.01 %; 65535: or more
+  std::uint16_t residual_pa = 0;  ///< farthest that a point of the module lies from its line; 65535: or more
+  bool operator==(const PlaceSensitivity&) const = default;
+};
+
+/// FD0D: the calibration of the modules on a controller. Without rows it is none: written, it deletes what was kept.
+struct Calibration {
+  static constexpr std::uint16_t kId = did::kCalibration;
+  static constexpr std::uint8_t kVersion = 1;  ///< of the value; others are refused
+  static constexpr std::uint8_t kMostExponent = 30;
+  static constexpr std::size_t kHeadBytes = 27, kRowBytes = 5 + 2 * layout::kTaxelsPerModule;
+  static constexpr std::size_t kLeastBytes = kHeadBytes, kMostBytes = kHeadBytes + kRowBytes * layout::kMaxModules;
+  std::uint8_t exponent = 0;    ///< 0 … kMostExponent, of the sensitivities
+  std::uint16_t revision = 1;   ///< ≥ 1, one more with each calibration of the controller
+  std::uint64_t design_id = 0;  ///< of the table that it was made with
+  std::uint16_t patch = 0;      ///< of that design, from 0
+  std::uint32_t made_unix_s = 0;
+  CalibrationMethod method = CalibrationMethod::kSteps;
+  std::uint32_t most_pa = 0;     ///< largest pressure that was applied
+  std::uint32_t taxel_area = 1;  ///< skin that a taxel stands for, 10⁻⁴ mm², ≥ 1
+  std::uint8_t count = 0;        ///< 0 … kMaxModules
+  std::array<PlaceSensitivity, layout::kMaxModules> places{};
+
+  /// The modules, in the order in which they were written.
+  [[nodiscard]] constexpr std::span<const PlaceSensitivity> rows() const { return std::span(places).first(count); }
+  /// Appends the value as it stands on the wire.
+  constexpr void encode(ByteWriter& out) const {
+    out.u8(kVersion);
+    out.u8(exponent);
+    out.le16(revision);
+    out.le64(design_id);
+    out.le16(patch);
+    out.le32(made_unix_s);
+    out.u8(wire_number(method));
+    out.le32(most_pa);
+    out.le32(taxel_area);
+    for (const PlaceSensitivity& p : rows()) {
+      out.u8(p.place);
+      for (const std::uint16_t s : p.sensitivity) out.le16(s);
+      out.le16(p.error);
+      out.le16(p.residual_pa);
+    }
+  }
+  /// Errors: kBadLength (no whole row, too many), kBadVersion, kOutOfRange (no such exponent, revision, method, area or
+  /// place), kDuplicate (a place twice).
+  [[nodiscard]] static constexpr Result<Calibration> decode(Bytes bytes) {
+    if (bytes.size() < kLeastBytes || bytes.size() > kMostBytes || (bytes.size() - kHeadBytes) % kRowBytes != 0)
+      return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    if (r.u8() != kVersion) return std::unexpected(Status::kBadVersion);
+    Calibration c;
+    c.exponent = r.u8();
+    c.revision = r.le16();
+    c.design_id = r.le64();
+    c.patch = r.le16();
+    c.made_unix_s = r.le32();
+    const auto method = to_calibration_method(r.u8());
+    c.most_pa = r.le32();
+    c.taxel_area = r.le32();
+    if (!method || c.exponent > kMostExponent || c.revision == 0 || c.taxel_area == 0)
+      return std::unexpected(Status::kOutOfRange);
+    c.method = *method;
+    std::uint32_t taken = 0;
+    while (!r.rest().empty()) {
+      const PlaceSensitivity& p = c.places[c.count++] = decode_row(r);
+      if (p.place >= layout::kMaxModules) return std::unexpected(Status::kOutOfRange);
+      if ((taken >> p.place & 1U) != 0) return std::unexpected(Status::kDuplicate);
+      taken |= 1U << p.place;
+    }
+    return c;
+  }
+  bool operator==(const Calibration&) const = default;
+
+ private:
+  [[nodiscard]] static constexpr PlaceSensitivity decode_row(ByteReader& r) {
+    PlaceSensitivity p;
+    p.place = r.u8();
+    for (std::uint16_t& s : p.sensitivity) s = r.le16();
+    p.error = r.le16();
+    p.residual_pa = r.le16();
+    return p;
+  }
+};
+static_assert(kLengthsAsInTable<Calibration>);
+
+}  // namespace triskin::wire
