@@ -11,11 +11,14 @@ followed into every class of the image whose table holds, at that place, a funct
 (-g1 tells the line). Other calls through pointers stand in POINTERS. A call that cannot be followed and a
 recursion are errors: the bound is never a guess.
 """
+import os
 import pathlib
 import re
 import struct
 import subprocess
 import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 # What the processor pushes: 26 words with the registers of the FPU, and a word to align the stack (PM0214 2.3.7).
 EXCEPTION_BYTES = 26 * 4 + 4
@@ -146,15 +149,23 @@ def unqualified(mangled: str) -> str:
     return name
 
 
+def source_of(place: str) -> pathlib.Path:
+    """The file of the project that the compiler named. A compiler cache may hand over objects of another folder."""
+    parts = os.path.normpath(place).split("/")
+    inside = (ROOT.joinpath(*parts[k:]) for k in range(1, len(parts)))
+    return next((path for path in inside if path.is_file()), pathlib.Path(place))
+
+
 def names_called(addr2line: str, elf: str, addresses: list[str]) -> dict[str, set[str]]:
     """Names before parentheses about the line of each address: a call of several lines has the place of one of them."""
     told = subprocess.run([addr2line, "-e", elf], input="\n".join(addresses), check=True, capture_output=True, text=True)
     out = {}
     for address, place in zip(addresses, told.stdout.splitlines(), strict=True):
         file, line = place.split(" ")[0].rsplit(":", 1)
-        if not line.isdigit() or not pathlib.Path(file).is_file():
+        source = source_of(file)
+        if not line.isdigit() or not source.is_file():
             continue
-        lines = pathlib.Path(file).read_text().splitlines()[max(0, int(line) - 2):int(line) + 1]
+        lines = source.read_text().splitlines()[max(0, int(line) - 2):int(line) + 1]
         out[address] = set(re.findall(r"(\w+)\(", "\n".join(lines)))
     return out
 
@@ -189,7 +200,8 @@ def resolve(functions: dict[str, Function], names: dict[str, set[str]], tables: 
             wanted = names.get(address, set())
             targets = {g for at, g in tables if place in (None, at) and unqualified(g) in wanted}
             if not targets:
-                raise Unbounded(f"{f.name}: who is called at place {place}, one of {sorted(wanted)}, is not known")
+                raise Unbounded(f"{f.name}: who is called at place {place}, one of {sorted(wanted)}, is not known"
+                                + ("" if wanted else "; is the line of the call in the image (-g1)?"))
             f.calls |= targets
 
 

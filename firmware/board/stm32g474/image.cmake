@@ -27,7 +27,7 @@ endfunction()
 
 triskin_image(triskin_loader SCRIPT loader.ld FLASH_CEILING 16384 RAM_CEILING 24576 SOURCES ${triskin_board}/src/loader_main.cpp)
 foreach(slot a b)
-  triskin_image(triskin_app_${slot} SCRIPT slot_${slot}.ld FLASH_CEILING 65536 RAM_CEILING 65536
+  triskin_image(triskin_app_${slot} SCRIPT slot_${slot}.ld FLASH_CEILING 73728 RAM_CEILING 65536
                 SOURCES ${triskin_board}/src/main.cpp LIBS triskin_fw_app)
 endforeach()
 
