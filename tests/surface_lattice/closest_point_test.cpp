@@ -62,6 +62,30 @@ TEST_F(ClosestPoint, of_the_tree_is_that_of_a_loop_over_all_faces) {
   }
 }
 
+TEST_F(ClosestPoint, is_the_same_where_a_bound_of_it_is_known) {
+  for (int k = 0; k < kQueries; ++k) {
+    const Vec3 q = query();
+    const SurfacePoint p = surface_.closest(q), border = surface_.closest_on_border(q);
+    const double more = 1.0 + 1e-9;
+    EXPECT_EQ(surface_.closest(q, more * p.distance_mm).position_mm, p.position_mm);
+    EXPECT_EQ(surface_.closest_on_border(q, more * border.distance_mm).position_mm, border.position_mm);
+    EXPECT_EQ(surface_.closest(q, 0.99 * p.distance_mm).face, -1);
+    EXPECT_EQ(surface_.closest_on_border(q, 0.99 * border.distance_mm).face, -1);
+  }
+}
+
+// Two triangles folded back onto each other: the sum of the normals at their common corners was 10⁻¹⁶ of rounding, made
+// a unit vector of any direction. `check` had another, and named a turn of the normal that was not the stated one.
+TEST(FoldedFlap, has_no_normal_at_its_fold_and_that_of_the_face_counts) {
+  const Vec3 a(1.1, 2.3, 0.7), b(31.7, 5.9, 3.1), c(7.3, 33.3, 9.7);
+  const Vec3 over = b + 0.73 * (a - b);
+  const Surface surface(Mesh{{a, b, c, over}, {{0, 1, 2}, {2, 1, 3}}});
+  ASSERT_NEAR(surface.face_normal(0).dot(surface.face_normal(1)), -1.0, 1e-12);
+  EXPECT_EQ(surface.vertex_normal(1), Vec3(Vec3::Zero()));
+  const SurfacePoint corner{b, 0, {0.0, 1.0, 0.0}, 0.0};
+  EXPECT_EQ(surface.normal_at(corner), surface.face_normal(0));
+}
+
 TEST_F(ClosestPoint, of_the_border_is_that_of_a_loop_over_all_its_edges) {
   for (int k = 0; k < kQueries; ++k) {
     const Vec3 q = query();

@@ -11,6 +11,10 @@ std::size_t at(int k) {
   return static_cast<std::size_t>(k);
 }
 
+// Normals of a vertex that cancel, as of a flap folded back onto its own faces, leave a sum of rounding errors; the
+// face decides there.
+constexpr double kCancelled_rad = 1e-6, kNoNormal = 1e-9;
+
 }  // namespace
 
 SurfaceIndex::SurfaceIndex(const CheckedDesign& design)
@@ -24,7 +28,7 @@ SurfaceIndex::SurfaceIndex(const CheckedDesign& design)
       normals_[at(f[k])] += std::atan2(u.cross(v).norm(), u.dot(v)) * unit_normal(t);
     }
   }
-  for (P3& n : normals_) n.normalize();
+  for (P3& n : normals_) n = n.norm() > kCancelled_rad ? P3(n.normalized()) : P3::Zero();
   find_border();
   tree_.insert(triangles_.cbegin(), triangles_.cend());
   tree_.build();
@@ -65,7 +69,7 @@ SurfaceIndex::Hit SurfaceIndex::closest(const P3& p) const {
     const double weight = (t[(k + 2) % 3] - t[(k + 1) % 3]).cross(hit.point - t[(k + 1) % 3]).dot(n) / n.squaredNorm();
     hit.normal += weight * normals_[at(f[k])];
   }
-  hit.normal.normalize();
+  hit.normal = hit.normal.norm() > kNoNormal ? P3(hit.normal.normalized()) : unit_normal(t);
   return hit;
 }
 

@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "triskin/geometry/design_types.hpp"
 
@@ -36,15 +37,26 @@ struct Stand {
   [[nodiscard]] bool over() const { return to_border_mm <= foot.distance_mm + 1e-7; }
 };
 
-Stand stand(const Surface& surface, const Vec3& p) {
-  const SurfacePoint border = surface.closest_on_border(p);
-  if (border.face < 0) return {surface.closest(p), border.distance_mm, 0.0};
+/// What the distances of a point cannot exceed, from those of another: the searches are several times as short.
+struct Near {
+  double surface_mm = std::numeric_limits<double>::infinity(), border_mm = surface_mm;
+
+  static Near beside(const Stand& s, double way_mm) {
+    const auto least = [way_mm](double distance_mm) { return (1.0 + 1e-9) * (distance_mm + way_mm) + 1e-9; };
+    return {least(s.foot.distance_mm), least(s.to_border_mm)};
+  }
+};
+
+Stand stand(const Surface& surface, const Vec3& p, const Near& near) {
+  const SurfacePoint border = surface.closest_on_border(p, near.border_mm);
+  const SurfacePoint foot = surface.closest(p, near.surface_mm);
+  if (border.face < 0) return {foot, border.distance_mm, 0.0};
   const Vec3 off = p - border.position_mm, n = surface.normal_at(border);
-  return {surface.closest(p), border.distance_mm, (off - off.dot(n) * n).norm()};
+  return {foot, border.distance_mm, (off - off.dot(n) * n).norm()};
 }
 
-Stand visit(const Surface& surface, const Vec3& p, double& best) {
-  const Stand s = stand(surface, p);
+Stand visit(const Surface& surface, const Vec3& p, double& best, const Near& near = {}) {
+  const Stand s = stand(surface, p, near);
   if (s.over()) best = std::max(best, s.across_mm);
   return s;
 }
@@ -72,24 +84,26 @@ bool may_exceed(const Surface& surface, const Vec3& p, const Stand& s, double re
   });
 }
 
-void walk_over_border(const Surface& surface, const Vec3& from, const Vec3& to, double& best) {
+void walk_over_border(const Surface& surface, const Vec3& from, const Vec3& to, double& best, const Near& near = {}) {
   const Vec3 middle = 0.5 * (from + to);
   const double reach = 0.5 * (to - from).norm();
-  const Stand s = visit(surface, middle, best);
+  const Stand s = visit(surface, middle, best, near);
   if (reach < kFineSide_mm || !may_exceed(surface, middle, s, reach, best)) return;
-  walk_over_border(surface, from, middle, best);
-  walk_over_border(surface, middle, to, best);
+  const Near beside = Near::beside(s, 0.5 * reach);
+  walk_over_border(surface, from, middle, best, beside);
+  walk_over_border(surface, middle, to, best, beside);
 }
 
 // The same over the area: notches and holes of the border under the module.
-void search_over_border(const Surface& surface, const std::array<Vec3, 3>& part, double reach, double& best) {
+void search_over_border(const Surface& surface, const std::array<Vec3, 3>& part, double reach, double& best,
+                        const Near& near = {}) {
   const Vec3 middle = (part[0] + part[1] + part[2]) / 3.0;
-  const Stand s = visit(surface, middle, best);
+  const Stand s = visit(surface, middle, best, near);
   if (reach < kFineArea_mm || !may_exceed(surface, middle, s, reach, best)) return;
   const Vec3 ab = 0.5 * (part[0] + part[1]), bc = 0.5 * (part[1] + part[2]), ca = 0.5 * (part[2] + part[0]);
   for (const auto& quarter : {std::array{part[0], ab, ca}, std::array{part[1], bc, ab}, std::array{part[2], ca, bc},
                               std::array{ab, bc, ca}}) {
-    search_over_border(surface, quarter, 0.5 * reach, best);
+    search_over_border(surface, quarter, 0.5 * reach, best, Near::beside(s, 0.5 * reach));
   }
 }
 

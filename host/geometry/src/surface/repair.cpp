@@ -36,7 +36,8 @@ constexpr std::size_t kMostSlitCorners = 60, kMostSlits = 10;
 constexpr double kGridNodes = 1.5e6;
 constexpr double kGridCost_s = 1e-4;  // for each cell² of the area, with all that follows, measured
 constexpr double kLeastCell_mm = 1.0;
-// Of the time, what each part may take at most; together more than all, since few meshes need all of them.
+// Of the time, what each part may take at most; together more than all, since few meshes need all of them. That of the
+// dividing, on which the others rest, is processor time: on a busy machine it may take all the time.
 constexpr double kDivideShare = 0.4, kWrapShare = 0.4, kNearShare = 0.15, kSettleShare = 0.15, kMeasureShare = 0.12;
 constexpr double kLeastGridShare = 0.2;
 constexpr double kNeedle = 1e-5;        // twice the area to the square of the longest side
@@ -176,7 +177,7 @@ Mesh without_crossings(const Mesh& mesh, const Pairs& crossings, double sky_s, b
 // Divides what crosses, in a child process: exact constructions may take long. A round that begins late might leave
 // nothing of those before it.
 std::optional<Mesh> divided(const Mesh& mesh, const RepairTime& time) {
-  const IsLate is_half_over = time.part(0.5 * kDivideShare);
+  const IsLate is_half_over = time.part(0.5);
   const auto work = [&] {
     Mesh m = mesh;
     for (int round = 0; round < kRoundsDivided && (round == 0 || !is_half_over()); ++round) {
@@ -200,7 +201,7 @@ std::optional<Mesh> divided(const Mesh& mesh, const RepairTime& time) {
           return {};
         }
       },
-      time.cpu_s(kDivideShare), time.part(kDivideShare));
+      time.cpu_s(kDivideShare), time.part(1.0));
   if (!answer || answer->empty()) return std::nullopt;
   return mesh_of(*answer);
 }

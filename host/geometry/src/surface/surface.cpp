@@ -18,6 +18,10 @@
 namespace triskin::geometry {
 namespace {
 
+// Of the sum of a vertex's angles, each times its normal: a shorter one is what rounding left of normals that cancel,
+// and would turn with the order of the sum.
+constexpr double kCancelled_rad = 1e-6;
+
 // 0: at a … 1: at b.
 double closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
@@ -100,9 +104,7 @@ void Surface::compute_normals() {
       vertex_normal_[at(f[at(k)])] += std::acos(std::clamp(u.dot(v), -1.0, 1.0)) * face_normal_.back();
     }
   }
-  for (Vec3& n : vertex_normal_) {
-    if (n.norm() > 0.0) n.normalize();
-  }
+  for (Vec3& n : vertex_normal_) n = n.norm() > kCancelled_rad ? Vec3(n.normalized()) : Vec3::Zero();
 }
 
 void Surface::find_loops() {
@@ -141,8 +143,8 @@ void Surface::build_trees() {
   border_tree_ = BoxTree(extents);
 }
 
-SurfacePoint Surface::closest(const Vec3& query_mm) const {
-  return closest_face_point(face_tree_, mesh_, query_mm);
+SurfacePoint Surface::closest(const Vec3& query_mm, double within_mm) const {
+  return closest_face_point(face_tree_, mesh_, query_mm, within_mm);
 }
 
 void Surface::faces_within(const Vec3& query_mm, double distance_mm, std::vector<std::pair<double, int>>& faces) const {
@@ -167,9 +169,9 @@ BorderPoint Surface::closest_on_edge(int item, const Vec3& query_mm) const {
   return closest;
 }
 
-SurfacePoint Surface::closest_on_border(const Vec3& query_mm) const {
+SurfacePoint Surface::closest_on_border(const Vec3& query_mm, double within_mm) const {
   SurfacePoint best;
-  double best_squared = std::numeric_limits<double>::infinity();
+  double best_squared = within_mm * within_mm;
   border_tree_.nearest(query_mm, best_squared, [&](int item) {
     const BorderPoint closest = closest_on_edge(item, query_mm);
     const double squared = (closest.point.position_mm - query_mm).squaredNorm();
@@ -177,7 +179,7 @@ SurfacePoint Surface::closest_on_border(const Vec3& query_mm) const {
     best_squared = squared;
     best = closest.point;
   });
-  best.distance_mm = std::sqrt(best_squared);
+  if (best.face >= 0) best.distance_mm = std::sqrt(best_squared);
   return best;
 }
 

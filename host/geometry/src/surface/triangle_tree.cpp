@@ -2,7 +2,6 @@
 #include "triangle_tree.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "index.hpp"
 
@@ -19,9 +18,9 @@ BoxTree tree_of_faces(const Mesh& mesh) {
   return BoxTree(extents);
 }
 
-SurfacePoint closest_face_point(const BoxTree& tree, const Mesh& mesh, const Vec3& query_mm) {
+SurfacePoint closest_face_point(const BoxTree& tree, const Mesh& mesh, const Vec3& query_mm, double within_mm) {
   SurfacePoint best;
-  double best_squared = std::numeric_limits<double>::infinity();
+  double best_squared = within_mm * within_mm;
   tree.nearest(query_mm, best_squared, [&](int face) {
     const auto& f = mesh.faces[at(face)];
     const Vec3 &a = mesh.vertices[at(f[0])], &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];
@@ -33,7 +32,7 @@ SurfacePoint closest_face_point(const BoxTree& tree, const Mesh& mesh, const Vec
       best = {p, face, weights, 0.0};
     }
   });
-  best.distance_mm = std::sqrt(best_squared);
+  if (best.face >= 0) best.distance_mm = std::sqrt(best_squared);
   return best;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <limits>
+
 #include "triskin/geometry/box_tree.hpp"
 #include "triskin/geometry/surface.hpp"
 
@@ -8,8 +10,10 @@ namespace triskin::geometry {
 /// Boxes of the faces of a mesh.
 [[nodiscard]] BoxTree tree_of_faces(const Mesh& mesh);
 
-/// Closest point of the mesh that `tree` was made of. Without a face: face −1 and distance infinity.
-[[nodiscard]] SurfacePoint closest_face_point(const BoxTree& tree, const Mesh& mesh, const Vec3& query_mm);
+/// Closest point of the mesh that `tree` was made of, of those nearer than within_mm. Without any: face −1 and distance
+/// infinity.
+[[nodiscard]] SurfacePoint closest_face_point(const BoxTree& tree, const Mesh& mesh, const Vec3& query_mm,
+                                              double within_mm = std::numeric_limits<double>::infinity());
 
 /// Closest points of any triangles, a surface or not. The mesh must outlive it. Queries are thread-safe.
 class TriangleTree {

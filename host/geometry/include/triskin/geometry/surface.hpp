@@ -40,7 +40,8 @@ class Surface {
   }
   /// Unit normal of a face, outward; zero for a face without area.
   [[nodiscard]] const Vec3& face_normal(int face) const { return face_normal_[static_cast<std::size_t>(face)]; }
-  /// Unit normal of a vertex, the angle-weighted mean of its faces'.
+  /// Unit normal of a vertex, the angle-weighted mean of its faces'; zero where they cancel, as where a flap is folded
+  /// back onto its own faces.
   [[nodiscard]] const Vec3& vertex_normal(int vertex) const { return vertex_normal_[static_cast<std::size_t>(vertex)]; }
   /// Normal interpolated from the vertices of the point's face, unit length.
   [[nodiscard]] Vec3 normal_at(const SurfacePoint& point) const;
@@ -49,14 +50,17 @@ class Surface {
   /// Area of all faces, mm².
   [[nodiscard]] double area_mm2() const { return area_mm2_; }
 
-  /// Closest point of the surface. Without a face: face −1 and distance infinity. Cost: O(log n) typical.
-  [[nodiscard]] SurfacePoint closest(const Vec3& query_mm) const;
+  /// Closest point of the surface, of those nearer than within_mm > 0: a bound that the caller knows makes the search
+  /// shorter, and changes no answer. Without any: face −1 and distance infinity. Cost: O(log n) typical.
+  [[nodiscard]] SurfacePoint closest(const Vec3& query_mm,
+                                     double within_mm = std::numeric_limits<double>::infinity()) const;
   /// Appends (squared distance in mm², face) of every face within distance_mm ≥ 0 of a point, in no order. Cost: O(log
   /// n + faces found) typical.
   void faces_within(const Vec3& query_mm, double distance_mm, std::vector<std::pair<double, int>>& faces) const;
-  /// Closest point of the border polyline; `face` -1 and distance infinity when the surface is closed. Cost: O(log n)
-  /// typical.
-  [[nodiscard]] SurfacePoint closest_on_border(const Vec3& query_mm) const;
+  /// Closest point of the border polyline, of those nearer than within_mm > 0; `face` -1 and distance infinity when
+  /// there is none, as on a closed surface. Cost: O(log n) typical.
+  [[nodiscard]] SurfacePoint closest_on_border(const Vec3& query_mm,
+                                               double within_mm = std::numeric_limits<double>::infinity()) const;
   /// Appends the closest point of every border edge within distance_mm ≥ 0 of a point, with the edge's face and side,
   /// in no order. Cost: O(log n + edges found) typical.
   void border_within(const Vec3& query_mm, double distance_mm, std::vector<BorderPoint>& points) const;
