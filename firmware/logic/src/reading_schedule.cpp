@@ -274,15 +274,18 @@ void ReadingSchedule::refine(Plan& plan, std::uint16_t status) {
 // Whether the readings before it, in the order in which the sequences end, leave this chip's next one too late.
 bool ReadingSchedule::would_miss(const Plan& plan) const {
   const std::uint64_t end = plan.end_us, early = end - std::min(end, plan.open_us);
-  std::array<std::uint64_t, kStations> ends{};  // 0: not before it
+  std::array<std::uint64_t, kStations> ends{};  // those before it, in order: three at most, std::sort is 0.6 KB
   std::size_t count = 0;
   for (const Plan& other : plans()) {
     if (&other == &plan || !other.running) continue;
-    if (const std::uint64_t e = end_near(plan.clock, other.clock); e <= end) ends[count++] = e;
+    const std::uint64_t e = end_near(plan.clock, other.clock);
+    if (e > end) continue;
+    std::size_t at = count++;
+    for (; at > 0 && ends[at - 1] > e; --at) ends[at] = ends[at - 1];
+    ends[at] = e;
   }
-  std::ranges::sort(ends);
   std::uint64_t free_us = 0;
-  for (const std::uint64_t e : ends) free_us = e == 0 ? 0 : std::max(free_us, e - early) + kBurst_us;
+  for (std::size_t k = 0; k < count; ++k) free_us = std::max(free_us, ends[k] - early) + kBurst_us;
   return free_us > plan.close_us;
 }
 
