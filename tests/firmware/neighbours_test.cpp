@@ -53,11 +53,21 @@ TEST(Neighbours, keep_away_until_the_owner_has_looked) {
   EXPECT_EQ(n.look_us(), 2'200'000U);
 }
 
+// One that took nothing in because its own patch was not whole tries again when it is.
+TEST(Neighbours, are_looked_at_again_while_they_offer) {
+  Neighbours n;
+  n.look_again(100'000);
+  EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
+  n.hear(kOffer, kOwn, false, 200'000);
+  EXPECT_TRUE(n.begin_look(400'000));
+  n.look_again(1'000'000);
+  EXPECT_EQ(n.look_us(), 1'100'000U);
+}
+
 TEST(Neighbours, forget_an_owner_that_falls_silent) {
   Neighbours n;
   n.hear(kOffer, kOwn, false, 0);
   EXPECT_TRUE(n.begin_look(200'000));
-  EXPECT_EQ(n.next_event_us(), 3'000'000U);
   n.tick(true, 2'999'999);
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
   n.tick(true, 3'000'000);

@@ -231,7 +231,7 @@ Adoption adoption(const Vector& v) {
   char dot = 0;
   const auto at = [&](std::size_t k) { return static_cast<std::uint8_t>(f[k]); };
   while (in >> f[0] >> dot >> f[1] >> dot >> f[2] >> dot >> f[3] >> dot >> f[4])
-    a.guests.at(a.count++) = {at(0), at(1), at(2), at(3), at(4)};
+    a.guests.at(a.count++) = {at(0), at(1), at(2), static_cast<std::uint8_t>(4 * f[3] + f[4])};
   return a;
 }
 RerouteResult reroute(const Vector& v) {

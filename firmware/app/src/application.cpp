@@ -87,14 +87,10 @@ void Application::seat_guests() {
   const wire::Adoption& now = route_.adoption();
   if (now.list == guest_list_) return;
   guest_list_ = now.list;
-  forget_samples(rows());
-  for (Channel& c : channels()) c.stream.forget_from(rows());
-  for (LineSampler& l : lines_) l.replace_guests(rows(), now.list_of_guests(), now_us());
-}
-
-void Application::tell_neighbours() {
-  const auto reach = route_.to_tell(tables_.node_address(), now_us());
-  if (reach) route_.told(ports_.can->send(wire::encode_reach(*reach)), now_us());
+  const std::size_t own = rows();
+  forget_samples(own);
+  for (Channel& c : channels()) c.stream.forget_from(own);
+  for (LineSampler& l : lines_) l.replace_guests(own, now.list_of_guests(), now_us());
 }
 
 // What was read since the last check of the chain that passed may come from another module.
@@ -123,7 +119,7 @@ void Application::step() {
   take_samples();
   offset_store_.step(offsets_);
   send_pending();
-  tell_neighbours();
+  route_.tell(*ports_.can, tables_.node_address(), now_us());
   if (ports_.update != nullptr) ports_.update->step(*ports_.can, now_us());
   reset_when_answered();
 }
@@ -395,7 +391,7 @@ Status Application::set_stream(StreamMode mode) {
 
 wire::StreamAccount Application::stream_account() const {
   const auto asking = std::ranges::find(channels(), asking_, &Channel::port);
-  return asking->stream.account(modules(), now_us());
+  return asking->stream.account(rows(), now_us());
 }
 
 std::uint32_t Application::dropped_samples() const {

@@ -45,12 +45,8 @@ bool Neighbours::begin_look(std::uint64_t now_us) {
   return open;
 }
 
-std::uint64_t Neighbours::next_event_us() const {
-  std::uint64_t next = look_us_;
-  for (const Offer& o : offers_) {
-    if (o.node != 0) next = std::min(next, o.until_us);
-  }
-  return next;
+void Neighbours::look_again(std::uint64_t now_us) {
+  if (any()) look_us_ = std::max(now_us, away_until_us_) + kTurn_us;
 }
 
 }  // namespace triskin::fw

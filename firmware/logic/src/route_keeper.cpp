@@ -47,9 +47,10 @@ void RouteKeeper::heal(const Clock& clock) {
   const std::uint32_t heals = route_.heals + 1, repairs = route_.repairs;
   const bool was_switched = route_.switched;
   const bool has_table = table_.graph.count > 0;
-  const auto look = neighbours_.begin_look(start_us) ? Topology::Look::kAdopt
-                    : beyond_                        ? Topology::Look::kBeyond
-                                                     : Topology::Look::kOwn;
+  const bool was_whole = whole();
+  const auto look = neighbours_.begin_look(start_us) && was_whole ? Topology::Look::kAdopt
+                    : beyond_                                     ? Topology::Look::kBeyond
+                                                                  : Topology::Look::kOwn;
   beyond_ = false;
   const Topology::Report report = has_table ? topology_.heal(table_, look) : topology_.discover();
   route_ = {};
@@ -63,6 +64,13 @@ void RouteKeeper::heal(const Clock& clock) {
   plan_next(clock.now_us());
   if (has_table && route_.switched) offer(report, clock.now_us());
   if (has_table) note_guests();
+  if (!was_whole && whole()) neighbours_.look_again(clock.now_us());
+}
+
+// Only a patch of which nothing is missing takes others in: one at the wrong cable has a table of other modules. When
+// it is whole again it looks at what is offered then.
+bool RouteKeeper::whole() const {
+  return table_.graph.count > 0 && route_.alive == (1U << table_.graph.count) - 1U;
 }
 
 // A module that is there and does not come in hangs on a neighbour. It is asked for first, and looked for then.
@@ -85,17 +93,16 @@ void RouteKeeper::set_offered(std::uint16_t rows) {
 
 // A list that is as before keeps its number: the samples of its guests go on.
 void RouteKeeper::note_guests() {
-  wire::Adoption now = adoption_;
-  now.count = 0;
-  for (const std::uint8_t m : topology_.guests()) {
-    const JointEnd above = topology_.parent_of(m);
-    const LineAddress place = topology_.address_of(m);
-    now.guests[now.count++] = {static_cast<std::uint8_t>(topology_.row_of(above.module)), above.port,
-                               topology_.input_of(m), place.line, place.address};
+  const auto guests = topology_.guests();
+  bool other = guests.size() != adoption_.count;
+  for (std::size_t k = 0; k < guests.size(); ++k) {
+    const wire::Guest guest = topology_.guest(guests[k]);
+    other = other || !(adoption_.guests[k] == guest);
+    adoption_.guests[k] = guest;
   }
-  if (std::ranges::equal(now.list_of_guests(), adoption_.list_of_guests())) return;
-  now.list = static_cast<std::uint8_t>(now.list == 255 ? 1 : now.list + 1);
-  adoption_ = now;
+  if (!other) return;
+  adoption_.count = static_cast<std::uint8_t>(guests.size());
+  adoption_.list = static_cast<std::uint8_t>(adoption_.list == 255 ? 1 : adoption_.list + 1);
   tell_at_us_ = 0;
 }
 
@@ -105,15 +112,11 @@ bool RouteKeeper::hear(const wire::CanFrame& frame, std::uint8_t own_node, std::
   return reach.has_value();
 }
 
-std::optional<wire::Reach> RouteKeeper::to_tell(std::uint8_t own_node, std::uint64_t now_us) const {
-  if (now_us < tell_at_us_) return std::nullopt;
-  return wire::Reach{own_node, adoption_.out_of_reach, adoption_.count, adoption_.list};
-}
-
-void RouteKeeper::told(bool sent, std::uint64_t now_us) {
+void RouteKeeper::tell(CanPort& port, std::uint8_t own_node, std::uint64_t now_us) {
+  if (now_us < tell_at_us_) return;
   constexpr std::uint64_t kNoRoom_us = 1'000;
   const bool quiet = adoption_.out_of_reach == 0 && adoption_.count == 0;
-  if (!sent)
+  if (!port.send(wire::encode_reach({own_node, adoption_.out_of_reach, adoption_.count, adoption_.list})))
     tell_at_us_ = now_us + kNoRoom_us;
   else
     tell_at_us_ = quiet ? UINT64_MAX : now_us + Neighbours::kRepeat_us;
@@ -172,7 +175,7 @@ std::uint64_t RouteKeeper::next_event_us() const {
   if (!present_) return UINT64_MAX;
   const std::uint64_t next_us = std::min(heal_at_us_, tell_at_us_);
   if (!switched() || table_.graph.count == 0) return next_us;
-  return std::min(next_us, std::min(check_at_us_, neighbours_.next_event_us()));
+  return std::min(next_us, std::min(check_at_us_, look_because_of_others_us()));
 }
 
 wire::FoundTopology RouteKeeper::found() const {

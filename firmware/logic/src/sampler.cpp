@@ -43,11 +43,11 @@ void LineSampler::replace_guests(std::size_t own_rows, std::span<const wire::Gue
   while (station_count_ > 0 && index_of(stations_[station_count_ - 1].row) >= own_rows) --station_count_;
   const std::size_t first = station_count_;
   for (std::size_t k = 0; k < guests.size(); ++k) {
-    if (guests[k].line != line_index_) continue;
+    if (guests[k].line() != line_index_) continue;
     Station& station = stations_[station_count_++];
     station = {};
     station.row = table_row(own_rows + k);
-    station.address = guests[k].address;
+    station.address = guests[k].address();
   }
   schedule_.replace_from(first, station_count_);
   for (Station& station : stations().subspan(first)) find(station, now_us);

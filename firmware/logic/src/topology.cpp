@@ -93,11 +93,14 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
     port_[module][port] = Port::kBad;
     return Pass::kDone;
   }
-  if (stays_closed(module, port)) {
+  // Strangers must leave room for the modules of the table, which may be found after them.
+  const bool beyond = look_ != Look::kBeyond && !within_table(module, port);
+  const bool no_room = beyond && strangers_ + expected_table_->graph.count >= layout::kMaxModules;
+  if (beyond && expected_[module] != kNoModule && (look_ == Look::kOwn || no_room)) {
     port_[module][port] = Port::kNothing;
     return Pass::kDone;
   }
-  const bool full = graph_.count == layout::kMaxModules || !has_room_behind(module, port);
+  const bool full = graph_.count == layout::kMaxModules || (no_room && look_ == Look::kAdopt);
   const auto child = static_cast<std::uint8_t>(full ? layout::kMaxModules - 1 : graph_.count);
   // What brings no module in is asked until two answers agree: a flipped bit could have opened another port.
   ChainDriver::Answer answer = ChainDriver::Answer::kLost, before = answer;
@@ -148,30 +151,16 @@ JointEnd Topology::expected_cable() const {
 
 // The table has a joint, or the cable, at this port of a module whose row is expected.
 bool Topology::within_table(std::uint8_t module, std::uint8_t port) const {
-  if (module == 0 && port == expected_cable().port) return true;
-  return expected_table_->graph.joint[expected_[module]][port].module < expected_table_->graph.count;
-}
-
-// Strangers must leave room for the modules of the table, which may be found after them.
-bool Topology::stays_closed(std::uint8_t module, std::uint8_t port) const {
-  if (look_ == Look::kBeyond) return false;
-  const bool known = expected_[module] < expected_table_->graph.count;
-  if (known && within_table(module, port)) return false;
-  return known && (look_ == Look::kOwn || !has_room_behind(module, port));
-}
-
-bool Topology::has_room_behind(std::uint8_t module, std::uint8_t port) const {
-  if (look_ != Look::kAdopt) return true;
-  const bool known = expected_[module] < expected_table_->graph.count;
-  return (known && within_table(module, port)) || strangers_ + expected_table_->graph.count < layout::kMaxModules;
+  if (expected_[module] == kNoModule) return false;
+  return (module == 0 && port == expected_cable().port) ||
+         expected_table_->graph.joint[expected_[module]][port].module != kNoModule;
 }
 
 void Topology::expect(std::uint8_t child) {
   const auto [module, port] = parent_[child];
   expected_[child] = kNoModule;
   if (expected_table_ == nullptr) return;
-  if (expected_[module] < expected_table_->graph.count)
-    expected_[child] = expected_table_->graph.joint[expected_[module]][port].module;
+  if (expected_[module] != kNoModule) expected_[child] = expected_table_->graph.joint[expected_[module]][port].module;
   if (expected_[child] == kNoModule) ++strangers_;
 }
 
@@ -368,7 +357,7 @@ Topology::Report Topology::heal(const Table& table, Look look) {
     for (std::uint8_t m = 0; m < graph_.count; ++m) {
       if (table_index_[m] != kNoModule) address_[m] = table.addresses[table_index_[m]];
     }
-    if (look == Look::kAdopt) invite_guests(table);
+    if (look == Look::kAdopt && graph_.count - report.unknown == table.graph.count) invite_guests(table);
     report.complete = activate(table, report);
   }
   if (!report.complete) {
@@ -387,6 +376,13 @@ Topology::Report Topology::heal(const Table& table, Look look) {
     table_index_[guests_[k]] = static_cast<std::uint8_t>(table.graph.count + k);
   report.max_depth = depth();
   return report;
+}
+
+wire::Guest Topology::guest(std::uint8_t module) const {
+  const auto [above, port] = parent_[module];
+  const LineAddress a = address_[module];
+  return {table_index_[above], port, input_[module],
+          static_cast<std::uint8_t>(a.line * layout::kAddressesPerLine + a.address)};
 }
 
 Topology::Report Topology::find(const Table& table, Look look) {

@@ -54,11 +54,13 @@ struct Guest {
   std::uint8_t parent = 0;       ///< row of the table, or of a guest before this one
   std::uint8_t parent_port = 0;  ///< 0..2: of the parent, leads to the guest
   std::uint8_t port = 0;         ///< 0..2: of the guest, leads to the parent
-  std::uint8_t line = 0, address = 0;
+  std::uint8_t place = 0;        ///< 0..15: 4 × line + address
+  [[nodiscard]] constexpr std::uint8_t line() const { return place / layout::kAddressesPerLine; }
+  [[nodiscard]] constexpr std::uint8_t address() const { return place % layout::kAddressesPerLine; }
   bool operator==(const Guest&) const = default;
 };
 
-/// FD0E: see Reach; guest k has row `rows of the table` + k in the full stream and in FD0C.
+/// FD0E: see Reach; guest k has row `rows of the table` + k in the full stream. FD0C has rows of the table only.
 struct Adoption {
   static constexpr std::uint16_t kId = did::kAdoption;
   static constexpr std::size_t kLeastBytes = 4, kGuestBytes = 4, kMostGuests = layout::kMaxModules - 1,
@@ -80,7 +82,7 @@ struct Adoption {
       out.u8(g.parent);
       out.u8(g.parent_port);
       out.u8(g.port);
-      out.u8(static_cast<std::uint8_t>(g.line * layout::kAddressesPerLine + g.address));
+      out.u8(g.place);
     }
   }
   /// Errors: kTooShort, kBadLength, kOutOfRange (more modules than a controller reads, a parent that is not before the
@@ -102,14 +104,12 @@ struct Adoption {
       g.parent = r.u8();
       g.parent_port = r.u8();
       g.port = r.u8();
-      const std::uint8_t place = r.u8();
+      g.place = r.u8();
       if (g.parent >= a.rows + k || g.parent_port >= layout::kPorts || g.port >= layout::kPorts ||
-          place >= layout::kMaxModules)
+          g.place >= layout::kMaxModules)
         return std::unexpected(Status::kOutOfRange);
-      if ((places >> place & 1U) != 0) return std::unexpected(Status::kDuplicate);
-      places |= 1U << place;
-      g.line = place / layout::kAddressesPerLine;
-      g.address = place % layout::kAddressesPerLine;
+      if ((places >> g.place & 1U) != 0) return std::unexpected(Status::kDuplicate);
+      places |= 1U << g.place;
     }
     return a;
   }

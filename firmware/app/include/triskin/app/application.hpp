@@ -79,7 +79,6 @@ class Application final : private UdsHost, private PatchControl {
   void keep_route();
   void forget_samples(std::size_t first);
   void seat_guests();
-  void tell_neighbours();
   void invalidate_samples();
   [[nodiscard]] std::span<Channel> channels() { return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1); }
   [[nodiscard]] std::span<const Channel> channels() const {

@@ -91,7 +91,7 @@ class Identifiers {
   [[nodiscard]] wire::SamplingSetting sampling() const;
   [[nodiscard]] wire::StreamAccount stream_account() const { return control_.stream_account(); }
   [[nodiscard]] wire::Offsets offsets() const;
-  [[nodiscard]] wire::Adoption adoption() const { return parts_.route.adoption(); }
+  [[nodiscard]] const wire::Adoption& adoption() const { return parts_.route.adoption(); }
   [[nodiscard]] wire::LiveTaxels live_taxels() const;
   [[nodiscard]] wire::icub::State icub() const { return parts_.icub.state(parts_.tables.node_address()); }
   [[nodiscard]] wire::Discovery discovery() const;

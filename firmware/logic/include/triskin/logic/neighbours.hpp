@@ -21,14 +21,14 @@ class Neighbours {
 
   /// A frame of another controller came. `own_node`: decides whose turn it is. `guests`: modules are taken in now.
   void hear(const wire::Reach& reach, std::uint8_t own_node, bool guests, std::uint64_t now_us);
-  /// Offers that were not repeated end.
+  /// Offers that were not repeated end. Call it a few times a second.
   void tick(bool guests, std::uint64_t now_us);
   /// A look begins. True: it may take modules in; else what was taken in is given back.
   [[nodiscard]] bool begin_look(std::uint64_t now_us);
+  /// A look that could take nothing in has shown that the next one may.
+  void look_again(std::uint64_t now_us);
   /// When a look is due because of the neighbours.
   [[nodiscard]] std::uint64_t look_us() const { return look_us_; }
-  /// When tick() has work.
-  [[nodiscard]] std::uint64_t next_event_us() const;
 
  private:
   struct Offer {

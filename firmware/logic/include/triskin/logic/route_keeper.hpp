@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
-#include <optional>
 
 #include "triskin/logic/neighbours.hpp"
 #include "triskin/logic/topology.hpp"
@@ -34,7 +33,7 @@ class RouteKeeper {
   void nothing_answers(std::uint64_t now_us);
   /// True when sampling must pause and heal() be called then.
   [[nodiscard]] bool due(std::uint64_t now_us) const {
-    return present_ && (now_us >= heal_at_us_ || (switched() && now_us >= neighbours_.look_us()));
+    return present_ && (now_us >= heal_at_us_ || now_us >= look_because_of_others_us());
   }
   /// Takes up to about 60 ms with 16 modules.
   void heal(const Clock& clock);
@@ -49,10 +48,8 @@ class RouteKeeper {
 
   /// False: the frame is no wire::Reach. `own_node`: node address of this controller.
   bool hear(const wire::CanFrame& frame, std::uint8_t own_node, std::uint64_t now_us);
-  /// What the others are to know now; empty: nothing new, or not yet. Said again until told() confirms it.
-  [[nodiscard]] std::optional<wire::Reach> to_tell(std::uint8_t own_node, std::uint64_t now_us) const;
-  /// to_tell() was sent (true), or found no room and waits a little.
-  void told(bool sent, std::uint64_t now_us);
+  /// Sends to the others what they are to know, when that is due. Where the port has no room it is tried again.
+  void tell(CanPort& port, std::uint8_t own_node, std::uint64_t now_us);
   /// What is offered and what was taken in, as FD0E reports it.
   [[nodiscard]] const wire::Adoption& adoption() const { return adoption_; }
 
@@ -73,6 +70,8 @@ class RouteKeeper {
   };
   void note(const Topology::Report& report);
   void note_guests();
+  [[nodiscard]] bool whole() const;
+  [[nodiscard]] std::uint64_t look_because_of_others_us() const { return whole() ? neighbours_.look_us() : UINT64_MAX; }
   void offer(const Topology::Report& report, std::uint64_t now_us);
   void set_offered(std::uint16_t rows);
   void plan_next(std::uint64_t now_us);

@@ -8,6 +8,7 @@
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/logic/table_row.hpp"
 #include "triskin/ports/route_chain.hpp"
+#include "triskin/wire/adoption.hpp"
 
 namespace triskin::fw {
 
@@ -127,10 +128,8 @@ class Topology {
   [[nodiscard]] JointEnd parent_of(std::uint8_t module) const { return parent_[module]; }
   /// Modules of graph() that were taken in and that the table does not know; a parent stands before its children.
   [[nodiscard]] std::span<const std::uint8_t> guests() const { return {guests_.data(), guest_count_}; }
-  /// Where a module of the tree is read.
-  [[nodiscard]] LineAddress address_of(std::uint8_t module) const { return address_[module]; }
-  /// Port of a module of graph() that leads to its parent.
-  [[nodiscard]] std::uint8_t input_of(std::uint8_t module) const { return input_[module]; }
+  /// Where one of guests() hangs and is read.
+  [[nodiscard]] wire::Guest guest(std::uint8_t module) const;
 
  private:
   enum class Port : std::uint8_t { kUnknown, kInput, kNothing, kChild, kJoined, kBad };
@@ -142,8 +141,6 @@ class Topology {
   Report find(const Table& table, Look look);
   [[nodiscard]] JointEnd expected_cable() const;
   [[nodiscard]] bool within_table(std::uint8_t module, std::uint8_t port) const;
-  [[nodiscard]] bool stays_closed(std::uint8_t module, std::uint8_t port) const;
-  [[nodiscard]] bool has_room_behind(std::uint8_t module, std::uint8_t port) const;
   void expect(std::uint8_t child);
   [[nodiscard]] std::uint16_t held_rows(const Table& table) const;
   void invite_guests(const Table& table);
