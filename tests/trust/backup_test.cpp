@@ -117,6 +117,7 @@ TEST_F(Backups, bring_the_calibration_back_that_a_controller_kept) {
   const auto kept = [&] { return Controller(bus_, claims[1].node_address).calibration(); };
   const auto boards = read_of(backup_text(save_boards(bus_, {})));
   EXPECT_EQ(kept(), to_wire(calibration));
+  EXPECT_EQ(kept_revisions(bus_), (std::map<std::string, int>{{calibration.serial, 3}}));
   FlashOptions options;
   options.take_over = true;
   (void)flash(bus_, strip(9, 3), options);
