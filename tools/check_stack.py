@@ -7,8 +7,8 @@ Usage: check_stack.py OBJDUMP ADDR2LINE ELF PRIORITY_HEADER OUTPUT
 The bound is the deepest chain of calls from reset_handler, and on it, for each priority of the NVIC, what the processor
 pushes at an exception and the deepest chain of that priority's handlers: handlers of one priority do not interrupt each
 other (PM0214 2.3.6). Frames and calls are read from the disassembly, so the C library is in it. A virtual call is
-followed into every class of the image whose table holds, at that place, a function of a name that the source calls there
-(-g1 tells the line). Other calls through pointers stand in POINTERS. A call that cannot be followed and a
+followed into every class of the image whose table holds, at that place, a function of a name that the source calls
+there (-g1 tells the line). Other calls through pointers stand in POINTERS. A call that cannot be followed and a
 recursion are errors: the bound is never a guess.
 """
 import os
@@ -25,8 +25,8 @@ EXCEPTION_BYTES = 26 * 4 + 4
 # Calls through pointers that are no virtual calls: caller -> callees, both as regular expressions of mangled names.
 POINTERS = {
     r"^start_up$": r"^_GLOBAL__sub_I_",
-    r"Identifiers4read": r"Identifiers5Table4read",
-    r"Identifiers5write": r"Identifiers5Table5write",
+    r"Identifiers4read": r"Identifiers5Table(4read|11part_number|11calibration)",
+    r"Identifiers5write": r"Identifiers(5Table(5write|15set_calibration)|3Row6refuse)",
     r"wait_through_erase": r"kSampling|_FUN",
     r"start_newest": None,  # starts the application, with a stack of its own
 }
@@ -39,6 +39,8 @@ HANDLERS = {
     r"^nmi_handler$": None,
 }
 NMI_PRIORITY = -2
+# Destructors of objects that live for ever: __cxa_atexit (startup.cpp) forgets them.
+NEVER_CALLED = r"^__tcf_|D[012]Ev$"
 NO_HANDLER = r"^(hard_fault|default)_handler$"
 
 
@@ -55,14 +57,23 @@ class Elf:
         size, count = struct.unpack_from("<HH", self.data, 46)
         self.sections = [struct.unpack_from("<10I", self.data, offset + size * k) for k in range(count)]
 
-    def symbols(self):
-        """(name, address, bytes) of each symbol."""
+    def symbols(self, functions: bool = False):
+        """(name, address, bytes) of each symbol, or of each function."""
         table = next(s for s in self.sections if s[1] == 2)
         names = self.sections[table[6]]
         for at in range(table[4], table[4] + table[5], 16):
-            name, address, size = struct.unpack_from("<3I", self.data, at)
+            name, address, size, info = struct.unpack_from("<3IB", self.data, at)
+            if functions and info & 15 != 2:
+                continue
             start = names[4] + name
             yield self.data[start:self.data.index(b"\0", start)].decode(), address, size
+
+    def words(self):
+        """(address, word) of all that is flashed."""
+        for _, kind, flags, start, offset, size, *_ in self.sections:
+            if kind == 1 and flags & 2:  # allocated contents
+                for at in range(0, size - 3, 4):
+                    yield start + at, struct.unpack_from("<I", self.data, offset + at)[0]
 
     def word(self, address: int) -> int:
         for _, kind, _, start, offset, size, *_ in self.sections:
@@ -131,7 +142,8 @@ def disassemble(objdump: str, elf: str) -> dict[str, Function]:
             place = re.match(r"\[r\d+, #(\d+)\]", loads.get(arguments, ""))
             now.pointers.append((m[1], int(place[1]) // 4 if place else None))
         elif operation == "ldr" and not (
-                not arguments.startswith("pc, ") or re.search(r"\[sp\]|lsl #2\]", arguments) or now.name.endswith("_veneer")):
+                not arguments.startswith("pc, ") or re.search(r"\[sp\]|lsl #2\]", arguments) or  # return, switch
+                now.name.endswith("_veneer")):
             raise Unbounded(f"{now.name}: jumps through memory: {line.strip()}")
         if "," in arguments:
             register, value = arguments.split(",", 1)
@@ -158,7 +170,8 @@ def source_of(place: str) -> pathlib.Path:
 
 def names_called(addr2line: str, elf: str, addresses: list[str]) -> dict[str, set[str]]:
     """Names before parentheses about the line of each address: a call of several lines has the place of one of them."""
-    told = subprocess.run([addr2line, "-e", elf], input="\n".join(addresses), check=True, capture_output=True, text=True)
+    told = subprocess.run([addr2line, "-e", elf], input="\n".join(addresses), check=True, capture_output=True,
+                          text=True)
     out = {}
     for address, place in zip(addresses, told.stdout.splitlines(), strict=True):
         file, line = place.split(" ")[0].rsplit(":", 1)
@@ -185,6 +198,20 @@ def virtual_tables(elf: Elf, addresses: dict[int, str]) -> list[tuple[int, str]]
                 out.append((place, function))
             place += 1
     return out
+
+
+def require_rules(elf: Elf, addresses: dict[int, str], tables: list[tuple[int, str]]) -> None:
+    """Every function whose address stands somewhere is one that a call through a pointer is followed into."""
+    known = {name for _, name in tables}
+    veneers = {address & ~1 for name, address, _ in elf.symbols() if name.endswith("_veneer")}
+    for at, word in elf.words():
+        name = addresses.get(word & ~1) if word & 1 else None
+        if name is None or name in known or at - 4 in veneers or re.search(NEVER_CALLED, name):
+            continue
+        if name.endswith("_handler"):  # the vectors
+            continue
+        if not any(rule is not None and re.search(rule, name) for rule in POINTERS.values()):
+            raise Unbounded(f"{name}: its address stands at {at:08x}, and no rule of POINTERS says who calls it")
 
 
 def resolve(functions: dict[str, Function], names: dict[str, set[str]], tables: list[tuple[int, str]]) -> None:
@@ -239,10 +266,12 @@ def levels(functions: dict[str, Function], header: str) -> dict[int, list[str]]:
 def bound(objdump: str, addr2line: str, elf_path: str, header: str) -> tuple[int, list[str]]:
     """Bytes that the stack may need at most, and the chains that need them."""
     elf = Elf(elf_path)
-    addresses = {address & ~1: name for name, address, _ in elf.symbols() if address & 1}
+    addresses = {address & ~1: name for name, address, _ in elf.symbols(functions=True)}
     functions = disassemble(objdump, elf_path)
+    tables = virtual_tables(elf, addresses)
+    require_rules(elf, addresses, tables)
     called = [address for f in functions.values() for address, _ in f.pointers]
-    resolve(functions, names_called(addr2line, elf_path, called), virtual_tables(elf, addresses))
+    resolve(functions, names_called(addr2line, elf_path, called), tables)
     known: dict[str, tuple[int, list[str]]] = {}
     total, chain = deepest(functions, "reset_handler", known)
     for priority, handlers in levels(functions, header).items():

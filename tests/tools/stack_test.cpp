@@ -89,6 +89,16 @@ TEST_F(Stack, refuses_a_call_that_it_cannot_follow) {
   EXPECT_NE(ran.output.find("is not known"), std::string::npos) << ran.output;
 }
 
+// `todo` is called in a place that has a rule, but the rule does not name what it points to.
+TEST_F(Stack, refuses_a_function_that_no_rule_leads_to) {
+  const Ran ran = bound(
+      "NEVER_INLINE void secret() { asm volatile(\"\"); }\nvoid (*volatile todo)() = secret;\n"
+      "extern \"C\" {\nNEVER_INLINE void start_up() { todo(); asm volatile(\"\"); }\n"
+      "void reset_handler() { start_up(); asm volatile(\"\"); }\n}\n");
+  EXPECT_EQ(ran.exit_status, 1);
+  EXPECT_NE(ran.output.find("no rule of POINTERS"), std::string::npos) << ran.output;
+}
+
 TEST_F(Stack, refuses_a_frame_without_a_fixed_size) {
   const Ran ran = bound(
       "extern \"C\" {\nNEVER_INLINE void hole(void*) { asm volatile(\"\"); }\n"

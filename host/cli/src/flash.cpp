@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -16,6 +17,7 @@
 #include "triskin/cli/site_options.hpp"
 #include "triskin/jobs/board_file.hpp"
 #include "triskin/jobs/calibrate.hpp"
+#include "triskin/jobs/controller_calibration.hpp"
 #include "triskin/jobs/firmware_update.hpp"
 #include "triskin/jobs/offset_report.hpp"
 #include "triskin/layout/module.hpp"
@@ -40,6 +42,7 @@ struct Options {
 struct BusOutcome {
   const robot::BusSite* bus = nullptr;
   std::vector<std::pair<const robot::CoverOnBus*, device::FlashResult>> covers;
+  std::map<std::string, int> ended;  // calibrations that went with an old table: revision by serial number
 };
 
 std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
@@ -71,6 +74,9 @@ BusOutcome flash_bus(const robot::BusSite& site, device::Link& link, const Optio
                      const ProgressSink& progress) {
   BusOutcome outcome;
   outcome.bus = &site;
+  device::Bus all(link);
+  const std::map<std::string, int> before =
+      options.flash.dry_run ? std::map<std::string, int>{} : device::kept_revisions(all);
   for (const robot::CoverOnBus& cover : site.covers) {
     if (!cover.chosen) continue;
     const device::FlashOptions own = robot::flash_options(site, cover, options.flash);
@@ -83,10 +89,14 @@ BusOutcome flash_bus(const robot::BusSite& site, device::Link& link, const Optio
     if (!options.flash.dry_run && std::ranges::any_of(r.patches, &device::FlashResult::Patch::written))
       wait_for_offsets(bus, cover->design);
   }
+  if (before.empty()) return outcome;
+  outcome.ended = before;
+  for (const auto& [serial, revision] : device::kept_revisions(bus)) outcome.ended.erase(serial);
   return outcome;
 }
 
-nlohmann::json patch_rows(const robot::CoverOnBus& cover, const device::FlashResult& r, bool dry_run, Output& output) {
+nlohmann::json patch_rows(const robot::CoverOnBus& cover, const device::FlashResult& r,
+                          const std::map<std::string, int>& ended, bool dry_run, Output& output) {
   nlohmann::json patches = nlohmann::json::array();
   const device::CalibrationStore calibrations;
   for (const auto& p : r.patches) {
@@ -99,6 +109,11 @@ nlohmann::json patch_rows(const robot::CoverOnBus& cover, const device::FlashRes
                        {"written", p.written}});
     output.say(
         fmt::format("{}patch {:3}  controller {}  {}", prefix_of(cover), p.patch, p.serial, what_happened(p, dry_run)));
+    if (const auto old = ended.find(p.serial); old != ended.end())
+      output.say(
+          fmt::format("{}controller {}  revision {} of its calibration ended with the old table, which was of "
+                      "other modules: run triskin calibrate",
+                      prefix_of(cover), p.serial, old->second));
     const auto kept = calibrations.read(p.serial);
     if (kept && (kept->design_id != cover.design.design_id || kept->patch != p.patch))
       output.say(prefix_of(cover) + note_of_other(*kept));
@@ -116,7 +131,7 @@ void say_all(const std::vector<BusOutcome>& buses, const nlohmann::json& firmwar
     double link_s = 0.0;
     for (const auto& [cover, r] : b.covers) {
       nlohmann::json row = keys_of(*b.bus, *cover);
-      row["patches"] = patch_rows(*cover, r, options.flash.dry_run, output);
+      row["patches"] = patch_rows(*cover, r, b.ended, options.flash.dry_run, output);
       covers.push_back(std::move(row));
       controllers += r.patches.size();
       sum.bytes += r.bytes;

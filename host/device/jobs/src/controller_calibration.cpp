@@ -119,6 +119,17 @@ std::vector<design::BoardCalibration> kept_in_controllers(Bus& bus, const design
   return boards;
 }
 
+std::map<std::string, int> kept_revisions(Bus& bus) {
+  std::map<std::string, int> revisions;
+  const auto claims = bus.discover();
+  for (const wire::NodeClaim& claim : claims) {
+    if (!claim.has_table || !is_alone(claims, claim)) continue;
+    if (const auto kept = Controller(bus, claim.node_address).calibration())
+      revisions[to_text(claim.unique_id)] = kept->revision;
+  }
+  return revisions;
+}
+
 bool keep_in_controller(Bus& bus, const wire::NodeClaim& claim, const design::BoardCalibration& board) {
   Controller controller(bus, claim.node_address);
   const wire::Calibration wanted = to_wire(board);

@@ -120,11 +120,11 @@ TRISKIN_API triskin_status triskin_tare(triskin_skin* skin);
 TRISKIN_API triskin_status triskin_change_counts(triskin_skin* skin, double* change_counts, size_t n);
 
 /// Writes what the counts of each taxel are worth, by the calibrations that the controllers keep, or this
-/// computer for them (docs/calibration.md): counts for 1 kPa, 0 where it is not known; and the skin that a taxel of each module stands
-/// for, mm². So pressure = change / counts_per_kpa, force in N = pressure · area / 1000. Asks the controllers; the
-/// stream has to be stopped. `n` is the number of counts_per_kpa, 12 a module; taxel_area_mm2 has one a module
-/// and may be NULL. TRISKIN_BAD_ANSWER: a module has no calibration (its numbers are 0). TRISKIN_BAD_INPUT: `n` is
-/// another, or a stream runs.
+/// computer for them (docs/calibration.md): counts for 1 kPa, 0 where it is not known; and the skin that a taxel of
+/// each module stands for, mm². So pressure = change / counts_per_kpa, force in N = pressure · area / 1000. Asks the
+/// controllers; the stream has to be stopped. `n` is the number of counts_per_kpa, 12 a module; taxel_area_mm2 has one
+/// a module and may be NULL. TRISKIN_BAD_ANSWER: a module has no calibration (its numbers are 0). TRISKIN_BAD_INPUT:
+/// `n` is another, or a stream runs.
 TRISKIN_API triskin_status triskin_calibration(triskin_skin* skin, double* counts_per_kpa, double* taxel_area_mm2,
                                                size_t n);
 
