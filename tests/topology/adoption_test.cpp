@@ -166,7 +166,7 @@ TEST(Adoption, an_orphan_is_read_by_the_neighbour_under_its_own_identity_and_han
   ASSERT_EQ(report.adopted.size(), o.modules.size());
   for (const device::AdoptedCounts& a : report.adopted) {
     EXPECT_EQ(std::ranges::count(o.modules, a.module), 1) << a.module;
-    EXPECT_GT(a.counts.with_data, 100U) << a.module;
+    EXPECT_GE(a.counts.with_data, 20U) << a.module;
     EXPECT_EQ(a.counts.lost(), 0U) << a.module;
     EXPECT_FALSE(a.now) << a.module;
   }
@@ -215,7 +215,7 @@ TEST(Adoption, is_told_by_verify) {
     if (finding.kind == device::FindingKind::kAdoptedModule)
       adopted.insert(finding.module);
     else
-      other.insert(finding.module), std::printf("%s\n", finding.text.c_str());
+      other.insert(finding.module);
   }
   EXPECT_EQ(adopted, (std::set<int>(o.modules.begin(), o.modules.end())));
   EXPECT_EQ(other, std::set{o.dead});
@@ -232,7 +232,9 @@ TEST(Adoption, an_owner_that_restarts_gets_its_modules_back) {
   f.run_us(kAdopted_us);
   f.set_dead(o.dead, false);
   f.skin().power_cycle(static_cast<std::size_t>(o.patch));
-  f.run_us(1'500'000);
+  // The model takes a restarted controller through the time since the beginning at once, while its neighbours stand
+  // still: its looks after that are those that count.
+  f.run_us(10'000'000);
   for (const int m : o.modules) EXPECT_EQ(f.reader_of(m, f.now_us() - 100'000), o.patch + 1) << "module " << m;
 }
 
