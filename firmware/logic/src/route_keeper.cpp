@@ -80,6 +80,7 @@ void RouteKeeper::offer(const Topology::Report& report, std::uint64_t now_us) {
   const auto missing = static_cast<std::uint16_t>(all & ~route_.alive);
   if (returned_) {
     heal_at_us_ = now_us + Neighbours::kHandBack_us;
+    pause_us_ = std::max(pause_us_ / 2, kFirstPause_us);  // this look and the next one are one try
     route_.busy = true;
     tell_at_us_ = 0;  // also when nothing was offered: since a restart the neighbours know more than this one
   }

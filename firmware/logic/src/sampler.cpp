@@ -50,7 +50,10 @@ void LineSampler::replace_guests(std::size_t own_rows, std::span<const wire::Gue
     station.address = guests[k].address();
   }
   schedule_.replace_from(first, station_count_);
-  for (Station& station : stations().subspan(first)) find(station, now_us);
+  for (Station& station : stations().subspan(first)) {
+    place_of(station).known = false;  // what is kept of the place is another chip's
+    find(station, now_us);
+  }
 }
 
 void LineSampler::request_scan() {

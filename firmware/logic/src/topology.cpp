@@ -345,6 +345,9 @@ Topology::Table Topology::table_of(const layout::PatchImage& image) {
 Topology::Report Topology::heal(const Table& table, Look look) {
   guest_count_ = 0;
   Report report = find(table, look);
+  // A walk through strangers may come to own modules by joints that the table does not know.
+  if (look == Look::kAdopt && graph_.count - report.unknown != table.graph.count)
+    report = find(table, look = Look::kOwn);
   if (more_behind_second(table, report)) {
     const std::uint8_t unknown = report.unknown, count = graph_.count;
     first_tried_ = 1;
@@ -357,7 +360,7 @@ Topology::Report Topology::heal(const Table& table, Look look) {
     for (std::uint8_t m = 0; m < graph_.count; ++m) {
       if (table_index_[m] != kNoModule) address_[m] = table.addresses[table_index_[m]];
     }
-    if (look == Look::kAdopt && graph_.count - report.unknown == table.graph.count) invite_guests(table);
+    if (look == Look::kAdopt) invite_guests(table);
     report.complete = activate(table, report);
   }
   if (!report.complete) {

@@ -280,7 +280,8 @@ std::vector<Diagnosis::Place> Diagnosis::unexpected(const PatchState& p) const {
       if ((p.lines[static_cast<std::size_t>(l)].answers >> a & 1) == 0) continue;
       const bool in_table =
           std::ranges::any_of(p.image.rows(), [&](const auto& row) { return row.line == l && row.address == a; });
-      if (!in_table) places.push_back({l, a});
+      const bool guest = p.guest_places.test(static_cast<std::size_t>(layout::kAddressesPerLine * l + a));
+      if (!in_table && !guest) places.push_back({l, a});
     }
   }
   return places;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <bitset>
 #include <map>
 #include <optional>
 #include <set>
@@ -26,7 +27,12 @@ struct PatchState {
   wire::LiveTaxels now, rest;
   wire::FoundTopology topology;  ///< of switched modules
   wire::ActiveRoute route;
-  wire::Adoption adoption;  ///< when the samples were read
+  wire::Adoption adoption;                                               ///< when the samples were read
+  std::bitset<layout::kLines * layout::kAddressesPerLine> guest_places;  ///< where guests answer, then and before
+  void note(const wire::Adoption& told) {
+    adoption = told;
+    for (const wire::Guest& g : told.list_of_guests()) guest_places.set(g.place);
+  }
 
   [[nodiscard]] Controller controller(Bus& bus) const { return {bus, image.node_address}; }
   bool with_kinds = false;  ///< the design has kinds of modules: so has the table

@@ -192,7 +192,8 @@ wire::FoundTopology without_guests(const wire::FoundTopology& found, const wire:
 void find_topology(Bus& bus, PatchState& p) {
   Controller c = p.controller(bus);
   c.reroute();
-  p.topology = without_guests(c.topology(), c.adoption());
+  p.note(c.adoption());
+  p.topology = without_guests(c.topology(), p.adoption);
   p.route = c.route();
 }
 
@@ -201,7 +202,7 @@ void read_patch(Bus& bus, PatchState& p) {
   p.states = c.module_states();
   p.faults = c.faults();
   p.line_states = c.line_states();
-  p.adoption = c.adoption();
+  p.note(c.adoption());
   p.now = c.taxels();
   if (p.states.count != p.image.module_count || p.now.count != p.image.module_count) {
     throw DeviceError(fmt::format("{}: controller {} changed its table while it was verified; run verify again",
