@@ -17,6 +17,7 @@
 #include "triskin/logic/uds_server.hpp"
 #include "triskin/logic/usb_device.hpp"
 #include "triskin/simlink/tcp_link.hpp"
+#include "triskin/wire/calibration.hpp"
 #include "triskin/wire/faults.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/iso_tp.hpp"
@@ -328,7 +329,8 @@ constexpr std::array kAnswers{hello,
                               answer<wire::FaultList>,
                               answer<wire::FreezeFrame>,
                               answer<wire::FoundTopology>,
-                              answer<wire::ActiveRoute>};
+                              answer<wire::ActiveRoute>,
+                              answer<wire::Calibration>};
 
 // The first byte chooses the type.
 void answers(Bytes input) {
