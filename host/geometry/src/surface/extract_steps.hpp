@@ -81,9 +81,9 @@ inline constexpr double kSkyTimeShare = 0.12;
 [[nodiscard]] Extraction joined(const Mesh& mesh);
 
 /// Makes what design() takes: moves corners apart that only touch, then drops faces that still cross, until none does:
-/// of two the one that sees less of the sky, when late the smaller one, and slits stay open. Errors: InputError when
-/// nothing is left. Cost: a search for crossings a round; each round drops a face, of looks at the sky `sky_s` s a
-/// round at most.
+/// of two the one that sees less of the sky, when late the smaller one. Then closes slits, when late all or none.
+/// Errors: InputError when nothing is left. Cost: a search for crossings a round; each round drops a face, of looks at
+/// the sky `sky_s` s a round at most.
 [[nodiscard]] Extraction settled(const Mesh& mesh, double sky_s, const IsLate& is_late = {});
 
 /// Repairs so that usable() holds; fills the report's repair and deviation. Each part gives up in its share of `time`;

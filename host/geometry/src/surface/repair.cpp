@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -38,7 +39,7 @@ constexpr double kGridCost_s = 1e-4;  // for each cell² of the area, with all t
 constexpr double kLeastCell_mm = 1.0;
 // Of the time, what each part may take at most; together more than all, since few meshes need all of them. That of the
 // dividing, on which the others rest, is processor time: on a busy machine it may take all the time.
-constexpr double kDivideShare = 0.4, kWrapShare = 0.4, kNearShare = 0.15, kSettleShare = 0.15, kMeasureShare = 0.12;
+constexpr double kDivideShare = 0.4, kWrapShare = 0.4, kNearShare = 0.15, kSettleShare = 0.25, kMeasureShare = 0.12;
 constexpr double kLeastGridShare = 0.2;
 constexpr double kNeedle = 1e-5;        // twice the area to the square of the longest side
 constexpr int kRoundsNear = 6;          // of drawing a grid's surface to the input
@@ -127,7 +128,7 @@ std::vector<std::vector<int>> slits_of(const Mesh& mesh) {
   return slits;
 }
 
-// Closes the slits that dropped faces leave: all, or else one by one those where nothing crosses.
+// Closes the slits that dropped faces leave: all, or else, unless late, one by one those where nothing crosses.
 void close_slits(Mesh& mesh, const IsLate& is_late) {
   const auto slits = slits_of(mesh);
   const auto closed = [](Mesh m, const std::vector<int>& slit) {
@@ -177,10 +178,11 @@ Mesh without_crossings(const Mesh& mesh, const Pairs& crossings, double sky_s, b
 // Divides what crosses, in a child process: exact constructions may take long. A round that begins late might leave
 // nothing of those before it.
 std::optional<Mesh> divided(const Mesh& mesh, const RepairTime& time) {
-  const IsLate is_half_over = time.part(0.5);
+  const double half_s = 0.5 * time.cpu_s(kDivideShare);
+  const auto used_s = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };  // of the child
   const auto work = [&] {
     Mesh m = mesh;
-    for (int round = 0; round < kRoundsDivided && (round == 0 || !is_half_over()); ++round) {
+    for (int round = 0; round < kRoundsDivided && (round == 0 || used_s() < half_s); ++round) {
       const Mesh whole = joined(m).surface;
       const Pairs crossings = crossing_faces(whole);
       if (crossings.empty()) break;
@@ -248,7 +250,13 @@ Mesh without_hidden_parts(const Mesh& mesh, double sky_s) {
   auto parts = parts_of(mesh);
   if (parts.size() < 2) return mesh;
   std::ranges::stable_sort(parts, std::greater<>(), [](const auto& part) { return part.size(); });
-  const std::size_t most = faces_asked_in(sky_s), each = std::clamp(most / parts.size(), std::size_t{1}, kSkySamples);
+  const std::size_t most = faces_asked_in(sky_s);
+  const auto asked_of = [&](std::size_t each) {
+    return std::accumulate(parts.begin(), parts.end(), std::size_t{0},
+                           [each](std::size_t sum, const auto& part) { return sum + std::min(part.size(), each); });
+  };
+  std::size_t each = kSkySamples;
+  while (each > 1 && asked_of(each) > most) each /= 2;
   std::vector<int> asked;
   std::vector<std::size_t> first;
   for (const auto& part : parts) {
@@ -455,7 +463,7 @@ Extraction settled(const Mesh& mesh, double sky_s, const IsLate& is_late) {
     } else if (!usable(e.surface)) {
       m = std::move(e.surface);
     } else {
-      if (!late(is_late)) close_slits(e.surface, is_late);
+      close_slits(e.surface, is_late);
       return e;
     }
   }
