@@ -12,8 +12,10 @@
 #include "triskin/design/joint.hpp"
 #include "triskin/jobs/flash.hpp"
 #include "triskin/jobs/verify.hpp"
+#include "triskin/logic/topology.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/patch_table.hpp"
 #include "triskin/session/stream.hpp"
 #include "triskin/simlink/sim_link.hpp"
 
@@ -260,17 +262,33 @@ TEST(Adoption, ends_when_the_owner_falls_silent) {
   for (const int m : o.modules) EXPECT_EQ(f.reader_of(m, f.now_us() - 100'000), 0) << "module " << m;
 }
 
-// All boards of a robot get power at once: no look takes modules out of a neighbour's.
-TEST(Adoption, does_not_disturb_patches_that_power_up_together) {
-  const design::Design design = joined_patches(6, 12);
-  Fixture f(design);
-  for (std::size_t p = 0; p < design.patches.size(); ++p) f.skin().power_cycle(p);
-  f.run_us(1'000'000);
-  for (std::uint8_t node = 1; node <= design.patches.size(); ++node) {
-    const wire::ActiveRoute route = device::Controller(f.bus(), node).route();
-    EXPECT_EQ(route.heals, 1U) << "controller " << int{node};
-    EXPECT_EQ(std::popcount(route.alive), route.rows) << "controller " << int{node};
-  }
+class ChainOf final : public fw::RouteChain {
+ public:
+  explicit ChainOf(sim::ChainModel& model) : model_(model) {}
+  void enable(std::uint8_t cables) override { model_.enable(cables); }
+  void exchange(Bytes out, std::span<std::uint8_t> in) override { model_.exchange(out, in); }
+  void latch() override { model_.latch(); }
+  std::uint8_t stuck_lines() override { return model_.stuck_lines(); }
+
+ private:
+  sim::ChainModel& model_;
+};
+
+// As at power-up, when no neighbour holds its modules yet: a look takes none of them unless it may.
+TEST(Adoption, a_look_that_may_not_adopt_stays_inside_the_border) {
+  const design::Design design = joined_patches(4, 8);
+  scene::SwitchedHardware hardware(scene_of(design));
+  ChainOf chain(hardware.patch(0).chain_of(0));
+  fw::Topology topology(chain);
+  const auto table = fw::Topology::table_of(device::image_of(design, 0));
+  const auto own = topology.heal(table, fw::Topology::Look::kOwn);
+  EXPECT_EQ(own.alive, 0xFF);
+  EXPECT_EQ(topology.graph().count, 8);
+  const auto beyond = topology.heal(table, fw::Topology::Look::kBeyond);
+  EXPECT_GT(beyond.unknown, 0);
+  EXPECT_TRUE(topology.guests().empty());
+  const auto adopting = topology.heal(table, fw::Topology::Look::kAdopt);
+  EXPECT_EQ(adopting.alive, 0xFF);
 }
 
 }  // namespace
