@@ -28,10 +28,10 @@ def test_ctrl_c_ends_a_flash_and_it_says_what_was_done():
     with controllers("can:vcan1") as skin:
         triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1")
         try:
-            seen = subprocess.Popen(["candump", "-n", "14", "vcan1"], stdout=subprocess.DEVNULL)
+            seen = subprocess.Popen(["candump", "-n", "40", "vcan1"], stdout=subprocess.DEVNULL)
             time.sleep(0.5)
             flash = start(bench.TRISKIN, "flash", DESIGN, "--by-serial", "--link", "can:vcan1", "--force")
-            seen.wait(30)  # all controllers are found
+            seen.wait(30)  # all controllers are found, and the first is written
             skin.send_signal(signal.SIGSTOP)  # now they do not answer
             time.sleep(0.3)
             flash.send_signal(signal.SIGINT)

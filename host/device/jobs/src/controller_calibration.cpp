@@ -124,8 +124,12 @@ std::map<std::string, int> kept_revisions(Bus& bus) {
   const auto claims = bus.discover();
   for (const wire::NodeClaim& claim : claims) {
     if (!claim.has_table || !is_alone(claims, claim)) continue;
-    if (const auto kept = Controller(bus, claim.node_address).calibration())
-      revisions[to_text(claim.unique_id)] = kept->revision;
+    try {
+      if (const auto kept = Controller(bus, claim.node_address).calibration())
+        revisions[to_text(claim.unique_id)] = kept->revision;
+    } catch (const DeviceError&) {
+      // What it keeps is not known; that it does not answer is for who needs it to say.
+    }
   }
   return revisions;
 }

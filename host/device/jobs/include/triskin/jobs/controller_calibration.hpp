@@ -24,8 +24,8 @@ namespace triskin::device {
 /// controller that keeps none, or whose firmware cannot, is left out. Throws as Controller.
 [[nodiscard]] std::vector<design::BoardCalibration> kept_in_controllers(Bus& bus, const design::Design& design,
                                                                         std::span<const wire::NodeClaim> claims);
-/// Revision of what each controller on the bus keeps, of any design, by serial number; those that keep none, or share
-/// their address, are left out. Throws as Controller.
+/// Revision of what each controller on the bus keeps, of any design, by serial number; those that keep none, share
+/// their address or do not answer are left out. Throws as Bus::discover.
 [[nodiscard]] std::map<std::string, int> kept_revisions(Bus& bus);
 /// Writes a calibration into its controller and reads it back. False: the controller refused it, for its firmware is
 /// older or its table is of another design, and keeps what it had. Throws DeviceError when it reads back otherwise, and
