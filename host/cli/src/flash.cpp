@@ -84,14 +84,13 @@ BusOutcome flash_bus(const robot::BusSite& site, device::Link& link, const Optio
     device::Bus bus(finger);
     outcome.covers.emplace_back(&cover, device::flash(bus, cover.design, own, progress_of(site, cover, progress)));
   }
-  device::Bus bus(link);
   for (const auto& [cover, r] : outcome.covers) {
     if (!options.flash.dry_run && std::ranges::any_of(r.patches, &device::FlashResult::Patch::written))
-      wait_for_offsets(bus, cover->design);
+      wait_for_offsets(all, cover->design);
   }
   if (before.empty()) return outcome;
   outcome.ended = before;
-  for (const auto& [serial, revision] : device::kept_revisions(bus)) outcome.ended.erase(serial);
+  for (const auto& [serial, revision] : device::kept_revisions(all)) outcome.ended.erase(serial);
   return outcome;
 }
 

@@ -44,7 +44,7 @@ struct SimulatedBus {
 SimulatedBus one_bus(const Options& options) {
   scene::Scene scene = scene::read_scene(options.scene);
   scene.switched = scene.switched || options.switched;
-  device::number_boards(scene, options.board_seed);
+  scene.board_seed = device::board_seed_of(options.board_seed, scene.seed);
   const auto folder = options.fresh ? std::filesystem::path{} : scene::state_folder_of(scene.design);
   return {"", std::make_unique<scene::VirtualSkin>(std::move(scene), folder), nullptr};
 }

@@ -35,9 +35,7 @@ scene::Scene scene_of(const robot::BusSite& bus, bool switched, std::optional<st
     for (const std::string& serial : c.serials) cover.boards.push_back(to_unique_id(serial));
     covers.push_back(std::move(cover));
   }
-  constexpr std::uint64_t kSeed = 1;
-  const std::uint64_t seed = board_seed.value_or(kSeed);
-  scene::Scene scene = scene::join_covers(covers, bus.rates, seed == 0 ? std::nullopt : std::optional(seed)).scene;
+  scene::Scene scene = scene::join_covers(covers, bus.rates, board_seed_of(board_seed, scene::Scene{}.seed)).scene;
   scene.switched = switched;
   return scene;
 }

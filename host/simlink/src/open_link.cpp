@@ -26,8 +26,7 @@ std::unique_ptr<Link> open_sim(const LinkOptions& options, const design::Design*
     scene::Scene scene;
     scene.design = *design;
     scene.switched = options.switched;
-    scene.board_seed = scene.seed;
-    number_boards(scene, options.board_seed);
+    scene.board_seed = board_seed_of(options.board_seed, scene.seed);
     const auto folder = scene::state_folder_of(scene.design);
     return simulate_here(options.link, std::move(scene), folder);
   }
@@ -37,7 +36,7 @@ std::unique_ptr<Link> open_sim(const LinkOptions& options, const design::Design*
     throw InputError(fmt::format("{}: its design is {:016x}, the one given is {:016x}; use a scene of this design",
                                  options.scene, scene.design.design_id, design->design_id));
   }
-  number_boards(scene, options.board_seed);
+  scene.board_seed = board_seed_of(options.board_seed, scene.seed);
   const auto folder = scene::state_folder_of(scene.design);
   return simulate_here(options.link, std::move(scene), folder);
 }
@@ -65,9 +64,9 @@ std::unique_ptr<Link> simulate_here(const std::string& link, scene::Scene scene,
   return std::make_unique<SimLink>(std::move(scene), folder);
 }
 
-void number_boards(scene::Scene& scene, std::optional<std::uint64_t> seed) {
-  if (!seed) return;
-  scene.board_seed = *seed == 0 ? std::nullopt : seed;
+std::optional<std::uint64_t> board_seed_of(std::optional<std::uint64_t> asked, std::uint64_t by_default) {
+  const std::uint64_t seed = asked.value_or(by_default);
+  return seed == 0 ? std::nullopt : std::optional(seed);
 }
 
 HostPort parse_host_port(const std::string& text) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "triskin/session/bus.hpp"
@@ -9,7 +10,7 @@
 namespace triskin::device {
 
 /// How many controllers have each node address that one has. Cost: O(n log n).
-[[nodiscard]] inline std::map<std::uint8_t, int> users_of_addresses(const std::vector<wire::NodeClaim>& claims) {
+[[nodiscard]] inline std::map<std::uint8_t, int> users_of_addresses(std::span<const wire::NodeClaim> claims) {
   std::map<std::uint8_t, int> users;
   for (const wire::NodeClaim& c : claims) ++users[c.node_address];
   return users;

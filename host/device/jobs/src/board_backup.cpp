@@ -13,6 +13,7 @@
 #include "triskin/design/json_fields.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/jobs/board_file.hpp"
+#include "triskin/jobs/controller_calibration.hpp"
 #include "triskin/wire/calibration.hpp"
 #include "triskin/wire/identifiers.hpp"
 
@@ -283,7 +284,7 @@ class Restoration {
     if (value == b.values.end() || options_.dry_run) return;
     const wire::Calibration kept = wire::Calibration::decode(value->second).value();  // read_backup looked
     if (controller.calibration() == kept) return;
-    r.calibrated = controller.set_calibration(kept);
+    r.calibrated = write_and_compare(controller, kept, r.serial);
     r.calibration_refused = !r.calibrated;
   }
   RestoredBoard write(const Pair& p) {

@@ -10,6 +10,7 @@
 #include <ctime>
 #include <string_view>
 
+#include "address_users.hpp"
 #include "triskin/jobs/calibrate.hpp"
 #include "triskin/session/controller.hpp"
 
@@ -62,10 +63,6 @@ wire::PlaceSensitivity row_of(const design::PlaceCalibration& place, int exponen
   return row;
 }
 
-bool is_alone(std::span<const wire::NodeClaim> claims, const wire::NodeClaim& claim) {
-  return std::ranges::count(claims, claim.node_address, &wire::NodeClaim::node_address) == 1;
-}
-
 }  // namespace
 
 wire::Calibration to_wire(const design::BoardCalibration& board) {
@@ -110,9 +107,10 @@ design::BoardCalibration from_wire(const wire::Calibration& kept, const std::str
 
 std::vector<design::BoardCalibration> kept_in_controllers(Bus& bus, const design::Design& design,
                                                           std::span<const wire::NodeClaim> claims) {
+  const auto users = users_of_addresses(claims);
   std::vector<design::BoardCalibration> boards;
   for (const wire::NodeClaim& claim : claims) {
-    if (design::patch_at(design, claim.node_address) < 0 || !is_alone(claims, claim)) continue;
+    if (design::patch_at(design, claim.node_address) < 0 || users.at(claim.node_address) > 1) continue;
     if (const auto kept = Controller(bus, claim.node_address).calibration())
       boards.push_back(from_wire(*kept, to_text(claim.unique_id)));
   }
@@ -122,8 +120,9 @@ std::vector<design::BoardCalibration> kept_in_controllers(Bus& bus, const design
 std::map<std::string, int> kept_revisions(Bus& bus) {
   std::map<std::string, int> revisions;
   const auto claims = bus.discover();
+  const auto users = users_of_addresses(claims);
   for (const wire::NodeClaim& claim : claims) {
-    if (!claim.has_table || !is_alone(claims, claim)) continue;
+    if (!claim.has_table || users.at(claim.node_address) > 1) continue;
     try {
       if (const auto kept = Controller(bus, claim.node_address).calibration())
         revisions[to_text(claim.unique_id)] = kept->revision;
@@ -134,14 +133,17 @@ std::map<std::string, int> kept_revisions(Bus& bus) {
   return revisions;
 }
 
-bool keep_in_controller(Bus& bus, const wire::NodeClaim& claim, const design::BoardCalibration& board) {
-  Controller controller(bus, claim.node_address);
-  const wire::Calibration wanted = to_wire(board);
+bool write_and_compare(Controller& controller, const wire::Calibration& wanted, const std::string& serial) {
   if (!controller.set_calibration(wanted)) return false;
   if (controller.calibration() != wanted)
-    throw DeviceError(fmt::format("controller {} gives back another calibration than it was given; write it again",
-                                  to_text(claim.unique_id)));
+    throw DeviceError(
+        fmt::format("controller {} gives back another calibration than it was given; write it again", serial));
   return true;
+}
+
+bool keep_in_controller(Bus& bus, const wire::NodeClaim& claim, const design::BoardCalibration& board) {
+  Controller controller(bus, claim.node_address);
+  return write_and_compare(controller, to_wire(board), to_text(claim.unique_id));
 }
 
 bool forget_in_controller(Bus& bus, const wire::NodeClaim& claim) {

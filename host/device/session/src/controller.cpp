@@ -38,6 +38,17 @@ std::vector<std::uint8_t> transfer_head(std::uint8_t service, std::uint32_t addr
 constexpr std::size_t kBlockBytes = wire::memory::kMaxBlockBytes - 2U;
 constexpr std::size_t kRoutineHead = 3;  // sub-function and identifier before a result
 
+// What `ask` returns; empty: the controller does not know the identifier, as with an older firmware, or has no value.
+template <class Ask>
+auto unless_unknown(Ask ask) -> std::optional<decltype(ask())> {
+  try {
+    return ask();
+  } catch (const Refused& e) {
+    if (e.code() != wire::nrc::kOutOfRange) throw;
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 std::string describe(Status status) {
@@ -249,21 +260,11 @@ wire::ActiveRoute Controller::route() {
 }
 
 wire::Adoption Controller::adoption() {
-  try {
-    return value<wire::Adoption>("adoption");
-  } catch (const Refused& e) {
-    if (e.code() != wire::nrc::kOutOfRange) throw;
-    return {};
-  }
+  return unless_unknown([&] { return value<wire::Adoption>("adoption"); }).value_or(wire::Adoption{});
 }
 
 std::optional<wire::ImageState> Controller::image_state() {
-  try {
-    return value<wire::ImageState>("firmware");
-  } catch (const Refused& e) {
-    if (e.code() != wire::nrc::kOutOfRange) throw;
-    return std::nullopt;
-  }
+  return unless_unknown([&] { return value<wire::ImageState>("firmware"); });
 }
 
 void Controller::reset() {
@@ -299,24 +300,16 @@ wire::SamplingSetting Controller::sampling() {
 }
 
 wire::StreamAccount Controller::stream_account() {
-  try {
-    return value<wire::StreamAccount>("stream");
-  } catch (const Refused& e) {
-    if (e.code() != wire::nrc::kOutOfRange) throw;
-    throw DeviceError(
-        fmt::format("{}: controller {} cannot say how many samples it lost; update its firmware (triskin "
-                    "flash --firmware)",
-                    bus_.link().name(), node_));
-  }
+  const auto account = unless_unknown([&] { return value<wire::StreamAccount>("stream"); });
+  if (account) return *account;
+  throw DeviceError(
+      fmt::format("{}: controller {} cannot say how many samples it lost; update its firmware (triskin flash "
+                  "--firmware)",
+                  bus_.link().name(), node_));
 }
 
 std::optional<wire::Calibration> Controller::calibration() {
-  try {
-    return value<wire::Calibration>("calibration");
-  } catch (const Refused& e) {
-    if (e.code() != wire::nrc::kOutOfRange) throw;
-    return std::nullopt;
-  }
+  return unless_unknown([&] { return value<wire::Calibration>("calibration"); });
 }
 
 bool Controller::set_calibration(const wire::Calibration& calibration) {

@@ -24,9 +24,8 @@ struct LinkOptions {
   bool own_interrupts = true;  ///< catch_interrupts(); false: signals are left to the caller
 };
 
-/// Gives the boards of a scene the serial numbers that LinkOptions::board_seed asks for. Without effect on a scene that
-/// names its boards.
-void number_boards(scene::Scene& scene, std::optional<std::uint64_t> seed);
+/// Scene::board_seed for what LinkOptions::board_seed asks: 0 is none, nothing asked is `by_default`.
+[[nodiscard]] std::optional<std::uint64_t> board_seed_of(std::optional<std::uint64_t> asked, std::uint64_t by_default);
 
 /// The simulation of `scene` behind a link that is_in_process(); `folder` keeps the flash of its controllers, empty:
 /// memory. Throws as scene::VirtualSkin does.

@@ -7,6 +7,7 @@
 
 #include "triskin/design/calibration.hpp"
 #include "triskin/session/bus.hpp"
+#include "triskin/session/controller.hpp"
 #include "triskin/wire/calibration.hpp"
 #include "triskin/wire/node_claim.hpp"
 
@@ -27,9 +28,11 @@ namespace triskin::device {
 /// Revision of what each controller on the bus keeps, of any design, by serial number; those that keep none, share
 /// their address or do not answer are left out. Throws as Bus::discover.
 [[nodiscard]] std::map<std::string, int> kept_revisions(Bus& bus);
-/// Writes a calibration into its controller and reads it back. False: the controller refused it, for its firmware is
-/// older or its table is of another design, and keeps what it had. Throws DeviceError when it reads back otherwise, and
-/// as Controller.
+/// Writes a calibration into the controller `serial` and reads it back. False: the controller refused it, for its
+/// firmware is older or its table is of another design, and keeps what it had. Throws DeviceError when it reads back
+/// otherwise, and as Controller.
+bool write_and_compare(Controller& controller, const wire::Calibration& wanted, const std::string& serial);
+/// write_and_compare of a calibration into the controller that it is of.
 bool keep_in_controller(Bus& bus, const wire::NodeClaim& claim, const design::BoardCalibration& board);
 /// Deletes what a controller keeps. False: it kept none. Throws as Controller.
 bool forget_in_controller(Bus& bus, const wire::NodeClaim& claim);
