@@ -68,6 +68,94 @@ TEST(Relaxer, puts_back_what_gave_way) {
   EXPECT_EQ(net.signature(place, 45.0), before.signature(place, 45.0));
 }
 
+// A sheet whose upper border rises and falls at random every 1.5 mm, up to 1.2 mm.
+struct RaggedSheet {
+  static constexpr int kColumns = 200;
+  static constexpr double kWidth_mm = 300.0;
+  std::vector<Vec3> border;
+  Mesh mesh;
+
+  explicit RaggedSheet(Dice& random) {
+    for (int k = 0; k <= kColumns; ++k) border.emplace_back(kWidth_mm * k / kColumns, 60.0 + 1.2 * random.unit(), 0.0);
+    mesh = grid_mesh(kColumns, 2, [&](double u, double v) {
+      const Vec3& top = border[static_cast<std::size_t>(std::lround(u * kColumns))];
+      return Vec3(top.x(), v * top.y(), 0.0);
+    });
+  }
+  // How far a point lies past the border; 0 on the sheet.
+  [[nodiscard]] double past(const Vec3& p) const {
+    const auto k = static_cast<std::size_t>(p.x() / kWidth_mm * kColumns);
+    const double x = p.x() / kWidth_mm * kColumns - static_cast<double>(k);
+    if (p.y() <= border[k].y() + x * (border[k + 1].y() - border[k].y())) return 0.0;
+    double least = 1e9;
+    for (std::size_t s = k > 3 ? k - 3 : 0; s < std::min(border.size() - 1, k + 4); ++s) {
+      const Vec3 along = border[s + 1] - border[s];
+      const double t = std::clamp((p - border[s]).dot(along) / along.squaredNorm(), 0.0, 1.0);
+      least = std::min(least, (p - border[s] - t * along).norm());
+    }
+    return least;
+  }
+};
+
+// The walk in steps misses what stands over between them: the layout would lose the module at the end. Held against
+// points every 0.01 mm of a ragged border.
+TEST(Rules, tell_an_overrun_between_the_steps_of_the_walk) {
+  Dice random(5);
+  const RaggedSheet sheet(random);
+  Growth growth(sheet.mesh);
+  const double allowed_mm = 0.97 * growth.limits.overrun_mm;  // the search keeps a margin
+  NearSurface near(growth.surface);
+  int over = 0, missed_by_steps = 0;
+  for (int k = 0; k < 300; ++k) {
+    const Vec3 a(60.0 + 150.0 * random.unit(), 59.7 + 1.4 * random.unit(), 0.0);
+    const double turn = 0.04 * (random.unit() - 0.5);
+    const Vec3 side(-kSide_mm * std::cos(turn), kSide_mm * std::sin(turn), 0.0);
+    const Vec3 apex = a + 0.5 * side + kHeight_mm / kSide_mm * Vec3(-side.y(), side.x(), 0.0);
+    LatticeNet net(sheet.mesh.vertices, 0.0);
+    std::array<int, 3> corners{};
+    const std::array place{a, Vec3(a + side), apex};
+    for (int c = 0; c < 3; ++c) {
+      const auto label = tile_corner_index(Tile{}, c);
+      corners[at(c)] = net.add_vertex(place[at(c)], Vec3::UnitZ(), label[0], label[1]);
+    }
+    const int module = net.add_triangle(net.new_island(), Tile{}, corners);
+    double worst = 0.0;
+    for (int step = 0; step <= 3000; ++step) worst = std::max(worst, sheet.past(a + step / 3000.0 * side));
+    if (std::abs(worst - allowed_mm) < 0.03) continue;  // found to 0.02 mm
+    EXPECT_EQ(growth.rules.exceeds_overrun(near, net, module), worst > allowed_mm) << k << ": " << worst << " mm";
+    over += worst > allowed_mm ? 1 : 0;
+    std::vector<Pair> pairs;
+    std::vector<KnownSides> known;
+    if (worst > allowed_mm && growth.rules.evaluate(near, net, {module}, pairs, known) == Refusal::kNone)
+      ++missed_by_steps;
+  }
+  EXPECT_GT(over, 100);
+  EXPECT_LT(over, 280);
+  EXPECT_GT(missed_by_steps, 0);
+}
+
+// A layout that would be kept loses what stands over too far; fixed modules stay.
+TEST(Grower, removes_what_stands_over_the_border_too_far_but_no_fixed_module) {
+  Growth growth(plane(300.0, 60.0));
+  const auto add = [&](double x, double y) {
+    std::array<int, 3> corners{};
+    const std::array place{Vec3(x + kSide_mm, y, 0.0), Vec3(x, y, 0.0), Vec3(x + 0.5 * kSide_mm, y - kHeight_mm, 0.0)};
+    for (int c = 0; c < 3; ++c) {
+      const auto label = tile_corner_index(Tile{}, c);
+      corners[at(c)] = growth.net.add_vertex(place[at(c)], Vec3::UnitZ(), label[0], label[1]);
+    }
+    return growth.net.add_triangle(growth.net.new_island(), Tile{}, corners);
+  };
+  const int within = add(30.0, 60.4), over = add(100.0, 60.6), fixed = add(170.0, 60.6);
+  const Triangle corners = growth.net.triangles()[at(fixed)].rigid;
+  growth.net.pin(fixed, corners);
+  EXPECT_TRUE(growth.grower.remove_overrunning(growth.net, {within, over, fixed}));
+  EXPECT_TRUE(growth.net.used(within));
+  EXPECT_FALSE(growth.net.used(over));
+  EXPECT_TRUE(growth.net.used(fixed));
+  EXPECT_FALSE(growth.grower.remove_overrunning(growth.net, {within, fixed}));
+}
+
 // Σ p(nᵢ) − p(n) jumpers, p(n) = max(1, n / 16 + 15 / 32). 32, 8 and 1 modules: 79/32, 1 and 1 pieces; together
 // 41/16 + 15/32 = 97/32 controllers and (79 + 32 + 32 − 97)/32 = 46/32 jumpers. Apart: 143/32 controllers, none.
 TEST(RelaxedPrice, counts_jumpers_as_the_wiring_does) {

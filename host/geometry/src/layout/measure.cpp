@@ -100,10 +100,10 @@ double penetration_depth(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>
 void measure_on_surface(const Surface& surface, PlacedModule& m, double corner_cut_mm, const SurfaceRegions* regions) {
   const design::Outline outline = design::outline_of(m.corner_mm, corner_cut_mm);
   m.center_gap_mm = surface.closest(centroid_of(m.corner_mm)).distance_mm;
-  const SideMetrics sides = walk_sides(surface, outline, kSideStep_mm);
+  const SideHeights sides = walk_sides(surface, outline, kSideStep_mm);
   m.edge_lift_mm = sides.lift_mm;
   m.edge_depth_mm = sides.depth_mm;
-  m.overrun_mm = overrun_of_area(surface, outline, sides.overrun_mm);
+  m.overrun_mm = overrun_of(surface, outline);
   m.keep_out_mm = regions == nullptr ? 0.0 : regions->keep_out_mm(m.corner_mm, corner_cut_mm);
   m.bend_radius_mm = smallest_radius(surface, m.corner_mm);
 }

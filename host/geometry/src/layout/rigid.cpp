@@ -109,27 +109,32 @@ void search_over_border(const Surface& surface, const std::array<Vec3, 3>& part,
 
 }  // namespace
 
-SideMetrics walk_sides(const Surface& surface, const design::Outline& outline, double step_mm) {
-  SideMetrics m;
+SideHeights walk_sides(const Surface& surface, const design::Outline& outline, double step_mm) {
+  SideHeights h;
   const auto corners = outline.points();
   const std::size_t n = corners.size();
   for (std::size_t s = 0; s < n; ++s) {
-    visit(surface, corners[s], m.overrun_mm);
     const Vec3 side = corners[(s + 1) % n] - corners[s];
     const int samples = std::max(1, static_cast<int>(std::lround(side.norm() / step_mm)));
     for (int k = 0; k < samples; ++k) {
       const Vec3 p = corners[s] + side * (static_cast<double>(k) / samples);
       const SurfacePoint c = surface.closest(p);
       const double height = (p - c.position_mm).dot(surface.normal_at(c));
-      m.lift_mm = std::max(m.lift_mm, height);
-      m.depth_mm = std::max(m.depth_mm, -height);
+      h.lift_mm = std::max(h.lift_mm, height);
+      h.depth_mm = std::max(h.depth_mm, -height);
     }
   }
-  for (std::size_t s = 0; s < n; ++s) walk_over_border(surface, corners[s], corners[(s + 1) % n], m.overrun_mm);
-  return m;
+  return h;
 }
 
-double overrun_of_area(const Surface& surface, const design::Outline& outline, double known_mm) {
+double overrun_of_line(const Surface& surface, const Vec3& from, const Vec3& to, double known_mm) {
+  visit(surface, from, known_mm);
+  walk_over_border(surface, from, to, known_mm);
+  return known_mm;
+}
+
+double overrun_of(const Surface& surface, const design::Outline& outline) {
+  double known_mm = 0.0;
   const auto search = [&](const std::array<Vec3, 3>& part) {
     const Vec3 c = (part[0] + part[1] + part[2]) / 3.0;
     double reach = 0.0;
@@ -137,6 +142,8 @@ double overrun_of_area(const Surface& surface, const design::Outline& outline, d
     search_over_border(surface, part, reach, known_mm);
   };
   const auto points = outline.points();
+  for (std::size_t s = 0; s < points.size(); ++s)
+    known_mm = overrun_of_line(surface, points[s], points[(s + 1) % points.size()], known_mm);
   for (std::size_t k = 1; k + 1 < points.size(); ++k) search({points[0], points[k], points[k + 1]});
   return known_mm;
 }

@@ -14,6 +14,7 @@
 #include "certify.hpp"
 #include "grower.hpp"
 #include "kept_modules.hpp"
+#include "layout_front.hpp"
 #include "net_price.hpp"
 #include "place_value.hpp"
 #include "triskin/design/outline.hpp"
@@ -64,15 +65,6 @@ struct GrowthTask {
   }
 };
 
-using NetCopy = std::shared_ptr<const LatticeNet>;
-struct Found {
-  NetCopy net;
-  double value;
-};
-// By numbers of modules and islands: the best found. The growth's price is not that of the wired layout, and islands
-// are what the two see most differently.
-using Front = std::map<std::pair<int, int>, Found>;
-
 // One annealed sequence of ruin and recreate.
 class Chain {
  public:
@@ -88,7 +80,7 @@ class Chain {
   void build() {
     const int iterations = task_.options.iterations;
     const int most = iterations > 0 ? std::min(kStarts, 1 + iterations / kStepsAStart) : kStarts;
-    std::vector<Found> starts;
+    std::vector<FoundLayout> starts;
     for (int k = 0; k < most; ++k) {
       if (k > 0 && iterations == 0 && task_.fraction(0) > kStartsShare) break;
       start_anew();
@@ -120,7 +112,7 @@ class Chain {
 
   [[nodiscard]] const NetCopy& best() const { return best_; }
   [[nodiscard]] double best_value() const { return best_value_; }
-  [[nodiscard]] const Front& front() const { return front_; }
+  [[nodiscard]] const LayoutFront& front() const { return front_; }
   [[nodiscard]] int steps() const { return steps_; }
   /// In the last of its annealings: what others found may be taken over.
   [[nodiscard]] bool in_last_run() const { return run_ == runs_ - 1; }
@@ -136,22 +128,31 @@ class Chain {
     LatticeNet net = task_.begun;
     if (net.size() > 0) grower_.grow(net, {}, random_);
     grower_.fill(net, {}, random_, static_cast<int>(task_.samples.size()) / 2);
+    (void)grower_.remove_overrunning(net, used_of(net));
     net.separate();
     set(std::move(net));
   }
 
-  void take(const Found& found) {
+  static std::vector<int> used_of(const LatticeNet& net) {
+    std::vector<int> all;
+    for (int t = 0; t < static_cast<int>(net.triangles().size()); ++t) {
+      if (net.used(t)) all.push_back(t);
+    }
+    return all;
+  }
+
+  void take(const FoundLayout& found) {
     best_ = found.net;
     set(*best_);
     best_value_ = value_;
   }
 
-  static void keep_best(std::vector<Found>& starts, std::size_t count) {
-    std::ranges::stable_sort(starts, std::greater{}, &Found::value);
+  static void keep_best(std::vector<FoundLayout>& starts, std::size_t count) {
+    std::ranges::stable_sort(starts, std::greater{}, &FoundLayout::value);
     starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(count), starts.end());
   }
 
-  void improve(Found& start, double until) {
+  void improve(FoundLayout& start, double until) {
     take(start);
     heat_ = kRaceHeat;
     while (task_.fraction(steps_) < until && !grower_.late()) run(1);
@@ -187,7 +188,13 @@ class Chain {
     if (grower_.late() || value < value_ + heat * std::log(std::max(1e-12, random_.unit()))) return now_.roll_back();
     now_.commit();
     value_ = value;
-    keep_when_best();
+    if (!would_be_kept()) return;
+    if (grower_.remove_overrunning(now_, used_of(now_))) {
+      now_.separate();
+      value_ = task_.value(now_, price_, worth_);
+      if (!would_be_kept()) return;
+    }
+    keep();
   }
 
   double ruin_and_recreate() {
@@ -201,18 +208,17 @@ class Chain {
     return task_.value(now_, price_, worth_);
   }
 
+  [[nodiscard]] bool is_best() const { return value_ > best_value_ + 1e-9; }
+  [[nodiscard]] bool would_be_kept() const { return is_best() || front_.would_keep(now_, value_); }
+
   // The best of all, and the best of each number of modules near it.
-  void keep_when_best() {
-    const auto [place, is_new] = front_.try_emplace({now_.size(), now_.islands()});
-    Found& of_size = place->second;
-    const bool is_best = value_ > best_value_ + 1e-9;
-    if (!is_new && value_ <= of_size.value && !is_best) return;
+  void keep() {
     const auto copy = std::make_shared<const LatticeNet>(now_);
-    if (is_new || value_ > of_size.value) of_size = {copy, value_};
-    if (!is_best) return;
+    front_.keep(copy, value_);
+    if (!is_best()) return;
     best_ = copy;
     best_value_ = value_;
-    front_.erase(front_.begin(), front_.lower_bound({best_->size() - 2 * kFront, 0}));
+    front_.forget_below(best_->size() - 2 * kFront);
   }
 
   // Around an uncovered place when one is found quickly, else around any module; what must be covered first.
@@ -277,7 +283,7 @@ class Chain {
   Grower grower_;
   LatticeNet now_;  // what price_ knows
   NetCopy best_;
-  Front front_;
+  LayoutFront front_;
   double value_ = -1e300, best_value_ = -1e300;
   double heat_ = 0.0;  // > 0: instead of the schedule
   double begun_at_ = 0.0;
@@ -315,22 +321,22 @@ const Chain& best_of(const std::deque<Chain>& chains) {
 // The best of all chains for each number of modules, most modules first, then the most valuable of the others, with as
 // many modules on more or fewer islands; not the best of all, which is kept anyway.
 std::vector<const LatticeNet*> front_of(const std::deque<Chain>& chains) {
-  std::map<std::pair<int, int>, const Found*, std::greater<>> found;
+  std::map<std::pair<int, int>, const FoundLayout*, std::greater<>> found;
   for (const Chain& chain : chains) {
-    for (const auto& [numbers, of_chain] : chain.front()) {
-      const Found*& best = found[numbers];
+    for (const auto& [numbers, of_chain] : chain.front().found()) {
+      const FoundLayout*& best = found[numbers];
       if (best == nullptr || of_chain.value > best->value) best = &of_chain;
     }
   }
   const LatticeNet* const best = best_of(chains).best().get();
-  std::vector<const Found*> by_value;
+  std::vector<const FoundLayout*> by_value;
   for (const auto& [numbers, of_numbers] : found) {
     if (numbers.first >= best->size() - kFront && of_numbers->net.get() != best) by_value.push_back(of_numbers);
   }
-  std::ranges::stable_sort(by_value, std::greater{}, &Found::value);
+  std::ranges::stable_sort(by_value, std::greater{}, &FoundLayout::value);
   std::map<int, const LatticeNet*, std::greater<>> by_size;
   std::vector<const LatticeNet*> more;
-  for (const Found* f : by_value) {
+  for (const FoundLayout* f : by_value) {
     const LatticeNet* const net = f->net.get();
     const bool is_first = net->size() != best->size() && by_size.try_emplace(net->size(), net).second;
     if (!is_first && more.size() < kMore) more.push_back(net);

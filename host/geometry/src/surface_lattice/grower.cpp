@@ -287,6 +287,22 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts)
   }
 }
 
+bool Grower::remove_overrunning(LatticeNet& net, const std::vector<int>& triangles) {
+  bool any = false;
+  known_within_.resize(std::max(known_within_.size(), net.triangles().size()), kNowhere);
+  for (const int t : triangles) {
+    const NetTriangle& triangle = net.triangles()[at(t)];
+    if (triangle.is_fixed || known_within_[at(t)] == triangle.rigid) continue;
+    if (rules_.exceeds_overrun(surface_, net, t)) {
+      net.remove_triangle(t);
+      any = true;
+    } else {
+      known_within_[at(t)] = triangle.rigid;
+    }
+  }
+  return any;
+}
+
 bool Grower::covered(const LatticeNet& net, const Vec3& p) const {
   return net.any_near(p, kModuleReach_mm, [&](int t) { return lies_over(net.triangles()[at(t)], p); });
 }

@@ -42,6 +42,10 @@ class Grower {
   /// Begins an island with a module at three corners, if it keeps the rules.
   bool try_seed(LatticeNet& net, const Triangle& corners);
 
+  /// Removes those of the triangles that stand over the border by more than is allowed, as it is measured at the end,
+  /// but for fixed ones: whether there were any. The net has to be separated afterwards.
+  bool remove_overrunning(LatticeNet& net, const std::vector<int>& triangles);
+
   [[nodiscard]] bool covered(const LatticeNet& net, const Vec3& p) const;
   [[nodiscard]] bool late() const { return Clock::now() > end_ || interrupt_request(); }
   /// As late, but on a slow machine the time does not end the search for the first module: no module is no answer.
@@ -77,6 +81,7 @@ class Grower {
   // again.
   std::vector<std::array<std::uint64_t, 3>> failed_join_, failed_seed_;
   std::vector<KnownSides> known_sides_;
+  std::vector<Triangle> known_within_;  // by triangle: where it was last seen to keep within the border
   Clock::time_point end_;
 };
 

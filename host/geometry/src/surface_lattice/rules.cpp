@@ -4,18 +4,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "layout/rigid.hpp"
 #include "overlap.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kMargin = 0.97;        // an independent measurement must agree
-constexpr double kSidesMargin = 0.995;  // for what lies between the quarters of a side
-constexpr double kStep_mm = 1.5;        // of the walk along a side; the end result is measured every 0.5 mm
-constexpr double kClear_mm = 5.0;       // a point farther from the border than a module may stand off is not over it
-constexpr double kOutward = 0.6;        // cosine between module and surface
-constexpr double kProbeStep_mm = 2.0;
+constexpr double kMargin = 0.97;          // an independent measurement must agree
+constexpr double kSidesMargin = 0.995;    // of lift and depth, which the checker walks alike
+constexpr double kStep_mm = 1.5;          // of the walk along a side at the border
+constexpr double kSideStep_mm = 0.5;      // the least along a side for lift and depth, as they are measured at the end
+constexpr double kOverrunStep_mm = 0.02;  // to which the largest overrun of a line is found
+constexpr int kSideParts = 4;
+constexpr double kClear_mm = 5.0;  // a point farther from the border than a module may stand off is not over it
+constexpr double kBorderFar_mm = 2.0 * kHeight_mm / 3.0 + kClear_mm;  // of a module's centre
+constexpr double kOutward = 0.6;                                      // cosine between module and surface
+constexpr double kProbeStep_mm = 1.0, kProbeOut = 1.01;               // along the border, and times the limit beyond it
 constexpr double kProbeHeight_mm = 8.0;
 constexpr double kSafeMove = 0.7;  // of the room: the height changes by as much as a side moves, and its normal turns
 
@@ -68,11 +73,11 @@ Rules::Rules(const Surface& surface, const LayoutLimits& limits, const std::vect
       if (surface.neighbours(f)[at(s)] >= 0) continue;
       const Vec3 &a = mesh.vertices[at(mesh.faces[at(f)][at(s)])],
                  &b = mesh.vertices[at(mesh.faces[at(f)][at((s + 1) % 3)])];
-      const Vec3 out = (b - a).cross(surface.face_normal(f)).normalized() * 1.02 * limits.overrun_mm;
+      const Vec3 out = (b - a).cross(surface.face_normal(f)).normalized() * kProbeOut * limits_.overrun_mm;
       const int parts = static_cast<int>(std::ceil((b - a).norm() / kProbeStep_mm));
       for (int k = 0; k < parts; ++k) {
         const Vec3 p = a + (b - a) * ((k + 0.5) / parts) + out;
-        if (surface.closest(p).distance_mm <= limits.overrun_mm) continue;
+        if (surface.closest(p).distance_mm <= limits_.overrun_mm) continue;
         probe_grid_.add(static_cast<int>(probes_.size()), p);
         probes_.push_back(p);
       }
@@ -126,28 +131,47 @@ Refusal Rules::evaluate_joints(const LatticeNet& net, int triangle) const {
   return Refusal::kNone;
 }
 
-// Lift and depth at corners, quarters and middles of the sides; the walk at the end is finer.
+// Lift and depth along the sides, as they are measured at the end; points far from both limits are followed by large
+// steps.
 Refusal Rules::evaluate_sides(NearSurface& surface, const NetTriangle& t, KnownSides& known) const {
   double moved = 0.0;
   for (std::size_t k = 0; k < 3; ++k) moved = std::max(moved, (t.rigid[k] - known.rigid[k]).squaredNorm());
   if (moved <= kSafeMove * kSafeMove * known.room_mm * known.room_mm) return Refusal::kNone;
   const design::Outline outline = design::outline_of(t.rigid, t.corner_cut_mm);
-  const std::size_t sides = outline.size / 3;  // those between two long ones are short
-  double lowest = 0.0, highest = 0.0;
-  for (std::size_t s = 0; s < 3; ++s) {
-    const Vec3 &from = outline.point[sides * s], &to = outline.point[(sides * s + 1) % outline.size];
-    for (const double x : {0.0, 0.25, 0.5, 0.75}) {
-      const Vec3 p = from + x * (to - from);
+  double least_room = std::min(limits_.lift_mm, limits_.depth_mm);
+  for (std::size_t s = 0; s < outline.size; ++s) {
+    const Vec3& from = outline.point[s];
+    const Vec3 side = outline.point[(s + 1) % outline.size] - from;
+    const double length_mm = side.norm();
+    for (double x = 0.0; x < length_mm;) {
+      const Vec3 p = from + x / length_mm * side;
       const Foot foot = surface.closest(p);
       const double height = (p - foot.point).dot(foot.normal);
-      lowest = std::min(lowest, height);
-      highest = std::max(highest, height);
+      const double room = std::min(limits_.lift_mm - height, limits_.depth_mm + height);
+      if (room < 0.0) return height > 0.0 ? Refusal::kLift : Refusal::kDepth;
+      least_room = std::min(least_room, room);
+      x += std::max(kSideStep_mm, kSafeMove * room);
     }
   }
-  if (highest > limits_.lift_mm) return Refusal::kLift;
-  if (-lowest > limits_.depth_mm) return Refusal::kDepth;
-  known = {t.rigid, std::min(limits_.lift_mm - highest, limits_.depth_mm + lowest)};
+  known = {t.rigid, least_room};
   return Refusal::kNone;
+}
+
+bool Rules::exceeds_overrun(NearSurface& surface, const LatticeNet& net, int triangle) const {
+  const NetTriangle& t = net.triangles()[at(triangle)];
+  if (surface.border_at_least(t.center) >= kBorderFar_mm) return false;
+  const design::Outline outline = design::outline_of(t.rigid, t.corner_cut_mm);
+  for (std::size_t s = 0; s < outline.size; ++s) {
+    const Vec3& from = outline.point[s];
+    const Vec3 part = (outline.point[(s + 1) % outline.size] - from) / kSideParts;
+    for (int k = 0; k < kSideParts; ++k) {
+      const Vec3 a = from + k * part;
+      if (surface.border_at_least(a + 0.5 * part) >= kClear_mm + 0.5 * kSide_mm / kSideParts) continue;
+      if (overrun_of_line(surface.surface(), a, a + part, limits_.overrun_mm - kOverrunStep_mm) > limits_.overrun_mm)
+        return true;
+    }
+  }
+  return false;
 }
 
 // A plane that separates the outlines separates the modules in space too; else both measures have to agree.
@@ -159,8 +183,7 @@ bool Rules::overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const
 
 bool Rules::over_border(NearSurface& surface, const LatticeNet& net, int triangle) const {
   const NetTriangle& t = net.triangles()[at(triangle)];
-  constexpr double kFar_mm = 2.0 * kHeight_mm / 3.0 + kClear_mm;
-  if (surface.border_at_least(t.center) >= kFar_mm) return false;
+  if (surface.border_at_least(t.center) >= kBorderFar_mm) return false;
   for (std::size_t s = 0; s < 3; ++s) {
     // A notch under a joined side opens under a free one or is met by the probes.
     const bool is_free = net.neighbour(triangle, static_cast<int>(s)) < 0;

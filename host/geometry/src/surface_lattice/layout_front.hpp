@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "net.hpp"
+
+namespace triskin::geometry::surface_lattice {
+
+using NetCopy = std::shared_ptr<const LatticeNet>;
+
+/// A layout and what the growth takes it to be worth.
+struct FoundLayout {
+  NetCopy net;
+  double value;
+};
+
+/// The most valuable layout found for each number of modules and of islands: the price of the growth is not that of the
+/// wired layout, and islands are what the two see most differently. Together they have at most `most_modules` modules,
+/// or are one layout: where there are more, the least valuable go. Work of one thread.
+class LayoutFront {
+ public:
+  using Numbers = std::pair<int, int>;          // modules, islands
+  static constexpr int kMostModules = 200'000;  ///< some 100 MB
+  explicit LayoutFront(int most_modules = kMostModules) : most_modules_(most_modules) {}
+
+  [[nodiscard]] bool would_keep(const LatticeNet& net, double value) const;
+  /// Keeps the layout where would_keep() says so. Cost: the number of layouts where some have to go.
+  void keep(const NetCopy& net, double value);
+  /// Layouts of fewer modules go.
+  void forget_below(int modules);
+  [[nodiscard]] const std::map<Numbers, FoundLayout>& found() const { return found_; }
+
+ private:
+  [[nodiscard]] std::map<Numbers, FoundLayout>::const_iterator least_valuable() const;
+
+  int most_modules_, modules_ = 0;  // of all
+  std::map<Numbers, FoundLayout> found_;
+};
+
+}  // namespace triskin::geometry::surface_lattice
