@@ -9,6 +9,7 @@
 
 #include "triskin/design/tile.hpp"
 #include "triskin/geometry/routing.hpp"
+#include "triskin/host/error.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -142,6 +143,70 @@ TEST(Cost, five_hundred_island_sets_are_divided_as_cheaply_as_by_trying_everythi
   }
   EXPECT_GT(with_jumpers, 150);
   EXPECT_GT(saved, 150);
+}
+
+// A router that gives up at once, or after some questions, says no more than is true: parts that hold together, no more
+// than their capacity, and bounds below what trying everything finds.
+TEST(Cost, what_is_found_when_the_router_gives_up_holds) {
+  std::mt19937_64 random(21);
+  int dearer = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const IslandSet set = random_islands(8 + trial % 5, random);
+    RoutingOptions o;
+    o.capacity = 4;
+    o.lines = 2;
+    o.addresses = 2;
+    o.recombinations = 0;  // these would mend small graphs afterwards
+    o.give_up = [questions = trial % 3]() mutable { return questions-- <= 0; };
+    const RoutingResult r = route(set.graph, set.places, o);
+    const auto [cheapest, fewest] = by_trying_everything(set, o.capacity, o.price);
+    const int parts = static_cast<int>(r.patches.size()), jumpers = static_cast<int>(r.jumpers.size());
+    EXPECT_GE(o.price.of(parts, jumpers, 0), cheapest.price - 1e-9) << trial;
+    EXPECT_LE(r.lower_bound, fewest) << trial;
+    EXPECT_TRUE(!r.price_proved || o.price.of(parts, jumpers, 0) < cheapest.price + 1e-9) << trial;
+    std::vector<int> times(set.graph.nodes.size(), 0);
+    for (const Patch& patch : r.patches) {
+      EXPECT_LE(patch.modules.size(), 4U) << trial;
+      for (const RoutedModule& m : patch.modules) ++times[static_cast<std::size_t>(m.node)];
+    }
+    EXPECT_EQ(std::ranges::count(times, 1), std::ssize(times)) << trial;
+    dearer += o.price.of(parts, jumpers, 0) > cheapest.price + 1e-9 ? 1 : 0;
+  }
+  EXPECT_GT(dearer, 0);  // it did give up
+}
+
+// The pricing of a layout divides it, its wiring takes that over: nothing may differ from a division of its own.
+TEST(Cost, a_division_that_is_known_gives_the_same_wiring) {
+  std::mt19937_64 random(22);
+  for (int trial = 0; trial < 40; ++trial) {
+    const IslandSet set = random_islands(20 + trial, random);
+    RoutingOptions o;
+    RoutingOptions quick = o;
+    quick.failure_analysis = false;
+    quick.recombinations = 0;
+    quick.threads = 2;
+    o.division = route(set.graph, set.places, quick).division;
+    // Questions that are not asked: nothing is divided again.
+    o.give_up = [] {
+      throw std::logic_error("divided again");
+      return true;
+    };
+    const RoutingResult known = route(set.graph, set.places, o), own = route(set.graph, set.places, {});
+    ASSERT_EQ(known.patches.size(), own.patches.size()) << trial;
+    for (std::size_t p = 0; p < own.patches.size(); ++p) {
+      ASSERT_EQ(known.patches[p].modules.size(), own.patches[p].modules.size()) << trial;
+      for (std::size_t m = 0; m < own.patches[p].modules.size(); ++m) {
+        EXPECT_EQ(known.patches[p].modules[m].node, own.patches[p].modules[m].node) << trial;
+        EXPECT_EQ(known.patches[p].modules[m].line, own.patches[p].modules[m].line) << trial;
+      }
+    }
+    EXPECT_EQ(known.lower_bound, own.lower_bound) << trial;
+    EXPECT_EQ(known.jumpers.size(), own.jumpers.size()) << trial;
+    EXPECT_EQ(known.price_proved, own.price_proved) << trial;
+  }
+  RoutingOptions foreign;
+  foreign.division = route(random_islands(12, random).graph, foreign).division;
+  EXPECT_THROW((void)route(random_islands(30, random).graph, foreign), InputError);
 }
 
 TEST(Cost, a_jumper_is_fitted_where_it_costs_less_than_a_controller) {

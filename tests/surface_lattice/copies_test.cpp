@@ -146,8 +146,8 @@ INSTANTIATE_TEST_SUITE_P(Covers, Copies,
                                          std::pair{test::CoverName{"LUA_upperarm_half_v1"}, 1500},
                                          std::pair{test::CoverName{"RUF_forearm_v2"}, 800},
                                          std::pair{test::CoverName{"HIP_v1"}, 2000},
-                                         std::pair{test::CoverName{"UT_torso_v1"}, 400},
-                                         std::pair{test::CoverName{"LT_root_v2"}, 300}),
+                                         std::pair{test::CoverName{"UT_torso_v1"}, 800},
+                                         std::pair{test::CoverName{"LT_root_v2"}, 500}),
                          name_of);
 
 }  // namespace

@@ -93,13 +93,26 @@ class OverrunSearch {
     return most + turned;
   }
 
+  // Some point of the part may be as near to the edge as to the surface, of which `foot` is a point. The squared
+  // distance to the edge's line less that to the foot is concave, so its least value is at a corner; it must not exceed
+  // what visit() takes for touching, and a second edge that is as near.
+  [[nodiscard]] bool may_be_nearest(const BorderEdge& e, const Triangle3& part, const P3& foot) const {
+    const P3 along = (e.b - e.a).normalized();
+    return std::ranges::any_of(part, [&](const P3& q) {
+      const double to_foot = (q - foot).norm(), touching = std::hypot(to_foot, lack_mm_) + 2.0 * kTouch_mm;
+      return (q - e.a).cross(along).squaredNorm() <= touching * touching;
+    });
+  }
+
   void divide(const Triangle3& part, const std::vector<const BorderEdge*>& candidates) {
     const P3 m = centroid(part);
     const double radius = std::max({(part[0] - m).norm(), (part[1] - m).norm(), (part[2] - m).norm()});
-    const double to_surface = surface_.distance(m);
+    const P3 foot = surface_.closest(m).point;
+    const double to_surface = (m - foot).norm();
     std::vector<const BorderEdge*> near;  // all that may be nearest to a point of the part
     for (const BorderEdge* e : candidates) {
-      if (sight_of(*e, m).off.norm() <= to_surface + 2.0 * radius + lack_mm_) near.push_back(e);
+      if (sight_of(*e, m).off.norm() <= to_surface + 2.0 * radius + lack_mm_ && may_be_nearest(*e, part, foot))
+        near.push_back(e);
     }
     if (near.empty()) return;
     visit(m, to_surface, near);

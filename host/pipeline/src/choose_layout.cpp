@@ -21,6 +21,7 @@ WiredLayout priced(const geometry::Surface& surface, design::ModuleLayout layout
   quick.recombinations = 0;
   const geometry::RoutingResult r = geometry::route(design::graph_of(wired.layout), wired.places, quick);
   wired.patches = static_cast<int>(r.patches.size());
+  wired.division = r.division;
   wired.jumpers = static_cast<int>(r.jumpers.size());
   wired.price = routing.price.of(wired.patches, wired.jumpers, wired.layout.islands);
   return wired;
@@ -28,11 +29,13 @@ WiredLayout priced(const geometry::Surface& surface, design::ModuleLayout layout
 
 std::vector<WiredLayout> priced(const geometry::Surface& surface, std::vector<design::ModuleLayout> layouts,
                                 const design::LayoutLimits& limits, const geometry::RoutingOptions& routing,
-                                const geometry::SurfaceRegions* regions, int threads,
-                                const std::function<bool()>& is_late) {
+                                const geometry::SurfaceRegions* regions, int threads) {
   std::vector<std::optional<WiredLayout>> done(layouts.size());
+  geometry::RoutingOptions one_thread = routing;
+  if (layouts.size() > 1) one_thread.threads = 1;  // those of the layouts do
   in_parallel(threads, layouts.size(), [&](std::size_t k) {
-    if (k == 0 || !is_late()) done[k] = priced(surface, std::move(layouts[k]), limits, routing, regions);
+    if (k == 0 || !routing.give_up || !routing.give_up())
+      done[k] = priced(surface, std::move(layouts[k]), limits, one_thread, regions);
   });
   std::vector<WiredLayout> wired;
   for (std::optional<WiredLayout>& w : done) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <functional>
+#include <memory>
 #include <vector>
 
 #include "triskin/design/design.hpp"
@@ -13,10 +13,11 @@ namespace triskin::pipeline {
 /// A layout with the controllers and jumpers that it needs.
 struct WiredLayout {
   design::ModuleLayout layout;
-  std::vector<design::Jumper> places;  ///< where jumpers may be
-  int patches = 0, jumpers = 0;        ///< the cheapest found
-  double price = 0.0;                  ///< of them and of the islands
-  double worth = 0.0;                  ///< of the modules: their number without regions
+  std::vector<design::Jumper> places;                  ///< where jumpers may be
+  std::shared_ptr<const geometry::Division> division;  ///< of the modules among controllers, with jumpers at the places
+  int patches = 0, jumpers = 0;                        ///< the cheapest found
+  double price = 0.0;                                  ///< of them and of the islands
+  double worth = 0.0;                                  ///< of the modules: their number without regions
   /// Worth − price; of no module less than anything, since a cover was asked for.
   [[nodiscard]] double value() const { return layout.modules.empty() ? -1e300 : worth - price; }
 };
@@ -27,15 +28,14 @@ struct WiredLayout {
                                  const design::LayoutLimits& limits, const geometry::RoutingOptions& routing,
                                  const geometry::SurfaceRegions* regions);
 
-/// The same for each of several layouts. The first is priced whatever time it takes; others that are not begun when
-/// `is_late()` are left out. Uses `threads` ≥ 1 threads; while it is not late the result does not depend on their
+/// The same for each of several layouts. The first is always priced; others that are not begun when routing.give_up()
+/// are left out. Uses `threads` ≥ 1 threads; while it is not late the result does not depend on their
 /// number.
 [[nodiscard]] std::vector<WiredLayout> priced(const geometry::Surface& surface,
                                               std::vector<design::ModuleLayout> layouts,
                                               const design::LayoutLimits& limits,
                                               const geometry::RoutingOptions& routing,
-                                              const geometry::SurfaceRegions* regions, int threads,
-                                              const std::function<bool()>& is_late);
+                                              const geometry::SurfaceRegions* regions, int threads);
 
 /// Those of which none is worth at least as much for a lower or equal price: the highest worth first.
 [[nodiscard]] std::vector<design::Alternative> front_of(const std::vector<WiredLayout>& wired);

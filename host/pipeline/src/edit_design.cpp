@@ -117,7 +117,8 @@ std::vector<WiredLayout> choices_around(const design::Design& d, const geometry:
                                         const geometry::SurfaceRegions* regions,
                                         const std::vector<design::PlacedModule>& kept, const GrowAroundOptions& options,
                                         Clock::time_point start, const ProgressSink& progress) {
-  const geometry::RoutingOptions routing = routing_options(d);
+  geometry::RoutingOptions routing = routing_options(d);
+  routing.threads = options.threads;
   std::vector<WiredLayout> choices{priced(surface, d.layout, d.limits, routing, regions)};
   const double pricing_s = seconds_since(start);
   geometry::SurfaceLatticeOptions lattice;
@@ -132,10 +133,10 @@ std::vector<WiredLayout> choices_around(const design::Design& d, const geometry:
   lattice.time_limit_s = std::max(0.5 * options.time_limit_s, options.time_limit_s - kWiring * pricing_s);
   std::vector<design::ModuleLayout> grown = geometry::grow_front(surface, d.limits, lattice, progress);
   report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));
-  const auto is_late = [&] {
+  routing.give_up = [&] {
     return options.iterations == 0 && seconds_since(start) > options.time_limit_s - 2 * pricing_s;
   };
-  std::ranges::move(priced(surface, std::move(grown), d.limits, routing, regions, options.threads, is_late),
+  std::ranges::move(priced(surface, std::move(grown), d.limits, routing, regions, options.threads),
                     std::back_inserter(choices));
   return choices;
 }

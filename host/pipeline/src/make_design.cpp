@@ -33,7 +33,10 @@ constexpr double kPieceLeast_s = 0.1;                            // a piece gets
 constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;        // up to which the limit binds
 constexpr double kWorthGrowing = 0.1;  // of the surface, uncovered by the pieces: all of that share
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
-constexpr double kWiringPricings = 2.0;  // the wiring of a layout, with its failures, takes as long as so many pricings
+constexpr double kMostGrowth = 3.0;  // that the growth has so many times the modules of the pieces, at most
+// What follows the growth beside the division among controllers, in times of the mapping and pricing of as many modules
+// on pieces: its measurement; the wiring, with its failures, and the writing.
+constexpr double kMeasuringShare = 0.35, kWiringShare = 0.35;
 
 // With a fixed number of steps the repair's clock stands still: its result must not depend on the time.
 geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& name, const DesignOptions& options,
@@ -111,15 +114,26 @@ void require_places(const design::KindPlan& plan) {
       "--kinds, then run triskin design DESIGN --kinds");
 }
 
-// What the pieces gave and took, from which the time of the growth follows.
+// What the pieces gave, from which the time of the growth and of what follows is told.
 struct PiecesDone {
-  double pricing_s;  // measuring and pricing of their layout
-  double uncovered;  // share of the surface, 0 … 1
+  double uncovered;             // share of the surface, 0 … 1
+  double mapping_s, pricing_s;  // that a layout of the growth would take, were it like that of the pieces
+
+  [[nodiscard]] double wiring_s() const { return kWiringShare * (mapping_s + pricing_s); }
+  [[nodiscard]] double after_growth_s(double limit_s) const {
+    return kMeasuringShare * (mapping_s + pricing_s) + wiring_s() +
+           std::max(std::min(kRoutingShare * limit_s, kRoutingMost_s), pricing_s);
+  }
 };
 
-// The layouts grown on the surface, best first. What follows, measuring, pricing and wiring, is told from what the
-// pieces took. The pieces of a fine mesh may take longer than the whole limit on a busy machine: the growth keeps its
-// share all the same, but for pieces that leave it next to nothing to gain.
+PiecesDone pieces_done(const geometry::Surface& surface, std::size_t modules, double mapping_s, double pricing_s) {
+  const double covered_mm2 = static_cast<double>(modules) * design::kModuleArea_mm2;
+  const double more = std::clamp(surface.area_mm2() / std::max(covered_mm2, design::kModuleArea_mm2), 1.0, kMostGrowth);
+  return {std::max(0.0, 1.0 - covered_mm2 / surface.area_mm2()), more * mapping_s, more * pricing_s};
+}
+
+// The layouts grown on the surface, best first. The pieces of a fine mesh may take longer than the whole limit on a
+// busy machine: the growth keeps its share all the same, but for pieces that leave it next to nothing to gain.
 std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const DesignOptions& options,
                                        const geometry::SurfaceRegions* regions, Clock::time_point start,
                                        const PiecesDone& pieces, const ProgressSink& progress) {
@@ -131,11 +145,10 @@ std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const D
   lattice.price = options.price;
   lattice.regions = regions;
   lattice.front = options.iterations > 0 || options.time_limit_s > kShortLimit_s;
-  const double routing_s = std::max(std::min(kRoutingShare * options.time_limit_s, kRoutingMost_s),
-                                    (2.0 + kWiringPricings) * pieces.pricing_s);
   const double share = kGrowthShare * std::min(1.0, pieces.uncovered / kWorthGrowing);
-  lattice.time_limit_s = std::max(
-      {0.1, share * (options.time_limit_s - kShortLimit_s), options.time_limit_s - routing_s - seconds_since(start)});
+  lattice.time_limit_s =
+      std::max({0.1, share * (options.time_limit_s - kShortLimit_s),
+                options.time_limit_s - pieces.after_growth_s(options.time_limit_s) - seconds_since(start)});
   return geometry::grow_front(surface, options.limits, lattice, progress);
 }
 
@@ -171,21 +184,25 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   const geometry::Net net = pieces_of(surface, options, start, progress);
   const auto placed = place_pieces(design, net, options, start, progress);
   report(progress, "mapping to the surface", -1.0);
-  const geometry::RoutingOptions routing = routing_options(design);
+  const double mapping_from_s = seconds_since(start);
+  design::ModuleLayout mapped = geometry::map_modules(surface, placed, options.limits, options.corner_cut_mm, regions);
   const double pricing_from_s = seconds_since(start);
-  std::vector<WiredLayout> choices{
-      priced(surface, geometry::map_modules(surface, placed, options.limits, options.corner_cut_mm, regions),
-             options.limits, routing, regions)};
-  const double pricing_s = seconds_since(start) - pricing_from_s;
+  const double pieces_end_s = pricing_from_s + kPiecesShare * options.time_limit_s;
+  const auto gives_up_at = [&options, start](double end_s) {
+    return [&options, start, end_s] { return options.iterations == 0 && seconds_since(start) > end_s; };
+  };
+  geometry::RoutingOptions routing = routing_options(design);
+  routing.threads = options.threads;
+  routing.give_up = gives_up_at(pieces_end_s);
+  std::vector<WiredLayout> choices{priced(surface, std::move(mapped), options.limits, routing, regions)};
+  const PiecesDone pieces = pieces_done(surface, choices[0].layout.modules.size(), pricing_from_s - mapping_from_s,
+                                        seconds_since(start) - pricing_from_s);
   if (notes != nullptr) notes->pieces = static_cast<int>(choices[0].layout.modules.size());
-  const double covered = static_cast<double>(choices[0].layout.modules.size()) * design::kModuleArea_mm2;
-  const PiecesDone pieces{pricing_s, std::max(0.0, 1.0 - covered / surface.area_mm2())};
   std::vector<design::ModuleLayout> grown = grow(surface, options, regions, start, pieces, progress);
   if (notes != nullptr) notes->surface = static_cast<int>(grown[0].modules.size());
   report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));
-  const double end_s = options.time_limit_s - kWiringPricings * pricing_s;
-  const auto is_late = [&] { return options.iterations == 0 && seconds_since(start) > end_s; };
-  std::ranges::move(priced(surface, std::move(grown), options.limits, routing, regions, options.threads, is_late),
+  routing.give_up = gives_up_at(options.time_limit_s - pieces.wiring_s());
+  std::ranges::move(priced(surface, std::move(grown), options.limits, routing, regions, options.threads),
                     std::back_inserter(choices));
   std::ranges::stable_sort(choices, std::greater{}, &WiredLayout::value);
   design.alternatives = front_of(choices);
@@ -195,7 +212,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
       design.taken = static_cast<int>(k);
   }
   design::assign_kinds_by_place(design.kinds, design.layout);
-  wire(design, surface, regions, choices[0].places, progress);
+  wire(design, surface, regions, choices[0].places, progress, choices[0].division);
   design.report.seconds = seconds_since(start);
   return design;
 }

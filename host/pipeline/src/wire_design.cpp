@@ -58,9 +58,11 @@ geometry::RoutingOptions routing_options(const design::Design& design) {
 }
 
 void wire(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions,
-          const std::vector<design::Jumper>& places, const ProgressSink& progress) {
-  geometry::RoutingResult routes =
-      geometry::route(design::graph_of(design.layout), places, routing_options(design), progress);
+          const std::vector<design::Jumper>& places, const ProgressSink& progress,
+          const std::shared_ptr<const geometry::Division>& division) {
+  geometry::RoutingOptions routing = routing_options(design);
+  routing.division = division;
+  geometry::RoutingResult routes = geometry::route(design::graph_of(design.layout), places, routing, progress);
   design.layout.jumpers = std::move(routes.jumpers);
   design.patches = std::move(routes.patches);
   design.report = {};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/geometry/map_modules.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -162,17 +164,22 @@ class Mapper {
 
   // Joined corners pull each other together on the surface; the modules stay rigid.
   void relax() {
+    std::vector<std::array<Vec3, 3>> fitted(layout_.modules.size()), feet;
+    const Vec3 anywhere = surface_.mesh().vertices.empty() ? Vec3(Vec3::Zero()) : surface_.mesh().vertices.front();
+    feet.assign(layout_.modules.size(), {anywhere, anywhere, anywhere});
     for (int step = 0; step < 40; ++step) {
-      std::vector<std::array<Vec3, 3>> target(layout_.modules.size());
-      for (std::size_t k = 0; k < layout_.modules.size(); ++k) {
+      tbb::parallel_for(std::size_t{0}, layout_.modules.size(), [&](std::size_t k) {
         const PlacedModule& m = layout_.modules[k];
-        for (int c = 0; c < 3; ++c) target[k][at(c)] = 0.7 * pulled_corner(m, c) + 0.3 * m.corner_mm[at(c)];
-      }
-      for (std::size_t k = 0; k < layout_.modules.size(); ++k) layout_.modules[k].corner_mm = fit_rigid(target[k]);
+        std::array<Vec3, 3> target;
+        for (int c = 0; c < 3; ++c)
+          target[at(c)] = 0.7 * pulled_corner(m, c, feet[k][at(c)]) + 0.3 * m.corner_mm[at(c)];
+        fitted[k] = fit_rigid(target);
+      });
+      for (std::size_t k = 0; k < layout_.modules.size(); ++k) layout_.modules[k].corner_mm = fitted[k];
     }
   }
 
-  [[nodiscard]] Vec3 pulled_corner(const PlacedModule& m, int c) const {
+  [[nodiscard]] Vec3 pulled_corner(const PlacedModule& m, int c, Vec3& foot) const {
     Vec3 sum = m.corner_mm[at(c)];
     int n = 1;
     // Corner c ends side c and begins side c + 2.
@@ -182,7 +189,7 @@ class Mapper {
       sum += layout_.modules[at(m.neighbour[at(s)])].corner_mm[at(s == c ? (t + 1) % 3 : t)];
       ++n;
     }
-    return held_to_surface(surface_, sum / n, overhang_mm_);
+    return held_to_surface(surface_, sum / n, overhang_mm_, foot);
   }
 
   const Surface& surface_;

@@ -37,13 +37,17 @@ struct Stand {
   [[nodiscard]] bool over() const { return to_border_mm <= foot.distance_mm + 1e-7; }
 };
 
+// A bound for searches that a distance itself lies within.
+double at_most(double distance_mm) {
+  return (1.0 + 1e-9) * distance_mm + 1e-9;
+}
+
 /// What the distances of a point cannot exceed, from those of another: the searches are several times as short.
 struct Near {
   double surface_mm = std::numeric_limits<double>::infinity(), border_mm = surface_mm;
 
   static Near beside(const Stand& s, double way_mm) {
-    const auto least = [way_mm](double distance_mm) { return (1.0 + 1e-9) * (distance_mm + way_mm) + 1e-9; };
-    return {least(s.foot.distance_mm), least(s.to_border_mm)};
+    return {at_most(s.foot.distance_mm + way_mm), at_most(s.to_border_mm + way_mm)};
   }
 };
 
@@ -61,6 +65,16 @@ Stand visit(const Surface& surface, const Vec3& p, double& best, const Near& nea
   return s;
 }
 
+// The least way from p to a point that is as near to some point of an edge as to a point f of the surface; b is the
+// edge's nearest to p. For the edge's point at t from b the two are parted by a plane; from p it is
+// (|p - b|² + t² - |p - f|²) / 2|b + t - f| away, and |b + t - f| <= |b - f| + t. Least over t. A border that a sheet
+// passes below is told from one that ends it: the distances themselves differ by x² / 2z only at the height z.
+double way_to_nearer(const Vec3& p, const Vec3& f, const Vec3& b) {
+  constexpr double kRounding_mm2 = 1e-5;  // of distances equal to 1e-7 mm, some 20 mm long
+  const double n = (p - b).squaredNorm() - (p - f).squaredNorm() - kRounding_mm2, d = (b - f).norm();
+  return n <= 0.0 ? 0.0 : std::sqrt(d * d + n) - d;
+}
+
 // Whether a part of the module, all within `reach` of a point, may stand over the border by more than is known. The
 // distances to the surface and to an edge change by no more than the way of the point, so an edge that is nearest to
 // some point of the part lies within twice the reach of being nearest here; the part may lie under another sheet of the
@@ -73,6 +87,7 @@ bool may_exceed(const Surface& surface, const Vec3& p, const Stand& s, double re
   near.clear();
   surface.border_within(p, s.foot.distance_mm + 2.0 * reach + 1e-7, near);
   return std::ranges::any_of(near, [&](const BorderPoint& b) {
+    if (way_to_nearer(p, s.foot.position_mm, b.point.position_mm) > reach) return false;
     const Vec3 off = p - b.point.position_mm, n = surface.normal_at(b.point);
     if ((off - off.dot(n) * n).norm() + 3.0 * reach <= known_mm + kStep_mm) return false;
     const auto& face = surface.mesh().faces[static_cast<std::size_t>(b.point.face)];
@@ -113,12 +128,13 @@ SideHeights walk_sides(const Surface& surface, const design::Outline& outline, d
   SideHeights h;
   const auto corners = outline.points();
   const std::size_t n = corners.size();
+  SurfacePoint c = surface.closest(corners[0]);
   for (std::size_t s = 0; s < n; ++s) {
     const Vec3 side = corners[(s + 1) % n] - corners[s];
     const int samples = std::max(1, static_cast<int>(std::lround(side.norm() / step_mm)));
     for (int k = 0; k < samples; ++k) {
       const Vec3 p = corners[s] + side * (static_cast<double>(k) / samples);
-      const SurfacePoint c = surface.closest(p);
+      c = surface.closest(p, at_most((p - c.position_mm).norm()));
       const double height = (p - c.position_mm).dot(surface.normal_at(c));
       h.lift_mm = std::max(h.lift_mm, height);
       h.depth_mm = std::max(h.depth_mm, -height);
@@ -148,12 +164,13 @@ double overrun_of(const Surface& surface, const design::Outline& outline) {
   return known_mm;
 }
 
-Vec3 held_to_surface(const Surface& surface, const Vec3& p, double overhang_mm) {
-  const SurfacePoint foot = surface.closest(p);
-  if (overhang_mm <= 0.0 || !(surface.border_distance(foot.position_mm) <= 1e-6)) return foot.position_mm;
-  const Vec3 off = p - foot.position_mm, n = surface.normal_at(foot), over = off - off.dot(n) * n;
+Vec3 held_to_surface(const Surface& surface, const Vec3& p, double overhang_mm, Vec3& foot) {
+  const SurfacePoint found = surface.closest(p, at_most((p - foot).norm()));
+  foot = found.position_mm;
+  if (overhang_mm <= 0.0 || !(surface.border_distance(foot) <= 1e-6)) return foot;
+  const Vec3 off = p - foot, n = surface.normal_at(found), over = off - off.dot(n) * n;
   const double length = over.norm();
-  return length <= overhang_mm ? Vec3(foot.position_mm + over) : Vec3(foot.position_mm + overhang_mm / length * over);
+  return length <= overhang_mm ? Vec3(foot + over) : Vec3(foot + overhang_mm / length * over);
 }
 
 }  // namespace triskin::geometry

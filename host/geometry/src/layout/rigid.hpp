@@ -21,7 +21,8 @@ struct SideHeights {
 /// Overrun of a module, sides and area, to 0.02 mm below.
 [[nodiscard]] double overrun_of(const Surface& surface, const design::Outline& outline);
 
-/// Where a corner is held: the foot of `p` on the surface; past the border up to `overhang_mm` beyond it.
-[[nodiscard]] Vec3 held_to_surface(const Surface& surface, const Vec3& p, double overhang_mm);
+/// Where a corner is held: the foot of `p` on the surface; past the border up to `overhang_mm` beyond it. `foot`: a
+/// point of the surface near `p`, the nearer the faster; then the foot of `p`.
+[[nodiscard]] Vec3 held_to_surface(const Surface& surface, const Vec3& p, double overhang_mm, Vec3& foot);
 
 }  // namespace triskin::geometry

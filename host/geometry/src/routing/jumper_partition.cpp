@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kCapacityMost = 16;
 constexpr int kTrees = 100;
-constexpr int kMovesAPart = 400;
+constexpr int kMovesAPart = 400, kMovesAQuestion = 64;
 constexpr long kExactBudget = 2'000'000;  // state transitions: about 0.3 s
 
 // A spanning tree of some nodes, and the most that can be saved by joining its nodes into parts.
@@ -27,6 +27,7 @@ class TreeDivision {
         seen_(at(g.joined.size()), 0),
         saved_(at(g.joined.size())),
         best_(at(g.joined.size())),
+        most_(at(g.joined.size())),
         taken_(at(g.joined.size())) {}
 
   // Random tree over the nodes v with scope[v] == stamp, which are connected; joints before jumpers, but for one tree
@@ -70,16 +71,14 @@ class TreeDivision {
   // Numbers the parts from `first` on; returns how many there are.
   int divide(int first, std::vector<int>& part_of) {
     for (const int v : order_) {
-      saved_[at(v)].fill(kNever);
       saved_[at(v)][1] = 0;
+      most_[at(v)] = 1;
     }
     for (std::size_t k = order_.size(); k-- > 1;) {
-      const int v = order_[k];
-      best_[at(v)] = static_cast<int>(std::ranges::max_element(saved_[at(v)]) - saved_[at(v)].begin());
-      join(v, parent_[at(v)]);
+      choose_best(order_[k]);
+      join(order_[k], parent_[at(order_[k])]);
     }
-    const int root = order_[0];
-    best_[at(root)] = static_cast<int>(std::ranges::max_element(saved_[at(root)]) - saved_[at(root)].begin());
+    choose_best(order_[0]);
     return number_parts(first, part_of);
   }
 
@@ -89,17 +88,25 @@ class TreeDivision {
   using Row = std::array<std::int64_t, kCapacityMost + 1>;
   static constexpr std::int64_t kNever = -(std::int64_t{1} << 60);
 
+  void choose_best(int v) {
+    const auto first = saved_[at(v)].begin() + 1;
+    best_[at(v)] = static_cast<int>(std::max_element(first, first + most_[at(v)]) - first) + 1;
+  }
+
+  // Parts at a node weigh 1 … most_.
   void join(int child, int parent) {
     const Row mine = saved_[at(parent)], &theirs = saved_[at(child)];
     Row& out = saved_[at(parent)];
     auto& taken = taken_[at(child)];
+    const std::size_t m = at(most_[at(parent)]), n = at(most_[at(child)]);
+    const std::size_t most = std::min(at(capacity_), m + n);
+    most_[at(parent)] = static_cast<int>(most);
     const std::int64_t apart = theirs[at(best_[at(child)])],
                        saves = price_.part - (by_jumper_[at(child)] ? price_.jumper : 0);
-    for (std::size_t w = 1; w <= at(capacity_); ++w) {
-      out[w] = mine[w] == kNever ? kNever : mine[w] + apart;
+    for (std::size_t w = 1; w <= most; ++w) {
+      out[w] = w <= m ? mine[w] + apart : kNever;
       taken[w] = 0;
-      for (std::size_t c = 1; c < w; ++c) {
-        if (mine[w - c] == kNever || theirs[c] == kNever) continue;
+      for (std::size_t c = w > m ? w - m : 1; c < w && c <= n; ++c) {
         const std::int64_t together = mine[w - c] + theirs[c] + saves;
         if (together <= out[w]) continue;
         out[w] = together;
@@ -135,25 +142,32 @@ class TreeDivision {
   std::vector<bool> by_jumper_;
   std::vector<int> seen_;
   std::vector<Row> saved_;
-  std::vector<int> best_;
+  std::vector<int> best_, most_;
   std::vector<std::array<int, kCapacityMost + 1>> taken_;
   int now_ = 0;
 };
 
 class JumperPartitioner {
  public:
-  JumperPartitioner(const JumperGraph& g, int capacity, const Price& price, std::uint64_t seed)
-      : g_(g), capacity_(capacity), price_(price), seed_(seed), random_(seed), trees_(g, capacity, price_) {}
+  JumperPartitioner(const JumperGraph& g, int capacity, const Price& price, std::uint64_t seed,
+                    const std::function<bool()>& give_up)
+      : g_(g),
+        capacity_(capacity),
+        price_(price),
+        seed_(seed),
+        give_up_(give_up),
+        random_(seed),
+        trees_(g, capacity, price_) {}
 
   JumperPartition run() {
-    const Partition together = partition(g_.joined, capacity_, seed_, 0.0);
+    const Partition together = partition(g_.joined, capacity_, seed_, 0.0, give_up_);
     parts_bound_ = together.lower_bound;
     offer_islands();
     offer(together.part_of, together.parts);
     best_.parts_bound = parts_bound_;
     if (price_.jumpers_pay()) search();
     best_.jumpers_bound = std::max(0, pieces_bound_ - best_.parts);
-    best_.proved = met() || prove();
+    best_.proved = met() || (!is_late() && prove());
     if (best_.proved) best_.jumpers_bound = best_.jumpers;
     return std::move(best_);
   }
@@ -165,6 +179,7 @@ class JumperPartitioner {
   }
   [[nodiscard]] std::int64_t cost() const { return price_.of(best_.parts, best_.jumpers); }
   [[nodiscard]] bool met() const { return cost() <= bound(); }
+  [[nodiscard]] bool is_late() const { return give_up_ && give_up_(); }
 
   void offer(const std::vector<int>& part_of, int parts) {
     const int jumpers = jumpers_of(g_, part_of, parts);
@@ -194,7 +209,7 @@ class JumperPartitioner {
         island.neighbour.push_back(g_.apart.neighbour[at(v)]);
         for (int& w : island.neighbour.back()) w = w < 0 ? -1 : local[at(w)];
       }
-      const Partition p = partition(island, capacity_, seed_, 0.0);
+      const Partition p = partition(island, capacity_, seed_, 0.0, give_up_);
       pieces_bound_ += p.lower_bound;
       for (int k = 0; k < island.size(); ++k) part_of[at(island.node[at(k)])] = parts + p.part_of[at(k)];
       parts += p.parts;
@@ -205,7 +220,7 @@ class JumperPartitioner {
   void search() {
     std::vector<int> part_of(at(g_.joined.size()), -1);
     const std::vector<int> whole(at(g_.joined.size()), 0);
-    for (int k = 0; k < kTrees && !met(); ++k) {
+    for (int k = 0; k < kTrees && !met() && !is_late(); ++k) {
       trees_.draw(whole, 0, random_.below(g_.joined.size()), random_);
       const int parts = trees_.divide(0, part_of);
       offer(part_of, parts);
@@ -224,6 +239,7 @@ class JumperPartitioner {
     std::int64_t now = cost();
     const int moves = kMovesAPart * best_.parts;
     for (int k = 0; k < moves && !met(); ++k) {
+      if (k % kMovesAQuestion == 0 && is_late()) return;
       const bool loose = 2 * k < moves && random_.below(16) == 0;
       now += move(loose ? price_.jumper : 0);
       if (now < cost()) store();
@@ -328,6 +344,7 @@ class JumperPartitioner {
   int capacity_;
   IntegerPrice price_;
   std::uint64_t seed_;
+  const std::function<bool()>& give_up_;
   Dice random_;
   TreeDivision trees_;
   JumperPartition best_;
@@ -372,8 +389,9 @@ int jumpers_of(const JumperGraph& g, const std::vector<int>& part_of, int parts)
   return pieces - parts;
 }
 
-JumperPartition partition_with_jumpers(const JumperGraph& g, int capacity, const Price& price, std::uint64_t seed) {
-  return JumperPartitioner(g, capacity, price, seed).run();
+JumperPartition partition_with_jumpers(const JumperGraph& g, int capacity, const Price& price, std::uint64_t seed,
+                                       const std::function<bool()>& give_up) {
+  return JumperPartitioner(g, capacity, price, seed, give_up).run();
 }
 
 }  // namespace triskin::geometry

@@ -15,23 +15,30 @@ constexpr long kExactBudget = 2'000'000;  // state transitions: about 0.3 s
 
 class Partitioner {
  public:
-  Partitioner(const LocalGraph& g, int capacity, std::uint64_t seed, double milp_time_s)
-      : g_(g), capacity_(capacity), milp_time_s_(milp_time_s), random_(seed), whole_(at(g.size()), 0) {}
+  Partitioner(const LocalGraph& g, int capacity, std::uint64_t seed, double milp_time_s,
+              const std::function<bool()>& give_up)
+      : g_(g),
+        capacity_(capacity),
+        milp_time_s_(milp_time_s),
+        give_up_(give_up),
+        random_(seed),
+        whole_(at(g.size()), 0) {}
 
   Partition run() {
     const int by_size = (g_.size() + capacity_ - 1) / capacity_;
     best_.lower_bound = folded_lower_bound(g_, whole_, 0, capacity_);
     best_.proof = best_.lower_bound == by_size ? PartitionProof::kSize : PartitionProof::kFolding;
     try_trees();
-    if (!met()) try_peel(kPeelBudget + 60L * g_.size());
-    if (!met()) try_exact();
-    if (!met() && milp_time_s_ > 0) try_milp();
+    if (!is_done()) try_peel(kPeelBudget + 60L * g_.size());
+    if (!is_done()) try_exact();
+    if (!is_done() && milp_time_s_ > 0) try_milp();
     if (!met()) best_.proof = PartitionProof::kOpen;
     return std::move(best_);
   }
 
  private:
   [[nodiscard]] bool met() const { return best_.parts == best_.lower_bound; }
+  [[nodiscard]] bool is_done() const { return met() || (give_up_ && give_up_()); }
 
   void offer(const std::vector<int>& part_of, int parts) {
     if (best_.parts > 0 && parts >= best_.parts) return;
@@ -49,7 +56,7 @@ class Partitioner {
   void try_trees() {
     SpanningTree tree;
     std::vector<int> part_of;
-    for (int k = 0; k < kTrees && !met(); ++k) {
+    for (int k = 0; k < kTrees && (k == 0 || !is_done()); ++k) {
       random_tree(g_, whole_, 0, random_.below(g_.size()), random_, tree);
       const int parts = cut_tree(g_, tree, capacity_, part_of);
       offer(part_of, parts);
@@ -60,7 +67,8 @@ class Partitioner {
   void try_peel(long budget) {
     std::vector<int> part_of;
     if (peel(g_, capacity_, best_.lower_bound, budget, random_, part_of)) return offer(part_of, best_.lower_bound);
-    while (best_.parts > best_.lower_bound + 1 && peel(g_, capacity_, best_.parts - 1, budget / 2, random_, part_of)) {
+    while (best_.parts > best_.lower_bound + 1 && !is_done() &&
+           peel(g_, capacity_, best_.parts - 1, budget / 2, random_, part_of)) {
       offer(part_of, best_.parts - 1);
     }
   }
@@ -88,6 +96,7 @@ class Partitioner {
   const LocalGraph& g_;
   int capacity_;
   double milp_time_s_;
+  const std::function<bool()>& give_up_;
   Dice random_;
   std::vector<int> whole_;
   Partition best_;
@@ -123,8 +132,9 @@ int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, std::v
   return parts;
 }
 
-Partition partition(const LocalGraph& g, int capacity, std::uint64_t seed, double milp_time_s) {
-  return Partitioner(g, capacity, seed, milp_time_s).run();
+Partition partition(const LocalGraph& g, int capacity, std::uint64_t seed, double milp_time_s,
+                    const std::function<bool()>& give_up) {
+  return Partitioner(g, capacity, seed, milp_time_s, give_up).run();
 }
 
 }  // namespace triskin::geometry

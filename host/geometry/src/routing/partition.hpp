@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "local_graph.hpp"
@@ -15,8 +16,10 @@ struct Partition {
 };
 /// Divides a connected graph into the fewest connected parts of at most `capacity` nodes: random trees cut bottom-up,
 /// peel, exact frontier programme: all counted, never timed, so equal on every machine. Where they do not meet and
-/// milp_time_s is positive, CBC goes on for that time.
-[[nodiscard]] Partition partition(const LocalGraph& g, int capacity, std::uint64_t seed, double milp_time_s);
+/// milp_time_s is positive, CBC goes on for that time. `give_up` is asked between the searches: true, and what is found
+/// so far is the answer, after one tree at least.
+[[nodiscard]] Partition partition(const LocalGraph& g, int capacity, std::uint64_t seed, double milp_time_s,
+                                  const std::function<bool()>& give_up = {});
 
 /// Bottom-up cut of a spanning tree: where a subtree outgrows the capacity its heaviest branch becomes a part. Fewest
 /// parts for this tree (Kundu and Misra, SIAM J. Comput. 6, 1977). Returns their number; fills part_of.

@@ -14,6 +14,7 @@
 #include "triskin/design/module_graph.hpp"
 #include "triskin/geometry/routing.hpp"
 #include "triskin/host/error.hpp"
+#include "triskin/host/parallel.hpp"
 #include "wiring.hpp"
 
 namespace triskin::geometry {
@@ -41,6 +42,7 @@ void require_joints(const ModuleGraph& graph) {
 void require_options(const RoutingOptions& o) {
   const bool sizes =
       o.capacity >= 1 && o.capacity <= 16 && o.lines >= 1 && o.lines <= 4 && o.addresses >= 1 && o.addresses <= 16;
+  if (o.threads < 1) throw InputError("routing: at least one thread is needed");
   if (!sizes) throw InputError("routing: capacity 1 … 16, lines 1 … 4, addresses 1 … 16 are possible");
   if (o.lines * o.addresses < o.capacity) {
     throw InputError(fmt::format("routing: {} lines of {} addresses carry fewer than {} modules; lower the capacity",
@@ -70,6 +72,22 @@ std::vector<Jumper> fitted_jumpers(const JumperGraph& g, const std::vector<Jumpe
   return fitted;
 }
 
+struct IslandDivision {
+  std::vector<int> part_of;  // by local node
+  int parts = 0, parts_bound = 0, jumpers_bound = 0;
+  PartitionProof proof = PartitionProof::kOpen;
+  bool price_proved = false;
+};
+
+}  // namespace
+
+class Division {
+ public:
+  std::vector<IslandDivision> islands;
+};
+
+namespace {
+
 class Router {
  public:
   Router(const ModuleGraph& graph, const std::vector<Jumper>& places, const RoutingOptions& options)
@@ -79,31 +97,57 @@ class Router {
 
   void run(const ProgressSink& progress) {
     const auto islands = components(places_.empty() ? graph_ : design::with_jumpers(apart_, places_));
+    result_.division = options_.division != nullptr ? options_.division : divide(islands);
+    require_division(islands);
     for (std::size_t k = 0; k < islands.size(); ++k) {
       report(progress, "routing", static_cast<double>(k) / static_cast<double>(islands.size()));
-      places_.empty() ? route_island(islands[k]) : route_with_jumpers(islands[k]);
+      const IslandDivision& division = result_.division->islands[k];
+      places_.empty() ? route_island(islands[k], division) : route_with_jumpers(islands[k], division);
+      result_.lower_bound += division.parts_bound;
+      result_.jumpers_lower_bound += division.jumpers_bound;
+      result_.proof = std::max(result_.proof, division.proof);
+      price_proved_ = price_proved_ && division.price_proved;
     }
     std::ranges::sort(result_.jumpers, {}, &Jumper::node);
   }
 
-  void route_island(const std::vector<int>& nodes) {
-    const LocalGraph g = localize(graph_, nodes);
+  [[nodiscard]] std::shared_ptr<const Division> divide(const std::vector<std::vector<int>>& islands) const {
+    auto division = std::make_shared<Division>();
+    division->islands.resize(islands.size());
+    in_parallel(options_.threads, islands.size(), [&](std::size_t k) {
+      division->islands[k] = places_.empty() ? divide_island(islands[k]) : divide_with_jumpers(islands[k]);
+    });
+    return division;
+  }
+
+  [[nodiscard]] IslandDivision divide_island(const std::vector<int>& nodes) const {
     const double milp_s = options_.milp && options_.time_limit_s >= kMilpWorthwhile_s ? options_.time_limit_s : 0.0;
-    Partition p = partition(g, options_.capacity, options_.seed, milp_s);
+    const Partition p = partition(localize(apart_, nodes), options_.capacity, options_.seed, milp_s, options_.give_up);
+    return {p.part_of, p.parts, p.lower_bound, 0, p.proof, p.parts == p.lower_bound};
+  }
+
+  [[nodiscard]] JumperGraph possible_jumpers(const std::vector<int>& nodes) const {
+    return jumper_graph(design::with_jumpers(apart_, places_), apart_, nodes);
+  }
+  [[nodiscard]] IslandDivision divide_with_jumpers(const std::vector<int>& nodes) const {
+    const JumperPartition p = partition_with_jumpers(possible_jumpers(nodes), options_.capacity, options_.price,
+                                                     options_.seed, options_.give_up);
+    const PartitionProof proof = p.parts == p.parts_bound ? PartitionProof::kSize : PartitionProof::kOpen;
+    return {p.part_of, p.parts, p.parts_bound, p.jumpers_bound, proof, p.proved};
+  }
+
+  void route_island(const std::vector<int>& nodes, const IslandDivision& division) {
+    const LocalGraph g = localize(graph_, nodes);
+    Partition p = as_partition(division);
     Dice random(options_.seed + 1);
     recombine(graph_, g, options_, std::min(kMostMoves, options_.recombinations * p.parts), random, p);
     wire_parts(g, p);
-    result_.lower_bound += p.lower_bound;
-    result_.proof = std::max(result_.proof, p.proof);
-    price_proved_ = price_proved_ && p.parts == p.lower_bound;
   }
 
-  void route_with_jumpers(const std::vector<int>& nodes) {
-    const JumperGraph possible = jumper_graph(design::with_jumpers(apart_, places_), apart_, nodes);
-    const JumperPartition cheapest = partition_with_jumpers(possible, options_.capacity, options_.price, options_.seed);
-    fit(fitted_jumpers(possible, places_, cheapest.part_of));
+  void route_with_jumpers(const std::vector<int>& nodes, const IslandDivision& division) {
+    fit(fitted_jumpers(possible_jumpers(nodes), places_, division.part_of));
     const JumperGraph g = jumper_graph(graph_, apart_, nodes);
-    Partition p{cheapest.part_of, cheapest.parts, cheapest.parts_bound, PartitionProof::kOpen};
+    Partition p = as_partition(division);
     Dice random(options_.seed + 1);
     recombine(graph_, g.joined, options_, std::min(kMostMoves, options_.recombinations * p.parts), random, p,
               &g.over_jumper);
@@ -111,11 +155,6 @@ class Router {
     fit(kept);
     wire_parts(localize(graph_, nodes), p);
     result_.jumpers.insert(result_.jumpers.end(), kept.begin(), kept.end());
-    result_.lower_bound += cheapest.parts_bound;
-    result_.jumpers_lower_bound += cheapest.jumpers_bound;
-    result_.proof =
-        std::max(result_.proof, cheapest.parts == cheapest.parts_bound ? PartitionProof::kSize : PartitionProof::kOpen);
-    price_proved_ = price_proved_ && cheapest.proved;
   }
 
   RoutingResult finish() {
@@ -146,6 +185,15 @@ class Router {
   }
 
  private:
+  static Partition as_partition(const IslandDivision& d) { return {d.part_of, d.parts, d.parts_bound, d.proof}; }
+
+  void require_division(const std::vector<std::vector<int>>& islands) const {
+    const auto& divided = result_.division->islands;
+    bool same = divided.size() == islands.size();
+    for (std::size_t k = 0; same && k < islands.size(); ++k) same = divided[k].part_of.size() == islands[k].size();
+    if (!same) throw InputError("routing: the division is that of another graph; leave it out");
+  }
+
   void wire_parts(const LocalGraph& g, const Partition& p) {
     std::vector<std::vector<int>> parts(at(p.parts));
     for (int v = 0; v < g.size(); ++v) parts[at(p.part_of[at(v)])].push_back(g.node[at(v)]);

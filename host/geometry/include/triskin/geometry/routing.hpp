@@ -2,6 +2,8 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -30,6 +32,10 @@ struct ElectricalModel {
 /// it.
 enum class RouteObjective { kLossFirst, kHopsFirst };
 
+/// How route() divided a graph among controllers: most of its cost, which another call for the same graph, places,
+/// capacity, seed and price is spared. Immutable.
+class Division;
+
 /// Options of route(). capacity ≤ lines · addresses.
 struct RoutingOptions {
   int capacity = 16;  ///< 1 … 16 modules a patch
@@ -41,12 +47,17 @@ struct RoutingOptions {
   bool milp = true;              ///< CBC as a last resort when bounds do not meet; only where time_limit_s ≥ 10
   RouteObjective objective = RouteObjective::kLossFirst;
   ElectricalModel electrical;
-  bool second_entry = true;               ///< plan a second connector where it saves modules
-  bool adoption = true;                   ///< let neighbouring patches with free addresses read orphans
-  int recombinations = 60;                ///< secondary-cost moves a patch; 0: keep the first partition
-  bool has_controller_place = false;      ///< cable lengths count in the secondary cost
-  std::array<double, 3> controller_mm{};  ///< mesh frame
-  Price price;                            ///< of a controller and a jumper; read only where jumpers are possible
+  bool second_entry = true;                  ///< plan a second connector where it saves modules
+  bool adoption = true;                      ///< let neighbouring patches with free addresses read orphans
+  int recombinations = 60;                   ///< secondary-cost moves a patch; 0: keep the first partition
+  bool has_controller_place = false;         ///< cable lengths count in the secondary cost
+  std::array<double, 3> controller_mm{};     ///< mesh frame
+  Price price;                               ///< of a controller and a jumper; read only where jumpers are possible
+  int threads = 1;                           ///< ≥ 1, that divide islands; the result does not depend on their number
+  std::shared_ptr<const Division> division;  ///< of a result for the same graph and places, or null
+  /// Asked between the searches for a better division, by any of the threads: true, and the best so far is the answer,
+  /// with bounds that hold.
+  std::function<bool()> give_up{};
 };
 
 /// Proof by which a lower bound of controllers was met, in order of effort.
@@ -84,13 +95,15 @@ struct RoutingResult {
   int electrical_violations = 0;
   /// How the bound was met: the proof that took most effort over the islands.
   PartitionProof proof = PartitionProof::kSize;
+  std::shared_ptr<const Division> division;  ///< never null
 };
 
 /// Divides the graph into the fewest connected patches and wires each one: border entry, then least lines against the
 /// electrical rule, least expected loss (sum of depths), least line hops, least depth; exact over all trees and
 /// entries. Deterministic for a seed on every machine and compiler, except where the integer programme runs
-/// (`milp`). Errors: InputError naming the node for joints that are not symmetric or stand twice, and for options out
-/// of range. One thread; thread-safe. Cost: about 0.1 s for 142 modules, 1 s for 2600. Sources: docs/routing.md.
+/// (`milp`) or `give_up` says so. Errors: InputError naming the node for joints that are not symmetric or stand twice,
+/// and for options out of range or a division of another graph. Thread-safe. Cost: about 0.1 s for 142 modules, 1 s for
+/// 2600. Sources: docs/routing.md.
 [[nodiscard]] RoutingResult route(const ModuleGraph& graph, const RoutingOptions& options = {},
                                   const ProgressSink& progress = {});
 /// The same where jumpers may join islands: `places` as find_jumpers() lists them for the layout that `graph` shows
