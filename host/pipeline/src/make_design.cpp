@@ -31,7 +31,8 @@ constexpr double kUnfoldingShare = 0.3;                          // of what read
 constexpr double kPiecesShare = 0.12;                            // of the time; what the growth has left after it
 constexpr double kPieceLeast_s = 0.1;                            // a piece gets, or what a short limit has for it
 constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;        // up to which the limit binds
-constexpr double kWorthGrowing = 0.1;  // of the surface, uncovered by the pieces: all of that share
+constexpr double kMostOver = 0.1, kLeastGrowth_s = 0.1;  // of the limit, that it may be passed by for that share
+constexpr double kWorthGrowing = 0.1;                    // of the surface, uncovered by the pieces: all of that share
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
 constexpr double kMostGrowth = 3.0;  // that the growth has so many times the modules of the pieces, at most
 // What follows the growth beside the division among controllers, in times of the mapping and pricing of as many modules
@@ -146,9 +147,10 @@ std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const D
   lattice.regions = regions;
   lattice.front = options.iterations > 0 || options.time_limit_s > kShortLimit_s;
   const double share = kGrowthShare * std::min(1.0, pieces.uncovered / kWorthGrowing);
+  const double left_s = options.time_limit_s - pieces.after_growth_s(options.time_limit_s) - seconds_since(start);
+  const double most_s = left_s + kMostOver * options.time_limit_s;
   lattice.time_limit_s =
-      std::max({0.1, share * (options.time_limit_s - kShortLimit_s),
-                options.time_limit_s - pieces.after_growth_s(options.time_limit_s) - seconds_since(start)});
+      std::max({kLeastGrowth_s, left_s, std::min(most_s, share * (options.time_limit_s - kShortLimit_s))});
   return geometry::grow_front(surface, options.limits, lattice, progress);
 }
 

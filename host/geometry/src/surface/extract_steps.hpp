@@ -71,9 +71,10 @@ inline constexpr double kSkyTimeShare = 0.12;
 [[nodiscard]] bool crosses_itself(const Mesh& surface);
 
 /// Distances both ways between the outside faces of the input and all of the result. largest_mm is a proved bound,
-/// also when it is late; found_mm is a distance that occurs, and 0.02 mm below the bound at most when it is not late.
-/// Equal triangles of both count as 0 without a search. The mean is that of up to 20,000 places each way. Cost: one or
-/// two closest-point searches a changed face typical, at most 640,000 more; when late from the start 60,000 in all.
+/// also when it is late; found_mm is a distance that occurs, and 0.02 mm below the bound at most when neither time nor
+/// the number of parts ran out. Equal triangles of both count as 0 without a search. The mean is that of up to 20,000
+/// places each way. Cost: one or two closest-point searches a changed face typical, at most 640,000 more; when late
+/// from the start 60,000 in all.
 [[nodiscard]] Deviation deviation_between(const Mesh& input, const std::vector<bool>& outside, const Mesh& result,
                                           const IsLate& is_late = {});
 

@@ -18,9 +18,9 @@ namespace triskin::geometry {
 /// How far a repaired surface is from the outside of its input: from the faces of the input that see the share
 /// `sky_fraction` of the sky to the surface, and from all of the surface to the input.
 struct Deviation {
-  double mean_mm = 0.0;          ///< over the area, of the direction in which it is larger
-  double largest_mm = 0.0;       ///< no point is farther: a proved bound
-  double found_mm = 0.0;         ///< largest distance found, ≤ largest_mm; 0.02 mm below it unless the time ran out
+  double mean_mm = 0.0;     ///< over the area, of the direction in which it is larger
+  double largest_mm = 0.0;  ///< no point is farther: a proved bound
+  double found_mm = 0.0;    ///< largest distance found, ≤ largest_mm; 0.02 mm below it unless time or parts ran out
   Vec3 where_mm = Vec3::Zero();  ///< of the largest found
 };
 
