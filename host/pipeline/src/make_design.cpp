@@ -31,13 +31,13 @@ constexpr double kUnfoldingShare = 0.3;                          // of what read
 constexpr double kPiecesShare = 0.12;                            // of the time; what the growth has left after it
 constexpr double kPieceLeast_s = 0.1;                            // a piece gets, or what a short limit has for it
 constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;        // up to which the limit binds
-constexpr double kMostOver = 0.1, kLeastGrowth_s = 0.1;  // of the limit, that it may be passed by for that share
-constexpr double kWorthGrowing = 0.1;                    // of the surface, uncovered by the pieces: all of that share
+constexpr double kMostOver = 0.12, kLeastGrowth_s = 0.1;  // of the limit, that it may be passed by for that share
+constexpr double kWorthGrowing = 0.1;                     // of the surface, uncovered by the pieces: all of that share
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
 constexpr double kMostGrowth = 3.0;  // that the growth has so many times the modules of the pieces, at most
 // What follows the growth beside the division among controllers, in times of the mapping and pricing of as many modules
 // on pieces: its measurement; the wiring, with its failures, and the writing.
-constexpr double kMeasuringShare = 0.35, kWiringShare = 0.35;
+constexpr double kMeasuringShare = 0.25, kWiringShare = 0.25;
 
 // With a fixed number of steps the repair's clock stands still: its result must not depend on the time.
 geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& name, const DesignOptions& options,
