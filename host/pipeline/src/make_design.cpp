@@ -28,11 +28,13 @@ namespace {
 constexpr double kRepairShare = 0.4;                             // of the time
 constexpr double kShortRepair_s = 2.0, kShortRepairShare = 0.7;  // what a short limit has for it: that, or that share
 constexpr double kUnfoldingShare = 0.3;                          // of what reading and repair leave
-constexpr double kPiecesShare = 0.12;                            // of the time; what the growth has left after it
-constexpr double kPieceLeast_s = 0.1;                            // a piece gets, or what a short limit has for it
-constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;        // up to which the limit binds
-constexpr double kMostOver = 0.12, kLeastGrowth_s = 0.1;  // of the limit, that it may be passed by for that share
-constexpr double kWorthGrowing = 0.1;                     // of the surface, uncovered by the pieces: all of that share
+constexpr double kUnfoldedFaces = 10'000.0;  // a second of the limit, above which it is less: most are given up
+constexpr double kMostUnfolded = 2.0;        // times that, above which the first step would already take longer
+constexpr double kPiecesShare = 0.12;        // of the time; what the growth has left after it
+constexpr double kPieceLeast_s = 0.1;        // a piece gets, or what a short limit has for it
+constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;  // up to which the limit binds
+constexpr double kMostOver = 0.12, kLeastGrowth_s = 0.1;   // of the limit, that it may be passed by for that share
+constexpr double kWorthGrowing = 0.1;                      // of the surface, uncovered by the pieces: all of that share
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
 constexpr double kMostGrowth = 3.0;  // that the growth has so many times the modules of the pieces, at most
 // What follows the growth beside the division among controllers, in times of the mapping and pricing of as many modules
@@ -75,8 +77,11 @@ geometry::Net pieces_of(const geometry::Surface& surface, const DesignOptions& o
   geometry::UnfoldingOptions unfolding;
   unfolding.edge_error_mm = options.limits.edge_error_mm;
   if (options.bend_radius_mm > 0.0) unfolding.seams = geometry::seams_along_bends(surface, options.bend_radius_mm);
-  const double end_s =
-      seconds_since(start) + kUnfoldingShare * std::max(0.0, options.time_limit_s - seconds_since(start));
+  const double faces = static_cast<double>(surface.mesh().faces.size());
+  const double most_faces = kUnfoldedFaces * options.time_limit_s;
+  if (options.iterations == 0 && faces > kMostUnfolded * most_faces) return {};
+  const double share = kUnfoldingShare * std::min(1.0, most_faces / std::max(faces, 1.0));
+  const double end_s = seconds_since(start) + share * std::max(0.0, options.time_limit_s - seconds_since(start));
   if (options.iterations == 0) unfolding.give_up = [=] { return seconds_since(start) > end_s; };
   return geometry::unfold(surface, unfolding, progress);
 }
