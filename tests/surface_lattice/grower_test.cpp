@@ -122,7 +122,8 @@ TEST(Rules, tell_an_overrun_between_the_steps_of_the_walk) {
     double worst = 0.0;
     for (int step = 0; step <= 3000; ++step) worst = std::max(worst, sheet.past(a + step / 3000.0 * side));
     if (std::abs(worst - allowed_mm) < 0.03) continue;  // found to 0.02 mm
-    EXPECT_EQ(growth.rules.exceeds_overrun(near, net, module), worst > allowed_mm) << k << ": " << worst << " mm";
+    EXPECT_EQ(growth.rules.exceeds_overrun(near, net.triangles()[at(module)]), worst > allowed_mm)
+        << k << ": " << worst << " mm";
     over += worst > allowed_mm ? 1 : 0;
     std::vector<Pair> pairs;
     std::vector<KnownSides> known;

@@ -293,7 +293,7 @@ bool Grower::remove_overrunning(LatticeNet& net, const std::vector<int>& triangl
   for (const int t : triangles) {
     const NetTriangle& triangle = net.triangles()[at(t)];
     if (triangle.is_fixed || known_within_[at(t)] == triangle.rigid) continue;
-    if (rules_.exceeds_overrun(surface_, net, t)) {
+    if (rules_.exceeds_overrun(surface_, triangle)) {
       net.remove_triangle(t);
       any = true;
     } else {

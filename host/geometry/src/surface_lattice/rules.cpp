@@ -157,8 +157,7 @@ Refusal Rules::evaluate_sides(NearSurface& surface, const NetTriangle& t, KnownS
   return Refusal::kNone;
 }
 
-bool Rules::exceeds_overrun(NearSurface& surface, const LatticeNet& net, int triangle) const {
-  const NetTriangle& t = net.triangles()[at(triangle)];
+bool Rules::exceeds_overrun(NearSurface& surface, const NetTriangle& t) const {
   if (surface.border_at_least(t.center) >= kBorderFar_mm) return false;
   const design::Outline outline = design::outline_of(t.rigid, t.corner_cut_mm);
   for (std::size_t s = 0; s < outline.size; ++s) {
