@@ -79,11 +79,15 @@ TEST_F(Alternatives, are_a_front_from_which_another_layout_is_taken) {
   design::write_design(folder_ / "a.json", d);
   EXPECT_EQ(violations(folder_ / "a.json"), 0U);
   // Each of them can be taken from the file.
-  const design::Design read = design::read_intact_design(folder_ / "a.json");
+  design::Design read = design::read_intact_design(folder_ / "a.json");
+  for (design::Alternative& a : read.alternatives) a.jumpers += 5;  // as a pricing without time leaves them
   for (int k = 0; k < static_cast<int>(read.alternatives.size()); ++k) {
     const design::Design other = take_alternative(read, k);
     EXPECT_EQ(other.layout.modules.size(), d.alternatives[static_cast<std::size_t>(k)].layout.modules.size());
     EXPECT_EQ(other.taken, k);
+    const design::Alternative& stated = other.alternatives[static_cast<std::size_t>(k)];
+    EXPECT_EQ(stated.jumpers, static_cast<int>(other.layout.jumpers.size()));
+    EXPECT_NEAR(stated.price, other.price.of(stated.patches, stated.jumpers, other.layout.islands), 1e-9);
     EXPECT_LE(other.patches.size(), static_cast<std::size_t>(d.alternatives[static_cast<std::size_t>(k)].patches));
     design::write_design(folder_ / "b.json", other);
     EXPECT_EQ(violations(folder_ / "b.json"), 0U);

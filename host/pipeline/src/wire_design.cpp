@@ -28,6 +28,15 @@ void fill_report(design::Design& design, const geometry::Surface& surface) {
   }
 }
 
+// The wiring looks longer for the cheapest than the pricing did: what the taken alternative costs is what was wired.
+void state_taken(design::Design& design) {
+  if (design.taken < 0) return;
+  design::Alternative& taken = design.alternatives[static_cast<std::size_t>(design.taken)];
+  taken.patches = static_cast<int>(design.patches.size());
+  taken.jumpers = static_cast<int>(design.layout.jumpers.size());
+  taken.price = design.price.of(taken.patches, taken.jumpers, design.layout.islands);
+}
+
 void report_regions(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions) {
   design.report.worth = static_cast<double>(design.layout.modules.size());
   if (regions == nullptr) return;
@@ -65,6 +74,7 @@ void wire(design::Design& design, const geometry::Surface& surface, const geomet
   geometry::RoutingResult routes = geometry::route(design::graph_of(design.layout), places, routing, progress);
   design.layout.jumpers = std::move(routes.jumpers);
   design.patches = std::move(routes.patches);
+  state_taken(design);
   design.report = {};
   fill_report(design, surface);
   report_regions(design, surface, regions);

@@ -18,8 +18,9 @@ namespace triskin::pipeline {
 [[nodiscard]] std::unique_ptr<const geometry::SurfaceRegions> regions_of(const geometry::Surface& surface,
                                                                          const design::Design& design);
 
-/// Gives the layout of a design, whose modules are measured, controllers, jumpers (at some of `places`), report and id.
-/// `regions` of the surface, or null; `division` of this layout with these places, when it is known.
+/// Gives the layout of a design, whose modules are measured, controllers, jumpers (at some of `places`), report and id;
+/// the alternative that is taken states what they cost. `regions` of the surface, or null; `division` of this layout
+/// with these places, when it is known.
 void wire(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions,
           const std::vector<design::Jumper>& places, const ProgressSink& progress,
           const std::shared_ptr<const geometry::Division>& division = nullptr);
