@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "../../host/geometry/src/surface_lattice/net_price.hpp"
+#include "nets.hpp"
 #include "shapes.hpp"
 
 namespace triskin::geometry::surface_lattice {
@@ -112,13 +113,7 @@ TEST(Rules, tell_an_overrun_between_the_steps_of_the_walk) {
     const Vec3 side(-kSide_mm * std::cos(turn), kSide_mm * std::sin(turn), 0.0);
     const Vec3 apex = a + 0.5 * side + kHeight_mm / kSide_mm * Vec3(-side.y(), side.x(), 0.0);
     LatticeNet net(sheet.mesh.vertices, 0.0);
-    std::array<int, 3> corners{};
-    const std::array place{a, Vec3(a + side), apex};
-    for (int c = 0; c < 3; ++c) {
-      const auto label = tile_corner_index(Tile{}, c);
-      corners[at(c)] = net.add_vertex(place[at(c)], Vec3::UnitZ(), label[0], label[1]);
-    }
-    const int module = net.add_triangle(net.new_island(), Tile{}, corners);
+    const int module = add_island(net, std::array{a, Vec3(a + side), apex});
     double worst = 0.0;
     for (int step = 0; step <= 3000; ++step) worst = std::max(worst, sheet.past(a + step / 3000.0 * side));
     if (std::abs(worst - allowed_mm) < 0.03) continue;  // found to 0.02 mm
@@ -139,22 +134,17 @@ TEST(Rules, tell_an_overrun_between_the_steps_of_the_walk) {
 TEST(Grower, removes_what_stands_over_the_border_too_far_but_no_fixed_module) {
   Growth growth(plane(300.0, 60.0));
   const auto add = [&](double x, double y) {
-    std::array<int, 3> corners{};
-    const std::array place{Vec3(x + kSide_mm, y, 0.0), Vec3(x, y, 0.0), Vec3(x + 0.5 * kSide_mm, y - kHeight_mm, 0.0)};
-    for (int c = 0; c < 3; ++c) {
-      const auto label = tile_corner_index(Tile{}, c);
-      corners[at(c)] = growth.net.add_vertex(place[at(c)], Vec3::UnitZ(), label[0], label[1]);
-    }
-    return growth.net.add_triangle(growth.net.new_island(), Tile{}, corners);
+    return add_island(growth.net, std::array{Vec3(x + kSide_mm, y, 0.0), Vec3(x, y, 0.0),
+                                             Vec3(x + 0.5 * kSide_mm, y - kHeight_mm, 0.0)});
   };
   const int within = add(30.0, 60.4), over = add(100.0, 60.6), fixed = add(170.0, 60.6);
   const Triangle corners = growth.net.triangles()[at(fixed)].rigid;
   growth.net.pin(fixed, corners);
-  EXPECT_TRUE(growth.grower.remove_overrunning(growth.net, {within, over, fixed}));
+  EXPECT_TRUE(growth.grower.remove_overrunning(growth.net));
   EXPECT_TRUE(growth.net.used(within));
   EXPECT_FALSE(growth.net.used(over));
   EXPECT_TRUE(growth.net.used(fixed));
-  EXPECT_FALSE(growth.grower.remove_overrunning(growth.net, {within, fixed}));
+  EXPECT_FALSE(growth.grower.remove_overrunning(growth.net));
 }
 
 // Σ p(nᵢ) − p(n) jumpers, p(n) = max(1, n / 16 + 15 / 32). 32, 8 and 1 modules: 79/32, 1 and 1 pieces; together

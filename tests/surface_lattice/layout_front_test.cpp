@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "nets.hpp"
 #include "triskin/host/dice.hpp"
 
 namespace triskin::geometry::surface_lattice {
@@ -12,14 +13,7 @@ namespace {
 // A net of islands of one module each.
 NetCopy net_of(int modules) {
   auto net = std::make_shared<LatticeNet>(std::vector{Vec3(0, 0, 0), Vec3(50.0 * modules, 50.0, 0)}, 0.0);
-  for (int m = 0; m < modules; ++m) {
-    std::array<int, 3> v{};
-    for (int k = 0; k < 3; ++k) {
-      const auto [i, j] = tile_corner_index({}, k);
-      v[at(k)] = net->add_vertex({50.0 * m + kSide_mm * (i + 0.5 * j), kHeight_mm * j, 0}, Vec3::UnitZ(), i, j);
-    }
-    net->add_triangle(net->new_island(), {}, v);
-  }
+  for (int m = 0; m < modules; ++m) add_island(*net, Vec3(50.0 * m, 0, 0));
   return net;
 }
 

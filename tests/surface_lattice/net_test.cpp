@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "../../host/geometry/src/surface_lattice/net_price.hpp"
+#include "nets.hpp"
 #include "triskin/host/dice.hpp"
 
 namespace triskin::geometry::surface_lattice {
@@ -26,16 +27,7 @@ struct RandomNet {
 
   [[nodiscard]] Vec3 place() { return {kSheet_mm * random.unit(), kSheet_mm * random.unit(), 0.0}; }
 
-  void seed() {
-    const Vec3 p = place();
-    const int island = net.new_island();
-    std::array<int, 3> v{};
-    for (int k = 0; k < 3; ++k) {
-      const auto [i, j] = tile_corner_index({}, k);
-      v[at(k)] = net.add_vertex(p + Vec3(kSide_mm * (i + 0.5 * j), kHeight_mm * j, 0), Vec3::UnitZ(), i, j);
-    }
-    net.add_triangle(island, {}, v);
-  }
+  void seed() { add_island(net, place()); }
 
   // A tile at an open side; one time in four it does not join a vertex that is there, which leaves a slit.
   void extend() {

@@ -133,9 +133,7 @@ std::vector<WiredLayout> choices_around(const design::Design& d, const geometry:
   lattice.time_limit_s = std::max(0.5 * options.time_limit_s, options.time_limit_s - kWiring * pricing_s);
   std::vector<design::ModuleLayout> grown = geometry::grow_front(surface, d.limits, lattice, progress);
   report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));
-  routing.give_up = [&] {
-    return options.iterations == 0 && seconds_since(start) > options.time_limit_s - 2 * pricing_s;
-  };
+  routing.give_up = give_up_at(start, options.time_limit_s - 2 * pricing_s, options.iterations);
   std::ranges::move(priced(surface, std::move(grown), d.limits, routing, regions, options.threads),
                     std::back_inserter(choices));
   return choices;

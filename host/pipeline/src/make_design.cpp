@@ -70,19 +70,18 @@ double area_of(const geometry::Mesh& mesh) {
   return 0.5 * twice;
 }
 
-// The pieces give up when their share of the time is over, so that the growth has its own; with a fixed number of
-// steps the result must not depend on the time.
+// The pieces give up when their share of the time is over, so that the growth has its own.
 geometry::Net pieces_of(const geometry::Surface& surface, const DesignOptions& options, Clock::time_point start,
                         const ProgressSink& progress) {
-  geometry::UnfoldingOptions unfolding;
-  unfolding.edge_error_mm = options.limits.edge_error_mm;
-  if (options.bend_radius_mm > 0.0) unfolding.seams = geometry::seams_along_bends(surface, options.bend_radius_mm);
   const double faces = static_cast<double>(surface.mesh().faces.size());
   const double most_faces = kUnfoldedFaces * options.time_limit_s;
   if (options.iterations == 0 && faces > kMostUnfolded * most_faces) return {};
+  geometry::UnfoldingOptions unfolding;
+  unfolding.edge_error_mm = options.limits.edge_error_mm;
+  if (options.bend_radius_mm > 0.0) unfolding.seams = geometry::seams_along_bends(surface, options.bend_radius_mm);
   const double share = kUnfoldingShare * std::min(1.0, most_faces / std::max(faces, 1.0));
   const double end_s = seconds_since(start) + share * std::max(0.0, options.time_limit_s - seconds_since(start));
-  if (options.iterations == 0) unfolding.give_up = [=] { return seconds_since(start) > end_s; };
+  unfolding.give_up = give_up_at(start, end_s, options.iterations);
   return geometry::unfold(surface, unfolding, progress);
 }
 
@@ -194,13 +193,9 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   const double mapping_from_s = seconds_since(start);
   design::ModuleLayout mapped = geometry::map_modules(surface, placed, options.limits, options.corner_cut_mm, regions);
   const double pricing_from_s = seconds_since(start);
-  const double pieces_end_s = pricing_from_s + kPiecesShare * options.time_limit_s;
-  const auto gives_up_at = [&options, start](double end_s) {
-    return [&options, start, end_s] { return options.iterations == 0 && seconds_since(start) > end_s; };
-  };
   geometry::RoutingOptions routing = routing_options(design);
   routing.threads = options.threads;
-  routing.give_up = gives_up_at(pieces_end_s);
+  routing.give_up = give_up_at(start, pricing_from_s + kPiecesShare * options.time_limit_s, options.iterations);
   std::vector<WiredLayout> choices{priced(surface, std::move(mapped), options.limits, routing, regions)};
   const PiecesDone pieces = pieces_done(surface, choices[0].layout.modules.size(), pricing_from_s - mapping_from_s,
                                         seconds_since(start) - pricing_from_s);
@@ -208,7 +203,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   std::vector<design::ModuleLayout> grown = grow(surface, options, regions, start, pieces, progress);
   if (notes != nullptr) notes->surface = static_cast<int>(grown[0].modules.size());
   report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));
-  routing.give_up = gives_up_at(options.time_limit_s - pieces.wiring_s());
+  routing.give_up = give_up_at(start, options.time_limit_s - pieces.wiring_s(), options.iterations);
   std::ranges::move(priced(surface, std::move(grown), options.limits, routing, regions, options.threads),
                     std::back_inserter(choices));
   std::ranges::stable_sort(choices, std::greater{}, &WiredLayout::value);

@@ -164,9 +164,9 @@ class Mapper {
 
   // Joined corners pull each other together on the surface; the modules stay rigid.
   void relax() {
-    std::vector<std::array<Vec3, 3>> fitted(layout_.modules.size()), feet;
+    std::vector<std::array<Vec3, 3>> fitted(layout_.modules.size());
     const Vec3 anywhere = surface_.mesh().vertices.empty() ? Vec3(Vec3::Zero()) : surface_.mesh().vertices.front();
-    feet.assign(layout_.modules.size(), {anywhere, anywhere, anywhere});
+    std::vector<std::array<Vec3, 3>> feet(layout_.modules.size(), {anywhere, anywhere, anywhere});
     for (int step = 0; step < 40; ++step) {
       tbb::parallel_for(std::size_t{0}, layout_.modules.size(), [&](std::size_t k) {
         const PlacedModule& m = layout_.modules[k];

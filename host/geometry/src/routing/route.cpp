@@ -93,10 +93,11 @@ class Router {
   Router(const ModuleGraph& graph, const std::vector<Jumper>& places, const RoutingOptions& options)
       : apart_(graph), graph_(graph), places_(places), options_(options), lines_(options.lines, options.addresses) {
     std::ranges::stable_sort(places_, {}, &Jumper::length_mm);
+    possible_ = design::with_jumpers(apart_, places_);
   }
 
   void run(const ProgressSink& progress) {
-    const auto islands = components(places_.empty() ? graph_ : design::with_jumpers(apart_, places_));
+    const auto islands = components(possible_);
     result_.division = options_.division != nullptr ? options_.division : divide(islands);
     require_division(islands);
     for (std::size_t k = 0; k < islands.size(); ++k) {
@@ -127,7 +128,7 @@ class Router {
   }
 
   [[nodiscard]] JumperGraph possible_jumpers(const std::vector<int>& nodes) const {
-    return jumper_graph(design::with_jumpers(apart_, places_), apart_, nodes);
+    return jumper_graph(possible_, apart_, nodes);
   }
   [[nodiscard]] IslandDivision divide_with_jumpers(const std::vector<int>& nodes) const {
     const JumperPartition p = partition_with_jumpers(possible_jumpers(nodes), options_.capacity, options_.price,
@@ -209,6 +210,7 @@ class Router {
   }
 
   const ModuleGraph& apart_;    // without jumpers
+  ModuleGraph possible_;        // with one at each place
   ModuleGraph graph_;           // with those that are fitted
   std::vector<Jumper> places_;  // shortest first
   std::vector<Jumper> fitted_;

@@ -128,17 +128,9 @@ class Chain {
     LatticeNet net = task_.begun;
     if (net.size() > 0) grower_.grow(net, {}, random_);
     grower_.fill(net, {}, random_, static_cast<int>(task_.samples.size()) / 2);
-    (void)grower_.remove_overrunning(net, used_of(net));
+    (void)grower_.remove_overrunning(net);
     net.separate();
     set(std::move(net));
-  }
-
-  static std::vector<int> used_of(const LatticeNet& net) {
-    std::vector<int> all;
-    for (int t = 0; t < static_cast<int>(net.triangles().size()); ++t) {
-      if (net.used(t)) all.push_back(t);
-    }
-    return all;
   }
 
   void take(const FoundLayout& found) {
@@ -189,7 +181,7 @@ class Chain {
     now_.commit();
     value_ = value;
     if (!would_be_kept()) return;
-    if (grower_.remove_overrunning(now_, used_of(now_))) {
+    if (grower_.remove_overrunning(now_)) {
       now_.separate();
       value_ = task_.value(now_, price_, worth_);
       if (!would_be_kept()) return;

@@ -287,12 +287,12 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts)
   }
 }
 
-bool Grower::remove_overrunning(LatticeNet& net, const std::vector<int>& triangles) {
+bool Grower::remove_overrunning(LatticeNet& net) {
   bool any = false;
   known_within_.resize(std::max(known_within_.size(), net.triangles().size()), kNowhere);
-  for (const int t : triangles) {
+  for (int t = 0; t < static_cast<int>(net.triangles().size()); ++t) {
     const NetTriangle& triangle = net.triangles()[at(t)];
-    if (triangle.is_fixed || known_within_[at(t)] == triangle.rigid) continue;
+    if (!net.used(t) || triangle.is_fixed || known_within_[at(t)] == triangle.rigid) continue;
     if (rules_.exceeds_overrun(surface_, triangle)) {
       net.remove_triangle(t);
       any = true;

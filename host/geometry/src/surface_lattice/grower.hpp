@@ -42,9 +42,9 @@ class Grower {
   /// Begins an island with a module at three corners, if it keeps the rules.
   bool try_seed(LatticeNet& net, const Triangle& corners);
 
-  /// Removes those of the triangles that stand over the border by more than is allowed, as it is measured at the end,
-  /// but for fixed ones: whether there were any. The net has to be separated afterwards.
-  bool remove_overrunning(LatticeNet& net, const std::vector<int>& triangles);
+  /// Removes what stands over the border by more than is allowed, as it is measured at the end, but for fixed
+  /// triangles: whether there was any. The net has to be separated afterwards. Measures what moved since the last call.
+  bool remove_overrunning(LatticeNet& net);
 
   [[nodiscard]] bool covered(const LatticeNet& net, const Vec3& p) const;
   [[nodiscard]] bool late() const { return Clock::now() > end_ || interrupt_request(); }
