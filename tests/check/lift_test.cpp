@@ -138,6 +138,46 @@ TEST(KeepLimits, lift_and_depth_are_among_them) {
   EXPECT_EQ(refused_by(-10.0, 1.6, 3.1), "");
 }
 
+// Two sheets that cross and face away from each other: overlap in the plane between two modules is not defined there
+// (their normals are 120° apart), and one passes through the other.
+TEST(KeepLimits, no_module_passes_through_another_in_space) {
+  using design::Vec3;
+  const auto point = [](bool is_steep, double along_mm, double y_mm) {
+    const double angle = is_steep ? 2.0 * M_PI / 3.0 : 0.0;
+    return Vec3(along_mm * std::cos(angle), y_mm, along_mm * std::sin(angle));
+  };
+  design::Mesh sheets;
+  for (const bool is_steep : {false, true}) {
+    const int first = static_cast<int>(sheets.vertices.size());
+    for (const auto& [x, y] : {std::pair{-100.0, -100.0}, {100.0, -100.0}, {100.0, 100.0}, {-100.0, 100.0}})
+      sheets.vertices.push_back(point(is_steep, x, y));
+    sheets.faces.push_back({first, first + 1, first + 2});
+    sheets.faces.push_back({first, first + 2, first + 3});
+  }
+  const geometry::Surface surface(sheets);
+  const auto module_at = [&](bool is_steep, double center_mm) {
+    constexpr double kThird_mm = design::kHeight_mm / 3.0, kHalf_mm = design::kSide_mm / 2.0;
+    design::PlacedModule m;
+    m.corner_mm = {point(is_steep, center_mm - kThird_mm, kHalf_mm), point(is_steep, center_mm - kThird_mm, -kHalf_mm),
+                   point(is_steep, center_mm + 2.0 * kThird_mm, 0.0)};
+    return m;
+  };
+  const auto refused = [&](double center_mm, double corner_cut_mm) {
+    design::ModuleLayout layout;
+    layout.corner_cut_mm = corner_cut_mm;
+    layout.modules = {module_at(false, 6.0), module_at(true, center_mm)};
+    geometry::keep_limits(surface, {}, layout);
+    EXPECT_EQ(layout.modules.size() + layout.refused.size(), 2u);
+    return layout.refused;
+  };
+  const std::vector<std::pair<std::string, int>> one_pierced{{"pierced", 1}};
+  for (const double cut_mm : {0.0, 3.0}) {
+    EXPECT_EQ(refused(3.0, cut_mm), one_pierced);
+    // Its nearest side lies 9.3 mm beyond the line where the sheets cross.
+    EXPECT_TRUE(refused(18.0, cut_mm).empty());
+  }
+}
+
 TEST_F(Lift, files_of_before_the_limits_are_read_and_stay_as_they_are) {
   json j = design_of(kGroove_mm, 20.0, 20.0);
   for (const char* key : {"lift_mm", "depth_mm"}) j["limits"].erase(key);

@@ -56,9 +56,49 @@ TEST(Recording, modules_of_one_sample_share_a_message) {
   Chunks chunks;
   const InputFile file(folder / "r.mcap");
   (void)mcap::read_file(file, "r.mcap", chunks);
-  EXPECT_EQ(chunks.log_ns.size(), 1U + 2 * 2'000 / 20);  // the layout, and two controllers a sample
+  EXPECT_EQ(chunks.log_ns.size(), 2U + 2 * 2'000 / 20);  // layout and readers, and two controllers a sample
   // 26 bytes are the values and the validity of a module; everything else costs less than once more.
   EXPECT_LT(file.size(), 2'000U * 2 * 26 + 40'000);
+}
+
+// As 0.2 wrote them before it told readers, and 0.1: who adopted a module is not known, all else is.
+TEST(Recording, one_without_readers_is_read_as_before) {
+  const Folder folder("recording");
+  const auto samples = first(40, 20);
+  {
+    OutputFile file(folder / "old.mcap");
+    mcap::Writer writer(file, "ros2", "triskin");
+    const auto raw =
+        writer.add_channel(writer.add_schema(kRawFrameType.name, kRawFrameType.definition), "/skin/raw", {});
+    for (const ModuleSample& s : samples) writer.write(raw, s.link_time_us * 1000, encode_raw(std::span(&s, 1)));
+    writer.finish();
+    file.close();
+  }
+  Summary summary;
+  EXPECT_EQ(samples_of(folder / "old.mcap", &summary), samples);
+  EXPECT_TRUE(summary.reader_changes.empty());
+}
+
+// Worked by hand: module 1 of two is read by the controller at address 5, which serves patch 3; module 0 has no patch.
+TEST(Recording, a_message_of_readers_is_what_its_definition_says) {
+  const std::vector<Reader> readers{{-1, 0}, {3, 5}};
+  const std::vector<std::uint8_t> bytes{0,    1, 0, 0,                             // CDR, little-endian
+                                        2,    0, 0, 0, 7,    0,    0,    0,        // 2.000000007 s
+                                        5,    0, 0, 0, 's',  'k',  'i',  'n',  0,  // frame
+                                        0,    0, 0, 0, 0,    0,    0,              // to a multiple of 8
+                                        0x10, 0, 0, 0, 0,    0,    0,    0,        // 16 us
+                                        2,    0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF,     // two patches
+                                        3,    0, 0, 0, 2,    0,    0,    0,    0, 5};
+  EXPECT_EQ(encode_readers(readers, 16, 2'000'000'007), bytes);
+  const auto read = decode_readers(bytes);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->link_time_us, 16U);
+  EXPECT_EQ(read->readers, readers);
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_FALSE(decode_readers(Bytes(bytes).first(size))) << size;
+  std::vector<std::uint8_t> unequal = bytes;
+  unequal[unequal.size() - 6] = 1;  // one address for two patches
+  EXPECT_FALSE(decode_readers(unequal));
 }
 
 TEST(Recording, a_file_cut_anywhere_is_read_up_to_the_last_whole_chunk_and_recovered) {
@@ -109,7 +149,7 @@ TEST(Recording, at_every_length_the_messages_read_are_the_first_ones) {
   const std::string whole = triskin::read_file(folder / "whole.mcap");
   Chunks all;
   (void)mcap::read_file(Cut(whole, whole.size()), "whole", all);
-  ASSERT_EQ(all.log_ns.size(), 31U);
+  ASSERT_EQ(all.log_ns.size(), 32U);
   std::size_t before = 0;
   for (std::size_t size = mcap::kMagic.size(); size < whole.size(); ++size) {
     Chunks cut;
@@ -120,7 +160,7 @@ TEST(Recording, at_every_length_the_messages_read_are_the_first_ones) {
     before = cut.log_ns.size();
     ASSERT_TRUE(std::equal(cut.log_ns.begin(), cut.log_ns.end(), all.log_ns.begin())) << size;
   }
-  EXPECT_EQ(before, 31U);
+  EXPECT_EQ(before, 32U);
 }
 
 TEST(Recording, a_recovered_file_is_the_file_that_was_cut) {

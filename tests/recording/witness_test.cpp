@@ -42,9 +42,10 @@ TEST(Witness, mcap_core_reads_whole_cut_and_recovered_recordings) {
   with_cloud.cloud_period_us = 100'000;
   record_samples(folder / "r.mcap", test::strip(20), 2'000, with_cloud);
   // 100 samples of 20 modules are 3.7 s: 200 raw frames of two controllers; a cloud with every third sample,
-  // the first after 100 ms: 34; one layout.
+  // the first after 100 ms: 34; one layout; the readers at the beginning.
   EXPECT_EQ(ask(modules, folder / "r.mcap", folder / "out"),
-            "read 235, indexed 235, /skin/contacts /skin/layout /skin/points /skin/raw, attachment design.json, "
+            "read 236, indexed 236, /skin/contacts /skin/layout /skin/points /skin/raw /skin/readers, attachment "
+            "design.json, "
             "metadata triskin triskin_result\n");
   const std::string whole = triskin::read_file(folder / "r.mcap");
   write_file_atomically(folder / "cut.mcap", whole.substr(0, whole.size() / 2));
@@ -56,7 +57,8 @@ TEST(Witness, mcap_core_reads_whole_cut_and_recovered_recordings) {
   const std::string count = std::to_string(summary.file.messages);
   EXPECT_EQ(ask(modules, folder / "cut.mcap", folder / "out"),
             "read " + count + ", indexed " + count +
-                ", /skin/contacts /skin/layout /skin/points /skin/raw, attachment design.json, metadata triskin\n");
+                ", /skin/contacts /skin/layout /skin/points /skin/raw /skin/readers, attachment design.json, metadata "
+                "triskin\n");
 }
 
 }  // namespace

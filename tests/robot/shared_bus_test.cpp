@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <deque>
 #include <filesystem>
 #include <map>
 
@@ -72,6 +74,66 @@ TEST(SharedBus, fresh_boards_in_any_order_find_the_patch_that_they_hang_on) {
       }
     }
   }
+}
+
+// The same in one pass: boards that a cover has got are no longer there for the next, though they have no table yet.
+TEST(SharedBus, all_covers_of_a_bus_are_written_in_one_pass) {
+  const Site site = site_of(three_covers());
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    SimulatedBus bus(site.buses[0], {}, seed);
+    device::FlashOptions options;
+    options.recognise = options.touch = true;
+    std::deque<device::CoverLink> views;
+    std::deque<device::Bus> buses;
+    std::vector<device::FlashPart> parts;
+    for (const CoverOnBus& c : site.buses[0].covers) {
+      device::Bus& own = buses.emplace_back(views.emplace_back(bus.link(), c.first_module));
+      parts.push_back({&own, &c.design, flash_options(site.buses[0], c, options), {}});
+    }
+    std::vector<device::FlashResult> results;
+    device::flash_together(parts, results);
+    ASSERT_EQ(results.size(), 3U);
+    for (std::size_t cover = 0; cover < 3; ++cover) {
+      for (const auto& p : results[cover].patches) {
+        const auto number = static_cast<std::size_t>(device_number(site, cover) + p.patch);
+        EXPECT_EQ(p.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), number))) << seed << " " << cover;
+        EXPECT_TRUE(p.written);
+      }
+    }
+    device::flash_together(parts, results);
+    for (const auto& r : results) EXPECT_EQ(r.bytes, 0U);
+  }
+}
+
+// The hand's board is dead, and the robot file knows the boards of the others: they get their tables.
+TEST(SharedBus, a_cover_without_its_board_leaves_the_others_their_tables) {
+  Assembly a = three_covers();
+  int n = 0;
+  for (CoverEntry& cover : a.robot.covers) {
+    for (ControllerEntry& e : cover.controllers) e.serial = fmt::format("{:024X}", 0xABC0 + n++);
+  }
+  const Site site = site_of(a);
+  SimulatedBus bus(site.buses[0]);
+  bus.skin().on_delivery([](std::size_t p, const wire::CanFrame&) { return p != 1; });
+  std::vector<device::FlashPart> parts;
+  for (const CoverOnBus& c : site.buses[0].covers)
+    parts.push_back({&bus.bus(), &c.design, flash_options(site.buses[0], c, {}), {}});
+  std::vector<device::FlashResult> results;
+  std::string said;
+  try {
+    device::flash_together(parts, results);
+  } catch (const DeviceError& e) {
+    said = e.what();
+  }
+  EXPECT_NE(said.find("upper, patch 1: sim: no controller 00000000000000000000ABC1 answers"), std::string::npos)
+      << said;
+  EXPECT_NE(
+      said.find("upper: 2 of 3 controllers have their table (patches 0, 2), the others their old one; lower: 2 of "
+                "2 controllers"),
+      std::string::npos)
+      << said;
+  const auto tables = bus.bus().discover();
+  EXPECT_EQ(std::ranges::count(tables, true, &wire::NodeClaim::has_table), 5);
 }
 
 // On a real bus nothing presses: what shapes do not settle is refused, also where the other cover has the equal patch.

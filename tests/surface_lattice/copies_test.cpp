@@ -63,22 +63,6 @@ Mesh numbered_anew(const Mesh& m) {
   return out;
 }
 
-// Every face becomes four; the shape stays.
-Mesh divided(const Mesh& m) {
-  Mesh out{m.vertices, {}};
-  std::map<std::pair<int, int>, int> middle;
-  const auto between = [&](int a, int b) {
-    const auto [it, is_new] = middle.try_emplace(std::minmax(a, b), static_cast<int>(out.vertices.size()));
-    if (is_new) out.vertices.push_back(0.5 * (m.vertices[at(a)] + m.vertices[at(b)]));
-    return it->second;
-  };
-  for (const auto& [a, b, c] : m.faces) {
-    const int ab = between(a, b), bc = between(b, c), ca = between(c, a);
-    out.faces.insert(out.faces.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
-  }
-  return out;
-}
-
 // Isotropic triangles of 6 mm; the border stays.
 Mesh meshed_anew(const Mesh& m) {
   using Cgal = CGAL::Surface_mesh<CGAL::Simple_cartesian<double>::Point_3>;

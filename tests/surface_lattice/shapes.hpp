@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 
 #include "index.hpp"
 #include "triskin/design/module.hpp"
@@ -41,6 +43,23 @@ inline Mesh sphere_cap(double radius, double opening) {
   return grid_mesh(24, 24, [=](double u, double v) {
     return Vec3(radius * Vec3(t * (2 * u - 1), t * (2 * v - 1), 1.0).normalized());
   });
+}
+
+// Every face becomes four by the middles of its sides, so many times; the shape stays.
+inline Mesh divided(const Mesh& m, int times = 1) {
+  if (times == 0) return m;
+  Mesh out{m.vertices, {}};
+  std::map<std::pair<int, int>, int> middle;
+  const auto between = [&](int a, int b) {
+    const auto [it, is_new] = middle.try_emplace(std::minmax(a, b), static_cast<int>(out.vertices.size()));
+    if (is_new) out.vertices.push_back(0.5 * (m.vertices[at(a)] + m.vertices[at(b)]));
+    return it->second;
+  };
+  for (const auto& [a, b, c] : m.faces) {
+    const int ab = between(a, b), bc = between(b, c), ca = between(c, a);
+    out.faces.insert(out.faces.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
+  }
+  return divided(out, times - 1);
 }
 
 inline Mesh turned_outward(Mesh m, const Vec3& inside) {

@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "support/random_design.hpp"
+#include "joined_patches.hpp"
 #include "triskin/design/joint.hpp"
 #include "triskin/jobs/flash.hpp"
 #include "triskin/jobs/verify.hpp"
@@ -21,55 +21,6 @@
 
 namespace triskin::test {
 namespace {
-
-/// Three rows of tiles, two patches or more with free addresses, whose modules join across the border.
-design::Design joined_patches(int columns, int capacity, bool second_entry = false) {
-  using design::Tile;
-  std::vector<Tile> tiles;
-  std::map<Tile, int> number;
-  for (int j = 0; j < 3; ++j) {
-    for (int i = 0; i < columns; ++i) {
-      for (const bool up : {true, false}) {
-        number.emplace(Tile{i, j, up}, static_cast<int>(tiles.size()));
-        tiles.push_back({i, j, up});
-      }
-    }
-  }
-  design::Design d = flat_design("joined", {-2000, -2000}, {2000, 2000});
-  lay_modules(d, tiles, number);
-  geometry::RoutingOptions options;
-  options.capacity = capacity;
-  options.second_entry = second_entry;
-  d.patches = geometry::route(design::graph_of(d.layout), options).patches;
-  d.design_id = design::design_id_of(d);
-  return d;
-}
-
-/// A failure of a module after which others are left to a neighbour.
-struct Orphans {
-  int dead = -1, patch = -1;
-  std::vector<int> modules;
-};
-std::vector<Orphans> orphans_of(const design::Design& design) {
-  std::vector<Orphans> list;
-  for (int p = 0; p < static_cast<int>(design.patches.size()); ++p) {
-    for (const design::FailureLoss& f : design.patches[static_cast<std::size_t>(p)].failures) {
-      if (f.other_node >= 0 || f.adopted.empty()) continue;
-      Orphans o{f.node, p, {}};
-      for (const auto& a : f.adopted) o.modules.push_back(a[0]);
-      list.push_back(std::move(o));
-    }
-  }
-  return list;
-}
-
-scene::Scene scene_of(const design::Design& design) {
-  scene::Scene s;
-  s.design = design;
-  s.switched = s.border_joints = true;
-  s.effects.taxel_spread_counts = 3000;  // every taxel of every module rests somewhere else
-  return s;
-}
 
 /// A flashed skin that streams; who reads which module, by its samples.
 class Fixture {

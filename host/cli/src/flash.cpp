@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -47,6 +48,7 @@ struct BusOutcome {
 
 std::string what_happened(const device::FlashResult::Patch& p, bool dry_run) {
   const std::string address = p.new_address ? fmt::format(", node address {} -> {}", p.old_address, p.address) : "";
+  if (!p.why.empty()) return "has not got its table: " + p.why;
   if (p.equal && !p.written) return "equal, skipped";
   if (dry_run && p.by == device::FoundBy::kNothing)
     return fmt::format("would write {} bytes; which of the fresh controllers gets them shows when flashing", p.bytes);
@@ -69,29 +71,53 @@ void wait_for_offsets(device::Bus& bus, const design::Design& design) {
     bus.listen(bus.now_us() + kPause_us);
 }
 
-// The covers of a bus one after the other: they share it.
-BusOutcome flash_bus(const robot::BusSite& site, device::Link& link, const Options& options,
-                     const ProgressSink& progress) {
-  BusOutcome outcome;
+// Its finger counts the modules of this cover.
+struct CoverBus {
+  CoverBus(device::Link& link, const robot::CoverOnBus& own) : cover(own), view(link, own.first_module) {}
+  const robot::CoverOnBus& cover;
+  device::CoverLink view;
+  device::Bus bus{view};
+};
+
+// All covers of a bus in one pass. `outcome` has what is done, also when this throws.
+void flash_covers(const robot::BusSite& site, device::Link& link, const Options& options, const ProgressSink& progress,
+                  BusOutcome& outcome) {
+  std::deque<CoverBus> covers;
+  std::vector<device::FlashPart> parts;
+  for (const robot::CoverOnBus& cover : site.covers) {
+    if (!cover.chosen) continue;
+    covers.emplace_back(link, cover);
+    parts.push_back({&covers.back().bus, &cover.design, robot::flash_options(site, cover, options.flash),
+                     progress_of(site, cover, progress)});
+  }
+  std::vector<device::FlashResult> results;
+  const auto take = [&] {
+    for (std::size_t k = 0; k < results.size(); ++k)
+      outcome.covers.emplace_back(&covers[k].cover, std::move(results[k]));
+  };
+  try {
+    device::flash_together(parts, results);
+  } catch (...) {
+    take();
+    throw;
+  }
+  take();
+}
+
+void flash_bus(const robot::BusSite& site, device::Link& link, const Options& options, const ProgressSink& progress,
+               BusOutcome& outcome) {
   outcome.bus = &site;
   device::Bus all(link);
   const std::map<std::string, int> before =
       options.flash.dry_run ? std::map<std::string, int>{} : device::kept_revisions(all);
-  for (const robot::CoverOnBus& cover : site.covers) {
-    if (!cover.chosen) continue;
-    const device::FlashOptions own = robot::flash_options(site, cover, options.flash);
-    device::CoverLink finger(link, cover.first_module);  // its finger counts the modules of this cover
-    device::Bus bus(finger);
-    outcome.covers.emplace_back(&cover, device::flash(bus, cover.design, own, progress_of(site, cover, progress)));
-  }
+  flash_covers(site, link, options, progress, outcome);
   for (const auto& [cover, r] : outcome.covers) {
     if (!options.flash.dry_run && std::ranges::any_of(r.patches, &device::FlashResult::Patch::written))
       wait_for_offsets(all, cover->design);
   }
-  if (before.empty()) return outcome;
+  if (before.empty()) return;
   outcome.ended = before;
   for (const auto& [serial, revision] : device::kept_revisions(all)) outcome.ended.erase(serial);
-  return outcome;
 }
 
 nlohmann::json patch_rows(const robot::CoverOnBus& cover, const device::FlashResult& r,
@@ -105,7 +131,8 @@ nlohmann::json patch_rows(const robot::CoverOnBus& cover, const device::FlashRes
                        {"node_address", p.address},
                        {"bytes", p.bytes},
                        {"equal", p.equal},
-                       {"written", p.written}});
+                       {"written", p.written},
+                       {"why", p.why}});
     output.say(
         fmt::format("{}patch {:3}  controller {}  {}", prefix_of(cover), p.patch, p.serial, what_happened(p, dry_run)));
     if (const auto old = ended.find(p.serial); old != ended.end())
@@ -135,7 +162,7 @@ void say_all(const std::vector<BusOutcome>& buses, const nlohmann::json& firmwar
       controllers += r.patches.size();
       sum.bytes += r.bytes;
       sum.skipped += r.skipped;
-      link_s += r.link_s;
+      link_s = std::max(link_s, r.link_s);  // one pass for all
       modules += cover->design.layout.modules.size();
     }
     sum.link_s = std::max(sum.link_s, link_s);  // buses are served side by side
@@ -213,7 +240,7 @@ int run(Options options, Output& output) {
   };
   try {
     on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
-      buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = flash_bus(bus, link, options, progress);
+      flash_bus(bus, link, options, progress, buses[static_cast<std::size_t>(&bus - open.site.buses.data())]);
     });
     // Controllers have addresses of their own by now: the tables were written before.
     if (firmware) updated = flash_firmware(open.links, *firmware, options.firmware, options.flash, output);
@@ -240,7 +267,8 @@ const Registration kFlash{{
           ->check(CLI::Range(0.0, 86400.0))
           ->capture_default_str();
       app.add_option("--per-wire", options->flash.per_wire,
-                     "controllers served at once on one CAN bus; on different wires all are")
+                     "controllers served at once on one CAN bus, 1: a bus analyser shows whole transfers; on different "
+                     "wires all are")
           ->check(CLI::Range(1, int{layout::kMaxNodes}))
           ->capture_default_str();
       app.add_flag("--dry-run", options->flash.dry_run, "say what would change, write nothing");

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <map>
 #include <memory>
 #include <thread>
 
@@ -34,6 +35,10 @@ class Player {
     if (frames_ == 0) start_us_ = period_us_ = s.link_time_us;
     while (s.link_time_us >= period_us_ + kPeriod_us) show(period_us_ + kPeriod_us);
     monitor_.add({s.module, s.link_time_us, s.sample});
+    if (s.adopter >= 0)
+      adopted_[s.module] = s.adopter;
+    else
+      adopted_.erase(s.module);
     ++frames_;
     last_us_ = s.link_time_us;
   }
@@ -41,7 +46,15 @@ class Player {
     if (frames_ > 0) show(last_us_);
   }
   void modules(std::size_t count) { modules_ = count; }
-  [[nodiscard]] LiveState state() const { return {static_cast<double>(period_us_ - start_us_) * 1e-6, frames_, 0, {}}; }
+  [[nodiscard]] LiveState state() const {
+    LiveState s{time_s(period_us_), frames_, 0, {}};
+    for (const auto& [module, patch] : adopted_) s.adopted.push_back({module, patch, {}, true});
+    return s;
+  }
+  /// Time of the replay at which something came.
+  [[nodiscard]] double time_s(std::uint64_t link_us) const {
+    return static_cast<double>(static_cast<std::int64_t>(link_us - start_us_)) * 1e-6;
+  }
   [[nodiscard]] const device::LiveMonitor& monitor() const { return monitor_; }
 
  private:
@@ -64,9 +77,21 @@ class Player {
   const Options& options_;
   device::LiveMonitor monitor_;
   LiveDisplay& display_;
+  std::map<int, int> adopted_;  // by module: patch whose controller reads it in place of its own
   std::size_t modules_ = 0;
   std::uint64_t start_us_ = 0, period_us_ = 0, last_us_ = 0, frames_ = 0;
 };
+
+void tell_readers(const recording::Summary& summary, const Player& player, Output& output) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const recording::ReaderChange& c : summary.reader_changes) {
+    const double time_s = player.time_s(c.link_time_us);
+    rows.push_back({{"time_s", time_s}, {"module", c.module}, {"patch", c.reader.patch}, {"node", c.reader.node}});
+    output.say(fmt::format("from {:.2f} s on module {} is read by {}controller of patch {}", time_s, c.module,
+                           c.own ? "its own, the " : "the ", c.reader.patch));
+  }
+  output.result["readers"] = std::move(rows);
+}
 
 int run(const Options& options, Output& output) {
   if (!options.listen.empty()) {
@@ -92,6 +117,7 @@ int run(const Options& options, Output& output) {
   output.result["samples"] = player.state().frames;
   output.result["seconds"] = player.state().time_s;
   output.result["complete"] = summary.file.complete;
+  tell_readers(summary, player, output);
   output.say(fmt::format("{} module samples in {:.2f} s", player.state().frames, player.state().time_s));
   if (!summary.file.complete)
     output.say(fmt::format("the recording {}; triskin recover makes it whole", summary.file.problem));

@@ -13,6 +13,7 @@
 #include "triskin/geometry/add_module.hpp"
 #include "triskin/geometry/jumpers.hpp"
 #include "triskin/geometry/map_modules.hpp"
+#include "triskin/geometry/solver_mesh.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
 #include "triskin/host/error.hpp"
 #include "triskin/pipeline/make_design.hpp"
@@ -129,6 +130,8 @@ std::vector<WiredLayout> choices_around(const design::Design& d, const geometry:
   lattice.corner_cut_mm = d.layout.corner_cut_mm;
   lattice.kept = kept;
   lattice.regions = regions;
+  const auto solver = geometry::solver_mesh_of(surface, d.limits, geometry::kSolverDeviation_mm, options.threads);
+  lattice.solver = solver ? &*solver : nullptr;
   constexpr double kWiring = 3.0;  // pricings that the layouts and the wiring take after the growth
   lattice.time_limit_s = std::max(0.5 * options.time_limit_s, options.time_limit_s - kWiring * pricing_s);
   std::vector<design::ModuleLayout> grown = geometry::grow_front(surface, d.limits, lattice, progress);

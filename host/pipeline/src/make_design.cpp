@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "choose_layout.hpp"
 #include "resolve_regions.hpp"
@@ -17,6 +18,7 @@
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/polygon_io.hpp"
 #include "triskin/geometry/routing.hpp"
+#include "triskin/geometry/solver_mesh.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/geometry/surface_lattice.hpp"
 #include "triskin/host/error.hpp"
@@ -137,11 +139,42 @@ PiecesDone pieces_done(const geometry::Surface& surface, std::size_t modules, do
   return {std::max(0.0, 1.0 - covered_mm2 / surface.area_mm2()), more * mapping_s, more * pricing_s};
 }
 
+// What pieces and growth are searched on: the surface, or a mesh with fewer faces.
+class SearchedSurface {
+ public:
+  SearchedSurface(const geometry::Surface& original, const DesignOptions& options)
+      : original_(original),
+        solver_(geometry::solver_mesh_of(original, options.limits, options.solver_deviation_mm, options.threads)) {
+    if (solver_) reduced_.emplace(solver_->mesh);
+  }
+
+  [[nodiscard]] const geometry::Surface& surface() const { return reduced_ ? *reduced_ : original_; }
+  [[nodiscard]] const geometry::SolverMesh* solver() const { return solver_ ? &*solver_ : nullptr; }
+
+ private:
+  const geometry::Surface& original_;
+  std::optional<geometry::SolverMesh> solver_;
+  std::optional<geometry::Surface> reduced_;
+};
+
+// The modules of the pieces keep the limits on the original.
+design::ModuleLayout mapped_layout(const geometry::Surface& original, const SearchedSurface& searched,
+                                   const std::vector<geometry::TiledPiece>& placed, const DesignOptions& options,
+                                   const geometry::SurfaceRegions* regions) {
+  const geometry::SolverMesh* const solver = searched.solver();
+  design::ModuleLayout layout = geometry::map_modules(
+      searched.surface(), placed, solver == nullptr ? options.limits : geometry::limits_on(*solver, options.limits),
+      options.corner_cut_mm, regions);
+  if (solver != nullptr) geometry::keep_limits(original, options.limits, layout, regions);
+  return layout;
+}
+
 // The layouts grown on the surface, best first. The pieces of a fine mesh may take longer than the whole limit on a
 // busy machine: the growth keeps its share all the same, but for pieces that leave it next to nothing to gain.
-std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const DesignOptions& options,
-                                       const geometry::SurfaceRegions* regions, Clock::time_point start,
-                                       const PiecesDone& pieces, const ProgressSink& progress) {
+std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const geometry::SolverMesh* solver,
+                                       const DesignOptions& options, const geometry::SurfaceRegions* regions,
+                                       Clock::time_point start, const PiecesDone& pieces,
+                                       const ProgressSink& progress) {
   geometry::SurfaceLatticeOptions lattice;
   lattice.seed = options.seed;
   lattice.iterations = options.iterations;
@@ -149,6 +182,7 @@ std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const D
   lattice.threads = options.threads;
   lattice.price = options.price;
   lattice.regions = regions;
+  lattice.solver = solver;
   lattice.front = options.iterations > 0 || options.time_limit_s > kShortLimit_s;
   const double share = kGrowthShare * std::min(1.0, pieces.uncovered / kWorthGrowing);
   const double left_s = options.time_limit_s - pieces.after_growth_s(options.time_limit_s) - seconds_since(start);
@@ -187,11 +221,17 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   const geometry::Surface surface(design.surface);
   const auto of_surface = regions_of(surface, design);
   const geometry::SurfaceRegions* const regions = of_surface.get();
-  const geometry::Net net = pieces_of(surface, options, start, progress);
+  const SearchedSurface searched(surface, options);
+  if (notes != nullptr) {
+    notes->solver_faces = static_cast<int>(searched.surface().mesh().faces.size());
+    notes->solver_deviation_mm = searched.solver() == nullptr ? 0.0 : searched.solver()->deviation_mm;
+  }
+  const geometry::Net net = pieces_of(searched.surface(), options, start, progress);
   const auto placed = place_pieces(design, net, options, start, progress);
   report(progress, "mapping to the surface", -1.0);
   const double mapping_from_s = seconds_since(start);
-  design::ModuleLayout mapped = geometry::map_modules(surface, placed, options.limits, options.corner_cut_mm, regions);
+  design::ModuleLayout mapped = mapped_layout(surface, searched, placed, options, regions);
+  if (searched.solver() != nullptr) design.pieces.clear();  // of faces that the design has not
   const double pricing_from_s = seconds_since(start);
   geometry::RoutingOptions routing = routing_options(design);
   routing.threads = options.threads;
@@ -200,7 +240,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   const PiecesDone pieces = pieces_done(surface, choices[0].layout.modules.size(), pricing_from_s - mapping_from_s,
                                         seconds_since(start) - pricing_from_s);
   if (notes != nullptr) notes->pieces = static_cast<int>(choices[0].layout.modules.size());
-  std::vector<design::ModuleLayout> grown = grow(surface, options, regions, start, pieces, progress);
+  std::vector<design::ModuleLayout> grown = grow(surface, searched.solver(), options, regions, start, pieces, progress);
   if (notes != nullptr) notes->surface = static_cast<int>(grown[0].modules.size());
   report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));
   routing.give_up = give_up_at(start, options.time_limit_s - pieces.wiring_s(), options.iterations);

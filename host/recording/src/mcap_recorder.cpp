@@ -21,7 +21,8 @@ McapRecorder::McapRecorder(OutputFile& file, const design::Design& design, Origi
       writer_(file, "ros2", "triskin"),
       frames_([this](std::span<const ModuleSample> frame) {
         writer_.write(raw_, unix_ns(frame.front().link_time_us), encode_raw(frame), frame.front().sampled_ns);
-      }) {
+      }),
+      readers_(design) {
   begin(design);
 }
 
@@ -36,6 +37,7 @@ void McapRecorder::begin(const design::Design& design) {
   raw_ = channel(kRawFrameType, "/skin/raw");
   layout_ = channel(kLayoutType, "/skin/layout");
   contacts_ = channel(kContactsType, "/skin/contacts");
+  readers_channel_ = channel(kReadersType, "/skin/readers");
   if (origin_.cloud_period_us > 0) {
     cloud_channel_ = channel(kPointCloudType, "/skin/points");
     cloud_.emplace(design);
@@ -59,10 +61,20 @@ void McapRecorder::begin(const design::Design& design) {
                   !origin_.calibration_text.empty() ? "N, by the calibration in calibration.json" : "counts");
   writer_.describe({"triskin", facts});
   writer_.write(layout_, start_ns, encode_layout(design, start_ns));
+  put_readers(origin_.link_start_us);
   writer_.flush();
 }
 
+void McapRecorder::put_readers(std::uint64_t link_time_us) {
+  const std::uint64_t log_ns = unix_ns(link_time_us);
+  writer_.write(readers_channel_, log_ns, encode_readers(readers_.all(), link_time_us, log_ns));
+}
+
 void McapRecorder::add(const ModuleSample& sample) {
+  if (readers_.add(sample)) {
+    frames_.flush();  // what stands before the message was read as the one before says
+    put_readers(sample.link_time_us);
+  }
   frames_.add(sample);
   waiting_ = true;
   if (!cloud_) return;

@@ -2,6 +2,7 @@
 #pragma once
 #include "triskin/recording/mcap_file.hpp"
 #include "triskin/recording/raw_frames.hpp"
+#include "triskin/recording/readers.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
 
@@ -19,11 +20,13 @@ class McapRecorder final : public Recorder {
  private:
   [[nodiscard]] std::uint64_t unix_ns(std::uint64_t link_time_us) const;
   void begin(const design::Design& design);
+  void put_readers(std::uint64_t link_time_us);
 
   Origin origin_;
   mcap::Writer writer_;
-  std::uint16_t raw_ = 0, layout_ = 0, contacts_ = 0, cloud_channel_ = 0;
+  std::uint16_t raw_ = 0, layout_ = 0, contacts_ = 0, cloud_channel_ = 0, readers_channel_ = 0;
   RawFrames frames_;
+  Readers readers_;
   std::optional<PointCloud> cloud_;
   std::uint64_t next_cloud_us_ = 0;
   bool waiting_ = false;  // something came since the last flush

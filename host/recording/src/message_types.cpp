@@ -31,6 +31,14 @@ constexpr std::string_view kLayout =
     "float32[] normal         # 3 a module, outward\n"
     "int32[] patch            # 1 a module, -1: none\n" TRISKIN_ROS_HEADER;
 
+constexpr std::string_view kReaders =
+    "# Which controller reads each module: one message at the beginning, with its own, and one at each change\n"
+    "std_msgs/Header header\n"
+    "uint64 link_time_us      # clock of the link when the first sample by another controller came\n"
+    "int32[] patch            # 1 a module: that the controller which reads it serves, -1: none\n"
+    "uint8[] node             # 1 a module: address of that controller, 0: it hangs on another "
+    "bus\n" TRISKIN_ROS_HEADER;
+
 constexpr std::string_view kContacts =
     "# Regions of the skin under pressure, the strongest first\n"
     "std_msgs/Header header\n"
@@ -85,6 +93,7 @@ constexpr std::string_view kPointCloud =
 
 const MessageType kRawFrameType{"triskin_msgs/msg/RawFrame", kRawFrame};
 const MessageType kLayoutType{"triskin_msgs/msg/SkinLayout", kLayout};
+const MessageType kReadersType{"triskin_msgs/msg/Readers", kReaders};
 const MessageType kContactsType{"triskin_msgs/msg/Contacts", kContacts};
 const MessageType kPointCloudType{"sensor_msgs/msg/PointCloud2", kPointCloud};
 

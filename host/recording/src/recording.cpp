@@ -22,6 +22,7 @@ class Samples final : public mcap::Visitor {
   void on_schema(const mcap::Schema& schema) override { schemas_[schema.id] = schema.name; }
   void on_channel(const mcap::Channel& channel) override {
     if (schemas_[channel.schema] == kRawFrameType.name) raw_ = channel.id;
+    if (schemas_[channel.schema] == kReadersType.name) readers_channel_ = channel.id;
   }
   void on_attachment(const mcap::Attachment& attachment) override {
     if (attachment.name == "design.json") summary_.design_text = attachment.data;
@@ -33,22 +34,44 @@ class Samples final : public mcap::Visitor {
     if (metadata.name == "triskin_result") summary_.result = metadata.entries;
   }
   void on_message(const mcap::Message& message) override {
-    if (message.channel != raw_ || raw_ == 0) return;
-    const auto samples = decode_raw(message.data);
-    if (!samples) throw InputError(fmt::format("{}: a message of {} is malformed", name_, kRawFrameType.name));
-    for (const ModuleSample& s : *samples) {
+    if (message.channel != 0 && message.channel == raw_) take_samples(message);
+    if (message.channel != 0 && message.channel == readers_channel_) take_readers(message);
+  }
+
+ private:
+  [[noreturn]] void malformed(const MessageType& type) const {
+    throw InputError(fmt::format("{}: a message of {} is malformed", name_, type.name));
+  }
+  void take_samples(const mcap::Message& message) {
+    auto samples = decode_raw(message.data);
+    if (!samples) malformed(kRawFrameType);
+    for (ModuleSample& s : *samples) {
+      const auto m = static_cast<std::size_t>(s.module);
+      if (m < readers_.size() && readers_[m] != own_[m]) s.adopter = readers_[m].patch;
       if (summary_.samples++ == 0) summary_.first_us = s.link_time_us;
       summary_.last_us = std::max(summary_.last_us, s.link_time_us);
       if (handler_) handler_(s);
     }
   }
+  // The first message has each module's own controller.
+  void take_readers(const mcap::Message& message) {
+    auto at = decode_readers(message.data);
+    if (!at || (!own_.empty() && at->readers.size() != own_.size())) malformed(kReadersType);
+    if (own_.empty()) own_ = readers_ = at->readers;
+    for (std::size_t m = 0; m < own_.size(); ++m) {
+      if (at->readers[m] == readers_[m]) continue;
+      const bool own = at->readers[m] == own_[m];
+      summary_.reader_changes.push_back({at->link_time_us, static_cast<int>(m), at->readers[m], own});
+    }
+    readers_ = std::move(at->readers);
+  }
 
- private:
   Summary& summary_;
   const std::string& name_;
   const std::function<void(const ModuleSample&)>& handler_;
   std::map<std::uint16_t, std::string> schemas_;
-  std::uint16_t raw_ = 0;
+  std::uint16_t raw_ = 0, readers_channel_ = 0;
+  std::vector<Reader> own_, readers_;  // by module; empty: the recording says nothing of it
 };
 
 struct Reached {};  // ends read_origin

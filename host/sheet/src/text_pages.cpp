@@ -156,7 +156,10 @@ void add_preparation(Lines& lines, const design::Design& design) {
            "be 100.0 mm within 0.3 mm.");
   add_tick(lines,
            "Read the key on page 2. All drawings of islands are seen from outside, from the side that is touched.");
-  add_tick(lines, "Lay out the parts of the list and count them.");
+  add_tick(
+      lines,
+      "Have ready: the parts of the list (count them), soldering iron, sharp knife, calipers or compasses, adhesive "
+      "tape that comes off again, and what fixes modules to this part, for example double-sided film.");
   add_tick(lines, "Mark the landmarks R1, R2, … of the overview on the part.");
   if (design.layout.corner_cut_mm > 0.0)
     add_tick(lines, fmt::format("Cut all three corners off every module, {0:g} mm along each side: long sides of {1:g} "
@@ -179,6 +182,11 @@ void add_island_work(Lines& lines, const Plan& plan, int island, int modules) {
            "crosses. Cut solid lines through.");
   add_tick(lines, "Fold each joint by the angle beside it: + away from you, − towards you.");
   if (plan.landmarks.empty()) return;
+  add_tick(
+      lines,
+      "Tape it to the part, the side that is touched outwards, by the points P and Q. Where two places have the "
+      "distances of a point, the overview (page 1) tells which one it is; when P and Q do not both fit, divide the "
+      "difference between them.");
   for (std::size_t k = 0; k < 2; ++k)
     add_tick(lines, fmt::format("Point {} (corner of module {}) goes where it has these distances: {}.",
                                 k == 0 ? "P" : "Q", anchors[k].module, text_of(anchors[k].fix, plan.landmarks)));
@@ -206,10 +214,26 @@ void add_connecting(Lines& lines, const design::Design& design, const Plan& plan
                                 p, design.patches[p].entry,
                                 plan.page_of_module.at(static_cast<std::size_t>(design.patches[p].entry)),
                                 page_of_controller(plan, static_cast<int>(p))));
-  add_tick(lines, "Write the tables into the controllers: triskin flash DESIGN");
+  add_tick(
+      lines,
+      "Any controller may take any of these places: flash finds out which modules hang on which one, and says what to "
+      "do where patches are alike. Connect all to power and to the computer. LINK is can:IFACE for a CAN interface, "
+      "usb or hid for USB; without --link the program speaks to a simulation.");
+  add_tick(lines, "See whether all answer: triskin discover --link LINK");
+  add_tick(lines, "Write the tables into the controllers: triskin flash DESIGN --link LINK");
   add_tick(lines,
-           "Ask the patch whether it is the design: triskin verify DESIGN --touch. Instead of DESIGN the text of a QR "
-           "code does, in the folder that holds the design file.");
+           "Ask the patch whether it is the design: triskin verify DESIGN --link LINK --touch. Instead of DESIGN the "
+           "text of a QR code does, in the folder that holds the design file. Each finding names the module and the "
+           "remedy; it is mended now, while nothing is fixed.");
+}
+
+void add_fixing(Lines& lines) {
+  add_title(lines, "Order of work: fixing");
+  add_tick(
+      lines,
+      "Fix one island after the other in its place, and lead the cables so that no module is bent by them. Nothing "
+      "may lie over the taxels but the dielectric of the skin.");
+  add_tick(lines, "Verify once more: triskin verify DESIGN --link LINK --touch");
 }
 
 Lines work_lines(const design::Design& design, const Plan& plan) {
@@ -222,10 +246,11 @@ Lines work_lines(const design::Design& design, const Plan& plan) {
   }
   add_title(lines, "Order of work: on the part");
   add_tick(lines,
-           "Lay all islands on the part. Sides with the same mark m0, m1, … lie opposite each other over a seam; the "
-           "gap is beside the mark.");
+           "Look at all seams. Sides with the same mark m0, m1, … lie opposite each other; the gap is beside the mark. "
+           "Where it is another by more than 1 mm, or modules overlap, move the island that fits its points worse.");
   add_jumpers(lines, design, plan);
   add_connecting(lines, design, plan);
+  add_fixing(lines);
   return lines;
 }
 

@@ -93,16 +93,28 @@ class VirtualI2cLine final : public fw::I2cLine {
   std::uint64_t spent_ns_ = 0, started_us_ = 0, done_us_ = 0;
 };
 
+// While a step waits for the flash its clock is ahead of the bus: a frame that it sends then leaves when the bus has
+// come to that time.
 class VirtualCan final : public fw::CanPort {
  public:
-  explicit VirtualCan(const VirtualBoard& board) : board_(board) {}
+  VirtualCan(const VirtualBoard& board, const VirtualClock& clock) : board_(board), clock_(clock) {}
   [[nodiscard]] bool fd() const override { return board_.can_fd; }
   [[nodiscard]] bool has_room() const override { return !board_.room || board_.room(); }
   bool send(const wire::CanFrame& frame) override {
     if (!has_room()) return false;
-    board_.send(frame);
+    if (clock_.now > bus_us_ || !later_.empty())
+      later_.emplace_back(clock_.now, frame);
+    else
+      board_.send(frame);
     return true;
   }
+  // The bus has come to this time.
+  void advance(std::uint64_t bus_us) {
+    bus_us_ = bus_us;
+    for (; next_us() <= bus_us_; later_.pop_front()) board_.send(later_.front().second);
+  }
+  // When a frame is to leave that was sent ahead of the bus.
+  [[nodiscard]] std::uint64_t next_us() const { return later_.empty() ? UINT64_MAX : later_.front().first; }
   std::optional<wire::CanFrame> receive() override {
     if (queue.empty()) return std::nullopt;
     const wire::CanFrame frame = queue.front();
@@ -113,6 +125,9 @@ class VirtualCan final : public fw::CanPort {
 
  private:
   const VirtualBoard& board_;
+  const VirtualClock& clock_;
+  std::uint64_t bus_us_ = 0;
+  std::deque<std::pair<std::uint64_t, wire::CanFrame>> later_;
 };
 
 class VirtualChain final : public fw::RouteChain {
@@ -156,7 +171,7 @@ class VirtualFlash final : public fw::FlashArea {
   std::size_t offset_, size_;
 };
 
-// A slot that is written while the application runs: what the flash takes its time for, the processor waits for.
+// Flash that is written while the application runs: what the flash takes its time for, the processor waits for.
 // Through an erase the application goes on as it does on the microcontroller.
 class TimedFlash final : public fw::FlashArea {
  public:
@@ -192,8 +207,9 @@ class Controller final : public VirtualController, private fw::Restart {
                 {*board.lines[1], clock_},
                 {*board.lines[2], clock_},
                 {*board.lines[3], clock_}}},
-        can_(board_),
+        can_(board_, clock_),
         flash_(*board.flash),
+        timed_flash_(flash_, [this](std::uint64_t ns, bool goes_on) { wait(ns, goes_on); }),
         chain_(board.chain, clock_),
         slot_areas_{{{board.slots, 0, kSlotsBytes / 2}, {board.slots, kSlotsBytes / 2, kSlotsBytes / 2}}},
         slots_({&slot_areas_[0], &slot_areas_[1]}, kSlotOrigins),
@@ -212,15 +228,19 @@ class Controller final : public VirtualController, private fw::Restart {
   [[nodiscard]] int usb_session() const override { return usb_session_; }
 
   void run_until(std::uint64_t now_us) override {
-    while (next_event_us() <= now_us) {
-      clock_.now = std::max(clock_.now, next_event_us());
+    can_.advance(now_us);
+    while (next_step_us() <= now_us) {
+      clock_.now = std::max(clock_.now, next_step_us());
       step();
     }
     clock_.now = std::max(clock_.now, now_us);
     if (dfu_) dfu_->tick(clock_.now);
   }
 
-  [[nodiscard]] std::uint64_t next_event_us() const override {
+  [[nodiscard]] std::uint64_t next_event_us() const override { return std::min(next_step_us(), can_.next_us()); }
+
+ private:
+  [[nodiscard]] std::uint64_t next_step_us() const {
     if (!can_.queue.empty()) return clock_.now;
     if (dfu_) return dfu_->wants_to_reconnect() ? clock_.now : dfu_->next_event_us();
     if (loader_) return loader_end_us();
@@ -229,8 +249,6 @@ class Controller final : public VirtualController, private fw::Restart {
     for (const VirtualI2cLine& line : lines_) next = std::min(next, line.done_us());
     return next;
   }
-
- private:
   void step() {
     if (dfu_) return step_dfu();
     if (loader_) return step_loader();
@@ -281,7 +299,7 @@ class Controller final : public VirtualController, private fw::Restart {
     application_.emplace(fw::Ports{{&lines_[0], &lines_[1], &lines_[2], &lines_[3]},
                                    &clock_,
                                    &can_,
-                                   &flash_,
+                                   &timed_flash_,
                                    board_.unique_id,
                                    &*usb_,
                                    board_.chain != nullptr ? &chain_ : nullptr,
@@ -293,9 +311,10 @@ class Controller final : public VirtualController, private fw::Restart {
     const auto label = layout::decode_label(slots_.bytes(running_slot_));
     return label ? std::optional(*label) : std::nullopt;
   }
-  // Work inside a step that the processor waits for.
+  // Work inside a step that the processor waits for; before the application has begun nothing goes on.
   void wait(std::uint64_t ns, bool goes_on) {
     const std::uint64_t end_us = clock_.now + ns / 1000;
+    goes_on = goes_on && application_.has_value();
     while (goes_on && clock_.now < end_us) {
       application_->step_during_flash();
       std::uint64_t next = application_->next_during_flash_us();
@@ -322,6 +341,7 @@ class Controller final : public VirtualController, private fw::Restart {
   std::array<VirtualI2cLine, layout::kLines> lines_;
   VirtualCan can_;
   VirtualFlash flash_;
+  TimedFlash timed_flash_;
   VirtualChain chain_;
   std::array<VirtualFlash, 2> slot_areas_;
   boot::SlotStore slots_;

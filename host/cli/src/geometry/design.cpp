@@ -63,6 +63,8 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"repair", geometry::kRepairNames.name(notes.extract.repair)},
                          {"deviation_mm", notes.extract.deviation.largest_mm},
                          {"deviation_found_mm", notes.extract.deviation.found_mm},
+                         {"solver_faces", notes.solver_faces},
+                         {"solver_deviation_mm", notes.solver_deviation_mm},
                          {"seconds", r.seconds}};
   if (d.layout.corner_cut_mm > 0.0) {
     keys["corner_cut_mm"] = d.layout.corner_cut_mm;
@@ -74,6 +76,10 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
 void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
   const auto& r = d.report;
   if (const std::string change = repair_text(notes.extract); !change.empty()) output.say(change);
+  if (notes.solver_deviation_mm > 0.0) {
+    output.say(fmt::format("searched on {} of {} faces, which deviate by at most {:.3f} mm; measured on all",
+                           notes.solver_faces, d.surface.faces.size(), notes.solver_deviation_mm));
+  }
   output.say(fmt::format("{}: {:.0f} cm², {} modules placed (at most {} by area), coverage {:.1f} %", d.name,
                          r.area_cm2, d.layout.modules.size(), r.upper_bound, 100.0 * r.coverage));
   if (d.layout.corner_cut_mm > 0.0) {
@@ -194,6 +200,11 @@ const Registration kDesign{{
       app.add_option("--bend-radius-mm", options->design.bend_radius_mm,
                      "part the pieces from what bends more than this, as the reference paper does at 50 (0: no)")
           ->check(CLI::Range(0.0, 1e4))
+          ->capture_default_str();
+      app.add_option("--solver-deviation-mm", options->design.solver_deviation_mm,
+                     "deviation of the mesh that is searched on where the surface has more faces than it needs; all is "
+                     "measured on the surface (0: search on the surface)")
+          ->check(CLI::Range(0.0, 1.0))
           ->capture_default_str();
       app.add_option("--regions", options->regions,
                      "file of weights, keep-outs and places that must be covered (docs/regions.md)")

@@ -14,6 +14,7 @@
 #include "triskin/host/files.hpp"
 #include "triskin/jobs/board_file.hpp"
 #include "triskin/jobs/controller_calibration.hpp"
+#include "triskin/session/scheduler.hpp"
 #include "triskin/wire/calibration.hpp"
 #include "triskin/wire/identifiers.hpp"
 
@@ -179,20 +180,34 @@ class Restoration {
     pair();
     require_kinds();
     require_addresses();
-    std::vector<RestoredBoard> results;
     if (!options_.dry_run) move();
-    for (const Pair& p : pairs_) {
-      try {
-        results.push_back(write(p));
-      } catch (const DeviceError& e) {
-        throw DeviceError(fmt::format("{}; {} of {} boards have what was kept, the others what they held", e.what(),
-                                      results.size(), pairs_.size()));
-      }
+    std::vector<RestoredBoard> results(pairs_.size());
+    std::vector<Task> tasks;
+    for (std::size_t k = 0; k < pairs_.size(); ++k) {
+      const Pair& p = pairs_[k];
+      const auto node = static_cast<std::uint8_t>(options_.dry_run ? p.claim.node_address : p.board->node_address);
+      tasks.push_back({node, [this, k, &results](Bus& bus) { results[k] = write(bus, pairs_[k]); }});
     }
+    require_done(run_tasks(bus_.link(), tasks, kTasksPerWire));
     return results;
   }
 
  private:
+  // Names every board that was not written.
+  void require_done(const std::vector<std::exception_ptr>& outcomes) const {
+    std::vector<std::string> failed;
+    for (std::size_t k = 0; k < outcomes.size(); ++k) {
+      try {
+        if (outcomes[k]) std::rethrow_exception(outcomes[k]);
+      } catch (const DeviceError& e) {
+        failed.push_back(fmt::format("controller {}: {}", to_text(pairs_[k].claim.unique_id), e.what()));
+      }
+    }
+    if (failed.empty()) return;
+    throw DeviceError(fmt::format("{}; {} of {} boards have what was kept, the others what they held",
+                                  fmt::join(failed, "\n  "), pairs_.size() - failed.size(), pairs_.size()));
+  }
+
   void pair() {
     claims_ = bus_.discover();
     for (const auto& [from, to] : options_.onto) {
@@ -287,19 +302,19 @@ class Restoration {
     r.calibrated = write_and_compare(controller, kept, r.serial);
     r.calibration_refused = !r.calibrated;
   }
-  RestoredBoard write(const Pair& p) {
+  RestoredBoard write(Bus& bus, const Pair& p) const {
     const BoardBackup& b = *p.board;
     RestoredBoard r{to_text(p.claim.unique_id), b.serial, b.node_address, b.table.size(), false, false};
     const bool moved = p.claim.node_address != b.node_address;
     if (b.table.empty() || (options_.dry_run && !p.claim.has_table)) return r;
     const auto now = static_cast<std::uint8_t>(options_.dry_run ? p.claim.node_address : b.node_address);
-    Controller controller(bus_, now);
+    Controller controller(bus, now);
     const wire::ActiveTable table = controller.active_table();
     const bool same =
         table.present() && table.crc == crc32(b.table) && controller.read_table(b.table.size()) == b.table;
     r.equal = same && !moved;
     if (!same && !options_.dry_run) {
-      write_and_compare(controller, bus_, b.table, {});
+      write_and_compare(controller, bus, b.table, {});
       r.written = true;
     }
     write_calibration(controller, b, r);

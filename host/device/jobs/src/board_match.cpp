@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <exception>
 #include <map>
 #include <set>
 
@@ -12,6 +13,7 @@
 #include "touch_finder.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
+#include "triskin/session/scheduler.hpp"
 
 namespace triskin::device {
 namespace {
@@ -23,6 +25,7 @@ enum class Owner {
   kAnother,    // a table of another design
   kNeighbour,  // one that FlashOptions::neighbours names: never taken
   kUnknown,    // a table, and an address that others share: it cannot be asked
+  kSilent,     // a table, and no answer when it was asked for it: as if it were not there, unless it is named
 };
 
 struct Candidate {
@@ -40,22 +43,25 @@ class Matcher {
         n_patches_(design.patches.size()),
         here_(design::patches_here(design)) {}
 
-  std::vector<Board> run(const std::vector<wire::NodeClaim>& claims) {
+  MatchedBoards run(const std::vector<wire::NodeClaim>& claims) {
     find(claims);
     assign_named();
     keep_own();
     keep_moved();
-    if (options_.recognise && neighbours_are_known()) recognise();
-    fill(Owner::kNobody);
-    if (options_.take_over) {
-      fill(Owner::kAnother);
-      fill(Owner::kUnknown);
+    if (missing_.empty()) {
+      if (options_.recognise && neighbours_are_known()) recognise();
+      fill(Owner::kNobody);
+      if (options_.take_over) {
+        fill(Owner::kAnother);
+        fill(Owner::kUnknown);
+      }
     }
     require_all();
     require_addresses();
-    std::vector<Board> boards;
-    for (const Candidate& c : candidates_) boards.push_back(c.board);
-    return boards;
+    MatchedBoards matched;
+    for (const Candidate& c : candidates_) matched.boards.push_back(c.board);
+    for (const auto& [patch, why] : missing_) matched.missing.push_back({patch, why});
+    return matched;
   }
 
  private:
@@ -69,12 +75,22 @@ class Matcher {
     if (claims.empty())
       throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus_.name()));
     const auto users = users_of_addresses(claims);
+    bool any_answer = false;
+    std::exception_ptr silence;
     for (const auto& c : claims) {
       Candidate candidate{{c, -1}, Owner::kNobody, {}};
-      if (c.has_table) ask(candidate, users.at(c.node_address) == 1);
+      try {
+        if (c.has_table) ask(candidate, users.at(c.node_address) == 1);
+        any_answer = any_answer || candidate.table.present();
+      } catch (const NoAnswer&) {
+        silence = std::current_exception();
+        candidate.owner = Owner::kSilent;
+        silent_.push_back(to_text(c.unique_id));
+      }
       if (is_neighbour(candidate)) candidate.owner = Owner::kNeighbour;
       candidates_.push_back(candidate);
     }
+    if (silence && !any_answer) std::rethrow_exception(silence);  // the cable, rather than the boards
   }
   // A controller whose address nobody shares can be asked which design it serves.
   void ask(Candidate& c, bool alone) {
@@ -98,7 +114,8 @@ class Matcher {
   }
 
   [[nodiscard]] bool wanted(int patch) const {
-    return std::ranges::binary_search(here_, patch) && (options_.patch < 0 || options_.patch == patch);
+    return std::ranges::binary_search(here_, patch) && (options_.patch < 0 || options_.patch == patch) &&
+           !missing_.contains(patch);
   }
   void give(Candidate& c, int patch, FoundBy by) {
     c.board.patch = patch;
@@ -114,10 +131,12 @@ class Matcher {
       const auto named = std::ranges::find_if(
           candidates_, [&](const Candidate& c) { return to_text(c.board.claim.unique_id) == a.serial; });
       if (named == candidates_.end() && !wanted(a.patch)) continue;
-      if (named == candidates_.end())
-        throw DeviceError(
-            fmt::format("{}: no controller {} answers; triskin discover lists those that do", bus_.name(), a.serial));
-      if (named->board.patch >= 0 || taken_.contains(a.patch))
+      if (named == candidates_.end()) {
+        missing_[a.patch] =
+            fmt::format("{}: no controller {} answers; triskin discover lists those that do", bus_.name(), a.serial);
+        continue;
+      }
+      if (named->board.patch >= 0 || taken_.contains(a.patch) || missing_.contains(a.patch))
         throw InputError(fmt::format("--assign {}={}: the patch or the controller is named twice", a.patch, a.serial));
       if (wanted(a.patch))
         give(*named, a.patch, FoundBy::kName);
@@ -181,11 +200,7 @@ class Matcher {
   // `seats` begins with those of the patches `open`; the others are of neighbours.
   Undecided settle_by_shape(const std::vector<Candidate*>& free, const std::vector<int>& open,
                             const std::vector<Seat>& seats) {
-    std::vector<BoardShape> shapes;
-    for (const Candidate* c : free) {
-      Controller controller(bus_, c->board.claim.node_address);
-      shapes.push_back(read_shape(controller));
-    }
+    const std::vector<BoardShape> shapes = shapes_of(free);
     const ShapeAssignment by_shape = assign_by_shape(shapes, seats);
     Undecided alike;
     for (std::size_t k = 0; k < free.size(); ++k) {
@@ -207,6 +222,22 @@ class Matcher {
       }
     }
     return alike;
+  }
+  // All look at their patches at the same time.
+  [[nodiscard]] std::vector<BoardShape> shapes_of(const std::vector<Candidate*>& boards) const {
+    std::vector<BoardShape> shapes(boards.size());
+    std::vector<Task> tasks;
+    for (std::size_t k = 0; k < boards.size(); ++k) {
+      const std::uint8_t node = boards[k]->board.claim.node_address;
+      tasks.push_back({node, [&shapes, k, node](Bus& bus) {
+                         Controller controller(bus, node);
+                         shapes[k] = read_shape(controller);
+                       }});
+    }
+    for (const std::exception_ptr& failure : run_tasks(bus_.link(), tasks, options_.per_wire)) {
+      if (failure) std::rethrow_exception(failure);
+    }
+    return shapes;
   }
   void touch(const std::vector<int>& open, const Undecided& alike) {
     if (options_.say)
@@ -313,32 +344,52 @@ class Matcher {
     return fmt::format("{}", fmt::join(names, ", "));
   }
 
-  void require_all() const {
-    std::vector<int> missing;
+  // Where boards are missing, only those that are certain are served.
+  void require_all() {
+    std::vector<int> open;
     for (const int p : here_) {
-      if (wanted(p) && !taken_.contains(p)) missing.push_back(p);
+      if (wanted(p) && !taken_.contains(p)) open.push_back(p);
     }
-    if (missing.empty()) return;
+    if (open.empty()) return;
+    const std::vector<std::string> others = takeable();
+    if (!others.empty())
+      throw DeviceError(fmt::format(
+          "{}: no controller is free for patch{} {}; these hold a table that is not of this design and are left alone: "
+          "{}. Name one (--assign PATCH=SERIAL) or take all of them (--take-over); nothing was written",
+          bus_.name(), open.size() == 1 ? "" : "es", fmt::join(open, ", "), fmt::join(others, ", ")));
+    const auto n_answer = std::ranges::count_if(candidates_, [](const Candidate& c) {
+      return c.owner != Owner::kNeighbour && (c.owner != Owner::kSilent || c.board.patch >= 0);
+    });
+    const std::string too_few = fmt::format(
+        "{}: the design has {} patches here, {} controllers answer that may serve them{}; connect the others, or flash "
+        "one patch at a time (--patch)",
+        bus_.name(), here_.size(), n_answer,
+        silent_.empty() ? "" : fmt::format(" ({} fell silent)", fmt::join(silent_, ", ")));
+    const bool any_certain = std::ranges::any_of(candidates_, is_certain);
+    if (!any_certain || options_.patch >= 0)
+      throw DeviceError((missing_.empty() ? too_few : missing_.begin()->second) + "; nothing was written");
+    for (Candidate& c : candidates_) {
+      if (c.board.patch < 0 || is_certain(c)) continue;
+      open.push_back(c.board.patch);
+      taken_.erase(c.board.patch);
+      c.board.patch = -1;
+    }
+    for (const int p : open) missing_.try_emplace(p, too_few);
+  }
+  static bool is_certain(const Candidate& c) {
+    return c.board.patch >= 0 && (c.board.by == FoundBy::kName || c.board.by == FoundBy::kTable);
+  }
+  // Controllers that would do but hold a table that is not of this design.
+  [[nodiscard]] std::vector<std::string> takeable() const {
     std::vector<std::string> others;
     for (const Candidate& c : candidates_) {
-      if (c.board.patch >= 0 || c.owner == Owner::kNobody || c.owner == Owner::kThis || c.owner == Owner::kNeighbour)
-        continue;
+      if (c.board.patch >= 0 || (c.owner != Owner::kAnother && c.owner != Owner::kUnknown)) continue;
       others.push_back(fmt::format("{} ({})", to_text(c.board.claim.unique_id),
                                    c.owner == Owner::kAnother
                                        ? fmt::format("design {:016x}", c.table.design_id)
                                        : fmt::format("shares node address {}", c.board.claim.node_address)));
     }
-    if (others.empty())
-      throw DeviceError(fmt::format(
-          "{}: the design has {} patches here, {} controllers answer that may serve them; connect the others, or flash "
-          "one patch at a time (--patch); nothing was written",
-          bus_.name(), here_.size(),
-          std::ranges::count_if(candidates_, [](const Candidate& c) { return c.owner != Owner::kNeighbour; })));
-    throw DeviceError(
-        fmt::format("{}: no controller is free for patch{} {}; these hold a table that is not of this design and are "
-                    "left alone: {}. "
-                    "Name one (--assign PATCH=SERIAL) or take all of them (--take-over); nothing was written",
-                    bus_.name(), missing.size() == 1 ? "" : "es", fmt::join(missing, ", "), fmt::join(others, ", ")));
+    return others;
   }
 
   // The address of a patch may be that of a controller that is none of ours.
@@ -362,12 +413,14 @@ class Matcher {
   const std::vector<int> here_;  // ascending
   std::vector<Candidate> candidates_;
   std::set<int> taken_;
+  std::vector<std::string> silent_;     // serial numbers of those
+  std::map<int, std::string> missing_;  // patches without a controller, and why
 };
 
 }  // namespace
 
-std::vector<Board> match_boards(Bus& bus, const design::Design& design, const FlashOptions& options,
-                                const std::vector<wire::NodeClaim>& claims) {
+MatchedBoards match_boards(Bus& bus, const design::Design& design, const FlashOptions& options,
+                           const std::vector<wire::NodeClaim>& claims) {
   if (options.patch >= static_cast<int>(design.patches.size()))
     throw InputError(
         fmt::format("--patch {}: the design has patches 0 … {}", options.patch, design.patches.size() - 1));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <string>
 #include <vector>
 
 #include "triskin/jobs/flash.hpp"
@@ -13,13 +14,26 @@ struct Board {
   FoundBy by = FoundBy::kNothing;
 };
 
+/// A patch that no controller serves.
+struct MissingBoard {
+  int patch = 0;
+  std::string why;  ///< a sentence
+};
+
+struct MatchedBoards {
+  std::vector<Board> boards;          ///< in the order of the claims
+  std::vector<MissingBoard> missing;  ///< by patch
+};
+
 /// Decides which of the controllers `claims` gets which patch, and writes nothing. In this order: controllers that
 /// `options.assign` names; those that hold a table of this design; those that never had a table, by the shapes of their
 /// patches or in the order of their unique ids; with `options.take_over` those of another design. With `options.patch`
 /// one patch alone is looked for. In a dry run addresses stay, and controllers that share one are not told apart.
-/// Throws DeviceError naming the controllers and the remedy when a patch finds none, InputError for an assignment that
-/// cannot be.
-[[nodiscard]] std::vector<Board> match_boards(Bus& bus, const design::Design& design, const FlashOptions& options,
-                                              const std::vector<wire::NodeClaim>& claims);
+/// Where controllers are missing, those that are named or hold a table of this design get their patches, and nobody is
+/// told by shape or order: the missing one could be any of them. Throws DeviceError naming the controllers and the
+/// remedy when a patch finds none and none is certain, or controllers of another design would do; InputError for an
+/// assignment that cannot be.
+[[nodiscard]] MatchedBoards match_boards(Bus& bus, const design::Design& design, const FlashOptions& options,
+                                         const std::vector<wire::NodeClaim>& claims);
 
 }  // namespace triskin::device

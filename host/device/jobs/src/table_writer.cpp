@@ -7,12 +7,18 @@
 
 namespace triskin::device {
 
-// The answer to the activation may be lost, and the table active all the same: what counts is what is read back.
+// The answer to the activation may be lost, and the table active all the same: what counts is what is read back. Where
+// the request was lost the whole is done again.
 void write_and_compare(Controller& controller, Bus& bus, Bytes image, const std::function<void(double)>& steps) {
-  try {
-    controller.write_table(image, steps);
-  } catch (const NoAnswer&) {
-    if (controller.active_table().crc != crc32(image)) throw;
+  constexpr int kAttempts = 3;
+  for (int attempt = 1;; ++attempt) {
+    try {
+      controller.write_table(image, steps);
+      break;
+    } catch (const NoAnswer&) {
+      if (controller.active_table().crc == crc32(image)) break;
+      if (attempt == kAttempts) throw;
+    }
   }
   const Bus::Uninterrupted guard(bus);  // what is active is known to be right before anything else
   const std::vector<std::uint8_t> back = controller.read_table(image.size());

@@ -166,8 +166,17 @@ std::vector<std::uint8_t> Controller::read_table(std::size_t size_bytes) {
     if (m.size() < 2 || m[0] != block) malformed("table");
     bytes.insert(bytes.end(), m.begin() + 1, m.end());
   }
-  (void)bus_.request(node_, request_of({wire::service::kTransferExit}), Repeat::kNever);
+  end_transfer();
   return bytes;
+}
+
+// Asked again after a lost answer, the controller has no transfer any more and says so. What came is checked by others.
+void Controller::end_transfer() {
+  try {
+    (void)bus_.request(node_, request_of({wire::service::kTransferExit}), Repeat::kSafe);
+  } catch (const Refused& e) {
+    if (e.code() != wire::nrc::kSequenceError) throw;
+  }
 }
 
 // A lost answer to the key leaves open whether it was taken, so both steps are done again together.
@@ -203,7 +212,7 @@ void Controller::write_table(Bytes image, const std::function<void(double)>& ste
     if (steps) steps(static_cast<double>(at + part.size()) / static_cast<double>(image.size()));
   }
   const Bus::Uninterrupted guard(bus_);  // so that it is known which table is active
-  (void)bus_.request(node_, request_of({wire::service::kTransferExit}), Repeat::kNever);
+  end_transfer();
   const auto id = wire::routine::kActivate;
   const Message m = bus_.request(node_, request_of({wire::service::kRoutine, 0x01, high(id), low(id)}), Repeat::kNever);
   const auto result = wire::ActivationResult::decode(Bytes(m).subspan(std::min(m.size(), kRoutineHead)));

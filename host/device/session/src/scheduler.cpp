@@ -26,6 +26,8 @@ class TaskLink final : public ForwardingLink {
         }) {}
 
   std::optional<wire::CanFrame> receive(std::uint64_t until_us) override;
+  // What the others on the wire send may go before the answer.
+  [[nodiscard]] std::uint64_t answer_us() const override;
 
   // What follows is for the scheduler, while the task is suspended.
   [[nodiscard]] int wire() const { return wire_; }
@@ -81,6 +83,7 @@ class Scheduler {
     return outcomes;
   }
 
+  [[nodiscard]] int under_way(int wire) const { return under_way_.at(wire); }
   // Takes the frames that have arrived already; does not wait.
   void poll_link() {
     while (const auto frame = link_.receive(link_.now_us())) deliver(*frame);
@@ -128,6 +131,11 @@ class Scheduler {
   std::vector<std::unique_ptr<TaskLink>> tasks_;
   std::map<int, int> under_way_;  // tasks that have started and not ended, by wire
 };
+
+std::uint64_t TaskLink::answer_us() const {
+  constexpr std::uint64_t kLongest_us = 10'000;  // a block of a table in classic frames at 125 kbit/s
+  return link_.answer_us() + static_cast<std::uint64_t>(scheduler_.under_way(wire_) - 1) * kLongest_us;
+}
 
 std::optional<wire::CanFrame> TaskLink::receive(std::uint64_t until_us) {
   if (inbox_.empty()) scheduler_.poll_link();

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "index.hpp"
+#include "overlapping_pairs.hpp"
 #include "triskin/geometry/map_modules.hpp"
 #include "worst_places.hpp"
 
@@ -25,7 +26,13 @@ class Keeper {
     give_up_turned();
     give_up_bad();
     number_islands(layout_);
-    for (const auto& [limit, count] : refused_) layout_.refused.emplace_back(limit, count);
+    for (const auto& [limit, count] : refused_) {
+      const auto known = std::ranges::find(layout_.refused, limit, [](const auto& entry) { return entry.first; });
+      if (known == layout_.refused.end())
+        layout_.refused.emplace_back(limit, count);
+      else
+        known->second += count;
+    }
   }
 
  private:
@@ -43,17 +50,20 @@ class Keeper {
 
   // First joints (they become slits), then modules; a margin of 2 % keeps another measurement from disagreeing.
   void give_up_bad() {
+    std::vector<OverlappingPair> pairs = overlapping_pairs(layout_);  // as nothing moves, they only go
     for (;;) {
-      measure_between(layout_);
+      measure_between(layout_, pairs);
       if (open_bad_joints()) continue;
-      const std::vector<int> worst = worst_modules(layout_, limits_);
+      const std::vector<WorstModule> worst = worst_modules(layout_, limits_);
       if (worst.empty()) return;
       std::vector<bool> bad(layout_.modules.size(), false);
-      for (const int k : worst) {
-        ++refused_[worst_limit(layout_.modules[at(k)], limits_).second];
-        bad[at(k)] = true;
+      for (const WorstModule& w : worst) {
+        ++refused_[w.limit];
+        bad[at(w.module)] = true;
       }
-      remove_modules(layout_, bad);
+      const std::vector<int> new_id = remove_modules(layout_, bad);
+      std::erase_if(pairs, [&](const OverlappingPair& p) { return new_id[at(p.a)] < 0 || new_id[at(p.b)] < 0; });
+      for (OverlappingPair& p : pairs) p = {new_id[at(p.a)], new_id[at(p.b)], p.depth_mm};
     }
   }
 

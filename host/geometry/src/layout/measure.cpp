@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "index.hpp"
+#include "overlapping_pairs.hpp"
 #include "rigid.hpp"
 #include "surface_lattice/point_grid.hpp"
 #include "triskin/design/outline.hpp"
@@ -108,26 +109,37 @@ void measure_on_surface(const Surface& surface, PlacedModule& m, double corner_c
   m.bend_radius_mm = smallest_radius(surface, m.corner_mm);
 }
 
-void measure_between(ModuleLayout& layout) {
+std::vector<OverlappingPair> overlapping_pairs(const ModuleLayout& layout) {
+  const auto& modules = layout.modules;
+  std::vector<Vec3> middles;
+  for (const PlacedModule& m : modules) middles.push_back(centroid_of(m.corner_mm));
+  surface_lattice::PointGrid grid(middles, kNear_mm);
+  std::vector<OverlappingPair> pairs;
+  for (std::size_t b = 0; b < modules.size(); ++b) {
+    (void)grid.any_near(middles[b], kNear_mm, [&](int a) {
+      const double depth_mm = penetration_depth(modules[at(a)].corner_mm, modules[b].corner_mm, layout.corner_cut_mm);
+      if (depth_mm > 0.0) pairs.push_back({a, static_cast<int>(b), depth_mm});
+      return false;
+    });
+    grid.add(static_cast<int>(b), middles[b]);
+  }
+  return pairs;
+}
+
+void measure_between(ModuleLayout& layout, const std::vector<OverlappingPair>& pairs) {
   auto& modules = layout.modules;
   for (PlacedModule& m : modules) {
     m.penetration_mm = 0.0;
     m.edge_error_mm = 0.0;
     for (int s = 0; s < 3; ++s) measure_joint(modules, m, s);
   }
-  std::vector<Vec3> middles;
-  for (const PlacedModule& m : modules) middles.push_back(centroid_of(m.corner_mm));
-  surface_lattice::PointGrid grid(middles, kNear_mm);
-  for (std::size_t b = 0; b < modules.size(); ++b) {
-    (void)grid.any_near(middles[b], kNear_mm, [&](int k) {
-      PlacedModule &m = modules[at(k)], &n = modules[b];
-      const double depth = penetration_depth(m.corner_mm, n.corner_mm, layout.corner_cut_mm);
-      m.penetration_mm = std::max(m.penetration_mm, depth);
-      n.penetration_mm = std::max(n.penetration_mm, depth);
-      return false;
-    });
-    grid.add(static_cast<int>(b), middles[b]);
+  for (const auto& [a, b, depth_mm] : pairs) {
+    for (const int k : {a, b}) modules[at(k)].penetration_mm = std::max(modules[at(k)].penetration_mm, depth_mm);
   }
+}
+
+void measure_between(ModuleLayout& layout) {
+  measure_between(layout, overlapping_pairs(layout));
 }
 
 void measure(const Surface& surface, ModuleLayout& layout, const SurfaceRegions* regions) {

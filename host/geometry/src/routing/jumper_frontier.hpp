@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "jumper_partition.hpp"
+#include "jumper_graph.hpp"
 
 namespace triskin::geometry {
 
@@ -13,11 +13,13 @@ struct CheapestParts {
   int parts = 0;
 };
 
-/// The cheapest partition among those that cost less than `limit`, exact: nodes are added one by one; a state keeps
-/// which nodes with neighbours to come share a part, and the weight of each such part; of equal states the cheapest
-/// stays. A state is dropped when its price and ⌈weight to come / capacity⌉ controllers reach the limit. Undecided
-/// after `budget` transitions or where the frontier outgrows 12 nodes.
+/// A partition that costs less than `limit` and no more than any whose jumpers join all islands of the graph, exact:
+/// nodes are added one by one; a jumper is fitted or not at its first end; a state keeps which slots (what nodes to
+/// come can join) share a part, and the weight of each such part. Of the states with equal slots those stay that no
+/// other beats in price and in every weight. A state is dropped when its price, ⌈weight to come / capacity⌉ controllers
+/// and the jumpers that islands to come need reach the limit. Several orders of the nodes are tried. Undecided after
+/// `budget` transitions, which are counted down, or where slots or open parts outgrow their numbers.
 [[nodiscard]] CheapestParts cheapest_parts(const JumperGraph& g, int capacity, const IntegerPrice& price,
-                                           std::int64_t limit, long budget);
+                                           std::int64_t limit, long& budget);
 
 }  // namespace triskin::geometry

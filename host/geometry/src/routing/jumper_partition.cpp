@@ -2,150 +2,21 @@
 #include "jumper_partition.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
+#include <map>
+#include <optional>
 
+#include "island_groups.hpp"
 #include "jumper_frontier.hpp"
+#include "jumper_search.hpp"
 #include "partition.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-constexpr int kCapacityMost = 16;
-constexpr int kTrees = 100;
-constexpr int kMovesAPart = 400, kMovesAQuestion = 64;
-constexpr long kExactBudget = 2'000'000;  // state transitions: about 0.3 s
-
-// A spanning tree of some nodes, and the most that can be saved by joining its nodes into parts.
-class TreeDivision {
- public:
-  TreeDivision(const JumperGraph& g, int capacity, const IntegerPrice& price)
-      : g_(g),
-        capacity_(capacity),
-        price_(price),
-        parent_(at(g.joined.size())),
-        by_jumper_(at(g.joined.size())),
-        seen_(at(g.joined.size()), 0),
-        saved_(at(g.joined.size())),
-        best_(at(g.joined.size())),
-        most_(at(g.joined.size())),
-        taken_(at(g.joined.size())) {}
-
-  // Random tree over the nodes v with scope[v] == stamp, which are connected; joints before jumpers, but for one tree
-  // in four.
-  void draw(const std::vector<int>& scope, int stamp, int root, Dice& random) {
-    struct Step {
-      int from, to;
-      bool jumper;
-    };
-    order_.clear();
-    ++now_;
-    std::vector<Step> front, late;
-    const bool mixed = random.below(4) == 0;
-    const int depth_first_of_8 = random.below(9);
-    Step step{-1, root, false};
-    for (;;) {
-      if (seen_[at(step.to)] != now_) {
-        seen_[at(step.to)] = now_;
-        parent_[at(step.to)] = step.from;
-        by_jumper_[at(step.to)] = step.jumper;
-        order_.push_back(step.to);
-        const int first = random.below(3);
-        for (int k = 0; k < 3; ++k) {
-          const std::size_t s = at((first + k) % 3);
-          const int w = g_.joined.neighbour[at(step.to)][s];
-          if (w < 0 || scope[at(w)] != stamp || seen_[at(w)] == now_) continue;
-          const bool jumper = g_.over_jumper[at(step.to)][s];
-          (jumper && !mixed ? late : front).push_back({step.to, w, jumper});
-        }
-      }
-      auto& list = front.empty() ? late : front;
-      if (list.empty()) return;
-      if (&list == &late || random.below(8) >= depth_first_of_8)
-        std::swap(list[at(random.below(static_cast<int>(list.size())))], list.back());
-      step = list.back();
-      list.pop_back();
-    }
-  }
-
-  // The cheapest parts that the tree allows, exact: by node and weight of the part at it, the most that joining saves.
-  // Numbers the parts from `first` on; returns how many there are.
-  int divide(int first, std::vector<int>& part_of) {
-    for (const int v : order_) {
-      saved_[at(v)][1] = 0;
-      most_[at(v)] = 1;
-    }
-    for (std::size_t k = order_.size(); k-- > 1;) {
-      choose_best(order_[k]);
-      join(order_[k], parent_[at(order_[k])]);
-    }
-    choose_best(order_[0]);
-    return number_parts(first, part_of);
-  }
-
-  [[nodiscard]] const std::vector<int>& order() const { return order_; }
-
- private:
-  using Row = std::array<std::int64_t, kCapacityMost + 1>;
-  static constexpr std::int64_t kNever = -(std::int64_t{1} << 60);
-
-  void choose_best(int v) {
-    const auto first = saved_[at(v)].begin() + 1;
-    best_[at(v)] = static_cast<int>(std::max_element(first, first + most_[at(v)]) - first) + 1;
-  }
-
-  // Parts at a node weigh 1 … most_.
-  void join(int child, int parent) {
-    const Row mine = saved_[at(parent)], &theirs = saved_[at(child)];
-    Row& out = saved_[at(parent)];
-    auto& taken = taken_[at(child)];
-    const std::size_t m = at(most_[at(parent)]), n = at(most_[at(child)]);
-    const std::size_t most = std::min(at(capacity_), m + n);
-    most_[at(parent)] = static_cast<int>(most);
-    const std::int64_t apart = theirs[at(best_[at(child)])],
-                       saves = price_.part - (by_jumper_[at(child)] ? price_.jumper : 0);
-    for (std::size_t w = 1; w <= most; ++w) {
-      out[w] = w <= m ? mine[w] + apart : kNever;
-      taken[w] = 0;
-      for (std::size_t c = w > m ? w - m : 1; c < w && c <= n; ++c) {
-        const std::int64_t together = mine[w - c] + theirs[c] + saves;
-        if (together <= out[w]) continue;
-        out[w] = together;
-        taken[w] = static_cast<int>(c);
-      }
-    }
-  }
-
-  // Children were joined in the reverse of the order, so the weights are read back in the order.
-  int number_parts(int first, std::vector<int>& part_of) {
-    std::vector<int>& weight = weight_;
-    weight.resize(at(g_.joined.size()));
-    int parts = 0;
-    for (const int v : order_) {
-      const int p = parent_[at(v)];
-      const int mine = p < 0 ? 0 : taken_[at(v)][at(weight[at(p)])];
-      if (mine > 0) {
-        weight[at(p)] -= mine;
-        weight[at(v)] = mine;
-        part_of[at(v)] = part_of[at(p)];
-      } else {
-        weight[at(v)] = best_[at(v)];
-        part_of[at(v)] = first + parts++;
-      }
-    }
-    return parts;
-  }
-
-  const JumperGraph& g_;
-  int capacity_;
-  const IntegerPrice& price_;
-  std::vector<int> order_, parent_, weight_;
-  std::vector<bool> by_jumper_;
-  std::vector<int> seen_;
-  std::vector<Row> saved_;
-  std::vector<int> best_, most_;
-  std::vector<std::array<int, kCapacityMost + 1>> taken_;
-  int now_ = 0;
-};
+constexpr long kFirstGroupBudget = 30'000, kGroupBudget = 500'000;  // state transitions: about 0.3 s
+constexpr long kExactBudget = 4'000'000;                            // the same: about 0.3 s
+constexpr long kPeelBudget = 200'000;                               // node visits: about 3 ms
 
 class JumperPartitioner {
  public:
@@ -157,187 +28,152 @@ class JumperPartitioner {
         seed_(seed),
         give_up_(give_up),
         random_(seed),
-        trees_(g, capacity, price_) {}
+        islands_(components(g.apart)) {}
 
   JumperPartition run() {
     const Partition together = partition(g_.joined, capacity_, seed_, 0.0, give_up_);
-    parts_bound_ = together.lower_bound;
-    offer_islands();
-    offer(together.part_of, together.parts);
-    best_.parts_bound = parts_bound_;
-    if (price_.jumpers_pay()) search();
-    best_.jumpers_bound = std::max(0, pieces_bound_ - best_.parts);
-    best_.proved = met() || (!is_late() && prove());
-    if (best_.proved) best_.jumpers_bound = best_.jumpers;
-    return std::move(best_);
+    divide_islands();
+    best_.offer(g_, price_, together.part_of, together.parts);
+    bound_ = price_.jumpers_pay() ? price_.of(together.lower_bound, std::max(0, pieces_bound_ - together.lower_bound))
+                                  : price_.of(pieces_bound_, 0);
+    if (price_.jumpers_pay()) close_the_gap();
+    JumperPartition p{best_.part_of, best_.parts, best_.jumpers, together.lower_bound, 0, met()};
+    p.jumpers_bound = met() ? best_.jumpers : jumpers_bound();
+    return p;
   }
 
  private:
-  [[nodiscard]] std::int64_t bound() const {
-    if (!price_.jumpers_pay()) return price_.of(pieces_bound_, 0);
-    return price_.of(parts_bound_, std::max(0, pieces_bound_ - parts_bound_));
-  }
   [[nodiscard]] std::int64_t cost() const { return price_.of(best_.parts, best_.jumpers); }
-  [[nodiscard]] bool met() const { return cost() <= bound(); }
+  [[nodiscard]] bool met() const { return cost() <= bound_; }
   [[nodiscard]] bool is_late() const { return give_up_ && give_up_(); }
-
-  void offer(const std::vector<int>& part_of, int parts) {
-    const int jumpers = jumpers_of(g_, part_of, parts);
-    if (best_.parts > 0 && price_.of(parts, jumpers) >= cost()) return;
-    best_.part_of = part_of;
-    best_.parts = parts;
-    best_.jumpers = jumpers;
+  // For as many parts as the best has.
+  [[nodiscard]] int jumpers_bound() const {
+    const std::int64_t of_jumpers = bound_ - price_.of(best_.parts, 0);
+    const std::int64_t by_price = of_jumpers <= 0 ? 0 : (of_jumpers + price_.jumper - 1) / price_.jumper;
+    return std::max(static_cast<int>(by_price), pieces_bound_ - best_.parts);
   }
 
   // Every island alone: what is needed without jumpers, and how many pieces the islands fall into at least.
-  void offer_islands() {
-    std::vector<int> part_of(at(g_.apart.size()), -1), local(at(g_.apart.size()), -1);
+  void divide_islands() {
+    std::vector<int> part_of(at(g_.apart.size()), -1);
     int parts = 0;
-    for (int start = 0; start < g_.apart.size(); ++start) {
-      if (part_of[at(start)] >= 0) continue;
-      LocalGraph island;
-      island.node.push_back(start);
-      local[at(start)] = 0;
-      for (std::size_t k = 0; k < island.node.size(); ++k) {
-        for (const int w : g_.apart.neighbour[at(island.node[k])]) {
-          if (w < 0 || local[at(w)] >= 0) continue;
-          local[at(w)] = island.size();
-          island.node.push_back(w);
-        }
-      }
-      for (const int v : island.node) {
-        island.neighbour.push_back(g_.apart.neighbour[at(v)]);
-        for (int& w : island.neighbour.back()) w = w < 0 ? -1 : local[at(w)];
-      }
-      const Partition p = partition(island, capacity_, seed_, 0.0, give_up_);
+    for (const std::vector<int>& island : islands_) {
+      const Partition p = partition(part_of_graph(g_, island).apart, capacity_, seed_, 0.0, give_up_);
       pieces_bound_ += p.lower_bound;
-      for (int k = 0; k < island.size(); ++k) part_of[at(island.node[at(k)])] = parts + p.part_of[at(k)];
+      alone_.push_back(p.lower_bound);
+      for (std::size_t k = 0; k < island.size(); ++k) part_of[at(island[k])] = parts + p.part_of[k];
       parts += p.parts;
     }
-    offer(part_of, parts);
+    best_.offer(g_, price_, part_of, parts);
   }
 
-  void search() {
+  void close_the_gap() {
+    std::optional<IslandGroups> groups;
+    bound_by_groups(kFirstGroupBudget, groups);
+    if (!met()) search_division(g_, capacity_, price_, bound_, random_, give_up_, best_);
+    if (groups && !groups->least()) bound_by_groups(kGroupBudget, groups);
+    if (groups && groups->least()) settle_groups(*groups);
+  }
+
+  void bound_by_groups(long budget, std::optional<IslandGroups>& groups) {
+    if (met() || is_late() || islands_.size() > at(kMostIslands)) return;
+    groups.emplace(island_graph(), capacity_, price_, cost(), budget);
+    bound_ = std::max(bound_, groups->least().value_or(bound_));
+  }
+
+  // Raises the bound by one jumper at most at a time: far fewer divisions lie below that than below the best.
+  void settle_groups(const IslandGroups& groups) {
+    long budget = kGroupBudget;
+    while (!met() && !is_late()) {
+      const std::int64_t limit = std::min(cost(), bound_ + price_.jumper);
+      const auto division = groups.cheapest(known_, limit, budget);
+      if (!division) return;
+      bound_ = std::max(bound_, division->groups.empty() ? limit : division->price);
+      if (!met() && !division->groups.empty() && !settle(groups, *division)) return;
+    }
+  }
+
+  [[nodiscard]] IslandGraph island_graph() const {
+    std::vector<int> island_of(at(g_.joined.size()));
+    IslandGraph graph;
+    for (std::size_t k = 0; k < islands_.size(); ++k) {
+      graph.weight.push_back(static_cast<int>(islands_[k].size()));
+      for (const int v : islands_[k]) island_of[at(v)] = static_cast<int>(k);
+    }
+    graph.alone = alone_;
+    graph.neighbour.assign(islands_.size(), 0);
+    for (int v = 0; v < g_.joined.size(); ++v) {
+      for (std::size_t s = 0; s < 3; ++s) {
+        if (g_.over_jumper[at(v)][s])
+          graph.neighbour[at(island_of[at(v)])] |= IslandSet{1} << island_of[at(g_.joined.neighbour[at(v)][s])];
+      }
+    }
+    for (std::size_t k = 0; k < islands_.size(); ++k) graph.neighbour[k] &= ~(IslandSet{1} << k);
+    return graph;
+  }
+
+  // What is known of a group: no division that joins all its islands costs less than `least`.
+  struct Settled {
+    JumperGraph graph;  // `node` is the local node of the whole
+    std::int64_t least = 0;
+    JumperDivision best;
+    bool too_large = false;  // for the exact programme
+  };
+  [[nodiscard]] std::int64_t price_of(const JumperDivision& d) const { return price_.of(d.parts, d.jumpers); }
+
+  // Works on the groups of a division until one is dearer than was known; where none is, their own best together may be
+  // cheaper than the best of the whole. False where nothing was gained: nothing can be.
+  bool settle(const IslandGroups& groups, const IslandGroups::Division& division) {
+    bool gained = false;
+    for (const IslandSet group : division.groups) {
+      Settled& s = settled(groups, group);
+      const std::int64_t limit = cost() - (division.price - s.least);
+      if (s.too_large || price_of(s.best) <= s.least) continue;
+      const std::int64_t before = s.least;
+      raise(s, limit);
+      known_[group] = s.least;
+      gained = gained || !s.too_large;
+      if (s.least > before) return true;
+    }
     std::vector<int> part_of(at(g_.joined.size()), -1);
-    const std::vector<int> whole(at(g_.joined.size()), 0);
-    for (int k = 0; k < kTrees && !met() && !is_late(); ++k) {
-      trees_.draw(whole, 0, random_.below(g_.joined.size()), random_);
-      const int parts = trees_.divide(0, part_of);
-      offer(part_of, parts);
+    int parts = 0;
+    for (const IslandSet group : division.groups) {
+      const Settled& s = settled_.at(group);
+      for (std::size_t k = 0; k < s.best.part_of.size(); ++k)
+        part_of[at(s.graph.joined.node[k])] = parts + s.best.part_of[k];
+      parts += s.best.parts;
     }
-    if (!met()) improve();
+    return best_.offer(g_, price_, part_of, parts) || gained;
   }
 
-  // Some neighbouring parts are joined and divided along another tree. Equal prices are taken, in the first half of the
-  // moves sometimes also one jumper more.
-  void improve() {
-    now_ = best_.part_of;
-    members_.assign(at(best_.parts), {});
-    for (int v = 0; v < g_.joined.size(); ++v) members_[at(now_[at(v)])].push_back(v);
-    scope_.assign(at(g_.joined.size()), 0);
-    divided_.assign(at(g_.joined.size()), -1);
-    std::int64_t now = cost();
-    const int moves = kMovesAPart * best_.parts;
-    for (int k = 0; k < moves && !met(); ++k) {
-      if (k % kMovesAQuestion == 0 && is_late()) return;
-      const bool loose = 2 * k < moves && random_.below(16) == 0;
-      now += move(loose ? price_.jumper : 0);
-      if (now < cost()) store();
+  Settled& settled(const IslandGroups& groups, IslandSet group) {
+    const auto [found, is_new] = settled_.try_emplace(group);
+    Settled& s = found->second;
+    if (!is_new) return s;
+    std::vector<int> nodes;
+    for (IslandSet rest = group; rest != 0; rest &= rest - 1) {
+      const auto& island = islands_[at(std::countr_zero(rest))];
+      nodes.insert(nodes.end(), island.begin(), island.end());
     }
+    std::ranges::sort(nodes);
+    s.graph = part_of_graph(g_, nodes);
+    s.least = groups.price_of(group);
+    std::vector<int> part_of;
+    const int fewest = (s.graph.joined.size() + capacity_ - 1) / capacity_;
+    if (peel(s.graph.joined, capacity_, fewest, kPeelBudget, random_, part_of))
+      s.best.offer(s.graph, price_, part_of, fewest);
+    search_division(s.graph, capacity_, price_, s.least, random_, give_up_, s.best);
+    return s;
   }
 
-  // Parts of the move: one, and neighbours of what is taken until there are two to five.
-  void choose() {
-    ++stamp_;
-    chosen_.clear();
-    take(now_[at(random_.below(g_.joined.size()))]);
-    const int wanted = 2 + random_.below(4);
-    for (int tries = 0; tries < 32 && static_cast<int>(chosen_.size()) < wanted; ++tries) {
-      const auto& from = members_[at(chosen_[at(random_.below(static_cast<int>(chosen_.size())))])];
-      const int v = from[at(random_.below(static_cast<int>(from.size())))];
-      const int w = g_.joined.neighbour[at(v)][at(random_.below(3))];
-      if (w >= 0 && scope_[at(w)] != stamp_) take(now_[at(w)]);
-    }
-  }
-  void take(int part) {
-    chosen_.push_back(part);
-    for (const int v : members_[at(part)]) scope_[at(v)] = stamp_;
-  }
-
-  // The change of the price, 0 when the move is refused.
-  std::int64_t move(std::int64_t allowed) {
-    choose();
-    std::int64_t before = 0;
-    for (const int p : chosen_) before += price_.of(1, pieces(members_[at(p)], now_) - 1);
-    const int root = members_[at(chosen_[0])][at(random_.below(static_cast<int>(members_[at(chosen_[0])].size())))];
-    trees_.draw(scope_, stamp_, root, random_);
-    const int parts = trees_.divide(0, divided_);
-    std::vector<std::vector<int>> fresh(at(parts));
-    for (const int v : trees_.order()) fresh[at(divided_[at(v)])].push_back(v);
-    std::int64_t after = 0;
-    for (const auto& part : fresh) after += price_.of(1, pieces(part, divided_) - 1);
-    const bool take = after <= before + allowed;
-    for (const int v : trees_.order()) divided_[at(v)] = -1;
-    if (!take) return 0;
-    replace(std::move(fresh));
-    return after - before;
-  }
-
-  void replace(std::vector<std::vector<int>> fresh) {
-    std::ranges::sort(chosen_);
-    for (std::size_t k = 0; k < fresh.size(); ++k) {
-      if (k < chosen_.size()) {
-        members_[at(chosen_[k])] = std::move(fresh[k]);
-        renumber(chosen_[k]);
-      } else {
-        members_.push_back(std::move(fresh[k]));
-        renumber(static_cast<int>(members_.size()) - 1);
-      }
-    }
-    for (std::size_t k = chosen_.size(); k > fresh.size(); --k) {  // the last part takes the number that is free
-      const int free = chosen_[k - 1];
-      if (free + 1 < static_cast<int>(members_.size())) {
-        members_[at(free)] = std::move(members_.back());
-        renumber(free);
-      }
-      members_.pop_back();
-    }
-  }
-  void renumber(int part) {
-    for (const int v : members_[at(part)]) now_[at(v)] = part;
-  }
-  void store() {
-    best_.part_of = now_;
-    best_.parts = static_cast<int>(members_.size());
-    best_.jumpers = jumpers_of(g_, now_, best_.parts);
-  }
-
-  // Number of pieces of a part without its jumpers.
-  int pieces(const std::vector<int>& part, const std::vector<int>& part_of) {
-    visited_.resize(at(g_.apart.size()), 0);
-    ++visit_;
-    int count = 0;
-    for (const int start : part) {
-      if (visited_[at(start)] == visit_) continue;
-      ++count;
-      queue_.assign(1, start);
-      visited_[at(start)] = visit_;
-      for (std::size_t k = 0; k < queue_.size(); ++k) {
-        for (const int w : g_.apart.neighbour[at(queue_[k])]) {
-          if (w < 0 || visited_[at(w)] == visit_ || part_of[at(w)] != part_of[at(start)]) continue;
-          visited_[at(w)] = visit_;
-          queue_.push_back(w);
-        }
-      }
-    }
-    return count;
-  }
-
-  bool prove() {
-    if (!price_.jumpers_pay()) return false;
-    const CheapestParts exact = cheapest_parts(g_, capacity_, price_, cost(), kExactBudget);
-    if (exact.decided && !exact.part_of.empty()) offer(exact.part_of, exact.parts);
-    return exact.decided;
+  // Finds a division of the group that costs `least`, or raises that: to the limit, by one jumper at most.
+  void raise(Settled& s, std::int64_t limit) {
+    const std::int64_t next = std::min({price_of(s.best), limit, s.least + price_.jumper});
+    const CheapestParts exact = cheapest_parts(s.graph, capacity_, price_, next, exact_budget_);
+    s.too_large = !exact.decided;
+    if (!exact.decided) return;
+    if (!exact.part_of.empty()) s.best.offer(s.graph, price_, exact.part_of, exact.parts);
+    s.least = exact.part_of.empty() ? next : price_of(s.best);
   }
 
   const JumperGraph& g_;
@@ -346,48 +182,17 @@ class JumperPartitioner {
   std::uint64_t seed_;
   const std::function<bool()>& give_up_;
   Dice random_;
-  TreeDivision trees_;
-  JumperPartition best_;
-  int parts_bound_ = 0, pieces_bound_ = 0;
-  std::vector<int> now_, scope_, divided_, chosen_, visited_, queue_;
-  std::vector<std::vector<int>> members_;
-  int stamp_ = 0, visit_ = 0;
+  std::vector<std::vector<int>> islands_;
+  std::vector<int> alone_;  // by island: no partition of it has fewer parts
+  JumperDivision best_;
+  int pieces_bound_ = 0;
+  std::int64_t bound_ = 0;
+  long exact_budget_ = kExactBudget;
+  IslandGroups::Known known_;
+  std::map<IslandSet, Settled> settled_;
 };
 
 }  // namespace
-
-IntegerPrice::IntegerPrice(const Price& price)
-    : part(std::llround(price.controller * 1e6) * 4096 + 64), jumper(std::llround(price.jumper * 1e6) * 4096 + 1) {}
-
-JumperGraph jumper_graph(const ModuleGraph& with, const ModuleGraph& without, const std::vector<int>& nodes) {
-  JumperGraph g{localize(with, nodes), localize(without, nodes), {}};
-  g.over_jumper.resize(g.joined.neighbour.size());
-  for (std::size_t v = 0; v < g.over_jumper.size(); ++v) {
-    for (std::size_t s = 0; s < 3; ++s)
-      g.over_jumper[v][s] = g.joined.neighbour[v][s] >= 0 && g.apart.neighbour[v][s] < 0;
-  }
-  return g;
-}
-
-int jumpers_of(const JumperGraph& g, const std::vector<int>& part_of, int parts) {
-  std::vector<bool> seen(part_of.size(), false);
-  std::vector<int> queue;
-  int pieces = 0;
-  for (std::size_t start = 0; start < part_of.size(); ++start) {
-    if (seen[start]) continue;
-    ++pieces;
-    seen[start] = true;
-    queue.assign(1, static_cast<int>(start));
-    for (std::size_t k = 0; k < queue.size(); ++k) {
-      for (const int w : g.apart.neighbour[at(queue[k])]) {
-        if (w < 0 || seen[at(w)] || part_of[at(w)] != part_of[start]) continue;
-        seen[at(w)] = true;
-        queue.push_back(w);
-      }
-    }
-  }
-  return pieces - parts;
-}
 
 JumperPartition partition_with_jumpers(const JumperGraph& g, int capacity, const Price& price, std::uint64_t seed,
                                        const std::function<bool()>& give_up) {

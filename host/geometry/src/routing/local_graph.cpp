@@ -4,6 +4,30 @@
 #include <algorithm>
 
 namespace triskin::geometry {
+namespace {
+
+// `neighbours_of(node)`: those over its three sides, −1 for none.
+std::vector<std::vector<int>> components(std::size_t nodes, const auto& neighbours_of) {
+  std::vector<std::vector<int>> result;
+  std::vector<bool> seen(nodes, false);
+  for (std::size_t start = 0; start < nodes; ++start) {
+    if (seen[start]) continue;
+    std::vector<int> component{static_cast<int>(start)};
+    seen[start] = true;
+    for (std::size_t k = 0; k < component.size(); ++k) {
+      for (const int w : neighbours_of(component[k])) {
+        if (w < 0 || seen[at(w)]) continue;
+        seen[at(w)] = true;
+        component.push_back(w);
+      }
+    }
+    std::ranges::sort(component);
+    result.push_back(std::move(component));
+  }
+  return result;
+}
+
+}  // namespace
 
 LocalGraph localize(const ModuleGraph& graph, std::vector<int> nodes) {
   std::ranges::sort(nodes);
@@ -22,23 +46,11 @@ LocalGraph localize(const ModuleGraph& graph, std::vector<int> nodes) {
 }
 
 std::vector<std::vector<int>> components(const ModuleGraph& graph) {
-  std::vector<std::vector<int>> result;
-  std::vector<bool> seen(graph.nodes.size(), false);
-  for (std::size_t start = 0; start < graph.nodes.size(); ++start) {
-    if (seen[start]) continue;
-    std::vector<int> component{static_cast<int>(start)};
-    seen[start] = true;
-    for (std::size_t k = 0; k < component.size(); ++k) {
-      for (const int w : graph.nodes[at(component[k])].neighbour) {
-        if (w < 0 || seen[at(w)]) continue;
-        seen[at(w)] = true;
-        component.push_back(w);
-      }
-    }
-    std::ranges::sort(component);
-    result.push_back(std::move(component));
-  }
-  return result;
+  return components(graph.nodes.size(), [&](int v) { return graph.nodes[at(v)].neighbour; });
+}
+
+std::vector<std::vector<int>> components(const LocalGraph& graph) {
+  return components(graph.neighbour.size(), [&](int v) { return graph.neighbour[at(v)]; });
 }
 
 void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part, int root, Dice& random,

@@ -17,8 +17,9 @@ struct LocalGraph {
 };
 [[nodiscard]] LocalGraph localize(const ModuleGraph& graph, std::vector<int> nodes);
 
-/// Connected components of the joints, each sorted.
+/// Connected components of the joints, each sorted; by least node. Of a local graph: local nodes.
 [[nodiscard]] std::vector<std::vector<int>> components(const ModuleGraph& graph);
+[[nodiscard]] std::vector<std::vector<int>> components(const LocalGraph& graph);
 
 /// Nodes of a spanning tree, parents before children; parent[k] belongs to order[k], −1 for the root.
 struct SpanningTree {

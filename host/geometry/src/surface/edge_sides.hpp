@@ -35,4 +35,12 @@ class EdgeSides {
   std::vector<EdgeSide> sides_;
 };
 
+/// The face across each side (corner s → s + 1) of each face, −1 at the border. Errors: InputError when an edge has
+/// more than two faces, or two that disagree in orientation. Cost: that of EdgeSides.
+[[nodiscard]] std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh);
+
+/// The border loops as vertex indices, surface on the left. Cost: O(n), and O(b log b) of b border edges.
+[[nodiscard]] std::vector<std::vector<int>> border_loops_of(const Mesh& mesh,
+                                                            const std::vector<std::array<int, 3>>& neighbours);
+
 }  // namespace triskin::geometry

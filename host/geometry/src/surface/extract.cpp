@@ -19,6 +19,10 @@
 namespace triskin::geometry {
 namespace {
 
+int boundary_loops_of(const Mesh& mesh) {
+  return static_cast<int>(border_loops_of(mesh, neighbours_of(mesh)).size());
+}
+
 class Extractor {
  public:
   explicit Extractor(const Mesh& mesh) : mesh_(mesh) {}
@@ -29,7 +33,7 @@ class Extractor {
     keep_large_components();
     rebuild();
     Extraction out{std::move(result_), report_};
-    out.report.boundary_loops = static_cast<int>(Surface(out.surface).border_loops().size());
+    out.report.boundary_loops = boundary_loops_of(out.surface);
     return out;
   }
 
@@ -291,7 +295,7 @@ int turn_outward(Mesh& mesh) {
     double volume = 0.0;
     bool closed = true;
   };
-  const Surface surface(mesh);
+  const std::vector<std::array<int, 3>> neighbours = neighbours_of(mesh);
   std::vector<Part> parts;
   std::vector<bool> seen(mesh.faces.size(), false);
   for (std::size_t first = 0; first < seen.size(); ++first) {
@@ -304,7 +308,7 @@ int turn_outward(Mesh& mesh) {
       const Vec3 &a = mesh.vertices[at(f[0])], &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];
       part.volume += a.dot(b.cross(c)) / 6.0;
       part.box.extend(a).extend(b).extend(c);
-      for (const int n : surface.neighbours(part.faces[q])) {
+      for (const int n : neighbours[at(part.faces[q])]) {
         part.closed = part.closed && n >= 0;
         if (n < 0 || seen[at(n)]) continue;
         seen[at(n)] = true;
@@ -334,7 +338,9 @@ Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const Progres
         fmt::format("surface: {:.2g} cm² in all, less than one module (3.9 cm²); check the mesh and its unit (--unit)",
                     area_mm2 / 100.0));
   }
-  if (options.keep_usable && usable(mesh)) return joined(mesh);
+  if (options.keep_usable) {
+    if (auto e = joined_if_usable(mesh)) return std::move(*e);
+  }
   ExtractOptions first = options;
   if (first.wrap == ExtractOptions::When::kWhenNeeded) first.wrap = ExtractOptions::When::kNever;
   try {
@@ -370,7 +376,7 @@ Extraction extract(const Mesh& mesh, const ExtractOptions& options, const Progre
     e.report.kept_out_mm2 = before_mm2 - area_of(e.surface);
   }
   if (options.repair) e.report.flipped_faces += turn_outward(e.surface);
-  e.report.boundary_loops = static_cast<int>(Surface(e.surface).border_loops().size());
+  e.report.boundary_loops = boundary_loops_of(e.surface);
   return e;
 }
 

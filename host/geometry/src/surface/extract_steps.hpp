@@ -81,6 +81,9 @@ inline constexpr double kSkyTimeShare = 0.12;
 /// Repair of the topology alone, the first step of extract(). Errors: InputError when no part is as large as a module.
 [[nodiscard]] Extraction joined(const Mesh& mesh);
 
+/// The same of a mesh that usable() accepts; none of others.
+[[nodiscard]] std::optional<Extraction> joined_if_usable(const Mesh& mesh);
+
 /// Makes what design() takes: moves corners apart that only touch, then drops faces that still cross, until none does:
 /// of two the one that sees less of the sky, when late the smaller one. Then closes slits, when late all or none.
 /// Errors: InputError when nothing is left. Cost: a search for crossings a round; each round drops a face, of looks at

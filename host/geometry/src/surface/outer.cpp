@@ -68,7 +68,7 @@ double share_free(const Tree& tree, const Vec3& from, const Vec3& up) {
 }
 
 // Sides that run opposite ways; of several that run the same way, each with the last before it that runs the other.
-std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh) {
+std::vector<std::array<int, 3>> pairs_across(const Mesh& mesh) {
   std::vector<std::array<int, 3>> neighbour(mesh.faces.size(), {-1, -1, -1});
   const EdgeSides sides(mesh);
   sides.each_edge([&](std::span<const EdgeSide> edge) {
@@ -87,7 +87,7 @@ std::vector<std::array<int, 3>> neighbours_of(const Mesh& mesh) {
 
 // Connected faces, at most `most` together, that face about as the first and largest of them does.
 std::vector<std::vector<int>> groups_of(const Mesh& mesh, std::size_t most) {
-  const auto neighbour = neighbours_of(mesh);
+  const auto neighbour = pairs_across(mesh);
   std::vector<Vec3> cross(mesh.faces.size());
   for (std::size_t f = 0; f < cross.size(); ++f) cross[f] = cross_of(mesh, f);
   std::vector<int> large_first(mesh.faces.size());
@@ -186,7 +186,7 @@ std::vector<Sky> sky_of_all(const Mesh& mesh, double cpu_s) {
 Mesh outer_faces(const Mesh& mesh, double sky_fraction, double cpu_s) {
   Mesh result = mesh;
   std::vector<Sky> sky = sky_of_all(mesh, cpu_s);
-  const auto neighbour = neighbours_of(mesh);
+  const auto neighbour = pairs_across(mesh);
   turn_parts(result, sky, neighbour);
   std::vector<bool> kept(mesh.faces.size());
   for (std::size_t f = 0; f < kept.size(); ++f) kept[f] = sky[f].front >= sky_fraction;

@@ -440,14 +440,20 @@ class Repairer {
 
 }  // namespace
 
-bool usable(const Mesh& mesh) {
-  if (mesh.faces.empty() || changed_by_cleaning(mesh)) return false;
+std::optional<Extraction> joined_if_usable(const Mesh& mesh) {
+  if (mesh.faces.empty() || changed_by_cleaning(mesh)) return std::nullopt;
   try {
     require_manifold(mesh, "surface");
-    return !crosses_itself(joined(mesh).surface);
+    Extraction e = joined(mesh);
+    if (!crosses_itself(e.surface)) return e;
   } catch (const InputError&) {
-    return false;
+    // nothing is left, or an edge has more than two faces
   }
+  return std::nullopt;
+}
+
+bool usable(const Mesh& mesh) {
+  return joined_if_usable(mesh).has_value();
 }
 
 Extraction settled(const Mesh& mesh, double sky_s, const IsLate& is_late) {

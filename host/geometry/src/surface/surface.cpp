@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/geometry/surface.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <optional>
-#include <span>
 
 #include "edge_sides.hpp"
 #include "index.hpp"
 #include "triangle_tree.hpp"
-#include "triskin/host/error.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -61,34 +55,10 @@ Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   return {va / sum, vb / sum, vc / sum};
 }
 
-Surface::Surface(Mesh mesh) : mesh_(std::move(mesh)) {
-  connect_faces();
+Surface::Surface(Mesh mesh) : mesh_(std::move(mesh)), neighbour_(neighbours_of(mesh_)) {
   compute_normals();
-  find_loops();
+  find_border();
   build_trees();
-}
-
-void Surface::connect_faces() {
-  neighbour_.assign(mesh_.faces.size(), {-1, -1, -1});
-  const auto start = [&](const EdgeSide& s) { return mesh_.faces[at(s.face)][at(s.side)]; };
-  std::optional<EdgeSide> repeats;  // the first side with the direction of an earlier one
-  const EdgeSides sides(mesh_);
-  sides.each_edge([&](std::span<const EdgeSide> edge) {
-    for (std::size_t k = 1; k < edge.size(); ++k) {
-      const bool is_new = k == 1 && start(edge[0]) != start(edge[1]);
-      if (is_new || (repeats && std::pair(repeats->face, repeats->side) < std::pair(edge[k].face, edge[k].side)))
-        continue;
-      repeats = edge[k];
-    }
-    if (edge.size() != 2) return;
-    neighbour_[at(edge[0].face)][at(edge[0].side)] = edge[1].face;
-    neighbour_[at(edge[1].face)][at(edge[1].side)] = edge[0].face;
-  });
-  if (!repeats) return;
-  throw InputError(
-      fmt::format("surface: the edge from vertex {} to {} has more than two faces or faces of opposite "
-                  "orientation (face {}); run `triskin extract` first",
-                  start(*repeats), mesh_.faces[at(repeats->face)][at((repeats->side + 1) % 3)], repeats->face));
 }
 
 void Surface::compute_normals() {
@@ -107,29 +77,13 @@ void Surface::compute_normals() {
   for (Vec3& n : vertex_normal_) n = n.norm() > kCancelled_rad ? Vec3(n.normalized()) : Vec3::Zero();
 }
 
-void Surface::find_loops() {
-  std::multimap<int, int> next;  // border edges; a pinched vertex has several
+void Surface::find_border() {
   for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
     for (int s = 0; s < 3; ++s) {
-      if (neighbour_[f][at(s)] >= 0) continue;
-      const std::array edge{mesh_.faces[f][at(s)], mesh_.faces[f][at((s + 1) % 3)]};
-      border_sides_.push_back({static_cast<int>(f), s});
-      next.emplace(edge[0], edge[1]);
+      if (neighbour_[f][at(s)] < 0) border_sides_.push_back({static_cast<int>(f), s});
     }
   }
-  while (!next.empty()) {
-    std::vector<int> loop;
-    auto edge = next.begin();
-    const int start = edge->first;
-    while (edge != next.end()) {
-      loop.push_back(edge->first);
-      const int to = edge->second;
-      next.erase(edge);
-      if (to == start) break;
-      edge = next.find(to);
-    }
-    loops_.push_back(std::move(loop));
-  }
+  loops_ = border_loops_of(mesh_, neighbour_);
 }
 
 void Surface::build_trees() {

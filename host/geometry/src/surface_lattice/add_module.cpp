@@ -230,17 +230,8 @@ class ModulePlacer {
   void judge_overlap(const PlacedModule& m, int other, Judged& j) const {
     const PlacedModule& o = layout_.modules[at(other)];
     double depth_mm = penetration_depth(m.corner_mm, o.corner_mm, layout_.corner_cut_mm);
-    const auto as_triangle = [&](const Triangle& corners) {
-      surface_lattice::NetTriangle t;
-      t.corner_cut_mm = layout_.corner_cut_mm;
-      t.rigid = corners;
-      t.center = center_of(corners);
-      t.normal = normal_of(corners);
-      return t;
-    };
     const double allowed_mm = kFinalMargin * limits_.penetration_mm;
-    if (other != beside_ && depth_mm <= allowed_mm && depth_mm > 0.0 &&
-        surface_lattice::pierced(as_triangle(m.corner_mm), as_triangle(o.corner_mm), allowed_mm))
+    if (depth_mm <= allowed_mm && surface_lattice::pierced(m.corner_mm, o.corner_mm, layout_.corner_cut_mm, allowed_mm))
       depth_mm = 1.01 * allowed_mm;
     if (depth_mm > 0.0) j.add("penetration_mm", depth_mm, allowed_mm, other);
   }

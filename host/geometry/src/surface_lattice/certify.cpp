@@ -84,9 +84,9 @@ ModuleLayout Certifier::certified(LatticeNet net, Known& own, int threads) const
     restore_kept(options_.kept, layout);
     measure_on_surface(layout, own, threads);
     measure_between(layout);
-    const std::vector<int> worst = worst_modules(layout, limits_, options_.kept.size());
+    const std::vector<WorstModule> worst = worst_modules(layout, limits_, options_.kept.size());
     if (worst.empty()) return layout;
-    for (const int k : worst) net.remove_triangle(triangle_of[at(k)]);
+    for (const WorstModule& w : worst) net.remove_triangle(triangle_of[at(w.module)]);
   }
 }
 

@@ -61,18 +61,17 @@ Overlap overlap_of_cut(const NetTriangle& a, const NetTriangle& b) {
   return result;
 }
 
-bool pierced_cut(const NetTriangle& a, const NetTriangle& b, double allowed_mm) {
-  constexpr double kInradius_mm = kHeight_mm / 3.0;
-  if ((a.center - b.center).norm() > 4.0 * kInradius_mm || allowed_mm >= kInradius_mm) return false;
-  const Outline p = design::inset_outline(a.rigid, a.corner_cut_mm, allowed_mm),
-                q = design::inset_outline(b.rigid, b.corner_cut_mm, allowed_mm);
+bool pierced_cut(const Triangle& a, const Triangle& b, double corner_cut_mm, double allowed_mm) {
+  const Outline p = design::inset_outline(a, corner_cut_mm, allowed_mm),
+                q = design::inset_outline(b, corner_cut_mm, allowed_mm);
   const auto any_side_passes = [](const Outline& from, const Outline& through, const Vec3& normal) {
     for (std::size_t k = 0; k < from.size; ++k) {
       if (passes(from.point[k], from.point[(k + 1) % from.size], through, normal)) return true;
     }
     return false;
   };
-  return any_side_passes(p, q, b.normal) || any_side_passes(q, p, a.normal);
+  const auto normal_of = [](const Triangle& t) { return (t[1] - t[0]).cross(t[2] - t[0]); };
+  return any_side_passes(p, q, normal_of(b)) || any_side_passes(q, p, normal_of(a));
 }
 
 }  // namespace triskin::geometry::surface_lattice

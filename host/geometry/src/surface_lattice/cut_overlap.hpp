@@ -8,7 +8,7 @@ namespace triskin::geometry::surface_lattice {
 /// those of the triangles that are nearest to the points of the outlines that touch.
 [[nodiscard]] Overlap overlap_of_cut(const NetTriangle& a, const NetTriangle& b);
 
-/// pierced() for modules with cut corners.
-[[nodiscard]] bool pierced_cut(const NetTriangle& a, const NetTriangle& b, double allowed_mm);
+/// pierced() for modules with cut corners, which are near each other; the limit is below their inner radius.
+[[nodiscard]] bool pierced_cut(const Triangle& a, const Triangle& b, double corner_cut_mm, double allowed_mm);
 
 }  // namespace triskin::geometry::surface_lattice

@@ -359,12 +359,13 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
                                      const SurfaceLatticeOptions& options, const ProgressSink& progress) {
   check_options(limits, options);
   const auto start = Clock::now();
-  const CanonicalCopy copy(original.mesh());
+  const CanonicalCopy copy(options.solver == nullptr ? original.mesh() : options.solver->mesh);
   const Surface surface(copy.mesh());
   const auto end =
       start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.time_limit_s));
   const CopiedRegions regions(options.regions, copy);
-  const Rules rules(surface, limits, regions.free_points());
+  const LayoutLimits searched = options.solver == nullptr ? limits : limits_on(*options.solver, limits);
+  const Rules rules(surface, searched, regions.free_points());
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
   const LatticeNet begun = net_of_kept(surface, copy, options.kept, options.corner_cut_mm);
   const GrowthTask task{surface, rules, options, samples, regions, limits.jumper_mm, corner_lift_of(limits, options),

@@ -73,15 +73,16 @@ Overlap overlap_of(const NetTriangle& a, const NetTriangle& b) {
   return overlap_of(a, b, axis);
 }
 
-bool pierced(const NetTriangle& a, const NetTriangle& b, double allowed_mm) {
-  if (a.corner_cut_mm > 0.0) return pierced_cut(a, b, allowed_mm);
+bool pierced(const Triangle& a, const Triangle& b, double corner_cut_mm, double allowed_mm) {
   constexpr double kInradius_mm = kHeight_mm / 3.0;
-  if ((a.center - b.center).norm() > 4.0 * kInradius_mm) return false;
+  const Vec3 center_a = (a[0] + a[1] + a[2]) / 3.0, center_b = (b[0] + b[1] + b[2]) / 3.0;
+  if ((center_a - center_b).norm() > 4.0 * kInradius_mm || allowed_mm >= kInradius_mm) return false;
+  if (corner_cut_mm > 0.0) return pierced_cut(a, b, corner_cut_mm, allowed_mm);
   const double scale = 1.0 - allowed_mm / kInradius_mm;
   Triangle p, q;
   for (std::size_t k = 0; k < 3; ++k) {
-    p[k] = a.center + scale * (a.rigid[k] - a.center);
-    q[k] = b.center + scale * (b.rigid[k] - b.center);
+    p[k] = center_a + scale * (a[k] - center_a);
+    q[k] = center_b + scale * (b[k] - center_b);
   }
   for (std::size_t k = 0; k < 3; ++k) {
     if (passes(p[k], p[(k + 1) % 3], q) || passes(q[k], q[(k + 1) % 3], p)) return true;

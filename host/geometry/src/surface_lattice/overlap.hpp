@@ -25,7 +25,8 @@ struct Overlap {
 [[nodiscard]] Overlap overlap_of(const NetTriangle& a, const NetTriangle& b, int& first_axis);
 [[nodiscard]] Overlap overlap_of(const NetTriangle& a, const NetTriangle& b);
 
-/// True when two modules, each shrunk by `allowed_mm` on all sides, pass through each other in space.
-[[nodiscard]] bool pierced(const NetTriangle& a, const NetTriangle& b, double allowed_mm);
+/// True when two modules (corners in mm; less their corner cut), each shrunk by `allowed_mm` on all sides, pass through
+/// each other in space, however they face.
+[[nodiscard]] bool pierced(const Triangle& a, const Triangle& b, double corner_cut_mm, double allowed_mm);
 
 }  // namespace triskin::geometry::surface_lattice

@@ -50,8 +50,8 @@ void measure(const Surface& surface, ModuleLayout& layout, const SurfaceRegions*
 void measure_on_surface(const Surface& surface, PlacedModule& module, double corner_cut_mm = 0.0,
                         const SurfaceRegions* regions = nullptr);
 
-/// Measures what depends on the other modules: edge error, hinge gap and fold of each joint, penetration. Cost: n² / 2
-/// distances.
+/// Measures what depends on the other modules: edge error, hinge gap and fold of each joint, penetration. Cost: some
+/// µs a module.
 void measure_between(ModuleLayout& layout);
 
 /// Depth of overlap of two modules (corners in mm, counter-clockwise; less their corner cut) in the plane of their mean

@@ -109,7 +109,8 @@ struct RoutingResult {
 /// The same where jumpers may join islands: `places` as find_jumpers() lists them for the layout that `graph` shows
 /// without jumpers. Of controllers and jumpers together the cheapest are fitted (options.price); within a patch the
 /// shortest. A jumper counts as a joint in all that follows: trees, lines, failures. With empty places the same as
-/// above. Errors besides: std::out_of_range for a place whose node the graph lacks. Cost: 0.4 s more for 150 modules.
+/// above. Errors besides: std::out_of_range for a place whose node the graph lacks. Cost: 0.05 s more for 150
+/// modules, 0.3 s for 230 in 23 islands, up to 1 s where the lowest price is hard to prove.
 [[nodiscard]] RoutingResult route(const ModuleGraph& graph, const std::vector<Jumper>& places,
                                   const RoutingOptions& options = {}, const ProgressSink& progress = {});
 

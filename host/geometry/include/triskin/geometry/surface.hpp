@@ -69,9 +69,8 @@ class Surface {
 
  private:
   [[nodiscard]] BorderPoint closest_on_edge(int item, const Vec3& query_mm) const;
-  void connect_faces();
   void compute_normals();
-  void find_loops();
+  void find_border();
   void build_trees();
 
   Mesh mesh_;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "triskin/geometry/design_types.hpp"
+#include "triskin/geometry/solver_mesh.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/geometry/surface_regions.hpp"
 #include "triskin/host/progress.hpp"
@@ -27,6 +28,9 @@ struct SurfaceLatticeOptions {
                                 ///< and border are then those of what is left
   const SurfaceRegions* regions = nullptr;  ///< of this surface, not owned: worth of places, what stays free, what must
                                             ///< be covered; none: every place is worth 1 module
+  /// Of this surface, not owned: the search works on it in place of the surface and keeps the limits less its
+  /// deviation; the layouts are measured on the surface itself. None: the search works on the surface.
+  const SolverMesh* solver = nullptr;
   /// Modules that stay exactly where they are, with the joints among them: the first modules of every layout, in this
   /// order. They must keep the limits and have the corner cut of the others.
   std::vector<PlacedModule> kept;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMostAsGood = 64;
 constexpr double kReach_mm = 9.0;   // how far from a tile its edges are looked up; children of slices move less
-constexpr double kSlice_mm = 6.5;   // how far the farthest vertex moves from one side of a slice to the other
+constexpr double kSlice_mm = 5.0;   // how far the farthest vertex moves from one side of a slice to the other
 constexpr std::size_t kBatch = 16;  // cells refined together: fixed, so that the search does not depend on the threads
 
 class BranchAndBound {

@@ -169,13 +169,12 @@ int CellExpander::choose_border(const Index& low, const Index& high, std::size_t
   return certain;
 }
 
+// Of most children the best value found meanwhile makes an end: edges are looked up when one is opened.
 void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open,
                                    std::size_t first_chosen, int certain) {
   auto list = std::make_shared<CellList>();
   list->tiles.reserve(chosen_.size() - first_chosen);
   const auto lanes = static_cast<std::uint32_t>((1U << open.high[0]) - (1U << open.low[0]));
-  const Vec2 shift(box.center(0), box.center(1));
-  const double c = std::cos(box.center(2)), s = std::sin(box.center(2));
   const double reach = std::hypot(box.half(0), box.half(1)) +
                        (polygon_.radius_mm + 4.0 * grid_.circumradius_mm) * box.half(2) + grid_.circumradius_mm +
                        std::max(0.0, frame_.certain_mm);
@@ -183,16 +182,25 @@ void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const
     const SliceRaster::Border& border = raster_.border()[chosen_[n]];
     std::uint32_t may_not = 0;
     for (int y = open.low[1]; y < open.high[1]; ++y) may_not |= ~border.may[static_cast<std::size_t>(y)] & lanes;
-    const Vec2 center = grid_.center(border.tile), p = center - shift;
     // Where a tile may hold its centre is inside at the middle of the part, and so wherever in the part it holds.
-    OpenTile tile{center, border.tile, may_not == 0, static_cast<std::uint32_t>(list->pairs.size()), 0};
-    add_pairs({c * p.x() + s * p.y(), -s * p.x() + c * p.y()}, reach, static_cast<std::uint32_t>(list->tiles.size()),
-              list->pairs);
-    tile.count = static_cast<std::uint32_t>(list->pairs.size()) - tile.first;
-    list->tiles.push_back(tile);
+    list->tiles.push_back({grid_.center(border.tile), border.tile, may_not == 0, 0, 0});
   }
   result_->children.push_back(
-      {box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), std::move(list)});
+      {box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), std::move(list), reach});
+}
+
+void CellExpander::list_with_edges(const Cell& cell, CellList& to) const {
+  to.clear();
+  const Vec2 shift(cell.box.center(0), cell.box.center(1));
+  const double c = std::cos(cell.box.center(2)), s = std::sin(cell.box.center(2));
+  for (OpenTile tile : cell.list->tiles) {
+    const Vec2 p = tile.center - shift;
+    tile.first = static_cast<std::uint32_t>(to.pairs.size());
+    add_pairs({c * p.x() + s * p.y(), -s * p.x() + c * p.y()}, cell.reach_mm,
+              static_cast<std::uint32_t>(to.tiles.size()), to.pairs);
+    tile.count = static_cast<std::uint32_t>(to.pairs.size()) - tile.first;
+    to.tiles.push_back(tile);
+  }
 }
 
 // The edges that come within reach of a point of the polygon's frame.
@@ -217,6 +225,10 @@ void CellExpander::add_pairs(const Vec2& p, double reach_mm, std::uint32_t tile,
 void CellExpander::refine(Cell& cell) {
   const CellList* source = cell.list.get();
   CellList* to = &lists_[0];
+  if (cell.reach_mm > 0.0) {
+    list_with_edges(cell, lists_[1]);
+    source = &lists_[1];
+  }
   for (int pass = 0; pass < kMostPasses; ++pass) {
     ++result_->passes;
     set_frame(cell.box);

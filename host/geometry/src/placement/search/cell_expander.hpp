@@ -18,6 +18,7 @@ struct Cell {
   int certain = 0;                       ///< tiles that hold in all of it, beside those of the list
   int bound = 0;                         ///< no motion in it has a higher value
   std::shared_ptr<const CellList> list;  ///< none: a slice
+  double reach_mm = 0.0;                 ///< > 0: the list has no edges yet, those within this of each tile may cut it
 };
 
 /// Separation that a tile must keep: it counts for the bound from `inset_mm` on, for a value from inset − tolerance on.
@@ -72,6 +73,7 @@ class CellExpander {
   int choose_border(const std::array<int, 3>& low, const std::array<int, 3>& high, std::size_t first, std::size_t last);
   void add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open, std::size_t first_chosen,
                        int certain);
+  void list_with_edges(const Cell& cell, CellList& to) const;
   void add_pairs(const Vec2& p, double reach_mm, std::uint32_t tile, std::vector<Pair>& pairs) const;
   [[nodiscard]] std::size_t longest_axis(const MotionBox& box, const std::array<int, 3>& parts) const;
   void divide(const Cell& cell, const CellList& list, const std::array<int, 3>& low, const std::array<int, 3>& high,

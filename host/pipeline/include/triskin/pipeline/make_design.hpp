@@ -9,6 +9,7 @@
 #include "triskin/design/region_file.hpp"
 #include "triskin/geometry/extract.hpp"
 #include "triskin/geometry/mesh_io.hpp"
+#include "triskin/geometry/solver_mesh.hpp"
 #include "triskin/host/progress.hpp"
 
 namespace triskin::pipeline {
@@ -29,6 +30,9 @@ struct DesignOptions {
   design::LayoutLimits limits;  ///< each > 0
   double bend_radius_mm = 0.0;  ///< > 0: pieces are parted from what bends more (bend_seams.hpp); 0: not for that alone
   double corner_cut_mm = 0.0;   ///< 0 … design::kMostCornerCut_mm: of every module
+  /// ≥ 0: how far the mesh on which pieces and growth are searched may be from a surface with more faces than it needs
+  /// (solver_mesh.hpp); 0: they are searched on the surface.
+  double solver_deviation_mm = geometry::kSolverDeviation_mm;
   std::optional<design::RegionFile> regions;  ///< worth of places, keep-outs, what must be covered (docs/regions.md)
   int iterations = 0;   ///< ≥ 0; > 0: the growth ends after so many steps: repeatable whatever the machine's load
   int threads = 2;      ///< 1 … 256 chains of the growth; part of what a result depends on
@@ -40,6 +44,8 @@ struct DesignOptions {
 /// How a design came about: number of modules that each method gave (design::LayoutMethod), what was made of the mesh.
 struct DesignNotes {
   int pieces = 0, surface = 0;
+  int solver_faces = 0;              ///< of the mesh that was searched on; of the surface where that was it
+  double solver_deviation_mm = 0.0;  ///< of that mesh from the surface, proved; 0 where it is the surface
   geometry::ExtractReport extract;
 };
 
@@ -51,10 +57,11 @@ struct DesignNotes {
 
 /// Makes a design of a mesh file: extract, unfold, certified placement of each piece, rigid modules on the surface,
 /// jumpers, controllers and wiring; of the pieces and the lattice grown on the surface the layout of higher value,
-/// worth of the modules less price, stays. Fills
-/// `notes` when it is given. Errors: InputError for unusable meshes and options out of range. Deterministic for
-/// seed, threads and iterations unless the time limit cuts a search short. Cost: about time_limit_s,
-/// less where `iterations` ends the growth sooner.
+/// worth of the modules less price, stays. What is reported is measured on the surface, also where the search had a
+/// mesh of its own; then the design has no `pieces`, which are made of faces of the surface. Fills `notes` when it is
+/// given. Errors: InputError for unusable meshes and options out of range. Deterministic for seed, threads and
+/// iterations unless the time limit cuts a search short. Cost: about time_limit_s, less where `iterations` ends the
+/// growth sooner.
 [[nodiscard]] design::Design make_design(const std::filesystem::path& mesh, const DesignOptions& options,
                                          const ProgressSink& progress = {}, DesignNotes* notes = nullptr);
 

@@ -24,6 +24,9 @@ struct ModuleSample {
   std::uint64_t sampled_ns = 0;    ///< when it was taken, since 1970, within ± error_us; 0: not known
   std::uint32_t error_us = kNoBound;
   static constexpr std::uint32_t kNoBound = UINT32_MAX;
+  /// Of a recording that is read: patch whose controller read it in place of the module's own; −1: its own did, or the
+  /// recording does not say so.
+  int adopter = -1;
   bool operator==(const ModuleSample&) const = default;
 };
 
@@ -57,7 +60,7 @@ inline constexpr double kContactReach_mm = 12.0;
 struct MessageType {
   std::string_view name, definition;
 };
-extern const MessageType kRawFrameType, kLayoutType, kContactsType, kPointCloudType;
+extern const MessageType kRawFrameType, kLayoutType, kReadersType, kContactsType, kPointCloudType;
 
 /// Frame of a skin's coordinates in the messages of a recording: that of the mesh, in m.
 inline constexpr std::string_view kMeshFrame = "skin";

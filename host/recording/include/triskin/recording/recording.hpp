@@ -5,9 +5,11 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "triskin/recording/mcap_file.hpp"
 #include "triskin/recording/messages.hpp"
+#include "triskin/recording/readers.hpp"
 
 namespace triskin::recording {
 
@@ -19,6 +21,14 @@ inline constexpr const char *kCalibrationName = "calibration.json", *kRestName =
   return "serial_" + std::to_string(node);
 }
 
+/// Another controller began to read a module.
+struct ReaderChange {
+  std::uint64_t link_time_us = 0;  ///< when its first sample came
+  int module = 0;                  ///< id in the design
+  Reader reader;                   ///< from then on
+  bool own = false;                ///< it is the module's own controller again
+};
+
 /// What a recording says of itself, and where it ends.
 struct Summary {
   std::map<std::string, std::string> facts;   ///< design id, link, clock, units, versions
@@ -26,6 +36,7 @@ struct Summary {
   std::string design_text;                    ///< the design file
   std::string calibration_text;               ///< the calibration file; empty: counts alone
   std::string rest_text;                      ///< the file of the rest values; empty: those by design
+  std::vector<ReaderChange> reader_changes;   ///< in the order of the file; none in recordings before 0.2
   std::uint64_t samples = 0;                  ///< of modules
   std::uint64_t first_us = 0, last_us = 0;    ///< link time of the first and the last sample
   mcap::ReadReport file;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "triskin/jobs/board_shape.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/patch_table.hpp"
+#include "triskin/session/scheduler.hpp"
 
 namespace triskin::device {
 
@@ -18,7 +20,9 @@ struct FlashOptions {
   RouteChoice route;     ///< the patch of this failure gets the tree that the design prepared for it
   /// The electrodes hang on the converters' positive input (docs/silicon.md); the controllers turn the results round.
   bool positive_input = false;
-  int per_wire = 1;  ///< controllers at once on one wire; one, so that an analyser on a CAN bus can follow
+  /// Conversations at once on one wire: while one board erases its page, others get their bytes. With 1 an analyser on
+  /// a CAN bus shows whole transfers.
+  int per_wire = kTasksPerWire;
   /// Patch and unique id (24 upper-case hexadecimal digits) of the controller that is to serve it, whatever it holds.
   struct Assignment {
     int patch = 0;
@@ -59,24 +63,39 @@ struct FlashResult {
     bool equal = false;    ///< the table was there already
     bool written = false;  ///< written, read back and compared
     std::size_t bytes = 0;
+    std::string why;  ///< why it has not got its table; empty: it has it, or a dry run
   };
-  std::vector<Patch> patches;
-  std::size_t bytes = 0;  ///< written, all controllers
+  std::vector<Patch> patches;  ///< those with a controller, then those without, each in their order
+  std::size_t bytes = 0;       ///< written, all controllers
   int skipped = 0;
-  double link_s = 0.0;  ///< time of the link, virtual in the simulation
+  double link_s = 0.0;  ///< time of the link, all covers of the pass, virtual in the simulation
+};
+
+/// One cover of those that flash_together() serves.
+struct FlashPart {
+  Bus* bus = nullptr;  ///< a bus of its own, all over one link
+  const design::Design* design = nullptr;
+  FlashOptions options;  ///< per_wire, wait_s and say are those of the first part
+  ProgressSink progress;
 };
 
 /// Puts the tables of a design into the controllers on the bus: finds them by unique id, gives each patch a controller
 /// and its address (design::node_address_of), skips equal tables, writes the others, reads them back and compares every
 /// byte. Controllers that `options.assign` names get that patch, those that hold a table of this design keep theirs,
 /// also when its address has changed; others without a table are told apart as `options.recognise` says. A controller
-/// that holds a table of another design is written only when it is named, or with `options.take_over`. Throws
-/// InputError for a name that cannot be; DeviceError when a patch finds no controller (nothing is written then), when
-/// one does not answer or refuses, or when a table read back differs; Cancelled when the process was asked to end. Both
-/// say what was done before; each controller then has its old table or its new one, whole, and running it again
-/// continues. Controllers on different wires are served side by side; when one fails, the others are served all the
-/// same. Progress has a part for each patch.
+/// that holds a table of another design is written only when it is named, or with `options.take_over`. The
+/// conversations with up to `options.per_wire` controllers of a wire, and those on different wires, go on side by side;
+/// when one fails, the others are served all the same. Throws InputError for a name that cannot be; DeviceError naming
+/// every patch without its table and why: its controller does not answer or refuses, a table reads back differently, or
+/// it has no controller (then only controllers that are named or hold their table are served, and where there are none
+/// nothing is written); Cancelled when the process was asked to end. Both say what was done before; each controller
+/// then has its old table or its new one, whole, and running it again continues. Progress has a part for each patch.
 FlashResult flash(Bus& bus, const design::Design& design, const FlashOptions& options = {},
                   const ProgressSink& progress = {});
+
+/// flash() for several covers of one bus in one pass: first it is decided for one after the other which controllers are
+/// theirs, then all tables are written side by side. `results`: by part, with what is done also when this throws. A
+/// cover whose controllers cannot be told leaves those before it their tables and ends the pass. Throws as flash().
+void flash_together(std::span<const FlashPart> parts, std::vector<FlashResult>& results);
 
 }  // namespace triskin::device

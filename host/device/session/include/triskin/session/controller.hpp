@@ -105,6 +105,7 @@ class Controller {
   template <class Value>
   Value run_routine(std::uint64_t poll_every_us, int polls, const char* what);
   void unlock(wire::Session session);
+  void end_transfer();
   [[noreturn]] void malformed(const char* what) const;
 
   Bus& bus_;

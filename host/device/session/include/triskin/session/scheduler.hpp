@@ -16,6 +16,10 @@ struct Task {
   std::function<void(Bus&)> run;  ///< gets a Bus of its own, valid until it returns
 };
 
+/// Conversations on one wire that fill the time in which others erase a page
+/// (docs/decisions/0063-tables-side-by-side.md).
+inline constexpr int kTasksPerWire = 16;
+
 /// Runs tasks side by side over one link: while one waits for a frame, another runs. Exactly one task runs at any time,
 /// and the order depends on the link alone, so neither the link nor the tasks need locks and a simulated link stays
 /// deterministic. At most `per_wire` tasks (values below 1 count as 1) are under way on one wire (Link::wire_of).

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cover_pass.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "address_moves.hpp"
+#include "table_writer.hpp"
+#include "triskin/session/controller.hpp"
+
+namespace triskin::device {
+namespace {
+
+// Node addresses that nobody has and that no patch of this design is to have, lowest first. Those that the robot file
+// gives to controllers of other covers come last: who sits there makes way when their cover is flashed.
+class FreeAddresses {
+ public:
+  FreeAddresses(const Bus& bus, const design::Design& design, const FlashOptions& options) : name_(bus.name()) {
+    for (const int patch : design::patches_here(design)) used_.insert(design::node_address_of(design, patch));
+    for (const FlashOptions::Neighbour& n : options.neighbours) promised_.insert(n.node);
+  }
+  void take(int address) { used_.insert(address); }
+  int next() {
+    for (const bool may_be_promised : {false, true}) {
+      for (int address = layout::kFirstNode; address <= layout::kLastNode; ++address) {
+        if (used_.contains(address) || (!may_be_promised && promised_.contains(address))) continue;
+        used_.insert(address);
+        return address;
+      }
+    }
+    throw DeviceError(fmt::format("{}: no free node address is left; take controllers off the bus", name_));
+  }
+
+ private:
+  std::string name_;
+  std::set<int> used_, promised_;
+};
+
+// Fresh boards have the first address, and so may have one that holds a table: neither could be asked. The fresh ones
+// make way. New addresses by unique id.
+std::map<wire::UniqueId, int> ways_for_flashed(const std::vector<wire::NodeClaim>& claims, FreeAddresses free) {
+  std::set<int> flashed;
+  for (const wire::NodeClaim& c : claims) {
+    free.take(c.node_address);
+    if (c.has_table) flashed.insert(c.node_address);
+  }
+  std::map<wire::UniqueId, int> wanted;
+  for (const wire::NodeClaim& c : claims) {
+    if (!c.has_table && flashed.contains(c.node_address)) wanted[c.unique_id] = free.next();
+  }
+  return wanted;
+}
+
+// The boards of the patches get the addresses of the patches; one that nobody needs and that sits there moves to the
+// first free one. The new addresses, by unique id, of those that have another one now.
+std::map<wire::UniqueId, int> moves(const std::vector<Board>& boards, const design::Design& design,
+                                    FreeAddresses free) {
+  std::set<int> needed;
+  for (const Board& b : boards) {
+    if (b.patch >= 0) needed.insert(design::node_address_of(design, b.patch));
+    if (b.patch < 0) free.take(b.claim.node_address);
+  }
+  std::map<wire::UniqueId, int> wanted;
+  for (const Board& b : boards) {
+    if (b.patch < 0 && !needed.contains(b.claim.node_address)) continue;
+    const int address = b.patch < 0 ? free.next() : design::node_address_of(design, b.patch);
+    if (b.claim.node_address != address) wanted[b.claim.unique_id] = address;
+  }
+  return wanted;
+}
+
+void check_identity(Controller& controller, const Bus& bus, const FlashResult::Patch& r) {
+  const wire::Hello hello = controller.hello();
+  controller.require_versions(hello);
+  if (to_text(hello.unique_id) == r.serial) return;
+  throw DeviceError(fmt::format(
+      "{}: controller {} has serial number {}, {} was meant; two controllers may share the address, run flash again",
+      bus.name(), controller.node(), to_text(hello.unique_id), r.serial));
+}
+
+}  // namespace
+
+void CoverPass::plan(std::span<const FlashOptions::Neighbour> settled) {
+  for (FlashOptions::Neighbour& n : options_.neighbours) {
+    const auto same =
+        std::ranges::find_if(settled, [&](const auto& s) { return s.node == n.node && s.design_id == n.design_id; });
+    if (same != settled.end()) n.serial = same->serial;
+  }
+  report(progress_, "finding controllers", -1.0);
+  MatchedBoards matched = match_boards(bus_, design_, options_, find());
+  boards_ = std::move(matched.boards);
+  missing_ = std::move(matched.missing);
+  if (!options_.dry_run) assign_addresses(bus_, moves(boards_, design_, {bus_, design_, options_}));
+  std::erase_if(boards_, [](const Board& b) { return b.patch < 0; });
+  std::ranges::sort(boards_, {}, &Board::patch);
+  std::vector<FlashResult::Patch> before = std::move(patches_);
+  patches_.clear();
+  for (const Board& b : boards_) {
+    const auto known = std::ranges::find(before, b.patch, &FlashResult::Patch::patch);
+    begin(patches_.emplace_back(known == before.end() ? FlashResult::Patch{} : *known), b);
+  }
+  for (const MissingBoard& m : missing_) {
+    FlashResult::Patch& r = patches_.emplace_back();
+    r.patch = m.patch;
+    r.address = design::node_address_of(design_, m.patch);
+    r.why = m.why;
+  }
+}
+
+std::vector<wire::NodeClaim> CoverPass::find() {
+  std::vector<wire::NodeClaim> claims = bus_.discover();
+  found_ = claims.size();
+  const auto wanted = ways_for_flashed(claims, {bus_, design_, options_});
+  if (options_.dry_run) return claims;
+  if (!wanted.empty()) {
+    assign_addresses(bus_, wanted);
+    claims = bus_.discover();
+  }
+  // Whose shape is to be seen must be asked alone. One that is the only fresh one is not asked.
+  const bool many = std::ranges::count(claims, false, &wire::NodeClaim::has_table) > 1 || options_.take_over;
+  return options_.recognise && many ? put_apart(bus_, std::move(claims), options_.take_over) : claims;
+}
+
+std::vector<FlashOptions::Neighbour> CoverPass::settled() const {
+  std::vector<FlashOptions::Neighbour> list;
+  for (const Board& b : boards_)
+    list.push_back({address_of(b), design_.design_id, to_text(b.claim.unique_id), &design_, b.patch});
+  return list;
+}
+
+std::uint8_t CoverPass::address_of(const Board& board) const {
+  return static_cast<std::uint8_t>(design::node_address_of(design_, board.patch));
+}
+
+// A patch that was written before the cable was pulled stays written.
+void CoverPass::begin(FlashResult::Patch& r, const Board& board) const {
+  if (r.written && r.patch == board.patch) return;
+  r = {};
+  r.patch = board.patch;
+  r.serial = to_text(board.claim.unique_id);
+  r.by = board.by;
+  r.old_address = board.claim.node_address;
+  r.address = address_of(board);
+  r.new_address = r.old_address != r.address;
+  r.bytes = images_[static_cast<std::size_t>(board.patch)].size();
+}
+
+void CoverPass::step(int patch, const char* what, double fraction) const {
+  report(progress_, what, fraction, fmt::format("patch {}", patch), patch);
+}
+
+void CoverPass::add_tasks(std::vector<Task>& tasks) {
+  for (std::size_t k = 0; k < boards_.size(); ++k) {
+    const auto node = options_.dry_run ? boards_[k].claim.node_address : address_of(boards_[k]);
+    tasks.push_back({node, [this, k](Bus& bus) { serve(bus, boards_[k], patches_[k]); }});
+  }
+}
+
+// Where the first frame of a long answer is lost, the board waits for the flow control and drops what it is asked
+// meanwhile: by the second conversation it has given that up.
+void CoverPass::serve(Bus& bus, const Board& board, FlashResult::Patch& r) const {
+  bool began_to_write = false;
+  try {
+    return converse(bus, board, r, began_to_write);
+  } catch (const NoAnswer&) {
+    bus.listen(bus.now_us() + wire::IsoTp::kTimeout_us);
+  }
+  converse(bus, board, r, began_to_write);
+}
+
+void CoverPass::converse(Bus& bus, const Board& board, FlashResult::Patch& r, bool& began_to_write) const {
+  const Bytes image = images_[static_cast<std::size_t>(board.patch)];
+  step(r.patch, "asking", 0.0);
+  if (options_.dry_run) {
+    r.equal = !r.new_address && board.claim.has_table &&
+              Controller(bus, board.claim.node_address).active_table().crc == crc32(image);
+    return step(r.patch, "planned", 1.0);
+  }
+  Controller controller(bus, address_of(board));
+  check_identity(controller, bus, r);
+  const wire::ActiveTable active = controller.active_table();
+  // Equal CRC is not enough to skip: the bytes are cheap to compare.
+  r.equal =
+      active.present() && active.crc == crc32(image) && std::ranges::equal(controller.read_table(image.size()), image);
+  if (r.equal && began_to_write) r.written = true;
+  if (!r.equal || (options_.force && !r.written)) {
+    began_to_write = true;
+    write_and_compare(controller, bus, image, [&](double fraction) { step(r.patch, "writing", 0.9 * fraction); });
+    r.written = true;
+  }
+  step(r.patch, "done", 1.0);
+}
+
+std::string CoverPass::Failure::text() const {
+  try {
+    std::rethrow_exception(what);
+  } catch (const std::exception& e) {
+    return e.what();
+  }
+}
+
+std::vector<CoverPass::Failure> CoverPass::failures(std::span<const std::exception_ptr> outcomes) {
+  std::vector<Failure> list;
+  for (std::size_t k = 0; k < boards_.size(); ++k) {
+    if (!outcomes[k]) continue;
+    list.push_back({fmt::format("patch {}, controller {}", patches_[k].patch, patches_[k].serial), outcomes[k]});
+    patches_[k].why = list.back().text();
+  }
+  for (const MissingBoard& m : missing_)
+    list.push_back({fmt::format("patch {}", m.patch), std::make_exception_ptr(DeviceError(m.why))});
+  return list;
+}
+
+std::string CoverPass::what_is_done() const {
+  std::vector<int> done;
+  for (const FlashResult::Patch& r : patches_) {
+    if (r.equal || r.written) done.push_back(r.patch);
+  }
+  if (done.empty()) return "no controller has a new table";
+  return fmt::format("{} of {} controllers have their table (patches {}), the others their old one", done.size(),
+                     patches_.size(), fmt::join(done, ", "));
+}
+
+}  // namespace triskin::device

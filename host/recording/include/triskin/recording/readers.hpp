@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/recording/messages.hpp"
+
+namespace triskin::recording {
+
+/// The controller that reads a module.
+struct Reader {
+  int patch = -1;         ///< that it serves; −1: the module belongs to none
+  std::uint8_t node = 0;  ///< its node address; 0: it hangs on another bus
+  bool operator==(const Reader&) const = default;
+};
+
+/// Which controller reads each module, by the samples that come: its own, until one comes from another, which has
+/// adopted it (docs/switched_module.md). Threads: one.
+class Readers {
+ public:
+  /// Each module is read by its own controller. Throws std::out_of_range as design::wiring_of. Cost: linear.
+  explicit Readers(const design::Design& design);
+  /// Takes a sample. True: another controller read it than the one before. Constant cost.
+  [[nodiscard]] bool add(const ModuleSample& sample);
+  /// By module; valid as long as this.
+  [[nodiscard]] std::span<const Reader> all() const { return readers_; }
+
+ private:
+  std::vector<Reader> readers_;
+  std::array<int, 256> patch_at_{};  // by node address; −1: none of this design
+};
+
+/// The message that says who reads each module from `link_time_us` on.
+[[nodiscard]] std::vector<std::uint8_t> encode_readers(std::span<const Reader> readers, std::uint64_t link_time_us,
+                                                       std::uint64_t stamp_ns);
+/// What such a message says.
+struct ReadersAt {
+  std::uint64_t link_time_us = 0;
+  std::vector<Reader> readers;  ///< by module
+};
+/// Reads it; nullopt: it is malformed.
+[[nodiscard]] std::optional<ReadersAt> decode_readers(Bytes message);
+
+}  // namespace triskin::recording

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A recording says which controller read each module at which time, also of modules that a neighbour adopts.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "cli/shell_case.hpp"
+#include "joined_patches.hpp"
+#include "triskin/design/design.hpp"
+#include "triskin/host/files.hpp"
+#include "triskin/jobs/flash.hpp"
+#include "triskin/recording/recorder.hpp"
+#include "triskin/recording/recording.hpp"
+#include "triskin/session/stream.hpp"
+#include "triskin/simlink/sim_link.hpp"
+
+namespace triskin::test {
+namespace {
+
+class AdoptionRecording : public ShellCase {
+ protected:
+  using Sample = std::pair<int, std::uint64_t>;  // module, when it came
+
+  // A module fails after half a second, and is whole again two seconds later.
+  void record() {
+    scene::Scene scene = scene_of(design_);
+    device::SimLink link(std::move(scene));
+    device::Bus bus(link);
+    device::flash(bus, design_);
+    bus.listen(bus.now_us() + 3'000'000);
+    design::write_design(folder_ / "design.json", design_);
+    recording::OutputFile file(folder_ / "adoption.mcap");
+    recording::Origin origin;
+    origin.design_text = read_file(folder_ / "design.json");
+    origin.link_start_us = bus.now_us();
+    origin.unix_start_ns = 1'700'000'000'000'000'000;
+    const auto recorder = recording::make_recorder(recording::Format::kMcap, file, design_, origin);
+    device::Stream stream(bus, design_, [&](const device::ModuleFrame& f) {
+      recorder->add({f.module, f.link_time_us, f.sample});
+      adopter_[{f.module, f.link_time_us}] = f.adopter;
+      if (f.sample.valid == 0) empty_.insert({f.module, f.link_time_us});
+    });
+    auto& hardware = link.skin().switched();
+    const auto run_us = [&](std::uint64_t us) { stream.run_until(bus.now_us() + us); };
+    run_us(500'000);
+    failed_us_ = bus.now_us();
+    hardware.patch(0).set_dead(hardware.row_of(orphans_.dead), true);
+    run_us(2'000'000);
+    whole_us_ = bus.now_us();
+    hardware.patch(0).set_dead(hardware.row_of(orphans_.dead), false);
+    run_us(5'000'000);
+    stream.finish();
+    recorder->finish({{"status", "complete"}});
+    file.close();
+  }
+
+  const design::Design design_ = joined_patches(4, 8);
+  const Orphans orphans_ = orphans_of(design_).front();
+  std::map<Sample, int> adopter_;  // as the stream has it
+  std::set<Sample> empty_;         // whose controller did not reach the module
+  std::uint64_t failed_us_ = 0, whole_us_ = 0;
+};
+
+TEST_F(AdoptionRecording, says_who_read_each_module_at_each_time) {
+  record();
+  std::size_t adopted = 0, read = 0;
+  const recording::Summary summary =
+      recording::read_recording(folder_ / "adoption.mcap", [&](const recording::ModuleSample& s) {
+        const auto truth = adopter_.find({s.module, s.link_time_us});
+        ASSERT_NE(truth, adopter_.end());
+        EXPECT_EQ(s.adopter, truth->second) << "module " << s.module << " at " << s.link_time_us;
+        adopted += s.adopter >= 0 ? 1 : 0;
+        ++read;
+      });
+  EXPECT_EQ(read, adopter_.size());
+  EXPECT_GE(adopted, 20 * orphans_.modules.size());
+  // Each orphan went to a neighbour and came back, nothing else changed its reader.
+  std::map<int, std::vector<recording::ReaderChange>> changes;
+  for (const auto& c : summary.reader_changes) changes[c.module].push_back(c);
+  EXPECT_EQ(changes.size(), orphans_.modules.size());
+  for (const int m : orphans_.modules) {
+    ASSERT_EQ(changes[m].size(), 2U) << m;
+    const auto& [there, back] = std::pair(changes[m][0], changes[m][1]);
+    EXPECT_NE(there.reader.patch, orphans_.patch);
+    EXPECT_EQ(there.reader.node, there.reader.patch + 1);
+    EXPECT_FALSE(there.own);
+    EXPECT_GT(there.link_time_us, failed_us_);
+    EXPECT_LT(there.link_time_us, failed_us_ + 1'500'000);
+    EXPECT_EQ(back.reader, (recording::Reader{orphans_.patch, static_cast<std::uint8_t>(orphans_.patch + 1)}));
+    EXPECT_TRUE(back.own);
+    EXPECT_GT(back.link_time_us, whole_us_);
+    // By time: whoever the changes name read every sample with data of the module. Until the stream knows who its
+    // adopter is, its own controller says that it does not reach it.
+    for (const auto& [sample, adopter] : adopter_) {
+      if (sample.first != m || empty_.contains(sample)) continue;
+      const bool away = sample.second >= there.link_time_us && sample.second < back.link_time_us;
+      EXPECT_EQ(adopter, away ? there.reader.patch : -1) << m << " at " << sample.second;
+    }
+  }
+}
+
+TEST_F(AdoptionRecording, replay_shows_who_read_a_module) {
+  record();
+  const Outcome o = run("replay adoption.mcap --speed 0 --json");
+  ASSERT_EQ(o.status, 0) << o.messages;
+  std::vector<nlohmann::json> lines;
+  for (std::size_t at = 0; at < o.out.size(); at = o.out.find('\n', at) + 1)
+    lines.push_back(nlohmann::json::parse(o.out.substr(at, o.out.find('\n', at) - at)));
+  const std::set<int> orphans(orphans_.modules.begin(), orphans_.modules.end());
+  bool any = false;
+  for (const auto& line : lines) {
+    if (!line.contains("adopted")) continue;
+    any = true;
+    for (const auto& a : line["adopted"]) EXPECT_TRUE(orphans.contains(a["module"].get<int>())) << line.dump();
+  }
+  EXPECT_TRUE(any);
+  EXPECT_FALSE(lines.back().contains("adopted"));  // all came back
+  EXPECT_EQ(lines.back()["readers"].size(), 2 * orphans.size());
+  const Outcome said = run("replay adoption.mcap --speed 0");
+  EXPECT_NE(said.out.find(fmt::format("module {} is read by its own, the controller of patch {}",
+                                      orphans_.modules.front(), orphans_.patch)),
+            std::string::npos)
+      << said.out;
+}
+
+}  // namespace
+}  // namespace triskin::test
