@@ -224,7 +224,7 @@ int run(Options options, Output& output) {
     throw InputError("--save and --restore name one file: what was kept would be lost; choose two");
   if (!options.backup.save.empty()) save_backup(open, options.backup, output);
   if (!options.backup.restore.empty()) {
-    restore_backup(open, options.backup, options.flash.dry_run, output);
+    restore_backup(open, options.backup, options.flash, output);
     return 0;
   }
   options.flash.recognise = !options.by_serial;

@@ -78,12 +78,13 @@ void save_backup(OpenSite& open, const BackupOptions& options, Output& output) {
   output.say(fmt::format("what {} controllers hold -> {}", all.size(), options.save));
 }
 
-void restore_backup(OpenSite& open, const BackupOptions& options, bool dry_run, Output& output) {
+void restore_backup(OpenSite& open, const BackupOptions& options, const device::FlashOptions& flash, Output& output) {
   if (open.site.buses.size() != 1)
     throw InputError("--restore writes on one bus: give a design and --link, or a cover on one bus with --cover");
   const auto boards = device::read_backup(options.restore);
   device::Bus bus(*open.links[0]);
-  const auto restored = device::restore_boards(bus, boards, {dry_run, read_onto(options.onto)});
+  const bool dry_run = flash.dry_run;
+  const auto restored = device::restore_boards(bus, boards, {dry_run, read_onto(options.onto), flash.per_wire});
   if (!dry_run) restore_calibrations(boards, restored, output);
   nlohmann::json rows = nlohmann::json::array();
   std::size_t bytes = 0;

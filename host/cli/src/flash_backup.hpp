@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "triskin/cli/site_options.hpp"
+#include "triskin/jobs/flash.hpp"
 
 namespace triskin::cli {
 
@@ -19,7 +20,7 @@ void add_backup_options(CLI::App& app, BackupOptions& options);
 void save_backup(OpenSite& open, const BackupOptions& options, Output& output);
 
 /// Writes back what the file of --restore keeps, on a site with one bus. Throws as device::read_backup and
-/// device::restore_boards do, InputError for several buses.
-void restore_backup(OpenSite& open, const BackupOptions& options, bool dry_run, Output& output);
+/// device::restore_boards do, InputError for several buses. Of `flash` it takes dry_run and per_wire.
+void restore_backup(OpenSite& open, const BackupOptions& options, const device::FlashOptions& flash, Output& output);
 
 }  // namespace triskin::cli

@@ -188,7 +188,7 @@ class Restoration {
       const auto node = static_cast<std::uint8_t>(options_.dry_run ? p.claim.node_address : p.board->node_address);
       tasks.push_back({node, [this, k, &results](Bus& bus) { results[k] = write(bus, pairs_[k]); }});
     }
-    require_done(run_tasks(bus_.link(), tasks, kTasksPerWire));
+    require_done(run_tasks(bus_.link(), tasks, options_.per_wire));
     return results;
   }
 

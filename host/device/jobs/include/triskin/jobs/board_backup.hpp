@@ -11,6 +11,7 @@
 
 #include "triskin/design/calibration.hpp"
 #include "triskin/session/bus.hpp"
+#include "triskin/session/scheduler.hpp"
 
 namespace triskin::device {
 
@@ -46,6 +47,7 @@ struct BoardBackup {
 struct RestoreOptions {
   bool dry_run = false;                     ///< check everything, write nothing
   std::map<std::string, std::string> onto;  ///< serial numbers: what the first held goes into the second
+  int per_wire = kTasksPerWire;             ///< ≥ 1: controllers served at once on one wire
 };
 /// What became of a board of the file.
 struct RestoredBoard {
