@@ -138,7 +138,7 @@ std::uint8_t CoverPass::address_of(const Board& board) const {
 
 // A patch that was written before the cable was pulled stays written.
 void CoverPass::begin(FlashResult::Patch& r, const Board& board) const {
-  if (r.written && r.patch == board.patch) return;
+  if (r.written) return;
   r = {};
   r.patch = board.patch;
   r.serial = to_text(board.claim.unique_id);
