@@ -12,6 +12,7 @@
 #include "overloaded_stream.hpp"
 #include "reader.hpp"
 #include "skin.h"
+#include "support/places.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/jobs/flash.hpp"
@@ -227,12 +228,14 @@ TEST(RosTypes, hashes_are_those_of_the_definitions) {
             "@@@@\n";
   const auto file = std::filesystem::temp_directory_path() / ("types." + std::to_string(::getpid()));
   write_file_atomically(file, text);
-  EXPECT_EQ(std::system(("python3 '" TRISKIN_SOURCE "/tests/bridge/type_hash.py' '" + file.string() + "'").c_str()), 0);
+  EXPECT_EQ(std::system(
+                ("python3 '" + test::source_folder() + "/tests/bridge/type_hash.py' '" + file.string() + "'").c_str()),
+            0);
   std::filesystem::remove(file);
 }
 
 std::string msg_file(const std::string& name) {
-  return read_file(std::filesystem::path(TRISKIN_SOURCE) / "ros/triskin_msgs/msg" / (name + ".msg"));
+  return read_file(std::filesystem::path(test::source_folder()) / "ros/triskin_msgs/msg" / (name + ".msg"));
 }
 
 // The package that ROS nodes build has the same messages.

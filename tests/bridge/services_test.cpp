@@ -10,6 +10,7 @@
 #include "reader.hpp"
 #include "skin.h"
 #include "support/child_process.hpp"
+#include "support/places.hpp"
 #include "triskin/host/files.hpp"
 
 namespace triskin::bridge {
@@ -141,7 +142,7 @@ TEST_F(ServicesTest, the_command_tares_reroutes_and_identifies) {
   TareClient tare = tare_client(participant_);
   RerouteClient reroute = reroute_client(participant_);
   IdentifyClient identify = identify_client(participant_);
-  test::Child command("'" TRISKIN_PROGRAM "' bridge '" + sim.design_file() + "' --link " + served.link() +
+  test::Child command("'" + test::program_file() + "' bridge '" + sim.design_file() + "' --link " + served.link() +
                       " --part arm --no-raw --seconds 60 --domain " + std::to_string(domain_id_));
   ASSERT_TRUE(wait_until([&] { return tare.matched() && reroute.matched() && identify.matched(); }));
   identify.send({});
@@ -189,7 +190,7 @@ TEST_F(ServicesTest, the_command_tares_reroutes_and_identifies) {
 
 TEST(ServiceTypes, definitions_of_the_package_are_those_of_the_program) {
   const auto file = [](const std::string& name) {
-    return read_file(std::filesystem::path(TRISKIN_SOURCE) / "ros/triskin_msgs/srv" / (name + ".srv"));
+    return read_file(std::filesystem::path(test::source_folder()) / "ros/triskin_msgs/srv" / (name + ".srv"));
   };
   EXPECT_EQ(file("Tare"), Tare::kDefinition);
   EXPECT_EQ(file("Reroute"), Reroute::kDefinition);

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <string>
 
+#include "support/places.hpp"
 #include "triskin/host/files.hpp"
 
 namespace triskin::test {
@@ -29,7 +30,7 @@ class ShellCase : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   [[nodiscard]] std::string line(const std::string& arguments) const {
-    return fmt::format("cd '{}' && XDG_STATE_HOME=state exec {} {}", folder_.string(), TRISKIN_PROGRAM, arguments);
+    return fmt::format("cd '{}' && XDG_STATE_HOME=state exec {} {}", folder_.string(), program_file(), arguments);
   }
   /// Standard output is read where the arguments do not send it elsewhere with '>'.
   [[nodiscard]] Outcome run(const std::string& arguments) const {

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "support/blob_design.hpp"
+#include "support/places.hpp"
 #include "support/strip_design.hpp"
 
 namespace triskin::test {
@@ -177,7 +178,7 @@ TEST(SeededMistakes, long_the_table_in_the_docs_is_what_was_measured) {
   EXPECT_GE(alone_total.percent(), 95.0);
   EXPECT_GE(pair_total.percent(), 85.0);
   EXPECT_EQ(blamed, 0);
-  const std::string page = std::string(TRISKIN_SOURCE) + "/docs/verify.md";
+  const std::string page = source_folder() + "/docs/verify.md";
   std::ifstream in(page);
   std::stringstream text;
   text << in.rdbuf();

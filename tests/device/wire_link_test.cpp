@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fixture.hpp"
+#include "support/places.hpp"
 #include "triskin/jobs/touch_map.hpp"
 #include "triskin/simlink/tcp_link.hpp"
 
@@ -44,7 +45,8 @@ class Served : public testing::Test {
     if (child_ == 0) {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that dies leaves no server behind
       ::dup2(pipe[1], STDOUT_FILENO);
-      ::execl(TRISKIN_PROGRAM, "triskin", "simulate", scene.c_str(), "--fresh", "--listen", "127.0.0.1:0", nullptr);
+      ::execl(test::program_file().c_str(), "triskin", "simulate", scene.c_str(), "--fresh", "--listen", "127.0.0.1:0",
+              nullptr);
       ::_exit(127);
     }
     ::close(pipe[1]);
@@ -59,7 +61,7 @@ class Served : public testing::Test {
   // The result: the last line. What `live` writes before it is an object a line too.
   nlohmann::json run(const std::string& command, int expected_status) const {
     const std::string line =
-        std::string(TRISKIN_PROGRAM) + " " + command + " --link sim:127.0.0.1:" + std::to_string(port_) + " --json";
+        test::program_file() + " " + command + " --link sim:127.0.0.1:" + std::to_string(port_) + " --json";
     std::FILE* p = ::popen(line.c_str(), "r");
     std::string text;
     for (int c = std::fgetc(p); c != EOF; c = std::fgetc(p)) text += static_cast<char>(c);

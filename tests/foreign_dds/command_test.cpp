@@ -12,6 +12,7 @@
 #include "library/flashed_sim.hpp"
 #include "settings.hpp"
 #include "support/child_process.hpp"
+#include "support/places.hpp"
 #include "triskin/bridge/ros_types.hpp"
 
 namespace triskin::foreign {
@@ -22,7 +23,7 @@ using test::Child;
 using test::ServedSimulation;
 
 std::string bridge_line(const std::string& design, const std::string& link, std::uint32_t domain, int seconds) {
-  return "'" TRISKIN_PROGRAM "' bridge '" + design + "' --link " + link + " --part arm --json --seconds " +
+  return "'" + test::program_file() + "' bridge '" + design + "' --link " + link + " --part arm --json --seconds " +
          std::to_string(seconds) + " --domain " + std::to_string(domain);
 }
 
@@ -103,7 +104,7 @@ TEST(BridgeCommand, the_dissector_of_Wireshark_finds_topics_types_qualities_and_
                                 true);
   Child command(bridge_line(sim.design_file(), served.link(), id, 3));
   const json told = json::parse(command.read_all());
-  const std::string script = "python3 '" TRISKIN_SOURCE "/tests/foreign_dds/dissect.py' '" + packets + "'";
+  const std::string script = "python3 '" + test::source_folder() + "/tests/foreign_dds/dissect.py' '" + packets + "'";
   const json topics = json::parse(Child(script).read_all());
   const auto no_message = [](const auto& /*message*/, std::uint64_t /*sequence*/) {};
   // As docs/bridge.md has it: type, latched, messages that are kept, messages that were sent to the reader.

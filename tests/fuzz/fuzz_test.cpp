@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "support/places.hpp"
 #include "targets.hpp"
 
 namespace triskin::fuzz {
@@ -19,7 +20,7 @@ using Input = std::vector<std::uint8_t>;
 std::vector<Input> corpus_of(std::string_view target) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(TRISKIN_SOURCE) / "tests/fuzz/corpus" / target))
+       std::filesystem::directory_iterator(std::filesystem::path(test::source_folder()) / "tests/fuzz/corpus" / target))
     files.push_back(entry.path());
   std::ranges::sort(files);
   std::vector<Input> inputs;

@@ -8,13 +8,15 @@
 #include <fstream>
 #include <string>
 
+#include "support/places.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;
 
 int run_check(const fs::path& root, const std::string& links = "") {
-  const std::string command =
-      "python3 " TRISKIN_SOURCE "/tools/check_layering.py " + root.string() + " " + links + " > /dev/null";
+  const std::string command = "python3 " + triskin::test::source_folder() + "/tools/check_layering.py " +
+                              root.string() + " " + links + " > /dev/null";
   return std::system(command.c_str());
 }
 
@@ -44,7 +46,7 @@ class Layering : public testing::Test {
 };
 
 TEST_F(Layering, accepts_this_tree) {
-  EXPECT_EQ(run_check(TRISKIN_SOURCE), 0);
+  EXPECT_EQ(run_check(triskin::test::source_folder()), 0);
 }
 
 TEST_F(Layering, accepts_an_allowed_include) {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "flashed_sim.hpp"
+#include "support/places.hpp"
 
 namespace triskin {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::FlashedSim;
 
-const fs::path kHere = fs::path(TRISKIN_SOURCE) / "tests/library";
+const fs::path kHere = fs::path(test::source_folder()) / "tests/library";
 
 // Exit status, and what it wrote.
 std::pair<int, std::string> shell(const FlashedSim& sim, const std::string& line) {
@@ -68,7 +69,7 @@ TEST(Installed, Python_reads_a_served_simulation) {
     GTEST_SKIP() << "numpy is not installed; run tools/setup test";
   const auto [status, said] =
       shell(sim, "PYTHONPATH='" TRISKIN_PYTHON_FOLDER "' '" TRISKIN_PYTHON "' '" + (kHere / "read_test.py").string() +
-                     "' '" TRISKIN_PROGRAM "' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
+                     "' '" + test::program_file() + "' '" + sim.design_file() + "' '" + sim.scene_file() + "'");
   EXPECT_EQ(status, 0) << said;
 }
 
@@ -80,7 +81,7 @@ TEST(Installed, Python_reads_161_controllers_for_a_minute) {
   design::write_design(two, test::strip(1274, 16));
   const auto [status, said] =
       shell(sim, "PYTHONPATH='" TRISKIN_PYTHON_FOLDER "' '" TRISKIN_PYTHON "' '" + (kHere / "read_long.py").string() +
-                     "' '" TRISKIN_PROGRAM "' 60 '" + one + "' '" + two + "'");
+                     "' '" + test::program_file() + "' 60 '" + one + "' '" + two + "'");
   EXPECT_EQ(status, 0) << said;
   std::printf("%s", said.c_str());
 }

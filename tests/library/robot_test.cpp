@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A robot of two covers on two buses through the C interface: simulated in this process, and served.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "support/child_process.hpp"
+#include "support/places.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/triskin.h"
 
@@ -39,7 +41,7 @@ class RobotSkin : public testing::Test {
   }
   void run(const std::string& arguments) const {
     const std::string line =
-        "cd '" + folder_.string() + "' && '" TRISKIN_PROGRAM "' " + arguments + " > /dev/null 2>&1";
+        fmt::format("cd '{}' && '{}' {} > /dev/null 2>&1", folder_.string(), test::program_file(), arguments);
     ASSERT_EQ(std::system(line.c_str()), 0) << line;
   }
   void open(const char* link) {

@@ -8,6 +8,10 @@
 
 namespace triskin::machine {
 
+std::filesystem::path firmware(const char* name) {
+  return std::filesystem::path(TRISKIN_FIRMWARE) / name;
+}
+
 std::vector<std::uint8_t> whole_blocks(const ElfImage& image) {
   const std::vector<std::uint8_t> flat = image.flat();
   std::vector<std::uint8_t> out((flat.size() + 255) / 256 * 256, 0xFF);

@@ -19,9 +19,8 @@
 
 namespace triskin::machine {
 
-[[nodiscard]] inline std::filesystem::path firmware(const char* name) {
-  return std::filesystem::path(TRISKIN_FIRMWARE) / name;
-}
+/// File of the built image; absent without the cross compiler.
+[[nodiscard]] std::filesystem::path firmware(const char* name);
 
 /// The image filled up to blocks of 32 frames with eight bytes, as the loader acknowledges them.
 [[nodiscard]] std::vector<std::uint8_t> whole_blocks(const ElfImage& image);

@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 
+#include "bench.hpp"
 #include "triskin/machine/flash_chip.hpp"
 
 namespace triskin::machine {
@@ -19,7 +20,7 @@ struct Ram {
 class FirstAccess : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(FirstAccess, ToEachRamAfterAResetIsARead) {
-  const std::filesystem::path path = std::filesystem::path(TRISKIN_FIRMWARE) / GetParam();
+  const std::filesystem::path path = firmware(GetParam());
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no firmware image: install gcc-arm-none-eabi and build again";
   const ElfImage image = read_elf(path);
   FlashChip flash;

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "sampling_bench.hpp"
+#include "support/places.hpp"
 
 namespace triskin::machine {
 namespace {
@@ -98,7 +99,8 @@ class Scenario : public Sampling, public ::testing::WithParamInterface<const cha
     EXPECT_EQ(request({0x2E, 0xFD, 0x05, 0x02}).at(0), 0x6E);
     run_to(origin_us + 2'500'000);
     frames.clear();
-    for (const Event& e : read_script(std::filesystem::path(TRISKIN_SOURCE) / "tests/machine/scenarios" / GetParam())) {
+    for (const Event& e :
+         read_script(std::filesystem::path(test::source_folder()) / "tests/machine/scenarios" / GetParam())) {
       run_to(origin_us + e.at_us);
       if (!e.words.empty()) obey(e);
     }

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "polygons.hpp"
+#include "support/places.hpp"
 #include "triskin/geometry/placement.hpp"
 #include "triskin/host/error.hpp"
 
@@ -30,7 +31,7 @@ PlacementResult placed(const Polygon& p, PlacementMethod method) {
 }
 
 nlohmann::json answer(const std::filesystem::path& outline, const std::string& options) {
-  const std::string command = std::string(TRISKIN_PROGRAM) + " place " + outline.string() + " --json " + options;
+  const std::string command = test::program_file() + " place " + outline.string() + " --json " + options;
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
   std::string text;
   std::array<char, 4096> buffer;

@@ -11,13 +11,14 @@
 #include <nlohmann/json.hpp>
 
 #include "polygons.hpp"
+#include "support/places.hpp"
 
 namespace triskin {
 namespace {
 
 nlohmann::json answer(const std::string& unit, const std::filesystem::path& outline, const std::string& options) {
   const std::string command =
-      "TRISKIN_VECTOR_UNIT=" + unit + " " + TRISKIN_PROGRAM + " place " + outline.string() + " --json " + options;
+      "TRISKIN_VECTOR_UNIT=" + unit + " " + test::program_file() + " place " + outline.string() + " --json " + options;
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
   std::string text;
   std::array<char, 4096> buffer;

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "recorded.hpp"
+#include "support/places.hpp"
 #include "triskin/host/files.hpp"
 
 namespace triskin::recording {
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 // Folder that holds node_modules/@mcap/core; empty: none.
 fs::path modules_folder() {
   const char* given = std::getenv("TRISKIN_NPM");
-  const fs::path folder = given != nullptr ? fs::path(given) : fs::path(TRISKIN_SOURCE) / "build" / "npm";
+  const fs::path folder = given != nullptr ? fs::path(given) : fs::path(test::source_folder()) / "build" / "npm";
   return fs::exists(folder / "node_modules/@mcap/core") ? folder : fs::path{};
 }
 
@@ -26,7 +27,7 @@ fs::path modules_folder() {
 std::string ask(const fs::path& modules, const fs::path& file, const fs::path& out) {
   const fs::path script = modules / "read_recording.mjs";  // Node looks for packages beside the script
   std::error_code none;
-  fs::copy_file(fs::path(TRISKIN_SOURCE) / "tests/recording/read_recording.mjs", script,
+  fs::copy_file(fs::path(test::source_folder()) / "tests/recording/read_recording.mjs", script,
                 fs::copy_options::overwrite_existing, none);
   const std::string line = "node '" + script.string() + "' '" + file.string() + "' > '" + out.string() + "' 2>&1";
   const int status = std::system(line.c_str());

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "support/places.hpp"
+
 namespace triskin::test {
 namespace {
 
@@ -13,9 +15,9 @@ TEST(RobotFilePage, its_commands_run) {
 #ifndef TRISKIN_HAS_GEOMETRY
   GTEST_SKIP() << "built without the solvers";
 #endif
-  const auto program = std::filesystem::path(TRISKIN_PROGRAM);
+  const auto program = std::filesystem::path(program_file());
   const std::string command = fmt::format("python3 '{0}/tools/check_readme' '{0}/docs/robot_file.md' '{1}'",
-                                          TRISKIN_SOURCE, program.parent_path().string());
+                                          source_folder(), program.parent_path().string());
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 

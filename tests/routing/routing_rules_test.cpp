@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shapes.hpp"
+#include "support/places.hpp"
 #include "triskin/host/error.hpp"
 
 namespace triskin::testing {
@@ -33,7 +34,7 @@ json routed(const json& modules, const std::string& name) {
                       ("triskin_routing_" + name + std::to_string(::testing::UnitTest::GetInstance()->random_seed()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "modules.json") << modules;
-  const std::string command = std::string(TRISKIN_PROGRAM) + " route " + (folder / "modules.json").string() + " -o " +
+  const std::string command = test::program_file() + " route " + (folder / "modules.json").string() + " -o " +
                               (folder / "routes.json").string() + " >/dev/null 2>&1";
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
   json routes = json::parse(std::ifstream(folder / "routes.json"));
@@ -125,7 +126,9 @@ const std::vector<Damage>& damages() {
          for (const json& m : r["routes"][1]["modules"]) r["routes"][0]["modules"].push_back(m);
        }},
       {"joint-use",
-       [](json& r) { r["routes"][0]["cut_joints"].push_back({module_row(r, 0, 0)["id"], module_row(r, 0, 1)["id"]}); }},
+       [](json& r) {
+         r["routes"][0]["cut_joints"].push_back({module_row(r, 0, 0)["id"], module_row(r, 0, 1)["id"]});
+       }},
       {"joint-use",
        [](json& r) {
          for (json& p : r["routes"])

@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "support/places.hpp"
+
 namespace triskin::test {
 
 /// A program that runs beside the test. Reading waits for it.
@@ -51,7 +53,7 @@ class Child {
 class ServedSimulation {
  public:
   explicit ServedSimulation(const std::string& scene)
-      : child_("'" TRISKIN_PROGRAM "' simulate '" + scene + "' --listen 127.0.0.1:0") {
+      : child_("'" + program_file() + "' simulate '" + scene + "' --listen 127.0.0.1:0") {
     const std::string line = child_.read_line();
     const std::size_t at = line.find("127.0.0.1:");
     if (at != std::string::npos) link_ = "sim:" + line.substr(at, line.find_first_not_of("0123456789", at + 10) - at);

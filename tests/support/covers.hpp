@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "support/places.hpp"
 #include "triskin/geometry/generate.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 
@@ -19,7 +20,7 @@ namespace triskin::test {
 /// not exist.
 inline std::filesystem::path data_folder() {
   const char* named = std::getenv("TRISKIN_DATA");
-  return named != nullptr ? named : TRISKIN_DATA;
+  return named != nullptr ? named : configured_data_folder();
 }
 
 /// Reason of a case that is skipped because that folder does not exist; tools/test counts these words.

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "support/places.hpp"
 #include "triskin/design/design.hpp"
 
 namespace triskin::test {
@@ -36,7 +37,7 @@ class SwitchedCase : public testing::Test {
   /// The simulated boards keep their flash in this folder between commands.
   nlohmann::json run(const std::string& command, int expected_status, const std::string& link = " --link sim") const {
     const std::string line = "cd '" + folder_.string() + "' && XDG_STATE_HOME='" + folder_.string() + "' " +
-                             TRISKIN_PROGRAM + " " + command + link + " --json 2>messages";
+                             program_file() + " " + command + link + " --json 2>messages";
     std::FILE* p = ::popen(line.c_str(), "r");
     std::string text;
     for (int c = std::fgetc(p); c != EOF; c = std::fgetc(p)) text += static_cast<char>(c);

@@ -2,6 +2,7 @@
 // The reference check must accept what exists and name what is dead: files, headings, sections, commands, options.
 #include <gtest/gtest.h>
 
+#include "support/places.hpp"
 #include "tools/scratch_tree.hpp"
 
 namespace triskin::tests {
@@ -64,7 +65,7 @@ TEST_F(References, leaves_files_of_examples_alone) {
 }
 
 TEST_F(References, holds_commands_against_the_program) {
-  const std::string program = "--program " TRISKIN_PROGRAM;
+  const std::string program = "--program " + test::program_file();
   EXPECT_EQ(with_readme("`triskin verify a.json --link sim --touch`\n", program).exit_status, 0);
   const Ran command = with_readme("```\ntriskin verfiy a.json\n```\n", program);
   EXPECT_EQ(command.exit_status, 1);

@@ -11,6 +11,8 @@
 #include <fstream>
 #include <string>
 
+#include "support/places.hpp"
+
 namespace triskin::tests {
 
 /// What a program wrote to standard output, and its exit status (-1: it did not end by itself).
@@ -43,7 +45,7 @@ class ScratchTree : public testing::Test {
     std::ofstream(root_ / path) << text;
   }
   [[nodiscard]] Ran tool(const std::string& name, const std::string& arguments) {
-    return run(TRISKIN_SOURCE "/tools/" + name + " --root " + root_.string() + " " + arguments);
+    return run(test::source_folder() + "/tools/" + name + " --root " + root_.string() + " " + arguments);
   }
 
   std::filesystem::path root_;

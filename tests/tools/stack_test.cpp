@@ -2,6 +2,7 @@
 // The bound of the stack must hold every chain of calls, and be refused where a call cannot be followed.
 #include <gtest/gtest.h>
 
+#include "support/places.hpp"
 #include "tools/scratch_tree.hpp"
 
 namespace triskin::tests {
@@ -26,8 +27,7 @@ class Stack : public ScratchTree {
         "-Wl,--defsym,triskin_stack_top=0x20000100 -o image.elf image.cpp";
     const Ran built = run("cd " + root_.string() + " && " + compiler + " 2>&1");
     EXPECT_EQ(built.exit_status, 0) << built.output;
-    return run("cd " + root_.string() +
-               " && python3 " TRISKIN_SOURCE
+    return run("cd " + root_.string() + " && python3 " + test::source_folder() +
                "/tools/check_stack.py arm-none-eabi-objdump arm-none-eabi-addr2line image.elf priorities.hpp "
                "image.stack 2>&1");
   }

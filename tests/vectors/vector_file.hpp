@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "support/places.hpp"
+
 namespace triskin::test {
 
 /// One block of tests/vectors/*.txt: `## name`, then `key = value` lines in order. The same files are the examples in
@@ -46,7 +48,7 @@ inline std::vector<std::uint8_t> hex_bytes(const std::string& text) {
 }
 
 inline std::vector<Vector> read_vectors(const std::string& file) {
-  const std::string path = std::string(TRISKIN_SOURCE) + "/tests/vectors/" + file;
+  const std::string path = triskin::test::source_folder() + "/tests/vectors/" + file;
   std::ifstream in(path);
   if (!in) throw std::runtime_error("cannot read " + path);
   std::vector<Vector> vectors;

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+namespace triskin::test {
+
+/// The folders that CMake knows. They stand in the command line of one source: a clone in another folder can then take
+/// the compiled tests from the compiler's cache.
+std::string source_folder();           ///< of the project
+std::string program_file();            ///< the program `triskin`
+std::string configured_data_folder();  ///< TRISKIN_SHARED_DATA; it need not exist
+
+}  // namespace triskin::test
