@@ -124,7 +124,7 @@ TEST_F(CalibrationFolder, a_ramp_that_cannot_be_used_is_named_with_its_line) {
 }
 
 design::BoardCalibration small_board(const std::string& serial) {
-  design::BoardCalibration board{serial, 0x1234, 0, 1, "", "steps", 40.0, 39.0, {}};
+  design::BoardCalibration board{serial, 0x1234, 0, 1, "", wire::CalibrationMethod::kSteps, 40.0, 39.0, {}};
   board.places.push_back({1, 2, {}});
   board.places[0].taxels[3] = {150.5, 0.25, 0.125};
   return board;
@@ -173,8 +173,8 @@ TEST_F(CalibrationFolder, one_of_another_patch_or_design_is_not_used) {
 // 195 counts/kPa · 2^8 = 49,920 is the greatest number below 65,536: the unit is 1/256. 150.5 is 38,528 of it; 0.001
 // less than 105 is 26,879.7 of it, which is rounded to 105. Errors and residuals are the module's worst, rounded up.
 TEST(ControllerCalibration, has_the_numbers_of_the_calibration_as_far_as_its_bytes_go) {
-  design::BoardCalibration board{
-      "0102030405060708090A0B0C", 0x1234, 3, 7, "2026-11-22T17:30:00Z", "ramp", 40.0, 38.97114, {}};
+  design::BoardCalibration board{"0102030405060708090A0B0C",     0x1234, 3,        7, "2026-11-22T17:30:00Z",
+                                 wire::CalibrationMethod::kRamp, 40.0,   38.97114, {}};
   board.places.push_back({1, 2, {}});
   board.places[0].taxels[3] = {150.5, 0.251, 0.125};
   board.places[0].taxels[4] = {195.0, 0.1, 0.0161};
@@ -192,7 +192,7 @@ TEST(ControllerCalibration, has_the_numbers_of_the_calibration_as_far_as_its_byt
   EXPECT_EQ(back.places[0].taxels[5].counts_per_kpa, 105.0);
   EXPECT_EQ(back.places[0].taxels[0], design::TaxelSensitivity{});
   EXPECT_EQ(back.made, board.made);
-  EXPECT_EQ(back.method, "ramp");
+  EXPECT_EQ(back.method, wire::CalibrationMethod::kRamp);
   EXPECT_EQ(back.patch, 3);
   EXPECT_EQ(back.revision, 7);
   EXPECT_NEAR(back.taxel_area_mm2, 38.97114, 0.5e-4);
@@ -213,6 +213,20 @@ design::BoardCalibration board_of(Fixture& fixture, int revision) {
     board.places.back().taxels[1] = {140.0, 0.2, 0.02};
   }
   return board;
+}
+
+TEST_F(CalibrationFolder, a_file_with_an_unknown_method_is_refused) {
+  const design::BoardCalibration board{"0102030405060708090A0B0C",     0x1234, 3,        7, "2026-11-22T17:30:00Z",
+                                       wire::CalibrationMethod::kRamp, 40.0,   38.97114, {}};
+  std::string text = design::calibration_text(std::span(&board, 1));
+  EXPECT_EQ(design::parse_calibration(text, "a.json").at(0).method, wire::CalibrationMethod::kRamp);
+  text.replace(text.find("\"ramp\""), 6, "\"rmap\"");
+  try {
+    (void)design::parse_calibration(text, "a.json");
+    FAIL() << "it was read";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("steps, weights or ramp"), std::string::npos) << e.what();
+  }
 }
 
 TEST_F(CalibrationFolder, the_controllers_own_goes_before_that_of_this_computer) {

@@ -148,7 +148,7 @@ TEST(Readers, calibration) {
   design::BoardCalibration board;
   board.serial = "0123456789ABCDEF01234567";
   board.made = "2026-11-22T17:30:00Z";
-  board.method = "steps";
+  board.method = wire::CalibrationMethod::kSteps;
   board.most_kpa = 40.0;
   board.taxel_area_mm2 = 39.0;
   design::PlaceCalibration place;

@@ -47,7 +47,7 @@ def points_of(path):
 
 class Page:
     def __init__(self, root):
-        self.outlines, self.lines, self.fills, self.texts = [], [], [], []
+        self.outlines, self.lines, self.fills, self.texts, self.glyphs = [], [], [], [], []
         for path in root.iter("stroke_path"):
             points, width = points_of(path), MM * float(path.get("linewidth"))
             closed = path.find("closepath") is not None
@@ -72,6 +72,8 @@ class Page:
                 self.texts.append((run, (MM * start[0], MM * start[1]), MM * size))
                 run, start = "", None
             start = start or at
+            if g.get("unicode").strip():
+                self.glyphs.append((g.get("unicode"), (MM * at[0], MM * at[1]), MM * size))
             run += g.get("unicode")
             step = float(g.get("adv"))
             due = (at[0] + step * matrix[0], at[1] - step * matrix[1] if matrix[1] else at[1])
@@ -188,6 +190,15 @@ def check_tables(design, pages):
         expect(row[4] == parent or jumper, f"module {m['id']} hangs on {row[4]}, not {parent}")
 
 
+def check_points(pages):
+    """The name of a point P or Q is not written over what stands beside it, such as the name of a jumper."""
+    for number, page in enumerate(pages, 1):
+        names = [(text, at, size) for text, at, size in page.glyphs if text in "PQ" and abs(size - 4.0) < 0.1]
+        for text, at, size in names:
+            near = [other for other, there, of in page.glyphs if (there, of) != (at, size) and math.dist(at, there) < 0.6 * size]
+            expect(not near, f"page {number}: {text} is written over {near}")
+
+
 def check_rulers(pages):
     for k, page in enumerate(pages):
         lengths = [math.dist(p[0], p[1]) for p, _ in page.lines if len(p) == 2]
@@ -219,6 +230,7 @@ def check(program, file, paper, folder):
     design, pages = json.loads(pathlib.Path(file).read_text()), read_pages(pdf)
     modules = check_modules(design, pages)
     check_tables(design, pages)
+    check_points(pages)
     check_rulers(pages)
     if paper == "A4":  # they are the same on each paper
         check_codes(design, folder, pdf, len(pages))

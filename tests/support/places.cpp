@@ -3,14 +3,17 @@
 
 namespace triskin::test {
 
-std::string source_folder() {
-  return TRISKIN_SOURCE;
+const std::string& source_folder() {
+  static const std::string folder = TRISKIN_SOURCE;
+  return folder;
 }
-std::string program_file() {
-  return TRISKIN_PROGRAM;
+const std::string& program_file() {
+  static const std::string file = TRISKIN_PROGRAM;
+  return file;
 }
-std::string configured_data_folder() {
-  return TRISKIN_DATA;
+const std::string& configured_data_folder() {
+  static const std::string folder = TRISKIN_DATA;
+  return folder;
 }
 
 }  // namespace triskin::test

@@ -89,8 +89,15 @@ TEST_F(Backups, keep_every_value_that_the_protocol_reads) {
 TEST_F(Backups, carry_the_calibration_that_is_kept_for_a_board) {
   auto boards = save_boards(bus_, {});
   EXPECT_EQ(backup_text(boards).find("calibration"), std::string::npos) << "files without one are what they were";
-  design::BoardCalibration calibration{
-      boards[1].serial, hub_.design().design_id, 1, 3, "2026-11-22T17:30:00Z", "ramp", 40.0, 38.97, {}};
+  design::BoardCalibration calibration{boards[1].serial,
+                                       hub_.design().design_id,
+                                       1,
+                                       3,
+                                       "2026-11-22T17:30:00Z",
+                                       wire::CalibrationMethod::kRamp,
+                                       40.0,
+                                       38.97,
+                                       {}};
   calibration.places.push_back({2, 1, {}});
   calibration.places[0].taxels[4] = {151.25, 0.125, 0.0625};
   boards[1].calibration = calibration;
@@ -106,8 +113,15 @@ TEST_F(Backups, carry_the_calibration_that_is_kept_for_a_board) {
 // board.
 TEST_F(Backups, bring_the_calibration_back_that_a_controller_kept) {
   const auto claims = bus_.discover();
-  design::BoardCalibration calibration{
-      to_text(claims.at(1).unique_id), hub_.design().design_id, 1, 3, "2026-11-22T17:30:00Z", "ramp", 40.0, 38.97, {}};
+  design::BoardCalibration calibration{to_text(claims.at(1).unique_id),
+                                       hub_.design().design_id,
+                                       1,
+                                       3,
+                                       "2026-11-22T17:30:00Z",
+                                       wire::CalibrationMethod::kRamp,
+                                       40.0,
+                                       38.97,
+                                       {}};
   const auto patch = static_cast<std::size_t>(design::patch_at(hub_.design(), claims[1].node_address));
   for (const auto& routed : hub_.design().patches[patch].modules) {
     calibration.places.push_back({routed.line, routed.address, {}});

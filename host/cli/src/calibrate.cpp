@@ -67,11 +67,11 @@ device::CalibrationOutcome measure(const Options& options, const design::Design&
     if (!ramp.by_calendar() && link.finger() == nullptr)
       throw InputError(
           fmt::format("{}: times of the link are known of simulated links only; give the column unix_s", options.ramp));
-    calibrate.method = "ramp";
+    calibrate.method = wire::CalibrationMethod::kRamp;
     return device::calibrate_by_ramp(bus, design, ramp, calibrate);
   }
   const bool by_module = !options.weights_g.empty();
-  calibrate.method = by_module ? "weights" : "steps";
+  calibrate.method = by_module ? wire::CalibrationMethod::kWeights : wire::CalibrationMethod::kSteps;
   const double of_gram = kpa_per_gram(options, design);
   std::vector<double> pressures = options.steps_kpa;
   for (const double g : options.weights_g) pressures.push_back(g * of_gram);

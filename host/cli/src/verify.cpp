@@ -133,7 +133,8 @@ Told tell(const robot::CoverOnBus& cover, device::VerifyResult r, device::Bus& b
   for (const design::BoardCalibration& b : device::kept_in_controllers(bus, cover.design, bus.discover())) {
     calibrations.push_back({{"serial", b.serial}, {"revision", b.revision}, {"made", b.made}});
     rest.push_back(fmt::format("controller {} keeps revision {} of its calibration, made {} with {} up to {:g} kPa",
-                               b.serial, b.revision, b.made, b.method, b.most_kpa));
+                               b.serial, b.revision, b.made, design::kCalibrationMethodNames.name(b.method),
+                               b.most_kpa));
   }
   told.keys = {{"modules_ok", r.modules_ok},
                {"modules", r.modules},

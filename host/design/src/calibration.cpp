@@ -56,7 +56,9 @@ BoardCalibration board_in(const JsonValue& v) {
   board.patch = v["patch"].integer(0, kMaxCount);
   board.revision = v["revision"].integer(1, kMaxCount);
   board.made = v["made"].text();
-  board.method = v["method"].text();
+  const auto method = kCalibrationMethodNames.value(v["method"].text());
+  if (!method) v["method"].fail("must be " + kCalibrationMethodNames.list());
+  board.method = *method;
   board.most_kpa = number_in(v["most_kpa"], 0.0, kMostPressure_kpa);
   board.taxel_area_mm2 = number_in(v["taxel_area_mm2"], 1e-3, 1e6);
   const JsonValue places = v["places"];
@@ -87,7 +89,7 @@ std::string calibration_text(std::span<const BoardCalibration> boards) {
                     {"patch", b.patch},
                     {"revision", b.revision},
                     {"made", b.made},
-                    {"method", b.method},
+                    {"method", kCalibrationMethodNames.name(b.method)},
                     {"most_kpa", b.most_kpa},
                     {"taxel_area_mm2", b.taxel_area_mm2},
                     {"places", std::move(places)}});

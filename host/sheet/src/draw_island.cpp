@@ -128,6 +128,18 @@ void draw_short_sides(const Drawing& d, int module) {
     d.canvas.line(side_on(d, module, s).to, side_on(d, module, (s + 1) % 3).from, kCutThrough);
 }
 
+// Away from the modules of the page that meet at a corner: there is nothing else to read.
+Vec2 outward_at(const Drawing& d, const Vec2& corner) {
+  Vec2 sum = Vec2::Zero();
+  for (const int id : d.page.island.modules) {
+    const auto corners = d.page.island.corners_of(d.design.layout.modules[index(id)].tile);
+    const Vec2 center = (corners[0] + corners[1] + corners[2]) / 3.0;
+    if ((corner - center).norm() < 0.6 * design::kSide_mm)
+      sum += corner - center;  // its corners lie at 0.577 of a side
+  }
+  return sum.norm() > 0.1 * design::kSide_mm ? Vec2(sum.normalized()) : Vec2(Vec2(1.0, -1.0).normalized());
+}
+
 void draw_anchors(const Drawing& d, const std::set<int>& here) {
   const auto& anchors = d.plan.anchors[index(d.page.island.island)];
   double y = kMargin_mm + 16.0;
@@ -144,7 +156,9 @@ void draw_anchors(const Drawing& d, const std::set<int>& here) {
                   fmt::format("Point {} (module {}, page {}) on the part: {}.", name, a.module,
                               d.plan.page_of_module[index(a.module)], text_of(a.fix, d.plan.landmarks)),
                   {.size_mm = 2.6});
-    if (here.contains(a.module)) draw_anchor(d.canvas, side_on(d, a.module, a.corner).from, name);
+    if (!here.contains(a.module)) continue;
+    const Vec2 corner = d.page.island.corners_of(d.design.layout.modules[index(a.module)].tile)[index(a.corner)];
+    draw_anchor(d.canvas, side_on(d, a.module, a.corner).from, outward_at(d, corner), name);
   }
 }
 

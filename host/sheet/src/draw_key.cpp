@@ -86,7 +86,7 @@ void key_of_marks(Canvas& c, Key& key) {
       key.next({"Point of an island whose place on the part is stated: distances from two landmarks, in a straight",
                 "line (calipers or compasses)."},
                12.0);
-  draw_anchor(c, anchor, "P");
+  draw_anchor(c, anchor, Vec2(1.0, -1.0).normalized(), "P");
   draw_landmark(c, key.next({"Landmark of the part (overview, list on the page of parts)."}, 12.0), "R1");
 }
 

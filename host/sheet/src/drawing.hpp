@@ -50,8 +50,8 @@ inline constexpr Pen kCutThrough{0.5, kBlack, 0.0};
 void draw_cross(Canvas& canvas, const Vec2& at, double half_mm, double width_mm);
 /// A landmark of the part.
 void draw_landmark(Canvas& canvas, const Vec2& at, const std::string& name);
-/// A symbol ⊕ with its name beside it.
-void draw_anchor(Canvas& canvas, const Vec2& at, const std::string& name);
+/// A symbol ⊕ with its name beside it, in a direction of length 1.
+void draw_anchor(Canvas& canvas, const Vec2& at, const Vec2& outward, const std::string& name);
 /// Arrow from `from` to `to` with a filled head.
 void draw_arrow(Canvas& canvas, const Vec2& from, const Vec2& to, const Color& color);
 

@@ -78,11 +78,12 @@ void draw_landmark(Canvas& canvas, const Vec2& at, const std::string& name) {
   canvas.text(at + Vec2(0.6, -1.0), name, {.size_mm = 2.6, .bold = true, .color = kRed});
 }
 
-void draw_anchor(Canvas& canvas, const Vec2& at, const std::string& name) {
+void draw_anchor(Canvas& canvas, const Vec2& at, const Vec2& outward, const std::string& name) {
   canvas.circle(at, 1.8, {0.35, kBlue, 0.0});
   canvas.line(at - Vec2(2.8, 0), at + Vec2(2.8, 0), {0.25, kBlue, 0.0});
   canvas.line(at - Vec2(0, 2.8), at + Vec2(0, 2.8), {0.25, kBlue, 0.0});
-  canvas.text(at + Vec2(2.4, -2.4), name, {.size_mm = 4.0, .bold = true, .color = kBlue});
+  // A capital is 0.7 of its size high: its middle lies on the line outwards.
+  canvas.text(at + 4.6 * outward + Vec2(0, 1.4), name, {.size_mm = 4.0, .bold = true, .align = 0.5, .color = kBlue});
 }
 
 void draw_joint(Canvas& canvas, const Vec2& from, const Vec2& to, bool cut) {

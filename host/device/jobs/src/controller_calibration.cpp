@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <string_view>
 
 #include "address_users.hpp"
 #include "triskin/jobs/calibrate.hpp"
@@ -19,7 +18,6 @@ namespace {
 
 constexpr double kMost16 = 65535.0;
 constexpr double kErrorStep_percent = 0.01, kPaPerKpa = 1000.0, kAreaStep_mm2 = 1e-4;
-constexpr std::array<std::string_view, 3> kMethods{"steps", "weights", "ramp"};  // as wire::CalibrationMethod
 
 std::uint16_t rounded_up(double value, double step) {
   return static_cast<std::uint16_t>(std::clamp(std::ceil(value / step - 1e-9), 0.0, kMost16));
@@ -72,8 +70,7 @@ wire::Calibration to_wire(const design::BoardCalibration& board) {
   c.design_id = board.design_id;
   c.patch = static_cast<std::uint16_t>(board.patch);
   c.made_unix_s = unix_of(board.made);
-  const auto method = std::ranges::find(kMethods, board.method);
-  if (method != kMethods.end()) c.method = static_cast<wire::CalibrationMethod>(method - kMethods.begin());
+  c.method = board.method;
   c.most_pa = in_steps(board.most_kpa, 1.0 / kPaPerKpa);
   c.taxel_area = std::max(1U, in_steps(board.taxel_area_mm2, kAreaStep_mm2));
   for (const design::PlaceCalibration& place : board.places) {
@@ -89,7 +86,7 @@ design::BoardCalibration from_wire(const wire::Calibration& kept, const std::str
   board.patch = kept.patch;
   board.revision = kept.revision;
   board.made = utc_text(kept.made_unix_s);
-  board.method = kMethods[wire::wire_number(kept.method)];
+  board.method = kept.method;
   board.most_kpa = kept.most_pa / kPaPerKpa;
   board.taxel_area_mm2 = kept.taxel_area * kAreaStep_mm2;
   for (const wire::PlaceSensitivity& row : kept.rows()) {

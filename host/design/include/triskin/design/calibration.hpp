@@ -9,10 +9,18 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
+#include "triskin/host/names.hpp"
 #include "triskin/layout/module.hpp"
+#include "triskin/wire/calibration.hpp"
 
 /// What the counts of taxels are worth in kPa and N (docs/calibration.md).
 namespace triskin::design {
+
+/// Names in files and reports.
+inline constexpr NameTable kCalibrationMethodNames{
+    std::array<std::pair<wire::CalibrationMethod, std::string_view>, 3>{{{wire::CalibrationMethod::kSteps, "steps"},
+                                                                         {wire::CalibrationMethod::kWeights, "weights"},
+                                                                         {wire::CalibrationMethod::kRamp, "ramp"}}}};
 
 /// How one taxel answers to pressure: change in counts = counts_per_kpa · kPa.
 struct TaxelSensitivity {
@@ -36,7 +44,7 @@ struct BoardCalibration {
   int patch = 0;                ///< 0-based, in that design
   int revision = 1;             ///< ≥ 1, one more with each calibration of this controller
   std::string made;             ///< when, UTC: "2026-11-22T17:30:00Z"
-  std::string method;           ///< "steps", "weights" or "ramp"
+  wire::CalibrationMethod method = wire::CalibrationMethod::kSteps;
   double most_kpa = 0;          ///< largest pressure that was applied: beyond it nothing was measured
   double taxel_area_mm2 = 0.0;  ///< skin that a taxel for pressure stands for, > 0
   std::vector<PlaceCalibration> places;
