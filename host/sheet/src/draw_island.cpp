@@ -49,13 +49,27 @@ void write_along(const Drawing& d, const PageSide& at, double part, double out_m
   d.canvas.text(at.from + part * (at.to - at.from) + out_mm * at.outward + shift_mm * up, text, turned);
 }
 
+// Where the text of a mark stands along its side. In a notch of the outline the two sides of a mark meet: their texts
+// stand away from the corner, or they would run into each other (each is 20 mm long and 5 mm high with its distance).
+double part_of_mark(const Drawing& d, const PageSide& at, int match, int other) {
+  constexpr double kAway = 4.0 / design::kSide_mm;
+  if (d.design.layout.modules[index(other)].island != d.page.island.island) return 0.5;
+  for (int s = 0; s < 3; ++s) {
+    if (d.plan.sides.of[index(other)][index(s)].match != match) continue;
+    const PageSide far = side_on(d, other, s);
+    if ((far.to - at.from).norm() < 0.5 * design::kSide_mm) return 0.5 + kAway;
+    if ((far.from - at.to).norm() < 0.5 * design::kSide_mm) return 0.5 - kAway;
+  }
+  return 0.5;
+}
+
 void draw_match(const Drawing& d, const PageSide& at, const Side& side, int module) {
   const Match& match = d.plan.sides.matches[index(side.match)];
   const int other = match.module[match.module[0] == module ? 1 : 0];
   const bool slit = side.kind == SideKind::kSlit;
   const double out = slit ? -1.0 : 1.0;
   const bool brief = slit || side.cable || side.second_cable;  // there is no room for more
-  const double part = side.cable || side.second_cable ? 0.8 : 0.5;
+  const double part = side.cable || side.second_cable ? 0.8 : part_of_mark(d, at, side.match, other);
   const Vec2 foot = at.from + part * (at.to - at.from);
   d.canvas.line(foot, foot + out * 2.2 * at.outward, {0.5, kBlack, 0.0});
   write_along(d, at, part, out * 2.8,
