@@ -20,7 +20,7 @@ struct SurfaceLatticeOptions {
   std::uint64_t seed = 1;
   int threads = 2;  ///< 1 … 256 independent chains that exchange the best layout; part of what a result depends on
   Price price;      ///< each 0 … 16 modules
-  double hinge_reward = 0.01;   ///< 0 … 16 modules a joint is worth
+  double hinge_reward = 0.05;   ///< 0 … 16 modules a joint is worth
   bool front = true;            ///< of grow_front(): layouts with other numbers of modules as well
   double corner_lift_mm = 1.5;  ///< ≥ 0: how far corners may stand off a convex surface, so that the gap under the
                                 ///< centre stays in its limit
