@@ -106,7 +106,7 @@ TEST(SharedBus, all_covers_of_a_bus_are_written_in_one_pass) {
 }
 
 // Twelve covers of one board each, of 3 … 14 modules. What is known of the bus after one cover serves the next: who
-// answers, and the shapes. What was wrong: every cover asked all of it anew.
+// answers, and the shapes. What was wrong: every cover asked all of it anew, 4.03 s in all.
 TEST(SharedBus, fresh_boards_are_asked_once_for_all_covers) {
   Assembly a = bare_robot(1);
   for (int k = 0; k < 12; ++k) add_strip(a, fmt::format("cover{}", k), 0, 3 + k, 16);
@@ -126,7 +126,7 @@ TEST(SharedBus, fresh_boards_are_asked_once_for_all_covers) {
     EXPECT_EQ(p.serial, device::to_text(scene::unique_id_of(bus.skin().scene(), cover)));
     EXPECT_TRUE(p.written);
   }
-  EXPECT_LT(seconds, 3.0);
+  EXPECT_LT(seconds, 1.0);
   std::printf("12 covers of a fresh bus: %.2f s of bus time\n", seconds);
 }
 
