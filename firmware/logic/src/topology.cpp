@@ -127,7 +127,12 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
     ++graph_.count;
     return Pass::kDone;
   }
-  if (answer != before) answer = ChainDriver::Answer::kLost;
+  note_answer(module, port, answer == before ? answer : ChainDriver::Answer::kLost, beyond);
+  return Pass::kDone;
+}
+
+// What a port leads to that brings no module in. `beyond`: the table has no joint there.
+void Topology::note_answer(std::uint8_t module, std::uint8_t port, ChainDriver::Answer answer, bool beyond) {
   switch (answer) {
     case ChainDriver::Answer::kRefused:
       port_[module][port] = beyond ? Port::kNothing : Port::kJoined;  // held by its own controller
@@ -141,7 +146,6 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
     default:
       port_[module][port] = Port::kBad;
   }
-  return Pass::kDone;
 }
 
 // Row and port of the cable that explore() came in by.

@@ -160,6 +160,7 @@ class Topology {
   bool rebuild_all() { return rebuild(0xFFFF, true); }
   [[nodiscard]] bool more_behind_second(const Table& table, const Report& report) const;
   Pass probe(std::uint8_t module, std::uint8_t port);
+  void note_answer(std::uint8_t module, std::uint8_t port, ChainDriver::Answer answer, bool beyond);
   Pass match();
   Pass match_end(std::uint8_t module, std::uint8_t port);
   Pass join_here(std::uint8_t module, std::uint8_t port, std::uint8_t far);
