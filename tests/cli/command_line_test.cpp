@@ -89,6 +89,15 @@ TEST_F(CommandLine, a_format_follows_the_extension_or_is_refused) {
   EXPECT_EQ(run("export strip.json -o a.png").status, 2);
 }
 
+// Program, firmware and its packages are released together.
+TEST_F(CommandLine, the_program_and_its_controllers_say_one_version) {
+  const std::string version = run("--version").out;
+  const auto controllers =
+      nlohmann::json::parse(run("discover --link sim --design strip.json --json").out)["controllers"];
+  ASSERT_FALSE(controllers.empty());
+  for (const auto& c : controllers) EXPECT_EQ(c["firmware"].get<std::string>() + "\n", version);
+}
+
 TEST_F(CommandLine, a_design_that_was_changed_by_hand_is_not_deployed) {
   design::Design changed = strip(4, 4);
   changed.layout.modules[1].corner_mm[0].x() += 5.0;  // its id is still that of the strip

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "bench.hpp"
+#include "triskin/app/identifiers.hpp"
 #include "triskin/wire/node_claim.hpp"
 
 namespace triskin::test {
@@ -270,7 +271,8 @@ TEST_F(IcubHost, a_host_that_speaks_to_everybody_is_obeyed) {
 
 TEST_F(IcubHost, the_firmware_version_is_told_with_the_protocol_and_whether_it_fits) {
   power_up();
-  const std::vector<int> fits{0x1C, 0x0B, 0, 1, 0, 2, 0, 1}, differs{0x1C, 0x0B, 0, 1, 0, 2, 0, 0};
+  constexpr int kMajor = fw::kFirmwareVersion >> 24, kMinor = fw::kFirmwareVersion >> 16 & 0xFF;
+  const std::vector<int> fits{0x1C, 0x0B, kMajor, kMinor, 0, 2, 0, 1}, differs{0x1C, 0x0B, kMajor, kMinor, 0, 2, 0, 0};
   for (const std::uint32_t id : {0x201U, 0x20FU}) {
     const auto answers = ask(id, {0x1C, 2, 0});
     ASSERT_EQ(answers.size(), 1U);

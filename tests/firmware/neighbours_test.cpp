@@ -53,6 +53,28 @@ TEST(Neighbours, keep_away_until_the_owner_has_looked) {
   EXPECT_EQ(n.look_us(), 2'200'000U);
 }
 
+// First what touches the border; what lies behind it when each neighbour has had its turn.
+TEST(Neighbours, look_further_after_the_turns_of_all) {
+  Neighbours n;
+  n.hear(kOffer, kOwn, false, 1'000'000);
+  EXPECT_TRUE(n.begin_look(1'200'000));
+  EXPECT_EQ(n.layers(), 1);
+  n.look_further(1'220'000);
+  EXPECT_EQ(n.look_us(), 1'620'000U);
+  EXPECT_TRUE(n.begin_look(1'620'000));
+  EXPECT_EQ(n.layers(), 16);
+  n.hear({9, 0b1110, 0, 0}, kOwn, true, 3'000'000);  // one more is offered: the guests that are there stay
+  EXPECT_TRUE(n.begin_look(3'200'000));
+  EXPECT_EQ(n.layers(), 16);
+  n.hear(kNothing, kOwn, true, 4'000'000);
+  n.hear(kOffer, kOwn, false, 5'000'000);
+  EXPECT_TRUE(n.begin_look(5'200'000));
+  EXPECT_EQ(n.layers(), 1);
+  n.hear(kNothing, kOwn, false, 5'210'000);  // during the look
+  n.look_further(5'220'000);
+  EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
+}
+
 // One that took nothing in because its own patch was not whole tries again when it is.
 TEST(Neighbours, are_looked_at_again_while_they_offer) {
   Neighbours n;

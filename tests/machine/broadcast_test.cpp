@@ -13,7 +13,6 @@ namespace triskin::machine {
 namespace {
 
 constexpr std::uint32_t kSlotOrigin[2] = {0x08004000, 0x08040000};
-constexpr std::uint32_t kVersion = 0x00'01'00'00;
 
 class Broadcast : public Sampling, public ::testing::WithParamInterface<std::tuple<int, bool>> {
  protected:
@@ -23,7 +22,7 @@ class Broadcast : public Sampling, public ::testing::WithParamInterface<std::tup
     Bench::SetUp();
   }
   [[nodiscard]] device::FirmwarePackage package() const {
-    return package_of(read_elf(firmware("triskin_app_a.elf")), read_elf(firmware("triskin_app_b.elf")), kVersion);
+    return package_of(read_elf(firmware("triskin_app_a.elf")), read_elf(firmware("triskin_app_b.elf")));
   }
   [[nodiscard]] MachineLink link(bool fd) {
     return MachineLink({[this](const wire::CanFrame& f) { deliver(f); }, [this](std::uint64_t us) { run_for(us); },

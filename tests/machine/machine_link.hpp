@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "triskin/jobs/firmware_update.hpp"
+#include "triskin/layout/image_label.hpp"
 #include "triskin/link/link.hpp"
 #include "triskin/machine/flash_chip.hpp"
 #include "triskin/wire/can_frame.hpp"
@@ -50,11 +51,11 @@ class MachineLink final : public device::Link {
   std::size_t seen_;
 };
 
-/// The application as a firmware file, from the two images.
-inline device::FirmwarePackage package_of(const ElfImage& a, const ElfImage& b, std::uint32_t version) {
+/// The application as a firmware file, from the two images, of the version that their labels say.
+inline device::FirmwarePackage package_of(const ElfImage& a, const ElfImage& b) {
   device::FirmwarePackage p;
   p.bytes.resize(layout::kPackageHeadBytes);
-  p.head.firmware_version = version;
+  p.head.firmware_version = layout::decode_label(a.flat()).value().firmware_version;
   for (std::size_t slot = 0; slot < 2; ++slot) {
     std::vector<std::uint8_t> image = (slot == 0 ? a : b).flat();
     image.resize((image.size() + 7) / 8 * 8, 0xFF);

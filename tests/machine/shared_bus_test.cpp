@@ -18,7 +18,6 @@
 namespace triskin::machine {
 namespace {
 
-constexpr std::uint32_t kVersion = 0x00'01'00'00;
 constexpr std::size_t kBoards = 16;
 
 // One board: flash, lines without chips, the machine.
@@ -117,7 +116,7 @@ TEST(UpdateOfSixteenBoards, with_losses_one_dead_one_cut_one_old_reaches_all_oth
   ASSERT_LE(count, kBoards - 2);
   const std::array images{read_elf(firmware("triskin_app_a.elf")), read_elf(firmware("triskin_app_b.elf"))};
   const ElfImage loader = read_elf(firmware("triskin_loader.elf"));
-  const auto package = package_of(images[0], images[1], kVersion);
+  const auto package = package_of(images[0], images[1]);
 
   scene::Scene scene;
   scene.design = test::strip(static_cast<int>(kBoards - count), 1);
@@ -127,7 +126,8 @@ TEST(UpdateOfSixteenBoards, with_losses_one_dead_one_cut_one_old_reaches_all_oth
   const std::size_t virtuals = skin.controllers(), dead = 0, old = 1;
   for (std::size_t p = 0; p < virtuals; ++p)
     test::install(skin, p, static_cast<int>(p % 2),
-                  test::make_firmware({.size_bytes = 2048, .fill = 1, .labelled = p != old, .version = kVersion}));
+                  test::make_firmware(
+                      {.size_bytes = 2048, .fill = 1, .labelled = p != old, .version = package.head.firmware_version}));
   std::deque<MachineBoard> machines;
   for (std::size_t k = 0; k < count; ++k) machines.emplace_back(static_cast<std::uint8_t>(k), loader, images[k % 2]);
   SharedBus bus_link(skin, machines);

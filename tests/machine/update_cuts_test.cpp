@@ -30,8 +30,7 @@ class UpdateCuts : public Update, public ::testing::WithParamInterface<int> {
                       [this] { return now_us(); }, &frames, [this] { return machine->frames_waiting(); }},
                      false);
     device::Bus bus(link);
-    constexpr std::uint32_t kVersion = 0x00'01'00'00;
-    const auto package = package_of(application, read_elf(firmware("triskin_app_b.elf")), kVersion);
+    const auto package = package_of(application, read_elf(firmware("triskin_app_b.elf")));
     const auto result =
         device::broadcast_firmware(std::array{device::UpdateBus{&bus, bus.discover()}}, package, {.force = true});
     ASSERT_EQ(result.boards.at(0).outcome, device::UpdateOutcome::kUpdated) << result.boards.at(0).why;

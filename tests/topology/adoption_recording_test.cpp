@@ -2,15 +2,24 @@
 // A recording says which controller read each module at which time, also of modules that a neighbour adopts.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 
+#include <cstdlib>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "cli/shell_case.hpp"
 #include "joined_patches.hpp"
 #include "triskin/design/design.hpp"
+#include "triskin/design/module_graph.hpp"
+#include "triskin/hdf5/recording.hpp"
+#include "triskin/hdf5/taxel_table.hpp"
 #include "triskin/host/files.hpp"
 #include "triskin/jobs/flash.hpp"
 #include "triskin/recording/recorder.hpp"
@@ -39,8 +48,13 @@ class AdoptionRecording : public ShellCase {
     origin.link_start_us = bus.now_us();
     origin.unix_start_ns = 1'700'000'000'000'000'000;
     const auto recorder = recording::make_recorder(recording::Format::kMcap, file, design_, origin);
+    recording::OutputFile csv_file(folder_ / "adoption.csv"), hdf5_file(folder_ / "adoption.h5");
+    std::vector<std::unique_ptr<recording::Recorder>> others;
+    others.push_back(recording::make_recorder(recording::Format::kCsv, csv_file, design_, origin));
+    if (hdf5::can_write()) others.push_back(hdf5::make_recorder(hdf5_file, design_, origin));
     device::Stream stream(bus, design_, [&](const device::ModuleFrame& f) {
       recorder->add({f.module, f.link_time_us, f.sample});
+      for (const auto& other : others) other->add({f.module, f.link_time_us, f.sample});
       adopter_[{f.module, f.link_time_us}] = f.adopter;
       if (f.sample.valid == 0) empty_.insert({f.module, f.link_time_us});
     });
@@ -55,7 +69,10 @@ class AdoptionRecording : public ShellCase {
     run_us(5'000'000);
     stream.finish();
     recorder->finish({{"status", "complete"}});
+    for (const auto& other : others) other->finish({});
+    others.clear();
     file.close();
+    csv_file.close();
   }
 
   const design::Design design_ = joined_patches(4, 8);
@@ -101,6 +118,50 @@ TEST_F(AdoptionRecording, says_who_read_each_module_at_each_time) {
       EXPECT_EQ(adopter, away ? there.reader.patch : -1) << m << " at " << sample.second;
     }
   }
+}
+
+// Fields of the lines of a CSV file, by name of the column.
+std::vector<std::map<std::string, std::string>> lines_of(const std::string& text) {
+  const auto split = [](const std::string& line) {
+    std::vector<std::string> fields(1);
+    for (const char c : line) c == ',' ? fields.emplace_back() : fields.back() += c;
+    return fields;
+  };
+  std::istringstream in(text);
+  std::string line;
+  std::getline(in, line);
+  const auto names = split(line);
+  std::vector<std::map<std::string, std::string>> list;
+  while (std::getline(in, line)) {
+    const auto fields = split(line);
+    EXPECT_EQ(fields.size(), names.size()) << line;
+    for (auto& row = list.emplace_back(); const std::string& name : names) row[name] = fields[row.size()];
+  }
+  return list;
+}
+
+TEST_F(AdoptionRecording, as_csv_and_hdf5_says_who_read_each_sample) {
+  record();
+  const auto own = design::wiring_of(design_);
+  std::size_t adopted = 0;
+  const auto lines = lines_of(read_file(folder_ / "adoption.csv"));
+  ASSERT_EQ(lines.size(), adopter_.size());
+  for (auto line : lines) {
+    const int module = std::stoi(line["module"]);
+    const int truth = adopter_.at({module, std::stoull(line["link_time_us"])});
+    const int patch = truth >= 0 ? truth : own[static_cast<std::size_t>(module)].patch;
+    ASSERT_EQ(line["reader_patch"], std::to_string(patch)) << "module " << module << " at " << line["link_time_us"];
+    ASSERT_EQ(line["reader_node"], std::to_string(patch + 1));
+    adopted += truth >= 0 ? 1 : 0;
+  }
+  EXPECT_GE(adopted, 20 * orphans_.modules.size());
+  if (!hdf5::can_write()) GTEST_SKIP() << "built without HDF5";
+  const std::string script = TRISKIN_SOURCE "/tests/hdf5/recording_test.py";
+  const int status = std::system(
+      fmt::format("python3 {} --compare {}/adoption.h5 {}/adoption.csv", script, folder_.string(), folder_.string())
+          .c_str());
+  if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "h5py is missing";
+  EXPECT_EQ(status, 0);
 }
 
 TEST_F(AdoptionRecording, replay_shows_who_read_a_module) {

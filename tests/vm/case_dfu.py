@@ -20,7 +20,7 @@ def make_package(path, fill, size=20_000, labelled=False):
         if labelled:
             image[0x1D8:0x1F0] = b"TSKL" + bytes([1, 0, 0, 0]) + b"TRISKIN1" + struct.pack("<II", 0x00010000, origin)
         pathlib.Path(f"/tmp/{name}.bin").write_bytes(image)
-    run(sys.executable, MAKE_PACKAGE, "/tmp/a.bin", "/tmp/b.bin", path)
+    run(sys.executable, MAKE_PACKAGE, "/tmp/a.bin", "/tmp/b.bin", path, "0.1.0")
 
 
 def test_firmware_over_can():

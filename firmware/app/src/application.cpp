@@ -87,10 +87,10 @@ void Application::seat_guests() {
   const wire::Adoption& now = route_.adoption();
   if (now.list == guest_list_) return;
   guest_list_ = now.list;
-  const std::size_t own = rows();
-  forget_samples(own);
-  for (Channel& c : channels()) c.stream.forget_from(own);
-  for (LineSampler& l : lines_) l.replace_guests(own, now.list_of_guests(), now_us());
+  const std::size_t own = rows(), first_new = own + route_.kept_guests();
+  forget_samples(first_new);
+  for (Channel& c : channels()) c.stream.forget_from(first_new);
+  for (LineSampler& l : lines_) l.replace_guests(own, now.list_of_guests(), route_.kept_guests(), now_us());
 }
 
 // What was read since the last check of the chain that passed may come from another module.

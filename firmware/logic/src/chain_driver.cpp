@@ -73,7 +73,7 @@ void ChainDriver::set_address(std::uint8_t module, LineAddress address) {
 
 // Shifts the configuration in; true when the chain gave back the same one, that is, held it before.
 bool ChainDriver::echo() {
-  std::array<std::uint8_t, layout::kMaxModules> out{}, in{};
+  std::array<std::uint8_t, kNumbers> out{}, in{};
   for (std::size_t k = 0; k < length_; ++k) out[k] = config_[order_[length_ - 1 - k]];
   port_.exchange(Bytes(out.data(), length_), {in.data(), length_});
   return std::equal(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(length_), in.begin());
@@ -126,7 +126,7 @@ ChainDriver::Answer ChainDriver::open(std::uint8_t module, std::uint8_t port, st
   if (answer == Answer::kModule) {
     child_[module][port] = child;
     config_[child] = kMarker;
-    members_ = static_cast<std::uint16_t>(members_ | (1U << child));
+    members_ |= 1U << child;
     order();
   }
   return answer;
@@ -145,11 +145,21 @@ bool ChainDriver::close(std::uint8_t module, std::uint8_t port) {
   return false;
 }
 
+bool ChainDriver::shut(std::uint8_t module, std::uint8_t port) {
+  config_[module] = static_cast<std::uint8_t>(config_[module] & ~enable_bit(port));
+  if (!write()) return false;
+  std::uint8_t& child = child_[module][port];
+  if (child != kNoModule) members_ &= ~(1U << child);
+  child = kNoModule;
+  order();
+  return echo() || echo();
+}
+
 void ChainDriver::attach(std::uint8_t module, std::uint8_t port, std::uint8_t child) {
   config_[module] = static_cast<std::uint8_t>(config_[module] | enable_bit(port));
   child_[module][port] = child;
   config_[child] = kMarker;
-  members_ = static_cast<std::uint16_t>(members_ | (1U << child));
+  members_ |= 1U << child;
 }
 
 }  // namespace triskin::fw

@@ -19,8 +19,10 @@ void Neighbours::hear(const wire::Reach& reach, std::uint8_t own_node, bool gues
   if (offer == offers_.end()) return;
   const bool more = (reach.out_of_reach & ~offer->rows) != 0;
   *offer = {reach.node_address, reach.out_of_reach, now_us + kForget_us};
+  if (!more) return;
   // Two that look at once would take modules from each other, and both would find less.
-  if (more) look_us_ = std::min(look_us_, std::max(now_us, away_until_us_) + kTurn_us * (1 + own_node % 4U));
+  if (!guests) layers_ = 1;
+  look_us_ = std::min(look_us_, std::max(now_us, away_until_us_) + kTurn_us * (1U + own_node % kTurns));
 }
 
 void Neighbours::tick(bool guests, std::uint64_t now_us) {
@@ -33,6 +35,7 @@ void Neighbours::tick(bool guests, std::uint64_t now_us) {
 void Neighbours::end(Offer& offer, bool guests, std::uint64_t now_us) {
   offer = {};
   away_until_us_ = now_us + kKeepAway_us;
+  layers_ = 1;
   if (guests)
     look_us_ = now_us;
   else if (!any())
@@ -43,6 +46,11 @@ bool Neighbours::begin_look(std::uint64_t now_us) {
   const bool open = any() && now_us >= away_until_us_;
   look_us_ = any() && !open ? away_until_us_ : kNever_us;
   return open;
+}
+
+void Neighbours::look_further(std::uint64_t now_us) {
+  layers_ = layout::kMaxModules;
+  if (any()) look_us_ = now_us + kTurns * kTurn_us;
 }
 
 void Neighbours::look_again(std::uint64_t now_us) {

@@ -52,7 +52,7 @@ void RouteKeeper::heal(const Clock& clock) {
                     : beyond_                                     ? Topology::Look::kBeyond
                                                                   : Topology::Look::kOwn;
   beyond_ = false;
-  const Topology::Report report = has_table ? topology_.heal(table_, look) : topology_.discover();
+  const Topology::Report report = has_table ? topology_.heal(table_, look, neighbours_.layers()) : topology_.discover();
   route_ = {};
   route_.heals = heals;
   route_.repairs = repairs;
@@ -64,6 +64,7 @@ void RouteKeeper::heal(const Clock& clock) {
   plan_next(clock.now_us());
   if (has_table && route_.switched) offer(report, clock.now_us());
   if (has_table) note_guests();
+  if (report.more_guests) neighbours_.look_further(clock.now_us());
   if (!was_whole && whole()) neighbours_.look_again(clock.now_us());
 }
 
@@ -92,17 +93,17 @@ void RouteKeeper::set_offered(std::uint16_t rows) {
   adoption_.out_of_reach = rows;
 }
 
-// A list that is as before keeps its number: the samples of its guests go on.
+// A list that is as before keeps its number. The samples of guests that are in both lists, before all others, go on.
 void RouteKeeper::note_guests() {
-  const auto guests = topology_.guests();
-  bool other = guests.size() != adoption_.count;
-  for (std::size_t k = 0; k < guests.size(); ++k) {
-    const wire::Guest guest = topology_.guest(guests[k]);
-    other = other || !(adoption_.guests[k] == guest);
+  const std::uint8_t guests = topology_.guest_count();
+  kept_guests_ = 0;
+  for (std::uint8_t k = 0; k < guests; ++k) {
+    const wire::Guest guest = topology_.guest(k);
+    if (k == kept_guests_ && k < adoption_.count && adoption_.guests[k] == guest) ++kept_guests_;
     adoption_.guests[k] = guest;
   }
-  if (!other) return;
-  adoption_.count = static_cast<std::uint8_t>(guests.size());
+  if (guests == adoption_.count && guests == kept_guests_) return;
+  adoption_.count = guests;
   adoption_.list = static_cast<std::uint8_t>(adoption_.list == 255 ? 1 : adoption_.list + 1);
   tell_at_us_ = 0;
 }

@@ -39,10 +39,11 @@ void LineSampler::begin(I2cLine& line, std::uint8_t line_index, const Patch& pat
 }
 
 // Guests are the last stations, so the others keep their numbers.
-void LineSampler::replace_guests(std::size_t own_rows, std::span<const wire::Guest> guests, std::uint64_t now_us) {
-  while (station_count_ > 0 && index_of(stations_[station_count_ - 1].row) >= own_rows) --station_count_;
+void LineSampler::replace_guests(std::size_t own_rows, std::span<const wire::Guest> guests, std::size_t kept,
+                                 std::uint64_t now_us) {
+  while (station_count_ > 0 && index_of(stations_[station_count_ - 1].row) >= own_rows + kept) --station_count_;
   const std::size_t first = station_count_;
-  for (std::size_t k = 0; k < guests.size(); ++k) {
+  for (std::size_t k = kept; k < guests.size(); ++k) {
     if (guests[k].line() != line_index_) continue;
     Station& station = stations_[station_count_++];
     station = {};

@@ -68,7 +68,6 @@ Topology::Pass Topology::explore() {
   }
   held_lines_ = chain_.stuck_lines();  // nothing can be left out that would free these
   graph_.count = 1;
-  strangers_ = 0;
   expected_[0] = expected_cable().module;
   std::array<std::uint8_t, layout::kMaxModules> next{};
   std::uint8_t m = 0;
@@ -93,14 +92,12 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
     port_[module][port] = Port::kBad;
     return Pass::kDone;
   }
-  // Strangers must leave room for the modules of the table, which may be found after them.
-  const bool beyond = look_ != Look::kBeyond && !within_table(module, port);
-  const bool no_room = beyond && strangers_ + expected_table_->graph.count >= layout::kMaxModules;
-  if (beyond && expected_[module] != kNoModule && (look_ == Look::kOwn || no_room)) {
+  const bool beyond = look_ != Look::kBeyond && expected_[module] != kNoModule && !within_table(module, port);
+  if (beyond && look_ == Look::kOwn) {
     port_[module][port] = Port::kNothing;
     return Pass::kDone;
   }
-  const bool full = graph_.count == layout::kMaxModules || (no_room && look_ == Look::kAdopt);
+  const bool full = graph_.count == layout::kMaxModules;
   const auto child = static_cast<std::uint8_t>(full ? layout::kMaxModules - 1 : graph_.count);
   // What brings no module in is asked until two answers agree: a flipped bit could have opened another port.
   ChainDriver::Answer answer = ChainDriver::Answer::kLost, before = answer;
@@ -120,16 +117,25 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
       exclude(module, port);
       return Pass::kAgain;
     }
+    if (beyond) {  // only when all own modules are in it is known to be none of them
+      port_[module][port] = Port::kBeyond;
+      return chain_.shut(module, port) ? Pass::kDone : Pass::kAgain;
+    }
     port_[module][port] = Port::kChild;
     parent_[child] = {module, port};
     expect(child);
     ++graph_.count;
     return Pass::kDone;
   }
-  if (answer != before) answer = ChainDriver::Answer::kLost;
+  note_answer(module, port, answer == before ? answer : ChainDriver::Answer::kLost, beyond);
+  return Pass::kDone;
+}
+
+// What a port leads to that brings no module in. `beyond`: the table has no joint there.
+void Topology::note_answer(std::uint8_t module, std::uint8_t port, ChainDriver::Answer answer, bool beyond) {
   switch (answer) {
     case ChainDriver::Answer::kRefused:
-      port_[module][port] = Port::kJoined;
+      port_[module][port] = beyond ? Port::kNothing : Port::kJoined;  // held by its own controller
       break;
     case ChainDriver::Answer::kNothing:
       port_[module][port] = Port::kNothing;
@@ -140,7 +146,6 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
     default:
       port_[module][port] = Port::kBad;
   }
-  return Pass::kDone;
 }
 
 // Row and port of the cable that explore() came in by.
@@ -158,10 +163,8 @@ bool Topology::within_table(std::uint8_t module, std::uint8_t port) const {
 
 void Topology::expect(std::uint8_t child) {
   const auto [module, port] = parent_[child];
-  expected_[child] = kNoModule;
-  if (expected_table_ == nullptr) return;
-  if (expected_[module] != kNoModule) expected_[child] = expected_table_->graph.joint[expected_[module]][port].module;
-  if (expected_[child] == kNoModule) ++strangers_;
+  expected_[child] =
+      expected_[module] == kNoModule ? kNoModule : expected_table_->graph.joint[expected_[module]][port].module;
 }
 
 // Only one port is the input. A second one whose enable does nothing is broken, and which of the two it is cannot be
@@ -342,12 +345,10 @@ Topology::Table Topology::table_of(const layout::PatchImage& image) {
   return table;
 }
 
-Topology::Report Topology::heal(const Table& table, Look look) {
+Topology::Report Topology::heal(const Table& table, Look look, std::uint8_t layers) {
   guest_count_ = 0;
+  if (look == Look::kAdopt && table.graph.count == layout::kMaxModules) look = Look::kOwn;  // no address is free
   Report report = find(table, look);
-  // A walk through strangers may come to own modules by joints that the table does not know.
-  if (look == Look::kAdopt && graph_.count - report.unknown != table.graph.count)
-    report = find(table, look = Look::kOwn);
   if (more_behind_second(table, report)) {
     const std::uint8_t unknown = report.unknown, count = graph_.count;
     first_tried_ = 1;
@@ -360,28 +361,27 @@ Topology::Report Topology::heal(const Table& table, Look look) {
     for (std::uint8_t m = 0; m < graph_.count; ++m) {
       if (table_index_[m] != kNoModule) address_[m] = table.addresses[table_index_[m]];
     }
-    if (look == Look::kAdopt) invite_guests(table);
     report.complete = activate(table, report);
+    // Somebody else took one, or it broke: the own modules come first.
+    if (look == Look::kAdopt && may_adopt(table, report) && !adopt(table, layers, report))
+      report.complete = activate(table, report);
   }
   if (!report.complete) {
     chain_.silence();  // nothing of a half-open tree may answer
-    guest_count_ = 0;
     return report;
   }
-  report.unknown = static_cast<std::uint8_t>(report.unknown - guest_count_);
-  for (std::uint8_t m = 0; m < graph_.count; ++m) {
+  for (std::uint8_t m = 0; m < graph_.count - guest_count_; ++m) {
     if (!has(chain_.members(), m))
       parent_[m] = {};
     else if (table_index_[m] != kNoModule)
       report.alive = with(report.alive, table_index_[m]);
   }
-  for (std::size_t k = 0; k < guest_count_; ++k)
-    table_index_[guests_[k]] = static_cast<std::uint8_t>(table.graph.count + k);
   report.max_depth = depth();
   return report;
 }
 
-wire::Guest Topology::guest(std::uint8_t module) const {
+wire::Guest Topology::guest(std::uint8_t k) const {
+  const auto module = static_cast<std::uint8_t>(graph_.count - guest_count_ + k);
   const auto [above, port] = parent_[module];
   const LineAddress a = address_[module];
   return {table_index_[above], port, input_[module],
@@ -410,33 +410,98 @@ std::uint16_t Topology::held_rows(const Table& table) const {
   return static_cast<std::uint16_t>(held & ~found);
 }
 
-// Each gets an address that no row of the table has: a module of the table that comes back must find its own free.
-void Topology::invite_guests(const Table& table) {
+// Every module of the table is in the tree, and nothing else.
+bool Topology::may_adopt(const Table& table, const Report& report) const {
+  if (!report.complete || report.unknown > 0 || graph_.count != table.graph.count) return false;
+  return chain_.members() == (1U << graph_.count) - 1U;
+}
+
+// Onto the active tree, layer by layer: one after the other finds the own modules and the guests before it held, so
+// what comes in is new. Each gets an address that no row of the table has: a module of the table that comes back must
+// find its own free. False: the tree is not up any more, and there are no guests.
+bool Topology::adopt(const Table& table, std::uint8_t layers, Report& report) {
   std::uint16_t taken = 0;
-  const auto place = [](LineAddress a) {
-    return static_cast<std::uint8_t>(a.line * layout::kAddressesPerLine + a.address);
-  };
-  for (std::uint8_t row = 0; row < table.graph.count; ++row) taken = with(taken, place(table.addresses[row]));
-  for (std::uint8_t m = 1; m < graph_.count; ++m) {
-    const auto free = static_cast<std::uint8_t>(std::countr_one(taken));
-    if (table_index_[m] != kNoModule || free >= layout::kMaxModules) continue;
-    taken = with(taken, free);
-    address_[m] = {static_cast<std::uint8_t>(free / layout::kAddressesPerLine),
-                   static_cast<std::uint8_t>(free % layout::kAddressesPerLine)};
-    guests_[guest_count_++] = m;
+  for (std::uint8_t row = 0; row < table.graph.count; ++row) {
+    const LineAddress a = table.addresses[row];
+    taken = with(taken, static_cast<std::uint8_t>(a.line * layout::kAddressesPerLine + a.address));
+  }
+  const std::uint8_t own = graph_.count;
+  std::uint8_t layer_end = own;
+  bool up = true;
+  for (std::uint8_t m = 0; up && m < graph_.count; ++m) {
+    if (m == layer_end) {
+      layer_end = graph_.count;
+      --layers;
+    }
+    for (std::uint8_t p = 0; up && p < layout::kPorts; ++p) {
+      if (port_[m][p] != Port::kBeyond || graph_.count == layout::kMaxModules) continue;
+      if (layers == 0) {
+        report.more_guests = true;
+        continue;
+      }
+      const auto place = static_cast<std::uint8_t>(std::countr_one(taken));
+      up = take_in(m, p, place);
+      if (port_[m][p] == Port::kChild) taken = with(taken, place);
+    }
+  }
+  guest_count_ = static_cast<std::uint8_t>(graph_.count - own);
+  if (up && (guest_count_ == 0 || (chain_.settle() && chain_.check() && lines_free()))) return true;
+  release_guests();
+  return false;
+}
+
+void Topology::release_guests() {
+  graph_.count = static_cast<std::uint8_t>(graph_.count - guest_count_);
+  guest_count_ = 0;
+  for (auto& ends : graph_.joint) {
+    for (JointEnd& e : ends) {
+      if (e.module >= graph_.count) e = {};
+    }
   }
 }
 
-// Onto the tree in parent_, by the joints by which they were found; one whose parent is not in is left out.
-void Topology::graft_guests(const std::array<JointEnd, layout::kMaxModules>& as_found) {
-  std::size_t kept = 0;
-  for (const std::uint8_t guest : guests()) {
-    const std::uint8_t above = as_found[guest].module;
-    if (above != 0 && parent_[above].module == kNoModule) continue;
-    parent_[guest] = as_found[guest];
-    guests_[kept++] = guest;
+// False: the tree is not up any more.
+bool Topology::take_in(std::uint8_t module, std::uint8_t port, std::uint8_t place) {
+  const std::uint8_t guest = graph_.count;
+  if (chain_.open(module, port, guest) != ChainDriver::Answer::kModule) {  // it came in elsewhere
+    port_[module][port] = Port::kNothing;
+    return rebuild_all();
   }
-  guest_count_ = kept;
+  ++graph_.count;
+  parent_[guest] = {module, port};
+  input_[guest] = kNoModule;
+  address_[guest] = {static_cast<std::uint8_t>(place / layout::kAddressesPerLine),
+                     static_cast<std::uint8_t>(place % layout::kAddressesPerLine)};
+  table_index_[guest] = guest;  // every row of the table is in: guests are the rows behind them
+  chain_.set_address(guest, address_[guest]);
+  bool up = lines_free();
+  for (std::uint8_t p = 0; up && p < layout::kPorts; ++p) up = ask(guest, p);
+  if (up && input_[guest] != kNoModule) {
+    join({module, port}, {guest, input_[guest]});
+    port_[module][port] = Port::kChild;
+    return true;
+  }
+  parent_[guest] = {};
+  table_index_[guest] = kNoModule;
+  --graph_.count;
+  port_[module][port] = Port::kBad;
+  return rebuild_all();
+}
+
+// What a port of a guest leads to. It lies anywhere in the chain: where nothing comes in the chain is broken there, and
+// what the registers behind it have must not be latched. False: the tree is not up any more.
+bool Topology::ask(std::uint8_t guest, std::uint8_t port) {
+  const auto answer = chain_.open(guest, port, graph_.count);
+  port_[guest][port] = Port::kNothing;
+  if (answer == ChainDriver::Answer::kModule) {
+    port_[guest][port] = Port::kBeyond;
+  } else if (answer == ChainDriver::Answer::kUnchanged) {
+    port_[guest][port] = Port::kInput;
+    if (input_[guest] == kNoModule) input_[guest] = port;
+  } else {
+    return rebuild_all();
+  }
+  return chain_.shut(guest, port) || rebuild_all();
 }
 
 bool Topology::more_behind_second(const Table& table, const Report& report) const {
@@ -524,20 +589,14 @@ bool Topology::least_depth_tree(const Table& table) {
 
 bool Topology::activate(const Table& table, Report& report) {
   const auto as_found = parent_;
-  constexpr std::uint16_t kAll = 0xFFFF;
   const auto up = [&] {
     for (std::uint8_t m = 1; m < graph_.count; ++m) {
       if (table_index_[m] == kNoModule) parent_[m] = {};
     }
-    graft_guests(as_found);
-    if (guest_count_ > 0 && rebuild(kAll, true) && lines_free()) return true;
-    for (const std::uint8_t guest : guests()) parent_[guest] = {};
-    guest_count_ = 0;  // somebody else took one, or it broke: the own modules come first
-    return rebuild(kAll, true) && lines_free();
+    return rebuild_all() && lines_free();
   };
-  std::uint8_t least = kNoModule;
   if (!least_depth_tree(table)) return false;
-  least = depth();
+  const std::uint8_t least = depth();
   const auto shallow = parent_;
   if (table_tree(table) && up()) {
     report.as_table = true;

@@ -11,6 +11,7 @@
 
 #include "hdf5_object.hpp"
 #include "triskin/layout/module.hpp"
+#include "triskin/recording/readers.hpp"
 
 namespace triskin::hdf5 {
 namespace {
@@ -61,11 +62,11 @@ class GrowingTable {
 
 // Samples that wait to be written, a list a table.
 struct Block {
-  std::vector<std::int32_t> module;
+  std::vector<std::int32_t> module, reader_patch;
   std::vector<std::uint32_t> sample, error_us;
   std::vector<std::uint64_t> link_time_us, device_time_us, sampled_ns;
   std::vector<std::uint16_t> valid, value;
-  std::vector<std::uint8_t> state;
+  std::vector<std::uint8_t> state, reader_node;
 };
 
 Handle create(recording::OutputFile& file) {
@@ -80,7 +81,7 @@ Handle create(recording::OutputFile& file) {
 class Hdf5Recorder {
  public:
   Hdf5Recorder(recording::OutputFile& file, const design::Design& design, const recording::Origin& origin)
-      : name_(file.name()), file_(create(file)) {
+      : name_(file.name()), file_(create(file)), readers_(design) {
     guarded([&] {
       const hid_t root = file_.id();
       write_text(root, "format", "triskin-recording");
@@ -102,6 +103,9 @@ class Hdf5Recorder {
     block_.device_time_us.push_back(s.sample.device_time_us);
     block_.sampled_ns.push_back(s.sampled_ns);
     block_.error_us.push_back(s.error_us);
+    const recording::Reader reader = readers_.of(s);
+    block_.reader_patch.push_back(reader.patch);
+    block_.reader_node.push_back(reader.node);
     block_.value.insert(block_.value.end(), s.sample.value.begin(), s.sample.value.end());
     if (block_.module.size() >= kBlockRows) flush();
   }
@@ -149,6 +153,8 @@ class Hdf5Recorder {
       device_time_.append(rows, block_.device_time_us.data());
       sampled_.append(rows, block_.sampled_ns.data());
       error_.append(rows, block_.error_us.data());
+      reader_patch_.append(rows, block_.reader_patch.data());
+      reader_node_.append(rows, block_.reader_node.data());
       value_.append(rows, block_.value.data());
       require(H5Fflush(file_.id(), H5F_SCOPE_GLOBAL), name_);
     });
@@ -160,6 +166,7 @@ class Hdf5Recorder {
 
   std::string name_;
   Handle file_;
+  recording::Readers readers_;
   GrowingTable module_ = list({"module", "1", "id in the design"}, H5T_STD_I32LE, H5T_NATIVE_INT32),
                sample_ = list({"sample", "1", "number of the module's sample; a gap is a lost one"}, H5T_STD_U32LE,
                               H5T_NATIVE_UINT32),
@@ -172,6 +179,11 @@ class Hdf5Recorder {
                                H5T_STD_U64LE, H5T_NATIVE_UINT64),
                error_ = list({"error", "us", "bound of the error of sampled; 4294967295: none"}, H5T_STD_U32LE,
                              H5T_NATIVE_UINT32),
+               reader_patch_ =
+                   list({"reader_patch", "1", "patch whose controller read it; not the module's own: adopted"},
+                        H5T_STD_I32LE, H5T_NATIVE_INT32),
+               reader_node_ =
+                   list({"reader_node", "1", "node address of that controller"}, H5T_STD_U8LE, H5T_NATIVE_UINT8),
                value_{file_.id(),
                       {"value", "counts", "of the twelve taxels"},
                       layout::kTaxelsPerModule,

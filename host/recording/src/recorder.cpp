@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "mcap_recorder.hpp"
+#include "triskin/recording/readers.hpp"
 
 namespace triskin::recording {
 namespace {
@@ -11,10 +12,10 @@ namespace {
 // One line a sample of a module.
 class CsvRecorder final : public Recorder {
  public:
-  explicit CsvRecorder(OutputFile& file) : file_(file) {
+  CsvRecorder(OutputFile& file, const design::Design& design) : file_(file), readers_(design) {
     text_ = "link_time_us,device_time_us,sample,module,valid";
     for (int t = 0; t < layout::kTaxelsPerModule; ++t) text_ += fmt::format(",taxel_{}", t);
-    text_ += ",sampled_ns,error_us\n";
+    text_ += ",sampled_ns,error_us,reader_patch,reader_node\n";
     flush();
   }
   void add(const ModuleSample& s) override {
@@ -22,9 +23,11 @@ class CsvRecorder final : public Recorder {
                    s.sample.sample, s.module, s.sample.valid);
     for (const std::uint16_t v : s.sample.value) fmt::format_to(std::back_inserter(text_), ",{}", v);
     if (s.error_us == ModuleSample::kNoBound)
-      text_ += ",,\n";
+      text_ += ",,";
     else
-      fmt::format_to(std::back_inserter(text_), ",{},{}\n", s.sampled_ns, s.error_us);
+      fmt::format_to(std::back_inserter(text_), ",{},{}", s.sampled_ns, s.error_us);
+    const Reader reader = readers_.of(s);
+    fmt::format_to(std::back_inserter(text_), ",{},{}\n", reader.patch, reader.node);
     if (text_.size() >= kMostBytes) flush();
   }
   void add_contacts(std::uint64_t /*link_time_us*/, std::span<const Contact> /*contacts*/) override {}
@@ -38,13 +41,14 @@ class CsvRecorder final : public Recorder {
     text_.clear();
   }
   OutputFile& file_;
+  Readers readers_;
   std::string text_;
 };
 
 }  // namespace
 
 std::unique_ptr<Recorder> make_recorder(Format format, OutputFile& file, const design::Design& design, Origin origin) {
-  if (format == Format::kCsv) return std::make_unique<CsvRecorder>(file);
+  if (format == Format::kCsv) return std::make_unique<CsvRecorder>(file, design);
   return std::make_unique<McapRecorder>(file, design, std::move(origin));
 }
 

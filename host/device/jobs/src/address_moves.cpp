@@ -16,17 +16,19 @@ constexpr int kAssignRounds = 5;  // nobody confirms an assignment, and its fram
 
 }  // namespace
 
-void assign_addresses(Bus& bus, std::map<wire::UniqueId, int> wanted) {
+std::vector<wire::NodeClaim> assign_addresses(Bus& bus, std::map<wire::UniqueId, int> wanted) {
+  std::vector<wire::NodeClaim> claims;
   for (int round = 0; round < kAssignRounds && !wanted.empty(); ++round) {
     for (const auto& [id, address] : wanted) bus.assign(id, static_cast<std::uint8_t>(address));
     bus.listen(bus.now_us() + kRestart_us);
     // A link of several wires learns here which one leads to which address.
-    for (const wire::NodeClaim& c : bus.discover()) {
+    claims = bus.discover();
+    for (const wire::NodeClaim& c : claims) {
       const auto board = wanted.find(c.unique_id);
       if (board != wanted.end() && board->second == c.node_address) wanted.erase(board);
     }
   }
-  if (wanted.empty()) return;
+  if (wanted.empty()) return claims;
   const auto& [id, address] = *wanted.begin();
   throw DeviceError(
       fmt::format("{}: controller {} does not say that it has taken node address {}; check its power and the cable, "

@@ -36,15 +36,16 @@ struct Candidate {
 
 class Matcher {
  public:
-  Matcher(Bus& bus, const design::Design& design, const FlashOptions& options)
+  Matcher(Bus& bus, const design::Design& design, const FlashOptions& options, BusBoards& known)
       : bus_(bus),
         design_(design),
         options_(options),
+        known_(known),
         n_patches_(design.patches.size()),
         here_(design::patches_here(design)) {}
 
-  MatchedBoards run(const std::vector<wire::NodeClaim>& claims) {
-    find(claims);
+  MatchedBoards run() {
+    find(known_.claims);
     assign_named();
     keep_own();
     keep_moved();
@@ -223,20 +224,24 @@ class Matcher {
     }
     return alike;
   }
-  // All look at their patches at the same time.
+  // All look at their patches at the same time; those that looked for another cover of the pass do not look again.
   [[nodiscard]] std::vector<BoardShape> shapes_of(const std::vector<Candidate*>& boards) const {
-    std::vector<BoardShape> shapes(boards.size());
+    std::vector<BoardShape> looked(boards.size());
     std::vector<Task> tasks;
     for (std::size_t k = 0; k < boards.size(); ++k) {
+      if (known_.shapes.contains(boards[k]->board.claim.unique_id)) continue;
       const std::uint8_t node = boards[k]->board.claim.node_address;
-      tasks.push_back({node, [&shapes, k, node](Bus& bus) {
+      tasks.push_back({node, [&looked, k, node](Bus& bus) {
                          Controller controller(bus, node);
-                         shapes[k] = read_shape(controller);
+                         looked[k] = read_shape(controller);
                        }});
     }
     for (const std::exception_ptr& failure : run_tasks(bus_.link(), tasks, options_.per_wire)) {
       if (failure) std::rethrow_exception(failure);
     }
+    std::vector<BoardShape> shapes;
+    for (std::size_t k = 0; k < boards.size(); ++k)
+      shapes.push_back(known_.shapes.try_emplace(boards[k]->board.claim.unique_id, looked[k]).first->second);
     return shapes;
   }
   void touch(const std::vector<int>& open, const Undecided& alike) {
@@ -409,6 +414,7 @@ class Matcher {
   Bus& bus_;
   const design::Design& design_;
   const FlashOptions& options_;
+  BusBoards& known_;
   const std::size_t n_patches_;
   const std::vector<int> here_;  // ascending
   std::vector<Candidate> candidates_;
@@ -419,12 +425,11 @@ class Matcher {
 
 }  // namespace
 
-MatchedBoards match_boards(Bus& bus, const design::Design& design, const FlashOptions& options,
-                           const std::vector<wire::NodeClaim>& claims) {
+MatchedBoards match_boards(Bus& bus, const design::Design& design, const FlashOptions& options, BusBoards& known) {
   if (options.patch >= static_cast<int>(design.patches.size()))
     throw InputError(
         fmt::format("--patch {}: the design has patches 0 … {}", options.patch, design.patches.size() - 1));
-  return Matcher(bus, design, options).run(claims);
+  return Matcher(bus, design, options, known).run();
 }
 
 }  // namespace triskin::device

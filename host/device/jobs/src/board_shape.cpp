@@ -141,8 +141,7 @@ std::vector<wire::NodeClaim> put_apart(Bus& bus, std::vector<wire::NodeClaim> cl
     wanted[c.unique_id] = next--;
   }
   if (wanted.empty()) return claims;
-  assign_addresses(bus, std::move(wanted));
-  return bus.discover();
+  return assign_addresses(bus, std::move(wanted));
 }
 
 }  // namespace triskin::device

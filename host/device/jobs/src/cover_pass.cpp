@@ -55,24 +55,6 @@ std::map<wire::UniqueId, int> ways_for_flashed(const std::vector<wire::NodeClaim
   return wanted;
 }
 
-// The boards of the patches get the addresses of the patches; one that nobody needs and that sits there moves to the
-// first free one. The new addresses, by unique id, of those that have another one now.
-std::map<wire::UniqueId, int> moves(const std::vector<Board>& boards, const design::Design& design,
-                                    FreeAddresses free) {
-  std::set<int> needed;
-  for (const Board& b : boards) {
-    if (b.patch >= 0) needed.insert(design::node_address_of(design, b.patch));
-    if (b.patch < 0) free.take(b.claim.node_address);
-  }
-  std::map<wire::UniqueId, int> wanted;
-  for (const Board& b : boards) {
-    if (b.patch < 0 && !needed.contains(b.claim.node_address)) continue;
-    const int address = b.patch < 0 ? free.next() : design::node_address_of(design, b.patch);
-    if (b.claim.node_address != address) wanted[b.claim.unique_id] = address;
-  }
-  return wanted;
-}
-
 void check_identity(Controller& controller, const Bus& bus, const FlashResult::Patch& r) {
   const wire::Hello hello = controller.hello();
   controller.require_versions(hello);
@@ -84,24 +66,26 @@ void check_identity(Controller& controller, const Bus& bus, const FlashResult::P
 
 }  // namespace
 
-void CoverPass::plan(std::span<const FlashOptions::Neighbour> settled) {
+void CoverPass::plan(std::span<const FlashOptions::Neighbour> settled, BusBoards& known) {
   for (FlashOptions::Neighbour& n : options_.neighbours) {
     const auto same =
         std::ranges::find_if(settled, [&](const auto& s) { return s.node == n.node && s.design_id == n.design_id; });
     if (same != settled.end()) n.serial = same->serial;
   }
   report(progress_, "finding controllers", -1.0);
-  MatchedBoards matched = match_boards(bus_, design_, options_, find());
+  find(known.claims);
+  MatchedBoards matched = match_boards(bus_, design_, options_, known);
   boards_ = std::move(matched.boards);
   missing_ = std::move(matched.missing);
-  if (!options_.dry_run) assign_addresses(bus_, moves(boards_, design_, {bus_, design_, options_}));
+  // The finger leaves tables on boards.
+  if (std::ranges::count(boards_, FoundBy::kTouch, &Board::by) > 0) known.claims.clear();
   std::erase_if(boards_, [](const Board& b) { return b.patch < 0; });
   std::ranges::sort(boards_, {}, &Board::patch);
   std::vector<FlashResult::Patch> before = std::move(patches_);
   patches_.clear();
   for (const Board& b : boards_) {
-    const auto known = std::ranges::find(before, b.patch, &FlashResult::Patch::patch);
-    begin(patches_.emplace_back(known == before.end() ? FlashResult::Patch{} : *known), b);
+    const auto earlier = std::ranges::find(before, b.patch, &FlashResult::Patch::patch);
+    begin(patches_.emplace_back(earlier == before.end() ? FlashResult::Patch{} : *earlier), b);
   }
   for (const MissingBoard& m : missing_) {
     FlashResult::Patch& r = patches_.emplace_back();
@@ -111,18 +95,40 @@ void CoverPass::plan(std::span<const FlashOptions::Neighbour> settled) {
   }
 }
 
-std::vector<wire::NodeClaim> CoverPass::find() {
-  std::vector<wire::NodeClaim> claims = bus_.discover();
-  found_ = claims.size();
-  const auto wanted = ways_for_flashed(claims, {bus_, design_, options_});
-  if (options_.dry_run) return claims;
-  if (!wanted.empty()) {
-    assign_addresses(bus_, wanted);
-    claims = bus_.discover();
+void CoverPass::give_addresses(const std::deque<CoverPass>& covers, BusBoards& known) {
+  if (covers.empty() || covers.front().options_.dry_run) return;
+  Bus& bus = covers.front().bus_;
+  FreeAddresses free(bus, covers.front().design_, covers.front().options_);
+  if (known.claims.empty()) known.claims = bus.discover();
+  std::map<wire::UniqueId, int> present, wanted;
+  for (const wire::NodeClaim& c : known.claims) present[c.unique_id] = c.node_address;
+  std::set<int> needed;
+  for (const CoverPass& cover : covers) {
+    for (const Board& b : cover.boards_) {
+      const int address = cover.address_of(b);
+      const auto at = present.find(b.claim.unique_id);
+      if (at == present.end() || at->second != address) wanted[b.claim.unique_id] = address;
+      if (at != present.end()) present.erase(at);
+      needed.insert(address);
+      free.take(address);
+    }
   }
+  for (const auto& [id, address] : present) free.take(address);
+  for (const auto& [id, address] : present) {
+    if (needed.contains(address)) wanted[id] = free.next();
+  }
+  if (!wanted.empty()) known.claims = assign_addresses(bus, std::move(wanted));
+}
+
+void CoverPass::find(std::vector<wire::NodeClaim>& claims) {
+  if (claims.empty()) claims = bus_.discover();
+  found_ = claims.size();
+  if (options_.dry_run) return;
+  const auto wanted = ways_for_flashed(claims, {bus_, design_, options_});
+  if (!wanted.empty()) claims = assign_addresses(bus_, wanted);
   // Whose shape is to be seen must be asked alone. One that is the only fresh one is not asked.
   const bool many = std::ranges::count(claims, false, &wire::NodeClaim::has_table) > 1 || options_.take_over;
-  return options_.recognise && many ? put_apart(bus_, std::move(claims), options_.take_over) : claims;
+  if (options_.recognise && many) claims = put_apart(bus_, std::move(claims), options_.take_over);
 }
 
 std::vector<FlashOptions::Neighbour> CoverPass::settled() const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <deque>
 #include <exception>
 #include <span>
 #include <string>
@@ -24,9 +25,13 @@ class CoverPass {
         images_(images),
         patches_(patches) {}
 
-  /// Decides which board serves which patch and gives it its address. `settled`: boards of covers that were planned
-  /// before, by serial number. Throws as match_boards and assign_addresses do.
-  void plan(std::span<const FlashOptions::Neighbour> settled);
+  /// Decides which board serves which patch. `settled`: boards of covers that were planned
+  /// before, by serial number. `known`: what they have found out of the bus, and this one adds to. Throws as
+  /// match_boards and assign_addresses do.
+  void plan(std::span<const FlashOptions::Neighbour> settled, BusBoards& known);
+  /// Gives the boards of all covers of a pass the addresses of their patches; one that nobody needs and that sits there
+  /// moves to a free one. In a dry run nothing is done. Throws DeviceError as assign_addresses.
+  static void give_addresses(const std::deque<CoverPass>& covers, BusBoards& known);
   /// The boards of this cover, for those that are planned after it.
   [[nodiscard]] std::vector<FlashOptions::Neighbour> settled() const;
   /// Controllers that answered.
@@ -47,7 +52,7 @@ class CoverPass {
   [[nodiscard]] std::string what_is_done() const;
 
  private:
-  [[nodiscard]] std::vector<wire::NodeClaim> find();
+  void find(std::vector<wire::NodeClaim>& claims);
   [[nodiscard]] std::uint8_t address_of(const Board& board) const;
   void begin(FlashResult::Patch& r, const Board& board) const;
   void step(int patch, const char* what, double fraction) const;

@@ -91,11 +91,12 @@ class Together {
   void pass() {
     std::deque<CoverPass> covers;
     std::vector<FlashOptions::Neighbour> settled;
+    BusBoards known;
     std::vector<Failure> failures;
     for (std::size_t k = 0; k < parts_.size() && failures.empty(); ++k) {
       CoverPass cover(parts_[k], images_[k], results_[k].patches);
       try {
-        cover.plan(settled);
+        cover.plan(settled, known);
       } catch (const Unreachable&) {
         throw;
       } catch (const DeviceError&) {
@@ -107,6 +108,7 @@ class Together {
       for (auto& n : cover.settled()) settled.push_back(std::move(n));
       covers.push_back(std::move(cover));
     }
+    CoverPass::give_addresses(covers, known);
     write(covers, failures);
   }
   void write(std::deque<CoverPass>& covers, std::vector<Failure>& failures) {

@@ -2,6 +2,7 @@
 #include "triskin/session/guest_modules.hpp"
 
 #include <algorithm>
+#include <map>
 
 namespace triskin::device {
 
@@ -28,8 +29,11 @@ std::deque<GuestReader::Waiting> GuestReader::set(const wire::Adoption& adoption
   waiting_.clear();
   if (adoption.list == list_) return mine;
   list_ = adoption.list;
+  // One that stays is read on: until its first sample by this list it is still heard by the one before.
+  std::map<int, std::uint64_t> heard_us;
+  for (std::size_t k = first_; k < read_.size(); ++k) heard_us[read_[k].module] = read_[k].heard_us;
   first_ = read_.size();
-  for (const int m : modules) read_.push_back({m, SampleAccount(every, interval_us), 0});
+  for (const int m : modules) read_.push_back({m, SampleAccount(every, interval_us), heard_us[m]});
   return mine;
 }
 

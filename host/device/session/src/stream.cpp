@@ -33,6 +33,17 @@ std::uint32_t draw_reader() {
   return number;
 }
 
+// A guest that is in several lists of one controller is one row.
+void add_adopted(std::vector<AdoptedCounts>& list, const AdoptedCounts& one) {
+  const auto same = std::ranges::find_if(list, [&](const AdoptedCounts& a) {
+    return a.module == one.module && a.patch == one.patch && a.cover == one.cover;
+  });
+  if (same == list.end())
+    list.push_back(one);
+  else
+    same->counts += one.counts;
+}
+
 }  // namespace
 
 Stream::Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOptions options)
@@ -346,7 +357,7 @@ StreamReport Stream::report_of(int cover) const {
     }
     for (const GuestReader::Read& g : node.guests.all()) {
       const bool now = node.guests.reads(g.module, bus_.now_us() - std::min(bus_.now_us(), silence_us(node)));
-      r.adopted.push_back({g.module, node.patch, g.counts.counts(), now, node.cover});
+      add_adopted(r.adopted, {g.module, node.patch, g.counts.counts(), now, node.cover});
     }
     if (node.silent) r.silent.push_back(node.patch);
     r.clocks.push_back({node.cover, node.patch, address, node.clock.drift_ppm(),

@@ -21,7 +21,7 @@
 
 namespace triskin::fw {
 
-inline constexpr std::uint32_t kFirmwareVersion = 0x00'01'00'00;  ///< 0.1.0: major, minor, patch, build
+inline constexpr std::uint32_t kFirmwareVersion = TRISKIN_FIRMWARE_VERSION;  ///< of the project (CMakeLists.txt)
 
 /// What the identifiers read. Everything outlives them.
 struct PatchParts {

@@ -27,6 +27,11 @@ class Neighbours {
   [[nodiscard]] bool begin_look(std::uint64_t now_us);
   /// A look that could take nothing in has shown that the next one may.
   void look_again(std::uint64_t now_us);
+  /// How many modules that look may take in one behind the other. One, until every neighbour has had its turn: so a
+  /// neighbour takes first what touches it, and does not fill its few addresses with what others are nearer to.
+  [[nodiscard]] std::uint8_t layers() const { return layers_; }
+  /// That look has left modules behind those that it took in: they are looked for when the others have had their turn.
+  void look_further(std::uint64_t now_us);
   /// When a look is due because of the neighbours.
   [[nodiscard]] std::uint64_t look_us() const { return look_us_; }
 
@@ -41,6 +46,8 @@ class Neighbours {
   void end(Offer& offer, bool guests, std::uint64_t now_us);
 
   std::array<Offer, kMostOffers> offers_{};
+  static constexpr std::uint8_t kTurns = 4;
+  std::uint8_t layers_ = 1;
   std::uint64_t look_us_ = kNever_us, away_until_us_ = 0;
 };
 

@@ -52,6 +52,8 @@ class RouteKeeper {
   void tell(CanPort& port, std::uint8_t own_node, std::uint64_t now_us);
   /// What is offered and what was taken in, as FD0E reports it.
   [[nodiscard]] const wire::Adoption& adoption() const { return adoption_; }
+  /// The first so many guests of the list were there in the list before it, in the same places.
+  [[nodiscard]] std::uint8_t kept_guests() const { return kept_guests_; }
 
   /// What is routed now, as FD08 reports it.
   [[nodiscard]] const wire::ActiveRoute& route() const { return route_; }
@@ -83,6 +85,7 @@ class RouteKeeper {
   wire::ActiveRoute route_;
   Neighbours neighbours_;
   wire::Adoption adoption_;
+  std::uint8_t kept_guests_ = 0;
   bool beyond_ = false;    // the next look is on command
   bool returned_ = false;  // neighbours were asked to give modules back before this look
   std::uint64_t tell_at_us_ = UINT64_MAX;

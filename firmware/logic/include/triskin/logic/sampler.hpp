@@ -48,8 +48,10 @@ class LineSampler {
   void begin(I2cLine& line, std::uint8_t line_index, const Patch& patch, const Sampling& sampling,
              std::uint64_t now_us);
   /// Replaces the modules that the table does not know: guest k has row `own_rows` + k and is read where it says. The
-  /// modules of the table go on as they were. Between pause() and resume(), when no transfer is under way.
-  void replace_guests(std::size_t own_rows, std::span<const wire::Guest> guests, std::uint64_t now_us);
+  /// modules of the table and the first `kept` guests go on as they were. Between pause() and resume(), when no
+  /// transfer is under way.
+  void replace_guests(std::size_t own_rows, std::span<const wire::Guest> guests, std::size_t kept,
+                      std::uint64_t now_us);
   /// Also without a table: finds what answers at the four addresses; scan() has the result.
   void request_scan();
   /// Finds, configures and checks every chip of the line again.

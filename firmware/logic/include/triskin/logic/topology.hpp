@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <span>
 
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/logic/table_row.hpp"
@@ -43,6 +42,9 @@ class ChainDriver {
   Answer open(std::uint8_t module, std::uint8_t port, std::uint8_t child);
   /// Closes a port that was just opened and showed nothing new. False: the chain stays broken (a short).
   bool close(std::uint8_t module, std::uint8_t port);
+  /// Closes a port that was just opened, wherever it lies in the chain: the answer was kModule, which is let go, or
+  /// kUnchanged. False: the chain is not as it was before.
+  bool shut(std::uint8_t module, std::uint8_t port);
   /// Opens several ports at once, which must lead to new modules; checked by the next write or check().
   void attach(std::uint8_t module, std::uint8_t port, std::uint8_t child);
   bool write();
@@ -52,24 +54,26 @@ class ChainDriver {
   bool settle();
   /// Every register holds what was written and the chain has its length.
   bool check();
-  [[nodiscard]] std::uint16_t members() const { return members_; }  ///< bit m: module m is in the chain
+  /// Bit m: module m is in the chain.
+  [[nodiscard]] std::uint16_t members() const { return static_cast<std::uint16_t>(members_); }
   [[nodiscard]] std::uint8_t stuck_lines() const { return port_.stuck_lines(); }
   /// EN low: no module is reached.
   void silence();
 
  private:
   static constexpr std::size_t kMost = layout::kMaxModules + 3;
+  static constexpr std::size_t kNumbers = layout::kMaxModules + 1;  // one more, which is let go by shut()
   std::size_t order();
   bool echo();
   [[nodiscard]] Answer measure();
   void clear();
 
   RouteChain& port_;
-  std::array<std::uint8_t, layout::kMaxModules> config_{};
-  std::array<std::array<std::uint8_t, layout::kPorts>, layout::kMaxModules> child_{};
-  std::array<std::uint8_t, layout::kMaxModules> order_{};
+  std::array<std::uint8_t, kNumbers> config_{};
+  std::array<std::array<std::uint8_t, layout::kPorts>, kNumbers> child_{};
+  std::array<std::uint8_t, kNumbers> order_{};
   std::size_t length_ = 0;
-  std::uint16_t members_ = 0;
+  std::uint32_t members_ = 0;
   bool refused_ = false;
 };
 
@@ -86,13 +90,15 @@ class Topology {
     bool second_cable = false;   ///< module 0 is the one at the second cable
     std::uint8_t unknown = 0;    ///< heal(): modules found at places that the table does not know; left closed
     std::uint16_t held = 0;      ///< heal(): bit m: module m of the table is there, and another controller holds it
+    bool more_guests = false;    ///< heal(): behind the layers that were asked for is one more, and room for it
   };
 
   /// How far a look goes beyond the joints of the table. Ports to a neighbouring patch have none.
   enum class Look : std::uint8_t {
     kOwn,     ///< such ports stay closed: what is behind them may be in the middle of its own controller's look
     kBeyond,  ///< they are probed; what is there is noted and left closed
-    kAdopt,   ///< they are probed; what is there and held by nobody is taken in, while the table leaves addresses
+    kAdopt,   ///< they are probed; when the whole table is in, what is there and held by nobody is taken in as well,
+              ///< nearest first, while the table leaves addresses
   };
 
   /// What the table says: joints, addresses and tree, by row.
@@ -115,24 +121,27 @@ class Topology {
   /// Discovers anew and activates the table's tree where all of it is there, else the tree of least depth over the
   /// joints of the table that survive. A module keeps its address. Where no tree comes up, no module is reached. The
   /// second cable serves when nobody answers at the first, or less than half of the table does and more is behind the
-  /// second. Guests are left out where the tree does not come up with them.
-  Report heal(const Table& table, Look look = Look::kBeyond);
+  /// second. Guests are left out where the tree does not come up with them. `layers`: how many guests may hang one
+  /// behind the other, 1 or more.
+  Report heal(const Table& table, Look look = Look::kBeyond, std::uint8_t layers = kAllLayers);
+  static constexpr std::uint8_t kAllLayers = layout::kMaxModules;
   /// Cheap check before and after a sampling cycle; false: samples of the cycle are not to be trusted, heal.
   bool intact() { return chain_.check(); }
   /// After intact() failed: writes the registers again. True: that was all; the same modules are in the tree.
   bool refresh() { return chain_.check() && chain_.settle() && chain_.check(); }
   /// Row of a module of graph() after heal(); of guest k the number of rows of the table + k; kNoTableRow for any other
-  /// that the table does not know.
+  /// that the table does not know. Guests stand last in graph(), a parent before its children.
   [[nodiscard]] TableRow row_of(std::uint8_t module) const { return table_row(table_index_[module]); }
   /// Module of graph() and its output port on which a module of graph() hangs in the active tree.
   [[nodiscard]] JointEnd parent_of(std::uint8_t module) const { return parent_[module]; }
-  /// Modules of graph() that were taken in and that the table does not know; a parent stands before its children.
-  [[nodiscard]] std::span<const std::uint8_t> guests() const { return {guests_.data(), guest_count_}; }
-  /// Where one of guests() hangs and is read.
-  [[nodiscard]] wire::Guest guest(std::uint8_t module) const;
+  /// Modules that were taken in and that the table does not know.
+  [[nodiscard]] std::uint8_t guest_count() const { return guest_count_; }
+  /// Where guest `k` < guest_count() hangs and is read.
+  [[nodiscard]] wire::Guest guest(std::uint8_t k) const;
 
  private:
-  enum class Port : std::uint8_t { kUnknown, kInput, kNothing, kChild, kJoined, kBad };
+  // kBeyond: a module that nobody holds is behind, and the table has no joint there.
+  enum class Port : std::uint8_t { kUnknown, kInput, kNothing, kChild, kJoined, kBeyond, kBad };
   using Exclusions = std::array<std::uint8_t, layout::kMaxModules>;
 
   enum class Pass : std::uint8_t { kDone, kAgain, kNobody };
@@ -143,10 +152,15 @@ class Topology {
   [[nodiscard]] bool within_table(std::uint8_t module, std::uint8_t port) const;
   void expect(std::uint8_t child);
   [[nodiscard]] std::uint16_t held_rows(const Table& table) const;
-  void invite_guests(const Table& table);
-  void graft_guests(const std::array<JointEnd, layout::kMaxModules>& as_found);
+  [[nodiscard]] bool may_adopt(const Table& table, const Report& report) const;
+  bool adopt(const Table& table, std::uint8_t layers, Report& report);
+  void release_guests();
+  bool take_in(std::uint8_t module, std::uint8_t port, std::uint8_t place);
+  bool ask(std::uint8_t guest, std::uint8_t port);
+  bool rebuild_all() { return rebuild(0xFFFF, true); }
   [[nodiscard]] bool more_behind_second(const Table& table, const Report& report) const;
   Pass probe(std::uint8_t module, std::uint8_t port);
+  void note_answer(std::uint8_t module, std::uint8_t port, ChainDriver::Answer answer, bool beyond);
   Pass match();
   Pass match_end(std::uint8_t module, std::uint8_t port);
   Pass join_here(std::uint8_t module, std::uint8_t port, std::uint8_t far);
@@ -184,9 +198,7 @@ class Topology {
   const Table* expected_table_ = nullptr;     // during discover(); null: none
   Look look_ = Look::kBeyond;
   std::array<std::uint8_t, layout::kMaxModules> expected_{};  // row by the table, if all is as it says; no module: none
-  std::uint8_t strangers_ = 0;                                // modules with no expected row
-  std::array<std::uint8_t, layout::kMaxModules> guests_{};
-  std::size_t guest_count_ = 0;
+  std::uint8_t guest_count_ = 0;
   std::array<std::uint8_t, layout::kMaxModules> table_index_{};
   std::array<LineAddress, layout::kMaxModules> address_{};  // by discovery number
 };

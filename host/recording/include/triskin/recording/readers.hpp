@@ -13,7 +13,7 @@ namespace triskin::recording {
 
 /// The controller that reads a module.
 struct Reader {
-  int patch = -1;         ///< that it serves; −1: the module belongs to none
+  int patch = -1;         ///< that it serves; −1: none of this design
   std::uint8_t node = 0;  ///< its node address; 0: it hangs on another bus
   bool operator==(const Reader&) const = default;
 };
@@ -26,6 +26,10 @@ class Readers {
   explicit Readers(const design::Design& design);
   /// Takes a sample. True: another controller read it than the one before. Constant cost.
   [[nodiscard]] bool add(const ModuleSample& sample);
+  /// The controller that read a sample. Constant cost.
+  [[nodiscard]] Reader of(const ModuleSample& sample) const {
+    return {patch_at_[sample.sample.node_address], sample.sample.node_address};
+  }
   /// By module; valid as long as this.
   [[nodiscard]] std::span<const Reader> all() const { return readers_; }
 
