@@ -54,6 +54,20 @@ TEST(Place, a_row_of_height_h_holds_what_the_length_gives) {
   EXPECT_EQ(certified(p).modules, 9);  // (150 − 30) / 15 + 1
 }
 
+// The first slices get their bounds however short the time is, and a value is sought among them.
+TEST(Place, a_search_without_time_returns_a_placement) {
+  std::mt19937_64 random(8);
+  const Polygon p = test::random_polygon(random, 40, 2000, 0);
+  PlacementOptions options;
+  options.time_limit_s = 1e-9;
+  options.largest_clearance = false;
+  const PlacementResult r = place(p, options);
+  EXPECT_GT(r.modules, 300);
+  EXPECT_EQ(static_cast<int>(r.tiles.size()), r.modules);
+  EXPECT_LT(r.modules, r.upper_bound);
+  EXPECT_FALSE(r.proved);
+}
+
 TEST(Place, result_is_a_placement_that_holds_the_tiles) {
   std::mt19937_64 random(7);
   for (int k = 0; k < 20; ++k) {

@@ -95,5 +95,19 @@ TEST(Stability, near_vertices_follow_the_tolerance) {
   EXPECT_LT(certified(p, 1e-8).modules, 4);
 }
 
+// Half the tolerance is for the search to find: where the outline lies decides nothing.
+TEST(Stability, a_vertex_too_low_by_less_than_half_the_tolerance_costs_nothing_in_any_pose) {
+  std::mt19937_64 random(71);
+  for (const double tolerance_mm : {1e-2, 1e-4, 1e-6}) {
+    Polygon p = triangle(60);
+    p.outer[2].y() -= 0.4 * tolerance_mm;
+    for (int k = 0; k < 30; ++k) {
+      const double angle = test::uniform(random, 0, 6);
+      const Vec2 by(test::uniform(random, -50, 50), test::uniform(random, -50, 50));
+      expect_value(test::moved(p, angle, by), 4, "lowered", tolerance_mm);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace triskin::geometry

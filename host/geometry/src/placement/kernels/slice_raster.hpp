@@ -2,7 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "placement/kernels/row_spans.hpp"
+#include "placement/kernels/edge_figures.hpp"
+#include "placement/kernels/sample_bits.hpp"
 #include "placement/search/cell_list.hpp"
 
 namespace triskin::geometry {
@@ -14,7 +15,7 @@ namespace triskin::geometry {
 /// one object a thread.
 class SliceRaster {
  public:
-  static constexpr int kSteps = 16;
+  static constexpr int kSteps = SampleBits::kBlock;
   static constexpr auto kFull = static_cast<std::uint32_t>((std::uint64_t{1} << kSteps) - 1);
   using Rows = std::array<std::uint32_t, kSteps>;  ///< row: part in y; bit: part in x
 
@@ -24,54 +25,48 @@ class SliceRaster {
     Rows may, must;
   };
 
-  SliceRaster(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid) {}
+  SliceRaster(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid), edges_(polygon) {}
 
-  /// `frame`: of the slice, all translations of one lattice period.
+  /// `frame`: of the slice, all translations of one lattice period. Counts the tiles that may hold in each part; a
+  /// bound needs no more.
   void scan(const CellFrame& frame);
+  /// After scan() of the same frame: finds the tiles that hold in all parts and those that do not do the same in all.
+  void collect(const CellFrame& frame);
 
-  /// Tiles that hold in all parts.
+  /// Tiles that hold in all parts; 0 before collect().
   [[nodiscard]] int certain() const { return certain_; }
   [[nodiscard]] const std::vector<Border>& border() const { return border_; }
-  /// Number of border tiles that may hold somewhere in the part.
-  [[nodiscard]] int count(int x, int y) const { return counts_[static_cast<std::size_t>(kSteps * y + x)]; }
+  /// Number of tiles that may hold somewhere in the part, those of certain() left out.
+  [[nodiscard]] int count(int x, int y) const {
+    return counts_[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)] - certain_;
+  }
 
  private:
   enum Layer : std::size_t { kInside, kCut, kTouched, kLayers };
   struct Kind {
-    Vec2 first;  // sample 0 of tile (0, 0)
-    std::array<std::vector<std::uint64_t>, kLayers> bits;
+    FigureTerms terms;
+    std::array<SampleBits, kLayers> bits;
   };
   void set_window(const CellFrame& frame);
+  void set_terms(const CellFrame& frame, bool up, FigureTerms& to) const;
   void scan_inside(const CellFrame& frame, Kind& kind);
-  void scan_edge(const CellFrame& frame, std::size_t edge, double sign, Kind& kind);
-  struct HalfPlane {
-    Vec2 normal;  // normal·c ≤ limit
-    double limit;
-  };
-  void fill(const Vec2& a, const Vec2& b, const std::vector<HalfPlane>& planes, bool outer, const Kind& kind,
-            std::vector<std::uint64_t>& bits);
-  static void fill_row(std::uint64_t* words, std::int32_t begin, std::int32_t end);
-  void collect(bool up);
-  void collect_near(const Tile& tile, const Kind& kind, int row, int column);
-  void add_to_counts(const Rows& may);
-  [[nodiscard]] std::uint32_t bits_at(const std::vector<std::uint64_t>& bits, int row, int column) const;
+  void collect_kind(bool up);
+  static void take_rows(const SampleBits& bits, int row, int column, BlockWords& to);
+  void collect_tile(const Tile& tile, const Kind& kind, int row, int column);
 
   const PreparedPolygon& polygon_;
   const TileGrid& grid_;
-  // Sample n of a row lies to the left of sample n − 1: translations to the right move the tile to the left.
-  int first_column_ = 0, first_row_ = 0, shift_steps_ = 0, columns_ = 0, rows_ = 0;
-  double step_x_ = 0.0, step_y_ = 0.0, touched_room_mm_ = 0.0;
-  std::size_t words_ = 0;
+  // Sample n of a row lies to the left of sample n − 1: translations to the right move the tile to the left. Tile (0,
+  // 0) begins with a block of words, and so does every row of tiles.
+  int first_column_ = 0, first_row_ = 0, shift_steps_ = 0, words_ = 0, rows_ = 0;
+  double step_x_ = 0.0, step_y_ = 0.0;
+  EdgeArrays edges_;
   std::array<Kind, 2> kinds_;
-  std::vector<HalfPlane> cut_, touched_;
-  BoundLines lines_;
   std::vector<int> row_of_;  // of each vertex: the first row of samples that is not above it
-  std::vector<std::int32_t> begin_, end_;
-  std::vector<std::uint64_t> near_;
   std::vector<Border> border_;
   int certain_ = 0;
-  std::vector<Rows> planes_;  // binary digits of the counts
-  std::array<int, kSteps * kSteps> counts_{};
+  std::array<BitCounts, 2> sums_;  // even and odd rows of tiles
+  BitCounts::Counts counts_{};     // [x][y]
 };
 
 }  // namespace triskin::geometry

@@ -9,13 +9,17 @@
 #include <algorithm>
 #include <map>
 
+#include "placement/kernels/evaluator.hpp"
+#include "placement/search/scans.hpp"
+
 namespace triskin::geometry {
 namespace {
 
 constexpr std::size_t kMostAsGood = 64;
 constexpr double kReach_mm = 9.0;   // how far from a tile its edges are looked up; children of slices move less
-constexpr double kSlice_mm = 5.0;   // how far the farthest vertex moves from one side of a slice to the other
+constexpr double kSlice_mm = 2.5;   // how far the farthest vertex moves from one side of a slice to the other
 constexpr std::size_t kBatch = 16;  // cells refined together: fixed, so that the search does not depend on the threads
+constexpr std::size_t kTried = 16;  // slices whose most promising motion is tried before any is divided
 
 class BranchAndBound {
  public:
@@ -37,14 +41,17 @@ class BranchAndBound {
     add_roots();
     while (!open_.empty() && open_.begin()->first > result_.best) {
       result_.upper_bound = std::max(result_.best, open_.begin()->first);
-      if (std::chrono::steady_clock::now() > goal_.deadline ||
+      // Some slices have a bound before the time can be over: then there is a motion to return.
+      if ((result_.cells > 0 && std::chrono::steady_clock::now() > goal_.deadline) ||
           (demand_.rising && demand_.inset_mm > demand_.last_inset_mm))
         break;
       report(progress_, "placing", -1.0, fmt::format("{} modules, bound {}", result_.best, result_.upper_bound));
+      if (bounded(next())) seek_start();
       take_batch();
       expand_batch();
       for (Expansion& e : expansions_) merge(e);
     }
+    seek_start();
     for (const auto& [bound, cells] : open_) {
       for (const Cell& cell : cells) close(cell.box);
     }
@@ -78,7 +85,8 @@ class BranchAndBound {
     double twice_area = 0.0;
     for (const auto& [a, b] : polygon_.edges) twice_area += a.x() * b.y() - a.y() * b.x();
     // A tile that may stand over still has what lies deeper than that inside.
-    const double kept = 1.0 + std::min(0.0, goal_.inset_mm) / grid_.inradius_mm;
+    const double inset_mm = goal_.inset_mm - (goal_.raise ? 0.0 : 0.5 * goal_.tolerance_mm),
+                 kept = 1.0 + std::min(0.0, inset_mm) / grid_.inradius_mm;
     area_bound_ = static_cast<int>(std::floor(0.5 * twice_area / (kept * kept * grid_.area_mm2) * (1.0 + 1e-6) + 1e-3));
     // Slices of all translations: constraints are all but linear in x and y, so that a slice can be cut finely at once.
     if (goal_.slices != nullptr) {
@@ -99,16 +107,43 @@ class BranchAndBound {
     }
   }
 
-  // The highest bounds, the last one first among equals.
+  [[nodiscard]] const Cell& next() const { return open_.begin()->second.back(); }
+  [[nodiscard]] static bool bounded(const Cell& cell) { return cell.list || cell.promising; }
+
+  // The highest bounds, the last one first among equals. Slices without a bound come first and alone: the value
+  // to beat is sought when all have one.
   void take_batch() {
     batch_.clear();
-    while (batch_.size() < kBatch && !open_.empty() && open_.begin()->first > result_.best) {
+    const bool all_bounded = bounded(next());
+    while (batch_.size() < kBatch && !open_.empty() && open_.begin()->first > result_.best &&
+           bounded(next()) == all_bounded) {
       const auto bucket = open_.begin();
       batch_.push_back(std::move(bucket->second.back()));
       bucket->second.pop_back();
       if (bucket->second.empty()) open_.erase(bucket);
     }
     expansions_.assign(batch_.size(), {});
+  }
+
+  // A value to beat, once: a descent from the best of the most promising motions. The search then opens only cells that
+  // promise more.
+  void seek_start() {
+    if (demand_.rising || started_) return;
+    started_ = true;
+    Evaluator evaluator(polygon_, grid_);
+    std::size_t tried = 0;
+    for (const auto& [bound, cells] : open_) {
+      for (auto cell = cells.rbegin(); cell != cells.rend() && tried < kTried; ++cell) {
+        if (!cell->promising) continue;
+        ++tried;
+        take(evaluator.count(*cell->promising, goal_.inset_mm - goal_.tolerance_mm), *cell->promising);
+      }
+    }
+    result_.evaluations += static_cast<std::int64_t>(tried);
+    if (!result_.found) return;
+    const ScanResult reached = descend(polygon_, grid_, goal_.tolerance_mm, result_.motion);
+    result_.evaluations += reached.evaluations;
+    take(reached.modules, reached.motion);
   }
 
   void expand_batch() {
@@ -155,6 +190,7 @@ class BranchAndBound {
   const ProgressSink& progress_;
   Demand demand_;
   int area_bound_ = 0;
+  bool started_ = false;
   int unresolved_bound_ = 0;
   SearchResult result_;
   std::vector<std::pair<int, MotionBox>> tied_slices_;

@@ -13,7 +13,8 @@ namespace triskin::geometry {
 
 /// Goal of one branch and bound, and when it may end.
 struct SearchGoal {
-  double inset_mm = 0.0;        ///< the bound holds for tiles whose separation from every edge is at least this
+  double inset_mm = 0.0;        ///< the bound holds for tiles whose separation from every edge is at least this (unless
+                                ///< `raise` is set: less half the tolerance)
   double tolerance_mm = 1e-6;   ///< a motion's value counts tiles with a separation of at least inset − tolerance
   double resolution_mm = 1e-8;  ///< cells smaller than this are not split: their bound stays open
   int known = 0;                ///< value that is already known: only better ones are of interest

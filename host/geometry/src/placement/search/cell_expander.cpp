@@ -2,6 +2,7 @@
 #include "placement/search/cell_expander.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 namespace triskin::geometry {
 namespace {
@@ -75,24 +76,39 @@ void CellExpander::expand(Cell cell, const Demand& demand, int best, bool keep_c
   result_ = &result;
   if (cell.list)
     refine(cell);
-  else
+  else if (cell.promising)
     refine_slice(cell);
+  else
+    bound_slice(cell);
   result.best = best_;
 }
 
-void CellExpander::refine_slice(Cell& cell) {
+// The bound alone: of many slices the best value found meanwhile makes an end before they are divided.
+void CellExpander::bound_slice(Cell& cell) {
   ++result_->passes;
   set_frame(cell.box);
   raster_.scan(frame_);
+  parts_ = {SliceRaster::kSteps, SliceRaster::kSteps, 1};
+  Index best{};
+  for (int x = 0; x < parts_[0]; ++x) {
+    for (int y = 0; y < parts_[1]; ++y) {
+      if (raster_.count(x, y) > raster_.count(best[0], best[1])) best = {x, y, 0};
+    }
+  }
+  const MotionBox part = part_box(cell.box, parts_, best, {best[0] + 1, best[1] + 1, 1});
+  cell.promising = Motion{part.center(0), part.center(1), part.center(2)};
+  cell.bound = std::min(cell.bound, raster_.count(best[0], best[1]));
+  result_->children.push_back(std::move(cell));
+}
+
+void CellExpander::refine_slice(Cell& cell) {
+  if (demand_.rising) try_motion(*cell.promising);
+  set_frame(cell.box);
+  raster_.scan(frame_);
+  raster_.collect(frame_);
   cell.certain = raster_.certain();
   parts_ = {SliceRaster::kSteps, SliceRaster::kSteps, 1};
-  const OpenParts open = open_parts(cell, {0, 0, 0}, parts_);
-  if (open.count > 0) {
-    cell.bound = std::min(cell.bound, cell.certain + open.most);
-    try_middle(cell, open);
-  }
   note_tie(cell);
-  if (open.count == 0) return close(cell.box);
   chosen_.clear();
   for (std::uint32_t k = 0; k < raster_.border().size(); ++k) chosen_.push_back(k);
   divide_slice(cell, {0, 0, 0}, parts_, 0, 0);
@@ -105,17 +121,6 @@ void CellExpander::note_tie(const Cell& cell) {
     for (int x = 0; x < parts_[0]; ++x) most = std::max(most, raster_.count(x, y));
   }
   if (cell.certain + most >= best_) result_->tied_slices.emplace_back(cell.certain + most, cell.box);
-}
-
-// The middle of the part with the highest bound: a good value early closes many slices.
-void CellExpander::try_middle(const Cell& cell, const OpenParts& open) {
-  for (int y = open.low[1]; y < open.high[1]; ++y) {
-    for (int x = open.low[0]; x < open.high[0]; ++x) {
-      if (raster_.count(x, y) != open.most) continue;
-      const MotionBox part = part_box(cell.box, parts_, {x, y, 0}, {x + 1, y + 1, 1});
-      return try_motion({part.center(0), part.center(1), part.center(2)});
-    }
-  }
 }
 
 std::size_t CellExpander::longest_axis(const MotionBox& box, const Index& parts) const {
@@ -153,17 +158,17 @@ void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index&
 // choose() for the border tiles of a slice.
 int CellExpander::choose_border(const Index& low, const Index& high, std::size_t first, std::size_t last) {
   const auto lanes = static_cast<std::uint32_t>((1U << high[0]) - (1U << low[0]));
+  BlockWords wanted{};
+  for (int y = low[1]; y < high[1]; ++y) wanted[y] = lanes;
   int certain = 0;
   for (std::size_t n = first; n < last; ++n) {
     const SliceRaster::Border& border = raster_.border()[chosen_[n]];
-    std::uint32_t may = 0, must_not = 0;
-    for (int y = low[1]; y < high[1]; ++y) {
-      may |= border.may[static_cast<std::size_t>(y)];
-      must_not |= ~border.must[static_cast<std::size_t>(y)];
-    }
-    if ((must_not & lanes) == 0)
+    BlockWords may, must;
+    std::memcpy(&may, border.may.data(), sizeof may);
+    std::memcpy(&must, border.must.data(), sizeof must);
+    if (!any(wanted & ~must))
       ++certain;
-    else if ((may & lanes) != 0)
+    else if (any(wanted & may))
       chosen_.push_back(chosen_[n]);
   }
   return certain;
@@ -273,18 +278,16 @@ void CellExpander::look_ahead(Cell& cell, const CellList& list) {
 
 // Adds to the stack those of chosen_[first, last) that are undecided in the parts; returns how many are certain there.
 int CellExpander::choose(const Index& low, const Index& high, std::size_t first, std::size_t last) {
-  const PartWord wanted = wanted_parts(low, high);
+  const PartWord parts = wanted_parts(low, high);
+  BlockWords wanted;
+  std::memcpy(&wanted, parts.data(), sizeof wanted);
   int certain = 0;
   for (std::size_t n = first; n < last; ++n) {
-    const PartWord& word = words_[chosen_[n]];
-    std::uint32_t may = 0, must_not = 0;
-    for (std::size_t k = 0; k < wanted.size(); ++k) {
-      may |= word[k] & wanted[k];
-      must_not |= ~(word[k] >> 16) & wanted[k];
-    }
-    if (must_not == 0)
+    BlockWords word;
+    std::memcpy(&word, words_[chosen_[n]].data(), sizeof word);
+    if (!any(wanted & ~(word >> 16)))
       ++certain;
-    else if (may != 0)
+    else if (any(wanted & word))
       chosen_.push_back(chosen_[n]);
   }
   return certain;
@@ -347,8 +350,11 @@ void CellExpander::try_motion(const Motion& motion) {
   result_->as_good.clear();
 }
 
+// Half the tolerance is for the search to find: what holds with that leaves a box of motions that count, and the middle
+// of a small cell lies in it. With none it would be luck that a single motion is met.
 void CellExpander::set_frame(const MotionBox& box) {
-  frame_.set(polygon_, grid_, box, demand_.inset_mm, demand_.inset_mm - demand_.tolerance_mm);
+  const double spare = demand_.rising ? 0.0 : 0.5 * demand_.tolerance_mm;
+  frame_.set(polygon_, grid_, box, demand_.inset_mm - spare, demand_.inset_mm - demand_.tolerance_mm);
   frame_.certain_mm = demand_.rising ? demand_.last_inset_mm : frame_.sufficient_mm;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "placement/kernels/contraction.hpp"
@@ -19,9 +20,12 @@ struct Cell {
   int bound = 0;                         ///< no motion in it has a higher value
   std::shared_ptr<const CellList> list;  ///< none: a slice
   double reach_mm = 0.0;                 ///< > 0: the list has no edges yet, those within this of each tile may cut it
+  /// Of a slice whose bound is the highest of its parts: the middle of such a part. None: not bounded yet.
+  std::optional<Motion> promising = std::nullopt;
 };
 
-/// Separation that a tile must keep: it counts for the bound from `inset_mm` on, for a value from inset − tolerance on.
+/// Separation that a tile must keep: it counts for a value from inset − tolerance on, for the bound from half the
+/// tolerance less than the inset on, or, when that rises, from the inset on.
 struct Demand {
   double inset_mm = 0.0, tolerance_mm = 0.0, resolution_mm = 0.0;
   double last_inset_mm = 0.0;  ///< the inset may be raised up to this: tiles that hold with less are kept in the lists
@@ -61,10 +65,10 @@ class CellExpander {
   void try_motion(const Motion& motion);
   void close(const MotionBox& box);
   void close_clipped(MotionBox whole, const MotionBox& clipped);
+  void bound_slice(Cell& cell);
   void refine_slice(Cell& cell);
   void look_ahead(Cell& cell, const CellList& list);
   struct OpenParts;
-  void try_middle(const Cell& cell, const OpenParts& open);
   void note_tie(const Cell& cell);
   [[nodiscard]] OpenParts open_parts(const Cell& cell, const std::array<int, 3>& low,
                                      const std::array<int, 3>& high) const;

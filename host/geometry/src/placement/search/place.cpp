@@ -77,13 +77,9 @@ struct Placing {
   std::vector<MotionBox> tied_slices;  // elsewhere fewer hold
 
   void certify_count() {
-    // A few descents give a value to beat: the search then opens only cells that promise more.
-    PlacementOptions start_options = options;
-    start_options.method = PlacementMethod::kDescent;
-    const ScanResult first = run_scan(polygon, grid, start_options, 2);
     const SearchGoal goal{.inset_mm = 0.0,
                           .tolerance_mm = options.tolerance_mm,
-                          .known = first.modules,
+                          .known = 0,
                           .cells = options.keep_proof ? &result.proof.cells : nullptr,
                           .raise = {},
                           .threads = options.threads,
@@ -93,8 +89,8 @@ struct Placing {
     result.upper_bound = found.upper_bound;
     result.proved = found.best == found.upper_bound;
     result.cells = found.cells;
-    result.evaluations = found.evaluations + first.evaluations;
-    motion = found.found ? found.motion : first.motion;
+    result.evaluations = found.evaluations;
+    motion = found.motion;
     tied_slices = std::move(found.tied_slices);
     as_good = std::move(found.as_good);
     as_good.push_back(motion);

@@ -27,6 +27,23 @@ class Scan {
     }
   }
 
+  // The best of the six axis steps while it is no worse, halving the step.
+  void descend(Motion at) {
+    int value = try_motion(at);
+    for (double step = 4.0; step > 0.05; step *= 0.5) {
+      for (const auto& [dx, dy, dt] :
+           {std::array{1., 0., 0.}, {-1., 0., 0.}, {0., 1., 0.}, {0., -1., 0.}, {0., 0., 1.}, {0., 0., -1.}}) {
+        const Motion next{at.x + step * dx, at.y + step * dy, at.theta + step * dt / std::max(1.0, polygon_.radius_mm)};
+        const int n_next = try_motion(next);
+        if (n_next > value) {
+          value = n_next;
+          at = next;
+        }
+      }
+    }
+  }
+  [[nodiscard]] const ScanResult& best() const { return best_; }
+
   ScanResult run() {
     switch (options_.method) {
       case PlacementMethod::kScanEdges:
@@ -109,24 +126,8 @@ class Scan {
     for (int k = 0; k < n && !out_of_time(); ++k) try_motion(random_motion());
   }
 
-  // From random starts, the best of the six axis steps while it is no worse, halving the step.
   void random_descents(int n) {
-    for (int k = 0; k < n && !out_of_time(); ++k) {
-      Motion at = random_motion();
-      int value = try_motion(at);
-      for (double step = 4.0; step > 0.05; step *= 0.5) {
-        for (const auto& [dx, dy, dt] :
-             {std::array{1., 0., 0.}, {-1., 0., 0.}, {0., 1., 0.}, {0., -1., 0.}, {0., 0., 1.}, {0., 0., -1.}}) {
-          const Motion next{at.x + step * dx, at.y + step * dy,
-                            at.theta + step * dt / std::max(1.0, polygon_.radius_mm)};
-          const int n_next = try_motion(next);
-          if (n_next > value) {
-            value = n_next;
-            at = next;
-          }
-        }
-      }
-    }
+    for (int k = 0; k < n && !out_of_time(); ++k) descend(random_motion());
   }
 
   const PreparedPolygon& polygon_;
@@ -144,6 +145,14 @@ class Scan {
 ScanResult run_scan(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options,
                     int descents) {
   return Scan(polygon, grid, options, descents).run();
+}
+
+ScanResult descend(const PreparedPolygon& polygon, const TileGrid& grid, double tolerance_mm, const Motion& start) {
+  PlacementOptions options;
+  options.tolerance_mm = tolerance_mm;
+  Scan scan(polygon, grid, options, 0);
+  scan.descend(start);
+  return scan.best();
 }
 
 }  // namespace triskin::geometry

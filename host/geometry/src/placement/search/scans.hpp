@@ -16,4 +16,8 @@ struct ScanResult {
 [[nodiscard]] ScanResult run_scan(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options,
                                   int descents = 40);
 
+/// The descent of kDescent from one start.
+[[nodiscard]] ScanResult descend(const PreparedPolygon& polygon, const TileGrid& grid, double tolerance_mm,
+                                 const Motion& start);
+
 }  // namespace triskin::geometry
