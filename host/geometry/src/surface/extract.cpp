@@ -227,7 +227,6 @@ class Extractor {
 
 constexpr unsigned kWrap_s = 600;            // processor time
 constexpr double kShattered = 0.6;           // share of the area that the largest part should have
-constexpr double kTestShare = 0.5;           // of the time of the repair, that the test whether one is needed may take
 constexpr double kRepairedFaces = 40'000.0;  // a second of the repair, measured: 15 µs of processor time each
 constexpr double kMostReduced_mm = 1.0, kLooseShare = 0.05;  // of the area, that small parts may be
 
@@ -387,7 +386,8 @@ Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const Progres
                     area_mm2 / 100.0));
   }
   UsableTest test;
-  if (options.keep_usable) test = test_usable(mesh, time.part(kTestShare));
+  // What is broken is mostly found soon; where nothing is, the repair needs no time.
+  if (options.keep_usable) test = test_usable(mesh, time.part(1.0));
   if (test.is_usable) return std::move(*test.joined);
   const auto reduction = reduced(mesh, test.joined, options.repair_s);
   if (!reduction) return stepwise_or_repaired(mesh, options, time, progress);
