@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Any triangles become a surface that design() takes, and the deviation that is stated is not exceeded.
 // TRISKIN_BROKEN_MESHES=n tries n seeded meshes: each kind of damage alone on each shape, then two kinds at random.
-// TRISKIN_BROKEN_FIRST=k leaves out the first k of them.
+// TRISKIN_BROKEN_FIRST=k leaves out the first k of them. TRISKIN_REPAIR_TABLE=1 prints a line a mesh,
+// TRISKIN_BESIDE_WRAP=1 besides what CGAL's alpha wrap alone makes of it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cstdlib>
+#include <functional>
+#include <optional>
 #include <string_view>
 #include <utility>
 
 #include "extract/broken_meshes.hpp"
 #include "extract/distances.hpp"
+#include "surface/extract_steps.hpp"
 #include "triskin/geometry/extract.hpp"
 #include "triskin/geometry/mesh_io.hpp"
 #include "triskin/host/error.hpp"
@@ -23,12 +28,51 @@ using geometry::ExtractOptions;
 using geometry::Mesh;
 using geometry::Vec3;
 
+constexpr double kWrapAlpha_mm = 6.0, kWrapOffset_mm = 0.2;  // the defaults of extract()
+constexpr unsigned kWrapMost_s = 60;
+constexpr double kMostOver = 3.0;  // times the time of a repair: of processor time, that it may take on two processors
+
 struct Case {
   test::BaseShape shape;
   std::vector<test::Damage> damages;
   std::uint64_t seed;
   double repair_s = 20.0;
 };
+
+// Of this process and of the children that have ended.
+double processor_s() {
+  double sum = 0.0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage used{};
+    getrusage(who, &used);
+    for (const timeval& t : {used.ru_utime, used.ru_stime})
+      sum += static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  }
+  return sum;
+}
+double seconds_of(const std::function<void()>& work) {
+  const double start = processor_s();
+  work();
+  return processor_s() - start;
+}
+
+// What CGAL's alpha wrap alone makes of the same input, beside what extract() made: processor time, faces, and the
+// distance of 300 places of the surface from the input and, where that can be seen, of the clean shape from the
+// surface.
+void print_beside_wrap(const std::string& name, const Mesh& input, const Mesh* clean, const Mesh& ours, double ours_s,
+                       test::Dice& dice) {
+  std::optional<Mesh> wrap;
+  const double wrap_s =
+      seconds_of([&] { wrap = geometry::wrapped(input, kWrapAlpha_mm, kWrapOffset_mm, kWrapMost_s, {}); });
+  const auto row = [&](const Mesh& surface, double s) {
+    return fmt::format(
+        "{:.2f} s {} faces out {:.3f} mm in {}", s, surface.faces.size(),
+        test::sampled_distance(surface, input, dice, 300),
+        clean == nullptr ? "-" : fmt::format("{:.3f} mm", test::sampled_distance(*clean, surface, dice, 300)));
+  };
+  fmt::print("beside {}: extract {}; wrap {}{}\n", name, row(ours, ours_s), wrap ? row(*wrap, wrap_s) : "none",
+             wrap && geometry::usable(test::read_back(*wrap)) ? "" : " refused");
+}
 
 void expect_repaired(const Case& c) {
   std::string name = fmt::format("{} seed {}", c.shape.name, c.seed);
@@ -49,7 +93,9 @@ void expect_repaired(const Case& c) {
   options.repair_s = c.repair_s;
   options.outer = options.wrap = ExtractOptions::When::kWhenNeeded;
   Extraction e;
-  ASSERT_NO_THROW(e = geometry::extract(input, options));
+  double ours_s = 0.0;
+  ASSERT_NO_THROW(ours_s = seconds_of([&] { e = geometry::extract(input, options); }));
+  EXPECT_LE(ours_s, kMostOver * c.repair_s);
   EXPECT_TRUE(geometry::usable(test::read_back(e.surface)));
   const auto& d = e.report.deviation;
   const double slack = 1e-6;  // mm: the plane of a face 1e-5 mm high is known no better to distance_to()
@@ -62,6 +108,8 @@ void expect_repaired(const Case& c) {
     fmt::print("{}: {} crossings {} faces {} -> {} stated {:.3f} mean {:.4f} measured {:.3f}\n", name,
                geometry::kRepairNames.name(e.report.repair), e.report.crossings, input.faces.size(),
                e.surface.faces.size(), d.largest_mm, d.mean_mm, away);
+    if (std::getenv("TRISKIN_BESIDE_WRAP") != nullptr)
+      print_beside_wrap(name, input, keeps_outside ? &clean : nullptr, e.surface, ours_s, dice);
   }
 }
 

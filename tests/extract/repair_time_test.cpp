@@ -3,6 +3,7 @@
 // is a surface that design() takes, and the deviation that is stated is still not exceeded.
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <string>
 
@@ -87,12 +88,61 @@ double interval_mm(const Outcome& run) {
 
 constexpr double kPlenty_s = 40.0, kLittle_s = 1.0;
 
+// A clock that stands still for some questions and is far past any end from then on.
+std::function<double()> ends_after(int questions) {
+  return [left = questions]() mutable { return left-- > 0 ? 0.0 : 1e6; };
+}
+
+Extraction tested(const Mesh& mesh, const std::function<double()>& clock_s) {
+  ExtractOptions options;
+  options.repair_s = 2.0;
+  options.repair = options.keep_usable = true;
+  options.outer = options.wrap = ExtractOptions::When::kWhenNeeded;
+  options.clock_s = clock_s;
+  return geometry::extract(mesh, options);
+}
+
+// A sheet of 320,000 faces is tested in parts of some 100,000.
+TEST(RepairTime, test_whether_one_is_needed_gives_up_and_says_so) {
+  const Mesh sheet = test::grid_of([](double u, double v) { return Vec3(300 * u, 300 * v, 10 * u * v); }, 400, 400);
+  const Extraction whole = tested(sheet, ends_after(1000)), part = tested(sheet, ends_after(3));
+  EXPECT_EQ(whole.report.tested, 1.0);
+  EXPECT_GT(part.report.tested, 0.1);
+  EXPECT_LT(part.report.tested, 0.9);
+  EXPECT_EQ(part.report.repair, Repair::kNone);
+  EXPECT_EQ(part.surface.faces.size(), sheet.faces.size());
+}
+
+// The same with a strip that stands across it near the end that a tree of the faces has last: 800 of its faces cross.
+TEST(RepairTime, part_of_the_test_finds_a_crossing_that_is_long) {
+  Mesh sheet = test::grid_of([](double u, double v) { return Vec3(300 * u, 300 * v, 10 * u * v); }, 400, 400);
+  test::append(sheet, test::grid_of([](double u, double v) { return Vec3(280.2, 300 * u, 60 * v - 30); }, 40, 3));
+  EXPECT_NE(tested(sheet, ends_after(3)).report.repair, Repair::kNone);
+}
+
+// Two balls of 14,400 faces each that cross: 1 s of repair is worth 20,000. They are reduced first, and said to be:
+// chords twice as long lie 0.1 mm under a ball of 75 mm, and the bounds of the steps between add up.
+TEST(RepairTime, mesh_with_more_faces_than_it_is_worth_is_reduced_first) {
+  Mesh mesh = test::read_back(test::grid_of(test::base_shapes()[0].place, 120, 61));
+  test::Dice dice(3);
+  test::damage::crossed(mesh, dice);
+  const Extraction e = repaired(mesh, "", 1.0).extraction;
+  EXPECT_EQ(e.report.repair, Repair::kLocal);
+  EXPECT_LT(e.surface.faces.size(), 21'000U);  // some are divided
+  EXPECT_GT(e.report.reduced_mm, 0.01);
+  EXPECT_LT(e.report.reduced_mm, 0.3);
+  EXPECT_GE(e.report.deviation.largest_mm, e.report.reduced_mm);
+  EXPECT_TRUE(geometry::usable(e.surface));
+  EXPECT_LE(test::sampled_distance(e.surface, mesh, dice, 60), e.report.deviation.largest_mm + 1e-6);
+}
+
 TEST(RepairTime, dividing_gives_up_and_what_crosses_goes) {
   const Mesh mesh = crossed_balls();
   const Outcome whole = repaired(mesh, "", kPlenty_s), late = repaired(mesh, "dividing faces that cross", kPlenty_s);
   expect_honest(late, mesh);
   EXPECT_EQ(late.extraction.report.repair, Repair::kLocal);
   EXPECT_EQ(whole.extraction.report.repair, Repair::kLocal);
+  EXPECT_EQ(whole.extraction.report.reduced_mm, 0.0);
   EXPECT_LT(whole.extraction.report.deviation.largest_mm, 0.1);  // divided along the circle nothing is missing
   EXPECT_GT(late.extraction.report.deviation.largest_mm, 1.0);
   EXPECT_LE(interval_mm(late), 0.02 + 1e-3);  // welding moves vertices by 1e-6 of 260 mm; few faces: soon measured

@@ -42,6 +42,7 @@ constexpr double kMostGrowth = 3.0;  // that the growth has so many times the mo
 // What follows the growth beside the division among controllers, in times of the mapping and pricing of as many modules
 // on pieces: its measurement; the wiring, with its failures, and the writing.
 constexpr double kMeasuringShare = 0.25, kWiringShare = 0.25;
+constexpr double kWritingShare = 0.8;  // of the time that reading took, that writing the surface takes; measured
 
 // With a fixed number of steps the repair's clock stands still: its result must not depend on the time.
 geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& name, const DesignOptions& options,
@@ -125,18 +126,21 @@ void require_places(const design::KindPlan& plan) {
 struct PiecesDone {
   double uncovered;             // share of the surface, 0 … 1
   double mapping_s, pricing_s;  // that a layout of the growth would take, were it like that of the pieces
+  double writing_s;             // of the design file
 
-  [[nodiscard]] double wiring_s() const { return kWiringShare * (mapping_s + pricing_s); }
+  [[nodiscard]] double wiring_s() const { return kWiringShare * (mapping_s + pricing_s) + writing_s; }
   [[nodiscard]] double after_growth_s(double limit_s) const {
     return kMeasuringShare * (mapping_s + pricing_s) + wiring_s() +
            std::max(std::min(kRoutingShare * limit_s, kRoutingMost_s), pricing_s);
   }
 };
 
-PiecesDone pieces_done(const geometry::Surface& surface, std::size_t modules, double mapping_s, double pricing_s) {
+PiecesDone pieces_done(const geometry::Surface& surface, std::size_t modules, double mapping_s, double pricing_s,
+                       double reading_s) {
   const double covered_mm2 = static_cast<double>(modules) * design::kModuleArea_mm2;
   const double more = std::clamp(surface.area_mm2() / std::max(covered_mm2, design::kModuleArea_mm2), 1.0, kMostGrowth);
-  return {std::max(0.0, 1.0 - covered_mm2 / surface.area_mm2()), more * mapping_s, more * pricing_s};
+  return {std::max(0.0, 1.0 - covered_mm2 / surface.area_mm2()), more * mapping_s, more * pricing_s,
+          kWritingShare * reading_s};
 }
 
 // What pieces and growth are searched on: the surface, or a mesh with fewer faces.
@@ -206,6 +210,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   design.kinds = options.kinds;
   require_places(options.kinds);
   const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit, options.object);
+  const double reading_s = seconds_since(start);
   design.scale_to_mm = file.report.scale_to_mm;
   // Smaller than a module: nothing fits, whatever its faces do, and that is an answer.
   if (const double area_mm2 = area_of(file.mesh); area_mm2 < design::kModuleArea_mm2) {
@@ -238,7 +243,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   routing.give_up = give_up_at(start, pricing_from_s + kPiecesShare * options.time_limit_s, options.iterations);
   std::vector<WiredLayout> choices{priced(surface, std::move(mapped), options.limits, routing, regions)};
   const PiecesDone pieces = pieces_done(surface, choices[0].layout.modules.size(), pricing_from_s - mapping_from_s,
-                                        seconds_since(start) - pricing_from_s);
+                                        seconds_since(start) - pricing_from_s, reading_s);
   if (notes != nullptr) notes->pieces = static_cast<int>(choices[0].layout.modules.size());
   std::vector<design::ModuleLayout> grown = grow(surface, searched.solver(), options, regions, start, pieces, progress);
   if (notes != nullptr) notes->surface = static_cast<int>(grown[0].modules.size());

@@ -53,7 +53,7 @@ design::Regions resolve_regions(const std::filesystem::path& mesh, const geometr
     const auto refuse = [&](const std::string& what) -> void {
       throw InputError(fmt::format("region \"{}\": {}; see docs/regions.md", w.region.name, what));
     };
-    if (surface.report.repair != geometry::Repair::kNone)
+    if (surface.report.repair != geometry::Repair::kNone || surface.report.reduced_mm > 0.0)
       refuse("the mesh had to be repaired, so its faces are others: give a sphere or a box");
     std::map<Cell, design::Vec3> places;
     const auto add = [&](const design::Mesh& m, int face) {

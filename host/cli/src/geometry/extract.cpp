@@ -84,7 +84,10 @@ int run(Options options, Output& output) {
                    {"deviation_mm", e.report.deviation.largest_mm},
                    {"deviation_found_mm", e.report.deviation.found_mm},
                    {"mean_deviation_mm", e.report.deviation.mean_mm},
+                   {"reduced_mm", e.report.reduced_mm},
+                   {"crossing_tested", e.report.tested},
                    {"seconds", seconds}};
+  if (const std::string shortage = shortage_text(e.report); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(e.report); !change.empty()) output.say(change);
   output.say(fmt::format("{} faces, {:.1f} cm², {} border loops; {} parts removed, {} faces turned; {:.2f} s",
                          e.surface.faces.size(), area_cm2, e.report.boundary_loops, e.report.removed_components,

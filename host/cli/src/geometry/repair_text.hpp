@@ -8,6 +8,24 @@
 
 namespace triskin::cli {
 
+/// What could not be done in the time, or had to be left out to keep to it; empty when there was nothing.
+[[nodiscard]] inline std::string shortage_text(const geometry::ExtractReport& r) {
+  std::string text;
+  if (r.tested < 1.0) {
+    text = fmt::format(
+        "time was over when {:.1f} % of the faces had been tested for crossing others: some may; give more time "
+        "(--time-limit-s)",
+        100.0 * r.tested);
+  }
+  if (r.reduced_mm > 0.0) {
+    text += fmt::format(
+        "{}the mesh needed a repair and has more faces than there is time for: it was reduced first, by at most {:.3f} "
+        "mm",
+        text.empty() ? "" : "; ", r.reduced_mm);
+  }
+  return text;
+}
+
 /// What the repair of a mesh changed, in mm and where; empty when there was none.
 [[nodiscard]] inline std::string repair_text(const geometry::ExtractReport& r) {
   static constexpr std::array<const char*, 4> kDone{

@@ -29,6 +29,7 @@ float upwards(double x) {
 CollapsingMesh::CollapsingMesh(const Surface& surface)
     : places_(surface.mesh().vertices),
       faces_(surface.mesh().faces),
+      n_faces_(faces_.size()),
       face_of_(places_.size(), -1),
       is_locked_(places_.size(), 0),
       deviation_(faces_.size(), 0.0F),
@@ -146,6 +147,7 @@ void CollapsingMesh::remove_face(int face, int vertex, int corner) {
   join(outer, corner, inner);
   if (face_of_[at(f[third])] == face) face_of_[at(f[third])] = inner;
   faces_[at(face)] = {-1, -1, -1};
+  --n_faces_;
 }
 
 bool CollapsingMesh::collapse(int vertex, const Move& move, std::vector<int>& changed) {

@@ -36,6 +36,8 @@ class CollapsingMesh {
   /// edge would get more than two faces.
   bool collapse(int vertex, const Move& move, std::vector<int>& changed);
 
+  /// Number of faces that are left.
+  [[nodiscard]] std::size_t n_faces() const { return n_faces_; }
   /// What is left, in the old order, and the largest bounds.
   [[nodiscard]] Mesh mesh() const;
   [[nodiscard]] double deviation_mm() const;
@@ -49,10 +51,11 @@ class CollapsingMesh {
 
   const std::vector<Vec3>& places_;
   std::vector<std::array<int, 3>> faces_, neighbours_;  // a face that is gone: corners −1
-  std::vector<int> face_of_;                            // vertex → one of its faces, −1: gone
-  std::vector<char> is_locked_;                         // by vertex: its faces are no single fan
-  std::vector<float> deviation_;                        // by face, upwards
-  std::vector<float> border_;                           // by the vertex at which the border edge begins, upwards
+  std::size_t n_faces_;
+  std::vector<int> face_of_;      // vertex → one of its faces, −1: gone
+  std::vector<char> is_locked_;   // by vertex: its faces are no single fan
+  std::vector<float> deviation_;  // by face, upwards
+  std::vector<float> border_;     // by the vertex at which the border edge begins, upwards
 };
 
 }  // namespace triskin::geometry

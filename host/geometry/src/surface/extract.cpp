@@ -13,6 +13,7 @@
 #include "extract_steps.hpp"
 #include "index.hpp"
 #include "triskin/geometry/design_types.hpp"
+#include "triskin/geometry/solver_mesh.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/host/error.hpp"
 
@@ -51,6 +52,7 @@ class Extractor {
     sides.each_edge([&](std::span<const EdgeSide> edge) {
       if (edge.size() < 2) return;
       report_.crowded_edges += edge.size() > 2 ? 1 : 0;
+      has_unjoined_ = has_unjoined_ || edge.size() > 2 || edge[0].low == edge[0].high || edge[0].face == edge[1].face;
       const auto [first, second] = flattest_pair(edge);
       const EdgeSide &a = edge[first], &b = edge[second];
       neighbour_[at(a.face)][at(a.side)] = b.face;
@@ -112,6 +114,7 @@ class Extractor {
     } else if (flipped_[at(n)] != wanted) {
       neighbour_[at(f)][at(s)] = -1;
       neighbour_[at(n)][at(back)] = -1;
+      has_unjoined_ = true;
     }
   }
   [[nodiscard]] bool same_edge(int f, int s, int n, int back) const {
@@ -151,7 +154,9 @@ class Extractor {
   // New vertices: one per fan of joined faces, so that no edge has more than two faces and no vertex is pinched.
   void rebuild() {
     std::vector<std::array<int, 3>> vertex(mesh_.faces.size(), {-1, -1, -1});
-    used_edges_.reserve(3 * mesh_.faces.size());
+    if (has_unjoined_) used_edges_.reserve(3 * mesh_.faces.size());
+    result_.faces.reserve(mesh_.faces.size());
+    result_.vertices.reserve(mesh_.vertices.size());
     for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
       if (!keep_[at(component_[f])]) {
         ++report_.removed_faces;
@@ -168,6 +173,10 @@ class Extractor {
 
   // Two unjoined faces can still meet at an edge when the fans at both ends connect them elsewhere: the later one goes.
   void add_face(const std::array<int, 3>& face) {
+    if (!has_unjoined_) {
+      result_.faces.push_back(face);
+      return;
+    }
     const auto edge = [&](std::size_t k) {
       return static_cast<std::uint64_t>(face[k]) << 32U | static_cast<std::uint64_t>(face[(k + 1) % 3]);
     };
@@ -185,18 +194,19 @@ class Extractor {
     const int old = mesh_.faces[at(face)][at(k)];
     const int id = static_cast<int>(result_.vertices.size());
     result_.vertices.push_back(mesh_.vertices[at(old)]);
-    std::vector<int> fan{face};
+    fan_.assign(1, face);
     vertex[at(face)][at(k)] = id;
-    for (std::size_t q = 0; q < fan.size(); ++q) {
-      const auto& corners = mesh_.faces[at(fan[q])];
+    for (std::size_t q = 0; q < fan_.size(); ++q) {
+      const int member = fan_[q];
+      const auto& corners = mesh_.faces[at(member)];
       for (int s = 0; s < 3; ++s) {
         if (corners[at(s)] != old && corners[at((s + 1) % 3)] != old) continue;
-        const int n = neighbour_[at(fan[q])][at(s)];
+        const int n = neighbour_[at(member)][at(s)];
         if (n < 0) continue;
         for (int c = 0; c < 3; ++c) {
           if (mesh_.faces[at(n)][at(c)] != old || vertex[at(n)][at(c)] >= 0) continue;
           vertex[at(n)][at(c)] = id;
-          fan.push_back(n);
+          fan_.push_back(n);
         }
       }
     }
@@ -209,12 +219,16 @@ class Extractor {
   std::vector<double> areas_;
   std::vector<bool> keep_;
   Mesh result_;
+  std::vector<int> fan_;
+  bool has_unjoined_ = false;                     // faces that meet at an edge and are not neighbours there
   std::unordered_set<std::uint64_t> used_edges_;  // directed: from, to
   ExtractReport report_;
 };
 
-constexpr unsigned kWrap_s = 600;   // processor time
-constexpr double kShattered = 0.6;  // share of the area that the largest part should have
+constexpr unsigned kWrap_s = 600;            // processor time
+constexpr double kShattered = 0.6;           // share of the area that the largest part should have
+constexpr double kRepairedFaces = 20'000.0;  // a second of the repair, measured: 44 µs of processor time each
+constexpr double kMostReduced_mm = 1.0, kLooseShare = 0.05;  // of the area, that small parts may be
 
 double largest_share(const Mesh& mesh) {
   const Surface surface(mesh);
@@ -330,17 +344,8 @@ int turn_outward(Mesh& mesh) {
 }
 
 // The steps where they lead to a surface that design() takes, and else the repair.
-Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
-  const RepairTime time(options);
-  // A wrap has both sides of a sheet and would make one that is too small large enough.
-  if (const double area_mm2 = area_of(mesh); area_mm2 < kModuleArea_mm2) {
-    throw InputError(
-        fmt::format("surface: {:.2g} cm² in all, less than one module (3.9 cm²); check the mesh and its unit (--unit)",
-                    area_mm2 / 100.0));
-  }
-  if (options.keep_usable) {
-    if (auto e = joined_if_usable(mesh)) return std::move(*e);
-  }
+Extraction stepwise_or_repaired(const Mesh& mesh, const ExtractOptions& options, const RepairTime& time,
+                                const ProgressSink& progress) {
   ExtractOptions first = options;
   if (first.wrap == ExtractOptions::When::kWhenNeeded) first.wrap = ExtractOptions::When::kNever;
   try {
@@ -351,6 +356,44 @@ Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const Progres
     // nothing is left of the steps alone
   }
   return repaired(mesh, options, time, progress);
+}
+
+// A mesh with fewer faces where what can be joined of it has more than the repair has time for; none where it has not,
+// or too much would be missing.
+std::optional<SolverMesh> reduced(const Mesh& mesh, const std::optional<Extraction>& joined, std::size_t most) {
+  if (!joined || joined->surface.faces.size() <= most || area_of(joined->surface) < (1.0 - kLooseShare) * area_of(mesh))
+    return std::nullopt;
+  return reduce(Surface(joined->surface), kMostReduced_mm, kMostReduced_mm, all_threads(), most);
+}
+
+// What the report of a repair says of the mesh that it began with.
+void add_reduction(ExtractReport& report, const ExtractReport& before, const SolverMesh& reduction) {
+  report.reduced_mm = std::max(reduction.deviation_mm, reduction.border_mm);
+  report.deviation.largest_mm += report.reduced_mm;
+  report.deviation.mean_mm += report.reduced_mm;
+  report.removed_components += before.removed_components;
+  report.flipped_faces += before.flipped_faces;
+  report.crowded_edges = before.crowded_edges;
+}
+
+Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
+  const RepairTime time(options);
+  // A wrap has both sides of a sheet and would make one that is too small large enough.
+  if (const double area_mm2 = area_of(mesh); area_mm2 < kModuleArea_mm2) {
+    throw InputError(
+        fmt::format("surface: {:.2g} cm² in all, less than one module (3.9 cm²); check the mesh and its unit (--unit)",
+                    area_mm2 / 100.0));
+  }
+  const auto most = static_cast<std::size_t>(kRepairedFaces * options.repair_s);
+  UsableTest test;
+  // What is broken is mostly found soon; where nothing is, the repair needs no time.
+  if (options.keep_usable || mesh.faces.size() > most) test = test_usable(mesh, time.part(1.0));
+  if (test.is_usable && options.keep_usable) return std::move(*test.joined);
+  const auto reduction = test.is_usable ? std::nullopt : reduced(mesh, test.joined, most);
+  if (!reduction) return stepwise_or_repaired(mesh, options, time, progress);
+  Extraction e = stepwise_or_repaired(reduction->mesh, options, time, progress);
+  add_reduction(e.report, test.joined->report, *reduction);
+  return e;
 }
 
 }  // namespace

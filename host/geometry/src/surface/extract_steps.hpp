@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "triskin/geometry/extract.hpp"
+#include "triskin/host/parallel.hpp"
 
 namespace triskin::geometry {
 
@@ -64,8 +65,8 @@ inline constexpr double kSkyTimeShare = 0.12;
 [[nodiscard]] Mesh arranged(const Mesh& mesh, const std::vector<std::pair<int, int>>& crossings);
 
 /// Pairs of faces that pass through or touch each other beyond a common edge or corner, by exact predicates. The mesh
-/// is a manifold. Sorted. Cost: O(n log n) typical.
-[[nodiscard]] std::vector<std::pair<int, int>> crossing_faces(const Mesh& mesh);
+/// is a manifold. Sorted. In a child process on one thread. Cost: O(n log n) typical.
+[[nodiscard]] std::vector<std::pair<int, int>> crossing_faces(const Mesh& mesh, int threads = all_threads());
 
 /// Whether there are any.
 [[nodiscard]] bool crosses_itself(const Mesh& surface);
@@ -81,8 +82,13 @@ inline constexpr double kSkyTimeShare = 0.12;
 /// Repair of the topology alone, the first step of extract(). Errors: InputError when no part is as large as a module.
 [[nodiscard]] Extraction joined(const Mesh& mesh);
 
-/// The same of a mesh that usable() accepts; none of others.
-[[nodiscard]] std::optional<Extraction> joined_if_usable(const Mesh& mesh);
+/// What the test of usable() finds. Late, it says so in the report (`tested`) and takes what it did not find for
+/// absent.
+struct UsableTest {
+  std::optional<Extraction> joined;  ///< none: no part is as large as a module
+  bool is_usable = false;
+};
+[[nodiscard]] UsableTest test_usable(const Mesh& mesh, const IsLate& is_late = {});
 
 /// Makes what design() takes: moves corners apart that only touch, then drops faces that still cross, until none does:
 /// of two the one that sees less of the sky, when late the smaller one. Then closes slits, when late all or none.

@@ -33,10 +33,11 @@ class Reducer {
         is_waiting_(needs_mm_.size(), 0),
         is_blocked_(needs_mm_.size(), 0) {}
 
-  SolverMesh run(double deviation_mm) {
+  SolverMesh run(double deviation_mm, std::size_t enough_faces) {
     double share = 1.0;
     for (int level = 1; level < kLevels; ++level) share /= kBetweenLevels;
-    for (int level = 0; level < kLevels; ++level, share *= kBetweenLevels) take_out(share * deviation_mm);
+    for (int level = 0; level < kLevels && mesh_.n_faces() > enough_faces; ++level, share *= kBetweenLevels)
+      take_out(share * deviation_mm);
     return {mesh_.mesh(), mesh_.deviation_mm(), mesh_.border_mm()};
   }
 
@@ -111,8 +112,9 @@ class Reducer {
 
 }  // namespace
 
-SolverMesh reduce(const Surface& surface, double deviation_mm, double border_mm, int threads) {
-  return Reducer(surface, border_mm, threads).run(deviation_mm);
+SolverMesh reduce(const Surface& surface, double deviation_mm, double border_mm, int threads,
+                  std::size_t enough_faces) {
+  return Reducer(surface, border_mm, threads).run(deviation_mm, enough_faces);
 }
 
 std::optional<SolverMesh> solver_mesh_of(const Surface& surface, const LayoutLimits& limits, double deviation_mm,

@@ -8,6 +8,7 @@
 #include "edge_sides.hpp"
 #include "index.hpp"
 #include "triangle_tree.hpp"
+#include "triskin/host/parallel.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -87,7 +88,7 @@ void Surface::find_border() {
 }
 
 void Surface::build_trees() {
-  face_tree_ = tree_of_faces(mesh_);
+  face_tree_ = tree_of_faces(mesh_, all_threads());
   std::vector<BoxTree::Extent> extents;
   for (const auto& [face, side] : border_sides_) {
     const auto& f = mesh_.faces[at(face)];

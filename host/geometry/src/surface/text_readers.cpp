@@ -97,6 +97,7 @@ void each_line(std::string_view text, Take take) {
 Mesh read_obj(const std::string& text, const std::string& file, ObjectFilter& objects) {
   Mesh mesh;
   std::array<bool, 2> is_in{};  // the object, one of the groups
+  std::vector<int> corners;
   each_line(text, [&](std::string_view line, int number) {
     const std::string_view kind = word_of(line);
     if (kind == "v") {
@@ -111,7 +112,7 @@ Mesh read_obj(const std::string& text, const std::string& file, ObjectFilter& ob
         is_named = objects.meets(std::string(word)) || is_named;
     }
     if (kind != "f" || (!objects.wanted.empty() && !is_in[0] && !is_in[1])) return;
-    std::vector<int> corners;
+    corners.clear();
     for (std::string_view word = word_of(line); !word.empty() && word.front() != '#'; word = word_of(line)) {
       const auto index = number_of<long>(word.substr(0, word.find('/')));
       const long count = static_cast<long>(mesh.vertices.size());
@@ -119,7 +120,10 @@ Mesh read_obj(const std::string& text, const std::string& file, ObjectFilter& ob
       if (!index || *index == 0 || v < 0 || v >= count) fail(file, number, "a face names a vertex that does not exist");
       corners.push_back(static_cast<int>(v));
     }
-    add_polygon(mesh, std::move(corners));
+    if (corners.size() == 3)
+      mesh.faces.push_back({corners[0], corners[1], corners[2]});
+    else
+      add_polygon(mesh, corners);
   });
   return mesh;
 }
@@ -140,6 +144,8 @@ Mesh read_binary_stl(const std::string& bytes) {
   std::memcpy(&count, bytes.data() + 80, sizeof(count));
   const std::size_t held = (bytes.size() - kStlHeader) / kStlFacet;
   const std::size_t facets = count == 0 ? held : std::min<std::size_t>(count, held);
+  mesh.vertices.reserve(3 * facets);
+  mesh.faces.reserve(facets);
   for (std::size_t f = 0; f < facets; ++f) {
     std::array<float, 9> c{};
     std::memcpy(c.data(), bytes.data() + kStlHeader + f * kStlFacet + 12, sizeof(c));

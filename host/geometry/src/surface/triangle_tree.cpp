@@ -7,7 +7,7 @@
 
 namespace triskin::geometry {
 
-BoxTree tree_of_faces(const Mesh& mesh) {
+std::vector<BoxTree::Extent> extents_of_faces(const Mesh& mesh) {
   std::vector<BoxTree::Extent> extents;
   extents.reserve(mesh.faces.size());
   for (const auto& f : mesh.faces) {
@@ -15,7 +15,11 @@ BoxTree tree_of_faces(const Mesh& mesh) {
                c = mesh.vertices[at(f[2])].array();
     extents.push_back({Eigen::Array3d(a.min(b).min(c)), Eigen::Array3d(a.max(b).max(c))});
   }
-  return BoxTree(extents);
+  return extents;
+}
+
+BoxTree tree_of_faces(const Mesh& mesh, int threads) {
+  return BoxTree(extents_of_faces(mesh), threads);
 }
 
 SurfacePoint closest_face_point(const BoxTree& tree, const Mesh& mesh, const Vec3& query_mm, double within_mm) {

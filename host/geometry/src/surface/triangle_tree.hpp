@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <limits>
+#include <vector>
 
 #include "triskin/geometry/box_tree.hpp"
 #include "triskin/geometry/surface.hpp"
@@ -8,7 +9,9 @@
 namespace triskin::geometry {
 
 /// Boxes of the faces of a mesh.
-[[nodiscard]] BoxTree tree_of_faces(const Mesh& mesh);
+[[nodiscard]] std::vector<BoxTree::Extent> extents_of_faces(const Mesh& mesh);
+/// Tree of them, made on `threads` (≥ 1).
+[[nodiscard]] BoxTree tree_of_faces(const Mesh& mesh, int threads = 1);
 
 /// Closest point of the mesh that `tree` was made of, of those nearer than within_mm. Without any: face −1 and distance
 /// infinity.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <exception>
@@ -8,6 +9,11 @@
 #include <vector>
 
 namespace triskin {
+
+/// Threads that this computer runs side by side, ≥ 1.
+[[nodiscard]] inline int all_threads() {
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
 
 /// Calls `work(k)` for k = 0 … count − 1, in no order, on `threads` threads (≥ 1), the caller's among them; returns
 /// when all have returned. What a call throws is thrown again, the first of them, and no further call begins. `work`

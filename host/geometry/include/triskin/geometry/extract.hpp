@@ -47,8 +47,12 @@ struct ExtractReport {
   bool outer = false, wrapped = false;  ///< which of the steps on demand were taken
   double kept_out_mm2 = 0.0;            ///< area that the keep-outs took
   Repair repair = Repair::kNone;        ///< what was needed; only with ExtractOptions::repair
-  int crossings = 0;                    ///< pairs of faces of the raw mesh that pass through each other; likewise
-  Deviation deviation;                  ///< of the repair; 0 with Repair::kNone, before keep-outs
+  int crossings = 0;        ///< pairs of faces of the raw or reduced mesh that pass through each other; likewise
+  Deviation deviation;      ///< of the repair; 0 with Repair::kNone and nothing reduced, before keep-outs
+  double reduced_mm = 0.0;  ///< a mesh with more faces than the time of the repair is worth was reduced first, by no
+                            ///< more than this, which the deviation has in it; 0: it was not
+  double tested = 1.0;      ///< share of the faces that were tested for crossing others: less, the time was over and
+                            ///< others may cross
 };
 
 /// Ball that no module may cover; radius > 0.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstddef>
 #include <optional>
 
 #include "triskin/geometry/design_types.hpp"
@@ -27,10 +28,11 @@ struct SolverMesh {
 /// lies between them, measured along it, is added to the bound of the new faces. Sharp edges, bends and borders stay
 /// where the bounds need them. A corner where several borders meet stays. Faces of the result may come nearer to each
 /// other than those of the surface, by twice the deviation at most. Errors: none; with a
-/// deviation of 0 nothing is taken out. Deterministic, whatever the number of threads. Uses `threads` (≥ 1);
-/// thread-safe. Cost: O(n), 2 … 3 µs of processor time a face that goes, 60 bytes a face.
+/// deviation of 0 nothing is taken out. The bound of the deviation grows in steps, each four times the one before; with
+/// `enough_faces` no further step begins when no more are left. Deterministic, whatever the number of threads. Uses
+/// `threads` (≥ 1); thread-safe. Cost: O(n), 2 … 3 µs of processor time a face that goes, 60 bytes a face.
 [[nodiscard]] SolverMesh reduce(const Surface& surface, double deviation_mm = kSolverDeviation_mm,
-                                double border_mm = kSolverBorder_mm, int threads = 2);
+                                double border_mm = kSolverBorder_mm, int threads = 2, std::size_t enough_faces = 0);
 
 /// The mesh on which the solvers work with these limits in place of a surface with more faces than they need; none
 /// where the surface itself serves: fewer than 5,000 faces or more than 4 mm² a face on the mean, `deviation_mm` ≤ 0,
