@@ -126,9 +126,7 @@ const std::vector<Damage>& damages() {
          for (const json& m : r["routes"][1]["modules"]) r["routes"][0]["modules"].push_back(m);
        }},
       {"joint-use",
-       [](json& r) {
-         r["routes"][0]["cut_joints"].push_back({module_row(r, 0, 0)["id"], module_row(r, 0, 1)["id"]});
-       }},
+       [](json& r) { r["routes"][0]["cut_joints"].push_back({module_row(r, 0, 0)["id"], module_row(r, 0, 1)["id"]}); }},
       {"joint-use",
        [](json& r) {
          for (json& p : r["routes"])
