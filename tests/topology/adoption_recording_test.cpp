@@ -16,6 +16,7 @@
 
 #include "cli/shell_case.hpp"
 #include "joined_patches.hpp"
+#include "support/places.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/module_graph.hpp"
 #include "triskin/hdf5/recording.hpp"
@@ -156,7 +157,7 @@ TEST_F(AdoptionRecording, as_csv_and_hdf5_says_who_read_each_sample) {
   }
   EXPECT_GE(adopted, 20 * orphans_.modules.size());
   if (!hdf5::can_write()) GTEST_SKIP() << "built without HDF5";
-  const std::string script = TRISKIN_SOURCE "/tests/hdf5/recording_test.py";
+  const std::string script = test::source_folder() + "/tests/hdf5/recording_test.py";
   const int status = std::system(
       fmt::format("python3 {} --compare {}/adoption.h5 {}/adoption.csv", script, folder_.string(), folder_.string())
           .c_str());
