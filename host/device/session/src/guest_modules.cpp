@@ -20,9 +20,9 @@ std::vector<int> guest_modules(const ModuleEnds& ends, std::span<const int> rows
 std::deque<GuestReader::Waiting> GuestReader::set(const wire::Adoption& adoption, std::span<const int> modules,
                                                   int every, std::uint64_t interval_us) {
   std::deque<Waiting> mine;
-  for (Waiting& w : waiting_) {
+  for (const Waiting& w : waiting_) {
     if (w.sample.guests == adoption.list)
-      mine.push_back(std::move(w));
+      mine.push_back(w);
     else
       ++dropped_;
   }
