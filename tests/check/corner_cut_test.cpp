@@ -138,7 +138,11 @@ TEST_F(CutDesign, moved_modules_are_found) {
                 for (json& m : j["modules"]) shift(m, 0.0, 3.0);
               }),
               Contains("overrun"));
-  EXPECT_THAT(broken_by([](json& j) { j["modules"][0]["penetration_mm"] = 0.4; }), Contains("penetration"));
+  EXPECT_THAT(broken_by([](json& j) {
+                json& stated = j["modules"][0]["penetration_mm"];
+                stated = stated.get<double>() + 0.2;
+              }),
+              Contains("penetration"));
   EXPECT_THAT(broken_by([](json& j) {
                 json& theta = j["pieces"][0]["placement"]["theta_rad"];
                 theta = theta.get<double>() + 0.3;
