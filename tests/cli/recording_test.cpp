@@ -145,6 +145,22 @@ TEST_F(Recordings, a_lost_link_ends_with_what_came) {
   EXPECT_GT(r["samples"], 100);
 }
 
+// A link that fails ends a stream, not what was counted: "0 lost" of a view that had lost its link said nothing.
+TEST_F(Recordings, a_view_keeps_its_counts_when_the_link_fails) {
+  write_scene(R"("seed":1)");
+  pid_t server = 0;
+  const std::string link = serve(server);
+  const pid_t child = start("view strip.json --link " + link + " --no-open --port 0 --json", "log");
+  ::sleep(2);  // of samples
+  ::kill(server, SIGKILL);
+  (void)end_of(server);
+  ::sleep(1);  // it says so, and tries again
+  ::kill(child, SIGINT);
+  (void)end_of(child);
+  const std::string log = read_file(folder_ / "log");
+  EXPECT_GT(nlohmann::json::parse(log.substr(log.find('{')))["frames"], 20) << log;
+}
+
 TEST_F(Recordings, a_replay_shows_what_live_showed) {
   write_scene(R"("contacts":[{"module":4,"taxel":3,"force_n":1,"radius_mm":3}])");
   ASSERT_EQ(run("record strip.json --link sim --scene scene.json --seconds 1 -o r.mcap").status, 0);

@@ -286,6 +286,7 @@ async function robot() {
   console.log(`${covers} covers, ${covers * modules} modules, ${health.frames} samples, ${health.lost} lost; frame time by software: ` +
               `median ${times[30].toFixed(1)} ms, 90 of 100 below ${times[54].toFixed(1)} ms; ` +
               `of it the page's own: median ${own[30].toFixed(1)} ms`);
+  assert(health.frames > 10 * covers * modules, `what was received stays counted: ${health.frames} ${health.trouble}`);
   assert.equal(health.lost, 0, "no sample is lost");
   assert.deepEqual(wrong, []);
   await page.screenshot({path: path.join(process.cwd(), "page_robot.png")});

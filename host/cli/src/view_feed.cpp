@@ -107,6 +107,22 @@ class CoverTouches {
   std::uint64_t keep_us_ = 0;  // when the tare under way is to be kept; 0: none is
 };
 
+// What a stream counted counts also when its link fails.
+class KeptTotals {
+ public:
+  KeptTotals(const device::Stream& stream, FeedTotals& totals) : stream_(stream), totals_(totals) {}
+  KeptTotals(const KeptTotals&) = delete;
+  KeptTotals& operator=(const KeptTotals&) = delete;
+  ~KeptTotals() {
+    totals_.frames += stream_.frames();
+    totals_.lost += stream_.lost();
+  }
+
+ private:
+  const device::Stream& stream_;
+  FeedTotals& totals_;
+};
+
 // One bus; runs in a thread of its own where there are several.
 class Feed {
  public:
@@ -144,6 +160,7 @@ class Feed {
           live_.add(first_[cover] + f.module, touches_[cover].take(f), pace.wall_of(f.link_time_us));
         },
         stream_options);
+    const KeptTotals kept(stream, before_);
     std::int64_t next_health_us = 0;
     while (!interrupt_request()) {
       obey(link->finger(), bus.now_us());
@@ -154,8 +171,6 @@ class Feed {
       next_health_us = wall_us() + kHealthEvery.count();
       state(true, link->trouble(), stream.frames(), stream.lost());
     }
-    before_.frames += stream.frames();
-    before_.lost += stream.lost();
   }
 
   void state(bool is_live, const std::string& trouble, std::uint64_t frames = 0, std::uint64_t lost = 0) {
