@@ -282,11 +282,13 @@ async function robot() {
   for (const view of ["cover", "flat"]) assert(isHot(await colorAt(page, view, pressed, 3)), `the pressed taxel is lit: ${view}`);
   assert.equal((await page.evaluate(() => window.triskin.pressed(2))).length, 0, "the same module of the first cover is not");
   await page.evaluate(() => { for (const {camera} of window.triskin.views) camera.reset(); window.triskin.dirty = true; });
-  const [times, own] = await frameTimes(page, 60), health = await page.evaluate(() => window.triskin.health);
+  const [times, own] = await frameTimes(page, 60);
+  // A page that drew too slowly for its connection was cut and connects again; what the program counted stays.
+  await page.waitForFunction((n) => window.triskin.health.live && window.triskin.health.frames > 10 * n, covers * modules);
+  const health = await page.evaluate(() => window.triskin.health);
   console.log(`${covers} covers, ${covers * modules} modules, ${health.frames} samples, ${health.lost} lost; frame time by software: ` +
               `median ${times[30].toFixed(1)} ms, 90 of 100 below ${times[54].toFixed(1)} ms; ` +
               `of it the page's own: median ${own[30].toFixed(1)} ms`);
-  assert(health.frames > 10 * covers * modules, `what was received stays counted: ${health.frames} ${health.trouble}`);
   assert.equal(health.lost, 0, "no sample is lost");
   assert.deepEqual(wrong, []);
   await page.screenshot({path: path.join(process.cwd(), "page_robot.png")});
