@@ -284,8 +284,11 @@ async function robot() {
   await page.evaluate(() => { for (const {camera} of window.triskin.views) camera.reset(); window.triskin.dirty = true; });
   const [times, own] = await frameTimes(page, 60);
   // A page that drew too slowly for its connection was cut and connects again; what the program counted stays.
-  await page.waitForFunction((n) => window.triskin.health.live && window.triskin.health.frames > 10 * n, covers * modules);
-  const health = await page.evaluate(() => window.triskin.health);
+  const told = await page.waitForFunction((n) => {
+    const {live, frames} = window.triskin.health;
+    return live && frames > 10 * n && window.triskin.health;
+  }, covers * modules);
+  const health = await told.jsonValue();
   console.log(`${covers} covers, ${covers * modules} modules, ${health.frames} samples, ${health.lost} lost; frame time by software: ` +
               `median ${times[30].toFixed(1)} ms, 90 of 100 below ${times[54].toFixed(1)} ms; ` +
               `of it the page's own: median ${own[30].toFixed(1)} ms`);
