@@ -42,6 +42,7 @@ const std::map<std::string_view, Asset>& assets() {
 
 }  // namespace triskin::view
 ")
-  set_source_files_properties(${source} PROPERTIES OBJECT_DEPENDS "${files}")
+  # Among the sources of a unity build it would be compiled without what it depends on, and a changed page would stay as it was.
+  set_source_files_properties(${source} PROPERTIES OBJECT_DEPENDS "${files}" SKIP_UNITY_BUILD_INCLUSION ON)
   set(${variable} ${source} PARENT_SCOPE)
 endfunction()

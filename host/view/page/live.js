@@ -55,7 +55,7 @@ export class LiveLink {
     socket.binaryType = "arraybuffer";
     socket.onmessage = ({data}) => typeof data === "string" ? this.onHealth(JSON.parse(data)) : this.onFrame(data);
     socket.onclose = () => {
-      this.onHealth({link: "", live: false, trouble: "triskin view does not answer; start it again", frames: 0, lost: 0});
+      this.onHealth({link: "", live: false, trouble: "no connection to triskin view, tried again each second; start it again if it has ended", frames: 0, lost: 0});
       setTimeout(() => { this.socket = this.open(); }, 1000);
     };
     return socket;
