@@ -11,13 +11,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr int kDescents = 40;  // random starts of PlacementMethod::kDescent
+
 class Scan {
  public:
-  Scan(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options, int descents)
+  Scan(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options)
       : polygon_(polygon),
         options_(options),
         evaluator_(polygon, grid),
-        descents_(descents),
         period_(grid.period_rad),
         pitch_(grid.row_step_mm),
         height_(grid.row_height_mm) {
@@ -65,7 +66,7 @@ class Scan {
         random_placements(2000);
         break;
       default:
-        random_descents(descents_);
+        random_descents(kDescents);
         break;
     }
     return best_;
@@ -133,7 +134,6 @@ class Scan {
   const PreparedPolygon& polygon_;
   const PlacementOptions& options_;
   Evaluator evaluator_;
-  const int descents_;
   const double period_, pitch_, height_;
   Clock::time_point deadline_ = Clock::time_point::max();
   std::mt19937_64 random_{options_.seed};
@@ -142,15 +142,14 @@ class Scan {
 
 }  // namespace
 
-ScanResult run_scan(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options,
-                    int descents) {
-  return Scan(polygon, grid, options, descents).run();
+ScanResult run_scan(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options) {
+  return Scan(polygon, grid, options).run();
 }
 
 ScanResult descend(const PreparedPolygon& polygon, const TileGrid& grid, double tolerance_mm, const Motion& start) {
   PlacementOptions options;
   options.tolerance_mm = tolerance_mm;
-  Scan scan(polygon, grid, options, 0);
+  Scan scan(polygon, grid, options);
   scan.descend(start);
   return scan.best();
 }

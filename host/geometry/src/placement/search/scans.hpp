@@ -12,9 +12,8 @@ struct ScanResult {
 
 /// Grid scans and descents: the best of a list of placements (docs/placement.md says what each method lists), for every
 /// shape of tiles and any gap. Deterministic for a seed; ends early at options.time_limit_s.
-/// `descents` is the number of random starts of PlacementMethod::kDescent.
-[[nodiscard]] ScanResult run_scan(const PreparedPolygon& polygon, const TileGrid& grid, const PlacementOptions& options,
-                                  int descents = 40);
+[[nodiscard]] ScanResult run_scan(const PreparedPolygon& polygon, const TileGrid& grid,
+                                  const PlacementOptions& options);
 
 /// The descent of kDescent from one start.
 [[nodiscard]] ScanResult descend(const PreparedPolygon& polygon, const TileGrid& grid, double tolerance_mm,
