@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Plates, boxes, prisms, ridges and valleys of 20 … 170° in 500 random poses, half of them 1e5 mm away from the origin:
+// Plates, boxes, prisms, ridges and valleys of 20 … 170° in 500 random poses, half of them 1e5 mm from the origin:
 // every design keeps every rule, and a damage of each is found.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -79,7 +79,8 @@ TEST_F(Kinds, are_chosen_by_region_and_the_last_one_counts) {
 }
 
 TEST_F(Kinds, errors_name_the_place) {
-  EXPECT_NE(error_with("\"taxels\":10", "\"taxels\":13").find("kinds[0].taxels: must be in 1 … 12"), std::string::npos);
+  const std::string error = error_with("\"taxels\":10", "\"taxels\":13");
+  EXPECT_NE(error.find("kinds[0].taxels: must be in 1 … 12"), std::string::npos) << error;
   EXPECT_NE(error_with("\"hard\"}]", "\"soft\"}]").find("kinds[1].name: stands twice"), std::string::npos);
   EXPECT_NE(error_with("\"hard\"}]", "\"standard\"}]").find("kinds[1].name"), std::string::npos);
   EXPECT_NE(error_with("\"kind\":\"hard\"", "\"kind\":\"harder\"").find("\"harder\" is not among"), std::string::npos);

@@ -168,7 +168,8 @@ TEST(EditDesign, kinds_go_with_their_modules_and_are_checked) {
   damaged = d;
   damaged.kinds.kinds[0].taxels = 13;
   damaged.design_id = design::design_id_of(damaged);
-  EXPECT_EQ(broken_by(damaged), (std::vector<std::string>{"kinds: kind \"soft\": 13 taxels; a converter has 1 … 12"}));
+  const std::vector<std::string> expected{"kinds: kind \"soft\": 13 taxels; a converter has 1 … 12"};
+  EXPECT_EQ(broken_by(damaged), expected);
 }
 
 // The generated forearm.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Times are in µs. A sequence lasts 9,200 nominally, so 8,832 … 9,568 (± 4 %). When it was started at T, ± 25, then
+// Times are in µs. A sequence lasts 9,200 nominally, so 8,832 to 9,568 (± 4 %). When it was started at T, ± 25, then
 //   it ends in                      T + 8,807 … T + 9,593, the middle is T + 9,200;
 //   its reading may start from      T + 9,033   the last result comes 585 later, 25 of margin after T + 9,593;
 //                          until    T + 9,383   the first one comes 135 later, 25 before T + 8,807 + 8,832 / 12;
@@ -74,7 +74,7 @@ TEST(ReadingSchedule, OnlySequencesThatWereToBeSampledAreMissed) {
 }
 
 // Without a reading of the status the second sequence ends in T + 17,639 … T + 19,161: 1,522 wide, too wide for a
-// window, 18,601 … 18,214. The third one is 2,258 wide, of which 2 · (736 + 2 · 25) = 1,572 come from the period alone:
+// window, 18,601 … 18,214. The third one is 2,258 wide, of which 2 * (736 + 2 * 25) = 1,572 are of the period alone:
 // the clock is uncertain and the sequence is begun anew at once. Nothing falls due before T + 28,169.
 TEST(ReadingSchedule, AnUncertainClockBeginsAnew) {
   ReadingSchedule schedule = schedule_of(1);
@@ -187,7 +187,7 @@ TEST_F(Refinement, TakesTheNextStageWhenItIsTooLate) {
   EXPECT_EQ(schedule.due(kT + 2'947), (Due{Action::kStatus, 0}));
 }
 
-// Stages 1 and 2 had ended at T + 2,300. Nine stages are left, 9 · 9,568 / 12 = 7,176 at the longest: the sequence ends
+// Stages 1 and 2 had ended at T + 2,300. Nine stages are left, 9 * 9,568 / 12 = 7,176 at the longest: the sequence ends
 // by T + 9,501 (25 of slack) instead of T + 9,593, and the window opens 92 earlier.
 TEST_F(Refinement, AStageThatHasEndedOpensTheWindowEarlier) {
   schedule.status_read(0, 0b0110, kT + 2'325);
@@ -197,7 +197,7 @@ TEST_F(Refinement, AStageThatHasEndedOpensTheWindowEarlier) {
 }
 
 // Stage 2 had not ended at T + 2,300. Nine stages last 6,624 at least: the sequence ends after T + 8,899 instead of
-// T + 8,807, a period lasts 8,899 − 25 = 8,874 at least (8,873 with its wander), a stage 739 instead of 736. The window
+// T + 8,807, a period lasts 8,899 - 25 = 8,874 at least (8,873 with its wander), a stage 739 instead of 736. The window
 // closes at T + 8,899 + 739 − 135 − 25 = T + 9,478.
 TEST_F(Refinement, AStageThatHasNotEndedKeepsTheWindowOpen) {
   schedule.status_read(0, 0b0010, kT + 2'325);

@@ -24,7 +24,7 @@ class Disturbed : public Ramps {
     if (!list) ADD_FAILURE() << "no fault list";
     return list.value_or(wire::FaultList{});
   }
-  // What was recorded, and what had disturbed an I²C line in the 35 ms before it, at the latest: longer than a transfer
+  // What was recorded, and what had disturbed an I²C line in the 35 ms before it, at most: longer than a transfer
   // is repeated, with the uncertainty of the time of the application.
   [[nodiscard]] std::string story(const wire::FaultRecord& fault) {
     const std::uint32_t dtc = fault.code.dtc();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The paper's rules for touching (Definitions 5 to 8, Conditions 1 and 2, Theorem 2), worked by hand. Coordinates are
-// those of nodes: (i, j) is a·i·(1, 0) + a·j·(½, √3/2); the up module of cell (i, j) has the corners (i, j), (i + 1,
+// those of nodes: (i, j) is a*i*(1, 0) + a*j*(½, √3/2); the up module of cell (i, j) has the corners (i, j), (i + 1,
 // j), (i, j + 1), the down module (i + 1, j), (i + 1, j + 1), (i, j + 1).
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_2.h>
@@ -134,7 +134,7 @@ TEST(PaperTouching, tip_a_hair_over_the_line) {
   EXPECT_EQ(std::ranges::count(patch(with_tip(6e-7), {.touch_mm = 1e-6}), Tile{0, -1, false}), 1);
 }
 
-// Contact of type 1: the node (1, 0) against an edge that leans less than the side (1, 0)–(0, 1). The module touches it
+// Contact of type 1: the node (1, 0) against an edge that leans less than the side (1, 0)-(0, 1). The module touches it
 // from inside; an edge that leans more cuts the side; one that leans as much has the side on it. The touching distance,
 // 1.7e-8 sides, is taken along the lines.
 TEST(PaperTouching, node_against_an_edge) {

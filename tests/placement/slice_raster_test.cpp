@@ -136,7 +136,7 @@ class OneEdge : public testing::Test {
   FigureTerms terms_;
 };
 
-// An up tile of height h = 25.98 mm has its base h/3 under its centre; at a height t over the base it is 30·(1 − t/h)
+// An up tile of height h = 25.98 mm has its base h/3 under its centre; at a height t over the base it is 30·(1 - t/h)
 // wide. It meets the level edge from 0 to 30 where the edge is at such a height and not beside that width.
 TEST_F(OneEdge, a_level_edge_and_an_up_tile) {
   set_edge({0, 0}, {30, 0});

@@ -74,7 +74,7 @@ TEST_F(ClosestPoint, is_the_same_where_a_bound_of_it_is_known) {
   }
 }
 
-// Two triangles folded back onto each other: the sum of the normals at their common corners was 10⁻¹⁶ of rounding, made
+// Two triangles folded back onto each other: the sum of the normals at common corners was 1e-16 of rounding, made
 // a unit vector of any direction. `check` had another, and named a turn of the normal that was not the stated one.
 TEST(FoldedFlap, has_no_normal_at_its_fold_and_that_of_the_face_counts) {
   const Vec3 a(1.1, 2.3, 0.7), b(31.7, 5.9, 3.1), c(7.3, 33.3, 9.7);

@@ -124,9 +124,10 @@ class PatchChecker {
       for (const int n : module(m).beside) {
         if (n < m || !members_.contains(n)) continue;
         const bool in_tree = module(m).parent == n || module(n).parent == m;
-        if (in_tree == cut.contains({m, n}))
-          broken("joint-use",
-                 fmt::format("joint {}–{} is {}", m, n, in_tree ? "cut but carries the tree" : "neither cut nor used"));
+        if (in_tree == cut.contains({m, n})) {
+          const char* const fault = in_tree ? "cut but carries the tree" : "neither cut nor used";
+          broken("joint-use", fmt::format("joint {}–{} is {}", m, n, fault));
+        }
         cut.erase({m, n});
       }
     }

@@ -53,7 +53,7 @@ void McapRecorder::begin(const design::Design& design) {
   facts["unix_start_ns"] = fmt::format("{}", start_ns);
   facts["link_start_us"] = fmt::format("{}", origin_.link_start_us);
   facts["clock"] =
-      "log time: when it came, ns since 1970, from the clock of the link in µs since link_start_us; publish time: when "
+      "log time: when it came, ns since 1970, of the clock of the link in µs since link_start_us; publish time: when "
       "it "
       "was sampled, within error_us";
   facts["units"] =

@@ -46,8 +46,7 @@ void key_of_sides(Canvas& c, Key& key) {
       line_at(key.next({"Cut through: outline of the island, slit, corner that is cut off."}, 10.0));
   c.line(from, to, kCutThrough);
   const Vec2 kept = key.next(
-      {"Joint to keep: it carries the lines. Fold it by the angle beside it: +12° away from you, −12°", "towards you."},
-      12.0);
+      {"Joint to keep: it carries lines. Fold it by its angle:", "+12° away from you, −12° towards you."}, 12.0);
   draw_joint(c, line_at(kept).first, line_at(kept).second, false);
   c.text(kept + Vec2(-2, -0.8), "+12°", {.size_mm = 2.0});
   const Vec2 cut =

@@ -246,7 +246,7 @@ Lines work_lines(const design::Design& design, const Plan& plan) {
   }
   add_title(lines, "Order of work: on the part");
   add_tick(lines,
-           "Look at all seams. Sides with the same mark m0, m1, … lie opposite each other; the gap is beside the mark. "
+           "Look at all seams. Sides with the same mark m0, m1, … are opposite each other; beside it is the gap. "
            "Where it is another by more than 1 mm, or modules overlap, move the island that fits its points worse.");
   add_jumpers(lines, design, plan);
   add_connecting(lines, design, plan);

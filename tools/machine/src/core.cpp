@@ -485,7 +485,7 @@ bool Machine::Core::spoil_frame() {
   return true;
 }
 
-// The core waits for an instruction from the bank that is being written (RM0440 §3.3.5): nothing else happens in it, no
+// The core waits for an instruction from the bank that is being written (RM0440 §3.3.5): nothing else happens, no
 // exception is taken. The peripherals go on.
 void Machine::Core::wait_for_flash(Time until) {
   const Time begin = time_.now();

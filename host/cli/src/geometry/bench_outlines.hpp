@@ -4,7 +4,7 @@
 
 namespace triskin::cli {
 
-/// Star-shaped outline of `vertices` vertices and `area_cm2`: radii that differ by ±25 % from vertex to vertex (rough),
+/// Star-shaped outline of `vertices` vertices and `area_cm2`: radii that differ by ±25% from vertex to vertex (rough),
 /// or a few waves. The seed follows from the arguments, so that each can be made again alone.
 [[nodiscard]] geometry::Polygon bench_outline(bool rough, int vertices, double area_cm2);
 

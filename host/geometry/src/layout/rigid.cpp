@@ -67,7 +67,7 @@ Stand visit(const Surface& surface, const Vec3& p, double& best, const Near& nea
 
 // The least way from p to a point that is as near to some point of an edge as to a point f of the surface; b is the
 // edge's nearest to p. For the edge's point at t from b the two are parted by a plane; from p it is
-// (|p - b|² + t² - |p - f|²) / 2|b + t - f| away, and |b + t - f| <= |b - f| + t. Least over t. A border that a sheet
+// (|p - b|² + t² - |p - f|²) / 2|b + t - f| off, and |b + t - f| <= |b - f| + t. Least over t. A border that a sheet
 // passes below is told from one that ends it: the distances themselves differ by x² / 2z only at the height z.
 double way_to_nearer(const Vec3& p, const Vec3& f, const Vec3& b) {
   constexpr double kRounding_mm2 = 1e-5;  // of distances equal to 1e-7 mm, some 20 mm long

@@ -16,7 +16,7 @@ struct WorstModule {
 /// `kept`: of those within 60 mm of one another the worst alone. What is farther does not change when they go, so that
 /// all of them can go at once and the result is that of removing the worst again and again. When there are none, those
 /// that pass through another in space ("pierced"), of two the later: overlap is measured in the plane between them, and
-/// sheets that cross steeply, or face away from each other, have none there. Cost: O(n + b²) with b that break a limit;
+/// sheets that cross steeply, or face away from each other, have none. Cost: O(n + b²) with b that break a limit;
 /// at the end the pairs of near modules besides.
 [[nodiscard]] std::vector<WorstModule> worst_modules(const ModuleLayout& layout, const LayoutLimits& limits,
                                                      std::size_t kept = 0);

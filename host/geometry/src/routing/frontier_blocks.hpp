@@ -48,7 +48,7 @@ struct NextFrontier {
 };
 
 /// The frontier after node v, which stands behind its nodes, has joined the blocks `block_at[side]` of the sides set in
-/// `joined`; `weight` is that of v's part then. `stays[s]`: position s has neighbours to come. Cost: some 12 × 3 steps.
+/// `joined`; `weight` is that of v's part then. `stays[s]`: position s has neighbours to come. Cost: some 12 x 3 steps.
 [[nodiscard]] inline NextFrontier next_frontier(const FrontierBlocks& before, unsigned joined,
                                                 const std::array<int, 3>& block_at, int weight,
                                                 const std::vector<bool>& stays) {

@@ -22,7 +22,7 @@ struct IslandGraph {
 };
 
 /// Lower bounds of the price by *groups*: islands that fitted jumpers join, directly or over others. No part reaches
-/// over two groups, and m islands need m − 1 jumpers to hang together. So a group costs at least ⌈weight / capacity⌉
+/// over two groups, and m islands need m - 1 jumpers to hang together. A group costs at least ⌈weight / capacity⌉
 /// controllers and m − 1 jumpers, and no partition costs less than the cheapest division of the islands into groups.
 /// That is found exactly: islands are placed one by one; a state keeps the groups that can still grow.
 class IslandGroups {

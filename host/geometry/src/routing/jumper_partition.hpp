@@ -16,8 +16,8 @@ struct JumperPartition {
   bool proved = false;    ///< no partition has a lower price
 };
 
-/// Divides the graph into connected parts of at most `capacity` ≤ 16 nodes at the lowest price. Upper bound: trees and
-/// moves (jumper_search.hpp). Lower bounds: parts of the joined graph; jumpers ≥ Σ parts of each island alone − parts,
+/// Divides the graph into connected parts of at most `capacity` <= 16 nodes at the lowest price. Upper bound: trees and
+/// moves (jumper_search.hpp). Lower bounds: parts of the whole graph; jumpers >= Σ parts of each island alone - parts,
 /// since a part of p pieces has p − 1 jumpers; groups of islands (island_groups.hpp). Where they do not meet, the
 /// groups of the cheapest division into groups are settled one by one, each by the search and the exact programme of
 /// jumper_frontier.hpp: the bound rises, or the groups together are cheaper than what was found. Every budget is

@@ -116,7 +116,7 @@ Sides sides_of(const Mesh& m) {
   return sides;
 }
 
-// Divides the side a→b of a face and of its neighbour close to a, so that both lose a needle. Only where the neighbour
+// Divides the side a->b of a face and of its neighbour close to a, so that both lose a needle. Only where the neighbour
 // is as it was.
 void make_needles(Mesh& m, std::size_t f, const Sides& sides, std::vector<bool>& touched, double width_mm) {
   const auto [a, b, c] = m.faces[f];

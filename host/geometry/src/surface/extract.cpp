@@ -380,9 +380,8 @@ Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const Progres
   const RepairTime time(options);
   // A wrap has both sides of a sheet and would make one that is too small large enough.
   if (const double area_mm2 = area_of(mesh); area_mm2 < kModuleArea_mm2) {
-    throw InputError(
-        fmt::format("surface: {:.2g} cm² in all, less than one module (3.9 cm²); check the mesh and its unit (--unit)",
-                    area_mm2 / 100.0));
+    throw InputError(fmt::format("surface: {:.2g} cm², less than one module (3.9 cm²); check mesh and unit (--unit)",
+                                 area_mm2 / 100.0));
   }
   const auto most = static_cast<std::size_t>(kRepairedFaces * options.repair_s);
   UsableTest test;

@@ -13,7 +13,7 @@ namespace triskin::geometry {
 /// Tree of them, made on `threads` (≥ 1).
 [[nodiscard]] BoxTree tree_of_faces(const Mesh& mesh, int threads = 1);
 
-/// Closest point of the mesh that `tree` was made of, of those nearer than within_mm. Without any: face −1 and distance
+/// Closest point of the mesh that `tree` was made of, of those nearer than within_mm. Without any: face -1 and distance
 /// infinity.
 [[nodiscard]] SurfacePoint closest_face_point(const BoxTree& tree, const Mesh& mesh, const Vec3& query_mm,
                                               double within_mm = std::numeric_limits<double>::infinity());

@@ -9,7 +9,7 @@ namespace triskin::geometry::surface_lattice {
 
 /// Price of islands before they are wired. n modules that hang together are counted as p(n) = max(1, n / 16 + 15 / 32)
 /// pieces, one for each controller. Islands of one group can be joined by jumpers; a group of n modules in islands of
-/// n₁, n₂ … has p(n) controllers and, as after the wiring, a jumper for each piece more: Σ p(nᵢ) − p(n). They are
+/// n₁, n₂ … has p(n) controllers and, as when wired, a jumper for each piece more: Σ p(nᵢ) - p(n). They are
 /// fractions, because a search that pays a whole controller for the next module never places it. `group[k]` ≥ 0 of
 /// island k. Cost: O(islands).
 [[nodiscard]] double relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price);

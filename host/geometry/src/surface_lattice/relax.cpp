@@ -24,7 +24,7 @@ constexpr double kWantedGap_mm = 2.0;  // corners lift off where the centre woul
 constexpr double kLongest_mm = 5.0;    // of one step
 
 // Of the way along a surface between two points whose normals have this cosine, as on an arc over the chord: the chord
-// times (asin s / s)², s² = (1 − cosine) / 2, by its first four terms. What lies on the other side of a narrow part is
+// times (asin s / s)², s² = (1 - cosine) / 2, by its first four terms. What lies on another side of a narrow part is
 // far away.
 double squared_way(const Vec3& chord, double cosine) {
   const double s2 = 0.5 * (1.0 - cosine);

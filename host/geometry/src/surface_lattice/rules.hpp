@@ -46,7 +46,7 @@ class Rules {
 
   [[nodiscard]] const LayoutLimits& limits() const { return limits_; }
   /// The first limit that one of the triangles breaks, cheapest limits first. `pairs`: all that may overlap and are not
-  /// joined; `known`, by triangle, is work of one thread. Cost: about 1 µs a triangle, ten times as much at the border.
+  /// joined; `known`, by triangle, is work of one thread. Cost: about 1 µs a triangle, ten times that at the border.
   [[nodiscard]] Refusal evaluate(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles,
                                  std::vector<Pair>& pairs, std::vector<KnownSides>& known) const;
 

@@ -67,7 +67,7 @@ struct Adoption {
                                kMostBytes = kLeastBytes + kGuestBytes * kMostGuests;
   std::uint8_t rows = 0;  ///< of the table
   std::uint16_t out_of_reach = 0;
-  std::uint8_t list = 0;  ///< number of this list of guests, 1 … 255 and again; samples of guests carry it. 0: none yet
+  std::uint8_t list = 0;  ///< number of the list of guests, 1 … 255 and again; samples of guests carry it. 0: none
   std::uint8_t count = 0;
   std::array<Guest, kMostGuests> guests{};
 

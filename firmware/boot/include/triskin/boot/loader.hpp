@@ -18,7 +18,7 @@ class Loader {
 
   /// True: start the newest slot now.
   bool handle(const wire::CanFrame& frame, std::uint64_t now_us);
-  /// Time until which the loader waits for the next frame of a host that has said hello, µs of the board's clock; 0: no
+  /// Time until which the loader waits for the next frame of a host that said hello, µs of the board's clock; 0: no
   /// host.
   [[nodiscard]] std::uint64_t stays_until_us() const { return stays_until_us_; }
 

@@ -9,7 +9,7 @@ namespace triskin::fw {
 /// Tells one chip at an address from two. Two chips at one address answer together and nobody sees it on the bus:
 /// their data are a wired AND. So a chip that was found is read at both inputs of its converter. The two results of
 /// one chip mirror each other at mid scale; the wired AND of two chips that differ by d counts is smaller by d at
-/// least, because x AND y = (x + y − (x XOR y)) / 2 and x XOR y ≥ |x − y|. Two chips whose taxels rest at exactly the
+/// least, because x AND y = (x + y - (x XOR y)) / 2 and x XOR y ≥ |x - y|. Two chips whose taxels rest at exactly the
 /// same counts cannot be told from one this way. Pure: results in, verdict out.
 class DuplicateCheck {
  public:

@@ -7,7 +7,7 @@
 
 namespace triskin::fw {
 
-/// Finds the offset of each stage of a chip: an electrode has 2 … 18 pF, the converter sees ± 8 pF around its offset.
+/// Finds the offset of each stage of a chip: an electrode has 2 to 18 pF, the converter sees ± 8 pF around its offset.
 /// Each taxel is to rest in the middle third of the range. One reading shows how far off a taxel is; a taxel at an end
 /// of its range moves by half a range. Offsets that are known stay unless their taxel rests outside the middle third.
 /// Three readings are enough for electrodes in 2 … 18 pF. Pure: results in, offsets out.

@@ -6,7 +6,7 @@
 
 namespace triskin::fw {
 
-/// When one converter's sequence of twelve stages ends. The chip runs on its own oscillator (± 4 %) and signals no end.
+/// When one converter's sequence of twelve stages ends. The chip runs on an own oscillator (± 4 %) and signals no end.
 /// What is known for certain is kept: an interval in which the present sequence ends, and one in which the period lies.
 /// It begins with the moment at which the sequence was started. A reading of the stage-complete status shows whether a
 /// stage had ended at a time and narrows the first interval; its growth since an earlier one narrows the second. All

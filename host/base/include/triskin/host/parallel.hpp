@@ -15,7 +15,7 @@ namespace triskin {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-/// Calls `work(k)` for k = 0 … count − 1, in no order, on `threads` threads (≥ 1), the caller's among them; returns
+/// Calls `work(k)` for k = 0 … count - 1, in no order, on `threads` threads (≥ 1), the caller's among them; returns
 /// when all have returned. What a call throws is thrown again, the first of them, and no further call begins. `work`
 /// must be safe to call from several threads at once. Cost: a thread is started for each but the caller's, where there
 /// is work.

@@ -16,7 +16,7 @@ struct Progress {
 /// Called from the thread that runs the work; must not throw. An empty function is allowed.
 using ProgressSink = std::function<void(const Progress&)>;
 
-/// Tells `sink` of one step: `fraction` in [0, 1] or negative when unknown, `part` 0.. of work side by side or −1. Does
+/// Tells `sink` of one step: `fraction` in [0, 1] or negative when unknown, `part` 0.. of work side by side or -1. Does
 /// nothing with an empty sink.
 inline void report(const ProgressSink& sink, std::string stage, double fraction, std::string detail = {},
                    int part = -1) {

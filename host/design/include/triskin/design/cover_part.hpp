@@ -38,7 +38,7 @@ using CoverPart = std::variant<Sphere, Box, IslandPart, ModulePart>;
 
 /// Reads one of {"sphere": {"center_mm": [x, y, z], "radius_mm": r}}, {"box": {"low_mm": [x, y, z], "high_mm": [x, y,
 /// z]}},
-/// {"island": k}, {"modules": [id, …]}; `v` may have other keys beside. Errors: InputError with file and place for none
+/// {"island": k}, {"modules": [id, …]}; `v` may have other keys beside. Errors: InputError with file, place for none
 /// or several of these keys, wrong types, a radius that is not positive, a box without inside, and negative numbers of
 /// modules. Cost: linear.
 [[nodiscard]] CoverPart read_cover_part(const JsonValue& v);

@@ -11,7 +11,7 @@ inline constexpr int kIcubTriangles = 16, kIcubBoards = 14;
 /// Triangles that skinGui draws.
 inline constexpr int kSkinGuiTriangles = 128;
 
-/// Number of a module among the triangles of a part, as the host orders them: 16 · patch + 4 · line + address. Taxel t
+/// Number of a module among the triangles of a part, as the host orders them: 16 * patch + 4 · line + address. Taxel t
 /// of it is value 12 · number + t of the part's port.
 [[nodiscard]] constexpr int icub_triangle(const ModuleWiring& wiring) {
   return kIcubTriangles * wiring.patch + 4 * wiring.routed.line + wiring.routed.address;

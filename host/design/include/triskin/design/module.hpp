@@ -55,7 +55,7 @@ enum class LayoutMethod {
 inline constexpr NameTable kLayoutMethodNames{std::array<std::pair<LayoutMethod, std::string_view>, 2>{
     {{LayoutMethod::kPieces, "pieces"}, {LayoutMethod::kSurface, "surface"}}}};
 
-/// Modules of a part. An island is a set of modules connected through `neighbour`; islands are numbered 0 … islands − 1
+/// Modules of a part. An island is a set of modules joined through `neighbour`; islands have numbers 0 … islands - 1
 /// and need not share a lattice.
 struct ModuleLayout {
   std::vector<PlacedModule> modules;

@@ -7,7 +7,7 @@
 
 namespace triskin::design {
 
-/// Modules and joints to be wired. A node is an index in `nodes`, 0 … n − 1, and nothing else: the graph of a design
+/// Modules and joints to be wired. A node is an index in `nodes`, 0 … n - 1, and nothing else: the graph of a design
 /// (graph_of) has node = module id; in a ModuleList node k has the file's id ids[k]; the CAN address of a controller is
 /// always called node address.
 struct ModuleGraph {

@@ -18,8 +18,8 @@ struct ModuleList {
   ModuleGraph graph;        ///< joined where two tiles of one island share a side
 };
 
-/// Reads a JSON file {"modules": [{"id", "i", "j", "up", optional "island" and "border"}, …]}: id and island ≥ 0, |i|
-/// and |j| ≤ 10⁶. Errors: InputError with file and key for a file that cannot be read or is not JSON, wrong types and
+/// Reads a JSON file {"modules": [{"id", "i", "j", "up", optional "island" and "border"}, …]}: id, island >= 0, |i|
+/// and |j| <= 10⁶. Errors: InputError with file and key for a file that cannot be read or is no JSON, wrong types and
 /// ranges, an id that stands twice, a tile that stands twice in an island, and a list without a module. Cost: O(n log
 /// n).
 [[nodiscard]] ModuleList read_module_list(const std::filesystem::path& path);

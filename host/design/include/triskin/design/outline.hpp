@@ -8,7 +8,7 @@
 #include "triskin/design/tile.hpp"
 
 /// Outline of a module whose corners may be cut off: the only owner of its shape. A cut of c mm takes c mm along each
-/// side from every corner, a triangle of side c: what is left is a hexagon with three long sides (30 mm − 2c) and three
+/// side from every corner, a triangle of side c: what is left is a hexagon with three long sides (30 mm - 2c) and three
 /// short ones (c). Source: the reference paper, Section III-A (docs/paper.md).
 namespace triskin::design {
 

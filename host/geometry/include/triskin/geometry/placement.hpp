@@ -63,7 +63,7 @@ struct PlacementOptions {
   bool deficit = false;  ///< compute PlacementResult::deficit_mm (branch and bound only)
 };
 
-/// Certificate that no placement is better (docs/placement.md has the format). Its motions are q = R(theta)·(p − pivot)
+/// Certificate that no placement is better (docs/placement.md has the format). Its motions are q = R(theta)*(p - pivot)
 /// + (x, y), in mm and rad.
 struct PlacementProof {
   TileShape shape = TileShape::kTriangle;

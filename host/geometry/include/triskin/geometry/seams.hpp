@@ -18,7 +18,7 @@ struct SurfaceEdge {
   int face = 0, side = 0;
 };
 
-/// Reads polylines (mm after `unit`, default mm) from an OBJ file: `v x y z` and `l i j k …` (1-based; negative counts
+/// Reads polylines (mm after `unit`, default mm) of an OBJ file: `v x y z` and `l i j k …` (1-based; negative counts
 /// from the end); other records are passed over. Errors: InputError naming file, line and remedy for a file that cannot
 /// be read, for numbers that are none, indices without a vertex, lines of fewer than two points, and a file without
 /// `l`.

@@ -35,7 +35,7 @@ struct SolverMesh {
                                 double border_mm = kSolverBorder_mm, int threads = 2, std::size_t enough_faces = 0);
 
 /// The mesh on which the solvers work with these limits in place of a surface with more faces than they need; none
-/// where the surface itself serves: fewer than 5,000 faces or more than 4 mm² a face on the mean, `deviation_mm` ≤ 0,
+/// where the surface itself serves: fewer than 5,000 faces or more than 4 mm² a face on the mean, `deviation_mm` <= 0,
 /// or no more than half of the faces can go. Against a narrow limit of lift, depth, centre gap or overrun the deviation
 /// is smaller than asked: a twentieth of it. Cost: that of reduce(), or nothing.
 [[nodiscard]] std::optional<SolverMesh> solver_mesh_of(const Surface& surface, const LayoutLimits& limits,

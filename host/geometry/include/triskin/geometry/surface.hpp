@@ -54,7 +54,7 @@ class Surface {
   /// shorter, and changes no answer. Without any: face −1 and distance infinity. Cost: O(log n) typical.
   [[nodiscard]] SurfacePoint closest(const Vec3& query_mm,
                                      double within_mm = std::numeric_limits<double>::infinity()) const;
-  /// Appends (squared distance in mm², face) of every face within distance_mm ≥ 0 of a point, in no order. Cost: O(log
+  /// Appends (squared distance in mm², face) of each face within distance_mm >= 0 of a point, in no order. Cost: O(log
   /// n + faces found) typical.
   void faces_within(const Vec3& query_mm, double distance_mm, std::vector<std::pair<double, int>>& faces) const;
   /// Closest point of the border polyline, of those nearer than within_mm > 0; `face` -1 and distance infinity when
@@ -82,7 +82,7 @@ class Surface {
   BoxTree face_tree_, border_tree_;
 };
 
-/// Closest point of triangle (a, b, c) to p as barycentric coordinates (≥ 0, sum 1). Constant cost. Source: C. Ericson,
+/// Closest point of triangle (a, b, c) to p as barycentric weights (>= 0, sum 1). Constant cost. Source: C. Ericson,
 /// Real-Time Collision Detection, 5.1.5.
 [[nodiscard]] Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 

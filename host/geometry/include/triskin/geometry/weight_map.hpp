@@ -54,8 +54,8 @@ class WeightMap {
 };
 
 /// Reads {"origin_mm": [x, y], "step_mm": s, "rows": [[…], …]}, rows upwards, or {"step_mm": s, "vertices": [[x, y,
-/// weight], …], "faces": [[a, b, c], …]}, or {"step_mm": s, "elsewhere": w, "module_weight": w, "regions": [{"weight":
-/// w, "outline_mm": [[x, y], …]}, …]} (weight_regions.hpp; module_weight may be left out). Errors: InputError with file
+/// weight], …], "faces": [[a,b,c], …]}, or {"step_mm": s, "elsewhere": w, "module_weight":w, "regions": [{"weight":
+/// w, "outline_mm": [[x, y], …]}, …]} (weight_regions.hpp; module_weight: optional). Errors: InputError with file
 /// and cause when it cannot be read, or as of the constructors.
 [[nodiscard]] WeightMap read_weight_map(const std::filesystem::path& file);
 

@@ -15,7 +15,7 @@ struct WeightRegions {
   };
   std::vector<Region> regions;  ///< of regions that overlap the last one counts
   double elsewhere = 0.0;       ///< 0 … 1e12: worth of a module in no region
-  double module_weight = 0.0;   ///< 0 … 1e12, in the same unit: taken off the worth of every module; what is then left
+  double module_weight = 0.0;   ///< 0 to 1e12, in the same unit: taken off the worth of every module; what is then left
                                 ///< below 0 counts 0, as a module that is not built
   double step_mm = 5.0;         ///< > 0, of the raster; the worth changes over about two steps at the rim of a region
 };

@@ -140,7 +140,7 @@ struct Extremes {
   to.high += room;
 }
 
-// low ≤ x·c.x + y·c.y ≤ high where x is next to nothing: as if it were, with the worst c.x for the cut and the best
+// low ≤ x*c.x + y*c.y ≤ high where x is next to nothing: as if it were, with the worst c.x for the cut and the best
 // for the rest.
 [[gnu::always_inline]] inline void clip_level(const Vector& x, const Vector& y, const Vector& low, const Vector& high,
                                               bool outer, Figures& f) {

@@ -293,7 +293,7 @@ int CellExpander::choose(const Index& low, const Index& high, std::size_t first,
   return certain;
 }
 
-// divide_slice() for cubes. chosen_[first_chosen …) may be undecided among the parts, `certain` more tiles than in the
+// divide_slice() for cubes. chosen_[first_chosen …) may be undecided in the parts, `certain` more tiles than in the
 // cell are certain there.
 void CellExpander::divide(const Cell& cell, const CellList& list, const Index& low, const Index& high,
                           std::size_t first_chosen, int certain) {

@@ -43,7 +43,7 @@ void require_corner_cut(const PlacementOptions& o) {
   if (o.shape != TileShape::kTriangle) throw InputError("corner cut: only triangles have corners that are cut");
   if (is_of_paper(o.method))
     throw InputError(
-        "corner cut: methods r1 … r7 are those of the reference paper, which knows a module by its three whole sides; "
+        "corner cut: methods r1 … r7 are those of the reference paper, which knows a module by three whole sides; "
         "leave --corner-cut-mm out, or use --method bnb or a scan (docs/placement.md, Cut corners)");
 }
 

@@ -56,7 +56,7 @@ class VirtualSkin {
   /// Lifts the finger with this id; without effect when it is gone.
   void release(int id) { skin_.release(id, now_us_); }
 
-  /// From now on the pads of a module (−1: of all) are under `kpa` ≥ 0, beside the fingers. Throws std::out_of_range.
+  /// From now on the pads of a module (-1: of all) are under `kpa` ≥ 0, beside the fingers. Throws std::out_of_range.
   void pressurize(int module, double kpa) { skin_.pressurize(module, kpa, now_us_); }
 
   /// Flash of one controller, to cut its power; a controller that lost power is dead until it is powered again.

@@ -16,7 +16,7 @@ struct Landmark {
 };
 
 /// Landmarks of a surface: of every rim (closed chain of edges with one face) of at least 30 mm the points farthest
-/// along ±x, ±y and ±z of the mesh frame, of those within 0.5 mm of it the one where the rim turns most; points closer
+/// along ±x, ±y, ±z of the mesh frame, of those within 0.5 mm the one where the rim turns most; places nearer
 /// than 5 mm to an earlier one are left out. Without a rim the same of the whole surface; without vertices none. Cost:
 /// O(faces log faces).
 [[nodiscard]] std::vector<Landmark> landmarks_of(const design::Mesh& surface);

@@ -51,7 +51,7 @@ class SimLink final : public InProcessLink {
 };
 
 /// Each controller a USB device with the vendor interface, all behind one full-speed hub; their CAN ports are open.
-/// The hub carries 19 bulk packets a millisecond (USB 2.0 §5.8.4), in both directions together, and asks the devices in
+/// The hub carries 19 bulk packets a millisecond (USB 2.0 §5.8.4), both directions together, and asks the devices in
 /// turn, so that none starves another. Frames, device states and descriptors are those of wire::UsbFunction.
 class SimUsbLink final : public InProcessLink {
  public:

@@ -9,7 +9,7 @@
 namespace triskin::board {
 
 /// HSE (TRISKIN_CRYSTAL_MHZ), PLL 340 MHz, SYSCLK = HCLK = PCLK = 170 MHz, range 1 boost, four wait states (RM0440
-/// §6.1.5, §7.2.4, §3.3.3). Without a crystal the PLL runs from HSI 16 MHz (± 1 %: enough for I²C and, as a rule, for
+/// §6.1.5, §7.2.4, §3.3.3). Without a crystal the PLL runs from HSI16 (± 1 %: enough for I²C and, as a rule, for
 /// classic CAN). Waits for the oscillators (start-up only).
 void start_clocks();
 

@@ -46,7 +46,7 @@ struct BoardShape {
 [[nodiscard]] BoardShape read_shape(Controller& controller);
 
 /// In how many things a shape differs from patch `patch` (0-based): modules, joints, rotations and the place of the
-/// cable, or places with and without a chip. 0: none. −1: in so many that this is hardly the patch, or nothing answers.
+/// cable, or places with and without a chip. 0: none. -1: in so many that this is hardly the patch, or nothing answers.
 /// Throws std::out_of_range for a patch that the design lacks. Cost: match_topology.
 [[nodiscard]] int shape_difference(const BoardShape& shape, const design::Design& design, int patch);
 

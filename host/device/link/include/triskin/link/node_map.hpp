@@ -11,7 +11,7 @@ namespace triskin::device {
 /// Which of several wires leads to a node address, learned from received frames. Not thread-safe.
 class NodeMap {
  public:
-  /// Learns from a frame received on `wire` (≥ 0): claims and answers name their node. An address that two wires claim
+  /// Learns from a frame received on `wire` (>= 0): claims and answers name their node. An address that two wires claim
   /// leads to none.
   void heard(const wire::CanFrame& frame, int wire);
   /// Learns from a frame that is sent: a new discovery or an assigned address invalidates what is known.

@@ -37,7 +37,7 @@ struct BusBudget {
 /// Samples as the largest part of a wire: converters run up to 4 % faster than their rate.
 inline constexpr double kFastestClock = 1.04;
 
-/// The smallest n ≥ 1 whose n-th samples fit a wire that every sample would load by `full`, 1 = all of it; at most 10⁶.
+/// The smallest n ≥ 1 whose n-th samples fit a wire that all samples would load by `full`, 1 = all; at most 10⁶.
 [[nodiscard]] int least_every(double full);
 
 /// Budget of each n-th sample. `every` 0: the smallest 1 … 255 that fits, 255 when none does.

@@ -11,7 +11,7 @@
 /// Problem of the Automated Design of Large-Scale Robot Skin", T-ASE 2013.
 namespace triskin::geometry::paper {
 
-/// A placement ρ(P) (Section IV-A, Definition 1) by its four parameters (x, y, θ, v): q = R(θ)·(p − p_v) + p_v + (x,
+/// A placement ρ(P) (Section IV-A, Definition 1) by its four parameters (x, y, θ, v): q = R(θ)*(p - p_v) + p_v + (x,
 /// y).
 struct PivotedPlacement {
   double x_mm = 0.0;
