@@ -61,6 +61,7 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"modules_surface", notes.surface},
                          {"refused", refused},
                          {"repair", geometry::kRepairNames.name(notes.extract.repair)},
+                         {"enclosed_components", notes.extract.enclosed_components},
                          {"deviation_mm", notes.extract.deviation.largest_mm},
                          {"deviation_found_mm", notes.extract.deviation.found_mm},
                          {"reduced_mm", notes.extract.reduced_mm},
@@ -78,7 +79,7 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
 void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
   const auto& r = d.report;
   if (const std::string shortage = shortage_text(notes.extract); !shortage.empty()) output.say(shortage);
-  if (const std::string change = repair_text(notes.extract); !change.empty()) output.say(change);
+  if (const std::string change = repair_text(notes.extract, "repair"); !change.empty()) output.say(change);
   if (notes.solver_deviation_mm > 0.0) {
     output.say(fmt::format("searched on {} of {} faces, which deviate by at most {:.3f} mm; measured on all",
                            notes.solver_faces, d.surface.faces.size(), notes.solver_deviation_mm));

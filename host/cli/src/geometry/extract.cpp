@@ -72,6 +72,7 @@ int run(Options options, Output& output) {
   output.result = {{"faces", e.surface.faces.size()},
                    {"area_cm2", area_cm2},
                    {"removed_components", e.report.removed_components},
+                   {"enclosed_components", e.report.enclosed_components},
                    {"boundary_loops", e.report.boundary_loops},
                    {"flipped_faces", e.report.flipped_faces},
                    {"components", e.report.components},
@@ -88,7 +89,7 @@ int run(Options options, Output& output) {
                    {"crossing_tested", e.report.tested},
                    {"seconds", seconds}};
   if (const std::string shortage = shortage_text(e.report); !shortage.empty()) output.say(shortage);
-  if (const std::string change = repair_text(e.report); !change.empty()) output.say(change);
+  if (const std::string change = repair_text(e.report, "outer"); !change.empty()) output.say(change);
   output.say(fmt::format("{} faces, {:.1f} cm², {} border loops; {} parts removed, {} faces turned; {:.2f} s",
                          e.surface.faces.size(), area_cm2, e.report.boundary_loops, e.report.removed_components,
                          e.report.flipped_faces, seconds));

@@ -26,23 +26,33 @@ namespace triskin::cli {
   return text;
 }
 
-/// What the repair of a mesh changed, in mm and where; empty when there was none.
-[[nodiscard]] inline std::string repair_text(const geometry::ExtractReport& r) {
+/// What the repair of a mesh changed, in mm and where, and what was dropped; empty when there was none. `option` leaves
+/// all as it is.
+[[nodiscard]] inline std::string repair_text(const geometry::ExtractReport& r, const char* option) {
   static constexpr std::array<const char*, 4> kDone{
       "", "faces that cross were divided along their common lines and hidden parts dropped",
       "a surface was wrapped around it", "a surface was wrapped around it on a grid"};
-  if (r.repair == geometry::Repair::kNone) return {};
+  std::string text;
+  if (r.enclosed_components > 0) {
+    text = fmt::format(
+        "{} parts of the mesh lie in a closed part, where no module can be brought, and were dropped (--{} never keeps "
+        "them)",
+        r.enclosed_components, option);
+  }
+  if (r.repair == geometry::Repair::kNone) return text;
   const geometry::Deviation& d = r.deviation;
   const std::string reason =
       r.crossings + r.crowded_edges > 0
           ? fmt::format("{} pairs of faces cross, {} edges have more than two faces", r.crossings, r.crowded_edges)
           : "its parts are smaller than a module, or touch without being joined";
-  return fmt::format(
-      "the mesh was repaired ({}): {}; it moved by {:.3f} mm in the mean and by at most {:.2f} mm ({:.2f} mm found), "
-      "near ({:.1f}, "
-      "{:.1f}, {:.1f}) mm",
-      reason, kDone[static_cast<std::size_t>(r.repair)], d.mean_mm, d.largest_mm, d.found_mm, d.where_mm.x(),
-      d.where_mm.y(), d.where_mm.z());
+  if (!text.empty()) text += "; ";
+  return text + fmt::format(
+                    "the mesh was repaired ({}): {}; it moved by {:.3f} mm in the mean and by at most {:.2f} mm "
+                    "({:.2f} mm found), "
+                    "near ({:.1f}, "
+                    "{:.1f}, {:.1f}) mm",
+                    reason, kDone[static_cast<std::size_t>(r.repair)], d.mean_mm, d.largest_mm, d.found_mm,
+                    d.where_mm.x(), d.where_mm.y(), d.where_mm.z());
 }
 
 }  // namespace triskin::cli

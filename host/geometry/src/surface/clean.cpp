@@ -93,6 +93,8 @@ void drop_bad_faces(Mesh& mesh, MeshReadReport& report) {
   mesh.faces.resize(kept);
 }
 
+}  // namespace
+
 void drop_unused_vertices(Mesh& mesh) {
   std::vector<int> target(mesh.vertices.size(), -1);
   std::vector<Vec3> kept;
@@ -109,8 +111,6 @@ void drop_unused_vertices(Mesh& mesh) {
   }
   mesh.vertices = std::move(kept);
 }
-
-}  // namespace
 
 double diagonal_of(const Mesh& mesh) {
   Eigen::AlignedBox3d box;

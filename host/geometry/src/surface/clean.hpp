@@ -17,4 +17,7 @@ void clean(Mesh& mesh, MeshReadReport& report);
 [[nodiscard]] std::string bytes_of(const Mesh& mesh);
 [[nodiscard]] Mesh mesh_of(const std::string& bytes);
 
+/// Takes away vertices that no face has; the others keep the order in which the faces name them. Cost: O(n).
+void drop_unused_vertices(Mesh& mesh);
+
 }  // namespace triskin::geometry

@@ -301,48 +301,6 @@ Extraction stepwise(const Mesh& mesh, const ExtractOptions& options, const Progr
   return e;
 }
 
-// Closed parts whose front is inside are turned; those in the box of another part stay: they may be its cavities.
-int turn_outward(Mesh& mesh) {
-  struct Part {
-    std::vector<int> faces;
-    Eigen::AlignedBox3d box;
-    double volume = 0.0;
-    bool closed = true;
-  };
-  const std::vector<std::array<int, 3>> neighbours = neighbours_of(mesh);
-  std::vector<Part> parts;
-  std::vector<bool> seen(mesh.faces.size(), false);
-  for (std::size_t first = 0; first < seen.size(); ++first) {
-    if (seen[first]) continue;
-    Part part;
-    part.faces.push_back(static_cast<int>(first));
-    seen[first] = true;
-    for (std::size_t q = 0; q < part.faces.size(); ++q) {
-      const auto& f = mesh.faces[at(part.faces[q])];
-      const Vec3 &a = mesh.vertices[at(f[0])], &b = mesh.vertices[at(f[1])], &c = mesh.vertices[at(f[2])];
-      part.volume += a.dot(b.cross(c)) / 6.0;
-      part.box.extend(a).extend(b).extend(c);
-      for (const int n : neighbours[at(part.faces[q])]) {
-        part.closed = part.closed && n >= 0;
-        if (n < 0 || seen[at(n)]) continue;
-        seen[at(n)] = true;
-        part.faces.push_back(n);
-      }
-    }
-    parts.push_back(std::move(part));
-  }
-  int turned = 0;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    if (!parts[p].closed || parts[p].volume >= 0.0) continue;
-    const bool inner =
-        std::ranges::any_of(parts, [&](const Part& o) { return &o != &parts[p] && o.box.contains(parts[p].box); });
-    if (inner) continue;
-    for (const int f : parts[p].faces) std::swap(mesh.faces[at(f)][1], mesh.faces[at(f)][2]);
-    turned += static_cast<int>(parts[p].faces.size());
-  }
-  return turned;
-}
-
 // The steps where they lead to a surface that design() takes, and else the repair.
 Extraction stepwise_or_repaired(const Mesh& mesh, const ExtractOptions& options, const RepairTime& time,
                                 const ProgressSink& progress) {
@@ -416,6 +374,10 @@ Extraction extract(const Mesh& mesh, const ExtractOptions& options, const Progre
     repair_again(e, kept, "taking the keep-outs away");
     if (options.repair && !usable(e.surface)) e.surface = settled(e.surface, kSkyTimeShare * options.repair_s).surface;
     e.report.kept_out_mm2 = before_mm2 - area_of(e.surface);
+  }
+  if (options.repair && options.outer != ExtractOptions::When::kNever) {
+    e.report.enclosed_components = drop_enclosed(e.surface);
+    e.report.components -= e.report.enclosed_components;
   }
   if (options.repair) e.report.flipped_faces += turn_outward(e.surface);
   e.report.boundary_loops = boundary_loops_of(e.surface);

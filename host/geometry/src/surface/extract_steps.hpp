@@ -38,10 +38,11 @@ struct Sky {
 };
 [[nodiscard]] std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces);
 
-/// The same of all faces in about `cpu_s` > 0 seconds of processor time, at least 0.5 s: of a mesh with too many faces
-/// for that, neighbours that face much the same way share the answer of one of them. Depends on no clock.
 /// Number of faces that sky_of() answers for in about `cpu_s` seconds of processor time, counted as at least 0.2 s.
 [[nodiscard]] std::size_t faces_asked_in(double cpu_s);
+
+/// The same of all faces in about `cpu_s` > 0 seconds of processor time, at least 0.2 s: of a mesh with too many faces
+/// for that, neighbours that face much the same way share the answer of one of them. Depends on no clock.
 [[nodiscard]] std::vector<Sky> sky_of_all(const Mesh& mesh, double cpu_s);
 
 /// Parts that see more with their back are turned; faces that see less than the fraction go, ragged rims evened out.
@@ -104,6 +105,15 @@ struct UsableTest {
 
 /// Divides the faces at the border of the keep-outs and takes away what lies in them.
 [[nodiscard]] Mesh without_keep_outs(const Mesh& mesh, const ExtractOptions& options);
+
+/// Takes parts away that lie in a closed part, whichever side that one shows: a cavity, a shell in a shell. No module
+/// can be brought there. How many. Of a mesh of which no two faces cross. Cost: O(n), and O(n) for each corner that is
+/// asked (17 at most) of each part in the box of a closed one.
+int drop_enclosed(Mesh& mesh);
+
+/// Turns closed parts whose front is inside; those in another closed part stay: they may be its cavities. The number
+/// of faces turned. Cost: as drop_enclosed().
+int turn_outward(Mesh& mesh);
 
 [[nodiscard]] double area_of(const Mesh& mesh);
 

@@ -44,6 +44,8 @@ struct ExtractReport {
   int boundary_loops = 0;               ///< borders of the result
   int crowded_edges = 0;                ///< edges of the raw mesh with more than two faces
   int components = 0;                   ///< connected parts that are left
+  int enclosed_components = 0;          ///< parts in a closed part, dropped (beside removed_components); only with
+                                        ///< ExtractOptions::repair, and `outer` not kNever
   bool outer = false, wrapped = false;  ///< which of the steps on demand were taken
   double kept_out_mm2 = 0.0;            ///< area that the keep-outs took
   Repair repair = Repair::kNone;        ///< what was needed; only with ExtractOptions::repair
@@ -75,7 +77,7 @@ struct ExtractOptions {
   std::function<double()> clock_s{};  ///< seconds, from any start, for `repair_s`; none: the steady clock of this
                                       ///< computer. One that stands still makes the result independent of the load
   When outer = When::kNever;    ///< drop what sees little of the sky; needed: several large parts, or edges with more
-                                ///< than two faces
+                                ///< than two faces. With `repair` also what lies in a closed part, unless kNever
   double sky_fraction = 0.25;   ///< 0 … 1: cosine-weighted share of the half sphere above a face that must be free
   When wrap = When::kNever;     ///< shrink-wrap first; needed: what is left crosses itself, or is shattered
   double wrap_alpha_mm = 6.0;   ///< openings narrower than this are closed
