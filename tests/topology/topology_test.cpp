@@ -148,6 +148,31 @@ TEST(Discovery, finds_every_joint_of_1000_random_patches_within_50_ms) {
   std::printf("slowest discovery: %.1f ms of virtual time, %d cycles in all\n", slowest_us / 1000, cycles_seen);
 }
 
+// Without a table nothing says where the patch ends. What was wrong: each port behind which was a seventeenth module
+// began the look anew.
+TEST(Discovery, of_a_patch_that_is_joined_to_others_takes_sixteen_modules_within_60_ms) {
+  std::mt19937_64 random(9);
+  double slowest_us = 0.0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const RandomPatch patch = random_patch(40, static_cast<int>(random() % 20), random);
+    SwitchedPatch model(patch.joints, patch.cable_port, random());
+    ModelledChain chain(model);
+    fw::Topology topology(chain);
+    const fw::Topology::Report report = topology.discover();
+    ASSERT_TRUE(report.complete) << trial;
+    ASSERT_EQ(report.shorts, 0) << trial;
+    ASSERT_EQ(topology.graph().count, layout::kMaxModules) << trial;
+    slowest_us = std::max(slowest_us, model.time_us());
+    int reached = 0;
+    for (int m = 0; m < patch.size(); ++m) reached += model.reached(m) ? 1 : 0;
+    ASSERT_GE(reached, 1) << trial;
+    topology.let_go();
+    for (int m = 0; m < patch.size(); ++m) ASSERT_FALSE(model.reached(m)) << trial;
+  }
+  EXPECT_LE(slowest_us, 60'000.0);
+  std::printf("slowest look beyond a border: %.1f ms of virtual time\n", slowest_us / 1000);
+}
+
 TEST(Discovery, of_nothing_and_of_one_module) {
   std::mt19937_64 random(2);
   Fixture one(random_patch(1, 0, random), 1);

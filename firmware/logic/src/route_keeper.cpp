@@ -59,7 +59,10 @@ void RouteKeeper::heal(const Clock& clock) {
   route_.switched =
       topology_.graph().count > 0 || was_switched;  // a patch that has gone silent is still a switched one
   complete_discovery_ = report.complete;
-  if (has_table) note(report);
+  if (has_table)
+    note(report);
+  else
+    topology_.let_go();  // joints lead into other patches, and what is held here their controllers would not find
   route_.last_us = static_cast<std::uint32_t>(clock.now_us() - start_us);
   plan_next(clock.now_us());
   if (has_table && route_.switched) offer(report, clock.now_us());

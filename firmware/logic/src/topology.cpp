@@ -96,7 +96,7 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
     return Pass::kDone;
   }
   const bool full = graph_.count == layout::kMaxModules;
-  const auto child = static_cast<std::uint8_t>(full ? layout::kMaxModules - 1 : graph_.count);
+  const std::uint8_t child = graph_.count;
   // What brings no module in is asked until two answers agree: a flipped bit could have opened another port.
   ChainDriver::Answer answer = ChainDriver::Answer::kLost, before = answer;
   for (int k = 0; k < 4; ++k) {
@@ -110,12 +110,13 @@ Topology::Pass Topology::probe(std::uint8_t module, std::uint8_t port) {
     if (k > 0 && answer == before) break;
   }
   if (answer == ChainDriver::Answer::kModule) {
-    // A module that holds a line down, or the seventeenth, stays outside.
-    if (full || !lines_free()) {
+    if (!lines_free()) {  // a module that holds a line down stays outside
       exclude(module, port);
       return Pass::kAgain;
     }
-    if (beyond) {  // only when all own modules are in it is known to be none of them
+    // The seventeenth stays outside too: it is let go at once, since a patch that is joined to others has such a module
+    // behind every port of its border. And only when all own modules are in it is known to be none of them.
+    if (full || beyond) {
       port_[module][port] = Port::kBeyond;
       return chain_.shut(module, port) ? Pass::kDone : Pass::kAgain;
     }

@@ -181,17 +181,16 @@ class TimedFlash final : public fw::FlashArea {
   [[nodiscard]] std::size_t page_bytes() const override { return flash_.page_bytes(); }
   [[nodiscard]] std::size_t program_bytes() const override { return flash_.program_bytes(); }
   bool erase_page(std::size_t offset) override {
-    wait_(kErase_ns, true);
+    wait_(kPageErase_ns, true);
     return flash_.erase_page(offset);
   }
   bool program(std::size_t offset, Bytes bytes) override {
-    wait_(kUnit_ns * (bytes.size() / program_bytes()), false);
+    wait_(kUnitProgram_ns * (bytes.size() / program_bytes()), false);
     return flash_.program(offset, bytes);
   }
   [[nodiscard]] Bytes bytes() const override { return flash_.bytes(); }
 
  private:
-  static constexpr std::uint64_t kErase_ns = 22'020'000, kUnit_ns = 81'690;  // DS12288, typical
   VirtualFlash& flash_;
   Wait wait_;
 };

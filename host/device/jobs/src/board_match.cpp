@@ -201,8 +201,13 @@ class Matcher {
   // `seats` begins with those of the patches `open`; the others are of neighbours.
   Undecided settle_by_shape(const std::vector<Candidate*>& free, const std::vector<int>& open,
                             const std::vector<Seat>& seats) {
-    const std::vector<BoardShape> shapes = shapes_of(free);
-    const ShapeAssignment by_shape = assign_by_shape(shapes, seats);
+    std::vector<BoardShape> shapes = shapes_of(free);
+    ShapeAssignment by_shape = assign_by_shape(shapes, seats);
+    if (!by_shape.exact && std::ranges::any_of(shapes, &BoardShape::switched)) {
+      look_again(free);
+      shapes = shapes_of(free);
+      by_shape = assign_by_shape(shapes, seats);
+    }
     Undecided alike;
     for (std::size_t k = 0; k < free.size(); ++k) {
       std::vector<int> likely;  // of this design
@@ -218,7 +223,7 @@ class Matcher {
       } else if (settled || elsewhere) {
         free[k]->owner = Owner::kNeighbour;  // another patch's
       } else {
-        alike.boards.push_back({free[k]->board.claim, shapes[k], std::move(likely)});
+        alike.boards.push_back({free[k]->board.claim, shapes[k], std::move(likely), by_shape.across[k]});
         alike.candidates.push_back(free[k]);
       }
     }
@@ -243,6 +248,13 @@ class Matcher {
     for (std::size_t k = 0; k < boards.size(); ++k)
       shapes.push_back(known_.shapes.try_emplace(boards[k]->board.claim.unique_id, looked[k]).first->second);
     return shapes;
+  }
+  // One after the other: where patches are joined, boards that look at the same time take modules from each other.
+  void look_again(const std::vector<Candidate*>& boards) const {
+    for (const Candidate* c : boards) {
+      Controller controller(bus_, c->board.claim.node_address);
+      known_.shapes.insert_or_assign(c->board.claim.unique_id, read_shape(controller));
+    }
   }
   void touch(const std::vector<int>& open, const Undecided& alike) {
     if (options_.say)

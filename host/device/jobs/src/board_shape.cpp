@@ -99,6 +99,13 @@ int shape_difference(const BoardShape& shape, const design::Design& design, int 
   return match.another_patch() ? -1 : static_cast<int>(match.differences.size());
 }
 
+bool reaches_across(const BoardShape& shape, const design::Design& design, int patch, std::span<const int> open) {
+  if (!shape.switched || shape.found.count == 0 || shape.found.second_cable) return false;
+  const wire::FoundTopology expected = topology_across(design, patch, open);
+  return shape.found.count == expected.count && shape.found.cable_port == expected.cable_port &&
+         shape.found.joints == expected.joints;
+}
+
 std::vector<Seat> seats_of(const design::Design& design, std::span<const int> patches) {
   std::vector<Seat> seats;
   for (const int p : patches) seats.push_back({&design, p});
@@ -106,17 +113,27 @@ std::vector<Seat> seats_of(const design::Design& design, std::span<const int> pa
 }
 
 ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, std::span<const Seat> seats) {
+  std::map<const design::Design*, std::vector<int>> open;
+  for (const Seat& seat : seats) open[seat.design].push_back(seat.patch);
+  for (auto& [design, patches] : open) std::ranges::sort(patches);
+  ShapeAssignment result;
   Differences differences;
   for (const BoardShape& s : shapes) {
     auto& row = differences.emplace_back();
-    for (const Seat& seat : seats) row.push_back(shape_difference(s, *seat.design, seat.patch));
+    bool across = false;
+    for (const Seat& seat : seats) {
+      row.push_back(shape_difference(s, *seat.design, seat.patch));
+      if (row.back() == 0 || !reaches_across(s, *seat.design, seat.patch, open.at(seat.design))) continue;
+      row.back() = 0;
+      across = true;
+    }
+    result.across.push_back(across);
   }
   constexpr int kSlack = 1;
   Edges edges = edges_of(differences, -1);
-  if (Matching(edges, seats.size()).size() < std::min(shapes.size(), seats.size()))
-    edges = edges_of(differences, kSlack);
+  result.exact = Matching(edges, seats.size()).size() == std::min(shapes.size(), seats.size());
+  if (!result.exact) edges = edges_of(differences, kSlack);
   const Matching all(edges, seats.size());
-  ShapeAssignment result;
   result.seat.assign(shapes.size(), -1);
   for (std::size_t seat = 0; seat < seats.size(); ++seat) {
     if (all.board(seat) < 0) continue;

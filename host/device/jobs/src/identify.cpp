@@ -41,7 +41,7 @@ class Identification {
     for (const auto& c : claims) {
       if (users.at(c.node_address) == 1) {
         Controller controller(bus_, c.node_address);
-        boards_.push_back({c, read_shape(controller), {}});
+        boards_.push_back({c, read_shape(controller), {}, false});
       } else if (options_.say) {
         options_.say(fmt::format("controller {} is left out: it holds a table and shares node address {}",
                                  to_text(c.unique_id), c.node_address));
@@ -54,6 +54,7 @@ class Identification {
     for (std::size_t k = 0; k < boards_.size(); ++k) {
       by_shape_.push_back(found.seat[k] < 0 ? -1 : here[static_cast<std::size_t>(found.seat[k])]);
       for (const int seat : found.likely[k]) boards_[k].likely.push_back(here[static_cast<std::size_t>(seat)]);
+      boards_[k].across = found.across[k];
     }
   }
 

@@ -243,6 +243,51 @@ TopologyMatch match_topology(const wire::FoundTopology& found, const design::Des
   return best;
 }
 
+wire::FoundTopology topology_across(const design::Design& design, int patch, std::span<const int> open) {
+  const design::Patch& own = design.patches.at(static_cast<std::size_t>(patch));
+  wire::FoundTopology found;
+  if (own.modules.empty()) return found;
+  const auto ends = design::module_ends(design);
+  constexpr int kStrange = -2, kFree = -1;
+  std::vector<int> number(ends.size(), kStrange);
+  for (const int p : open) {
+    for (const design::RoutedModule& m : design.patches.at(static_cast<std::size_t>(p)).modules)
+      number[static_cast<std::size_t>(m.node)] = kFree;
+  }
+  const auto end_at = [&](int module, int port) {
+    return ends[static_cast<std::size_t>(module)][static_cast<std::size_t>(port)];
+  };
+  std::vector<int> order, way{own.modules[0].node};
+  std::vector<int> next(ends.size(), 0);  // by module: the port that is tried next
+  const auto enter = [&](int module) {
+    number[static_cast<std::size_t>(module)] = static_cast<int>(order.size());
+    order.push_back(module);
+  };
+  enter(way.back());
+  while (!way.empty()) {
+    int& port = next[static_cast<std::size_t>(way.back())];
+    if (port == static_cast<int>(layout::kPorts)) {
+      way.pop_back();
+      continue;
+    }
+    const int other = end_at(way.back(), port++).module;
+    if (other < 0 || number[static_cast<std::size_t>(other)] != kFree || order.size() == layout::kMaxModules) continue;
+    enter(other);
+    way.push_back(other);
+  }
+  found.switched = found.complete = true;
+  found.count = static_cast<std::uint8_t>(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    for (std::size_t p = 0; p < layout::kPorts; ++p) {
+      const design::ModuleEnd end = end_at(order[k], static_cast<int>(p));
+      const int far = end.module < 0 ? kStrange : number[static_cast<std::size_t>(end.module)];
+      if (far >= 0)
+        found.joints[k][p] = layout::joint_to({static_cast<std::uint8_t>(far), static_cast<std::uint8_t>(end.port)});
+    }
+  }
+  return found;
+}
+
 std::vector<TopologyMatch> identify_patch(const wire::FoundTopology& found, const design::Design& design) {
   std::vector<TopologyMatch> matches;
   for (std::size_t p = 0; p < design.patches.size(); ++p)

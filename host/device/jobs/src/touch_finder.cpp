@@ -36,6 +36,16 @@ layout::PatchImage image_of_answers(const BoardShape& shape) {
   return image;
 }
 
+// The module at the cable, which no other controller has on its way to its own.
+void keep_entry_alone(layout::PatchImage& image) {
+  layout::ModuleRow entry = image.modules[0];
+  entry.joints = {};
+  image.modules = {};
+  image.modules[0] = entry;
+  image.module_count = 1;
+  image.second_entry = 0;
+}
+
 bool searching(const wire::Offsets& offsets) {
   return std::ranges::any_of(offsets.rows(), [](const wire::ModuleOffsets& m) {
     return m.state == wire::OffsetState::kNone || m.state == wire::OffsetState::kSearching;
@@ -48,6 +58,9 @@ TouchFinder::TouchFinder(Bus& bus, const design::Design& design, std::vector<Fee
                          const IdentifyOptions& options)
     : bus_(bus), design_(design), options_(options) {
   for (FeelingBoard& b : boards) probes_.push_back({std::move(b), false, false, {}});
+  const bool any_across = std::ranges::any_of(probes_, [](const Probe& p) { return p.board.across; });
+  if (any_across && options_.say)
+    options_.say("the patches are joined across their borders: press the module at which the cable is plugged in");
   for (Probe& p : probes_) let_sample(p);
   settle();
 }
@@ -60,6 +73,7 @@ void TouchFinder::let_sample(Probe& probe) {
   layout::PatchImage image;
   if (!probe.board.shape.switched) image = image_of_answers(probe.board.shape);
   if (probe.board.shape.switched && !probe.board.likely.empty()) image = image_of(design_, probe.board.likely.front());
+  if (probe.board.across && image.module_count > 0) keep_entry_alone(image);
   if (image.module_count == 0) {
     if (options_.say)
       options_.say(fmt::format("controller {} is left out: {}", to_text(probe.board.claim.unique_id),

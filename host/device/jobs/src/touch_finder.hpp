@@ -12,6 +12,7 @@ struct FeelingBoard {
   wire::NodeClaim claim;
   BoardShape shape;
   std::vector<int> likely;  ///< patches that its shape may be; empty: none
+  bool across = false;      ///< it reaches into the patches beside its own: it samples the module at its cable alone
 };
 
 /// Waits for touches, and says which controller felt them. Not thread-safe.

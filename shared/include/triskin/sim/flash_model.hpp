@@ -13,6 +13,10 @@ struct PowerLost : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What the flash of the STM32G474 takes (DS12288, typical) to erase a page of 2 KB and to program a unit of 8 bytes.
+/// It does one thing at a time.
+inline constexpr std::uint64_t kPageErase_ns = 22'020'000, kUnitProgram_ns = 81'690;
+
 /// Flash memory that obeys the rules of the STM32G474 (RM0440 §3): erased bytes read 0xFF, pages of `page_bytes`,
 /// programming in aligned units of `program_bytes` into erased units only (a unit written twice is refused: ECC).
 class FlashModel {

@@ -114,6 +114,8 @@ class Topology {
 
   /// Depth-first probing, then the far end of every joint that closes a cycle. Ends after at most 64 restarts.
   Report discover() { return discover(nullptr, Look::kBeyond); }
+  /// Lets all modules go, so that another controller reaches them. graph() stays.
+  void let_go() { chain_.silence(); }
   [[nodiscard]] const PatchGraph& graph() const { return graph_; }
   /// Module 0 of graph() is the one at the second cable.
   [[nodiscard]] bool second_cable() const { return cable_ == 1; }
@@ -140,7 +142,7 @@ class Topology {
   [[nodiscard]] wire::Guest guest(std::uint8_t k) const;
 
  private:
-  // kBeyond: a module that nobody holds is behind, and the table has no joint there.
+  // kBeyond: a module that nobody holds is behind, and the table has no joint there or no number is left for it.
   enum class Port : std::uint8_t { kUnknown, kInput, kNothing, kChild, kJoined, kBeyond, kBad };
   using Exclusions = std::array<std::uint8_t, layout::kMaxModules>;
 

@@ -50,6 +50,12 @@ struct BoardShape {
 /// Throws std::out_of_range for a patch that the design lacks. Cost: match_topology.
 [[nodiscard]] int shape_difference(const BoardShape& shape, const design::Design& design, int patch);
 
+/// The shape is what the controller of patch `patch` sees when its modules are joined to those of the patches beside
+/// it, of which those in `open` (ascending) have no controller with a table: it reaches into them. Throws
+/// std::out_of_range for a patch that the design lacks. Cost: topology_across.
+[[nodiscard]] bool reaches_across(const BoardShape& shape, const design::Design& design, int patch,
+                                  std::span<const int> open);
+
 /// A patch that waits for its controller.
 struct Seat {
   const design::Design* design = nullptr;
@@ -60,13 +66,17 @@ struct Seat {
 struct ShapeAssignment {
   std::vector<int> seat;                 ///< by board; −1: the shapes do not settle it
   std::vector<std::vector<int>> likely;  ///< by board: the seats that it may have, ascending; empty: it looks like none
+  std::vector<bool> across;  ///< by board: it looks like one of them only with modules of the patches beside it
+  bool exact = false;        ///< shapes that are equal give as many boards as possible a seat each
 };
 
 /// Lays every shape over the patch of every seat (each once). A board may have any seat whose patch it equals; where
 /// the boards do not cover the seats so, any that it differs from in at most one thing more than from the nearest. A
 /// board is settled when it has the same seat in every way to give as many boards as possible a seat each: so equal
 /// and symmetric shapes stay open, and a board that could have two seats is settled when another takes one of them.
-/// Cost: boards · seats calls of shape_difference.
+/// Where patches are joined across their borders a board sees modules of the patches beside its own too: it equals a
+/// seat as well when it reaches_across() into the patches of the other seats of that design. For that boards must have
+/// looked one after the other. Cost: boards · seats calls of shape_difference and of reaches_across.
 [[nodiscard]] ShapeAssignment assign_by_shape(std::span<const BoardShape> shapes, std::span<const Seat> seats);
 /// Seats for these patches of a design, which outlives them.
 [[nodiscard]] std::vector<Seat> seats_of(const design::Design& design, std::span<const int> patches);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,12 @@ struct TopologyMatch {
 /// ports that the design says. An empty topology or patch gives an empty match. Throws std::out_of_range for a patch
 /// that the design lacks. Cost: 3 · modules walks over the joints.
 [[nodiscard]] TopologyMatch match_topology(const wire::FoundTopology& found, const design::Design& design, int patch);
+
+/// What a controller without a table finds from the entry of patch `patch` (0-based) when the modules of the patches
+/// `open` (ascending, with `patch` itself) are joined across their borders and nobody else holds them: as the firmware
+/// does, depth first, ports A, B, C, sixteen modules. All modules are taken as mounted as designed. Throws
+/// std::out_of_range for a patch that the design lacks. Cost: O(modules of the design).
+[[nodiscard]] wire::FoundTopology topology_across(const design::Design& design, int patch, std::span<const int> open);
 
 /// The patches of a design with the fewest differences, in the order of the design; several when they fit equally well,
 /// none when the design has no patch. Cost: match_topology for each patch.
