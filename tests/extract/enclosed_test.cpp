@@ -79,7 +79,8 @@ TEST(Enclosed, cavity_of_a_hollow_box_goes) {
 }
 
 TEST(Enclosed, every_shell_but_the_outermost_goes_whatever_its_side) {
-  const Mesh three = both(both(cube(Vec3::Zero(), 120.0), inside_out(cube(Vec3::Zero(), 200.0))), cube(Vec3::Zero(), 160.0));
+  const Mesh three =
+      both(both(cube(Vec3::Zero(), 120.0), inside_out(cube(Vec3::Zero(), 200.0))), cube(Vec3::Zero(), 160.0));
   const Extraction e = extracted(three);
   EXPECT_EQ(e.report.enclosed_components, 2);
   EXPECT_NEAR(area(e.surface), 6.0 * 200.0 * 200.0, 1e-6);
