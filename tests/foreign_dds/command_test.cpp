@@ -4,15 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "cli/shell_case.hpp"
 #include "fast_reader.hpp"
 #include "fast_types.hpp"
 #include "library/flashed_sim.hpp"
 #include "settings.hpp"
 #include "support/child_process.hpp"
 #include "support/places.hpp"
+#include "support/strip_design.hpp"
 #include "triskin/bridge/ros_types.hpp"
 
 namespace triskin::foreign {
@@ -131,6 +134,63 @@ TEST(BridgeCommand, the_dissector_of_Wireshark_finds_topics_types_qualities_and_
   EXPECT_EQ(topics["rt/skin/arm/raw"]["newest"], told["published"]["raw"]);
   EXPECT_EQ(topics["rt/skin/arm/points"]["newest"], told["published"]["points"]);
   EXPECT_EQ(topics["rt/skin/arm/layout"]["messages"], 1);
+}
+
+class RobotBridge : public test::ShellCase {};
+
+// Twelve covers on six CAN buses and two USB hubs: Fast DDS receives the samples and the layout of each.
+TEST_F(RobotBridge, twelve_covers_by_one_file) {
+  constexpr int kCovers = 12, kBuses = 8, kHubs = 2;
+  std::string made = "robot new robot.json --name robot";
+  for (int b = 0; b < kBuses; ++b) made += fmt::format(" --bus bus{}={}", b, b < kBuses - kHubs ? "sim" : "sim-usb");
+  ASSERT_EQ(run(made).status, 0);
+  std::vector<design::Design> designs;
+  for (int c = 0; c < kCovers; ++c) {
+    designs.push_back(test::strip(8 + c, 4));
+    design::write_design(folder_ / fmt::format("cover{}.json", c), designs.back());
+    const auto added =
+        run(fmt::format("robot add robot.json cover{0}.json --name cover{0} --bus bus{1}", c, c % kBuses));
+    ASSERT_EQ(added.status, 0) << added.messages;
+  }
+  ASSERT_EQ(run("flash robot.json").status, 0);
+  const std::uint32_t id = domain_with();
+  Participant participant(id);
+  std::vector<std::unique_ptr<FastReader<RawFrame>>> raw;
+  std::vector<std::unique_ptr<FastReader<SkinLayout>>> layout;
+  for (int c = 0; c < kCovers; ++c) {
+    const std::string topics = fmt::format("rt/skin/cover{}/", c);
+    raw.push_back(std::make_unique<FastReader<RawFrame>>(participant, topics + "raw",
+                                                         "triskin_msgs::msg::dds_::RawFrame_", true, false));
+    layout.push_back(std::make_unique<FastReader<SkinLayout>>(participant, topics + "layout",
+                                                              "triskin_msgs::msg::dds_::SkinLayout_", true, true));
+  }
+  Child simulation("sh -c \"" + line("simulate robot.json --listen 127.0.0.1:0") + " 2>&1\"");
+  std::string said = simulation.read_line();
+  while (!said.empty() && said.find(" modules on ") == std::string::npos) said = simulation.read_line();
+  ASSERT_FALSE(said.empty());
+  const auto at = said.find(" modules on ") + 12;
+  const std::string link = said.substr(at, said.find(';', at) - at);
+  Child command("sh -c \"" + line(fmt::format("bridge robot.json --link {} --json --seconds 6 --domain {}", link, id)) +
+                "\"");
+  const json told = json::parse(command.read_all());
+  ASSERT_EQ(told["covers"].size(), static_cast<std::size_t>(kCovers));
+  for (const json& cover : told["covers"]) {
+    SCOPED_TRACE(cover.dump());
+    const auto c = static_cast<std::size_t>(std::stoi(cover["cover"].get<std::string>().substr(5)));
+    EXPECT_EQ(cover["lost"], 0);
+    std::set<std::uint64_t> seen;
+    std::set<std::uint8_t> nodes;
+    raw[c]->take([&](const RawFrame& frame, std::uint64_t sequence) {
+      seen.insert(sequence);
+      nodes.insert(frame.node);
+    });
+    ASSERT_FALSE(seen.empty());
+    EXPECT_EQ(*seen.rbegin(), cover["published"]["raw"]);
+    EXPECT_EQ(seen.size(), *seen.rbegin() - *seen.begin() + 1);
+    EXPECT_EQ(nodes.size(), designs[c].patches.size());
+    EXPECT_EQ(
+        layout[c]->take([&](const SkinLayout& l, std::uint64_t) { EXPECT_EQ(l.design_id, designs[c].design_id); }), 1U);
+  }
 }
 
 }  // namespace
