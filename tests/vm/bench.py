@@ -86,6 +86,35 @@ def controllers(link, scene=DESIGN, fresh=True):
         stop(process)
 
 
+class TwoEndedBus:
+    """A classic bus with an end for the host and one for the boards, so that each can have a queue of the kernel (netem)."""
+
+    def __init__(self, host, boards):
+        self.ends = (host, boards)
+        run("ip", "link", "add", host, "type", "vxcan", "peer", "name", boards)
+        for end in self.ends:
+            run("ip", "link", "set", end, "mtu", 16, "up")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        run("ip", "link", "del", self.ends[0])
+
+    def queue(self, of_host, of_boards):
+        """From now on frames go through queues with these bit rates, lengths and losses."""
+        for end, netem in zip(self.ends, (of_host, of_boards)):
+            run("tc", "qdisc", "add", "dev", end, "root", "netem", *netem)
+
+    def no_queue(self):
+        for end in self.ends:
+            run("tc", "qdisc", "del", "dev", end, "root")
+
+    def frames(self):
+        """How many the queues have carried; not those that they lost, or had no room for."""
+        return sum(json.loads(run("tc", "-s", "-j", "qdisc", "show", "dev", end))[0]["packets"] for end in self.ends)
+
+
 def prepare(design_file):
     """The design that all cases use: two controllers."""
     global MODULES, PATCHES

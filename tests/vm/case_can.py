@@ -82,9 +82,9 @@ def test_tshark_decodes_a_flash_session():
 def test_bus_off_ends_a_command_with_the_remedy():
     with controllers("can:vcan1"):
         triskin("flash", DESIGN, "--by-serial", "--link", "can:vcan1")
-        samples = subprocess.Popen(["candump", "-n", "20", "vcan1,400:700"], stdout=subprocess.DEVNULL)
+        seen = subprocess.Popen(["candump", "-n", "20", "vcan1"], stdout=subprocess.DEVNULL)
         watching = start(bench.TRISKIN, "verify", DESIGN, "--link", "can:vcan1", "--no-touch", "--watch-s", "60")
-        samples.wait(30)  # it listens to the stream now; the simulated controllers end at the error frame as well
+        seen.wait(30)  # it has the bus open now; the simulated controllers end at the error frame as well
         run("cansend", "vcan1", "20000040#0000000000000000")  # the error frame of a controller chip that leaves the bus
         watching.wait(20)
         assert watching.returncode == 3 and "type can restart" in watching.output_path.read_text(), watching.output_path.read_text()

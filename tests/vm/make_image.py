@@ -11,8 +11,8 @@ import struct
 import subprocess
 import sys
 
-# vcan and ISO-TP; USB devices over a socket, HID; the file systems of the host.
-MODULES = ("vcan vxcan can-raw can-isotp vhci-hcd usbhid hid-generic virtio_pci 9pnet_virtio 9p").split()
+# vcan, ISO-TP, a queue with a bit rate and losses; USB devices over a socket, HID; the file systems of the host.
+MODULES = ("vcan vxcan can-raw can-isotp sch-netem vhci-hcd usbhid hid-generic virtio_pci 9pnet_virtio 9p").split()
 APPLETS = "sh mount mkdir modprobe cat cut echo ip ln poweroff dd printf chroot cp ls sleep sed tr".split()
 HERE = pathlib.Path(__file__).resolve().parent
 

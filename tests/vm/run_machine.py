@@ -26,7 +26,7 @@ def make_design(build: pathlib.Path, work: pathlib.Path) -> None:
     subprocess.run([build / "bin/triskin", "design", work / "plate.obj", "-o", work / "plate.json", "--time-limit-s", "1"], check=True)
 
 
-TIMEOUT_S = 900
+TIMEOUT_S = 1200
 
 
 def main(source: pathlib.Path, build: pathlib.Path, work: pathlib.Path, cases: str) -> int:

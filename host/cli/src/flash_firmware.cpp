@@ -42,6 +42,20 @@ void update_one(device::Bus& bus, const wire::NodeClaim& claim, const device::Fi
                                       : std::string("would be written by its loader")));
 }
 
+// The same for one that a broadcast has left out. What goes wrong there is told of this one: the others have theirs.
+void update_left_out(device::Bus& bus, const device::BoardUpdate& board, const device::FirmwarePackage& package,
+                     const device::FlashOptions& flash, FirmwareReport& report, Output& output) {
+  try {
+    update_one(bus, board.claim, package, flash, report, output);
+  } catch (const device::Unreachable&) {
+    throw;  // the link is gone, and with it all that follow
+  } catch (const DeviceError& e) {
+    add_row(report, board.serial, UpdateOutcome::kGivenUp, board.slot, 0, e.what());
+    output.say(fmt::format("controller {}  firmware given up: {}", board.serial, e.what()));
+    report.complete = false;
+  }
+}
+
 // A bus for each wire that frames to all can be kept to.
 std::vector<std::unique_ptr<device::Bus>> buses_of(std::span<const std::unique_ptr<device::Link>> links) {
   std::vector<std::unique_ptr<device::Bus>> buses;
@@ -102,7 +116,7 @@ FirmwareReport flash_firmware(std::span<const std::unique_ptr<device::Link>> lin
     for (std::size_t k = 0; k < b.boards.size(); ++k, ++row) {
       const device::BoardUpdate& board = r.boards[row];
       if (board.outcome == UpdateOutcome::kByLoader)
-        update_one(*b.bus, board.claim, package, flash, report, output);
+        update_left_out(*b.bus, board, package, flash, report, output);
       else
         tell(board, report, output);
     }

@@ -26,8 +26,9 @@ struct FirmwareReport {
   bool complete = true;  ///< every controller runs it, or would be given it (dry run)
 };
 /// Puts the package into every controller on the links, at once where they know the broadcast, and says what became of
-/// each. `flash` gives dry_run and force. Throws InputError (a package that no controller can take), and what
-/// update_firmware() and broadcast_firmware() throw.
+/// each; one that a broadcast leaves to its loader and that fails there is a row with its reason. `flash` gives dry_run
+/// and force. Throws InputError (a package that no controller can take), Unreachable, what broadcast_firmware() throws,
+/// and one by one what update_firmware() throws: the first that fails is the last that is tried.
 [[nodiscard]] FirmwareReport flash_firmware(std::span<const std::unique_ptr<device::Link>> links,
                                             const device::FirmwarePackage& package, const FirmwareOptions& options,
                                             const device::FlashOptions& flash, Output& output);
