@@ -3,6 +3,7 @@
 // left in the cells is all that a controller has after that, so the update runs once, its operations are written down,
 // and for each of them a machine boots from the cells as that operation tore them.
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 
 #include "machine_link.hpp"
@@ -13,6 +14,7 @@ namespace triskin::machine {
 namespace {
 
 constexpr int kShards = 4;
+constexpr std::array kOrigins{kSlotA, kSlotB};
 
 class UpdateCuts : public Update, public ::testing::WithParamInterface<int> {
  protected:
@@ -35,9 +37,9 @@ class UpdateCuts : public Update, public ::testing::WithParamInterface<int> {
         device::broadcast_firmware(std::array{device::UpdateBus{&bus, bus.discover()}}, package, {.force = true});
     ASSERT_EQ(result.boards.at(0).outcome, device::UpdateOutcome::kUpdated) << result.boards.at(0).why;
   }
-  // Writes the operations of an update down, and cuts the power in those that `taken` names.
+  // Writes the operations of an update into `slot` down, and cuts the power in those that `taken` names.
   template <class Way, class Taken>
-  void cut_each(Way way, Taken taken);
+  void cut_each(int slot, Way way, Taken taken);
   // Until a controller answers what runs on it; empty after 300 ms.
   std::vector<std::uint8_t> boot_and_ask() {
     machine->power_cycle(torn_cells);
@@ -50,27 +52,30 @@ class UpdateCuts : public Update, public ::testing::WithParamInterface<int> {
     return {};
   }
   // How many of the operations lead to the commit record, whose second unit makes the slot valid.
-  static std::size_t up_to_commit(const std::vector<FlashOperation>& operations) {
-    constexpr std::uint32_t kRecord = (kSlotB + 0x3B800 + 8 - FlashChip::kBase) / FlashChip::kUnit;
+  static std::size_t up_to_commit(int slot, const std::vector<FlashOperation>& operations) {
+    const std::uint32_t record =
+        (kOrigins[static_cast<std::size_t>(slot)] + 0x3B800 + 8 - FlashChip::kBase) / FlashChip::kUnit;
     const auto at =
-        std::ranges::find_if(operations, [](const FlashOperation& o) { return !o.erase && o.index == kRecord; });
+        std::ranges::find_if(operations, [record](const FlashOperation& o) { return !o.erase && o.index == record; });
     return static_cast<std::size_t>(at - operations.begin()) + 1;
   }
   FlashChip torn_cells;
 };
 
 template <class Way, class Taken>
-void UpdateCuts::cut_each(Way way, Taken taken) {
+void UpdateCuts::cut_each(int slot, Way way, Taken taken) {
+  const std::uint32_t new_origin = kOrigins.at(static_cast<std::size_t>(slot)),
+                      old_origin = kOrigins.at(static_cast<std::size_t>(1 - slot));
   const FlashChip before = flash;
   std::vector<FlashOperation> operations;
   flash.log = &operations;
   way();
   if (HasFatalFailure()) return;
-  const std::size_t committed = up_to_commit(operations);
+  const std::size_t committed = up_to_commit(slot, operations);
   run_for(2'500'000);
   const auto updated = request({0x22, 0xFD, 0x09});
   ASSERT_GE(updated.size(), 3U + 14);
-  ASSERT_EQ(updated[3], 1) << "slot";
+  ASSERT_EQ(updated[3], slot);
   ASSERT_EQ(updated[4], 1) << "confirmed";
   ASSERT_GT(operations.size(), committed) << "its start and its confirmation are written";
   flash.log = nullptr;
@@ -89,12 +94,12 @@ void UpdateCuts::cut_each(Way way, Taken taken) {
       torn_cells.apply(operations[k], true);
       const auto state = boot_and_ask();
       ASSERT_EQ(state.size(), old.size()) << "cut in operation " << k << ": it does not boot";
-      const bool is_new = state[3] == 1;
+      const bool is_new = state[3] == slot;
       // Slot, sequence, size and CRC of one or the other.
       EXPECT_TRUE(std::equal(state.begin() + 5, state.end(), (is_new ? updated : old).begin() + 5))
           << "cut in operation " << k;
       EXPECT_EQ(is_new, k >= committed) << "cut in operation " << k;
-      EXPECT_EQ(machine->vector_table(), is_new ? kSlotB : kSlotA) << "cut in operation " << k;
+      EXPECT_EQ(machine->vector_table(), is_new ? new_origin : old_origin) << "cut in operation " << k;
       new_ones += is_new ? 1 : 0;
       ++cuts;
     }
@@ -116,11 +121,17 @@ auto sample(std::size_t one_in) {
 }
 
 TEST_P(UpdateCuts, EachLeavesTheOldOrTheNewApplicationAndItBoots) {
-  cut_each([this] { by_loader(); }, sample(8));
+  cut_each(1, [this] { by_loader(); }, sample(8));
 }
 
 TEST_P(UpdateCuts, OfABroadcastLeaveTheOldOrTheNewApplicationAndItBoots) {
-  cut_each([this] { by_broadcast(); }, sample(32));
+  cut_each(1, [this] { by_broadcast(); }, sample(32));
+}
+
+TEST_P(UpdateCuts, OfABroadcastIntoTheFirstSlotLeaveTheOldOrTheNewApplicationAndItBoots) {
+  by_broadcast();
+  run_for(2'500'000);  // what runs from the second slot is confirmed
+  if (!HasFatalFailure()) cut_each(0, [this] { by_broadcast(); }, sample(32));
 }
 
 INSTANTIATE_TEST_SUITE_P(Shards, UpdateCuts, ::testing::Range(0, kShards));
