@@ -86,6 +86,19 @@ TEST(Addresses, sixteen_fresh_boards_on_a_bus_that_loses_and_delays_frames) {
   }
 }
 
+// 126 claims of two frames each take longer than the window in which the first is waited for.
+TEST(Addresses, all_boards_of_a_slow_bus_are_found) {
+  for (const int bit_rate : {1'000'000, 250'000, 125'000, 50'000}) {
+    scene::Scene scene;
+    scene.design = strip(126, 1);
+    scene.effects.bus_bit_rate = bit_rate;
+    SimLink sim(std::move(scene));
+    FaultyLink classic(sim, false, {}, 1);  // without faults: only classic frames
+    Bus bus(classic);
+    EXPECT_EQ(bus.discover().size(), 126U) << bit_rate << " bit/s";
+  }
+}
+
 TEST(SideBySide, controllers_on_wires_of_their_own_are_flashed_at_the_same_time) {
   Fixture one_by_one(32, 2), together(32, 2);
   Star line(one_by_one.bus().link(), true), star(together.bus().link());

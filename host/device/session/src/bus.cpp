@@ -212,10 +212,13 @@ std::vector<wire::NodeClaim> Bus::discover() {
   // Asked twice: a frame may be lost.
   for (int round = 0; round < 2; ++round) {
     link_.send(wire::who_is_there());
-    const std::uint64_t until_us = link_.now_us() + kClaimWindow_us;
+    const std::uint64_t asked_us = link_.now_us();
+    std::uint64_t until_us = asked_us + kClaimWindow_us;
     while (link_.now_us() < until_us) {
       const auto frame = receive(until_us);
       if (!frame || !wire::is_claim(*frame)) continue;
+      // Many claims on a slow bus: as long as they come, more may.
+      until_us = std::min(std::max(until_us, link_.now_us() + kClaimGap_us), asked_us + kLongestClaims_us);
       const auto joined = partial[frame->id].add(*frame);
       if (!joined || wire::claim_id(joined->unique_id) != frame->id) continue;
       if (const auto claim = wire::decode_claim(*joined)) found[claim->unique_id] = *claim;

@@ -56,7 +56,7 @@ class Bus {
   Message request(std::uint8_t node, Bytes request, Repeat repeat);
 
   /// Unique id and node address of every controller on the link, sorted by unique id; also while several share an
-  /// address. Takes 0.12 s. Throws Unreachable.
+  /// address. Takes 0.12 s; on a slow bus as long as claims come, at most 5 s. Throws Unreachable.
   [[nodiscard]] std::vector<wire::NodeClaim> discover();
   /// Gives the controller with unique id `id` the node address 1..126. It restarts and does not confirm: listen for
   /// 20 ms, then discover. Throws Unreachable.
@@ -97,6 +97,8 @@ class Bus {
  private:
   static constexpr int kRepeats = 5;
   static constexpr std::uint64_t kClaimWindow_us = 60'000;
+  // A claim has two frames of at most 160 bits: 16 ms between two whole claims at 20 kbit/s. 126 of them take 2 s there.
+  static constexpr std::uint64_t kClaimGap_us = 20'000, kLongestClaims_us = 2'500'000;
   static constexpr std::uint64_t kInterruptPoll_us = 200'000;  // longest time between two checks for a request to end
 
   wire::IsoTp& connection(std::uint8_t node);
