@@ -97,7 +97,8 @@ class Bus {
  private:
   static constexpr int kRepeats = 5;
   static constexpr std::uint64_t kClaimWindow_us = 60'000;
-  // A claim has two frames of at most 160 bits: 16 ms between two whole claims at 20 kbit/s. 126 of them take 2 s there.
+  // A claim has two frames of at most 160 bits: 16 ms between two whole claims at 20 kbit/s. 126 of them take 2 s
+  // there.
   static constexpr std::uint64_t kClaimGap_us = 20'000, kLongestClaims_us = 2'500'000;
   static constexpr std::uint64_t kInterruptPoll_us = 200'000;  // longest time between two checks for a request to end
 
