@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <set>
@@ -149,6 +150,26 @@ TEST(SurfaceLattice, SameSeedAndBudgetGiveTheSameLayout) {
   for (std::size_t k = 0; k < a.modules.size(); ++k) {
     EXPECT_EQ(a.modules[k].tile, b.modules[k].tile);
     for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(a.modules[k].corner_mm[c], b.modules[k].corner_mm[c]);
+  }
+}
+
+// A clock that stands still for some questions and is far past any end from then on: in the first growth, among the
+// starts, in the annealing. The growth ends soon after, with the best that it has, and certifies none beside it.
+TEST(SurfaceLattice, GivesUpSoonAfterItsTime) {
+  const Surface surface(turned_outward(half_cylinder(50.0, 90.0), Vec3(0, 45, 0)));
+  SurfaceLatticeOptions options;
+  options.threads = 1;
+  const std::chrono::steady_clock::time_point begin{};
+  std::size_t modules = 0;
+  for (const int still : {2, 30, 3000}) {
+    int asked = 0;
+    options.now = [&] { return ++asked > still ? begin + std::chrono::hours(1) : begin; };
+    const std::vector<ModuleLayout> layouts = grow_front(surface, {}, options);
+    EXPECT_LT(asked - still, 30) << "questions after the time was over, of " << still << " before";
+    ASSERT_EQ(layouts.size(), 1U) << still;
+    EXPECT_GE(layouts[0].modules.size(), std::max<std::size_t>(1, modules)) << still;
+    modules = layouts[0].modules.size();
+    expect_valid(surface, layouts[0]);
   }
 }
 

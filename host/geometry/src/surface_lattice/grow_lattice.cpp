@@ -45,6 +45,10 @@ constexpr double kLiftShare =
     0.7;  // of the limit, for corners of the net: those of the rigid module stand off a little more
 constexpr double kNothing = -1e300;  // value of no layout
 
+Clock::time_point now_of(const SurfaceLatticeOptions& options) {
+  return options.now ? options.now() : Clock::now();
+}
+
 struct GrowthTask {
   const Surface& surface;
   const Rules& rules;
@@ -61,7 +65,7 @@ struct GrowthTask {
   }
   [[nodiscard]] double fraction(int steps) const {
     if (options.iterations > 0) return std::min(1.0, static_cast<double>(steps) / options.iterations);
-    return std::min(1.0, std::chrono::duration<double>(Clock::now() - start) / (end - start));
+    return std::min(1.0, std::chrono::duration<double>(now_of(options) - start) / (end - start));
   }
 };
 
@@ -73,7 +77,7 @@ class Chain {
         random_(seed),
         price_(task.options.price, task.jumper_mm),
         worth_(task.regions),
-        grower_(task.surface, task.rules, task.samples, task.corner_lift_mm, task.end) {}
+        grower_(task.surface, task.rules, task.samples, task.corner_lift_mm, task.end, task.options.now) {}
 
   // Makes complete layouts from several starts: place and turn of the first module decide more than later steps mend.
   // The better half is improved for a while, and again its better half, until one is left.
@@ -358,7 +362,7 @@ double corner_lift_of(const LayoutLimits& limits, const SurfaceLatticeOptions& o
 std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits& limits,
                                      const SurfaceLatticeOptions& options, const ProgressSink& progress) {
   check_options(limits, options);
-  const auto start = Clock::now();
+  const auto start = now_of(options);
   const CanonicalCopy copy(options.solver == nullptr ? original.mesh() : options.solver->mesh);
   const Surface surface(copy.mesh());
   const auto end =
@@ -374,7 +378,7 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));
   each(chains, [](Chain& c) { c.build(); });
-  for (int round = 1; Clock::now() < end && !interrupt_request() &&
+  for (int round = 1; now_of(options) < end && !interrupt_request() &&
                       (options.iterations == 0 || chains[0].steps() < options.iterations);
        ++round) {
     const int steps =
@@ -400,7 +404,7 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   const auto front_end = end + std::chrono::duration_cast<Clock::duration>(
                                    std::chrono::duration<double>(kFrontShare * options.time_limit_s));
   in_parallel(options.threads, others.size(), [&](std::size_t k) {
-    if (options.iterations > 0 || Clock::now() < front_end) front[k] = certifier.other(*others[k]);
+    if (options.iterations > 0 || now_of(options) < front_end) front[k] = certifier.other(*others[k]);
   });
   for (std::optional<ModuleLayout>& layout : front) {
     if (layout) layouts.push_back(std::move(*layout));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "overlap.hpp"
 
@@ -49,13 +50,14 @@ std::vector<Sample> spread_samples(const Surface& surface, double area_each_mm2,
 }
 
 Grower::Grower(const Surface& surface, const Rules& rules, const std::vector<Sample>& samples, double corner_lift_mm,
-               Clock::time_point end)
+               Clock::time_point end, std::function<Clock::time_point()> now)
     : surface_(surface),
       rules_(rules),
       samples_(samples),
       sample_grid_(surface.mesh().vertices, kSampleCell_mm),
       relaxer_(surface_, corner_lift_mm),
-      end_(end) {
+      end_(end),
+      now_(std::move(now)) {
   for (int k = 0; k < static_cast<int>(samples.size()); ++k) sample_grid_.add(k, samples[at(k)].point);
 }
 

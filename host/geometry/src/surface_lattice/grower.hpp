@@ -2,6 +2,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "net.hpp"
@@ -22,8 +23,9 @@ struct Sample {
 class Grower {
  public:
   using Clock = std::chrono::steady_clock;
+  /// `now`: what the end is measured by; none: the steady clock.
   Grower(const Surface& surface, const Rules& rules, const std::vector<Sample>& samples, double corner_lift_mm,
-         Clock::time_point end);
+         Clock::time_point end, std::function<Clock::time_point()> now = {});
 
   Grower(const Grower&) = delete;  // the relaxer refers to surface_
   Grower& operator=(const Grower&) = delete;
@@ -47,7 +49,7 @@ class Grower {
   bool remove_overrunning(LatticeNet& net);
 
   [[nodiscard]] bool covered(const LatticeNet& net, const Vec3& p) const;
-  [[nodiscard]] bool late() const { return Clock::now() > end_ || interrupt_request(); }
+  [[nodiscard]] bool late() const { return (now_ ? now_() : Clock::now()) > end_ || interrupt_request(); }
   /// As late, but on a slow machine the time does not end the search for the first module: no module is no answer.
   [[nodiscard]] bool late(const LatticeNet& net) const { return (net.size() > 0 && late()) || interrupt_request(); }
   /// Number of refusals by limit since the last reset.
@@ -83,6 +85,7 @@ class Grower {
   std::vector<KnownSides> known_sides_;
   std::vector<Triangle> known_within_;  // by triangle: where it was last seen to keep within the border
   Clock::time_point end_;
+  std::function<Clock::time_point()> now_;
 };
 
 }  // namespace triskin::geometry::surface_lattice

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "triskin/geometry/design_types.hpp"
@@ -34,6 +36,8 @@ struct SurfaceLatticeOptions {
   /// Modules that stay exactly where they are, with the joints among them: the first modules of every layout, in this
   /// order. They must keep the limits and have the corner cut of the others.
   std::vector<PlacedModule> kept;
+  /// What the time limit is measured by, asked from all threads at once; none: the steady clock.
+  std::function<std::chrono::steady_clock::time_point()> now{};
 };
 
 /// Grows the isometric lattice directly on the surface (docs/surface_lattice.md): triangles are added edge by edge,
