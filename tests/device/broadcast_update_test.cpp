@@ -111,6 +111,20 @@ TEST(Broadcast, two_slots_on_a_classic_bus) {
               r.link_s, r.rounds, r.again, r.frames);
 }
 
+// Board 1 does not hear the six questions of the first round (one to each board, two more to it) about what is missing.
+TEST(Broadcast, a_board_that_is_silent_for_a_round_is_asked_again) {
+  Boards boards(4, false, old_firmware());
+  int unheard = 0;
+  boards.skin().on_delivery([&](std::size_t p, const wire::CanFrame& frame) {
+    const auto order = wire::update::decode_order(frame);
+    return p != 1 || !order || order->command != wire::update::Command::kMissing || ++unheard > 6;
+  });
+  const BroadcastResult r = boards.update(make_firmware({.size_bytes = 8192, .fill = 2}));
+  EXPECT_GT(unheard, 6);
+  EXPECT_EQ(count(r, UpdateOutcome::kUpdated), 4) << boards.of(r, 1).why;
+  EXPECT_GE(r.rounds, 2);
+}
+
 // The bus is not what it waits for: the flash alone takes 2.1 s.
 TEST(Broadcast, two_slots_on_a_bus_with_FD) {
   const BroadcastResult r = hard_case(kHundred, true, true, 24);

@@ -26,6 +26,8 @@ constexpr std::uint64_t kErasePatience_us = 2'000'000, kCheckPatience_us = 1'500
 constexpr std::uint64_t kStarts_us = 40'000;        // queue, loader's window, check of both slots
 constexpr std::uint64_t kConfirmed_us = 2'500'000;  // an application has proved itself by then
 constexpr int kTries = 3, kMostRounds = 25;
+constexpr int kSilentRounds =
+    3;  // a board that is slow, or whose answers were lost, has that many to say what it misses
 constexpr std::uint64_t kMostLag_us = 2'000;  // that sending catches up
 
 std::string version_text(std::uint32_t v) {
@@ -372,12 +374,19 @@ void UpdateSession::send_missing() {
         return std::ranges::any_of(open, [&](std::size_t at) { return &boards_[at] == &b; });
       };
       ask(Command::kMissing, is_open, [](const Board& b) { return b.state.has_value(); }, 1);
-      if (std::ranges::all_of(open, [&](std::size_t at) { return complete(boards_[at]); })) break;
+      // Who was silent before is asked once a round: a dead board does not hold the others up.
+      const auto waits = [&](std::size_t at) { return !complete(boards_[at]) && boards_[at].silent_rounds == 0; };
+      if (std::ranges::none_of(open, waits)) break;
     }
     std::array<std::set<std::uint16_t>, 2> missing;
     std::vector<std::size_t> still;
     for (const std::size_t at : open) {
       Board& b = boards_[at];
+      b.silent_rounds = b.state ? 0 : b.silent_rounds + 1;
+      if (b.silent_rounds > 0 && b.silent_rounds < kSilentRounds) {
+        still.push_back(at);
+        continue;
+      }
       expect_answer(b, "receiving");
       if (!b.under_way) continue;
       const int slot = free_slot(b);

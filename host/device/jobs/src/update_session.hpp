@@ -49,6 +49,7 @@ class UpdateSession {
     std::optional<wire::update::Image> image;
     std::optional<wire::update::State> state;
     std::set<std::uint16_t> missing;  ///< since it was asked
+    int silent_rounds = 0;            ///< one after the other, in which it did not say what it misses
   };
   /// Units of one slot's image that are to be sent, in order.
   using Units = std::vector<std::uint16_t>;
