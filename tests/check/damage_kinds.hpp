@@ -158,7 +158,8 @@ inline std::vector<DamageKind> damage_kinds(const geometry::Surface& surface) {
          return joined(module(d, k));
        }},
       {"4 mm above its place",
-       {"center-gap", "hinge-gap"},
+       // The gap has no sign: the centre of a free module may come to lie as far over the surface as it lay under it.
+       {"center-gap", "hinge-gap", "edge-lift"},
        [=](json& d, std::size_t k) {
          move(module(d, k), 4.0 * Frame(module(d, k)).normal);
          return true;

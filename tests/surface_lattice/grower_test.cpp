@@ -156,5 +156,15 @@ TEST(RelaxedPrice, counts_jumpers_as_the_wiring_does) {
   EXPECT_DOUBLE_EQ(relaxed_price({12}, {0}, price), 2.0 * 39 / 32 + 0.1);
 }
 
+// Jumpers: Σ ⌈nᵢ / 16⌉ − ⌈n / 16⌉. 90 and 6 modules are divided into 16 · 5 + 10 and 6: six controllers,
+// seven pieces, one jumper. One module more needs a seventh controller. Apart: the same seven, no jumper.
+TEST(RoundedPrice, counts_whole_controllers) {
+  const Price price{.controller = 2.0, .jumper = 0.25, .island = 0.1};
+  EXPECT_DOUBLE_EQ(rounded_price({90, 6}, {0, 0}, price), 2.0 * 6 + 0.25 + 0.2);
+  EXPECT_DOUBLE_EQ(rounded_price({91, 6}, {0, 0}, price), 2.0 * 7 + 0.2);
+  EXPECT_DOUBLE_EQ(rounded_price({90, 6}, {0, 1}, price), 2.0 * 7 + 0.2);
+  EXPECT_DOUBLE_EQ(rounded_price({}, {}, price), 0.0);
+}
+
 }  // namespace
 }  // namespace triskin::geometry::surface_lattice

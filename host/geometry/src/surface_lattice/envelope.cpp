@@ -39,6 +39,7 @@ void EnvelopeSystem::reset(const std::vector<int>& first) {
   right_.assign(2 * first.size(), 0.0);
 }
 
+// The diagonal holds the reciprocals of the factor's: a division a row, none an entry.
 void EnvelopeSystem::solve() {
   const int rows = static_cast<int>(right_.size());
   const auto entry = [&](int row, int column) {
@@ -50,16 +51,16 @@ void EnvelopeSystem::solve() {
     for (int column = begin; column < row; ++column) {
       const int from = std::max(begin, first_[static_cast<std::size_t>(column)]);
       double& value = *entry(row, column);
-      value = (value - dot(entry(row, from), entry(column, from), column - from)) / *entry(column, column);
+      value = (value - dot(entry(row, from), entry(column, from), column - from)) * *entry(column, column);
       diagonal -= value * value;
       right_side -= value * right(column);
     }
-    const double root = std::sqrt(std::max(diagonal, 1e-12));
-    *entry(row, row) = root;
-    right(row) = right_side / root;
+    const double reciprocal = 1.0 / std::sqrt(std::max(diagonal, 1e-12));
+    *entry(row, row) = reciprocal;
+    right(row) = right_side * reciprocal;
   }
   for (int row = rows - 1; row >= 0; --row) {
-    const double x = right(row) / *entry(row, row);
+    const double x = right(row) * *entry(row, row);
     right(row) = x;
     for (int column = first_[static_cast<std::size_t>(row)]; column < row; ++column)
       right(column) -= *entry(row, column) * x;

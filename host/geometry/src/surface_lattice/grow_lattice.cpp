@@ -36,10 +36,15 @@ constexpr double kStartsShare = 0.08, kRaceShare = 0.08;  // of the time: all st
 constexpr double kRaceHeat = 0.1;
 constexpr int kStepsAModule = 40, kMostRuns = 20;  // of one annealing
 constexpr double kHot = 0.6, kCold = 0.05;         // modules a step may lose, at the start and at the end
-constexpr int kSmallIsland = 8;                    // modules: such an island may go as a whole
-constexpr int kFront = 12;                         // of the layouts that are kept beside the best
-constexpr std::size_t kMore = 8;                   // with as many modules as others of them
-constexpr double kFrontShare = 0.05;               // of the time, beyond its end: to certify them
+// Whole controllers count from this part of an annealing on, where the area has room for as many modules. In fewer the
+// steps of the price part layouts from each other, and few islands can be divided as the rounded price hopes.
+constexpr double kRoundedFrom = 0.5, kRoundedModules = 48.0;
+constexpr int kSmallIsland = 8;        // modules: such an island may go as a whole
+constexpr double kIslandShare = 0.15;  // of the steps in which one goes, where tries find one
+constexpr int kTriesForIsland = 9;
+constexpr int kFront = 12;            // of the layouts that are kept beside the best
+constexpr std::size_t kMore = 8;      // with as many modules as others of them
+constexpr double kFrontShare = 0.05;  // of the time, beyond its end: to certify them
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kLiftShare =
     0.7;  // of the limit, for corners of the net: those of the rigid module stand off a little more
@@ -48,6 +53,11 @@ constexpr double kNothing = -1e300;  // value of no layout
 Clock::time_point now_of(const SurfaceLatticeOptions& options) {
   return options.now ? options.now() : Clock::now();
 }
+
+// Of a layout, by either price.
+struct Value {
+  double relaxed = kNothing, rounded = kNothing;
+};
 
 struct GrowthTask {
   const Surface& surface;
@@ -58,10 +68,13 @@ struct GrowthTask {
   double jumper_mm, corner_lift_mm;
   const LatticeNet& begun;  // the modules that are kept, or none
   Clock::time_point start, end;
+  double Value::* kept_by;  // what decides which layouts are kept, and the last part of an annealing
 
-  [[nodiscard]] double value(LatticeNet& net, NetPrice& price, PlaceValue& worth) const {
-    if (net.size() == 0) return kNothing;  // one module is better, although its controller costs more
-    return worth(net) - price(net) + options.hinge_reward * net.joints();
+  [[nodiscard]] Value value(LatticeNet& net, NetPrice& price, PlaceValue& worth) const {
+    if (net.size() == 0) return {};  // one module is better, although its controller costs more
+    const double gain = worth(net) + options.hinge_reward * net.joints();
+    const EstimatedPrice estimated = price(net);
+    return {gain - estimated.relaxed, gain - estimated.rounded};
   }
   [[nodiscard]] double fraction(int steps) const {
     if (options.iterations > 0) return std::min(1.0, static_cast<double>(steps) / options.iterations);
@@ -88,7 +101,7 @@ class Chain {
     for (int k = 0; k < most; ++k) {
       if (k > 0 && iterations == 0 && task_.fraction(0) > kStartsShare) break;
       start_anew();
-      starts.push_back({std::make_shared<const LatticeNet>(now_), value_});
+      starts.push_back({std::make_shared<const LatticeNet>(now_), kept_value()});
     }
     const double before = task_.fraction(steps_);
     double until = before;
@@ -108,9 +121,9 @@ class Chain {
 
   void adopt(const NetCopy& net) {
     set(*net);
-    if (value_ > best_value_) {
+    if (kept_value() > best_value_) {
       best_ = net;
-      best_value_ = value_;
+      best_value_ = kept_value();
     }
   }
 
@@ -140,7 +153,7 @@ class Chain {
   void take(const FoundLayout& found) {
     best_ = found.net;
     set(*best_);
-    best_value_ = value_;
+    best_value_ = kept_value();
   }
 
   static void keep_best(std::vector<FoundLayout>& starts, std::size_t count) {
@@ -177,11 +190,14 @@ class Chain {
   }
 
   void step() {
-    const double heat = heat_ > 0.0 ? heat_ : kHot * std::pow(kCold / kHot, fraction_of_run());
+    const double fraction = heat_ > 0.0 ? 0.0 : fraction_of_run();
+    const double heat = heat_ > 0.0 ? heat_ : kHot * std::pow(kCold / kHot, fraction);
+    const auto by = fraction < kRoundedFrom ? &Value::relaxed : task_.kept_by;
     if (now_.size() == 0) return grower_.fill(now_, {}, random_, 10);
     now_.begin();
-    const double value = ruin_and_recreate();
-    if (grower_.late() || value < value_ + heat * std::log(std::max(1e-12, random_.unit()))) return now_.roll_back();
+    const Value value = ruin_and_recreate();
+    if (grower_.late() || value.*by < value_.*by + heat * std::log(std::max(1e-12, random_.unit())))
+      return now_.roll_back();
     now_.commit();
     value_ = value;
     if (!would_be_kept()) return;
@@ -193,7 +209,7 @@ class Chain {
     keep();
   }
 
-  double ruin_and_recreate() {
+  Value ruin_and_recreate() {
     const Grower::Ball ball = ruin(now_);
     now_.separate();
     const Grower::Ball around{ball.center, ball.radius_mm + 40.0};
@@ -204,16 +220,17 @@ class Chain {
     return task_.value(now_, price_, worth_);
   }
 
-  [[nodiscard]] bool is_best() const { return value_ > best_value_ + 1e-9; }
-  [[nodiscard]] bool would_be_kept() const { return is_best() || front_.would_keep(now_, value_); }
+  [[nodiscard]] double kept_value() const { return value_.*task_.kept_by; }
+  [[nodiscard]] bool is_best() const { return kept_value() > best_value_ + 1e-9; }
+  [[nodiscard]] bool would_be_kept() const { return is_best() || front_.would_keep(now_, kept_value()); }
 
   // The best of all, and the best of each number of modules near it.
   void keep() {
     const auto copy = std::make_shared<const LatticeNet>(now_);
-    front_.keep(copy, value_);
+    front_.keep(copy, kept_value());
     if (!is_best()) return;
     best_ = copy;
-    best_value_ = value_;
+    best_value_ = kept_value();
     front_.forget_below(best_->size() - 2 * kFront);
   }
 
@@ -239,7 +256,7 @@ class Chain {
   }
 
   Grower::Ball ruin(LatticeNet& net) {
-    if (random_.unit() < 0.15) {
+    if (random_.unit() < kIslandShare) {
       if (const auto ball = ruin_island(net)) return *ball;
     }
     const Grower::Ball ball{place_to_ruin(net), 20.0 + 45.0 * random_.unit() * random_.unit()};
@@ -251,10 +268,20 @@ class Chain {
     return ball;
   }
 
+  // A module of a small island, when a few tries find one.
+  [[nodiscard]] std::optional<int> some_triangle_of_small_island(const LatticeNet& net) {
+    for (int k = 0; k < kTriesForIsland; ++k) {
+      const int t = some_triangle(net);
+      if (net.island_sizes()[at(net.triangles()[at(t)].island)] <= kSmallIsland) return t;
+    }
+    return std::nullopt;
+  }
+
   // A small island goes as a whole; what stood round it may then close the gap.
   std::optional<Grower::Ball> ruin_island(LatticeNet& net) {
-    std::vector<int> members{some_triangle(net)};
-    if (net.island_sizes()[at(net.triangles()[at(members[0])].island)] > kSmallIsland) return std::nullopt;
+    const std::optional<int> first = some_triangle_of_small_island(net);
+    if (!first) return std::nullopt;
+    std::vector<int> members{*first};
     for (std::size_t k = 0; k < members.size(); ++k) {
       if (net.triangles()[at(members[k])].is_fixed) return std::nullopt;
       for (int s = 0; s < 3; ++s) {
@@ -280,7 +307,8 @@ class Chain {
   LatticeNet now_;  // what price_ knows
   NetCopy best_;
   LayoutFront front_;
-  double value_ = -1e300, best_value_ = -1e300;
+  Value value_;
+  double best_value_ = kNothing;
   double heat_ = 0.0;  // > 0: instead of the schedule
   double begun_at_ = 0.0;
   int runs_ = 1, run_ = 0;
@@ -372,8 +400,9 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   const Rules rules(surface, searched, regions.free_points());
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
   const LatticeNet begun = net_of_kept(surface, copy, options.kept, options.corner_cut_mm);
+  const auto kept_by = surface.area_mm2() < kRoundedModules * kModuleArea_mm2 ? &Value::relaxed : &Value::rounded;
   const GrowthTask task{surface, rules, options, samples, regions, limits.jumper_mm, corner_lift_of(limits, options),
-                        begun,   start, end};
+                        begun,   start, end,     kept_by};
   std::deque<Chain> chains;
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));

@@ -2,6 +2,7 @@
 #include "net_price.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "jumper_sides.hpp"
@@ -16,22 +17,34 @@ constexpr double kCenters_mm =
 constexpr double kStraight = 0.95;  // a jumper along the surface is a little longer than the straight line
 
 // Controllers of n modules that hang together.
-double divided_by_controllers(int n) {
+double relaxed_controllers(int n) {
   return n > 0 ? std::max(1.0, n / kModulesAController + kRoundedUp) : 0.0;
+}
+double rounded_controllers(int n) {
+  return std::ceil(n / kModulesAController);
+}
+
+double price_of(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price,
+                double (*controllers_of)(int)) {
+  std::vector<int> modules(group.empty() ? 0 : at(std::ranges::max(group)) + 1, 0);
+  double pieces = 0.0, controllers = 0.0;
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    pieces += controllers_of(sizes[k]);
+    modules[at(group[k])] += sizes[k];
+  }
+  for (const int n : modules) controllers += controllers_of(n);
+  const double islands = static_cast<double>(sizes.size());
+  return price.controller * controllers + price.jumper * (pieces - controllers) + price.island * islands;
 }
 
 }  // namespace
 
 double relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price) {
-  std::vector<int> modules(group.empty() ? 0 : at(std::ranges::max(group)) + 1, 0);
-  double pieces = 0.0, controllers = 0.0;
-  for (std::size_t k = 0; k < sizes.size(); ++k) {
-    pieces += divided_by_controllers(sizes[k]);
-    modules[at(group[k])] += sizes[k];
-  }
-  for (const int n : modules) controllers += divided_by_controllers(n);
-  const double islands = static_cast<double>(sizes.size());
-  return price.controller * controllers + price.jumper * (pieces - controllers) + price.island * islands;
+  return price_of(sizes, group, price, relaxed_controllers);
+}
+
+double rounded_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price) {
+  return price_of(sizes, group, price, rounded_controllers);
 }
 
 void NetPrice::unlink(int triangle) {
@@ -82,7 +95,7 @@ void NetPrice::follow(LatticeNet& net) {
   }
 }
 
-double NetPrice::operator()(LatticeNet& net) {
+EstimatedPrice NetPrice::operator()(LatticeNet& net) {
   const std::vector<int>& by_id = net.island_sizes();
   islands_.reset(by_id.size());
   if (jumper_mm_ > 0.0 && price_.jumper < price_.controller) {
@@ -98,7 +111,7 @@ double NetPrice::operator()(LatticeNet& net) {
     sizes_.push_back(by_id[at(id)]);
     group_.push_back(islands_.find(id));
   }
-  return relaxed_price(sizes_, group_, price_);
+  return {relaxed_price(sizes_, group_, price_), rounded_price(sizes_, group_, price_)};
 }
 
 }  // namespace triskin::geometry::surface_lattice

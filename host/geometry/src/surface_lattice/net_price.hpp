@@ -14,14 +14,24 @@ namespace triskin::geometry::surface_lattice {
 /// island k. Cost: O(islands).
 [[nodiscard]] double relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price);
 
-/// relaxed_price() of a net, of which it follows the changes. Islands are in one group where two free sides lie within
+/// The same with ⌈n / 16⌉ for p(n): what the wiring costs where every island can be divided so that parts of
+/// several fill one controller, and never more than the wiring costs. The search approaches a multiple of 16 by the
+/// relaxed price and fills the last controller by this one. Cost: O(islands).
+[[nodiscard]] double rounded_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price);
+
+/// A layout's price, relaxed and rounded.
+struct EstimatedPrice {
+  double relaxed = 0.0, rounded = 0.0;
+};
+
+/// Both prices of a net, of which it follows the changes. Islands are in one group where two free sides lie within
 /// `jumper_mm` and face each other. One object a thread. Cost: what changed since the last call, and a few ns for each
 /// module.
 class NetPrice {
  public:
   NetPrice(const Price& price, double jumper_mm) : price_(price), jumper_mm_(jumper_mm) {}
   /// Of the net of the last call, changed since, or after forget() of any net. Takes its list of changes.
-  [[nodiscard]] double operator()(LatticeNet& net);
+  [[nodiscard]] EstimatedPrice operator()(LatticeNet& net);
   void forget() { knows_net_ = false; }
 
  private:
