@@ -38,6 +38,8 @@ constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;  // up to which the li
 constexpr double kMostOver = 0.12, kLeastGrowth_s = 0.1;   // of the limit, that it may be passed by for that share
 constexpr double kWorthGrowing = 0.1;                      // of the surface, uncovered by the pieces: all of that share
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
+// Of the layouts of a growth, for each module that the area has room for; measured: half of it.
+constexpr double kRoutingLeast_s = 0.3, kRouting_s = 6.5e-3;
 constexpr double kMostGrowth = 3.0;  // that the growth has so many times the modules of the pieces, at most
 // What follows the growth beside the division among controllers, in times of the mapping and pricing of as many modules
 // on pieces: its measurement; the wiring, with its failures, and the writing.
@@ -126,14 +128,16 @@ void require_places(const design::KindPlan& plan) {
 
 // What the pieces gave, from which the time of the growth and of what follows is told.
 struct PiecesDone {
+  double at_most;               // modules, by area
   double uncovered;             // share of the surface, 0 … 1
   double mapping_s, pricing_s;  // that a layout of the growth would take, were it like that of the pieces
   double writing_s;             // of the design file
 
   [[nodiscard]] double wiring_s() const { return kWiringShare * (mapping_s + pricing_s) + writing_s; }
   [[nodiscard]] double after_growth_s(double limit_s) const {
-    return kMeasuringShare * (mapping_s + pricing_s) + wiring_s() +
-           std::max(std::min(kRoutingShare * limit_s, kRoutingMost_s), pricing_s);
+    const double routing_s =
+        std::min({kRoutingShare * limit_s, kRoutingMost_s, kRoutingLeast_s + kRouting_s * at_most});
+    return kMeasuringShare * (mapping_s + pricing_s) + wiring_s() + std::max(routing_s, pricing_s);
   }
 };
 
@@ -142,9 +146,9 @@ PiecesDone pieces_done(const geometry::Surface& surface, std::size_t modules, do
   const double covered_mm2 = static_cast<double>(modules) * design::kModuleArea_mm2;
   const double at_most = surface.area_mm2() / design::kModuleArea_mm2;
   const double writing_s = kWritingShare * reading_s;
-  if (modules == 0) return {1.0, 0.0, kPricing_s * at_most, writing_s + kWriting_s * at_most};
+  if (modules == 0) return {at_most, 1.0, 0.0, kPricing_s * at_most, writing_s + kWriting_s * at_most};
   const double more = std::clamp(at_most / static_cast<double>(modules), 1.0, kMostGrowth);
-  return {std::max(0.0, 1.0 - covered_mm2 / surface.area_mm2()), more * mapping_s, more * pricing_s,
+  return {at_most, std::max(0.0, 1.0 - covered_mm2 / surface.area_mm2()), more * mapping_s, more * pricing_s,
           writing_s + more * kWriting_s * static_cast<double>(modules)};
 }
 

@@ -7,7 +7,7 @@ namespace triskin::design {
 /// defaults are what they are). Each 0 … 16.
 struct Price {
   double controller = 2.0;  ///< a controller with its cable
-  double jumper = 0.4;      ///< a jumper: two connectors and the work of fitting it
+  double jumper = 0.35;     ///< a jumper: two connectors and the work of fitting it
   double island = 0.1;      ///< an island: one more thing to place by hand
 
   /// Price of a wired layout; all numbers ≥ 0. Constant cost.
