@@ -26,8 +26,8 @@ constexpr std::uint64_t kErasePatience_us = 2'000'000, kCheckPatience_us = 1'500
 constexpr std::uint64_t kStarts_us = 40'000;        // queue, loader's window, check of both slots
 constexpr std::uint64_t kConfirmed_us = 2'500'000;  // an application has proved itself by then
 constexpr int kTries = 3, kMostRounds = 25;
-constexpr int kSilentRounds =
-    3;  // a board that is slow, or whose answers were lost, has that many to say what it misses
+// A board that is slow, or whose answers were lost, has so many rounds to say what it misses.
+constexpr int kSilentRounds = 3;
 constexpr std::uint64_t kMostLag_us = 2'000;  // that sending catches up
 
 std::string version_text(std::uint32_t v) {
