@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "support/covers.hpp"
+#include "surface_index.hpp"  // no public header
 #include "triskin/check/design_rules.hpp"
 #include "triskin/geometry/map_modules.hpp"
 #include "triskin/geometry/surface.hpp"
@@ -83,6 +84,36 @@ INSTANTIATE_TEST_SUITE_P(Covers, Overrun,
                          testing::Values(std::pair{test::CoverName{"UA_upperarm_v1"}, 40},
                                          std::pair{test::CoverName{"HEAD_v1"}, 4}),
                          name_of);
+
+// A skin of squares of 25 mm that are parted by cracks, with walls under it that end just below: no border of the skin,
+// and the search must not follow each of them in its smallest parts.
+TEST(OverrunCost, cracks_and_ribs_under_a_module_cost_little) {
+  constexpr double kCell_mm = 25.0;
+  for (const double crack_mm : {1e-4, 2e-3, 1e-2}) {
+    CheckedDesign design;
+    const auto add = [&](const P3& a, const P3& along, const P3& up) {
+      const int first = static_cast<int>(design.vertices.size());
+      design.vertices.insert(design.vertices.end(), {a, a + along, a + along + up, a + up});
+      design.faces.push_back({first, first + 1, first + 2});
+      design.faces.push_back({first, first + 2, first + 3});
+    };
+    for (int i = -3; i < 3; ++i) {
+      for (int j = -3; j < 3; ++j)
+        add({i * kCell_mm, j * kCell_mm, 0.0}, P3(kCell_mm - crack_mm, 0, 0), P3(0, kCell_mm - crack_mm, 0));
+      add({(i + 0.5) * kCell_mm, -70.0, -20.0}, P3(0, 140.0, 0), P3(0, 0, 20.0 - crack_mm));
+    }
+    const SurfaceIndex surface(design);
+    for (const double height_mm : {0.0, 0.01, 0.3, 2.0}) {
+      for (const double turn_rad : {0.0, 0.3, M_PI / 6}) {
+        Outline3 module{P3(-15.0, -8.66, height_mm), P3(15.0, -8.66, height_mm), P3(0.0, 17.32, height_mm)};
+        for (P3& p : module) p = P3(1.0, 2.0, 0.0) + Eigen::AngleAxisd(turn_rad, P3::UnitZ()) * p;
+        const auto o = overrun_of(module, surface, kPast_mm);
+        EXPECT_LE(o.mm, crack_mm + kOverrunStep_mm) << crack_mm << " " << height_mm << " " << turn_rad;
+        EXPECT_LT(o.points, 30'000U) << crack_mm << " " << height_mm << " " << turn_rad;
+      }
+    }
+  }
+}
 
 }  // namespace
 }  // namespace triskin::check

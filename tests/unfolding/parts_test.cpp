@@ -8,6 +8,8 @@
 
 #include "support/covers.hpp"
 #include "triskin/check/design_rules.hpp"
+#include "triskin/geometry/map_modules.hpp"
+#include "triskin/geometry/placement.hpp"
 #include "triskin/geometry/surface.hpp"
 #include "triskin/geometry/unfolding.hpp"
 #include "triskin/host/error.hpp"
@@ -110,6 +112,60 @@ TEST(TimeLimit, pieces_give_up_soon_after_their_time) {
   EXPECT_GT(whole, 0U);
   options.give_up = [] { return false; };
   EXPECT_EQ(geometry::unfold(surface, options).pieces.size(), whole);
+}
+
+// Pieces for which no time is left to bring them to the surface are left out, and counted.
+TEST(TimeLimit, the_mapping_gives_up_between_pieces_and_counts_what_it_leaves_out) {
+  geometry::Mesh sheet;  // room for 2,500 modules: more than are mapped between two looks at the clock
+  sheet.vertices = {{0, 0, 0}, {1000, 0, 0}, {1000, 1000, 0}, {0, 1000, 0}};
+  sheet.faces = {{0, 1, 2}, {0, 2, 3}};
+  const geometry::Surface surface(sheet);
+  const geometry::Net net = geometry::unfold(surface);
+  ASSERT_EQ(net.pieces.size(), 1U);
+  geometry::PlacementOptions placement;
+  placement.time_limit_s = 0.1;
+  const geometry::PlacementResult placed = geometry::place(net.pieces[0].outline, placement);
+  const std::vector<geometry::TiledPiece> pieces(3, {&net.pieces[0], placed.placement, placed.tiles});
+  const std::size_t n = placed.tiles.size();
+  ASSERT_GT(n, 2000U);
+  int asked = 0;
+  const auto mapped = geometry::map_modules(surface, pieces, {}, 0.0, nullptr, [&] { return ++asked > 0; });
+  EXPECT_EQ(mapped.modules.size(), n) << "the first piece is mapped whatever the time";
+  EXPECT_EQ(asked, 2);
+  const std::vector<std::pair<std::string, int>> left_out{{"time_limit", static_cast<int>(2 * n)}};
+  EXPECT_EQ(mapped.refused, left_out);
+  const auto alone = geometry::map_modules(surface, {pieces[0]}, {});
+  EXPECT_EQ(alone.modules.size(), n);
+  EXPECT_TRUE(alone.refused.empty());
+  for (std::size_t k = 0; k < n; ++k)
+    EXPECT_TRUE(alone.modules[k].corner_mm == mapped.modules[k].corner_mm) << "module " << k;
+}
+
+// Tetrahedra of a solid that were written as faces of four corners: every inner edge has many faces, all cross.
+TEST(HardMeshes, tetrahedra_read_as_quadrangles_become_a_design_that_passes_every_rule) {
+  constexpr int kCells = 6;
+  constexpr std::array<std::array<int, 4>, 6> kCorners{
+      {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}}};
+  const fs::path file = fs::temp_directory_path() / ("parts_test.tetrahedra." + std::to_string(::getpid()) + ".obj");
+  std::ofstream out(file);
+  for (int k = 0; k < (kCells + 1) * (kCells + 1) * (kCells + 1); ++k)
+    out << "v " << 25 * (k % (kCells + 1)) << ' ' << 25 * (k / (kCells + 1) % (kCells + 1)) << ' '
+        << 25 * (k / ((kCells + 1) * (kCells + 1))) << '\n';
+  for (int cell = 0; cell < kCells * kCells * kCells; ++cell) {
+    const int x = cell % kCells, y = cell / kCells % kCells, z = cell / (kCells * kCells);
+    for (const auto& corners : kCorners) {
+      out << 'f';
+      for (const int c : corners)
+        out << ' ' << 1 + x + (c & 1) + (kCells + 1) * (y + (c >> 1 & 1) + (kCells + 1) * (z + (c >> 2)));
+      out << '\n';
+    }
+  }
+  out.close();
+  pipeline::DesignOptions options;
+  options.unit = geometry::LengthUnit::kMillimetre;
+  options.time_limit_s = 6.0;
+  EXPECT_GT(accepted_design("tetrahedra", file, options).layout.modules.size(), 0U);
+  fs::remove(file);
 }
 
 std::string error_of(const std::string& file_name, const std::string& content,

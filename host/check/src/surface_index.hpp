@@ -29,6 +29,8 @@ class SurfaceIndex {
   explicit SurfaceIndex(const CheckedDesign& design);
   [[nodiscard]] Hit closest(const P3& p) const;
   [[nodiscard]] double distance(const P3& p) const;
+  [[nodiscard]] static double distance_to(const Triangle3& face, const P3& p);
+  [[nodiscard]] Triangle3 triangle(std::size_t face) const { return triangle(design_.faces[face]); }
   [[nodiscard]] const std::vector<BorderEdge>& border() const { return border_; }
 
  private:
@@ -50,13 +52,17 @@ class SurfaceIndex {
 /// (sides, corners and inside, so holes count too) to the point of the border that is nearest to it, among the points
 /// to which no other part of the surface is nearer. By branch and bound with bounds that hold for every point of a part
 /// of the module: the value is attained, and no point exceeds it by more than kOverrunStep_mm. Cost: a few hundred
-/// closest points where the border is near.
+/// closest points where the border is near, some thousand where that of other sheets runs along the surface.
 ///
 /// A point high above the surface that passes the border stands over it at once by as much as the normal, which is
 /// interpolated, leans from the face's. A module that leaves the surface by a micrometre therefore has no number that
 /// is worth stating, but two: the largest over the points that are past the border by `past_mm` = kPast_mm at least,
 /// and with -kPast_mm also over those that lack no more to be past it.
 inline constexpr double kOverrunStep_mm = 0.002, kPast_mm = 0.02;
-[[nodiscard]] double overrun_of(const Outline3& module, const SurfaceIndex& surface, double past_mm);
+struct Overrun {
+  double mm = 0.0;
+  std::size_t points = 0;  ///< of the module that were compared with surface and border
+};
+[[nodiscard]] Overrun overrun_of(const Outline3& module, const SurfaceIndex& surface, double past_mm);
 
 }  // namespace triskin::check

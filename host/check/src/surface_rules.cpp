@@ -41,9 +41,9 @@ void check_bend(const CheckedDesign::Module& m, std::size_t k, const SurfaceInde
 void check_overrun(const CheckedDesign& d, std::size_t k, const SurfaceIndex& surface, Findings& f) {
   const auto& m = d.modules[k];
   const Outline3 outline = module_outline(m.corner, d.corner_cut);
-  double measured = overrun_of(outline, surface, kPast_mm);
+  double measured = overrun_of(outline, surface, kPast_mm).mm;
   within_limit(f, "overrun", k, measured, d.limits.overrun);
-  if (m.overrun > measured + kStated_mm) measured = std::min(m.overrun, overrun_of(outline, surface, -kPast_mm));
+  if (m.overrun > measured + kStated_mm) measured = std::min(m.overrun, overrun_of(outline, surface, -kPast_mm).mm);
   as_stated(f, "overrun", k, measured, m.overrun);
 }
 

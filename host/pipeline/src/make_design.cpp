@@ -34,6 +34,9 @@ constexpr double kUnfoldedFaces = 10'000.0;  // a second of the limit, above whi
 constexpr double kMostUnfolded = 2.0;        // times that, above which the first step would already take longer
 constexpr double kPiecesShare = 0.12;        // of the time; what the growth has left after it
 constexpr double kPieceLeast_s = 0.1;        // a piece gets, or what a short limit has for it
+constexpr double kMapped_s = 2.5e-4;         // of a module on a piece: its mapping and what follows; measured
+constexpr double kPlacingEnd = 0.65,
+                 kMappingEnd = 0.85;  // of the time; pieces that have not begun by then are left out
 constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;  // up to which the limit binds
 constexpr double kMostOver = 0.12, kLeastGrowth_s = 0.1;   // of the limit, that it may be passed by for that share
 constexpr double kWorthGrowing = 0.1;                      // of the surface, uncovered by the pieces: all of that share
@@ -92,14 +95,22 @@ geometry::Net pieces_of(const geometry::Surface& surface, const DesignOptions& o
   return geometry::unfold(surface, unfolding, progress);
 }
 
-// Large pieces first; each may use what its share of the area leaves of the time.
+// Large pieces first; each may use what its share of the area leaves of the time. Those that it does not reach are left
+// out: of a soup thousands of pieces take longer than their shares.
 std::vector<geometry::TiledPiece> place_pieces(design::Design& design, const geometry::Net& net,
                                                const DesignOptions& options, Clock::time_point start,
                                                const ProgressSink& progress) {
   std::vector<geometry::TiledPiece> placed;
   double area_left = 0.0;
   for (const auto& piece : net.pieces) area_left += geometry::polygon_area(piece.outline);
+  std::size_t modules = 0;
+  const auto is_over = [&] {
+    const double limit_s = options.time_limit_s, now_s = seconds_since(start);
+    return options.iterations == 0 &&
+           (now_s > kPlacingEnd * limit_s || now_s + kMapped_s * static_cast<double>(modules) > limit_s);
+  };
   for (const design::Piece& piece : net.pieces) {
+    if (!placed.empty() && is_over()) break;
     const double area = geometry::polygon_area(piece.outline);
     geometry::PlacementOptions p;
     p.seed = options.seed;
@@ -113,6 +124,7 @@ std::vector<geometry::TiledPiece> place_pieces(design::Design& design, const geo
     if (area >= design::module_area_mm2(options.corner_cut_mm)) result = geometry::place(piece.outline, p);
     report(progress, "placing", -1.0,
            fmt::format("{} modules on piece {} of {}", result.modules, design.pieces.size() + 1, net.pieces.size()));
+    modules += result.tiles.size();
     design.pieces.push_back({piece, result.placement, result.modules, result.upper_bound, result.proved});
     placed.push_back({&piece, result.placement, std::move(result.tiles)});
   }
@@ -173,17 +185,18 @@ class SearchedSurface {
 // The modules of the pieces keep the limits on the original.
 design::ModuleLayout mapped_layout(const geometry::Surface& original, const SearchedSurface& searched,
                                    const std::vector<geometry::TiledPiece>& placed, const DesignOptions& options,
-                                   const geometry::SurfaceRegions* regions) {
+                                   const geometry::SurfaceRegions* regions, Clock::time_point start) {
   const geometry::SolverMesh* const solver = searched.solver();
   design::ModuleLayout layout = geometry::map_modules(
       searched.surface(), placed, solver == nullptr ? options.limits : geometry::limits_on(*solver, options.limits),
-      options.corner_cut_mm, regions);
+      options.corner_cut_mm, regions, give_up_at(start, kMappingEnd * options.time_limit_s, options.iterations));
   if (solver != nullptr) geometry::keep_limits(original, options.limits, layout, regions);
   return layout;
 }
 
 // The layouts grown on the surface, best first. The pieces of a fine mesh may take longer than the whole limit on a
-// busy machine: the growth keeps its share all the same, but for pieces that leave it next to nothing to gain.
+// busy machine: the growth keeps its share all the same, but for pieces that leave it next to nothing to gain. It is
+// left out, none returned, where the time is over, what may be passed included, and the pieces have a layout.
 std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const geometry::SolverMesh* solver,
                                        const DesignOptions& options, const geometry::SurfaceRegions* regions,
                                        Clock::time_point start, const PiecesDone& pieces,
@@ -200,6 +213,10 @@ std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const g
   const double share = kGrowthShare * std::min(1.0, pieces.uncovered / kWorthGrowing);
   const double left_s = options.time_limit_s - pieces.after_growth_s(options.time_limit_s) - seconds_since(start);
   const double most_s = left_s + kMostOver * options.time_limit_s;
+  if (options.iterations == 0 && most_s < 0.0 && pieces.uncovered < 1.0) {
+    report(progress, "leaving out the growth on the surface", -1.0, "no time is left");
+    return {};
+  }
   lattice.time_limit_s =
       std::max({kLeastGrowth_s, left_s, std::min(most_s, share * (options.time_limit_s - kShortLimit_s))});
   return geometry::grow_front(surface, options.limits, lattice, progress);
@@ -242,9 +259,10 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   }
   const geometry::Net net = pieces_of(searched.surface(), options, start, progress);
   const auto placed = place_pieces(design, net, options, start, progress);
+  if (notes != nullptr) notes->pieces_left_out = static_cast<int>(net.pieces.size() - placed.size());
   report(progress, "mapping to the surface", -1.0);
   const double mapping_from_s = seconds_since(start);
-  design::ModuleLayout mapped = mapped_layout(surface, searched, placed, options, regions);
+  design::ModuleLayout mapped = mapped_layout(surface, searched, placed, options, regions, start);
   if (searched.solver() != nullptr) design.pieces.clear();  // of faces that the design has not
   const double pricing_from_s = seconds_since(start);
   geometry::RoutingOptions routing = routing_options(design);
@@ -255,7 +273,10 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
                                         seconds_since(start) - pricing_from_s, reading_s);
   if (notes != nullptr) notes->pieces = static_cast<int>(choices[0].layout.modules.size());
   std::vector<design::ModuleLayout> grown = grow(surface, searched.solver(), options, regions, start, pieces, progress);
-  if (notes != nullptr) notes->surface = static_cast<int>(grown[0].modules.size());
+  if (notes != nullptr) {
+    notes->growth_left_out = grown.empty();
+    notes->surface = grown.empty() ? 0 : static_cast<int>(grown[0].modules.size());
+  }
   report(progress, "pricing", -1.0, fmt::format("{} layouts", grown.size()));
   routing.give_up = give_up_at(start, options.time_limit_s - pieces.wiring_s(), options.iterations);
   std::ranges::move(priced(surface, std::move(grown), options.limits, routing, regions, options.threads),

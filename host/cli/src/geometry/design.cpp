@@ -59,6 +59,8 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"method", design::kLayoutMethodNames.name(d.layout.method)},
                          {"modules_pieces", notes.pieces},
                          {"modules_surface", notes.surface},
+                         {"pieces_left_out", notes.pieces_left_out},
+                         {"growth_left_out", notes.growth_left_out},
                          {"refused", refused},
                          {"repair", geometry::kRepairNames.name(notes.extract.repair)},
                          {"enclosed_components", notes.extract.enclosed_components},
@@ -98,6 +100,12 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
       r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm, r.max_edge_lift_mm, r.max_edge_depth_mm));
   output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces, notes.surface,
                          design::kLayoutMethodNames.name(d.layout.method)));
+  if (notes.pieces_left_out > 0 || notes.growth_left_out) {
+    output.say(fmt::format("no time was left for {}{}{}; a longer --time-limit-s may give more modules",
+                           notes.pieces_left_out > 0 ? fmt::format("{} pieces", notes.pieces_left_out) : "",
+                           notes.pieces_left_out > 0 && notes.growth_left_out ? " and " : "",
+                           notes.growth_left_out ? "the growth on the surface" : ""));
+  }
   for (const auto& [limit, count] : d.layout.refused)
     output.say(fmt::format("  {} refused {} further modules", limit, count));
 }

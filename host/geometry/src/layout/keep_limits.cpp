@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "keep_limits.hpp"
+
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
@@ -16,13 +18,10 @@ namespace {
 
 class Keeper {
  public:
-  Keeper(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout, const SurfaceRegions* regions)
-      : surface_(surface), limits_(limits), layout_(layout), regions_(regions) {}
+  Keeper(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout)
+      : surface_(surface), limits_(limits), layout_(layout) {}
 
   void run() {
-    tbb::parallel_for(std::size_t{0}, layout_.modules.size(), [&](std::size_t k) {
-      measure_on_surface(surface_, layout_.modules[k], layout_.corner_cut_mm, regions_);  // nothing moves from here on
-    });
     give_up_turned();
     give_up_bad();
     number_islands(layout_);
@@ -85,7 +84,6 @@ class Keeper {
   const Surface& surface_;
   const LayoutLimits limits_;
   ModuleLayout& layout_;
-  const SurfaceRegions* regions_;
   std::map<std::string, int> refused_;
 };
 
@@ -127,7 +125,14 @@ void number_islands(ModuleLayout& layout) {
 
 void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout,
                  const SurfaceRegions* regions) {
-  Keeper(surface, limits, layout, regions).run();
+  tbb::parallel_for(std::size_t{0}, layout.modules.size(), [&](std::size_t k) {
+    measure_on_surface(surface, layout.modules[k], layout.corner_cut_mm, regions);
+  });
+  keep_limits_as_measured(surface, limits, layout);
+}
+
+void keep_limits_as_measured(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout) {
+  Keeper(surface, limits, layout).run();
 }
 
 }  // namespace triskin::geometry

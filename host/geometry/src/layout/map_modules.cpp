@@ -11,6 +11,7 @@
 #include <set>
 
 #include "index.hpp"
+#include "keep_limits.hpp"
 #include "rigid.hpp"
 
 namespace triskin::geometry {
@@ -131,10 +132,24 @@ class Mapper {
     layout_.corner_cut_mm = corner_cut_mm;
   }
 
-  ModuleLayout run(const std::vector<TiledPiece>& pieces) {
-    for (std::size_t p = 0; p < pieces.size(); ++p) add_piece(pieces[p], static_cast<int>(p));
-    relax();
-    keep_limits(surface_, limits_, layout_, regions_);
+  // Pieces have no joints in common, so some are mapped after the others: those that have time.
+  ModuleLayout run(const std::vector<TiledPiece>& pieces, const std::function<bool()>& give_up) {
+    constexpr std::size_t kTogether = 1000;  // modules, that all processors have work
+    std::size_t mapped = 0;
+    int left_out = 0;
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+      if (mapped > 0 && give_up && give_up()) {
+        left_out += static_cast<int>(pieces[p].tiles.size());
+        continue;
+      }
+      add_piece(pieces[p], static_cast<int>(p));
+      if (layout_.modules.size() < mapped + kTogether && p + 1 < pieces.size()) continue;
+      relax_and_measure(mapped);
+      mapped = layout_.modules.size();
+    }
+    relax_and_measure(mapped);
+    if (left_out > 0) layout_.refused.emplace_back("time_limit", left_out);
+    keep_limits_as_measured(surface_, limits_, layout_);
     return std::move(layout_);
   }
 
@@ -162,21 +177,25 @@ class Mapper {
     }
   }
 
-  // Joined corners pull each other together on the surface; the modules stay rigid.
-  void relax() {
-    std::vector<std::array<Vec3, 3>> fitted(layout_.modules.size());
+  // The modules from `first` on: joined corners pull each other together on the surface; the modules stay rigid.
+  void relax_and_measure(std::size_t first) {
+    const std::size_t n = layout_.modules.size() - first;
+    std::vector<std::array<Vec3, 3>> fitted(n);
     const Vec3 anywhere = surface_.mesh().vertices.empty() ? Vec3(Vec3::Zero()) : surface_.mesh().vertices.front();
-    std::vector<std::array<Vec3, 3>> feet(layout_.modules.size(), {anywhere, anywhere, anywhere});
+    std::vector<std::array<Vec3, 3>> feet(n, {anywhere, anywhere, anywhere});
     for (int step = 0; step < 40; ++step) {
-      tbb::parallel_for(std::size_t{0}, layout_.modules.size(), [&](std::size_t k) {
-        const PlacedModule& m = layout_.modules[k];
+      tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {
+        const PlacedModule& m = layout_.modules[first + k];
         std::array<Vec3, 3> target;
         for (int c = 0; c < 3; ++c)
           target[at(c)] = 0.7 * pulled_corner(m, c, feet[k][at(c)]) + 0.3 * m.corner_mm[at(c)];
         fitted[k] = fit_rigid(target);
       });
-      for (std::size_t k = 0; k < layout_.modules.size(); ++k) layout_.modules[k].corner_mm = fitted[k];
+      for (std::size_t k = 0; k < n; ++k) layout_.modules[first + k].corner_mm = fitted[k];
     }
+    tbb::parallel_for(first, layout_.modules.size(), [&](std::size_t k) {
+      measure_on_surface(surface_, layout_.modules[k], layout_.corner_cut_mm, regions_);
+    });
   }
 
   [[nodiscard]] Vec3 pulled_corner(const PlacedModule& m, int c, Vec3& foot) const {
@@ -202,8 +221,8 @@ class Mapper {
 }  // namespace
 
 ModuleLayout map_modules(const Surface& surface, const std::vector<TiledPiece>& pieces, const LayoutLimits& limits,
-                         double corner_cut_mm, const SurfaceRegions* regions) {
-  return Mapper(surface, limits, corner_cut_mm, regions).run(pieces);
+                         double corner_cut_mm, const SurfaceRegions* regions, const std::function<bool()>& give_up) {
+  return Mapper(surface, limits, corner_cut_mm, regions).run(pieces, give_up);
 }
 
 }  // namespace triskin::geometry

@@ -6,6 +6,7 @@
 
 #include "index.hpp"
 #include "overlapping_pairs.hpp"
+#include "overrun.hpp"
 #include "rigid.hpp"
 #include "surface_lattice/point_grid.hpp"
 #include "triskin/design/outline.hpp"
@@ -104,7 +105,7 @@ void measure_on_surface(const Surface& surface, PlacedModule& m, double corner_c
   const SideHeights sides = walk_sides(surface, outline, kSideStep_mm);
   m.edge_lift_mm = sides.lift_mm;
   m.edge_depth_mm = sides.depth_mm;
-  m.overrun_mm = overrun_of(surface, outline);
+  m.overrun_mm = overrun_of(surface, outline).mm;
   m.keep_out_mm = regions == nullptr ? 0.0 : regions->keep_out_mm(m.corner_mm, corner_cut_mm);
   m.bend_radius_mm = smallest_radius(surface, m.corner_mm);
 }

@@ -32,17 +32,22 @@ class RepairTime {
 };
 
 /// Cosine-weighted share of the sky that each of these faces sees above its front and its back (directions that
-/// repeat). Cost: 2 · 64 rays a face asked, on all cores.
+/// repeat). Cost: 2 · `rays` (8 … 64) rays a face asked, on all cores.
 struct Sky {
   double front = 0.0, back = 0.0;
 };
-[[nodiscard]] std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces);
+[[nodiscard]] std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces, int rays = 64);
 
 /// Number of faces that sky_of() answers for in about `cpu_s` seconds of processor time, counted as at least 0.2 s.
 [[nodiscard]] std::size_t faces_asked_in(double cpu_s);
 
+/// Rays for each side of so many faces that fit into `cpu_s` seconds of processor time: 8 … 64. A soup has too many
+/// faces of which none stands for another: eight rays still tell inside from outside.
+[[nodiscard]] int rays_for(std::size_t faces, double cpu_s);
+
 /// The same of all faces in about `cpu_s` > 0 seconds of processor time, at least 0.2 s: of a mesh with too many faces
-/// for that, neighbours that face much the same way share the answer of one of them. Depends on no clock.
+/// for that, neighbours that face much the same way share the answer of one of them, and where those are still too many
+/// each sends fewer rays. Depends on no clock.
 [[nodiscard]] std::vector<Sky> sky_of_all(const Mesh& mesh, double cpu_s);
 
 /// Parts that see more with their back are turned; faces that see less than the fraction go, ragged rims evened out.

@@ -23,7 +23,7 @@ using Triangles = std::vector<Kernel::Triangle_3>;
 using Tree =
     CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>>>;
 
-constexpr int kRays = 64;
+constexpr int kRays = 64, kFewestRays = 8;
 constexpr double kStart_mm = 0.05;  // above the face
 constexpr int kEvenPasses = 4;
 constexpr double kRaysPer_s = 8e5;      // of processor time, measured on scans of 50,000 … 120,000 faces
@@ -35,13 +35,13 @@ Kernel::Point_3 point(const Vec3& p) {
 }
 
 // Malley's method over a Fibonacci spiral: even points of the disc, raised to the half sphere, are cosine weighted.
-std::array<Vec3, kRays> directions() {
-  std::array<Vec3, kRays> result;
+std::vector<Vec3> directions(int rays) {
+  std::vector<Vec3> result;
   constexpr double kGoldenAngle = 2.399963229728653;
-  for (int k = 0; k < kRays; ++k) {
-    const double squared = (k + 0.5) / kRays, angle = kGoldenAngle * k;
-    result[at(k)] =
-        Vec3(std::sqrt(squared) * std::cos(angle), std::sqrt(squared) * std::sin(angle), std::sqrt(1.0 - squared));
+  for (int k = 0; k < rays; ++k) {
+    const double squared = (k + 0.5) / rays, angle = kGoldenAngle * k;
+    result.emplace_back(std::sqrt(squared) * std::cos(angle), std::sqrt(squared) * std::sin(angle),
+                        std::sqrt(1.0 - squared));
   }
   return result;
 }
@@ -56,15 +56,14 @@ Vec3 cross_of(const Mesh& mesh, std::size_t face) {
   return (c[1] - c[0]).cross(c[2] - c[0]);
 }
 
-double share_free(const Tree& tree, const Vec3& from, const Vec3& up) {
-  static const auto kDirections = directions();
+double share_free(const Tree& tree, const std::vector<Vec3>& directions, const Vec3& from, const Vec3& up) {
   const Vec3 x = up.unitOrthogonal(), y = up.cross(x), start = from + kStart_mm * up;
   int free = 0;
-  for (const Vec3& d : kDirections) {
+  for (const Vec3& d : directions) {
     const Vec3 ray = d.x() * x + d.y() * y + d.z() * up;
     free += tree.do_intersect(Kernel::Ray_3(point(start), Kernel::Vector_3(ray.x(), ray.y(), ray.z()))) ? 0 : 1;
   }
-  return static_cast<double>(free) / kRays;
+  return static_cast<double>(free) / static_cast<double>(directions.size());
 }
 
 // Sides that run opposite ways; of several that run the same way, each with the last before it that runs the other.
@@ -147,7 +146,7 @@ double area_of(const Mesh& mesh) {
   return area;
 }
 
-std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces) {
+std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces, int rays) {
   Triangles triangles;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     const auto c = corners_of(mesh, f);
@@ -155,13 +154,14 @@ std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces) {
   }
   Tree tree(triangles.cbegin(), triangles.cend());
   tree.build();
+  const std::vector<Vec3> up = directions(rays);
   std::vector<Sky> sky(faces.size());
   tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t k) {
     const std::size_t f = at(faces[k]);
     const auto c = corners_of(mesh, f);
     const Vec3 normal = cross_of(mesh, f).normalized(), middle = (c[0] + c[1] + c[2]) / 3.0;
     if (!(normal.squaredNorm() > 0.5)) return;
-    sky[k] = {share_free(tree, middle, normal), share_free(tree, middle, -normal)};
+    sky[k] = {share_free(tree, up, middle, normal), share_free(tree, up, middle, -normal)};
   });
   return sky;
 }
@@ -170,12 +170,17 @@ std::size_t faces_asked_in(double cpu_s) {
   return static_cast<std::size_t>(kRaysPer_s * std::max(cpu_s, kLeastSky_s) / (2.0 * kRays));
 }
 
+int rays_for(std::size_t faces, double cpu_s) {
+  const std::size_t fitting = kRays * faces_asked_in(cpu_s) / std::max<std::size_t>(1, faces);
+  return std::clamp(static_cast<int>(std::min<std::size_t>(fitting, kRays)), kFewestRays, kRays);
+}
+
 std::vector<Sky> sky_of_all(const Mesh& mesh, double cpu_s) {
   const std::size_t asked_of = faces_asked_in(cpu_s);
   const auto groups = groups_of(mesh, std::max<std::size_t>(1, (mesh.faces.size() + asked_of - 1) / asked_of));
   std::vector<int> asked;
   for (const auto& group : groups) asked.push_back(group.front());
-  const std::vector<Sky> answers = sky_of(mesh, asked);
+  const std::vector<Sky> answers = sky_of(mesh, asked, rays_for(asked.size(), cpu_s));
   std::vector<Sky> sky(mesh.faces.size());
   for (std::size_t g = 0; g < groups.size(); ++g) {
     for (const int f : groups[g]) sky[at(f)] = answers[g];

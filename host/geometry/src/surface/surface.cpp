@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "edge_sides.hpp"
 #include "index.hpp"
@@ -79,18 +80,26 @@ void Surface::compute_normals() {
 }
 
 void Surface::find_border() {
+  loops_ = border_loops_of(mesh_, neighbour_);
+  std::map<std::pair<int, int>, std::array<int, 2>> beyond;  // of each edge, from its first to its second vertex
+  for (const auto& loop : loops_) {
+    const std::size_t n = loop.size();
+    for (std::size_t k = 0; k < n; ++k)
+      beyond[{loop[k], loop[(k + 1) % n]}] = {loop[(k + n - 1) % n], loop[(k + 2) % n]};
+  }
   for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
     for (int s = 0; s < 3; ++s) {
-      if (neighbour_[f][at(s)] < 0) border_sides_.push_back({static_cast<int>(f), s});
+      if (neighbour_[f][at(s)] >= 0) continue;
+      const auto& corner = mesh_.faces[f];
+      border_sides_.push_back({static_cast<int>(f), s, beyond.at({corner[at(s)], corner[at((s + 1) % 3)]})});
     }
   }
-  loops_ = border_loops_of(mesh_, neighbour_);
 }
 
 void Surface::build_trees() {
   face_tree_ = tree_of_faces(mesh_, all_threads());
   std::vector<BoxTree::Extent> extents;
-  for (const auto& [face, side] : border_sides_) {
+  for (const auto& [face, side, beyond] : border_sides_) {
     const auto& f = mesh_.faces[at(face)];
     const auto a = mesh_.vertices[at(f[at(side)])].array(), b = mesh_.vertices[at(f[at((side + 1) % 3)])].array();
     extents.push_back({Eigen::Array3d(a.min(b)), Eigen::Array3d(a.max(b))});
@@ -114,11 +123,11 @@ void Surface::faces_within(const Vec3& query_mm, double distance_mm, std::vector
 }
 
 BorderPoint Surface::closest_on_edge(int item, const Vec3& query_mm) const {
-  const auto [face, side] = border_sides_[at(item)];
+  const auto& [face, side, beyond] = border_sides_[at(item)];
   const auto& f = mesh_.faces[at(face)];
   const Vec3 &a = mesh_.vertices[at(f[at(side)])], &b = mesh_.vertices[at(f[at((side + 1) % 3)])];
   const double t = closest_on_segment(query_mm, a, b);
-  BorderPoint closest{{a + t * (b - a), face, Vec3::Zero(), 0.0}, side};
+  BorderPoint closest{{a + t * (b - a), face, Vec3::Zero(), 0.0}, side, beyond};
   closest.point.barycentric[side] = 1.0 - t;
   closest.point.barycentric[(side + 1) % 3] = t;
   return closest;

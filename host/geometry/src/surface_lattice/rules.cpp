@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "layout/rigid.hpp"
+#include "layout/overrun.hpp"
 #include "overlap.hpp"
 #include "triskin/design/outline.hpp"
 
@@ -166,7 +166,7 @@ bool Rules::exceeds_overrun(NearSurface& surface, const NetTriangle& t) const {
     for (int k = 0; k < kSideParts; ++k) {
       const Vec3 a = from + k * part;
       if (surface.border_at_least(a + 0.5 * part) >= kClear_mm + 0.5 * kSide_mm / kSideParts) continue;
-      if (overrun_of_line(surface.surface(), a, a + part, limits_.overrun_mm - kOverrunStep_mm) > limits_.overrun_mm)
+      if (overrun_of_line(surface.surface(), a, a + part, limits_.overrun_mm - kOverrunStep_mm).mm > limits_.overrun_mm)
         return true;
     }
   }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
+
 #include "triskin/geometry/design_types.hpp"
 #include "triskin/geometry/placement.hpp"
 #include "triskin/geometry/surface.hpp"
@@ -20,11 +22,13 @@ struct TiledPiece {
 /// the worst first. Islands are what stays joined. The metrics of each module are those of measure(). `corner_cut_mm`
 /// (design/outline.hpp): that of the tiles; corners that are cut off may stand over the border.
 /// `regions` of the surface: what reaches into one that must stay free is given up.
-/// Errors: none for pieces of this surface. Deterministic; thread-safe. Cost: that of measure() a round of refitting.
-/// Source: W. Kabsch, Acta Cryst. A32 (1976).
+/// `give_up` is asked between pieces, after some thousand modules: when true, the pieces that follow are left out,
+/// their modules counted in layout.refused as "time_limit". Errors: none for pieces of this surface. Deterministic;
+/// thread-safe. Cost: that of measure() a round of refitting. Source: W. Kabsch, Acta Cryst. A32 (1976).
 [[nodiscard]] ModuleLayout map_modules(const Surface& surface, const std::vector<TiledPiece>& pieces,
                                        const LayoutLimits& limits, double corner_cut_mm = 0.0,
-                                       const SurfaceRegions* regions = nullptr);
+                                       const SurfaceRegions* regions = nullptr,
+                                       const std::function<bool()>& give_up = {});
 
 /// Measures the layout and gives up what breaks a limit, the worst first: joints become slits, modules go (counted in
 /// layout.refused, names as in design files). Numbers the islands anew by what stays joined. Cost: measure() once, then

@@ -21,7 +21,8 @@ struct SurfacePoint {
 /// Closest point of one border edge.
 struct BorderPoint {
   SurfacePoint point;
-  int side = 0;  ///< of the face: corner side → side + 1
+  int side = 0;                       ///< of the face: corner side → side + 1
+  std::array<int, 2> beyond{-1, -1};  ///< vertices of its border loop before and after the edge
 };
 
 /// Manifold, oriented triangle surface with border: topology, normals, closest points. Immutable after construction;
@@ -77,7 +78,11 @@ class Surface {
   std::vector<std::array<int, 3>> neighbour_;
   std::vector<Vec3> face_normal_, vertex_normal_;
   std::vector<std::vector<int>> loops_;
-  std::vector<std::array<int, 2>> border_sides_;  // face, side
+  struct BorderSide {
+    int face, side;
+    std::array<int, 2> beyond;
+  };
+  std::vector<BorderSide> border_sides_;
   double area_mm2_ = 0.0;
   BoxTree face_tree_, border_tree_;
 };

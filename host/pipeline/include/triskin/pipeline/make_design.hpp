@@ -46,6 +46,8 @@ struct DesignNotes {
   int pieces = 0, surface = 0;
   int solver_faces = 0;              ///< of the mesh that was searched on; of the surface where that was it
   double solver_deviation_mm = 0.0;  ///< of that mesh from the surface, proved; 0 where it is the surface
+  int pieces_left_out = 0;           ///< pieces that no time was left to place
+  bool growth_left_out = false;      ///< no time was left for the growth
   geometry::ExtractReport extract;
 };
 
