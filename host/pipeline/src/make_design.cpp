@@ -35,8 +35,7 @@ constexpr double kMostUnfolded = 2.0;        // times that, above which the firs
 constexpr double kPiecesShare = 0.12;        // of the time; what the growth has left after it
 constexpr double kPieceLeast_s = 0.1;        // a piece gets, or what a short limit has for it
 constexpr double kMapped_s = 2.5e-4;         // of a module on a piece: its mapping and what follows; measured
-constexpr double kPlacingEnd = 0.65,
-                 kMappingEnd = 0.85;  // of the time; pieces that have not begun by then are left out
+constexpr double kPlacingEnd = 0.65, kMappingEnd = 0.85;   // of the time: what is not begun by then is left out
 constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;  // up to which the limit binds
 constexpr double kMostOver = 0.12, kLeastGrowth_s = 0.1;   // of the limit, that it may be passed by for that share
 constexpr double kWorthGrowing = 0.1;                      // of the surface, uncovered by the pieces: all of that share

@@ -168,6 +168,8 @@ double OverrunSearch::most_across(const BorderPoint& b, std::span<const Vec3> pa
   const Vec3 n = surface_.normal_at(b.point);
   const auto [from, to] = ends_of(b);
   const Vec3 edge = to - from;
+  const double around = across(off, n) + 3.0 * reach;
+  if (!(edge.squaredNorm() > 0.0)) return around;
   double at_corners = 0.0, from_line = 0.0;
   for (const Vec3& q : part) {
     const Vec3 way = q - from - (q - from).dot(edge) / edge.squaredNorm() * edge;
@@ -177,7 +179,6 @@ double OverrunSearch::most_across(const BorderPoint& b, std::span<const Vec3> pa
   const double past_from = past_end(from, b.beyond[0], -edge, part, from_line),
                past_to = past_end(to, b.beyond[1], edge, part, from_line);
   if (past_from < 0.0 || past_to < 0.0) return 0.0;
-  const double around = across(off, n) + 3.0 * reach;
   const auto& f = surface_.mesh().faces[static_cast<std::size_t>(b.point.face)];
   const Vec3 &n_from = surface_.vertex_normal(f[static_cast<std::size_t>(b.side)]),
              &n_to = surface_.vertex_normal(f[static_cast<std::size_t>((b.side + 1) % 3)]);
