@@ -179,7 +179,7 @@ class OverrunSearch {
     const auto height = [&](const P3& q) { return normal.dot(q - face[0]); };
     const auto [low, high] = std::ranges::minmax(part | std::views::transform(height));
     return std::ranges::none_of(near, [&, low = low, high = high](const BorderEdge* e) {
-      const auto [least, most] = std::minmax(height(e->a), height(e->b));
+      const auto [least, most] = std::minmax({height(e->a), height(e->b)});
       return (high > kTouchingSide_mm && most > kTouchingSide_mm) ||
              (low < -kTouchingSide_mm && least < -kTouchingSide_mm);
     });
