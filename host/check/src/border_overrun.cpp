@@ -177,11 +177,11 @@ class OverrunSearch {
     const P3 normal = unit_normal(face);
     if (lack_mm_ > 0.0 || !(normal.norm() > 0.5)) return false;  // no planes at a face without area
     const auto height = [&](const P3& q) { return normal.dot(q - face[0]); };
-    const auto [low, high] = std::ranges::minmax(part | std::views::transform(height));
-    return std::ranges::none_of(near, [&, low = low, high = high](const BorderEdge* e) {
+    const auto of_part = std::ranges::minmax(part | std::views::transform(height));
+    return std::ranges::none_of(near, [&](const BorderEdge* e) {
       const auto [least, most] = std::minmax({height(e->a), height(e->b)});
-      return (high > kTouchingSide_mm && most > kTouchingSide_mm) ||
-             (low < -kTouchingSide_mm && least < -kTouchingSide_mm);
+      return (of_part.max > kTouchingSide_mm && most > kTouchingSide_mm) ||
+             (of_part.min < -kTouchingSide_mm && least < -kTouchingSide_mm);
     });
   }
 
