@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <random>
 
+#include "extract/broken_meshes.hpp"
 #include "shapes.hpp"
 #include "triskin/design/tile.hpp"
 
@@ -18,24 +19,19 @@ namespace {
 constexpr double kCell_mm = 25.0;
 constexpr int kCells = 8;
 
-void add(Mesh& mesh, const Mesh& other) {
-  const int first = static_cast<int>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
-  for (const auto& [a, b, c] : other.faces) mesh.faces.push_back({a + first, b + first, c + first});
-}
-
 // A skin of square cells, bent to a radius along x, each parted from the next by a crack.
 Mesh cracked_skin(double crack_mm, double radius_mm, bool with_hole) {
   Mesh skin;
   for (int i = 0; i < kCells; ++i) {
     for (int j = 0; j < kCells; ++j) {
       if (with_hole && i == 4 && j == 4) continue;
-      add(skin, grid_mesh(4, 1, [&](double u, double v) {
-            const double side = kCell_mm - crack_mm, x = (i - 0.5 * kCells) * kCell_mm + 0.5 * crack_mm + side * u;
-            const double angle = x / radius_mm;
-            return Vec3(radius_mm * std::sin(angle), (j - 0.5 * kCells) * kCell_mm + 0.5 * crack_mm + side * v,
-                        radius_mm * (std::cos(angle) - 1.0));
-          }));
+      test::append(skin, grid_mesh(4, 1, [&](double u, double v) {
+                     const double side = kCell_mm - crack_mm,
+                                  x = (i - 0.5 * kCells) * kCell_mm + 0.5 * crack_mm + side * u;
+                     const double angle = x / radius_mm;
+                     return Vec3(radius_mm * std::sin(angle), (j - 0.5 * kCells) * kCell_mm + 0.5 * crack_mm + side * v,
+                                 radius_mm * (std::cos(angle) - 1.0));
+                   }));
     }
   }
   return skin;
@@ -46,9 +42,9 @@ Mesh ribs(double gap_mm) {
   Mesh walls;
   for (int k = 1; k < 3 * kCells; ++k) {
     const double at_mm = (k / 3.0 - 0.5 * kCells) * kCell_mm, half_mm = 0.45 * kCells * kCell_mm;
-    add(walls, grid_mesh(1, 1, [&](double u, double v) {
-          return Vec3(at_mm, half_mm * (2.0 * u - 1.0), -gap_mm - 20.0 * v);
-        }));
+    test::append(walls, grid_mesh(1, 1, [&](double u, double v) {
+                   return Vec3(at_mm, half_mm * (2.0 * u - 1.0), -gap_mm - 20.0 * v);
+                 }));
   }
   return walls;
 }
@@ -86,7 +82,7 @@ TEST(Overrun, a_rib_under_the_skin_is_no_border_of_it_and_costs_little) {
   for (const double gap_mm : {0.0, 1e-3, 1e-2}) {
     Mesh mesh = plane(200.0, 200.0);
     for (Vec3& v : mesh.vertices) v -= Vec3(100.0, 100.0, 0.0);
-    add(mesh, ribs(gap_mm));
+    test::append(mesh, ribs(gap_mm));
     const Surface surface(mesh);
     for (const double height_mm : {0.0, 0.01, 0.5, 2.0}) {
       for (const double turn_rad : {0.0, 0.3, M_PI / 6}) {
@@ -119,7 +115,7 @@ TEST(Overrun, is_the_largest_of_a_fine_grid_beside_a_hole_a_rim_ribs_and_cracks)
   for (const double crack_mm : {0.0, 1e-3, 0.2}) {
     for (const double radius_mm : {80.0, 1e5}) {
       Mesh mesh = cracked_skin(crack_mm, radius_mm, true);
-      if (radius_mm > 1e4) add(mesh, ribs(1e-3));
+      if (radius_mm > 1e4) test::append(mesh, ribs(1e-3));
       const Surface surface(mesh);
       for (int k = 0; k < kModules; ++k) {
         const double reach_mm = k % 2 == 0 ? 30.0 : 110.0;

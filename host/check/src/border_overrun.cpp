@@ -39,17 +39,7 @@ double area_in_space(const Outline3& part) {
 
 // What of a part is on the near side of the plane through p, and what is on the side that the normal points to.
 std::array<Outline3, 2> cut(const Outline3& part, const P3& p, const P3& normal) {
-  std::array<Outline3, 2> halves;
-  const std::size_t n = part.size();
-  for (std::size_t k = 0; k < n; ++k) {
-    const P3 &q = part[k], &next = part[(k + 1) % n];
-    const double here = normal.dot(q - p), there = normal.dot(next - p);
-    halves[here > 0.0 ? 1 : 0].push_back(q);
-    if ((here > 0.0) == (there > 0.0)) continue;
-    const P3 crossing = q + (next - q) * (here / (here - there));
-    for (Outline3& half : halves) half.push_back(crossing);
-  }
-  return halves;
+  return {clipped(part, p, normal), clipped(part, p, -normal)};
 }
 
 // A part in two, across its greatest length.
@@ -162,10 +152,9 @@ class OverrunSearch {
 
   // No point of the part is farther from the surface than its farthest corner is from the face. The border that is
   // nearest to a point which stands over it is no farther either, so the point is past it by no more.
-  [[nodiscard]] bool is_close(const Triangle3& face, const Outline3& part) const {
-    const double far = std::ranges::max(part | std::views::transform(
-                                                   [&](const P3& q) { return SurfaceIndex::distance_to(face, q); })) +
-                       2.0 * kTouch_mm;
+  [[nodiscard]] bool is_close(std::size_t face, const Outline3& part) const {
+    const auto distance = [&](const P3& q) { return surface_.distance_to(face, q); };
+    const double far = std::ranges::max(part | std::views::transform(distance)) + 2.0 * kTouch_mm;
     return far <= best_ + kOverrunStep_mm || far < past_mm_;
   }
 
@@ -202,12 +191,12 @@ class OverrunSearch {
     const bool more = std::ranges::any_of(
         near, [&](const BorderEdge* e) { return bound(*e, part, m, radius) > best_ + kOverrunStep_mm; });
     if (!more || radius < kSmallest_mm) return;
+    if (is_close(hit.face, part)) return;
     const Triangle3 face = surface_.triangle(hit.face);
-    if (is_close(face, part)) return;
     constexpr double kWorth = 0.25;  // of the area: below, halves find faces that cover more of them
     const Division by_face = divide_by(face, part);
     if (area_in_space(by_face.over) > kWorth * area_in_space(part) &&
-        (is_close(face, by_face.over) || is_covered(face, by_face.over, near))) {
+        (is_close(hit.face, by_face.over) || is_covered(face, by_face.over, near))) {
       for (const Outline3& beside : by_face.beside) divide(beside, near);
       return;
     }

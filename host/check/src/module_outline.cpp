@@ -10,23 +10,22 @@ namespace {
 const double kRoot3 = std::sqrt(3.0);
 const double kToSide = kSide * kRoot3 / 6.0, kToCorner = kSide * kRoot3 / 3.0;  // from the centre
 
-// The part with direction·(p − center) ≤ limit (Sutherland and Hodgman).
-Outline3 clipped(const Outline3& outline, const P3& center, const P3& direction, double limit) {
-  Outline3 kept;
-  for (std::size_t k = 0; k < outline.size(); ++k) {
-    const P3 &a = outline[k], &b = outline[(k + 1) % outline.size()];
-    const double at_a = direction.dot(a - center) - limit, at_b = direction.dot(b - center) - limit;
-    if (at_a <= 0.0) kept.push_back(a);
-    if ((at_a < 0.0 && at_b > 0.0) || (at_a > 0.0 && at_b < 0.0)) kept.push_back(a + at_a / (at_a - at_b) * (b - a));
-  }
-  return kept;
-}
-
 double cut_from_center(double cut) {
   return kToCorner - cut * kRoot3 / 2.0;
 }
 
 }  // namespace
+
+Outline3 clipped(const Outline3& outline, const P3& from, const P3& direction, double limit) {
+  Outline3 kept;
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const P3 &a = outline[k], &b = outline[(k + 1) % outline.size()];
+    const double at_a = direction.dot(a - from) - limit, at_b = direction.dot(b - from) - limit;
+    if (at_a <= 0.0) kept.push_back(a);
+    if ((at_a < 0.0 && at_b > 0.0) || (at_a > 0.0 && at_b < 0.0)) kept.push_back(a + at_a / (at_a - at_b) * (b - a));
+  }
+  return kept;
+}
 
 Outline3 module_outline(const Triangle3& corners, double cut, double inset) {
   const P3 c = centroid(corners);

@@ -14,6 +14,10 @@ using Outline3 = std::vector<P3>;
 /// triangle.
 [[nodiscard]] Outline3 module_outline(const Triangle3& corners, double cut, double inset = 0.0);
 
+/// The part of a convex outline with direction · (p - from) <= limit (Sutherland and Hodgman); points on the line are
+/// in it.
+[[nodiscard]] Outline3 clipped(const Outline3& outline, const P3& from, const P3& direction, double limit = 0.0);
+
 /// How far a point lies beyond the line of the nearest cut, mm; negative inside. `cut` > 0.
 [[nodiscard]] double beyond_cut(const Triangle3& corners, double cut, const P3& point);
 

@@ -73,10 +73,8 @@ SurfaceIndex::Hit SurfaceIndex::closest(const P3& p) const {
   return hit;
 }
 
-double SurfaceIndex::distance_to(const Triangle3& face, const P3& p) {
-  const auto point = [](const P3& q) { return Kernel::Point_3(q.x(), q.y(), q.z()); };
-  const Kernel::Triangle_3 triangle(point(face[0]), point(face[1]), point(face[2]));
-  return std::sqrt(CGAL::squared_distance(point(p), triangle));
+double SurfaceIndex::distance_to(std::size_t face, const P3& p) const {
+  return std::sqrt(CGAL::squared_distance(Kernel::Point_3(p.x(), p.y(), p.z()), triangles_[face]));
 }
 
 double SurfaceIndex::distance(const P3& p) const {

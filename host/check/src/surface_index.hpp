@@ -29,7 +29,7 @@ class SurfaceIndex {
   explicit SurfaceIndex(const CheckedDesign& design);
   [[nodiscard]] Hit closest(const P3& p) const;
   [[nodiscard]] double distance(const P3& p) const;
-  [[nodiscard]] static double distance_to(const Triangle3& face, const P3& p);
+  [[nodiscard]] double distance_to(std::size_t face, const P3& p) const;
   [[nodiscard]] Triangle3 triangle(std::size_t face) const { return triangle(design_.faces[face]); }
   [[nodiscard]] const std::vector<BorderEdge>& border() const { return border_; }
 

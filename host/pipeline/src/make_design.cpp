@@ -103,13 +103,10 @@ std::vector<geometry::TiledPiece> place_pieces(design::Design& design, const geo
   double area_left = 0.0;
   for (const auto& piece : net.pieces) area_left += geometry::polygon_area(piece.outline);
   std::size_t modules = 0;
-  const auto is_over = [&] {
-    const double limit_s = options.time_limit_s, now_s = seconds_since(start);
-    return options.iterations == 0 &&
-           (now_s > kPlacingEnd * limit_s || now_s + kMapped_s * static_cast<double>(modules) > limit_s);
-  };
   for (const design::Piece& piece : net.pieces) {
-    if (!placed.empty() && is_over()) break;
+    const double end_s =
+        std::min(kPlacingEnd * options.time_limit_s, options.time_limit_s - kMapped_s * static_cast<double>(modules));
+    if (!placed.empty() && options.iterations == 0 && seconds_since(start) > end_s) break;
     const double area = geometry::polygon_area(piece.outline);
     geometry::PlacementOptions p;
     p.seed = options.seed;

@@ -3,6 +3,8 @@
 
 #include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "corner_cut_option.hpp"
 #include "design_edit.hpp"
@@ -100,11 +102,12 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
       r.max_edge_error_mm, r.max_hinge_gap_mm, r.max_center_gap_mm, r.max_edge_lift_mm, r.max_edge_depth_mm));
   output.say(fmt::format("pieces give {} modules, growth on the surface {}: {} taken", notes.pieces, notes.surface,
                          design::kLayoutMethodNames.name(d.layout.method)));
-  if (notes.pieces_left_out > 0 || notes.growth_left_out) {
-    output.say(fmt::format("no time was left for {}{}{}; a longer --time-limit-s may give more modules",
-                           notes.pieces_left_out > 0 ? fmt::format("{} pieces", notes.pieces_left_out) : "",
-                           notes.pieces_left_out > 0 && notes.growth_left_out ? " and " : "",
-                           notes.growth_left_out ? "the growth on the surface" : ""));
+  std::vector<std::string> left_out;
+  if (notes.pieces_left_out > 0) left_out.push_back(fmt::format("{} pieces", notes.pieces_left_out));
+  if (notes.growth_left_out) left_out.emplace_back("the growth on the surface");
+  if (!left_out.empty()) {
+    output.say(fmt::format("no time was left for {}; a longer --time-limit-s may give more modules",
+                           fmt::join(left_out, " and ")));
   }
   for (const auto& [limit, count] : d.layout.refused)
     output.say(fmt::format("  {} refused {} further modules", limit, count));

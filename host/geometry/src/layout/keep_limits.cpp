@@ -125,10 +125,14 @@ void number_islands(ModuleLayout& layout) {
 
 void keep_limits(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout,
                  const SurfaceRegions* regions) {
-  tbb::parallel_for(std::size_t{0}, layout.modules.size(), [&](std::size_t k) {
+  measure_modules(surface, layout, 0, regions);
+  keep_limits_as_measured(surface, limits, layout);
+}
+
+void measure_modules(const Surface& surface, ModuleLayout& layout, std::size_t first, const SurfaceRegions* regions) {
+  tbb::parallel_for(first, layout.modules.size(), [&](std::size_t k) {
     measure_on_surface(surface, layout.modules[k], layout.corner_cut_mm, regions);
   });
-  keep_limits_as_measured(surface, limits, layout);
 }
 
 void keep_limits_as_measured(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout) {

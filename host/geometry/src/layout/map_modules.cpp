@@ -143,7 +143,7 @@ class Mapper {
         continue;
       }
       add_piece(pieces[p], static_cast<int>(p));
-      if (layout_.modules.size() < mapped + kTogether && p + 1 < pieces.size()) continue;
+      if (layout_.modules.size() < mapped + kTogether) continue;
       relax_and_measure(mapped);
       mapped = layout_.modules.size();
     }
@@ -193,9 +193,7 @@ class Mapper {
       });
       for (std::size_t k = 0; k < n; ++k) layout_.modules[first + k].corner_mm = fitted[k];
     }
-    tbb::parallel_for(first, layout_.modules.size(), [&](std::size_t k) {
-      measure_on_surface(surface_, layout_.modules[k], layout_.corner_cut_mm, regions_);
-    });
+    measure_modules(surface_, layout_, first, regions_);
   }
 
   [[nodiscard]] Vec3 pulled_corner(const PlacedModule& m, int c, Vec3& foot) const {

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "index.hpp"
 #include "search_bound.hpp"
 
 namespace triskin::geometry {
@@ -38,12 +39,16 @@ struct Near {
   }
 };
 
+// The way less what of it is along a unit normal.
+double across(const Vec3& way, const Vec3& normal) {
+  return (way - way.dot(normal) * normal).norm();
+}
+
 Stand stand(const Surface& surface, const Vec3& p, const Near& near) {
   const SurfacePoint border = surface.closest_on_border(p, near.border_mm);
   const SurfacePoint foot = surface.closest(p, near.surface_mm);
   if (border.face < 0) return {foot, border.distance_mm, 0.0};
-  const Vec3 off = p - border.position_mm, n = surface.normal_at(border);
-  return {foot, border.distance_mm, (off - off.dot(n) * n).norm()};
+  return {foot, border.distance_mm, across(p - border.position_mm, surface.normal_at(border))};
 }
 
 // The least way from p to a point that is as near to some point of an edge as to a point f of the surface; b is the
@@ -62,8 +67,8 @@ class FacePrism {
   static constexpr double kTouch_mm = 1e-6;  // a part may reach past a side by this: no splinters at the sides
 
   FacePrism(const Surface& surface, int face) : n_(surface.face_normal(face)) {
-    const auto& f = surface.mesh().faces[static_cast<std::size_t>(face)];
-    for (std::size_t k = 0; k < 3; ++k) corner_[k] = surface.mesh().vertices[static_cast<std::size_t>(f[k])];
+    const auto& f = surface.mesh().faces[at(face)];
+    for (std::size_t k = 0; k < 3; ++k) corner_[k] = surface.mesh().vertices[at(f[k])];
     for (std::size_t k = 0; k < 3; ++k) out_[k] = (corner_[(k + 1) % 3] - corner_[k]).cross(n_).normalized();
   }
   [[nodiscard]] double distance(const Vec3& p) const {
@@ -164,7 +169,6 @@ bool OverrunSearch::may_exceed(std::span<const Vec3> part, const Vec3& p, const 
 // turns along the border, too. The way across a fixed normal is largest at a corner; what the normal turns is added.
 double OverrunSearch::most_across(const BorderPoint& b, std::span<const Vec3> part, const Vec3& off,
                                   double reach) const {
-  const auto across = [](const Vec3& way, const Vec3& normal) { return (way - way.dot(normal) * normal).norm(); };
   const Vec3 n = surface_.normal_at(b.point);
   const auto [from, to] = ends_of(b);
   const Vec3 edge = to - from;
@@ -179,9 +183,8 @@ double OverrunSearch::most_across(const BorderPoint& b, std::span<const Vec3> pa
   const double past_from = past_end(from, b.beyond[0], -edge, part, from_line),
                past_to = past_end(to, b.beyond[1], edge, part, from_line);
   if (past_from < 0.0 || past_to < 0.0) return 0.0;
-  const auto& f = surface_.mesh().faces[static_cast<std::size_t>(b.point.face)];
-  const Vec3 &n_from = surface_.vertex_normal(f[static_cast<std::size_t>(b.side)]),
-             &n_to = surface_.vertex_normal(f[static_cast<std::size_t>((b.side + 1) % 3)]);
+  const auto& f = surface_.mesh().faces[at(b.point.face)];
+  const Vec3 &n_from = surface_.vertex_normal(f[at(b.side)]), &n_to = surface_.vertex_normal(f[at((b.side + 1) % 3)]);
   const double shortest = 0.5 * (n_from + n_to).norm();  // of the interpolated normals, where the ends' are units
   if (!(shortest > 0.5)) return around;
   const double turned = (n_to - n_from).norm() / (edge.norm() * shortest) * reach * (off.norm() + reach);
@@ -194,7 +197,7 @@ double OverrunSearch::most_across(const BorderPoint& b, std::span<const Vec3> pa
 // part.
 double OverrunSearch::past_end(const Vec3& end, int beyond, const Vec3& way, std::span<const Vec3> part,
                                double from_line) const {
-  const Vec3 next = (surface_.mesh().vertices[static_cast<std::size_t>(beyond)] - end).normalized();
+  const Vec3 next = (surface_.mesh().vertices[at(beyond)] - end).normalized();
   const auto past = [&](const Vec3& q) { return way.dot(q - end) > 0.0; };
   if (std::ranges::none_of(part, past)) return 0.0;
   if (std::ranges::all_of(part, [&](const Vec3& q) { return past(q) && next.dot(q - end) > 0.0; })) return -1.0;
@@ -204,10 +207,8 @@ double OverrunSearch::past_end(const Vec3& end, int beyond, const Vec3& way, std
 }
 
 std::pair<const Vec3&, const Vec3&> OverrunSearch::ends_of(const BorderPoint& b) const {
-  const auto& face = surface_.mesh().faces[static_cast<std::size_t>(b.point.face)];
-  const auto corner = [&](int k) -> const Vec3& {
-    return surface_.mesh().vertices[static_cast<std::size_t>(face[static_cast<std::size_t>(k % 3)])];
-  };
+  const auto& face = surface_.mesh().faces[at(b.point.face)];
+  const auto corner = [&](int k) -> const Vec3& { return surface_.mesh().vertices[at(face[at(k % 3)])]; };
   return {corner(b.side), corner(b.side + 1)};
 }
 

@@ -31,18 +31,21 @@ class RepairTime {
   double whole_s_, end_s_;
 };
 
+/// Rays for each side of a face that is asked what it sees of the sky.
+inline constexpr int kSkyRays = 64, kFewestSkyRays = 8;
+
 /// Cosine-weighted share of the sky that each of these faces sees above its front and its back (directions that
-/// repeat). Cost: 2 · `rays` (8 … 64) rays a face asked, on all cores.
+/// repeat). Cost: 2 · `rays` > 0 rays a face asked, on all cores.
 struct Sky {
   double front = 0.0, back = 0.0;
 };
-[[nodiscard]] std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces, int rays = 64);
+[[nodiscard]] std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces, int rays = kSkyRays);
 
 /// Number of faces that sky_of() answers for in about `cpu_s` seconds of processor time, counted as at least 0.2 s.
 [[nodiscard]] std::size_t faces_asked_in(double cpu_s);
 
-/// Rays for each side of so many faces that fit into `cpu_s` seconds of processor time: 8 … 64. A soup has too many
-/// faces of which none stands for another: eight rays still tell inside from outside.
+/// Rays for each side of so many faces that fit into `cpu_s` seconds of processor time: kFewestSkyRays … kSkyRays. A
+/// soup has too many faces of which none stands for another: eight rays still tell inside from outside.
 [[nodiscard]] int rays_for(std::size_t faces, double cpu_s);
 
 /// The same of all faces in about `cpu_s` > 0 seconds of processor time, at least 0.2 s: of a mesh with too many faces

@@ -23,7 +23,6 @@ using Triangles = std::vector<Kernel::Triangle_3>;
 using Tree =
     CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>>>;
 
-constexpr int kRays = 64, kFewestRays = 8;
 constexpr double kStart_mm = 0.05;  // above the face
 constexpr int kEvenPasses = 4;
 constexpr double kRaysPer_s = 8e5;      // of processor time, measured on scans of 50,000 … 120,000 faces
@@ -167,12 +166,12 @@ std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces, int ray
 }
 
 std::size_t faces_asked_in(double cpu_s) {
-  return static_cast<std::size_t>(kRaysPer_s * std::max(cpu_s, kLeastSky_s) / (2.0 * kRays));
+  return static_cast<std::size_t>(kRaysPer_s * std::max(cpu_s, kLeastSky_s) / (2.0 * kSkyRays));
 }
 
 int rays_for(std::size_t faces, double cpu_s) {
-  const std::size_t fitting = kRays * faces_asked_in(cpu_s) / std::max<std::size_t>(1, faces);
-  return std::clamp(static_cast<int>(std::min<std::size_t>(fitting, kRays)), kFewestRays, kRays);
+  const std::size_t fitting = kSkyRays * faces_asked_in(cpu_s) / std::max<std::size_t>(1, faces);
+  return static_cast<int>(std::clamp<std::size_t>(fitting, kFewestSkyRays, kSkyRays));
 }
 
 std::vector<Sky> sky_of_all(const Mesh& mesh, double cpu_s) {

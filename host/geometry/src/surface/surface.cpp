@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "edge_sides.hpp"
 #include "index.hpp"
@@ -80,20 +79,19 @@ void Surface::compute_normals() {
 }
 
 void Surface::find_border() {
-  loops_ = border_loops_of(mesh_, neighbour_);
-  std::map<std::pair<int, int>, std::array<int, 2>> beyond;  // of each edge, from its first to its second vertex
-  for (const auto& loop : loops_) {
-    const std::size_t n = loop.size();
-    for (std::size_t k = 0; k < n; ++k)
-      beyond[{loop[k], loop[(k + 1) % n]}] = {loop[(k + n - 1) % n], loop[(k + 2) % n]};
-  }
+  std::vector<int> before(mesh_.vertices.size(), -1),
+      after = before;  // along the border; of several at a vertex the last
   for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
     for (int s = 0; s < 3; ++s) {
       if (neighbour_[f][at(s)] >= 0) continue;
-      const auto& corner = mesh_.faces[f];
-      border_sides_.push_back({static_cast<int>(f), s, beyond.at({corner[at(s)], corner[at((s + 1) % 3)]})});
+      const int from = mesh_.faces[f][at(s)], to = mesh_.faces[f][at((s + 1) % 3)];
+      after[at(from)] = to;
+      before[at(to)] = from;
+      border_sides_.push_back({static_cast<int>(f), s, {from, to}});
     }
   }
+  for (BorderSide& side : border_sides_) side.beyond = {before[at(side.beyond[0])], after[at(side.beyond[1])]};
+  loops_ = border_loops_of(mesh_, neighbour_);
 }
 
 void Surface::build_trees() {

@@ -22,7 +22,7 @@ struct SurfacePoint {
 struct BorderPoint {
   SurfacePoint point;
   int side = 0;                       ///< of the face: corner side → side + 1
-  std::array<int, 2> beyond{-1, -1};  ///< vertices of its border loop before and after the edge
+  std::array<int, 2> beyond{-1, -1};  ///< vertices of the border before and after the edge
 };
 
 /// Manifold, oriented triangle surface with border: topology, normals, closest points. Immutable after construction;
