@@ -151,9 +151,10 @@ TEST(Grower, removes_what_stands_over_the_border_too_far_but_no_fixed_module) {
 // 41/16 + 15/32 = 97/32 controllers and (79 + 32 + 32 − 97)/32 = 46/32 jumpers. Apart: 143/32 controllers, none.
 TEST(RelaxedPrice, counts_jumpers_as_the_wiring_does) {
   const Price price{.controller = 2.0, .jumper = 0.25, .island = 0.1};
-  EXPECT_DOUBLE_EQ(relaxed_price({32, 8, 1}, {0, 0, 0}, price), 2.0 * 97 / 32 + 0.25 * 46 / 32 + 0.3);
-  EXPECT_DOUBLE_EQ(relaxed_price({32, 8, 1}, {0, 1, 2}, price), 2.0 * 143 / 32 + 0.3);
-  EXPECT_DOUBLE_EQ(relaxed_price({12}, {0}, price), 2.0 * 39 / 32 + 0.1);
+  EXPECT_DOUBLE_EQ(relaxed_price({32, 8, 1}, {0, 0, 0}, price).sum(), 2.0 * 97 / 32 + 0.25 * 46 / 32 + 0.3);
+  EXPECT_DOUBLE_EQ(relaxed_price({32, 8, 1}, {0, 1, 2}, price).sum(), 2.0 * 143 / 32 + 0.3);
+  EXPECT_DOUBLE_EQ(relaxed_price({32, 8, 1}, {0, 0, 0}, price).controllers, 2.0 * 97 / 32);
+  EXPECT_DOUBLE_EQ(relaxed_price({12}, {0}, price).sum(), 2.0 * 39 / 32 + 0.1);
 }
 
 // Jumpers: Σ ⌈nᵢ / 16⌉ − ⌈n / 16⌉. 90 and 6 modules are divided into 16 · 5 + 10 and 6: six controllers,

@@ -151,7 +151,7 @@ bool Grower::crowded(const LatticeNet& net, const Triangle& corners, int beside)
 }
 
 bool Grower::try_seed(LatticeNet& net, const Triangle& corners) {
-  if (crowded(net, corners, -1)) return false;
+  if (!zone_.holds((corners[0] + corners[1] + corners[2]) / 3.0) || crowded(net, corners, -1)) return false;
   const int island = net.new_island();
   const Tile tile;
   std::array<int, 3> v{};
@@ -232,7 +232,7 @@ void Grower::grow_from(LatticeNet& net, const std::vector<Side>& front, const Ba
     heap.pop_back();
     const Side s = entry.side;
     if (!net.used(s.triangle) || net.neighbour(s.triangle, s.side) >= 0) continue;
-    if (!ball.holds(net.triangles()[at(s.triangle)].center)) continue;
+    if (!ball.holds(net.triangles()[at(s.triangle)].center) || !zone_.holds(place_beside(net, s))) continue;
     const std::uint64_t surroundings = surroundings_of(net, s);
     std::uint64_t& last_failed = last_failure(failed_join_, s);
     if (last_failed == surroundings) continue;
@@ -247,10 +247,14 @@ void Grower::grow_from(LatticeNet& net, const std::vector<Side>& front, const Ba
   }
 }
 
-// Of the place where a module at a side would come to lie.
-std::uint64_t Grower::surroundings_of(const LatticeNet& net, Side side) const {
+// Where the centre of a module at a side would come to lie, but for the fold.
+Vec3 Grower::place_beside(const LatticeNet& net, Side side) {
   const NetTriangle& t = net.triangles()[at(side.triangle)];
-  return net.signature(t.rigid[at(side.side)] + t.rigid[at((side.side + 1) % 3)] - t.center, kSurroundings_mm);
+  return t.rigid[at(side.side)] + t.rigid[at((side.side + 1) % 3)] - t.center;
+}
+
+std::uint64_t Grower::surroundings_of(const LatticeNet& net, Side side) const {
+  return net.signature(place_beside(net, side), kSurroundings_mm);
 }
 
 std::uint64_t& Grower::last_failure(std::vector<std::array<std::uint64_t, 3>>& failures, Side side) {
@@ -267,6 +271,7 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts)
   for (const Side s : open_sides(net, ball)) {
     if (late()) return;
     if (!net.used(s.triangle) || net.neighbour(s.triangle, s.side) >= 0 || random.unit() < 0.3) continue;
+    if (!zone_.holds(place_beside(net, s))) continue;
     const std::uint64_t surroundings = surroundings_of(net, s);
     std::uint64_t& last_failed = last_failure(failed_seed_, s);
     if (last_failed == surroundings) continue;
@@ -276,7 +281,8 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts)
   }
   std::vector<int> near;
   (void)sample_grid_.any_near(ball.center, ball.radius_mm, [&](int k) {
-    if (ball.holds(samples_[at(k)].point) && !covered(net, samples_[at(k)].point)) near.push_back(k);
+    if (ball.holds(samples_[at(k)].point) && zone_.holds(samples_[at(k)].point) && !covered(net, samples_[at(k)].point))
+      near.push_back(k);
     return false;
   });
   std::ranges::sort(near);

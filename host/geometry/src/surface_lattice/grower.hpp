@@ -10,6 +10,7 @@
 #include "rules.hpp"
 #include "triskin/host/dice.hpp"
 #include "triskin/host/interrupt.hpp"
+#include "zones.hpp"
 
 namespace triskin::geometry::surface_lattice {
 
@@ -41,6 +42,9 @@ class Grower {
   /// Starts islands on what is uncovered in the ball and grows each.
   void fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts);
 
+  /// From here on adds modules only where their centres lie in the zone.
+  void confine(const Zone& zone) { zone_ = zone; }
+
   /// Begins an island with a module at three corners, if it keeps the rules.
   bool try_seed(LatticeNet& net, const Triangle& corners);
 
@@ -69,6 +73,7 @@ class Grower {
   bool keep_or_revert(LatticeNet& net, int triangle);
   [[nodiscard]] Refusal refusal_of(LatticeNet& net, int triangle, double radius_mm, int steps);
   [[nodiscard]] std::vector<Side> open_sides(const LatticeNet& net, const Ball& ball) const;
+  [[nodiscard]] static Vec3 place_beside(const LatticeNet& net, Side side);
   [[nodiscard]] std::uint64_t surroundings_of(const LatticeNet& net, Side side) const;
   [[nodiscard]] std::uint64_t& last_failure(std::vector<std::array<std::uint64_t, 3>>& failures, Side side);
   void grow_from(LatticeNet& net, const std::vector<Side>& front, const Ball& ball, Dice& random);
@@ -78,6 +83,7 @@ class Grower {
   const std::vector<Sample>& samples_;
   PointGrid sample_grid_;
   Relaxer relaxer_;
+  Zone zone_;
   std::vector<int> near_;
   // By side: signature of its surroundings when a module was refused there. While it is equal the side is not tried
   // again.

@@ -168,15 +168,24 @@ int LatticeNet::add_vertex(const Vec3& point, const Vec3& normal, int i, int j) 
   return vertex;
 }
 
-int LatticeNet::add_triangle(int island, const Tile& tile, const std::array<int, 3>& vertex) {
-  int triangle = static_cast<int>(triangles_.size());
-  if (free_triangles_.empty()) {
+// The number, or for −1 the one that became free last; numbers that are left out become free.
+int LatticeNet::take_number(int number) {
+  if (number < 0 && free_triangles_.empty()) number = static_cast<int>(triangles_.size());
+  if (number < 0) number = free_triangles_.back();
+  while (static_cast<int>(triangles_.size()) <= number) {
+    free_triangles_.push_back(static_cast<int>(triangles_.size()));
     triangles_.emplace_back();
     centers_.push_back(kNowhere);
-  } else {
-    triangle = free_triangles_.back();
-    free_triangles_.pop_back();
   }
+  if (free_triangles_.back() == number)
+    free_triangles_.pop_back();
+  else
+    std::erase(free_triangles_, number);
+  return number;
+}
+
+int LatticeNet::add_triangle(int island, const Tile& tile, const std::array<int, 3>& vertex, int number) {
+  const int triangle = take_number(number);
   if (static_cast<int>(triangles_.size()) > tiles_.count()) grow_tiles();
   touch(triangle);
   NetTriangle& t = triangles_[at(triangle)];
@@ -229,6 +238,15 @@ void LatticeNet::pin(int triangle, const Triangle& corners) {
   for (const int v : triangles_[at(triangle)].vertex) edit_vertex(v).is_fixed = true;
 }
 
+void LatticeNet::unpin(int triangle) {
+  triangles_[at(triangle)].is_fixed = false;
+  for (const int v : triangles_[at(triangle)].vertex) {
+    NetVertex& w = edit_vertex(v);
+    const auto end = w.triangles.begin() + w.valence;
+    w.is_fixed = std::any_of(w.triangles.begin(), end, [&](int t) { return triangles_[at(t)].is_fixed; });
+  }
+}
+
 void LatticeNet::fit(int triangle) {
   if (triangles_[at(triangle)].is_fixed) return;
   fit_for_now(triangle);
@@ -274,7 +292,7 @@ std::uint64_t LatticeNet::signature(const Vec3& place, double radius_mm) const {
   constexpr double kStep_mm = 0.2;
   std::uint64_t sum = 0;
   (void)any_near(place, radius_mm, [&](int t) {
-    std::uint64_t h = static_cast<std::uint64_t>(t) + 1;
+    std::uint64_t h = 1;
     for (int k = 0; k < 3; ++k)
       h = (h ^ static_cast<std::uint64_t>(std::llround(centers_[at(t)][k] / kStep_mm))) * 0x9E3779B97F4A7C15ULL;
     sum += h ^ (h >> 29);  // in any order

@@ -91,9 +91,12 @@ class LatticeNet {
   [[nodiscard]] bool in_fan(int a, int b) const;
 
   int add_vertex(const Vec3& point, const Vec3& normal, int i, int j);
-  int add_triangle(int island, const Tile& tile, const std::array<int, 3>& vertex);
-  /// Makes a triangle that was just added a module that never moves, with these corners, and its vertices too.
+  /// `number`: one that no triangle has; −1: any.
+  int add_triangle(int island, const Tile& tile, const std::array<int, 3>& vertex, int number = -1);
+  /// Makes a triangle a module that never moves, with these corners, and its vertices too.
   void pin(int triangle, const Triangle& corners);
+  /// Makes a pinned module one that moves. The shape stays; vertices stay fixed where other pinned modules have them.
+  void unpin(int triangle);
   void remove_triangle(int triangle);
   /// Removes a triangle that was just added: its island hangs together without it.
   void take_back(int triangle);
@@ -122,6 +125,7 @@ class LatticeNet {
 
  private:
   void touch(int triangle);
+  [[nodiscard]] int take_number(int number);
   void set_rigid(int triangle, const Triangle& corners);
   void index(int triangle);
   void remove_from_index(int triangle);

@@ -24,8 +24,8 @@ double rounded_controllers(int n) {
   return std::ceil(n / kModulesAController);
 }
 
-double price_of(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price,
-                double (*controllers_of)(int)) {
+RelaxedPrice price_of(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price,
+                      double (*controllers_of)(int)) {
   std::vector<int> modules(group.empty() ? 0 : at(std::ranges::max(group)) + 1, 0);
   double pieces = 0.0, controllers = 0.0;
   for (std::size_t k = 0; k < sizes.size(); ++k) {
@@ -34,17 +34,17 @@ double price_of(const std::vector<int>& sizes, const std::vector<int>& group, co
   }
   for (const int n : modules) controllers += controllers_of(n);
   const double islands = static_cast<double>(sizes.size());
-  return price.controller * controllers + price.jumper * (pieces - controllers) + price.island * islands;
+  return {price.controller * controllers, price.jumper * (pieces - controllers) + price.island * islands};
 }
 
 }  // namespace
 
-double relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price) {
+RelaxedPrice relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price) {
   return price_of(sizes, group, price, relaxed_controllers);
 }
 
 double rounded_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price) {
-  return price_of(sizes, group, price, rounded_controllers);
+  return price_of(sizes, group, price, rounded_controllers).sum();
 }
 
 void NetPrice::unlink(int triangle) {

@@ -7,12 +7,19 @@
 
 namespace triskin::geometry::surface_lattice {
 
+/// The relaxed price in two parts: controllers, and what joins them, jumpers and islands.
+struct RelaxedPrice {
+  double controllers = 0.0, joining = 0.0;
+  [[nodiscard]] double sum() const { return controllers + joining; }
+};
+
 /// Price of islands before they are wired. n modules that hang together are counted as p(n) = max(1, n / 16 + 15 / 32)
 /// pieces, one for each controller. Islands of one group can be joined by jumpers; a group of n modules in islands of
 /// n₁, n₂ … has p(n) controllers and, as when wired, a jumper for each piece more: Σ p(nᵢ) - p(n). They are
 /// fractions, because a search that pays a whole controller for the next module never places it. `group[k]` ≥ 0 of
 /// island k. Cost: O(islands).
-[[nodiscard]] double relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price);
+[[nodiscard]] RelaxedPrice relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group,
+                                         const Price& price);
 
 /// The same with ⌈n / 16⌉ for p(n): what the wiring costs where every island can be divided so that parts of
 /// several fill one controller, and never more than the wiring costs. The search approaches a multiple of 16 by the
@@ -21,7 +28,8 @@ namespace triskin::geometry::surface_lattice {
 
 /// A layout's price, relaxed and rounded.
 struct EstimatedPrice {
-  double relaxed = 0.0, rounded = 0.0;
+  RelaxedPrice relaxed;
+  double rounded = 0.0;
 };
 
 /// Both prices of a net, of which it follows the changes. Islands are in one group where two free sides lie within

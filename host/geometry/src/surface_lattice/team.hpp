@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "chain.hpp"
+
+namespace triskin::geometry::surface_lattice {
+
+/// Chains that change one layout together: in each round every chain in a zone of its own, divided anew, so that what
+/// lies between two zones is reached in the next round. The first chain has the layout and the schedule. A team of one
+/// is a chain alone.
+class Team {
+ public:
+  /// Chains that were built; the best of their layouts is the team's.
+  Team(const GrowthTask& task, std::deque<Chain>& chains, std::size_t first, std::size_t count);
+
+  /// Gives every chain its zone. To be followed by a run of each, and merge().
+  void divide_work();
+  void merge();
+  /// Takes over what another team found, where that is better by more than the annealing would find.
+  void catch_up(const Chain& best);
+
+ private:
+  [[nodiscard]] Chain& chain(std::size_t k) const { return chains_[first_ + k]; }
+
+  const GrowthTask& task_;
+  std::deque<Chain>& chains_;
+  std::size_t first_, count_;
+  std::size_t working_ = 1;  // chains in this round
+};
+
+/// The chains in teams of at most `most` ≥ 1, the last one of what is left.
+[[nodiscard]] std::vector<Team> teams_of(const GrowthTask& task, std::deque<Chain>& chains, int most);
+
+}  // namespace triskin::geometry::surface_lattice
