@@ -60,5 +60,42 @@ TEST(LayoutFront, holds_no_more_modules_than_it_may) {
   EXPECT_GE(front.found().size(), 8U);
 }
 
+// Islands of 1, 1, 1, 2 and 3 modules, of which one of the single ones is fixed.
+TEST(Thinned, leaves_out_the_smallest_islands_until_few_enough_are_left) {
+  LatticeNet net({Vec3(0, 0, 0), Vec3(600, 60, 0)}, 0.0);
+  const int fixed = add_island(net, Vec3(0, 0, 0));
+  net.pin(fixed, net.triangles()[at(fixed)].rigid);
+  add_island(net, Vec3(100, 0, 0));
+  add_island(net, Vec3(200, 0, 0));
+  for (const auto& [x, more] : {std::pair(300.0, 1), std::pair(400.0, 2)}) {
+    const int first = add_island(net, Vec3(x, 0, 0));
+    for (int side = 1; side <= more; ++side) {
+      const NetTriangle t = net.triangles()[at(first)];
+      const TileSide next = across(t.tile, side);
+      std::array<int, 3> v{};
+      v[at(next.side)] = t.vertex[at((side + 1) % 3)];
+      v[at((next.side + 1) % 3)] = t.vertex[at(side)];
+      v[at((next.side + 2) % 3)] = net.add_vertex(t.center + Vec3(30, 30.0 * side, 0), Vec3::UnitZ(), 5, side);
+      net.add_triangle(t.island, next.tile, v);
+    }
+  }
+  net.separate();
+  ASSERT_EQ(net.size(), 8);
+  const auto sizes = [&](int modules, std::size_t layouts) {
+    std::vector<std::pair<int, int>> all;
+    for (const LatticeNet& less : thinned(net, modules, layouts)) {
+      EXPECT_TRUE(less.used(fixed));
+      all.emplace_back(less.size(), less.islands());
+    }
+    return all;
+  };
+  using Sizes = std::vector<std::pair<int, int>>;
+  EXPECT_EQ(sizes(8, 5), Sizes{});
+  EXPECT_EQ(sizes(7, 5), (Sizes{{7, 4}}));
+  EXPECT_EQ(sizes(5, 5), (Sizes{{4, 2}, {6, 3}, {7, 4}}));
+  EXPECT_EQ(sizes(5, 2), (Sizes{{4, 2}, {7, 4}}));  // every second
+  EXPECT_EQ(sizes(0, 1), (Sizes{{1, 1}}));          // the fixed one stays
+}
+
 }  // namespace
 }  // namespace triskin::geometry::surface_lattice

@@ -29,6 +29,7 @@ constexpr int kRoundsAnExchange = 2;  // of the best layout
 constexpr double kModulesAChain = 64.0;
 constexpr int kFront = 12;            // of the layouts that are kept beside the best
 constexpr std::size_t kMore = 8;      // with as many modules as others of them
+constexpr std::size_t kThinned = 5;   // layouts made of the best, with fewer islands and a controller less
 constexpr double kFrontShare = 0.05;  // of the time, beyond its end: to certify them
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kLiftShare =
@@ -164,7 +165,12 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   std::vector<ModuleLayout> layouts{certifier.first(std::move(net))};
   layouts[0].refused = std::move(refusals.refused);
   if (!options.front) return layouts;
-  const std::vector<const LatticeNet*> others = front_of(chains);
+  const LatticeNet& best = *best_of(chains).best();
+  const int full = (best.size() - 1) / kModulesAController * kModulesAController;  // what a controller less reads
+  const std::vector<LatticeNet> less = thinned(best, full, kThinned);
+  std::vector<const LatticeNet*> others;
+  for (const LatticeNet& l : less) others.push_back(&l);
+  for (const LatticeNet* found : front_of(chains)) others.push_back(found);
   std::vector<std::optional<ModuleLayout>> front(others.size());
   const auto front_end = end + duration_of(kFrontShare * options.time_limit_s);
   in_parallel(options.threads, others.size(), [&](std::size_t k) {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "net_price.hpp"
+
 namespace triskin::geometry::surface_lattice {
 
 bool LayoutFront::would_keep(const LatticeNet& net, double value) const {
@@ -30,6 +32,42 @@ void LayoutFront::forget_below(int modules) {
 
 std::map<LayoutFront::Numbers, FoundLayout>::const_iterator LayoutFront::least_valuable() const {
   return std::ranges::min_element(found_, {}, [](const auto& entry) { return entry.second.value; });
+}
+
+namespace {
+
+// Triangles of each island that may go, the smallest island first.
+std::vector<std::vector<int>> small_islands(const LatticeNet& net) {
+  std::vector<std::vector<int>> islands(net.island_sizes().size());
+  for (int t = 0; t < static_cast<int>(net.triangles().size()); ++t) {
+    if (net.used(t)) islands[at(net.triangles()[at(t)].island)].push_back(t);
+  }
+  std::erase_if(islands, [&](const std::vector<int>& island) {
+    return island.empty() || island.size() > kModulesAController ||
+           std::ranges::any_of(island, [&](int t) { return net.triangles()[at(t)].is_fixed; });
+  });
+  std::ranges::stable_sort(islands, {}, &std::vector<int>::size);
+  return islands;
+}
+
+}  // namespace
+
+std::vector<LatticeNet> thinned(const LatticeNet& net, int modules, std::size_t layouts) {
+  std::vector<std::vector<int>> islands = small_islands(net);
+  std::size_t going = 0;
+  for (int left = net.size(); left > modules && going < islands.size(); ++going)
+    left -= static_cast<int>(islands[going].size());
+  const std::size_t step = (going + layouts - 1) / layouts;
+  std::vector<LatticeNet> nets;
+  for (std::size_t count = going; count > 0; count -= std::min(step, count)) {
+    LatticeNet less = net;
+    for (std::size_t k = 0; k < count; ++k) {
+      for (const int t : islands[k]) less.remove_triangle(t);
+    }
+    less.separate();
+    if (less.size() > 0) nets.push_back(std::move(less));
+  }
+  return nets;
 }
 
 }  // namespace triskin::geometry::surface_lattice

@@ -10,7 +10,6 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kModulesAController = 16.0;
 constexpr double kRoundedUp = 15.0 / 32.0;  // mean of ⌈n / 16⌉ − n / 16
 constexpr double kCenters_mm =
     2.0 * kHeight_mm / 3.0 + 1.0;   // of two modules, farther apart than the middles of their sides
@@ -18,10 +17,10 @@ constexpr double kStraight = 0.95;  // a jumper along the surface is a little lo
 
 // Controllers of n modules that hang together.
 double relaxed_controllers(int n) {
-  return n > 0 ? std::max(1.0, n / kModulesAController + kRoundedUp) : 0.0;
+  return n > 0 ? std::max(1.0, n / double{kModulesAController} + kRoundedUp) : 0.0;
 }
 double rounded_controllers(int n) {
-  return std::ceil(n / kModulesAController);
+  return std::ceil(n / double{kModulesAController});
 }
 
 RelaxedPrice price_of(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price,
