@@ -4,7 +4,7 @@
 // more modules than that, because an island more or less pays for some. On LH and LUA one module is more than 3 %:
 // copies with the same triangles have to give the same number there, those with other triangles may miss by one (LUA
 // meshed anew gave 29 of 30). The steps are so many that the search has nearly ended: with 800 RUF meshed anew gave 59
-// of 61, with 1,500 61 of 62.
+// of 61, with 1,500 61 of 62; with 500 LT divided gave 210 of 203.
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
@@ -132,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(Covers, Copies,
                                          std::pair{test::CoverName{"RUF_forearm_v2"}, 1500},
                                          std::pair{test::CoverName{"HIP_v1"}, 2000},
                                          std::pair{test::CoverName{"UT_torso_v1"}, 800},
-                                         std::pair{test::CoverName{"LT_root_v2"}, 500}),
+                                         std::pair{test::CoverName{"LT_root_v2"}, 1500}),
                          name_of);
 
 }  // namespace

@@ -26,7 +26,7 @@ struct Zone {
 /// touch are at most 4h/3 = 34.6 mm apart, so both may slide by a third of a side.
 inline constexpr double kHalfBand_mm = 30.0;
 
-/// `count` ≥ 1 zones with about as many modules in each, by planes of random directions. Cost: O(n log n · log count).
+/// `count` ≥ 1 zones with about as many modules in each, by planes of random directions. Cost: O(n log count).
 [[nodiscard]] std::vector<Zone> divide(const LatticeNet& net, int count, Dice& random);
 
 /// Makes what lies outside a zone fixed (LatticeNet::pin); its triangles, ascending, without those that were fixed
