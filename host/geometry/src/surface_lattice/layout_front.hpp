@@ -40,9 +40,9 @@ class LayoutFront {
   std::map<Numbers, FoundLayout> found_;
 };
 
-/// Cheaper layouts made of one, at most `layouts` ≥ 1 of them: islands of up to sixteen modules go, the smallest first,
-/// until at most `modules` are left; those with fixed modules stay. The one with fewest modules comes first. The other
-/// end of the choice, where a search ends at many modules. Cost: O(n) a layout.
+/// Cheaper layouts made of one, `layouts` ≥ 1 of them at most: islands of up to sixteen modules go, the smallest
+/// first, until `modules` are left or fewer; those with fixed modules stay. The one with fewest modules comes first.
+/// The other end of the choice, where a search ends at many modules. Cost: O(n) a layout.
 [[nodiscard]] std::vector<LatticeNet> thinned(const LatticeNet& net, int modules, std::size_t layouts);
 
 }  // namespace triskin::geometry::surface_lattice
