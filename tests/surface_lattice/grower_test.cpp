@@ -147,6 +147,26 @@ TEST(Grower, removes_what_stands_over_the_border_too_far_but_no_fixed_module) {
   EXPECT_FALSE(growth.grower.remove_overrunning(growth.net));
 }
 
+// New modules of any kind: at open sides, at samples, at the border, beside others. What a module slides after it was
+// tried at its place is far less than 10 mm; without the zone the sheet is filled.
+TEST(Grower, adds_modules_in_its_zone_only) {
+  constexpr double kSlide_mm = 10.0;
+  Growth free(plane(240.0, 240.0)), confined(plane(240.0, 240.0));
+  const Zone zone{{{Vec3::UnitX(), 120.0}, {-Vec3::UnitY(), -100.0}}};
+  confined.grower.confine(zone);
+  for (Growth* growth : {&free, &confined}) {
+    growth->grower.fill(growth->net, {}, growth->random, 400);
+    growth->grower.grow(growth->net, {}, growth->random);
+  }
+  EXPECT_GT(confined.net.size(), 8);
+  EXPECT_GT(free.net.size(), 3 * confined.net.size());
+  for (const NetTriangle& t : confined.net.triangles()) {
+    if (t.island < 0) continue;
+    EXPECT_GT(t.center.x(), 120.0 - kSlide_mm);
+    EXPECT_LT(t.center.y(), 100.0 + kSlide_mm);
+  }
+}
+
 // Σ p(nᵢ) − p(n) jumpers, p(n) = max(1, n / 16 + 15 / 32). 32, 8 and 1 modules: 79/32, 1 and 1 pieces; together
 // 41/16 + 15/32 = 97/32 controllers and (79 + 32 + 32 − 97)/32 = 46/32 jumpers. Apart: 143/32 controllers, none.
 TEST(RelaxedPrice, counts_jumpers_as_the_wiring_does) {

@@ -153,6 +153,33 @@ TEST(SurfaceLattice, SameSeedAndBudgetGiveTheSameLayout) {
   }
 }
 
+// With room for 64 modules each, four threads change one layout: the same for a seed and so many steps, within the
+// limits, and with more modules than one thread finds by as many steps as each of them.
+TEST(SurfaceLattice, ThreadsOfATeamShareTheSteps) {
+  const Surface surface(grid_mesh(
+      20, 20, [](double u, double v) { return Vec3(330.0 * u, 330.0 * v, 60.0 * u * (1.0 - u) + 40.0 * v * v); }));
+  const auto grown = [&](int threads, std::uint64_t seed) {
+    SurfaceLatticeOptions options = effort(300);
+    options.threads = threads;
+    options.seed = seed;
+    options.price = {.controller = 0.0, .jumper = 0.0, .island = 0.0};
+    return grow_lattice(surface, {}, options);
+  };
+  std::size_t alone = 0, together = 0;
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    alone += grown(1, seed).modules.size();
+    const ModuleLayout team = grown(4, seed);
+    expect_valid(surface, team);
+    together += team.modules.size();
+    if (seed > 1) continue;
+    const ModuleLayout again = grown(4, seed);
+    ASSERT_EQ(team.modules.size(), again.modules.size());
+    for (std::size_t k = 0; k < team.modules.size(); ++k)
+      EXPECT_EQ(team.modules[k].corner_mm, again.modules[k].corner_mm);
+  }
+  EXPECT_GT(together, alone);
+}
+
 // A clock that stands still for some questions and is far past any end from then on: in the first growth, among the
 // starts, in the annealing. The growth ends soon after, with the best that it has, and certifies none beside it.
 TEST(SurfaceLattice, GivesUpSoonAfterItsTime) {
