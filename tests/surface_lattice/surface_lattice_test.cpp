@@ -153,7 +153,7 @@ TEST(SurfaceLattice, SameSeedAndBudgetGiveTheSameLayout) {
   }
 }
 
-// With room for 64 modules each, four threads change one layout: the same for a seed and so many steps, within the
+// With room for 90 modules each, three of four threads change one layout: the same for a seed and so many steps, within the
 // limits, and with more modules than one thread finds by as many steps as each of them.
 TEST(SurfaceLattice, ThreadsOfATeamShareTheSteps) {
   const Surface surface(grid_mesh(

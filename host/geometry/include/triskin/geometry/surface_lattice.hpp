@@ -20,7 +20,7 @@ struct SurfaceLatticeOptions {
   double time_limit_s = 20.0;  ///< > 0, wall clock; the search stops within about 0.1 s of it once a module is found
   int iterations = 0;  ///< > 0: stops after so many ruin-and-recreate steps a chain, as well as at the time limit
   std::uint64_t seed = 1;
-  /// 1 … 256 chains, part of what a result depends on. Where each has room for 64 modules they change one layout
+  /// 1 … 256 chains, part of what a result depends on. Where each has room for 90 modules they change one layout
   /// together, each in a zone; else each has its own, and they exchange the best.
   int threads = 2;
   Price price;                  ///< each 0 … 16 modules
