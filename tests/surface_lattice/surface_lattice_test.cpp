@@ -153,8 +153,8 @@ TEST(SurfaceLattice, SameSeedAndBudgetGiveTheSameLayout) {
   }
 }
 
-// With room for 90 modules each, three of four threads change one layout: the same for a seed and so many steps, within the
-// limits, and with more modules than one thread finds by as many steps as each of them.
+// With room for 90 modules each, three of four threads change one layout: the same for a seed and so many steps, within
+// the limits, and with more modules than one thread finds by as many steps as each of them.
 TEST(SurfaceLattice, ThreadsOfATeamShareTheSteps) {
   const Surface surface(grid_mesh(
       20, 20, [](double u, double v) { return Vec3(330.0 * u, 330.0 * v, 60.0 * u * (1.0 - u) + 40.0 * v * v); }));

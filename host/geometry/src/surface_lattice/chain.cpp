@@ -17,7 +17,6 @@ constexpr double kHot = 0.6, kCold = 0.05;         // modules a step may lose, a
 constexpr int kSmallIsland = 8;                    // modules: such an island may go as a whole
 constexpr double kIslandShare = 0.15;              // of the steps in which one goes, where tries find one
 constexpr int kTriesForIsland = 9, kTriesForPlace = 8;
-constexpr int kFront = 12;           // modules below the best: layouts of fewer go
 constexpr double kMargin_mm = 40.0;  // round what was removed, in which islands grow
 
 }  // namespace

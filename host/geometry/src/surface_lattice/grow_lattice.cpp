@@ -28,7 +28,6 @@ constexpr int kRoundsAnExchange = 2;  // of the best layout
 // Room for so many modules makes a chain of a team worth its thread: fewer leave little between the bands of its zone,
 // and islands are parted by them (HEAD with four zones of 64 is worth less than with two).
 constexpr double kModulesAChain = 90.0;
-constexpr int kFront = 12;            // of the layouts that are kept beside the best
 constexpr std::size_t kMore = 8;      // with as many modules as others of them
 constexpr std::size_t kThinned = 5;   // layouts made of the best, with fewer islands and a controller less
 constexpr double kFrontShare = 0.05;  // of the time, beyond its end: to certify them

@@ -9,6 +9,9 @@
 
 namespace triskin::geometry::surface_lattice {
 
+/// Layouts with up to so many modules fewer than the best are kept beside it.
+inline constexpr int kFront = 12;
+
 using NetCopy = std::shared_ptr<const LatticeNet>;
 
 /// A layout and what the growth takes it to be worth.

@@ -52,8 +52,9 @@ struct SurfaceLatticeOptions {
 [[nodiscard]] ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits,
                                         const SurfaceLatticeOptions& options = {}, const ProgressSink& progress = {});
 
-/// The same; the best layout, and after it the best found with more modules and with up to twelve fewer, most modules
-/// first. Which of them has the highest value is known only when they are wired. Cost: about 0.1 s a layout more.
+/// The same; the best layout, after it up to five made of it with fewer islands, and the best found with more modules
+/// and with up to twelve fewer. Which of them has the highest value is known only when they are wired. Cost: about 0.1 s
+/// a layout more.
 [[nodiscard]] std::vector<ModuleLayout> grow_front(const Surface& surface, const LayoutLimits& limits,
                                                    const SurfaceLatticeOptions& options = {},
                                                    const ProgressSink& progress = {});
