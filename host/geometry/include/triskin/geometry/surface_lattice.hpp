@@ -53,8 +53,8 @@ struct SurfaceLatticeOptions {
                                         const SurfaceLatticeOptions& options = {}, const ProgressSink& progress = {});
 
 /// The same; the best layout, after it up to five made of it with fewer islands, and the best found with more modules
-/// and with up to twelve fewer. Which of them has the highest value is known only when they are wired. Cost: about 0.1 s
-/// a layout more.
+/// and with up to twelve fewer. Which of them has the highest value is known only when they are wired. Cost: about
+/// 0.1 s a layout more.
 [[nodiscard]] std::vector<ModuleLayout> grow_front(const Surface& surface, const LayoutLimits& limits,
                                                    const SurfaceLatticeOptions& options = {},
                                                    const ProgressSink& progress = {});
