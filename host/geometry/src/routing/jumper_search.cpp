@@ -7,7 +7,6 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kCapacityMost = 16;
 constexpr int kTrees = 100;
 constexpr int kMovesAPart = 400, kMovesAQuestion = 64;
 constexpr long kAlwaysVisited = 300'000;  // nodes of trees, some 10 ms
@@ -82,7 +81,7 @@ class TreeDivision {
   [[nodiscard]] const std::vector<int>& order() const { return order_; }
 
  private:
-  using Row = std::array<std::int64_t, kCapacityMost + 1>;
+  using Row = std::array<std::int64_t, kModulesAController + 1>;
   static constexpr std::int64_t kNever = -(std::int64_t{1} << 60);
 
   void choose_best(int v) {
@@ -140,7 +139,7 @@ class TreeDivision {
   std::vector<int> seen_;
   std::vector<Row> saved_;
   std::vector<int> best_, most_;
-  std::vector<std::array<int, kCapacityMost + 1>> taken_;
+  std::vector<std::array<int, kModulesAController + 1>> taken_;
   int now_ = 0;
 };
 

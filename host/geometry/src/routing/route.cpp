@@ -40,8 +40,8 @@ void require_joints(const ModuleGraph& graph) {
 }
 
 void require_options(const RoutingOptions& o) {
-  const bool sizes =
-      o.capacity >= 1 && o.capacity <= 16 && o.lines >= 1 && o.lines <= 4 && o.addresses >= 1 && o.addresses <= 16;
+  const bool sizes = o.capacity >= 1 && o.capacity <= kModulesAController && o.lines >= 1 && o.lines <= 4 &&
+                     o.addresses >= 1 && o.addresses <= 16;
   if (o.threads < 1) throw InputError("routing: at least one thread is needed");
   if (!sizes) throw InputError("routing: capacity 1 … 16, lines 1 … 4, addresses 1 … 16 are possible");
   if (o.lines * o.addresses < o.capacity) {

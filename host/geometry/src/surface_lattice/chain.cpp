@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 
 namespace triskin::geometry::surface_lattice {
 namespace {
@@ -46,9 +45,8 @@ Chain::Chain(const GrowthTask& task, std::uint64_t seed)
       random_(seed),
       price_(task.options.price, task.jumper_mm),
       worth_(task.regions),
-      grower_(task.surface, task.rules, task.samples, task.corner_lift_mm, task.end, task.options.now),
-      samples_(task.samples.size()) {
-  std::iota(samples_.begin(), samples_.end(), 0);
+      grower_(task.surface, task.rules, task.samples, task.corner_lift_mm, task.end, task.options.now) {
+  confine({});
 }
 
 void Chain::build() {
@@ -87,12 +85,15 @@ void Chain::adopt(const NetCopy& net) {
 }
 
 void Chain::work_in(const Zone& zone, const Chain& leader) {
-  zone_ = zone;
   schedule_ = leader.schedule_;
   steps_ = leader.steps_;
   LatticeNet net = leader.now_;
   pinned_ = pin_outside(net, zone);
   set(std::move(net));
+  confine(zone);
+}
+
+void Chain::confine(const Zone& zone) {
   grower_.confine(zone);
   samples_.clear();
   for (int k = 0; k < static_cast<int>(task_.samples.size()); ++k) {
@@ -101,9 +102,8 @@ void Chain::work_in(const Zone& zone, const Chain& leader) {
 }
 
 void Chain::take_merged(LatticeNet net) {
-  zone_ = {};
   pinned_.clear();
-  grower_.confine({});
+  confine({});
   if (grower_.remove_overrunning(net)) net.separate();
   set(std::move(net));
   if (would_be_kept()) keep();
@@ -173,7 +173,7 @@ double Chain::searched(const Value& value) const {
 }
 
 void Chain::step() {
-  if (race_heat_ == 0.0 && zone_.sides.empty()) begin_due_run();
+  if (race_heat_ == 0.0 && grower_.zone().sides.empty()) begin_due_run();
   fraction_ = race_heat_ > 0.0 ? 0.0 : std::clamp(runs_done() - schedule_.run, 0.0, 1.0);
   if (now_.size() == 0) return grower_.fill(now_, {}, random_, 10);
   if (samples_.empty()) return;  // a zone of next to nothing
@@ -228,7 +228,7 @@ Vec3 Chain::place_to_ruin() {
   const auto& must_cover = task_.regions.must_cover();
   for (int k = 0; k < 2 && !must_cover.empty(); ++k) {
     const auto& place = must_cover[at(random_.scaled_below(static_cast<int>(must_cover.size())))];
-    if (zone_.holds(place.point_mm) && !PlaceValue::covered(now_, place)) return place.point_mm;
+    if (grower_.zone().holds(place.point_mm) && !PlaceValue::covered(now_, place)) return place.point_mm;
   }
   Vec3 place = some_sample().point;
   for (int k = 1; k < kTriesForPlace && grower_.covered(now_, place); ++k) place = some_sample().point;

@@ -99,6 +99,7 @@ class Chain {
     int runs = 1, run = 0;
   };
   void set(LatticeNet net);
+  void confine(const Zone& zone);
   void start_anew();
   void take(const FoundLayout& found);
   void improve(FoundLayout& start, double until);
@@ -123,7 +124,6 @@ class Chain {
   NetPrice price_;
   PlaceValue worth_;
   Grower grower_;
-  Zone zone_;
   std::vector<int> samples_;  // of the task, in the zone
   std::vector<int> pinned_;   // triangles outside the zone
   LatticeNet now_;            // what price_ knows

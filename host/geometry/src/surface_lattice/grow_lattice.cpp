@@ -29,7 +29,7 @@ constexpr int kRoundsAnExchange = 2;  // of the best layout
 // and islands are parted by them (HEAD with four zones of 64 is worth less than with two).
 constexpr double kModulesAChain = 90.0;
 constexpr std::size_t kMore = 8;      // with as many modules as others of them
-constexpr std::size_t kThinned = 5;   // layouts made of the best, with fewer islands and a controller less
+constexpr std::size_t kThinned = 5;   // layouts made of the best
 constexpr double kFrontShare = 0.05;  // of the time, beyond its end: to certify them
 constexpr double kSampleArea_mm2 = 50.0;
 constexpr double kLiftShare =
@@ -124,6 +124,25 @@ void count_refusals(const GrowthTask& task, LatticeNet& net, ModuleLayout& layou
   }
 }
 
+// Appends layouts made of the best one, with fewer islands and a controller less, and the others that were found, as
+// far as the time goes.
+void certify_others(const GrowthTask& task, const Certifier& certifier, const LatticeNet& best,
+                    const std::vector<const LatticeNet*>& found, std::vector<ModuleLayout>& layouts) {
+  const int full = (best.size() - 1) / kModulesAController * kModulesAController;  // what a controller less reads
+  const std::vector<LatticeNet> less = thinned(best, full, kThinned);
+  std::vector<const LatticeNet*> others;
+  for (const LatticeNet& l : less) others.push_back(&l);
+  others.insert(others.end(), found.begin(), found.end());
+  std::vector<std::optional<ModuleLayout>> front(others.size());
+  const auto end = task.end + duration_of(kFrontShare * task.options.time_limit_s);
+  in_parallel(task.options.threads, others.size(), [&](std::size_t k) {
+    if (task.options.iterations > 0 || task.now() < end) front[k] = certifier.other(*others[k]);
+  });
+  for (std::optional<ModuleLayout>& layout : front) {
+    if (layout) layouts.push_back(std::move(*layout));
+  }
+}
+
 }  // namespace
 
 double corner_lift_of(const LayoutLimits& limits, const SurfaceLatticeOptions& options) {
@@ -158,27 +177,14 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));
   search(task, chains, std::max(1, static_cast<int>(room / kModulesAChain)), progress);
-  LatticeNet net = *best_of(chains).best();
+  const LatticeNet& best = *best_of(chains).best();
+  LatticeNet net = best;
   ModuleLayout refusals;
   count_refusals(task, net, refusals);
   Certifier certifier(original, copy, limits, options);
   std::vector<ModuleLayout> layouts{certifier.first(std::move(net))};
   layouts[0].refused = std::move(refusals.refused);
-  if (!options.front) return layouts;
-  const LatticeNet& best = *best_of(chains).best();
-  const int full = (best.size() - 1) / kModulesAController * kModulesAController;  // what a controller less reads
-  const std::vector<LatticeNet> less = thinned(best, full, kThinned);
-  std::vector<const LatticeNet*> others;
-  for (const LatticeNet& l : less) others.push_back(&l);
-  for (const LatticeNet* found : front_of(chains)) others.push_back(found);
-  std::vector<std::optional<ModuleLayout>> front(others.size());
-  const auto front_end = end + duration_of(kFrontShare * options.time_limit_s);
-  in_parallel(options.threads, others.size(), [&](std::size_t k) {
-    if (options.iterations > 0 || task.now() < front_end) front[k] = certifier.other(*others[k]);
-  });
-  for (std::optional<ModuleLayout>& layout : front) {
-    if (layout) layouts.push_back(std::move(*layout));
-  }
+  if (options.front) certify_others(task, certifier, best, front_of(chains), layouts);
   return layouts;
 }
 

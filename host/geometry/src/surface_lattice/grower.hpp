@@ -44,6 +44,7 @@ class Grower {
 
   /// From here on adds modules only where their centres lie in the zone.
   void confine(const Zone& zone) { zone_ = zone; }
+  [[nodiscard]] const Zone& zone() const { return zone_; }
 
   /// Begins an island with a module at three corners, if it keeps the rules.
   bool try_seed(LatticeNet& net, const Triangle& corners);

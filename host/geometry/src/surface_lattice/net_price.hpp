@@ -7,8 +7,6 @@
 
 namespace triskin::geometry::surface_lattice {
 
-inline constexpr int kModulesAController = 16;  ///< at most: four lines of four addresses
-
 /// The relaxed price in two parts: controllers, and what joins them, jumpers and islands.
 struct RelaxedPrice {
   double controllers = 0.0, joining = 0.0;

@@ -9,8 +9,7 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr double kApart_mm = 4.0 * kHeight_mm / 3.0;  // two circumradii: centroids farther apart cannot touch
-constexpr double kLayer_mm = 10.0;                    // modules farther apart along the normal lie on different sheets
+constexpr double kLayer_mm = 10.0;  // modules farther apart along the normal lie on different sheets
 constexpr double kOpposite = -0.2;
 
 // Segment through the inside of a triangle: its ends lie on different sides of the plane, and the point between them,

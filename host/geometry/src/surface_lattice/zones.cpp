@@ -8,11 +8,10 @@
 #include <utility>
 
 #include "disjoint_sets.hpp"
+#include "overlap.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {
-
-constexpr double kTouching_mm = 4.0 * kHeight_mm / 3.0;  // centres of modules that touch are at most so far apart
 
 Vec3 random_direction(Dice& random) {
   for (;;) {
@@ -180,7 +179,7 @@ class Merge {
     for (const Entry& e : by_zone) {
       const Tile& tile = triangle_of(e).tile;
       const bool is_first = tiles.try_emplace({e.island, tile.i, tile.j, tile.up}, e.number).second;
-      const bool is_near = e.zone != kShared && net_.any_near(net_.center(e.number), kTouching_mm, [&](int other) {
+      const bool is_near = e.zone != kShared && net_.any_near(net_.center(e.number), kApart_mm, [&](int other) {
         return zone_of[at(other)] != kShared && zone_of[at(other)] < e.zone && !conflicts.contains(other);
       });
       if ((!is_first || is_near) && !net_.triangles()[at(e.number)].is_fixed) conflicts.insert(e.number);

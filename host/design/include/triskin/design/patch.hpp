@@ -3,7 +3,12 @@
 #include <array>
 #include <vector>
 
+#include "triskin/layout/module.hpp"
+
 namespace triskin::design {
+
+/// Modules that one controller reads at most.
+inline constexpr int kModulesAController = layout::kMaxModules;
 
 /// One module in a patch, named by its node in the ModuleGraph that was routed (in a design: the module id). `rotation`
 /// r: the module is turned so that its input port (port 0 = A) lies at tile side r; port p lies at tile side (p + r)

@@ -37,6 +37,7 @@ using design::across;
 using design::grid_point;
 using design::kHeight_mm;
 using design::kModuleArea_mm2;
+using design::kModulesAController;
 using design::kSide_mm;
 using design::tile_corner_index;
 

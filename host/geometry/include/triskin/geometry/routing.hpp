@@ -38,9 +38,9 @@ class Division;
 
 /// Options of route(). capacity ≤ lines · addresses.
 struct RoutingOptions {
-  int capacity = 16;  ///< 1 … 16 modules a patch
-  int lines = 4;      ///< 1 … 4 a patch
-  int addresses = 4;  ///< 1 … 16 a line
+  int capacity = kModulesAController;  ///< 1 … 16 modules a patch
+  int lines = 4;                       ///< 1 … 4 a patch
+  int addresses = 4;                   ///< 1 … 16 a line
   std::uint64_t seed = 1;
   double time_limit_s = 2.0;     ///< of the integer programme only, an island; see `milp`
   bool failure_analysis = true;  ///< fill Patch::failures, second entries, articulation, bridges
