@@ -78,14 +78,15 @@ void expect_design_or_clear_error(const std::string& name, const fs::path& mesh)
   }
 }
 
-TEST(HardMeshes, end_in_a_result_or_a_clear_error) {
-  if (!fs::exists(test::data_folder() / "hard")) GTEST_SKIP() << test::no_data();
-  for (const char* name : {"icub25_l_hip_2", "icub25_root_link", "upmc_icub_chest"}) {
-    const fs::path mesh = test::data_folder() / "hard" / (std::string(name) + ".stl");
-    ASSERT_TRUE(fs::exists(mesh)) << mesh;
-    expect_design_or_clear_error(name, mesh);
-  }
+class HardMesh : public testing::TestWithParam<const char*> {};
+
+TEST_P(HardMesh, ends_in_a_result_or_a_clear_error) {
+  const fs::path mesh = test::data_folder() / "hard" / (std::string(GetParam()) + ".stl");
+  if (!fs::exists(mesh)) GTEST_SKIP() << test::no_data();
+  expect_design_or_clear_error(GetParam(), mesh);
 }
+INSTANTIATE_TEST_SUITE_P(Covers, HardMesh, testing::Values("icub25_l_hip_2", "icub25_root_link", "upmc_icub_chest"),
+                         [](const auto& p) { return std::string(p.param); });
 
 TEST(HardMeshes, generated_shell_is_repaired_or_refused_as_asked) {
   const auto mesh = test::cover_file({"dirty-shell"});
