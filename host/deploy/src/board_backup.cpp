@@ -8,11 +8,11 @@
 #include <set>
 
 #include "address_moves.hpp"
-#include "triskin/session/address_users.hpp"
 #include "table_writer.hpp"
-#include "triskin/design/json_fields.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/deploy/board_file.hpp"
+#include "triskin/design/json_fields.hpp"
+#include "triskin/session/address_users.hpp"
 #include "triskin/session/controller_calibration.hpp"
 #include "triskin/session/scheduler.hpp"
 #include "triskin/wire/calibration.hpp"

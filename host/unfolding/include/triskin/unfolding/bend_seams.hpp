@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "triskin/unfolding/seams.hpp"
 #include "triskin/mesh/surface.hpp"
+#include "triskin/unfolding/seams.hpp"
 
 namespace triskin::geometry {
 
