@@ -92,7 +92,7 @@ class Fixture {
   std::optional<device::Stream> stream_;
 };
 
-constexpr std::uint64_t kAdopted_us = 1'500'000;  // docs/switched_module.md, "Adoption"
+constexpr std::uint64_t kAdopted_us = 1'500'000;  // docs/adoption.md
 constexpr std::uint64_t kBack_us = 5'000'000;     // the owner's second look, after 2 + 2 s, and the hand-back
 
 TEST(Adoption, an_orphan_is_read_by_the_neighbour_under_its_own_identity_and_handed_back) {
@@ -218,7 +218,8 @@ TEST(Adoption, every_failure_is_mended_as_the_design_says) {
   send_status(t);
 }
 
-// Patches of every size, so also neighbours that have few addresses left. What is not read: docs/switched_module.md.
+// Patches of every size, so also neighbours that have few addresses left. What is not read:
+// docs/measurements/rerouting.md.
 TEST(AdoptionOnManyCovers, leaves_one_orphan_of_a_hundred_at_most) {
   Tally t;
   for (const int columns : {4, 5, 6}) {

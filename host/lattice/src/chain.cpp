@@ -20,9 +20,9 @@ constexpr double kMargin_mm = 40.0;  // round what was removed, in which islands
 
 }  // namespace
 
-// Measured (docs/surface_lattice.md): in a small part few islands can be divided as the rounded price hopes, and its
-// steps part layouts from each other; in a large one steps are few, so that they are better spent on one layout than on
-// a race.
+// Measured (docs/measurements/lattice.md): in a small part few islands can be divided as the rounded price hopes, and
+// its steps part layouts from each other; in a large one steps are few, so that they are better spent on one layout
+// than on a race.
 SearchPlan SearchPlan::of(double room_modules) {
   constexpr double kNever = 2.0;
   if (room_modules < kRoundedModules) return {12, 0.08, 1.0, kNever};

@@ -11,7 +11,7 @@
 #include "triskin/wire/identifiers.hpp"
 
 /// What a controller of switched modules does not reach of its own patch, and which modules of a neighbouring patch it
-/// reads. docs/switched_module.md, "Adoption".
+/// reads. docs/adoption.md.
 namespace triskin::wire {
 
 inline constexpr std::uint32_t kReachBase = 0x18E3FF00;

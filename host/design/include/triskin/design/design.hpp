@@ -37,7 +37,7 @@ struct Design {
   struct Report {
     double area_cm2 = 0.0;
     double coverage = 0.0;  ///< modules · 389.7 mm² / area
-    int upper_bound = 0;    ///< modules by area, a yardstick and no proof (docs/surface_lattice.md), ≥ their number
+    int upper_bound = 0;    ///< modules by area, a yardstick and no proof (docs/lattice.md), ≥ their number
     int patches_lower_bound = 0;
     int jumpers_lower_bound = 0;  ///< with as many patches no fewer jumpers do; in the file only beside jumpers
     double max_edge_error_mm = 0.0, max_hinge_gap_mm = 0.0, max_center_gap_mm = 0.0;

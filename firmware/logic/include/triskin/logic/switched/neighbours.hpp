@@ -9,7 +9,7 @@
 namespace triskin::fw {
 
 /// What the controllers of neighbouring patches offer, and when a look at the patch is due because of it. A look while
-/// open() may take in their modules. Pure: time comes as an argument. docs/switched_module.md, "Adoption".
+/// open() may take in their modules. Pure: time comes as an argument. docs/adoption.md.
 class Neighbours {
  public:
   static constexpr std::uint64_t kRepeat_us = 1'000'000;  ///< between two frames of an owner that offers modules
