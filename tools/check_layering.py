@@ -141,6 +141,18 @@ def check_prefixes(root):
     return bad
 
 
+def check_circles():
+    """The table itself must have an order: no part may use, directly or over others, a part that uses it."""
+    owner = {prefix: part for part in PARTS for prefix in part.prefixes}
+    below = {part.folder: {owner[prefix].folder for prefix in part.uses} - {part.folder} for part in PARTS}
+    bad = 0
+    for folder in below:
+        if folder in closure(below, folder):
+            print(f"{folder}: uses a part that uses it in turn; the table in tools/check_layering.py has a circle")
+            bad += 1
+    return bad
+
+
 def closure(links, target):
     seen, todo = set(), [target]
     while todo:
@@ -189,7 +201,7 @@ def check_links(text):
 
 def main(arguments):
     root = pathlib.Path(arguments[0])
-    bad = check_includes(root) + check_prefixes(root)
+    bad = check_circles() + check_includes(root) + check_prefixes(root)
     if len(arguments) > 1:
         bad += check_links(pathlib.Path(arguments[1]).read_text())
     return 1 if bad else 0
