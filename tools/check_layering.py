@@ -35,6 +35,7 @@ PARTS = [
     Part("host/geometry", "geometry", "host design", GEOMETRY, "triskin_geometry"),
     Part("host/pipeline", "pipeline", "host design geometry", HOST_BASE, "triskin_pipeline"),
     Part("host/check", "check", "host", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
+    Part("host/mechanics", "mechanics", "host", HOST_BASE, "triskin_mechanics"),
     Part("host/scene", "scene", "host design base wire layout sim", HOST_BASE, "triskin_scene"),
     Part("host/recording", "recording", "host design base wire layout", HOST_BASE, "triskin_recording"),
     Part("host/bridge", "bridge", "host design base wire layout recording", HOST_BASE + " dds", "triskin_bridge"),
@@ -53,10 +54,10 @@ PARTS = [
     Part("host/python", "", "", "pybind11", "triskin_python"),
     Part("host/cli/src/geometry", "",
          "cli host design geometry pipeline check base wire layout sim scene recording link session jobs robot simlink "
-         "view sheet hdf5 bridge",
+         "view sheet hdf5 bridge mechanics",
          HOST_BASE + " CLI"),
     Part("host/cli", "cli",
-         "host design base wire layout sim scene recording link session jobs robot simlink view sheet hdf5 bridge",
+         "host design base wire layout sim scene recording link session jobs robot simlink view sheet hdf5 bridge mechanics",
          HOST_BASE + " CLI", "triskin"),
     Part("tools/machine", "machine", "host base wire layout sim", "fmt unicorn", "triskin_machine"),
 ]
