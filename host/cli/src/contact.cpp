@@ -11,6 +11,8 @@
 
 #include "triskin/cli/command.hpp"
 #include "triskin/host/error.hpp"
+#include "triskin/mechanics/comparison.hpp"
+#include "triskin/mechanics/inverse_file.hpp"
 #include "triskin/mechanics/taxel.hpp"
 
 namespace triskin::cli::contact_command {
@@ -25,6 +27,8 @@ struct Options {
   double force_n = 1.0;
   double disc_mm = 4.0;
   Level level = Level::kFft;
+  std::string inverse;
+  bool table = false;
 };
 
 const std::vector<double> kRadii_mm = {0, 1, 2, 3, 4, 6, 8, 10};
@@ -71,7 +75,56 @@ void say_contact(const Output& output, const nlohmann::json& j) {
     output.say("note: the indentation exceeds a fifth of the layer; a real layer is stiffer there (docs/mechanics.md)");
 }
 
+nlohmann::json estimate_json(const mechanics::ContactEstimate& c) {
+  return {{"position_mm", {c.position_mm.x(), c.position_mm.y()}},
+          {"position_sd_mm", {c.position_sd_mm.x(), c.position_sd_mm.y()}},
+          {"force_n", c.force_n},
+          {"force_sd_n", c.force_sd_n},
+          {"tip_radius_mm", c.tip_radius_mm},
+          {"tip_radius_sd_mm", c.tip_radius_sd_mm},
+          {"contact_radius_mm", c.contact_radius_mm},
+          {"indentation_mm", c.indentation_mm}};
+}
+
+void say_estimate(const Output& output, const mechanics::ContactEstimate& c) {
+  output.say(fmt::format("  at {:.2f}, {:.2f} mm (± {:.2f}, {:.2f})  {:.3f} N (± {:.3f})  tip {:.1f} mm (± {:.1f})",
+                         c.position_mm.x(), c.position_mm.y(), c.position_sd_mm.x(), c.position_sd_mm.y(), c.force_n,
+                         c.force_sd_n, c.tip_radius_mm, c.tip_radius_sd_mm));
+}
+
+int run_inverse(const Options& options, Output& output) {
+  const auto cases = mechanics::read_inverse_cases(options.inverse);
+  const auto results = mechanics::solve_inverse_cases(cases);
+  nlohmann::json list = nlohmann::json::array();
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    const mechanics::InverseResult& result = results[k];
+    output.say(fmt::format("case {}: {} contacts, noise {:.2g}", cases[k].id.dump(), result.contacts.size(),
+                           result.noise_dc_over_c));
+    nlohmann::json contacts = nlohmann::json::array();
+    for (const mechanics::ContactEstimate& c : result.contacts) {
+      contacts.push_back(estimate_json(c));
+      say_estimate(output, c);
+    }
+    list.push_back({{"id", cases[k].id},
+                    {"contacts", std::move(contacts)},
+                    {"noise_dc_over_c", result.noise_dc_over_c},
+                    {"residual_dc_over_c", result.residual_dc_over_c}});
+  }
+  output.result = {{"cases", std::move(list)}};
+  return 0;
+}
+
+int run_table(Output& output) {
+  const mechanics::Comparison comparison = mechanics::compare_levels();
+  const std::string text = mechanics::comparison_text(comparison);
+  output.result = {{"contacts", comparison.contacts}, {"left_out", comparison.left_out}, {"markdown", text}};
+  output.say(text);
+  return 0;
+}
+
 int run(const Options& options, Output& output) {
+  if (!options.inverse.empty()) return run_inverse(options, output);
+  if (options.table) return run_table(output);
   const mechanics::Indenter indenter = indenter_of(options);
   output.result = contact_json(options, mechanics::press(options.level, options.layer, indenter, options.force_n));
   say_contact(output, output.result);
@@ -93,6 +146,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--level", options.level, "model of the layer, from fast to exact")
       ->transform(one_of(kLevels))
       ->default_str("fft");
+  app.add_option("--inverse", options.inverse,
+                 "find the contacts that explain the taxels of this file (docs/mechanics.md)");
+  app.add_flag("--table", options.table, "print error and cost of each level against the exact layer, as Markdown");
 }
 
 const Registration kContact{{

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "line_solution.hpp"
+#include "quadrature.hpp"
 #include "radial_solution.hpp"
 
 namespace triskin::mechanics {
@@ -13,12 +14,6 @@ namespace {
 constexpr int kRadii = 44;
 constexpr int kOutsideIntervals = 56;
 constexpr int kInsideIntervals = 40;
-
-// Weights of the cubic through four points 0 … 3 at `x`.
-std::array<double, 4> cubic_weights(double x) {
-  return {-(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0, x * (x - 2.0) * (x - 3.0) / 2.0, -x * (x - 1.0) * (x - 3.0) / 2.0,
-          x * (x - 1.0) * (x - 2.0) / 6.0};
-}
 
 double cubic_value(const Eigen::ArrayXd& values, double position) {
   const Eigen::Index last = values.size() - 4;

@@ -65,6 +65,11 @@ Quadrature spectral_rule(double cutoff, double reach) {
   return gauss_legendre_panels(panels, 16, 0.0, cutoff);
 }
 
+std::array<double, 4> cubic_weights(double x) {
+  return {-(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0, x * (x - 2.0) * (x - 3.0) / 2.0, -x * (x - 1.0) * (x - 3.0) / 2.0,
+          x * (x - 1.0) * (x - 2.0) / 6.0};
+}
+
 NodeInterpolation::NodeInterpolation(const Quadrature& rule, double length)
     : nodes_(rule.nodes), weights_(rule.nodes.size()) {
   // Barycentric weights of Gauss-Legendre nodes (Wang and Xiang, Math. Comp. 81 (2012) 861).

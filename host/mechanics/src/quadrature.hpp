@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <Eigen/Core>
+#include <array>
 
 namespace triskin::mechanics {
 
@@ -20,6 +21,9 @@ struct Quadrature {
 
 /// Rule over wave numbers 0 … `cutoff` that resolves cos(kx) for |x| up to `reach`.
 [[nodiscard]] Quadrature spectral_rule(double cutoff, double reach);
+
+/// Weights of the values at 0, 1, 2, 3 in the cubic through them at `x`.
+[[nodiscard]] std::array<double, 4> cubic_weights(double x);
 
 /// Value at `x` of the polynomial through `values` at the nodes of gauss_legendre(values.size(), 0, length).
 class NodeInterpolation {
