@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "bonded_line.hpp"
@@ -29,7 +28,7 @@ RadialGap gap_of(const Indenter& indenter, double thickness_mm) {
 // A solved contact in thicknesses of the layer.
 struct Solved {
   RadialField field;
-  double contact_radius, indentation;
+  double contact_radius, indentation, centre_pressure;
   RadialGap gap;
 };
 
@@ -59,15 +58,20 @@ Contact round_contact(const Layer& layer, double force, Solved solved) {
   contact.force = force;
   contact.indentation_mm = solved.indentation * layer.thickness_mm;
   contact.contact_radius_mm = solved.contact_radius * layer.thickness_mm;
-  contact.peak_pressure_kpa = solved.field.centre_pressure() / half_space_compliance_per_kpa(layer);
+  contact.peak_pressure_kpa = solved.centre_pressure / half_space_compliance_per_kpa(layer);
   check_indentation(layer, contact.indentation_mm);
   contact.field = std::make_shared<BondedField>(layer, std::move(solved));
   return contact;
 }
 
+Solved solved_contact(const RadialSystem& system, RadialDensity density, double indentation, const RadialGap& gap) {
+  const double pressure = system.centre_pressure(density, gap, system.sine_sums());
+  const FieldSpectrum spectrum(system, system.contact_radius() + kFieldReach);
+  return {RadialField(system, std::move(density), spectrum), system.contact_radius(), indentation, pressure, gap};
+}
+
 double smooth_force(const RadialSystem& system, const RadialGap& gap, double& indentation) {
-  const RadialDensity density = system.solve_smooth(gap, indentation);
-  return 2.0 * std::numbers::pi * (system.nodes().weights * density.values).sum();
+  return system.force(system.solve_smooth(gap, indentation));
 }
 
 [[noreturn]] void refuse_wide_contact() {
@@ -110,8 +114,7 @@ Contact press_smooth(const Layer& layer, const Indenter& indenter, double force,
   const RadialSystem system(layer.poisson, contact_radius);
   double indentation = 0.0;
   RadialDensity density = system.solve_smooth(gap, indentation);
-  RadialField field(system, std::move(density), contact_radius + kFieldReach);
-  return round_contact(layer, force, {std::move(field), contact_radius, indentation, gap});
+  return round_contact(layer, force, solved_contact(system, std::move(density), indentation, gap));
 }
 
 Contact press_punch(const Layer& layer, double radius_mm, double force, double scaled_force) {
@@ -119,13 +122,10 @@ Contact press_punch(const Layer& layer, double radius_mm, double force, double s
   if (radius > kMaxContactRadius) refuse_wide_contact();
   const RadialSystem system(layer.poisson, radius);
   RadialDensity density = system.solve(1.0, flat_gap());
-  const double stiffness = 2.0 * std::numbers::pi * (system.nodes().weights * density.values).sum();
-  const double indentation = scaled_force / stiffness;
+  const double indentation = scaled_force / system.force(density);
   density.values *= indentation;
-  density.slope_over_t *= indentation;
   density.edge *= indentation;
-  RadialField field(system, std::move(density), radius + kFieldReach);
-  return round_contact(layer, force, {std::move(field), radius, indentation, flat_gap()});
+  return round_contact(layer, force, solved_contact(system, std::move(density), indentation, flat_gap()));
 }
 
 }  // namespace

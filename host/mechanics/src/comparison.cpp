@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <tuple>
 
 #include "triskin/host/error.hpp"
 #include "triskin/mechanics/bonded_layer.hpp"
@@ -22,7 +23,7 @@ namespace triskin::mechanics {
 namespace {
 
 constexpr double kModulus_kpa = 100.0;
-constexpr double kMaxIndentationShare = 0.6;
+constexpr double kMaxComparedShare = 0.6;
 constexpr std::array<double, 5> kRatioBounds = {0.0, 1.0, 2.0, 4.0, 60.0};
 const std::vector<double> kTaxelDistances_mm = {0, 1, 2, 3, 4, 6, 8, 10};
 
@@ -109,7 +110,7 @@ class Comparer {
       ++result_.left_out;
       return;
     }
-    if (exact.indentation_mm > kMaxIndentationShare * task.layer.thickness_mm) {
+    if (exact.indentation_mm > kMaxComparedShare * task.layer.thickness_mm) {
       ++result_.left_out;
       return;
     }

@@ -22,6 +22,8 @@ constexpr int kMaxIterations = 1000;
 constexpr double kTolerance = 1e-7;
 constexpr double kBorderThicknesses = 4.0;
 constexpr int kMinPoints = 8, kMaxPoints = 2048;
+// A patch that grows for a body stops here, or a plate would be followed for ever.
+constexpr int kMaxBodyPoints = 400;
 
 void check_grid(const PatchGrid& grid, const Eigen::ArrayXXd& gap) {
   const auto is_good = [](int points) { return points >= kMinPoints && points <= kMaxPoints && points % 2 == 0; };
@@ -91,20 +93,19 @@ double PressureSearch::step() {
   return (pressure_ - before).abs().sum() / sum_;
 }
 
-void check_border(const Layer& layer, const PatchContact& contact) {
+// Whether all of the contact lies so far inside that the copies of the patch around it do not matter.
+bool is_clear_of_border(const Layer& layer, const PatchContact& contact) {
   const PatchGrid& grid = contact.grid;
   const int margin = static_cast<int>(std::ceil(kBorderThicknesses * layer.thickness_mm / grid.spacing_mm));
-  const bool fits = 2 * margin < std::min(grid.points_x, grid.points_y);
-  const double inside =
-      !fits ? 0.0
-            : contact.pressure_kpa.block(margin, margin, grid.points_x - 2 * margin, grid.points_y - 2 * margin).sum();
-  if (inside < contact.pressure_kpa.sum() * (1.0 - 1e-9)) {
-    throw InputError(fmt::format("patch: the contact comes within {} mm of its border; take a larger patch",
-                                 kBorderThicknesses * layer.thickness_mm));
-  }
+  const int inner_x = grid.points_x - 2 * margin, inner_y = grid.points_y - 2 * margin;
+  if (inner_x <= 0 || inner_y <= 0) return false;
+  const double inside = contact.pressure_kpa.block(margin, margin, inner_x, inner_y).sum();
+  return inside >= contact.pressure_kpa.sum() * (1.0 - 1e-9);
 }
 
 int even_points(double length_mm, double spacing_mm) {
+  if (!(spacing_mm > 0.0))
+    throw InputError(fmt::format("patch: the spacing is {} mm; give a positive number", spacing_mm));
   // Lengths of 2ᵃ·3ᵇ·5ᶜ are fast.
   int points = static_cast<int>(std::ceil(length_mm / spacing_mm));
   const auto is_smooth = [](int n) {
@@ -126,10 +127,9 @@ Eigen::ArrayXXd gap_over(const Body& body, const PatchGrid& grid) {
   return gap - gap.minCoeff();
 }
 
-PatchContact press_on_patch(const Layer& layer, const PatchGrid& grid, const Eigen::ArrayXXd& gap_mm, double force_n) {
-  check(layer);
-  check_force(force_n);
-  check_grid(grid, gap_mm);
+namespace {
+
+PatchContact solve_patch(const Layer& layer, const PatchGrid& grid, const Eigen::ArrayXXd& gap_mm, double force_n) {
   LayerConvolution convolution(layer, grid);
   const double cell = grid.spacing_mm * grid.spacing_mm;
   PressureSearch search(convolution, gap_mm, kKpaMm2PerN * force_n / cell,
@@ -142,7 +142,6 @@ PatchContact press_on_patch(const Layer& layer, const PatchGrid& grid, const Eig
       throw InputError("patch: the contact does not settle; take a finer patch or a rounder body");
   }
   contact.pressure_kpa = search.pressure();
-  check_border(layer, contact);
   contact.displacement_mm = convolution.displacement(contact.pressure_kpa);
   contact.base_pressure_kpa = convolution.base_pressure(contact.pressure_kpa);
   const Eigen::ArrayXXd pressed = (contact.pressure_kpa > 0.0).cast<double>();
@@ -150,20 +149,41 @@ PatchContact press_on_patch(const Layer& layer, const PatchGrid& grid, const Eig
   contact.indentation_mm = ((contact.displacement_mm + finite_gap) * pressed).sum() / pressed.sum();
   contact.contact_area_mm2 = pressed.sum() * cell;
   contact.peak_pressure_kpa = contact.pressure_kpa.maxCoeff();
+  return contact;
+}
+
+}  // namespace
+
+PatchContact press_on_patch(const Layer& layer, const PatchGrid& grid, const Eigen::ArrayXXd& gap_mm, double force_n) {
+  check(layer);
+  check_force(force_n);
+  check_grid(grid, gap_mm);
+  PatchContact contact = solve_patch(layer, grid, gap_mm, force_n);
+  if (!is_clear_of_border(layer, contact)) {
+    throw InputError(fmt::format("patch: the contact comes within {} mm of its border; take a larger patch",
+                                 kBorderThicknesses * layer.thickness_mm));
+  }
   check_indentation(layer, contact.displacement_mm.maxCoeff());
   return contact;
 }
 
 PatchContact press_body(const Layer& layer, const Body& body, double force_n, double spacing_mm) {
   check(layer);
+  check_force(force_n);
   double side_mm = 12.0 * layer.thickness_mm;
   while (true) {
     const int points = even_points(side_mm, spacing_mm);
     const PatchGrid grid{points, points, spacing_mm};
-    try {
-      return press_on_patch(layer, grid, gap_over(body, grid), force_n);
-    } catch (const InputError&) {
-      if (points > kMaxPoints / 4) throw;
+    const Eigen::ArrayXXd gap = gap_over(body, grid);
+    const bool is_last = points > kMaxBodyPoints;
+    if (is_last) return press_on_patch(layer, grid, gap, force_n);
+    if (gap.isFinite().any()) {
+      check_grid(grid, gap);
+      const PatchContact contact = solve_patch(layer, grid, gap, force_n);
+      if (is_clear_of_border(layer, contact)) {
+        check_indentation(layer, contact.displacement_mm.maxCoeff());
+        return contact;
+      }
     }
     side_mm *= 1.6;
   }

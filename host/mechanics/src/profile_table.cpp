@@ -30,36 +30,42 @@ Eigen::MatrixXd bessel_matrix(const Eigen::ArrayXd& distances, const Eigen::Arra
   return (distances.matrix() * wave_numbers.matrix().transpose()).unaryExpr([](double x) { return ::j0(x); });
 }
 
-TableRow round_row(const RadialField& field, double indentation, const Eigen::ArrayXd& distances,
-                   const Eigen::MatrixXd& outside, const Eigen::MatrixXd& inside) {
+// What the rows of one contact radius share.
+struct RowPoints {
+  Eigen::ArrayXd distances, sine_sums;
+  FieldSpectrum spectrum;
+  Eigen::MatrixXd outside, inside;
+};
+
+RowPoints row_points(const RadialSystem& system) {
+  const double radius = system.contact_radius();
+  FieldSpectrum spectrum(system, radius + kProfileReach);
+  const Eigen::ArrayXd distances = radius + outside_points();
+  Eigen::MatrixXd outside = bessel_matrix(distances, spectrum.rule.nodes);
+  Eigen::MatrixXd inside = bessel_matrix(inside_points(radius), spectrum.rule.nodes);
+  return {distances, system.sine_sums(), std::move(spectrum), std::move(outside), std::move(inside)};
+}
+
+TableRow round_row(const RadialSystem& system, const RowPoints& points, int basis) {
+  const RadialGap gap = basis == 0 ? flat_gap() : monomial_gap(basis, system.contact_radius());
   TableRow row;
-  row.indentation = indentation;
-  row.force = field.force();
-  row.peak = field.centre_pressure();
-  row.displacement = distances.unaryExpr([&](double r) { return field.half_space_displacement(r); });
-  row.displacement -= (outside * field.deficit_terms().matrix()).array();
-  row.base_outside = outside * field.base_terms().matrix();
-  row.base_inside = inside * field.base_terms().matrix();
+  row.indentation = 1.0;
+  RadialDensity density = basis == 0 ? system.solve(1.0, gap) : system.solve_smooth(gap, row.indentation);
+  row.force = system.force(density);
+  row.peak = system.centre_pressure(density, gap, points.sine_sums);
+  const RadialField field(system, std::move(density), points.spectrum);
+  row.displacement = points.distances.unaryExpr([&](double r) { return field.half_space_displacement(r); });
+  row.displacement -= (points.outside * field.deficit_terms().matrix()).array();
+  row.base_outside = points.outside * field.base_terms().matrix();
+  row.base_inside = points.inside * field.base_terms().matrix();
   return row;
 }
 
 std::array<TableRow, 4> round_rows(double poisson, double radius) {
   const RadialSystem system(poisson, radius);
-  const Eigen::ArrayXd distances = radius + outside_points();
-  std::array<TableRow, 4> rows;
-  Eigen::MatrixXd outside, inside;
-  for (int basis = 0; basis < 4; ++basis) {
-    double indentation = 1.0;
-    RadialDensity density = basis == 0 ? system.solve(indentation, flat_gap())
-                                       : system.solve_smooth(monomial_gap(basis, radius), indentation);
-    const RadialField field(system, std::move(density), radius + kProfileReach);
-    if (basis == 0) {
-      outside = bessel_matrix(distances, field.wave_numbers());
-      inside = bessel_matrix(inside_points(radius), field.wave_numbers());
-    }
-    rows[static_cast<std::size_t>(basis)] = round_row(field, indentation, distances, outside, inside);
-  }
-  return rows;
+  const RowPoints points = row_points(system);
+  return {round_row(system, points, 0), round_row(system, points, 1), round_row(system, points, 2),
+          round_row(system, points, 3)};
 }
 
 TableRow line_row(double poisson, double half_width) {

@@ -78,12 +78,9 @@ RadialDensity RadialSystem::solve(double indentation, const RadialGap& gap) cons
   const Eigen::VectorXd right = 2.0 / std::numbers::pi * (indentation - sampled(nodes_, gap.abel)).matrix();
   RadialDensity density;
   density.values = factors_.solve(right).array();
-  const Eigen::ArrayXd transform = deficit_ * (cosines_ * (nodes_.weights * density.values).matrix()).array();
   const double a = contact_radius_;
-  density.edge = 2.0 / std::numbers::pi * (indentation - gap.abel(a) + (transform * (spectrum_.nodes * a).cos()).sum());
-  const Eigen::MatrixXd sines = (spectrum_.nodes.matrix() * nodes_.nodes.matrix().transpose()).array().sin().matrix();
-  const Eigen::ArrayXd bent = (sines.transpose() * (transform * spectrum_.nodes).matrix()).array() / nodes_.nodes;
-  density.slope_over_t = -2.0 / std::numbers::pi * (sampled(nodes_, gap.abel_slope_over_t) + bent);
+  const double bent = (deficit_transform(density) * (spectrum_.nodes * a).cos()).sum();
+  density.edge = 2.0 / std::numbers::pi * (indentation - gap.abel(a) + bent);
   return density;
 }
 
@@ -92,33 +89,49 @@ RadialDensity RadialSystem::solve_smooth(const RadialGap& gap, double& indentati
   RadialDensity density = solve(0.0, gap);
   indentation = -density.edge / flat.edge;
   density.values += indentation * flat.values;
-  density.slope_over_t += indentation * flat.slope_over_t;
   density.edge = 0.0;
   return density;
 }
 
-RadialField::RadialField(const RadialSystem& system, RadialDensity density, double reach)
+Eigen::ArrayXd RadialSystem::deficit_transform(const RadialDensity& density) const {
+  return deficit_ * (cosines_ * (nodes_.weights * density.values).matrix()).array();
+}
+
+double RadialSystem::force(const RadialDensity& density) const {
+  return 2.0 * std::numbers::pi * (nodes_.weights * density.values).sum();
+}
+
+Eigen::ArrayXd RadialSystem::sine_sums() const {
+  const Eigen::MatrixXd sines = (spectrum_.nodes.matrix() * nodes_.nodes.matrix().transpose()).array().sin().matrix();
+  return (sines * (nodes_.weights / nodes_.nodes).matrix()).array();
+}
+
+double RadialSystem::centre_pressure(const RadialDensity& density, const RadialGap& gap,
+                                     const Eigen::ArrayXd& sine_sums) const {
+  // p(0) = g(a)/a − ∫ g′(t)/t dt, where g′ follows from the integral equation itself.
+  const double from_gap = (nodes_.weights * sampled(nodes_, gap.abel_slope_over_t)).sum();
+  const double from_layer = (deficit_transform(density) * spectrum_.nodes * sine_sums).sum();
+  return density.edge / contact_radius_ + 2.0 / std::numbers::pi * (from_gap + from_layer);
+}
+
+FieldSpectrum::FieldSpectrum(const RadialSystem& system, double reach)
+    : rule(spectral_rule(kBaseCutoff, system.contact_radius() + reach)),
+      cosines(cosine_matrix(rule.nodes, system.nodes().nodes)),
+      deficit(kernel_terms(rule, system.poisson(), compliance_deficit)),
+      base(kernel_terms(rule, system.poisson(), base_pressure_ratio)) {}
+
+RadialField::RadialField(const RadialSystem& system, RadialDensity density, const FieldSpectrum& spectrum)
     : contact_radius_(system.contact_radius()),
-      nodes_(system.nodes()),
-      spectrum_(spectral_rule(kBaseCutoff, contact_radius_ + reach)),
       density_(std::move(density)),
-      interpolate_(nodes_, contact_radius_) {
-  const Eigen::ArrayXd transform =
-      (cosine_matrix(spectrum_.nodes, nodes_.nodes) * (nodes_.weights * density_.values).matrix()).array();
-  deficit_terms_ = kernel_terms(spectrum_, system.poisson(), compliance_deficit) * transform;
-  base_terms_ = kernel_terms(spectrum_, system.poisson(), base_pressure_ratio) * transform * spectrum_.nodes;
-}
-
-double RadialField::force() const {
-  return 2.0 * std::numbers::pi * (nodes_.weights * density_.values).sum();
-}
-
-double RadialField::centre_pressure() const {
-  return density_.edge / contact_radius_ - (nodes_.weights * density_.slope_over_t).sum();
+      interpolate_(system.nodes(), contact_radius_),
+      wave_numbers_(spectrum.rule.nodes) {
+  const Eigen::ArrayXd transform = (spectrum.cosines * (system.nodes().weights * density_.values).matrix()).array();
+  deficit_terms_ = spectrum.deficit * transform;
+  base_terms_ = spectrum.base * transform * wave_numbers_;
 }
 
 double RadialField::displacement_outside(double r) const {
-  return half_space_displacement(r) - bessel_sum(deficit_terms_, spectrum_.nodes, r);
+  return half_space_displacement(r) - bessel_sum(deficit_terms_, wave_numbers_, r);
 }
 
 double RadialField::half_space_displacement(double r) const {
@@ -131,7 +144,7 @@ double RadialField::half_space_displacement(double r) const {
 }
 
 double RadialField::base_pressure(double r) const {
-  return bessel_sum(base_terms_, spectrum_.nodes, r);
+  return bessel_sum(base_terms_, wave_numbers_, r);
 }
 
 double bessel_sum(const Eigen::ArrayXd& terms, const Eigen::ArrayXd& wave_numbers, double r) {

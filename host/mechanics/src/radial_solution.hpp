@@ -26,9 +26,9 @@ struct RadialGap {
 /// (r / contact_radius)^(2 · power); power 1, 2 or 3.
 [[nodiscard]] RadialGap monomial_gap(int power, double contact_radius);
 
-/// Density g of a pressure: at the nodes of the system, at the edge, and g′(t) / t at the nodes.
+/// Density g of a pressure at the nodes of the system and at the edge.
 struct RadialDensity {
-  Eigen::ArrayXd values, slope_over_t;
+  Eigen::ArrayXd values;
   double edge = 0.0;
 };
 
@@ -40,11 +40,19 @@ class RadialSystem {
   [[nodiscard]] RadialDensity solve(double indentation, const RadialGap& gap) const;
   /// Solution with the indentation at which the pressure at the edge is finite, which is returned beside it.
   [[nodiscard]] RadialDensity solve_smooth(const RadialGap& gap, double& indentation) const;
+  /// Pressure in the centre; `sine_sums` is sine_sums(), which several densities share.
+  [[nodiscard]] double centre_pressure(const RadialDensity& density, const RadialGap& gap,
+                                       const Eigen::ArrayXd& sine_sums) const;
+  [[nodiscard]] Eigen::ArrayXd sine_sums() const;
+  [[nodiscard]] double force(const RadialDensity& density) const;
   [[nodiscard]] const Quadrature& nodes() const { return nodes_; }
   [[nodiscard]] double contact_radius() const { return contact_radius_; }
   [[nodiscard]] double poisson() const { return poisson_; }
 
  private:
+  // ∫ g cos(kt) dt times the deficit and the weight of each wave number.
+  [[nodiscard]] Eigen::ArrayXd deficit_transform(const RadialDensity& density) const;
+
   double poisson_, contact_radius_;
   Quadrature nodes_, spectrum_;
   Eigen::MatrixXd cosines_;  // rows are wave numbers, columns are nodes
@@ -52,27 +60,32 @@ class RadialSystem {
   Eigen::PartialPivLU<Eigen::MatrixXd> factors_;
 };
 
-/// Fields of a density, for distances up to `reach`.
+/// Wave numbers for fields up to a distance, with the kernels there; densities of one system share it.
+struct FieldSpectrum {
+  FieldSpectrum(const RadialSystem& system, double reach);
+  Quadrature rule;
+  Eigen::MatrixXd cosines;
+  Eigen::ArrayXd deficit, base;  // kernels times weights
+};
+
+/// Fields of a density, for distances up to the reach of the spectrum.
 class RadialField {
  public:
-  RadialField(const RadialSystem& system, RadialDensity density, double reach);
-  [[nodiscard]] double force() const;
-  [[nodiscard]] double centre_pressure() const;
+  RadialField(const RadialSystem& system, RadialDensity density, const FieldSpectrum& spectrum);
   /// Displacement at r outside the contact; inside it is δ − gap.
   [[nodiscard]] double displacement_outside(double r) const;
   [[nodiscard]] double base_pressure(double r) const;
   /// Displacement outside on a half-space; displacement_outside() takes Σ deficit_terms · J0(wave_numbers · r) off it.
   [[nodiscard]] double half_space_displacement(double r) const;
-  [[nodiscard]] const Eigen::ArrayXd& wave_numbers() const { return spectrum_.nodes; }
+  [[nodiscard]] const Eigen::ArrayXd& wave_numbers() const { return wave_numbers_; }
   [[nodiscard]] const Eigen::ArrayXd& deficit_terms() const { return deficit_terms_; }
   [[nodiscard]] const Eigen::ArrayXd& base_terms() const { return base_terms_; }
 
  private:
   double contact_radius_;
-  Quadrature nodes_, spectrum_;
   RadialDensity density_;
   NodeInterpolation interpolate_;
-  Eigen::ArrayXd deficit_terms_, base_terms_;  // kernel times transform of the pressure times weight
+  Eigen::ArrayXd wave_numbers_, deficit_terms_, base_terms_;  // kernel times transform of the pressure times weight
 };
 
 /// Sum of terms · J0(wave_numbers · r).

@@ -15,6 +15,9 @@ constexpr double kSampleStep_mm = 0.05;
 // What a contact does farther away from its edge than this many thicknesses is below 0.1 % of its peak.
 constexpr double kReachThicknesses = 8.0;
 constexpr double kLogStep = 1e-3;
+// So near to the axis the displacement has no slope.
+constexpr double kCentre_mm = 1e-9;
+constexpr double kMaxIndentationShare = 0.999;
 
 Contact press_tip(const ContactTable& table, double log_force, double log_radius) {
   return table.press({Shape::kSphere, std::exp(log_radius)}, std::exp(log_force));
@@ -59,6 +62,55 @@ TaxelModel::Profiles TaxelModel::profiles_of(const FitContact& contact, bool wit
   return profiles;
 }
 
+// Adds one point of a taxel's disc to its value and derivatives; false where the layer is pressed to its base.
+class TaxelModel::DiscSum {
+ public:
+  DiscSum(double thickness_mm, std::span<const FitContact> contacts, const std::vector<Profiles>& profiles,
+          TaxelResponse& response)
+      : thickness_mm_(thickness_mm), contacts_(contacts), profiles_(profiles), response_(response) {}
+
+  bool add_taxel(Eigen::Index taxel, const Eigen::Vector2d& centre, double disc_radius_mm) {
+    near_.clear();
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      if ((centre - contacts_[c].position_mm).norm() < profiles_[c].reach_mm + disc_radius_mm) near_.push_back(c);
+    }
+    if (near_.empty()) return true;
+    return std::all_of(disc_points().begin(), disc_points().end(), [&](const DiscPoint& p) {
+      return add_point(taxel, centre + disc_radius_mm * p.position, p.weight);
+    });
+  }
+
+ private:
+  bool add_point(Eigen::Index taxel, const Eigen::Vector2d& point, double weight) {
+    const double h = thickness_mm_;
+    double u = 0.0;
+    for (const std::size_t c : near_) u += profiles_[c].displacement.at((point - contacts_[c].position_mm).norm());
+    if (u >= kMaxIndentationShare * h) return false;
+    response_.values[taxel] += weight * u / (h - u);
+    if (response_.derivatives.size() == 0) return true;
+    const double slope = weight * h / ((h - u) * (h - u));
+    for (const std::size_t c : near_) add_derivatives(taxel, c, point - contacts_[c].position_mm, slope);
+    return true;
+  }
+  void add_derivatives(Eigen::Index taxel, std::size_t contact, const Eigen::Vector2d& offset, double slope) {
+    const Profiles& p = profiles_[contact];
+    const double r = offset.norm();
+    const double gradient = (p.displacement.at(r + kSampleStep_mm) - p.displacement.at(std::abs(r - kSampleStep_mm))) /
+                            (2.0 * kSampleStep_mm);
+    auto row = response_.derivatives.block<1, kParametersPerContact>(
+        taxel, static_cast<Eigen::Index>(kParametersPerContact * contact));
+    if (r > kCentre_mm) row.head<2>() -= slope * gradient / r * offset.transpose();
+    row[2] += slope * (p.more_force.at(r) - p.less_force.at(r)) / (2.0 * kLogStep);
+    row[3] += slope * (p.more_radius.at(r) - p.less_radius.at(r)) / (2.0 * kLogStep);
+  }
+
+  double thickness_mm_;
+  std::span<const FitContact> contacts_;
+  const std::vector<Profiles>& profiles_;
+  TaxelResponse& response_;
+  std::vector<std::size_t> near_;
+};
+
 std::optional<TaxelResponse> TaxelModel::respond(std::span<const FitContact> contacts, bool with_derivatives) const {
   std::vector<Profiles> profiles;
   try {
@@ -66,42 +118,12 @@ std::optional<TaxelResponse> TaxelModel::respond(std::span<const FitContact> con
   } catch (const InputError&) {
     return std::nullopt;
   }
-  const double h = table_.layer().thickness_mm;
   const auto taxels = static_cast<Eigen::Index>(positions_mm_.size());
   const auto columns = static_cast<Eigen::Index>(kParametersPerContact * contacts.size());
   TaxelResponse response{Eigen::VectorXd::Zero(taxels), Eigen::MatrixXd::Zero(taxels, with_derivatives ? columns : 0)};
+  DiscSum sum(table_.layer().thickness_mm, contacts, profiles, response);
   for (Eigen::Index t = 0; t < taxels; ++t) {
-    const Eigen::Vector2d& centre = positions_mm_[static_cast<std::size_t>(t)];
-    std::vector<std::size_t> near;
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      if ((centre - contacts[c].position_mm).norm() < profiles[c].reach_mm + disc_radius_mm_) near.push_back(c);
-    }
-    if (near.empty()) continue;
-    for (const DiscPoint& p : disc_points()) {
-      const Eigen::Vector2d point = centre + disc_radius_mm_ * p.position;
-      double u = 0.0;
-      for (const std::size_t c : near) u += profiles[c].displacement.at((point - contacts[c].position_mm).norm());
-      if (u >= 0.999 * h) return std::nullopt;
-      response.values[t] += p.weight * u / (h - u);
-      if (!with_derivatives) continue;
-      const double slope = p.weight * h / ((h - u) * (h - u));
-      for (const std::size_t c : near) {
-        const Eigen::Vector2d offset = point - contacts[c].position_mm;
-        const double r = offset.norm();
-        const double gradient = (profiles[c].displacement.at(r + kSampleStep_mm) -
-                                 profiles[c].displacement.at(std::abs(r - kSampleStep_mm))) /
-                                (2.0 * kSampleStep_mm);
-        const Eigen::Vector2d by_position =
-            r > 1e-9 ? Eigen::Vector2d(-gradient * offset / r) : Eigen::Vector2d::Zero();
-        const auto first = static_cast<Eigen::Index>(kParametersPerContact * c);
-        response.derivatives(t, first) += slope * by_position.x();
-        response.derivatives(t, first + 1) += slope * by_position.y();
-        response.derivatives(t, first + 2) +=
-            slope * (profiles[c].more_force.at(r) - profiles[c].less_force.at(r)) / (2.0 * kLogStep);
-        response.derivatives(t, first + 3) +=
-            slope * (profiles[c].more_radius.at(r) - profiles[c].less_radius.at(r)) / (2.0 * kLogStep);
-      }
-    }
+    if (!sum.add_taxel(t, positions_mm_[static_cast<std::size_t>(t)], disc_radius_mm_)) return std::nullopt;
   }
   return response;
 }

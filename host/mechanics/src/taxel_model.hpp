@@ -47,6 +47,7 @@ class TaxelModel {
 
  private:
   struct Profiles;
+  class DiscSum;
   [[nodiscard]] Profiles profiles_of(const FitContact& contact, bool with_derivatives) const;
 
   const ContactTable& table_;

@@ -8,7 +8,8 @@
 namespace triskin::mechanics {
 
 /// A rigid body above the layer, which lies in the plane z = 0 with its surface towards +z. Only the lower surface of a
-/// body matters: its height over each point of the plane, infinite beside the body.
+/// body matters: its height over each point of the plane, infinite beside the body. Lengths that are not positive and
+/// triangles that name a vertex that does not exist throw InputError.
 class Body {
  public:
   /// Sphere about the origin of the body.
@@ -23,8 +24,6 @@ class Body {
   /// Height in mm of the lower surface over (x, y), or infinity. Cost: constant, for a capsule some 60 evaluations of a
   /// distance, for a mesh proportional to its triangles. Thread-safe.
   [[nodiscard]] double lower_surface_mm(double x_mm, double y_mm) const { return lower_surface_(x_mm, y_mm); }
-
-  // Factories throw InputError when a length is not positive or a triangle names a vertex that does not exist.
 
  private:
   explicit Body(std::function<double(double, double)> lower_surface) : lower_surface_(std::move(lower_surface)) {}
