@@ -9,7 +9,7 @@
 #include <functional>
 #include <numbers>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/mechanics/bonded_layer.hpp"
 #include "triskin/mechanics/contact_table.hpp"
 #include "triskin/mechanics/layer.hpp"

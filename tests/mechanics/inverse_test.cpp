@@ -15,7 +15,7 @@
 #include <string>
 
 #include "support/places.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/mechanics/bonded_layer.hpp"
 #include "triskin/mechanics/inverse_file.hpp"
 #include "triskin/mechanics/taxel.hpp"

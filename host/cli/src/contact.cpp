@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "triskin/cli/command.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/mechanics/comparison.hpp"
 #include "triskin/mechanics/inverse_file.hpp"
 #include "triskin/mechanics/taxel.hpp"

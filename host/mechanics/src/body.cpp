@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::mechanics {
 namespace {

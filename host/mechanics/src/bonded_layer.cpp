@@ -10,7 +10,7 @@
 #include "bonded_line.hpp"
 #include "radial_solution.hpp"
 #include "root.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "units.hpp"
 
 namespace triskin::mechanics {

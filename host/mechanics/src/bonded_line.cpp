@@ -6,7 +6,7 @@
 
 #include "line_solution.hpp"
 #include "root.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "units.hpp"
 
 namespace triskin::mechanics {

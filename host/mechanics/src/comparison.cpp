@@ -11,7 +11,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/mechanics/bonded_layer.hpp"
 #include "triskin/mechanics/contact_table.hpp"
 #include "triskin/mechanics/layer_patch.hpp"

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/mechanics/bonded_layer.hpp"
 #include "triskin/mechanics/contact_table.hpp"
 #include "triskin/mechanics/logarithmic.hpp"

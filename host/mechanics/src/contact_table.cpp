@@ -12,7 +12,7 @@
 #include "foundation.hpp"
 #include "profile_table.hpp"
 #include "root.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "units.hpp"
 
 namespace triskin::mechanics {

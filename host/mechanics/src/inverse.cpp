@@ -11,7 +11,7 @@
 #include "contact_fit.hpp"
 #include "contact_guess.hpp"
 #include "taxel_model.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::mechanics {
 namespace {

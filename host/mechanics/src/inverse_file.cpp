@@ -10,8 +10,8 @@
 #include <memory>
 #include <utility>
 
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::mechanics {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::mechanics {
 namespace {

@@ -11,7 +11,7 @@
 #include "layer_convolution.hpp"
 #include "quadrature.hpp"
 #include "root.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/mechanics/contact.hpp"
 #include "units.hpp"
 

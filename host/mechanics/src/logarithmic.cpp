@@ -7,7 +7,7 @@
 
 #include "foundation.hpp"
 #include "root.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "units.hpp"
 
 namespace triskin::mechanics {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "disc_points.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::mechanics {
 namespace {
