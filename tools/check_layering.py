@@ -41,6 +41,7 @@ PARTS = [
     Part("host/lattice", "lattice", "base design mesh routing", "Eigen fmt CGAL tbb boost", "triskin_lattice"),
     Part("host/pipeline", "pipeline", "base design mesh placement unfolding lattice routing", HOST_BASE, "triskin_pipeline"),
     Part("host/check", "check", "base", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
+    Part("host/mechanics", "mechanics", "base", HOST_BASE, "triskin_mechanics"),
     Part("host/recording", "recording", "base design core wire layout", HOST_BASE, "triskin_recording"),
     Part("host/bridge", "bridge", "base design core wire layout recording", HOST_BASE + " dds", "triskin_bridge"),
     Part("host/link", "link", "base core wire layout", "fmt libusb hidapi", "triskin_link"),
@@ -62,7 +63,8 @@ PARTS = [
          "diagnose deploy skin robot connect view sheet hdf5 bridge",
          HOST_BASE + " CLI"),
     Part("host/cli", "cli",
-         "base design export core wire layout sim scene recording link session diagnose deploy skin robot connect view sheet hdf5 bridge",
+         "base design export core wire layout sim scene recording link session diagnose deploy skin robot connect view sheet hdf5 bridge "
+         "mechanics",
          HOST_BASE + " CLI", "triskin"),
     Part("tools/machine", "machine", "base core wire layout sim", "fmt unicorn", "triskin_machine"),
 ]
