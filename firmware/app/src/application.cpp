@@ -174,7 +174,10 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
     if (c.port == ports_.can) handle_icub_frame(frame);
     return;
   }
-  if (ports_.update != nullptr && c.port == ports_.can && ports_.update->handle(frame, now_us())) return;
+  if (ports_.update != nullptr && c.port == ports_.can && ports_.update->handle(frame, now_us())) {
+    proved_ = true;  // a host reaches it and may replace it
+    return;
+  }
   if (handle_claim_frame(c, frame)) return;
   if (const auto lease = wire::decode_lease(frame)) {
     if (c.port->fd()) c.stream.renew(*lease, now_us());
@@ -196,7 +199,9 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
 void Application::answer(Channel& c, Bytes request, bool functional) {
   asking_ = c.port;
   const Bytes response = server_.handle(request, functional);
-  if (!response.empty()) (void)c.link.send(response, now_us());
+  if (response.empty()) return;
+  (void)c.link.send(response, now_us());
+  proved_ = true;
 }
 
 void Application::handle_icub_frame(const wire::CanFrame& frame) {
@@ -267,6 +272,7 @@ bool Application::frames_wait() const {
 
 void Application::publish(std::size_t module) {
   samples_[module].fresh = false;
+  proved_ = proved_ || samples_[module].valid != 0;
   published_[module] = samples_[module];
   if (module < rows()) icub_triangles_.read(module, samples_[module]);
   stream_full(table_row(module));
@@ -355,6 +361,11 @@ void Application::queue_icub() {
 void Application::calibrate() {
   for (ModuleSample& s : samples_) s.compensation.restart();  // the next reading becomes the baseline
   icub_triangles_.calibrate();
+}
+
+Status Application::clear_faults() {
+  if (ports_.monitor != nullptr) ports_.monitor->forget_crash();
+  return faults_.clear() ? Status::kOk : Status::kFlashFailed;
 }
 
 bool Application::read_fault(std::uint32_t dtc, ByteWriter& out) {

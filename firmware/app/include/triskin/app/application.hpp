@@ -39,6 +39,8 @@ class Application final : private UdsHost, private PatchControl {
   [[nodiscard]] std::uint64_t next_during_flash_us() const;
   /// Earliest time at which step() has work, not counting frames and line transfers, whose ends the board reports.
   [[nodiscard]] std::uint64_t next_event_us() const;
+  /// It has done its work once since power-up: read a module, or answered a host. An image that has may keep its slot.
+  [[nodiscard]] bool proved() const { return proved_; }
   /// Frames wait for room in the CAN port: step() again when there is some.
   [[nodiscard]] bool frames_wait() const;
 
@@ -55,7 +57,7 @@ class Application final : private UdsHost, private PatchControl {
   Status set_calibration(Bytes value) override { return tables_.set_calibration(value); }
   [[nodiscard]] wire::StreamAccount stream_account() const override;
   [[nodiscard]] std::uint32_t dropped_samples() const override;
-  Status clear_faults() override { return faults_.clear() ? Status::kOk : Status::kFlashFailed; }
+  Status clear_faults() override;
   void read_faults(std::uint8_t mask, ByteWriter& out) override { faults_.report(mask, out); }
   bool read_fault(std::uint32_t dtc, ByteWriter& out) override;
   void request_reset() override { reset_requested_ = through_loader_ = true; }
@@ -126,6 +128,7 @@ class Application final : private UdsHost, private PatchControl {
   StreamQueue stream_queue_;  // of the iCub stream
   std::uint8_t starts_ = 0;   // of the sampling since power-up, modulo 256
   bool reset_requested_ = false, through_loader_ = false;
+  bool proved_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;
   IcubTriangles icub_triangles_;
