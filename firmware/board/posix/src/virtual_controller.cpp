@@ -198,7 +198,7 @@ class TimedFlash final : public fw::FlashArea {
 // Where the slots of the microcontroller stand: images are linked for these addresses.
 constexpr std::array<std::uint32_t, 2> kSlotOrigins{0x08004000, 0x08040000};
 
-class Controller final : public VirtualController, private fw::Restart {
+class Controller final : public VirtualController, private fw::Restart, private fw::BoardMonitor {
  public:
   explicit Controller(const VirtualBoard& board)
       : board_(board),
@@ -303,7 +303,8 @@ class Controller final : public VirtualController, private fw::Restart {
                                    &*usb_,
                                    board_.chain != nullptr ? &chain_ : nullptr,
                                    board_.slots != nullptr ? this : nullptr,
-                                   receiver_ ? &*receiver_ : nullptr});
+                                   receiver_ ? &*receiver_ : nullptr,
+                                   this});
   }
   [[nodiscard]] std::optional<layout::ImageLabel> running_label() const {
     if (running_slot_ < 0) return std::nullopt;
@@ -333,7 +334,10 @@ class Controller final : public VirtualController, private fw::Restart {
     return boot::image_state_of(running_slot_, slots_.inspect(running_slot_));
   }
 
-  static constexpr std::uint64_t kConfirmAfter_us = 2'000'000;
+  // fw::BoardMonitor
+  [[nodiscard]] wire::BoardHealth health() const override { return board_.health; }
+  [[nodiscard]] std::optional<wire::Crash> crash() const override { return board_.crash; }
+  void forget_crash() override { board_.crash.reset(); }
 
   VirtualBoard board_;
   VirtualClock clock_;
