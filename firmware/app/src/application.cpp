@@ -117,11 +117,17 @@ void Application::step() {
   if (pausing_) keep_route();
   if (now_us() >= next_tick_us_) tick();
   take_samples();
+  if (read_a_module_) prove();  // not inside publish(): the flash may be busy there
   offset_store_.step(offsets_);
   send_pending();
   route_.tell(*ports_.can, tables_.node_address(), now_us());
   if (ports_.update != nullptr) ports_.update->step(*ports_.can, now_us());
   reset_when_answered();
+}
+
+void Application::prove() {
+  if (!proved_ && ports_.restart != nullptr) ports_.restart->confirm();
+  proved_ = true;
 }
 
 // Units of an image go into the flash one in a step: the lines are served between them.
@@ -175,7 +181,7 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
     return;
   }
   if (ports_.update != nullptr && c.port == ports_.can && ports_.update->handle(frame, now_us())) {
-    proved_ = true;  // a host reaches it and may replace it
+    prove();
     return;
   }
   if (handle_claim_frame(c, frame)) return;
@@ -198,10 +204,9 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
 
 void Application::answer(Channel& c, Bytes request, bool functional) {
   asking_ = c.port;
+  prove();  // first: the answer may be about that
   const Bytes response = server_.handle(request, functional);
-  if (response.empty()) return;
-  (void)c.link.send(response, now_us());
-  proved_ = true;
+  if (!response.empty()) (void)c.link.send(response, now_us());
 }
 
 void Application::handle_icub_frame(const wire::CanFrame& frame) {
@@ -272,7 +277,7 @@ bool Application::frames_wait() const {
 
 void Application::publish(std::size_t module) {
   samples_[module].fresh = false;
-  proved_ = proved_ || samples_[module].valid != 0;
+  read_a_module_ = read_a_module_ || samples_[module].valid != 0;
   published_[module] = samples_[module];
   if (module < rows()) icub_triangles_.read(module, samples_[module]);
   stream_full(table_row(module));

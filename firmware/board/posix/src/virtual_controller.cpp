@@ -244,7 +244,7 @@ class Controller final : public VirtualController, private fw::Restart, private 
     if (dfu_) return dfu_->wants_to_reconnect() ? clock_.now : dfu_->next_event_us();
     if (loader_) return loader_end_us();
     if (usb_->frame_waits() || wants_dfu() || application_->frames_wait()) return clock_.now;
-    std::uint64_t next = std::min(application_->next_event_us(), confirm_at_us_);
+    std::uint64_t next = application_->next_event_us();
     for (const VirtualI2cLine& line : lines_) next = std::min(next, line.done_us());
     return next;
   }
@@ -252,10 +252,6 @@ class Controller final : public VirtualController, private fw::Restart, private 
     if (dfu_) return step_dfu();
     if (loader_) return step_loader();
     application_->step();
-    if (clock_.now >= confirm_at_us_) {
-      slots_.confirm(running_slot_);
-      confirm_at_us_ = UINT64_MAX;
-    }
     if (!wants_dfu()) return;
     application_.reset();
     ++usb_session_;
@@ -282,11 +278,7 @@ class Controller final : public VirtualController, private fw::Restart, private 
   void start_application() {
     loader_.reset();
     running_slot_ = board_.slots != nullptr ? slots_.choose() : -1;
-    confirm_at_us_ = UINT64_MAX;
-    if (running_slot_ >= 0 && !slots_.inspect(running_slot_).confirmed) {
-      (void)slots_.note_start(running_slot_);
-      confirm_at_us_ = clock_.now + kConfirmAfter_us;
-    }
+    if (running_slot_ >= 0 && !slots_.inspect(running_slot_).confirmed) (void)slots_.note_start(running_slot_);
     ++usb_session_;
     usb_.emplace(board_.unique_id);
     receiver_.reset();
@@ -329,6 +321,9 @@ class Controller final : public VirtualController, private fw::Restart, private 
     loader_.emplace(slots_, can_, board_.unique_id);
     window_end_us_ = clock_.now + wire::loader::kWindow_us;
   }
+  void confirm() override {
+    if (running_slot_ >= 0) slots_.confirm(running_slot_);
+  }
   std::optional<wire::ImageState> image_state() override {
     if (running_slot_ < 0) return std::nullopt;
     return boot::image_state_of(running_slot_, slots_.inspect(running_slot_));
@@ -355,7 +350,7 @@ class Controller final : public VirtualController, private fw::Restart, private 
   std::optional<fw::Application> application_;
   std::optional<boot::Loader> loader_;
   std::optional<boot::DfuDevice> dfu_;
-  std::uint64_t window_end_us_ = 0, confirm_at_us_ = UINT64_MAX;
+  std::uint64_t window_end_us_ = 0;
   int running_slot_ = -1, usb_session_ = 0;
 };
 

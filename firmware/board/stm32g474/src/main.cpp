@@ -36,6 +36,9 @@ class Stm32Restart final : public fw::Restart {
     survivor().running = 0;
     core_reg::reset();
   }
+  void confirm() override {
+    if (const int slot = running_slot(); slot >= 0) application_slots.confirm(slot);
+  }
   std::optional<wire::ImageState> image_state() override {
     const int slot = running_slot();
     if (slot < 0) return std::nullopt;
@@ -105,15 +108,11 @@ void sleep_until(std::uint64_t at_us, const fw::Application& application) {
   core_reg::reset();
 }
 
-// Once each: an image that has done its work keeps its slot; what is set in the life of a board is set when its supply
-// stands; crashes after a minute of work are no loop.
+// Once each: what is set in the life of a board is set when its supply stands; crashes after a minute of work are no
+// loop.
 class Milestones {
  public:
-  void look(std::uint64_t now_us, const fw::Application& application) {
-    if (!confirmed_ && application.proved()) {
-      if (const int slot = running_slot(); slot >= 0) application_slots.confirm(slot);
-      confirmed_ = true;
-    }
+  void look(std::uint64_t now_us) {
     if (!options_set_ && now_us > kSupplyStands_us) {
       if ((triskin_budget.findings & kMendable) != 0) (void)set_options_of_a_board();
       options_set_ = true;
@@ -129,7 +128,7 @@ class Milestones {
  private:
   static constexpr std::uint32_t kMendable = finding::kBootByPin | finding::kLowBrownOut;
   static constexpr std::uint64_t kDoubleReset_us = 500'000;
-  bool confirmed_ = false, options_set_ = false, counted_ = false;
+  bool options_set_ = false, counted_ = false;
 };
 
 [[noreturn]] void run(fw::Application& application, fw::UsbDevice& device) {
@@ -142,7 +141,7 @@ class Milestones {
     usb.send();
     if (device.wants_to_reconnect() && usb.idle()) enter_dfu();
     feed_watchdog();
-    milestones.look(start, application);
+    milestones.look(start);
     std::uint64_t next = std::min({application.next_event_us(), start + kLongestSleep_us, can.next_event_us()});
     for (const Stm32I2cLine& line : lines) next = std::min(next, line.deadline_us());
     ++triskin_budget.loops;

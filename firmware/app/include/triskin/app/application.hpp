@@ -39,8 +39,6 @@ class Application final : private UdsHost, private PatchControl {
   [[nodiscard]] std::uint64_t next_during_flash_us() const;
   /// Earliest time at which step() has work, not counting frames and line transfers, whose ends the board reports.
   [[nodiscard]] std::uint64_t next_event_us() const;
-  /// It has done its work once since power-up: read a module, or answered a host. An image that has may keep its slot.
-  [[nodiscard]] bool proved() const { return proved_; }
   /// Frames wait for room in the CAN port: step() again when there is some.
   [[nodiscard]] bool frames_wait() const;
 
@@ -76,6 +74,8 @@ class Application final : private UdsHost, private PatchControl {
   static constexpr std::size_t kCan = 0;
 
   void restart();
+  /// The image has done its work once: it has read a module, or a host has reached it and may replace it.
+  void prove();
   void reset_when_answered();
   void restart_sampling();
   void keep_route();
@@ -128,7 +128,7 @@ class Application final : private UdsHost, private PatchControl {
   StreamQueue stream_queue_;  // of the iCub stream
   std::uint8_t starts_ = 0;   // of the sampling since power-up, modulo 256
   bool reset_requested_ = false, through_loader_ = false;
-  bool proved_ = false;
+  bool read_a_module_ = false, proved_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;
   IcubTriangles icub_triangles_;

@@ -85,6 +85,8 @@ class Restart {
   virtual ~Restart() = default;
   /// May return when the board needs some time; the application does nothing more.
   virtual void restart() = 0;
+  /// The image that runs has done its work once and keeps its slot. Writes one unit of the flash, the first time.
+  virtual void confirm() {}
   /// The image that runs. Empty: not started from a slot.
   virtual std::optional<wire::ImageState> image_state() = 0;
 };
