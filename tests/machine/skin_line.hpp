@@ -22,7 +22,7 @@ struct PadSource final : scene::CapacitanceSource {
   [[nodiscard]] double counts(int cin, std::uint64_t at_us) const override;
 };
 
-/// One module: a converter of host/scene (register level, stage by stage, noise and oscillator error of the data sheet)
+/// One module: a converter of host/sim (register level, stage by stage, noise and oscillator error of the data sheet)
 /// and its faults.
 struct SkinModule {
   PadSource source;

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "polygons.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/check/placement_proof.hpp"
-#include "triskin/geometry/placement.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/placement/placement.hpp"
 
 namespace triskin::geometry {
 namespace {

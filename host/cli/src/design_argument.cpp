@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <vector>
 
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/design/design.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
 
 namespace triskin::cli {
 namespace {

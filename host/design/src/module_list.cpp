@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
+#include "triskin/base/files.hpp"
 #include "triskin/design/json_value.hpp"
-#include "triskin/host/files.hpp"
 
 namespace triskin::design {
 

@@ -3,11 +3,11 @@
 #include <memory>
 #include <vector>
 
+#include "triskin/base/progress.hpp"
 #include "triskin/design/design.hpp"
-#include "triskin/geometry/routing.hpp"
-#include "triskin/geometry/surface.hpp"
-#include "triskin/geometry/surface_regions.hpp"
-#include "triskin/host/progress.hpp"
+#include "triskin/mesh/surface.hpp"
+#include "triskin/mesh/surface_regions.hpp"
+#include "triskin/routing/routing.hpp"
 
 namespace triskin::pipeline {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/robot/assembly.hpp"
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/link/link_kind.hpp"
 #include "triskin/session/bus_budget.hpp"
 #include "triskin/wire/bus_load.hpp"
@@ -55,7 +55,7 @@ std::vector<BusLoad> bus_loads(const Assembly& a) {
     }
   }
   for (BusLoad& load : loads) {
-    load.every = device::least_every(load.full);
+    load.every = device::min_every(load.full);
     load.rate_hz = 1e6 / wire::sequence_us(wire::Decimation::k256) / load.every;
   }
   return loads;

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::machine {
 namespace {

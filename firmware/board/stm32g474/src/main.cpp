@@ -15,7 +15,7 @@
 #include "triskin/board/survivor.hpp"
 #include "triskin/boot/image_receiver.hpp"
 #include "triskin/layout/image_label.hpp"
-#include "triskin/logic/usb_device.hpp"
+#include "triskin/logic/usb/usb_device.hpp"
 #include "usb.hpp"
 
 namespace triskin::board {

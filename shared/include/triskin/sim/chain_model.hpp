@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <span>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 
 namespace triskin::sim {
 
-/// The scan chain of switched modules as its master sees it. Implemented by the virtual hardware (host/scene), driven
+/// The scan chain of switched modules as its master sees it. Implemented by the virtual hardware (host/sim), driven
 /// by board/posix. Times are what the real chain needs: the caller lets them pass.
 class ChainModel {
  public:

@@ -4,7 +4,7 @@
 
 namespace triskin::sim {
 
-/// One I²C line as its master sees it, byte by byte (UM10204). Implemented by the virtual hardware (host/scene),
+/// One I²C line as its master sees it, byte by byte (UM10204). Implemented by the virtual hardware (host/sim),
 /// driven by board/posix and by the modelled machine. `now_us` is virtual time at the end of the operation and
 /// never decreases. A line that is stuck answers no start; `scl`/`sda` give the levels.
 class I2cBus {

@@ -2,8 +2,8 @@
 #pragma once
 #include <cstdint>
 
-#include "triskin/base/bytes.hpp"
-#include "triskin/base/status.hpp"
+#include "triskin/core/bytes.hpp"
+#include "triskin/core/status.hpp"
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 
@@ -42,7 +42,7 @@ inline constexpr std::uint8_t kWarning = 1, kErrorPassive = 2, kBusOff = 4;
 /// FD11. Counters are since the last reset and begin anew after their type's largest value.
 struct BoardHealth {
   static constexpr std::uint16_t kId = did::kBoardHealth;
-  static constexpr std::size_t kLeastBytes = 54, kMostBytes = kLeastBytes;
+  static constexpr std::size_t kMinBytes = 54, kMaxBytes = kMinBytes;
   ClockState clock;
   std::uint8_t reset_cause = 0;                              ///< bits of wire::reset_cause, of the last reset
   std::uint16_t findings = 0;                                ///< bits, docs/bring_up.md
@@ -78,7 +78,7 @@ struct BoardHealth {
   }
   /// Errors: kBadLength, kOutOfRange (an unknown state of the crystal). The last six bytes are reserved and ignored.
   [[nodiscard]] static constexpr Result<BoardHealth> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     BoardHealth h;
     const auto crystal = checked_enum(r.u8(), Crystal::kNotSaid);
@@ -118,7 +118,7 @@ enum class CrashCause : std::uint8_t {
 /// FD12: kept over resets, lost with the power.
 struct Crash {
   static constexpr std::uint16_t kId = did::kCrash;
-  static constexpr std::size_t kLeastBytes = 44, kMostBytes = kLeastBytes;
+  static constexpr std::size_t kMinBytes = 44, kMaxBytes = kMinBytes;
   CrashCause cause = CrashCause::kNone;
   bool while_erasing = false;                             ///< a page of the flash was being erased
   std::uint16_t exception = 0;                            ///< number of the exception that ran, 0: the loop
@@ -142,7 +142,7 @@ struct Crash {
   }
   /// Errors: kBadLength, kOutOfRange (an unknown cause).
   [[nodiscard]] static constexpr Result<Crash> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     Crash c;
     const auto cause = checked_enum(r.u8(), CrashCause::kProgram);

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 
 /// CDR as ROS 2 writes it (OMG DDSI-RTPS 10.2, plain CDR version 1, little-endian): four bytes that name the encoding,
 /// then the fields, each aligned to its size.
@@ -72,11 +72,11 @@ class CdrReader {
     at_ += n;
     return text;
   }
-  /// Takes the number of elements of a sequence whose elements take `least_bytes` or more; 0 and not ok when they
+  /// Takes the number of elements of a sequence whose elements take `min_bytes` or more; 0 and not ok when they
   /// cannot be there.
-  std::size_t count(std::size_t least_bytes) {
+  std::size_t count(std::size_t min_bytes) {
     const std::uint32_t n = u32();
-    if (ok_ && n <= (in_.size() - at_) / least_bytes) return n;
+    if (ok_ && n <= (in_.size() - at_) / min_bytes) return n;
     ok_ = false;
     return 0;
   }

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/names.hpp"
 #include "triskin/design/design.hpp"
-#include "triskin/host/names.hpp"
 #include "triskin/sheet/landmarks.hpp"
 #include "triskin/sheet/sides.hpp"
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <expected>
 
-#include "triskin/base/status.hpp"
 #include "triskin/board/clock_plan.hpp"
+#include "triskin/core/status.hpp"
 
 namespace triskin::board {
 

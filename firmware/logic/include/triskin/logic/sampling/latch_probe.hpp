@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "triskin/drivers/ad7147.hpp"
+#include "triskin/wire/offsets.hpp"
+
+namespace triskin::fw {
+
+/// Finds out when a chip shows its results, which the data sheet leaves open: each at the end of its stage, or all at
+/// the end of the sequence. A chip whose offsets changed between two restarts of its sequence is read in mid-sequence:
+/// the results of the first stages are already those with the new offsets, or still those with the old ones. Pure:
+/// results in, verdict out.
+class LatchProbe {
+ public:
+  static constexpr std::uint32_t kBegin_percent = 55;  ///< of the nominal sequence after its start: the probe may begin
+  static constexpr std::uint32_t kEnd_percent = 96;    ///< the end of the sequence of the fastest oscillator
+  static constexpr int kStages = Ad7147::kOffsetStages;  ///< first stages, which have ended by then
+  static constexpr int kMaxProbes = 3;
+
+  /// Nothing is known about the chip.
+  void forget() { *this = {}; }
+  /// What is known about the chip.
+  [[nodiscard]] wire::Latching latching() const { return latching_; }
+  /// A probe would help.
+  [[nodiscard]] bool wanted() const { return latching_ == wire::Latching::kUnknown; }
+  /// `results` were read in mid-sequence.
+  void store(const ad7147::Results& results);
+  /// The sequence ended without a reading in its middle, or another one begins.
+  void skip() { probed_ = false; }
+  /// Results before the change of the configuration and at the end of the sequence. After kMaxProbes without a
+  /// verdict the chip is taken for one that shows each result at the end of its stage.
+  void compare(const ad7147::Results& before, const ad7147::Results& after);
+
+ private:
+  ad7147::Results middle_{};
+  std::uint8_t probes_ = 0;
+  bool probed_ = false;
+  wire::Latching latching_ = wire::Latching::kUnknown;
+};
+
+}  // namespace triskin::fw

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "touch_finder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "triskin/layout/module.hpp"
+#include "triskin/session/patch_table.hpp"
+
+namespace triskin::device {
+namespace {
+
+constexpr std::uint64_t kLook_us = 50'000;
+constexpr std::uint64_t kSample_us = 85'000;  // a conversion and a reading
+constexpr std::uint64_t kMaxOffsets_us = 1'500'000;
+constexpr double kFelt_counts = 400.0;  // sum over the taxels of a module; noise is a few counts a taxel
+constexpr double kClearly = 3.0;        // times stronger than on any other board
+constexpr int kLooks = 2;               // in a row: one may be a glitch
+
+// A table for the chips that answer, without joints: as for strapped modules, in any tree.
+layout::PatchImage image_of_answers(const BoardShape& shape) {
+  layout::PatchImage image;
+  for (std::size_t slot = 0; slot < layout::kMaxModules; ++slot) {
+    const std::size_t line = slot / layout::kAddressesPerLine, address = slot % layout::kAddressesPerLine;
+    if ((shape.answers.at(line) >> address & 1) == 0) continue;
+    const std::size_t k = image.module_count++;
+    layout::ModuleRow& row = image.modules[k];
+    row.module_id = static_cast<std::uint16_t>(slot);
+    row.line = static_cast<std::uint8_t>(line);
+    row.address = static_cast<std::uint8_t>(address);
+    if (k == 0) continue;
+    row.parent = static_cast<std::uint8_t>((k - 1) / 2);
+    row.parent_port = static_cast<std::uint8_t>(1 + (k - 1) % 2);
+  }
+  return image;
+}
+
+// The module at the cable, which no other controller has on its way to its own.
+void keep_entry_alone(layout::PatchImage& image) {
+  layout::ModuleRow entry = image.modules[0];
+  entry.joints = {};
+  image.modules = {};
+  image.modules[0] = entry;
+  image.module_count = 1;
+  image.second_entry = 0;
+}
+
+bool searching(const wire::Offsets& offsets) {
+  return std::ranges::any_of(offsets.rows(), [](const wire::ModuleOffsets& m) {
+    return m.state == wire::OffsetState::kNone || m.state == wire::OffsetState::kSearching;
+  });
+}
+
+}  // namespace
+
+TouchFinder::TouchFinder(Bus& bus, const design::Design& design, std::vector<FeelingBoard> boards,
+                         const IdentifyOptions& options)
+    : bus_(bus), design_(design), options_(options) {
+  for (FeelingBoard& b : boards) probes_.push_back({std::move(b), false, false, {}});
+  const bool any_across = std::ranges::any_of(probes_, [](const Probe& p) { return p.board.across; });
+  if (any_across && options_.say)
+    options_.say("the patches are joined across their borders: press the module at which the cable is plugged in");
+  for (Probe& p : probes_) let_sample(p);
+  settle();
+}
+
+void TouchFinder::let_sample(Probe& probe) {
+  Controller controller(bus_, probe.board.claim.node_address);
+  const wire::ActiveTable table = controller.active_table();
+  probe.samples = table.present() && table.design_id != kIdentifyDesign;
+  if (probe.samples) return;
+  layout::PatchImage image;
+  if (!probe.board.shape.switched) image = image_of_answers(probe.board.shape);
+  if (probe.board.shape.switched && !probe.board.likely.empty()) image = image_of(design_, probe.board.likely.front());
+  if (probe.board.across && image.module_count > 0) keep_entry_alone(image);
+  if (image.module_count == 0) {
+    if (options_.say)
+      options_.say(fmt::format("controller {} is left out: {}", to_text(probe.board.claim.unique_id),
+                               probe.board.shape.switched ? "its modules are those of no patch of the design"
+                                                          : "no chip answers at its lines"));
+    return;
+  }
+  image.design_id = kIdentifyDesign;
+  image.node_address = probe.board.claim.node_address;
+  controller.write_table(bytes_of(image), {});
+  probe.samples = true;
+}
+
+// Taxels wander while the offsets of their converters are searched.
+void TouchFinder::settle() {
+  const std::uint64_t end_us = bus_.now_us() + kMaxOffsets_us;
+  const auto busy = [&](const Probe& p) {
+    return p.samples && searching(Controller(bus_, p.board.claim.node_address).offsets());
+  };
+  while (bus_.now_us() < end_us && std::ranges::any_of(probes_, busy)) bus_.listen(bus_.now_us() + 2 * kLook_us);
+  bus_.listen(bus_.now_us() + kSample_us);
+}
+
+void TouchFinder::take_rest() {
+  for (Probe& p : probes_) {
+    if (p.samples) p.rest = Controller(bus_, p.board.claim.node_address).taxels();
+  }
+}
+
+// Pressure lowers a value: what was pressed before and is let go does not count.
+double TouchFinder::strength(const Probe& probe) const {
+  const wire::LiveTaxels now = Controller(bus_, probe.board.claim.node_address).taxels();
+  double most = 0.0;
+  for (std::size_t row = 0; row < std::min(now.count, probe.rest.count); ++row) {
+    double sum = 0.0;
+    for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
+      const bool known = now.modules[row].is_valid(t) && probe.rest.modules[row].is_valid(t);
+      if (known && layout::measures_pressure(t))
+        sum += std::max(0.0, static_cast<double>(probe.rest.modules[row].value[t]) - now.modules[row].value[t]);
+    }
+    most = std::max(most, sum);
+  }
+  return most;
+}
+
+// `doubtful`: two boards feel it.
+std::optional<std::size_t> TouchFinder::felt(bool& doubtful) {
+  std::size_t best = 0;
+  double strongest = 0.0, second = 0.0;
+  for (std::size_t k = 0; k < probes_.size(); ++k) {
+    if (!probes_[k].samples || probes_[k].found) continue;
+    const double s = strength(probes_[k]);
+    if (s > strongest) {
+      second = strongest;
+      strongest = s;
+      best = k;
+    } else {
+      second = std::max(second, s);
+    }
+  }
+  doubtful = strongest >= kFelt_counts && strongest < kClearly * second;
+  if (strongest < kFelt_counts || doubtful) return std::nullopt;
+  return best;
+}
+
+std::optional<std::size_t> TouchFinder::wait(std::uint64_t until_us) {
+  std::optional<std::size_t> last;
+  bool told = false;
+  for (int looks = 0; bus_.now_us() < until_us;) {
+    bus_.listen(bus_.now_us() + kLook_us);
+    bool doubtful = false;
+    const auto now = felt(doubtful);
+    if (doubtful && !told && options_.say) {
+      options_.say("two patches are touched at once; lift the hand and press one module");
+      told = true;
+    }
+    looks = now && now == last ? looks + 1 : (now ? 1 : 0);
+    last = now;
+    if (looks >= kLooks) return now;
+  }
+  return std::nullopt;
+}
+
+// Any module of the patch: the first one may be dead.
+std::optional<std::size_t> TouchFinder::press(Finger& finger, int patch) {
+  for (const design::RoutedModule& m : design_.patches.at(static_cast<std::size_t>(patch)).modules) {
+    finger.press(m.node);
+    bus_.listen(bus_.now_us() + kSample_us);
+    const auto board = wait(bus_.now_us() + 4 * kLook_us);
+    finger.lift();
+    bus_.listen(bus_.now_us() + kSample_us);
+    if (board) return board;
+    take_rest();
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> TouchFinder::find(int patch) {
+  take_rest();
+  Finger* finger = options_.finger ? bus_.link().finger() : nullptr;
+  if (options_.ask) options_.ask(patch);
+  const auto board = finger != nullptr ? press(*finger, patch)
+                                       : wait(bus_.now_us() + static_cast<std::uint64_t>(options_.limit_s * 1e6));
+  if (board) probes_[*board].found = true;
+  return board;
+}
+
+}  // namespace triskin::device

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+
+#include "triskin/wire/stream_account.hpp"
+#include "triskin/wire/taxel_frames.hpp"
+
+namespace triskin::device {
+
+/// What became of samples that were due. Every one is received or lost in one of four places.
+struct SampleCounts {
+  std::uint64_t expected = 0;
+  std::uint64_t received = 0;
+  std::uint64_t with_data = 0;   ///< of the received: at least one taxel is valid
+  std::uint64_t unread = 0;      ///< lost: the controller did not read them in time
+  std::uint64_t dropped = 0;     ///< lost: they found no room on the bus
+  std::uint64_t on_the_way = 0;  ///< lost: sent, and not received here
+  std::uint64_t silent = 0;      ///< lost: the controller was away; counted by the rate
+  /// Samples that were due and did not come: expected − received.
+  [[nodiscard]] std::uint64_t lost() const { return unread + dropped + on_the_way + silent; }
+  /// Adds the counts of another module or time.
+  SampleCounts& operator+=(const SampleCounts& other);
+  bool operator==(const SampleCounts&) const = default;
+};
+
+/// The samples of one module while a reader's lease lasts: arithmetic on the controller's numbers, so that what was
+/// never heard counts as well. Fed by samples in the order in which they came, and by the controller's account at the
+/// beginning and at the end. Cost: constant. Threads: one.
+class SampleAccount {
+ public:
+  SampleAccount() = default;
+  /// Expects the samples whose number is a multiple of `every` (1 … 255). `interval_us`: nominal time between two
+  /// sample numbers.
+  SampleAccount(int every, std::uint64_t interval_us) : every_(every), interval_us_(interval_us) {}
+
+  /// The lease begins after the sample `account.number`. `now_us`: clock of the link.
+  void begin(std::uint8_t starts, const wire::RowAccount& account, std::uint64_t now_us);
+  /// A sample came at `now_us`. False: it is none of the lease (before its beginning, after its end, not a multiple, or
+  /// it came before), and counts for nothing.
+  bool add(const wire::TaxelFrame& sample, std::uint64_t now_us);
+  /// The lease ends with the sample `account.number`; samples up to it may still come.
+  void end(std::uint8_t starts, const wire::RowAccount& account, std::uint64_t now_us);
+  /// The lease ends and the controller does not say how: what was due since it was heard last counts as lost.
+  void end_silent(std::uint64_t now_us);
+  /// Samples of the account at the end that have not come.
+  [[nodiscard]] bool complete() const;
+  /// Counts up to the latest sample that came; after the end, of the whole lease.
+  [[nodiscard]] SampleCounts counts() const;
+  /// True after begin().
+  [[nodiscard]] bool started() const { return started_; }
+
+ private:
+  struct Counters {
+    std::uint32_t number = 0, unread = 0, dropped = 0;
+  };
+  void restart(std::uint8_t starts, std::uint32_t number, std::uint64_t now_us);
+  [[nodiscard]] SampleCounts since_start() const;
+  [[nodiscard]] std::uint64_t multiples(std::uint32_t after, std::uint32_t up_to) const;
+
+  int every_ = 1;
+  std::uint64_t interval_us_ = 0;
+  bool started_ = false, ended_ = false;
+  std::uint8_t starts_ = 0;
+  Counters first_, last_;
+  std::uint32_t newest_ = 0;  // number of the latest sample that came
+  std::uint64_t device_time_us_ = 0, heard_us_ = 0;
+  std::uint64_t received_ = 0, with_data_ = 0;  // since the controller's last start
+  SampleCounts before_;                         // of earlier starts of the controller
+};
+
+}  // namespace triskin::device

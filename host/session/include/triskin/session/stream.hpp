@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/session/adopted_modules.hpp"
+#include "triskin/session/bus.hpp"
+#include "triskin/session/bus_budget.hpp"
+#include "triskin/session/clock_filter.hpp"
+#include "triskin/session/sample_account.hpp"
+#include "triskin/session/stream_report.hpp"
+#include "triskin/wire/sampling.hpp"
+#include "triskin/wire/taxel_frames.hpp"
+
+namespace triskin::device {
+
+class Controller;
+
+/// A sample of one module as it came over the wire, with the module that it belongs to in the design.
+struct ModuleSample {
+  int module = 0;                  ///< id in the design; in the frame it is a row of the controller's table
+  std::uint64_t link_time_us = 0;  ///< clock of the link when the frame came
+  wire::TaxelFrame sample;
+  int cover = 0;       ///< which of the stream's designs
+  LinkTime sampled{};  ///< when the controller took it (ClockFilter)
+  int adopter = -1;    ///< patch whose controller read it in place of the module's own; −1: its own did
+};
+
+struct StreamOptions {
+  /// How many readings a converter adds up: 36.9, 18.4 or 9.2 ms a sample. Empty: as the controllers are set. They keep
+  /// it until they are set anew or lose power.
+  std::optional<wire::Decimation> decimation;
+  int every = 0;  ///< each n-th sample, 1 … 255; 0: the smallest n that fits the bus
+  /// Controllers of other designs on the same bus. A lease is for all that hear it, so they stream too and count in the
+  /// budget; their samples are ignored. Interval 0: that of the default sampling.
+  std::vector<StreamDemand> neighbours;
+  bool overload = false;  ///< streams `every` also where it does not fit; every module then gets an equal share
+  /// Called with one sentence when a controller falls silent, when it speaks again, and when another n-th sample was
+  /// chosen than every one. May be empty.
+  std::function<void(const std::string&)> say;
+};
+
+/// A reader of the data stream of all controllers of a design, or of several designs that share a bus. It has a lease
+/// on the stream and renews it; the ends of other readers leave it alone. Every sample that was due is accounted for:
+/// received, or lost and where. Each controller is asked for its clock when the stream begins and once a second, so
+/// each sample has a time and a bound.
+class Stream {
+ public:
+  using OnFrame = std::function<void(const ModuleSample&)>;
+
+  /// Takes a lease from every controller of the design. `bus` outlives the stream; `handler` is called inside the
+  /// waiting calls of the bus, with samples of the lease only. Throws DeviceError when a controller is missing, holds
+  /// another table, has a firmware that keeps no account, serves as many readers as it can, or is to sample at another
+  /// decimation while others read it; InputError when the link
+  /// cannot carry the full stream (no FD frames) or what `options` asks for does not fit the bus.
+  Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOptions options = {});
+  /// The same for several designs (docs/robot_file.md), one rate and one budget for all of them: `covers` need not
+  /// outlive the call, their names stand in messages. ModuleSample::cover and ModuleCounts::cover count in their order.
+  Stream(Bus& bus, std::span<const design::Design* const> covers, OnFrame handler, StreamOptions options = {});
+  /// Gives the lease back, if the link still works.
+  ~Stream();
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+
+  /// Receives until `until_us` of the link's clock, and takes what has come already. Renews the lease: call it at least
+  /// once a second. Throws Unreachable, Cancelled.
+  void run_until(std::uint64_t until_us);
+  /// Ends the lease: asks the controllers what they sent, waits for samples that are under way (at most 0.3 s beside
+  /// the pace), gives the lease back. Controllers that do not answer are counted by their rate. Further calls do
+  /// nothing. Throws nothing.
+  void finish();
+  /// Module frames received.
+  [[nodiscard]] std::uint64_t frames() const { return frames_; }
+  /// Samples that were due and did not come, up to the latest sample of each module; after finish() of the whole lease.
+  [[nodiscard]] std::uint64_t lost() const { return report().total.lost(); }
+  /// Account of every module and of the bus.
+  [[nodiscard]] StreamReport report() const { return report_of(kAllCovers); }
+  /// Account of the modules of one of several designs; its budget is that of the bus.
+  [[nodiscard]] StreamReport report(int cover) const { return report_of(cover); }
+  /// How the samples fit the bus.
+  [[nodiscard]] const BusBudget& budget() const { return budget_; }
+
+ private:
+  static constexpr int kAllCovers = -1;
+  struct Node {
+    int cover = 0;
+    int patch = 0;
+    std::vector<int> modules;           // of row k
+    std::vector<SampleAccount> counts;  // of row k
+    std::uint64_t interval_us = 0;      // between two samples of a module
+    std::uint64_t heard_us = 0;         // clock of the link at its latest frame
+    std::uint64_t begin_device_us = 0;
+    ClockFilter clock;
+    std::uint64_t asked_us = 0;          // clock of the link when its clock was asked for last
+    std::uint64_t newest_device_us = 0;  // time stamp of its newest sample
+    std::uint64_t due = 0;               // samples of a module by the rate, known at the end
+    AdoptedReader adopted_modules;
+    bool silent = false;
+    bool started = false;
+    std::deque<std::pair<wire::TaxelFrame, std::uint64_t>> early;  // before the account has begun, and when they came
+  };
+  void find_controllers(const design::Design& design, int cover, std::optional<wire::Decimation> decimation);
+  wire::SamplingSetting set_decimation(Controller& controller, const Node& node, wire::Decimation decimation);
+  [[nodiscard]] StreamReport report_of(int cover) const;
+  [[nodiscard]] std::string name_of(const Node& node) const;
+  void choose_rate(const StreamOptions& options);
+  void begin(std::uint8_t address, Node& node);
+  void send_lease(std::uint8_t lasts_10ms);
+  void give_back();
+  void renew_when_due();
+  void watch();
+  void ask_clocks();
+  void ask_clock(std::uint8_t address, Node& node);
+  void handle(const wire::CanFrame& frame);
+  void take(Node& node, const wire::TaxelFrame& sample, std::uint64_t heard_us);
+  void take_adopted(Node& node, const wire::TaxelFrame& sample, std::uint64_t heard_us);
+  void ask_adopted();
+  [[nodiscard]] bool read_by_another(const Node& node, int module) const;
+  void end(std::uint8_t address, Node& node);
+  void wait_for_rest();
+  [[nodiscard]] std::uint64_t silence_us(const Node& node) const;
+
+  Bus& bus_;
+  OnFrame handler_;
+  std::function<void(const std::string&)> say_;
+  std::vector<std::string> covers_;  // their names
+  std::vector<ModuleEnds> ends_;     // their joints
+  std::map<std::uint8_t, Node> nodes_;
+  BusBudget budget_;
+  std::uint32_t reader_ = 0;
+  std::uint64_t renewed_us_ = 0;
+  std::uint64_t frames_ = 0;
+  std::uint64_t thrown_away_before_ = 0;
+  int lapses_ = 0;
+  bool finished_ = false;
+};
+
+}  // namespace triskin::device

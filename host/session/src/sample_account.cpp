@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/session/sample_account.hpp"
+
+#include <algorithm>
+
+namespace triskin::device {
+namespace {
+
+constexpr std::uint64_t kAnswer_us = 1'000'000;  // an answer takes less, with repeats
+
+}  // namespace
+
+SampleCounts& SampleCounts::operator+=(const SampleCounts& other) {
+  expected += other.expected;
+  received += other.received;
+  with_data += other.with_data;
+  unread += other.unread;
+  dropped += other.dropped;
+  on_the_way += other.on_the_way;
+  silent += other.silent;
+  return *this;
+}
+
+void SampleAccount::begin(std::uint8_t starts, const wire::RowAccount& account, std::uint64_t now_us) {
+  started_ = true;
+  starts_ = starts;
+  first_ = last_ = {account.number, account.unread, account.dropped};
+  newest_ = account.number;
+  heard_us_ = now_us;
+}
+
+std::uint64_t SampleAccount::multiples(std::uint32_t after, std::uint32_t up_to) const {
+  const auto every = static_cast<std::uint32_t>(every_);
+  return up_to <= after ? 0 : up_to / every - after / every;
+}
+
+// Other readers may ask for samples that this one does not: the controller's counts are bounds then.
+SampleCounts SampleAccount::since_start() const {
+  SampleCounts c;
+  c.expected = multiples(first_.number, last_.number);
+  c.received = received_;
+  c.with_data = with_data_;
+  std::uint64_t lost = c.expected - std::min(c.expected, received_);
+  c.dropped = std::min<std::uint64_t>(lost, last_.dropped - first_.dropped);
+  lost -= c.dropped;
+  c.unread = std::min<std::uint64_t>(lost, last_.unread - first_.unread);
+  c.on_the_way = lost - c.unread;
+  return c;
+}
+
+SampleCounts SampleAccount::counts() const {
+  SampleCounts c = before_;
+  if (started_) c += since_start();
+  return c;
+}
+
+// Numbers begin at 1 again. How many the controller took before that nobody knows: the rate says it.
+void SampleAccount::restart(std::uint8_t starts, std::uint32_t number, std::uint64_t now_us) {
+  before_ += since_start();
+  const std::uint64_t due = interval_us_ == 0 ? 0 : (now_us - std::min(now_us, heard_us_)) / interval_us_;
+  const std::uint64_t away = due > number ? (due - number) / static_cast<std::uint64_t>(every_) : 0;
+  before_.expected += away;
+  before_.silent += away;
+  starts_ = starts;
+  // What it took since then, and not what it may have taken before.
+  first_ = last_ = {number > due + 1 ? number - static_cast<std::uint32_t>(due) - 1 : 0, 0, 0};
+  newest_ = first_.number;
+  device_time_us_ = 0;
+  received_ = with_data_ = 0;
+}
+
+bool SampleAccount::add(const wire::TaxelFrame& sample, std::uint64_t now_us) {
+  if (!started_) return false;
+  const bool anew = sample.starts != starts_ || (sample.sample <= newest_ && sample.device_time_us < device_time_us_);
+  if (anew && !ended_) restart(sample.starts, sample.sample, now_us);
+  if (anew && ended_) return false;
+  if (sample.sample <= newest_ || (ended_ && sample.sample > last_.number)) return false;
+  if (sample.sample % static_cast<std::uint32_t>(every_) != 0) return false;
+  newest_ = sample.sample;
+  device_time_us_ = sample.device_time_us;
+  heard_us_ = now_us;
+  ++received_;
+  if (sample.valid != 0) ++with_data_;
+  if (!ended_) {
+    last_.number = sample.sample;
+    last_.unread += static_cast<std::uint16_t>(sample.unread - last_.unread);
+    last_.dropped = sample.dropped;
+  }
+  return true;
+}
+
+void SampleAccount::end(std::uint8_t starts, const wire::RowAccount& account, std::uint64_t now_us) {
+  if (!started_ || ended_) return;
+  // Samples taken after the answer was composed may have come before it: a number that is a little behind is no
+  // restart.
+  const std::uint64_t answer = interval_us_ == 0 ? 1 : 1 + kAnswer_us / interval_us_;
+  if (starts != starts_ || account.number + answer < last_.number) restart(starts, account.number, now_us);
+  last_ = {std::max(account.number, last_.number), account.unread, account.dropped};
+  ended_ = true;
+}
+
+void SampleAccount::end_silent(std::uint64_t now_us) {
+  if (!started_ || ended_) return;
+  restart(starts_, 0, now_us);
+  ended_ = true;
+}
+
+bool SampleAccount::complete() const {
+  return !started_ || last_.number - last_.number % static_cast<std::uint32_t>(every_) <= newest_;
+}
+
+}  // namespace triskin::device

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/design/rest_values.hpp"
+#include "triskin/layout/rest.hpp"
+#include "triskin/session/stream.hpp"
+
+namespace triskin::device {
+
+/// A taxel under pressure, in the mesh frame.
+struct PressedTaxel {
+  int module = 0, taxel = 0;                           ///< id in the design, 0..11
+  double change_counts = 0.0;                          ///< against the rest value, ≥ kPressed_counts
+  design::Vec3 position_mm{0, 0, 0}, normal{0, 0, 0};  ///< centre, outward unit normal
+};
+
+/// Knows the rest value of every taxel and lists the taxels under pressure. Rest values are those that were given, or
+/// taken by tare(). Without them a taxel rests where a module rests by its design (layout::kRestCounts): if its first
+/// valid values are at most kRestBand_counts below that, their median is its rest value, which then follows it upwards;
+/// else it is under pressure from the start, against the middle of the design, until a value comes within the band and
+/// is taken as the first would have been. What the pads that feel the temperature and no finger have changed since
+/// rest is taken off every taxel of their module, so that warming is no pressure however long a contact lasts. Not
+/// thread-safe.
+class TouchMap {
+ public:
+  static constexpr double kPressed_counts = 200.0;
+  static constexpr double kRestBand_counts = layout::kRestBand_counts;
+  static constexpr std::size_t kRestSamples = 3;
+  /// `design` outlives the map. `rest`: one entry a module, or empty.
+  explicit TouchMap(const design::Design& design, const design::RestValues& rest = {});
+  /// Gives the rest values of the modules from `first_module` on; the others stay as they are.
+  void set_rest(const design::RestValues& rest, int first_module);
+  /// Takes a sample; invalid values are ignored.
+  void add(const ModuleSample& frame);
+  /// From now on the median of the next three valid samples of each taxel is its rest value: nothing may touch the
+  /// skin.
+  void tare();
+  /// True when every taxel that gave valid samples since tare() has its rest value.
+  [[nodiscard]] bool tared() const;
+  /// Rest value of every taxel.
+  [[nodiscard]] design::RestValues rest() const;
+  /// Pressure of each taxel of a module: by how many counts it reads below rest; 0 where it is not known.
+  [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change(int module) const;
+  /// Taxels whose latest value is below rest by kPressed_counts or more, strongest first.
+  [[nodiscard]] std::vector<PressedTaxel> pressed() const;
+
+ private:
+  struct Taxel {
+    std::array<double, kRestSamples> first{};  // valid samples of the tare
+    std::size_t seen = 0;                      // of them; kRestSamples: `rest` is known
+    double rest = 0.0, now = 0.0;
+    bool follows = false;  // upwards: away from pressure
+    bool awaited = false;  // pressed from the start: its own rest is seen when it comes back into the band
+  };
+  struct Module {
+    std::array<Taxel, layout::kTaxelsPerModule> taxels{};
+    double warming_counts = 0.0;  // by how much the pads for temperature read below their rest
+    bool by_design = true;        // its rest values are judged by the design
+  };
+  static void take_pads(Module& module, const wire::TaxelFrame& sample);
+  static void take(const Module& module, Taxel& taxel, double value);
+  [[nodiscard]] static bool may_rest(double value);
+  static void settle(const Module& module, Taxel& taxel);
+
+  const design::Design& design_;
+  std::vector<design::ModuleWiring> wiring_;
+  std::vector<Module> modules_;
+};
+
+}  // namespace triskin::device
