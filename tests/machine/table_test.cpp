@@ -94,7 +94,7 @@ class CalibrationCase : public Table {
       p.place = static_cast<std::uint8_t>(layout::kAddressesPerLine * m.line + m.address);
       p.sensitivity.fill(static_cast<std::uint16_t>(19'200 + revision));
     }
-    std::vector<std::uint8_t> bytes(wire::Calibration::kMostBytes);
+    std::vector<std::uint8_t> bytes(wire::Calibration::kMaxBytes);
     ByteWriter w(bytes);
     c.encode(w);
     bytes.resize(w.size());

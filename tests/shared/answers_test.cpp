@@ -223,7 +223,7 @@ StreamAccount stream_account(const Vector& v) {
   }
   return a;
 }
-// parent.port.own port.line.address of each guest
+// parent.port.own port.line.address of each adopted module
 Adoption adoption(const Vector& v) {
   Adoption a{byte(v, "rows"), number<std::uint16_t>(v, "out_of_reach"), byte(v, "list")};
   std::istringstream in(v.one("guests"));
@@ -231,7 +231,7 @@ Adoption adoption(const Vector& v) {
   char dot = 0;
   const auto at = [&](std::size_t k) { return static_cast<std::uint8_t>(f[k]); };
   while (in >> f[0] >> dot >> f[1] >> dot >> f[2] >> dot >> f[3] >> dot >> f[4])
-    a.guests.at(a.count++) = {at(0), at(1), at(2), static_cast<std::uint8_t>(4 * f[3] + f[4])};
+    a.adopted_modules.at(a.count++) = {at(0), at(1), at(2), static_cast<std::uint8_t>(4 * f[3] + f[4])};
   return a;
 }
 RerouteResult reroute(const Vector& v) {
@@ -305,7 +305,7 @@ static_assert(FaultCode{ModuleState::kFrozen, 15}.dtc() == 0x96000F);
 static_assert(FaultCode::of(0x96000F) == FaultCode{ModuleState::kFrozen, 15});
 
 // The longest value of each identifier and an identifier fit one response (service, identifier, value).
-static_assert(std::ranges::all_of(kIdentifiers, [](const Identifier& i) { return i.most_bytes + 3 <= 512; }));
+static_assert(std::ranges::all_of(kIdentifiers, [](const Identifier& i) { return i.max_bytes + 3 <= 512; }));
 
 TEST(Enumerations, take_exactly_the_numbers_that_exist) {
   int states = 0, streams = 0, decimations = 0, outputs = 0, statuses = 0, sessions = 0, offset_states = 0,

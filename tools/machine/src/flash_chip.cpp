@@ -10,8 +10,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "triskin/core/bytes.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/core/bytes.hpp"
 
 namespace triskin::machine {
 namespace {

@@ -35,9 +35,9 @@ enum class Access : std::uint8_t {
 struct Identifier {
   std::uint16_t id;
   Access access;
-  std::size_t least_bytes, most_bytes;  ///< of the value
-  std::string_view header;              ///< of shared/include/triskin/wire that has its type
-  std::string_view value;               ///< fields in order, (bytes of each); little-endian where nothing is said
+  std::size_t min_bytes, max_bytes;  ///< of the value
+  std::string_view header;           ///< of shared/include/triskin/wire that has its type
+  std::string_view value;            ///< fields in order, (bytes of each); little-endian where nothing is said
 };
 
 inline constexpr std::array<Identifier, 24> kIdentifiers{{
@@ -155,10 +155,10 @@ inline constexpr std::array<Routine, 6> kRoutines{{
 /// A type of values against its row in the table: both lengths.
 template <class Value>
 inline constexpr bool kLengthsAsInTable =
-    identifier(Value::kId).least_bytes == Value::kLeastBytes && identifier(Value::kId).most_bytes == Value::kMostBytes;
+    identifier(Value::kId).min_bytes == Value::kMinBytes && identifier(Value::kId).max_bytes == Value::kMaxBytes;
 /// A type of routine results against its row.
 template <class Value>
-inline constexpr bool kResultAsInTable = routine_row(Value::kId).result_bytes_least == Value::kLeastBytes &&
-                                         routine_row(Value::kId).result_bytes_most == Value::kMostBytes;
+inline constexpr bool kResultAsInTable = routine_row(Value::kId).result_bytes_least == Value::kMinBytes &&
+                                         routine_row(Value::kId).result_bytes_most == Value::kMaxBytes;
 
 }  // namespace triskin::wire
