@@ -7,7 +7,7 @@
 #include <set>
 
 #include "motion_region.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::check {
 namespace {
