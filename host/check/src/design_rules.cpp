@@ -33,7 +33,8 @@ void check_limits(const CheckedDesign::Limits& l, bool with_jumpers, DesignRepor
   }
   for (const auto& [name, value] : limits) {
     report.limits.emplace_back(name, value);
-    if (!(std::isfinite(value) && value >= 0.0))
+    constexpr double kMaxLimit = 1000.0;  // a metre limits no module of 30 mm
+    if (!(value >= 0.0 && value <= kMaxLimit))
       f.broken("limits", "design", fmt::format("{} is {:.6g}, not a limit", name, value));
   }
 }

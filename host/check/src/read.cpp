@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -268,6 +270,23 @@ CheckedDesign read_all(const json& j) {
   return d;
 }
 
+// Numbers that no rule reads, counts of other layouts, prices and times, are bounded all the same: what reads the file
+// next may count with them. Coordinates have the bound of a coordinate; the radius of a flat place has none.
+void require_bounded(const json& j, const std::string& key, double bound) {
+  constexpr std::array kCoordinates{"vertices", "faces", "corners",   "position", "outline", "holes",
+                                    "flat",     "placement", "sphere",   "box"};
+  constexpr double kMaxOther = 9e6;
+  if (j.is_number() && key != "seed" && key != "bend_radius_mm" && !(std::abs(j.get<double>()) <= bound))
+    throw InputError(fmt::format("\"{}\" {} is outside ±{:g}", key, shown(j), bound));
+  if (j.is_object()) {
+    for (const auto& [name, value] : j.items())
+      require_bounded(value, name, std::ranges::count(kCoordinates, name) > 0 ? kMaxNumber : std::min(bound, kMaxOther));
+  }
+  if (j.is_array()) {
+    for (const json& item : j) require_bounded(item, key, bound);
+  }
+}
+
 // The JSON parser recurses; a design nests 6 deep.
 void require_shallow(const std::string& text, const std::string& file) {
   int depth = 0;
@@ -283,7 +302,9 @@ CheckedDesign read_checked_design(const std::filesystem::path& path) {
   const std::string text = read_file(path);
   require_shallow(text, path.string());
   try {
-    return read_all(json::parse(text));
+    const json document = json::parse(text);
+    require_bounded(document, "", kMaxNumber);
+    return read_all(document);
   } catch (const json::exception& e) {
     throw InputError(fmt::format("{}: not a design file of this version ({}); make it again with triskin design",
                                  path.string(), json_cause(e.what())));
