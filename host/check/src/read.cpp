@@ -273,14 +273,15 @@ CheckedDesign read_all(const json& j) {
 // Numbers that no rule reads, counts of other layouts, prices and times, are bounded all the same: what reads the file
 // next may count with them. Coordinates have the bound of a coordinate; the radius of a flat place has none.
 void require_bounded(const json& j, const std::string& key, double bound) {
-  constexpr std::array kCoordinates{"vertices", "faces", "corners",   "position", "outline", "holes",
-                                    "flat",     "placement", "sphere",   "box"};
+  constexpr std::array kCoordinates{"vertices", "faces", "corners",   "position", "outline",
+                                    "holes",    "flat",  "placement", "sphere",   "box"};
   constexpr double kMaxOther = 9e6;
   if (j.is_number() && key != "seed" && key != "bend_radius_mm" && !(std::abs(j.get<double>()) <= bound))
     throw InputError(fmt::format("\"{}\" {} is outside ±{:g}", key, shown(j), bound));
   if (j.is_object()) {
     for (const auto& [name, value] : j.items())
-      require_bounded(value, name, std::ranges::count(kCoordinates, name) > 0 ? kMaxNumber : std::min(bound, kMaxOther));
+      require_bounded(value, name,
+                      std::ranges::count(kCoordinates, name) > 0 ? kMaxNumber : std::min(bound, kMaxOther));
   }
   if (j.is_array()) {
     for (const json& item : j) require_bounded(item, key, bound);

@@ -17,7 +17,7 @@ class GltfDocument {
   explicit GltfDocument(const MeshSource& source);
 
   /// The JSON of the file.
-  [[nodiscard]] const nlohmann::json& json() const { return json_; }
+  [[nodiscard]] const nlohmann::json& root() const { return json_; }
   /// Element `index` of the top-level list `list` ("nodes").
   [[nodiscard]] const nlohmann::json& element(const char* list, std::size_t index) const;
   /// A whole number of an object, 0 …; `fallback` where the key is missing.

@@ -50,7 +50,7 @@ class GltfReader {
   }
 
   [[nodiscard]] std::vector<std::size_t> roots() const {
-    const json& j = document_.json();
+    const json& j = document_.root();
     if (j.contains("scenes")) return indices(document_.element("scenes", document_.whole(j, "scene", 0)), "nodes");
     std::set<std::size_t> children;
     const std::size_t n = j.contains("nodes") ? j["nodes"].size() : 0;
