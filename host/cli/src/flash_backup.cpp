@@ -66,7 +66,7 @@ void add_backup_options(CLI::App& app, BackupOptions& options) {
 void save_backup(OpenSite& open, const BackupOptions& options, Output& output) {
   const auto say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
   std::vector<std::vector<device::BoardBackup>> buses(open.site.buses.size());
-  on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+  on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
     device::Bus own(link);
     buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = device::save_boards(own, say);
   });

@@ -37,11 +37,11 @@ RecordedSkin recorded_skin(const std::string& file) {
   return skin;
 }
 
-RecordedTrack read_track(const std::string& file, std::size_t most_bytes) {
+RecordedTrack read_track(const std::string& file, std::size_t max_bytes) {
   RecordedTrack recorded{recorded_skin(file), {}, {}};
   const std::size_t modules = recorded.skin.design.layout.modules.size();
   device::TouchMap touches(recorded.skin.design, recorded.skin.rest);
-  view::FrameTrack track(modules, most_bytes);
+  view::FrameTrack track(modules, max_bytes);
   const recording::Summary summary = recording::read_recording(file, [&](const recording::ModuleSample& s) {
     if (static_cast<std::size_t>(s.module) >= modules) return;
     touches.add({s.module, s.link_time_us, s.sample});
@@ -55,7 +55,7 @@ RecordedTrack read_track(const std::string& file, std::size_t most_bytes) {
   if (track.is_cut())
     recorded.remark =
         fmt::format("{}: the page holds only its first {} MB; record less, or play it with triskin replay", file,
-                    most_bytes >> 20U);
+                    max_bytes >> 20U);
   return recorded;
 }
 

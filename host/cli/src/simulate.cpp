@@ -56,7 +56,7 @@ std::vector<SimulatedBus> buses_of(const Options& options) {
     return buses;
   }
   const robot::Site site = robot::read_site(options.scene);
-  for (const robot::BusSite& bus : site.buses) {
+  for (const robot::BusConfig& bus : site.buses) {
     const auto folder = options.fresh ? std::filesystem::path{} : device::state_folder_of(site, bus);
     buses.push_back(
         {bus.name,

@@ -203,8 +203,8 @@ class Searcher {
 
   const Mesh& mesh_;
   const CrossingSearch& search_;
-  std::vector<BoxTree::Extent> extents_;
-  BoxTree tree_;
+  std::vector<Bvh::Extent> extents_;
+  Bvh tree_;
   std::mutex mutex_;
   Crossings found_;
 };

@@ -29,7 +29,7 @@ class Rescue {
       if (place.kind != mcap::Kind::kHeader) put(place);
     }
     mcap::finish_file(file_, 0);
-    return orphans_;
+    return unreachable_;
   }
 
  private:
@@ -75,7 +75,7 @@ class Rescue {
     const auto contents = mcap::contents_of(source_, place);
     if (place.kind == mcap::Kind::kChannel && !channels_.contains(ByteReader(contents).le16())) return;
     if (place.kind == mcap::Kind::kMessage && !channels_.contains(ByteReader(contents).le16())) {
-      ++orphans_;
+      ++unreachable_;
       return;
     }
     if (place.kind == mcap::Kind::kSchema || place.kind == mcap::Kind::kChannel)
@@ -89,12 +89,12 @@ class Rescue {
     const mcap::ChunkHead head = mcap::head_from(contents, stated);
     const Bytes records = contents.subspan(mcap::head_bytes(head));
     mcap::Buffer kept;
-    const std::uint64_t before = orphans_;
+    const std::uint64_t before = unreachable_;
     mcap::each_record(records, [&](mcap::Kind kind, Bytes inside) {
       if (kind == mcap::Kind::kSchema) schemas_.insert(ByteReader(inside).le16());
       if (kind == mcap::Kind::kChannel) add_channel(inside);
       const bool is_known = kind != mcap::Kind::kMessage || channels_.contains(ByteReader(inside).le16());
-      orphans_ += is_known ? 0 : 1;
+      unreachable_ += is_known ? 0 : 1;
       mcap::Buffer copy;
       copy.bytes(inside);
       if (is_known) kept.record(kind, copy);
@@ -102,7 +102,7 @@ class Rescue {
     });
     const bool is_head_right =
         stated.start_ns == head.start_ns && stated.end_ns == head.end_ns && stated.size_bytes == head.size_bytes;
-    if (orphans_ == before && is_head_right)
+    if (unreachable_ == before && is_head_right)
       put_bytes(mcap::Kind::kChunk, contents);
     else
       file_.write(mcap::encode_chunk(head.start_ns, head.end_ns, kept).view());
@@ -120,7 +120,7 @@ class Rescue {
   OutputFile& file_;
   std::set<std::uint16_t> schemas_, channels_;
   std::set<std::pair<mcap::Kind, std::uint16_t>> put_;  // definitions that are in the new file
-  std::uint64_t orphans_ = 0;
+  std::uint64_t unreachable_ = 0;
 };
 
 // Says for each loss between which messages it lies, seconds from the first one.
@@ -214,11 +214,11 @@ Recovery recover(const std::filesystem::path& path, const std::filesystem::path&
   if (std::filesystem::equivalent(path, output, none))
     throw InputError(fmt::format("{}: is the damaged recording itself; give another file to -o", output.string()));
   OutputFile file(output);
-  const std::uint64_t orphans = Rescue(source, found, file).run();
+  const std::uint64_t unreachable_modules = Rescue(source, found, file).run();
   file.close();
-  r.messages -= orphans;
-  if (orphans > 0) {
-    r.losses.push_back({0, 0, fmt::format("{} messages whose channel has lost its definition", orphans), false});
+  r.messages -= unreachable_modules;
+  if (unreachable_modules > 0) {
+    r.losses.push_back({0, 0, fmt::format("{} messages whose channel has lost its definition", unreachable_modules), false});
   }
   return r;
 }

@@ -76,7 +76,7 @@ class JumperPartitioner {
   }
 
   void bound_by_groups(long budget, std::optional<IslandGroups>& groups) {
-    if (met() || is_late() || islands_.size() > at(kMostIslands)) return;
+    if (met() || is_late() || islands_.size() > at(kMaxIslands)) return;
     groups.emplace(island_graph(), capacity_, price_, cost(), budget);
     bound_ = std::max(bound_, groups->least().value_or(bound_));
   }

@@ -39,7 +39,7 @@ constexpr std::uint64_t kRepeatFor_us = 20'000;
 // An acknowledge bit that a disturbance spoils looks like an absent chip. One disturbance a second spoils the 0.75 ms
 // of a burst of results three times in a row once in 2 · 10⁶ seconds. Two are what fits: a transfer of a few bytes
 // takes 150 µs, a refusal about 35 µs, and the schedule keeps 250 µs free for both (ReadingSchedule::kShort_us).
-constexpr std::uint8_t kMostRefusals = 2;
+constexpr std::uint8_t kMaxRefusals = 2;
 
 std::uint32_t address_of(const void* p) {
   return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(p));
@@ -172,7 +172,7 @@ std::optional<Status> Stm32I2cLine::poll() {
     end(Outcome::kStuck);
   }
   if (outcome_ == Outcome::kLost && repeat()) return std::nullopt;
-  if (outcome_ == Outcome::kNack && refusals_++ < kMostRefusals) {
+  if (outcome_ == Outcome::kNack && refusals_++ < kMaxRefusals) {
     begin_again();
     return std::nullopt;
   }

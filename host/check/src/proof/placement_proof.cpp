@@ -157,10 +157,10 @@ ProofModule require_header(const ProofLog& log, const std::vector<std::array<Pla
   if (edges.empty() || edges != edge_set(log.rings))
     throw Rejected{"the polygon of the log is not the polygon of the file"};
   if (!log.shape) throw Rejected{fmt::format("\"shape\" must be {}", kProofShapeNames.list())};
-  const double most_cut_mm = *log.shape == ProofShape::kTriangle ? kMostProofCut_mm : 0.0;
-  if (!(log.corner_cut_mm >= 0.0 && log.corner_cut_mm <= most_cut_mm)) throw Rejected{"corner_cut_mm is out of range"};
+  const double max_cut_mm = *log.shape == ProofShape::kTriangle ? kMaxProofCut_mm : 0.0;
+  if (!(log.corner_cut_mm >= 0.0 && log.corner_cut_mm <= max_cut_mm)) throw Rejected{"corner_cut_mm is out of range"};
   ProofModule module = proof_module(*log.shape, log.corner_cut_mm);
-  if (!(log.pitch_mm >= module.least_pitch_mm && log.pitch_mm <= 1000.0)) throw Rejected{"pitch_mm is out of range"};
+  if (!(log.pitch_mm >= module.min_pitch_mm && log.pitch_mm <= 1000.0)) throw Rejected{"pitch_mm is out of range"};
   if (!(log.tolerance_mm > 0.0 && log.tolerance_mm <= 1.0)) throw Rejected{"tolerance_mm is out of range"};
   if (log.upper_bound < log.modules)
     throw Rejected{fmt::format("the bound {} is below the {} modules that are claimed", log.upper_bound, log.modules)};

@@ -15,7 +15,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr std::size_t kMostAsGood = 64;
+constexpr std::size_t kMaxAsGood = 64;
 constexpr double kReach_mm = 9.0;   // how far from a tile its edges are looked up; children of slices move less
 constexpr double kSlice_mm = 2.5;   // how far the farthest vertex moves from one side of a slice to the other
 constexpr std::size_t kBatch = 16;  // cells refined together: fixed, so that the search does not depend on the threads
@@ -163,7 +163,7 @@ class BranchAndBound {
     unresolved_bound_ = std::max(unresolved_bound_, e.unresolved_bound);
     for (const auto& [value, motion] : e.better) take(value, motion);
     for (const Motion& m : e.as_good) {
-      if (e.best == result_.best && result_.as_good.size() < kMostAsGood) result_.as_good.push_back(m);
+      if (e.best == result_.best && result_.as_good.size() < kMaxAsGood) result_.as_good.push_back(m);
     }
     tied_slices_.insert(tied_slices_.end(), e.tied_slices.begin(), e.tied_slices.end());
     for (const MotionBox& box : e.closed) close(box);

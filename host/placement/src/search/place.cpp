@@ -20,8 +20,8 @@ namespace triskin::geometry {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double kMostTiles = 1e6;
-constexpr double kMostDeficit = 0.8;  // of the inradius: what is left of a module beyond that is not worth the search
+constexpr double kMaxTiles = 1e6;
+constexpr double kMaxDeficit = 0.8;  // of the inradius: what is left of a module beyond that is not worth the search
 
 Clock::time_point deadline_after(double seconds) {
   if (seconds <= 0.0) return Clock::time_point::max();
@@ -35,9 +35,9 @@ bool is_of_paper(PlacementMethod m) {
 
 void require_corner_cut(const PlacementOptions& o) {
   const double cut = o.corner_cut_mm;
-  if (!(cut >= 0.0 && cut <= design::kMostCornerCut_mm)) {
+  if (!(cut >= 0.0 && cut <= design::kMaxCornerCut_mm)) {
     throw InputError(fmt::format("corner cut {} mm: must be in 0 … {}; with more, taxels would lie in the cut part",
-                                 cut, design::kMostCornerCut_mm));
+                                 cut, design::kMaxCornerCut_mm));
   }
   if (cut == 0.0) return;
   if (o.shape != TileShape::kTriangle) throw InputError("corner cut: only triangles have corners that are cut");
@@ -103,12 +103,12 @@ struct Placing {
     if (options.deficit) find_deficit(std::move(starts));
   }
 
-  [[nodiscard]] Clearance clearance_of(int modules, double least_mm, double most_mm, std::vector<Motion> starts,
+  [[nodiscard]] Clearance clearance_of(int modules, double min_mm, double max_mm, std::vector<Motion> starts,
                                        const std::vector<MotionBox>* slices) {
     const Clearance c = largest_clearance(polygon, grid,
                                           {.modules = modules,
-                                           .least_inset_mm = least_mm,
-                                           .most_inset_mm = most_mm,
+                                           .min_inset_mm = min_mm,
+                                           .max_inset_mm = max_mm,
                                            .starts = std::move(starts),
                                            .slices = slices,
                                            .threads = options.threads,
@@ -132,7 +132,7 @@ struct Placing {
   // Deficit: the least distance by which all sides must be drawn in until one module more fits.
   void find_deficit(std::vector<Motion> starts) {
     const Clearance c =
-        clearance_of(result.modules + 1, -kMostDeficit * grid.inradius_mm, 0.0, std::move(starts), nullptr);
+        clearance_of(result.modules + 1, -kMaxDeficit * grid.inradius_mm, 0.0, std::move(starts), nullptr);
     result.deficit_bound_mm = -c.bound_mm;
     if (!c.found) return;
     result.deficit_mm = -c.inset_mm;
@@ -213,9 +213,9 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   const Polygon normalized = normalize_polygon(input, "polygon");
   const PreparedPolygon polygon = prepare(normalized);
   const TileGrid grid = tile_grid(options.shape, options.gap_mm, options.corner_cut_mm);
-  if (polygon_area(input) > kMostTiles * grid.area_mm2) {
+  if (polygon_area(input) > kMaxTiles * grid.area_mm2) {
     throw InputError(fmt::format("polygon: {:.4g} m² would take more than {:.0g} modules; are the coordinates in mm?",
-                                 1e-6 * polygon_area(input), kMostTiles));
+                                 1e-6 * polygon_area(input), kMaxTiles));
   }
   Placing placing{polygon, grid, options, progress, start, deadline_after(options.time_limit_s), polygon_area(input),
                   {},      {},   {},      {}};

@@ -78,7 +78,7 @@ class Application final : private UdsHost, private PatchControl {
   void restart_sampling();
   void keep_route();
   void forget_samples(std::size_t first);
-  void seat_guests();
+  void place_adopted();
   void invalidate_samples();
   [[nodiscard]] std::span<Channel> channels() { return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1); }
   [[nodiscard]] std::span<const Channel> channels() const {
@@ -97,7 +97,7 @@ class Application final : private UdsHost, private PatchControl {
   void tick();
   void stream_full(TableRow row);
   [[nodiscard]] std::size_t rows() const { return tables_.has_table() ? tables_.table().module_count : 0; }
-  /// Rows and guests.
+  /// Rows and adopted modules.
   [[nodiscard]] std::size_t modules() const { return rows() + route_.adoption().count; }
   void queue_icub();
   void calibrate();
@@ -116,7 +116,7 @@ class Application final : private UdsHost, private PatchControl {
   std::array<ModuleSample, layout::kMaxModules> samples_{};
   std::array<ModuleSample, layout::kMaxModules> published_{};
   RouteKeeper route_;
-  std::uint8_t guest_list_ = 0;  // wire::Adoption::list that is sampled
+  std::uint8_t adopted_list_ = 0;  // wire::Adoption::list that is sampled
   bool pausing_ = false;         ///< the lines end their transfers and begin none
   Sampling sampling_;
   wire::TaxelOutput output_ = wire::TaxelOutput::kRaw;

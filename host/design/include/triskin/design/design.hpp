@@ -23,7 +23,7 @@ struct Alternative {
   int patches = 0;
   int jumpers = 0;
   double price = 0.0;  ///< in modules, by Design::price
-  double worth = 0.0;  ///< of its modules by Design::regions; their number without regions
+  double module_value = 0.0;  ///< of its modules by Design::regions; their number without regions
 };
 
 /// Design of a cover: the only thing that passes between geometry and the device side (docs/design_file.md has the
@@ -44,7 +44,7 @@ struct Design {
     /// Of corners and sides, above and under the surface; in the file beside their limits only.
     double max_edge_lift_mm = 0.0, max_edge_depth_mm = 0.0;
     double seconds = 0.0;
-    double worth = 0.0;                ///< of the modules by Design::regions; in the file beside regions only
+    double module_value = 0.0;                ///< of the modules by Design::regions; in the file beside regions only
     std::vector<Uncovered> uncovered;  ///< must-cover regions that are not covered; in the file beside regions only
     double coverage_cut = 0.0;  ///< modules · what corner cuts leave of 389.7 mm² / area; in the file only with a cut
   };

@@ -28,13 +28,13 @@ struct SurfaceLatticeOptions {
   bool front = true;            ///< of grow_front(): layouts with other numbers of modules as well
   double corner_lift_mm = 1.5;  ///< ≥ 0: how far corners may stand off a convex surface, so that the gap under the
                                 ///< centre stays in its limit
-  double corner_cut_mm = 0.0;   ///< 0 … design::kMostCornerCut_mm: cut off along each side from every corner; overlap
+  double corner_cut_mm = 0.0;   ///< 0 … design::kMaxCornerCut_mm: cut off along each side from every corner; overlap
                                 ///< and border are then those of what is left
   const SurfaceRegions* regions = nullptr;  ///< of this surface, not owned: worth of places, what stays free, what must
                                             ///< be covered; none: every place is worth 1 module
   /// Of this surface, not owned: the search works on it in place of the surface and keeps the limits less its
   /// deviation; the layouts are measured on the surface itself. None: the search works on the surface.
-  const SolverMesh* solver = nullptr;
+  const DecimatedMesh* solver = nullptr;
   /// Modules that stay exactly where they are, with the joints among them: the first modules of every layout, in this
   /// order. They must keep the limits and have the corner cut of the others.
   std::vector<PlacedModule> kept;

@@ -16,7 +16,7 @@
 namespace triskin::geometry {
 
 /// How far a repaired surface is from the outside of its input: from the faces of the input that see the share
-/// `sky_fraction` of the sky to the surface, and from all of the surface to the input.
+/// `visibility_fraction` of the sky to the surface, and from all of the surface to the input.
 struct Deviation {
   double mean_mm = 0.0;     ///< over the area, of the direction in which it is larger
   double largest_mm = 0.0;  ///< no point is farther: a proved bound
@@ -42,7 +42,7 @@ struct ExtractReport {
   int removed_faces = 0;                ///< faces at edges with more than two faces, hidden faces
   int flipped_faces = 0;                ///< faces turned so that neighbours agree
   int boundary_loops = 0;               ///< borders of the result
-  int crowded_edges = 0;                ///< edges of the raw mesh with more than two faces
+  int non_manifold_edges = 0;                ///< edges of the raw mesh with more than two faces
   int components = 0;                   ///< connected parts that are left
   int enclosed_components = 0;          ///< parts in a closed part, dropped (beside removed_components); only with
                                         ///< ExtractOptions::repair, and `outer` not kNever
@@ -78,7 +78,7 @@ struct ExtractOptions {
                                       ///< computer. One that stands still makes the result independent of the load
   When outer = When::kNever;    ///< drop what sees little of the sky; needed: several large parts, or edges with more
                                 ///< than two faces. With `repair` also what lies in a closed part, unless kNever
-  double sky_fraction = 0.25;   ///< 0 … 1: cosine-weighted share of the half sphere above a face that must be free
+  double visibility_fraction = 0.25;   ///< 0 … 1: cosine-weighted share of the half sphere above a face that must be free
   When wrap = When::kNever;     ///< shrink-wrap first; needed: what is left crosses itself, or is shattered
   double wrap_alpha_mm = 6.0;   ///< openings narrower than this are closed
   double wrap_offset_mm = 0.2;  ///< the wrap lies this far outside

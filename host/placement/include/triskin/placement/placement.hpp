@@ -46,7 +46,7 @@ struct PlacementOptions {
   TileShape shape = TileShape::kTriangle;
   double tolerance_mm = 1e-6;  ///< 1e-8 … 1: a tile may stand over the outline by this much
   double gap_mm = 0.0;         ///< 0 … 100: free space between facing sides of modules
-  /// 0 … design::kMostCornerCut_mm, triangles only: cut off along each side from every corner. Tiles then count when
+  /// 0 … design::kMaxCornerCut_mm, triangles only: cut off along each side from every corner. Tiles then count when
   /// what is left of them lies inside.
   double corner_cut_mm = 0.0;
   double time_limit_s = 60.0;  ///< ≤ 0: none

@@ -46,7 +46,7 @@ struct RoutingOptions {
   RouteObjective objective = RouteObjective::kLossFirst;
   ElectricalModel electrical;
   bool second_entry = true;                  ///< plan a second connector where it saves modules
-  bool adoption = true;                      ///< let neighbouring patches with free addresses read orphans
+  bool adoption = true;                      ///< let neighbouring patches with free addresses read unreachable modules
   int recombinations = 60;                   ///< secondary-cost moves a patch; 0: keep the first partition
   bool has_controller_place = false;         ///< cable lengths count in the secondary cost
   std::array<double, 3> controller_mm{};     ///< mesh frame
