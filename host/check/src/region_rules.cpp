@@ -16,7 +16,7 @@ constexpr double kPlaceStep_mm = 0.9;   // between places that must be covered
 constexpr double kPlaceSlack_mm = 1.0;  // by which a place may be farther off: solver and checker look at other places
 constexpr double kStatedReach_mm = 0.15;
 constexpr double kMaxParts = 5000.0;  // of a side of a face: no cover is larger than 5 m
-constexpr double kSheet_mm = 8.0;      // of height over a module
+constexpr double kSheet_mm = 8.0;     // of height over a module
 
 double distance_to_edge(const P3& p, const P3& a, const P3& b) {
   const P3 d = b - a;

@@ -15,14 +15,14 @@
 
 #include "bridge_services.hpp"
 #include "contacts.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/base/wall_clock.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/base/interrupt.hpp"
-#include "triskin/base/wall_clock.hpp"
+#include "triskin/robot/robot.hpp"
 #include "triskin/skin/rest_store.hpp"
 #include "triskin/skin/touch_map.hpp"
-#include "triskin/robot/robot.hpp"
 
 namespace triskin::cli::bridge_command {
 namespace {
@@ -85,8 +85,9 @@ bridge::BridgeOptions with_unit(bridge::BridgeOptions options, const design::Ski
 // One cover: its topics, and what presses it.
 class CoverFeed {
  public:
-  CoverFeed(const robot::CoverConfig& cover, bridge::Domain& domain, const bridge::BridgeOptions& options, bool services,
-            std::span<const wire::NodeClaim> claims, design::SkinCalibration calibration, std::uint64_t now_ns)
+  CoverFeed(const robot::CoverConfig& cover, bridge::Domain& domain, const bridge::BridgeOptions& options,
+            bool services, std::span<const wire::NodeClaim> claims, design::SkinCalibration calibration,
+            std::uint64_t now_ns)
       : cover_(cover),
         part_(options.part),
         touches_(cover.design, device::RestStore(cover.design, claims).read()),

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "triskin/bridge/services.hpp"
-#include "triskin/skin/touch_map.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/stream.hpp"
+#include "triskin/skin/touch_map.hpp"
 
 namespace triskin::cli {
 

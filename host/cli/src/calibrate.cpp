@@ -7,16 +7,16 @@
 #include <iostream>
 #include <memory>
 
-#include "triskin/cli/site_options.hpp"
-#include "triskin/cli/stream_options.hpp"
-#include "triskin/design/outline.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/wall_clock.hpp"
-#include "triskin/session/controller_calibration.hpp"
-#include "triskin/skin/rest_store.hpp"
+#include "triskin/cli/site_options.hpp"
+#include "triskin/cli/stream_options.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/link/cover_link.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/controller_calibration.hpp"
+#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::cli::calibrate_command {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "triskin/skin/calibrate.hpp"
 #include "triskin/session/controller_calibration.hpp"
+#include "triskin/skin/calibrate.hpp"
 
 namespace triskin::cli {
 

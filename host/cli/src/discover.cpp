@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "topology_report.hpp"
-#include "triskin/cli/site_options.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/board_shape.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/session/controller.hpp"

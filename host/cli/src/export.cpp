@@ -7,12 +7,12 @@
 #include <map>
 #include <memory>
 
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/recorded_track.hpp"
 #include "triskin/export/icub_files.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/sheet/sheet.hpp"
 #include "triskin/view/frame_track.hpp"

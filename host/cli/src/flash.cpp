@@ -17,13 +17,13 @@
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/board_file.hpp"
-#include "triskin/skin/calibrate.hpp"
-#include "triskin/session/controller_calibration.hpp"
 #include "triskin/deploy/firmware_update.hpp"
 #include "triskin/diagnose/offset_report.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/link/cover_link.hpp"
 #include "triskin/link/link_kind.hpp"
+#include "triskin/session/controller_calibration.hpp"
+#include "triskin/skin/calibrate.hpp"
 
 namespace triskin::cli::flash_command {
 namespace {
@@ -80,8 +80,8 @@ struct CoverBus {
 };
 
 // All covers of a bus in one pass. `outcome` has what is done, also when this throws.
-void flash_covers(const robot::BusConfig& site, device::Link& link, const Options& options, const ProgressSink& progress,
-                  BusOutcome& outcome) {
+void flash_covers(const robot::BusConfig& site, device::Link& link, const Options& options,
+                  const ProgressSink& progress, BusOutcome& outcome) {
   std::deque<CoverBus> covers;
   std::vector<device::FlashPart> parts;
   for (const robot::CoverConfig& cover : site.covers) {
@@ -280,7 +280,7 @@ const Registration kFlash{{
                      "PATCH=SERIAL: the controller with this serial number serves the patch, whatever it holds; may be "
                      "given several times");
       app.add_option("--assign-file", options->assign_file,
-                     "the same from a file that triskin identify wrote (docs/device.md)");
+                     "the same from a file that triskin identify wrote (docs/which_board.md)");
       app.add_flag(
           "--by-serial", options->by_serial,
           "fresh controllers get the patches in the order of their serial numbers; else they are told apart by "

@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "triskin/cli/site_options.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/link/cover_link.hpp"

@@ -11,14 +11,14 @@
 #include "live_icub.hpp"
 #include "live_robot.hpp"
 #include "offset_lines.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/base/interrupt.hpp"
-#include "triskin/skin/live_monitor.hpp"
-#include "triskin/skin/rest_store.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/link/cover_link.hpp"
+#include "triskin/skin/live_monitor.hpp"
+#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::cli::live_command {
 namespace {

@@ -7,8 +7,8 @@
 #include <mutex>
 
 #include "live_display.hpp"
-#include "triskin/cli/stream_options.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/cli/stream_options.hpp"
 #include "triskin/skin/live_monitor.hpp"
 #include "triskin/skin/rest_store.hpp"
 

@@ -9,20 +9,20 @@
 #include <span>
 
 #include "contacts.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/base/wall_clock.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/hdf5/recording.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
-#include "triskin/base/files.hpp"
-#include "triskin/base/interrupt.hpp"
-#include "triskin/base/wall_clock.hpp"
-#include "triskin/skin/rest_store.hpp"
-#include "triskin/skin/touch_map.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/firmware_version.hpp"
+#include "triskin/skin/rest_store.hpp"
+#include "triskin/skin/touch_map.hpp"
 
 namespace triskin::cli::record_command {
 namespace {
@@ -155,7 +155,8 @@ class CoverFile {
 };
 
 // FOLDER/COVER.mcap of a robot; one whose controllers hang on several buses has a file for each.
-std::string file_of(const Options& options, Format format, const robot::CoverConfig& cover, const robot::BusConfig& bus) {
+std::string file_of(const Options& options, Format format, const robot::CoverConfig& cover,
+                    const robot::BusConfig& bus) {
   if (cover.name.empty()) return options.output;
   const bool divided = cover.design.patches.size() != design::patches_here(cover.design).size();
   return (std::filesystem::path(options.output) /

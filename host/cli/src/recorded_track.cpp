@@ -5,10 +5,10 @@
 
 #include <filesystem>
 
-#include "triskin/design/design_text.hpp"
 #include "triskin/base/error.hpp"
-#include "triskin/skin/touch_map.hpp"
+#include "triskin/design/design_text.hpp"
 #include "triskin/recording/recording.hpp"
+#include "triskin/skin/touch_map.hpp"
 #include "triskin/view/frame_track.hpp"
 
 namespace triskin::cli {
@@ -53,9 +53,8 @@ RecordedTrack read_track(const std::string& file, std::size_t max_bytes) {
   if (!summary.file.complete)
     recorded.remark = fmt::format("the recording {}; triskin recover makes it whole", summary.file.problem);
   if (track.is_cut())
-    recorded.remark =
-        fmt::format("{}: the page holds only its first {} MB; record less, or play it with triskin replay", file,
-                    max_bytes >> 20U);
+    recorded.remark = fmt::format(
+        "{}: the page holds only its first {} MB; record less, or play it with triskin replay", file, max_bytes >> 20U);
   return recorded;
 }
 

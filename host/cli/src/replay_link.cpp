@@ -9,15 +9,15 @@
 #include <set>
 #include <utility>
 
-#include "triskin/cli/recorded_track.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/cli/recorded_track.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/deploy/flash.hpp"
 #include "triskin/layout/rest.hpp"
 #include "triskin/recording/recording.hpp"
-#include "triskin/session/controller.hpp"
 #include "triskin/scene/sim_link.hpp"
 #include "triskin/scene/skin_server.hpp"
+#include "triskin/session/controller.hpp"
 
 namespace triskin::cli {
 namespace {

@@ -5,13 +5,13 @@
 #include <memory>
 #include <optional>
 
-#include "triskin/cli/command.hpp"
 #include "triskin/base/interrupt.hpp"
-#include "triskin/robot/bus_threads.hpp"
-#include "triskin/session/controller.hpp"
+#include "triskin/cli/command.hpp"
 #include "triskin/connect/open_bus.hpp"
+#include "triskin/robot/bus_threads.hpp"
 #include "triskin/scene/sim_server.hpp"
 #include "triskin/scene/skin_server.hpp"
+#include "triskin/session/controller.hpp"
 
 namespace triskin::cli::simulate_command {
 namespace {

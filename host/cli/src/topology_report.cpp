@@ -44,7 +44,7 @@ json route_json(const wire::ActiveRoute& a) {
   }
   return {{"active", a.complete},           {"as_table", a.as_table},   {"least_depth", a.min_depth},
           {"second_cable", a.second_cable}, {"max_depth", a.max_depth}, {"shorts", a.shorts},
-          {"unknown_modules", a.unknown},   {"looks", a.reroutes},         {"repairs", a.repairs},
+          {"unknown_modules", a.unknown},   {"looks", a.reroutes},      {"repairs", a.repairs},
           {"seconds", a.last_us * 1e-6},    {"rows", std::move(rows)}};
 }
 

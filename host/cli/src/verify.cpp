@@ -13,15 +13,15 @@
 #include <utility>
 
 #include "offset_lines.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
-#include "triskin/session/controller_calibration.hpp"
 #include "triskin/diagnose/repair.hpp"
 #include "triskin/diagnose/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
+#include "triskin/session/controller_calibration.hpp"
 
 namespace triskin::cli::verify_command {
 namespace {
@@ -111,7 +111,8 @@ std::string arguments_of(const Options& options, const robot::CoverConfig& cover
 }
 
 // One repair at a time: the steps of the first finding are said, those of all stand in --json and in the report.
-Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, device::Bus& bus, const std::string& arguments) {
+Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, device::Bus& bus,
+                  const std::string& arguments) {
   Told told;
   const std::string name = prefix_of(cover);
   nlohmann::json findings = nlohmann::json::array(), earlier = nlohmann::json::array();

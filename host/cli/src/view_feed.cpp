@@ -7,10 +7,10 @@
 #include <thread>
 
 #include "triskin/base/interrupt.hpp"
-#include "triskin/skin/rest_store.hpp"
-#include "triskin/skin/touch_map.hpp"
 #include "triskin/robot/bus_threads.hpp"
 #include "triskin/session/stream.hpp"
+#include "triskin/skin/rest_store.hpp"
+#include "triskin/skin/touch_map.hpp"
 
 namespace triskin::cli {
 namespace {

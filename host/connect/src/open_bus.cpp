@@ -5,9 +5,9 @@
 
 #include "triskin/base/interrupt.hpp"
 #include "triskin/link/link_kind.hpp"
+#include "triskin/scene/tcp_link.hpp"
 #include "triskin/scene/virtual_skin.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/scene/tcp_link.hpp"
 
 namespace triskin::device {
 namespace {

@@ -8,12 +8,12 @@
 #include <map>
 #include <optional>
 
-#include "triskin/session/address_users.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/deploy/flash.hpp"
 #include "triskin/diagnose/offset_report.hpp"
 #include "triskin/diagnose/verify.hpp"
 #include "triskin/link/link_kind.hpp"
+#include "triskin/session/address_users.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/session/stream.hpp"
@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kLastToOpen = 8;                    // CAN or USB
 constexpr std::uint64_t kOffsets_us = 2'000'000;  // until every converter has its offsets
-constexpr double kMaxNoise = 10.0;               // counts RMS; 0.5 … 1.9 by the data sheet
+constexpr double kMaxNoise = 10.0;                // counts RMS; 0.5 … 1.9 by the data sheet
 
 StepAnswer passed(std::string found) {
   return {StepOutcome::kPassed, std::move(found)};

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "triskin/session/address_users.hpp"
 #include "touch_finder.hpp"
+#include "triskin/session/address_users.hpp"
 
 namespace triskin::device {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "triskin/design/json_fields.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/json_fields.hpp"
 
 namespace triskin::design {
 namespace {

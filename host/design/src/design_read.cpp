@@ -4,11 +4,11 @@
 
 #include "alternatives_json.hpp"
 #include "regions_json.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/base/files.hpp"
 
 namespace triskin::design {
 namespace {

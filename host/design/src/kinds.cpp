@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "triskin/design/json_fields.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/json_fields.hpp"
 #include "triskin/layout/patch_image.hpp"
 
 namespace triskin::design {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "regions_json.hpp"
 
+#include "triskin/base/files.hpp"
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/design/region_file.hpp"
-#include "triskin/base/files.hpp"
 
 namespace triskin::design {
 namespace {

@@ -27,8 +27,9 @@ struct PatchState {
   wire::LiveTaxels now, rest;
   wire::FoundTopology topology;  ///< of switched modules
   wire::ActiveRoute route;
-  wire::Adoption adoption;                                               ///< when the samples were read
-  std::bitset<layout::kLines * layout::kAddressesPerLine> adopted_places;  ///< where adopted modules answer, then and before
+  wire::Adoption adoption;  ///< when the samples were read
+  std::bitset<layout::kLines * layout::kAddressesPerLine>
+      adopted_places;  ///< where adopted modules answer, then and before
   void note(const wire::Adoption& told) {
     adoption = told;
     for (const wire::AdoptedModule& g : told.list_of_adopted()) adopted_places.set(g.place);

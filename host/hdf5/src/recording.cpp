@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/hdf5/recording.hpp"
 
-#include "triskin/hdf5/taxel_table.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/hdf5/taxel_table.hpp"
 
 #ifdef TRISKIN_HDF5
 #include <array>

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "kept_modules.hpp"
-#include "worst_places.hpp"
 #include "triskin/base/parallel.hpp"
+#include "worst_places.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "canonical.hpp"
 #include "net.hpp"
-#include "triskin/lattice/map_modules.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
+#include "triskin/lattice/map_modules.hpp"
 
 namespace triskin::geometry::surface_lattice {
 

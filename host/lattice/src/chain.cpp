@@ -12,17 +12,17 @@ constexpr int kStepsAStart = 30;
 constexpr double kStartsShare = 0.08;  // of the time, at most
 constexpr double kRaceHeat = 0.1;
 constexpr int kStepsAModule = 40, kMaxRuns = 20;  // of one annealing
-constexpr double kHot = 0.6, kCold = 0.05;         // modules a step may lose, at the start and at the end
-constexpr int kSmallIsland = 8;                    // modules: such an island may go as a whole
-constexpr double kIslandShare = 0.15;              // of the steps in which one goes, where tries find one
+constexpr double kHot = 0.6, kCold = 0.05;        // modules a step may lose, at the start and at the end
+constexpr int kSmallIsland = 8;                   // modules: such an island may go as a whole
+constexpr double kIslandShare = 0.15;             // of the steps in which one goes, where tries find one
 constexpr int kTriesForIsland = 9, kTriesForPlace = 8;
 constexpr double kMargin_mm = 40.0;  // round what was removed, in which islands grow
 
 }  // namespace
 
-// Measured (docs/surface_lattice.md): in a small part few islands can be divided as the rounded price hopes, and its
-// steps part layouts from each other; in a large one steps are few, so that they are better spent on one layout than on
-// a race.
+// Measured (docs/measurements/lattice.md): in a small part few islands can be divided as the rounded price hopes, and
+// its steps part layouts from each other; in a large one steps are few, so that they are better spent on one layout
+// than on a race.
 SearchPlan SearchPlan::of(double room_modules) {
   constexpr double kNever = 2.0;
   if (room_modules < kRoundedModules) return {12, 0.08, 1.0, kNever};

@@ -126,7 +126,7 @@ class Chain {
   Grower grower_;
   std::vector<int> samples_;  // of the task, in the zone
   std::vector<int> pinned_;   // triangles outside the zone
-  LatticeMesh now_;            // what price_ knows
+  LatticeMesh now_;           // what price_ knows
   NetCopy best_;
   LayoutFront front_;
   Value value_;

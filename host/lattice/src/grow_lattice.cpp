@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/lattice/grow_lattice.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,11 +14,10 @@
 #include "chain.hpp"
 #include "kept_modules.hpp"
 #include "team.hpp"
-#include "triskin/design/outline.hpp"
-#include "triskin/lattice/map_modules.hpp"
-#include "triskin/lattice/grow_lattice.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/parallel.hpp"
+#include "triskin/design/outline.hpp"
+#include "triskin/lattice/map_modules.hpp"
 
 namespace triskin::geometry {
 namespace {

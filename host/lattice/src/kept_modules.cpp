@@ -9,7 +9,7 @@ namespace triskin::geometry::surface_lattice {
 
 // Corners that modules share by their joints are one vertex, in the middle of them.
 LatticeMesh net_of_kept(const Surface& surface, const CanonicalCopy& copy, const std::vector<PlacedModule>& kept,
-                       double corner_cut_mm) {
+                        double corner_cut_mm) {
   LatticeMesh net(surface.mesh().vertices, corner_cut_mm);
   const auto count = static_cast<int>(kept.size());
   std::vector<PlacedModule> modules;

@@ -10,9 +10,9 @@
 #include <optional>
 #include <set>
 
-#include "triskin/base/index.hpp"
 #include "keep_limits.hpp"
 #include "rigid.hpp"
+#include "triskin/base/index.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "buckets.hpp"
 #include "free_numbers.hpp"
-#include "triskin/base/index.hpp"
 #include "point_grid.hpp"
+#include "triskin/base/index.hpp"
 #include "triskin/design/design_types.hpp"
 
 namespace triskin::geometry::surface_lattice {

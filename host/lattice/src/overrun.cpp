@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/base/index.hpp"
 #include "search_bound.hpp"
+#include "triskin/base/index.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -131,7 +131,7 @@ class OverrunSearch {
   void walk(const Vec3& from, const Vec3& to, const Near& near);
   bool may_exceed(std::span<const Vec3> part, const Vec3& p, const Stand& s, double reach);
   [[nodiscard]] double max_across(const BorderPoint& b, std::span<const Vec3> part, const Vec3& off,
-                                   double reach) const;
+                                  double reach) const;
   [[nodiscard]] double past_end(const Vec3& end, int beyond, const Vec3& way, std::span<const Vec3> part,
                                 double from_line) const;
   [[nodiscard]] std::pair<const Vec3&, const Vec3&> ends_of(const BorderPoint& b) const;
@@ -168,7 +168,7 @@ bool OverrunSearch::may_exceed(std::span<const Vec3> part, const Vec3& p, const 
 // by as much as the normals of vertices are turned from the face's: such slivers are searched for. Three: the normal
 // turns along the border, too. The way across a fixed normal is largest at a corner; what the normal turns is added.
 double OverrunSearch::max_across(const BorderPoint& b, std::span<const Vec3> part, const Vec3& off,
-                                  double reach) const {
+                                 double reach) const {
   const Vec3 n = surface_.normal_at(b.point);
   const auto [from, to] = ends_of(b);
   const Vec3 edge = to - from;

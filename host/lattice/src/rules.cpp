@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "overrun.hpp"
 #include "overlap.hpp"
+#include "overrun.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::geometry::surface_lattice {

@@ -8,7 +8,7 @@ namespace triskin::geometry::surface_lattice {
 namespace {
 
 constexpr int kMinInAZone = 32;  // modules, the half of the band round it with them
-constexpr double kBehind = 0.5;    // modules, that the last annealing hardly makes good
+constexpr double kBehind = 0.5;  // modules, that the last annealing hardly makes good
 
 }  // namespace
 

@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "skin.hpp"
-#include "triskin/skin/calibrate.hpp"
-#include "triskin/session/controller_calibration.hpp"
-#include "triskin/skin/rest_store.hpp"
+#include "triskin/connect/open_bus.hpp"
 #include "triskin/diagnose/verify.hpp"
 #include "triskin/diagnose/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
-#include "triskin/connect/open_bus.hpp"
+#include "triskin/session/controller_calibration.hpp"
+#include "triskin/skin/calibrate.hpp"
+#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::library {
 namespace {

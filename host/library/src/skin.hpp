@@ -11,14 +11,14 @@
 #include <thread>
 #include <vector>
 
+#include "triskin/connect/open_link.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/side_by_side.hpp"
-#include "triskin/skin/touch_map.hpp"
 #include "triskin/link/link.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/stream.hpp"
-#include "triskin/connect/open_link.hpp"
+#include "triskin/skin/touch_map.hpp"
 #include "triskin/triskin.h"
 
 namespace triskin::library {

@@ -11,8 +11,8 @@
 #include <numeric>
 #include <span>
 
-#include "triskin/base/index.hpp"
 #include "triangle_tree.hpp"
+#include "triskin/base/index.hpp"
 #include "triskin/base/parallel.hpp"
 
 namespace triskin::geometry {

@@ -11,11 +11,11 @@
 
 #include "edge_sides.hpp"
 #include "extract_steps.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/design_types.hpp"
 #include "triskin/mesh/decimated_mesh.hpp"
 #include "triskin/mesh/surface.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -372,7 +372,8 @@ Extraction extract(const Mesh& mesh, const ExtractOptions& options, const Progre
     const double before_mm2 = area_of(e.surface);
     const Mesh kept = without_keep_outs(e.surface, options);
     repair_again(e, kept, "taking the keep-outs away");
-    if (options.repair && !usable(e.surface)) e.surface = remove_crossings(e.surface, kVisibilityTimeShare * options.repair_s).surface;
+    if (options.repair && !usable(e.surface))
+      e.surface = remove_crossings(e.surface, kVisibilityTimeShare * options.repair_s).surface;
     e.report.kept_out_mm2 = before_mm2 - area_of(e.surface);
   }
   if (options.repair && options.outer != ExtractOptions::When::kNever) {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/mesh/extract.hpp"
 #include "triskin/base/parallel.hpp"
+#include "triskin/mesh/extract.hpp"
 
 namespace triskin::geometry {
 
@@ -39,13 +39,16 @@ inline constexpr int kVisibilityRays = 64, kMinVisibilityRays = 8;
 struct Visibility {
   double front = 0.0, back = 0.0;
 };
-[[nodiscard]] std::vector<Visibility> visibility_of(const Mesh& mesh, const std::vector<int>& faces, int rays = kVisibilityRays);
+[[nodiscard]] std::vector<Visibility> visibility_of(const Mesh& mesh, const std::vector<int>& faces,
+                                                    int rays = kVisibilityRays);
 
-/// Number of faces that visibility_of() answers for in about `cpu_s` seconds of processor time, counted as at least 0.2 s.
+/// Number of faces that visibility_of() answers for in about `cpu_s` seconds of processor time, counted as at least 0.2
+/// s.
 [[nodiscard]] std::size_t faces_asked_in(double cpu_s);
 
-/// Rays for each side of so many faces that fit into `cpu_s` seconds of processor time: kMinVisibilityRays … kVisibilityRays. A
-/// soup has too many faces of which none stands for another: eight rays still tell inside from outside.
+/// Rays for each side of so many faces that fit into `cpu_s` seconds of processor time: kMinVisibilityRays …
+/// kVisibilityRays. A soup has too many faces of which none stands for another: eight rays still tell inside from
+/// outside.
 [[nodiscard]] int rays_for(std::size_t faces, double cpu_s);
 
 /// The same of all faces in about `cpu_s` > 0 seconds of processor time, at least 0.2 s: of a mesh with too many faces

@@ -25,9 +25,9 @@ using Tree =
 
 constexpr double kStart_mm = 0.05;  // above the face
 constexpr int kEvenPasses = 4;
-constexpr double kRaysPer_s = 8e5;      // of processor time, measured on scans of 50,000 … 120,000 faces
-constexpr double kMinVisibility_s = 0.2;     // of processor time: faces up to 1,250 are each asked
-constexpr double kSameDirection = 0.8;  // cosine between the normals of faces that share an answer
+constexpr double kRaysPer_s = 8e5;        // of processor time, measured on scans of 50,000 … 120,000 faces
+constexpr double kMinVisibility_s = 0.2;  // of processor time: faces up to 1,250 are each asked
+constexpr double kSameDirection = 0.8;    // cosine between the normals of faces that share an answer
 
 Kernel::Point_3 point(const Vec3& p) {
   return {p.x(), p.y(), p.z()};

@@ -16,19 +16,19 @@
 #include "crossing_search.hpp"
 #include "edge_sides.hpp"
 #include "extract_steps.hpp"
-#include "triskin/base/index.hpp"
 #include "isolated.hpp"
 #include "polygon_faces.hpp"
 #include "triangle_tree.hpp"
-#include "triskin/mesh/surface.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/index.hpp"
+#include "triskin/mesh/surface.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-constexpr double kApart_mm = 0.01;       // between corners that would only touch
-constexpr int kRoundsApart = 5;          // of moving corners; after that what touches is dropped
-constexpr int kRoundsDivided = 3;        // of dividing: rounded coordinates may cross again
+constexpr double kApart_mm = 0.01;              // between corners that would only touch
+constexpr int kRoundsApart = 5;                 // of moving corners; after that what touches is dropped
+constexpr int kRoundsDivided = 3;               // of dividing: rounded coordinates may cross again
 constexpr double kHiddenVisibility = 0.05;      // a part of the arrangement that sees less is inside
 constexpr std::size_t kVisibilitySamples = 48;  // faces of a part that are asked
 constexpr double kLooseShare = 0.05;  // of the area that may go with small parts before the input counts as shattered
@@ -158,7 +158,8 @@ std::map<int, double> values_of(const Mesh& mesh, const Pairs& crossings, double
   const std::vector<Visibility> visibility = asks_visibility ? visibility_of(mesh, asked) : std::vector<Visibility>{};
   std::map<int, double> value;
   for (std::size_t k = 0; k < asked.size(); ++k)
-    value[asked[k]] = asks_visibility ? std::max(visibility[k].front, visibility[k].back) : area_of_face(mesh, asked[k]);
+    value[asked[k]] =
+        asks_visibility ? std::max(visibility[k].front, visibility[k].back) : area_of_face(mesh, asked[k]);
   return value;
 }
 
@@ -289,7 +290,8 @@ struct Reference {
 
 Reference reference_of(Mesh mesh, double visibility_fraction, double cpu_s) {
   Reference r{std::move(mesh), {}};
-  for (const Visibility& s : visibility_of_all(r.mesh, cpu_s)) r.outside.push_back(std::max(s.front, s.back) >= visibility_fraction);
+  for (const Visibility& s : visibility_of_all(r.mesh, cpu_s))
+    r.outside.push_back(std::max(s.front, s.back) >= visibility_fraction);
   return r;
 }
 
@@ -410,7 +412,8 @@ class Repairer {
   void try_settling(const Mesh& mesh, Repair way, bool outer) {
     try {
       report(progress_, "settling the repair", -1.0);
-      const Mesh seen = outer ? outer_faces(repair_topology(mesh).surface, options_.visibility_fraction, visibility_s()) : mesh;
+      const Mesh seen =
+          outer ? outer_faces(repair_topology(mesh).surface, options_.visibility_fraction, visibility_s()) : mesh;
       Extraction e = remove_crossings(seen, visibility_s(), time_.part(kSettleShare));
       ExtractReport& r = e.report;
       r.removed_components += before_.removed_components;

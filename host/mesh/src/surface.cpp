@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "edge_sides.hpp"
-#include "triskin/base/index.hpp"
 #include "triangle_tree.hpp"
+#include "triskin/base/index.hpp"
 #include "triskin/base/parallel.hpp"
 
 namespace triskin::geometry {

@@ -9,9 +9,9 @@
 #include <limits>
 #include <set>
 
+#include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

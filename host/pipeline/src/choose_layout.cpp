@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "triskin/base/parallel.hpp"
 #include "triskin/design/module_graph.hpp"
 #include "triskin/routing/jumpers.hpp"
-#include "triskin/base/parallel.hpp"
 
 namespace triskin::pipeline {
 
@@ -14,7 +14,8 @@ WiredLayout priced(const geometry::Surface& surface, design::ModuleLayout layout
                    const geometry::RoutingOptions& routing, const geometry::SurfaceRegions* regions) {
   WiredLayout wired;
   wired.layout = std::move(layout);
-  wired.module_value = regions == nullptr ? static_cast<double>(wired.layout.modules.size()) : regions->module_value(wired.layout);
+  wired.module_value =
+      regions == nullptr ? static_cast<double>(wired.layout.modules.size()) : regions->module_value(wired.layout);
   wired.places = geometry::find_jumpers(surface, wired.layout, limits);
   geometry::RoutingOptions quick = routing;
   quick.failure_analysis = false;

@@ -11,17 +11,19 @@
 #include "choose_layout.hpp"
 #include "resolve_regions.hpp"
 #include "seconds_since.hpp"
-#include "triskin/design/outline.hpp"
-#include "triskin/unfolding/bend_seams.hpp"
-#include "triskin/mesh/extract.hpp"
-#include "triskin/routing/jumpers.hpp"
-#include "triskin/lattice/map_modules.hpp"
-#include "triskin/placement/polygon_io.hpp"
-#include "triskin/routing/routing.hpp"
-#include "triskin/mesh/decimated_mesh.hpp"
-#include "triskin/mesh/surface.hpp"
-#include "triskin/lattice/grow_lattice.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/outline.hpp"
+#include "triskin/lattice/grow_lattice.hpp"
+#include "triskin/lattice/map_modules.hpp"
+#include "triskin/mesh/decimated_mesh.hpp"
+#include "triskin/mesh/extract.hpp"
+#include "triskin/mesh/surface.hpp"
+#include "triskin/placement/placement.hpp"
+#include "triskin/placement/polygon_io.hpp"
+#include "triskin/routing/jumpers.hpp"
+#include "triskin/routing/routing.hpp"
+#include "triskin/unfolding/bend_seams.hpp"
+#include "triskin/unfolding/unfolding.hpp"
 #include "wire_design.hpp"
 
 namespace triskin::pipeline {
@@ -31,13 +33,13 @@ constexpr double kRepairShare = 0.4;                             // of the time
 constexpr double kShortRepair_s = 2.0, kShortRepairShare = 0.7;  // what a short limit has for it: that, or that share
 constexpr double kUnfoldingShare = 0.3;                          // of what reading and repair leave
 constexpr double kUnfoldedFaces = 10'000.0;  // a second of the limit, above which it is less: most are given up
-constexpr double kMaxUnfolded = 2.0;        // times that, above which the first step would already take longer
+constexpr double kMaxUnfolded = 2.0;         // times that, above which the first step would already take longer
 constexpr double kPiecesShare = 0.12;        // of the time; what the growth has left after it
 constexpr double kPieceLeast_s = 0.1;        // a piece gets, or what a short limit has for it
 constexpr double kMapped_s = 2.5e-4;         // of a module on a piece: its mapping and what follows; measured
 constexpr double kPlacingEnd = 0.65, kMappingEnd = 0.85;   // of the time: what is not begun by then is left out
 constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;  // up to which the limit binds
-constexpr double kMaxOver = 0.12, kMinGrowth_s = 0.1;   // of the limit, that it may be passed by for that share
+constexpr double kMaxOver = 0.12, kMinGrowth_s = 0.1;      // of the limit, that it may be passed by for that share
 constexpr double kWorthGrowing = 0.1;                      // of the surface, uncovered by the pieces: all of that share
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
 // Of the layouts of a growth, for each module that the area has room for; measured: half of it.

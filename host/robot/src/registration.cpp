@@ -20,8 +20,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Points = std::span<const Vector3d>;
 
-constexpr double kBetter = 0.5;             // another explanation must have at most this part of the residual
-constexpr double kExact_mm = 1.0;           // a touch is hardly better
+constexpr double kBetter = 0.5;           // another explanation must have at most this part of the residual
+constexpr double kExact_mm = 1.0;         // a touch is hardly better
 constexpr double kMinWidth_mm = 1.0;      // of the touches across their longest line
 constexpr double kMinThickness_mm = 3.0;  // less than a touch is exact to: their mirror image looks the same
 

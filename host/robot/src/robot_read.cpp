@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cctype>
 
-#include "triskin/design/json_fields.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/deploy/board_file.hpp"
+#include "triskin/design/json_fields.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::robot {

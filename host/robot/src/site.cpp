@@ -38,7 +38,7 @@ void require_sound(const Assembly& a) {
 std::optional<CoverConfig> on_bus(const Assembly& a, std::size_t index, int bus) {
   const CoverEntry& entry = a.robot.covers[index];
   CoverConfig cover{entry.name, a.file.parent_path() / entry.design, a.designs[index], {}, static_cast<int>(index), 0,
-                   true};
+                    true};
   cover.design.name = entry.name;
   cover.design.node_addresses.assign(cover.design.patches.size(), 0);
   cover.serials.resize(cover.design.patches.size());
@@ -108,7 +108,8 @@ void choose(Site& site, const std::string& name) {
         site.is_robot
             ? fmt::format("--cover {}: {} has {}", name, site.file.string(), fmt::join(names, ", "))
             : fmt::format("--cover {}: {} is a design file; only a robot file has covers", name, site.file.string()));
-  std::erase_if(site.buses, [](const BusConfig& bus) { return std::ranges::none_of(bus.covers, &CoverConfig::chosen); });
+  std::erase_if(site.buses,
+                [](const BusConfig& bus) { return std::ranges::none_of(bus.covers, &CoverConfig::chosen); });
 }
 
 device::FlashOptions flash_options(const BusConfig& bus, const CoverConfig& cover, device::FlashOptions options) {

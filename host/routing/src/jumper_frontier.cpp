@@ -5,13 +5,13 @@
 #include <bit>
 #include <unordered_map>
 
-#include "triskin/base/disjoint_sets.hpp"
 #include "jumper_state.hpp"
+#include "triskin/base/disjoint_sets.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-constexpr int kStarts = 24;     // of orders of the nodes
+constexpr int kStarts = 24;    // of orders of the nodes
 constexpr int kMaxUnits = 40;  // of all slots, in the choice of an order
 
 // What a slot costs in the choice of an order; jumpers count less than joints since most of them are not fitted.

@@ -5,21 +5,21 @@
 #include <chrono>
 #include <string_view>
 
-#include "triskin/base/disjoint_sets.hpp"
 #include "failures.hpp"
 #include "jumper_partition.hpp"
 #include "partition.hpp"
 #include "recombination.hpp"
-#include "triskin/design/module_graph.hpp"
-#include "triskin/routing/routing.hpp"
+#include "triskin/base/disjoint_sets.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/parallel.hpp"
+#include "triskin/design/module_graph.hpp"
+#include "triskin/routing/routing.hpp"
 #include "wiring.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-constexpr int kMaxMoves = 5000;          // of recombination, an island: bounds the time of very large ones
+constexpr int kMaxMoves = 5000;  // of recombination, an island: bounds the time of very large ones
 
 void require_joints(const ModuleGraph& graph) {
   const int n = static_cast<int>(graph.nodes.size());

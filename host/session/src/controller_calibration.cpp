@@ -9,8 +9,8 @@
 #include <cstdio>
 #include <ctime>
 
+#include "triskin/base/wall_clock.hpp"
 #include "triskin/session/address_users.hpp"
-#include "triskin/skin/calibrate.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::device {

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <ctime>
 
-#include "triskin/design/outline.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/wall_clock.hpp"
-#include "triskin/session/controller_calibration.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/controller_calibration.hpp"
 #include "triskin/session/stream.hpp"
 
 namespace triskin::device {
@@ -222,14 +222,6 @@ design::BoardCalibration CalibrationStore::renew(design::BoardCalibration board,
 bool CalibrationStore::forget(const std::string& serial) const {
   std::error_code none;
   return std::filesystem::remove(file_of(serial), none);
-}
-
-std::string utc_text(std::uint64_t unix_s) {
-  const auto time = static_cast<std::time_t>(unix_s);
-  std::tm utc{};
-  gmtime_r(&time, &utc);
-  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday,
-                     utc.tm_hour, utc.tm_min, utc.tm_sec);
 }
 
 FoundCalibration calibration_of(const design::Design& design, std::span<const wire::NodeClaim> claims,

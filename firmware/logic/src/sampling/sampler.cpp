@@ -39,8 +39,8 @@ void LineSampler::begin(I2cLine& line, std::uint8_t line_index, const Patch& pat
 }
 
 // Guests are the last stations, so the others keep their numbers.
-void LineSampler::replace_adopted(std::size_t own_rows, std::span<const wire::AdoptedModule> adopted_modules, std::size_t kept,
-                                 std::uint64_t now_us) {
+void LineSampler::replace_adopted(std::size_t own_rows, std::span<const wire::AdoptedModule> adopted_modules,
+                                  std::size_t kept, std::uint64_t now_us) {
   while (station_count_ > 0 && index_of(stations_[station_count_ - 1].row) >= own_rows + kept) --station_count_;
   const std::size_t first = station_count_;
   for (std::size_t k = kept; k < adopted_modules.size(); ++k) {
@@ -396,7 +396,8 @@ void LineSampler::plan_probe() {
 
 void LineSampler::start_probe() {
   const std::uint64_t late_us = sequence_us() / 100 * (LatchProbe::kEnd_percent - LatchProbe::kBegin_percent);
-  if (job_start_us_ + ReadingSchedule::kBurst_us <= schedule_.transaction_us(current_) + late_us) return start(Job::kProbe);
+  if (job_start_us_ + ReadingSchedule::kBurst_us <= schedule_.transaction_us(current_) + late_us)
+    return start(Job::kProbe);
   schedule_.cancel_transaction(current_);
 }
 

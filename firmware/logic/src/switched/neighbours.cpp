@@ -31,7 +31,8 @@ void Neighbours::tick(bool adopted_modules, std::uint64_t now_us) {
   }
 }
 
-// Whose the adopted modules are nobody here knows: all are given back, and those that others still offer are looked for later.
+// Whose the adopted modules are nobody here knows: all are given back, and those that others still offer are looked for
+// later.
 void Neighbours::end(Offer& offer, bool adopted_modules, std::uint64_t now_us) {
   offer = {};
   away_until_us_ = now_us + kKeepAway_us;

@@ -52,7 +52,8 @@ void RouteKeeper::reroute(const Clock& clock) {
                     : beyond_                                     ? Topology::Look::kBeyond
                                                                   : Topology::Look::kOwn;
   beyond_ = false;
-  const Topology::Report report = has_table ? topology_.reroute(table_, look, neighbours_.layers()) : topology_.discover();
+  const Topology::Report report =
+      has_table ? topology_.reroute(table_, look, neighbours_.layers()) : topology_.discover();
   route_ = {};
   route_.reroutes = reroutes;
   route_.repairs = repairs;
@@ -96,7 +97,8 @@ void RouteKeeper::set_offered(std::uint16_t rows) {
   adoption_.out_of_reach = rows;
 }
 
-// A list that is as before keeps its number. The samples of adopted modules that are in both lists, before all others, go on.
+// A list that is as before keeps its number. The samples of adopted modules that are in both lists, before all others,
+// go on.
 void RouteKeeper::note_adopted() {
   const std::uint8_t adopted_modules = topology_.adopted_count();
   kept_adopted_ = 0;

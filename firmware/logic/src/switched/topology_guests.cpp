@@ -12,9 +12,9 @@ bool Topology::may_adopt(const Table& table, const Report& report) const {
   return chain_.members() == (1U << graph_.count) - 1U;
 }
 
-// Onto the active tree, layer by layer: one after the other finds the own modules and the adopted modules before it held, so
-// what comes in is new. Each gets an address that no row of the table has: a module of the table that comes back must
-// find its own free. False: the tree is not up any more, and there are no adopted modules.
+// Onto the active tree, layer by layer: one after the other finds the own modules and the adopted modules before it
+// held, so what comes in is new. Each gets an address that no row of the table has: a module of the table that comes
+// back must find its own free. False: the tree is not up any more, and there are no adopted modules.
 bool Topology::adopt(const Table& table, std::uint8_t layers, Report& report) {
   std::uint16_t taken = 0;
   const auto take = [&taken](int place) { taken = static_cast<std::uint16_t>(taken | 1U << place); };
@@ -68,8 +68,9 @@ bool Topology::take_in(std::uint8_t module, std::uint8_t port, std::uint8_t plac
   parent_[adopted_module] = {module, port};
   input_[adopted_module] = kNoModule;
   address_[adopted_module] = {static_cast<std::uint8_t>(place / layout::kAddressesPerLine),
-                     static_cast<std::uint8_t>(place % layout::kAddressesPerLine)};
-  table_index_[adopted_module] = adopted_module;  // every row of the table is in: adopted modules are the rows behind them
+                              static_cast<std::uint8_t>(place % layout::kAddressesPerLine)};
+  table_index_[adopted_module] =
+      adopted_module;  // every row of the table is in: adopted modules are the rows behind them
   chain_.set_address(adopted_module, address_[adopted_module]);
   bool up = lines_free();
   for (std::uint8_t p = 0; up && p < layout::kPorts; ++p) up = ask(adopted_module, p);
@@ -85,8 +86,8 @@ bool Topology::take_in(std::uint8_t module, std::uint8_t port, std::uint8_t plac
   return rebuild_all();
 }
 
-// What a port of a adopted module leads to. It lies anywhere in the chain: where nothing comes in the chain is broken there, and
-// what the registers behind it have must not be latched. False: the tree is not up any more.
+// What a port of a adopted module leads to. It lies anywhere in the chain: where nothing comes in the chain is broken
+// there, and what the registers behind it have must not be latched. False: the tree is not up any more.
 bool Topology::ask(std::uint8_t adopted_module, std::uint8_t port) {
   const auto answer = chain_.open(adopted_module, port, graph_.count);
   port_[adopted_module][port] = Port::kNothing;

@@ -17,7 +17,7 @@ struct ProofModule {
   std::vector<Interval> offset;  ///< of each side from the centre
   double inradius_low_mm = 0.0,  ///< least offset
       circumradius_high_mm = 0.0;
-  double min_pitch_mm = 0.0;   ///< below it modules would overlap
+  double min_pitch_mm = 0.0;     ///< below it modules would overlap
   Interval row_height;           ///< of the pitch
   double row_shift = 0.0;        ///< of the pitch
   double period_high_rad = 0.0;  ///< the grid is its own image after this turn, a hair less

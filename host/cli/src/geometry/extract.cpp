@@ -13,9 +13,9 @@
 
 #include "mesh_options.hpp"
 #include "repair_text.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/mesh/surface.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::cli::extract_command {
 namespace {

@@ -6,12 +6,12 @@
 #include <set>
 
 #include "corner_cut_option.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/design/tile.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 
 namespace triskin::cli::place_command {
 namespace {

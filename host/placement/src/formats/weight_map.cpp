@@ -7,10 +7,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "triskin/placement/weight_regions.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/json_cause.hpp"
+#include "triskin/placement/weight_regions.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -10,7 +10,7 @@ namespace {
 constexpr int kMaxPasses = 4;
 constexpr double kWorthAnotherPass = 0.7;
 constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // in one child
-constexpr int kWellFilled = 2;                              // one of so many parts open: a box is not divided further
+constexpr int kWellFilled = 2;                            // one of so many parts open: a box is not divided further
 
 using Index = std::array<int, 3>;
 

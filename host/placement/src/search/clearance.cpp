@@ -34,24 +34,22 @@ Clearance largest_clearance(const PreparedPolygon& polygon, const TileGrid& grid
     best.inset_mm = reached;
     best.motion = at;
   };
-  for (const Motion& start :
-       ascent.max_promising(goal.starts, kMaxStarts, goal.min_inset_mm - kStartsMayStandOver_mm))
+  for (const Motion& start : ascent.max_promising(goal.starts, kMaxStarts, goal.min_inset_mm - kStartsMayStandOver_mm))
     climb(start, goal.min_inset_mm);
   for (bool open = true; open && Clock::now() < goal.deadline;) {
     const auto next = [&] { return best.found ? best.inset_mm + more(best.inset_mm) : best.inset_mm; };
-    const SearchGoal search{
-        .inset_mm = next(),
-        .tolerance_mm = 0.5 * more(best.inset_mm),
-        .known = goal.modules - 1,
-        .raise =
-            [&](const Motion& found) {
-              climb(found, next() - 0.5 * more(best.inset_mm));
-              return std::array{next(), 0.5 * more(best.inset_mm)};
-            },
-        .last_inset_mm = std::min(best.inset_mm + std::abs(best.inset_mm) + 0.1, goal.max_inset_mm),
-        .slices = goal.slices,
-        .threads = goal.threads,
-        .deadline = goal.deadline};
+    const SearchGoal search{.inset_mm = next(),
+                            .tolerance_mm = 0.5 * more(best.inset_mm),
+                            .known = goal.modules - 1,
+                            .raise =
+                                [&](const Motion& found) {
+                                  climb(found, next() - 0.5 * more(best.inset_mm));
+                                  return std::array{next(), 0.5 * more(best.inset_mm)};
+                                },
+                            .last_inset_mm = std::min(best.inset_mm + std::abs(best.inset_mm) + 0.1, goal.max_inset_mm),
+                            .slices = goal.slices,
+                            .threads = goal.threads,
+                            .deadline = goal.deadline};
     const SearchResult found = branch_and_bound(polygon, grid, search, progress);
     best.cells += found.cells;
     best.evaluations += found.evaluations;

@@ -22,8 +22,7 @@ ClearanceAscent::ClearanceAscent(const PreparedPolygon& polygon, const TileGrid&
       edges_(polygon, grid.circumradius_mm + grid.inradius_mm + 3.0 * kLargestRadius_mm),
       modules_(static_cast<std::size_t>(modules)) {}
 
-std::vector<Motion> ClearanceAscent::max_promising(const std::vector<Motion>& motions, std::size_t n,
-                                                    double min_mm) {
+std::vector<Motion> ClearanceAscent::max_promising(const std::vector<Motion>& motions, std::size_t n, double min_mm) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t k = motions.size(); k-- > 0;) {
     const double separation = choose_tiles(motions[k], min_mm);

@@ -11,10 +11,10 @@
 #include "search/branch_and_bound.hpp"
 #include "search/clearance.hpp"
 #include "search/scans.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "triskin/cli/link_options.hpp"
-#include "triskin/robot/site.hpp"
 #include "triskin/connect/open_bus.hpp"
+#include "triskin/robot/site.hpp"
 
 namespace triskin::cli {
 

@@ -5,11 +5,11 @@
 #include <functional>
 #include <vector>
 
+#include "triskin/base/progress.hpp"
 #include "triskin/design/design_types.hpp"
 #include "triskin/mesh/decimated_mesh.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/mesh/surface_regions.hpp"
-#include "triskin/base/progress.hpp"
 
 namespace triskin::geometry {
 
@@ -42,7 +42,7 @@ struct SurfaceLatticeOptions {
   std::function<std::chrono::steady_clock::time_point()> now{};
 };
 
-/// Grows the isometric lattice directly on the surface (docs/surface_lattice.md): triangles are added edge by edge,
+/// Grows the isometric lattice directly on the surface (docs/lattice.md): triangles are added edge by edge,
 /// their shared corners slide on the surface until every rigid module keeps the limits; what is left is filled with
 /// further islands; then parts are removed and regrown as long as time permits. Every module of the result keeps every
 /// limit, measured by `measure` (map_modules.hpp). Deterministic for seed, threads and iterations when the time

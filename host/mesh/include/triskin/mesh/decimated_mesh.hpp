@@ -32,14 +32,15 @@ struct DecimatedMesh {
 /// `enough_faces` no further step begins when no more are left. Deterministic, whatever the number of threads. Uses
 /// `threads` (≥ 1); thread-safe. Cost: O(n), 2 … 3 µs of processor time a face that goes, 60 bytes a face.
 [[nodiscard]] DecimatedMesh decimate(const Surface& surface, double deviation_mm = kSolverDeviation_mm,
-                                double border_mm = kSolverBorder_mm, int threads = 2, std::size_t enough_faces = 0);
+                                     double border_mm = kSolverBorder_mm, int threads = 2,
+                                     std::size_t enough_faces = 0);
 
 /// The mesh on which the solvers work with these limits in place of a surface with more faces than they need; none
 /// where the surface itself serves: fewer than 5,000 faces or more than 4 mm² a face on the mean, `deviation_mm` <= 0,
 /// or no more than half of the faces can go. Against a narrow limit of lift, depth, centre gap or overrun the deviation
 /// is smaller than asked: a twentieth of it. Cost: that of reduce(), or nothing.
 [[nodiscard]] std::optional<DecimatedMesh> solver_mesh_of(const Surface& surface, const LayoutLimits& limits,
-                                                       double deviation_mm = kSolverDeviation_mm, int threads = 2);
+                                                          double deviation_mm = kSolverDeviation_mm, int threads = 2);
 
 /// The limits that a module has to keep on the solver's mesh so that it keeps the given ones on the surface: lift,
 /// depth and centre gap less the deviation, overrun less that of the border; at least half of each.

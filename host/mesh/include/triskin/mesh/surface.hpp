@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/mesh/bvh.hpp"
 #include "triskin/design/design_types.hpp"
+#include "triskin/mesh/bvh.hpp"
 
 namespace triskin::geometry {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "triskin/design/regions.hpp"
 #include "triskin/design/design_types.hpp"
+#include "triskin/design/regions.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::geometry {

@@ -5,12 +5,12 @@
 #include <optional>
 #include <string>
 
+#include "triskin/base/progress.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/region_file.hpp"
+#include "triskin/mesh/decimated_mesh.hpp"
 #include "triskin/mesh/extract.hpp"
 #include "triskin/mesh/mesh_io.hpp"
-#include "triskin/mesh/decimated_mesh.hpp"
-#include "triskin/base/progress.hpp"
 
 namespace triskin::pipeline {
 

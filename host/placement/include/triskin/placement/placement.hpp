@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/names.hpp"
+#include "triskin/base/progress.hpp"
 #include "triskin/design/design_types.hpp"
 #include "triskin/placement/paper/heuristics.hpp"
 #include "triskin/placement/weight_map.hpp"
-#include "triskin/base/names.hpp"
-#include "triskin/base/progress.hpp"
 
 namespace triskin::geometry {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "triskin/deploy/flash.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/side_by_side.hpp"
-#include "triskin/deploy/flash.hpp"
 #include "triskin/robot/assembly.hpp"
 #include "triskin/session/stream.hpp"
 
@@ -65,7 +65,8 @@ void choose(Site& site, const std::string& name);
 
 /// `options` for a stream of `streamed`: the other covers as neighbours, and the rate that the robot file wants where
 /// `options` leaves it open. Throws as flash_options.
-[[nodiscard]] device::StreamOptions stream_options(const BusConfig& bus, std::span<const design::Design* const> streamed,
+[[nodiscard]] device::StreamOptions stream_options(const BusConfig& bus,
+                                                   std::span<const design::Design* const> streamed,
                                                    device::StreamOptions options);
 
 /// All covers of a robot in the frame of its base (joints at 0), for pictures and exports; cover c of the robot file is

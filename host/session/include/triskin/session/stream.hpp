@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
+#include "triskin/session/adopted_modules.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/bus_budget.hpp"
 #include "triskin/session/clock_filter.hpp"
-#include "triskin/session/adopted_modules.hpp"
 #include "triskin/session/sample_account.hpp"
 #include "triskin/session/stream_report.hpp"
 #include "triskin/wire/sampling.hpp"

@@ -24,8 +24,8 @@ class FrameTrack {
   /// samples of other controllers of the same instant. A module that the design lacks is ignored.
   void add(int module, const PressureSample& sample, std::int64_t time_us);
 
-  /// The track: for each frame its length (4 bytes, little-endian) and its bytes as docs/view.md has them, times in ms
-  /// since the first sample. Empty without samples. Call it once, at the end.
+  /// The track: for each frame its length (4 bytes, little-endian) and its bytes as docs/view_server.md has them, times
+  /// in ms since the first sample. Empty without samples. Call it once, at the end.
   [[nodiscard]] std::string finish();
   /// True when frames were dropped because the track had reached its limit.
   [[nodiscard]] bool is_cut() const { return is_cut_; }

@@ -15,7 +15,7 @@ class OffsetSearch {
  public:
   static constexpr std::uint8_t kFirst = 31;    ///< 9.92 pF: a converter sees 1.92 … 17.92 pF
   static constexpr std::uint8_t kFarStep = 25;  ///< 8 pF: beyond the end of the range
-  static constexpr int kMaxRounds = 8;         ///< readings: what does not settle is not one chip
+  static constexpr int kMaxRounds = 8;          ///< readings: what does not settle is not one chip
   static constexpr int kCenteringRounds = 4;    ///< … of a search without known offsets that go for the middle
   static constexpr std::int32_t kThird = 0x8000 / 3;
 

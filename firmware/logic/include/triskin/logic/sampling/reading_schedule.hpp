@@ -28,15 +28,16 @@ class ReadingSchedule {
   static constexpr std::size_t kStations = layout::kAddressesPerLine;
   static constexpr std::uint64_t kNever_us = UINT64_MAX;
   static constexpr std::uint64_t kBurst_us = 800;  ///< a reading, and until the next transfer can begin
-  static constexpr std::uint64_t kShort_us = 250;  ///< a restart, a reading of the status, an transaction of a few bytes
-  static constexpr std::uint64_t kLong_us = 500;   ///< an transaction that writes the setup of a stage
+  static constexpr std::uint64_t kShort_us =
+      250;                                        ///< a restart, a reading of the status, an transaction of a few bytes
+  static constexpr std::uint64_t kLong_us = 500;  ///< an transaction that writes the setup of a stage
 
   enum class Action : std::uint8_t {
     kNothing,
-    kRead,     ///< twelve results: then read(), or nothing when they do not count
-    kTransaction,   ///< what the caller planned for the station: it stays planned until it is changed or cancelled
-    kRestart,  ///< of the sequence: then restarted()
-    kStatus,   ///< the stage-complete status: then status_read()
+    kRead,         ///< twelve results: then read(), or nothing when they do not count
+    kTransaction,  ///< what the caller planned for the station: it stays planned until it is changed or cancelled
+    kRestart,      ///< of the sequence: then restarted()
+    kStatus,       ///< the stage-complete status: then status_read()
   };
   struct Due {
     Action action = Action::kNothing;

@@ -13,10 +13,10 @@
 #include "triskin/logic/sampling/line_recovery.hpp"
 #include "triskin/logic/sampling/module_sample.hpp"
 #include "triskin/logic/sampling/offset_search.hpp"
-#include "triskin/logic/storage/offset_store.hpp"
 #include "triskin/logic/sampling/presence.hpp"
 #include "triskin/logic/sampling/reading_schedule.hpp"
 #include "triskin/logic/sampling/table_row.hpp"
+#include "triskin/logic/storage/offset_store.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/adoption.hpp"
 #include "triskin/wire/uds.hpp"
@@ -47,11 +47,11 @@ class LineSampler {
   /// Forgets everything but the offsets and starts anew with those modules of the table that hang on this line.
   void begin(I2cLine& line, std::uint8_t line_index, const Patch& patch, const Sampling& sampling,
              std::uint64_t now_us);
-  /// Replaces the modules that the table does not know: adopted module k has row `own_rows` + k and is read where it says. The
-  /// modules of the table and the first `kept` adopted modules go on as they were. Between pause() and resume(), when no
-  /// transfer is under way.
+  /// Replaces the modules that the table does not know: adopted module k has row `own_rows` + k and is read where it
+  /// says. The modules of the table and the first `kept` adopted modules go on as they were. Between pause() and
+  /// resume(), when no transfer is under way.
   void replace_adopted(std::size_t own_rows, std::span<const wire::AdoptedModule> adopted_modules, std::size_t kept,
-                      std::uint64_t now_us);
+                       std::uint64_t now_us);
   /// Also without a table: finds what answers at the four addresses; scan() has the result.
   void request_scan();
   /// Finds, configures and checks every chip of the line again.

@@ -9,7 +9,7 @@
 namespace triskin::fw {
 
 /// What the controllers of neighbouring patches offer, and when a look at the patch is due because of it. A look while
-/// open() may take in their modules. Pure: time comes as an argument. docs/switched_module.md, "Adoption".
+/// open() may take in their modules. Pure: time comes as an argument. docs/adoption.md.
 class Neighbours {
  public:
   static constexpr std::uint64_t kRepeat_us = 1'000'000;  ///< between two frames of an owner that offers modules
@@ -19,7 +19,8 @@ class Neighbours {
   static constexpr std::uint64_t kKeepAway_us = 300'000;  ///< nobody takes them in meanwhile: kHandBack_us and a look
   static constexpr std::uint64_t kNever_us = UINT64_MAX;
 
-  /// A frame of another controller came. `own_node`: decides whose turn it is. `adopted modules`: modules are taken in now.
+  /// A frame of another controller came. `own_node`: decides whose turn it is. `adopted modules`: modules are taken in
+  /// now.
   void receive(const wire::Reach& reach, std::uint8_t own_node, bool adopted_modules, std::uint64_t now_us);
   /// Offers that were not repeated end. Call it a few times a second.
   void tick(bool adopted_modules, std::uint64_t now_us);

@@ -29,7 +29,8 @@ class RouteKeeper {
   void request();
   /// A line stays low, or is free again. A held one makes a rerouting due, once: what could not be freed is left alone.
   void line_state(std::uint8_t line, bool held);
-  /// No module of the table answers: perhaps a switched patch that has power only now. A rerouting is due after a pause.
+  /// No module of the table answers: perhaps a switched patch that has power only now. A rerouting is due after a
+  /// pause.
   void nothing_answers(std::uint64_t now_us);
   /// True when sampling must pause and reroute() be called then.
   [[nodiscard]] bool due(std::uint64_t now_us) const {

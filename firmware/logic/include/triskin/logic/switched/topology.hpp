@@ -85,12 +85,12 @@ class Topology {
     std::uint8_t shorts = 0;     ///< ports left closed because opening them broke the chain or held a line
     std::uint16_t alive = 0;     ///< reroute(): bit m: module m of the table is in the tree
     std::uint8_t max_depth = 0;  ///< of the active tree
-    bool min_depth = false;    ///< reroute(): no tree over the joints that were found is less deep
+    bool min_depth = false;      ///< reroute(): no tree over the joints that were found is less deep
     bool as_table = false;       ///< reroute(): the table's tree is up
     bool second_cable = false;   ///< module 0 is the one at the second cable
     std::uint8_t unknown = 0;    ///< reroute(): modules found at places that the table does not know; left closed
     std::uint16_t held = 0;      ///< reroute(): bit m: module m of the table is there, and another controller holds it
-    bool more_adopted = false;    ///< reroute(): behind the layers that were asked for is one more, and room for it
+    bool more_adopted = false;   ///< reroute(): behind the layers that were asked for is one more, and room for it
   };
 
   /// How far a look goes beyond the joints of the table. Ports to a neighbouring patch have none.
@@ -123,16 +123,16 @@ class Topology {
   /// Discovers anew and activates the table's tree where all of it is there, else the tree of least depth over the
   /// joints of the table that survive. A module keeps its address. Where no tree comes up, no module is reached. The
   /// second cable serves when nobody answers at the first, or less than half of the table does and more is behind the
-  /// second. Guests are left out where the tree does not come up with them. `layers`: how many adopted modules may hang one
-  /// behind the other, 1 or more.
+  /// second. Guests are left out where the tree does not come up with them. `layers`: how many adopted modules may hang
+  /// one behind the other, 1 or more.
   Report reroute(const Table& table, Look look = Look::kBeyond, std::uint8_t layers = kAllLayers);
   static constexpr std::uint8_t kAllLayers = layout::kMaxModules;
   /// Cheap check before and after a sampling cycle; false: samples of the cycle are not to be trusted, reroute.
   bool intact() { return chain_.check(); }
   /// After intact() failed: writes the registers again. True: that was all; the same modules are in the tree.
   bool refresh() { return chain_.check() && chain_.settle() && chain_.check(); }
-  /// Row of a module of graph() after reroute(); of adopted module k the number of rows of the table + k; kNoTableRow for any other
-  /// that the table does not know. Guests stand last in graph(), a parent before its children.
+  /// Row of a module of graph() after reroute(); of adopted module k the number of rows of the table + k; kNoTableRow
+  /// for any other that the table does not know. Guests stand last in graph(), a parent before its children.
   [[nodiscard]] TableRow row_of(std::uint8_t module) const { return table_row(table_index_[module]); }
   /// Module of graph() and its output port on which a module of graph() hangs in the active tree.
   [[nodiscard]] JointEnd parent_of(std::uint8_t module) const { return parent_[module]; }

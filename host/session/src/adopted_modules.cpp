@@ -18,7 +18,7 @@ std::vector<int> adopted_modules(const ModuleEnds& ends, std::span<const int> ro
 }
 
 std::deque<AdoptedReader::Waiting> AdoptedReader::set(const wire::Adoption& adoption, std::span<const int> modules,
-                                                  int every, std::uint64_t interval_us) {
+                                                      int every, std::uint64_t interval_us) {
   std::deque<Waiting> mine;
   for (const Waiting& w : waiting_) {
     if (w.sample.adopted_modules == adoption.list)

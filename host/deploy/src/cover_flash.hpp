@@ -17,7 +17,7 @@ class CoverFlash {
  public:
   /// `images`: by patch. All outlive the pass; `patches` has what is done, also of passes before.
   CoverFlash(const FlashPart& part, const std::vector<std::vector<std::uint8_t>>& images,
-            std::vector<FlashResult::Patch>& patches)
+             std::vector<FlashResult::Patch>& patches)
       : bus_(*part.bus),
         design_(*part.design),
         options_(part.options),
