@@ -37,7 +37,7 @@ PARTS = [
     Part("host/cad", "cad", "base design", HOST_BASE, "triskin_cad"),
     # A program of its own: nothing else may link the geometry kernel.
     Part("host/cad_reader", "", "base design cad", "Eigen nlohmann fmt CGAL OCCT", "triskin_cad_reader"),
-    Part("host/mesh", "mesh", "base design cad", "Eigen nlohmann fmt CGAL tbb assimp minizip boost", "triskin_mesh"),
+    Part("host/mesh", "mesh", "base design cad", "Eigen nlohmann fmt CGAL tbb assimp minizip expat boost", "triskin_mesh"),
     Part("host/placement", "placement", "base design", "Eigen nlohmann fmt CGAL tbb boost", "triskin_placement"),
     Part("host/unfolding", "unfolding", "base design mesh placement", "Eigen fmt CGAL tbb boost", "triskin_unfolding"),
     Part("host/routing", "routing", "base design mesh", "Eigen fmt tbb", "triskin_routing"),
@@ -73,7 +73,7 @@ PARTS = [
 ]
 # Include paths of libraries that only the parts that name them may include.
 FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "fmt": r"^fmt/", "tbb": r"^(tbb|oneapi)/",
-           "assimp": r"^assimp/", "minizip": r"^minizip/", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
+           "assimp": r"^assimp/", "minizip": r"^minizip/", "expat": r"^expat\.h", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
            "boost_beast": r"^boost/(beast|asio)/", "cairo": r"^(cairo|fontconfig|qrencode)", "HDF5": r"^(hdf5|H5)", "CLI": r"^CLI/",
            "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
            "OCCT": r"^[A-Za-z0-9_]+\.hxx$", "pybind11": r"^pybind11/", "dds": r"^dds/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}

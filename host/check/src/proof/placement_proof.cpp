@@ -7,6 +7,7 @@
 #include <set>
 
 #include "motion_region.hpp"
+#include "ring_rules.hpp"
 #include "triskin/base/files.hpp"
 
 namespace triskin::check {
@@ -209,11 +210,15 @@ ProofReport evaluate(const ProofLog& log, const std::vector<Ring>& rings) {
 }  // namespace
 
 ProofReport check_placement_proof_text(const std::string& log, const std::string& polygon) {
-  return evaluate(read_proof_log(log, "proof"), read_rings(polygon, "polygon"));
+  const std::vector<Ring> rings = read_rings(polygon, "polygon");
+  require_valid_rings(rings, "polygon");
+  return evaluate(read_proof_log(log, "proof"), rings);
 }
 
 ProofReport check_placement_proof(const std::filesystem::path& log, const std::filesystem::path& polygon) {
-  return evaluate(read_proof_log(read_file(log), log.string()), read_rings(read_file(polygon), polygon.string()));
+  const std::vector<Ring> rings = read_rings(read_file(polygon), polygon.string());
+  require_valid_rings(rings, polygon.string());
+  return evaluate(read_proof_log(read_file(log), log.string()), rings);
 }
 
 }  // namespace triskin::check

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
 
 #include "triskin/base/error.hpp"
 #include "triskin/base/json_cause.hpp"
@@ -73,30 +75,61 @@ const json& find_polygon(const json& value, const std::string& name) {
   return type == "MultiPolygon" ? parts[0] : find_polygon(parts[0], name);
 }
 
-// POLYGON ((x y, …), (…)): numbers between parentheses, commas between points.
+// The type in front of the parentheses, in capitals and without spaces, SRID and byte order mark.
+std::string wkt_type(std::string_view text) {
+  if (const auto srid = text.find(';'); srid != std::string_view::npos && srid < text.find('('))
+    text.remove_prefix(srid + 1);
+  std::string type;
+  for (const char c : text.substr(0, text.find('('))) {
+    if (std::isalpha(static_cast<unsigned char>(c)) != 0) type += static_cast<char>(std::toupper(c));
+  }
+  return type;
+}
+
+// Numbers of a point as the letters of the type say; 0: two to four.
+std::size_t wkt_numbers(const std::string& type, const std::string& name) {
+  const std::string letters = type.substr(type.starts_with("MULTI") ? 12 : 7);
+  if (letters.empty()) return 0;
+  if (letters != "Z" && letters != "M" && letters != "ZM") fail(name, "not a WKT polygon");
+  return 2 + letters.size();
+}
+
+// POLYGON ((x y, …), (…)): numbers between parentheses, commas between points. A MULTIPOLYGON has a pair of
+// parentheses more.
 std::vector<Ring> wkt_rings(const std::string& text, const std::string& name) {
+  const std::string type = wkt_type(text);
+  if (!type.starts_with("POLYGON") && !type.starts_with("MULTIPOLYGON")) fail(name, "not a WKT polygon");
+  const int ring_depth = type.starts_with("MULTI") ? 3 : 2;
+  std::size_t expected = wkt_numbers(type, name);
   std::vector<Ring> rings;
-  int depth = 0;
+  int depth = 0, polygons = 0;
   std::vector<double> numbers;
   const auto end_point = [&] {
-    if (numbers.size() != 2) fail(name, "a WKT point must be two numbers");
+    if (expected == 0) expected = numbers.size();
+    if (numbers.size() != expected || expected < 2 || expected > 4)
+      fail(name, "a WKT point has another number of numbers");
     rings.back().push_back({numbers[0], numbers[1]});
     numbers.clear();
   };
   for (const char* at = text.c_str() + text.find('('); *at != '\0';) {
     if (*at == '(') {
-      if (++depth == 2) rings.emplace_back();
+      if (++depth == ring_depth) rings.emplace_back();
+      if (depth == ring_depth - 1 && ++polygons > 1) fail(name, "must hold exactly one polygon");
       ++at;
-    } else if (*at == ')' || (*at == ',' && depth == 2)) {
-      if (depth == 2) end_point();
+    } else if (*at == ')' || (*at == ',' && depth == ring_depth)) {
+      if (depth == ring_depth) end_point();
       if (*at == ')') --depth;
       ++at;
-    } else if (std::isspace(static_cast<unsigned char>(*at)) != 0 || *at == ',') {
+    } else if (std::isspace(static_cast<unsigned char>(*at)) != 0 || *at == ',' || (*at == ';' && depth == 0)) {
       ++at;
     } else {
+      constexpr std::string_view kDecimal = "+-.0123456789eE";
       char* end = nullptr;
       numbers.push_back(std::strtod(at, &end));
-      if (end == at || depth != 2 || !std::isfinite(numbers.back())) fail(name, "not a WKT polygon");
+      const bool is_decimal = std::all_of(static_cast<const char*>(at), static_cast<const char*>(end),
+                                          [&](char c) { return kDecimal.contains(c); });
+      if (end == at || !is_decimal || depth != ring_depth || !std::isfinite(numbers.back()))
+        fail(name, "not a WKT polygon");
       at = end;
     }
   }
@@ -104,9 +137,18 @@ std::vector<Ring> wkt_rings(const std::string& text, const std::string& name) {
   return rings;
 }
 
+// A key that stands twice in an object: one of the two would be dropped without a word.
 json parse(const std::string& text, const std::string& name) {
+  std::vector<std::set<std::string>> open;
+  const auto once = [&](int, json::parse_event_t event, json& value) {
+    if (event == json::parse_event_t::object_start) open.emplace_back();
+    if (event == json::parse_event_t::object_end) open.pop_back();
+    if (event == json::parse_event_t::key && !open.back().insert(value.get<std::string>()).second)
+      fail(name, fmt::format("the key \"{}\" stands twice in one object", value.get<std::string>()));
+    return true;
+  };
   try {
-    return json::parse(text);
+    return json::parse(text, once);
   } catch (const json::exception& e) {
     fail(name, fmt::format("not JSON ({})", json_cause(e.what())));
   }

@@ -10,9 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "polygon_rules.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
-#include "triskin/base/json_cause.hpp"
+#include "triskin/design/json_value.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -48,7 +49,8 @@ void require_closed(const std::vector<Vec2>& ring, const std::string& name, std:
 }
 
 Polygon from_coordinates(const json& rings, const std::string& name) {
-  if (!rings.is_array() || rings.empty()) fail(name, "\"coordinates\" must be a list of rings");
+  if (!rings.is_array()) fail(name, "\"coordinates\" must be a list of rings");
+  if (rings.empty()) fail(name, "the polygon is empty: it has no rings");
   Polygon polygon;
   for (std::size_t r = 0; r < rings.size(); ++r) {
     if (!rings[r].is_array()) fail(name, ring_name(r) + ": must be a list of points");
@@ -82,24 +84,26 @@ Polygon from_geojson(const json& j, const std::string& name) {
   return from_coordinates(coordinates[0], name);
 }
 
-// POLYGON ((x y, x y, …), (…)) of OGC 06-103r4.
+// POLYGON ((x y, x y, …), (…)) of OGC 06-103r4, also with Z and M, which are left out, a MULTIPOLYGON of one, and SRID
+// as PostGIS writes it.
 class WktReader {
  public:
-  WktReader(const std::string& text, const std::string& name) : text_(text), name_(name) {}
+  WktReader(const std::string& text, const std::string& name) : text_(text), name_(name) {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    if (text.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
+  }
 
   Polygon read() {
-    word("POLYGON");
-    Polygon polygon;
-    expect('(');
-    for (std::size_t r = 0; r == 0 || accept(','); ++r) {
-      std::vector<Vec2> points = ring(r);
-      require_closed(points, name_, r);
-      if (r == 0)
-        polygon.outer = std::move(points);
-      else
-        polygon.holes.push_back(std::move(points));
-    }
-    expect(')');
+    read_srid();
+    const std::string type = word();
+    const bool is_multi = type.starts_with("MULTIPOLYGON");
+    if (!is_multi && !type.starts_with("POLYGON")) fail_here("expected POLYGON (WKT) or a GeoJSON object");
+    read_dimension(type.substr(is_multi ? 12 : 7));
+    if (is_multi) expect('(');
+    Polygon polygon = rings();
+    if (is_multi && accept(',')) fail(name_, "a MULTIPOLYGON must hold exactly one polygon; place each one alone");
+    if (is_multi) expect(')');
+    (void)accept(';');
     skip();
     if (at_ != text_.size()) fail_here("unexpected text after the polygon");
     return polygon;
@@ -121,13 +125,35 @@ class WktReader {
   void expect(char c) {
     if (!accept(c)) fail_here(fmt::format("expected '{}'", c));
   }
-  void word(const std::string& expected) {
+  // Letters, in upper case.
+  std::string word() {
     skip();
-    for (const char c : expected) {
-      if (at_ >= text_.size() || std::toupper(static_cast<unsigned char>(text_[at_])) != c)
-        fail_here("expected POLYGON (WKT) or a GeoJSON object");
-      ++at_;
+    std::string word;
+    while (at_ < text_.size() && std::isalpha(static_cast<unsigned char>(text_[at_])) != 0)
+      word += static_cast<char>(std::toupper(static_cast<unsigned char>(text_[at_++])));
+    return word;
+  }
+  void read_srid() {
+    const std::size_t before = at_;
+    if (word() != "SRID") {
+      at_ = before;
+      return;
     }
+    const std::size_t end = text_.find(';', at_);
+    if (end == std::string::npos) fail_here("expected ';' behind SRID");
+    at_ = end + 1;
+  }
+  // Z, M, ZM or nothing, behind the type with a space or without, and EMPTY.
+  void read_dimension(std::string dimension) {
+    std::string next = dimension.empty() ? word() : dimension;
+    if (next == "Z" || next == "M" || next == "ZM") {
+      numbers_ = 2 + next.size();
+      next = word();
+    } else if (!dimension.empty()) {
+      fail_here("expected POLYGON (WKT) or a GeoJSON object");
+    }
+    if (next == "EMPTY") fail(name_, "the polygon is EMPTY: it has no rings");
+    if (!next.empty()) fail_here(fmt::format("\"{}\" is unknown here", next.substr(0, 20)));
   }
   double number() {
     skip();
@@ -138,20 +164,42 @@ class WktReader {
     at_ = static_cast<std::size_t>(end - text_.data());
     return value;
   }
-  std::vector<Vec2> ring(std::size_t) {
-    std::vector<Vec2> points;
+  Vec2 point() {
+    const double x = number();
+    const Vec2 p(x, number());
+    std::size_t count = 2;
+    for (skip(); at_ < text_.size() && text_[at_] != ',' && text_[at_] != ')'; skip(), ++count) (void)number();
+    if (numbers_ == 0) numbers_ = count;  // Older writers leave the letter out.
+    if (count != numbers_ || count > 4) fail_here(fmt::format("a point has {} numbers, not {}", count, numbers_));
+    return p;
+  }
+  Polygon rings() {
+    Polygon polygon;
+    if (const std::size_t before = at_; word() == "EMPTY")
+      fail(name_, "the polygon is EMPTY: it has no rings");
+    else
+      at_ = before;
     expect('(');
-    do {
-      const double x = number();
-      points.emplace_back(x, number());
-    } while (accept(','));
+    for (std::size_t r = 0; r == 0 || accept(','); ++r) {
+      std::vector<Vec2> points;
+      expect('(');
+      do {
+        points.push_back(point());
+      } while (accept(','));
+      expect(')');
+      require_closed(points, name_, r);
+      if (r == 0)
+        polygon.outer = std::move(points);
+      else
+        polygon.holes.push_back(std::move(points));
+    }
     expect(')');
-    return points;
+    return polygon;
   }
 
   const std::string& text_;
   const std::string& name_;
-  std::size_t at_ = 0;
+  std::size_t at_ = 0, numbers_ = 0;
 };
 
 void clean_ring(std::vector<Vec2>& ring, const std::string& name, std::size_t index) {
@@ -241,6 +289,15 @@ std::vector<Polygon> pieces_of_net(const json& net, const std::string& name) {
   return polygons;
 }
 
+// A net may have cracks of zero width, which its pieces need; what a person draws may not.
+Polygon valid_polygon(Polygon polygon, const std::string& name) {
+  Polygon cleaned = polygon;
+  clean_ring(cleaned.outer, name, 0);
+  for (std::size_t h = 0; h < cleaned.holes.size(); ++h) clean_ring(cleaned.holes[h], name, h + 1);
+  require_valid_polygon(cleaned, name);
+  return normalize_polygon(std::move(cleaned), name);
+}
+
 }  // namespace
 
 double ring_area(const std::vector<Vec2>& ring) {
@@ -280,15 +337,10 @@ Polygon normalize_polygon(Polygon polygon, const std::string& name) {
 std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name) {
   const auto first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first == std::string::npos) fail(name, "the file is empty; give a GeoJSON or WKT polygon in mm, or a net");
-  if (text[first] != '{') return {normalize_polygon(WktReader(text, name).read(), name)};
-  json document;
-  try {
-    document = json::parse(text.begin() + static_cast<std::ptrdiff_t>(first), text.end());
-  } catch (const json::exception& e) {
-    fail(name, fmt::format("not JSON ({})", json_cause(e.what())));
-  }
+  if (text[first] != '{') return {valid_polygon(WktReader(text, name).read(), name)};
+  const json document = design::parse_json(text.substr(first), name);
   if (document.value("format", json()) == "triskin-net") return pieces_of_net(document, name);
-  return {normalize_polygon(from_geojson(document, name), name)};
+  return {valid_polygon(from_geojson(document, name), name)};
 }
 
 Polygon parse_polygon(const std::string& text, const std::string& name) {

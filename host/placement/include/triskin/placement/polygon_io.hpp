@@ -9,8 +9,10 @@
 namespace triskin::geometry {
 
 /// Reads one polygon in mm, holes allowed: GeoJSON (Polygon, MultiPolygon of one, Feature or collection of one) or WKT
-/// (POLYGON). Result: normalized. Errors: InputError naming file, ring and vertex for what is not a polygon (see
-/// normalize_polygon), for an open ring and for a file that cannot be read. Thread-safe.
+/// (POLYGON, MULTIPOLYGON of one; Z and M are left out, SRID is skipped). Result: normalized. Errors: InputError naming
+/// file, ring and vertex for what is not a valid polygon by OGC 06-103r4 (rings that cross or touch themselves, rings
+/// that cross or share an edge, holes outside the outer ring or in each other, an inside in several parts), for an
+/// empty or open ring, a key that stands twice, and a file that cannot be read. Thread-safe.
 [[nodiscard]] Polygon read_polygon(const std::filesystem::path& path);
 
 /// The same from text; `name` stands for the file in messages.

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <sstream>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "polygon_faces.hpp"
+#include "text_numbers.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 
@@ -51,18 +52,24 @@ struct Element {
 
 class PlyReader {
  public:
-  PlyReader(const std::string& bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+  explicit PlyReader(const MeshSource& source) : bytes_(source.bytes), file_(source.name), notes_(source.notes) {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    if (bytes_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
+  }
 
   Mesh read() {
     header();
+    require_surface();
     for (const Element& e : elements_) {
       if (e.count > bytes_.size()) fail("more elements than bytes");
       for (std::size_t k = 0; k < e.count; ++k) take(e);
     }
+    require_end();
     for (auto& polygon : polygons_) {
       for (const int v : polygon) {
         if (v < 0 || at(v) >= mesh_.vertices.size()) fail("a face names a vertex that does not exist");
       }
+      if (polygon.size() < 3) fail("a face needs three corners");
       add_polygon(mesh_, std::move(polygon));
     }
     return std::move(mesh_);
@@ -75,25 +82,53 @@ class PlyReader {
   }
 
   void header() {
-    if (!bytes_.starts_with("ply")) fail("it is not PLY");
+    if (next_line() != "ply") fail("it is not PLY");
     for (std::string line = next_line(); line != "end_header"; line = next_line()) header_line(line);
   }
+  // Lines end as the first one does: behind a CR the byte of a binary number may look like a LF.
   std::string next_line() {
-    const std::size_t end = bytes_.find('\n', at_);
+    const std::size_t end = bytes_.find_first_of("\r\n", at_);
     if (end == std::string::npos) fail("its header has no end");
+    if (line_end_.empty()) line_end_ = bytes_.compare(end, 2, "\r\n") == 0 ? "\r\n" : bytes_.substr(end, 1);
+    if (bytes_.compare(end, line_end_.size(), line_end_) != 0 && bytes_[end] != '\n')
+      fail("mixed line ends in its header");
     std::string line = bytes_.substr(at_, end - at_);
-    at_ = end + 1;
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
+    at_ = end + (bytes_.compare(end, line_end_.size(), line_end_) == 0 ? line_end_.size() : 1);
+    while (!line.empty() && line.back() == ' ') line.pop_back();
     return line;
+  }
+
+  // Faces of corners that have places.
+  void require_surface() const {
+    if (format_.empty()) fail("its header has no format");
+    const auto has = [&](const char* element, auto is_wanted) {
+      return std::ranges::any_of(elements_, [&](const Element& e) {
+        return e.name == element && std::ranges::any_of(e.properties, is_wanted);
+      });
+    };
+    for (const char* axis : {"x", "y", "z"}) {
+      if (!has("vertex", [&](const Property& p) { return p.name == axis; })) fail("its vertices have no x, y and z");
+    }
+    const auto is_list = [](const Property& p) { return p.count != nullptr && p.name.starts_with("vertex_ind"); };
+    if (!has("face", is_list) && !has("tristrips", is_list))
+      fail("it has points and no faces: it is a cloud of points, of which another program has to make a mesh");
+  }
+  void require_end() const {
+    const std::size_t rest = text_ ? bytes_.find_first_not_of(" \t\r\n", at_) : at_;
+    if (rest < bytes_.size()) fail("more follows than its header says");
+    if (text_ && bytes_.back() != '\n' && bytes_.back() != '\r')
+      notes_.emplace_back("ends without a line end: if the file was cut, its last number may be another one");
   }
   void header_line(const std::string& line) {
     std::istringstream words(line);
     std::string word;
     words >> word;
     if (word == "format") {
-      words >> word;
-      text_ = word == "ascii";
-      swapped_ = word == "binary_big_endian";
+      words >> format_;
+      text_ = format_ == "ascii";
+      swapped_ = format_ == "binary_big_endian";
+      if (!text_ && !swapped_ && format_ != "binary_little_endian")
+        fail(fmt::format("unknown format \"{}\"", format_.substr(0, 20)));
     } else if (word == "element") {
       Element e;
       if (!(words >> e.name >> e.count)) fail("an element without a count");
@@ -110,6 +145,8 @@ class PlyReader {
       words >> p.name;
       if (elements_.empty()) fail("a property without an element");
       elements_.back().properties.push_back(std::move(p));
+    } else if (word != "comment" && word != "obj_info" && !word.empty()) {
+      fail(fmt::format("\"{}\" is no word of its header", word.substr(0, 20)));
     }
   }
   [[nodiscard]] const TypeRow* type_of(const std::string& name) const {
@@ -132,11 +169,13 @@ class PlyReader {
   }
   void list(const Element& e, const Property& p) {
     const double count = number(*p.count);
-    if (!(count >= 0.0 && count <= static_cast<double>(bytes_.size()))) fail("a list has no possible length");
+    if (!(count >= 0.0 && count <= static_cast<double>(bytes_.size())) || count != std::floor(count))
+      fail("a list has no possible length");
     std::vector<int> values;
     for (int k = 0; k < static_cast<int>(count); ++k) {
       const double value = number(*p.type);
-      if (!(value >= -1.0 && value <= 2e9)) fail("a face names a vertex that does not exist");
+      if (!(value >= -1.0 && value <= 2e9) || value != std::floor(value))
+        fail("a face names a vertex that does not exist");
       values.push_back(static_cast<int>(value));
     }
     if (!p.name.starts_with("vertex_ind")) return;
@@ -159,15 +198,19 @@ class PlyReader {
     constexpr std::string_view kSpace = " \t\r\n";
     at_ = std::min(bytes_.find_first_not_of(kSpace, at_), bytes_.size());
     const std::size_t end = std::min(bytes_.find_first_of(kSpace, at_), bytes_.size());
-    const char* from = bytes_.data() + at_ + (at_ < end && bytes_[at_] == '+' ? 1 : 0);
-    double value = 0.0;
-    const auto [rest, error] = std::from_chars(from, bytes_.data() + end, value);
-    if (error != std::errc{} || rest != bytes_.data() + end) fail(at_ == end ? "the file ends early" : "no number");
+    const std::string_view word = std::string_view(bytes_).substr(at_, end - at_);
+    if (word.empty()) fail("the file ends early: it was cut");
+    const auto value = decimal_number(word);
+    if (!value) {
+      fail(has_decimal_comma(word)
+               ? "its numbers have decimal commas; export it with points, as under the language English"
+               : "no number");
+    }
     at_ = end;
-    return value;
+    return *value;
   }
   double binary_number(const TypeRow& type) {
-    if (bytes_.size() - at_ < type.bytes) fail("the file ends early");
+    if (bytes_.size() - at_ < type.bytes) fail("the file ends early: it was cut");
     std::array<char, 8> raw{};
     std::memcpy(raw.data(), bytes_.data() + at_, type.bytes);
     at_ += type.bytes;
@@ -200,6 +243,8 @@ class PlyReader {
   static_assert(std::endian::native == std::endian::little);
   const std::string& bytes_;
   const std::string& file_;
+  std::vector<std::string>& notes_;
+  std::string format_, line_end_;
   std::size_t at_ = 0;
   bool text_ = false, swapped_ = false;
   std::vector<Element> elements_;
@@ -209,8 +254,8 @@ class PlyReader {
 
 }  // namespace
 
-Mesh read_ply(const std::string& bytes, const std::string& file) {
-  return PlyReader(bytes, file).read();
+Mesh read_ply(const MeshSource& source) {
+  return PlyReader(source).read();
 }
 
 }  // namespace triskin::geometry

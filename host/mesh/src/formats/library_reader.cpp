@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "library_reader.hpp"
 
+#include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
 #include <array>
 #include <assimp/Importer.hpp>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <string_view>
@@ -15,9 +15,9 @@
 
 #include "clean.hpp"
 #include "isolated.hpp"
-#include "lower_case.hpp"
+#include "text_numbers.hpp"
 #include "triskin/base/error.hpp"
-#include "xml_tag.hpp"
+#include "xml_reader.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -32,21 +32,18 @@ double unit_of_scene_mm(const aiScene& scene) {
   return 0.0;
 }
 
-// Length of the unit that a COLLADA text states (`<unit meter="0.01"/>`); 0 where it states none.
-double unit_of_dae_mm(std::string_view text) {
-  const std::size_t from = text.find("<unit");
-  if (from == std::string_view::npos) return 0.0;
-  const std::string_view metres = attribute_of(text.substr(from, text.find('>', from) - from), "meter");
-  double value = 0.0;
-  const auto [rest, error] = std::from_chars(metres.data(), metres.data() + metres.size(), value);
-  return error == std::errc{} && std::isfinite(value) && value > 0.0 ? 1000.0 * value : 0.0;
-}
-
-double unit_of_file_mm(const std::filesystem::path& path, const std::string& bytes, const aiScene& scene) {
-  const std::string extension = extension_of(path);
-  if (extension == ".gltf" || extension == ".glb") return 1000.0;  // metres by their standard
-  if (extension == ".dae") return unit_of_dae_mm(bytes);
-  return unit_of_scene_mm(scene);
+// Length of the unit that a COLLADA text states (`<unit meter="0.01"/>`); 0 where it states none. Throws where the text
+// is no XML, which the library would read up to the damage.
+double unit_of_dae_mm(const MeshSource& source) {
+  double unit_mm = 0.0;
+  XmlHandler handler;
+  handler.start = [&](const XmlTag& tag) {
+    if (tag.name != "unit" || unit_mm > 0.0) return;
+    const auto metres = decimal_number(tag.attribute("meter"));
+    if (metres && std::isfinite(*metres) && *metres > 0.0) unit_mm = 1000.0 * *metres;
+  };
+  parse_xml(source.bytes, source.name, handler);
+  return unit_mm;
 }
 
 void append_part(const aiMesh& part, const aiMatrix4x4& transform, Mesh& out) {
@@ -55,11 +52,12 @@ void append_part(const aiMesh& part, const aiMatrix4x4& transform, Mesh& out) {
     const aiVector3D p = transform * part.mVertices[v];
     out.vertices.emplace_back(static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z));
   }
+  const bool is_mirrored = aiMatrix3x3(transform).Determinant() < 0.0F;
   for (unsigned f = 0; f < part.mNumFaces; ++f) {
     const aiFace& face = part.mFaces[f];
     if (face.mNumIndices != 3) continue;  // points and lines carry no surface
-    out.faces.push_back({base + static_cast<int>(face.mIndices[0]), base + static_cast<int>(face.mIndices[1]),
-                         base + static_cast<int>(face.mIndices[2])});
+    const auto corner = [&](int k) { return base + static_cast<int>(face.mIndices[k]); };
+    out.faces.push_back({corner(0), corner(is_mirrored ? 2 : 1), corner(is_mirrored ? 1 : 2)});
   }
 }
 
@@ -97,14 +95,17 @@ class Collector {
   Mesh mesh_;
 };
 
-// What the child process hands over: "m", unit, length of the names, names each on a line, mesh; or "!" and a message.
-std::string library_answer(const std::filesystem::path& path, const std::string& bytes, ObjectFilter objects) {
+// What the child process hands over: "m", unit, length of the names, names each on a line, mesh; or "!".
+std::string library_answer(const std::string& bytes, const std::string& extension, double dae_unit_mm,
+                           ObjectFilter objects) {
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
-  if (scene == nullptr || scene->mRootNode == nullptr) return std::string("!") + importer.GetErrorString();
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // as RViz and MoveIt read it
+  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate,
+                                                     extension.empty() ? "" : extension.c_str() + 1);
+  if (scene == nullptr || scene->mRootNode == nullptr) return "!";
   Mesh mesh = Collector(*scene, objects).run();
-  const double unit_mm = unit_of_file_mm(path, bytes, *scene);
-  if (extension_of(path) == ".dae" && unit_mm > 0.0) {
+  const double unit_mm = extension == ".dae" ? dae_unit_mm : unit_of_scene_mm(*scene);
+  if (extension == ".dae" && unit_mm > 0.0) {
     for (Vec3& v : mesh.vertices) v *= 1000.0 / unit_mm;  // the library gives metres, this reader the file's numbers
   }
   std::string names;
@@ -136,16 +137,17 @@ MeshInUnit taken_from(const std::string& answer, ObjectFilter& objects) {
 
 // The library crashes, aborts or never returns on some damaged files (seen with 5.2.5: OFF, PLY, OBJ), so it works in a
 // process of its own.
-MeshInUnit read_with_library(const std::filesystem::path& path, const std::string& bytes, ObjectFilter& objects) {
-  const auto damaged = [&](const std::string& why) {
-    return InputError(fmt::format(
-        "{}: not a mesh that can be read ({}); give OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF", path.string(), why));
+MeshInUnit read_with_library(const MeshSource& source, const std::string& extension) {
+  const auto damaged = [&](const char* why) {
+    return InputError(fmt::format("{}: not a mesh that can be read ({}); repair or export it again", source.name, why));
   };
-  const auto answer = run_isolated([&] { return library_answer(path, bytes, objects); },
-                                   static_cast<unsigned>(1 + bytes.size() / 500'000));
+  const double dae_unit_mm = extension == ".dae" ? unit_of_dae_mm(source) : 0.0;
+  const auto cpu_s = static_cast<unsigned>(1 + source.bytes.size() / 500'000);
+  const auto answer =
+      run_isolated([&] { return library_answer(source.bytes, extension, dae_unit_mm, source.objects); }, cpu_s);
   if (!answer || answer->empty()) throw damaged("the file is damaged");
-  if (answer->front() == '!') throw damaged(answer->substr(1));
-  MeshInUnit result = taken_from(*answer, objects);
+  if (answer->front() == '!') throw damaged("its contents are not what the format says");
+  MeshInUnit result = taken_from(*answer, source.objects);
   for (const auto& f : result.mesh.faces) {
     for (const int v : f) {
       if (v < 0 || static_cast<std::size_t>(v) >= result.mesh.vertices.size())
