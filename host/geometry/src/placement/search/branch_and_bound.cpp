@@ -19,6 +19,7 @@ constexpr std::size_t kMostAsGood = 64;
 constexpr double kReach_mm = 9.0;   // how far from a tile its edges are looked up; children of slices move less
 constexpr double kSlice_mm = 2.5;   // how far the farthest vertex moves from one side of a slice to the other
 constexpr std::size_t kBatch = 16;  // cells refined together: fixed, so that the search does not depend on the threads
+constexpr std::int64_t kLong = 2000;  // cells after which a search looks for constraints that contradict each other
 constexpr std::size_t kTried = 16;  // slices whose most promising motion is tried before any is divided
 
 class BranchAndBound {
@@ -47,6 +48,7 @@ class BranchAndBound {
         break;
       report(progress_, "placing", -1.0, fmt::format("{} modules, bound {}", result_.best, result_.upper_bound));
       if (bounded(next())) seek_start();
+      demand_.conflicts = result_.cells >= kLong;
       take_batch();
       expand_batch();
       for (Expansion& e : expansions_) merge(e);
