@@ -6,6 +6,7 @@
 #include <chrono>
 #include <set>
 
+#include "joint_bound.hpp"
 #include "motion_region.hpp"
 #include "triskin/host/files.hpp"
 
@@ -14,6 +15,8 @@ namespace {
 
 constexpr double kListReach_mm = 40.0;  // above it the list of modules would be longer than the work it saves
 constexpr int kDeepest = 26;            // halvings of one cell of the log
+constexpr int kJointEvery = 3;          // halvings between two looks for contradictions
+constexpr int kJointCredit = 6;         // looks at every region after one that helped
 constexpr double kSpare_mm = 1e-9;      // rounding of the placement itself, beside its tolerance
 
 struct Rejected {
@@ -64,7 +67,8 @@ class Checker {
     }
     const bool proves = !proved_ && list == &own && own.bound() <= log_.upper_bound;
     if (in_one) {
-      if (!proved_ && !proves) halve(region, list, kDeepest);
+      if (!proved_ && !proves && !(list == &own && joint_credit_ > 0 && closed_jointly(region, own, kDeepest)))
+        halve(region, list, kDeepest);
       return;
     }
     if (proves) proved_ = true;  // the parts must only be covered
@@ -140,15 +144,27 @@ class Checker {
       ProofBox part = box;
       (upper ? part.low : part.high)[axis] = middle;
       if (part.low[axis] > box.high[axis] || part.high[axis] < box.low[axis]) continue;
-      const CandidateList own = narrowed(part, list);
-      if (own.bound() > log_.upper_bound) halve(part, &own, deepest - 1);
+      CandidateList own = narrowed(part, list);
+      if (own.bound() <= log_.upper_bound || closed_jointly(part, own, deepest)) continue;
+      halve(part, &own, deepest - 1);
     }
+  }
+
+  // Needs of modules that contradict each other are looked for where halving alone has not helped.
+  // at first and where that is in vain seldom; more often after it has helped.
+  bool closed_jointly(const ProofBox& box, CandidateList& list, int deepest) {
+    if (joint_credit_ == 0 && (kDeepest - deepest) % kJointEvery != kJointEvery - 1) return false;
+    const MotionRegion region(polygon_, box);
+    const bool closed = JointBound(region, list).bound(list) <= log_.upper_bound;
+    joint_credit_ = closed ? kJointCredit : std::max(0, joint_credit_ - 1);
+    return closed;
   }
 
   const ProofLog& log_;
   const ProofPolygon& polygon_;
   std::int64_t& regions_;
   std::int64_t limit_ = 0;
+  int joint_credit_ = 0;
   bool proved_ = false;
 };
 

@@ -76,9 +76,10 @@ void ConflictBound::collect_pair(const CellFrame& frame, const OpenTile& tile, c
     for (std::size_t k = 0; k < corners; ++k)
       add_line(frame, pair, left ? 1.0 : -1.0, tile.center + (tile.tile.up ? 1.0 : -1.0) * grid_.corner[k],
                frame.inset_mm);
-  } else if (sides == 1 && !left && !right) {
-    add_side(frame, tile, pair, side);
-  } else if (left && !right && facing > kFacing) {
+    return;
+  }
+  if (sides == 1 && !left && !right) add_side(frame, tile, pair, side);
+  if (sides > 0 && !right && facing > kFacing) {
     add_points_over_edge(frame, tile, pair, frame.inset_mm < 0.0 ? frame.inset_mm / facing : frame.inset_mm);
   }
 }
@@ -118,26 +119,31 @@ void ConflictBound::add_line(const CellFrame& frame, const Pair& pair, double tu
                              double least_mm) {
   const Vec2 normal(turn * frame.normal_x[pair.edge], turn * frame.normal_y[pair.edge]),
       from(point.x() - frame.center[0], point.y() - frame.center[1]), arm = from - pivot_;
-  keep({pair.tile, pair.edge, normal,
+  keep({pair.tile, pair.edge, false, normal,
         normal.dot(from) - turn * polygon_.line_offset[pair.edge] - least_mm + kRounding_mm,
         -normal.dot(quarter_turn(arm)), std::max(0.0, -normal.dot(arm)) * curve_});
 }
 
-// Both ends of the edge beyond a side of the tile: here the translation turns against the normal.
+// Both ends of the edge beyond a side of the tile. Linear in the translation itself, which is w where all normals of a
+// sum are of this kind and cancel; a sum of both kinds is not formed.
 void ConflictBound::add_side(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t side) {
   const Vec2 normal = (tile.tile.up ? 1.0 : -1.0) * grid_.normal[side],
              from(tile.center.x() - frame.center[0], tile.center.y() - frame.center[1]);
   for (const std::size_t end : {static_cast<std::size_t>(pair.edge), static_cast<std::size_t>(polygon_.next[pair.edge])}) {
     const Vec2 p(frame.x[end], frame.y[end]);
-    keep({pair.tile, pair.edge, -normal,
+    keep({pair.tile, pair.edge, true, -normal,
           normal.dot(p - from) - grid_.offset_mm[side] - frame.inset_mm + kRounding_mm,
           normal.dot(quarter_turn(p - pivot_)),
-          std::max(0.0, -normal.dot(p + pivot_)) * curve_ + slide_ * (sigma_ + curve_)});
+          std::max(0.0, -normal.dot(p + pivot_)) * curve_});
   }
 }
 
 void ConflictBound::keep(const Row& row) {
   if (row.level < shift_ + std::abs(row.slope) * sigma_) rows_.push_back(row);
+}
+
+bool ConflictBound::opposed(const Row& a, const Row& b) {
+  return a.by_side == b.by_side && a.edge != b.edge && a.normal.dot(b.normal) <= kOpposed;
 }
 
 // At least so many of the tiles can hold together, as far as the constraints tell; ends below `need`.
@@ -168,7 +174,7 @@ void ConflictBound::add_pairs_of(std::size_t first, std::size_t last, double sof
   for (std::size_t a = first; a < last; ++a) {
     for (std::size_t b = a + 1; b < last; ++b) {
       const Row &p = rows_[a], &q = rows_[b];
-      if (p.edge == q.edge || p.normal.dot(q.normal) > kOpposed) continue;
+      if (!opposed(p, q)) continue;
       add_sum(p.level + q.level + softness * (p.soft + q.soft) + (p.normal + q.normal).norm() * shift_,
               p.slope + q.slope);
     }
@@ -181,11 +187,11 @@ void ConflictBound::add_triples_of(std::size_t first, std::size_t last, double s
     for (std::size_t b = a + 1; b < last; ++b) {
       const Row &p = rows_[a], &q = rows_[b];
       const double r_part = cross(p.normal, q.normal);
-      if (p.edge == q.edge || std::abs(r_part) < kLeastMultiplier) continue;
+      if (p.by_side != q.by_side || p.edge == q.edge || std::abs(r_part) < kLeastMultiplier) continue;
       for (std::size_t c = b + 1; c < last; ++c) {
         const Row& r = rows_[c];
         const double p_part = cross(q.normal, r.normal) / r_part, q_part = cross(r.normal, p.normal) / r_part;
-        if (r.edge == p.edge || r.edge == q.edge || p_part < kLeastMultiplier || q_part < kLeastMultiplier) continue;
+        if (r.by_side != p.by_side || r.edge == p.edge || r.edge == q.edge || p_part < kLeastMultiplier || q_part < kLeastMultiplier) continue;
         const Vec2 rest = p_part * p.normal + q_part * q.normal + r.normal;
         add_sum(p_part * p.level + q_part * q.level + r.level +
                     softness * (p_part * p.soft + q_part * q.soft + r.soft) + rest.norm() * shift_,
@@ -236,7 +242,7 @@ void ConflictBound::find_conflicts(double softness) {
   for (std::size_t m = 0; m < by_edge_.size(); ++m) {
     for (std::size_t n = m + 1; n < by_edge_.size(); ++n) {
       const std::uint32_t a = by_edge_[m], b = by_edge_[n];
-      if (rows_[a].tile == rows_[b].tile || rows_[a].normal.dot(rows_[b].normal) > kOpposed) continue;
+      if (rows_[a].tile == rows_[b].tile || !opposed(rows_[a], rows_[b])) continue;
       if (!exclude_each_other(a, end_of(a), b, end_of(b), softness)) continue;
       conflicts_[rows_[a].tile].push_back(rows_[b].tile);
       conflicts_[rows_[b].tile].push_back(rows_[a].tile);

@@ -33,6 +33,7 @@ class ConflictBound {
   /// level - normal.w + slope * sigma >= 0, up to `soft`, which vanishes with the range of angles.
   struct Row {
     std::uint32_t tile = 0, edge = 0;
+    bool by_side = false;  // of the tile: an end of the edge is the point, and the translation turns against the normal
     Vec2 normal;
     double level = 0.0, slope = 0.0, soft = 0.0;
   };
@@ -46,6 +47,7 @@ class ConflictBound {
   void add_side(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t side);
   void add_points_over_edge(const CellFrame& frame, const OpenTile& tile, const Pair& pair, double least_mm);
   void keep(const Row& row);
+  [[nodiscard]] static bool opposed(const Row& a, const Row& b);
   int survivors(const CellList& list, double softness, int need);
   [[nodiscard]] bool holds_nowhere(std::size_t first, std::size_t last, double softness);
   void add_pairs_of(std::size_t first, std::size_t last, double softness);
