@@ -19,66 +19,70 @@ class Part:
 
 
 HOST_BASE = "Eigen nlohmann fmt"
-GEOMETRY = "Eigen nlohmann fmt CGAL tbb assimp minizip boost Cbc"
+SHARED = "core wire layout sim"
+FIRMWARE = SHARED + " ports drivers"
 # Folder; include prefixes that it owns; prefixes that it may include besides; libraries that are not ours; its target.
 PARTS = [
-    Part("shared", "base wire layout sim", "", "", "triskin_shared"),
-    Part("firmware/ports", "ports", "base wire layout sim", "", "triskin_fw_ports"),
-    Part("firmware/drivers", "drivers", "base wire layout sim ports", "", "triskin_fw_drivers"),
-    Part("firmware/logic", "logic", "base wire layout sim ports drivers", "", "triskin_fw_logic"),
-    Part("firmware/boot", "boot", "base wire layout sim ports drivers logic", "", "triskin_fw_boot"),
-    Part("firmware/app", "app", "base wire layout sim ports drivers logic", "", "triskin_fw_app"),
-    Part("firmware/board/posix", "", "base wire layout sim ports drivers logic boot app", "", "triskin_firmware_posix"),
-    Part("firmware/board/stm32g474", "board", "base wire layout ports drivers logic boot app", "vendor", "triskin_fw_board"),
-    Part("host/base", "host", "", "fmt", "triskin_base"),
-    Part("host/design", "design", "host base wire layout", HOST_BASE, "triskin_design"),
-    Part("host/geometry", "geometry", "host design", GEOMETRY, "triskin_geometry"),
-    Part("host/pipeline", "pipeline", "host design geometry", HOST_BASE, "triskin_pipeline"),
-    Part("host/check", "check", "host", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
-    Part("host/scene", "scene", "host design base wire layout sim", HOST_BASE, "triskin_scene"),
-    Part("host/recording", "recording", "host design base wire layout", HOST_BASE, "triskin_recording"),
-    Part("host/bridge", "bridge", "host design base wire layout recording", HOST_BASE + " dds", "triskin_bridge"),
-    Part("host/device/link", "link", "host base wire layout", "fmt libusb hidapi", "triskin_link"),
-    Part("host/device/session", "session", "host design base wire layout link", HOST_BASE + " boost_fiber",
-         "triskin_session"),
-    Part("host/device/jobs", "jobs", "host design base wire layout link session", HOST_BASE, "triskin_jobs"),
-    Part("host/robot", "robot", "host design base wire layout link session jobs", HOST_BASE + " boost", "triskin_robot"),
-    Part("host/simlink", "simlink", "host design base wire layout sim scene link session jobs robot", HOST_BASE,
-         "triskin_simlink"),
-    Part("host/view", "view", "host design base wire layout", HOST_BASE + " boost_beast", "triskin_view"),
-    Part("host/sheet", "sheet", "host design base wire layout", HOST_BASE + " cairo", "triskin_sheet"),
-    Part("host/hdf5", "hdf5", "host design base wire layout recording", HOST_BASE + " HDF5", "triskin_hdf5"),
-    # Each header of the library is its own: <triskin/triskin.h> has no prefix.
-    Part("host/library", "", "host design base wire layout link session jobs robot simlink scene", "fmt", "triskin_library"),
+    Part("shared", SHARED, "", "", "triskin_shared"),
+    Part("firmware/ports", "ports", SHARED, "", "triskin_fw_ports"),
+    Part("firmware/drivers", "drivers", SHARED + " ports", "", "triskin_fw_drivers"),
+    Part("firmware/logic", "logic", FIRMWARE, "", "triskin_fw_logic"),
+    Part("firmware/boot", "boot", FIRMWARE + " logic", "", "triskin_fw_boot"),
+    Part("firmware/app", "app", FIRMWARE + " logic", "", "triskin_fw_app"),
+    Part("firmware/board/posix", "", FIRMWARE + " logic boot app", "", "triskin_firmware_posix"),
+    Part("firmware/board/stm32g474", "board", "core wire layout ports drivers logic boot app", "vendor", "triskin_fw_board"),
+    Part("host/base", "base", "", "fmt", "triskin_base"),
+    Part("host/design", "design", "base core wire layout", HOST_BASE, "triskin_design"),
+    Part("host/export", "export", "base design core wire layout", HOST_BASE, "triskin_export"),
+    Part("host/mesh", "mesh", "base design", "Eigen nlohmann fmt CGAL tbb assimp minizip boost", "triskin_mesh"),
+    Part("host/placement", "placement", "base design", "Eigen nlohmann fmt CGAL tbb boost", "triskin_placement"),
+    Part("host/unfolding", "unfolding", "base design mesh placement", "Eigen fmt CGAL tbb boost", "triskin_unfolding"),
+    Part("host/routing", "routing", "base design", "Eigen fmt tbb", "triskin_routing"),
+    Part("host/lattice", "lattice", "base design mesh routing", "Eigen fmt CGAL tbb boost", "triskin_lattice"),
+    Part("host/pipeline", "pipeline", "base design mesh placement unfolding lattice routing", HOST_BASE, "triskin_pipeline"),
+    Part("host/check", "check", "base", "Eigen nlohmann fmt CGAL boost", "triskin_check"),
+    Part("host/recording", "recording", "base design core wire layout", HOST_BASE, "triskin_recording"),
+    Part("host/bridge", "bridge", "base design core wire layout recording", HOST_BASE + " dds", "triskin_bridge"),
+    Part("host/link", "link", "base core wire layout", "fmt libusb hidapi", "triskin_link"),
+    Part("host/session", "session", "base design core wire layout link", HOST_BASE + " boost_fiber", "triskin_session"),
+    Part("host/diagnose", "diagnose", "base design core wire layout link session", HOST_BASE, "triskin_diagnose"),
+    Part("host/deploy", "deploy", "base design core wire layout link session diagnose", HOST_BASE, "triskin_deploy"),
+    Part("host/skin", "skin", "base design core wire layout link session", HOST_BASE, "triskin_skin"),
+    Part("host/robot", "robot", "base design core wire layout link session deploy", HOST_BASE + " boost", "triskin_robot"),
+    Part("host/sim", "scene", "base design core wire layout sim link", HOST_BASE, "triskin_sim"),
+    Part("host/connect", "connect", "base design core wire layout sim scene link session robot", HOST_BASE, "triskin_connect"),
+    Part("host/view", "view", "base design core wire layout", HOST_BASE + " boost_beast", "triskin_view"),
+    Part("host/sheet", "sheet", "base design core wire layout", HOST_BASE + " cairo", "triskin_sheet"),
+    Part("host/hdf5", "hdf5", "base design core wire layout recording", HOST_BASE + " HDF5", "triskin_hdf5"),
+    # The header of the library is its own: <triskin/triskin.h> has no prefix.
+    Part("host/library", "", "base design core wire layout link session deploy skin robot connect scene", "fmt", "triskin_library"),
     Part("host/python", "", "", "pybind11", "triskin_python"),
     Part("host/cli/src/geometry", "",
-         "cli host design geometry pipeline check base wire layout sim scene recording link session jobs robot simlink "
-         "view sheet hdf5 bridge",
+         "cli base design export mesh placement unfolding lattice routing pipeline check core wire layout sim scene recording link session "
+         "diagnose deploy skin robot connect view sheet hdf5 bridge",
          HOST_BASE + " CLI"),
     Part("host/cli", "cli",
-         "host design base wire layout sim scene recording link session jobs robot simlink view sheet hdf5 bridge",
+         "base design export core wire layout sim scene recording link session diagnose deploy skin robot connect view sheet hdf5 bridge",
          HOST_BASE + " CLI", "triskin"),
-    Part("tools/machine", "machine", "host base wire layout sim", "fmt unicorn", "triskin_machine"),
+    Part("tools/machine", "machine", "base core wire layout sim", "fmt unicorn", "triskin_machine"),
 ]
 # Include paths of libraries that only the parts that name them may include.
 FOREIGN = {"CGAL": r"^CGAL/", "Eigen": r"^Eigen/", "nlohmann": r"^nlohmann/", "fmt": r"^fmt/", "tbb": r"^(tbb|oneapi)/",
            "assimp": r"^assimp/", "minizip": r"^minizip/", "boost": r"^boost/(?!fiber/|beast/|asio/)", "boost_fiber": r"^boost/fiber/",
            "boost_beast": r"^boost/(beast|asio)/", "cairo": r"^(cairo|fontconfig|qrencode)", "HDF5": r"^(hdf5|H5)", "CLI": r"^CLI/",
-           "Cbc": r"^(Cbc|Coin|Osi|Cgl|Clp)", "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
+           "libusb": r"^libusb", "hidapi": r"^hidapi", "unicorn": r"^unicorn/",
            "pybind11": r"^pybind11/", "dds": r"^dds/", "vendor": r"(?i)^(stm32|cmsis|core_cm)"}
 # No heap, no operating system in what also runs on the microcontroller (the posix board is there for simulations).
 HOSTED = re.compile(r"^(iostream|fstream|sstream|thread|mutex|chrono|future|regex|filesystem)$")
 # Link names of libraries that only some targets may reach, and which ones.
 HEAVY = {"CGAL": r"CGAL", "TBB": r"TBB|tbb", "assimp": r"assimp", "minizip": r"minizip", "Cbc": r"Cbc"}
-MAY_BE_HEAVY = {"CGAL": {"triskin_geometry", "triskin_pipeline", "triskin_check", "triskin"},
-                "TBB": {"triskin_geometry", "triskin_pipeline", "triskin"},
-                "assimp": {"triskin_geometry", "triskin_pipeline", "triskin"},
-                "minizip": {"triskin_geometry", "triskin_pipeline", "triskin"},
-                "Cbc": {"triskin_geometry", "triskin_pipeline", "triskin"}}
+ON_MESHES = {"triskin_mesh", "triskin_unfolding", "triskin_lattice", "triskin_pipeline", "triskin"}
+MAY_BE_HEAVY = {"CGAL": ON_MESHES | {"triskin_placement", "triskin_check"}, "TBB": ON_MESHES | {"triskin_placement", "triskin_routing"},
+                "assimp": ON_MESHES, "minizip": ON_MESHES, "Cbc": set()}
 # Targets without a prefix of their own that parts may link.
 NEUTRAL = {"triskin_options"}
 # What implements an interface of shared for a part: stated for its place on the linker's line, not for the part's use.
-BROUGHT = {"triskin_scene": {"triskin_firmware_posix"}}
+BROUGHT = {"triskin_sim": {"triskin_firmware_posix"}}
 # The program is put together of everything; its sources are held against the table by their includes.
 WHOLE = {"triskin", "triskin_library", "triskin_python"}
 

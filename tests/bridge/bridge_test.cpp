@@ -14,10 +14,10 @@
 #include "skin.h"
 #include "support/places.hpp"
 #include "support/strip_design.hpp"
-#include "triskin/host/files.hpp"
-#include "triskin/jobs/flash.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/deploy/flash.hpp"
 #include "triskin/session/stream.hpp"
-#include "triskin/simlink/sim_link.hpp"
+#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::bridge {
 namespace {

@@ -11,7 +11,7 @@
 #include "skin.h"
 #include "support/child_process.hpp"
 #include "support/places.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::bridge {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "triskin/design/mesh.hpp"
-#include "triskin/geometry/surface.hpp"
+#include "triskin/mesh/surface.hpp"
 
 namespace triskin::check::damage {
 

@@ -12,9 +12,9 @@
 
 #include "checked_file.hpp"
 #include "triskin/check/design_rules.hpp"
-#include "triskin/geometry/mesh_io.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {

@@ -11,8 +11,8 @@
 
 #include "check/flat_parts.hpp"
 #include "triskin/check/design_rules.hpp"
-#include "triskin/geometry/mesh_io.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {

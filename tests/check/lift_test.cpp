@@ -13,10 +13,10 @@
 #include "checked_file.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/design/design.hpp"
-#include "triskin/geometry/map_modules.hpp"
-#include "triskin/geometry/mesh_io.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/lattice/map_modules.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {

@@ -10,9 +10,9 @@
 #include "support/covers.hpp"
 #include "surface_index.hpp"  // no public header
 #include "triskin/check/design_rules.hpp"
-#include "triskin/geometry/map_modules.hpp"
-#include "triskin/geometry/surface.hpp"
-#include "triskin/host/dice.hpp"
+#include "triskin/lattice/map_modules.hpp"
+#include "triskin/mesh/surface.hpp"
+#include "triskin/base/dice.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {

@@ -14,10 +14,10 @@
 
 #include "checked_file.hpp"
 #include "triskin/check/design_rules.hpp"
-#include "triskin/geometry/mesh_io.hpp"
-#include "triskin/geometry/surface_regions.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+#include "triskin/mesh/surface_regions.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {

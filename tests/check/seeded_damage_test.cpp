@@ -11,7 +11,7 @@
 #include "check/damage_kinds.hpp"
 #include "support/covers.hpp"
 #include "triskin/check/design_rules.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "support/places.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::test {
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <utility>
 
-#include "triskin/simlink/sim_link.hpp"
+#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::device {
 

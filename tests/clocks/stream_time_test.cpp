@@ -10,7 +10,7 @@
 
 #include "jittery_link.hpp"
 #include "support/strip_design.hpp"
-#include "triskin/jobs/flash.hpp"
+#include "triskin/deploy/flash.hpp"
 #include "triskin/session/stream.hpp"
 
 namespace triskin::device {

@@ -6,9 +6,9 @@
 #include <filesystem>
 
 #include "triskin/check/design_rules.hpp"
-#include "triskin/geometry/mesh_io.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::pipeline {

@@ -11,10 +11,10 @@
 
 #include "support/jumpered_design.hpp"
 #include "triskin/check/design_rules.hpp"
-#include "triskin/design/export.hpp"
+#include "triskin/export/export.hpp"
 #include "triskin/design/joint.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::test {
 namespace {

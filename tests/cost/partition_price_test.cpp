@@ -7,10 +7,10 @@
 #include <numeric>
 #include <random>
 
-#include "routing/jumper_frontier.hpp"
+#include "jumper_frontier.hpp"
 #include "triskin/design/tile.hpp"
-#include "triskin/geometry/routing.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/routing/routing.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

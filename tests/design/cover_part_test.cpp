@@ -5,7 +5,7 @@
 
 #include "support/flat_design.hpp"
 #include "triskin/design/json_value.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::design {
 namespace {

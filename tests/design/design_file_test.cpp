@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "triskin/design/design.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::design {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Exports for other programs, read back by code that shares nothing with the writers.
-#include "triskin/design/export.hpp"
+#include "triskin/export/export.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -12,9 +12,9 @@
 #include <regex>
 
 #include "support/strip_design.hpp"
-#include "triskin/host/base64.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/base64.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::test {
 namespace {

@@ -2,7 +2,7 @@
 // The files for iCub hosts, read as the hosts read them. The readers below follow the public sources of the robot
 // (skinPart of skinDynLib, SkinMeshThreadPort and Triangle_10pad of iCubSkinGui, facts only) and share nothing with the
 // writer: pads are placed by the table that skinGui draws with.
-#include "triskin/design/icub_files.hpp"
+#include "triskin/export/icub_files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include <sstream>
 
 #include "support/strip_design.hpp"
-#include "triskin/design/skingui.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/export/skingui.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::test {
 namespace {

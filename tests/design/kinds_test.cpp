@@ -9,10 +9,10 @@
 #include "support/flat_design.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/design/design.hpp"
-#include "triskin/design/export.hpp"
+#include "triskin/export/export.hpp"
 #include "triskin/design/mirror.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::design {
 namespace {

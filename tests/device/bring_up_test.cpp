@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/jobs/bring_up.hpp"
+#include "triskin/deploy/bring_up.hpp"
 
 #include "fixture.hpp"
 

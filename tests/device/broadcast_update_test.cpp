@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One image to all controllers of a bus at once, on a bus whose frames take their time and whose flash takes its own.
-#include "triskin/jobs/broadcast_update.hpp"
+#include "triskin/deploy/broadcast_update.hpp"
 
 #include <gtest/gtest.h>
 

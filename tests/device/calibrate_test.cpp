@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What counts are worth: lines worked by hand, a ramp and steps on a simulated skin whose taxels differ, forces of
 // contacts that are known.
-#include "triskin/jobs/calibrate.hpp"
+#include "triskin/skin/calibrate.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -14,8 +14,8 @@
 
 #include "fixture.hpp"
 #include "triskin/design/tile.hpp"
-#include "triskin/host/files.hpp"
-#include "triskin/jobs/controller_calibration.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/session/controller_calibration.hpp"
 
 namespace triskin::device {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "triskin/jobs/firmware_update.hpp"
+#include "triskin/deploy/firmware_update.hpp"
 #include "triskin/layout/image_label.hpp"
 #include "triskin/scene/virtual_skin.hpp"
 #include "triskin/wire/identity.hpp"

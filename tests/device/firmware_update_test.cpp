@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // New firmware over CAN: the free slot is written, started and confirmed; an interrupted update leaves the old
 // application.
-#include "triskin/jobs/firmware_update.hpp"
+#include "triskin/deploy/firmware_update.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

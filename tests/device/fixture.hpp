@@ -6,10 +6,10 @@
 #include <memory>
 
 #include "support/strip_design.hpp"
-#include "triskin/jobs/flash.hpp"
-#include "triskin/jobs/verify.hpp"
+#include "triskin/deploy/flash.hpp"
+#include "triskin/diagnose/verify.hpp"
 #include "triskin/session/bus.hpp"
-#include "triskin/simlink/sim_link.hpp"
+#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::device {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/jobs/flash.hpp"
+#include "triskin/deploy/flash.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 
 #include "faulty_link.hpp"
 #include "fixture.hpp"
-#include "triskin/host/interrupt.hpp"
-#include "triskin/jobs/firmware_update.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/deploy/firmware_update.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 

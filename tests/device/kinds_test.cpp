@@ -3,7 +3,7 @@
 #include <set>
 
 #include "device/fixture.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/session/stream.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What live knows and shows: rest values, contacts that are there from the start, the picture of a patch.
-#include "triskin/jobs/live_monitor.hpp"
+#include "triskin/skin/live_monitor.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "triskin/jobs/flash.hpp"
-#include "triskin/simlink/sim_link.hpp"
+#include "triskin/deploy/flash.hpp"
+#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::test {
 namespace {

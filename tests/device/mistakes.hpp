@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "triskin/jobs/verify.hpp"
+#include "triskin/diagnose/verify.hpp"
 #include "triskin/scene/scene.hpp"
 
 namespace triskin::test {

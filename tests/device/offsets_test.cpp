@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a host sees of the converters' offsets, with the electrodes at either input.
 #include "fixture.hpp"
-#include "triskin/jobs/offset_report.hpp"
+#include "triskin/diagnose/offset_report.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/stream.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The steps that follow a finding, against the strip as it is drawn in support/strip_design.hpp.
-#include "triskin/jobs/repair.hpp"
+#include "triskin/diagnose/repair.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/jobs/verify_report.hpp"
+#include "triskin/diagnose/verify_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -14,8 +14,8 @@
 
 #include "fixture.hpp"
 #include "support/places.hpp"
-#include "triskin/jobs/touch_map.hpp"
-#include "triskin/simlink/tcp_link.hpp"
+#include "triskin/skin/touch_map.hpp"
+#include "triskin/scene/tcp_link.hpp"
 
 namespace triskin::device {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/address_scan.hpp"
+#include "triskin/logic/sampling/address_scan.hpp"
 
 #include <gtest/gtest.h>
 

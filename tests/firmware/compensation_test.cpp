@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/compensation.hpp"
+#include "triskin/logic/sampling/compensation.hpp"
 
 #include <gtest/gtest.h>
 

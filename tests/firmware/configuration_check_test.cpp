@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/configuration_check.hpp"
+#include "triskin/logic/sampling/configuration_check.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/frozen_taxels.hpp"
+#include "triskin/logic/sampling/frozen_taxels.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/full_stream.hpp"
+#include "triskin/logic/stream/full_stream.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/latch_probe.hpp"
+#include "triskin/logic/sampling/latch_probe.hpp"
 
 #include <gtest/gtest.h>
 

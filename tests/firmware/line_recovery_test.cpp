@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/line_recovery.hpp"
+#include "triskin/logic/sampling/line_recovery.hpp"
 
 #include <gtest/gtest.h>
 

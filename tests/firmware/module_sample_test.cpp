@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/module_sample.hpp"
+#include "triskin/logic/sampling/module_sample.hpp"
 
 #include <gtest/gtest.h>
 

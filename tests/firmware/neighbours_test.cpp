@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // When a controller looks beyond its border, and when it gives back: by hand.
-#include "triskin/logic/neighbours.hpp"
+#include "triskin/logic/switched/neighbours.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/offset_search.hpp"
+#include "triskin/logic/sampling/offset_search.hpp"
 
 #include <gtest/gtest.h>
 

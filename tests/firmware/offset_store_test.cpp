@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/offset_store.hpp"
+#include "triskin/logic/storage/offset_store.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/presence.hpp"
+#include "triskin/logic/sampling/presence.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 //   its reading may start from      T + 9,033   the last result comes 585 later, 25 of margin after T + 9,593;
 //                          until    T + 9,383   the first one comes 135 later, 25 before T + 8,807 + 8,832 / 12;
 //   it has begun for certain at     T + 761     one shortest period before T + 9,593.
-#include "triskin/logic/reading_schedule.hpp"
+#include "triskin/logic/sampling/reading_schedule.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/sequence_clock.hpp"
+#include "triskin/logic/sampling/sequence_clock.hpp"
 
 #include <gtest/gtest.h>
 

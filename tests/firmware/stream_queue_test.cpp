@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/stream_queue.hpp"
+#include "triskin/logic/stream/stream_queue.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/logic/table_store.hpp"
+#include "triskin/logic/storage/table_store.hpp"
 
 #include <gtest/gtest.h>
 
 #include "calibration_value.hpp"
 #include "flash_double.hpp"
-#include "triskin/logic/fault_memory.hpp"
+#include "triskin/logic/diagnostics/fault_memory.hpp"
 
 namespace triskin::fw {
 namespace {

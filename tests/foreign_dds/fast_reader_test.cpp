@@ -12,9 +12,9 @@
 #include "settings.hpp"
 #include "support/strip_design.hpp"
 #include "triskin/bridge/bridge.hpp"
-#include "triskin/jobs/flash.hpp"
+#include "triskin/deploy/flash.hpp"
 #include "triskin/session/stream.hpp"
-#include "triskin/simlink/sim_link.hpp"
+#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::foreign {
 namespace {

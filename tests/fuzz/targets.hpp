@@ -3,7 +3,7 @@
 #include <span>
 #include <string_view>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 
 namespace triskin::fuzz {
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/strip_design.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::test {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "support/strip_design.hpp"
-#include "triskin/host/files.hpp"
-#include "triskin/jobs/flash.hpp"
-#include "triskin/simlink/open_link.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/deploy/flash.hpp"
+#include "triskin/connect/open_link.hpp"
 
 namespace triskin::test {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/wire/iso_tp.hpp"
 
 namespace triskin::machine {

@@ -5,7 +5,7 @@
 #include "machine_link.hpp"
 #include "sampling_bench.hpp"
 #include "triskin/board/budget.hpp"
-#include "triskin/jobs/broadcast_update.hpp"
+#include "triskin/deploy/broadcast_update.hpp"
 #include "triskin/wire/node_claim.hpp"
 #include "triskin/wire/stream_lease.hpp"
 

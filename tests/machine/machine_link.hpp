@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "triskin/jobs/firmware_update.hpp"
+#include "triskin/deploy/firmware_update.hpp"
 #include "triskin/layout/image_label.hpp"
 #include "triskin/link/link.hpp"
 #include "triskin/machine/flash_chip.hpp"

@@ -12,7 +12,7 @@
 #include "device/firmware_file.hpp"
 #include "machine_link.hpp"
 #include "support/strip_design.hpp"
-#include "triskin/jobs/broadcast_update.hpp"
+#include "triskin/deploy/broadcast_update.hpp"
 #include "triskin/scene/virtual_skin.hpp"
 
 namespace triskin::machine {

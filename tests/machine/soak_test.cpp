@@ -6,7 +6,7 @@
 
 #include "bench.hpp"
 #include "failure.hpp"
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/board/budget.hpp"
 #include "triskin/wire/loader_protocol.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "bench.hpp"
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/sim/flash_model.hpp"
 #include "triskin/wire/loader_protocol.hpp"
 

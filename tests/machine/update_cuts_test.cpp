@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "machine_link.hpp"
-#include "triskin/jobs/broadcast_update.hpp"
+#include "triskin/deploy/broadcast_update.hpp"
 #include "update_bench.hpp"
 
 namespace triskin::machine {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/machine/machine.hpp"
 #include "triskin/wire/usb_function.hpp"
 

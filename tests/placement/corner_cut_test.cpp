@@ -10,8 +10,8 @@
 #include "polygons.hpp"
 #include "triskin/check/placement_proof.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/geometry/placement.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/placement/placement.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

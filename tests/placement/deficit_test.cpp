@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"
-#include "triskin/geometry/placement.hpp"
+#include "triskin/placement/placement.hpp"
 
 namespace triskin::geometry {
 namespace {

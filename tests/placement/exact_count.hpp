@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-#include "triskin/geometry/design_types.hpp"
+#include "triskin/design/design_types.hpp"
 
 namespace triskin::test {
 

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "polygons.hpp"
-#include "triskin/geometry/placement.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/placement/placement.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "exact_count.hpp"
 #include "polygons.hpp"
-#include "triskin/geometry/paper/algorithm1.hpp"
+#include "triskin/placement/paper/algorithm1.hpp"
 
 namespace triskin::geometry::paper {
 namespace {

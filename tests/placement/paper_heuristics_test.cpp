@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"
-#include "triskin/geometry/paper/heuristics.hpp"
-#include "triskin/geometry/placement.hpp"
+#include "triskin/placement/paper/heuristics.hpp"
+#include "triskin/placement/placement.hpp"
 
 namespace triskin::geometry::paper {
 namespace {

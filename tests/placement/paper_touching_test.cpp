@@ -9,7 +9,7 @@
 #include <algorithm>
 
 #include "polygons.hpp"
-#include "triskin/geometry/paper/algorithm1.hpp"
+#include "triskin/placement/paper/algorithm1.hpp"
 
 namespace triskin::geometry::paper {
 namespace {

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "triskin/design/mesh.hpp"
-#include "triskin/geometry/polygon_io.hpp"
+#include "triskin/placement/polygon_io.hpp"
 
 namespace triskin::test {
 

@@ -7,7 +7,7 @@
 
 #include "polygons.hpp"
 #include "triskin/check/placement_proof.hpp"
-#include "triskin/geometry/placement.hpp"
+#include "triskin/placement/placement.hpp"
 
 namespace triskin::geometry {
 namespace {

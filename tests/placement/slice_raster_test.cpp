@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The raster of a slice: bits and their sums worked by hand, the figure of one edge against its formula, and bounds of
 // random slices against motions in them.
-#include "placement/kernels/slice_raster.hpp"
+#include "kernels/slice_raster.hpp"
 
 #include <gtest/gtest.h>
 
-#include "placement/kernels/evaluator.hpp"
+#include "kernels/evaluator.hpp"
 #include "polygons.hpp"
 
 namespace triskin::geometry {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"
-#include "triskin/geometry/placement.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/placement/placement.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

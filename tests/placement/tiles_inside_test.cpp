@@ -6,7 +6,7 @@
 
 #include "exact_count.hpp"
 #include "polygons.hpp"
-#include "triskin/geometry/placement.hpp"
+#include "triskin/placement/placement.hpp"
 
 namespace triskin::geometry {
 namespace {

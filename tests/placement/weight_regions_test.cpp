@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Worth by region less the weight of a module: the map at points whose worth is known, and what it changes in a
 // placement.
-#include "triskin/geometry/weight_regions.hpp"
+#include "triskin/placement/weight_regions.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 #include <numeric>
 
 #include "polygons.hpp"
-#include "triskin/geometry/placement.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/placement/placement.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "recorded.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::recording {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "recorded.hpp"
 #include "support/places.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::recording {
 namespace {

@@ -8,8 +8,8 @@
 #include <barrier>
 #include <thread>
 
-#include "triskin/host/error.hpp"
-#include "triskin/host/interrupt.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/interrupt.hpp"
 
 namespace triskin::robot {
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "support/strip_design.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::robot {

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "support/strip_design.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/robot/assembly.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/robot/robot.hpp"

@@ -9,8 +9,8 @@
 #include "triskin/robot/edit.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/session/bus.hpp"
-#include "triskin/simlink/open_bus.hpp"
-#include "triskin/simlink/sim_link.hpp"
+#include "triskin/connect/open_bus.hpp"
+#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::test {
 

@@ -11,7 +11,7 @@
 #include <map>
 
 #include "robot/robots.hpp"
-#include "triskin/jobs/verify.hpp"
+#include "triskin/diagnose/verify.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/stream.hpp"
 

@@ -14,7 +14,7 @@
 
 #include "cli/shell_case.hpp"
 #include "support/strip_design.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::test {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The random numbers of the solvers: a seed stands for a design, so the sequence is fixed.
-#include "triskin/host/dice.hpp"
+#include "triskin/base/dice.hpp"
 
 #include <gtest/gtest.h>
 

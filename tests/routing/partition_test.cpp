@@ -5,8 +5,8 @@
 #include <map>
 
 #include "shapes.hpp"
-#include "triskin/host/dice.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/dice.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::testing {
 namespace {

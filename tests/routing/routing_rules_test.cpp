@@ -13,7 +13,7 @@
 
 #include "shapes.hpp"
 #include "support/places.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::testing {
 namespace {

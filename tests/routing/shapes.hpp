@@ -3,8 +3,8 @@
 #pragma once
 #include <set>
 
-#include "triskin/geometry/random_patch.hpp"
-#include "triskin/geometry/routing.hpp"
+#include "triskin/routing/random_patch.hpp"
+#include "triskin/routing/routing.hpp"
 
 namespace triskin::testing {
 

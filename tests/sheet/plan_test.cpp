@@ -8,7 +8,7 @@
 #include <set>
 
 #include "support/strip_design.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/sheet/bill.hpp"
 #include "triskin/sheet/page_code.hpp"
 

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "support/places.hpp"
-#include "triskin/geometry/generate.hpp"
-#include "triskin/geometry/mesh_io.hpp"
+#include "triskin/mesh/generate.hpp"
+#include "triskin/mesh/mesh_io.hpp"
 
 namespace triskin::test {
 

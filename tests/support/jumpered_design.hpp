@@ -6,9 +6,9 @@
 #include "support/flat_design.hpp"
 #include "triskin/design/module_graph.hpp"
 #include "triskin/design/tile.hpp"
-#include "triskin/geometry/jumpers.hpp"
-#include "triskin/geometry/map_modules.hpp"
-#include "triskin/geometry/routing.hpp"
+#include "triskin/routing/jumpers.hpp"
+#include "triskin/lattice/map_modules.hpp"
+#include "triskin/routing/routing.hpp"
 
 namespace triskin::test {
 

@@ -10,7 +10,7 @@
 #include "triskin/design/joint.hpp"
 #include "triskin/design/module_list.hpp"
 #include "triskin/design/tile.hpp"
-#include "triskin/geometry/routing.hpp"
+#include "triskin/routing/routing.hpp"
 
 namespace triskin::test {
 

@@ -21,12 +21,12 @@
 #include "triskin/design/module_graph.hpp"
 #include "triskin/hdf5/recording.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
-#include "triskin/host/files.hpp"
-#include "triskin/jobs/flash.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/deploy/flash.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/session/stream.hpp"
-#include "triskin/simlink/sim_link.hpp"
+#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::test {
 namespace {

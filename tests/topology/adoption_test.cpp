@@ -10,14 +10,14 @@
 
 #include "joined_patches.hpp"
 #include "triskin/design/joint.hpp"
-#include "triskin/jobs/flash.hpp"
-#include "triskin/jobs/verify.hpp"
-#include "triskin/logic/topology.hpp"
+#include "triskin/deploy/flash.hpp"
+#include "triskin/diagnose/verify.hpp"
+#include "triskin/logic/switched/topology.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/session/stream.hpp"
-#include "triskin/simlink/sim_link.hpp"
+#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::test {
 namespace {

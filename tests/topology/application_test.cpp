@@ -7,10 +7,10 @@
 
 #include "support/random_design.hpp"
 #include "triskin/design/joint.hpp"
-#include "triskin/jobs/flash.hpp"
+#include "triskin/deploy/flash.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/simlink/sim_link.hpp"
+#include "triskin/scene/sim_link.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
 namespace triskin::test {

@@ -9,12 +9,12 @@
 #include "joined_patches.hpp"
 #include "support/random_design.hpp"
 #include "support/strip_design.hpp"
-#include "triskin/jobs/flash.hpp"
-#include "triskin/jobs/identify.hpp"
-#include "triskin/jobs/verify.hpp"
+#include "triskin/deploy/flash.hpp"
+#include "triskin/deploy/identify.hpp"
+#include "triskin/diagnose/verify.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/simlink/sim_link.hpp"
+#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::test {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "support/strip_design.hpp"
 #include "support/switched_case.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::test {
 namespace {

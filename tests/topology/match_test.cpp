@@ -6,12 +6,12 @@
 #include <set>
 
 #include "support/random_design.hpp"
-#include "triskin/jobs/flash.hpp"
-#include "triskin/jobs/topology.hpp"
-#include "triskin/jobs/verify.hpp"
+#include "triskin/deploy/flash.hpp"
+#include "triskin/diagnose/topology.hpp"
+#include "triskin/diagnose/verify.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/simlink/sim_link.hpp"
+#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::test {
 namespace {

@@ -8,7 +8,7 @@
 #include "random_patch.hpp"
 #include "support/random_design.hpp"
 #include "triskin/design/joint.hpp"
-#include "triskin/jobs/topology.hpp"
+#include "triskin/diagnose/topology.hpp"
 #include "triskin/session/patch_table.hpp"
 
 namespace triskin::test {

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "triskin/logic/topology.hpp"
+#include "triskin/logic/switched/topology.hpp"
 #include "triskin/scene/switched_patch.hpp"
 
 namespace triskin::test {

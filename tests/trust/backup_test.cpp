@@ -7,10 +7,10 @@
 #include <filesystem>
 
 #include "shared_skin.hpp"
-#include "triskin/host/files.hpp"
-#include "triskin/jobs/board_backup.hpp"
-#include "triskin/jobs/controller_calibration.hpp"
-#include "triskin/jobs/verify.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/deploy/board_backup.hpp"
+#include "triskin/session/controller_calibration.hpp"
+#include "triskin/diagnose/verify.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "shared_skin.hpp"
-#include "triskin/jobs/live_monitor.hpp"
-#include "triskin/simlink/sim_link.hpp"
+#include "triskin/skin/live_monitor.hpp"
+#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::device {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "shared_skin.hpp"
-#include "triskin/jobs/verify.hpp"
+#include "triskin/diagnose/verify.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::device {

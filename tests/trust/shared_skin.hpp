@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "support/strip_design.hpp"
-#include "triskin/jobs/flash.hpp"
+#include "triskin/deploy/flash.hpp"
 #include "triskin/link/link.hpp"
 #include "triskin/scene/virtual_skin.hpp"
 #include "triskin/session/bus.hpp"

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pieces along what bends too much, on surfaces whose radii are known.
-#include "triskin/geometry/bend_seams.hpp"
+#include "triskin/unfolding/bend_seams.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 
-#include "triskin/geometry/unfolding.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/unfolding/unfolding.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -8,11 +8,11 @@
 
 #include "support/covers.hpp"
 #include "triskin/check/design_rules.hpp"
-#include "triskin/geometry/map_modules.hpp"
-#include "triskin/geometry/placement.hpp"
-#include "triskin/geometry/surface.hpp"
-#include "triskin/geometry/unfolding.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/lattice/map_modules.hpp"
+#include "triskin/placement/placement.hpp"
+#include "triskin/mesh/surface.hpp"
+#include "triskin/unfolding/unfolding.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Seams that a user asks for or forbids.
-#include "triskin/geometry/seams.hpp"
+#include "triskin/unfolding/seams.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -12,9 +12,9 @@
 #include <functional>
 #include <optional>
 
-#include "triskin/geometry/polygon_io.hpp"
-#include "triskin/geometry/unfolding.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/placement/polygon_io.hpp"
+#include "triskin/unfolding/unfolding.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <functional>
 
-#include "triskin/geometry/extract.hpp"
-#include "triskin/geometry/polygon_io.hpp"
-#include "triskin/geometry/unfolding.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/mesh/extract.hpp"
+#include "triskin/placement/polygon_io.hpp"
+#include "triskin/unfolding/unfolding.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/strip_design.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::test {
 namespace {

@@ -9,7 +9,7 @@
 #include <future>
 #include <thread>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "view/browser.hpp"
 
 namespace triskin::test {

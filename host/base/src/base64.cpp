@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/host/base64.hpp"
+#include "triskin/base/base64.hpp"
 
 namespace triskin {
 

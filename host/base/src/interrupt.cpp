@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/host/interrupt.hpp"
+#include "triskin/base/interrupt.hpp"
 
 #include <csignal>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/host/markup.hpp"
+#include "triskin/base/markup.hpp"
 
 namespace triskin {
 

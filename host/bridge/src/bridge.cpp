@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::bridge {
 namespace {

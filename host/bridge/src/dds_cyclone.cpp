@@ -8,7 +8,7 @@
 
 #include "dds_cyclone_messages.hpp"
 #include "triskin/bridge/dds.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::bridge {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 
 namespace triskin::bridge {
 

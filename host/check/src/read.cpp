@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "checked_design.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
-#include "triskin/host/json_cause.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/base/json_cause.hpp"
 
 namespace triskin::check {
 namespace {

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "routed_patch.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::check {
 namespace {

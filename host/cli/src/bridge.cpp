@@ -18,10 +18,10 @@
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/host/interrupt.hpp"
-#include "triskin/host/wall_clock.hpp"
-#include "triskin/jobs/rest_store.hpp"
-#include "triskin/jobs/touch_map.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/base/wall_clock.hpp"
+#include "triskin/skin/rest_store.hpp"
+#include "triskin/skin/touch_map.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::cli::bridge_command {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/firmware_version.hpp"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "triskin/bridge/services.hpp"
-#include "triskin/jobs/touch_map.hpp"
+#include "triskin/skin/touch_map.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/stream.hpp"
 

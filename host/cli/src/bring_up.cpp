@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/jobs/bring_up.hpp"
+#include "triskin/deploy/bring_up.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "triskin/cli/link_options.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::cli::bring_up_command {
 namespace {

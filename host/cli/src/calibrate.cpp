@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/jobs/calibrate.hpp"
+#include "triskin/skin/calibrate.hpp"
 
 #include <fmt/format.h>
 
@@ -10,11 +10,11 @@
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/host/files.hpp"
-#include "triskin/host/interrupt.hpp"
-#include "triskin/host/wall_clock.hpp"
-#include "triskin/jobs/controller_calibration.hpp"
-#include "triskin/jobs/rest_store.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/base/wall_clock.hpp"
+#include "triskin/session/controller_calibration.hpp"
+#include "triskin/skin/rest_store.hpp"
 #include "triskin/link/cover_link.hpp"
 #include "triskin/session/controller.hpp"
 

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "triskin/jobs/calibrate.hpp"
-#include "triskin/jobs/controller_calibration.hpp"
+#include "triskin/skin/calibrate.hpp"
+#include "triskin/session/controller_calibration.hpp"
 
 namespace triskin::cli {
 

@@ -4,7 +4,7 @@
 
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/jobs/touch_map.hpp"
+#include "triskin/skin/touch_map.hpp"
 #include "triskin/recording/messages.hpp"
 
 namespace triskin::cli {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::cli {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "topology_report.hpp"
 #include "triskin/cli/site_options.hpp"
-#include "triskin/host/files.hpp"
-#include "triskin/jobs/board_shape.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/deploy/board_shape.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/firmware_version.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/design/export.hpp"
+#include "triskin/export/export.hpp"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,10 @@
 
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/recorded_track.hpp"
-#include "triskin/design/icub_files.hpp"
+#include "triskin/export/icub_files.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/sheet/sheet.hpp"
 #include "triskin/view/frame_track.hpp"

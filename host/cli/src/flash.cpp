@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/jobs/flash.hpp"
+#include "triskin/deploy/flash.hpp"
 
 #include <fmt/format.h>
 
@@ -16,11 +16,11 @@
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
-#include "triskin/jobs/board_file.hpp"
-#include "triskin/jobs/calibrate.hpp"
-#include "triskin/jobs/controller_calibration.hpp"
-#include "triskin/jobs/firmware_update.hpp"
-#include "triskin/jobs/offset_report.hpp"
+#include "triskin/deploy/board_file.hpp"
+#include "triskin/skin/calibrate.hpp"
+#include "triskin/session/controller_calibration.hpp"
+#include "triskin/deploy/firmware_update.hpp"
+#include "triskin/diagnose/offset_report.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/link/cover_link.hpp"
 #include "triskin/link/link_kind.hpp"

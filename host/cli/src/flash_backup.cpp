@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <utility>
 
-#include "triskin/host/files.hpp"
-#include "triskin/jobs/board_backup.hpp"
-#include "triskin/jobs/board_file.hpp"
-#include "triskin/jobs/calibrate.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/deploy/board_backup.hpp"
+#include "triskin/deploy/board_file.hpp"
+#include "triskin/skin/calibrate.hpp"
 
 namespace triskin::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "triskin/cli/site_options.hpp"
-#include "triskin/jobs/flash.hpp"
+#include "triskin/deploy/flash.hpp"
 
 namespace triskin::cli {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "triskin/cli/command.hpp"
-#include "triskin/jobs/broadcast_update.hpp"
+#include "triskin/deploy/broadcast_update.hpp"
 
 namespace triskin::cli {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/jobs/identify.hpp"
+#include "triskin/deploy/identify.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,8 +10,8 @@
 #include <memory>
 
 #include "triskin/cli/site_options.hpp"
-#include "triskin/host/files.hpp"
-#include "triskin/jobs/board_file.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/deploy/board_file.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/link/cover_link.hpp"
 

@@ -14,9 +14,9 @@
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/host/interrupt.hpp"
-#include "triskin/jobs/live_monitor.hpp"
-#include "triskin/jobs/rest_store.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/skin/live_monitor.hpp"
+#include "triskin/skin/rest_store.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/link/cover_link.hpp"
 

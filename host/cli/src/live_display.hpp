@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "triskin/cli/command.hpp"
-#include "triskin/jobs/live_monitor.hpp"
+#include "triskin/skin/live_monitor.hpp"
 #include "triskin/session/stream_report.hpp"
 
 namespace triskin::cli {

@@ -6,7 +6,7 @@
 
 #include <map>
 
-#include "triskin/host/interrupt.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/session/icub_stream.hpp"
 
 namespace triskin::cli {

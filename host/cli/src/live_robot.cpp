@@ -8,9 +8,9 @@
 
 #include "live_display.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/host/interrupt.hpp"
-#include "triskin/jobs/live_monitor.hpp"
-#include "triskin/jobs/rest_store.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/skin/live_monitor.hpp"
+#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::cli {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "offset_lines.hpp"
 
-#include "triskin/jobs/offset_report.hpp"
+#include "triskin/diagnose/offset_report.hpp"
 
 namespace triskin::cli {
 

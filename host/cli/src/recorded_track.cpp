@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "triskin/design/design_text.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/jobs/touch_map.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/skin/touch_map.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/view/frame_track.hpp"
 

@@ -10,7 +10,7 @@
 #include "replay_link.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/recorded_track.hpp"
-#include "triskin/host/interrupt.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/recording/recording.hpp"
 
 namespace triskin::cli::replay_command {

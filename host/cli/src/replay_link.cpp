@@ -10,14 +10,14 @@
 #include <utility>
 
 #include "triskin/cli/recorded_track.hpp"
-#include "triskin/host/interrupt.hpp"
-#include "triskin/jobs/board_file.hpp"
-#include "triskin/jobs/flash.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/deploy/board_file.hpp"
+#include "triskin/deploy/flash.hpp"
 #include "triskin/layout/rest.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/simlink/sim_link.hpp"
-#include "triskin/simlink/skin_server.hpp"
+#include "triskin/scene/sim_link.hpp"
+#include "triskin/scene/skin_server.hpp"
 
 namespace triskin::cli {
 namespace {

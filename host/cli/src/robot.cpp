@@ -10,8 +10,8 @@
 #include <set>
 
 #include "triskin/cli/command.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/robot/assembly.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/robot/registration.hpp"

@@ -6,12 +6,12 @@
 #include <optional>
 
 #include "triskin/cli/command.hpp"
-#include "triskin/host/interrupt.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/robot/bus_threads.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/simlink/open_bus.hpp"
-#include "triskin/simlink/sim_server.hpp"
-#include "triskin/simlink/skin_server.hpp"
+#include "triskin/connect/open_bus.hpp"
+#include "triskin/scene/sim_server.hpp"
+#include "triskin/scene/skin_server.hpp"
 
 namespace triskin::cli::simulate_command {
 namespace {

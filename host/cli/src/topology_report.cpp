@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "triskin/jobs/topology.hpp"
+#include "triskin/diagnose/topology.hpp"
 
 namespace triskin::cli {
 namespace {

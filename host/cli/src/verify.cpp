@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/jobs/verify.hpp"
+#include "triskin/diagnose/verify.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -16,11 +16,11 @@
 #include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
-#include "triskin/jobs/controller_calibration.hpp"
-#include "triskin/jobs/repair.hpp"
-#include "triskin/jobs/verify_report.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/session/controller_calibration.hpp"
+#include "triskin/diagnose/repair.hpp"
+#include "triskin/diagnose/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
 
 namespace triskin::cli::verify_command {

@@ -6,9 +6,9 @@
 #include <span>
 #include <thread>
 
-#include "triskin/host/interrupt.hpp"
-#include "triskin/jobs/rest_store.hpp"
-#include "triskin/jobs/touch_map.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/skin/rest_store.hpp"
+#include "triskin/skin/touch_map.hpp"
 #include "triskin/robot/bus_threads.hpp"
 #include "triskin/session/stream.hpp"
 

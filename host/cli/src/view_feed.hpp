@@ -7,7 +7,7 @@
 
 #include "triskin/robot/site.hpp"
 #include "triskin/session/stream.hpp"
-#include "triskin/simlink/open_bus.hpp"
+#include "triskin/connect/open_bus.hpp"
 #include "triskin/view/live_skin.hpp"
 #include "triskin/view/server.hpp"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "triskin/design/json_fields.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::design {
 namespace {

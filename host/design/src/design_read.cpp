@@ -8,7 +8,7 @@
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::design {
 namespace {

@@ -7,7 +7,7 @@
 #include "alternatives_json.hpp"
 #include "regions_json.hpp"
 #include "triskin/design/design.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::design {
 namespace {

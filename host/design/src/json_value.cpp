@@ -4,7 +4,7 @@
 #include <set>
 #include <vector>
 
-#include "triskin/host/json_cause.hpp"
+#include "triskin/base/json_cause.hpp"
 
 namespace triskin::design {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "triskin/design/json_fields.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/layout/patch_image.hpp"
 
 namespace triskin::design {

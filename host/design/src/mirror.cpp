@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::design {
 namespace {

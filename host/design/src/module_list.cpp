@@ -5,7 +5,7 @@
 #include <set>
 
 #include "triskin/design/json_value.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::design {
 

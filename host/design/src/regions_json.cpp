@@ -4,7 +4,7 @@
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/design/region_file.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::design {
 namespace {

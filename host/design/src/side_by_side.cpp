@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::design {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::hdf5 {
 

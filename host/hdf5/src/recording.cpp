@@ -2,7 +2,7 @@
 #include "triskin/hdf5/recording.hpp"
 
 #include "triskin/hdf5/taxel_table.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 #ifdef TRISKIN_HDF5
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/hdf5/taxel_table.hpp"
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 #ifdef TRISKIN_HDF5
 #include <vector>

@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "skin.hpp"
-#include "triskin/jobs/calibrate.hpp"
-#include "triskin/jobs/controller_calibration.hpp"
-#include "triskin/jobs/rest_store.hpp"
-#include "triskin/jobs/verify.hpp"
-#include "triskin/jobs/verify_report.hpp"
+#include "triskin/skin/calibrate.hpp"
+#include "triskin/session/controller_calibration.hpp"
+#include "triskin/skin/rest_store.hpp"
+#include "triskin/diagnose/verify.hpp"
+#include "triskin/diagnose/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
-#include "triskin/simlink/open_bus.hpp"
+#include "triskin/connect/open_bus.hpp"
 
 namespace triskin::library {
 namespace {

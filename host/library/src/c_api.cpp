@@ -9,7 +9,7 @@
 #include <string>
 
 #include "skin.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 // The handle of the C interface.
 struct triskin_skin {

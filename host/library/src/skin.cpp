@@ -7,7 +7,7 @@
 #include <chrono>
 #include <utility>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/robot/assembly.hpp"
 
 namespace triskin::library {

@@ -13,12 +13,12 @@
 
 #include "triskin/design/design.hpp"
 #include "triskin/design/side_by_side.hpp"
-#include "triskin/jobs/touch_map.hpp"
+#include "triskin/skin/touch_map.hpp"
 #include "triskin/link/link.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/stream.hpp"
-#include "triskin/simlink/open_link.hpp"
+#include "triskin/connect/open_link.hpp"
 #include "triskin/triskin.h"
 
 namespace triskin::library {

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "triskin/design/module_graph.hpp"
-#include "triskin/geometry/jumpers.hpp"
-#include "triskin/host/parallel.hpp"
+#include "triskin/routing/jumpers.hpp"
+#include "triskin/base/parallel.hpp"
 
 namespace triskin::pipeline {
 

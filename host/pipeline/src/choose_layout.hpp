@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
-#include "triskin/geometry/routing.hpp"
-#include "triskin/geometry/surface.hpp"
-#include "triskin/geometry/surface_regions.hpp"
+#include "triskin/routing/routing.hpp"
+#include "triskin/mesh/surface.hpp"
+#include "triskin/mesh/surface_regions.hpp"
 
 namespace triskin::pipeline {
 

@@ -10,12 +10,12 @@
 
 #include "choose_layout.hpp"
 #include "seconds_since.hpp"
-#include "triskin/geometry/add_module.hpp"
-#include "triskin/geometry/jumpers.hpp"
-#include "triskin/geometry/map_modules.hpp"
-#include "triskin/geometry/solver_mesh.hpp"
-#include "triskin/geometry/surface_lattice.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/lattice/add_module.hpp"
+#include "triskin/routing/jumpers.hpp"
+#include "triskin/lattice/map_modules.hpp"
+#include "triskin/mesh/decimated_mesh.hpp"
+#include "triskin/lattice/grow_lattice.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/pipeline/make_design.hpp"
 #include "wire_design.hpp"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::pipeline {
 namespace {

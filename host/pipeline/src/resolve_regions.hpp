@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include "triskin/design/region_file.hpp"
-#include "triskin/geometry/extract.hpp"
-#include "triskin/geometry/mesh_io.hpp"
+#include "triskin/mesh/extract.hpp"
+#include "triskin/mesh/mesh_io.hpp"
 
 namespace triskin::pipeline {
 

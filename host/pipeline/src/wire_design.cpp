@@ -6,7 +6,7 @@
 
 #include "triskin/design/module_graph.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/geometry/surface_lattice.hpp"
+#include "triskin/lattice/grow_lattice.hpp"
 
 namespace triskin::pipeline {
 namespace {

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
-#include "triskin/geometry/routing.hpp"
-#include "triskin/geometry/surface.hpp"
-#include "triskin/geometry/surface_regions.hpp"
-#include "triskin/host/progress.hpp"
+#include "triskin/routing/routing.hpp"
+#include "triskin/mesh/surface.hpp"
+#include "triskin/mesh/surface_regions.hpp"
+#include "triskin/base/progress.hpp"
 
 namespace triskin::pipeline {
 

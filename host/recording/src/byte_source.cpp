@@ -10,7 +10,7 @@
 #include <cstring>
 
 #include "positioned_read.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::recording {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/robot/assembly.hpp"
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/link/link_kind.hpp"
 #include "triskin/session/bus_budget.hpp"
 #include "triskin/wire/bus_load.hpp"

@@ -7,7 +7,7 @@
 #include <charconv>
 #include <set>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::robot {
 namespace {

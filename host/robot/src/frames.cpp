@@ -11,8 +11,8 @@
 #include <sstream>
 #include <vector>
 
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::robot {

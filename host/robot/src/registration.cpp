@@ -11,7 +11,7 @@
 #include <ranges>
 #include <string_view>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::robot {
 namespace {

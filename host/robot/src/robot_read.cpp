@@ -3,8 +3,8 @@
 #include <cctype>
 
 #include "triskin/design/json_fields.hpp"
-#include "triskin/host/files.hpp"
-#include "triskin/jobs/board_file.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/deploy/board_file.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::robot {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <set>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/wire/sampling.hpp"
 
 namespace triskin::robot {

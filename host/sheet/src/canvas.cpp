@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 #ifdef TRISKIN_CAIRO
 #include <cairo/cairo-pdf.h>

@@ -5,7 +5,7 @@
 
 #include "pages.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::sheet {
 namespace {

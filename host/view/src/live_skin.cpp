@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 
 namespace triskin::view {
 namespace {

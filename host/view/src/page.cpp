@@ -5,8 +5,8 @@
 
 #include <stdexcept>
 
-#include "triskin/host/base64.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/base64.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::view {
 namespace {

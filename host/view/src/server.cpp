@@ -10,7 +10,7 @@
 
 #include "connection.hpp"
 #include "messages.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/view/page.hpp"
 
 namespace triskin::view {

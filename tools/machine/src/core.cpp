@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "map.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/sim/flash_model.hpp"
 
 namespace triskin::machine {

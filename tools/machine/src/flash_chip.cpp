@@ -10,8 +10,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "triskin/base/bytes.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/core/bytes.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::machine {
 namespace {

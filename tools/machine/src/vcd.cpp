@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::machine {
 namespace {

@@ -9,7 +9,7 @@
 #include "triskin/boot/dfu_device.hpp"
 #include "triskin/boot/image_receiver.hpp"
 #include "triskin/boot/loader.hpp"
-#include "triskin/logic/usb_device.hpp"
+#include "triskin/logic/usb/usb_device.hpp"
 
 namespace triskin::sim {
 namespace {

@@ -13,7 +13,7 @@
 #include "triskin/board/registers/system.hpp"
 #include "triskin/boot/image_receiver.hpp"
 #include "triskin/layout/image_label.hpp"
-#include "triskin/logic/usb_device.hpp"
+#include "triskin/logic/usb/usb_device.hpp"
 #include "usb.hpp"
 
 extern "C" std::uint32_t triskin_stack_bottom, triskin_stack_top;

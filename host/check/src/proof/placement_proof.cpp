@@ -8,7 +8,7 @@
 
 #include "joint_bound.hpp"
 #include "motion_region.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::check {
 namespace {

@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "triskin/host/error.hpp"
-#include "triskin/host/json_cause.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/json_cause.hpp"
 
 namespace triskin::check {
 namespace {

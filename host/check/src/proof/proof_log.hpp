@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "triskin/host/names.hpp"
+#include "triskin/base/names.hpp"
 
 namespace triskin::check {
 

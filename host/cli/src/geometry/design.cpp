@@ -12,7 +12,7 @@
 #include "repair_text.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
-#include "triskin/host/interrupt.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::cli::design_command {

@@ -7,7 +7,7 @@
 #include <array>
 #include <sstream>
 
-#include "triskin/host/error.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/pipeline/edit_design.hpp"
 
 namespace triskin::cli {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/geometry/extract.hpp"
+#include "triskin/mesh/extract.hpp"
 
 #include <fmt/format.h>
 
@@ -14,8 +14,8 @@
 #include "mesh_options.hpp"
 #include "repair_text.hpp"
 #include "triskin/cli/command.hpp"
-#include "triskin/geometry/surface.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/mesh/surface.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::cli::extract_command {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/geometry/generate.hpp"
+#include "triskin/mesh/generate.hpp"
 
 #include <fmt/format.h>
 
 #include <memory>
 
 #include "triskin/cli/command.hpp"
-#include "triskin/geometry/mesh_io.hpp"
-#include "triskin/host/error.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+#include "triskin/base/error.hpp"
 
 namespace triskin::cli::generate_command {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "triskin/cli/command.hpp"
-#include "triskin/geometry/mesh_io.hpp"
+#include "triskin/mesh/mesh_io.hpp"
 
 namespace triskin::cli {
 

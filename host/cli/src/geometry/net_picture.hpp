@@ -2,8 +2,8 @@
 #pragma once
 #include <string>
 
-#include "triskin/geometry/surface.hpp"
-#include "triskin/geometry/unfolding.hpp"
+#include "triskin/mesh/surface.hpp"
+#include "triskin/unfolding/unfolding.hpp"
 
 namespace triskin::cli {
 

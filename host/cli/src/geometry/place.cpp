@@ -8,10 +8,10 @@
 #include "corner_cut_option.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/design/tile.hpp"
-#include "triskin/geometry/placement.hpp"
-#include "triskin/geometry/polygon_io.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/placement/placement.hpp"
+#include "triskin/placement/polygon_io.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::cli::place_command {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "triskin/geometry/extract.hpp"
+#include "triskin/mesh/extract.hpp"
 
 namespace triskin::cli {
 

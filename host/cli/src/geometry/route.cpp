@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <chrono>
 #include <memory>
 
 #include "triskin/check/routing_rules.hpp"
@@ -8,12 +9,12 @@
 #include "triskin/design/design.hpp"
 #include "triskin/design/json_value.hpp"
 #include "triskin/design/module_list.hpp"
-#include "triskin/design/route_picture.hpp"
-#include "triskin/design/skingui.hpp"
-#include "triskin/geometry/jumpers.hpp"
-#include "triskin/geometry/routing.hpp"
-#include "triskin/host/error.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/export/route_picture.hpp"
+#include "triskin/export/skingui.hpp"
+#include "triskin/routing/jumpers.hpp"
+#include "triskin/routing/routing.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::cli::route_command {
 namespace {
@@ -28,6 +29,7 @@ struct Options {
   std::string part;
   bool hops_first = false;
   double jumpers_mm = 0.0;  // > 0: MODULES is a design
+  double time_limit_s = 0.0;
   geometry::RoutingOptions routing;
 };
 
@@ -174,6 +176,10 @@ int run(const Options& options, Output& output) {
   }
   geometry::RoutingOptions routing = options.routing;
   if (options.hops_first) routing.objective = geometry::RouteObjective::kHopsFirst;
+  if (options.time_limit_s > 0.0) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.time_limit_s);
+    routing.give_up = [end] { return std::chrono::steady_clock::now() > end; };
+  }
   const geometry::RoutingResult r = geometry::route(list.graph, places, routing, output.progress());
   output.result = result_json(r, list.ids);
   if (options.jumpers_mm > 0.0) {
@@ -240,8 +246,7 @@ void add_options(CLI::App& app, Options& o) {
       ->capture_default_str();
   app.add_option("--picture", o.picture, "draw the routes to this file (SVG)");
   app.add_option("--seed", o.routing.seed, "of the random trees")->capture_default_str();
-  app.add_option("--time-limit-s", o.routing.time_limit_s,
-                 "from 10 on, CBC goes on for this long where the bounds do not meet")
+  app.add_option("--time-limit-s", o.time_limit_s, "end the search for fewer controllers after this long; 0: no limit")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--moves", o.routing.recombinations, "recombination moves a patch, against loss and depth")

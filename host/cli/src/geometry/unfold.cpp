@@ -8,10 +8,10 @@
 #include "mesh_options.hpp"
 #include "net_picture.hpp"
 #include "triskin/cli/command.hpp"
-#include "triskin/geometry/bend_seams.hpp"
-#include "triskin/geometry/extract.hpp"
-#include "triskin/geometry/unfolding.hpp"
-#include "triskin/host/files.hpp"
+#include "triskin/unfolding/bend_seams.hpp"
+#include "triskin/mesh/extract.hpp"
+#include "triskin/unfolding/unfolding.hpp"
+#include "triskin/base/files.hpp"
 
 namespace triskin::cli::unfold_command {
 namespace {

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "triskin/base/bytes.hpp"
-#include "triskin/base/status.hpp"
+#include "triskin/core/bytes.hpp"
+#include "triskin/core/status.hpp"
 
 /// A firmware file: the application linked for slot A, and for slot B. docs/firmware_board.md, "Firmware package".
 namespace triskin::layout {

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "triskin/base/bytes.hpp"
-#include "triskin/base/status.hpp"
+#include "triskin/core/bytes.hpp"
+#include "triskin/core/status.hpp"
 
 /// What an image of the application says about itself, behind its vectors. docs/firmware_board.md, "Label".
 namespace triskin::layout {

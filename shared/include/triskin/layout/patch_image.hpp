@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "triskin/base/bytes.hpp"
-#include "triskin/base/status.hpp"
+#include "triskin/core/bytes.hpp"
+#include "triskin/core/status.hpp"
 #include "triskin/layout/joint_end.hpp"
 #include "triskin/layout/module.hpp"
 

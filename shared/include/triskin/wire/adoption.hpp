@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/wire/can_frame.hpp"
 #include "triskin/wire/identifiers.hpp"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "triskin/base/status.hpp"
+#include "triskin/core/status.hpp"
 
 namespace triskin::wire {
 

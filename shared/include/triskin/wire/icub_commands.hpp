@@ -2,8 +2,8 @@
 #pragma once
 #include <cstdint>
 
-#include "triskin/base/bytes.hpp"
-#include "triskin/base/status.hpp"
+#include "triskin/core/bytes.hpp"
+#include "triskin/core/status.hpp"
 #include "triskin/wire/can_frame.hpp"
 #include "triskin/wire/identifiers.hpp"
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 
-#include "triskin/base/bytes.hpp"
-#include "triskin/base/status.hpp"
+#include "triskin/core/bytes.hpp"
+#include "triskin/core/status.hpp"
 #include "triskin/layout/firmware_package.hpp"
 #include "triskin/wire/can_frame.hpp"
 #include "triskin/wire/checked_enum.hpp"

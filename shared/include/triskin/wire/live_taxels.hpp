@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"

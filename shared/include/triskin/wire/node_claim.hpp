@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/wire/can_frame.hpp"
 #include "triskin/wire/checked_enum.hpp"

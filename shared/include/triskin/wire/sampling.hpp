@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"
 

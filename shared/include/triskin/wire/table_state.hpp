@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "triskin/base/status.hpp"
+#include "triskin/core/status.hpp"
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/wire/can_frame.hpp"
 #include "triskin/wire/module_state.hpp"

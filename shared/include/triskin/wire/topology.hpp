@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/wire/checked_enum.hpp"
 #include "triskin/wire/identifiers.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 
 namespace triskin::wire {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/wire/can_frame.hpp"
 
 /// The same frames over USB as over CAN, one in a packet: HID reports of 64 bytes and bulk packets of up to 64.

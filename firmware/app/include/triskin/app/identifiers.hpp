@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "triskin/logic/icub_board.hpp"
-#include "triskin/logic/offset_store.hpp"
-#include "triskin/logic/route_keeper.hpp"
-#include "triskin/logic/sampler.hpp"
-#include "triskin/logic/table_store.hpp"
+#include "triskin/logic/icub/icub_board.hpp"
+#include "triskin/logic/storage/offset_store.hpp"
+#include "triskin/logic/switched/route_keeper.hpp"
+#include "triskin/logic/sampling/sampler.hpp"
+#include "triskin/logic/storage/table_store.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"

@@ -5,7 +5,7 @@
 
 #include "triskin/boot/slot_store.hpp"
 #include "triskin/layout/firmware_package.hpp"
-#include "triskin/logic/usb_control.hpp"
+#include "triskin/logic/usb/usb_control.hpp"
 
 namespace triskin::boot {
 

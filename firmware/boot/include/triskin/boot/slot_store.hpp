@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "triskin/base/bytes.hpp"
-#include "triskin/base/status.hpp"
+#include "triskin/core/bytes.hpp"
+#include "triskin/core/status.hpp"
 #include "triskin/ports/ports.hpp"
 
 namespace triskin::boot {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 
-#include "triskin/base/bytes.hpp"
-#include "triskin/base/status.hpp"
+#include "triskin/core/bytes.hpp"
+#include "triskin/core/status.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/ports/route_chain.hpp"
 #include "triskin/wire/can_frame.hpp"

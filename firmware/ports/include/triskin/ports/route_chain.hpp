@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 
 namespace triskin::fw {
 

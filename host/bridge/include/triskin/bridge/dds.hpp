@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/bridge/ros_types.hpp"
 
 /// Publishing on DDS (OMG DDS 1.4, DDSI-RTPS 2.5) by Eclipse Cyclone DDS, with the names and settings of ROS 2. The

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "triskin/host/progress.hpp"
+#include "triskin/base/progress.hpp"
 
 namespace triskin::cli {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "triskin/cli/command.hpp"
-#include "triskin/simlink/open_link.hpp"
+#include "triskin/connect/open_link.hpp"
 
 namespace triskin::cli {
 

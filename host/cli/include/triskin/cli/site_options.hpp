@@ -8,7 +8,7 @@
 
 #include "triskin/cli/link_options.hpp"
 #include "triskin/robot/site.hpp"
-#include "triskin/simlink/open_bus.hpp"
+#include "triskin/connect/open_bus.hpp"
 
 namespace triskin::cli {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
-#include "triskin/host/names.hpp"
+#include "triskin/base/names.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/wire/calibration.hpp"
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "triskin/host/names.hpp"
+#include "triskin/base/names.hpp"
 
 namespace triskin::design {
 

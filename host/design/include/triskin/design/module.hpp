@@ -7,7 +7,7 @@
 #include "triskin/design/jumper.hpp"
 #include "triskin/design/mesh.hpp"
 #include "triskin/design/tile.hpp"
-#include "triskin/host/names.hpp"
+#include "triskin/base/names.hpp"
 
 namespace triskin::design {
 

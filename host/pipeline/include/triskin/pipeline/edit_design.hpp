@@ -6,7 +6,7 @@
 
 #include "triskin/design/design.hpp"
 #include "triskin/design/mirror.hpp"
-#include "triskin/host/progress.hpp"
+#include "triskin/base/progress.hpp"
 
 namespace triskin::pipeline {
 

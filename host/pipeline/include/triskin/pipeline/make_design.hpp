@@ -7,10 +7,10 @@
 
 #include "triskin/design/design.hpp"
 #include "triskin/design/region_file.hpp"
-#include "triskin/geometry/extract.hpp"
-#include "triskin/geometry/mesh_io.hpp"
-#include "triskin/geometry/solver_mesh.hpp"
-#include "triskin/host/progress.hpp"
+#include "triskin/mesh/extract.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+#include "triskin/mesh/decimated_mesh.hpp"
+#include "triskin/base/progress.hpp"
 
 namespace triskin::pipeline {
 

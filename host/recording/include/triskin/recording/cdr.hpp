@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 
 /// CDR as ROS 2 writes it (OMG DDSI-RTPS 10.2, plain CDR version 1, little-endian): four bytes that name the encoding,
 /// then the fields, each aligned to its size.

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "triskin/base/bytes.hpp"
+#include "triskin/core/bytes.hpp"
 
 /// Records of a file in the format MCAP, version 0, after its public specification (mcap.dev/spec). All numbers are
 /// little-endian; every record is its kind (1 byte), the length of its contents (8) and the contents.

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "triskin/design/design.hpp"
-#include "triskin/host/names.hpp"
+#include "triskin/base/names.hpp"
 #include "triskin/recording/messages.hpp"
 #include "triskin/recording/output_file.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "triskin/design/design.hpp"
 #include "triskin/design/side_by_side.hpp"
-#include "triskin/jobs/flash.hpp"
+#include "triskin/deploy/flash.hpp"
 #include "triskin/robot/assembly.hpp"
 #include "triskin/session/stream.hpp"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
-#include "triskin/host/names.hpp"
+#include "triskin/base/names.hpp"
 #include "triskin/sheet/landmarks.hpp"
 #include "triskin/sheet/sides.hpp"
 

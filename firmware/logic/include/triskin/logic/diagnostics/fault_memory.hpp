@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "triskin/core/bytes.hpp"
+#include "triskin/layout/flash_pages.hpp"
+#include "triskin/layout/patch_image.hpp"
+#include "triskin/logic/sampling/table_row.hpp"
+#include "triskin/ports/ports.hpp"
+#include "triskin/wire/faults.hpp"
+
+namespace triskin::fw {
+
+/// Diagnostic trouble codes of the modules (wire::FaultCode). A fault that came and went stays confirmed until it is
+/// cleared, over a loss of power too. With each goes what was at its first occurrence. Kept in flash as a log on two
+/// pages that are filled in turn (docs/flash_layout.md); a cut of power loses at most the last entry. A fault is
+/// written once until it is cleared, so that a loose contact does not wear the flash.
+class FaultMemory {
+ public:
+  static constexpr std::size_t kFirstPage =
+      layout::kFirstFaultPage;  ///< and the next one; a smaller flash keeps nothing
+  static constexpr std::size_t kRecordBytes = 16;
+
+  using Freeze = wire::Freeze;
+
+  /// Keeps its log in `flash`, which must outlive it; load() reads it.
+  explicit FaultMemory(FlashArea& flash) : flash_(flash) {}
+  /// Reads what was confirmed before. Call once after power-up.
+  void load();
+  /// Notes the present state of a module; its earlier faults stay confirmed.
+  void note(TableRow row, wire::ModuleState state, Freeze now);
+  /// Forgets all faults. False: the flash refused.
+  bool clear();
+  /// DTC and status of every entry that has one of the bits of `mask`.
+  void report(std::uint8_t mask, ByteWriter& out) const;
+  /// Status and freeze data of one DTC. Empty: no such entry.
+  [[nodiscard]] std::optional<wire::FreezeFrame> snapshot(std::uint32_t dtc) const;
+
+ private:
+  static constexpr std::uint8_t kTestFailed = wire::fault_status::kFailsNow,
+                                kConfirmed = wire::fault_status::kConfirmed;
+  static constexpr std::size_t kStates = wire::kModuleStateCount;
+  static constexpr auto kFirstFault = static_cast<std::size_t>(wire::kFirstFaultState);
+  struct Entry {
+    std::uint8_t status = 0;
+    Freeze freeze;
+  };
+
+  [[nodiscard]] bool stored() const { return flash_.size_bytes() >= (kFirstPage + 2) * flash_.page_bytes(); }
+  [[nodiscard]] std::size_t page_offset(std::size_t page) const { return (kFirstPage + page) * flash_.page_bytes(); }
+  [[nodiscard]] Bytes record_at(std::size_t page, std::size_t index) const;
+  [[nodiscard]] bool page_valid(std::size_t page, std::uint32_t& sequence) const;
+  [[nodiscard]] bool program(std::size_t page, std::size_t index, std::span<const std::uint8_t, kRecordBytes> record);
+  void replay(std::size_t page);
+  bool append(TableRow row, std::size_t state);
+  bool start_page();
+
+  FlashArea& flash_;
+  std::array<std::array<Entry, kStates>, layout::kMaxModules> entries_{};
+  std::size_t page_ = 0, used_ = 0;  // used_ records of page_; 0: no page is started
+  std::uint32_t sequence_ = 0;
+};
+
+}  // namespace triskin::fw

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "triskin/core/bytes.hpp"
+#include "triskin/drivers/ad7147.hpp"
+#include "triskin/layout/module.hpp"
+#include "triskin/ports/ports.hpp"
+#include "triskin/wire/offsets.hpp"
+
+namespace triskin::fw {
+
+/// What is known about the offsets of the chip at one place. A place is a line and an address: the chip itself has
+/// nothing that names it but the kind and revision in its device id.
+struct PlaceOffsets {
+  bool known = false;           ///< `steps` were right once
+  std::uint16_t device_id = 0;  ///< of the chip that they were found for
+  ad7147::Offsets steps{};      ///< 0 … ad7147::kMostOffset
+  bool to_store = false;        ///< newer than in the flash
+  wire::OffsetState state = wire::OffsetState::kNone;
+  wire::Latching latching = wire::Latching::kUnknown;
+  std::uint16_t outside = 0;   ///< bit t: taxel t rests outside the middle third
+  std::uint32_t searches = 0;  ///< that have ended since power-up
+};
+/// By place: kAddressesPerLine · line + address.
+using OffsetBook = std::array<PlaceOffsets, layout::kMaxModules>;
+
+/// Keeps the offsets in flash: a log of records on two pages that are filled in turn (docs/flash_layout.md). The newest
+/// record of a place counts; before a page is erased, its records that count stand on the other one. A cut of power
+/// loses at most the record that was being written. One step() writes one unit, so that no reading is late.
+class OffsetStore {
+ public:
+  static constexpr std::size_t kFirstPage = 6;  ///< and the next one; a smaller flash keeps nothing
+  static constexpr std::size_t kRecordBytes = 32;
+  static constexpr std::uint8_t kVersion = 1;  ///< of a record; others are not read
+
+  /// Keeps its log in `flash`, which must outlive it; load() reads it.
+  explicit OffsetStore(FlashArea& flash) : flash_(flash) {}
+  /// Fills in what the flash has. Call once after power-up.
+  void load(OffsetBook& book);
+  /// Writes a unit of what is newer in `book` than in the flash, or erases a page.
+  void step(OffsetBook& book);
+  /// step() has something to write.
+  [[nodiscard]] bool busy(const OffsetBook& book) const;
+
+ private:
+  using Record = std::array<std::uint8_t, kRecordBytes>;
+  static constexpr std::size_t kNoPlace = layout::kMaxModules;
+
+  [[nodiscard]] bool stored() const { return flash_.size_bytes() >= (kFirstPage + 2) * flash_.page_bytes(); }
+  [[nodiscard]] std::size_t slots() const { return flash_.page_bytes() / kRecordBytes; }
+  [[nodiscard]] std::size_t offset_of(std::size_t page, std::size_t slot) const {
+    return (kFirstPage + page) * flash_.page_bytes() + slot * kRecordBytes;
+  }
+  void read(std::size_t page, std::size_t slot, OffsetBook& book);
+  void find_end();
+  [[nodiscard]] std::size_t next_place(const OffsetBook& book) const;
+  void begin_record(OffsetBook& book, std::size_t place);
+  void start_page();
+  void write_unit(OffsetBook& book);
+
+  FlashArea& flash_;
+  std::size_t page_ = 0, used_ = 0;                          // used_ slots of page_
+  std::uint32_t sequence_ = 0;                               // of the newest record
+  std::array<std::uint32_t, layout::kMaxModules> newest_{};  // record of each place that counts; 0: none
+  std::uint16_t elsewhere_ = 0;  // bit p: the record of place p that counts lies on the other page
+  std::size_t writing_ = kNoPlace, written_ = 0;
+  Record record_{};
+  bool failed_ = false;  // the flash refused: nothing more is written until load()
+};
+
+}  // namespace triskin::fw

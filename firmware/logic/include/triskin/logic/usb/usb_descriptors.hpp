@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "triskin/core/bytes.hpp"
+#include "triskin/wire/unique_id.hpp"
+#include "triskin/wire/usb_packet.hpp"
+
+/// What the controller tells a USB host about itself. USB 2.0 chapter 9, HID 1.11, DFU 1.1, Microsoft OS 2.0
+/// descriptors.
+namespace triskin::fw::usb {
+
+inline constexpr std::uint8_t kDevice = 1, kConfiguration = 2, kString = 3, kBos = 15, kHid = 0x21, kReport = 0x22;
+inline constexpr std::uint8_t kMicrosoftCode = 0x20;  ///< bRequest that fetches the Microsoft OS 2.0 set
+inline constexpr std::uint16_t kMicrosoftSet = 7;     ///< its wIndex
+inline constexpr std::uint16_t kDfuBlockBytes = 1024, kDetachTimeout_ms = 1000;
+/// Indexes of strings; kSerial is made from the unique id.
+inline constexpr std::uint8_t kVendorText = 1, kProductText = 2, kSerial = 3, kHidText = 4, kBulkText = 5, kDfuText = 6,
+                              kPackageText = 7;
+
+/// Run time: HID, vendor bulk, DFU run time. DFU mode: the DFU interface alone.
+[[nodiscard]] Bytes device_descriptor(bool dfu_mode);
+/// Configuration descriptor with all its interfaces and endpoints; constant.
+[[nodiscard]] Bytes configuration_descriptor(bool dfu_mode);
+[[nodiscard]] Bytes hid_descriptor();
+[[nodiscard]] Bytes hid_report_descriptor();
+[[nodiscard]] Bytes bos_descriptor(bool dfu_mode);
+[[nodiscard]] Bytes microsoft_set(bool dfu_mode);
+
+/// Writes a string descriptor into `out` (UTF-16); empty: no such string.
+[[nodiscard]] Bytes string_descriptor(std::uint8_t index, const wire::UniqueId& unique_id, std::span<std::uint8_t> out);
+
+}  // namespace triskin::fw::usb

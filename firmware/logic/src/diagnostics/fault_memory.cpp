@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "triskin/logic/diagnostics/fault_memory.hpp"
+
+#include <algorithm>
+
+namespace triskin::fw {
+namespace {
+
+constexpr std::uint32_t kPageMagic = 0x474F4C46;  // "FLOG"
+constexpr std::uint8_t kFaultMark = 0xFA;
+
+using Record = std::array<std::uint8_t, FaultMemory::kRecordBytes>;
+
+void seal(Record& record) {
+  ByteWriter(std::span(record).last(4)).le32(crc32(Bytes(record).first(12)));
+}
+
+bool sealed(Bytes record) {
+  return ByteReader(record.last(4)).le32() == crc32(record.first(12));
+}
+
+bool erased(Bytes bytes) {
+  return std::ranges::all_of(bytes, [](std::uint8_t b) { return b == 0xFF; });
+}
+
+Record fault_record(TableRow row, std::size_t state, FaultMemory::Freeze freeze) {
+  Record record{};
+  ByteWriter w(record);
+  w.u8(kFaultMark);
+  w.u8(static_cast<std::uint8_t>(row));
+  w.u8(static_cast<std::uint8_t>(state));
+  w.u8(0);
+  w.le32(freeze.time_ms);
+  w.le32(freeze.sample);
+  seal(record);
+  return record;
+}
+
+}  // namespace
+
+Bytes FaultMemory::record_at(std::size_t page, std::size_t index) const {
+  return flash_.bytes().subspan(page_offset(page) + index * kRecordBytes, kRecordBytes);
+}
+
+// Record 0 of a page is programmed last when the page is started: magic, sequence.
+bool FaultMemory::page_valid(std::size_t page, std::uint32_t& sequence) const {
+  ByteReader r(record_at(page, 0));
+  const bool magic = r.le32() == kPageMagic;
+  sequence = r.le32();
+  return magic && sealed(record_at(page, 0));
+}
+
+void FaultMemory::load() {
+  entries_ = {};
+  used_ = 0;
+  if (!stored()) return;
+  for (std::size_t page = 0; page < 2; ++page) {
+    std::uint32_t sequence = 0;
+    if (!page_valid(page, sequence) || (used_ != 0 && sequence <= sequence_)) continue;
+    page_ = page;
+    sequence_ = sequence;
+    used_ = 1;
+  }
+  if (used_ != 0) replay(page_);
+}
+
+void FaultMemory::replay(std::size_t page) {
+  for (; (used_ + 1) * kRecordBytes <= flash_.page_bytes(); ++used_) {
+    const Bytes record = record_at(page, used_);
+    if (erased(record)) return;
+    ByteReader r(record);
+    const bool fault = r.u8() == kFaultMark && sealed(record);
+    const std::size_t module = r.u8(), state = r.u8();
+    if (!fault || module >= entries_.size() || state < kFirstFault || state >= kStates)
+      continue;  // torn by a cut of power
+    (void)r.u8();
+    Entry& entry = entries_[module][state];
+    entry.status = kConfirmed;
+    entry.freeze.time_ms = r.le32();
+    entry.freeze.sample = r.le32();
+  }
+}
+
+void FaultMemory::note(TableRow row, wire::ModuleState state, Freeze now) {
+  for (std::size_t s = kFirstFault; s < kStates; ++s) {
+    Entry& e = entries_[index_of(row)][s];
+    if (static_cast<std::size_t>(state) != s) {
+      e.status = static_cast<std::uint8_t>(e.status & ~kTestFailed);
+      continue;
+    }
+    const bool first = (e.status & kConfirmed) == 0;
+    e.status = kTestFailed | kConfirmed;
+    if (!first) continue;
+    e.freeze = now;
+    (void)append(row, s);  // a flash that refuses leaves the fault in RAM
+  }
+}
+
+bool FaultMemory::clear() {
+  const bool any = std::ranges::any_of(
+      entries_, [](const auto& m) { return std::ranges::any_of(m, [](const Entry& e) { return e.status != 0; }); });
+  entries_ = {};
+  return !any || !stored() || start_page();
+}
+
+bool FaultMemory::program(std::size_t page, std::size_t index, std::span<const std::uint8_t, kRecordBytes> record) {
+  const std::size_t at = page_offset(page) + index * kRecordBytes, unit = flash_.program_bytes();
+  for (std::size_t k = 0; k < kRecordBytes; k += unit) {
+    if (!flash_.program(at + k, record.subspan(k, unit))) return false;
+  }
+  return true;
+}
+
+bool FaultMemory::append(TableRow row, std::size_t state) {
+  if (!stored()) return false;
+  if (used_ == 0 || (used_ + 1) * kRecordBytes > flash_.page_bytes()) return start_page();  // takes the new entry along
+  return program(page_, used_++, fault_record(row, state, entries_[index_of(row)][state].freeze));
+}
+
+// Starts the other page with what is confirmed now. Until its first record stands the old page counts.
+bool FaultMemory::start_page() {
+  if (!stored()) return false;
+  const std::size_t next = 1 - page_;
+  const bool blank = used_ == 0 && erased(flash_.bytes().subspan(page_offset(next), flash_.page_bytes()));
+  if (!blank && !flash_.erase_page(page_offset(next)))
+    return false;  // a page of a new board needs none: erasing holds up the loop
+  std::size_t at = 1;
+  for (std::size_t m = 0; m < entries_.size(); ++m) {
+    for (std::size_t s = kFirstFault; s < kStates; ++s) {
+      if ((entries_[m][s].status & kConfirmed) == 0) continue;
+      if (!program(next, at++, fault_record(table_row(m), s, entries_[m][s].freeze))) return false;
+    }
+  }
+  Record head{};
+  ByteWriter w(head);
+  w.le32(kPageMagic);
+  w.le32(sequence_ + 1);
+  w.le32(0);
+  seal(head);
+  if (!program(next, 0, head)) return false;
+  page_ = next;
+  used_ = at;
+  ++sequence_;
+  return true;
+}
+
+void FaultMemory::report(std::uint8_t mask, ByteWriter& out) const {
+  for (std::size_t m = 0; m < entries_.size(); ++m) {
+    for (std::size_t s = kFirstFault; s < kStates; ++s) {
+      if ((entries_[m][s].status & mask) == 0) continue;
+      const wire::FaultCode code{static_cast<wire::ModuleState>(s), static_cast<std::uint8_t>(m)};
+      wire::FaultList::encode({code, entries_[m][s].status}, out);
+    }
+  }
+}
+
+std::optional<wire::FreezeFrame> FaultMemory::snapshot(std::uint32_t dtc) const {
+  const auto code = wire::FaultCode::of(dtc);
+  if (!code) return std::nullopt;
+  const Entry& e = entries_[code->row][static_cast<std::size_t>(code->state)];
+  if ((e.status & kConfirmed) == 0) return std::nullopt;
+  return wire::FreezeFrame{{*code, e.status}, e.freeze};
+}
+
+}  // namespace triskin::fw

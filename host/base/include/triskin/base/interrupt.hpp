@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <atomic>
+#include <string>
+
+#include "triskin/base/error.hpp"
+
+namespace triskin {
+
+/// A person ended the command (Ctrl-C). The work under way ended in a safe state; the message says what was done.
+class Cancelled : public Error {
+ public:
+  using Error::Error;
+  [[nodiscard]] int exit_status() const override { return 3; }
+};
+
+/// From now on the first SIGINT, SIGTERM or SIGHUP only sets interrupt_request(); a second one ends the process at
+/// once.
+void catch_interrupts();
+/// Number of the signal that was caught; 0: none. Lock-free.
+[[nodiscard]] int interrupt_signal();
+/// True when the process was asked to end. Long work reads it at points where it can stop safely. Lock-free; tests may
+/// set it.
+[[nodiscard]] std::atomic<bool>& interrupt_request();
+
+}  // namespace triskin

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/connect/open_link.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <ranges>
+
+#include "triskin/base/interrupt.hpp"
+#include "triskin/link/can_link.hpp"
+#include "triskin/link/combined_link.hpp"
+#include "triskin/link/usb_link.hpp"
+#include "triskin/scene/sim_link.hpp"
+#include "triskin/scene/tcp_link.hpp"
+
+namespace triskin::device {
+namespace {
+
+constexpr const char* kKnown =
+    "sim, sim-usb, sim:HOST:PORT, can:IFACE, hid[:SERIAL] or usb[:SERIAL]; several of the last three joined by commas";
+
+std::unique_ptr<Link> open_sim(const LinkOptions& options, const design::Design* design) {
+  if (options.scene.empty()) {
+    if (design == nullptr) throw InputError("link sim: give the scene or the design to simulate with --scene FILE");
+    scene::Scene scene;
+    scene.design = *design;
+    scene.switched = options.switched;
+    scene.board_seed = board_seed_of(options.board_seed, scene.seed);
+    const auto folder = scene::state_folder_of(scene.design);
+    return simulate_here(options.link, std::move(scene), folder);
+  }
+  scene::Scene scene = scene::read_scene(options.scene);
+  scene.switched = scene.switched || options.switched;
+  if (design != nullptr && scene.design.design_id != design->design_id) {
+    throw InputError(fmt::format("{}: its design is {:016x}, the one given is {:016x}; use a scene of this design",
+                                 options.scene, scene.design.design_id, design->design_id));
+  }
+  scene.board_seed = board_seed_of(options.board_seed, scene.seed);
+  const auto folder = scene::state_folder_of(scene.design);
+  return simulate_here(options.link, std::move(scene), folder);
+}
+
+// Empty: neither hid nor usb.
+std::unique_ptr<Link> open_usb(const std::string& link) {
+  const std::size_t colon = link.find(':');
+  const std::string kind = link.substr(0, colon);
+  if (kind != "hid" && kind != "usb") return nullptr;
+  std::string serial = colon == std::string::npos ? "" : link.substr(colon + 1);
+  std::ranges::transform(serial, serial.begin(),
+                         [](char c) { return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c; });
+  if (colon != std::string::npos &&
+      (serial.empty() || serial.find_first_not_of("0123456789ABCDEF") != std::string::npos)) {
+    throw InputError(
+        fmt::format("link {}: a serial number has 24 hexadecimal digits, as triskin discover shows them", link));
+  }
+  return std::make_unique<UsbLink>(kind == "hid" ? make_hid_driver() : make_bulk_driver(), serial);
+}
+
+}  // namespace
+
+std::unique_ptr<Link> simulate_here(const std::string& link, scene::Scene scene, const std::filesystem::path& folder) {
+  if (link == kSimulatedHub) return std::make_unique<SimUsbLink>(std::move(scene), folder);
+  return std::make_unique<SimLink>(std::move(scene), folder);
+}
+
+std::optional<std::uint64_t> board_seed_of(std::optional<std::uint64_t> asked, std::uint64_t by_default) {
+  const std::uint64_t seed = asked.value_or(by_default);
+  return seed == 0 ? std::nullopt : std::optional(seed);
+}
+
+HostPort parse_host_port(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  HostPort result;
+  if (colon != std::string::npos) {
+    result.host = text.substr(0, colon);
+    const char* first = text.data() + colon + 1;
+    const char* last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(first, last, result.port);
+    if (error == std::errc{} && end == last && !result.host.empty()) return result;
+  }
+  throw InputError(fmt::format("\"{}\" is no HOST:PORT, for example 127.0.0.1:7000", text));
+}
+
+namespace {
+
+// Empty: no real wire.
+std::unique_ptr<Link> open_wire(const std::string& link) {
+  if (link.starts_with("can:")) return std::make_unique<CanLink>(link.substr(4));
+  return open_usb(link);
+}
+
+std::unique_ptr<Link> open_several(const std::string& text) {
+  std::vector<std::unique_ptr<Link>> links;
+  for (const auto part : std::views::split(text, ',')) {
+    const std::string link(part.begin(), part.end());
+    links.push_back(open_wire(link));
+    if (!links.back())
+      throw InputError(
+          fmt::format("link \"{}\" cannot be one of several; use can:IFACE, hid[:SERIAL] or usb[:SERIAL]", link));
+  }
+  return std::make_unique<CombinedLink>(std::move(links));
+}
+
+}  // namespace
+
+std::unique_ptr<Link> open_link(const LinkOptions& options, const design::Design* design) {
+  if (options.own_interrupts) catch_interrupts();
+  if (is_in_process(options.link)) return open_sim(options, design);
+  if (!options.scene.empty())
+    throw InputError("--scene belongs to --link sim and sim-usb; give the scene to triskin simulate instead");
+  if (options.link.starts_with("sim:")) return std::make_unique<TcpLink>(parse_host_port(options.link.substr(4)));
+  if (options.link.find(',') != std::string::npos) return open_several(options.link);
+  if (auto wire = open_wire(options.link)) return wire;
+  throw InputError(fmt::format("link \"{}\" is unknown; use {}", options.link, kKnown));
+}
+
+}  // namespace triskin::device

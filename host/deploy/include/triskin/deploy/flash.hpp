@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/base/progress.hpp"
+#include "triskin/deploy/board_shape.hpp"
+#include "triskin/session/bus.hpp"
+#include "triskin/session/patch_table.hpp"
+#include "triskin/session/scheduler.hpp"
+
+namespace triskin::device {
+
+struct FlashOptions {
+  bool dry_run = false;  ///< say what would change, write nothing
+  bool force = false;    ///< write equal tables too
+  RouteChoice route;     ///< the patch of this failure gets the tree that the design prepared for it
+  /// The electrodes hang on the converters' positive input (docs/silicon.md); the controllers turn the results round.
+  bool positive_input = false;
+  /// Conversations at once on one wire: while one board erases its page, others get their bytes. With 1 an analyser on
+  /// a CAN bus shows whole transfers.
+  int per_wire = kTasksPerWire;
+  /// Patch and unique id (24 upper-case hexadecimal digits) of the controller that is to serve it, whatever it holds.
+  struct Assignment {
+    int patch = 0;
+    std::string serial;
+  };
+  std::vector<Assignment> assign;
+  /// Controller of another design on the same bus, as a robot file names it.
+  struct Neighbour {
+    std::uint8_t node = 0;        ///< its node address
+    std::uint64_t design_id = 0;  ///< of its table
+    std::string serial;           ///< unique id as in Assignment; empty: not known
+    /// Where its design is at hand: fresh controllers that could be this one are told from those of the own patches.
+    const design::Design* design = nullptr;
+    int patch = 0;
+  };
+  /// They keep their tables, and their addresses are given to nobody else.
+  std::vector<Neighbour> neighbours;
+  int patch = -1;  ///< this patch alone; −1: all
+  /// Controllers without a table are told apart by the shapes of their patches, before anything is written; those with
+  /// equal shapes are refused. False: they get the patches in the order of their unique ids.
+  bool recognise = false;
+  /// With `recognise`: the finger of a simulated link tells controllers with equal shapes apart; without effect on
+  /// other links.
+  bool touch = false;
+  bool take_over = false;                       ///< controllers that hold a table of another design may be taken
+  double wait_s = 0.0;                          ///< how long an unplugged cable is waited for before this is an error
+  std::function<void(const std::string&)> say;  ///< called with a sentence when flashing waits and when it continues
+};
+
+struct FlashResult {
+  struct Patch {
+    int patch = 0;
+    std::string serial;              ///< unique id
+    FoundBy by = FoundBy::kNothing;  ///< kNothing in a dry run: which controller it will be shows when flashing
+    int old_address = 0;             ///< node address before
+    int address = 0;                 ///< node address of the patch
+    bool new_address = false;
+    bool equal = false;    ///< the table was there already
+    bool written = false;  ///< written, read back and compared
+    std::size_t bytes = 0;
+    std::string why;  ///< why it has not got its table; empty: it has it, or a dry run
+  };
+  std::vector<Patch> patches;  ///< those with a controller, then those without, each in their order
+  std::size_t bytes = 0;       ///< written, all controllers
+  int skipped = 0;
+  double link_s = 0.0;  ///< time of the link, all covers of the pass, virtual in the simulation
+};
+
+/// One cover of those that flash_together() serves.
+struct FlashPart {
+  Bus* bus = nullptr;  ///< a bus of its own, all over one link
+  const design::Design* design = nullptr;
+  FlashOptions options;  ///< per_wire, wait_s and say are those of the first part
+  ProgressSink progress;
+};
+
+/// Puts the tables of a design into the controllers on the bus: finds them by unique id, gives each patch a controller
+/// and its address (design::node_address_of), skips equal tables, writes the others, reads them back and compares every
+/// byte. Controllers that `options.assign` names get that patch, those that hold a table of this design keep theirs,
+/// also when its address has changed; others without a table are told apart as `options.recognise` says. A controller
+/// that holds a table of another design is written only when it is named, or with `options.take_over`. The
+/// conversations with up to `options.per_wire` controllers of a wire, and those on different wires, go on side by side;
+/// when one fails, the others are served all the same. Throws InputError for a name that cannot be; DeviceError naming
+/// every patch without its table and why: its controller does not answer or refuses, a table reads back differently, or
+/// it has no controller (then only controllers that are named or hold their table are served, and where there are none
+/// nothing is written); Cancelled when the process was asked to end. Both say what was done before; each controller
+/// then has its old table or its new one, whole, and running it again continues. Progress has a part for each patch.
+FlashResult flash(Bus& bus, const design::Design& design, const FlashOptions& options = {},
+                  const ProgressSink& progress = {});
+
+/// flash() for several covers of one bus in one pass: first it is decided for one after the other which controllers are
+/// theirs, then all tables are written side by side. `results`: by part, with what is done also when this throws. A
+/// cover whose controllers cannot be told leaves those before it their tables and ends the pass. Throws as flash().
+void flash_together(std::span<const FlashPart> parts, std::vector<FlashResult>& results);
+
+}  // namespace triskin::device

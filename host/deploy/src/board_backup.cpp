@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/deploy/board_backup.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+
+#include "address_moves.hpp"
+#include "triskin/session/address_users.hpp"
+#include "table_writer.hpp"
+#include "triskin/design/json_fields.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/deploy/board_file.hpp"
+#include "triskin/session/controller_calibration.hpp"
+#include "triskin/session/scheduler.hpp"
+#include "triskin/wire/calibration.hpp"
+#include "triskin/wire/identifiers.hpp"
+
+namespace triskin::device {
+namespace {
+
+using Message = Bus::Message;
+
+// What says that two boards are of one kind.
+constexpr std::array<std::uint16_t, 2> kKind{wire::did::kPartNumber, wire::did::kHardware};
+
+// Empty: the controller has no such value, as an older one, or one without a table.
+std::optional<std::vector<std::uint8_t>> raw_value(Bus& bus, std::uint8_t node, std::uint16_t id) {
+  const auto high = static_cast<std::uint8_t>(id >> 8), low = static_cast<std::uint8_t>(id);
+  try {
+    Message m = bus.request(node, std::array{wire::service::kRead, high, low}, Bus::Repeat::kSafe);
+    m.erase(m.begin(), m.begin() + 2);
+    return m;
+  } catch (const Refused&) {
+    return std::nullopt;
+  }
+}
+
+std::vector<std::uint8_t> noted_of(Bus& bus, std::uint8_t node, std::uint32_t code) {
+  const auto byte = [&](int shift) { return static_cast<std::uint8_t>(code >> shift); };
+  const std::array<std::uint8_t, 6> request{wire::service::kReadFaults, 0x04, byte(16), byte(8), byte(0),
+                                            wire::FreezeFrame::kRecord};
+  try {
+    Message m = bus.request(node, request, Bus::Repeat::kSafe);
+    m.erase(m.begin());
+    return m;
+  } catch (const Refused&) {
+    return {};
+  }
+}
+
+BoardBackup read_board(Bus& bus, const wire::NodeClaim& claim) {
+  const std::uint8_t node = claim.node_address;
+  Controller controller(bus, node);
+  BoardBackup b;
+  b.serial = to_text(claim.unique_id);
+  b.node_address = node;
+  for (const wire::Identifier& row : wire::kIdentifiers) {
+    if (row.access == wire::Access::kFreeze) continue;
+    if (auto value = raw_value(bus, node, row.id)) b.values[row.id] = std::move(*value);
+  }
+  const wire::ActiveTable table = controller.active_table();
+  if (table.present()) b.table = controller.read_table(layout::kHeaderBytes + table.modules * layout::kRowBytes);
+  const wire::FaultList faults = controller.faults();
+  for (const wire::FaultRecord& f : faults.faults())
+    b.faults.push_back({f.code.dtc(), f.status, noted_of(bus, node, f.code.dtc())});
+  return b;
+}
+
+std::string hex_of(Bytes bytes) {
+  return fmt::format("{:02X}", fmt::join(bytes, ""));
+}
+
+using design::JsonValue;
+
+constexpr const char* kBackupFormat = "triskin-board-backup";
+constexpr int kBackupVersion = 1;
+constexpr const char* kBackupPage = "docs/device.md";
+
+nlohmann::ordered_json board_json(const BoardBackup& b) {
+  nlohmann::ordered_json values = nlohmann::ordered_json::object(), faults = nlohmann::ordered_json::array();
+  for (const auto& [id, value] : b.values) values[fmt::format("{:04X}", id)] = hex_of(value);
+  for (const BoardBackup::Fault& f : b.faults)
+    faults.push_back({{"code", fmt::format("{:06X}", f.code)}, {"status", f.status}, {"noted", hex_of(f.noted)}});
+  nlohmann::ordered_json board = {{"serial", b.serial},
+                                  {"node_address", b.node_address},
+                                  {"table", hex_of(b.table)},
+                                  {"values", std::move(values)},
+                                  {"faults", std::move(faults)}};
+  if (b.calibration)
+    board["calibration"] = nlohmann::ordered_json::parse(design::calibration_text(std::span(&*b.calibration, 1)));
+  return board;
+}
+
+std::optional<design::BoardCalibration> calibration_in(const JsonValue& v, const std::string& serial) {
+  if (!design::has(v, "calibration")) return std::nullopt;
+  const JsonValue calibration = v["calibration"];
+  const auto boards = design::parse_calibration(calibration.raw().dump(), "calibration of controller " + serial);
+  if (boards.size() != 1 || boards[0].serial != serial)
+    calibration.fail("is not that of this controller; use another copy");
+  return boards[0];
+}
+
+// Over the boards as this program writes them: key order and spaces of the file do not count.
+std::uint32_t crc_of(std::span<const BoardBackup> boards) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const BoardBackup& b : boards) list.push_back(board_json(b));
+  const std::string text = list.dump();
+  return crc32({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+std::vector<std::uint8_t> hex_in(const JsonValue& v) {
+  const std::string text = v.text();
+  if (text.size() % 2 != 0 || text.find_first_not_of("0123456789ABCDEF") != std::string::npos)
+    v.fail("must be pairs of hexadecimal digits, upper case");
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t k = 0; k < text.size(); k += 2)
+    bytes.push_back(static_cast<std::uint8_t>(std::stoul(text.substr(k, 2), nullptr, 16)));
+  return bytes;
+}
+
+std::uint32_t number_in_hex(const JsonValue& v, const std::string& text, std::size_t digits) {
+  if (text.size() != digits || text.find_first_not_of("0123456789ABCDEF") != std::string::npos)
+    v.fail(fmt::format("must be {} hexadecimal digits, upper case", digits));
+  return static_cast<std::uint32_t>(std::stoul(text, nullptr, 16));
+}
+
+BoardBackup board_in(const JsonValue& v) {
+  design::only_keys(v, {"serial", "node_address", "table", "values", "faults", "calibration"}, kBackupPage);
+  BoardBackup b;
+  b.serial = normal_serial(v["serial"].text());
+  if (b.serial.empty()) v["serial"].fail("must have 24 hexadecimal digits");
+  b.node_address = v["node_address"].integer(layout::kFirstNode, layout::kLastNode);
+  b.table = hex_in(v["table"]);
+  const JsonValue values = v["values"];
+  if (!values.raw().is_object()) values.fail("must be an object");
+  for (const auto& [key, value] : values.raw().items())
+    b.values[static_cast<std::uint16_t>(number_in_hex(values, key, 4))] = hex_in(values[key.c_str()]);
+  const JsonValue faults = v["faults"];
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    const JsonValue f = faults.at(k);
+    b.faults.push_back({number_in_hex(f["code"], f["code"].text(), 6),
+                        static_cast<std::uint8_t>(f["status"].integer(0, 255)), hex_in(f["noted"])});
+  }
+  b.calibration = calibration_in(v, b.serial);
+  return b;
+}
+
+// The CRC says that nothing was changed; this says that it was a table in the first place.
+void require_table(const JsonValue& v, const BoardBackup& b) {
+  if (b.table.empty()) return;
+  const auto image = layout::decode(b.table);
+  if (!image)
+    v["table"].fail(fmt::format("is no table of a controller: {}; save the board again", describe(image.error())));
+  if (image->node_address != b.node_address)
+    v["table"].fail(fmt::format("is for node address {}, the board had {}", image->node_address, b.node_address));
+}
+
+void require_calibration(const JsonValue& v, const BoardBackup& b) {
+  const auto value = b.values.find(wire::Calibration::kId);
+  if (value == b.values.end()) return;
+  if (const auto kept = wire::Calibration::decode(value->second); !kept)
+    v["values"].fail(fmt::format("keeps a calibration that is none: {}; save the board again", describe(kept.error())));
+}
+
+/// A board of the file and the controller that is to hold it.
+struct Pair {
+  const BoardBackup* board = nullptr;
+  wire::NodeClaim claim;
+};
+
+class Restoration {
+ public:
+  Restoration(Bus& bus, std::span<const BoardBackup> boards, const RestoreOptions& options)
+      : bus_(bus), boards_(boards), options_(options) {}
+
+  std::vector<RestoredBoard> run() {
+    pair();
+    require_kinds();
+    require_addresses();
+    if (!options_.dry_run) move();
+    std::vector<RestoredBoard> results(pairs_.size());
+    std::vector<Task> tasks;
+    for (std::size_t k = 0; k < pairs_.size(); ++k) {
+      const Pair& p = pairs_[k];
+      const auto node = static_cast<std::uint8_t>(options_.dry_run ? p.claim.node_address : p.board->node_address);
+      tasks.push_back({node, [this, k, &results](Bus& bus) { results[k] = write(bus, pairs_[k]); }});
+    }
+    require_done(run_tasks(bus_.link(), tasks, options_.per_wire));
+    return results;
+  }
+
+ private:
+  // Names every board that was not written.
+  void require_done(const std::vector<std::exception_ptr>& outcomes) const {
+    std::vector<std::string> failed;
+    for (std::size_t k = 0; k < outcomes.size(); ++k) {
+      try {
+        if (outcomes[k]) std::rethrow_exception(outcomes[k]);
+      } catch (const DeviceError& e) {
+        failed.push_back(fmt::format("controller {}: {}", to_text(pairs_[k].claim.unique_id), e.what()));
+      }
+    }
+    if (failed.empty()) return;
+    throw DeviceError(fmt::format("{}; {} of {} boards have what was kept, the others what they held",
+                                  fmt::join(failed, "\n  "), pairs_.size() - failed.size(), pairs_.size()));
+  }
+
+  void pair() {
+    claims_ = bus_.discover();
+    for (const auto& [from, to] : options_.onto) {
+      if (std::ranges::none_of(boards_, [&](const BoardBackup& b) { return b.serial == from; }))
+        throw InputError(fmt::format("--onto {}={}: the file keeps no controller {}", from, to, from));
+    }
+    std::set<std::string> taken;
+    for (const BoardBackup& b : boards_) {
+      const auto onto = options_.onto.find(b.serial);
+      const std::string& serial = onto == options_.onto.end() ? b.serial : onto->second;
+      const auto claim =
+          std::ranges::find_if(claims_, [&](const wire::NodeClaim& c) { return to_text(c.unique_id) == serial; });
+      if (claim == claims_.end())
+        throw DeviceError(
+            fmt::format("{}: no controller {} answers; connect it, or say which one takes its place: "
+                        "--onto {}=SERIAL; nothing was written",
+                        bus_.name(), serial, b.serial));
+      if (!taken.insert(serial).second)
+        throw InputError(fmt::format("controller {} would get what two boards held; nothing was written", serial));
+      pairs_.push_back({&b, *claim});
+    }
+  }
+
+  // Asked at the address that the controller has now; fresh ones that share theirs are moved first, which a dry run
+  // does not do.
+  void require_kinds() {
+    if (!options_.dry_run) {
+      claims_ = put_apart(bus_, std::move(claims_), false);
+      for (Pair& p : pairs_) p.claim = *std::ranges::find(claims_, p.claim.unique_id, &wire::NodeClaim::unique_id);
+    }
+    const auto users = users_of_addresses(claims_);
+    for (const Pair& p : pairs_) {
+      if (users.at(p.claim.node_address) > 1) {
+        if (options_.dry_run && !p.claim.has_table) continue;
+        throw DeviceError(
+            fmt::format("{}: controller {} shares node address {} and cannot be asked; connect it alone; "
+                        "nothing was written",
+                        bus_.name(), to_text(p.claim.unique_id), p.claim.node_address));
+      }
+      Controller controller(bus_, p.claim.node_address);
+      controller.require_versions(controller.hello());
+      for (const std::uint16_t id : kKind) require_kind(p, id);
+    }
+  }
+  void require_kind(const Pair& p, std::uint16_t id) {
+    const auto now = raw_value(bus_, p.claim.node_address, id);
+    const auto kept = p.board->values.find(id);
+    if (now && kept != p.board->values.end() && *now == kept->second) return;
+    const auto text = [](const std::vector<std::uint8_t>& v) { return std::string(v.begin(), v.end()); };
+    throw InputError(fmt::format(
+        "controller {} is a \"{}\", what was kept is of a \"{}\": tables of one kind of board do not fit another; give "
+        "a file of this kind of board; nothing was written",
+        to_text(p.claim.unique_id), now ? text(*now) : "?", kept != p.board->values.end() ? text(kept->second) : "?"));
+  }
+
+  [[nodiscard]] bool is_paired(const wire::NodeClaim& c) const {
+    return std::ranges::any_of(pairs_, [&](const Pair& p) { return p.claim.unique_id == c.unique_id; });
+  }
+  void require_addresses() const {
+    std::set<int> addresses;
+    for (const Pair& p : pairs_) {
+      const int address = p.board->node_address;
+      if (!addresses.insert(address).second)
+        throw InputError(
+            fmt::format("two boards of the file had node address {}: restore them one after the other; "
+                        "nothing was written",
+                        address));
+      const auto other = std::ranges::find_if(
+          claims_, [&](const wire::NodeClaim& c) { return c.node_address == address && !is_paired(c); });
+      if (other == claims_.end()) continue;
+      throw DeviceError(
+          fmt::format("{}: controller {}, which is not in the file, has node address {} that controller "
+                      "{} is to get; take it off the bus; nothing was written",
+                      bus_.name(), to_text(other->unique_id), address, to_text(p.claim.unique_id)));
+    }
+  }
+
+  void move() {
+    std::map<wire::UniqueId, int> wanted;
+    for (const Pair& p : pairs_) {
+      if (p.claim.node_address != p.board->node_address) wanted[p.claim.unique_id] = p.board->node_address;
+    }
+    assign_addresses(bus_, std::move(wanted));
+  }
+
+  // Behind the table that it belongs to. What a board without one keeps stays: a new table has taken care of it.
+  void write_calibration(Controller& controller, const BoardBackup& b, RestoredBoard& r) const {
+    const auto value = b.values.find(wire::Calibration::kId);
+    if (value == b.values.end() || options_.dry_run) return;
+    const wire::Calibration kept = wire::Calibration::decode(value->second).value();  // read_backup looked
+    if (controller.calibration() == kept) return;
+    r.calibrated = write_and_compare(controller, kept, r.serial);
+    r.calibration_refused = !r.calibrated;
+  }
+  RestoredBoard write(Bus& bus, const Pair& p) const {
+    const BoardBackup& b = *p.board;
+    RestoredBoard r{to_text(p.claim.unique_id), b.serial, b.node_address, b.table.size(), false, false};
+    const bool moved = p.claim.node_address != b.node_address;
+    if (b.table.empty() || (options_.dry_run && !p.claim.has_table)) return r;
+    const auto now = static_cast<std::uint8_t>(options_.dry_run ? p.claim.node_address : b.node_address);
+    Controller controller(bus, now);
+    const wire::ActiveTable table = controller.active_table();
+    const bool same =
+        table.present() && table.crc == crc32(b.table) && controller.read_table(b.table.size()) == b.table;
+    r.equal = same && !moved;
+    if (!same && !options_.dry_run) {
+      write_and_compare(controller, bus, b.table, {});
+      r.written = true;
+    }
+    write_calibration(controller, b, r);
+    return r;
+  }
+
+  Bus& bus_;
+  std::span<const BoardBackup> boards_;
+  const RestoreOptions& options_;
+  std::vector<wire::NodeClaim> claims_;
+  std::vector<Pair> pairs_;
+};
+
+}  // namespace
+
+std::vector<BoardBackup> save_boards(Bus& bus, const std::function<void(const std::string&)>& say) {
+  const auto claims = bus.discover();
+  if (claims.empty())
+    throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus.name()));
+  const auto users = users_of_addresses(claims);
+  std::vector<BoardBackup> boards;
+  for (const wire::NodeClaim& c : claims) {
+    if (users.at(c.node_address) == 1) {
+      boards.push_back(read_board(bus, c));
+    } else if (c.has_table) {
+      throw DeviceError(
+          fmt::format("{}: controller {} holds a table and shares node address {}, so it cannot be asked; "
+                      "connect it alone to keep what it holds",
+                      bus.name(), to_text(c.unique_id), c.node_address));
+    } else if (say) {
+      say(fmt::format("controller {} was never flashed: there is nothing to keep", to_text(c.unique_id)));
+    }
+  }
+  return boards;
+}
+
+std::string backup_text(std::span<const BoardBackup> boards) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const BoardBackup& b : boards) list.push_back(board_json(b));
+  const nlohmann::ordered_json document = {{"format", kBackupFormat},
+                                           {"version", kBackupVersion},
+                                           {"crc32", fmt::format("{:08X}", crc_of(boards))},
+                                           {"boards", std::move(list)}};
+  return document.dump(1) + "\n";
+}
+
+std::vector<BoardBackup> read_backup(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  const nlohmann::json document = design::parse_json(read_file(path), name);
+  const JsonValue v(document, name, "");
+  if (v["format"].text() != kBackupFormat)
+    v["format"].fail(fmt::format("must be \"{}\", as triskin flash --save writes it", kBackupFormat));
+  if (const int version = v["version"].integer(0, 1'000'000); version != kBackupVersion)
+    v["version"].fail(
+        fmt::format("is {}, this program reads {}; use the release that wrote it", version, kBackupVersion));
+  design::only_keys(v, {"format", "version", "crc32", "boards"}, kBackupPage);
+  const std::uint32_t stated = number_in_hex(v["crc32"], v["crc32"].text(), 8);
+  std::vector<BoardBackup> boards;
+  const JsonValue list = v["boards"];
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    boards.push_back(board_in(list.at(k)));
+    for (std::size_t before = 0; before < k; ++before) {
+      if (boards[before].serial == boards[k].serial) list.at(k)["serial"].fail("the board stands twice");
+    }
+  }
+  if (crc_of(boards) != stated)
+    v["crc32"].fail("differs from that of the boards: the file was changed or damaged; use another copy");
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    require_table(list.at(k), boards[k]);
+    require_calibration(list.at(k), boards[k]);
+  }
+  return boards;
+}
+
+std::vector<RestoredBoard> restore_boards(Bus& bus, std::span<const BoardBackup> boards,
+                                          const RestoreOptions& options) {
+  return Restoration(bus, boards, options).run();
+}
+
+}  // namespace triskin::device

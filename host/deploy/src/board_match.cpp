@@ -1,0 +1,447 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "board_match.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <exception>
+#include <map>
+#include <set>
+
+#include "triskin/session/address_users.hpp"
+#include "touch_finder.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/session/patch_table.hpp"
+#include "triskin/session/scheduler.hpp"
+
+namespace triskin::device {
+namespace {
+
+/// Whom a controller belongs to.
+enum class Owner {
+  kNobody,     // it has no table
+  kThis,       // a table of this design
+  kAnother,    // a table of another design
+  kNeighbour,  // one that FlashOptions::neighbours names: never taken
+  kUnknown,    // a table, and an address that others share: it cannot be asked
+  kSilent,     // a table, and no answer when it was asked for it: as if it were not there, unless it is named
+};
+
+struct Candidate {
+  Board board;
+  Owner owner = Owner::kNobody;
+  wire::ActiveTable table;  // where it could be asked
+};
+
+class Matcher {
+ public:
+  Matcher(Bus& bus, const design::Design& design, const FlashOptions& options, BusBoards& known)
+      : bus_(bus),
+        design_(design),
+        options_(options),
+        known_(known),
+        n_patches_(design.patches.size()),
+        here_(design::patches_here(design)) {}
+
+  MatchedBoards run() {
+    find(known_.claims);
+    assign_named();
+    keep_own();
+    keep_moved();
+    if (missing_.empty()) {
+      if (options_.recognise && neighbours_are_known()) recognise();
+      fill(Owner::kNobody);
+      if (options_.take_over) {
+        fill(Owner::kAnother);
+        fill(Owner::kUnknown);
+      }
+    }
+    require_all();
+    require_addresses();
+    MatchedBoards matched;
+    for (const Candidate& c : candidates_) matched.boards.push_back(c.board);
+    for (const auto& [patch, why] : missing_) matched.missing.push_back({patch, why});
+    return matched;
+  }
+
+ private:
+  // Controllers that their shapes do not tell apart.
+  struct Undecided {
+    std::vector<FeelingBoard> boards;
+    std::vector<Candidate*> candidates;
+  };
+
+  void find(const std::vector<wire::NodeClaim>& claims) {
+    if (claims.empty())
+      throw DeviceError(fmt::format("{}: no controller answers; check power, cable and bit rate", bus_.name()));
+    const auto users = users_of_addresses(claims);
+    bool any_answer = false;
+    std::exception_ptr silence;
+    for (const auto& c : claims) {
+      Candidate candidate{{c, -1}, Owner::kNobody, {}};
+      try {
+        if (c.has_table) ask(candidate, users.at(c.node_address) == 1);
+        any_answer = any_answer || candidate.table.present();
+      } catch (const NoAnswer&) {
+        silence = std::current_exception();
+        candidate.owner = Owner::kSilent;
+        silent_.push_back(to_text(c.unique_id));
+      }
+      if (is_neighbour(candidate)) candidate.owner = Owner::kNeighbour;
+      candidates_.push_back(candidate);
+    }
+    if (silence && !any_answer) std::rethrow_exception(silence);  // the cable, rather than the boards
+  }
+  // A controller whose address nobody shares can be asked which design it serves.
+  void ask(Candidate& c, bool alone) {
+    c.owner = Owner::kUnknown;
+    if (!alone) return;
+    const wire::ActiveTable table = Controller(bus_, c.board.claim.node_address).active_table();
+    if (!table.present()) return;
+    c.table = table;
+    c.owner = table.design_id == design_.design_id ? Owner::kThis
+              : table.design_id == kIdentifyDesign ? Owner::kNobody
+                                                   : Owner::kAnother;
+  }
+
+  // By its serial number; where the file names none, by its address and the design that it holds.
+  [[nodiscard]] bool is_neighbour(const Candidate& c) const {
+    const std::string serial = to_text(c.board.claim.unique_id);
+    return std::ranges::any_of(options_.neighbours, [&](const FlashOptions::Neighbour& n) {
+      if (!n.serial.empty()) return n.serial == serial;
+      return c.table.present() && n.node == c.board.claim.node_address && n.design_id == c.table.design_id;
+    });
+  }
+
+  [[nodiscard]] bool wanted(int patch) const {
+    return std::ranges::binary_search(here_, patch) && (options_.patch < 0 || options_.patch == patch) &&
+           !missing_.contains(patch);
+  }
+  void give(Candidate& c, int patch, FoundBy by) {
+    c.board.patch = patch;
+    c.board.by = by;
+    taken_.insert(patch);
+  }
+
+  void assign_named() {
+    for (const FlashOptions::Assignment& a : options_.assign) {
+      if (!std::ranges::binary_search(here_, a.patch))
+        throw InputError(
+            fmt::format("--assign {}={}: the design has patches 0 … {}", a.patch, a.serial, n_patches_ - 1));
+      const auto named = std::ranges::find_if(
+          candidates_, [&](const Candidate& c) { return to_text(c.board.claim.unique_id) == a.serial; });
+      if (named == candidates_.end() && !wanted(a.patch)) continue;
+      if (named == candidates_.end()) {
+        missing_[a.patch] =
+            fmt::format("{}: no controller {} answers; triskin discover lists those that do", bus_.name(), a.serial);
+        continue;
+      }
+      if (named->board.patch >= 0 || taken_.contains(a.patch) || missing_.contains(a.patch))
+        throw InputError(fmt::format("--assign {}={}: the patch or the controller is named twice", a.patch, a.serial));
+      if (wanted(a.patch))
+        give(*named, a.patch, FoundBy::kName);
+      else
+        named->owner = Owner::kNeighbour;  // of a patch that is not asked for
+    }
+  }
+  void keep_own() {
+    for (Candidate& c : candidates_) {
+      const int patch = design::patch_at(design_, c.board.claim.node_address);
+      if (c.board.patch < 0 && c.owner == Owner::kThis && wanted(patch) && !taken_.contains(patch))
+        give(c, patch, FoundBy::kTable);
+    }
+  }
+  // A controller that was flashed with this design while its patch had another address, as without a robot file.
+  void keep_moved() {
+    design::Design then;
+    for (Candidate& c : candidates_) {
+      if (c.board.patch >= 0 || c.owner != Owner::kThis) continue;
+      if (then.patches.empty()) then = design_;
+      then.node_addresses.assign(n_patches_, c.board.claim.node_address);
+      const auto found = std::ranges::find_if(here_, [&](int patch) {
+        return wanted(patch) && !taken_.contains(patch) && holds_image(c.table.crc, image_of(then, patch));
+      });
+      if (found != here_.end()) give(c, *found, FoundBy::kTable);
+    }
+  }
+
+  // Free controllers, and the patches of this design that they may serve. Those of another design are needed only where
+  // the others do not suffice.
+  [[nodiscard]] std::vector<Candidate*> free_candidates(std::size_t n_open) {
+    std::vector<Candidate*> free;
+    for (const Owner owner : {Owner::kNobody, Owner::kAnother}) {
+      if (owner == Owner::kAnother && (!options_.take_over || free.size() >= n_open)) break;
+      for (Candidate& c : candidates_) {
+        if (c.board.patch < 0 && c.owner == owner) free.push_back(&c);
+      }
+    }
+    return free;
+  }
+  // By shape, also where one patch alone is wanted: what the others are says which one that is. Where controllers are
+  // missing nothing is asked: require_all tells.
+  void recognise() {
+    std::vector<int> open;
+    for (const int p : here_) {
+      if (!taken_.contains(p)) open.push_back(p);
+    }
+    const std::vector<Candidate*> free = free_candidates(options_.patch < 0 ? open.size() : 1);
+    std::vector<Seat> seats = seats_of(design_, open);
+    add_neighbours(seats);
+    const bool one = free.size() < 2 && (options_.patch >= 0 || seats.size() < 2);
+    if (open.empty() || one || (options_.patch >= 0 && taken_.contains(options_.patch))) return;
+    if (options_.patch < 0 && free.size() < open.size()) return;
+    if (options_.dry_run && share_addresses(free)) return;
+    const Undecided alike = settle_by_shape(free, open, seats);
+    std::erase_if(open, [&](int p) { return !wanted(p) || taken_.contains(p); });
+    if (open.empty() || alike.boards.empty()) return;  // nobody is left to tell apart
+    if (!options_.touch || options_.dry_run || bus_.link().finger() == nullptr) refuse_alike(open, alike.boards);
+    touch(open, alike);
+  }
+  // `seats` begins with those of the patches `open`; the others are of neighbours.
+  Undecided settle_by_shape(const std::vector<Candidate*>& free, const std::vector<int>& open,
+                            const std::vector<Seat>& seats) {
+    std::vector<BoardShape> shapes = shapes_of(free);
+    ShapeAssignment by_shape = assign_by_shape(shapes, seats);
+    if (!by_shape.exact && std::ranges::any_of(shapes, &BoardShape::switched)) {
+      look_again(free);
+      shapes = shapes_of(free);
+      by_shape = assign_by_shape(shapes, seats);
+    }
+    Undecided alike;
+    for (std::size_t k = 0; k < free.size(); ++k) {
+      std::vector<int> likely;  // of this design
+      for (const int seat : by_shape.likely[k]) {
+        if (static_cast<std::size_t>(seat) < open.size()) likely.push_back(open[static_cast<std::size_t>(seat)]);
+      }
+      const bool elsewhere = likely.empty() && !by_shape.likely[k].empty();
+      const bool settled = by_shape.seat[k] >= 0;
+      const bool own = settled && static_cast<std::size_t>(by_shape.seat[k]) < open.size();
+      const int patch = own ? open[static_cast<std::size_t>(by_shape.seat[k])] : -1;
+      if (own && wanted(patch)) {
+        give(*free[k], patch, FoundBy::kShape);
+      } else if (settled || elsewhere) {
+        free[k]->owner = Owner::kNeighbour;  // another patch's
+      } else {
+        alike.boards.push_back({free[k]->board.claim, shapes[k], std::move(likely), by_shape.across[k]});
+        alike.candidates.push_back(free[k]);
+      }
+    }
+    return alike;
+  }
+  // All look at their patches at the same time; those that looked for another cover of the pass do not look again.
+  [[nodiscard]] std::vector<BoardShape> shapes_of(const std::vector<Candidate*>& boards) const {
+    std::vector<BoardShape> looked(boards.size());
+    std::vector<Task> tasks;
+    for (std::size_t k = 0; k < boards.size(); ++k) {
+      if (known_.shapes.contains(boards[k]->board.claim.unique_id)) continue;
+      const std::uint8_t node = boards[k]->board.claim.node_address;
+      tasks.push_back({node, [&looked, k, node](Bus& bus) {
+                         Controller controller(bus, node);
+                         looked[k] = read_shape(controller);
+                       }});
+    }
+    for (const std::exception_ptr& failure : run_tasks(bus_.link(), tasks, options_.per_wire)) {
+      if (failure) std::rethrow_exception(failure);
+    }
+    std::vector<BoardShape> shapes;
+    for (std::size_t k = 0; k < boards.size(); ++k)
+      shapes.push_back(known_.shapes.try_emplace(boards[k]->board.claim.unique_id, looked[k]).first->second);
+    return shapes;
+  }
+  // One after the other: where patches are joined, boards that look at the same time take modules from each other.
+  void look_again(const std::vector<Candidate*>& boards) const {
+    for (const Candidate* c : boards) {
+      Controller controller(bus_, c->board.claim.node_address);
+      known_.shapes.insert_or_assign(c->board.claim.unique_id, read_shape(controller));
+    }
+  }
+  void touch(const std::vector<int>& open, const Undecided& alike) {
+    if (options_.say)
+      options_.say(
+          fmt::format("the shapes of patch{} {} do not tell their controllers apart: the finger of the "
+                      "simulation does",
+                      open.size() == 1 ? "" : "es", fmt::join(open, ", ")));
+    IdentifyOptions how;
+    how.say = options_.say;
+    TouchFinder finder(bus_, design_, alike.boards, how);
+    std::vector<int> silent;
+    for (const int patch : open) {
+      if (const auto board = finder.find(patch))
+        give(*alike.candidates[*board], patch, FoundBy::kTouch);
+      else
+        silent.push_back(patch);
+    }
+    if (!silent.empty()) refuse_alike(silent, alike.boards);
+  }
+  [[noreturn]] void refuse_alike(const std::vector<int>& open, const std::vector<FeelingBoard>& boards) const {
+    std::vector<std::string> names;
+    for (const FeelingBoard& b : boards) {
+      names.push_back(fmt::format("{} ({})", to_text(b.claim.unique_id),
+                                  b.likely.empty()       ? "like no patch that is left"
+                                  : b.likely.size() == 1 ? fmt::format("like patch {}", b.likely[0])
+                                                         : fmt::format("like patches {}", fmt::join(b.likely, ", "))));
+    }
+    // With several covers on the bus the options need the name of the cover.
+    const bool alone = options_.neighbours.empty();
+    throw DeviceError(fmt::format(
+        "{}: it is ambiguous which controller serves patch{} {}{}: {}. Let triskin identify find it out by touch, name "
+        "them ({}--assign {}=SERIAL), or plug them in one after the other ({}--patch); --by-serial takes them in the "
+        "order of their serial numbers; no table of the design was written",
+        bus_.name(), open.size() == 1 ? "" : "es", fmt::join(open, ", "), alone ? "" : " of " + design_.name,
+        fmt::join(names, ", "), alone ? "" : fmt::format("--cover {} ", design_.name), open.front(),
+        alone ? "" : fmt::format("--cover {} ", design_.name)));
+  }
+  static bool share_addresses(const std::vector<Candidate*>& list) {
+    std::set<int> addresses;
+    return !std::ranges::all_of(
+        list, [&](const Candidate* c) { return addresses.insert(c->board.claim.node_address).second; });
+  }
+  // Fresh controllers may be those of neighbours whose designs are not at hand: shapes cannot tell.
+  [[nodiscard]] bool neighbours_are_known() const {
+    return std::ranges::none_of(options_.neighbours,
+                                [&](const FlashOptions::Neighbour& n) { return n.design == nullptr && is_vacant(n); });
+  }
+  void add_neighbours(std::vector<Seat>& seats) const {
+    for (const FlashOptions::Neighbour& n : options_.neighbours) {
+      if (is_vacant(n)) seats.push_back({n.design, n.patch});
+    }
+  }
+  [[nodiscard]] bool is_vacant(const FlashOptions::Neighbour& n) const {
+    return n.serial.empty() && std::ranges::none_of(candidates_, [&](const Candidate& c) {
+             return c.owner == Owner::kNeighbour && c.board.claim.node_address == n.node;
+           });
+  }
+  // One patch alone: it must be clear which controller is meant.
+  void fill(Owner owner) {
+    std::vector<Candidate*> free;
+    for (Candidate& c : candidates_) {
+      if (c.board.patch < 0 && c.owner == owner) free.push_back(&c);
+    }
+    if (options_.patch >= 0 && !taken_.contains(options_.patch) && free.size() > 1)
+      throw DeviceError(
+          fmt::format("{}: {} controllers could be that of patch {}: {}; connect one of them, or name it: "
+                      "--assign {}=SERIAL",
+                      bus_.name(), free.size(), options_.patch, serials(free), options_.patch));
+    auto next = free.begin();
+    const auto patches = seats(free.size());
+    const bool only = patches.size() == 1 && free.size() == 1;
+    // In a dry run what shapes would say is not known.
+    const FoundBy by = only                                     ? FoundBy::kOnly
+                       : options_.dry_run && options_.recognise ? FoundBy::kNothing
+                                                                : FoundBy::kOrder;
+    for (const int patch : patches) {
+      if (next == free.end()) return;
+      if (patch >= 0) give(**next, patch, by);
+      ++next;
+    }
+  }
+
+  // Patches without a controller, in the order of their node addresses; −1 stands for one of a neighbour. Where the
+  // free controllers do not suffice for all covers of the bus, those of this design alone.
+  [[nodiscard]] std::vector<int> seats(std::size_t n_free) const {
+    std::vector<std::pair<int, int>> own, all;  // node address, patch
+    for (const int patch : here_) {
+      if (wanted(patch) && !taken_.contains(patch)) own.emplace_back(design::node_address_of(design_, patch), patch);
+    }
+    all = own;
+    for (const FlashOptions::Neighbour& n : options_.neighbours) {
+      if (is_vacant(n)) all.emplace_back(n.node, -1);
+    }
+    std::vector<int> patches;
+    auto& list = n_free >= all.size() ? all : own;
+    std::ranges::sort(list);
+    for (const auto& [node, patch] : list) patches.push_back(patch);
+    return patches;
+  }
+
+  static std::string serials(const std::vector<Candidate*>& list) {
+    std::vector<std::string> names;
+    for (const Candidate* c : list) names.push_back(to_text(c->board.claim.unique_id));
+    return fmt::format("{}", fmt::join(names, ", "));
+  }
+
+  // Where boards are missing, only those that are certain are served.
+  void require_all() {
+    std::vector<int> open;
+    for (const int p : here_) {
+      if (wanted(p) && !taken_.contains(p)) open.push_back(p);
+    }
+    if (open.empty()) return;
+    const std::vector<std::string> others = takeable();
+    if (!others.empty())
+      throw DeviceError(fmt::format(
+          "{}: no controller is free for patch{} {}; these hold a table that is not of this design and are left alone: "
+          "{}. Name one (--assign PATCH=SERIAL) or take all of them (--take-over); nothing was written",
+          bus_.name(), open.size() == 1 ? "" : "es", fmt::join(open, ", "), fmt::join(others, ", ")));
+    const auto n_answer = std::ranges::count_if(candidates_, [](const Candidate& c) {
+      return c.owner != Owner::kNeighbour && (c.owner != Owner::kSilent || c.board.patch >= 0);
+    });
+    const std::string too_few = fmt::format(
+        "{}: the design has {} patches here, {} controllers answer that may serve them{}; connect the others, or flash "
+        "one patch at a time (--patch)",
+        bus_.name(), here_.size(), n_answer,
+        silent_.empty() ? "" : fmt::format(" ({} fell silent)", fmt::join(silent_, ", ")));
+    const bool any_certain = std::ranges::any_of(candidates_, is_certain);
+    if (!any_certain || options_.patch >= 0)
+      throw DeviceError((missing_.empty() ? too_few : missing_.begin()->second) + "; nothing was written");
+    for (Candidate& c : candidates_) {
+      if (c.board.patch < 0 || is_certain(c)) continue;
+      open.push_back(c.board.patch);
+      taken_.erase(c.board.patch);
+      c.board.patch = -1;
+    }
+    for (const int p : open) missing_.try_emplace(p, too_few);
+  }
+  static bool is_certain(const Candidate& c) {
+    return c.board.patch >= 0 && (c.board.by == FoundBy::kName || c.board.by == FoundBy::kTable);
+  }
+  // Controllers that would do but hold a table that is not of this design.
+  [[nodiscard]] std::vector<std::string> takeable() const {
+    std::vector<std::string> others;
+    for (const Candidate& c : candidates_) {
+      if (c.board.patch >= 0 || (c.owner != Owner::kAnother && c.owner != Owner::kUnknown)) continue;
+      others.push_back(fmt::format("{} ({})", to_text(c.board.claim.unique_id),
+                                   c.owner == Owner::kAnother
+                                       ? fmt::format("design {:016x}", c.table.design_id)
+                                       : fmt::format("shares node address {}", c.board.claim.node_address)));
+    }
+    return others;
+  }
+
+  // The address of a patch may be that of a controller that is none of ours.
+  void require_addresses() const {
+    for (const Candidate& c : candidates_) {
+      const bool theirs = c.owner == Owner::kAnother || c.owner == Owner::kUnknown;
+      const int patch = design::patch_at(design_, c.board.claim.node_address);
+      if (options_.take_over || !theirs || c.board.patch >= 0 || !taken_.contains(patch)) continue;
+      throw DeviceError(fmt::format(
+          "{}: controller {} holds a table that is not of this design and has node address {}, which patch {} needs; "
+          "take "
+          "it off the bus, or let it move (--take-over: it must be flashed again then); nothing was written",
+          bus_.name(), to_text(c.board.claim.unique_id), c.board.claim.node_address, patch));
+    }
+  }
+
+  Bus& bus_;
+  const design::Design& design_;
+  const FlashOptions& options_;
+  BusBoards& known_;
+  const std::size_t n_patches_;
+  const std::vector<int> here_;  // ascending
+  std::vector<Candidate> candidates_;
+  std::set<int> taken_;
+  std::vector<std::string> silent_;     // serial numbers of those
+  std::map<int, std::string> missing_;  // patches without a controller, and why
+};
+
+}  // namespace
+
+MatchedBoards match_boards(Bus& bus, const design::Design& design, const FlashOptions& options, BusBoards& known) {
+  if (options.patch >= static_cast<int>(design.patches.size()))
+    throw InputError(
+        fmt::format("--patch {}: the design has patches 0 … {}", options.patch, design.patches.size() - 1));
+  return Matcher(bus, design, options, known).run();
+}
+
+}  // namespace triskin::device

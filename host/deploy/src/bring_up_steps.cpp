@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "triskin/deploy/bring_up.hpp"
+
+namespace triskin::device {
+
+const std::array<BringUpStep, 12>& bring_up_steps() {
+  static constexpr std::array<BringUpStep, 12> kSteps{{
+      {1, "Power the board, nothing flashed.", "3.3 V at the chip, supply current", "3.3 V ± 3 %, below 30 mA",
+       "0 V: the supply; above 100 mA: a short, find it before going on"},
+      {2, "Attach a debugger (SWD).", "id of the chip, size of its flash", "id 0x469, 512 KB of flash",
+       "no answer: SWDIO, SWCLK, NRST; a part of 128 or 256 KB cannot be used"},
+      {3, "Read the option bytes (FLASH_OPTR, 0x40022020).", "bits 22, 26, 27 and 7…0",
+       "DBANK (22) = 1, RDP (7…0) = AA",
+       "DBANK = 0: set it, which needs a mass erase; RDP not AA: the firmware cannot set the options"},
+      {4, "Set nSWBOOT0 = 0 and nBOOT0 = 1, cycle the power, read again.", "FLASH_OPTR", "0xFBEFF8AA on a new chip",
+       "otherwise an idle CAN bus starts the ROM's loader and the board looks dead"},
+      {5, "Flash triskin_loader.elf, then triskin_app_a.elf.", "triskin_budget by the debugger",
+       "loops counts up, findings is 0 or 4",
+       "1: DBANK; 2: cycle the power; 8: read protected; loops stands: triskin_last_failure has the reason"},
+      {6, "Look at the crystal.", "OSC_OUT with a 1:10 probe", "8.000 MHz (24.000 MHz on a Nucleo board)",
+       "none: the firmware runs from the RC oscillator, do not ship; a factor of 3: TRISKIN_CRYSTAL_MHZ"},
+      {7, "Connect CAN, 120 Ω at both ends.", "controllers that answer, versions, frames of a second",
+       "every controller answers, with an address of its own",
+       "nothing is sent: step 5; never acknowledged: H and L swapped, termination, bit rate; errors in the data phase "
+       "only: the transceiver is too slow"},
+      {8, "Plug in USB.", "controllers that answer over it", "enumerates and answers",
+       "no pull-up at D+: the firmware does not run; resets again and again: D+ and D− swapped"},
+      {9, "Look at SCL and SDA of each line.", "rise time from 30 to 70 % (scope); lines held low, recoveries",
+       "high, at most 300 ns; no line held low that is used",
+       "low: short or no pull-up; slower than 300 ns: stronger pull-up or less cable"},
+      {10, "Connect the converters.", "what answers at each address, with which id",
+       "each module of the design answers, and nothing else",
+       "no answer: address straps, a part without -1 (it speaks SPI), VDRIVE; SDA stays low: the converter's supply"},
+      {11, "Write the tables and verify.", "findings of triskin verify", "none",
+       "the table of findings in docs/device.md says which strap, joint or part"},
+      {12, "Watch the samples; nothing touches the skin.", "rate, noise, rest value and offset of each taxel",
+       "every module streams, each taxel rests in the middle third, noise below 10 counts RMS",
+       "outside the middle third: the electrode has less than 2 or more than 18 pF, is open or shorted; noise: supply "
+       "or ground of the module"},
+  }};
+  return kSteps;
+}
+
+std::string to_markdown(const std::vector<StepReport>& reports, std::string_view link_name) {
+  std::string text =
+      fmt::format("# Bring-up report\n\nLink: {}\n\n| step | do | outcome | found |\n|---|---|---|---|\n", link_name);
+  for (const StepReport& r : reports) {
+    const BringUpStep& step = bring_up_steps().at(static_cast<std::size_t>(r.number - 1));
+    text += fmt::format("| {} | {} | {} | {} |\n", r.number, step.does, kStepOutcomeNames.name(r.outcome), r.found);
+  }
+  for (const StepReport& r : reports) {
+    if (r.outcome != StepOutcome::kFailed) continue;
+    const BringUpStep& step = bring_up_steps().at(static_cast<std::size_t>(r.number - 1));
+    text += fmt::format("\n## Step {}\n\nMeasured: {}. Should be: {}. Otherwise: {}.\n", r.number, step.measures,
+                        step.expects, step.otherwise);
+  }
+  return text;
+}
+
+}  // namespace triskin::device

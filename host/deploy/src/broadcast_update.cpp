@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/deploy/broadcast_update.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <thread>
+
+#include "triskin/layout/image_label.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/wire/identity.hpp"
+#include "update_session.hpp"
+
+namespace triskin::device {
+namespace {
+
+// What the image says about itself, before anything is sent.
+void check_label(const FirmwarePackage& package, int slot) {
+  const auto label = layout::decode_label(package.image(slot));
+  if (!label) {
+    throw InputError(
+        fmt::format("firmware package: the image for slot {} has no label: it is of version 0.1, which goes to one "
+                    "controller after "
+                    "the other (--one-by-one)",
+                    slot));
+  }
+  if (label->hardware != wire::kPartNumber)
+    throw InputError(fmt::format("firmware package: the image for slot {} is for other hardware", slot));
+  if (label->firmware_version != package.head.firmware_version)
+    throw InputError(
+        fmt::format("firmware package: the image for slot {} is of another version than its head says", slot));
+}
+
+// Each bus in a thread of its own; one bus in this one. The first exception leaves when all have ended.
+template <class Work>
+void side_by_side(std::vector<std::unique_ptr<UpdateSession>>& sessions, Work work) {
+  std::vector<std::exception_ptr> failures(sessions.size());
+  const auto run = [&](std::size_t k) {
+    try {
+      work(*sessions[k]);
+    } catch (...) {
+      failures[k] = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t k = 1; k < sessions.size(); ++k) threads.emplace_back([&run, k] { run(k); });
+    if (!sessions.empty()) run(0);
+  }
+  for (const auto& failure : failures) {
+    if (!failure) continue;
+    for (const auto& s : sessions) s->abandon();
+    std::rethrow_exception(failure);
+  }
+}
+
+std::uint16_t draw_session() {
+  std::random_device dice;
+  return static_cast<std::uint16_t>(1 + dice() % 0xFFFF);
+}
+
+}  // namespace
+
+bool has_labels(const FirmwarePackage& package) {
+  return layout::decode_label(package.image(0)) && layout::decode_label(package.image(1));
+}
+
+std::string_view outcome_name(UpdateOutcome outcome) {
+  constexpr std::array<std::string_view, 7> kNames{"updated", "equal",     "would be updated", "by its loader",
+                                                   "refused", "held back", "given up"};
+  return kNames.at(static_cast<std::size_t>(outcome));
+}
+
+bool BroadcastResult::complete() const {
+  return std::ranges::all_of(boards, [](const BoardUpdate& b) {
+    return b.outcome == UpdateOutcome::kUpdated || b.outcome == UpdateOutcome::kEqual;
+  });
+}
+
+BroadcastResult broadcast_firmware(std::span<const UpdateBus> buses, const FirmwarePackage& package,
+                                   const BroadcastOptions& options, const ProgressSink& progress) {
+  for (int slot = 0; slot < 2; ++slot) check_label(package, slot);
+  std::mutex telling;
+  const std::uint16_t number = draw_session();
+  std::vector<std::unique_ptr<UpdateSession>> sessions;
+  std::vector<std::uint64_t> began_us;
+  std::size_t first = 0;
+  for (const UpdateBus& b : buses) {
+    const auto tell = [&, first, boards = b.boards](std::size_t k, const char* stage, double fraction) {
+      const std::scoped_lock lock(telling);
+      report(progress, stage, fraction, to_text(boards[k].unique_id), static_cast<int>(first + k));
+    };
+    sessions.push_back(std::make_unique<UpdateSession>(*b.bus, b.boards, package, options, number, tell));
+    began_us.push_back(b.bus->now_us());
+    first += b.boards.size();
+  }
+  const auto any_refused = [&] {
+    return !options.each && std::ranges::any_of(sessions, [](const auto& s) { return s->any_refused(); });
+  };
+  constexpr const char* kTogether = "another controller refused; give --each to start it where it is ready";
+  side_by_side(sessions, [](UpdateSession& s) { s.begin(); });
+  if (!any_refused()) side_by_side(sessions, [](UpdateSession& s) { s.transfer(); });
+  if (any_refused())
+    for (const auto& s : sessions) s->hold_back(kTogether);
+  else
+    side_by_side(sessions, [](UpdateSession& s) { s.activate(); });
+
+  BroadcastResult result;
+  for (std::size_t k = 0; k < sessions.size(); ++k) {
+    for (BoardUpdate& b : sessions[k]->take_boards()) result.boards.push_back(std::move(b));
+    result.rounds = std::max(result.rounds, sessions[k]->rounds());
+    result.frames += sessions[k]->frames();
+    result.again += sessions[k]->again();
+    result.link_s = std::max(result.link_s, static_cast<double>(buses[k].bus->now_us() - began_us[k]) * 1e-6);
+  }
+  return result;
+}
+
+}  // namespace triskin::device

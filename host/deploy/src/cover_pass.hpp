@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <deque>
+#include <exception>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "board_match.hpp"
+#include "triskin/deploy/flash.hpp"
+#include "triskin/session/scheduler.hpp"
+
+namespace triskin::device {
+
+/// One cover in one pass of flash_together: first its boards, then the conversations that write their tables.
+class CoverPass {
+ public:
+  /// `images`: by patch. All outlive the pass; `patches` has what is done, also of passes before.
+  CoverPass(const FlashPart& part, const std::vector<std::vector<std::uint8_t>>& images,
+            std::vector<FlashResult::Patch>& patches)
+      : bus_(*part.bus),
+        design_(*part.design),
+        options_(part.options),
+        progress_(part.progress),
+        images_(images),
+        patches_(patches) {}
+
+  /// Decides which board serves which patch. `settled`: boards of covers that were planned
+  /// before, by serial number. `known`: what they have found out of the bus, and this one adds to. Throws as
+  /// match_boards and assign_addresses do.
+  void plan(std::span<const FlashOptions::Neighbour> settled, BusBoards& known);
+  /// Gives the boards of all covers of a pass the addresses of their patches; one that nobody needs and that sits there
+  /// moves to a free one. In a dry run nothing is done. Throws DeviceError as assign_addresses.
+  static void give_addresses(const std::deque<CoverPass>& covers, BusBoards& known);
+  /// The boards of this cover, for those that are planned after it.
+  [[nodiscard]] std::vector<FlashOptions::Neighbour> settled() const;
+  /// Controllers that answered.
+  [[nodiscard]] std::size_t found() const { return found_; }
+  /// Appends a conversation for each board.
+  void add_tasks(std::vector<Task>& tasks);
+
+  struct Failure {
+    std::string who;  ///< patch and controller
+    std::exception_ptr what;
+    [[nodiscard]] std::string text() const;  ///< of what was thrown
+  };
+  /// Patches without their table, in their order: `outcomes` of the tasks, and those that have no board.
+  [[nodiscard]] std::vector<Failure> failures(std::span<const std::exception_ptr> outcomes);
+  /// How many conversations add_tasks appended.
+  [[nodiscard]] std::size_t tasks() const { return boards_.size(); }
+  /// Which patches have their table.
+  [[nodiscard]] std::string what_is_done() const;
+
+ private:
+  void find(std::vector<wire::NodeClaim>& claims);
+  [[nodiscard]] std::uint8_t address_of(const Board& board) const;
+  void begin(FlashResult::Patch& r, const Board& board) const;
+  void step(int patch, const char* what, double fraction) const;
+  void serve(Bus& bus, const Board& board, FlashResult::Patch& r) const;
+  void converse(Bus& bus, const Board& board, FlashResult::Patch& r, bool& began_to_write) const;
+
+  Bus& bus_;
+  const design::Design& design_;
+  FlashOptions options_;
+  const ProgressSink& progress_;
+  const std::vector<std::vector<std::uint8_t>>& images_;
+  std::vector<FlashResult::Patch>& patches_;  // those with a board, then those without
+  std::vector<Board> boards_;                 // by patch
+  std::vector<MissingBoard> missing_;         // by patch
+  std::size_t found_ = 0;
+};
+
+}  // namespace triskin::device

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/base/names.hpp"
+#include "triskin/session/bus.hpp"
+#include "triskin/wire/offsets.hpp"
+
+namespace triskin::device {
+
+/// Names of the states of a module's offsets, and of when its converter shows its results.
+inline constexpr NameTable kOffsetStateNames{
+    std::array<std::pair<wire::OffsetState, std::string_view>, 5>{{{wire::OffsetState::kNone, "none"},
+                                                                   {wire::OffsetState::kSearching, "searching"},
+                                                                   {wire::OffsetState::kKept, "kept"},
+                                                                   {wire::OffsetState::kFound, "found"},
+                                                                   {wire::OffsetState::kOutside, "outside"}}}};
+inline constexpr NameTable kLatchingNames{
+    std::array<std::pair<wire::Latching, std::string_view>, 3>{{{wire::Latching::kUnknown, "unknown"},
+                                                                {wire::Latching::kEachStage, "each_stage"},
+                                                                {wire::Latching::kEndOfSequence, "end_of_sequence"}}}};
+
+/// Offsets that the controller of one patch has found for its converters.
+struct PatchOffsets {
+  int patch = 0;             ///< index in the design
+  std::vector<int> modules;  ///< id in the design of each row
+  wire::Offsets offsets;
+};
+
+/// Asks every controller that holds a table of the design; one whose firmware knows no offsets (0.1) is left out. Takes
+/// 0.2 s. Throws Unreachable, DeviceError for a malformed answer.
+[[nodiscard]] std::vector<PatchOffsets> read_offsets(Bus& bus, const design::Design& design);
+
+/// A line for the patch, then one for each module with a taxel that rests outside the middle third of its range.
+[[nodiscard]] std::vector<std::string> describe(const PatchOffsets& patch);
+
+}  // namespace triskin::device

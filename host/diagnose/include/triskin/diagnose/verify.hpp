@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/base/progress.hpp"
+#include "triskin/diagnose/finding_kind.hpp"
+#include "triskin/session/bus.hpp"
+#include "triskin/session/stream_report.hpp"
+
+namespace triskin::device {
+
+/// One thing that does not match the design.
+struct Finding {
+  FindingKind kind = FindingKind::kAbsentController;
+  int module = -1;  ///< -1: concerns a controller or a line
+  int patch = -1;
+  int other = -1;  ///< the module that answered instead, where there is one
+  int line = -1;   ///< where it was found, or the line itself
+  int address = -1;
+  int taxel = -1;
+  std::string place;  ///< of the module on the cover ("row 3, left rim"); empty without one
+  std::string text;
+  std::string remedy;
+};
+
+struct VerifyOptions {
+  /// Press every module in turn: with the finger of a simulated link, otherwise by the person who is asked.
+  bool touch = false;
+  /// Asks a person to press a module and to say when; false: skip this module. Needed for touch on real links.
+  std::function<bool(int module)> ask;
+  std::vector<StreamDemand> neighbours;  ///< StreamOptions::neighbours
+  double watch_s = 2.0;                  ///< shortest time over which intermittent faults are collected, s, ≥ 0
+};
+
+struct VerifyResult {
+  int modules_ok = 0;
+  int modules = 0;
+  int touched = 0;  ///< modules that were pressed
+  std::vector<Finding> findings;
+  /// What the controllers remember from before, and is not there now (kLostConfiguration, kIntermittentModule).
+  /// It was deleted from their memories, so that what comes again is found again.
+  std::vector<Finding> earlier;
+  /// What came of the samples that were due in half a second at least; empty where the link carries no full stream, or
+  /// a controller has no table or that of a failure.
+  std::optional<StreamReport> stream;
+};
+
+/// Compares the hardware with the design: controllers, tables, modules, taxels, joints. Clears the fault memories of
+/// the controllers. Takes watch_s at least, with touch 0.2 s a module on a simulated link. Progress has a part for each
+/// patch. Throws DeviceError when no controller answers or one stops answering, InputError when the design does not fit
+/// into tables, Cancelled when the process was asked to end.
+VerifyResult verify(Bus& bus, const design::Design& design, const VerifyOptions& options,
+                    const ProgressSink& progress = {});
+
+}  // namespace triskin::device

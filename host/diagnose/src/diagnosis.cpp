@@ -1,0 +1,439 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "cover_place.hpp"
+#include "triskin/diagnose/topology.hpp"
+#include "triskin/session/guest_modules.hpp"
+#include "verification.hpp"
+
+namespace triskin::device {
+
+using wire::ModuleState;
+
+namespace {
+
+constexpr int kManyTaxels = 6;  // of one module at their ends: it is one fault, not many
+
+// One cause for many modules is likelier than a cause for each; a wrong map is likelier than dead hardware.
+int likelihood_rank(FindingKind kind) {
+  static constexpr std::array kOrder{
+      FindingKind::kWrongPatch,      FindingKind::kSwappedLines,      FindingKind::kMirroredPatch,
+      FindingKind::kStuckLine,       FindingKind::kMissingJoint,      FindingKind::kSaggingSupply,
+      FindingKind::kLooseJoint,      FindingKind::kWrongOrder,        FindingKind::kSwappedModules,
+      FindingKind::kWrongAddress,    FindingKind::kDuplicateAddress,  FindingKind::kRotatedModule,
+      FindingKind::kWrongId,         FindingKind::kAbsentModule,      FindingKind::kAdoptedModule,
+      FindingKind::kNoTouchResponse, FindingKind::kLostConfiguration, FindingKind::kIntermittentModule,
+      FindingKind::kSaturatedTaxel,  FindingKind::kFrozenTaxel,       FindingKind::kTouchedOtherModule,
+      FindingKind::kUnexpectedChip};
+  return static_cast<int>(std::ranges::find(kOrder, kind) - kOrder.begin());
+}
+
+}  // namespace
+
+Diagnosis::Diagnosis(const design::Design& design, std::vector<PatchState> patches, std::vector<TouchOutcome> touches)
+    : design_(design), patches_(std::move(patches)), touches_(std::move(touches)), wiring_(design::wiring_of(design)) {}
+
+void Diagnosis::run(VerifyResult& result) {
+  examine_cables();
+  examine_adoption();
+  for (const PatchState& p : patches_) {
+    if (!p.usable) {
+      for (std::size_t row = 0; row < p.image.module_count; ++row) bad_.insert(p.module(row));
+      continue;
+    }
+    for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
+      if (!p.reads(m.node)) bad_.insert(m.node);
+    }
+    examine_topology(p);
+    examine_lines(p);
+    examine_history(p);
+    examine_modules(p);
+    examine_mirrored(p);
+  }
+  for (const TouchOutcome& t : touches_) examine_touch(t);
+  result.earlier = examine_earlier();
+  result.modules_ok = result.modules - static_cast<int>(bad_.size());
+  std::ranges::stable_sort(findings_, {}, [](const Finding& f) { return likelihood_rank(f.kind); });
+  result.findings.insert(result.findings.end(), findings_.begin(), findings_.end());
+}
+
+std::string Diagnosis::at(int line, int address) {
+  return fmt::format("line {}, address {} (0x{:02X})", line, address, layout::kFirstCdcAddress + address);
+}
+
+std::string Diagnosis::where(int module) const {
+  const auto& w = wiring_[static_cast<std::size_t>(module)];
+  return fmt::format("module {} (patch {}, {})", module, w.patch, at(w.routed.line, w.routed.address));
+}
+
+Finding& Diagnosis::add(FindingKind kind, int module, int patch, std::string text, std::string remedy) {
+  Finding f;
+  f.kind = kind;
+  f.module = module;
+  f.patch = patch;
+  f.text = std::move(text);
+  f.remedy = std::move(remedy);
+  if (module >= 0) {
+    bad_.insert(module);
+    f.place = place_on_cover(design_, module);
+  }
+  return findings_.emplace_back(std::move(f));
+}
+
+const TouchOutcome* Diagnosis::touch_of(int module) const {
+  const auto found = std::ranges::find_if(touches_, [&](const TouchOutcome& t) { return t.module == module; });
+  return found == touches_.end() ? nullptr : &*found;
+}
+
+// Modules that a neighbour reads are there: what is missing is the way from their own controller.
+void Diagnosis::examine_adoption() {
+  const ModuleEnds ends = design::module_ends(design_);
+  for (const PatchState& p : patches_) {
+    std::vector<int> rows;
+    for (std::size_t row = 0; row < p.image.module_count; ++row) rows.push_back(p.module(row));
+    for (const int m : guest_modules(ends, rows, p.adoption)) {
+      if (m < 0 || !adopter_.emplace(m, p.patch).second) continue;
+      const int own = wiring_[static_cast<std::size_t>(m)].patch;
+      add(FindingKind::kAdoptedModule, m, own,
+          fmt::format("module {} (patch {}): out of reach of its controller; the controller of patch {} reads it", m,
+                      own, p.patch),
+          "repair the modules or joints between it and its own controller; it is handed back then");
+      explained_.insert(m);
+    }
+  }
+}
+
+// Switched modules: what the chain shows says more than a silent chip.
+void Diagnosis::examine_topology(const PatchState& p) {
+  if (!p.topology.switched) return;
+  const TopologyMatch match = match_topology(p.topology, design_, p.patch);
+  const TopologyMatch best = identify_patch(p.topology, design_).front();
+  const bool other = best.patch != p.patch && best.differences.size() + 2 < match.differences.size();
+  if (other || match.another_patch()) {
+    add(FindingKind::kWrongPatch, -1, p.patch,
+        other && !best.another_patch()
+            ? fmt::format("patch {}: its controller hangs on the modules of patch {}", p.patch, best.patch)
+            : fmt::format("patch {}: the {} modules found are not this patch", p.patch, p.topology.count),
+        "exchange the cables of the controllers, or compare the patch with the assembly sheet");
+    for (const auto& m : design_.patches[static_cast<std::size_t>(p.patch)].modules) {
+      explained_.insert(m.node);
+      bad_.insert(m.node);
+    }
+    return;
+  }
+  for (const TopologyDifference& d : match.differences) {
+    if (d.kind == FindingKind::kMissingModule && (!p.reads(d.module) || adopter_.contains(d.module))) continue;
+    const bool joint = d.kind == FindingKind::kMissingJoint ||
+                       d.kind == FindingKind::kExtraJoint;  // its modules may be read all the same
+    Finding& f = add(d.kind, joint ? -1 : d.module, p.patch, fmt::format("patch {}: {}", p.patch, d.text), d.remedy);
+    f.module = d.module;
+    f.other = d.other;
+    if (joint) continue;
+    explained_.insert(d.module);
+    if (d.other >= 0) explained_.insert(d.other);
+  }
+}
+
+void Diagnosis::examine_lines(const PatchState& p) {
+  for (int l = 0; l < layout::kLines; ++l) {
+    const auto k = static_cast<std::size_t>(l);
+    std::vector<int> modules;
+    bool held = p.lines[k].stuck;
+    for (std::size_t row = 0; row < p.image.module_count; ++row) {
+      if (p.image.modules[row].line != l) continue;
+      modules.push_back(p.module(row));
+      held = held || p.states.state[row] == ModuleState::kLineStuck;
+    }
+    if (!held && p.line_states.lines[k].recoveries == 0) continue;
+    const std::string what =
+        held ? "is held low"
+             : fmt::format("was held low and freed by clock pulses {} times", p.line_states.lines[k].recoveries);
+    Finding& f = add(
+        FindingKind::kStuckLine, -1, p.patch,
+        fmt::format("patch {}, line {}: SDA or SCL {}; modules on it: {}", p.patch, l, what, fmt::join(modules, ", ")),
+        "look for a short of this line; part the joints from the far end on until the line is free");
+    f.line = l;
+    if (!held) continue;
+    bad_.insert(modules.begin(), modules.end());
+    explained_.insert(modules.begin(), modules.end());
+  }
+}
+
+void Diagnosis::examine_modules(const PatchState& p) {
+  std::vector<std::size_t> absent, doubled;
+  for (std::size_t row = 0; row < p.image.module_count; ++row) {
+    const int module = p.module(row);
+    switch (p.states.state[row]) {
+      case ModuleState::kAbsent:
+        if (p.topology.switched && explained_.contains(module))
+          bad_.insert(module);
+        else
+          absent.push_back(row);
+        break;
+      case ModuleState::kWrongId:
+        explained_.insert(module);
+        add(FindingKind::kWrongId, module, p.patch, where(module) + ": a chip answers, but it is no AD7147",
+            "look at the part that is soldered there; another device may share the address");
+        break;
+      case ModuleState::kDuplicate:
+        doubled.push_back(row);
+        break;
+      case ModuleState::kSaturated:
+      case ModuleState::kFrozen:
+      case ModuleState::kOk:
+      case ModuleState::kUnknown:
+        examine_taxels(p, row);
+        break;
+      case ModuleState::kLostConfiguration:
+      case ModuleState::kLineStuck:
+        break;  // examine_history and examine_lines report these
+    }
+  }
+  examine_doubled(p, absent, doubled);
+  examine_absent(p, absent);
+}
+
+// Two chips answer at one address: one of them is the absent module that explains most.
+void Diagnosis::examine_doubled(const PatchState& p, std::vector<std::size_t>& absent,
+                                const std::vector<std::size_t>& doubled) {
+  for (const std::size_t row : doubled) {
+    const layout::ModuleRow& r = p.image.modules[row];
+    const int module = p.module(row);
+    explained_.insert(module);
+    if (absent.empty()) {
+      add(FindingKind::kDuplicateAddress, module, p.patch, where(module) + ": two chips answer at once",
+          "compare the straps of the modules with the assembly sheet");
+      continue;
+    }
+    add_duplicate(p, take_likeliest(p, absent, {r.line, r.address}), module);
+  }
+}
+
+void Diagnosis::add_duplicate(const PatchState& p, std::size_t row, int other) {
+  const int module = p.module(row);
+  const layout::ModuleRow& r = p.image.modules[row];
+  const auto& o = wiring_[static_cast<std::size_t>(other)].routed;
+  Finding& f = add(FindingKind::kDuplicateAddress, module, p.patch,
+                   fmt::format("{}: nothing answers there; it sits at {} together with module {}", where(module),
+                               at(o.line, o.address), other),
+                   fmt::format("solder the straps of module {} to {}", module, at(r.line, r.address)));
+  f.other = other;
+  f.line = o.line;
+  f.address = o.address;
+  explained_.insert(module);
+  bad_.insert(other);
+}
+
+// Straps that differ. One wrong strap is likelier than several.
+int Diagnosis::strap_difference(const layout::ModuleRow& row, const Place& place) {
+  return std::popcount(static_cast<unsigned>(place.line ^ row.line)) +
+         std::popcount(static_cast<unsigned>(place.address ^ row.address));
+}
+
+void Diagnosis::examine_taxels(const PatchState& p, std::size_t row) {
+  const int module = p.module(row);
+  if (p.states.state[row] == ModuleState::kUnknown) {
+    explained_.insert(module);
+    add(FindingKind::kAbsentModule, module, p.patch, where(module) + ": the controller has read nothing from it yet",
+        "power-cycle the controller and verify again");
+    return;
+  }
+  const unsigned valid = p.now.modules[row].valid;
+  int at_end = 0;
+  for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
+    const std::uint16_t raw = p.now.modules[row].value[t];
+    at_end += (valid >> t & 1) == 0 && (raw == 0 || raw == 0xFFFF) ? 1 : 0;
+  }
+  if (at_end >= kManyTaxels) {
+    explained_.insert(module);
+    add(FindingKind::kSaturatedTaxel, module, p.patch,
+        fmt::format("{}: {} taxels are at the end of their range", where(module), at_end),
+        "look for a short of the shield or of the converter's reference; else replace the module");
+    return;
+  }
+  for (int t = 0; t < layout::kTaxelsPerModule; ++t) {
+    if ((valid >> t & 1) != 0) continue;
+    const std::uint16_t raw = p.now.modules[row].value[static_cast<std::size_t>(t)];
+    if (raw != 0 && raw != 0xFFFF) {
+      add(FindingKind::kFrozenTaxel, module, p.patch,
+          fmt::format("{}: taxel {} keeps one value while the others change", where(module), t),
+          "look for a broken trace to the pad")
+          .taxel = t;
+      continue;
+    }
+    add(FindingKind::kSaturatedTaxel, module, p.patch,
+        fmt::format("{}: taxel {} is at the end of its range", where(module), t),
+        "look for a short between the pad and its neighbours or the shield")
+        .taxel = t;
+  }
+}
+
+std::vector<Diagnosis::Place> Diagnosis::unexpected(const PatchState& p) const {
+  std::vector<Place> places;
+  for (int l = 0; l < layout::kLines; ++l) {
+    for (int a = 0; a < layout::kAddressesPerLine; ++a) {
+      if ((p.lines[static_cast<std::size_t>(l)].answers >> a & 1) == 0) continue;
+      const bool in_table =
+          std::ranges::any_of(p.image.rows(), [&](const auto& row) { return row.line == l && row.address == a; });
+      const bool guest = p.guest_places.test(static_cast<std::size_t>(layout::kAddressesPerLine * l + a));
+      if (!in_table && !guest) places.push_back({l, a});
+    }
+  }
+  return places;
+}
+
+// What is left to explain when the module of `row` sits at `place`: causes first, then straps that differ.
+double Diagnosis::cost_of_taking(const PatchState& p, const std::vector<std::size_t>& rows, std::size_t row,
+                                 const Place& place) const {
+  constexpr double kStrap = 0.3;
+  std::set<int> left;
+  for (const std::size_t r : rows) {
+    if (r != row) left.insert(p.module(r));
+  }
+  return static_cast<double>(branches(p, left).size()) + kStrap * strap_difference(p.image.modules[row], place);
+}
+
+std::size_t Diagnosis::take_likeliest(const PatchState& p, std::vector<std::size_t>& rows, const Place& place) const {
+  const auto best =
+      std::ranges::min_element(rows, {}, [&](std::size_t row) { return cost_of_taking(p, rows, row, place); });
+  const std::size_t row = *best;
+  rows.erase(best);
+  return row;
+}
+
+void Diagnosis::add_wrong_address(const PatchState& p, std::size_t row, const Place& place) {
+  const int module = p.module(row);
+  const layout::ModuleRow& r = p.image.modules[row];
+  Finding& f = add(FindingKind::kWrongAddress, module, p.patch,
+                   fmt::format("{}: nothing answers there, but a chip answers at {}, where the design has none",
+                               where(module), at(place.line, place.address)),
+                   fmt::format("solder the straps of module {} to {}", module, at(r.line, r.address)));
+  f.line = place.line;
+  f.address = place.address;
+}
+
+// Modules that do not answer where they should: on top of another one, somewhere else, behind a broken joint, or dead.
+void Diagnosis::examine_absent(const PatchState& p, const std::vector<std::size_t>& rows) {
+  std::vector<std::size_t> open;
+  for (const std::size_t row : rows) {
+    const int module = p.module(row);
+    explained_.insert(module);
+    const TouchOutcome* touch = touch_of(module);
+    // A neighbour that feels the rim of the finger is no answer: the chip's own pads would all have moved.
+    if (touch != nullptr && touch->whole && touch->answered >= 0 && touch->answered != module)
+      add_duplicate(p, row, touch->answered);
+    else
+      open.push_back(row);
+  }
+  std::vector<Place> elsewhere = unexpected(p);
+  while (!elsewhere.empty() && !open.empty()) {
+    const auto cost = [&](const Place& place) {
+      double least = std::numeric_limits<double>::max();
+      for (const std::size_t row : open) least = std::min(least, cost_of_taking(p, open, row, place));
+      return least;
+    };
+    const auto place = std::ranges::min_element(elsewhere, {}, cost);
+    add_wrong_address(p, take_likeliest(p, open, *place), *place);
+    elsewhere.erase(place);
+  }
+  std::set<int> silent;
+  for (const std::size_t row : open) silent.insert(p.module(row));
+  for (const Branch& b : branches(p, silent)) {
+    if (b.members.size() > 1) {
+      add_branch(FindingKind::kMissingJoint, p, b, "no chip answers of " + behind(b),
+                 "check this joint or cable first: one break explains all of them");
+      continue;
+    }
+    add(FindingKind::kAbsentModule, b.module, p.patch, where(b.module) + ": no chip answers",
+        touches_.empty() ? "check the module, its joint and its straps; verify --touch tells whether it sits on "
+                           "another module's address"
+                         : "replace the module, or check its joint to the parent");
+  }
+  for (const Place& place : elsewhere) {
+    Finding& f = add(FindingKind::kUnexpectedChip, -1, p.patch,
+                     fmt::format("patch {}: a chip answers at {}, where the design has no module", p.patch,
+                                 at(place.line, place.address)),
+                     "compare the straps with the assembly sheet");
+    f.line = place.line;
+    f.address = place.address;
+  }
+}
+
+// A fault that came and went. Faults that are there now have their own findings.
+std::optional<Finding> Diagnosis::remembered(const PatchState& p, const wire::FaultRecord& fault) const {
+  const auto row = std::size_t{fault.code.row};
+  if (row >= p.image.module_count) return std::nullopt;
+  Finding f;
+  f.module = p.module(row);
+  f.patch = p.patch;
+  if (fault.code.state == ModuleState::kLostConfiguration) {
+    f.kind = FindingKind::kLostConfiguration;
+    f.text = where(f.module) + ": its chip lost its configuration and was set up again";
+    f.remedy = "check the supply of the module: its power dips";
+    return f;
+  }
+  const bool was_away = fault.code.state == ModuleState::kAbsent || fault.code.state == ModuleState::kWrongId;
+  if (!was_away || p.states.state[row] != ModuleState::kOk) return std::nullopt;
+  f.kind = FindingKind::kIntermittentModule;
+  f.text = where(f.module) + ": answers now, but did not for some time";
+  f.remedy = "check its joints for a loose contact";
+  return f;
+}
+
+// One cause for all modules behind a joint; the others each for themselves.
+void Diagnosis::examine_history(const PatchState& p) {
+  std::set<int> away, dipped;
+  for (const wire::FaultRecord& fault : p.faults.faults()) {
+    const auto f = remembered(p, fault);
+    if (!f) continue;
+    const auto line = static_cast<std::size_t>(wiring_[static_cast<std::size_t>(f->module)].routed.line);
+    const bool freed = p.line_states.lines[line].recoveries > 0;  // the line was held low: that is told already
+    if (f->kind == FindingKind::kLostConfiguration)
+      dipped.insert(f->module);
+    else if (!freed)
+      away.insert(f->module);
+  }
+  for (const int m : away) dipped.erase(m);  // who was unplugged lost its supply too
+  examine_dips(p, away, dipped);
+}
+
+void Diagnosis::examine_dips(const PatchState& p, const std::set<int>& away, const std::set<int>& dipped) {
+  for (const Branch& b : branches(p, away)) {
+    if (b.members.size() > 1)
+      add_branch(FindingKind::kLooseJoint, p, b, "went and came back together: " + behind(b),
+                 "look for a loose contact there");
+    else
+      add(FindingKind::kIntermittentModule, b.module, p.patch,
+          where(b.module) + ": answers now, but did not for some time", "check its joints for a loose contact");
+    explained_.insert(b.members.begin(), b.members.end());
+  }
+  for (const Branch& b : branches(p, dipped)) {
+    if (b.members.size() > 1)
+      add_branch(FindingKind::kSaggingSupply, p, b, "lost their configuration together: " + behind(b),
+                 "measure the supply there: it sags along the tree; shorten the way or feed it from another side");
+    else
+      add(FindingKind::kLostConfiguration, b.module, p.patch,
+          where(b.module) + ": its chip lost its configuration and was set up again",
+          "check the supply of the module: its power dips");
+    explained_.insert(b.members.begin(), b.members.end());
+  }
+}
+
+std::vector<Finding> Diagnosis::examine_earlier() const {
+  std::vector<Finding> earlier;
+  for (const PatchState& p : patches_) {
+    for (const wire::FaultRecord& fault : p.earlier.faults()) {
+      const auto f = remembered(p, fault);
+      const auto again = [&](const Finding& other) { return other.kind == f->kind && other.module == f->module; };
+      if (f && std::ranges::none_of(findings_, again) && std::ranges::none_of(earlier, again)) earlier.push_back(*f);
+    }
+  }
+  return earlier;
+}
+
+}  // namespace triskin::device

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <bitset>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "triskin/diagnose/verify.hpp"
+#include "triskin/session/controller.hpp"
+#include "triskin/session/patch_table.hpp"
+
+namespace triskin::device {
+
+/// Answers of one patch. Rows are those of the table `image`; with a backup table the order of the design's patch
+/// differs.
+struct PatchState {
+  int patch = 0;
+  layout::PatchImage image;
+  bool on_backup = false;  ///< `image` is the table that the design prepared for a failure
+  bool usable = false;     ///< its controller answers and holds this table
+  wire::ModuleStates states;
+  std::array<wire::LineReport, layout::kLines> lines{};
+  wire::LineStates line_states;
+  wire::FaultList earlier;  ///< remembered when the verification began
+  wire::FaultList faults;   ///< noted while it ran
+  wire::LiveTaxels now, rest;
+  wire::FoundTopology topology;  ///< of switched modules
+  wire::ActiveRoute route;
+  wire::Adoption adoption;                                               ///< when the samples were read
+  std::bitset<layout::kLines * layout::kAddressesPerLine> guest_places;  ///< where guests answer, then and before
+  void note(const wire::Adoption& told) {
+    adoption = told;
+    for (const wire::Guest& g : told.list_of_guests()) guest_places.set(g.place);
+  }
+
+  [[nodiscard]] Controller controller(Bus& bus) const { return {bus, image.node_address}; }
+  bool with_kinds = false;  ///< the design has kinds of modules: so has the table
+  [[nodiscard]] int module(std::size_t row) const {
+    const unsigned id = image.modules[row].module_id;
+    return static_cast<int>(with_kinds ? id % layout::kIdsBesideKinds : id);
+  }
+  /// Whether the table has a module; a backup table leaves some out.
+  [[nodiscard]] bool reads(int id) const {
+    for (std::size_t row = 0; row < image.module_count; ++row) {
+      if (module(row) == id) return true;
+    }
+    return false;
+  }
+};
+
+/// What happened when a module was pressed.
+struct TouchOutcome {
+  int module = -1;
+  int answered = -1;           ///< module whose taxels changed most; -1: none
+  bool whole = false;          ///< as many of its taxels changed as a finger on its centre presses
+  unsigned silent_taxels = 0;  ///< bit t: a pressure taxel of the module that did not change while most others did
+  int turned = 0;              ///< steps of 120° by which a tip on one taxel shows it turned; 0 also when not tried
+};
+
+/// Presses the modules of all usable patches; waits for a person where the link has no finger.
+class TouchTest {
+ public:
+  TouchTest(Bus& bus, const design::Design& design, std::vector<PatchState>& patches)
+      : bus_(bus), design_(design), patches_(patches), wiring_(design::wiring_of(design)) {}
+  /// Empty: the person skipped the module.
+  std::optional<TouchOutcome> press(int module, const PatchState& patch, const VerifyOptions& options);
+  void finish();
+  /// Reads all taxels at rest. Call once, before the first press.
+  void take_rest();
+
+ private:
+  struct Response {
+    int module = -1;
+    double strength = 0.0;
+    unsigned changed = 0;  // bit t
+    int taxel = -1;        // that changed most
+    double taxel_counts = 0.0;
+  };
+  [[nodiscard]] Response strongest(const PatchState& patch) const;
+  Response strongest_anywhere(const PatchState& first);
+  [[nodiscard]] Response response_of(const PatchState& patch, std::size_t row, const wire::LiveTaxels& now) const;
+  [[nodiscard]] int turned(Finger& finger, int module, const PatchState& patch);
+
+  Bus& bus_;
+  const design::Design& design_;
+  std::vector<PatchState>& patches_;
+  std::vector<design::ModuleWiring> wiring_;
+};
+
+/// Turns what was asked into findings. Pure: no link. First the cables: exchanged ones are told, and everything else is
+/// read as if they were plugged right, so that one mistake does not hide another. Then the modules, in groups that one
+/// cause explains. The likeliest explanation stands first.
+class Diagnosis {
+ public:
+  Diagnosis(const design::Design& design, std::vector<PatchState> patches, std::vector<TouchOutcome> touches);
+  void run(VerifyResult& result);
+
+ private:
+  struct Place {
+    int line = 0, address = 0;
+  };
+  /// Modules that one joint, cable or supply explains: `module` and all below it.
+  struct Branch {
+    int module = -1, parent = -1;
+    std::vector<int> members;
+  };
+  [[nodiscard]] std::vector<Branch> branches(const PatchState& p, const std::set<int>& modules) const;
+  [[nodiscard]] std::string behind(const Branch& branch) const;
+  void add_branch(FindingKind kind, const PatchState& p, const Branch& branch, const std::string& text,
+                  const std::string& remedy);
+  [[nodiscard]] double cost_of_taking(const PatchState& p, const std::vector<std::size_t>& rows, std::size_t row,
+                                      const Place& place) const;
+  std::size_t take_likeliest(const PatchState& p, std::vector<std::size_t>& rows, const Place& place) const;
+  void examine_cables();
+  void examine_mirrored(const PatchState& p);
+  void examine_touch(const TouchOutcome& t);
+  [[nodiscard]] std::vector<int> ring_from(int module) const;
+  void examine_silent_taxels(const TouchOutcome& t, int patch);
+  void add_wrong_address(const PatchState& p, std::size_t row, const Place& place);
+  void examine_dips(const PatchState& p, const std::set<int>& away, const std::set<int>& dipped);
+  void examine_lines(const PatchState& p);
+  void examine_modules(const PatchState& p);
+  void examine_doubled(const PatchState& p, std::vector<std::size_t>& absent, const std::vector<std::size_t>& doubled);
+  void examine_absent(const PatchState& p, const std::vector<std::size_t>& rows);
+  void examine_taxels(const PatchState& p, std::size_t row);
+  void examine_topology(const PatchState& p);
+  void examine_adoption();
+  void examine_history(const PatchState& p);
+  [[nodiscard]] std::vector<Finding> examine_earlier() const;
+  [[nodiscard]] std::optional<Finding> remembered(const PatchState& p, const wire::FaultRecord& fault) const;
+  void examine_touches();
+  [[nodiscard]] std::vector<Place> unexpected(const PatchState& p) const;
+  [[nodiscard]] const TouchOutcome* touch_of(int module) const;
+  [[nodiscard]] std::string where(int module) const;
+  [[nodiscard]] static int strap_difference(const layout::ModuleRow& row, const Place& place);
+  void add_duplicate(const PatchState& p, std::size_t row, int other);
+  [[nodiscard]] static std::string at(int line, int address);
+  Finding& add(FindingKind kind, int module, int patch, std::string text, std::string remedy);
+
+  const design::Design& design_;
+  std::vector<PatchState> patches_;
+  std::vector<TouchOutcome> touches_;
+  std::vector<design::ModuleWiring> wiring_;
+  std::vector<Finding> findings_;
+  std::set<int> bad_;           // modules that are not ok
+  std::set<int> explained_;     // modules whose missing touch response has a finding already
+  std::map<int, int> adopter_;  // of modules that another patch's controller reads: that patch
+};
+
+}  // namespace triskin::device

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "triskin/design/design_types.hpp"
+#include "triskin/mesh/decimated_mesh.hpp"
+#include "triskin/mesh/surface.hpp"
+#include "triskin/mesh/surface_regions.hpp"
+#include "triskin/base/progress.hpp"
+
+namespace triskin::geometry {
+
+/// Effort of grow_lattice(), and what it maximises: worth of the modules (their number without regions) + hinge_reward
+/// · joints − price, where the price is relaxed: islands that jumpers can join count n / 16 + 15 / 32 controllers
+/// together, and jumpers as the wiring does (docs/cost.md). Out of range: InputError.
+struct SurfaceLatticeOptions {
+  double time_limit_s = 20.0;  ///< > 0, wall clock; the search stops within about 0.1 s of it once a module is found
+  int iterations = 0;  ///< > 0: stops after so many ruin-and-recreate steps a chain, as well as at the time limit
+  std::uint64_t seed = 1;
+  /// 1 … 256 chains, part of what a result depends on. Where each has room for 90 modules they change one layout
+  /// together, each in a zone; else each has its own, and they exchange the best.
+  int threads = 2;
+  Price price;                  ///< each 0 … 16 modules
+  double hinge_reward = 0.05;   ///< 0 … 16 modules a joint is worth
+  bool front = true;            ///< of grow_front(): layouts with other numbers of modules as well
+  double corner_lift_mm = 1.5;  ///< ≥ 0: how far corners may stand off a convex surface, so that the gap under the
+                                ///< centre stays in its limit
+  double corner_cut_mm = 0.0;   ///< 0 … design::kMostCornerCut_mm: cut off along each side from every corner; overlap
+                                ///< and border are then those of what is left
+  const SurfaceRegions* regions = nullptr;  ///< of this surface, not owned: worth of places, what stays free, what must
+                                            ///< be covered; none: every place is worth 1 module
+  /// Of this surface, not owned: the search works on it in place of the surface and keeps the limits less its
+  /// deviation; the layouts are measured on the surface itself. None: the search works on the surface.
+  const SolverMesh* solver = nullptr;
+  /// Modules that stay exactly where they are, with the joints among them: the first modules of every layout, in this
+  /// order. They must keep the limits and have the corner cut of the others.
+  std::vector<PlacedModule> kept;
+  /// What the time limit is measured by, asked from all threads at once; none: the steady clock.
+  std::function<std::chrono::steady_clock::time_point()> now{};
+};
+
+/// Grows the isometric lattice directly on the surface (docs/surface_lattice.md): triangles are added edge by edge,
+/// their shared corners slide on the surface until every rigid module keeps the limits; what is left is filled with
+/// further islands; then parts are removed and regrown as long as time permits. Every module of the result keeps every
+/// limit, measured by `measure` (map_modules.hpp). Deterministic for seed, threads and iterations when the time
+/// suffices. Empty when no module fits. Errors: InputError when an option or limit is out of
+/// range. Uses options.threads threads; thread-safe. Cost: time_limit_s, less where
+/// `iterations` ends it sooner.
+[[nodiscard]] ModuleLayout grow_lattice(const Surface& surface, const LayoutLimits& limits,
+                                        const SurfaceLatticeOptions& options = {}, const ProgressSink& progress = {});
+
+/// The same; the best layout, after it up to five made of it with fewer islands, and the best found with more modules
+/// and with up to twelve fewer. Which of them has the highest value is known only when they are wired. Cost: about
+/// 0.1 s a layout more.
+[[nodiscard]] std::vector<ModuleLayout> grow_front(const Surface& surface, const LayoutLimits& limits,
+                                                   const SurfaceLatticeOptions& options = {},
+                                                   const ProgressSink& progress = {});
+
+/// Why no module lies within `within_mm` of a place of the surface: the limit that refuses most of the modules that
+/// would (name as in design files), "keep_out", or "room" where one fits that has no others beside it. Cost: about
+/// 0.1 s.
+[[nodiscard]] std::string why_uncovered(const Surface& surface, const LayoutLimits& limits,
+                                        const SurfaceLatticeOptions& options, const Vec3& place_mm, double within_mm);
+
+/// How far corners of the net may stand off a convex surface under these limits, mm.
+[[nodiscard]] double corner_lift_of(const LayoutLimits& limits, const SurfaceLatticeOptions& options);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "grower.hpp"
+#include "layout_front.hpp"
+#include "net_price.hpp"
+#include "place_value.hpp"
+#include "triskin/lattice/grow_lattice.hpp"
+#include "zones.hpp"
+
+namespace triskin::geometry::surface_lattice {
+
+inline constexpr double kNothing = -1e300;  // value of no layout
+
+/// Of a layout: its worth less its price, in the forms that the search compares.
+struct Value {
+  double worth = kNothing;  ///< of the modules and joints, in modules
+  EstimatedPrice price;
+  [[nodiscard]] double rounded() const { return worth - price.rounded; }
+  /// `share`: of what joins the controllers, 0 … 1.
+  [[nodiscard]] double relaxed(double share = 1.0) const {
+    return worth - price.relaxed.controllers - share * price.relaxed.joining;
+  }
+};
+
+/// Room for so many modules, from which on layouts are kept by whole controllers, and from which on a part is large.
+inline constexpr double kRoundedModules = 48.0, kLargeModules = 128.0;
+
+/// How a chain spends its steps.
+struct SearchPlan {
+  int starts;         ///< complete layouts that race
+  double race_share;  ///< of the search: each round of the race
+  /// What joins the controllers (jumpers, islands) counts by this share at the beginning of an annealing, by the whole
+  /// at `rounded_from`: an early island is room found for modules, and later steps join it to others.
+  double first_share;
+  double rounded_from;  ///< part of an annealing, from which on whole controllers count; > 1: never
+  [[nodiscard]] static SearchPlan of(double room_modules);
+};
+
+/// What all chains of a search have in common. Refers to what it is made of.
+struct GrowthTask {
+  const Surface& surface;
+  const Rules& rules;
+  const SurfaceLatticeOptions& options;
+  const std::vector<Sample>& samples;
+  const CopiedRegions& regions;
+  double jumper_mm, corner_lift_mm;
+  const LatticeNet& begun;  ///< the modules that are kept, or none
+  Grower::Clock::time_point start, end;
+  SearchPlan plan;
+
+  [[nodiscard]] Grower::Clock::time_point now() const { return options.now ? options.now() : Grower::Clock::now(); }
+  [[nodiscard]] Value value(LatticeNet& net, NetPrice& price, PlaceValue& worth) const;
+  [[nodiscard]] double kept_value(const Value& value) const {
+    return plan.rounded_from <= 1.0 ? value.rounded() : value.relaxed();
+  }
+  /// Progress of the search after so many steps of each chain, 0 … 1.
+  [[nodiscard]] double fraction(int steps) const;
+};
+
+/// Annealed sequence of ruin and recreate. Alone it follows its own schedule; in a team it works in a zone of the
+/// layout of the team's first chain, whose schedule it follows. One thread at a time.
+class Chain {
+ public:
+  Chain(const GrowthTask& task, std::uint64_t seed);
+
+  /// Makes complete layouts from several starts: place and turn of the first module decide more than later steps mend.
+  /// The better half is improved for a while, and again its better half, until one is left.
+  void build();
+  /// Divides what is left of the search into annealings; `chains` share the steps of each.
+  void plan_runs(int chains);
+  /// Makes another start where the next annealing is due.
+  void begin_due_run();
+  void run(int steps);
+  /// Takes over a layout of another chain.
+  void adopt(const NetCopy& net);
+
+  /// From here on changes only what lies in the zone, in a copy of the leader's layout.
+  void work_in(const Zone& zone, const Chain& leader);
+  [[nodiscard]] ZoneNet zone_net() const { return {now_, pinned_}; }
+  /// Takes the merged layout of a team as its own, and all of space as its zone.
+  void take_merged(LatticeNet net);
+
+  [[nodiscard]] const LatticeNet& now() const { return now_; }
+  [[nodiscard]] const NetCopy& best() const { return best_; }
+  [[nodiscard]] double best_value() const { return best_value_; }
+  [[nodiscard]] const LayoutFront& front() const { return front_; }
+  [[nodiscard]] int steps() const { return steps_; }
+  [[nodiscard]] Dice& random() { return random_; }
+  /// In the last of its annealings: what others found may be taken over.
+  [[nodiscard]] bool in_last_run() const { return schedule_.run == schedule_.runs - 1; }
+
+ private:
+  struct Schedule {
+    double begun_at = 0.0;  // fraction of the search
+    int runs = 1, run = 0;
+  };
+  void set(LatticeNet net);
+  void confine(const Zone& zone);
+  void start_anew();
+  void take(const FoundLayout& found);
+  void improve(FoundLayout& start, double until);
+  [[nodiscard]] double runs_done() const;
+  [[nodiscard]] double heat() const;
+  [[nodiscard]] double searched(const Value& value) const;
+  void step();
+  Value ruin_and_recreate();
+  [[nodiscard]] double kept_value() const { return task_.kept_value(value_); }
+  [[nodiscard]] bool is_best() const { return kept_value() > best_value_ + 1e-9; }
+  [[nodiscard]] bool would_be_kept() const { return is_best() || front_.would_keep(now_, kept_value()); }
+  void keep_if_worth_it();
+  void keep();
+  [[nodiscard]] const Sample& some_sample();
+  [[nodiscard]] Vec3 place_to_ruin();
+  [[nodiscard]] std::optional<int> some_triangle_of_small_island();
+  [[nodiscard]] Grower::Ball ruin();
+  [[nodiscard]] std::optional<Grower::Ball> ruin_island();
+
+  const GrowthTask& task_;
+  Dice random_;
+  NetPrice price_;
+  PlaceValue worth_;
+  Grower grower_;
+  std::vector<int> samples_;  // of the task, in the zone
+  std::vector<int> pinned_;   // triangles outside the zone
+  LatticeNet now_;            // what price_ knows
+  NetCopy best_;
+  LayoutFront front_;
+  Value value_;
+  double best_value_ = kNothing;
+  double race_heat_ = 0.0;   // > 0: instead of the schedule
+  double fraction_ = 0.0;    // of the current annealing
+  double raced_from_ = 0.0;  // fraction of the search
+  Schedule schedule_;
+  int steps_ = 0;
+};
+
+}  // namespace triskin::geometry::surface_lattice

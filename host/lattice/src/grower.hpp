@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "net.hpp"
+#include "relax.hpp"
+#include "rules.hpp"
+#include "triskin/base/dice.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "zones.hpp"
+
+namespace triskin::geometry::surface_lattice {
+
+/// Points spread evenly over a surface, where islands may start.
+struct Sample {
+  Vec3 point, normal;
+};
+[[nodiscard]] std::vector<Sample> spread_samples(const Surface& surface, double area_each_mm2, std::uint64_t seed);
+
+/// Adds modules to a net one by one; each is kept only when it and all that moved for it keep the rules.
+class Grower {
+ public:
+  using Clock = std::chrono::steady_clock;
+  /// `now`: what the end is measured by; none: the steady clock.
+  Grower(const Surface& surface, const Rules& rules, const std::vector<Sample>& samples, double corner_lift_mm,
+         Clock::time_point end, std::function<Clock::time_point()> now = {});
+
+  Grower(const Grower&) = delete;  // the relaxer refers to surface_
+  Grower& operator=(const Grower&) = delete;
+
+  /// Region of work: modules whose centre lies in the ball.
+  struct Ball {
+    Vec3 center = Vec3::Zero();
+    double radius_mm = 1e9;
+    [[nodiscard]] bool holds(const Vec3& p) const { return (p - center).squaredNorm() < radius_mm * radius_mm; }
+  };
+  /// Grows the islands that reach into the ball over their open sides, until nothing more fits.
+  void grow(LatticeNet& net, const Ball& ball, Dice& random);
+  /// Starts islands on what is uncovered in the ball and grows each.
+  void fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts);
+
+  /// From here on adds modules only where their centres lie in the zone.
+  void confine(const Zone& zone) { zone_ = zone; }
+  [[nodiscard]] const Zone& zone() const { return zone_; }
+
+  /// Begins an island with a module at three corners, if it keeps the rules.
+  bool try_seed(LatticeNet& net, const Triangle& corners);
+
+  /// Removes what stands over the border by more than is allowed, as it is measured at the end, but for fixed
+  /// triangles: whether there was any. The net has to be separated afterwards. Measures what moved since the last call.
+  bool remove_overrunning(LatticeNet& net);
+
+  [[nodiscard]] bool covered(const LatticeNet& net, const Vec3& p) const;
+  [[nodiscard]] bool late() const { return (now_ ? now_() : Clock::now()) > end_ || interrupt_request(); }
+  /// As late, but on a slow machine the time does not end the search for the first module: no module is no answer.
+  [[nodiscard]] bool late(const LatticeNet& net) const { return (net.size() > 0 && late()) || interrupt_request(); }
+  /// Number of refusals by limit since the last reset.
+  std::array<int, kRefusals> refused{};
+
+ private:
+  struct Side {
+    int triangle, side;
+  };
+  bool roll(const Vec3& a, const Vec3& b, const Vec3& away, Foot& apex);
+  bool try_side(LatticeNet& net, Side side);
+  bool try_corner(LatticeNet& net, Side side, int apex);
+  bool seed_at_side(LatticeNet& net, Side side);
+  bool seed_at_sample(LatticeNet& net, const Sample& sample, Dice& random);
+  bool seed_at_border(LatticeNet& net, const Sample& sample);
+  [[nodiscard]] bool crowded(const LatticeNet& net, const Triangle& corners, int beside) const;
+  bool keep_or_revert(LatticeNet& net, int triangle);
+  [[nodiscard]] Refusal refusal_of(LatticeNet& net, int triangle, double radius_mm, int steps);
+  [[nodiscard]] std::vector<Side> open_sides(const LatticeNet& net, const Ball& ball) const;
+  [[nodiscard]] static Vec3 place_beside(const LatticeNet& net, Side side);
+  [[nodiscard]] std::uint64_t surroundings_of(const LatticeNet& net, Side side) const;
+  [[nodiscard]] std::uint64_t& last_failure(std::vector<std::array<std::uint64_t, 3>>& failures, Side side);
+  void grow_from(LatticeNet& net, const std::vector<Side>& front, const Ball& ball, Dice& random);
+
+  NearSurface surface_;
+  const Rules& rules_;
+  const std::vector<Sample>& samples_;
+  PointGrid sample_grid_;
+  Relaxer relaxer_;
+  Zone zone_;
+  std::vector<int> near_;
+  // By side: signature of its surroundings when a module was refused there. While it is equal the side is not tried
+  // again.
+  std::vector<std::array<std::uint64_t, 3>> failed_join_, failed_seed_;
+  std::vector<KnownSides> known_sides_;
+  std::vector<Triangle> known_within_;  // by triangle: where it was last seen to keep within the border
+  Clock::time_point end_;
+  std::function<Clock::time_point()> now_;
+};
+
+}  // namespace triskin::geometry::surface_lattice

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstddef>
+
+#include "triskin/design/design_types.hpp"
+#include "triskin/mesh/surface.hpp"
+#include "triskin/mesh/surface_regions.hpp"
+
+namespace triskin::geometry {
+
+/// measure_on_surface() of the modules from `first` on, on all processors.
+void measure_modules(const Surface& surface, ModuleLayout& layout, std::size_t first, const SurfaceRegions* regions);
+
+/// keep_limits() of a layout whose modules are as measure_on_surface() left them.
+void keep_limits_as_measured(const Surface& surface, const LayoutLimits& limits, ModuleLayout& layout);
+
+}  // namespace triskin::geometry

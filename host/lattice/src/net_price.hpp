@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "triskin/base/disjoint_sets.hpp"
+#include "net.hpp"
+
+namespace triskin::geometry::surface_lattice {
+
+/// The relaxed price in two parts: controllers, and what joins them, jumpers and islands.
+struct RelaxedPrice {
+  double controllers = 0.0, joining = 0.0;
+  [[nodiscard]] double sum() const { return controllers + joining; }
+};
+
+/// Price of islands before they are wired. n modules that hang together are counted as p(n) = max(1, n / 16 + 15 / 32)
+/// pieces, one for each controller. Islands of one group can be joined by jumpers; a group of n modules in islands of
+/// n₁, n₂ … has p(n) controllers and, as when wired, a jumper for each piece more: Σ p(nᵢ) - p(n). They are
+/// fractions, because a search that pays a whole controller for the next module never places it. `group[k]` ≥ 0 of
+/// island k. Cost: O(islands).
+[[nodiscard]] RelaxedPrice relaxed_price(const std::vector<int>& sizes, const std::vector<int>& group,
+                                         const Price& price);
+
+/// The same with ⌈n / 16⌉ for p(n): what the wiring costs where every island can be divided so that parts of
+/// several fill one controller, and never more than the wiring costs. The search approaches a multiple of 16 by the
+/// relaxed price and fills the last controller by this one. Cost: O(islands).
+[[nodiscard]] double rounded_price(const std::vector<int>& sizes, const std::vector<int>& group, const Price& price);
+
+/// A layout's price, relaxed and rounded.
+struct EstimatedPrice {
+  RelaxedPrice relaxed;
+  double rounded = 0.0;
+};
+
+/// Both prices of a net, of which it follows the changes. Islands are in one group where two free sides lie within
+/// `jumper_mm` and face each other. One object a thread. Cost: what changed since the last call, and a few ns for each
+/// module.
+class NetPrice {
+ public:
+  NetPrice(const Price& price, double jumper_mm) : price_(price), jumper_mm_(jumper_mm) {}
+  /// Of the net of the last call, changed since, or after forget() of any net. Takes its list of changes.
+  [[nodiscard]] EstimatedPrice operator()(LatticeNet& net);
+  void forget() { knows_net_ = false; }
+
+ private:
+  void follow(LatticeNet& net);
+  void link(const LatticeNet& net, int triangle);
+  void unlink(int triangle);
+  [[nodiscard]] bool can_be_joined(const LatticeNet& net, int a, int b) const;
+
+  Price price_;
+  double jumper_mm_;
+  bool knows_net_ = false;
+  std::vector<std::vector<int>> linked_;  // by triangle: those of which a free side faces one of its own
+  DisjointSets islands_;                  // by number: those that jumpers can join
+  std::vector<int> changed_, sizes_, group_;
+};
+
+}  // namespace triskin::geometry::surface_lattice

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a net does after changes: fans and islands that no longer hang together are parted.
+#include <algorithm>
+#include <utility>
+
+#include "triskin/base/disjoint_sets.hpp"
+#include "net.hpp"
+
+namespace triskin::geometry::surface_lattice {
+namespace {
+
+// Breadth-first searches from all triangles beside those that were removed, one triangle of each in turn; those that
+// meet go on as one. A search that comes to its end is a part of its own; when only one goes on, what it has not seen
+// need not be looked at.
+class IslandSearch {
+ public:
+  // `search_of`: by triangle, −1 in all; it is so again afterwards.
+  IslandSearch(const LatticeNet& net, std::vector<int>& search_of, const std::vector<int>& from)
+      : net_(net), search_of_(search_of), searches_(from.size()), met_(from.size()) {
+    for (int k = 0; k < count(); ++k) reach(k, from[at(k)]);
+  }
+
+  // The parts that need a number of their own: all but the one that is still open, or one when all were seen to their
+  // ends.
+  std::vector<std::vector<int>> parts() {
+    while (several_open()) {
+      for (int k = 0; k < count(); ++k) {
+        if (is_open(k)) expand(k);
+      }
+    }
+    int keeps = met_.find(0);
+    for (int k = 0; k < count(); ++k) {
+      if (is_open(k)) keeps = met_.find(k);
+    }
+    std::vector<std::vector<int>> of_leader(searches_.size());
+    for (int k = 0; k < count(); ++k) {
+      const std::vector<int>& reached = searches_[at(k)].reached;
+      for (const int t : reached) search_of_[at(t)] = -1;
+      std::vector<int>& part = of_leader[at(met_.find(k))];
+      if (met_.find(k) != keeps) part.insert(part.end(), reached.begin(), reached.end());
+    }
+    std::erase_if(of_leader, [](const std::vector<int>& part) { return part.empty(); });
+    return of_leader;
+  }
+
+ private:
+  struct Search {
+    std::vector<int> reached;
+    std::size_t expanded = 0;
+  };
+
+  [[nodiscard]] int count() const { return static_cast<int>(searches_.size()); }
+  [[nodiscard]] bool is_open(int k) const { return searches_[at(k)].expanded < searches_[at(k)].reached.size(); }
+
+  void reach(int k, int triangle) {
+    search_of_[at(triangle)] = k;
+    searches_[at(k)].reached.push_back(triangle);
+  }
+  void expand(int k) {
+    const int t = searches_[at(k)].reached[searches_[at(k)].expanded++];
+    for (int s = 0; s < 3; ++s) {
+      const int n = net_.neighbour(t, s);
+      if (n < 0) continue;
+      if (search_of_[at(n)] < 0)
+        reach(k, n);
+      else
+        met_.join(search_of_[at(n)], k);
+    }
+  }
+  // Searches that have not met go on.
+  [[nodiscard]] bool several_open() {
+    int first = -1;
+    for (int k = 0; k < count(); ++k) {
+      if (!is_open(k)) continue;
+      if (first >= 0 && met_.find(k) != first) return true;
+      first = met_.find(k);
+    }
+    return false;
+  }
+
+  const LatticeNet& net_;
+  std::vector<int>& search_of_;
+  std::vector<Search> searches_;
+  DisjointSets met_;
+};
+
+}  // namespace
+
+void LatticeNet::separate() {
+  std::ranges::sort(loose_vertices_);
+  const auto twice = std::ranges::unique(loose_vertices_);
+  loose_vertices_.erase(twice.begin(), twice.end());
+  const std::vector<int> loose = std::exchange(loose_vertices_, {});
+  for (const int v : loose) {
+    if (vertices_[at(v)].valence > 1) split_fans(v);
+  }
+  part_islands();
+}
+
+// Triangles round a vertex that are not joined side by side get copies of it.
+void LatticeNet::split_fans(int vertex) {
+  std::vector<int> rest(vertices_[at(vertex)].triangles.begin(),
+                        vertices_[at(vertex)].triangles.begin() + vertices_[at(vertex)].valence);
+  bool first = true;
+  while (!rest.empty()) {
+    std::vector<int> fan{rest.back()};
+    rest.pop_back();
+    for (std::size_t q = 0; q < fan.size(); ++q) {
+      const auto is_near = [&](int t) { return joined(fan[q], t); };
+      std::ranges::copy_if(rest, std::back_inserter(fan), is_near);
+      std::erase_if(rest, is_near);
+    }
+    if (first && rest.empty()) return;
+    NetVertex copy = vertices_[at(vertex)];
+    copy.valence = static_cast<int>(fan.size());
+    std::ranges::copy(fan, copy.triangles.begin());
+    copy.is_fixed = std::ranges::any_of(fan, [&](int t) { return triangles_[at(t)].is_fixed; });
+    if (first) {
+      edit_vertex(vertex) = copy;
+    } else {
+      const int fresh = add_vertex(copy.point, copy.normal, copy.i, copy.j);
+      edit_vertex(fresh) = copy;
+      for (const int t : fan) {
+        touch(t);
+        std::ranges::replace(triangles_[at(t)].vertex, vertex, fresh);
+      }
+    }
+    first = false;
+  }
+}
+
+// An island hangs together as before unless triangles were removed from it: then what stood beside them is asked.
+void LatticeNet::part_islands() {
+  std::erase_if(beside_removed_, [&](int t) { return !used(t); });
+  std::ranges::sort(beside_removed_, {}, [&](int t) { return std::pair(triangles_[at(t)].island, t); });
+  const auto twice = std::ranges::unique(beside_removed_);
+  beside_removed_.erase(twice.begin(), twice.end());
+  search_of_.resize(triangles_.size(), -1);
+  for (std::size_t from = 0; from < beside_removed_.size();) {
+    const int island = triangles_[at(beside_removed_[from])].island;
+    std::vector<int> beside;
+    for (; from < beside_removed_.size() && triangles_[at(beside_removed_[from])].island == island; ++from)
+      beside.push_back(beside_removed_[from]);
+    if (beside.size() > 1) part_island(beside);
+  }
+  beside_removed_.clear();
+}
+
+void LatticeNet::part_island(const std::vector<int>& beside_removed) {
+  IslandSearch search(*this, search_of_, beside_removed);
+  for (const std::vector<int>& part : search.parts()) give_island(part, new_island());
+}
+
+void LatticeNet::give_island(const std::vector<int>& triangles, int island) {
+  for (const int t : triangles) {
+    remove_from_index(t);
+    touch(t);
+    triangles_[at(t)].island = island;
+    index(t);
+  }
+}
+
+}  // namespace triskin::geometry::surface_lattice

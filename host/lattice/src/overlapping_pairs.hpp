@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "triskin/design/design_types.hpp"
+
+namespace triskin::geometry {
+
+/// Two modules that lie over each other, as penetration_depth() measures it.
+struct OverlappingPair {
+  int a, b;
+  double depth_mm;
+};
+
+/// All pairs of the layout that overlap. Cost: some µs a module.
+[[nodiscard]] std::vector<OverlappingPair> overlapping_pairs(const ModuleLayout& layout);
+
+/// measure_between() with the pairs known. Cost: that of the joints.
+void measure_between(ModuleLayout& layout, const std::vector<OverlappingPair>& pairs);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <vector>
+
+#include "near_surface.hpp"
+#include "net.hpp"
+#include "overlap.hpp"
+#include "triskin/design/design_types.hpp"
+#include "triskin/mesh/surface.hpp"
+
+namespace triskin::geometry::surface_lattice {
+
+/// Limit that refuses a module; kNone when all limits hold.
+enum class Refusal {
+  kNone,
+  kEdgeError,
+  kHingeGap,
+  kFold,
+  kCenterGap,
+  kOutward,
+  kPenetration,
+  kOverrun,
+  kLift,
+  kDepth,
+  kKeepOut
+};
+inline constexpr std::size_t kRefusals = 11;
+[[nodiscard]] const char* name_of(Refusal refusal);
+
+/// Corners that no module has.
+inline const Triangle kNowhere{Vec3::Constant(1e300), Vec3::Constant(1e300), Vec3::Constant(1e300)};
+
+/// Where the sides of a triangle were last measured, and how far from a limit they were there: until they move by about
+/// as much they keep it.
+struct KnownSides {
+  Triangle rigid = kNowhere;
+  double room_mm = 0.0;
+};
+
+/// The limits, measured on rigid modules. Immutable: shared by the chains.
+class Rules {
+ public:
+  /// No module may cover one of `free_points`.
+  Rules(const Surface& surface, const LayoutLimits& limits, const std::vector<Vec3>& free_points = {});
+
+  [[nodiscard]] const LayoutLimits& limits() const { return limits_; }
+  /// The first limit that one of the triangles breaks, cheapest limits first. `pairs`: all that may overlap and are not
+  /// joined; `known`, by triangle, is work of one thread. Cost: about 1 µs a triangle, ten times that at the border.
+  [[nodiscard]] Refusal evaluate(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles,
+                                 std::vector<Pair>& pairs, std::vector<KnownSides>& known) const;
+
+  /// Whether a side stands over the border by more than is allowed, as it is measured at the end: evaluate() looks at
+  /// the border in steps. Cost: some 0.05 ms at the border, nothing far from it.
+  [[nodiscard]] bool exceeds_overrun(NearSurface& surface, const NetTriangle& triangle) const;
+
+ private:
+  [[nodiscard]] Refusal evaluate_joints(const LatticeNet& net, int triangle) const;
+  [[nodiscard]] bool overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const;
+  [[nodiscard]] Refusal evaluate_sides(NearSurface& surface, const NetTriangle& triangle, KnownSides& known) const;
+  [[nodiscard]] bool over_border(NearSurface& surface, const LatticeNet& net, int triangle) const;
+  [[nodiscard]] bool side_over_border(NearSurface& surface, const Vec3& from, const Vec3& to, double length_mm) const;
+  [[nodiscard]] bool cut_sides_over_border(NearSurface& surface, const NetTriangle& triangle, std::size_t side,
+                                           bool is_free) const;
+
+  LayoutLimits limits_;  // with the margin taken off
+  double fold_cosine_;
+  std::vector<Vec3> probes_;  // points just outside the border: no module may cover one
+  PointGrid probe_grid_;
+  std::vector<Vec3> free_points_;
+  PointGrid free_grid_;
+};
+
+}  // namespace triskin::geometry::surface_lattice

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "worst_places.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "triskin/base/index.hpp"
+#include "overlap.hpp"
+#include "point_grid.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+constexpr double kFinalMargin = 0.98;
+constexpr double kSidesShare = 0.983;  // of lift and depth, which the checker walks alike: hardly a margin is left
+constexpr double kApart_mm = 60.0;     // of centres: modules that have no side, corner or overlap in common
+constexpr double kNear_mm = 40.0;      // of the centres of modules that touch: two circumradii are 34.6 mm
+constexpr const char* kPierced = "pierced";
+
+struct BrokenModule {
+  WorstModule module;
+  double ratio;
+  Vec3 center_mm;
+};
+
+Vec3 center_of(const PlacedModule& m) {
+  return (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0;
+}
+
+// How far over its limits a module is, 1 = at the limit, and the one that is broken most.
+std::pair<double, const char*> worst_limit(const PlacedModule& m, const LayoutLimits& l) {
+  return std::max({std::pair{m.edge_error_mm / l.edge_error_mm, "edge_error_mm"},
+                   std::pair{m.center_gap_mm / l.center_gap_mm, "center_gap_mm"},
+                   std::pair{m.penetration_mm / l.penetration_mm, "penetration_mm"},
+                   std::pair{m.overrun_mm / l.overrun_mm, "overrun_mm"},
+                   std::pair{kSidesShare * m.edge_lift_mm / l.lift_mm, "lift_mm"},
+                   std::pair{kSidesShare * m.edge_depth_mm / l.depth_mm, "depth_mm"},
+                   std::pair{m.keep_out_mm / l.overrun_mm, "keep_out"},
+                   std::pair{std::ranges::max(m.hinge_gap_mm) / l.hinge_gap_mm, "hinge_gap_mm"},
+                   std::pair{std::ranges::max(m.fold_rad) / l.fold_rad, "fold_rad"}},
+                  [](const auto& a, const auto& b) { return a.first < b.first; });
+}
+
+std::vector<WorstModule> broken_most(const ModuleLayout& layout, const LayoutLimits& limits, std::size_t kept) {
+  std::vector<BrokenModule> broken;
+  for (std::size_t k = kept; k < layout.modules.size(); ++k) {
+    const PlacedModule& m = layout.modules[k];
+    const auto [ratio, limit] = worst_limit(m, limits);
+    if (ratio > kFinalMargin) broken.push_back({{static_cast<int>(k), limit}, ratio, center_of(m)});
+  }
+  std::vector<WorstModule> worst;
+  for (const BrokenModule& b : broken) {
+    if (std::ranges::none_of(broken, [&](const BrokenModule& o) {
+          return std::pair(-o.ratio, o.module.module) < std::pair(-b.ratio, b.module.module) &&
+                 (o.center_mm - b.center_mm).norm() < kApart_mm;
+        }))
+      worst.push_back(b.module);
+  }
+  return worst;
+}
+
+// Of a pair whose other module goes anyway none more goes.
+std::vector<WorstModule> piercing(const ModuleLayout& layout, double allowed_mm, std::size_t kept) {
+  std::vector<Vec3> centers;
+  for (const PlacedModule& m : layout.modules) centers.push_back(center_of(m));
+  surface_lattice::PointGrid grid(centers, kNear_mm);
+  std::vector<WorstModule> found;
+  for (std::size_t b = 0; b < centers.size(); ++b) {
+    const auto meets = [&](int a) {
+      return surface_lattice::pierced(layout.modules[at(a)].corner_mm, layout.modules[b].corner_mm,
+                                      layout.corner_cut_mm, allowed_mm);
+    };
+    if (b >= kept && grid.any_near(centers[b], kNear_mm, meets))
+      found.push_back({static_cast<int>(b), kPierced});
+    else
+      grid.add(static_cast<int>(b), centers[b]);
+  }
+  return found;
+}
+
+}  // namespace
+
+std::vector<WorstModule> worst_modules(const ModuleLayout& layout, const LayoutLimits& limits, std::size_t kept) {
+  std::vector<WorstModule> worst = broken_most(layout, limits, kept);
+  return worst.empty() ? piercing(layout, kFinalMargin * limits.penetration_mm, kept) : worst;
+}
+
+}  // namespace triskin::geometry

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "net.hpp"
+#include "triskin/base/dice.hpp"
+
+namespace triskin::geometry::surface_lattice {
+
+/// Part of space in which one thread changes a net while others change the rest of it: an intersection of half-spaces.
+struct Zone {
+  struct HalfSpace {
+    Vec3 normal;
+    double from_mm;  ///< along the normal
+  };
+  std::vector<HalfSpace> sides;  ///< none: all of space
+  [[nodiscard]] bool holds(const Vec3& p) const {
+    for (const HalfSpace& side : sides) {
+      if (side.normal.dot(p) < side.from_mm) return false;
+    }
+    return true;
+  }
+};
+
+/// Half the distance of two zones. A module of one and a module of another are 60 mm apart when they begin; those that
+/// touch are at most 4h/3 = 34.6 mm apart, so both may slide by a third of a side.
+inline constexpr double kHalfBand_mm = 30.0;
+
+/// `count` ≥ 1 zones with about as many modules in each, by planes of random directions. Cost: O(n log count).
+[[nodiscard]] std::vector<Zone> divide(const LatticeNet& net, int count, Dice& random);
+
+/// Makes what lies outside a zone fixed (LatticeNet::pin); its triangles, ascending, without those that were fixed
+/// before.
+[[nodiscard]] std::vector<int> pin_outside(LatticeNet& net, const Zone& zone);
+
+/// Takes that back.
+void unpin(LatticeNet& net, const std::vector<int>& triangles);
+
+/// A net that was changed in one zone only.
+struct ZoneNet {
+  const LatticeNet& net;
+  const std::vector<int>& pinned;  ///< what pin_outside() gave
+};
+
+/// One net with the changes of all zones, begun from copies of one net; nothing in it is pinned but what was fixed in
+/// that net. Triangles keep their numbers where these are free. `empty`: where the triangles are put, a net of none.
+/// Where islands of two zones come to hold the same tile of one lattice, or modules of two zones slid within reach of
+/// each other, that of the later zone goes. Cost: O(n log n).
+[[nodiscard]] LatticeNet merge_zones(LatticeNet empty, const std::vector<ZoneNet>& zones);
+
+}  // namespace triskin::geometry::surface_lattice

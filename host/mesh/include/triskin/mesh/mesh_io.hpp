@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "triskin/design/design_types.hpp"
+
+namespace triskin::geometry {
+
+/// Unit of the numbers in a mesh file.
+enum class LengthUnit { kMillimetre, kCentimetre, kMetre };
+/// Length of one unit in mm: 1, 10 or 1000.
+[[nodiscard]] double scale_of(LengthUnit unit);
+
+/// Changes that reading made to the file's triangles, for the report.
+struct MeshReadReport {
+  double scale_to_mm = 1.0;
+  bool unit_from_file = false;  ///< the file said its unit (DAE, 3MF), or its format has one (glTF, GLB: metres)
+  int welded_vertices = 0;      ///< corners at the same place that became one vertex (relative 1e-7 of the size)
+  int degenerate_faces = 0;     ///< faces without area, dropped
+  int duplicate_faces = 0;      ///< faces with the same three vertices as an earlier one, dropped
+  int flipped_faces = 0;        ///< faces turned so that neighbours agree
+};
+
+/// Result of read_mesh().
+struct MeshFile {
+  Mesh mesh;  ///< mm; coincident vertices welded; no degenerate or duplicate face; orientation as in the file
+  MeshReadReport report;
+};
+
+/// Reads OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF (by content and extension); the first four and 3MF in the
+/// precision of the file. Without `unit` the file's numbers are mm, or in the unit of the file (DAE, 3MF) or format
+/// (glTF, GLB: m). With `object` the faces of one object alone: `o` and `g` of OBJ, `solid` of a text STL, nodes and
+/// meshes of DAE, glTF, GLB and 3MF. Errors: InputError naming the file for unreadable, empty, non-finite or face-less
+/// files, for sizes that cannot be a body part (under 20 mm, with a guess of the unit; over 5 m), over 3 m where nobody
+/// said the unit, and for an object that is not in it, naming those that are. Cost: O(n log n). Thread-safe. Formats
+/// that assimp reads are read in a child process: a crash of the library is an InputError.
+[[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit = std::nullopt,
+                                 const std::string& object = {});
+
+/// The triangles of one group or object (`g`, `o`) of an OBJ file, as read_mesh() has them. Errors: InputError for
+/// other files and for a name that is not in it, naming those that are. Cost: linear.
+[[nodiscard]] Mesh read_obj_group(const std::filesystem::path& path, const std::string& group, double scale_to_mm);
+
+/// Writes vertices (mm) and faces as OBJ, whole or not at all. Errors: InputError naming the file when it cannot be
+/// written. Cost: linear.
+void write_obj(const std::filesystem::path& path, const Mesh& mesh);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "triskin/mesh/bvh.hpp"
+#include "triskin/design/design_types.hpp"
+
+namespace triskin::geometry {
+
+/// Point of a surface: the answer of a closest-point query.
+struct SurfacePoint {
+  Vec3 position_mm = Vec3::Zero();
+  int face = -1;                    ///< index in Mesh::faces
+  Vec3 barycentric = Vec3::Zero();  ///< of `position_mm` in `face`
+  double distance_mm = std::numeric_limits<double>::infinity();
+};
+
+/// Closest point of one border edge.
+struct BorderPoint {
+  SurfacePoint point;
+  int side = 0;                       ///< of the face: corner side → side + 1
+  std::array<int, 2> beyond{-1, -1};  ///< vertices of the border before and after the edge
+};
+
+/// Manifold, oriented triangle surface with border: topology, normals, closest points. Immutable after construction;
+/// all queries are const and thread-safe.
+class Surface {
+ public:
+  /// Takes a mesh in mm. Errors: InputError when an edge has more than two faces, or two faces of an edge disagree in
+  /// orientation. Cost: O(n log n).
+  explicit Surface(Mesh mesh);
+
+  /// The mesh that was given, unchanged.
+  [[nodiscard]] const Mesh& mesh() const { return mesh_; }
+  /// Face across side s (corner s → s+1) of a face, -1 at the border.
+  [[nodiscard]] const std::array<int, 3>& neighbours(int face) const {
+    return neighbour_[static_cast<std::size_t>(face)];
+  }
+  /// Unit normal of a face, outward; zero for a face without area.
+  [[nodiscard]] const Vec3& face_normal(int face) const { return face_normal_[static_cast<std::size_t>(face)]; }
+  /// Unit normal of a vertex, the angle-weighted mean of its faces'; zero where they cancel, as where a flap is folded
+  /// back onto its own faces.
+  [[nodiscard]] const Vec3& vertex_normal(int vertex) const { return vertex_normal_[static_cast<std::size_t>(vertex)]; }
+  /// Normal interpolated from the vertices of the point's face, unit length.
+  [[nodiscard]] Vec3 normal_at(const SurfacePoint& point) const;
+  /// Border loops as vertex indices, surface on the left.
+  [[nodiscard]] const std::vector<std::vector<int>>& border_loops() const { return loops_; }
+  /// Area of all faces, mm².
+  [[nodiscard]] double area_mm2() const { return area_mm2_; }
+
+  /// Closest point of the surface, of those nearer than within_mm > 0: a bound that the caller knows makes the search
+  /// shorter, and changes no answer. Without any: face −1 and distance infinity. Cost: O(log n) typical.
+  [[nodiscard]] SurfacePoint closest(const Vec3& query_mm,
+                                     double within_mm = std::numeric_limits<double>::infinity()) const;
+  /// Appends (squared distance in mm², face) of each face within distance_mm >= 0 of a point, in no order. Cost: O(log
+  /// n + faces found) typical.
+  void faces_within(const Vec3& query_mm, double distance_mm, std::vector<std::pair<double, int>>& faces) const;
+  /// Closest point of the border polyline, of those nearer than within_mm > 0; `face` -1 and distance infinity when
+  /// there is none, as on a closed surface. Cost: O(log n) typical.
+  [[nodiscard]] SurfacePoint closest_on_border(const Vec3& query_mm,
+                                               double within_mm = std::numeric_limits<double>::infinity()) const;
+  /// Appends the closest point of every border edge within distance_mm ≥ 0 of a point, with the edge's face and side,
+  /// in no order. Cost: O(log n + edges found) typical.
+  void border_within(const Vec3& query_mm, double distance_mm, std::vector<BorderPoint>& points) const;
+  /// Distance to the border polyline, mm; infinity when the surface is closed. Cost: as closest_on_border().
+  [[nodiscard]] double border_distance(const Vec3& query_mm) const;
+
+ private:
+  [[nodiscard]] BorderPoint closest_on_edge(int item, const Vec3& query_mm) const;
+  void compute_normals();
+  void find_border();
+  void build_trees();
+
+  Mesh mesh_;
+  std::vector<std::array<int, 3>> neighbour_;
+  std::vector<Vec3> face_normal_, vertex_normal_;
+  std::vector<std::vector<int>> loops_;
+  struct BorderSide {
+    int face, side;
+    std::array<int, 2> beyond;
+  };
+  std::vector<BorderSide> border_sides_;
+  double area_mm2_ = 0.0;
+  BoxTree face_tree_, border_tree_;
+};
+
+/// Closest point of triangle (a, b, c) to p as barycentric weights (>= 0, sum 1). Constant cost. Source: C. Ericson,
+/// Real-Time Collision Detection, 5.1.5.
+[[nodiscard]] Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "triskin/mesh/mesh_io.hpp"
+
+namespace triskin::geometry {
+
+/// Diagonal of the bounding box, mm; 0 without vertices.
+[[nodiscard]] double diagonal_of(const Mesh& mesh);
+
+/// Welds vertices at the same place (on a grid of 1e-7 of the size), drops faces without area, double faces and unused
+/// vertices, as reading a file does. Adds what it did to the report. Cost: O(n log n).
+void clean(Mesh& mesh, MeshReadReport& report);
+
+/// Bytes of a mesh, for the answer of run_isolated(); mesh_of() reads them back. Not a file format.
+[[nodiscard]] std::string bytes_of(const Mesh& mesh);
+[[nodiscard]] Mesh mesh_of(const std::string& bytes);
+
+/// Takes away vertices that no face has; the others keep the order in which the faces name them. Cost: O(n).
+void drop_unused_vertices(Mesh& mesh);
+
+}  // namespace triskin::geometry

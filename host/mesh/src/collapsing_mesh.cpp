@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "collapsing_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "triskin/base/index.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+constexpr double kRounding_mm = 1e-9;  // of one step, far above that of some hundred operations on lengths of metres
+
+constexpr double kPrefersFlat = 3.0;  // of two shapes: a fourth of it is as good where nothing of the bound is used
+
+std::size_t corner_in(const std::array<int, 3>& face, int vertex) {
+  return face[0] == vertex ? 0 : face[1] == vertex ? 1 : 2;
+}
+
+float upwards(double x) {
+  const auto rounded = static_cast<float>(x);
+  return static_cast<double>(rounded) < x ? std::nextafter(rounded, std::numeric_limits<float>::infinity()) : rounded;
+}
+
+}  // namespace
+
+CollapsingMesh::CollapsingMesh(const Surface& surface)
+    : places_(surface.mesh().vertices),
+      faces_(surface.mesh().faces),
+      n_faces_(faces_.size()),
+      face_of_(places_.size(), -1),
+      is_locked_(places_.size(), 0),
+      deviation_(faces_.size(), 0.0F),
+      border_(places_.size(), 0.0F) {
+  std::vector<int> n_faces(places_.size(), 0);
+  neighbours_.reserve(faces_.size());
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    neighbours_.push_back(surface.neighbours(static_cast<int>(f)));
+    for (const int v : faces_[f]) {
+      face_of_[at(v)] = static_cast<int>(f);
+      ++n_faces[at(v)];
+    }
+  }
+  Ring ring;
+  for (std::size_t v = 0; v < places_.size(); ++v) {
+    const bool is_fan = ring_of(static_cast<int>(v), ring) && ring.n_faces == at(n_faces[v]);
+    is_locked_[v] = is_fan ? 0 : 1;
+  }
+}
+
+bool CollapsingMesh::ring_of(int vertex, Ring& ring) const {
+  const int any = face_of_[at(vertex)];
+  if (any < 0 || is_locked_[at(vertex)]) return false;
+  int first = any;
+  for (std::size_t turns = 0;; ++turns) {  // clockwise to the border, or once round
+    const int before = neighbours_[at(first)][corner_in(faces_[at(first)], vertex)];
+    if (before < 0 || before == any) break;
+    if (turns > FlatStar::kMostCorners) return false;
+    first = before;
+  }
+  ring.n_faces = ring.n_corners = 0;
+  for (int f = first; ring.n_corners + 2 < FlatStar::kMostCorners;) {
+    const auto& face = faces_[at(f)];
+    const std::size_t c = corner_in(face, vertex);
+    ring.faces[ring.n_faces++] = f;
+    ring.corners[ring.n_corners++] = face[(c + 1) % 3];
+    const int next = neighbours_[at(f)][(c + 2) % 3];
+    if (next < 0) ring.corners[ring.n_corners++] = face[(c + 2) % 3];
+    if (next < 0 || next == first) return ring.is_open() || ring.n_faces >= 3;
+    f = next;
+  }
+  return false;
+}
+
+CollapsingMesh::Move CollapsingMesh::best_move(int vertex, double deviation_mm, double border_mm) const {
+  Move best;
+  best.needs_mm = std::numeric_limits<double>::infinity();
+  Ring ring;
+  if (!ring_of(vertex, ring) || ring.n_faces < 2) return best;
+  std::array<Vec3, FlatStar::kMostCorners> around;
+  for (std::size_t k = 0; k < ring.n_corners; ++k) around[k] = place(ring.corners[k]);
+  const FlatStar star(place(vertex), {around.data(), ring.n_corners}, ring.is_open());
+  if (!star.is_flat()) return best;
+  double before_mm = 0.0, border_before_mm = 0.0;
+  for (std::size_t k = 0; k < ring.n_faces; ++k)
+    before_mm = std::max(before_mm, static_cast<double>(deviation_[at(ring.faces[k])]));
+  // A border edge begins at the middle, and one at the neighbour before it.
+  const int last = ring.corners[ring.n_corners - 1];
+  if (ring.is_open()) border_before_mm = static_cast<double>(std::max(border_[at(vertex)], border_[at(last)]));
+  double best_worth = -1.0;
+  for (std::size_t j = 0; j < ring.n_corners; j += ring.is_open() ? ring.n_corners - 1 : 1) {
+    if (is_locked_[at(ring.corners[j])]) continue;
+    const auto change = star.onto(j);
+    if (!change) continue;
+    const double border = border_before_mm + change->border_mm + (ring.is_open() ? kRounding_mm : 0.0);
+    if (ring.is_open() && border > border_mm) continue;
+    const double deviation = before_mm + change->deviation_mm + kRounding_mm;
+    best.needs_mm = std::min(best.needs_mm, deviation);
+    const double worth = change->shape / (1.0 + kPrefersFlat * change->deviation_mm / deviation_mm);
+    if (deviation > deviation_mm || worth <= best_worth || !keeps_edges_single(vertex, ring, j)) continue;
+    best_worth = worth;
+    best.onto = ring.corners[j];
+    best.deviation_mm = deviation;
+    best.border_mm = border;
+  }
+  return best;
+}
+
+// The neighbours that both have are those at the edge between them, and no face stands on the other side of a single
+// new one.
+bool CollapsingMesh::keeps_edges_single(int vertex, const Ring& ring, std::size_t j) const {
+  Ring around;
+  if (!ring_of(ring.corners[j], around)) return false;
+  const std::span<const int> corners(ring.corners.data(), ring.n_corners),
+      others(around.corners.data(), around.n_corners);
+  const auto common =
+      std::ranges::count_if(corners, [&](int v) { return std::ranges::find(others, v) != others.end(); });
+  if (common != (ring.is_open() ? 1 : 2)) return false;
+  if (ring.is_open() || ring.n_faces > 3) return true;
+  const auto in_ring = [&](int v) { return v != vertex && std::ranges::find(corners, v) != corners.end(); };
+  return std::ranges::none_of(std::span<const int>(around.faces.data(), around.n_faces),
+                              [&](int f) { return std::ranges::all_of(faces_[at(f)], in_ring); });
+}
+
+// The neighbour across the side from one corner to the next.
+void CollapsingMesh::point_side(int face, int from, int to, int neighbour) {
+  if (face < 0) return;
+  for (std::size_t s = 0; s < 3; ++s) {
+    if (faces_[at(face)][s] == from && faces_[at(face)][(s + 1) % 3] == to) neighbours_[at(face)][s] = neighbour;
+  }
+}
+
+// A face with the middle and the corner that it is drawn onto: what stood at its two other sides is joined.
+void CollapsingMesh::remove_face(int face, int vertex, int corner) {
+  const auto f = faces_[at(face)];
+  const auto sides = neighbours_[at(face)];
+  const std::size_t v = corner_in(f, vertex), c = corner_in(f, corner), third = 3 - v - c;
+  const auto opposite = [&](std::size_t k) { return sides[(k + 1) % 3]; };  // of corner k
+  const int inner = opposite(c), outer = opposite(v);
+  const auto join = [&](int one, int end, int other) {  // the side of `one` between `end` and the third corner
+    point_side(one, end, f[third], other);
+    point_side(one, f[third], end, other);
+  };
+  join(inner, vertex, outer);
+  join(outer, corner, inner);
+  if (face_of_[at(f[third])] == face) face_of_[at(f[third])] = inner;
+  faces_[at(face)] = {-1, -1, -1};
+  --n_faces_;
+}
+
+bool CollapsingMesh::collapse(int vertex, const Move& move, std::vector<int>& changed) {
+  Ring ring;
+  if (!ring_of(vertex, ring)) return false;
+  const auto end = ring.corners.begin() + static_cast<std::ptrdiff_t>(ring.n_corners);
+  const auto j = static_cast<std::size_t>(std::find(ring.corners.begin(), end, move.onto) - ring.corners.begin());
+  if (j == ring.n_corners || !keeps_edges_single(vertex, ring, j)) return false;
+  const int before = ring.corners[ring.n_corners - 1];
+  for (std::size_t k = 0; k < ring.n_faces; ++k) {
+    const int f = ring.faces[k];
+    const auto& corners = faces_[at(f)];
+    if (std::ranges::find(corners, move.onto) != corners.end()) remove_face(f, vertex, move.onto);
+  }
+  for (std::size_t k = 0; k < ring.n_faces; ++k) {
+    const int f = ring.faces[k];
+    if (faces_[at(f)][0] < 0) continue;
+    faces_[at(f)][corner_in(faces_[at(f)], vertex)] = move.onto;
+    deviation_[at(f)] = upwards(move.deviation_mm);
+    face_of_[at(move.onto)] = f;
+  }
+  if (ring.is_open()) border_[at(before)] = upwards(move.border_mm);
+  face_of_[at(vertex)] = -1;
+  changed.insert(changed.end(), ring.corners.begin(), end);
+  return true;
+}
+
+Mesh CollapsingMesh::mesh() const {
+  Mesh left;
+  std::vector<int> number(places_.size(), -1);
+  for (const auto& f : faces_) {
+    for (const int v : f) {
+      if (v >= 0) number[at(v)] = 0;
+    }
+  }
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] < 0) continue;
+    number[v] = static_cast<int>(left.vertices.size());
+    left.vertices.push_back(places_[v]);
+  }
+  for (const auto& f : faces_) {
+    if (f[0] >= 0) left.faces.push_back({number[at(f[0])], number[at(f[1])], number[at(f[2])]});
+  }
+  return left;
+}
+
+double CollapsingMesh::deviation_mm() const {
+  float most = 0.0F;
+  for (std::size_t f = 0; f < faces_.size(); ++f) most = std::max(most, faces_[f][0] < 0 ? 0.0F : deviation_[f]);
+  return static_cast<double>(most);
+}
+
+double CollapsingMesh::border_mm() const {
+  float most = 0.0F;
+  for (std::size_t v = 0; v < border_.size(); ++v) most = std::max(most, face_of_[v] < 0 ? 0.0F : border_[v]);
+  return static_cast<double>(most);
+}
+
+}  // namespace triskin::geometry

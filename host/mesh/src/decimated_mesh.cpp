@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/mesh/decimated_mesh.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "collapsing_mesh.hpp"
+#include "triskin/base/index.hpp"
+#include "triskin/base/parallel.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+constexpr int kLevels = 7;  // of the allowed deviation: with each an edge that follows a bend may be twice as long
+constexpr double kBetweenLevels = 4.0;  // times the deviation
+constexpr std::size_t kChunk = 512;     // corners that a thread takes at once
+constexpr std::size_t kFewFaces = 5000;
+constexpr double kWideFace_mm2 = 4.0;  // as wide as the cells in which closest points are looked for
+constexpr double kWorthwhile = 0.5;    // of the faces, that must be left at most
+constexpr double kOfLimit = 0.05;      // of the narrowest limit, that the deviation may take
+constexpr double kLeastLimit = 0.5;    // of a limit, that is left
+
+// Takes corners out in rounds: of each round no two are neighbours, so that what is known of one stays true when others
+// go. A corner that cannot go is not asked again until the faces round it change, or more deviation is allowed.
+class Reducer {
+ public:
+  Reducer(const Surface& surface, double border_mm, int threads)
+      : mesh_(surface),
+        border_mm_(border_mm),
+        threads_(threads),
+        needs_mm_(surface.mesh().vertices.size(), 0.0F),
+        is_waiting_(needs_mm_.size(), 0),
+        is_blocked_(needs_mm_.size(), 0) {}
+
+  SolverMesh run(double deviation_mm, std::size_t enough_faces) {
+    double share = 1.0;
+    for (int level = 1; level < kLevels; ++level) share /= kBetweenLevels;
+    for (int level = 0; level < kLevels && mesh_.n_faces() > enough_faces; ++level, share *= kBetweenLevels)
+      take_out(share * deviation_mm);
+    return {mesh_.mesh(), mesh_.deviation_mm(), mesh_.border_mm()};
+  }
+
+ private:
+  void take_out(double deviation_mm) {
+    for (std::size_t v = 0; v < needs_mm_.size(); ++v) {
+      if (static_cast<double>(needs_mm_[v]) <= deviation_mm) wait(static_cast<int>(v));
+    }
+    while (!waiting_.empty()) {
+      choose();
+      moves_.resize(chosen_.size());
+      in_parallel(threads_, (chosen_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+        const std::size_t end = std::min(chosen_.size(), (chunk + 1) * kChunk);
+        for (std::size_t k = chunk * kChunk; k < end; ++k)
+          moves_[k] = mesh_.best_move(chosen_[k], deviation_mm, border_mm_);
+      });
+      move();
+    }
+  }
+
+  void wait(int vertex) {
+    if (is_waiting_[at(vertex)]) return;
+    is_waiting_[at(vertex)] = 1;
+    waiting_.push_back(vertex);
+  }
+
+  // Those that wait, none beside another; the others wait on.
+  void choose() {
+    chosen_.clear();
+    std::vector<int> later, blocked;
+    CollapsingMesh::Ring ring;
+    for (const int v : waiting_) {
+      if (is_blocked_[at(v)]) {
+        later.push_back(v);
+        continue;
+      }
+      is_waiting_[at(v)] = 0;
+      if (!mesh_.ring_of(v, ring)) continue;
+      chosen_.push_back(v);
+      for (std::size_t k = 0; k < ring.n_corners; ++k) {
+        is_blocked_[at(ring.corners[k])] = 1;
+        blocked.push_back(ring.corners[k]);
+      }
+    }
+    for (const int v : blocked) is_blocked_[at(v)] = 0;
+    waiting_ = std::move(later);
+  }
+
+  void move() {
+    for (std::size_t k = 0; k < chosen_.size(); ++k) {
+      const int v = chosen_[k];
+      changed_.clear();
+      if (moves_[k].onto < 0 || !mesh_.collapse(v, moves_[k], changed_)) {
+        needs_mm_[at(v)] = static_cast<float>(moves_[k].needs_mm);
+        continue;
+      }
+      for (const int c : changed_) {
+        needs_mm_[at(c)] = 0.0F;
+        wait(c);
+      }
+    }
+  }
+
+  CollapsingMesh mesh_;
+  double border_mm_;
+  int threads_;
+  std::vector<float> needs_mm_;  // by vertex: deviation below which it need not be asked
+  std::vector<char> is_waiting_, is_blocked_;
+  std::vector<int> waiting_, chosen_, changed_;
+  std::vector<CollapsingMesh::Move> moves_;
+};
+
+}  // namespace
+
+SolverMesh reduce(const Surface& surface, double deviation_mm, double border_mm, int threads,
+                  std::size_t enough_faces) {
+  return Reducer(surface, border_mm, threads).run(deviation_mm, enough_faces);
+}
+
+std::optional<SolverMesh> solver_mesh_of(const Surface& surface, const LayoutLimits& limits, double deviation_mm,
+                                         int threads) {
+  const std::size_t faces = surface.mesh().faces.size();
+  if (!(deviation_mm > 0.0) || faces < kFewFaces || surface.area_mm2() > kWideFace_mm2 * static_cast<double>(faces))
+    return std::nullopt;
+  const double narrowest_mm = std::min({limits.lift_mm, limits.depth_mm, limits.center_gap_mm});
+  SolverMesh solver = reduce(surface, std::min(deviation_mm, kOfLimit * narrowest_mm),
+                             std::min({deviation_mm, kSolverBorder_mm, kOfLimit * limits.overrun_mm}), threads);
+  if (static_cast<double>(solver.mesh.faces.size()) > kWorthwhile * static_cast<double>(faces)) return std::nullopt;
+  return solver;
+}
+
+LayoutLimits limits_on(const SolverMesh& solver, LayoutLimits limits) {
+  for (double* limit : {&limits.lift_mm, &limits.depth_mm, &limits.center_gap_mm})
+    *limit = std::max(kLeastLimit * *limit, *limit - solver.deviation_mm);
+  limits.overrun_mm = std::max(kLeastLimit * limits.overrun_mm, limits.overrun_mm - solver.border_mm);
+  return limits;
+}
+
+}  // namespace triskin::geometry

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "isolated.hpp"
+
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+
+#include "triskin/base/error.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+constexpr int kPoll_ms = 20;
+
+[[noreturn]] void child(const std::function<std::string()>& work, int pipe, unsigned cpu_s) {
+  const rlimit limit{cpu_s, cpu_s + 1}, none{0, 0};
+  setrlimit(RLIMIT_CPU, &limit);
+  setrlimit(RLIMIT_CORE, &none);
+  for (const int s : {SIGABRT, SIGSEGV, SIGFPE, SIGBUS}) std::signal(s, SIG_DFL);
+  if (std::freopen("/dev/null", "w", stderr) == nullptr) _exit(1);  // the library's last words
+  const std::string bytes = work();
+  for (std::size_t at = 0; at < bytes.size();) {
+    const ssize_t n = ::write(pipe, bytes.data() + at, bytes.size() - at);
+    if (n <= 0) _exit(1);
+    at += static_cast<std::size_t>(n);
+  }
+  _exit(0);
+}
+
+}  // namespace
+
+std::optional<std::string> run_isolated(const std::function<std::string()>& work, unsigned cpu_s,
+                                        const std::function<bool()>& is_late) {
+  std::array<int, 2> ends{};
+  if (::pipe(ends.data()) != 0) throw InputError("no pipe to a child process can be made; close other programs");
+  const pid_t pid = ::fork();
+  if (pid == 0) {
+    ::close(ends[0]);
+    child(work, ends[1], cpu_s);
+  }
+  ::close(ends[1]);
+  std::string bytes;
+  std::array<char, 65536> buffer;
+  bool is_ended = pid < 0;
+  for (;;) {
+    pollfd ready{ends[0], POLLIN, 0};
+    if (!is_ended && is_late && is_late()) {
+      ::kill(pid, SIGKILL);
+      is_ended = true;  // and the pipe with it
+    } else if (!is_ended && is_late && ::poll(&ready, 1, kPoll_ms) <= 0) {
+      continue;
+    }
+    const ssize_t n = ::read(ends[0], buffer.data(), buffer.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) break;
+    bytes.append(buffer.data(), static_cast<std::size_t>(n));
+  }
+  ::close(ends[0]);
+  if (pid < 0) throw InputError("no child process can be started; close other programs");
+  int status = 0;
+  while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return std::nullopt;
+  return bytes;
+}
+
+}  // namespace triskin::geometry

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "triskin/design/design_types.hpp"
+
+namespace triskin::geometry {
+
+/// Appends the triangles of a polygon of a mesh file, whose corners are vertices of the mesh: ears are cut on the plane
+/// of its largest projection, so that a polygon with a reflex corner is not covered twice. Fewer than three corners
+/// give none. Cost: O(n³) at worst, O(n) where it is convex.
+void add_polygon(Mesh& mesh, std::vector<int> corners);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <limits>
+#include <vector>
+
+#include "triskin/mesh/bvh.hpp"
+#include "triskin/mesh/surface.hpp"
+
+namespace triskin::geometry {
+
+/// Boxes of the faces of a mesh.
+[[nodiscard]] std::vector<BoxTree::Extent> extents_of_faces(const Mesh& mesh);
+/// Tree of them, made on `threads` (≥ 1).
+[[nodiscard]] BoxTree tree_of_faces(const Mesh& mesh, int threads = 1);
+
+/// Closest point of the mesh that `tree` was made of, of those nearer than within_mm. Without any: face -1 and distance
+/// infinity.
+[[nodiscard]] SurfacePoint closest_face_point(const BoxTree& tree, const Mesh& mesh, const Vec3& query_mm,
+                                              double within_mm = std::numeric_limits<double>::infinity());
+
+/// Closest points of any triangles, a surface or not. The mesh must outlive it. Queries are thread-safe.
+class TriangleTree {
+ public:
+  explicit TriangleTree(const Mesh& mesh) : mesh_(mesh), tree_(tree_of_faces(mesh)) {}
+
+  [[nodiscard]] const Mesh& mesh() const { return mesh_; }
+  /// Cost: O(log n) typical.
+  [[nodiscard]] SurfacePoint closest(const Vec3& query_mm) const { return closest_face_point(tree_, mesh_, query_mm); }
+
+ private:
+  const Mesh& mesh_;
+  BoxTree tree_;
+};
+
+}  // namespace triskin::geometry

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "triskin/design/design_types.hpp"
+#include "triskin/placement/paper/heuristics.hpp"
+#include "triskin/placement/weight_map.hpp"
+#include "triskin/base/names.hpp"
+#include "triskin/base/progress.hpp"
+
+namespace triskin::geometry {
+
+/// How place() looks for a placement.
+enum class PlacementMethod {
+  kBranchAndBound,  ///< certified
+  // The heuristics of the reference paper (paper/heuristics.hpp): triangles without gap.
+  kR1,
+  kR2,
+  kR3,
+  kR4,
+  kR5,
+  kR6,
+  kR7,
+  // Grid scans and descents (docs/placement.md): every shape and gap.
+  kScanEdges,
+  kScanSlides,
+  kScanShifts,
+  kScanAngles,
+  kScanEdgeAngles,
+  kRandom,
+  kDescent
+};
+/// Shape of a module, with sides of 30 mm.
+enum class TileShape { kTriangle, kHexagon, kSquare };
+/// Names in options and proof files: "triangle", "square", "hexagon".
+inline constexpr NameTable kTileShapeNames{std::array<std::pair<TileShape, std::string_view>, 3>{
+    {{TileShape::kTriangle, "triangle"}, {TileShape::kSquare, "square"}, {TileShape::kHexagon, "hexagon"}}}};
+
+/// Options of place(). Out of range: InputError.
+struct PlacementOptions {
+  PlacementMethod method = PlacementMethod::kBranchAndBound;
+  TileShape shape = TileShape::kTriangle;
+  double tolerance_mm = 1e-6;  ///< 1e-8 … 1: a tile may stand over the outline by this much
+  double gap_mm = 0.0;         ///< 0 … 100: free space between facing sides of modules
+  /// 0 … design::kMostCornerCut_mm, triangles only: cut off along each side from every corner. Tiles then count when
+  /// what is left of them lies inside.
+  double corner_cut_mm = 0.0;
+  double time_limit_s = 60.0;  ///< ≤ 0: none
+  int threads = 0;             ///< 0: all cores; the answer does not depend on it
+  std::uint64_t seed = 1;
+  paper::HeuristicOptions paper;  ///< what the paper leaves open of R1 … R7; the seed is the one above
+  bool keep_proof = false;        ///< fill PlacementResult::proof (branch and bound only)
+  bool largest_clearance = true;  ///< among the optima the placement with the largest clearance (branch and bound only)
+  /// Objective (branch and bound only): the number of tiles; with `connected` the number of tiles connected by sides;
+  /// with `weights` the sum of the weights of all tiles. The last two start from the answer of the first; clearance and
+  /// deficit are then not computed.
+  bool connected = false;
+  std::shared_ptr<const WeightMap> weights;
+  bool deficit = false;  ///< compute PlacementResult::deficit_mm (branch and bound only)
+};
+
+/// Certificate that no placement is better (docs/placement.md has the format). Its motions are q = R(theta)*(p - pivot)
+/// + (x, y), in mm and rad.
+struct PlacementProof {
+  TileShape shape = TileShape::kTriangle;
+  Vec2 pivot = Vec2::Zero();
+  double pitch_mm = kSide_mm;
+  double corner_cut_mm = 0.0;
+  std::array<double, 3> motion{};            ///< x, y, theta of the answer
+  std::vector<std::array<double, 6>> cells;  ///< boxes x0, x1, y0, y1, theta0, theta1 that cover one period
+};
+
+/// Result of place().
+struct PlacementResult {
+  int modules = 0;            ///< tiles inside; with `connected` those of the largest connected set
+  int upper_bound = 0;        ///< no placement has more
+  bool proved = false;        ///< value and bound met before the time limit
+  double clearance_mm = 0.0;  ///< inset at which `modules` tiles still fit
+  double clearance_bound_mm =
+      0.0;  ///< no placement of `modules` tiles has a larger clearance (method bnb; the inradius when not proved)
+  /// With every side of every module drawn in by deficit_mm one module more fits somewhere (empty: not even with 0.8
+  /// inradius, or not asked for); with less than deficit_bound_mm, in the separations of docs/placement.md, none does.
+  std::optional<double> deficit_mm;
+  double deficit_bound_mm = 0.0;
+  Placement deficit_placement;  ///< where one module more would fit
+  double weight = 0.0;          ///< with weights: their sum, to 1e-5 of it as large as any
+  double weight_bound = 0.0;    ///< no placement has more
+  double tolerance_mm = 0.0;
+  Placement placement;
+  std::optional<paper::PivotedPlacement> pivoted;  ///< methods R1 … R7: the placement as the paper has it
+  std::vector<Tile> tiles;                         ///< grid triangles wholly inside, sorted
+  std::vector<double> tile_weights;                ///< with weights: that of each of `tiles`
+  std::int64_t evaluations = 0;
+  std::int64_t cells = 0;
+  double search_seconds = 0.0;  ///< of that until value and bound stood
+  double seconds = 0.0;
+  PlacementProof proof;
+};
+
+/// Places `polygon` (mm) on the isometric grid so that as many tiles as possible lie wholly inside; with branch and
+/// bound the upper bound is a proof over all translations and angles. Errors: InputError for self-intersecting, empty
+/// or non-finite rings (ring and vertex are named), for options out of range or that exclude each other, and for
+/// polygons that would take more than 10⁶ modules. std::logic_error if the exact check of the answer fails: a wrong
+/// answer is never returned. The answer is equal for every number of threads and every processor unless the time limit
+/// cuts the search short. Thread-safe. Cost: milliseconds to a minute; time_limit_s bounds the search. Source:
+/// docs/placement.md.
+[[nodiscard]] PlacementResult place(const Polygon& polygon, const PlacementOptions& options = {},
+                                    const ProgressSink& progress = {});
+
+/// The triangles, less `corner_cut_mm` along each side at every corner, that lie in the moved polygon, holes taken into
+/// account, each allowed to stand over by `tolerance_mm`, sorted. `polygon` must be normalized (polygon_io.hpp);
+/// nothing is checked. Thread-safe. Cost: O(edges · tiles that they pass).
+[[nodiscard]] std::vector<Tile> tiles_inside(const Polygon& polygon, const Placement& placement, double tolerance_mm,
+                                             double gap_mm = 0.0, double corner_cut_mm = 0.0);
+
+/// The log of `triskin place --proof` as JSON text (docs/placement.md), for the polygon that was placed. It holds cells
+/// only when PlacementOptions::keep_proof was set; without them the checker rejects it. Cost: linear in the cells.
+[[nodiscard]] std::string proof_text(const Polygon& polygon, const PlacementResult& result);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "triskin/design/design_types.hpp"
+
+namespace triskin::geometry {
+
+/// Reads one polygon in mm, holes allowed: GeoJSON (Polygon, MultiPolygon of one, Feature or collection of one) or WKT
+/// (POLYGON). Result: normalized. Errors: InputError naming file, ring and vertex for what is not a polygon (see
+/// normalize_polygon), for an open ring and for a file that cannot be read. Thread-safe.
+[[nodiscard]] Polygon read_polygon(const std::filesystem::path& path);
+
+/// The same from text; `name` stands for the file in messages.
+[[nodiscard]] Polygon parse_polygon(const std::string& text, const std::string& name);
+
+/// The outlines of the pieces of a net, as `triskin unfold` writes it (docs/unfolding.md), in its order; of a file with
+/// one polygon that polygon. Errors: as read_polygon, and for a net without pieces.
+[[nodiscard]] std::vector<Polygon> read_polygons(const std::filesystem::path& path);
+/// The same from text.
+[[nodiscard]] std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name);
+
+/// Drops closing and repeated vertices, orients the outer ring counter-clockwise and holes clockwise. Edges of one
+/// polygon may touch (a crack of zero width is a cut), but not cross. Errors: InputError naming `name`, ring and vertex
+/// for rings of fewer than three points, zero area, coordinates that are not finite or beyond ±1e8 mm, rings that
+/// cross, and holes outside the outer ring. Cost: O(n log n) for typical outlines, O(n²) at worst.
+[[nodiscard]] Polygon normalize_polygon(Polygon polygon, const std::string& name);
+
+/// Signed area of an open ring in mm² (counter-clockwise positive); 0 for fewer than three points. Cost: O(n).
+[[nodiscard]] double ring_area(const std::vector<Vec2>& ring);
+/// Area of a normalized polygon less its holes, mm². Cost: O(n).
+[[nodiscard]] double polygon_area(const Polygon& polygon);
+
+}  // namespace triskin::geometry

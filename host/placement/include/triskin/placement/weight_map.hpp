@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <filesystem>
+#include <vector>
+
+#include "triskin/design/design_types.hpp"
+
+namespace triskin::geometry {
+
+/// Weight of a module by the place of its centre on the polygon (contact likelihood): a uniform cubic B-spline
+/// over a raster, so that it is smooth (C²), lies between the raster's least and largest value, and has bounds for its
+/// slopes. Outside the raster its rim goes on. Immutable: any number of threads.
+class WeightMap {
+ public:
+  /// values[row][column], 0 … 1e12, stands at origin + step·(column, row), mm in the frame of the polygon. Errors:
+  /// InputError for rows of different lengths, values out of range, a step that is not positive, no
+  /// values.
+  WeightMap(const Vec2& origin_mm, double step_mm, const std::vector<std::vector<double>>& values);
+
+  /// Vertex of of_mesh(): place on the polygon and weight, 0 … 1e12.
+  struct Vertex {
+    Vec2 at_mm;
+    double weight = 0.0;
+  };
+  /// From a flat mesh with a weight at each vertex (an unfolded cover), linear on its faces; elsewhere as at the
+  /// nearest point of a face. Cost: raster points in the box of the mesh, each against every face. Errors: as above,
+  /// and for faces with vertices that are not there, no face, or a step that gives too many points.
+  [[nodiscard]] static WeightMap of_mesh(const std::vector<Vertex>& vertices,
+                                         const std::vector<std::array<int, 3>>& faces, double step_mm);
+
+  /// Value and gradient at a point.
+  struct Jet {
+    double value = 0.0;
+    Vec2 slope_per_mm = Vec2::Zero();
+  };
+  /// Value and gradient at a point in the frame of the polygon, mm; any finite point. Constant cost.
+  [[nodiscard]] Jet at(const Vec2& p_mm) const;
+  /// Upper bound of all values.
+  [[nodiscard]] double most() const { return most_; }
+  /// Upper bound of the length of the gradient, per mm.
+  [[nodiscard]] double most_slope_per_mm() const { return most_slope_; }
+  /// Upper bound of the second derivative in every direction, per mm².
+  [[nodiscard]] double most_curvature_per_mm2() const { return most_curvature_; }
+
+ private:
+  [[nodiscard]] double control(int column, int row) const;
+
+  Vec2 origin_;
+  double step_;
+  int columns_ = 0, rows_ = 0;
+  std::vector<double> control_;
+  double most_ = 0.0, most_slope_ = 0.0, most_curvature_ = 0.0;
+};
+
+/// Reads {"origin_mm": [x, y], "step_mm": s, "rows": [[…], …]}, rows upwards, or {"step_mm": s, "vertices": [[x, y,
+/// weight], …], "faces": [[a,b,c], …]}, or {"step_mm": s, "elsewhere": w, "module_weight":w, "regions": [{"weight":
+/// w, "outline_mm": [[x, y], …]}, …]} (weight_regions.hpp; module_weight: optional). Errors: InputError with file
+/// and cause when it cannot be read, or as of the constructors.
+[[nodiscard]] WeightMap read_weight_map(const std::filesystem::path& file);
+
+}  // namespace triskin::geometry

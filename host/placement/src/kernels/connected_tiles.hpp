@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "search/objective_search.hpp"
+
+namespace triskin::geometry {
+
+/// The largest set of the tiles that hangs together by sides; of equal ones that with the first tile. `tiles` must be
+/// sorted, the result is.
+[[nodiscard]] std::vector<Tile> largest_component(const TileGrid& grid, const std::vector<Tile>& tiles);
+
+/// The number of tiles that hang together. Bound: as if every open tile were inside.
+class ConnectedTiles final : public Objective {
+ public:
+  explicit ConnectedTiles(const TileGrid& grid) : grid_(grid) {}
+  double value(const Motion& motion, const std::vector<Tile>& inside) override;
+  double bound(const CellFrame& cell, const std::vector<OpenTile>& certain, const std::vector<OpenTile>& open) override;
+  [[nodiscard]] int needed(double value) const override { return static_cast<int>(value) + 1 - certain_; }
+  [[nodiscard]] double slack(double) const override { return 0.0; }
+
+ private:
+  const TileGrid& grid_;
+  std::vector<Tile> tiles_;
+  int certain_ = 0;
+};
+
+}  // namespace triskin::geometry

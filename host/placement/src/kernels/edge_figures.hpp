@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "kernels/pair_kernel.hpp"
+#include "kernels/sample_bits.hpp"
+
+namespace triskin::geometry {
+
+/// Edges of a moved polygon side by side, a multiple of eight: the last one stands again to the end.
+struct EdgeArrays {
+  static constexpr std::size_t kLanes = 8;
+  std::vector<double> ax, ay, bx, by, normal_x, normal_y;
+  std::vector<double> offset, far;  ///< of the line; most distance from the pivot
+  std::size_t count = 0;            ///< without the repeated ones
+
+  explicit EdgeArrays(const PreparedPolygon& polygon);
+  void move(const PreparedPolygon& polygon, const CellFrame& frame);
+};
+
+/// Where the centres of one kind of tiles are sampled, and how edge and tile may move against each other.
+struct FigureTerms {
+  double sign = 1.0;                 ///< +1 up tiles, −1 down tiles
+  double column0 = 0.0, row0 = 0.0;  ///< a point has the column column0 − x/step_x and the row row0 − y/step_y
+  double step_x = 0.0, step_y = 0.0;
+  double half_x = 0.0, half_y = 0.0, turn = 0.0;  ///< most shift and turn
+  double separation_mm = 0.0;                     ///< from which on the edge leaves the tile alone
+};
+
+/// Switches on the samples of the centres of the tiles that an edge cuts. They fill a convex figure for each edge, one
+/// half plane a direction. `outer`: at some motion, and a few samples more; else at every motion, and a few less.
+void fill_figures(const EdgeArrays& edges, const TileGrid& grid, const FigureTerms& terms, bool outer,
+                  SampleBits& bits);
+
+}  // namespace triskin::geometry

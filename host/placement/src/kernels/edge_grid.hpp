@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/tile_polygon.hpp"
+
+namespace triskin::geometry {
+
+/// Bucket grid of the edges in the polygon's frame: edges near a point in constant time. Immutable: any number of
+/// threads.
+class EdgeGrid {
+ public:
+  EdgeGrid(const PreparedPolygon& polygon, double reach_mm);
+  [[nodiscard]] double reach_mm() const { return reach_mm_; }
+  /// All edges within reach_mm of p, and some others.
+  [[nodiscard]] std::span<const std::uint32_t> near(const Vec2& p) const;
+
+ private:
+  double reach_mm_ = 0.0, origin_ = 0.0, scale_ = 1.0;
+  int buckets_ = 1;  // per axis
+  std::vector<std::uint32_t> first_, edges_;
+};
+
+}  // namespace triskin::geometry

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "kernels/tile_grid.hpp"
+#include "kernels/tile_polygon.hpp"
+
+namespace triskin::geometry {
+
+/// A tile and an edge that may cut it. The pairs of one tile stand together.
+struct Pair {
+  std::uint32_t tile = 0;
+  std::uint32_t edge = 0;
+};
+
+/// A tile that is not decided in a cell.
+struct OpenTile {
+  Vec2 center;
+  Tile tile;
+  bool inside = false;                 ///< its centre lies inside the polygon in the whole cell
+  std::uint32_t first = 0, count = 0;  ///< its pairs
+};
+
+/// Box of motions: its low and high corner in (x mm, y mm, theta rad), low ≤ high on each axis.
+struct MotionBox {
+  std::array<double, 3> low{}, high{};
+  [[nodiscard]] double center(std::size_t k) const { return 0.5 * (low[k] + high[k]); }
+  [[nodiscard]] double half(std::size_t k) const { return 0.5 * (high[k] - low[k]); }
+};
+
+/// The polygon at the centre of a cell and what bounds its motion inside the cell.
+struct CellFrame {
+  std::array<double, 3> center{}, half{};
+  double cosine = 1.0, sine = 0.0;
+  double reach_mm = 0.0;       ///< how far any point of the polygon moves inside the cell
+  double pad_mm = 0.0;         ///< curvature and rounding of the first-order values
+  double inset_mm = 0.0;       ///< below this separation a tile cannot count
+  double sufficient_mm = 0.0;  ///< from this separation on it counts
+  double certain_mm = 0.0;     ///< a tile that keeps this separation in the whole cell is settled: it leaves the list
+  std::vector<double> x, y;    ///< moved first end of each edge, without the shift
+  std::vector<double> normal_x, normal_y;  ///< turned left normal of each edge
+
+  void set(const PreparedPolygon& polygon, const TileGrid& grid, const MotionBox& box, double inset, double sufficient);
+};
+
+inline constexpr std::size_t kLanes = 8, kMostCorners = 6;
+/// Result for a block of pairs. The edge does not cut the tile where it lies beyond a side of the tile,
+/// or where the tile lies on one side of the edge's line: these are the directions.
+struct PairBlock {
+  /// Offsets from the cell's centre outside which every direction fails; low > high: the edge always cuts the tile.
+  alignas(64) std::array<std::array<double, kLanes>, 3> low, high;
+  alignas(64) std::array<double, kLanes> surest;  ///< at least sufficient + pad: one direction holds in the whole cell
+  alignas(64) std::array<double, kLanes> value;   ///< separation at the centre
+
+  /// Directions: [0] tile left of the line, [1] right of it, [2 + k] beyond side k. Negative room: it holds nowhere.
+  alignas(64) std::array<std::array<double, kLanes>, 2 + kMostCorners> room;
+  /// Constraints at the centre and their slopes by theta: [j] corner j over the line (direction 0; negated: 1), then
+  /// two for each side, one for each end of the edge.
+  alignas(64) std::array<std::array<double, kLanes>, 3 * kMostCorners> level, slope;
+};
+
+/// Evaluates up to kLanes pairs at once. The widest instruction set of the processor is chosen at the first call; all
+/// give the same bits, since all do the same IEEE operations.
+void evaluate_pairs(const PreparedPolygon& polygon, const TileGrid& grid, const CellFrame& frame, const OpenTile* tiles,
+                    const Pair* pairs, std::size_t count, PairBlock& result);
+
+}  // namespace triskin::geometry

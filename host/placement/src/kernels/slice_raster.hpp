@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "kernels/edge_figures.hpp"
+#include "kernels/sample_bits.hpp"
+#include "search/cell_list.hpp"
+
+namespace triskin::geometry {
+
+/// All translations of one lattice period at a small range of angles, cut into 16 × 16 parts. The centres of all tiles
+/// at the middles of all parts sample the plane regularly: one scan of the polygon decides for every tile in every part
+/// whether it may hold and whether it must. The centres of the tiles that an edge cuts fill a convex polygon, one half
+/// plane a direction: shrunk by what moves inside a part they are surely cut, grown by it perhaps. Keeps its memory:
+/// one object a thread.
+class SliceRaster {
+ public:
+  static constexpr int kSteps = SampleBits::kBlock;
+  static constexpr auto kFull = static_cast<std::uint32_t>((std::uint64_t{1} << kSteps) - 1);
+  using Rows = std::array<std::uint32_t, kSteps>;  ///< row: part in y; bit: part in x
+
+  /// A tile that does not do the same in all parts.
+  struct Border {
+    Tile tile;
+    Rows may, must;
+  };
+
+  SliceRaster(const PreparedPolygon& polygon, const TileGrid& grid) : polygon_(polygon), grid_(grid), edges_(polygon) {}
+
+  /// `frame`: of the slice, all translations of one lattice period. Counts the tiles that may hold in each part; a
+  /// bound needs no more.
+  void scan(const CellFrame& frame);
+  /// After scan() of the same frame: finds the tiles that hold in all parts and those that do not do the same in all.
+  void collect(const CellFrame& frame);
+
+  /// Tiles that hold in all parts; 0 before collect().
+  [[nodiscard]] int certain() const { return certain_; }
+  [[nodiscard]] const std::vector<Border>& border() const { return border_; }
+  /// Number of tiles that may hold somewhere in the part, those of certain() left out.
+  [[nodiscard]] int count(int x, int y) const {
+    return counts_[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)] - certain_;
+  }
+
+ private:
+  enum Layer : std::size_t { kInside, kCut, kTouched, kLayers };
+  struct Kind {
+    FigureTerms terms;
+    std::array<SampleBits, kLayers> bits;
+  };
+  void set_window(const CellFrame& frame);
+  void set_terms(const CellFrame& frame, bool up, FigureTerms& to) const;
+  void scan_inside(const CellFrame& frame, Kind& kind);
+  void collect_kind(bool up);
+  static void take_rows(const SampleBits& bits, int row, int column, BlockWords& to);
+  void collect_tile(const Tile& tile, const Kind& kind, int row, int column);
+
+  const PreparedPolygon& polygon_;
+  const TileGrid& grid_;
+  // Sample n of a row lies to the left of sample n − 1: translations to the right move the tile to the left. Tile (0,
+  // 0) begins with a block of words, and so does every row of tiles.
+  int first_column_ = 0, first_row_ = 0, shift_steps_ = 0, words_ = 0, rows_ = 0;
+  double step_x_ = 0.0, step_y_ = 0.0;
+  EdgeArrays edges_;
+  std::array<Kind, 2> kinds_;
+  std::vector<int> row_of_;  // of each vertex: the first row of samples that is not above it
+  std::vector<Border> border_;
+  int certain_ = 0;
+  std::array<BitCounts, 2> sums_;  // even and odd rows of tiles
+  BitCounts::Counts counts_{};     // [x][y]
+};
+
+}  // namespace triskin::geometry

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+
+#include "triskin/placement/placement.hpp"
+
+namespace triskin::geometry {
+
+/// Places and shape of the modules: convex tiles on a lattice with rows along x. Triangles come in two
+/// kinds, up and down, mirror images of each other; squares and hexagons only as "up".
+struct TileGrid {
+  int corners = 3;
+  int kinds = 2;
+  int neighbours = 3;          ///< tiles across a side of full length
+  double row_step_mm = 0.0;    ///< x step inside a row; the lattice repeats after it
+  double row_height_mm = 0.0;  ///< y step from row to row
+  double row_shift_mm = 0.0;   ///< x shift from row to row
+  double period_rad = 0.0;     ///< the lattice is its own image after this turn
+  double inradius_mm = 0.0, circumradius_mm = 0.0, area_mm2 = 0.0;
+  std::array<Vec2, 2> origin;          ///< centre of tile (0, 0): [1] up, [0] down
+  std::array<Vec2, 6> corner, normal;  ///< of the up tile around its centre, counter-clockwise; normals outward
+  std::array<double, 6> offset_mm{};   ///< distance of each side from the centre, none below inradius_mm
+
+  [[nodiscard]] Vec2 center(const Tile& t) const {
+    const Vec2& o = origin[t.up ? 1 : 0];
+    return {o.x() + row_step_mm * t.i + row_shift_mm * t.j, o.y() + row_height_mm * t.j};
+  }
+};
+
+/// The tiles that share a side with `t`: grid.neighbours of them, the rest of the array is unused.
+[[nodiscard]] std::array<Tile, 6> neighbours(const TileGrid& grid, const Tile& t);
+
+/// Modules with sides of 30 mm; `gap_mm` is the free space between facing sides. Triangles may have their corners cut
+/// off, `corner_cut_mm` along each side (design/outline.hpp): tiles of six corners, long sides and short ones in turn,
+/// on the places of the triangles.
+[[nodiscard]] TileGrid tile_grid(TileShape shape, double gap_mm, double corner_cut_mm = 0.0);
+
+}  // namespace triskin::geometry

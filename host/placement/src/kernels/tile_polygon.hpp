@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "kernels/tile_grid.hpp"
+
+namespace triskin::geometry {
+
+/// Polygon prepared for placement: recentred, as edges with the interior on the left.
+struct PreparedPolygon {
+  Vec2 first = Vec2::Zero();   ///< subtracted first: inputs may lie 1e6 mm away
+  Vec2 center = Vec2::Zero();  ///< subtracted next: a short lever arm keeps rotation bounds tight
+  std::vector<std::array<Vec2, 2>> edges;
+  /// Edges as arrays, in the order of `edges`: first end, left unit normal, its product with the first end, the edge
+  /// that starts at the second end.
+  std::vector<double> x, y, normal_x, normal_y, line_offset;
+  std::vector<std::uint32_t> next;
+  double radius_mm = 0.0;  ///< of a circle around the centre that holds the polygon
+  /// Edges per horizontal slab, so that a point-in-polygon test reads only those that its ray may meet.
+  double slab_low = 0.0, slab_height = 1.0;
+  std::vector<std::vector<int>> slabs;
+
+  [[nodiscard]] bool contains(const Vec2& p) const;
+};
+[[nodiscard]] PreparedPolygon prepare(const Polygon& polygon);
+
+/// Motion of the recentred polygon: q = R(theta)·p + (x, y).
+struct Motion {
+  double x = 0.0, y = 0.0, theta = 0.0;
+};
+[[nodiscard]] Motion to_motion(const PreparedPolygon& polygon, const Placement& placement);
+[[nodiscard]] Placement to_placement(const PreparedPolygon& polygon, const Motion& motion);
+
+}  // namespace triskin::geometry

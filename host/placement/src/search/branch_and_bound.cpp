@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "search/branch_and_bound.hpp"
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <map>
+
+#include "kernels/evaluator.hpp"
+#include "search/scans.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+constexpr std::size_t kMostAsGood = 64;
+constexpr double kReach_mm = 9.0;   // how far from a tile its edges are looked up; children of slices move less
+constexpr double kSlice_mm = 2.5;   // how far the farthest vertex moves from one side of a slice to the other
+constexpr std::size_t kBatch = 16;  // cells refined together: fixed, so that the search does not depend on the threads
+constexpr std::int64_t kLong = 2000;  // cells after which a search looks for constraints that contradict each other
+constexpr std::size_t kTried = 16;  // slices whose most promising motion is tried before any is divided
+
+class BranchAndBound {
+ public:
+  BranchAndBound(const PreparedPolygon& polygon, const TileGrid& grid, const SearchGoal& goal,
+                 const ProgressSink& progress)
+      : polygon_(polygon),
+        grid_(grid),
+        goal_(goal),
+        progress_(progress),
+        demand_{goal.inset_mm, goal.tolerance_mm, goal.resolution_mm, goal.last_inset_mm,
+                static_cast<bool>(goal.raise)},
+        edges_(polygon, grid.circumradius_mm + std::max(0.0, std::max(goal.inset_mm, goal.last_inset_mm)) + kReach_mm),
+        expanders_([&] { return CellExpander(polygon, grid, edges_); }),
+        arena_(goal.threads > 0 ? goal.threads : tbb::task_arena::automatic) {
+    result_.best = goal.known;
+  }
+
+  SearchResult run() {
+    add_roots();
+    while (!open_.empty() && open_.begin()->first > result_.best) {
+      result_.upper_bound = std::max(result_.best, open_.begin()->first);
+      // Some slices have a bound before the time can be over: then there is a motion to return.
+      if ((result_.cells > 0 && std::chrono::steady_clock::now() > goal_.deadline) ||
+          (demand_.rising && demand_.inset_mm > demand_.last_inset_mm))
+        break;
+      report(progress_, "placing", -1.0, fmt::format("{} modules, bound {}", result_.best, result_.upper_bound));
+      if (bounded(next())) seek_start();
+      demand_.conflicts = result_.cells >= kLong;
+      take_batch();
+      expand_batch();
+      for (Expansion& e : expansions_) merge(e);
+    }
+    seek_start();
+    for (const auto& [bound, cells] : open_) {
+      for (const Cell& cell : cells) close(cell.box);
+    }
+    const int open_bound = open_.empty() ? 0 : open_.begin()->first;
+    result_.upper_bound = std::max({result_.best, open_bound, unresolved_bound_});
+    for (const auto& [bound, box] : tied_slices_) {
+      if (bound >= result_.best) result_.tied_slices.push_back(box);
+    }
+    for (const auto& [bound, cells] : open_) {
+      for (const Cell& cell : cells) {
+        if (!cell.list) result_.tied_slices.push_back(cell.box);
+      }
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void close(const MotionBox& box) {
+    if (goal_.cells != nullptr)
+      goal_.cells->push_back({box.low[0], box.high[0], box.low[1], box.high[1], box.low[2], box.high[2]});
+  }
+
+  void push(Cell cell) {
+    cell.bound = std::min(cell.bound, area_bound_);
+    if (cell.bound > result_.best) return open_[cell.bound].push_back(std::move(cell));
+    if (!cell.list) tied_slices_.emplace_back(cell.bound, cell.box);
+    close(cell.box);
+  }
+
+  void add_roots() {
+    double twice_area = 0.0;
+    for (const auto& [a, b] : polygon_.edges) twice_area += a.x() * b.y() - a.y() * b.x();
+    // A tile that may stand over still has what lies deeper than that inside.
+    const double inset_mm = goal_.inset_mm - (goal_.raise ? 0.0 : 0.5 * goal_.tolerance_mm),
+                 kept = 1.0 + std::min(0.0, inset_mm) / grid_.inradius_mm;
+    area_bound_ = static_cast<int>(std::floor(0.5 * twice_area / (kept * kept * grid_.area_mm2) * (1.0 + 1e-6) + 1e-3));
+    // Slices of all translations: constraints are all but linear in x and y, so that a slice can be cut finely at once.
+    if (goal_.slices != nullptr) {
+      for (const MotionBox& box : *goal_.slices) push({.box = box, .certain = 0, .bound = area_bound_, .list = {}});
+      return;
+    }
+    const double period = grid_.period_rad * (1.0 + 1e-12);
+    // Inside a part no centre may move by as much as the inset leaves of the inradius.
+    const double part = 0.5 * std::hypot(grid_.row_step_mm, grid_.row_height_mm) / SliceRaster::kSteps;
+    const double width = std::min(kept * kSlice_mm, 2.0 * (0.9 * kept * grid_.inradius_mm - part));
+    const int n = std::clamp(static_cast<int>(std::ceil(period * polygon_.radius_mm / width)), 1, 1 << 16);
+    for (int k = n - 1; k >= 0; --k) {
+      Cell cell;
+      cell.box.high = {grid_.row_step_mm, grid_.row_height_mm * (1.0 + 1e-12), period * (k + 1) / n};
+      cell.box.low[2] = period * k / n;
+      cell.bound = area_bound_;
+      push(std::move(cell));
+    }
+  }
+
+  [[nodiscard]] const Cell& next() const { return open_.begin()->second.back(); }
+  [[nodiscard]] static bool bounded(const Cell& cell) { return cell.list || cell.promising; }
+
+  // The highest bounds, the last one first among equals. Slices without a bound come first and alone: the value
+  // to beat is sought when all have one.
+  void take_batch() {
+    batch_.clear();
+    const bool all_bounded = bounded(next());
+    while (batch_.size() < kBatch && !open_.empty() && open_.begin()->first > result_.best &&
+           bounded(next()) == all_bounded) {
+      const auto bucket = open_.begin();
+      batch_.push_back(std::move(bucket->second.back()));
+      bucket->second.pop_back();
+      if (bucket->second.empty()) open_.erase(bucket);
+    }
+    expansions_.assign(batch_.size(), {});
+  }
+
+  // A value to beat, once: a descent from the best of the most promising motions. The search then opens only cells that
+  // promise more.
+  void seek_start() {
+    if (demand_.rising || started_) return;
+    started_ = true;
+    Evaluator evaluator(polygon_, grid_);
+    std::size_t tried = 0;
+    for (const auto& [bound, cells] : open_) {
+      for (auto cell = cells.rbegin(); cell != cells.rend() && tried < kTried; ++cell) {
+        if (!cell->promising) continue;
+        ++tried;
+        take(evaluator.count(*cell->promising, goal_.inset_mm - goal_.tolerance_mm), *cell->promising);
+      }
+    }
+    result_.evaluations += static_cast<std::int64_t>(tried);
+    if (!result_.found) return;
+    const ScanResult reached = descend(polygon_, grid_, goal_.tolerance_mm, result_.motion);
+    result_.evaluations += reached.evaluations;
+    take(reached.modules, reached.motion);
+  }
+
+  void expand_batch() {
+    const auto expand = [&](std::size_t k) {
+      expanders_.local().expand(std::move(batch_[k]), demand_, result_.best, goal_.cells != nullptr, expansions_[k]);
+    };
+    if (goal_.threads == 1) {
+      for (std::size_t k = 0; k < batch_.size(); ++k) expand(k);
+    } else {
+      arena_.execute([&] { tbb::parallel_for(std::size_t{0}, batch_.size(), expand); });
+    }
+  }
+
+  void merge(Expansion& e) {
+    result_.cells += e.passes;
+    result_.evaluations += e.passes;
+    unresolved_bound_ = std::max(unresolved_bound_, e.unresolved_bound);
+    for (const auto& [value, motion] : e.better) take(value, motion);
+    for (const Motion& m : e.as_good) {
+      if (e.best == result_.best && result_.as_good.size() < kMostAsGood) result_.as_good.push_back(m);
+    }
+    tied_slices_.insert(tied_slices_.end(), e.tied_slices.begin(), e.tied_slices.end());
+    for (const MotionBox& box : e.closed) close(box);
+    for (Cell& cell : e.children) push(std::move(cell));
+  }
+
+  void take(int value, const Motion& motion) {
+    if (value <= result_.best) return;
+    result_.found = true;
+    result_.motion = motion;
+    if (goal_.raise) {
+      const auto [inset, tolerance] = goal_.raise(motion);
+      demand_.inset_mm = inset;
+      demand_.tolerance_mm = tolerance;
+      return;
+    }
+    result_.best = value;
+    result_.as_good.clear();
+  }
+
+  const PreparedPolygon& polygon_;
+  const TileGrid& grid_;
+  const SearchGoal& goal_;
+  const ProgressSink& progress_;
+  Demand demand_;
+  int area_bound_ = 0;
+  bool started_ = false;
+  int unresolved_bound_ = 0;
+  SearchResult result_;
+  std::vector<std::pair<int, MotionBox>> tied_slices_;
+  std::map<int, std::vector<Cell>, std::greater<>> open_;
+  std::vector<Cell> batch_;
+  std::vector<Expansion> expansions_;
+  EdgeGrid edges_;
+  tbb::enumerable_thread_specific<CellExpander> expanders_;
+  tbb::task_arena arena_;
+};
+
+}  // namespace
+
+SearchResult branch_and_bound(const PreparedPolygon& polygon, const TileGrid& grid, const SearchGoal& goal,
+                              const ProgressSink& progress) {
+  return BranchAndBound(polygon, grid, goal, progress).run();
+}
+
+}  // namespace triskin::geometry

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "kernels/tile_polygon.hpp"
+#include "search/cell_expander.hpp"
+#include "triskin/base/progress.hpp"
+
+namespace triskin::geometry {
+
+/// Goal of one branch and bound, and when it may end.
+struct SearchGoal {
+  double inset_mm = 0.0;        ///< the bound holds for tiles whose separation from every edge is at least this (unless
+                                ///< `raise` is set: less half the tolerance)
+  double tolerance_mm = 1e-6;   ///< a motion's value counts tiles with a separation of at least inset − tolerance
+  double resolution_mm = 1e-8;  ///< cells smaller than this are not split: their bound stays open
+  int known = 0;                ///< value that is already known: only better ones are of interest
+  std::vector<std::array<double, 6>>* cells =
+      nullptr;  ///< gets boxes that cover the period, each with a bound of at most upper_bound
+  /// Set: values over `known` are not the aim but raise the inset: called with a motion of such a value, returns the
+  /// inset (not less than before) and the tolerance to go on with. Above last_inset_mm the search ends.
+  std::function<std::array<double, 2>(const Motion&)> raise;
+  double last_inset_mm = 0.0;
+  /// Set: only these slices are searched, SearchResult::tied_slices of a search for more tiles than known.
+  const std::vector<MotionBox>* slices = nullptr;
+  int threads = 0;  ///< 0: all cores; no answer depends on it
+  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+};
+
+struct SearchResult {
+  int best = 0;         ///< best value found (≥ known)
+  Motion motion;        ///< where, when best > known
+  bool found = false;   ///< best > known
+  int upper_bound = 0;  ///< no motion has a higher value at goal.inset_mm (with `raise`: at the last inset)
+  std::vector<MotionBox> tied_slices;  ///< outside them no motion has `best` tiles
+  std::vector<Motion> as_good;         ///< some motions that reach `best` in the filtered lists; not counted exactly
+  std::int64_t cells = 0;
+  std::int64_t evaluations = 0;
+};
+
+/// Branch and bound over (x, y, theta): cells keep the undecided tiles, each with the edges that may still cut it.
+/// Bounds are first order with curvature and rounding pads; contraction clips a cell to where enough tiles can hold,
+/// and its 64 parts are bounded before it is divided.
+[[nodiscard]] SearchResult branch_and_bound(const PreparedPolygon& polygon, const TileGrid& grid,
+                                            const SearchGoal& goal, const ProgressSink& progress = {});
+
+}  // namespace triskin::geometry

@@ -1,0 +1,442 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "search/cell_expander.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace triskin::geometry {
+namespace {
+
+constexpr int kMostPasses = 4;
+constexpr double kWorthAnotherPass = 0.7;
+constexpr int kMostPartsOfSlice = 8, kMostPartsOfCube = 8;  // in one child
+constexpr int kWellFilled = 2;                              // one of so many parts open: a box is not divided further
+
+using Index = std::array<int, 3>;
+
+// Box of the parts low ≤ index < high; outer faces keep their bits, so that neighbours fit together.
+MotionBox part_box(const MotionBox& box, const Index& parts, const Index& low, const Index& high) {
+  MotionBox part = box;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double step = (box.high[k] - box.low[k]) / parts[k];
+    if (low[k] > 0) part.low[k] = box.low[k] + step * low[k];
+    if (high[k] < parts[k]) part.high[k] = box.low[k] + step * high[k];
+  }
+  return part;
+}
+
+void add_tile(const CellList& from, std::size_t number, CellList& to) {
+  OpenTile tile = from.tiles[number];
+  const std::uint32_t first = tile.first;
+  tile.first = static_cast<std::uint32_t>(to.pairs.size());
+  for (std::uint32_t k = 0; k < tile.count; ++k)
+    to.pairs.push_back({static_cast<std::uint32_t>(to.tiles.size()), from.pairs[first + k].edge});
+  to.tiles.push_back(tile);
+}
+
+// Bits of the parts low ≤ index < high in the words of tiles.
+PartWord wanted_parts(const Index& low, const Index& high) {
+  PartWord wanted{};
+  for (int x = low[0]; x < high[0]; ++x) {
+    for (int y = low[1]; y < high[1]; ++y)
+      wanted[static_cast<std::size_t>(x + kPartsPerAxis * y)] = (1U << high[2]) - (1U << low[2]);
+  }
+  return wanted;
+}
+
+}  // namespace
+
+// The open ones among some parts: their bounds, number and highest count.
+struct CellExpander::OpenParts {
+  Index low{99, 99, 99}, high{0, 0, 0};
+  int count = 0, most = 0;
+  [[nodiscard]] Index size() const { return {high[0] - low[0], high[1] - low[1], high[2] - low[2]}; }
+  [[nodiscard]] bool well_filled(int most_parts) const {
+    const int volume = size()[0] * size()[1] * size()[2];
+    return volume <= most_parts && count * kWellFilled >= volume;
+  }
+};
+
+CellExpander::OpenParts CellExpander::open_parts(const Cell& cell, const Index& low, const Index& high) const {
+  OpenParts open;
+  const int need = best_ + 1 - cell.certain;
+  for (int t = low[2]; t < high[2]; ++t) {
+    for (int y = low[1]; y < high[1]; ++y) {
+      for (int x = low[0]; x < high[0]; ++x) {
+        const int n = cell.list ? lookahead_.count(x, y, t) : raster_.count(x, y);
+        if (n < need) continue;
+        const Index at{x, y, t};
+        for (std::size_t k = 0; k < 3; ++k) {
+          open.low[k] = std::min(open.low[k], at[k]);
+          open.high[k] = std::max(open.high[k], at[k] + 1);
+        }
+        ++open.count;
+        open.most = std::max(open.most, n);
+      }
+    }
+  }
+  return open;
+}
+
+void CellExpander::expand(Cell cell, const Demand& demand, int best, bool keep_closed, Expansion& result) {
+  demand_ = demand;
+  best_ = best;
+  keep_closed_ = keep_closed;
+  result_ = &result;
+  if (cell.list)
+    refine(cell);
+  else if (cell.promising)
+    refine_slice(cell);
+  else
+    bound_slice(cell);
+  result.best = best_;
+}
+
+// The bound alone: of many slices the best value found meanwhile makes an end before they are divided.
+void CellExpander::bound_slice(Cell& cell) {
+  ++result_->passes;
+  set_frame(cell.box);
+  raster_.scan(frame_);
+  parts_ = {SliceRaster::kSteps, SliceRaster::kSteps, 1};
+  Index best{};
+  for (int x = 0; x < parts_[0]; ++x) {
+    for (int y = 0; y < parts_[1]; ++y) {
+      if (raster_.count(x, y) > raster_.count(best[0], best[1])) best = {x, y, 0};
+    }
+  }
+  const MotionBox part = part_box(cell.box, parts_, best, {best[0] + 1, best[1] + 1, 1});
+  cell.promising = Motion{part.center(0), part.center(1), part.center(2)};
+  cell.bound = std::min(cell.bound, raster_.count(best[0], best[1]));
+  result_->children.push_back(std::move(cell));
+}
+
+void CellExpander::refine_slice(Cell& cell) {
+  if (demand_.rising) try_motion(*cell.promising);
+  set_frame(cell.box);
+  raster_.scan(frame_);
+  raster_.collect(frame_);
+  cell.certain = raster_.certain();
+  parts_ = {SliceRaster::kSteps, SliceRaster::kSteps, 1};
+  note_tie(cell);
+  chosen_.clear();
+  for (std::uint32_t k = 0; k < raster_.border().size(); ++k) chosen_.push_back(k);
+  divide_slice(cell, {0, 0, 0}, parts_, 0, 0);
+}
+
+// A slice that may hold as many tiles as the best: a search for ties begins with it.
+void CellExpander::note_tie(const Cell& cell) {
+  int most = 0;
+  for (int y = 0; y < parts_[1]; ++y) {
+    for (int x = 0; x < parts_[0]; ++x) most = std::max(most, raster_.count(x, y));
+  }
+  if (cell.certain + most >= best_) result_->tied_slices.emplace_back(cell.certain + most, cell.box);
+}
+
+std::size_t CellExpander::longest_axis(const MotionBox& box, const Index& parts) const {
+  const std::array<double, 3> weighted = weighted_half(box);
+  std::size_t axis = 3;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (parts[k] > 1 && (axis == 3 || weighted[k] > weighted[axis])) axis = k;
+  }
+  return axis;
+}
+
+// Children: small boxes around open parts, of which at least half are open. chosen_[first_chosen …) may be undecided
+// among the parts, `certain` more tiles than in the slice are certain there.
+void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index& high, std::size_t first_chosen,
+                                int certain) {
+  const OpenParts open = open_parts(cell, low, high);
+  const MotionBox whole = part_box(cell.box, parts_, low, high);
+  if (open.count == 0) return close(whole);
+  const MotionBox box = part_box(cell.box, parts_, open.low, open.high);
+  close_clipped(whole, box);
+  const std::size_t last_chosen = chosen_.size();
+  certain += choose_border(open.low, open.high, first_chosen, last_chosen);
+  if (open.well_filled(kMostPartsOfSlice)) {
+    add_slice_child(cell, box, open, last_chosen, certain);
+  } else {
+    const std::size_t axis = longest_axis(box, open.size());
+    Index first_high = open.high, second_low = open.low;
+    first_high[axis] = second_low[axis] = open.low[axis] + open.size()[axis] / 2;
+    divide_slice(cell, second_low, open.high, last_chosen, certain);
+    divide_slice(cell, open.low, first_high, last_chosen, certain);
+  }
+  chosen_.resize(last_chosen);
+}
+
+// choose() for the border tiles of a slice.
+int CellExpander::choose_border(const Index& low, const Index& high, std::size_t first, std::size_t last) {
+  const auto lanes = static_cast<std::uint32_t>((1U << high[0]) - (1U << low[0]));
+  BlockWords wanted{};
+  for (int y = low[1]; y < high[1]; ++y) wanted[y] = lanes;
+  int certain = 0;
+  for (std::size_t n = first; n < last; ++n) {
+    const SliceRaster::Border& border = raster_.border()[chosen_[n]];
+    BlockWords may, must;
+    std::memcpy(&may, border.may.data(), sizeof may);
+    std::memcpy(&must, border.must.data(), sizeof must);
+    if (!any(wanted & ~must))
+      ++certain;
+    else if (any(wanted & may))
+      chosen_.push_back(chosen_[n]);
+  }
+  return certain;
+}
+
+// Of most children the best value found meanwhile makes an end: edges are looked up when one is opened.
+void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open,
+                                   std::size_t first_chosen, int certain) {
+  auto list = std::make_shared<CellList>();
+  list->tiles.reserve(chosen_.size() - first_chosen);
+  const auto lanes = static_cast<std::uint32_t>((1U << open.high[0]) - (1U << open.low[0]));
+  const double reach = std::hypot(box.half(0), box.half(1)) +
+                       (polygon_.radius_mm + 4.0 * grid_.circumradius_mm) * box.half(2) + grid_.circumradius_mm +
+                       std::max(0.0, frame_.certain_mm);
+  for (std::size_t n = first_chosen; n < chosen_.size(); ++n) {
+    const SliceRaster::Border& border = raster_.border()[chosen_[n]];
+    std::uint32_t may_not = 0;
+    for (int y = open.low[1]; y < open.high[1]; ++y) may_not |= ~border.may[static_cast<std::size_t>(y)] & lanes;
+    // Where a tile may hold its centre is inside at the middle of the part, and so wherever in the part it holds.
+    list->tiles.push_back({grid_.center(border.tile), border.tile, may_not == 0, 0, 0});
+  }
+  result_->children.push_back(
+      {box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), std::move(list), reach});
+}
+
+void CellExpander::list_with_edges(const Cell& cell, CellList& to) const {
+  to.clear();
+  const Vec2 shift(cell.box.center(0), cell.box.center(1));
+  const double c = std::cos(cell.box.center(2)), s = std::sin(cell.box.center(2));
+  for (OpenTile tile : cell.list->tiles) {
+    const Vec2 p = tile.center - shift;
+    tile.first = static_cast<std::uint32_t>(to.pairs.size());
+    add_pairs({c * p.x() + s * p.y(), -s * p.x() + c * p.y()}, cell.reach_mm,
+              static_cast<std::uint32_t>(to.tiles.size()), to.pairs);
+    tile.count = static_cast<std::uint32_t>(to.pairs.size()) - tile.first;
+    to.tiles.push_back(tile);
+  }
+}
+
+// The edges that come within reach of a point of the polygon's frame.
+void CellExpander::add_pairs(const Vec2& p, double reach_mm, std::uint32_t tile, std::vector<Pair>& pairs) const {
+  if (reach_mm > edges_.reach_mm()) {
+    for (std::uint32_t edge = 0; edge < polygon_.x.size(); ++edge) pairs.push_back({tile, edge});
+    return;
+  }
+  const double far = (reach_mm + 1e-6) * (reach_mm + 1e-6);
+  for (const std::uint32_t edge : edges_.near(p)) {
+    const auto& [a, b] = polygon_.edges[edge];
+    const double dx = b.x() - a.x(), dy = b.y() - a.y(), qx = p.x() - a.x(), qy = p.y() - a.y();
+    const double square = dx * dx + dy * dy, along = qx * dx + qy * dy, across = qx * dy - qy * dx;
+    const double end_x = p.x() - b.x(), end_y = p.y() - b.y();
+    const bool near = along <= 0.0      ? qx * qx + qy * qy <= far
+                      : along >= square ? end_x * end_x + end_y * end_y <= far
+                                        : across * across <= far * square;
+    if (near) pairs.push_back({tile, edge});
+  }
+}
+
+void CellExpander::refine(Cell& cell) {
+  const CellList* source = cell.list.get();
+  CellList* to = &lists_[0];
+  if (cell.reach_mm > 0.0) {
+    list_with_edges(cell, lists_[1]);
+    source = &lists_[1];
+  }
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    ++result_->passes;
+    set_frame(cell.box);
+    const CellFilter::Outcome found = filter_.filter(frame_, *source, best_ + 1 - cell.certain, *to, boxes_, halves_);
+    if (!found.alive) return close(cell.box);
+    cell.certain += found.certain;
+    cell.bound = cell.certain + static_cast<int>(to->tiles.size());
+    note_value(cell.certain + found.free_at_center);
+    if (cell.bound <= best_) return close(cell.box);
+    const double before = std::ranges::max(weighted_half(cell.box));
+    const MotionBox whole = cell.box;
+    if (!contraction_.clip(cell.box, boxes_, best_ + 1 - cell.certain)) return close(whole);
+    close_clipped(whole, cell.box);
+    source = to;
+    to = to == &lists_[0] ? &lists_[1] : &lists_[0];
+    if (std::ranges::max(weighted_half(cell.box)) > kWorthAnotherPass * before) break;
+  }
+  CellList& list = source == &lists_[0] ? lists_[0] : lists_[1];
+  if (demand_.conflicts && closed_by_conflicts(cell, list)) return;
+  look_ahead(cell, list);
+}
+
+// True: the cell is closed, or divided by its angles alone.
+bool CellExpander::closed_by_conflicts(Cell& cell, CellList& list) {
+  const ConflictBound::Verdict verdict = conflicts_.judge(frame_, list, best_ + 1 - cell.certain);
+  if (verdict == ConflictBound::Verdict::kClosed) {
+    close(cell.box);
+    return true;
+  }
+  drop_dead(list);
+  cell.bound = std::min(cell.bound, cell.certain + static_cast<int>(list.tiles.size()));
+  if (cell.bound <= best_) {
+    close(cell.box);
+    return true;
+  }
+  if (verdict == ConflictBound::Verdict::kOpen) return false;
+  halve_angles(cell, list);
+  return true;
+}
+
+// Of the list and of halves_, which has the constraints of the same tiles in the same order.
+void CellExpander::drop_dead(CellList& list) {
+  const std::vector<std::uint8_t>& dead = conflicts_.dead();
+  if (std::ranges::none_of(dead, [](std::uint8_t d) { return d != 0; })) return;
+  CellList kept;
+  std::size_t halves = 0, kept_halves = 0;
+  for (std::size_t t = 0; t < dead.size(); ++t) {
+    const std::size_t first = halves;
+    while ((halves_[halves++].ends & HalfSpace::kEndTile) == 0) continue;
+    if (dead[t] != 0) continue;
+    std::copy(halves_.begin() + static_cast<std::ptrdiff_t>(first),
+              halves_.begin() + static_cast<std::ptrdiff_t>(halves),
+              halves_.begin() + static_cast<std::ptrdiff_t>(kept_halves));
+    kept_halves += halves - first;
+    add_tile(list, t, kept);
+  }
+  halves_.resize(kept_halves);
+  list = std::move(kept);
+}
+
+void CellExpander::halve_angles(const Cell& cell, const CellList& list) {
+  if (unresolved(cell)) return;
+  chosen_.resize(list.tiles.size());
+  for (std::uint32_t t = 0; t < chosen_.size(); ++t) chosen_[t] = t;
+  const std::shared_ptr<const CellList> shared = chosen_list(list, 0);
+  chosen_.clear();
+  for (const int half : {1, 0}) {
+    const MotionBox box = part_box(cell.box, {1, 1, 2}, {0, 0, half}, {1, 1, half + 1});
+    result_->children.push_back({box, cell.certain, cell.bound, shared});
+  }
+}
+
+// Near the rounding pad a cell stays open in the bound.
+bool CellExpander::unresolved(const Cell& cell) {
+  if (std::ranges::max(weighted_half(cell.box)) >= demand_.resolution_mm) return false;
+  result_->unresolved_bound = std::max(result_->unresolved_bound, cell.bound);
+  close(cell.box);
+  return true;
+}
+
+void CellExpander::look_ahead(Cell& cell, const CellList& list) {
+  if (unresolved(cell)) return;
+  PartsView view{.shift = {}, .half = {}, .sure_mm = frame_.certain_mm - frame_.inset_mm + 2.0 * frame_.pad_mm};
+  for (std::size_t k = 0; k < 3; ++k) {
+    view.shift[k] = cell.box.center(k) - frame_.center[k];
+    view.half[k] = cell.box.half(k) * (1.0 + 1e-12) + 1e-15;
+  }
+  lookahead_.run(view, halves_, words_);
+  chosen_.clear();
+  for (std::uint32_t t = 0; t < list.tiles.size(); ++t) {
+    chosen_.push_back(t);
+    if (list.tiles[t].inside) continue;
+    for (std::uint32_t& word : words_[t]) word &= 0xffffU;  // free of all edges, but perhaps outside
+  }
+  parts_ = {kPartsPerAxis, kPartsPerAxis, kPartsPerAxis};
+  divide(cell, list, {0, 0, 0}, parts_, 0, 0);
+}
+
+// Adds to the stack those of chosen_[first, last) that are undecided in the parts; returns how many are certain there.
+int CellExpander::choose(const Index& low, const Index& high, std::size_t first, std::size_t last) {
+  const PartWord parts = wanted_parts(low, high);
+  BlockWords wanted;
+  std::memcpy(&wanted, parts.data(), sizeof wanted);
+  int certain = 0;
+  for (std::size_t n = first; n < last; ++n) {
+    BlockWords word;
+    std::memcpy(&word, words_[chosen_[n]].data(), sizeof word);
+    if (!any(wanted & ~(word >> 16)))
+      ++certain;
+    else if (any(wanted & word))
+      chosen_.push_back(chosen_[n]);
+  }
+  return certain;
+}
+
+// divide_slice() for cubes. chosen_[first_chosen …) may be undecided in the parts, `certain` more tiles than in the
+// cell are certain there.
+void CellExpander::divide(const Cell& cell, const CellList& list, const Index& low, const Index& high,
+                          std::size_t first_chosen, int certain) {
+  const MotionBox whole = part_box(cell.box, parts_, low, high);
+  const OpenParts open = open_parts(cell, low, high);
+  if (open.count == 0) return close(whole);
+  const MotionBox box = part_box(cell.box, parts_, open.low, open.high);
+  close_clipped(whole, box);
+  const std::size_t last_chosen = chosen_.size();
+  certain += choose(open.low, open.high, first_chosen, last_chosen);
+  if (open.well_filled(kMostPartsOfCube)) {
+    result_->children.push_back(
+        {box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), chosen_list(list, last_chosen)});
+  } else {
+    const std::size_t axis = longest_axis(box, open.size());
+    Index first_high = open.high, second_low = open.low;
+    first_high[axis] = second_low[axis] = open.low[axis] + open.size()[axis] / 2;
+    divide(cell, list, second_low, open.high, last_chosen, certain);
+    divide(cell, list, open.low, first_high, last_chosen, certain);
+  }
+  chosen_.resize(last_chosen);
+}
+
+// The top of the stack as a list of its own.
+std::shared_ptr<const CellList> CellExpander::chosen_list(const CellList& list, std::size_t first_chosen) const {
+  auto to = std::make_shared<CellList>();
+  to->tiles.reserve(chosen_.size() - first_chosen);
+  to->pairs.reserve(2 * (chosen_.size() - first_chosen));
+  for (std::size_t n = first_chosen; n < chosen_.size(); ++n) add_tile(list, chosen_[n], *to);
+  return to;
+}
+
+void CellExpander::note_value(int value) {
+  const Motion motion{frame_.center[0], frame_.center[1], frame_.center[2]};
+  if (value == best_) result_->as_good.push_back(motion);
+  if (value > best_) try_motion(motion);
+}
+
+// Counted at the very motion that is returned; the filtered lists are only a shortcut.
+void CellExpander::try_motion(const Motion& motion) {
+  const int counted = evaluator_.count(motion, demand_.inset_mm - demand_.tolerance_mm);
+  if (counted == best_) result_->as_good.push_back(motion);
+  if (counted <= best_) return;
+  result_->better.emplace_back(counted, motion);
+  if (demand_.rising) return;
+  best_ = counted;
+  result_->as_good.clear();
+}
+
+// Half the tolerance is for the search to find: what holds with that leaves a box of motions that count, and the middle
+// of a small cell lies in it. With none it would be luck that a single motion is met.
+void CellExpander::set_frame(const MotionBox& box) {
+  const double spare = demand_.rising ? 0.0 : 0.5 * demand_.tolerance_mm;
+  frame_.set(polygon_, grid_, box, demand_.inset_mm - spare, demand_.inset_mm - demand_.tolerance_mm);
+  frame_.certain_mm = demand_.rising ? demand_.last_inset_mm : frame_.sufficient_mm;
+}
+
+std::array<double, 3> CellExpander::weighted_half(const MotionBox& box) const {
+  return {box.half(0), box.half(1), polygon_.radius_mm * box.half(2)};
+}
+
+void CellExpander::close(const MotionBox& box) {
+  if (keep_closed_) result_->closed.push_back(box);
+}
+
+// The slabs that were cut off.
+void CellExpander::close_clipped(MotionBox whole, const MotionBox& clipped) {
+  if (!keep_closed_) return;
+  for (std::size_t k = 0; k < 3; ++k) {
+    MotionBox slab = whole;
+    slab.high[k] = clipped.low[k];
+    if (slab.low[k] < slab.high[k]) close(slab);
+    slab = whole;
+    slab.low[k] = clipped.high[k];
+    if (slab.low[k] < slab.high[k]) close(slab);
+    whole.low[k] = clipped.low[k];
+    whole.high[k] = clipped.high[k];
+  }
+}
+
+}  // namespace triskin::geometry

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "kernels/contraction.hpp"
+#include "kernels/edge_grid.hpp"
+#include "kernels/evaluator.hpp"
+#include "kernels/slice_raster.hpp"
+#include "search/cell_list.hpp"
+#include "search/conflict_bound.hpp"
+
+namespace triskin::geometry {
+
+/// An open node of the branch and bound: a box of motions with a bound. "Cell" means nothing else here. A slice has all
+/// translations of one lattice period.
+struct Cell {
+  MotionBox box;
+  int certain = 0;                       ///< tiles that hold in all of it, beside those of the list
+  int bound = 0;                         ///< no motion in it has a higher value
+  std::shared_ptr<const CellList> list;  ///< none: a slice
+  double reach_mm = 0.0;                 ///< > 0: the list has no edges yet, those within this of each tile may cut it
+  /// Of a slice whose bound is the highest of its parts: the middle of such a part. None: not bounded yet.
+  std::optional<Motion> promising = std::nullopt;
+};
+
+/// Separation that a tile must keep: it counts for a value from inset − tolerance on, for the bound from half the
+/// tolerance less than the inset on, or, when that rises, from the inset on.
+struct Demand {
+  double inset_mm = 0.0, tolerance_mm = 0.0, resolution_mm = 0.0;
+  double last_inset_mm = 0.0;  ///< the inset may be raised up to this: tiles that hold with less are kept in the lists
+  bool rising = false;         ///< the inset is raised when more than `best` tiles hold; `best` stays
+  bool conflicts = false;      ///< constraints that contradict each other are looked for: worth it in long searches
+};
+
+/// Result of expanding one cell.
+struct Expansion {
+  std::vector<Cell> children;
+  std::vector<MotionBox> closed;               ///< with the children they cover the cell; only when asked for
+  std::vector<Motion> as_good;                 ///< motions that reach `best` in the filtered lists; not counted exactly
+  std::vector<std::pair<int, Motion>> better;  ///< counted, rising values
+  std::vector<std::pair<int, MotionBox>> tied_slices;  ///< slices that may hold `best` tiles or more, with their bound
+  int best = 0;                                        ///< to which as_good refers
+  int unresolved_bound = 0;                            ///< of parts that are too small to be split
+  int passes = 0;
+};
+
+/// Refines cells one after the other: bounds, clips, divides. One object a thread: it keeps its memory.
+class CellExpander {
+ public:
+  CellExpander(const PreparedPolygon& polygon, const TileGrid& grid, const EdgeGrid& edges)
+      : polygon_(polygon),
+        edges_(edges),
+        filter_(polygon, grid),
+        raster_(polygon, grid),
+        evaluator_(polygon, grid),
+        conflicts_(polygon, grid),
+        grid_(grid) {}
+
+  /// Children are the parts of the cell that may hold more than `best` tiles.
+  void expand(Cell cell, const Demand& demand, int best, bool keep_closed, Expansion& result);
+
+ private:
+  void refine(Cell& cell);
+  void set_frame(const MotionBox& box);
+  void note_value(int value);
+  void try_motion(const Motion& motion);
+  void close(const MotionBox& box);
+  void close_clipped(MotionBox whole, const MotionBox& clipped);
+  void bound_slice(Cell& cell);
+  void refine_slice(Cell& cell);
+  [[nodiscard]] bool closed_by_conflicts(Cell& cell, CellList& list);
+  void drop_dead(CellList& list);
+  void halve_angles(const Cell& cell, const CellList& list);
+  [[nodiscard]] bool unresolved(const Cell& cell);
+  void look_ahead(Cell& cell, const CellList& list);
+  struct OpenParts;
+  void note_tie(const Cell& cell);
+  [[nodiscard]] OpenParts open_parts(const Cell& cell, const std::array<int, 3>& low,
+                                     const std::array<int, 3>& high) const;
+  void divide_slice(const Cell& cell, const std::array<int, 3>& low, const std::array<int, 3>& high,
+                    std::size_t first_chosen, int certain);
+  int choose_border(const std::array<int, 3>& low, const std::array<int, 3>& high, std::size_t first, std::size_t last);
+  void add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open, std::size_t first_chosen,
+                       int certain);
+  void list_with_edges(const Cell& cell, CellList& to) const;
+  void add_pairs(const Vec2& p, double reach_mm, std::uint32_t tile, std::vector<Pair>& pairs) const;
+  [[nodiscard]] std::size_t longest_axis(const MotionBox& box, const std::array<int, 3>& parts) const;
+  void divide(const Cell& cell, const CellList& list, const std::array<int, 3>& low, const std::array<int, 3>& high,
+              std::size_t first_chosen, int certain);
+  [[nodiscard]] std::shared_ptr<const CellList> chosen_list(const CellList& list, std::size_t first_chosen) const;
+  int choose(const std::array<int, 3>& low, const std::array<int, 3>& high, std::size_t first, std::size_t last);
+  [[nodiscard]] std::array<double, 3> weighted_half(const MotionBox& box) const;
+
+  const PreparedPolygon& polygon_;
+  const EdgeGrid& edges_;
+  CellFilter filter_;
+  SliceRaster raster_;
+  Evaluator evaluator_;
+  ConflictBound conflicts_;
+  const TileGrid& grid_;
+  CellFrame frame_;
+  std::array<CellList, 2> lists_;
+  OffsetBoxes boxes_;
+  Contraction contraction_;
+  std::vector<HalfSpace> halves_;
+  Lookahead lookahead_;
+  std::vector<PartWord> words_;
+  std::vector<std::uint32_t> chosen_;  // stack of lists of tiles: those undecided in the parts that are being divided
+  std::array<int, 3> parts_{};         // per axis
+  Demand demand_;
+  int best_ = 0;
+  bool keep_closed_ = false;
+  Expansion* result_ = nullptr;
+};
+
+}  // namespace triskin::geometry

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "search/cell_list.hpp"
+#include "triskin/base/progress.hpp"
+
+namespace triskin::geometry {
+
+/// Objective other than the number of tiles; it grows with every tile that is inside.
+class Objective {
+ public:
+  virtual ~Objective() = default;
+  /// Value of the tiles that are inside at a motion.
+  virtual double value(const Motion& motion, const std::vector<Tile>& inside) = 0;
+  /// No motion of the cell has a higher value: the certain tiles are inside, any of the open ones may be.
+  virtual double bound(const CellFrame& cell, const std::vector<OpenTile>& certain,
+                       const std::vector<OpenTile>& open) = 0;
+  /// At least so many of the open tiles of the last bound() must be inside for a value over `value`.
+  [[nodiscard]] virtual int needed(double value) const = 0;
+  /// A bound of at most this much over `value` counts as proved.
+  [[nodiscard]] virtual double slack(double value) const = 0;
+};
+
+struct ObjectiveResult {
+  double value = 0.0, bound = 0.0;
+  bool proved = false;
+  Motion motion;
+  std::int64_t cells = 0;
+};
+
+/// Branch and bound for an Objective: like branch_and_bound(), but a cell keeps its certain tiles, not only their
+/// number; cells are filtered, contracted and halved. Slower than the count, and therefore apart from it. One thread,
+/// deterministic; `first` is a motion to begin with, `bound` what is known to be no less than the best value. Cost:
+/// some microseconds a tile and cell.
+[[nodiscard]] ObjectiveResult search_objective(const PreparedPolygon& polygon, const TileGrid& grid,
+                                               Objective& objective, double tolerance_mm, const Motion& first,
+                                               double bound, std::chrono::steady_clock::time_point deadline,
+                                               const ProgressSink& progress);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <set>
+#include <vector>
+
+#include "triskin/design/design_types.hpp"
+
+namespace triskin::geometry {
+
+/// Shapes of random patches: round; two to five rows high; round with holes of one to seven tiles; tree-like.
+enum class PatchShape { kCompact, kStrip, kHoled, kDendritic };
+
+/// Tiles of a lattice with their graph.
+struct LatticePatch {
+  std::vector<Tile> tiles;  ///< sorted
+  ModuleGraph graph;        ///< node k is tiles[k]; joined where two tiles share a side, every free side is border
+};
+
+/// The graph of a set of tiles. Cost: O(n log n).
+[[nodiscard]] LatticePatch lattice_patch(const std::set<Tile>& tiles);
+
+/// A connected patch of n ≥ 1 tiles around the origin, for tests and benchmarks. Equal for a seed on every machine.
+/// Cost: O(n²) for compact shapes.
+[[nodiscard]] LatticePatch random_patch(PatchShape shape, int n, std::uint64_t seed);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "triskin/design/design_types.hpp"
+#include "triskin/base/names.hpp"
+#include "triskin/base/progress.hpp"
+
+namespace triskin::geometry {
+
+/// Constants of the electrical rule of a line; sources in docs/routing.md.
+struct ElectricalModel {
+  double supply_v = 3.3;
+  double low_level_v = 0.4;      ///< I²C V_OL
+  double sink_ma = 3.0;          ///< I²C I_OL
+  double bus_hz = 400e3;         ///< required speed
+  double cable_pf_per_m = 60.0;  ///< entry cable
+  double cable_m = 0.5;          ///< where no controller place is given
+  double joint_pf = 2.0;
+  double jumper_pf = 2.0;               ///< two plugs of a jumper, beside a joint's and that of its length of cable
+  double pin_pf = 10.0;                 ///< converter and multiplexer of a module on the line
+  double switch_pf = 6.0;               ///< bus switch of a module that the line passes
+  bool all_lines_on_all_joints = true;  ///< false: a line ends at its last module
+};
+
+/// Order of the secondary objectives of a patch: expected loss (sum of depths) before line hops, or line hops before
+/// it.
+enum class RouteObjective { kLossFirst, kHopsFirst };
+
+/// How route() divided a graph among controllers: most of its cost, which another call for the same graph, places,
+/// capacity, seed and price is spared. Immutable.
+class Division;
+
+/// Options of route(). capacity ≤ lines · addresses.
+struct RoutingOptions {
+  int capacity = kModulesAController;  ///< 1 … 16 modules a patch
+  int lines = 4;                       ///< 1 … 4 a patch
+  int addresses = 4;                   ///< 1 … 16 a line
+  std::uint64_t seed = 1;
+  bool failure_analysis = true;  ///< fill Patch::failures, second entries, articulation, bridges
+  RouteObjective objective = RouteObjective::kLossFirst;
+  ElectricalModel electrical;
+  bool second_entry = true;                  ///< plan a second connector where it saves modules
+  bool adoption = true;                      ///< let neighbouring patches with free addresses read orphans
+  int recombinations = 60;                   ///< secondary-cost moves a patch; 0: keep the first partition
+  bool has_controller_place = false;         ///< cable lengths count in the secondary cost
+  std::array<double, 3> controller_mm{};     ///< mesh frame
+  Price price;                               ///< of a controller and a jumper; read only where jumpers are possible
+  int threads = 1;                           ///< ≥ 1, that divide islands; the result does not depend on their number
+  std::shared_ptr<const Division> division;  ///< of a result for the same graph and places, or null
+  /// Asked between the searches for a better division, by any of the threads: true, and the best so far is the answer,
+  /// with bounds that hold.
+  std::function<bool()> give_up{};
+};
+
+/// Proof by which a lower bound of controllers was met, in order of effort.
+enum class PartitionProof {
+  kSize,      ///< ⌈modules / capacity⌉
+  kFolding,   ///< parts that the shape forces
+  kFrontier,  ///< exact dynamic programme over frontiers
+  kOpen,      ///< not met: fewer controllers may do
+};
+/// Names in reports: empty while open.
+inline constexpr NameTable kPartitionProofNames{
+    std::array<std::pair<PartitionProof, std::string_view>, 4>{{{PartitionProof::kSize, "size"},
+                                                                {PartitionProof::kFolding, "folding"},
+                                                                {PartitionProof::kFrontier, "frontier"},
+                                                                
+                                                                {PartitionProof::kOpen, ""}}}};
+
+/// Result of route(). Every node is an index in the nodes of the graph that was given.
+struct RoutingResult {
+  std::vector<Patch> patches;
+  int lower_bound = 0;          ///< no partition has fewer patches
+  bool proved = false;          ///< patches.size() == lower_bound
+  std::vector<Jumper> jumpers;  ///< those of the places that are fitted, as given; each within one patch
+  int jumpers_lower_bound = 0;  ///< no partition into as many patches has fewer jumpers
+  bool price_proved = false;    ///< no partition costs less, controllers and jumpers together
+  int line_hops = 0;
+  int max_depth = 0;
+  double mean_loss = 0.0;  ///< extra modules lost, beyond the failed one: mean over all single failures of modules and
+                           ///< tree joints, lost_backed_up
+  double seconds = 0.0;
+  double mean_loss_one_entry = 0.0;  ///< the same with rerouting in the patch only
+  double mean_loss_strapped = 0.0;   ///< the same without rerouting
+  int patches_without_border = 0;
+  int electrical_violations = 0;
+  /// How the bound was met: the proof that took most effort over the islands.
+  PartitionProof proof = PartitionProof::kSize;
+  std::shared_ptr<const Division> division;  ///< never null
+};
+
+/// Divides the graph into the fewest connected patches and wires each one: border entry, then least lines against the
+/// electrical rule, least expected loss (sum of depths), least line hops, least depth; exact over all trees and
+/// entries. Deterministic for a seed on every machine and compiler, except where `give_up` says so. Errors: InputError naming the node for joints that are not symmetric or stand twice,
+/// and for options out of range or a division of another graph. Thread-safe. Cost: about 0.1 s for 142 modules, 1 s for
+/// 2600. Sources: docs/routing.md.
+[[nodiscard]] RoutingResult route(const ModuleGraph& graph, const RoutingOptions& options = {},
+                                  const ProgressSink& progress = {});
+/// The same where jumpers may join islands: `places` as find_jumpers() lists them for the layout that `graph` shows
+/// without jumpers. Of controllers and jumpers together the cheapest are fitted (options.price); within a patch the
+/// shortest. A jumper counts as a joint in all that follows: trees, lines, failures. With empty places the same as
+/// above. Errors besides: std::out_of_range for a place whose node the graph lacks. Cost: 0.05 s more for 150
+/// modules, 0.3 s for 230 in 23 islands, up to 1 s where the lowest price is hard to prove.
+[[nodiscard]] RoutingResult route(const ModuleGraph& graph, const std::vector<Jumper>& places,
+                                  const RoutingOptions& options = {}, const ProgressSink& progress = {});
+
+}  // namespace triskin::geometry

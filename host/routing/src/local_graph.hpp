@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <vector>
+
+#include "triskin/base/index.hpp"
+#include "triskin/routing/routing.hpp"
+#include "triskin/base/dice.hpp"
+
+namespace triskin::geometry {
+
+/// A set of nodes of a module graph under local numbers 0 … n−1, with the joints among them.
+struct LocalGraph {
+  std::vector<int> node;                      ///< node of the module graph, ascending
+  std::vector<std::array<int, 3>> neighbour;  ///< by tile side, local number, −1 outside the set
+  [[nodiscard]] int size() const { return static_cast<int>(node.size()); }
+};
+[[nodiscard]] LocalGraph localize(const ModuleGraph& graph, std::vector<int> nodes);
+
+/// Connected components of the joints, each sorted; by least node. Of a local graph: local nodes.
+[[nodiscard]] std::vector<std::vector<int>> components(const ModuleGraph& graph);
+[[nodiscard]] std::vector<std::vector<int>> components(const LocalGraph& graph);
+
+/// Nodes of a spanning tree, parents before children; parent[k] belongs to order[k], −1 for the root.
+struct SpanningTree {
+  std::vector<int> order;
+  std::vector<int> parent;  ///< by local node
+};
+/// Random spanning tree of the nodes v with part_of[v] == `part`, which are connected; `root` is one of them. Grows by
+/// a mixture of depth first and random order, so that stringy and bushy trees both come up. Cost: O(n).
+void random_tree(const LocalGraph& g, const std::vector<int>& part_of, int part, int root, Dice& random,
+                 SpanningTree& tree);
+
+}  // namespace triskin::geometry

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "triskin/link/can_socket.hpp"
+#include "triskin/scene/skin_server.hpp"
+
+namespace triskin::device {
+
+/// Puts the controllers of a simulated skin on a CAN bus of this computer, where any CAN program can talk to them.
+class CanServer final : public SkinServer {
+ public:
+  /// Opens `interface`, for example "vcan0"; `skin` outlives the server. Throws DeviceError as CanSocket does.
+  CanServer(scene::VirtualSkin& skin, const std::string& interface);
+  ~CanServer() override;
+  [[nodiscard]] std::string link_name() const override { return name_; }
+
+ private:
+  void flush() override {}
+  void wait(std::uint64_t timeout_us) override;
+
+  std::string name_;
+  CanSocket socket_;
+};
+
+}  // namespace triskin::device

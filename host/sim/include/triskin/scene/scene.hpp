@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "triskin/design/design.hpp"
+#include "triskin/base/names.hpp"
+#include "triskin/scene/ad7147.hpp"
+#include "triskin/wire/unique_id.hpp"
+
+namespace triskin::scene {
+
+inline constexpr std::uint64_t kForever = ~std::uint64_t{0};
+
+/// A round finger on the skin: Hertz pressure 3F/(2πr²)·√(1 − (d/r)²) at distance d ≤ r from its centre.
+struct Contact {
+  std::uint64_t from_us = 0;
+  std::uint64_t until_us = kForever;  ///< exclusive
+  design::Vec3 position_mm{0, 0, 0};  ///< mesh frame
+  std::optional<design::Vec3> to_mm;  ///< moves there at constant speed until `until_us`
+  double radius_mm = 6.0;
+  double force_n = 2.0;
+};
+
+/// A pressure of the same size everywhere, as of a bag around the skin, at times of the simulation: linear between
+/// points, before the first as there, after the last as there.
+class PressureCurve {
+ public:
+  struct Point {
+    std::uint64_t at_us = 0;
+    double kpa = 0.0;
+  };
+  /// Nothing presses.
+  PressureCurve() = default;
+  /// `points`: times do not fall. Of two with one time the later in the list counts from then on.
+  explicit PressureCurve(std::vector<Point> points) : points_(std::move(points)) {}
+  /// Pressure at a time, kPa. Cost: O(log points).
+  [[nodiscard]] double kpa(std::uint64_t at_us) const;
+  /// From `at_us` on it is `kpa`, whatever was planned; times before stay as they were.
+  void step(std::uint64_t at_us, double kpa);
+  [[nodiscard]] bool empty() const { return points_.empty(); }
+
+ private:
+  std::vector<Point> points_;
+};
+
+/// What is wrong with the simulated hardware (docs/scene.md describes each kind and its keys).
+enum class FaultKind {
+  kRemovedChip,        ///< module; from_us … until_us: the time for which it is away
+  kMovedChip,          ///< module, line, address: straps soldered wrongly
+  kSwappedChips,       ///< module, other: each sits at the other's place
+  kStuckLine,          ///< patch, line, signal, frees_after_pulses
+  kWrongId,            ///< module, value
+  kLostConfiguration,  ///< module: power dip at from_us, and every_us
+  kSaturatedTaxel,     ///< module, taxel
+  kFrozenTaxel,        ///< module, taxel
+  kFingerElsewhere,    ///< module, other: a finger meant for the module lands on the other
+  kRotatedModule,      ///< module, value: turned by 120° once or twice
+  kDeadModule,         ///< module: its logic has no power; this kind and those below need switched modules
+  kHeldLine,           ///< module, line: holds it low while its ports are closed
+  kStuckBit,           ///< module, bit, value: of its register's outputs
+  kModuleReset,        ///< module: its register is cleared at from_us
+  kOpenJoint,          ///< module, other
+  kShortedJoint,       ///< module, other
+  kExtraJoint,         ///< module, other: of one patch; first free port of each
+  kSwappedPatches,     ///< patch, other: each controller is plugged into the other's patch
+};
+/// Names in scene files (docs/scene.md).
+inline constexpr NameTable kFaultKindNames{std::array<std::pair<FaultKind, std::string_view>, 18>{{
+    {FaultKind::kRemovedChip, "removed_chip"},
+    {FaultKind::kMovedChip, "moved_chip"},
+    {FaultKind::kSwappedChips, "swapped_chips"},
+    {FaultKind::kStuckLine, "stuck_line"},
+    {FaultKind::kWrongId, "wrong_id"},
+    {FaultKind::kLostConfiguration, "lost_configuration"},
+    {FaultKind::kSaturatedTaxel, "saturated_taxel"},
+    {FaultKind::kFrozenTaxel, "frozen_taxel"},
+    {FaultKind::kFingerElsewhere, "finger_elsewhere"},
+    {FaultKind::kRotatedModule, "rotated_module"},
+    {FaultKind::kDeadModule, "dead_module"},
+    {FaultKind::kHeldLine, "held_line"},
+    {FaultKind::kStuckBit, "stuck_bit"},
+    {FaultKind::kModuleReset, "module_reset"},
+    {FaultKind::kOpenJoint, "open_joint"},
+    {FaultKind::kShortedJoint, "shorted_joint"},
+    {FaultKind::kExtraJoint, "extra_joint"},
+    {FaultKind::kSwappedPatches, "swapped_patches"},
+}}};
+
+struct Fault {
+  FaultKind kind = FaultKind::kRemovedChip;
+  int module = -1, other = -1, patch = -1, line = -1, address = -1, taxel = -1;
+  int value = 0, bit = -1;
+  bool stuck_scl = false;
+  int frees_after_pulses = 0;
+  std::uint64_t from_us = 0, until_us = kForever;
+  std::uint64_t every_us = 0;
+};
+
+/// Physical effects; but for the electrodes each is off, and costs nothing, unless the scene names it.
+struct Effects {
+  double noise_counts = 0.0;            ///< standard deviation of a sample
+  double drift_counts_per_s = 0.0;      ///< of every taxel
+  double taxel_spread_counts = 0.0;     ///< half range of what is added to the electrodes
+  double sensitivity_spread = 0.0;      ///< half range of the taxels' gains about kCountsPerKpa, as a share of it: < 1
+  double electrode_least_pf = 2.0;      ///< capacitance of an electrode, another for each taxel: between this
+  double electrode_most_pf = 18.0;      ///< and this
+  Ad7147Behaviour converter;            ///< of every chip; not in scene files
+  std::uint64_t bus_bit_rate = 0;       ///< 0: frames take no time
+  std::uint64_t bus_data_bit_rate = 0;  ///< of FD frames with rate switch; 0: as bus_bit_rate
+  double chain_bit_error_rate = 0.0;    ///< of the route chain: probability that a bit flips in one module
+  std::vector<double> clock_ppm{};      ///< of the controller of each patch: how much faster its clock runs
+};
+
+struct Scene {
+  design::Design design;
+  bool switched = false;       ///< modules that the controller routes (docs/switched_module.md); false: strapped
+  bool border_joints = false;  ///< of switched modules: also between two patches that lie side by side
+  std::uint64_t seed = 1;
+  std::vector<Contact> contacts;
+  PressureCurve pressure;  ///< on every taxel, beside the contacts
+  std::vector<Fault> faults;
+  Effects effects;
+  /// Unique id of the controller of each patch; empty: made of the design's id. Where they are given the flash of a
+  /// controller is kept under its unique id. Not in scene files.
+  std::vector<wire::UniqueId> boards;
+  /// Where `boards` is empty: what the unique ids are drawn from, beside the design's id, so that the boards do not
+  /// hang on the bus in the order of their ids, as on a workbench. Empty: they ascend with the patches. Scene and
+  /// design files are read with that of `seed`.
+  std::optional<std::uint64_t> board_seed{};
+  /// What the electrodes and the noise of each module are drawn from, beside `seed`; empty: its id. Not in scene files.
+  std::vector<std::uint64_t> module_seeds;
+};
+
+/// Reads a scene file, or a design file (then there are no contacts and no faults). Throws InputError naming
+/// file and key: wrong types or ranges, unknown keys or kinds, keys that stand twice, a module that the design does not
+/// have, a contact that no taxel of the skin can feel.
+[[nodiscard]] Scene read_scene(const std::filesystem::path& path);
+
+/// Unique id of the controller of patch `patch` (0-based) of a scene: of `boards`, else drawn or counted as
+/// `board_seed` says. Equal scenes give equal ids. Throws std::out_of_range for a patch that `boards` lacks.
+[[nodiscard]] wire::UniqueId unique_id_of(const Scene& scene, std::size_t patch);
+
+/// Number of the hardware of a scene: equal for scenes with the same faults and the same kind of modules.
+[[nodiscard]] std::uint64_t hardware_id(const Scene& scene);
+
+/// Rotation 0..2 of a module (id in the design) as assembled: the design's, changed by the faults of the scene. Throws
+/// std::out_of_range for a module that the design lacks.
+[[nodiscard]] int real_rotation(const Scene& scene, int module);
+
+/// Distance from a point to a contact's centre, or to the path of one that moves, mm.
+[[nodiscard]] double distance_mm(const Contact& contact, const design::Vec3& point_mm);
+
+/// Centroid of a module's corners, mesh frame, mm. Throws std::out_of_range for a module that the design lacks.
+[[nodiscard]] design::Vec3 center_of(const design::Design& design, int module);
+
+}  // namespace triskin::scene

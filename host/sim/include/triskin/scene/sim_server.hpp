@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "triskin/scene/skin_server.hpp"
+#include "triskin/scene/tcp_link.hpp"
+
+namespace triskin::device {
+
+/// Serves a simulated skin over TCP. All clients share one bus; one that sends a malformed record is dropped.
+class SimServer final : public SkinServer {
+ public:
+  /// Listens at `at`; port 0 takes a free one. `skin` outlives the server. Throws DeviceError when the address cannot
+  /// be used.
+  SimServer(scene::VirtualSkin& skin, const HostPort& at);
+  ~SimServer() override;
+
+  /// Port that it listens on.
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] std::string link_name() const override { return name_ + std::to_string(port_); }
+
+ private:
+  struct Client {
+    int socket = -1;
+    std::vector<std::uint8_t> in, out;
+    int touch = 0;
+    bool dead = false;
+  };
+  static constexpr std::size_t kMaxBacklogBytes = std::size_t{4} * 1024 * 1024;
+
+  void flush() override;
+  void wait(std::uint64_t timeout_us) override;
+  void accept_client();
+  void read_client(Client& client);
+  void write_client(Client& client);
+  void handle(Client& client, const record::Record& record);
+  void pressurize(const record::Record& record);
+  void drop_dead();
+
+  std::string name_;
+  int listener_ = -1;
+  std::uint16_t port_ = 0;
+  std::vector<Client> clients_;
+};
+
+}  // namespace triskin::device

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/scene/sim_server.hpp"
+
+#include <fmt/format.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "triskin/core/bytes.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/layout/patch_image.hpp"
+
+namespace triskin::device {
+namespace {
+
+std::uint16_t port_of(int socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
+  return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<sockaddr_in6*>(&address)->sin6_port
+                                             : reinterpret_cast<sockaddr_in*>(&address)->sin_port);
+}
+
+}  // namespace
+
+SimServer::SimServer(scene::VirtualSkin& skin, const HostPort& at) : SkinServer(skin), name_("sim:" + at.host + ":") {
+  const std::string name = fmt::format("{}:{}", at.host, at.port);
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = AI_PASSIVE;
+  addrinfo* found = nullptr;
+  if (const int error = ::getaddrinfo(at.host.c_str(), std::to_string(at.port).c_str(), &hints, &found); error != 0) {
+    throw DeviceError(fmt::format("{}: cannot find the host: {}", name, ::gai_strerror(error)));
+  }
+  listener_ = ::socket(found->ai_family, found->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, found->ai_protocol);
+  const int on = 1;
+  if (listener_ >= 0) (void)::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  const bool ok =
+      listener_ >= 0 && ::bind(listener_, found->ai_addr, found->ai_addrlen) == 0 && ::listen(listener_, 8) == 0;
+  const int error = errno;
+  ::freeaddrinfo(found);
+  if (!ok) {
+    if (listener_ >= 0) ::close(listener_);
+    throw DeviceError(
+        fmt::format("{}: cannot listen: {}; use another port, or 0 for a free one", name, std::strerror(error)));
+  }
+  port_ = port_of(listener_);
+  skin_.on_frame([this](const wire::CanFrame& frame, std::uint64_t) {
+    for (Client& c : clients_) record::put_frame(c.out, frame);
+  });
+}
+
+SimServer::~SimServer() {
+  skin_.on_frame({});
+  for (const Client& c : clients_) ::close(c.socket);
+  ::close(listener_);
+}
+
+void SimServer::flush() {
+  for (Client& c : clients_) write_client(c);
+  drop_dead();
+}
+
+void SimServer::wait(std::uint64_t timeout_us) {
+  std::vector<pollfd> sockets{{listener_, POLLIN, 0}};
+  for (const Client& c : clients_)
+    sockets.push_back({c.socket, static_cast<short>(POLLIN | (c.out.empty() ? 0 : POLLOUT)), 0});
+  if (::poll(sockets.data(), sockets.size(), static_cast<int>(timeout_us / 1000)) <= 0) return;
+  for (std::size_t k = 0; k < clients_.size(); ++k) {
+    if ((sockets[k + 1].revents & (POLLIN | POLLHUP | POLLERR)) != 0) read_client(clients_[k]);
+  }
+  if ((sockets[0].revents & POLLIN) != 0) accept_client();
+}
+
+void SimServer::accept_client() {
+  const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+  if (socket < 0) return;
+  const int on = 1;
+  (void)::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  clients_.push_back({socket, {}, {}, 0, false});
+  std::array<std::uint8_t, 8> rates{};
+  ByteWriter w(rates);
+  w.le32(skin_.bit_rates().nominal);
+  w.le32(skin_.bit_rates().data);
+  record::put(clients_.back().out, record::kBitRates, rates);
+}
+
+void SimServer::read_client(Client& client) {
+  std::array<std::uint8_t, 16'384> chunk{};
+  const ssize_t n = ::recv(client.socket, chunk.data(), chunk.size(), 0);
+  if (n < 0 && (errno == EAGAIN || errno == EINTR)) return;
+  if (n <= 0) {
+    client.dead = true;
+    return;
+  }
+  client.in.insert(client.in.end(), chunk.begin(), chunk.begin() + n);
+  try {
+    while (const auto r = record::take(client.in)) handle(client, *r);
+  } catch (const DeviceError&) {
+    client.dead = true;
+  }
+}
+
+void SimServer::handle(Client& client, const record::Record& r) {
+  if (r.kind == record::kCanFrame) {
+    skin_.send(record::frame_of(r));
+    return;
+  }
+  if (r.kind == record::kPressure) return pressurize(r);
+  if (r.kind != record::kPress && r.kind != record::kLift) throw DeviceError("unknown record");
+  if (client.touch != 0) skin_.release(client.touch);
+  client.touch = 0;
+  if (r.kind == record::kLift) return;
+  ByteReader reader(r.contents);
+  const std::uint32_t module = reader.le32();
+  const std::uint8_t taxel = reader.u8();
+  const bool whole = taxel == record::kWholeModule;
+  if (!reader.ok() || module >= skin_.scene().design.layout.modules.size() ||
+      (!whole && taxel >= layout::kTaxelsPerModule)) {
+    throw DeviceError("no such module or taxel");
+  }
+  client.touch = skin_.press_module(static_cast<int>(module), whole ? -1 : taxel);
+}
+
+// It stays when the client goes: a bag is laid around the skin, no finger of a program.
+void SimServer::pressurize(const record::Record& r) {
+  constexpr double kKpaPerPa = 1e-3;
+  ByteReader reader(r.contents);
+  const std::uint32_t module = reader.le32(), pressure_pa = reader.le32();
+  const bool all = module == record::kAllModules;
+  if (!reader.ok() || (!all && module >= skin_.scene().design.layout.modules.size()))
+    throw DeviceError("no such module");
+  skin_.pressurize(all ? -1 : static_cast<int>(module), kKpaPerPa * pressure_pa);
+}
+
+void SimServer::write_client(Client& client) {
+  while (!client.out.empty() && !client.dead) {
+    const ssize_t n = ::send(client.socket, client.out.data(), client.out.size(), MSG_NOSIGNAL);
+    if (n < 0 && (errno == EAGAIN || errno == EINTR)) break;
+    if (n <= 0)
+      client.dead = true;
+    else
+      client.out.erase(client.out.begin(), client.out.begin() + n);
+  }
+  if (client.out.size() > kMaxBacklogBytes) client.dead = true;  // does not read: it must not stop the others
+}
+
+void SimServer::drop_dead() {
+  for (const Client& c : clients_) {
+    if (!c.dead) continue;
+    if (c.touch != 0) skin_.release(c.touch);
+    ::close(c.socket);
+  }
+  std::erase_if(clients_, [](const Client& c) { return c.dead; });
+}
+
+}  // namespace triskin::device

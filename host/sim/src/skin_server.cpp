@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/scene/skin_server.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "triskin/scene/can_server.hpp"
+#include "triskin/scene/sim_server.hpp"
+#include "triskin/scene/usb_server.hpp"
+
+namespace triskin::device {
+
+void SkinServer::run(const std::atomic<bool>& stop, double seconds) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::uint64_t kMostAtOnce_us = 20'000;
+  const auto wall_us = [] {
+    return static_cast<std::uint64_t>(
+        std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch()).count());
+  };
+  const std::uint64_t start_us = wall_us(), end_us = static_cast<std::uint64_t>(seconds * 1e6);
+  std::uint64_t last_us = start_us;
+  while (!stop) {
+    const std::uint64_t now_us = wall_us();
+    if (seconds > 0.0 && now_us - start_us >= end_us) break;
+    skin_.run_until(skin_.now_us() + std::min(now_us - last_us, kMostAtOnce_us));
+    last_us = now_us;
+    flush();
+    wait(kStep_us);
+  }
+}
+
+std::unique_ptr<SkinServer> open_server(scene::VirtualSkin& skin, const std::string& at) {
+  if (at.starts_with("can:")) return std::make_unique<CanServer>(skin, at.substr(4));
+  if (at == "usb") return std::make_unique<UsbServer>(skin);
+  return std::make_unique<SimServer>(skin, parse_host_port(at));
+}
+
+}  // namespace triskin::device

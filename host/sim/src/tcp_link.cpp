@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/scene/tcp_link.hpp"
+
+#include <fmt/format.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+#include "triskin/core/bytes.hpp"
+#include "triskin/base/error.hpp"
+
+namespace triskin::device {
+
+namespace record {
+namespace {
+constexpr std::uint32_t kExtended = 1U << 31, kFd = 1U << 30, kRateSwitch = 1U << 29, kIdMask = 0x1FFFFFFF;
+}
+
+void put(std::vector<std::uint8_t>& out, std::uint8_t kind, std::span<const std::uint8_t> contents) {
+  std::array<std::uint8_t, 5> head{};
+  ByteWriter w(head);
+  w.le32(static_cast<std::uint32_t>(contents.size() + 1));
+  w.u8(kind);
+  out.insert(out.end(), head.begin(), head.end());
+  out.insert(out.end(), contents.begin(), contents.end());
+}
+
+void put_frame(std::vector<std::uint8_t>& out, const wire::CanFrame& frame) {
+  std::array<std::uint8_t, 68> contents{};
+  ByteWriter w(contents);
+  w.le32(frame.id | (frame.extended ? kExtended : 0) | (frame.fd ? kFd : 0) |
+         (frame.bit_rate_switch ? kRateSwitch : 0));
+  w.bytes(frame.payload());
+  put(out, kCanFrame, w.written());
+}
+
+std::optional<Record> take(std::vector<std::uint8_t>& in) {
+  constexpr std::size_t kLengthBytes = 4;
+  if (in.size() < kLengthBytes) return std::nullopt;
+  const std::size_t length = ByteReader(in).le32();
+  if (length < 1 || length > kMaxBytes)
+    throw DeviceError("simulation link: the other side is no Triskin simulation of this release");
+  if (in.size() < kLengthBytes + length) return std::nullopt;
+  const auto end = in.begin() + static_cast<std::ptrdiff_t>(kLengthBytes + length);
+  Record r{in[kLengthBytes], {in.begin() + kLengthBytes + 1, end}};
+  in.erase(in.begin(), end);
+  return r;
+}
+
+wire::CanFrame frame_of(const Record& r) {
+  wire::CanFrame f;
+  if (r.contents.size() < 4 || r.contents.size() > 4 + f.data.size())
+    throw DeviceError("simulation link: a record is no frame");
+  const std::uint32_t head = ByteReader(r.contents).le32();
+  f.extended = (head & kExtended) != 0;
+  f.fd = (head & kFd) != 0;
+  f.bit_rate_switch = (head & kRateSwitch) != 0;
+  f.id = head & kIdMask;
+  f.size = static_cast<std::uint8_t>(r.contents.size() - 4);
+  if ((!f.extended && f.id > 0x7FF) || (!f.fd && f.size > 8))
+    throw DeviceError("simulation link: a record is no frame");
+  std::copy(r.contents.begin() + 4, r.contents.end(), f.data.begin());
+  return f;
+}
+
+}  // namespace record
+
+TcpLink::TcpLink(const HostPort& to) : name_(fmt::format("sim:{}:{}", to.host, to.port)) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (const int error = ::getaddrinfo(to.host.c_str(), std::to_string(to.port).c_str(), &hints, &found); error != 0) {
+    fail(fmt::format("cannot find the host: {}", ::gai_strerror(error)));
+  }
+  int error = 0;
+  for (const addrinfo* a = found; a != nullptr && socket_ < 0; a = a->ai_next) {
+    socket_ = ::socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
+    if (socket_ >= 0 && ::connect(socket_, a->ai_addr, a->ai_addrlen) == 0) break;
+    error = errno;
+    if (socket_ >= 0) ::close(socket_);
+    socket_ = -1;
+  }
+  ::freeaddrinfo(found);
+  if (socket_ < 0)
+    fail(fmt::format("cannot connect: {}; start triskin simulate SCENE --listen {}:{}", std::strerror(error), to.host,
+                     to.port));
+  const int on = 1;
+  (void)::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+}
+
+TcpLink::~TcpLink() {
+  if (socket_ >= 0) ::close(socket_);
+}
+
+void TcpLink::fail(const std::string& what) const {
+  throw DeviceError(name_ + ": " + what);
+}
+
+std::uint64_t TcpLink::now_us() const {
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start_).count());
+}
+
+void TcpLink::write_all(const std::vector<std::uint8_t>& bytes) {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t n = ::send(socket_, bytes.data() + done, bytes.size() - done, MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) fail("the simulation has ended the connection");
+    done += static_cast<std::size_t>(n);
+  }
+}
+
+void TcpLink::send(const wire::CanFrame& frame) {
+  std::vector<std::uint8_t> bytes;
+  record::put_frame(bytes, frame);
+  write_all(bytes);
+}
+
+void TcpLink::press(int module, int taxel) {
+  std::array<std::uint8_t, 5> contents{};
+  ByteWriter w(contents);
+  w.le32(static_cast<std::uint32_t>(module));
+  w.u8(static_cast<std::uint8_t>(taxel < 0 ? record::kWholeModule : taxel));
+  std::vector<std::uint8_t> bytes;
+  record::put(bytes, record::kPress, contents);
+  write_all(bytes);
+}
+
+void TcpLink::lift() {
+  std::vector<std::uint8_t> bytes;
+  record::put(bytes, record::kLift, {});
+  write_all(bytes);
+}
+
+void TcpLink::pressurize(int module, double kpa) {
+  constexpr double kPaPerKpa = 1000.0;
+  std::array<std::uint8_t, 8> contents{};
+  ByteWriter w(contents);
+  w.le32(module < 0 ? record::kAllModules : static_cast<std::uint32_t>(module));
+  w.le32(static_cast<std::uint32_t>(std::lround(kpa * kPaPerKpa)));
+  std::vector<std::uint8_t> bytes;
+  record::put(bytes, record::kPressure, contents);
+  write_all(bytes);
+}
+
+std::optional<wire::CanFrame> TcpLink::receive(std::uint64_t until_us) {
+  while (true) {
+    while (const auto r = record::take(in_)) {
+      if (r->kind == record::kCanFrame) return record::frame_of(*r);
+      ByteReader reader(r->contents);
+      const wire::BitRates rates{reader.le32(), reader.le32()};
+      if (r->kind == record::kBitRates && reader.ok()) rates_ = rates;
+    }
+    const std::uint64_t now = now_us();
+    const std::uint64_t left_us = until_us > now ? until_us - now : 0;
+    pollfd p{socket_, POLLIN, 0};
+    const int timeout_ms = static_cast<int>(std::min<std::uint64_t>((left_us + 999) / 1000, 60'000));
+    const int ready = ::poll(&p, 1, timeout_ms);
+    if (ready == 0 && now_us() >= until_us) return std::nullopt;
+    if (ready <= 0) continue;
+    std::array<std::uint8_t, 16'384> chunk{};
+    const ssize_t n = ::recv(socket_, chunk.data(), chunk.size(), 0);
+    if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (n <= 0) fail("the simulation has ended the connection");
+    in_.insert(in_.end(), chunk.begin(), chunk.begin() + n);
+  }
+}
+
+}  // namespace triskin::device

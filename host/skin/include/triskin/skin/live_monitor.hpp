@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "triskin/design/calibration.hpp"
+#include "triskin/skin/touch_map.hpp"
+#include "triskin/wire/module_state.hpp"
+
+namespace triskin::device {
+
+/// Unit of the numbers in a picture of a patch.
+enum class PressureUnit {
+  kCounts,   ///< of the converter
+  kPercent,  ///< of the counts between rest and the end of the range
+  kKpa,      ///< by the calibration; 0 where there is none
+};
+
+/// What is known of a skin while its samples come: pressure, states, rates; and its picture as text. Not thread-safe.
+class LiveMonitor {
+ public:
+  /// `design` outlives the monitor. `rest` as for TouchMap.
+  explicit LiveMonitor(const design::Design& design, const design::RestValues& rest = {},
+                       design::SkinCalibration calibration = {});
+  /// Takes a sample.
+  void add(const ModuleFrame& frame);
+  [[nodiscard]] TouchMap& touches() { return touches_; }
+  [[nodiscard]] const TouchMap& touches() const { return touches_; }
+  /// What the counts are worth.
+  [[nodiscard]] const design::SkinCalibration& calibration() const { return calibration_; }
+  /// Force on all taxels under pressure together, against their normals, N; 0 without a complete calibration.
+  [[nodiscard]] double force_n() const;
+
+  /// Closes a period of `seconds` (> 0): rates are those of the last closed period.
+  void close_period(double seconds);
+  /// Samples a second of a patch and module, in the last period; 0 when nothing came.
+  [[nodiscard]] double rate_hz(int patch) const;
+  /// Modules of a patch whose latest sample says that something is wrong.
+  [[nodiscard]] int faults(int patch) const;
+  /// Modules of a patch that never sent a sample.
+  [[nodiscard]] int unheard(int patch) const;
+  /// The patch in its shape, the highest row first: a cell a module, which points up or down as the module does, with
+  /// the largest pressure of its taxels, or what is wrong. `colour`: with the colours of a terminal.
+  [[nodiscard]] std::vector<std::string> picture(int patch, PressureUnit unit, bool colour) const;
+
+ private:
+  struct Module {
+    wire::ModuleState state = wire::ModuleState::kUnknown;
+    bool heard = false;
+    std::uint64_t samples = 0;  // of this period
+    double rate_hz = 0.0;       // of the last one
+  };
+  [[nodiscard]] const std::vector<design::RoutedModule>& modules_of(int patch) const;
+  [[nodiscard]] std::string cell(int module, PressureUnit unit, bool colour) const;
+
+  const design::Design& design_;
+  TouchMap touches_;
+  design::SkinCalibration calibration_;
+  std::vector<Module> modules_;
+};
+
+}  // namespace triskin::device

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/skin/rest_store.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "triskin/core/bytes.hpp"
+#include "triskin/base/files.hpp"
+
+namespace triskin::device {
+
+RestStore::RestStore(const design::Design& design, std::span<const wire::NodeClaim> claims)
+    : modules_(design.layout.modules.size()) {
+  std::vector<std::uint8_t> ids;
+  for (const wire::NodeClaim& board : claims) {
+    if (design::patch_at(design, board.node_address) < 0) continue;
+    ids.insert(ids.end(), board.unique_id.begin(), board.unique_id.end());
+  }
+  file_ = state_home() / "rest" / fmt::format("{:016x}_{:08x}.json", design.design_id, crc32(ids));
+}
+
+design::RestValues RestStore::read() const {
+  if (!std::filesystem::exists(file_)) return {};
+  return design::parse_rest(read_file(file_), file_.string(), modules_);
+}
+
+void RestStore::write(const design::RestValues& rest) const {
+  std::error_code none;
+  std::filesystem::create_directories(file_.parent_path(), none);
+  write_file_atomically(file_, design::rest_text(rest));
+}
+
+}  // namespace triskin::device

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/skin/touch_map.hpp"
+
+#include <algorithm>
+
+namespace triskin::device {
+
+TouchMap::TouchMap(const design::Design& design, const design::RestValues& rest)
+    : design_(design), wiring_(design::wiring_of(design)), modules_(design.layout.modules.size()) {
+  set_rest(rest, 0);
+}
+
+void TouchMap::set_rest(const design::RestValues& rest, int first_module) {
+  for (std::size_t m = 0; m < rest.size(); ++m) {
+    Module& module = modules_.at(static_cast<std::size_t>(first_module) + m);
+    module.by_design = false;
+    for (std::size_t t = 0; t < rest[m].size(); ++t) {
+      Taxel& taxel = module.taxels[t];
+      taxel.rest = taxel.now = rest[m][t];
+      taxel.seen = kRestSamples;
+    }
+  }
+}
+
+// Nothing but rest is above: pressure lowers the value.
+bool TouchMap::may_rest(double value) {
+  return value >= layout::kRestCounts - kRestBand_counts;
+}
+
+// The median tolerates one sample of a finger that was lifted just before.
+void TouchMap::settle(const Module& module, Taxel& taxel) {
+  std::ranges::sort(taxel.first);
+  const double median = taxel.first[kRestSamples / 2];
+  const bool at_rest = !module.by_design || may_rest(median);
+  taxel.rest = at_rest ? median : layout::kRestCounts;
+  taxel.follows = module.by_design && at_rest;
+  taxel.awaited = !at_rest;
+}
+
+void TouchMap::take(const Module& module, Taxel& taxel, double value) {
+  if (taxel.seen < kRestSamples) {
+    taxel.first[taxel.seen++] = value;
+    if (taxel.seen < kRestSamples) return;
+    settle(module, taxel);
+  }
+  taxel.now = value;
+  if (taxel.awaited && may_rest(value)) {
+    taxel.awaited = false;
+    taxel.follows = true;
+    taxel.rest = value;
+  }
+  // A light touch at the start was within the band; when it ends, the taxel shows where it rests.
+  if (taxel.follows) taxel.rest = std::max(taxel.rest, value);
+}
+
+// No finger reaches them, so whatever they read first is their rest.
+void TouchMap::take_pads(Module& module, const wire::FullTaxels& sample) {
+  double sum = 0.0;
+  int known = 0;
+  for (const std::size_t t : layout::kTemperaturePads) {
+    if ((sample.valid >> t & 1) == 0) continue;
+    Taxel& pad = module.taxels[t];
+    pad.now = sample.value[t];
+    if (pad.seen < kRestSamples) {
+      pad.first[pad.seen++] = pad.now;
+      if (pad.seen < kRestSamples) continue;
+      std::ranges::sort(pad.first);
+      pad.rest = pad.first[kRestSamples / 2];
+    }
+    sum += pad.rest - pad.now;
+    ++known;
+  }
+  if (known > 0) module.warming_counts = sum / known;
+}
+
+void TouchMap::add(const ModuleFrame& frame) {
+  Module& module = modules_[static_cast<std::size_t>(frame.module)];
+  take_pads(module, frame.sample);
+  for (std::size_t t = 0; t < module.taxels.size(); ++t) {
+    if (!layout::measures_pressure(t)) continue;
+    Taxel& taxel = module.taxels[t];
+    if ((frame.sample.valid >> t & 1) != 0)
+      take(module, taxel, frame.sample.value[t] + module.warming_counts);
+    else
+      taxel.now = taxel.rest;  // an invalid taxel is unknown, not pressed
+  }
+}
+
+void TouchMap::tare() {
+  for (Module& module : modules_) {
+    module = Module{};
+    module.by_design = false;
+  }
+}
+
+bool TouchMap::tared() const {
+  return std::ranges::all_of(modules_, [](const Module& module) {
+    return std::ranges::all_of(module.taxels, [](const Taxel& t) { return t.seen == 0 || t.seen == kRestSamples; });
+  });
+}
+
+design::RestValues TouchMap::rest() const {
+  design::RestValues rest(modules_.size());
+  for (std::size_t m = 0; m < modules_.size(); ++m) {
+    for (std::size_t t = 0; t < rest[m].size(); ++t) {
+      const Taxel& taxel = modules_[m].taxels[t];
+      rest[m][t] = taxel.seen == kRestSamples ? taxel.rest : layout::kRestCounts;
+    }
+  }
+  return rest;
+}
+
+std::array<double, layout::kTaxelsPerModule> TouchMap::change(int module) const {
+  std::array<double, layout::kTaxelsPerModule> change{};
+  const auto& taxels = modules_[static_cast<std::size_t>(module)].taxels;
+  for (std::size_t t = 0; t < taxels.size(); ++t) {
+    if (taxels[t].seen == kRestSamples && layout::measures_pressure(t)) change[t] = taxels[t].rest - taxels[t].now;
+  }
+  return change;
+}
+
+std::vector<PressedTaxel> TouchMap::pressed() const {
+  std::vector<PressedTaxel> pressed;
+  for (std::size_t k = 0; k < modules_.size(); ++k) {
+    std::array<design::TaxelPose, layout::kTaxelsPerModule> poses;
+    bool posed = false;
+    const auto changes = change(static_cast<int>(k));
+    for (std::size_t t = 0; t < changes.size(); ++t) {
+      if (changes[t] < kPressed_counts) continue;
+      if (!posed) poses = design::taxels_of(design_.layout.modules[k], wiring_[k].routed.rotation);
+      posed = true;
+      pressed.push_back({static_cast<int>(k), static_cast<int>(t), changes[t], poses[t].position_mm, poses[t].normal});
+    }
+  }
+  std::ranges::sort(pressed, std::greater{}, &PressedTaxel::change_counts);
+  return pressed;
+}
+
+}  // namespace triskin::device

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <vector>
+
+#include "triskin/mesh/surface.hpp"
+
+namespace triskin::geometry {
+
+/// A surface with sides that are cut open. Faces are joined only across sides that are not cut.
+class CutSurface {
+ public:
+  explicit CutSurface(const Surface& surface)
+      : surface_(surface), cut_(surface.mesh().faces.size(), {false, false, false}) {}
+
+  [[nodiscard]] const Surface& surface() const { return surface_; }
+  /// Face across side s, −1 at the border and at a cut.
+  [[nodiscard]] int neighbour(int face, int side) const {
+    return cut_[static_cast<std::size_t>(face)][static_cast<std::size_t>(side)]
+               ? -1
+               : surface_.neighbours(face)[static_cast<std::size_t>(side)];
+  }
+  /// Cuts or joins an edge, seen from one of its faces; the border stays as it is.
+  void set(int face, int side, bool cut) {
+    const int other = surface_.neighbours(face)[static_cast<std::size_t>(side)];
+    if (other < 0) return;
+    cut_[static_cast<std::size_t>(face)][static_cast<std::size_t>(side)] = cut;
+    for (std::size_t s = 0; s < 3; ++s) {
+      if (surface_.neighbours(other)[s] == face && shares(face, side, other, s))
+        cut_[static_cast<std::size_t>(other)][s] = cut;
+    }
+  }
+
+ private:
+  [[nodiscard]] bool shares(int face, int side, int other, std::size_t other_side) const {
+    const auto &f = surface_.mesh().faces[static_cast<std::size_t>(face)],
+               &g = surface_.mesh().faces[static_cast<std::size_t>(other)];
+    return f[static_cast<std::size_t>(side)] == g[(other_side + 1) % 3];
+  }
+
+  const Surface& surface_;
+  std::vector<std::array<bool, 3>> cut_;
+};
+
+}  // namespace triskin::geometry

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "dart.hpp"
+
+#include <algorithm>
+#include <map>
+#include <queue>
+
+#include "triskin/base/index.hpp"
+
+namespace triskin::geometry {
+namespace {
+
+struct Reached {
+  double distance = 1e300;
+  int before = -1;
+  SurfaceEdge edge;
+};
+
+struct Inside {
+  std::map<int, std::vector<std::pair<int, SurfaceEdge>>> from;  // edges between two faces of the set, both ways
+  std::set<int> border;                                          // vertices of the others
+};
+
+Inside inside_of(const CutSurface& cut, const std::vector<int>& faces, const std::set<std::pair<int, int>>& uncut) {
+  Inside in;
+  for (const int f : faces) {
+    const auto& c = cut.surface().mesh().faces[at(f)];
+    for (int s = 0; s < 3; ++s) {
+      const int a = c[at(s)], b = c[at((s + 1) % 3)], n = cut.neighbour(f, s);
+      if (n < 0 || !std::ranges::binary_search(faces, n)) {
+        in.border.insert({a, b});
+      } else if (!uncut.contains(std::minmax(a, b))) {
+        in.from[a].push_back({b, {f, s}});
+        in.from[b].push_back({a, {f, s}});
+      }
+    }
+  }
+  return in;
+}
+
+}  // namespace
+
+std::vector<SurfaceEdge> deepest_dart(const CutSurface& cut, const std::vector<int>& faces,
+                                      const std::set<std::pair<int, int>>& uncut) {
+  const Inside in = inside_of(cut, faces, uncut);
+  const auto& v = cut.surface().mesh().vertices;
+  std::map<int, Reached> reached;
+  std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>> queue;
+  for (const int b : in.border) {
+    reached[b].distance = 0.0;
+    queue.emplace(0.0, b);
+  }
+  int deepest = -1;
+  while (!queue.empty()) {
+    const auto [distance, a] = queue.top();
+    queue.pop();
+    if (distance > reached[a].distance) continue;
+    if (distance > 0.0) deepest = a;  // they come in order
+    const auto edges = in.from.find(a);
+    if (edges == in.from.end()) continue;
+    for (const auto& [b, edge] : edges->second) {
+      const double next = distance + (v[at(b)] - v[at(a)]).norm();
+      Reached& there = reached[b];
+      if (!(next < there.distance)) continue;
+      there = {next, a, edge};
+      queue.emplace(next, b);
+    }
+  }
+  std::vector<SurfaceEdge> dart;
+  for (int a = deepest; a >= 0 && reached[a].before >= 0; a = reached[a].before) dart.push_back(reached[a].edge);
+  return dart;
+}
+
+}  // namespace triskin::geometry

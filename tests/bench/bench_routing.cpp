@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Speed against error of the partition and the wiring: time and gap against the number of modules, by shape.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "bench.hpp"
+#include "milp.hpp"
+#include "triskin/routing/random_patch.hpp"
+#include "triskin/routing/routing.hpp"
+
+namespace triskin::cli {
+namespace {
+
+using geometry::PatchShape;
+
+constexpr std::array kShapes{PatchShape::kCompact, PatchShape::kStrip, PatchShape::kHoled, PatchShape::kDendritic};
+const char* name_of(PatchShape shape) {
+  constexpr std::array kNames{"compact", "strip", "holed", "dendritic"};
+  return kNames[static_cast<std::size_t>(shape)];
+}
+
+// Several patches of one shape and size: how many are proved, and how long the slowest takes.
+nlohmann::json row(PatchShape shape, int modules, int patches) {
+  int proved = 0, widest_gap = 0;
+  double seconds = 0.0, slowest_s = 0.0, loss = 0.0, loss_strapped = 0.0;
+  for (int seed = 0; seed < patches; ++seed) {
+    const auto patch = geometry::random_patch(shape, modules, static_cast<std::uint64_t>(seed));
+    const geometry::RoutingResult r = geometry::route(patch.graph);
+    proved += r.proved ? 1 : 0;
+    widest_gap = std::max(widest_gap, static_cast<int>(r.patches.size()) - r.lower_bound);
+    seconds += r.seconds;
+    slowest_s = std::max(slowest_s, r.seconds);
+    loss += r.mean_loss;
+    loss_strapped += r.mean_loss_strapped;
+  }
+  return {{"shape", name_of(shape)},
+          {"modules", modules},
+          {"cases", patches},
+          {"proved", proved},
+          {"widest_gap", widest_gap},
+          {"slowest_s", slowest_s},
+          {"mean_loss", loss / patches},
+          {"mean_loss_strapped", loss_strapped / patches},
+          {"seconds", seconds / patches}};
+}
+
+// The same patch by the integer programme alone and by all steps, in one run.
+nlohmann::json milp_row(PatchShape shape, int modules, double time_limit_s) {
+  const auto patch = geometry::random_patch(shape, modules, 1);
+  geometry::RoutingOptions options;
+  options.failure_analysis = false;
+  options.recombinations = 0;
+  const geometry::RoutingResult all = geometry::route(patch.graph, options);
+  const bench::PartitionInterval milp = bench::partition_by_milp(patch.graph, options.capacity, time_limit_s);
+  return {{"shape", name_of(shape)},       {"modules", modules},
+          {"patches", all.patches.size()}, {"lower_bound", all.lower_bound},
+          {"milp_patches", milp.upper},    {"milp_lower_bound", milp.lower},
+          {"milp_s", milp.seconds},        {"ratio_to_milp", milp.seconds / all.seconds},
+          {"seconds", all.seconds}};
+}
+
+nlohmann::json rows(const BenchOptions& options, Output& output) {
+  nlohmann::json result = nlohmann::json::array();
+  for (const PatchShape shape : kShapes) {
+    for (const int modules : {38, 80, 142, 240, 600, 1200, 2600}) {
+      if (options.quick && modules > 600) continue;
+      const int cases = modules > 600 ? 1 : options.quick ? 5 : 20;
+      result.push_back(row(shape, modules, cases));
+      output.say(fmt::format("{:9} {:5} modules: {} of {} proved, widest gap {}, {:.4f} s", name_of(shape), modules,
+                             result.back()["proved"].get<int>(), cases, result.back()["widest_gap"].get<int>(),
+                             result.back()["seconds"].get<double>()));
+    }
+  }
+  if (options.quick) result.push_back(row(PatchShape::kCompact, 2600, 1));
+  for (const int modules : options.quick ? std::vector{38} : std::vector{38, 80, 142}) {
+    result.push_back(milp_row(PatchShape::kCompact, modules, options.quick ? 20.0 : 120.0));
+    output.say(fmt::format("CBC alone, {:3} modules: [{}, {}] in {:.1f} s; here {:.4f} s", modules,
+                           result.back()["milp_lower_bound"].get<int>(), result.back()["milp_patches"].get<int>(),
+                           result.back()["milp_s"].get<double>(), result.back()["seconds"].get<double>()));
+  }
+  return result;
+}
+
+const BenchSubject kRouting{"routing", "partition into controllers: time and gap against size, CBC beside it", rows};
+
+}  // namespace
+}  // namespace triskin::cli
