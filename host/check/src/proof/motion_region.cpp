@@ -271,15 +271,56 @@ bool MotionRegion::center_inside(const IntervalPoint& center) const {
   return polygon_.contains(plain_cosine_ * cx + plain_sine_ * cy, -plain_sine_ * cx + plain_cosine_ * cy);
 }
 
+// Of each row of the grid the part that the outline can reach: the centre of a module inside lies in it.
+std::vector<MotionRegion::Span> MotionRegion::row_spans(double first_y, double row_height, std::size_t rows) const {
+  std::vector<Span> spans(rows);
+  const double wider = reach_ + kSlack_mm;
+  const auto row = [&](double y) {
+    return static_cast<std::size_t>(std::clamp((y - first_y) / row_height, 0.0, static_cast<double>(rows) - 1.0));
+  };
+  const auto placed = [&](const IntervalPoint& p) {
+    const double px = middle(p.x), py = middle(p.y);
+    return std::array{plain_cosine_ * px - plain_sine_ * py + x_, plain_sine_ * px + plain_cosine_ * py + y_};
+  };
+  for (const ProofEdge& edge : polygon_.edges()) {
+    auto a = placed(edge.end[0]), b = placed(edge.end[1]);
+    if (a[1] > b[1]) std::swap(a, b);
+    const double slope = b[1] > a[1] ? (b[0] - a[0]) / (b[1] - a[1]) : 0.0;
+    for (std::size_t r = row(a[1] - wider); r <= row(b[1] + wider); ++r) {
+      // The part of the edge beside the row; the first and the last row have what lies beyond them too.
+      const double low = r == 0 ? a[1] : std::clamp(first_y + row_height * static_cast<double>(r) - wider, a[1], b[1]);
+      const double high =
+          r + 1 == rows ? b[1] : std::clamp(first_y + row_height * static_cast<double>(r + 1) + wider, a[1], b[1]);
+      for (const double x : {a[0] + (low - a[1]) * slope, a[1] < b[1] ? a[0] + (high - a[1]) * slope : b[0]}) {
+        spans[r].low = std::min(spans[r].low, x - wider);
+        spans[r].high = std::max(spans[r].high, x + wider);
+      }
+    }
+  }
+  return spans;
+}
+
 CandidateList MotionRegion::all() const {
   CandidateList list;
   for (std::uint32_t k = 0; k < polygon_.edges().size(); ++k) list.edges.push_back(k);
-  const double span = polygon_.radius_mm() + reach_ + polygon_.module().circumradius_high_mm + 1.0;
+  double low = 1e300, high = -1e300;
+  for (const ProofEdge& edge : polygon_.edges()) {
+    for (const IntervalPoint& end : edge.end) {
+      const double y = plain_sine_ * middle(end.x) + plain_cosine_ * middle(end.y) + y_;
+      low = std::min(low, y);
+      high = std::max(high, y);
+    }
+  }
   const double pitch = polygon_.pitch_mm(), height = pitch * polygon_.module().row_height.low,
                shift = polygon_.module().row_shift;
-  for (int j = static_cast<int>(std::floor((y_ - span) / height)) - 1; j * height <= y_ + span; ++j) {
-    const int first = static_cast<int>(std::floor((x_ - span) / pitch - shift * j)) - 2;
-    for (int i = first; pitch * (i + shift * j) <= x_ + span; ++i) {
+  const int first_row = static_cast<int>(std::floor((low - reach_) / height)) - 2,
+            last_row = static_cast<int>(std::ceil((high + reach_) / height)) + 2;
+  const std::vector<Span> spans = row_spans(first_row * height, height, static_cast<std::size_t>(last_row - first_row + 1));
+  for (int j = first_row; j <= last_row; ++j) {
+    const Span& span = spans[static_cast<std::size_t>(j - first_row)];
+    if (span.low > span.high) continue;
+    const int first = static_cast<int>(std::floor(span.low / pitch - shift * j)) - 2;
+    for (int i = first; pitch * (i + shift * j) <= span.high; ++i) {
       for (int down = 0; down <= (polygon_.module().has_down ? 1 : 0); ++down) {
         const ProofTile tile{i, j, down == 0};
         list.tiles.push_back({tile, polygon_.center_of(tile), 0, static_cast<std::uint32_t>(list.edges.size()), false});

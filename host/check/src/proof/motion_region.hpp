@@ -99,6 +99,10 @@ class MotionRegion {
   [[nodiscard]] Need line_need(std::uint32_t edge, double turn, const IntervalPoint& point) const;
   void add_side_needs(const Candidate& module, std::uint32_t edge, std::size_t side, std::vector<Need>& needs) const;
   void add_needs_over(const Candidate& module, std::uint32_t edge, double turn, std::vector<Need>& needs) const;
+  struct Span {
+    double low = 1e300, high = -1e300;
+  };
+  [[nodiscard]] std::vector<Span> row_spans(double first_y, double row_height, std::size_t rows) const;
   [[nodiscard]] double distance_mm(const IntervalPoint& center, const ProofEdge& edge) const;
   [[nodiscard]] bool center_inside(const IntervalPoint& center) const;
 

@@ -8,7 +8,6 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kRounding_mm = 1e-9;      // of a level, as in the pads of a cell
 constexpr double kOpposed = -0.999;        // cosine below which two normals are taken as opposed
 constexpr double kFacing = 0.1;            // a side that faces an edge has a normal with at least this against it
 constexpr double kLeastMultiplier = 0.05;  // of three constraints: smaller ones magnify rounding
@@ -120,7 +119,7 @@ void ConflictBound::add_line(const CellFrame& frame, const Pair& pair, double tu
   const Vec2 normal(turn * frame.normal_x[pair.edge], turn * frame.normal_y[pair.edge]),
       from(point.x() - frame.center[0], point.y() - frame.center[1]), arm = from - pivot_;
   keep({pair.tile, pair.edge, false, normal,
-        normal.dot(from) - turn * polygon_.line_offset[pair.edge] - least_mm + kRounding_mm,
+        normal.dot(from) - turn * polygon_.line_offset[pair.edge] - least_mm + polygon_.rounding_mm,
         -normal.dot(quarter_turn(arm)), std::max(0.0, -normal.dot(arm)) * curve_});
 }
 
@@ -132,7 +131,7 @@ void ConflictBound::add_side(const CellFrame& frame, const OpenTile& tile, const
   for (const std::size_t end : {static_cast<std::size_t>(pair.edge), static_cast<std::size_t>(polygon_.next[pair.edge])}) {
     const Vec2 p(frame.x[end], frame.y[end]);
     keep({pair.tile, pair.edge, true, -normal,
-          normal.dot(p - from) - grid_.offset_mm[side] - frame.inset_mm + kRounding_mm,
+          normal.dot(p - from) - grid_.offset_mm[side] - frame.inset_mm + polygon_.rounding_mm,
           normal.dot(quarter_turn(p - pivot_)),
           std::max(0.0, -normal.dot(p + pivot_)) * curve_});
   }
