@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "polygons.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/check/placement_proof.hpp"
 #include "triskin/placement/placement.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

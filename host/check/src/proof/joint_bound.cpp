@@ -31,7 +31,8 @@ IntervalPoint times(const Interval& factor, const IntervalPoint& p) {
 JointBound::JointBound(const MotionRegion& region, const CandidateList& list) : region_(region) {
   for (const Candidate& module : list.tiles) {
     std::vector<Need> needs;
-    for (std::uint32_t k = module.first; k < module.first + module.count; ++k) region.add_needs(module, list.edges[k], needs);
+    for (std::uint32_t k = module.first; k < module.first + module.count; ++k)
+      region.add_needs(module, list.edges[k], needs);
     needs_.push_back(std::move(needs));
   }
   dead_.assign(list.tiles.size(), false);
@@ -71,7 +72,8 @@ void JointBound::add_triples(std::span<const Need> needs) {
       for (std::size_t c = b + 1; c < needs.size(); ++c) {
         if (needs[c].edge == needs[a].edge || needs[c].edge == needs[b].edge) continue;
         if (needs[a].by_side != needs[b].by_side || needs[a].by_side != needs[c].by_side) continue;
-        const double first = turn_between(needs[b], needs[c]) / third, second = turn_between(needs[c], needs[a]) / third;
+        const double first = turn_between(needs[b], needs[c]) / third,
+                     second = turn_between(needs[c], needs[a]) / third;
         if (first < kMinMultiplier || second < kMinMultiplier) continue;
         add_sum(std::array{&needs[a], &needs[b], &needs[c]}, std::array{first, second, 1.0});
       }

@@ -67,7 +67,10 @@ struct MotionRegion::Moved {
 };
 
 MotionRegion::MotionRegion(const ProofPolygon& polygon, const ProofBox& box)
-    : polygon_(polygon), x_(0.5 * (box.low[0] + box.high[0])), y_(0.5 * (box.low[1] + box.high[1])), theta_(0.5 * (box.low[2] + box.high[2])) {
+    : polygon_(polygon),
+      x_(0.5 * (box.low[0] + box.high[0])),
+      y_(0.5 * (box.low[1] + box.high[1])),
+      theta_(0.5 * (box.low[2] + box.high[2])) {
   const auto half = [&](std::size_t k, double center) {
     const double h = std::max(box.high[k] - center, center - box.low[k]);
     return h > 0.0 ? h * (1.0 + 1e-15) + std::abs(center) * 0x1p-52 : 0.0;
@@ -154,7 +157,11 @@ Need MotionRegion::line_need(std::uint32_t edge, double turn, const IntervalPoin
   const Interval scale(turn / e.length_mm);
   const IntervalPoint normal = quarter_turn(e.end[1] - e.end[0]);
   const IntervalPoint from = point - IntervalPoint{x_, y_};
-  return {false, edge, {scale * normal.x, scale * normal.y}, point, scale * e.offset,
+  return {false,
+          edge,
+          {scale * normal.x, scale * normal.y},
+          point,
+          scale * e.offset,
           std::hypot(from.x.magnitude() + half_x_, from.y.magnitude() + half_y_) * (1.0 + 1e-12)};
 }
 
@@ -169,7 +176,8 @@ void MotionRegion::add_side_needs(const Candidate& module, std::uint32_t edge, s
 }
 
 // The edge may also lie beyond a side of the module that faces it. A point of the module whose foot is on the edge then
-// still lies on the same side of the edge's line (left: turn 1): the foot is beyond the side, the point is not, and the side faces the line.
+// still lies on the same side of the edge's line (left: turn 1): the foot is beyond the side, the point is not, and the
+// side faces the line.
 void MotionRegion::add_needs_over(const Candidate& module, std::uint32_t edge, double turn,
                                   std::vector<Need>& needs) const {
   const ProofEdge& e = polygon_.edges()[edge];
@@ -180,8 +188,8 @@ void MotionRegion::add_needs_over(const Candidate& module, std::uint32_t edge, d
     const double px = plain_cosine_ * gx + plain_sine_ * gy, py = -plain_sine_ * gx + plain_cosine_ * gy;
     return ((px - middle(e.end[0].x)) * dx + (py - middle(e.end[0].y)) * dy) / length;
   };
-  const double arm = std::hypot(middle(module.center.x) - x_, middle(module.center.y) - y_) +
-                     polygon_.module().circumradius_high_mm;
+  const double arm =
+      std::hypot(middle(module.center.x) - x_, middle(module.center.y) - y_) + polygon_.module().circumradius_high_mm;
   const double spread = std::hypot(half_x_, half_y_) + arm * half_theta_ + kSlack_mm;
   const auto& corners = polygon_.module().corner;
   const double sign = module.tile.up ? 1.0 : -1.0;
@@ -315,7 +323,8 @@ CandidateList MotionRegion::all() const {
                shift = polygon_.module().row_shift;
   const int first_row = static_cast<int>(std::floor((low - reach_) / height)) - 2,
             last_row = static_cast<int>(std::ceil((high + reach_) / height)) + 2;
-  const std::vector<Span> spans = row_spans(first_row * height, height, static_cast<std::size_t>(last_row - first_row + 1));
+  const std::vector<Span> spans =
+      row_spans(first_row * height, height, static_cast<std::size_t>(last_row - first_row + 1));
   for (int j = first_row; j <= last_row; ++j) {
     const Span& span = spans[static_cast<std::size_t>(j - first_row)];
     if (span.low > span.high) continue;

@@ -28,8 +28,8 @@ struct CandidateList {
 };
 
 /// What a module needs in order to lie inside, whichever way it keeps clear of the edge, at every motion of a region:
-/// normal . R(-theta) (point - t) >= constant for a point of the module and the edge's line, and by a side of the module
-/// normal . (R(theta) point + t) >= constant for an end of the edge.
+/// normal . R(-theta) (point - t) >= constant for a point of the module and the edge's line, and by a side of the
+/// module normal . (R(theta) point + t) >= constant for an end of the edge.
 struct Need {
   bool by_side = false;
   std::uint32_t edge = 0;

@@ -174,10 +174,10 @@ ProofModule require_header(const ProofLog& log, const std::vector<std::array<Pla
   if (edges.empty() || edges != edge_set(log.rings))
     throw Rejected{"the polygon of the log is not the polygon of the file"};
   if (!log.shape) throw Rejected{fmt::format("\"shape\" must be {}", kProofShapeNames.list())};
-  const double most_cut_mm = *log.shape == ProofShape::kTriangle ? kMostProofCut_mm : 0.0;
-  if (!(log.corner_cut_mm >= 0.0 && log.corner_cut_mm <= most_cut_mm)) throw Rejected{"corner_cut_mm is out of range"};
+  const double max_cut_mm = *log.shape == ProofShape::kTriangle ? kMaxProofCut_mm : 0.0;
+  if (!(log.corner_cut_mm >= 0.0 && log.corner_cut_mm <= max_cut_mm)) throw Rejected{"corner_cut_mm is out of range"};
   ProofModule module = proof_module(*log.shape, log.corner_cut_mm);
-  if (!(log.pitch_mm >= module.least_pitch_mm && log.pitch_mm <= 1000.0)) throw Rejected{"pitch_mm is out of range"};
+  if (!(log.pitch_mm >= module.min_pitch_mm && log.pitch_mm <= 1000.0)) throw Rejected{"pitch_mm is out of range"};
   if (!(log.tolerance_mm > 0.0 && log.tolerance_mm <= 1.0)) throw Rejected{"tolerance_mm is out of range"};
   if (log.upper_bound < log.modules)
     throw Rejected{fmt::format("the bound {} is below the {} modules that are claimed", log.upper_bound, log.modules)};
@@ -244,7 +244,7 @@ ProofReport said_by(const ProofLog& log, const std::vector<Ring>& rings) {
   if (!log.shape) return report;
   report.shape = kProofShapeNames.name(*log.shape);
   // Facing sides of triangles move apart by 1/√3 of what the pitch grows.
-  const double wider_mm = log.pitch_mm - proof_module(*log.shape, 0.0).least_pitch_mm;
+  const double wider_mm = log.pitch_mm - proof_module(*log.shape, 0.0).min_pitch_mm;
   report.gap_mm = std::max(0.0, *log.shape == ProofShape::kTriangle ? wider_mm / std::sqrt(3.0) : wider_mm);
   if (report.gap_mm < 1e-9) report.gap_mm = 0.0;
   return report;
@@ -262,7 +262,8 @@ void require_expected(const ProofReport& report, const ProofExpectation& expecte
   if (expected.shape && *expected.shape != report.shape)
     throw Rejected{fmt::format("the proof is about the shape {}, not {}", report.shape, *expected.shape)};
   if (expected.outline_hash && *expected.outline_hash != report.outline_hash)
-    throw Rejected{fmt::format("the proof is about the outline {}, not {}", report.outline_hash, *expected.outline_hash)};
+    throw Rejected{
+        fmt::format("the proof is about the outline {}, not {}", report.outline_hash, *expected.outline_hash)};
   if (expected.modules && (*expected.modules != report.modules || *expected.modules != report.upper_bound))
     throw Rejected{fmt::format("the proof is about {} modules and a bound of {}, not {}", report.modules,
                                report.upper_bound, *expected.modules)};

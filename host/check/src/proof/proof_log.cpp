@@ -127,8 +127,9 @@ json parse_log(const std::string& text, const std::string& name, std::vector<Pro
   bool in_cells = false;
   const auto take = [&](int depth, json::parse_event_t event, json& parsed) {
     if (depth == 1 && event == json::parse_event_t::key) in_cells = parsed == "cells";
-    const bool element = depth == 2 && (event == json::parse_event_t::array_end || event == json::parse_event_t::value ||
-                                        event == json::parse_event_t::object_end);
+    const bool element =
+        depth == 2 && (event == json::parse_event_t::array_end || event == json::parse_event_t::value ||
+                       event == json::parse_event_t::object_end);
     if (!in_cells || !element) return true;
     cells.push_back(box_of(parsed, name));
     return false;

@@ -30,12 +30,14 @@ int run(const Options& options, Output& output) {
                    {"regions", r.regions},
                    {"seconds", r.seconds}};
   if (r.accepted) {
-    output.say(fmt::format(
-        "accepted: {} modules lie inside, none standing over by more than {:g} mm, and no placement holds more than {} that "
-        "do not stand over; {} cells, {:.3f} s",
-        r.modules, r.tolerance_mm, r.upper_bound, r.cells, r.seconds));
-    output.say(fmt::format("modules: {}, gap {:g} mm, corner cut {:g} mm, counted without weights; outline: {:.6g} cm², {}",
-                           r.shape, r.gap_mm, r.corner_cut_mm, 0.01 * r.outline_area_mm2, r.outline_hash));
+    output.say(
+        fmt::format("accepted: {} modules lie inside, none standing over by more than {:g} mm, and no placement holds "
+                    "more than {} that "
+                    "do not stand over; {} cells, {:.3f} s",
+                    r.modules, r.tolerance_mm, r.upper_bound, r.cells, r.seconds));
+    output.say(
+        fmt::format("modules: {}, gap {:g} mm, corner cut {:g} mm, counted without weights; outline: {:.6g} cm², {}",
+                    r.shape, r.gap_mm, r.corner_cut_mm, 0.01 * r.outline_area_mm2, r.outline_hash));
   } else {
     output.say("rejected: " + r.reason);
   }

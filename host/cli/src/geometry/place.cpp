@@ -8,12 +8,12 @@
 #include <set>
 
 #include "corner_cut_option.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/design/tile.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 
 namespace triskin::cli::place_command {
 namespace {
@@ -102,7 +102,8 @@ void say_result(const geometry::PlacementResult& r, const Options& options, cons
     output.say(fmt::format("the search ended at its limit of {}: the best that was found, and a bound that is open",
                            geometry::kSearchStopNames.name(r.stopped)));
   const std::string bound =
-      exact ? fmt::format("; none holds more than {} with insets from {:g} mm", r.upper_bound, -0.5 * r.tolerance_mm) : "";
+      exact ? fmt::format("; none holds more than {} with insets from {:g} mm", r.upper_bound, -0.5 * r.tolerance_mm)
+            : "";
   output.say(fmt::format("placement x {:.6f} mm, y {:.6f} mm, theta {:.9f} rad; {} cells, {:.3f} s{}",
                          without_sign_of_zero(r.placement.x_mm, 5e-7), without_sign_of_zero(r.placement.y_mm, 5e-7),
                          without_sign_of_zero(r.placement.theta_rad, 5e-10), r.cells, r.seconds, bound));

@@ -179,7 +179,8 @@ CGAL::Orientation side(const Edge& e, const Vec2& p) {
 
 double distance_mm(const Edge& e, const Vec2& p) {
   const Vec2 along = e.b - e.a;
-  const double square = along.squaredNorm(), t = square > 0.0 ? std::clamp((p - e.a).dot(along) / square, 0.0, 1.0) : 0.0;
+  const double square = along.squaredNorm(),
+               t = square > 0.0 ? std::clamp((p - e.a).dot(along) / square, 0.0, 1.0) : 0.0;
   return (p - e.a - t * along).norm();
 }
 

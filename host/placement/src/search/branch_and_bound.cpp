@@ -15,13 +15,13 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr std::size_t kMostAsGood = 64;
+constexpr std::size_t kMaxAsGood = 64;
 constexpr double kReach_mm = 9.0;   // how far from a tile its edges are looked up; children of slices move less
 constexpr double kSlice_mm = 2.5;   // how far the farthest vertex moves from one side of a slice to the other
 constexpr std::size_t kBatch = 16;  // cells refined together: fixed, so that the search does not depend on the threads
 constexpr double kLogged_s = 1.5e-6;  // to write a cell to the log (measured: 0.7e-6)
 constexpr std::int64_t kLong = 2000;  // cells after which a search looks for constraints that contradict each other
-constexpr std::size_t kTried = 16;  // slices whose most promising motion is tried before any is divided
+constexpr std::size_t kTried = 16;    // slices whose most promising motion is tried before any is divided
 
 class BranchAndBound {
  public:
@@ -179,7 +179,7 @@ class BranchAndBound {
   void expand_batch() {
     const auto expand = [&](std::size_t k) {
       expanders_.local().expand(std::move(batch_[k]), demand_, result_.best, static_cast<bool>(goal_.closed),
-                                 expansions_[k]);
+                                expansions_[k]);
     };
     if (goal_.threads == 1) {
       for (std::size_t k = 0; k < batch_.size(); ++k) expand(k);
@@ -194,7 +194,7 @@ class BranchAndBound {
     unresolved_bound_ = std::max(unresolved_bound_, e.unresolved_bound);
     for (const auto& [value, motion] : e.better) take(value, motion);
     for (const Motion& m : e.as_good) {
-      if (e.best == result_.best && result_.as_good.size() < kMostAsGood) result_.as_good.push_back(m);
+      if (e.best == result_.best && result_.as_good.size() < kMaxAsGood) result_.as_good.push_back(m);
     }
     tied_slices_.insert(tied_slices_.end(), e.tied_slices.begin(), e.tied_slices.end());
     for (const MotionBox& box : e.closed) close(box);

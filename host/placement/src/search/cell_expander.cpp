@@ -7,10 +7,10 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kMostPasses = 4;
+constexpr int kMaxPasses = 4;
 constexpr double kWorthAnotherPass = 0.7;
-constexpr int kMostPartsOfSlice = 8, kMostPartsOfCube = 8;  // in one child
-constexpr int kWellFilled = 2;                              // one of so many parts open: a box is not divided further
+constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // in one child
+constexpr int kWellFilled = 2;                            // one of so many parts open: a box is not divided further
 
 using Index = std::array<int, 3>;
 
@@ -51,9 +51,9 @@ struct CellExpander::OpenParts {
   Index low{99, 99, 99}, high{0, 0, 0};
   int count = 0, most = 0;
   [[nodiscard]] Index size() const { return {high[0] - low[0], high[1] - low[1], high[2] - low[2]}; }
-  [[nodiscard]] bool well_filled(int most_parts) const {
+  [[nodiscard]] bool well_filled(int max_parts) const {
     const int volume = size()[0] * size()[1] * size()[2];
-    return volume <= most_parts && count * kWellFilled >= volume;
+    return volume <= max_parts && count * kWellFilled >= volume;
   }
 };
 
@@ -152,7 +152,7 @@ void CellExpander::divide_slice(const Cell& cell, const Index& low, const Index&
   close_clipped(whole, box);
   const std::size_t last_chosen = chosen_.size();
   certain += choose_border(open.low, open.high, first_chosen, last_chosen);
-  if (open.well_filled(kMostPartsOfSlice)) {
+  if (open.well_filled(kMaxPartsOfSlice)) {
     add_slice_child(cell, box, open, last_chosen, certain);
   } else {
     const std::size_t axis = longest_axis(box, open.size());
@@ -243,7 +243,7 @@ void CellExpander::refine(Cell& cell) {
     list_with_edges(cell, lists_[1]);
     source = &lists_[1];
   }
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
     ++result_->passes;
     set_frame(cell.box);
     const CellFilter::Outcome found = filter_.filter(frame_, *source, best_ + 1 - cell.certain, *to, boxes_, halves_);
@@ -369,7 +369,7 @@ void CellExpander::divide(const Cell& cell, const CellList& list, const Index& l
   close_clipped(whole, box);
   const std::size_t last_chosen = chosen_.size();
   certain += choose(open.low, open.high, first_chosen, last_chosen);
-  if (open.well_filled(kMostPartsOfCube)) {
+  if (open.well_filled(kMaxPartsOfCube)) {
     result_->children.push_back(
         {box, cell.certain + certain, std::min(cell.bound, cell.certain + open.most), chosen_list(list, last_chosen)});
   } else {

@@ -14,13 +14,13 @@ namespace triskin::geometry {
 /// of every tile are drawn in by its absolute value.
 struct ClearanceGoal {
   int modules = 0;
-  double least_inset_mm = 0.0;  ///< smaller insets are no answer; above −0.8 inradius
-  double most_inset_mm = 0.0;   ///< upper limit of the answer
-  std::optional<Motion> known;  ///< here Evaluator counts `modules` tiles with least_inset_mm: an answer, if the worst
+  double min_inset_mm = 0.0;    ///< smaller insets are no answer; above −0.8 inradius
+  double max_inset_mm = 0.0;    ///< upper limit of the answer
+  std::optional<Motion> known;  ///< here Evaluator counts `modules` tiles with min_inset_mm: an answer, if the worst
   std::vector<Motion> starts;   ///< motions to climb from
   const std::vector<MotionBox>* slices =
       nullptr;      ///< set: only these are searched; outside them no inset ≥ 0 lets `modules` tiles fit
-  int threads = 0;                  ///< 0: all cores; the answer does not depend on it
+  int threads = 0;  ///< 0: all cores; the answer does not depend on it
   double memory_limit_bytes = 2e9;  ///< of the cells that are open
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 };
@@ -28,7 +28,7 @@ struct ClearanceGoal {
 struct Clearance {
   bool found = false;  ///< the tiles fit with inset_mm at motion
   double inset_mm = 0.0;
-  double bound_mm = 0.0;  ///< nowhere do they fit with more (with the deadline over: most_inset_mm)
+  double bound_mm = 0.0;  ///< nowhere do they fit with more (with the deadline over: max_inset_mm)
   Motion motion;
   std::int64_t cells = 0, evaluations = 0;
 };

@@ -8,9 +8,9 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kOpposed = -0.999;        // cosine below which two normals are taken as opposed
-constexpr double kFacing = 0.1;            // a side that faces an edge has a normal with at least this against it
-constexpr double kLeastMultiplier = 0.05;  // of three constraints: smaller ones magnify rounding
+constexpr double kOpposed = -0.999;      // cosine below which two normals are taken as opposed
+constexpr double kFacing = 0.1;          // a side that faces an edge has a normal with at least this against it
+constexpr double kMinMultiplier = 0.05;  // of three constraints: smaller ones magnify rounding
 constexpr std::size_t kMaxRowsOfTile = 24;
 
 Vec2 quarter_turn(const Vec2& v) {
@@ -87,7 +87,7 @@ void ConflictBound::collect_pair(const CellFrame& frame, const OpenTile& tile, c
 // on the edge lies left of the line: with normal m, and the edge at least c beyond the side with normal n, by
 // c / -(n.m), since n.(foot - point) >= c and foot - point = -(height of the point) m.
 void ConflictBound::add_points_over_edge(const CellFrame& frame, const OpenTile& tile, const Pair& pair,
-                                         double least_mm) {
+                                         double min_mm) {
   const std::size_t next = polygon_.next[pair.edge];
   const Vec2 centre(frame.center[0], frame.center[1]), start(frame.x[pair.edge], frame.y[pair.edge]),
       along(frame.normal_y[pair.edge], -frame.normal_x[pair.edge]);
@@ -108,18 +108,17 @@ void ConflictBound::add_points_over_edge(const CellFrame& frame, const OpenTile&
         high = -1.0;
     }
     if (low > high) continue;
-    add_line(frame, pair, 1.0, a + low * (b - a), least_mm);
-    if (high < 1.0) add_line(frame, pair, 1.0, a + high * (b - a), least_mm);
+    add_line(frame, pair, 1.0, a + low * (b - a), min_mm);
+    if (high < 1.0) add_line(frame, pair, 1.0, a + high * (b - a), min_mm);
   }
 }
 
-// A point of the tile at least `least_mm` left (turn 1) or right (−1) of the edge's line.
-void ConflictBound::add_line(const CellFrame& frame, const Pair& pair, double turn, const Vec2& point,
-                             double least_mm) {
+// A point of the tile at least `min_mm` left (turn 1) or right (−1) of the edge's line.
+void ConflictBound::add_line(const CellFrame& frame, const Pair& pair, double turn, const Vec2& point, double min_mm) {
   const Vec2 normal(turn * frame.normal_x[pair.edge], turn * frame.normal_y[pair.edge]),
       from(point.x() - frame.center[0], point.y() - frame.center[1]), arm = from - pivot_;
   keep({pair.tile, pair.edge, false, normal,
-        normal.dot(from) - turn * polygon_.line_offset[pair.edge] - least_mm + polygon_.rounding_mm,
+        normal.dot(from) - turn * polygon_.line_offset[pair.edge] - min_mm + polygon_.rounding_mm,
         -normal.dot(quarter_turn(arm)), std::max(0.0, -normal.dot(arm)) * curve_});
 }
 
@@ -128,12 +127,12 @@ void ConflictBound::add_line(const CellFrame& frame, const Pair& pair, double tu
 void ConflictBound::add_side(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t side) {
   const Vec2 normal = (tile.tile.up ? 1.0 : -1.0) * grid_.normal[side],
              from(tile.center.x() - frame.center[0], tile.center.y() - frame.center[1]);
-  for (const std::size_t end : {static_cast<std::size_t>(pair.edge), static_cast<std::size_t>(polygon_.next[pair.edge])}) {
+  for (const std::size_t end :
+       {static_cast<std::size_t>(pair.edge), static_cast<std::size_t>(polygon_.next[pair.edge])}) {
     const Vec2 p(frame.x[end], frame.y[end]);
     keep({pair.tile, pair.edge, true, -normal,
           normal.dot(p - from) - grid_.offset_mm[side] - frame.inset_mm + polygon_.rounding_mm,
-          normal.dot(quarter_turn(p - pivot_)),
-          std::max(0.0, -normal.dot(p + pivot_)) * curve_});
+          normal.dot(quarter_turn(p - pivot_)), std::max(0.0, -normal.dot(p + pivot_)) * curve_});
   }
 }
 
@@ -186,11 +185,13 @@ void ConflictBound::add_triples_of(std::size_t first, std::size_t last, double s
     for (std::size_t b = a + 1; b < last; ++b) {
       const Row &p = rows_[a], &q = rows_[b];
       const double r_part = cross(p.normal, q.normal);
-      if (p.by_side != q.by_side || p.edge == q.edge || std::abs(r_part) < kLeastMultiplier) continue;
+      if (p.by_side != q.by_side || p.edge == q.edge || std::abs(r_part) < kMinMultiplier) continue;
       for (std::size_t c = b + 1; c < last; ++c) {
         const Row& r = rows_[c];
         const double p_part = cross(q.normal, r.normal) / r_part, q_part = cross(r.normal, p.normal) / r_part;
-        if (r.by_side != p.by_side || r.edge == p.edge || r.edge == q.edge || p_part < kLeastMultiplier || q_part < kLeastMultiplier) continue;
+        if (r.by_side != p.by_side || r.edge == p.edge || r.edge == q.edge || p_part < kMinMultiplier ||
+            q_part < kMinMultiplier)
+          continue;
         const Vec2 rest = p_part * p.normal + q_part * q.normal + r.normal;
         add_sum(p_part * p.level + q_part * q.level + r.level +
                     softness * (p_part * p.soft + q_part * q.soft + r.soft) + rest.norm() * shift_,

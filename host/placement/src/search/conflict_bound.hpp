@@ -9,10 +9,11 @@
 namespace triskin::geometry {
 
 /// Bound of a cell from constraints that contradict each other, although each of them alone can hold: a tile between
-/// two parallel edges that are a hair too close, or two tiles of which one needs the lower and the other the upper edge.
+/// two parallel edges that are a hair too close, or two tiles of which one needs the lower and the other the upper
+/// edge.
 ///
-/// With w = R(-phi) * (t - centre) and sigma = sin(phi), phi the turn from the centre of the cell, a constraint between a
-/// point of a tile and the line of an edge is linear in w and sigma but for 1 - cos(phi). Where the normals of two or
+/// With w = R(-phi) * (t - centre) and sigma = sin(phi), phi the turn from the centre of the cell, a constraint between
+/// a point of a tile and the line of an edge is linear in w and sigma but for 1 - cos(phi). Where the normals of two or
 /// three constraints cancel, their weighted sum depends on the angle alone, whatever the translations of the cell: no
 /// box needs to be small along the free direction. One object per thread: it keeps its memory.
 class ConflictBound {
@@ -24,7 +25,8 @@ class ConflictBound {
     kNarrower,  ///< they would in a cell with a smaller range of angles
     kClosed     ///< fewer than `need` tiles hold anywhere in the cell
   };
-  /// Can `need` of the tiles of `list` hold at one motion of the cell? Cost: O(pairs + pairs of tiles at opposed edges).
+  /// Can `need` of the tiles of `list` hold at one motion of the cell? Cost: O(pairs + pairs of tiles at opposed
+  /// edges).
   Verdict judge(const CellFrame& frame, const CellList& list, int need);
   /// For each tile of the list that was judged last: not 0 when it holds nowhere in the cell.
   [[nodiscard]] const std::vector<std::uint8_t>& dead() const { return dead_; }
@@ -43,9 +45,9 @@ class ConflictBound {
   void set_cell(const CellFrame& frame, const CellList& list);
   void collect(const CellFrame& frame, const CellList& list);
   void collect_pair(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t lane);
-  void add_line(const CellFrame& frame, const Pair& pair, double turn, const Vec2& point, double least_mm);
+  void add_line(const CellFrame& frame, const Pair& pair, double turn, const Vec2& point, double min_mm);
   void add_side(const CellFrame& frame, const OpenTile& tile, const Pair& pair, std::size_t side);
-  void add_points_over_edge(const CellFrame& frame, const OpenTile& tile, const Pair& pair, double least_mm);
+  void add_points_over_edge(const CellFrame& frame, const OpenTile& tile, const Pair& pair, double min_mm);
   void keep(const Row& row);
   [[nodiscard]] static bool opposed(const Row& a, const Row& b);
   int survivors(const CellList& list, double softness, int need);
@@ -65,7 +67,7 @@ class ConflictBound {
   PairBlock block_;
   Vec2 pivot_;  // mean of the tiles' centres, from the centre of the cell: keeps 1 - cos(phi) times its arm small
   double sigma_ = 0.0, curve_ = 0.0, slide_ = 0.0, shift_ = 0.0;  // ranges: sin phi, 1 - cos phi, translation, w
-  std::vector<Row> rows_;                                        // those of one tile stand together
+  std::vector<Row> rows_;                                         // those of one tile stand together
   std::vector<std::uint8_t> dead_;
   std::vector<Interval> excluded_;  // ranges of sigma
   std::vector<std::uint32_t> by_edge_;

@@ -14,7 +14,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kRoot_mm = 8.0;         // how far a root cell goes along each axis
+constexpr double kRoot_mm = 8.0;  // how far a root cell goes along each axis
 constexpr double kCell_bytes = sizeof(MotionBox) + 48.0;
 constexpr double kResolution_mm = 1e-7;  // near the rounding pad: not halved any more
 
@@ -51,7 +51,8 @@ class ObjectiveSearch {
     add_roots(bound);
     while (!open_.empty() && open_.top().bound > closed_level()) {
       if (std::chrono::steady_clock::now() >= limits.deadline) result_.stopped = SearchStop::kTime;
-      if (bytes_ + kCell_bytes * static_cast<double>(open_.size()) > limits.memory_bytes) result_.stopped = SearchStop::kMemory;
+      if (bytes_ + kCell_bytes * static_cast<double>(open_.size()) > limits.memory_bytes)
+        result_.stopped = SearchStop::kMemory;
       if (result_.stopped != SearchStop::kNone) break;
       const ObjectiveCell cell = open_.top();
       open_.pop();

@@ -11,10 +11,10 @@
 #include "search/branch_and_bound.hpp"
 #include "search/clearance.hpp"
 #include "search/scans.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -22,8 +22,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr double kMaxCellText_bytes = 150.0;  // six numbers of up to 24 characters
 constexpr double kMaxRadius_mm = 1e6;
-constexpr double kMostTiles = 1e6;
-constexpr double kMostDeficit = 0.8;  // of the inradius: what is left of a module beyond that is not worth the search
+constexpr double kMaxTiles = 1e6;
+constexpr double kMaxDeficit = 0.8;  // of the inradius: what is left of a module beyond that is not worth the search
 
 Clock::time_point deadline_after(double seconds) {
   if (seconds <= 0.0) return Clock::time_point::max();
@@ -37,9 +37,9 @@ bool is_of_paper(PlacementMethod m) {
 
 void require_corner_cut(const PlacementOptions& o) {
   const double cut = o.corner_cut_mm;
-  if (!(cut >= 0.0 && cut <= design::kMostCornerCut_mm)) {
+  if (!(cut >= 0.0 && cut <= design::kMaxCornerCut_mm)) {
     throw InputError(fmt::format("corner cut {} mm: must be in 0 … {}; with more, taxels would lie in the cut part",
-                                 cut, design::kMostCornerCut_mm));
+                                 cut, design::kMaxCornerCut_mm));
   }
   if (cut == 0.0) return;
   if (o.shape != TileShape::kTriangle) throw InputError("corner cut: only triangles have corners that are cut");
@@ -58,7 +58,8 @@ void require_sane(const PlacementOptions& o) {
   if (is_of_paper(o.method) && (o.shape != TileShape::kTriangle || o.gap_mm != 0.0))
     throw InputError("methods r1 … r7 place triangles without a gap; the scans take other shapes and gaps");
   if (o.connected && o.weights) throw InputError("connected modules and weights: one aim at a time");
-  if (!(o.memory_limit_mb >= 1.0)) throw InputError(fmt::format("memory limit {} MB: must be at least 1", o.memory_limit_mb));
+  if (!(o.memory_limit_mb >= 1.0))
+    throw InputError(fmt::format("memory limit {} MB: must be at least 1", o.memory_limit_mb));
   if (!(o.proof_limit_mb >= 1.0 && o.proof_limit_mb <= 1e5))
     throw InputError(fmt::format("size of the proof {} MB: must be in 1 … 100000", o.proof_limit_mb));
   if ((o.connected || o.weights) && (o.keep_proof || o.proof_cell || o.deficit))
@@ -71,21 +72,22 @@ void require_sane(const PlacementOptions& o) {
 // Far from the centre, and of coordinates far from the origin, doubles are too coarse for the tolerance.
 void require_resolved(const PreparedPolygon& polygon, double tolerance_mm) {
   if (polygon.radius_mm > kMaxRadius_mm) {
-    throw InputError(fmt::format("polygon: reaches {:.4g} m from its centre, more than 1 km; are the coordinates in mm?",
-                                 1e-3 * polygon.radius_mm));
+    throw InputError(
+        fmt::format("polygon: reaches {:.4g} m from its centre, more than 1 km; are the coordinates in mm?",
+                    1e-3 * polygon.radius_mm));
   }
   const double offset_mm = (polygon.first + polygon.center).norm(), step_mm = 4.0 * 0x1p-52 * offset_mm;
   if (tolerance_mm < 10.0 * polygon.rounding_mm) {
-    throw InputError(
-        fmt::format("tolerance {} mm: an outline that reaches {:.4g} m from its centre is known to {:.1e} mm only; give "
-                    "at least {:.1e} mm (--tolerance-mm)",
-                    tolerance_mm, 1e-3 * polygon.radius_mm, polygon.rounding_mm, 10.0 * polygon.rounding_mm));
+    throw InputError(fmt::format(
+        "tolerance {} mm: an outline that reaches {:.4g} m from its centre is known to {:.1e} mm only; give "
+        "at least {:.1e} mm (--tolerance-mm)",
+        tolerance_mm, 1e-3 * polygon.radius_mm, polygon.rounding_mm, 10.0 * polygon.rounding_mm));
   }
   if (tolerance_mm < step_mm) {
-    throw InputError(
-        fmt::format("tolerance {} mm: {:.4g} m from the origin a placement is known to {:.1e} mm only; move the outline to "
-                    "the origin, or give at least as much tolerance (--tolerance-mm)",
-                    tolerance_mm, 1e-3 * offset_mm, step_mm));
+    throw InputError(fmt::format(
+        "tolerance {} mm: {:.4g} m from the origin a placement is known to {:.1e} mm only; move the outline to "
+        "the origin, or give at least as much tolerance (--tolerance-mm)",
+        tolerance_mm, 1e-3 * offset_mm, step_mm));
   }
 }
 
@@ -139,12 +141,12 @@ struct Placing {
     if (options.deficit) find_deficit(std::move(starts));
   }
 
-  [[nodiscard]] Clearance clearance_of(int modules, double least_mm, double most_mm, std::optional<Motion> known,
+  [[nodiscard]] Clearance clearance_of(int modules, double min_mm, double max_mm, std::optional<Motion> known,
                                        std::vector<Motion> starts, const std::vector<MotionBox>* slices) {
     const Clearance c = largest_clearance(polygon, grid,
                                           {.modules = modules,
-                                           .least_inset_mm = least_mm,
-                                           .most_inset_mm = most_mm,
+                                           .min_inset_mm = min_mm,
+                                           .max_inset_mm = max_mm,
                                            .known = known,
                                            .starts = std::move(starts),
                                            .slices = slices,
@@ -169,8 +171,8 @@ struct Placing {
 
   // Deficit: the least distance by which all sides must be drawn in until one module more fits.
   void find_deficit(std::vector<Motion> starts) {
-    const Clearance c =
-        clearance_of(result.modules + 1, -kMostDeficit * grid.inradius_mm, 0.0, std::nullopt, std::move(starts), nullptr);
+    const Clearance c = clearance_of(result.modules + 1, -kMaxDeficit * grid.inradius_mm, 0.0, std::nullopt,
+                                     std::move(starts), nullptr);
     result.deficit_bound_mm = -c.bound_mm;
     if (!c.found) return;
     result.deficit_mm = -c.inset_mm;
@@ -185,9 +187,8 @@ struct Placing {
     else
       objective = std::make_unique<ConnectedTiles>(grid);
     const double most = options.weights ? result.upper_bound * options.weights->most() : result.upper_bound;
-    const ObjectiveResult found =
-        search_objective(polygon, grid, *objective, options.tolerance_mm, motion, most,
-                         {deadline, memory_limit_bytes()}, progress);
+    const ObjectiveResult found = search_objective(polygon, grid, *objective, options.tolerance_mm, motion, most,
+                                                   {deadline, memory_limit_bytes()}, progress);
     if (found.stopped != SearchStop::kNone) result.stopped = found.stopped;
     motion = found.motion;
     result.cells += found.cells;
@@ -254,9 +255,9 @@ PlacementResult place(const Polygon& input, const PlacementOptions& options, con
   const PreparedPolygon polygon = prepare(normalized);
   require_resolved(polygon, options.tolerance_mm);
   const TileGrid grid = tile_grid(options.shape, options.gap_mm, options.corner_cut_mm);
-  if (polygon_area(input) > kMostTiles * grid.area_mm2) {
+  if (polygon_area(input) > kMaxTiles * grid.area_mm2) {
     throw InputError(fmt::format("polygon: {:.4g} m² would take more than {:.0g} modules; are the coordinates in mm?",
-                                 1e-6 * polygon_area(input), kMostTiles));
+                                 1e-6 * polygon_area(input), kMaxTiles));
   }
   Placing placing{polygon, grid, options, progress, start, deadline_after(options.time_limit_s), polygon_area(input),
                   {},      {},   {},      {}};

@@ -10,19 +10,20 @@ namespace triskin::check {
 /// Verdict on a placement proof.
 struct ProofReport {
   bool accepted = false;
-  std::string reason;        ///< why it was rejected; empty when accepted
-  int modules = 0;           ///< claimed and, when accepted, shown by the placement of the log
-  int upper_bound = 0;       ///< claimed and, when accepted, shown by the cells of the log
+  std::string reason;   ///< why it was rejected; empty when accepted
+  int modules = 0;      ///< claimed and, when accepted, shown by the placement of the log
+  int upper_bound = 0;  ///< claimed and, when accepted, shown by the cells of the log
   // What the claims are about, as the log has it.
-  double tolerance_mm = 0.0;   ///< the modules of the placement may stand over by this; those of the bound may not at all
-  std::string shape;           ///< triangle, square or hexagon
-  double gap_mm = 0.0;         ///< free space between facing sides of modules
-  double corner_cut_mm = 0.0;  ///< cut off along each side from every corner
-  std::string weights = "none";    ///< a proof is always about the number of modules
-  double outline_area_mm2 = 0.0;   ///< of the polygon's file, less its holes
-  std::string outline_hash;        ///< of its edges (FNV-1a, 64 bits): equal for equal outlines, however rings begin
-  std::int64_t cells = 0;    ///< cells of the log
-  std::int64_t regions = 0;  ///< boxes of motions whose bound was computed here
+  double tolerance_mm =
+      0.0;              ///< the modules of the placement may stand over by this; those of the bound may not at all
+  std::string shape;    ///< triangle, square or hexagon
+  double gap_mm = 0.0;  ///< free space between facing sides of modules
+  double corner_cut_mm = 0.0;     ///< cut off along each side from every corner
+  std::string weights = "none";   ///< a proof is always about the number of modules
+  double outline_area_mm2 = 0.0;  ///< of the polygon's file, less its holes
+  std::string outline_hash;       ///< of its edges (FNV-1a, 64 bits): equal for equal outlines, however rings begin
+  std::int64_t cells = 0;         ///< cells of the log
+  std::int64_t regions = 0;       ///< boxes of motions whose bound was computed here
   double seconds = 0.0;
 };
 

@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "triskin/base/names.hpp"
+#include "triskin/base/progress.hpp"
 #include "triskin/design/design_types.hpp"
 #include "triskin/placement/paper/heuristics.hpp"
 #include "triskin/placement/weight_map.hpp"
-#include "triskin/base/names.hpp"
-#include "triskin/base/progress.hpp"
 
 namespace triskin::geometry {
 
@@ -60,14 +60,14 @@ struct PlacementOptions {
   TileShape shape = TileShape::kTriangle;
   double tolerance_mm = 1e-6;  ///< 1e-8 … 1: a tile may stand over the outline by this much
   double gap_mm = 0.0;         ///< 0 … 100: free space between facing sides of modules
-  /// 0 … design::kMostCornerCut_mm, triangles only: cut off along each side from every corner. Tiles then count when
+  /// 0 … design::kMaxCornerCut_mm, triangles only: cut off along each side from every corner. Tiles then count when
   /// what is left of them lies inside.
   double corner_cut_mm = 0.0;
-  double time_limit_s = 60.0;  ///< ≤ 0: none
+  double time_limit_s = 60.0;       ///< ≤ 0: none
   double memory_limit_mb = 2000.0;  ///< ≥ 1: for the cells that are open; then the search ends with what it has
   /// 1 … 100,000: of the text of the proof (write_proof()); before it would be longer the search ends with what it has.
   double proof_limit_mb = 300.0;
-  int threads = 0;             ///< 0: all cores; the answer does not depend on it
+  int threads = 0;  ///< 0: all cores; the answer does not depend on it
   std::uint64_t seed = 1;
   paper::HeuristicOptions paper;  ///< what the paper leaves open of R1 … R7; the seed is the one above
   bool keep_proof = false;        ///< fill PlacementResult::proof (branch and bound only)
@@ -96,9 +96,9 @@ struct PlacementProof {
 
 /// Result of place().
 struct PlacementResult {
-  int modules = 0;            ///< tiles inside; with `connected` those of the largest connected set
-  int upper_bound = 0;        ///< no placement has more
-  bool proved = false;        ///< value and bound met before a limit
+  int modules = 0;                         ///< tiles inside; with `connected` those of the largest connected set
+  int upper_bound = 0;                     ///< no placement has more
+  bool proved = false;                     ///< value and bound met before a limit
   SearchStop stopped = SearchStop::kNone;  ///< the limit that came first
   /// Of `tiles`, counted where the bound holds: with an inset of −tolerance/2 and more. Fewer than `modules`: the rest
   /// stands over by more than half the tolerance, in the zone that the bound says nothing of (branch and bound, by
@@ -130,10 +130,10 @@ struct PlacementResult {
 /// bound the upper bound is a proof over all translations and angles. Errors: InputError for self-intersecting, empty
 /// or non-finite rings (ring and vertex are named), for options out of range or that exclude each other, for
 /// polygons that would take more than 10⁶ modules, that reach farther than 1 km from their centre, or that lie so far
-/// from the origin that a placement cannot be written down within the tolerance. std::logic_error if the exact check of the answer fails: a wrong
-/// answer is never returned. The answer is equal for every number of threads and every processor unless the time limit
-/// cuts the search short. Thread-safe. Cost: milliseconds to a minute; time_limit_s bounds the search. Source:
-/// docs/placement.md.
+/// from the origin that a placement cannot be written down within the tolerance. std::logic_error if the exact check of
+/// the answer fails: a wrong answer is never returned. The answer is equal for every number of threads and every
+/// processor unless the time limit cuts the search short. Thread-safe. Cost: milliseconds to a minute; time_limit_s
+/// bounds the search. Source: docs/placement.md.
 [[nodiscard]] PlacementResult place(const Polygon& polygon, const PlacementOptions& options = {},
                                     const ProgressSink& progress = {});
 
