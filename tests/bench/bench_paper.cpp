@@ -9,10 +9,10 @@
 
 #include "bench.hpp"
 #include "bench_outlines.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/placement/paper/heuristics.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::cli {
 namespace {

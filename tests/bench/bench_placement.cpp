@@ -16,7 +16,7 @@ namespace {
 
 namespace paper = geometry::paper;
 using geometry::Polygon;
-constexpr int kMostRuns = 5;
+constexpr int kMaxRuns = 5;
 constexpr double kRepeatedFor_s = 0.5;
 
 geometry::PlacementOptions count_only(double limit_s) {
@@ -47,7 +47,7 @@ nlohmann::json measure(const char* series, bool rough, int vertices, double area
   // The least of some runs: the others measure what else the machine does.
   double seconds = 1e300, processor = 1e300, total = 0.0;
   geometry::PlacementResult r;
-  for (int k = 0; k < kMostRuns && total < kRepeatedFor_s; ++k) {
+  for (int k = 0; k < kMaxRuns && total < kRepeatedFor_s; ++k) {
     const double start = processor_s();
     r = geometry::place(p, options);
     processor = std::min(processor, processor_s() - start);
@@ -156,7 +156,8 @@ nlohmann::json placement_rows(const BenchOptions& options, Output& output) {
   return rows;
 }
 
-const BenchSubject kPlacement("placement", "certified placement: time against outline size, ratio to R4", placement_rows);
+const BenchSubject kPlacement("placement", "certified placement: time against outline size, ratio to R4",
+                              placement_rows);
 
 }  // namespace
 }  // namespace triskin::cli

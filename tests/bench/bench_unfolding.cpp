@@ -8,12 +8,12 @@
 #include <fstream>
 
 #include "bench.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/lattice/grow_lattice.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
-#include "triskin/lattice/grow_lattice.hpp"
 #include "triskin/unfolding/unfolding.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::cli {
 namespace {

@@ -16,8 +16,8 @@
 #include "support/strip_design.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/deploy/flash.hpp"
-#include "triskin/session/stream.hpp"
 #include "triskin/scene/sim_link.hpp"
+#include "triskin/session/stream.hpp"
 
 namespace triskin::bridge {
 namespace {

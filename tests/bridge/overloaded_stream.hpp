@@ -14,7 +14,7 @@ inline device::StreamReport stream_overloaded(device::Bus& bus, const design::De
   overload.overload = true;
   device::Stream stream(
       bus, design,
-      [&](const device::ModuleFrame& f) {
+      [&](const device::ModuleSample& f) {
         bridge.add({f.module, f.link_time_us, f.sample, start_ns + f.sampled.link_us * 1000, f.sampled.error_us});
       },
       overload);

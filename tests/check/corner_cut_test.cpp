@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "checked_file.hpp"
-#include "triskin/check/design_rules.hpp"
-#include "triskin/export/export.hpp"
-#include "triskin/design/outline.hpp"
-#include "triskin/mesh/mesh_io.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/check/design_rules.hpp"
+#include "triskin/design/outline.hpp"
+#include "triskin/export/export.hpp"
+#include "triskin/mesh/mesh_io.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {
@@ -185,8 +185,8 @@ TEST(CornerCutLimits, follow_from_the_taxels) {
       farthest = std::max(farthest, (t.position_mm - center).dot((c - center).normalized()));
     to_side = std::min(to_side, t.position_mm.y());
   }
-  EXPECT_GT(design::short_side_offset_mm(design::kMostCornerCut_mm), farthest);
-  EXPECT_LT(design::short_side_offset_mm(design::kMostCornerCut_mm + 0.1), farthest);
+  EXPECT_GT(design::short_side_offset_mm(design::kMaxCornerCut_mm), farthest);
+  EXPECT_LT(design::short_side_offset_mm(design::kMaxCornerCut_mm + 0.1), farthest);
   EXPECT_GT(design::short_side_offset_mm(design::kHarmlessCornerCut_mm) - farthest, to_side);
   EXPECT_LT(design::short_side_offset_mm(design::kHarmlessCornerCut_mm + 0.1) - farthest, to_side);
 }

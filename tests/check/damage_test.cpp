@@ -11,10 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include "checked_file.hpp"
-#include "triskin/check/design_rules.hpp"
-#include "triskin/mesh/mesh_io.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/check/design_rules.hpp"
+#include "triskin/mesh/mesh_io.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {

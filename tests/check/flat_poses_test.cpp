@@ -14,9 +14,9 @@
 
 #include "check/damage_kinds.hpp"
 #include "check/flat_parts.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/mesh/mesh_io.hpp"
-#include "triskin/base/files.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {

@@ -11,12 +11,12 @@
 #include <nlohmann/json.hpp>
 
 #include "checked_file.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/mesh/mesh_io.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {

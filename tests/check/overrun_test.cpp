@@ -9,10 +9,10 @@
 
 #include "support/covers.hpp"
 #include "surface_index.hpp"  // no public header
+#include "triskin/base/dice.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/mesh/surface.hpp"
-#include "triskin/base/dice.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {
@@ -32,10 +32,10 @@ Vec3 random_vector(Dice& random) {
 }
 
 void move(design::PlacedModule& m, Dice& random) {
-  constexpr double kFarthest_mm = 4.0, kMostTurn_rad = 0.1;
+  constexpr double kFarthest_mm = 4.0, kMaxTurn_rad = 0.1;
   const Vec3 center = (m.corner_mm[0] + m.corner_mm[1] + m.corner_mm[2]) / 3.0,
              by = kFarthest_mm * random_vector(random);
-  const Eigen::AngleAxisd turn(kMostTurn_rad * random.unit(), random_vector(random).normalized());
+  const Eigen::AngleAxisd turn(kMaxTurn_rad * random.unit(), random_vector(random).normalized());
   for (Vec3& corner : m.corner_mm) corner = center + by + turn * (corner - center);
 }
 

@@ -13,11 +13,11 @@
 #include <nlohmann/json.hpp>
 
 #include "checked_file.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 #include "triskin/mesh/surface_regions.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {
@@ -135,13 +135,13 @@ TEST_F(RegionDesign, a_group_of_the_file_stays_free_and_faces_are_weighed) {
   const design::Design d = design_with(
       {{{"name", "clear"}, {"group", "left"}, {"free", true}}, {{"name", "dear"}, {"faces", faces}, {"weight", 5.0}}});
   EXPECT_THAT(broken(), IsEmpty());
-  double worth = 0.0;
+  double module_value = 0.0;
   for (const auto& m : d.layout.modules) {
     for (const Vec3& c : m.corner_mm) EXPECT_GE(c.x(), 40.0 - 0.5);
-    worth += center_of(m).x() > 150.0 ? 5.0 : 1.0;
+    module_value += center_of(m).x() > 150.0 ? 5.0 : 1.0;
   }
-  EXPECT_NEAR(d.report.worth, worth, 1e-9);
-  EXPECT_NEAR(d.alternatives[static_cast<std::size_t>(d.taken)].worth, worth, 1e-9);
+  EXPECT_NEAR(d.report.module_value, module_value, 1e-9);
+  EXPECT_NEAR(d.alternatives[static_cast<std::size_t>(d.taken)].module_value, module_value, 1e-9);
 }
 
 // Balls of 10 mm, 314 mm², hold less than one centre each on a lattice that does not know them; two fit at a side.
@@ -160,7 +160,7 @@ TEST_F(RegionDesign, weight_draws_modules) {
   };
   const design::Design plain = design_with(json::array(), 600), drawn = design_with(balls, 600);
   EXPECT_GT(drawn_by(drawn), drawn_by(plain));
-  EXPECT_NEAR(drawn.report.worth,
+  EXPECT_NEAR(drawn.report.module_value,
               static_cast<double>(drawn.layout.modules.size()) + 5.0 * static_cast<double>(drawn_by(drawn)), 1e-6);
 }
 

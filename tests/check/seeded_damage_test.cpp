@@ -10,8 +10,8 @@
 
 #include "check/damage_kinds.hpp"
 #include "support/covers.hpp"
-#include "triskin/check/design_rules.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/check/design_rules.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::check {

@@ -24,7 +24,7 @@ struct Modelled {
   double ppm = 0.0;
   double powered_us = 3e6;                  // by the link's clock
   double shown_us = 70e6;                   // by its own, at that time
-  double least_us = 100.0;                  // no frame is faster
+  double min_us = 100.0;                    // no frame is faster
   double jitter_us = 1000.0;                // added, uniform
   std::function<double(double)> more_us{};  // further delay of what is sent at a time
   [[nodiscard]] std::uint64_t device_us(double link_us) const {
@@ -58,7 +58,7 @@ class Way {
  private:
   double delivered(double sent_us) {
     const double jitter = std::uniform_real_distribution<double>(0.0, model_.jitter_us)(random_);
-    return sent_us + model_.least_us + jitter + (model_.more_us ? model_.more_us(sent_us) : 0.0);
+    return sent_us + model_.min_us + jitter + (model_.more_us ? model_.more_us(sent_us) : 0.0);
   }
   Modelled model_;
   std::mt19937 random_;
@@ -132,7 +132,7 @@ TEST(ClockFilter, a_delay_that_grows_stays_within_the_bound) {
 
 // A delay that all frames have is seen by nobody: it is in the bound and not in the guess.
 TEST(ClockFilter, a_constant_delay_is_in_the_bound) {
-  Way run({.ppm = 20.0, .least_us = 5'000.0}, 7);
+  Way run({.ppm = 20.0, .min_us = 5'000.0}, 7);
   run.play(3.0, 15.0, holds(1e9, 0.0));
   const LinkTime end = run.filter().at(run.model().device_us(15e6));
   EXPECT_GE(end.error_us, 5'000U);

@@ -40,7 +40,7 @@ class Judge {
   const design::Design& design() { return link_.skin().scene().design; }
   std::vector<Judged> run(std::uint64_t end_us, std::uint64_t act_at_us = 0, const std::function<void()>& act = {}) {
     std::vector<Judged> judged;
-    Stream stream(bus_, design(), [&](const ModuleFrame& f) {
+    Stream stream(bus_, design(), [&](const ModuleSample& f) {
       const std::size_t patch = f.sample.node_address - 1U;
       const auto taken_us = static_cast<std::int64_t>(link_.skin().time_us(patch, f.sample.device_time_us));
       judged.push_back(

@@ -5,10 +5,10 @@
 
 #include <filesystem>
 
-#include "triskin/check/design_rules.hpp"
-#include "triskin/mesh/mesh_io.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/check/design_rules.hpp"
+#include "triskin/mesh/mesh_io.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::pipeline {

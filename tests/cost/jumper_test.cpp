@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "support/jumpered_design.hpp"
-#include "triskin/check/design_rules.hpp"
-#include "triskin/export/export.hpp"
-#include "triskin/design/joint.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/check/design_rules.hpp"
+#include "triskin/design/joint.hpp"
+#include "triskin/export/export.hpp"
 
 namespace triskin::test {
 namespace {

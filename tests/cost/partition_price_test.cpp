@@ -8,9 +8,9 @@
 #include <random>
 
 #include "jumper_frontier.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/design/tile.hpp"
 #include "triskin/routing/routing.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

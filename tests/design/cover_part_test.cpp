@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "support/flat_design.hpp"
-#include "triskin/design/json_value.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/json_value.hpp"
 
 namespace triskin::design {
 namespace {

@@ -11,9 +11,9 @@
 #include <sstream>
 
 #include "support/strip_design.hpp"
-#include "triskin/export/skingui.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/export/skingui.hpp"
 
 namespace triskin::test {
 namespace {

@@ -8,11 +8,11 @@
 
 #include "support/flat_design.hpp"
 #include "support/strip_design.hpp"
-#include "triskin/design/design.hpp"
-#include "triskin/export/export.hpp"
-#include "triskin/design/mirror.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/design.hpp"
+#include "triskin/design/mirror.hpp"
+#include "triskin/export/export.hpp"
 
 namespace triskin::design {
 namespace {

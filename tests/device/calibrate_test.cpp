@@ -13,8 +13,8 @@
 #include <random>
 
 #include "fixture.hpp"
-#include "triskin/design/tile.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/tile.hpp"
 #include "triskin/session/controller_calibration.hpp"
 
 namespace triskin::device {
@@ -97,7 +97,7 @@ TEST_F(CalibrationFolder, a_ramp_is_read_and_interpolated) {
   write_file_atomically(file, "time_s,kpa\n1,0\n3,10\n\n5,4\n");
   const PressureRamp ramp(file);
   EXPECT_FALSE(ramp.by_calendar());
-  EXPECT_DOUBLE_EQ(ramp.most_kpa(), 10.0);
+  EXPECT_DOUBLE_EQ(ramp.max_kpa(), 10.0);
   EXPECT_FALSE(ramp.kpa(0.5));
   EXPECT_DOUBLE_EQ(*ramp.kpa(2.0), 5.0);
   EXPECT_DOUBLE_EQ(*ramp.kpa(4.5), 5.5);
@@ -320,7 +320,7 @@ class SpreadSkin {
   // Force of all that presses now.
   [[nodiscard]] double force_n(const design::SkinCalibration& calibration, const design::RestValues& rest) {
     TouchMap map(design(), rest);
-    Stream stream(*bus_, design(), [&](const ModuleFrame& f) { map.add(f); });
+    Stream stream(*bus_, design(), [&](const ModuleSample& f) { map.add(f); });
     stream.run_until(bus_->now_us() + kLook_us);
     stream.finish();
     double sum = 0.0;
@@ -425,7 +425,7 @@ TEST(ForceOfFingers, is_right_in_the_mean_and_scatters_by_the_pitch) {
   const double area_mm2 = design::kModuleArea_mm2 / layout::kPressureTaxelsPerModule;
   std::mt19937_64 random(1);
   constexpr int kFingers = 2000;
-  for (const auto& [radius_mm, most_scatter] :
+  for (const auto& [radius_mm, max_scatter] :
        {std::pair{4.0, 0.35}, {6.0, 0.20}, {8.0, 0.12}, {10.0, 0.08}, {12.0, 0.06}, {15.0, 0.04}, {20.0, 0.025}}) {
     std::vector<double> shares;
     for (int k = 0; k < kFingers; ++k) {
@@ -445,7 +445,7 @@ TEST(ForceOfFingers, is_right_in_the_mean_and_scatters_by_the_pitch) {
     std::printf("radius %4.0f mm: mean %.3f of the force, standard deviation %.1f %%, 90 %% within %.2f … %.2f\n",
                 radius_mm, mean, 100.0 * std::sqrt(squares), shares[kFingers / 20], shares[kFingers - kFingers / 20]);
     EXPECT_NEAR(mean, 1.0, 0.03);
-    EXPECT_LE(std::sqrt(squares), most_scatter);
+    EXPECT_LE(std::sqrt(squares), max_scatter);
   }
 }
 

@@ -8,8 +8,8 @@
 #include "support/strip_design.hpp"
 #include "triskin/deploy/flash.hpp"
 #include "triskin/diagnose/verify.hpp"
-#include "triskin/session/bus.hpp"
 #include "triskin/scene/sim_link.hpp"
+#include "triskin/session/bus.hpp"
 
 namespace triskin::device {
 

@@ -52,7 +52,7 @@ TEST(KindsInTables, are_flashed_verified_and_read) {
   EXPECT_EQ(r.modules_ok, 8);
   EXPECT_EQ(r.touched, 8);
   std::set<int> heard;
-  Stream stream(fixture.bus(), d, [&](const ModuleFrame& f) { heard.insert(f.module); });
+  Stream stream(fixture.bus(), d, [&](const ModuleSample& f) { heard.insert(f.module); });
   stream.run_until(fixture.bus().now_us() + 300'000);
   stream.finish();
   EXPECT_EQ(heard, (std::set{0, 1, 2, 3, 4, 5, 6, 7}));

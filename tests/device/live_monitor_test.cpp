@@ -17,8 +17,8 @@ using testing::HasSubstr;
 constexpr int kPad = 3;
 
 // A sample of a module that rests at `rest`, with one taxel `pressure` counts below.
-ModuleFrame frame(int module, double rest, double pressure) {
-  ModuleFrame f;
+ModuleSample frame(int module, double rest, double pressure) {
+  ModuleSample f;
   f.module = module;
   f.sample.valid = layout::kAllTaxels;
   f.sample.state = wire::ModuleState::kOk;
@@ -27,7 +27,7 @@ ModuleFrame frame(int module, double rest, double pressure) {
   return f;
 }
 
-void feed(TouchMap& map, const ModuleFrame& f) {
+void feed(TouchMap& map, const ModuleSample& f) {
   for (std::size_t k = 0; k < TouchMap::kRestSamples; ++k) map.add(f);
 }
 
@@ -139,7 +139,7 @@ TEST(LiveMonitor, rows_of_the_lattice_stand_above_each_other) {
 TEST(LiveMonitor, says_what_is_wrong_and_how_fast_samples_come) {
   const design::Design design = strip(4, 2);
   LiveMonitor monitor(design);
-  ModuleFrame absent = frame(2, layout::kRestCounts, 0);
+  ModuleSample absent = frame(2, layout::kRestCounts, 0);
   absent.sample.state = wire::ModuleState::kAbsent;
   absent.sample.valid = 0;
   monitor.add(absent);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Seeded mistakes, alone and in pairs: the right explanation comes first. The table in docs/verify.md is made here.
+// Seeded mistakes, alone and in pairs: the right explanation comes first. The table in docs/measurements/verify.md is made here.
 #include "mistakes.hpp"
 
 #include <fmt/format.h>
@@ -157,7 +157,7 @@ TEST(SeededMistakes, in_pairs_both_explanations_are_first) {
   EXPECT_GE(total.percent(), 85.0);
 }
 
-// The table of docs/verify.md. TRISKIN_WRITE_TABLES=1 writes it (tools/make_mistake_table).
+// The table of docs/measurements/verify.md. TRISKIN_WRITE_TABLES=1 writes it (tools/make_mistake_table).
 TEST(SeededMistakes, long_the_table_in_the_docs_is_what_was_measured) {
   int blamed = 0;
   Score alone_total, pair_total;
@@ -178,7 +178,7 @@ TEST(SeededMistakes, long_the_table_in_the_docs_is_what_was_measured) {
   EXPECT_GE(alone_total.percent(), 95.0);
   EXPECT_GE(pair_total.percent(), 85.0);
   EXPECT_EQ(blamed, 0);
-  const std::string page = source_folder() + "/docs/verify.md";
+  const std::string page = source_folder() + "/docs/measurements/verify.md";
   std::ifstream in(page);
   std::stringstream text;
   text << in.rdbuf();

@@ -31,12 +31,12 @@ TEST_P(Offsets, EveryTaxelRestsInTheMiddleThirdAndPressureLowersIt) {
     EXPECT_EQ(describe(p).size(), 1U);
     EXPECT_NE(describe(p)[0].find(GetParam() ? "positive" : "negative"), std::string::npos);
   }
-  std::vector<ModuleFrame> frames;
-  Stream stream(f.bus(), f.design(), [&](const ModuleFrame& frame) { frames.push_back(frame); });
+  std::vector<ModuleSample> frames;
+  Stream stream(f.bus(), f.design(), [&](const ModuleSample& frame) { frames.push_back(frame); });
   stream.run_until(f.bus().now_us() + 100'000);
   ASSERT_FALSE(frames.empty());
   int at_rest = 0;
-  for (const ModuleFrame& frame : frames) {
+  for (const ModuleSample& frame : frames) {
     for (const std::uint16_t v : frame.sample.value) {
       EXPECT_GE(v, wire::kRestLeast);
       EXPECT_LE(v, wire::kRestMost);
@@ -47,7 +47,7 @@ TEST_P(Offsets, EveryTaxelRestsInTheMiddleThirdAndPressureLowersIt) {
   frames.clear();
   stream.run_until(f.bus().now_us() + 200'000);
   int pressed = 0;
-  for (const ModuleFrame& frame : frames) pressed = frame.module == 7 ? frame.sample.value[3] : pressed;
+  for (const ModuleSample& frame : frames) pressed = frame.module == 7 ? frame.sample.value[3] : pressed;
   EXPECT_LT(pressed, at_rest - 1000);
 }
 INSTANTIATE_TEST_SUITE_P(Inputs, Offsets, testing::Bool(),

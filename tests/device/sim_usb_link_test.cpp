@@ -81,7 +81,7 @@ StreamReport streamed(SimUsbLink& link, const design::Design& design, double sec
   bus.listen(bus.now_us() + 2'000'000);  // the offsets are found
   StreamOptions options;
   options.overload = true;
-  Stream stream(bus, design, [](const ModuleFrame&) {}, options);
+  Stream stream(bus, design, [](const ModuleSample&) {}, options);
   stream.run_until(bus.now_us() + static_cast<std::uint64_t>(seconds * 1e6));
   stream.finish();
   return stream.report();

@@ -14,8 +14,8 @@
 
 #include "fixture.hpp"
 #include "support/places.hpp"
-#include "triskin/skin/touch_map.hpp"
 #include "triskin/scene/tcp_link.hpp"
+#include "triskin/skin/touch_map.hpp"
 
 namespace triskin::device {
 namespace {
@@ -147,7 +147,7 @@ TEST(WireLink, records_survive_the_way_and_truncated_ones_wait) {
 TEST(LiveStream, a_finger_that_has_just_gone_is_not_taken_for_rest) {
   const design::Design design = strip(1);
   TouchMap map(design);
-  ModuleFrame frame;
+  ModuleSample frame;
   frame.sample.valid = layout::kAllTaxels;
   frame.sample.value.fill(32'500);
   frame.sample.value[3] = 29'000;
@@ -168,7 +168,7 @@ TEST(LiveStream, finds_the_pressed_taxel_at_its_place_and_loses_nothing) {
   Fixture fixture(20, 8);
   fixture.flash();
   TouchMap map(fixture.design());
-  Stream stream(fixture.bus(), fixture.design(), [&](const ModuleFrame& f) { map.add(f); });
+  Stream stream(fixture.bus(), fixture.design(), [&](const ModuleSample& f) { map.add(f); });
   stream.run_until(fixture.bus().now_us() + 500'000);
   EXPECT_TRUE(map.pressed().empty());
   for (const auto& [module, taxel] : {std::pair{0, 3}, {13, 9}, {19, 1}}) {

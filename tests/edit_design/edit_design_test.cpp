@@ -11,8 +11,8 @@
 
 #include "support/covers.hpp"
 #include "support/flat_design.hpp"
-#include "triskin/check/design_rules.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/check/design_rules.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::pipeline {

@@ -21,7 +21,7 @@ inline wire::Calibration calibration_of(const layout::PatchImage& table, std::ui
 }
 
 inline std::vector<std::uint8_t> bytes_of(const wire::Calibration& calibration) {
-  std::vector<std::uint8_t> bytes(wire::Calibration::kMostBytes);
+  std::vector<std::uint8_t> bytes(wire::Calibration::kMaxBytes);
   ByteWriter w(bytes);
   calibration.encode(w);
   bytes.resize(w.size());

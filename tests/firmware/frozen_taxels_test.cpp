@@ -55,7 +55,7 @@ TEST(FrozenTaxels, AFingerOnAQuietSkinSaysNothing) {
 TEST(FrozenTaxels, LiveOnesAreNeverFrozenAndAFrozenOneIsFound) {
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal;
-  for (const auto& [peak_to_peak, most_readings] : {std::pair{12.0, 50}, {7.0, 60}, {3.0, 120}}) {
+  for (const auto& [peak_to_peak, max_readings] : {std::pair{12.0, 50}, {7.0, 60}, {3.0, 120}}) {
     FrozenTaxels f;
     int first = 0, wrong = 0;
     constexpr int kReadings = 1'000'000;
@@ -70,7 +70,7 @@ TEST(FrozenTaxels, LiveOnesAreNeverFrozenAndAFrozenOneIsFound) {
     }
     EXPECT_EQ(wrong, 0) << peak_to_peak;
     EXPECT_GT(first, 25) << peak_to_peak;
-    EXPECT_LT(first, most_readings) << peak_to_peak;
+    EXPECT_LT(first, max_readings) << peak_to_peak;
   }
 }
 

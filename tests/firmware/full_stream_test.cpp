@@ -10,8 +10,8 @@
 namespace triskin::fw {
 namespace {
 
-wire::FullTaxels sample(std::uint8_t row, std::uint32_t number) {
-  wire::FullTaxels t;
+wire::TaxelFrame sample(std::uint8_t row, std::uint32_t number) {
+  wire::TaxelFrame t;
   t.node_address = 1;
   t.module = row;
   t.sample = number;

@@ -31,7 +31,7 @@ struct Icub : testing::Test {
     ASSERT_EQ(bench.flash_table(six_modules()), Status::kOk);
     bench.run(1'000'000);
   }
-  void tell(const std::string& text) {
+  void send_status(const std::string& text) {
     bench.controller->receive(frame_of(text));
     bench.stream.clear();
     bench.run(1'000);
@@ -52,8 +52,8 @@ struct Icub : testing::Test {
 TEST_F(Icub, CommandsAreAnsweredAsTheFileSays) {
   for (const Vector& v : read_vectors("icub_commands.txt")) {
     SCOPED_TRACE(v.name);
-    tell("201 07 01");  // no stream between the answers
-    tell(v.one("host"));
+    send_status("201 07 01");  // no stream between the answers
+    send_status(v.one("host"));
     if (v.one("board").empty()) {
       std::erase_if(bench.stream, [](const wire::CanFrame& f) { return (f.id & 0x700) == 0x400; });
       EXPECT_TRUE(bench.stream.empty());
@@ -66,23 +66,23 @@ TEST_F(Icub, CommandsAreAnsweredAsTheFileSays) {
 
 TEST_F(Icub, StartsStopsAndLeavesOutTriangles) {
   EXPECT_TRUE(modules_of(200'000).empty());
-  tell("201 07 00");
+  send_status("201 07 00");
   EXPECT_EQ(modules_of(200'000), (std::set<unsigned>{0, 1, 4, 5, 8, 9}));
-  tell("201 50 04 08 06 00 00 22");
+  send_status("201 50 04 08 06 00 00 22");
   EXPECT_TRUE(modules_of(200'000).empty());  // a configuration stops
-  tell("201 07 00");
+  send_status("201 07 00");
   EXPECT_EQ(modules_of(200'000), (std::set<unsigned>{0, 1, 9}));
-  tell("201 07 01");
+  send_status("201 07 01");
   EXPECT_TRUE(modules_of(200'000).empty());
-  tell("201 4C 01 01 00 00 22 00 00");
+  send_status("201 4C 01 01 00 00 22 00 00");
   EXPECT_EQ(modules_of(200'000), (std::set<unsigned>{0, 1, 4, 5, 8, 9}));
 }
 
 TEST_F(Icub, RestValueShiftAndPeriodAreObeyed) {
-  tell("201 4D 01 32 F5");
-  tell("201 50 00 0F 05 01 00 22");
+  send_status("201 4D 01 32 F5");
+  send_status("201 50 00 0F 05 01 00 22");
   bench.run(100'000);  // the reading at rest
-  tell("201 07 00");
+  send_status("201 07 00");
   bench.lines[0].chips[0].counts[0] += 320;
   bench.run(100'000);
   bench.stream.clear();
@@ -97,12 +97,12 @@ TEST_F(Icub, RestValueShiftAndPeriodAreObeyed) {
 TEST_F(Icub, MalformedCommandsChangeNothing) {
   for (const char* text : {"201 07", "201 4D 01", "201 50 05 04 06 00 00 22", "201 50 00 10 06 00 00 22", "202 07 00",
                            "301 07 00", "201 19"}) {
-    tell(text);
+    send_status(text);
     EXPECT_TRUE(bench.stream.empty()) << text;
   }
-  tell("201 07 00");
+  send_status("201 07 00");
   EXPECT_EQ(modules_of(200'000).size(), 6U);
-  tell("201 07 01");
+  send_status("201 07 01");
 }
 
 }  // namespace

@@ -46,8 +46,8 @@ TEST(Identifiers, each_answers_with_a_value_of_its_length) {
     }
     ASSERT_GE(m.size(), 3U);
     EXPECT_EQ(m[0], 0x62);
-    EXPECT_GE(m.size() - 3, i.least_bytes);
-    EXPECT_LE(m.size() - 3, i.most_bytes);
+    EXPECT_GE(m.size() - 3, i.min_bytes);
+    EXPECT_LE(m.size() - 3, i.max_bytes);
     ++answered;
   }
   EXPECT_EQ(answered, 21);

@@ -206,7 +206,7 @@ TEST_F(Receiver, refuses_what_it_cannot_use_and_writes_nothing) {
   EXPECT_EQ(refused([](auto& o) { o.firmware_version = kRuns - 1; }), Status::kOlder);
   EXPECT_EQ(refused([](auto& o) { o.size_bytes = 256; }), Status::kOutOfRange);
   EXPECT_EQ(refused([](auto& o) { o.size_bytes = 4097; }), Status::kOutOfRange);
-  EXPECT_EQ(refused([](auto& o) { o.size_bytes = layout::kMostImageBytes + 8; }), Status::kOutOfRange);
+  EXPECT_EQ(refused([](auto& o) { o.size_bytes = layout::kMaxFirmwareImageBytes + 8; }), Status::kOutOfRange);
   EXPECT_EQ(refused([](auto& o) { o.slot = 0; }), Status::kEmpty) << "an offer for the slot that runs is none for it";
   EXPECT_EQ(b.operations(), before);
   offer({.slot = 1,

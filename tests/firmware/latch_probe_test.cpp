@@ -54,7 +54,7 @@ TEST(LatchProbe, NoiseAndAFingerGiveNoVerdict) {
 
 TEST(LatchProbe, TakesAChipWithoutVerdictForTheUsualOne) {
   LatchProbe probe;
-  for (int n = 1; n < LatchProbe::kMostProbes; ++n) {
+  for (int n = 1; n < LatchProbe::kMaxProbes; ++n) {
     probe.compare(results(100), results(60'000));  // nothing was read in mid-sequence
     EXPECT_TRUE(probe.wanted()) << n;
   }

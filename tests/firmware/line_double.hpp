@@ -11,7 +11,7 @@
 namespace triskin::test {
 
 /// An AD7147 as far as the data sheet binds the firmware: registers, device id, results of the connected inputs.
-/// Written for these tests alone, apart from the chips of host/scene. Stage after stage ends; a sequence takes 36.9 ms
+/// Written for these tests alone, apart from the chips of host/sim. Stage after stage ends; a sequence takes 36.9 ms
 /// from the writing of CONV_RESET.
 struct ChipDouble {
   static constexpr std::uint64_t kSequence_us = 36'900;

@@ -13,64 +13,64 @@ constexpr wire::Reach kOffer{9, 0b0110, 0, 0}, kNothing{9, 0, 0, 0};
 TEST(Neighbours, look_once_at_an_offer_in_their_turn) {
   Neighbours n;
   EXPECT_FALSE(n.begin_look(0));
-  n.hear(kOffer, kOwn, false, 1'000'000);
+  n.receive(kOffer, kOwn, false, 1'000'000);
   EXPECT_EQ(n.look_us(), 1'200'000U);
   EXPECT_TRUE(n.begin_look(1'200'000));
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
-  n.hear(kOffer, kOwn, true, 2'000'000);  // said again: nothing new
+  n.receive(kOffer, kOwn, true, 2'000'000);  // said again: nothing new
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
-  n.hear({9, 0b0010, 0, 0}, kOwn, true, 2'500'000);  // one has come back without our help
+  n.receive({9, 0b0010, 0, 0}, kOwn, true, 2'500'000);  // one has come back without our help
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
-  n.hear({9, 0b1010, 0, 0}, kOwn, true, 3'000'000);  // one more is offered
+  n.receive({9, 0b1010, 0, 0}, kOwn, true, 3'000'000);  // one more is offered
   EXPECT_EQ(n.look_us(), 3'200'000U);
 }
 
 TEST(Neighbours, give_back_at_once_when_the_owner_asks) {
   Neighbours n;
-  n.hear(kOffer, kOwn, false, 0);
+  n.receive(kOffer, kOwn, false, 0);
   EXPECT_TRUE(n.begin_look(200'000));
-  n.hear(kNothing, kOwn, true, 5'000'000);
+  n.receive(kNothing, kOwn, true, 5'000'000);
   EXPECT_EQ(n.look_us(), 5'000'000U);
   EXPECT_FALSE(n.begin_look(5'000'100));  // closes what was open
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
-  n.hear(kNothing, kOwn, false, 6'000'000);  // nothing was taken in: nothing to do
+  n.receive(kNothing, kOwn, false, 6'000'000);  // nothing was taken in: nothing to do
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
 }
 
 TEST(Neighbours, keep_away_until_the_owner_has_looked) {
   Neighbours n;
-  n.hear(kOffer, kOwn, false, 0);
-  n.hear({10, 1, 0, 0}, kOwn, false, 0);  // a second owner
+  n.receive(kOffer, kOwn, false, 0);
+  n.receive({10, 1, 0, 0}, kOwn, false, 0);  // a second owner
   EXPECT_TRUE(n.begin_look(200'000));
-  n.hear(kNothing, kOwn, true, 1'000'000);
+  n.receive(kNothing, kOwn, true, 1'000'000);
   EXPECT_FALSE(n.begin_look(1'000'000));
   EXPECT_EQ(n.look_us(), 1'300'000U);     // for those of the second one
   EXPECT_FALSE(n.begin_look(1'100'000));  // a look for another reason meanwhile takes nothing in
   EXPECT_TRUE(n.begin_look(1'300'000));
-  n.hear(kNothing, kOwn, true, 2'000'000);  // said again, as after a restart of the owner
+  n.receive(kNothing, kOwn, true, 2'000'000);  // said again, as after a restart of the owner
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
-  n.hear(kOffer, kOwn, true, 2'000'000);  // what the owner has not got back
+  n.receive(kOffer, kOwn, true, 2'000'000);  // what the owner has not got back
   EXPECT_EQ(n.look_us(), 2'200'000U);
 }
 
 // First what touches the border; what lies behind it when each neighbour has had its turn.
 TEST(Neighbours, look_further_after_the_turns_of_all) {
   Neighbours n;
-  n.hear(kOffer, kOwn, false, 1'000'000);
+  n.receive(kOffer, kOwn, false, 1'000'000);
   EXPECT_TRUE(n.begin_look(1'200'000));
   EXPECT_EQ(n.layers(), 1);
   n.look_further(1'220'000);
   EXPECT_EQ(n.look_us(), 1'620'000U);
   EXPECT_TRUE(n.begin_look(1'620'000));
   EXPECT_EQ(n.layers(), 16);
-  n.hear({9, 0b1110, 0, 0}, kOwn, true, 3'000'000);  // one more is offered: the guests that are there stay
+  n.receive({9, 0b1110, 0, 0}, kOwn, true, 3'000'000);  // one more is offered: the adopted modules that are there stay
   EXPECT_TRUE(n.begin_look(3'200'000));
   EXPECT_EQ(n.layers(), 16);
-  n.hear(kNothing, kOwn, true, 4'000'000);
-  n.hear(kOffer, kOwn, false, 5'000'000);
+  n.receive(kNothing, kOwn, true, 4'000'000);
+  n.receive(kOffer, kOwn, false, 5'000'000);
   EXPECT_TRUE(n.begin_look(5'200'000));
   EXPECT_EQ(n.layers(), 1);
-  n.hear(kNothing, kOwn, false, 5'210'000);  // during the look
+  n.receive(kNothing, kOwn, false, 5'210'000);  // during the look
   n.look_further(5'220'000);
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
 }
@@ -80,7 +80,7 @@ TEST(Neighbours, are_looked_at_again_while_they_offer) {
   Neighbours n;
   n.look_again(100'000);
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
-  n.hear(kOffer, kOwn, false, 200'000);
+  n.receive(kOffer, kOwn, false, 200'000);
   EXPECT_TRUE(n.begin_look(400'000));
   n.look_again(1'000'000);
   EXPECT_EQ(n.look_us(), 1'100'000U);
@@ -88,7 +88,7 @@ TEST(Neighbours, are_looked_at_again_while_they_offer) {
 
 TEST(Neighbours, forget_an_owner_that_falls_silent) {
   Neighbours n;
-  n.hear(kOffer, kOwn, false, 0);
+  n.receive(kOffer, kOwn, false, 0);
   EXPECT_TRUE(n.begin_look(200'000));
   n.tick(true, 2'999'999);
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
@@ -99,14 +99,14 @@ TEST(Neighbours, forget_an_owner_that_falls_silent) {
 
 TEST(Neighbours, a_fifth_owner_waits_for_a_place) {
   Neighbours n;
-  for (std::uint8_t node = 1; node <= 4; ++node) n.hear({node, 1, 0, 0}, kOwn, false, 0);
+  for (std::uint8_t node = 1; node <= 4; ++node) n.receive({node, 1, 0, 0}, kOwn, false, 0);
   EXPECT_TRUE(n.begin_look(200'000));
-  n.hear({6, 1, 0, 0}, kOwn, true, 300'000);
+  n.receive({6, 1, 0, 0}, kOwn, true, 300'000);
   EXPECT_EQ(n.look_us(), Neighbours::kNever_us);
-  n.hear({2, 0, 0, 0}, kOwn, true, 400'000);
+  n.receive({2, 0, 0, 0}, kOwn, true, 400'000);
   EXPECT_FALSE(n.begin_look(400'000));
-  n.hear({6, 1, 0, 0}, kOwn, false, 1'000'000);  // repeated each second
-  EXPECT_EQ(n.look_us(), 700'000U);              // the look after the pause is first
+  n.receive({6, 1, 0, 0}, kOwn, false, 1'000'000);  // repeated each second
+  EXPECT_EQ(n.look_us(), 700'000U);                 // the look after the pause is first
 }
 
 }  // namespace

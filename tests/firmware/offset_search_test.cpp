@@ -75,7 +75,7 @@ TEST(OffsetSearch, AStepThatIsWrongByAFifthCostsReadingsOnly) {
       std::ranges::generate(e.pf, [&] { return pf(random); });
       OffsetSearch search;
       search.begin();
-      ASSERT_LE(e.settle(search, Polarity::kNegative), OffsetSearch::kMostRounds);
+      ASSERT_LE(e.settle(search, Polarity::kNegative), OffsetSearch::kMaxRounds);
       ASSERT_EQ(search.outside(), 0) << step_pf;
     }
   }
@@ -103,7 +103,7 @@ TEST(OffsetSearch, WhatNoOffsetReachesIsNamed) {
   e.pf[7] = -100.0;  // no electrode
   OffsetSearch search;
   search.begin();
-  EXPECT_LE(e.settle(search, Polarity::kNegative), OffsetSearch::kMostRounds);
+  EXPECT_LE(e.settle(search, Polarity::kNegative), OffsetSearch::kMaxRounds);
   EXPECT_EQ(search.outside(), 1U << 2 | 1U << 7);
   EXPECT_EQ(search.offsets()[2], 63);
   EXPECT_EQ(search.offsets()[7], 0);
@@ -123,7 +123,7 @@ TEST(OffsetSearch, EndsWhenTheResultsDoNotFollow) {
   high.fill(65'000);
   int readings = 1;
   while (search.adjust(readings % 2 == 0 ? low : high, Polarity::kNegative)) ++readings;
-  EXPECT_EQ(readings, OffsetSearch::kMostRounds);
+  EXPECT_EQ(readings, OffsetSearch::kMaxRounds);
 }
 
 }  // namespace

@@ -129,10 +129,10 @@ TEST(OffsetStore, ACutOfPowerLosesNothingButTheRecordUnderWay) {
       for (std::size_t p = 0; p < 16; ++p) put(book, p, 1);
       write_all(store, book);
       flash.cut_after(cut, tear);
-      std::uint8_t written = 1, begun = 1;
+      std::uint8_t written = 1, started = 1;
       try {
         for (std::uint8_t n = 2; n < 60; ++n) {
-          begun = n;
+          started = n;
           put(book, 9, n);
           write_all(store, book);
           written = n;
@@ -144,7 +144,7 @@ TEST(OffsetStore, ACutOfPowerLosesNothingButTheRecordUnderWay) {
       for (std::size_t p = 0; p < 16; ++p) {
         ASSERT_TRUE(after[p].known) << "cut " << cut << " place " << p;
         const std::uint8_t got = after[p].steps[0];
-        ASSERT_TRUE(p == 9 ? got == written || got == begun : got == 1) << "cut " << cut << " place " << p;
+        ASSERT_TRUE(p == 9 ? got == written || got == started : got == 1) << "cut " << cut << " place " << p;
       }
       OffsetStore next(flash);
       next.load(after);

@@ -103,17 +103,17 @@ TEST(ReadingSchedule, TheEarliestEndIsReadFirst) {
 TEST(ReadingSchedule, AnErrandEndsBeforeTheNextWindowOpens) {
   ReadingSchedule schedule = schedule_of(2);
   start_without_status(schedule, 0, kT);
-  schedule.plan_errand(1, kT + 100, ReadingSchedule::kLong_us);
+  schedule.plan_transaction(1, kT + 100, ReadingSchedule::kLong_us);
   EXPECT_EQ(schedule.due(kT + 99), kNothing);
   EXPECT_EQ(schedule.next_us(kT + 99), kT + 100);
-  EXPECT_EQ(schedule.due(kT + 100), (Due{Action::kErrand, 1}));
-  EXPECT_EQ(schedule.due(kT + 8'533), (Due{Action::kErrand, 1}));
+  EXPECT_EQ(schedule.due(kT + 100), (Due{Action::kTransaction, 1}));
+  EXPECT_EQ(schedule.due(kT + 8'533), (Due{Action::kTransaction, 1}));
   EXPECT_EQ(schedule.due(kT + 8'534), kNothing);
   EXPECT_EQ(schedule.next_us(kT + 8'534), kT + 9'033);
-  schedule.plan_errand(1, 0, ReadingSchedule::kShort_us);
-  EXPECT_EQ(schedule.due(kT + 8'783), (Due{Action::kErrand, 1}));
+  schedule.plan_transaction(1, 0, ReadingSchedule::kShort_us);
+  EXPECT_EQ(schedule.due(kT + 8'783), (Due{Action::kTransaction, 1}));
   EXPECT_EQ(schedule.due(kT + 8'784), kNothing);
-  schedule.cancel_errand(1);
+  schedule.cancel_transaction(1);
   EXPECT_EQ(schedule.due(kT + 5'000), kNothing);
 }
 
@@ -122,11 +122,11 @@ TEST(ReadingSchedule, AnErrandComesBeforeTheStatus) {
   ReadingSchedule schedule = schedule_of(2);
   schedule.start(0, kT);
   schedule.start(1, kT);
-  schedule.plan_errand(0, kT + 2'000, ReadingSchedule::kShort_us);
-  schedule.plan_errand(1, kT + 1'000, ReadingSchedule::kShort_us);
-  EXPECT_EQ(schedule.due(kT + 1'000), (Due{Action::kErrand, 1}));
-  EXPECT_EQ(schedule.due(kT + 2'000), (Due{Action::kErrand, 0}));
-  schedule.cancel_errand(0);
+  schedule.plan_transaction(0, kT + 2'000, ReadingSchedule::kShort_us);
+  schedule.plan_transaction(1, kT + 1'000, ReadingSchedule::kShort_us);
+  EXPECT_EQ(schedule.due(kT + 1'000), (Due{Action::kTransaction, 1}));
+  EXPECT_EQ(schedule.due(kT + 2'000), (Due{Action::kTransaction, 0}));
+  schedule.cancel_transaction(0);
   EXPECT_EQ(schedule.due(kT + 2'000), (Due{Action::kStatus, 0}));
 }
 
@@ -134,10 +134,10 @@ TEST(ReadingSchedule, AStoppedChipIsNotReadAndGoesOnWhenTakenUp) {
   ReadingSchedule schedule = schedule_of(1);
   schedule.start(0, kT);
   schedule.stop(0);
-  schedule.plan_errand(0, kT + 20'000, ReadingSchedule::kShort_us);
+  schedule.plan_transaction(0, kT + 20'000, ReadingSchedule::kShort_us);
   EXPECT_EQ(schedule.due(kT + 9'033), kNothing);
   EXPECT_EQ(schedule.next_us(kT + 9'033), kT + 20'000);
-  schedule.plan_errand(0, 0, ReadingSchedule::kShort_us);
+  schedule.plan_transaction(0, 0, ReadingSchedule::kShort_us);
   schedule.take_up(0);
   EXPECT_EQ(schedule.due(kT + 5'000), kNothing);
   EXPECT_EQ(schedule.due(kT + 9'033), (Due{Action::kRead, 0}));

@@ -13,8 +13,8 @@
 #include "support/strip_design.hpp"
 #include "triskin/bridge/bridge.hpp"
 #include "triskin/deploy/flash.hpp"
-#include "triskin/session/stream.hpp"
 #include "triskin/scene/sim_link.hpp"
+#include "triskin/session/stream.hpp"
 
 namespace triskin::foreign {
 namespace {

@@ -6,15 +6,15 @@
 #include <cstdlib>
 #include <vector>
 
+#include "triskin/base/error.hpp"
 #include "triskin/boot/dfu_device.hpp"
 #include "triskin/boot/image_receiver.hpp"
 #include "triskin/boot/loader.hpp"
-#include "triskin/base/error.hpp"
 #include "triskin/layout/firmware_package.hpp"
 #include "triskin/layout/patch_image.hpp"
+#include "triskin/logic/diagnostics/uds_server.hpp"
 #include "triskin/logic/icub/icub_triangles.hpp"
 #include "triskin/logic/storage/table_store.hpp"
-#include "triskin/logic/diagnostics/uds_server.hpp"
 #include "triskin/logic/usb/usb_device.hpp"
 #include "triskin/scene/tcp_link.hpp"
 #include "triskin/wire/calibration.hpp"
@@ -340,7 +340,7 @@ void answers(Bytes input) {
 void firmware_package(Bytes input) {
   const auto head = layout::decode_package_head(input);
   if (head)
-    require(head->total() <= layout::kPackageHeadBytes + 2 * layout::kMostImageBytes &&
+    require(head->total() <= layout::kPackageHeadBytes + 2 * layout::kMaxImageBytes &&
             head->offset(1) > head->offset(0));
 }
 

@@ -10,14 +10,14 @@
 
 #include "support/packed_model.hpp"
 #include "support/strip_design.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/module_list.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 #include "triskin/placement/polygon_io.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 #include "triskin/robot/frames.hpp"
 #include "triskin/robot/registration.hpp"
 #include "triskin/robot/robot.hpp"
@@ -149,7 +149,7 @@ TEST(Readers, calibration) {
   board.serial = "0123456789ABCDEF01234567";
   board.made = "2026-11-22T17:30:00Z";
   board.method = wire::CalibrationMethod::kSteps;
-  board.most_kpa = 40.0;
+  board.max_kpa = 40.0;
   board.taxel_area_mm2 = 39.0;
   design::PlaceCalibration place;
   place.line = 1;

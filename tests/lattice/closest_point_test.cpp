@@ -23,7 +23,7 @@ class ClosestPoint : public testing::Test {
     const double x = side(random_), y = side(random_);
     return {x, y, 0.004 * (x * x - y * y) + height(random_)};
   }
-  [[nodiscard]] double least_over_faces(const Vec3& q) const {
+  [[nodiscard]] double min_over_faces(const Vec3& q) const {
     double least = std::numeric_limits<double>::infinity();
     const Mesh& m = surface_.mesh();
     for (const auto& f : m.faces) {
@@ -33,7 +33,7 @@ class ClosestPoint : public testing::Test {
     }
     return least;
   }
-  [[nodiscard]] double least_over_border(const Vec3& q) const {
+  [[nodiscard]] double min_over_border(const Vec3& q) const {
     double least = std::numeric_limits<double>::infinity();
     for (const auto& loop : surface_.border_loops()) {
       for (std::size_t k = 0; k < loop.size(); ++k) {
@@ -57,7 +57,7 @@ TEST_F(ClosestPoint, of_the_tree_is_that_of_a_loop_over_all_faces) {
   for (int k = 0; k < kQueries; ++k) {
     const Vec3 q = query();
     const SurfacePoint p = surface_.closest(q);
-    EXPECT_NEAR(p.distance_mm, least_over_faces(q), kRounding_mm);
+    EXPECT_NEAR(p.distance_mm, min_over_faces(q), kRounding_mm);
     EXPECT_NEAR((p.position_mm - q).norm(), p.distance_mm, kRounding_mm);
   }
 }
@@ -89,8 +89,8 @@ TEST(FoldedFlap, has_no_normal_at_its_fold_and_that_of_the_face_counts) {
 TEST_F(ClosestPoint, of_the_border_is_that_of_a_loop_over_all_its_edges) {
   for (int k = 0; k < kQueries; ++k) {
     const Vec3 q = query();
-    EXPECT_NEAR(surface_.closest_on_border(q).distance_mm, least_over_border(q), kRounding_mm);
-    EXPECT_NEAR(surface_.border_distance(q), least_over_border(q), kRounding_mm);
+    EXPECT_NEAR(surface_.closest_on_border(q).distance_mm, min_over_border(q), kRounding_mm);
+    EXPECT_NEAR(surface_.border_distance(q), min_over_border(q), kRounding_mm);
   }
 }
 
@@ -104,7 +104,7 @@ TEST_F(ClosestPoint, of_the_grid_is_that_of_the_tree) {
     EXPECT_NEAR(foot.distance_mm, p.distance_mm, kRounding_mm);
     EXPECT_NEAR((foot.point - p.position_mm).norm(), 0.0, kRounding_mm);
     EXPECT_NEAR((foot.normal - surface_.normal_at(p)).norm(), 0.0, kRounding_mm);
-    EXPECT_LE(grid.border_at_least(q), least_over_border(q) + kRounding_mm);
+    EXPECT_LE(grid.border_at_least(q), min_over_border(q) + kRounding_mm);
     EXPECT_TRUE(!foot.on_border || grid.may_be_over_border(q));
     if (p.distance_mm < 6.0) ++from_cells;
   }

@@ -8,9 +8,9 @@
 #include <random>
 
 #include "shapes.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/lattice/map_modules.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

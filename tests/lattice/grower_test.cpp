@@ -26,7 +26,7 @@ struct Growth {
   Rules rules;
   std::vector<Sample> samples;
   Grower grower;
-  LatticeNet net;
+  LatticeMesh net;
   Dice random{1};
 };
 
@@ -48,13 +48,13 @@ TEST(Relaxer, puts_back_what_gave_way) {
   growth.net.separate();
   ASSERT_GT(growth.net.size(), 20);
   // A corner is drawn aside: it goes back, and its neighbours give way a little meanwhile.
-  LatticeNet net = growth.net;
+  LatticeMesh net = growth.net;
   const int stretched = 5;
   const int corner = net.triangles()[stretched].vertex[0];
   net.edit_vertex(corner).point += Vec3(0, 2, 0);
   const NetVertex& vertex = net.vertices()[at(corner)];
   for (int k = 0; k < vertex.valence; ++k) net.fit(vertex.triangles[at(k)]);
-  const LatticeNet before = net;
+  const LatticeMesh before = net;
   NearSurface near(growth.surface);
   Relaxer relaxer(near, kNoLift_mm);
   ASSERT_TRUE(relaxer.relax(net, stretched, 60.0, 5));
@@ -112,7 +112,7 @@ TEST(Rules, tell_an_overrun_between_the_steps_of_the_walk) {
     const double turn = 0.04 * (random.unit() - 0.5);
     const Vec3 side(-kSide_mm * std::cos(turn), kSide_mm * std::sin(turn), 0.0);
     const Vec3 apex = a + 0.5 * side + kHeight_mm / kSide_mm * Vec3(-side.y(), side.x(), 0.0);
-    LatticeNet net(sheet.mesh.vertices, 0.0);
+    LatticeMesh net(sheet.mesh.vertices, 0.0);
     const int module = add_island(net, std::array{a, Vec3(a + side), apex});
     double worst = 0.0;
     for (int step = 0; step <= 3000; ++step) worst = std::max(worst, sheet.past(a + step / 3000.0 * side));

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "shapes.hpp"
 #include "relax.hpp"
+#include "shapes.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {
@@ -25,7 +25,7 @@ TEST(KeptModules, are_a_net_that_relaxing_does_not_move) {
   const Surface surface(copy.mesh()), original(mesh);
   const ModuleLayout layout = grow_lattice(original, {}, effort(3));
   const std::vector<PlacedModule> kept = first_of(layout, 10);
-  LatticeNet net = net_of_kept(surface, copy, kept, 0.0);
+  LatticeMesh net = net_of_kept(surface, copy, kept, 0.0);
   ASSERT_EQ(net.size(), 10);
   int joints = 0;
   for (const PlacedModule& m : kept)

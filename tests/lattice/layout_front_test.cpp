@@ -12,7 +12,7 @@ namespace {
 
 // A net of islands of one module each.
 NetCopy net_of(int modules) {
-  auto net = std::make_shared<LatticeNet>(std::vector{Vec3(0, 0, 0), Vec3(50.0 * modules, 50.0, 0)}, 0.0);
+  auto net = std::make_shared<LatticeMesh>(std::vector{Vec3(0, 0, 0), Vec3(50.0 * modules, 50.0, 0)}, 0.0);
   for (int m = 0; m < modules; ++m) add_island(*net, Vec3(50.0 * m, 0, 0));
   return net;
 }
@@ -62,7 +62,7 @@ TEST(LayoutFront, holds_no_more_modules_than_it_may) {
 
 // Islands of 1, 1, 1, 2 and 3 modules, of which one of the single ones is fixed.
 TEST(Thinned, leaves_out_the_smallest_islands_until_few_enough_are_left) {
-  LatticeNet net({Vec3(0, 0, 0), Vec3(600, 60, 0)}, 0.0);
+  LatticeMesh net({Vec3(0, 0, 0), Vec3(600, 60, 0)}, 0.0);
   const int fixed = add_island(net, Vec3(0, 0, 0));
   net.pin(fixed, net.triangles()[at(fixed)].rigid);
   add_island(net, Vec3(100, 0, 0));
@@ -83,7 +83,7 @@ TEST(Thinned, leaves_out_the_smallest_islands_until_few_enough_are_left) {
   ASSERT_EQ(net.size(), 8);
   const auto sizes = [&](int modules, std::size_t layouts) {
     std::vector<std::pair<int, int>> all;
-    for (const LatticeNet& less : thinned(net, modules, layouts)) {
+    for (const LatticeMesh& less : thinned(net, modules, layouts)) {
       EXPECT_TRUE(less.used(fixed));
       all.emplace_back(less.size(), less.islands());
     }

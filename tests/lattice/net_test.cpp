@@ -21,7 +21,7 @@ constexpr Price kPrice{.controller = 2.0, .jumper = 0.25, .island = 0.1};
 constexpr double kJumper_mm = 15.0;
 
 using TriangleState = std::tuple<int, std::array<int, 3>, Tile, std::array<Vec3, 3>>;
-std::map<int, TriangleState> triangles_of(const LatticeNet& net) {
+std::map<int, TriangleState> triangles_of(const LatticeMesh& net) {
   std::map<int, TriangleState> state;
   for (const int t : used_triangles(net)) {
     const NetTriangle& triangle = net.triangles()[at(t)];
@@ -30,7 +30,7 @@ std::map<int, TriangleState> triangles_of(const LatticeNet& net) {
   return state;
 }
 using VertexState = std::tuple<Vec3, int, int, std::set<int>>;
-std::map<int, VertexState> vertices_of(const LatticeNet& net) {
+std::map<int, VertexState> vertices_of(const LatticeMesh& net) {
   std::map<int, VertexState> state;
   for (int v = 0; v < static_cast<int>(net.vertices().size()); ++v) {
     const NetVertex& w = net.vertices()[at(v)];
@@ -46,18 +46,18 @@ TEST_P(Net, says_of_itself_what_a_count_gives_and_takes_back_every_step) {
   NetPrice price(kPrice, kJumper_mm);
   for (int k = 0; k < 6; ++k) random.seed();
   random.net.separate();
-  int taken_back = 0, most_islands = 0;
+  int taken_back = 0, max_islands = 0;
   for (int k = 0; k < kSteps; ++k) {
-    const LatticeNet before = random.net;
+    const LatticeMesh before = random.net;
     random.net.begin();
     random.step();
     ASSERT_NO_FATAL_FAILURE(expect_right(random.net, random.place())) << "step " << k;
-    LatticeNet copy = random.net;
+    LatticeMesh copy = random.net;
     const EstimatedPrice followed = price(random.net), counted = NetPrice(kPrice, kJumper_mm)(copy);
     EXPECT_EQ(followed.relaxed.controllers, counted.relaxed.controllers) << "step " << k;
     EXPECT_EQ(followed.relaxed.joining, counted.relaxed.joining) << "step " << k;
     EXPECT_EQ(followed.rounded, counted.rounded) << "step " << k;
-    most_islands = std::max(most_islands, random.net.islands());
+    max_islands = std::max(max_islands, random.net.islands());
     if (random.random.below(2) == 0) {
       random.net.commit();
       continue;
@@ -71,7 +71,7 @@ TEST_P(Net, says_of_itself_what_a_count_gives_and_takes_back_every_step) {
     ASSERT_NO_FATAL_FAILURE(expect_right(random.net, place)) << "step " << k;
   }
   EXPECT_GT(taken_back, kSteps / 3);
-  EXPECT_GT(most_islands, 8);
+  EXPECT_GT(max_islands, 8);
 }
 INSTANTIATE_TEST_SUITE_P(Random, Net, testing::Values(1U, 2U, 3U));
 

@@ -5,7 +5,7 @@
 namespace triskin::geometry::surface_lattice {
 
 // An island of one module in a horizontal plane, with these corners in tile order; its triangle.
-inline int add_island(LatticeNet& net, const std::array<Vec3, 3>& corners) {
+inline int add_island(LatticeMesh& net, const std::array<Vec3, 3>& corners) {
   std::array<int, 3> v{};
   for (int k = 0; k < 3; ++k) {
     const auto [i, j] = tile_corner_index({}, k);
@@ -15,7 +15,7 @@ inline int add_island(LatticeNet& net, const std::array<Vec3, 3>& corners) {
 }
 
 // The same on the lattice whose origin lies at a place.
-inline int add_island(LatticeNet& net, const Vec3& origin) {
+inline int add_island(LatticeMesh& net, const Vec3& origin) {
   std::array<Vec3, 3> corners;
   for (int k = 0; k < 3; ++k) {
     const auto [i, j] = tile_corner_index({}, k);

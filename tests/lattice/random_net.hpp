@@ -7,9 +7,9 @@
 #include <set>
 #include <vector>
 
-#include "zones.hpp"  // no public header
 #include "nets.hpp"
 #include "triskin/base/dice.hpp"
+#include "zones.hpp"  // no public header
 
 namespace triskin::geometry::surface_lattice {
 
@@ -84,7 +84,7 @@ struct RandomNet {
   }
 
   Dice random;
-  LatticeNet net;
+  LatticeMesh net;
   Zone zone;
 };
 
@@ -93,7 +93,7 @@ inline int shared_vertices(const NetTriangle& a, const NetTriangle& b) {
       std::ranges::count_if(a.vertex, [&](int v) { return std::ranges::find(b.vertex, v) != b.vertex.end(); }));
 }
 
-inline std::vector<int> used_triangles(const LatticeNet& net) {
+inline std::vector<int> used_triangles(const LatticeMesh& net) {
   std::vector<int> used;
   for (int t = 0; t < static_cast<int>(net.triangles().size()); ++t) {
     if (net.used(t)) used.push_back(t);
@@ -102,7 +102,7 @@ inline std::vector<int> used_triangles(const LatticeNet& net) {
 }
 
 // Everything that the net says about itself, counted from its triangles.
-inline void expect_right(const LatticeNet& net, const Vec3& place) {
+inline void expect_right(const LatticeMesh& net, const Vec3& place) {
   const std::vector<int> used = used_triangles(net);
   ASSERT_EQ(net.size(), static_cast<int>(used.size()));
   int joints = 0;

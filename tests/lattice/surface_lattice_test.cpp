@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-#include "triskin/lattice/grow_lattice.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,9 +10,10 @@
 
 #include "shapes.hpp"
 #include "support/covers.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/lattice/grow_lattice.hpp"
 #include "triskin/mesh/extract.hpp"
 #include "triskin/mesh/mesh_io.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

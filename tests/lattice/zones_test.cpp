@@ -15,13 +15,13 @@ namespace {
 
 // A module by its place, and each of its joints by the place of the other.
 using Place = std::tuple<double, double>;
-Place place_of(const LatticeNet& net, int t) {
+Place place_of(const LatticeMesh& net, int t) {
   return {net.center(t).x(), net.center(t).y()};
 }
 struct Seen {
   std::multiset<Place> modules;
   std::multiset<std::pair<Place, Place>> joints;
-  void add(const LatticeNet& net, int t) {
+  void add(const LatticeMesh& net, int t) {
     modules.insert(place_of(net, t));
     for (int s = 0; s < 3; ++s) {
       if (const int n = net.neighbour(t, s); n >= 0) joints.emplace(place_of(net, t), place_of(net, n));
@@ -29,7 +29,7 @@ struct Seen {
   }
 };
 
-LatticeNet empty_net() {
+LatticeMesh empty_net() {
   return {{Vec3(0, 0, 0), Vec3(kSheet_mm, kSheet_mm, 0)}, 0.0};
 }
 
@@ -95,7 +95,7 @@ TEST_P(Zones, are_merged_with_every_change_of_each) {
         in_no_zone.insert(t);
     }
     for (const int t : in_no_zone) expected.modules.insert(place_of(random.net, t));
-    const LatticeNet merged = merge_zones(empty_net(), nets);
+    const LatticeMesh merged = merge_zones(empty_net(), nets);
     ASSERT_NO_FATAL_FAILURE(expect_right(merged, random.place())) << "round " << round;
     for (const int t : used_triangles(merged)) {
       EXPECT_FALSE(merged.triangles()[at(t)].is_fixed);
@@ -121,15 +121,15 @@ INSTANTIATE_TEST_SUITE_P(Count, Zones, testing::Values(1, 2, 3, 5));
 
 // Two islands, 200 mm apart, in zones at both sides of x = 0.
 struct TwoZones {
-  LatticeNet begun = empty_net(), left, right;
+  LatticeMesh started = empty_net(), left, right;
   std::vector<Zone> zones{{{{-Vec3::UnitX(), kHalfBand_mm}}}, {{{Vec3::UnitX(), kHalfBand_mm}}}};
   std::vector<int> pinned_left, pinned_right;
   void part() {
-    left = right = begun;
+    left = right = started;
     pinned_left = pin_outside(left, zones[0]);
     pinned_right = pin_outside(right, zones[1]);
   }
-  [[nodiscard]] LatticeNet merged() const {
+  [[nodiscard]] LatticeMesh merged() const {
     return merge_zones(empty_net(), {{left, pinned_left}, {right, pinned_right}});
   }
 };
@@ -137,22 +137,22 @@ struct TwoZones {
 TEST(MergedZones, hold_a_tile_of_a_lattice_once) {
   TwoZones two;
   // One island, although its modules lie far apart: its tiles 0/0/up … in a row, the middle ones in the band.
-  int last = two.begun.add_vertex({-90.0, 0, 0}, Vec3::UnitZ(), 0, 0);
-  int other = two.begun.add_vertex({-75.0, kHeight_mm, 0}, Vec3::UnitZ(), 0, 1);
-  const int island = two.begun.new_island();
+  int last = two.started.add_vertex({-90.0, 0, 0}, Vec3::UnitZ(), 0, 0);
+  int other = two.started.add_vertex({-75.0, kHeight_mm, 0}, Vec3::UnitZ(), 0, 1);
+  const int island = two.started.new_island();
   for (int k = 0; k < 6; ++k) {
-    const int next = two.begun.add_vertex({-60.0 + 30.0 * k, 0, 0}, Vec3::UnitZ(), k + 1, 0);
-    two.begun.add_triangle(island, {k, 0, true}, {last, next, other});
-    const int above = two.begun.add_vertex({-45.0 + 30.0 * k, kHeight_mm, 0}, Vec3::UnitZ(), k + 1, 1);
-    two.begun.add_triangle(island, {k, 0, false}, {above, other, next});
+    const int next = two.started.add_vertex({-60.0 + 30.0 * k, 0, 0}, Vec3::UnitZ(), k + 1, 0);
+    two.started.add_triangle(island, {k, 0, true}, {last, next, other});
+    const int above = two.started.add_vertex({-45.0 + 30.0 * k, kHeight_mm, 0}, Vec3::UnitZ(), k + 1, 1);
+    two.started.add_triangle(island, {k, 0, false}, {above, other, next});
     last = next;
     other = above;
   }
-  two.begun.separate();
-  ASSERT_EQ(two.begun.islands(), 1);
+  two.started.separate();
+  ASSERT_EQ(two.started.islands(), 1);
   two.part();
   // Both zones claim tile (9, 9): labels, not places, decide.
-  const auto claim = [&](LatticeNet& net, double x) {
+  const auto claim = [&](LatticeMesh& net, double x) {
     const int t = [&] {
       for (const int u : used_triangles(net)) {
         if (std::abs(net.center(u).x() - x) < 1.0 && !net.triangles()[at(u)].is_fixed) return u;
@@ -169,9 +169,9 @@ TEST(MergedZones, hold_a_tile_of_a_lattice_once) {
   };
   claim(two.left, -75.0);
   claim(two.right, 75.0);
-  const LatticeNet merged = two.merged();
+  const LatticeMesh merged = two.merged();
   expect_right(merged, Vec3::Zero());
-  EXPECT_EQ(merged.size(), two.begun.size() + 1);
+  EXPECT_EQ(merged.size(), two.started.size() + 1);
   std::vector<double> claimed_at;
   for (const int t : used_triangles(merged)) {
     if (merged.triangles()[at(t)].tile == Tile{9, 9, true}) claimed_at.push_back(merged.center(t).x());
@@ -182,14 +182,14 @@ TEST(MergedZones, hold_a_tile_of_a_lattice_once) {
 
 TEST(MergedZones, drop_what_slid_within_reach_of_another_zone) {
   TwoZones two;
-  add_island(two.begun, Vec3(-100, 0, 0));
-  add_island(two.begun, Vec3(100, 0, 0));
-  two.begun.separate();
+  add_island(two.started, Vec3(-100, 0, 0));
+  add_island(two.started, Vec3(100, 0, 0));
+  two.started.separate();
   two.part();
   add_island(two.left, Vec3(-30, 0, 0));    // centre at x = −15
   add_island(two.right, Vec3(-1, 0, 0));    // at 14: 29 mm from it
   add_island(two.right, Vec3(10, 100, 0));  // of no other zone's concern
-  const LatticeNet merged = two.merged();
+  const LatticeMesh merged = two.merged();
   expect_right(merged, Vec3::Zero());
   EXPECT_EQ(merged.size(), 4);
   for (const int t : used_triangles(merged)) EXPECT_NE(merged.center(t).x(), 14.0);
@@ -197,15 +197,15 @@ TEST(MergedZones, drop_what_slid_within_reach_of_another_zone) {
 
 TEST(MergedZones, leave_kept_modules_fixed) {
   TwoZones two;
-  const int kept = add_island(two.begun, Vec3(-10, 0, 0));
-  two.begun.pin(kept, two.begun.triangles()[at(kept)].rigid);
-  add_island(two.begun, Vec3(-100, 0, 0));
-  two.begun.separate();
+  const int kept = add_island(two.started, Vec3(-10, 0, 0));
+  two.started.pin(kept, two.started.triangles()[at(kept)].rigid);
+  add_island(two.started, Vec3(-100, 0, 0));
+  two.started.separate();
   two.part();
-  const LatticeNet merged = two.merged();
+  const LatticeMesh merged = two.merged();
   EXPECT_EQ(merged.size(), 2);
   EXPECT_TRUE(merged.triangles()[at(kept)].is_fixed);
-  EXPECT_EQ(merged.triangles()[at(kept)].rigid, two.begun.triangles()[at(kept)].rigid);
+  EXPECT_EQ(merged.triangles()[at(kept)].rigid, two.started.triangles()[at(kept)].rigid);
   EXPECT_EQ(std::ranges::count_if(merged.triangles(), &NetTriangle::is_fixed), 1);
 }
 

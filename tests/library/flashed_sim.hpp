@@ -8,8 +8,8 @@
 
 #include "support/strip_design.hpp"
 #include "triskin/base/files.hpp"
-#include "triskin/deploy/flash.hpp"
 #include "triskin/connect/open_link.hpp"
+#include "triskin/deploy/flash.hpp"
 
 namespace triskin::test {
 

@@ -138,11 +138,11 @@ TEST_F(SwitchedBench, a_dead_module_is_left_out_and_comes_back_on_command) {
   ASSERT_EQ(route().alive, all_of(design));
   chain().set_dead(7, true);
   run_for(150'000);
-  const wire::ActiveRoute healed = route();
-  EXPECT_EQ(healed.alive >> 7 & 1, 0U);
-  EXPECT_GE(std::popcount(static_cast<unsigned>(healed.alive)), 6);
+  const wire::ActiveRoute rerouted = route();
+  EXPECT_EQ(rerouted.alive >> 7 & 1, 0U);
+  EXPECT_GE(std::popcount(static_cast<unsigned>(rerouted.alive)), 6);
   run_for(60'000);
-  EXPECT_EQ(read_rows(), healed.alive);
+  EXPECT_EQ(read_rows(), rerouted.alive);
   chain().set_dead(7, false);
   EXPECT_EQ(request({0x31, 0x01, 0x02, 0x04}).at(0), 0x71);
   run_for(150'000);

@@ -149,8 +149,8 @@ TEST_P(Converter, TwoChipsAtOneAddressAreToldApartWithEveryElectrode) {
   run_for(1'500'000);
   frames.clear();
   run_for(1'500'000);
-  EXPECT_GT(std::ranges::count(samples().at(0), ModuleState::kDuplicate, &wire::FullTaxels::state), 0);
-  EXPECT_EQ(std::ranges::count(samples().at(0), ModuleState::kOk, &wire::FullTaxels::state), 0);
+  EXPECT_GT(std::ranges::count(samples().at(0), ModuleState::kDuplicate, &wire::TaxelFrame::state), 0);
+  EXPECT_EQ(std::ranges::count(samples().at(0), ModuleState::kOk, &wire::TaxelFrame::state), 0);
   module_at(4).address = 1;
   self_test();
   run_for(2'500'000);

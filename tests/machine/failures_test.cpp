@@ -29,7 +29,7 @@ class Failures : public Sampling, public ::testing::WithParamInterface<bool> {
     for (const auto& [m, list] : by_module) {
       const bool is_broken = std::ranges::count(broken, m) > 0, is_doubled = std::ranges::count(doubled, m) > 0;
       const ModuleState expected = is_doubled ? ModuleState::kDuplicate : is_broken ? state_of(f) : ModuleState::kOk;
-      const auto named = std::ranges::count(list, expected, &wire::FullTaxels::state);
+      const auto named = std::ranges::count(list, expected, &wire::TaxelFrame::state);
       if (is_broken || is_doubled) {
         EXPECT_GE(named, 1) << "failure " << static_cast<int>(f) << " of module " << m;
         for (const auto& t : list) {

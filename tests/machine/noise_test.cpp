@@ -31,7 +31,7 @@ class Noise : public Sampling {
         for (const auto& f : list) mean += f.value[t] / static_cast<double>(list.size());
         for (const auto& f : list) squares += (f.value[t] - mean) * (f.value[t] - mean);
         count += list.size() - 1;
-        const auto [low, high] = std::ranges::minmax(list, {}, [t](const wire::FullTaxels& f) { return f.value[t]; });
+        const auto [low, high] = std::ranges::minmax(list, {}, [t](const wire::TaxelFrame& f) { return f.value[t]; });
         out.peak_to_peak_counts = std::max(out.peak_to_peak_counts, high.value[t] - low.value[t]);
       }
     }

@@ -21,7 +21,7 @@ class Ramps : public Sampling {
     }
   }
   // When taxel `t` of module `m` was converted, in steps of the ramp; modulo its length.
-  int converted(int m, std::size_t t, const wire::FullTaxels& f) {
+  int converted(int m, std::size_t t, const wire::TaxelFrame& f) {
     const auto afe = module_at(m).chip->read_register(static_cast<std::uint16_t>(0x082 + 8 * t), 0) & 0x3F;
     const auto level =
         static_cast<int>(std::lround(module_at(m).source.level[t] - afe * module_at(m).behaviour.afe_step_pf * 4096));
@@ -35,7 +35,7 @@ class Ramps : public Sampling {
   static constexpr double kNoise = 3.0;  // counts of converter noise, and one of rounding
   double stage_of(int m) { return static_cast<double>(module_at(m).chip->sequence_us()) / 12.0 / PadSource::kRamp_us; }
   // All twelve taxels from one sequence.
-  void expect_not_torn(int m, const wire::FullTaxels& f) {
+  void expect_not_torn(int m, const wire::TaxelFrame& f) {
     ASSERT_EQ(f.valid, layout::kAllTaxels) << "module " << m;
     for (std::size_t t = 1; t < layout::kTaxelsPerModule; ++t) {
       ASSERT_NEAR(gap(converted(m, t, f), converted(m, 0, f)), static_cast<double>(t) * stage_of(m), kNoise + 9)
@@ -44,7 +44,7 @@ class Ramps : public Sampling {
   }
 
   // Every sequence once, all twelve taxels from the same one.
-  void expect_whole(int m, const std::vector<wire::FullTaxels>& list) {
+  void expect_whole(int m, const std::vector<wire::TaxelFrame>& list) {
     const double stage = stage_of(m);
     for (std::size_t k = 0; k < list.size(); ++k) {
       expect_not_torn(m, list[k]);

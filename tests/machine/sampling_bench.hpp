@@ -31,8 +31,8 @@ class Sampling : public Bench {
     frames.clear();
   }
   /// Full frames by row of the table.
-  [[nodiscard]] std::map<int, std::vector<wire::FullTaxels>> samples() const {
-    std::map<int, std::vector<wire::FullTaxels>> out;
+  [[nodiscard]] std::map<int, std::vector<wire::TaxelFrame>> samples() const {
+    std::map<int, std::vector<wire::TaxelFrame>> out;
     for (const wire::CanFrame& f : frames) {
       if (const auto t = wire::decode_full(f)) out[t->module].push_back(*t);
     }

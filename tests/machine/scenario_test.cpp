@@ -36,9 +36,9 @@ std::vector<Event> read_script(const std::filesystem::path& path) {
 
 /// Frames of a module that say the same but for their number and time.
 struct Stretch {
-  wire::FullTaxels first;
+  wire::TaxelFrame first;
   std::size_t count = 0;
-  [[nodiscard]] bool says_as(const wire::FullTaxels& t) const {
+  [[nodiscard]] bool says_as(const wire::TaxelFrame& t) const {
     return first.state == t.state && first.valid == t.valid && first.value == t.value;
   }
 };

@@ -6,8 +6,8 @@
 
 #include "bench.hpp"
 #include "failure.hpp"
-#include "triskin/core/bytes.hpp"
 #include "triskin/board/budget.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/wire/loader_protocol.hpp"
 
 namespace triskin::machine {
@@ -82,7 +82,7 @@ class Soak : public Bench, public ::testing::WithParamInterface<bool> {
     return ByteReader(Bytes(reply).subspan(10)).le32();
   }
   /// What the build found that the stack may need at most (tools/check_stack.py).
-  std::uint32_t most_stack_bytes() const {
+  std::uint32_t max_stack_bytes() const {
     std::uint32_t bytes = 0;
     std::ifstream(firmware(running_slot == 0 ? "triskin_app_a.elf.stack" : "triskin_app_b.elf.stack")) >> bytes;
     EXPECT_GT(bytes, 0U) << "the build left no bound of the stack";
@@ -121,7 +121,7 @@ TEST_P(Soak, RandomFaultsLeaveNoStuckStateAndAreAllInTheRecord) {
   if (on_posix) return;
   const std::uint32_t reserved =
       application.symbols.at("triskin_stack_top") - application.symbols.at("triskin_stack_bottom");
-  const std::uint32_t used = reserved - budget(offsetof(board::Budget, stack_free_bytes)), most = most_stack_bytes();
+  const std::uint32_t used = reserved - budget(offsetof(board::Budget, stack_free_bytes)), most = max_stack_bytes();
   EXPECT_LE(used, most);
   EXPECT_EQ(machine->counts().resets, 0);
   std::printf("stack %u of at most %u bytes, worst loop %u us, idle %.1f %%\n", used, most,

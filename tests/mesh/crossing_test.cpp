@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <iterator>
 
+#include "crossing_search.hpp"
 #include "mesh/broken_meshes.hpp"
 #include "mesh/distances.hpp"
-#include "crossing_search.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin {
@@ -113,7 +113,7 @@ TEST(Crossings, are_those_that_cgal_finds) {
       Mesh mesh = test::read_back(test::grid_of(shape.place, 20, 14));
       damage.make(mesh, dice);
       try {
-        mesh = geometry::joined(test::read_back(mesh)).surface;
+        mesh = geometry::repair_topology(test::read_back(mesh)).surface;
       } catch (const InputError&) {
         continue;  // shattered
       }

@@ -10,10 +10,10 @@
 #include <map>
 #include <set>
 
-#include "mesh/distances.hpp"
 #include "lattice/shapes.hpp"
-#include "triskin/lattice/map_modules.hpp"
+#include "mesh/distances.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
+#include "triskin/lattice/map_modules.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -98,8 +98,8 @@ double border_distance(const Surface& from, const Surface& to) {
 }
 
 // The stated bounds hold at random points of both, and are what was asked for at most.
-void expect_bounds_hold(const Surface& original, const SolverMesh& solver, double asked_mm) {
-  const Surface reduced(solver.mesh);
+void expect_bounds_hold(const Surface& original, const DecimatedMesh& solver, double asked_mm) {
+  const Surface decimated(solver.mesh);
   test::Dice random(7);
   EXPECT_LE(test::sampled_distance(original.mesh(), solver.mesh, random, 4000), solver.deviation_mm + kRounding_mm);
   EXPECT_LE(test::sampled_distance(solver.mesh, original.mesh(), random, 400), solver.deviation_mm + kRounding_mm);
@@ -109,30 +109,30 @@ void expect_bounds_hold(const Surface& original, const SolverMesh& solver, doubl
   EXPECT_LE(solver.border_mm, kSolverBorder_mm);
 }
 
-TEST(SolverMesh, a_divided_square_becomes_two_faces) {
+TEST(DecimatedMesh, a_divided_square_becomes_two_faces) {
   const Surface original(divided(square(100.0), 6));
   ASSERT_EQ(original.mesh().faces.size(), 8192U);
-  const SolverMesh solver = reduce(original);
+  const DecimatedMesh solver = decimate(original);
   EXPECT_EQ(solver.mesh.faces.size(), 2U);
   EXPECT_LT(solver.deviation_mm, kRounding_mm);
   EXPECT_LT(solver.border_mm, kRounding_mm);
   EXPECT_DOUBLE_EQ(Surface(solver.mesh).area_mm2(), 10'000.0);
 }
 
-TEST(SolverMesh, a_divided_cube_becomes_twelve_faces) {
-  const SolverMesh solver = reduce(Surface(divided(cube(80.0), 5)));
+TEST(DecimatedMesh, a_divided_cube_becomes_twelve_faces) {
+  const DecimatedMesh solver = decimate(Surface(divided(cube(80.0), 5)));
   EXPECT_EQ(solver.mesh.faces.size(), 12U);
   EXPECT_EQ(solver.mesh.vertices.size(), 8U);
   EXPECT_NEAR(volume_of(solver.mesh), 512'000.0, 1e-6);
   EXPECT_LT(solver.deviation_mm, kRounding_mm);
 }
 
-TEST(SolverMesh, a_divided_cylinder_keeps_within_the_deviation) {
+TEST(DecimatedMesh, a_divided_cylinder_keeps_within_the_deviation) {
   const double r = 50.0;
   const Surface original(grid_mesh(
       300, 20, [=](double u, double v) { return Vec3(r * std::cos(M_PI * u), 100.0 * v, r * std::sin(M_PI * u)); }));
   for (const auto& [asked_mm, most] : {std::pair{0.2, 600U}, {0.05, 1'500U}, {0.01, 5'000U}}) {
-    const SolverMesh solver = reduce(original, asked_mm);
+    const DecimatedMesh solver = decimate(original, asked_mm);
     expect_bounds_hold(original, solver, asked_mm);
     // Chords of a circle that deviate by d are √(8 r d) long: no mesh of corners on it has fewer strips of two faces.
     const double fewest = 2.0 * M_PI * r / std::sqrt(8.0 * r * asked_mm);
@@ -141,19 +141,19 @@ TEST(SolverMesh, a_divided_cylinder_keeps_within_the_deviation) {
   }
 }
 
-TEST(SolverMesh, a_bent_sheet_keeps_within_the_deviation) {
+TEST(DecimatedMesh, a_bent_sheet_keeps_within_the_deviation) {
   const Surface original(grid_mesh(
       100, 100, [](double u, double v) { return Vec3(200 * u, 200 * v, 12.0 * std::sin(5 * u) * std::cos(6 * v)); }));
-  const SolverMesh solver = reduce(original);
+  const DecimatedMesh solver = decimate(original);
   expect_bounds_hold(original, solver, kSolverDeviation_mm);
   EXPECT_LT(solver.mesh.faces.size(), original.mesh().faces.size() / 2);
 }
 
-TEST(SolverMesh, a_hole_stays) {
+TEST(DecimatedMesh, a_hole_stays) {
   const Surface original(plate_with_hole(60));
   ASSERT_EQ(original.border_loops().size(), 2U);
-  const SolverMesh solver = reduce(original);
-  const Surface reduced(solver.mesh);
+  const DecimatedMesh solver = decimate(original);
+  const Surface decimated(solver.mesh);
   EXPECT_EQ(reduced.border_loops().size(), 2U);
   EXPECT_EQ(solver.mesh.faces.size(), 8U);  // eight corners, and a ring has as many faces
   EXPECT_NEAR(reduced.area_mm2(), original.area_mm2(), 1e-6);
@@ -161,7 +161,7 @@ TEST(SolverMesh, a_hole_stays) {
 }
 
 // A hole that is narrower than the bounds: drawn to three corners, it is not drawn shut.
-TEST(SolverMesh, a_slit_stays) {
+TEST(DecimatedMesh, a_slit_stays) {
   Mesh m = grid_mesh(40, 40, [](double u, double v) { return Vec3(100 * u, 100 * v, 0.0); });
   std::map<int, int> upper;  // of the corners between the ends of the slit
   for (int u = 11; u < 30; ++u) {
@@ -176,29 +176,29 @@ TEST(SolverMesh, a_slit_stays) {
   }
   const Surface original(m);
   ASSERT_EQ(original.border_loops().size(), 2U);
-  const SolverMesh solver = reduce(original);
-  const Surface reduced(solver.mesh);
+  const DecimatedMesh solver = decimate(original);
+  const Surface decimated(solver.mesh);
   ASSERT_EQ(reduced.border_loops().size(), 2U);
   EXPECT_EQ(reduced.border_loops()[0].size() + reduced.border_loops()[1].size(), 7U);
   expect_bounds_hold(original, solver, kSolverDeviation_mm);
 }
 
-TEST(SolverMesh, a_round_border_stays_within_its_bound) {
+TEST(DecimatedMesh, a_round_border_stays_within_its_bound) {
   Mesh m = grid_mesh(720, 24, [](double u, double v) {
     return Vec3((20 + 30 * v) * Vec3(std::cos(2 * M_PI * u), -std::sin(2 * M_PI * u), 0.0));
   });
   m = test::read_back(m);  // welded: a disc with a round hole
   const Surface original(m);
   ASSERT_EQ(original.border_loops().size(), 2U);
-  const SolverMesh solver = reduce(original);
+  const DecimatedMesh solver = decimate(original);
   expect_bounds_hold(original, solver, kSolverDeviation_mm);
   EXPECT_GT(solver.border_mm, 0.002);  // else the test would say nothing
   EXPECT_LT(solver.mesh.faces.size(), 2'000U);
 }
 
-TEST(SolverMesh, a_handle_stays) {
+TEST(DecimatedMesh, a_handle_stays) {
   const Surface original(torus(80));
-  const SolverMesh solver = reduce(original);
+  const DecimatedMesh solver = decimate(original);
   EXPECT_EQ(euler_number(original.mesh()), 0);
   EXPECT_EQ(euler_number(solver.mesh), 0);
   EXPECT_TRUE(Surface(solver.mesh).border_loops().empty());
@@ -206,7 +206,7 @@ TEST(SolverMesh, a_handle_stays) {
 }
 
 // A vertex where two squares meet with nothing but it.
-TEST(SolverMesh, a_corner_where_borders_meet_stays) {
+TEST(DecimatedMesh, a_corner_where_borders_meet_stays) {
   Mesh m = divided(square(50.0), 4);
   const Mesh one = m;
   std::vector<int> number;
@@ -215,26 +215,26 @@ TEST(SolverMesh, a_corner_where_borders_meet_stays) {
     if (v.norm() > 0.0) m.vertices.push_back(-v);
   }
   for (const auto& f : one.faces) m.faces.push_back({number[at(f[0])], number[at(f[1])], number[at(f[2])]});
-  const SolverMesh solver = reduce(Surface(m));
+  const DecimatedMesh solver = decimate(Surface(m));
   EXPECT_NEAR(Surface(solver.mesh).area_mm2(), 5'000.0, 1e-6);
   EXPECT_LT(solver.mesh.faces.size(), 20U);
   EXPECT_LT(solver.mesh.vertices[0].norm(), 1e-12);
 }
 
-TEST(SolverMesh, is_the_same_whatever_the_number_of_threads) {
+TEST(DecimatedMesh, is_the_same_whatever_the_number_of_threads) {
   const Surface original(torus(90));
-  const SolverMesh one = reduce(original, 0.05, 0.01, 1), three = reduce(original, 0.05, 0.01, 3);
+  const DecimatedMesh one = decimate(original, 0.05, 0.01, 1), three = decimate(original, 0.05, 0.01, 3);
   EXPECT_EQ(one.mesh.faces, three.mesh.faces);
   EXPECT_EQ(one.mesh.vertices, three.mesh.vertices);
   EXPECT_EQ(one.deviation_mm, three.deviation_mm);
 }
 
-TEST(SolverMesh, nothing_goes_without_a_deviation) {
+TEST(DecimatedMesh, nothing_goes_without_a_deviation) {
   const Surface original(divided(square(100.0), 4));
-  EXPECT_EQ(reduce(original, 0.0).mesh.faces, original.mesh().faces);
+  EXPECT_EQ(decimate(original, 0.0).mesh.faces, original.mesh().faces);
 }
 
-TEST(SolverMesh, the_surface_itself_serves_where_its_faces_are_wide_or_few) {
+TEST(DecimatedMesh, the_surface_itself_serves_where_its_faces_are_wide_or_few) {
   const LayoutLimits limits;
   EXPECT_FALSE(solver_mesh_of(Surface(divided(square(20.0), 5)), limits));   // 2,048 faces of 0.2 mm²
   EXPECT_FALSE(solver_mesh_of(Surface(divided(square(300.0), 6)), limits));  // 8,192 of 11 mm²
@@ -244,7 +244,7 @@ TEST(SolverMesh, the_surface_itself_serves_where_its_faces_are_wide_or_few) {
   EXPECT_EQ(solver_mesh_of(fine, limits)->mesh.faces.size(), 2U);
 }
 
-TEST(SolverMesh, takes_a_twentieth_of_a_narrow_limit) {
+TEST(DecimatedMesh, takes_a_twentieth_of_a_narrow_limit) {
   const Surface original(torus(200));
   LayoutLimits narrow;
   narrow.lift_mm = 0.8;
@@ -252,14 +252,14 @@ TEST(SolverMesh, takes_a_twentieth_of_a_narrow_limit) {
   ASSERT_TRUE(solver);
   EXPECT_LE(solver->deviation_mm, 0.04);
   EXPECT_DOUBLE_EQ(limits_on(*solver, narrow).lift_mm, 0.8 - solver->deviation_mm);
-  const SolverMesh coarse{{}, 1.0, 1.0};
+  const DecimatedMesh coarse{{}, 1.0, 1.0};
   EXPECT_DOUBLE_EQ(limits_on(coarse, narrow).lift_mm, 0.4);
   EXPECT_DOUBLE_EQ(limits_on(coarse, {}).overrun_mm, 0.25);
 }
 
 // The search sees the solver's mesh alone; what it says of its modules is measured on the surface, and nothing is lost
 // there.
-TEST(SolverMesh, a_layout_is_measured_on_the_surface) {
+TEST(DecimatedMesh, a_layout_is_measured_on_the_surface) {
   const Surface original(grid_mesh(
       120, 120, [](double u, double v) { return Vec3(160 * u, 160 * v, 10.0 * std::sin(3 * u) * std::cos(4 * v)); }));
   const auto solver = solver_mesh_of(original, {});

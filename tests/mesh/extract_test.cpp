@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "solids.hpp"
-#include "triskin/mesh/surface.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/mesh/surface.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -20,7 +20,7 @@ double area(const Mesh& m) {
   return Surface(m).area_mm2();
 }
 
-double least_distance(const Mesh& m, const Vec3& p) {
+double min_distance(const Mesh& m, const Vec3& p) {
   return Surface(m).closest(p).distance_mm;
 }
 
@@ -54,7 +54,7 @@ TEST(Extract, KeepOutSphereLeavesNothingInsideAndLittleMore) {
   o.spheres.push_back({middle, 12.0});
   const Extraction e = extract(square(100.0, 5), o);
   const double r = std::sqrt(12.0 * 12.0 - 3.0 * 3.0);  // of the circle that the sphere cuts out of the plane
-  EXPECT_GE(least_distance(e.surface, middle), 12.0);
+  EXPECT_GE(min_distance(e.surface, middle), 12.0);
   EXPECT_GE(e.report.kept_out_mm2, M_PI * r * r);
   EXPECT_LE(e.report.kept_out_mm2, M_PI * (r + 3.0) * (r + 3.0));
   EXPECT_NEAR(area(e.surface) + e.report.kept_out_mm2, 100.0 * 100.0, 1e-6);

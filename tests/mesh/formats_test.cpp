@@ -13,9 +13,9 @@
 #include <utility>
 
 #include "support/packed_model.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/mesh/mesh_io.hpp"
 #include "triskin/mesh/surface.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -10,9 +10,9 @@
 #include <set>
 
 #include "support/covers.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/mesh/extract.hpp"
 #include "triskin/mesh/surface.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -115,9 +115,9 @@ INSTANTIATE_TEST_SUITE_P(All, GenerateShape, testing::ValuesIn(names()), name_of
 struct Clean {
   Shape shape;
   std::size_t loops;
-  double area_cm2;        // at the size of the table, within 10 %
-  double least_positive;  // rad
-  double least_negative;
+  double area_cm2;      // at the size of the table, within 10 %
+  double min_positive;  // rad
+  double min_negative;
 };
 void PrintTo(const Clean& c, std::ostream* out) {
   *out << generated_shapes()[static_cast<std::size_t>(c.shape)].name;
@@ -134,8 +134,8 @@ TEST_P(CleanCover, is_a_manifold_with_its_holes_and_curvature) {
   EXPECT_EQ(surface.border_loops().size(), c.loops);
   EXPECT_NEAR(surface.area_mm2() / 100.0, c.area_cm2, 0.1 * c.area_cm2);
   const Curvature curvature = curvature_of(surface);
-  EXPECT_GE(curvature.positive, c.least_positive);
-  EXPECT_LE(curvature.negative, -c.least_negative);
+  EXPECT_GE(curvature.positive, c.min_positive);
+  EXPECT_LE(curvature.negative, -c.min_negative);
   EXPECT_GE(sharpest_corner(mesh), 0.05) << "a sliver";
   // Normals go with the way from the middle of the box, over most of the area.
   Eigen::AlignedBox3d box;
@@ -166,7 +166,7 @@ TEST(Generate, dirty_shell_has_every_defect) {
   EXPECT_EQ(read.report.degenerate_faces, 218);
   EXPECT_THROW(require_manifold(read.mesh, "shell"), InputError);
   const ExtractReport report = extract(read.mesh).report;
-  EXPECT_EQ(report.crowded_edges, 28) << "where the ribs stand on the outer wall";
+  EXPECT_EQ(report.non_manifold_edges, 28) << "where the ribs stand on the outer wall";
   EXPECT_GE(report.flipped_faces, 200);
   EXPECT_GE(report.removed_components, 20);
 }

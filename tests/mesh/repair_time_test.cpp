@@ -26,8 +26,8 @@ struct JumpingClock {
   double now_s = 0.0;
   int asked_late = 0;
 
-  void see(const std::string& begun) {
-    if (begun == stage) now_s = 1e6;
+  void see(const std::string& started) {
+    if (started == stage) now_s = 1e6;
   }
   double ask() {
     asked_late += now_s > 0.0 ? 1 : 0;

@@ -27,7 +27,7 @@ void add_box(Mesh& mesh, double half_mm) {
     mesh.faces.push_back({first + a, first + b, first + c});
 }
 
-TEST(Sky, as_many_rays_are_sent_as_fit_but_at_least_eight) {
+TEST(Visibility, as_many_rays_are_sent_as_fit_but_at_least_eight) {
   for (const double cpu_s : {0.2, 1.0, 5.0}) {
     const std::size_t fitting = faces_asked_in(cpu_s);
     EXPECT_EQ(rays_for(1, cpu_s), 64);
@@ -37,27 +37,27 @@ TEST(Sky, as_many_rays_are_sent_as_fit_but_at_least_eight) {
   }
 }
 
-TEST(Sky, eight_rays_tell_a_box_from_the_one_inside_it) {
+TEST(Visibility, eight_rays_tell_a_box_from_the_one_inside_it) {
   Mesh mesh;
   add_box(mesh, 100.0);
   add_box(mesh, 50.0);
   std::vector<int> faces(mesh.faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) faces[f] = static_cast<int>(f);
   for (const int rays : {8, 64}) {
-    const std::vector<Sky> sky = sky_of(mesh, faces, rays);
+    const std::vector<Visibility> visibility = visibility_of(mesh, faces, rays);
     for (std::size_t f = 0; f < faces.size(); ++f) {
-      EXPECT_EQ(sky[f].front, f < 12 ? 1.0 : 0.0) << rays << " rays, face " << f;
-      EXPECT_EQ(sky[f].back, 0.0) << rays << " rays, face " << f;
+      EXPECT_EQ(visibility[f].front, f < 12 ? 1.0 : 0.0) << rays << " rays, face " << f;
+      EXPECT_EQ(visibility[f].back, 0.0) << rays << " rays, face " << f;
     }
   }
 }
 
 // A face over which a wall hides half of the sky: eight rays find it within the share of one.
-TEST(Sky, fewer_rays_find_about_the_same_share) {
+TEST(Visibility, fewer_rays_find_about_the_same_share) {
   Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, -1e6, -1}, {-1, 1e6, -1}, {-1, 0, 1e6}};
   mesh.faces = {{0, 1, 2}, {3, 4, 5}};
-  const double many = sky_of(mesh, {0}, 64)[0].front, few = sky_of(mesh, {0}, 8)[0].front;
+  const double many = visibility_of(mesh, {0}, 64)[0].front, few = visibility_of(mesh, {0}, 8)[0].front;
   EXPECT_GT(many, 0.5);
   EXPECT_LT(many, 0.9);
   EXPECT_NEAR(few, many, 0.125);

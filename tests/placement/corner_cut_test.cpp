@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "polygons.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/check/placement_proof.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/placement/placement.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "polygons.hpp"
-#include "triskin/placement/placement.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/placement/placement.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -190,10 +190,10 @@ TEST(WeightMap, keeps_planes_and_its_bounds) {
     const Vec2 at(test::uniform(random, -450, 450), test::uniform(random, -450, 450));
     const auto here = map.at(at), east = map.at(at + Vec2(d, 0)), north = map.at(at + Vec2(0, d));
     EXPECT_LE(here.value, map.most());
-    EXPECT_LE(here.slope_per_mm.norm(), map.most_slope_per_mm());
-    EXPECT_NEAR((east.value - here.value) / d, here.slope_per_mm.x(), 0.5 * map.most_curvature_per_mm2() * d + 1e-12);
-    EXPECT_NEAR((north.value - here.value) / d, here.slope_per_mm.y(), 0.5 * map.most_curvature_per_mm2() * d + 1e-12);
-    EXPECT_LE((east.slope_per_mm - here.slope_per_mm).norm() / d, map.most_curvature_per_mm2() * (1.0 + 1e-6));
+    EXPECT_LE(here.slope_per_mm.norm(), map.max_slope_per_mm());
+    EXPECT_NEAR((east.value - here.value) / d, here.slope_per_mm.x(), 0.5 * map.max_curvature_per_mm2() * d + 1e-12);
+    EXPECT_NEAR((north.value - here.value) / d, here.slope_per_mm.y(), 0.5 * map.max_curvature_per_mm2() * d + 1e-12);
+    EXPECT_LE((east.slope_per_mm - here.slope_per_mm).norm() / d, map.max_curvature_per_mm2() * (1.0 + 1e-6));
   }
 }
 

@@ -13,8 +13,8 @@
 
 #include "polygons.hpp"
 #include "support/places.hpp"
-#include "triskin/placement/placement.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/placement/placement.hpp"
 
 namespace triskin::geometry {
 namespace {

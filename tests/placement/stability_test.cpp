@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "polygons.hpp"
-#include "triskin/placement/placement.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/placement/placement.hpp"
 
 namespace triskin::geometry {
 namespace {

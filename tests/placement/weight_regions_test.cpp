@@ -11,8 +11,8 @@
 #include <numeric>
 
 #include "polygons.hpp"
-#include "triskin/placement/placement.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/placement/placement.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "support/strip_design.hpp"
+#include "triskin/connect/open_bus.hpp"
 #include "triskin/link/cover_link.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/robot/site.hpp"
-#include "triskin/session/bus.hpp"
-#include "triskin/connect/open_bus.hpp"
 #include "triskin/scene/sim_link.hpp"
+#include "triskin/session/bus.hpp"
 
 namespace triskin::test {
 
@@ -38,7 +38,7 @@ inline void add_strip(robot::Assembly& a, const std::string& name, int bus, int 
 /// numbers ascend with the node addresses, or are drawn from `board_seed`.
 class SimulatedBus {
  public:
-  explicit SimulatedBus(const robot::BusSite& site, const std::filesystem::path& folder = {},
+  explicit SimulatedBus(const robot::BusConfig& site, const std::filesystem::path& folder = {},
                         std::uint64_t board_seed = 0)
       : site_(site), link_(device::scene_of(site, false, board_seed), folder), bus_(link_) {}
 
@@ -46,7 +46,7 @@ class SimulatedBus {
   [[nodiscard]] device::SimLink& link() { return link_; }
   [[nodiscard]] scene::VirtualSkin& skin() { return link_.skin(); }
   device::FlashResult flash(std::size_t cover, const device::FlashOptions& options = {}) {
-    const robot::CoverOnBus& c = site_.covers[cover];
+    const robot::CoverConfig& c = site_.covers[cover];
     return device::flash(bus_, c.design, robot::flash_options(site_, c, options));
   }
   /// Flash operations of every controller, by node address.
@@ -60,7 +60,7 @@ class SimulatedBus {
   void settle() { bus_.listen(bus_.now_us() + 3'000'000); }
 
  private:
-  const robot::BusSite& site_;
+  const robot::BusConfig& site_;
   device::SimLink link_;
   device::Bus bus_;
 };

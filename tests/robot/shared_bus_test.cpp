@@ -63,7 +63,7 @@ TEST(SharedBus, fresh_boards_in_any_order_find_the_patch_that_they_hang_on) {
     device::FlashOptions options;
     options.recognise = options.touch = true;
     for (std::size_t cover = 0; cover < 3; ++cover) {
-      const CoverOnBus& c = site.buses[0].covers[cover];
+      const CoverConfig& c = site.buses[0].covers[cover];
       device::CoverLink finger(bus.link(), c.first_module);
       device::Bus own(finger);
       for (const auto& p : device::flash(own, c.design, flash_options(site.buses[0], c, options)).patches) {
@@ -86,7 +86,7 @@ TEST(SharedBus, all_covers_of_a_bus_are_written_in_one_pass) {
     std::deque<device::CoverLink> views;
     std::deque<device::Bus> buses;
     std::vector<device::FlashPart> parts;
-    for (const CoverOnBus& c : site.buses[0].covers) {
+    for (const CoverConfig& c : site.buses[0].covers) {
       device::Bus& own = buses.emplace_back(views.emplace_back(bus.link(), c.first_module));
       parts.push_back({&own, &c.design, flash_options(site.buses[0], c, options), {}});
     }
@@ -115,7 +115,7 @@ TEST(SharedBus, fresh_boards_are_asked_once_for_all_covers) {
   device::FlashOptions options;
   options.recognise = true;
   std::vector<device::FlashPart> parts;
-  for (const CoverOnBus& c : site.buses[0].covers)
+  for (const CoverConfig& c : site.buses[0].covers)
     parts.push_back({&bus.bus(), &c.design, flash_options(site.buses[0], c, options), {}});
   std::vector<device::FlashResult> results;
   const std::uint64_t start_us = bus.bus().now_us();
@@ -141,7 +141,7 @@ TEST(SharedBus, a_cover_without_its_board_leaves_the_others_their_tables) {
   SimulatedBus bus(site.buses[0]);
   bus.skin().on_delivery([](std::size_t p, const wire::CanFrame&) { return p != 1; });
   std::vector<device::FlashPart> parts;
-  for (const CoverOnBus& c : site.buses[0].covers)
+  for (const CoverConfig& c : site.buses[0].covers)
     parts.push_back({&bus.bus(), &c.design, flash_options(site.buses[0], c, {}), {}});
   std::vector<device::FlashResult> results;
   std::string said;
@@ -187,7 +187,7 @@ TEST(SharedBus, every_cover_verifies_with_its_own_modules) {
   device::VerifyOptions options;
   options.touch = true;
   options.watch_s = 0.5;
-  for (const CoverOnBus& cover : site.buses[0].covers) {
+  for (const CoverConfig& cover : site.buses[0].covers) {
     device::CoverLink link(bus.link(), cover.first_module);
     device::Bus own(link);
     const auto r = device::verify(own, cover.design, options);
@@ -205,9 +205,9 @@ TEST(SharedBus, one_stream_reads_all_covers_and_knows_each_account) {
   SimulatedBus bus(site.buses[0]);
   for (std::size_t cover = 0; cover < 3; ++cover) (void)bus.flash(cover);
   std::vector<const design::Design*> covers;
-  for (const CoverOnBus& c : site.buses[0].covers) covers.push_back(&c.design);
+  for (const CoverConfig& c : site.buses[0].covers) covers.push_back(&c.design);
   std::map<std::pair<int, int>, int> heard;
-  device::Stream stream(bus.bus(), covers, [&](const device::ModuleFrame& f) { ++heard[{f.cover, f.module}]; });
+  device::Stream stream(bus.bus(), covers, [&](const device::ModuleSample& f) { ++heard[{f.cover, f.module}]; });
   stream.run_until(bus.bus().now_us() + 1'000'000);
   stream.finish();
   EXPECT_EQ(heard.size(), 25U);
@@ -287,7 +287,7 @@ TEST(SharedBus, boards_of_a_changed_design_are_written_when_the_file_names_them)
   SimulatedBus bus(site.buses[0], folder);
   bus.settle();
   const auto before = bus.operations();
-  const CoverOnBus& unnamed = nameless_site.buses[0].covers[1];
+  const CoverConfig& unnamed = nameless_site.buses[0].covers[1];
   EXPECT_THROW((void)device::flash(bus.bus(), unnamed.design, flash_options(nameless_site.buses[0], unnamed, {})),
                DeviceError);
   EXPECT_EQ(bus.operations(), before);
@@ -350,7 +350,7 @@ TEST(SharedBus, a_cover_may_hang_on_two_buses) {
   const Site site = site_of(a);
   ASSERT_EQ(site.buses.size(), 2U);
   int modules = 0;
-  for (const BusSite& entry : site.buses) {
+  for (const BusConfig& entry : site.buses) {
     SimulatedBus bus(entry);
     EXPECT_EQ(bus.flash(0).patches.size(), entry.number == 0 ? 2U : 1U);
     bus.settle();

@@ -109,7 +109,7 @@ TEST(ImageUpdate, any_set_of_missing_units_comes_through) {
   std::mt19937 random(22);
   for (int run = 0; run < 400; ++run) {
     std::set<std::uint16_t> missing;
-    const auto share = 1 + random() % 1000, count = 1 + random() % kMostUnits;
+    const auto share = 1 + random() % 1000, count = 1 + random() % kMaxUnits;
     for (std::size_t u = 0; u < count; ++u) {
       if (random() % 1000 < share) missing.insert(static_cast<std::uint16_t>(u));
     }

@@ -24,8 +24,8 @@ IcubTaxels icub_of(const Vector& v) {
   return t;
 }
 
-FullTaxels full_of(const Vector& v) {
-  FullTaxels t;
+TaxelFrame full_of(const Vector& v) {
+  TaxelFrame t;
   t.node_address = static_cast<std::uint8_t>(v.number("node"));
   t.module = static_cast<std::uint8_t>(v.number("module"));
   t.sample = static_cast<std::uint32_t>(v.number("sample"));
@@ -38,7 +38,7 @@ FullTaxels full_of(const Vector& v) {
   t.dropped = static_cast<std::uint32_t>(v.number("dropped"));
   t.unread = static_cast<std::uint16_t>(v.number("unread"));
   t.starts = static_cast<std::uint8_t>(v.number("starts"));
-  if (v.has("guests")) t.guests = static_cast<std::uint8_t>(v.number("guests"));
+  if (v.has("guests")) t.adopted_modules = static_cast<std::uint8_t>(v.number("guests"));
   return t;
 }
 

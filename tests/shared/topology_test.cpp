@@ -44,19 +44,19 @@ ActiveRoute route_of(const Vector& v, Bytes bytes) {
   a.busy = has("busy");
   a.complete = has("complete");
   a.as_table = has("as_table");
-  a.least_depth = has("least_depth");
+  a.min_depth = has("least_depth");
   a.second_cable = has("second_cable");
   a.shorts = bytes[1];
   a.unknown = bytes[2];
   a.max_depth = bytes[3];
   for (const std::uint64_t row : test::numbers(v.one("alive"), 10))
     a.alive = static_cast<std::uint16_t>(a.alive | 1U << row);
-  a.heals = static_cast<std::uint32_t>(v.number("heals"));
+  a.reroutes = static_cast<std::uint32_t>(v.number("heals"));
   a.repairs = bytes[10];
   a.last_us = static_cast<std::uint32_t>(v.number("last_us"));
   a.parent.fill(kNoRow);
   a.parent_port.fill(layout::kCable);
-  a.rows = static_cast<std::uint8_t>((bytes.size() - ActiveRoute::kLeastBytes) / ActiveRoute::kRowBytes);
+  a.rows = static_cast<std::uint8_t>((bytes.size() - ActiveRoute::kMinBytes) / ActiveRoute::kRowBytes);
   std::istringstream parents(v.one("parents"));
   std::size_t row = 0;
   for (std::string parent; parents >> parent; ++row) {

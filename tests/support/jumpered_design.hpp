@@ -6,8 +6,8 @@
 #include "support/flat_design.hpp"
 #include "triskin/design/module_graph.hpp"
 #include "triskin/design/tile.hpp"
-#include "triskin/routing/jumpers.hpp"
 #include "triskin/lattice/map_modules.hpp"
+#include "triskin/routing/jumpers.hpp"
 #include "triskin/routing/routing.hpp"
 
 namespace triskin::test {

@@ -17,16 +17,16 @@
 #include "cli/shell_case.hpp"
 #include "joined_patches.hpp"
 #include "support/places.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/deploy/flash.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/module_graph.hpp"
 #include "triskin/hdf5/recording.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
-#include "triskin/base/files.hpp"
-#include "triskin/deploy/flash.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
-#include "triskin/session/stream.hpp"
 #include "triskin/scene/sim_link.hpp"
+#include "triskin/session/stream.hpp"
 
 namespace triskin::test {
 namespace {
@@ -53,7 +53,7 @@ class AdoptionRecording : public ShellCase {
     std::vector<std::unique_ptr<recording::Recorder>> others;
     others.push_back(recording::make_recorder(recording::Format::kCsv, csv_file, design_, origin));
     if (hdf5::can_write()) others.push_back(hdf5::make_recorder(hdf5_file, design_, origin));
-    device::Stream stream(bus, design_, [&](const device::ModuleFrame& f) {
+    device::Stream stream(bus, design_, [&](const device::ModuleSample& f) {
       recorder->add({f.module, f.link_time_us, f.sample});
       for (const auto& other : others) other->add({f.module, f.link_time_us, f.sample});
       adopter_[{f.module, f.link_time_us}] = f.adopter;
@@ -63,10 +63,10 @@ class AdoptionRecording : public ShellCase {
     const auto run_us = [&](std::uint64_t us) { stream.run_until(bus.now_us() + us); };
     run_us(500'000);
     failed_us_ = bus.now_us();
-    hardware.patch(0).set_dead(hardware.row_of(orphans_.dead), true);
+    hardware.patch(0).set_dead(hardware.row_of(unreachable_.dead), true);
     run_us(2'000'000);
     whole_us_ = bus.now_us();
-    hardware.patch(0).set_dead(hardware.row_of(orphans_.dead), false);
+    hardware.patch(0).set_dead(hardware.row_of(unreachable_.dead), false);
     run_us(5'000'000);
     stream.finish();
     recorder->finish({{"status", "complete"}});
@@ -77,7 +77,7 @@ class AdoptionRecording : public ShellCase {
   }
 
   const design::Design design_ = joined_patches(4, 8);
-  const Orphans orphans_ = orphans_of(design_).front();
+  const Unreachable unreachable_ = unreachable_of(design_).front();
   std::map<Sample, int> adopter_;  // as the stream has it
   std::set<Sample> empty_;         // whose controller did not reach the module
   std::uint64_t failed_us_ = 0, whole_us_ = 0;
@@ -95,20 +95,20 @@ TEST_F(AdoptionRecording, says_who_read_each_module_at_each_time) {
         ++read;
       });
   EXPECT_EQ(read, adopter_.size());
-  EXPECT_GE(adopted, 20 * orphans_.modules.size());
-  // Each orphan went to a neighbour and came back, nothing else changed its reader.
+  EXPECT_GE(adopted, 20 * unreachable_.modules.size());
+  // Each unreachable module went to a neighbour and came back, nothing else changed its reader.
   std::map<int, std::vector<recording::ReaderChange>> changes;
   for (const auto& c : summary.reader_changes) changes[c.module].push_back(c);
-  EXPECT_EQ(changes.size(), orphans_.modules.size());
-  for (const int m : orphans_.modules) {
+  EXPECT_EQ(changes.size(), unreachable_.modules.size());
+  for (const int m : unreachable_.modules) {
     ASSERT_EQ(changes[m].size(), 2U) << m;
     const auto& [there, back] = std::pair(changes[m][0], changes[m][1]);
-    EXPECT_NE(there.reader.patch, orphans_.patch);
+    EXPECT_NE(there.reader.patch, unreachable_.patch);
     EXPECT_EQ(there.reader.node, there.reader.patch + 1);
     EXPECT_FALSE(there.own);
     EXPECT_GT(there.link_time_us, failed_us_);
     EXPECT_LT(there.link_time_us, failed_us_ + 1'500'000);
-    EXPECT_EQ(back.reader, (recording::Reader{orphans_.patch, static_cast<std::uint8_t>(orphans_.patch + 1)}));
+    EXPECT_EQ(back.reader, (recording::Reader{unreachable_.patch, static_cast<std::uint8_t>(unreachable_.patch + 1)}));
     EXPECT_TRUE(back.own);
     EXPECT_GT(back.link_time_us, whole_us_);
     // By time: whoever the changes name read every sample with data of the module. Until the stream knows who its
@@ -155,7 +155,7 @@ TEST_F(AdoptionRecording, as_csv_and_hdf5_says_who_read_each_sample) {
     ASSERT_EQ(line["reader_node"], std::to_string(patch + 1));
     adopted += truth >= 0 ? 1 : 0;
   }
-  EXPECT_GE(adopted, 20 * orphans_.modules.size());
+  EXPECT_GE(adopted, 20 * unreachable_.modules.size());
   if (!hdf5::can_write()) GTEST_SKIP() << "built without HDF5";
   const std::string script = test::source_folder() + "/tests/hdf5/recording_test.py";
   const int status = std::system(
@@ -172,19 +172,20 @@ TEST_F(AdoptionRecording, replay_shows_who_read_a_module) {
   std::vector<nlohmann::json> lines;
   for (std::size_t at = 0; at < o.out.size(); at = o.out.find('\n', at) + 1)
     lines.push_back(nlohmann::json::parse(o.out.substr(at, o.out.find('\n', at) - at)));
-  const std::set<int> orphans(orphans_.modules.begin(), orphans_.modules.end());
+  const std::set<int> unreachable_modules(unreachable_.modules.begin(), unreachable_.modules.end());
   bool any = false;
   for (const auto& line : lines) {
     if (!line.contains("adopted")) continue;
     any = true;
-    for (const auto& a : line["adopted"]) EXPECT_TRUE(orphans.contains(a["module"].get<int>())) << line.dump();
+    for (const auto& a : line["adopted"])
+      EXPECT_TRUE(unreachable_modules.contains(a["module"].get<int>())) << line.dump();
   }
   EXPECT_TRUE(any);
   EXPECT_FALSE(lines.back().contains("adopted"));  // all came back
-  EXPECT_EQ(lines.back()["readers"].size(), 2 * orphans.size());
+  EXPECT_EQ(lines.back()["readers"].size(), 2 * unreachable_modules.size());
   const Outcome said = run("replay adoption.mcap --speed 0");
   EXPECT_NE(said.out.find(fmt::format("module {} is read by its own, the controller of patch {}",
-                                      orphans_.modules.front(), orphans_.patch)),
+                                      unreachable_.modules.front(), unreachable_.patch)),
             std::string::npos)
       << said.out;
 }

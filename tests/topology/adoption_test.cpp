@@ -9,15 +9,15 @@
 #include <set>
 
 #include "joined_patches.hpp"
-#include "triskin/design/joint.hpp"
 #include "triskin/deploy/flash.hpp"
+#include "triskin/design/joint.hpp"
 #include "triskin/diagnose/verify.hpp"
 #include "triskin/logic/switched/topology.hpp"
+#include "triskin/scene/sim_link.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/session/stream.hpp"
-#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::test {
 namespace {
@@ -28,7 +28,7 @@ class Fixture {
   explicit Fixture(const design::Design& design) : link_(scene_of(design)), bus_(link_) {
     device::flash(bus_, this->design());
     bus_.listen(bus_.now_us() + 3'000'000);  // also a patch whose first look was disturbed
-    stream_.emplace(bus_, this->design(), [this](const device::ModuleFrame& f) { take(f); });
+    stream_.emplace(bus_, this->design(), [this](const device::ModuleSample& f) { take(f); });
     run_us(500'000);
     for (int m = 0; m < modules(); ++m) rest_[m] = last_[m].sample.value;
   }
@@ -75,7 +75,7 @@ class Fixture {
   int wrong = 0;  ///< valid values that are not those of the module
 
  private:
-  void take(const device::ModuleFrame& f) {
+  void take(const device::ModuleSample& f) {
     last_[f.module] = f;
     if (f.sample.valid != layout::kAllTaxels) return;
     valid_[f.module].emplace_back(f.link_time_us, f.sample.node_address);
@@ -86,21 +86,21 @@ class Fixture {
   }
   device::SimLink link_;
   device::Bus bus_;
-  std::map<int, device::ModuleFrame> last_;
+  std::map<int, device::ModuleSample> last_;
   std::map<int, std::array<std::uint16_t, layout::kTaxelsPerModule>> rest_;
   std::map<int, std::vector<std::pair<std::uint64_t, int>>> valid_;
   std::optional<device::Stream> stream_;
 };
 
-constexpr std::uint64_t kAdopted_us = 1'500'000;  // docs/switched_module.md, "Adoption"
+constexpr std::uint64_t kAdopted_us = 1'500'000;  // docs/adoption.md
 constexpr std::uint64_t kBack_us = 5'000'000;     // the owner's second look, after 2 + 2 s, and the hand-back
 
 TEST(Adoption, an_orphan_is_read_by_the_neighbour_under_its_own_identity_and_handed_back) {
   const design::Design design = joined_patches(4, 8);
   ASSERT_GE(design.patches.size(), 3U);
-  const auto cases = orphans_of(design);
+  const auto cases = unreachable_of(design);
   ASSERT_FALSE(cases.empty());
-  const Orphans& o = cases.front();
+  const Unreachable& o = cases.front();
   Fixture f(design);
   const std::uint64_t failed_us = f.now_us();
   const int owner = o.patch + 1;
@@ -136,9 +136,9 @@ TEST(Adoption, an_orphan_is_read_by_the_neighbour_under_its_own_identity_and_han
 }
 
 // Module 4 touches the neighbour's patch, 3 lies behind it: the neighbour looks twice, and 4 is read on meanwhile.
-TEST(Adoption, a_guest_that_stays_is_not_set_up_again) {
+TEST(Adoption, a_adopted_that_stays_is_not_set_up_again) {
   const design::Design design = joined_patches(4, 8);
-  const Orphans o = orphans_of(design).front();
+  const Unreachable o = unreachable_of(design).front();
   ASSERT_GE(o.modules.size(), 2U);
   const int near = o.modules[0], behind = o.modules[1];
   Fixture f(design);
@@ -161,7 +161,7 @@ struct Tally {
 
 // One failure, and the way back. Where addresses are too few for all, neighbours may read others than those that the
 // design names, so the number is what counts.
-void add_failure(Fixture& f, const Orphans& o, Tally& t) {
+void add_failure(Fixture& f, const Unreachable& o, Tally& t) {
   const design::Design& design = f.design();
   const std::uint64_t failed_us = f.now_us();
   f.set_dead(o.dead, true);
@@ -191,11 +191,11 @@ void add_failure(Fixture& f, const Orphans& o, Tally& t) {
 
 void add_cover(int columns, int capacity, Tally& t) {
   Fixture f(joined_patches(columns, capacity));
-  for (const Orphans& o : orphans_of(f.design())) add_failure(f, o, t);
+  for (const Unreachable& o : unreachable_of(f.design())) add_failure(f, o, t);
   t.wrong += f.wrong;
 }
 
-void tell(const Tally& t) {
+void send_status(const Tally& t) {
   std::printf(
       "%d failures: %d of the %d orphans that the design gives to neighbours are read (%d of them those that it "
       "names), "
@@ -215,10 +215,11 @@ TEST(Adoption, every_failure_is_mended_as_the_design_says) {
   EXPECT_EQ(t.wrong, 0);
   EXPECT_EQ(t.kept, 0) << "modules that are whole again, and not with their own controller";
   EXPECT_LT(t.longest_look_us, 61'000U);
-  tell(t);
+  send_status(t);
 }
 
-// Patches of every size, so also neighbours that have few addresses left. What is not read: docs/switched_module.md.
+// Patches of every size, so also neighbours that have few addresses left. What is not read:
+// docs/measurements/rerouting.md.
 TEST(AdoptionOnManyCovers, leaves_one_orphan_of_a_hundred_at_most) {
   Tally t;
   for (const int columns : {4, 5, 6}) {
@@ -229,12 +230,12 @@ TEST(AdoptionOnManyCovers, leaves_one_orphan_of_a_hundred_at_most) {
   EXPECT_EQ(t.wrong, 0);
   EXPECT_EQ(t.kept, 0);
   EXPECT_LT(t.longest_look_us, 61'000U);
-  tell(t);
+  send_status(t);
 }
 
 TEST(Adoption, is_told_by_verify) {
   const design::Design design = joined_patches(4, 8);
-  const Orphans o = orphans_of(design).front();
+  const Unreachable o = unreachable_of(design).front();
   Fixture f(design);
   f.set_dead(o.dead, true);
   f.run_us(kAdopted_us);
@@ -256,7 +257,7 @@ TEST(Adoption, is_told_by_verify) {
 // An owner that lost its memory finds its modules at a neighbour, and asks for them.
 TEST(Adoption, an_owner_that_restarts_gets_its_modules_back) {
   const design::Design design = joined_patches(4, 8);
-  const Orphans o = orphans_of(design).front();
+  const Unreachable o = unreachable_of(design).front();
   Fixture f(design);
   f.set_dead(o.dead, true);
   f.run_us(kAdopted_us);
@@ -271,7 +272,7 @@ TEST(Adoption, an_owner_that_restarts_gets_its_modules_back) {
 // Nobody repeats the offer: after three seconds the modules are let go, and the owner takes them when it is back.
 TEST(Adoption, ends_when_the_owner_falls_silent) {
   const design::Design design = joined_patches(4, 8);
-  const Orphans o = orphans_of(design).front();
+  const Unreachable o = unreachable_of(design).front();
   Fixture f(design);
   f.set_dead(o.dead, true);
   f.run_us(kAdopted_us);
@@ -302,13 +303,13 @@ TEST(Adoption, a_look_that_may_not_adopt_stays_inside_the_border) {
   ChainOf chain(hardware.patch(0).chain_of(0));
   fw::Topology topology(chain);
   const auto table = fw::Topology::table_of(device::image_of(design, 0));
-  const auto own = topology.heal(table, fw::Topology::Look::kOwn);
+  const auto own = topology.reroute(table, fw::Topology::Look::kOwn);
   EXPECT_EQ(own.alive, 0xFF);
   EXPECT_EQ(topology.graph().count, 8);
-  const auto beyond = topology.heal(table, fw::Topology::Look::kBeyond);
+  const auto beyond = topology.reroute(table, fw::Topology::Look::kBeyond);
   EXPECT_GT(beyond.unknown, 0);
-  EXPECT_EQ(topology.guest_count(), 0);
-  const auto adopting = topology.heal(table, fw::Topology::Look::kAdopt);
+  EXPECT_EQ(topology.adopted_count(), 0);
+  const auto adopting = topology.reroute(table, fw::Topology::Look::kAdopt);
   EXPECT_EQ(adopting.alive, 0xFF);
 }
 

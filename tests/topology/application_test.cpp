@@ -6,11 +6,11 @@
 #include <map>
 
 #include "support/random_design.hpp"
-#include "triskin/design/joint.hpp"
 #include "triskin/deploy/flash.hpp"
+#include "triskin/design/joint.hpp"
+#include "triskin/scene/sim_link.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/scene/sim_link.hpp"
 #include "triskin/wire/taxel_frames.hpp"
 
 namespace triskin::test {

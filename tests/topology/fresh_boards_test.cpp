@@ -12,9 +12,9 @@
 #include "triskin/deploy/flash.hpp"
 #include "triskin/deploy/identify.hpp"
 #include "triskin/diagnose/verify.hpp"
+#include "triskin/scene/sim_link.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/scene/sim_link.hpp"
 
 namespace triskin::test {
 namespace {

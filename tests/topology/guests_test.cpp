@@ -47,11 +47,11 @@ class Patch {
     }
   }
   fw::Topology::Report adopt(std::uint8_t layers = fw::Topology::kAllLayers) {
-    return topology.heal(table, Look::kAdopt, layers);
+    return topology.reroute(table, Look::kAdopt, layers);
   }
-  [[nodiscard]] std::vector<wire::Guest> guests() const {
-    std::vector<wire::Guest> list;
-    for (std::uint8_t k = 0; k < topology.guest_count(); ++k) list.push_back(topology.guest(k));
+  [[nodiscard]] std::vector<wire::AdoptedModule> adopted_modules() const {
+    std::vector<wire::AdoptedModule> list;
+    for (std::uint8_t k = 0; k < topology.adopted_count(); ++k) list.push_back(topology.adopted_module(k));
     return list;
   }
   void expect_at(int module, int place) const {
@@ -67,108 +67,109 @@ class Patch {
 
 // 0 – 1 – 2 are joined in a row; the stranger 3 touches 0 and 2. A walk that went on through 3 would come to 2 by a
 // joint that the table does not know.
-TEST(Guests, a_way_through_a_stranger_back_into_the_patch_hides_no_own_module) {
+TEST(AdoptedModules, a_way_through_a_stranger_back_into_the_patch_hides_no_own_module) {
   Patch p(Joints(4).join(0, kC, 1, kA).join(1, kB, 2, kA).join(0, kB, 3, kC).join(3, kA, 2, kB), 3);
   const auto report = p.adopt();
   EXPECT_TRUE(report.complete);
   EXPECT_EQ(report.alive, 0b111);
   EXPECT_EQ(report.unknown, 0);
-  EXPECT_EQ(p.guests(), (std::vector<wire::Guest>{{0, kB, kC, 3}}));
+  EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{0, kB, kC, 3}}));
   for (int m = 0; m < 4; ++m) p.expect_at(m, m);
   EXPECT_TRUE(p.topology.intact());
 }
 
 // Strangers 1 – 2 – 3 – 4 in a row behind module 0, and 5 at its other port.
-TEST(Guests, come_in_layer_by_layer) {
+TEST(AdoptedModules, come_in_layer_by_layer) {
   const Joints joints =
       Joints(6).join(0, kB, 1, kA).join(1, kC, 2, kB).join(2, kA, 3, kA).join(3, kC, 4, kB).join(0, kC, 5, kA);
   Patch p(joints, 1);
-  EXPECT_TRUE(p.adopt(1).more_guests);
-  EXPECT_EQ(p.guests(), (std::vector<wire::Guest>{{0, kB, kA, 1}, {0, kC, kA, 2}}));
+  EXPECT_TRUE(p.adopt(1).more_adopted);
+  EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{0, kB, kA, 1}, {0, kC, kA, 2}}));
   EXPECT_FALSE(p.model.reached(2));
-  EXPECT_TRUE(p.adopt(2).more_guests);
-  EXPECT_EQ(p.guests().size(), 3U);
+  EXPECT_TRUE(p.adopt(2).more_adopted);
+  EXPECT_EQ(p.adopted_modules().size(), 3U);
   const auto all = p.adopt();
-  EXPECT_FALSE(all.more_guests);
+  EXPECT_FALSE(all.more_adopted);
   EXPECT_EQ(all.max_depth, 4);
-  EXPECT_EQ(p.guests(),
-            (std::vector<wire::Guest>{{0, kB, kA, 1}, {0, kC, kA, 2}, {1, kC, kB, 3}, {3, kA, kA, 4}, {4, kC, kB, 5}}));
+  EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{
+                                     {0, kB, kA, 1}, {0, kC, kA, 2}, {1, kC, kB, 3}, {3, kA, kA, 4}, {4, kC, kB, 5}}));
   p.expect_at(4, 5);
   EXPECT_TRUE(p.topology.intact());
 }
 
 // 14 rows in a table leave two places. The sixteenth module has a joint to one more, which stays outside.
-TEST(Guests, end_where_the_table_leaves_no_address) {
+TEST(AdoptedModules, end_where_the_table_leaves_no_address) {
   Joints joints(17);
   for (int m = 0; m + 1 < 17; ++m) joints.join(m, kB, m + 1, kA);
   Patch p(joints, 14);
   const auto report = p.adopt();
   EXPECT_EQ(report.alive, 0x3FFF);
-  EXPECT_FALSE(report.more_guests);
-  EXPECT_EQ(p.guests(), (std::vector<wire::Guest>{{13, kB, kA, 14}, {14, kB, kA, 15}}));
+  EXPECT_FALSE(report.more_adopted);
+  EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{13, kB, kA, 14}, {14, kB, kA, 15}}));
   EXPECT_FALSE(p.model.reached(16));
   p.expect_at(15, 15);
   Patch full(joints, 16);
   EXPECT_EQ(full.adopt().alive, 0xFFFF);
-  EXPECT_TRUE(full.guests().empty());
+  EXPECT_TRUE(full.adopted_modules().empty());
   EXPECT_FALSE(full.model.reached(16));
 }
 
 // The stranger 2 holds line 1 low: it stays outside, 3 beside it comes in.
-TEST(Guests, one_that_holds_a_line_stays_outside) {
+TEST(AdoptedModules, one_that_holds_a_line_stays_outside) {
   Patch p(Joints(4).join(0, kB, 1, kA).join(1, kB, 2, kC).join(1, kC, 3, kA), 2);
   p.model.set_stuck_line(2, 1);
   const auto report = p.adopt();
   EXPECT_EQ(report.alive, 0b11);
-  EXPECT_EQ(p.guests(), (std::vector<wire::Guest>{{1, kC, kA, 2}}));
+  EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{1, kC, kA, 2}}));
   EXPECT_FALSE(p.model.reached(2));
   p.model.set_stuck_line(2, -1);
-  // Behind a guest as well.
+  // Behind a adopted module as well.
   Patch q(Joints(4).join(0, kB, 1, kA).join(1, kB, 2, kC).join(0, kC, 3, kA), 1);
   q.model.set_stuck_line(2, 1);
   EXPECT_EQ(q.adopt().alive, 0b1);
-  EXPECT_EQ(q.guests(), (std::vector<wire::Guest>{{0, kB, kA, 1}, {0, kC, kA, 2}}));
+  EXPECT_EQ(q.adopted_modules(), (std::vector<wire::AdoptedModule>{{0, kB, kA, 1}, {0, kC, kA, 2}}));
   EXPECT_EQ(q.model.stuck_lines(), 0);
 }
 
-// What a port of a guest leads to breaks the chain in its middle: nothing of it may be latched in the modules behind.
-TEST(Guests, shorts_and_open_ends_behind_a_guest_cost_no_module) {
+// What a port of a adopted module leads to breaks the chain in its middle: nothing of it may be latched in the modules
+// behind.
+TEST(AdoptedModules, shorts_and_open_ends_behind_a_adopted_cost_no_module) {
   const Joints joints = Joints(5).join(0, kB, 1, kA).join(0, kC, 2, kA).join(1, kB, 3, kA).join(3, kB, 4, kA);
   Patch p(joints, 3);  // modules 3 and 4 are strangers, 2 lies behind them in the chain
   p.model.set_joint({3, kB}, SwitchedPatch::JointFault::kShort);
   EXPECT_EQ(p.adopt().alive, 0b111);
-  EXPECT_EQ(p.guests(), (std::vector<wire::Guest>{{1, kB, kA, 3}}));
+  EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{1, kB, kA, 3}}));
   for (int m = 0; m < 4; ++m) p.expect_at(m, m);
   EXPECT_TRUE(p.topology.intact());
 }
 
-TEST(Guests, are_none_while_an_own_module_is_missing) {
+TEST(AdoptedModules, are_none_while_an_own_module_is_missing) {
   Patch p(Joints(4).join(0, kB, 1, kA).join(1, kB, 2, kA).join(0, kC, 3, kA), 3);
   p.model.set_dead(2, true);
   EXPECT_EQ(p.adopt().alive, 0b011);
-  EXPECT_TRUE(p.guests().empty());
+  EXPECT_TRUE(p.adopted_modules().empty());
   p.model.set_dead(2, false);
   EXPECT_EQ(p.adopt().alive, 0b111);
-  EXPECT_EQ(p.guests().size(), 1U);
+  EXPECT_EQ(p.adopted_modules().size(), 1U);
 }
 
 // Module 2 has a cable of its own at port B and is held by its controller: refused. Let go, it comes in.
-TEST(Guests, are_none_that_somebody_holds) {
+TEST(AdoptedModules, are_none_that_somebody_holds) {
   Patch p(Joints(3).join(0, kB, 1, kA).join(1, kC, 2, kA), 2);
   auto& other = p.model.chain_of(p.model.add_controller({2, kB}));
   other.enable(1);
   EXPECT_EQ(p.adopt().alive, 0b11);
-  EXPECT_TRUE(p.guests().empty());
+  EXPECT_TRUE(p.adopted_modules().empty());
   EXPECT_EQ(p.model.controller_of(2), 1);
   other.enable(0);
   (void)p.adopt();
-  EXPECT_EQ(p.guests(), (std::vector<wire::Guest>{{1, kC, kA, 2}}));
+  EXPECT_EQ(p.adopted_modules(), (std::vector<wire::AdoptedModule>{{1, kC, kA, 2}}));
   EXPECT_EQ(p.model.controller_of(2), 0);
-  // Taken away while it is a guest: the check sees it, and the own modules go on without it.
+  // Taken away while it is a adopted module: the check sees it, and the own modules go on without it.
   p.model.set_dead(2, true);
   EXPECT_FALSE(p.topology.intact());
   EXPECT_EQ(p.adopt().alive, 0b11);
-  EXPECT_TRUE(p.guests().empty());
+  EXPECT_TRUE(p.adopted_modules().empty());
 }
 
 // The first modules of a random patch are those of the table, the others strangers.
@@ -176,7 +177,7 @@ Patch patch_within(const RandomPatch& r, int own) {
   return {r.joints, own, r.cable_port};
 }
 
-TEST(Guests, are_all_strangers_of_200_random_patches) {
+TEST(AdoptedModules, are_all_strangers_of_200_random_patches) {
   std::mt19937_64 random(11);
   double slowest_us = 0.0;
   for (int trial = 0; trial < 200; ++trial) {
@@ -186,7 +187,7 @@ TEST(Guests, are_all_strangers_of_200_random_patches) {
     const auto report = p.adopt();
     slowest_us = std::max(slowest_us, p.model.time_us() - start_us);
     ASSERT_EQ(report.alive, (1U << own) - 1U) << trial;
-    ASSERT_EQ(p.topology.guest_count(), strangers) << trial;
+    ASSERT_EQ(p.topology.adopted_count(), strangers) << trial;
     std::set<int> places;
     for (int m = 0; m < own + strangers; ++m) {
       ASSERT_TRUE(p.model.reached(m)) << trial;
@@ -200,7 +201,7 @@ TEST(Guests, are_all_strangers_of_200_random_patches) {
 }
 
 // A marginal clock flips bits: what is said to be read is read where it is said to be.
-TEST(Guests, are_never_in_a_wrong_place_where_bits_flip) {
+TEST(AdoptedModules, are_never_in_a_wrong_place_where_bits_flip) {
   std::mt19937_64 random(12);
   int complete = 0;
   for (int trial = 0; trial < 200; ++trial) {
@@ -209,7 +210,7 @@ TEST(Guests, are_never_in_a_wrong_place_where_bits_flip) {
     const auto report = p.adopt();
     p.model.set_bit_error_rate(0.0);
     if (!report.complete || !p.topology.intact()) continue;  // the next look has another chance
-    complete += report.alive == 0x3FF && p.topology.guest_count() == 4 ? 1 : 0;
+    complete += report.alive == 0x3FF && p.topology.adopted_count() == 4 ? 1 : 0;
     for (int m = 0; m < 10; ++m) {
       if ((report.alive >> m & 1) != 0) p.expect_at(m, m);
     }

@@ -33,16 +33,16 @@ inline design::Design joined_patches(int columns, int capacity, bool second_entr
 }
 
 /// A failure of a module after which others are left to a neighbour.
-struct Orphans {
+struct Unreachable {
   int dead = -1, patch = -1;
   std::vector<int> modules;
 };
-inline std::vector<Orphans> orphans_of(const design::Design& design) {
-  std::vector<Orphans> list;
+inline std::vector<Unreachable> unreachable_of(const design::Design& design) {
+  std::vector<Unreachable> list;
   for (int p = 0; p < static_cast<int>(design.patches.size()); ++p) {
     for (const design::FailureLoss& f : design.patches[static_cast<std::size_t>(p)].failures) {
       if (f.other_node >= 0 || f.adopted.empty()) continue;
-      Orphans o{f.node, p, {}};
+      Unreachable o{f.node, p, {}};
       for (const auto& a : f.adopted) o.modules.push_back(a[0]);
       list.push_back(std::move(o));
     }

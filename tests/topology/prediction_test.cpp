@@ -54,13 +54,13 @@ TEST(Prediction, every_failure_of_a_design_costs_what_the_host_said) {
     ModelledChain chain(model);
     fw::Topology topology(chain);
     const layout::PatchImage normal = device::image_of(design, 0);
-    const auto healthy = topology.heal(fw::Topology::table_of(normal));
-    ASSERT_TRUE(healthy.complete && healthy.as_table && healthy.least_depth) << trial;
+    const auto healthy = topology.reroute(fw::Topology::table_of(normal));
+    ASSERT_TRUE(healthy.complete && healthy.as_table && healthy.min_depth) << trial;
     ASSERT_EQ(healthy.max_depth, patch.max_depth);
     for (const design::FailureLoss& f : patch.failures) {
       ++failures;
       break_it(model, design, f, true);
-      const auto report = topology.heal(fw::Topology::table_of(normal));
+      const auto report = topology.reroute(fw::Topology::table_of(normal));
       const int n = static_cast<int>(patch.modules.size());
       // Over the first cable what the host said for one entry; over the second, when the entry died, what it said for
       // two.
@@ -77,7 +77,7 @@ TEST(Prediction, every_failure_of_a_design_costs_what_the_host_said) {
         const layout::PatchImage backup = device::image_of(design, 0, {f.node, f.other_node});
         ASSERT_EQ(backup.module_count, n - f.lost_one_entry)
             << trial << " module " << f.node << " other " << f.other_node;
-        const auto prepared = topology.heal(fw::Topology::table_of(backup));
+        const auto prepared = topology.reroute(fw::Topology::table_of(backup));
         EXPECT_TRUE(prepared.complete && prepared.as_table)
             << trial << " module " << f.node << " other " << f.other_node;
         EXPECT_EQ(std::popcount(prepared.alive), backup.module_count);

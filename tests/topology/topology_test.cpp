@@ -83,10 +83,10 @@ class Fixture {
         topology(chain),
         table{table_of(patch), addresses_of(patch.size()), {}} {}
 
-  // After healing: exactly the best set is reached, least deep, each module at its own line and address.
+  // After rerouting: exactly the best set is reached, least deep, each module at its own line and address.
   void expect_best(const std::vector<Failure>& failures) {
     const double start = model.time_us();
-    const fw::Topology::Report report = topology.heal(table);
+    const fw::Topology::Report report = topology.reroute(table);
     slowest_us = std::max(slowest_us, model.time_us() - start);
     const std::vector<int> best = best_depths(patch, failures);
     if (best[0] < 0) {
@@ -95,7 +95,7 @@ class Fixture {
       return;
     }
     ASSERT_TRUE(report.complete);
-    ASSERT_TRUE(report.least_depth);
+    ASSERT_TRUE(report.min_depth);
     for (int m = 0; m < patch.size(); ++m) {
       const auto k = static_cast<std::size_t>(m);
       ASSERT_EQ(model.depth_of(m), best[k]) << "module " << m;
@@ -268,7 +268,7 @@ TEST(Faults, stuck_register_bits_end_in_bounded_time_without_a_wrong_map) {
       for (const int bit : {4, 5, 6}) {
         fixture.model.set_stuck_bit(m, bit, 0);
         const double start = fixture.model.time_us();
-        const auto report = fixture.topology.heal(fixture.table);
+        const auto report = fixture.topology.reroute(fixture.table);
         EXPECT_LE(fixture.model.time_us() - start, 2'000'000.0);
         for (int k = 0; k < fixture.patch.size(); ++k) {
           if ((report.alive >> k & 1) == 0) continue;

@@ -9,9 +9,9 @@
 #include "shared_skin.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/deploy/board_backup.hpp"
-#include "triskin/session/controller_calibration.hpp"
 #include "triskin/diagnose/verify.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/controller_calibration.hpp"
 #include "triskin/session/patch_table.hpp"
 
 namespace triskin::device {

@@ -20,7 +20,7 @@ class Reader {
   Reader(SharedSkin& hub, int every) : link_(hub), bus_(link_) {
     StreamOptions options;
     options.every = every;
-    stream_.emplace(bus_, hub.design(), [this](const ModuleFrame&) { ++frames_; }, options);
+    stream_.emplace(bus_, hub.design(), [this](const ModuleSample&) { ++frames_; }, options);
     begin_us_ = bus_.now_us();
     every_ = every;
   }
@@ -56,25 +56,25 @@ TEST(Leases, decimation_is_chosen_by_the_first_reader) {
   Bus bus(link), other_bus(other_link);
   StreamOptions options;
   options.decimation = wire::Decimation::k128;
-  Stream first(bus, hub.design(), [](const ModuleFrame&) {}, options);
+  Stream first(bus, hub.design(), [](const ModuleSample&) {}, options);
   first.run_until(bus.now_us() + 2'000'000);
   options.decimation = wire::Decimation::k64;
   try {
-    const Stream second(other_bus, hub.design(), [](const ModuleFrame&) {}, options);
+    const Stream second(other_bus, hub.design(), [](const ModuleSample&) {}, options);
     ADD_FAILURE() << "changed under the first reader";
   } catch (const DeviceError& e) {
     EXPECT_NE(std::string(e.what()).find("patch 0 at decimation 128; end them first"), std::string::npos) << e.what();
   }
   options.decimation = wire::Decimation::k128;
   {
-    const Stream third(other_bus, hub.design(), [](const ModuleFrame&) {}, options);
+    const Stream third(other_bus, hub.design(), [](const ModuleSample&) {}, options);
   }
   first.finish();
   const StreamReport r = first.report();
   EXPECT_TRUE(r.complete()) << sentences(r).at(0);
   EXPECT_NEAR(static_cast<double>(r.total.expected), 6 * 2.0 / 0.0184, 0.05 * 6 * 2.0 / 0.0184);
   options.decimation = wire::Decimation::k256;  // nobody reads now
-  EXPECT_NO_THROW(Stream(other_bus, hub.design(), [](const ModuleFrame&) {}, options));
+  EXPECT_NO_THROW(Stream(other_bus, hub.design(), [](const ModuleSample&) {}, options));
 }
 
 // What was wrong: the reader that ended first switched the streams off; the other had half its data, "0 lost".

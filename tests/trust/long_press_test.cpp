@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "shared_skin.hpp"
-#include "triskin/skin/live_monitor.hpp"
 #include "triskin/scene/sim_link.hpp"
+#include "triskin/skin/live_monitor.hpp"
 
 namespace triskin::device {
 namespace {
@@ -38,7 +38,7 @@ TEST_P(LongPress, stays_within_two_percent_of_its_value_at_ten_seconds) {
   bus.listen(bus.now_us() + 3 * kSecond_us);  // offsets are found
 
   LiveMonitor monitor(link.skin().scene().design);
-  Stream stream(bus, link.skin().scene().design, [&](const ModuleFrame& f) { monitor.add(f); });
+  Stream stream(bus, link.skin().scene().design, [&](const ModuleSample& f) { monitor.add(f); });
   stream.run_until(bus.now_us() + kSecond_us);
   EXPECT_TRUE(monitor.touches().pressed().empty());
   scene::Contact finger;

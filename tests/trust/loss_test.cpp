@@ -24,7 +24,7 @@ class Crowded : public testing::Test {
     hub_.forget();
     Stream stream(
         bus_, hub_.design(),
-        [&](const ModuleFrame& f) { came_.insert({f.sample.node_address, f.sample.module, f.sample.sample}); },
+        [&](const ModuleSample& f) { came_.insert({f.sample.node_address, f.sample.module, f.sample.sample}); },
         std::move(options));
     stream.run_until(bus_.now_us() + static_cast<std::uint64_t>(seconds * 1e6));
     stream.finish();

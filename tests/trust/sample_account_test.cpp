@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::uint64_t kInterval_us = 36'900;
 
-wire::FullTaxels sample(std::uint32_t number, std::uint32_t dropped = 0, std::uint16_t unread = 0) {
-  wire::FullTaxels t;
+wire::TaxelFrame sample(std::uint32_t number, std::uint32_t dropped = 0, std::uint16_t unread = 0) {
+  wire::TaxelFrame t;
   t.sample = number;
   t.device_time_us = number * kInterval_us;
   t.valid = 1;

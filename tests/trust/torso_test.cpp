@@ -54,7 +54,7 @@ TEST_P(LargeCover, every_sample_of_a_minute_arrives_or_is_counted) {
   hub.forget();
   Stream stream(
       bus, hub.design(),
-      [&](const ModuleFrame& f) { came[{f.sample.node_address, f.sample.module}].insert(f.sample.sample); }, options);
+      [&](const ModuleSample& f) { came[{f.sample.node_address, f.sample.module}].insert(f.sample.sample); }, options);
   stream.run_until(bus.now_us() + static_cast<std::uint64_t>(kSeconds * 1e6));
   stream.finish();
   const StreamReport r = stream.report();

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <set>
 
-#include "triskin/unfolding/unfolding.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/unfolding/unfolding.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -7,13 +7,13 @@
 #include <fstream>
 
 #include "support/covers.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/check/design_rules.hpp"
 #include "triskin/lattice/map_modules.hpp"
-#include "triskin/placement/placement.hpp"
 #include "triskin/mesh/surface.hpp"
-#include "triskin/unfolding/unfolding.hpp"
-#include "triskin/base/error.hpp"
 #include "triskin/pipeline/make_design.hpp"
+#include "triskin/placement/placement.hpp"
+#include "triskin/unfolding/unfolding.hpp"
 
 namespace triskin {
 namespace {
@@ -51,12 +51,12 @@ INSTANTIATE_TEST_SUITE_P(Covers, Parts,
 class GeneratedParts : public testing::TestWithParam<std::pair<test::CoverName, double>> {};
 
 TEST_P(GeneratedParts, designs_and_passes_every_rule) {
-  const auto& [cover, least_coverage] = GetParam();
+  const auto& [cover, min_coverage] = GetParam();
   const auto mesh = test::cover_file(cover);
   pipeline::DesignOptions options;
   options.time_limit_s = 6.0;
   options.iterations = 40;
-  EXPECT_GE(accepted_design(cover.name, mesh->path(), options).report.coverage, least_coverage);
+  EXPECT_GE(accepted_design(cover.name, mesh->path(), options).report.coverage, min_coverage);
 }
 
 INSTANTIATE_TEST_SUITE_P(Covers, GeneratedParts,

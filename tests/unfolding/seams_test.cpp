@@ -12,9 +12,9 @@
 #include <functional>
 #include <optional>
 
+#include "triskin/base/error.hpp"
 #include "triskin/placement/polygon_io.hpp"
 #include "triskin/unfolding/unfolding.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <functional>
 
+#include "triskin/base/error.hpp"
 #include "triskin/mesh/extract.hpp"
 #include "triskin/placement/polygon_io.hpp"
 #include "triskin/unfolding/unfolding.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

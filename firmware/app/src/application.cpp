@@ -62,7 +62,7 @@ void Application::restart_sampling() {
   }
 }
 
-// Switched modules: the chain is checked now and then, and healed when that is due. Transfers under way when a check
+// Switched modules: the chain is checked now and then, and rerouted when that is due. Transfers under way when a check
 // fails end unused.
 void Application::keep_route() {
   for (std::uint8_t l = 0; l < layout::kLines; ++l) route_.line_state(l, lines_[l].stuck());
@@ -73,8 +73,8 @@ void Application::keep_route() {
   for (LineSampler& l : lines_) idle = l.pause() && idle;
   if (!idle) return;
   invalidate_samples();
-  if (route_.due(now_us())) route_.heal(*ports_.clock);
-  seat_guests();
+  if (route_.due(now_us())) route_.reroute(*ports_.clock);
+  place_adopted();
   for (LineSampler& l : lines_) l.resume(now_us());
   pausing_ = false;
 }
@@ -83,14 +83,14 @@ void Application::forget_samples(std::size_t first) {
   for (std::size_t k = first; k < samples_.size(); ++k) samples_[k] = published_[k] = ModuleSample{};
 }
 
-void Application::seat_guests() {
+void Application::place_adopted() {
   const wire::Adoption& now = route_.adoption();
-  if (now.list == guest_list_) return;
-  guest_list_ = now.list;
-  const std::size_t own = rows(), first_new = own + route_.kept_guests();
+  if (now.list == adopted_list_) return;
+  adopted_list_ = now.list;
+  const std::size_t own = rows(), first_new = own + route_.kept_adopted();
   forget_samples(first_new);
   for (Channel& c : channels()) c.stream.forget_from(first_new);
-  for (LineSampler& l : lines_) l.replace_guests(own, now.list_of_guests(), route_.kept_guests(), now_us());
+  for (LineSampler& l : lines_) l.replace_adopted(own, now.list_of_adopted(), route_.kept_adopted(), now_us());
 }
 
 // What was read since the last check of the chain that passed may come from another module.
@@ -117,11 +117,17 @@ void Application::step() {
   if (pausing_) keep_route();
   if (now_us() >= next_tick_us_) tick();
   take_samples();
+  if (read_a_module_) prove();  // not inside publish(): the flash may be busy there
   offset_store_.step(offsets_);
   send_pending();
-  route_.tell(*ports_.can, tables_.node_address(), now_us());
+  route_.send_status(*ports_.can, tables_.node_address(), now_us());
   if (ports_.update != nullptr) ports_.update->step(*ports_.can, now_us());
   reset_when_answered();
+}
+
+void Application::prove() {
+  if (!proved_ && ports_.restart != nullptr) ports_.restart->confirm();
+  proved_ = true;
 }
 
 // Units of an image go into the flash one in a step: the lines are served between them.
@@ -174,13 +180,16 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
     if (c.port == ports_.can) handle_icub_frame(frame);
     return;
   }
-  if (ports_.update != nullptr && c.port == ports_.can && ports_.update->handle(frame, now_us())) return;
+  if (ports_.update != nullptr && c.port == ports_.can && ports_.update->handle(frame, now_us())) {
+    prove();
+    return;
+  }
   if (handle_claim_frame(c, frame)) return;
   if (const auto lease = wire::decode_lease(frame)) {
     if (c.port->fd()) c.stream.renew(*lease, now_us());
     return;
   }
-  if (route_.hear(frame, tables_.node_address(), now_us())) return;
+  if (route_.receive(frame, tables_.node_address(), now_us())) return;
   const bool functional = frame.id == wire::kFunctionalId;
   if (!functional && frame.id != c.link.rx_id()) return;
   if (functional) {  // single frames only (ISO 15765-4)
@@ -195,6 +204,7 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
 
 void Application::answer(Channel& c, Bytes request, bool functional) {
   asking_ = c.port;
+  prove();  // first: the answer may be about that
   const Bytes response = server_.handle(request, functional);
   if (!response.empty()) (void)c.link.send(response, now_us());
 }
@@ -267,6 +277,7 @@ bool Application::frames_wait() const {
 
 void Application::publish(std::size_t module) {
   samples_[module].fresh = false;
+  read_a_module_ = read_a_module_ || samples_[module].valid != 0;
   published_[module] = samples_[module];
   if (module < rows()) icub_triangles_.read(module, samples_[module]);
   stream_full(table_row(module));
@@ -296,7 +307,7 @@ void Application::take_samples() {
     ModuleSample& s = samples_[k];
     if (!s.fresh) continue;
     publish(k);
-    if (k >= rows()) continue;  // a guest's faults are its owner's
+    if (k >= rows()) continue;  // a adopted module's faults are its owner's
     // Last: a full page of the fault memory is erased, and the module may have been read anew after that.
     faults_.note(table_row(k), s.state, {static_cast<std::uint32_t>(now_us() / 1000), s.number});
   }
@@ -326,14 +337,14 @@ void Application::tick() {
 // Each port counts every sample, also those that nobody reads over it.
 void Application::stream_full(TableRow row) {
   const ModuleSample& s = samples_[index_of(row)];
-  const wire::FullTaxels sample{.node_address = tables_.node_address(),
+  const wire::TaxelFrame sample{.node_address = tables_.node_address(),
                                 .module = static_cast<std::uint8_t>(row),
                                 .sample = s.number,
                                 .device_time_us = s.time_us,
                                 .valid = s.valid,
                                 .state = s.state,
                                 .value = output_ == wire::TaxelOutput::kRaw ? s.raw : s.compensation.output(),
-                                .guests = index_of(row) < rows() ? std::uint8_t{0} : guest_list_};
+                                .adopted_modules = index_of(row) < rows() ? std::uint8_t{0} : adopted_list_};
   for (Channel& c : channels()) c.stream.add(sample, modules(), server_.transferring());
 }
 
@@ -355,6 +366,11 @@ void Application::queue_icub() {
 void Application::calibrate() {
   for (ModuleSample& s : samples_) s.compensation.restart();  // the next reading becomes the baseline
   icub_triangles_.calibrate();
+}
+
+Status Application::clear_faults() {
+  if (ports_.monitor != nullptr) ports_.monitor->forget_crash();
+  return faults_.clear() ? Status::kOk : Status::kFlashFailed;
 }
 
 bool Application::read_fault(std::uint32_t dtc, ByteWriter& out) {

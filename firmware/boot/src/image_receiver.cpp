@@ -12,8 +12,8 @@ using wire::update::Order;
 
 Status acceptable(const wire::update::Offer& offer, int slot, std::uint32_t running_version) {
   if (offer.slot != slot || offer.hardware_crc != crc32(wire::kPartNumber)) return Status::kWrongTarget;
-  if (offer.size_bytes < layout::kLabelOffset + layout::kLabelBytes || offer.size_bytes > layout::kMostImageBytes ||
-      offer.size_bytes % kUnitBytes != 0)
+  if (offer.size_bytes < layout::kLabelOffset + layout::kLabelBytes ||
+      offer.size_bytes > layout::kMaxFirmwareImageBytes || offer.size_bytes % kUnitBytes != 0)
     return Status::kOutOfRange;
   if (offer.firmware_version < running_version && !offer.may_be_older) return Status::kOlder;
   return Status::kOk;

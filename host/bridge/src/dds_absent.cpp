@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // In place of dds_cyclone.cpp where Cyclone DDS was not there when the program was built.
-#include "triskin/bridge/dds.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/bridge/dds.hpp"
 
 namespace triskin::bridge {
 

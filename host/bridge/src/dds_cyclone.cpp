@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "dds_cyclone_messages.hpp"
-#include "triskin/bridge/dds.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/bridge/dds.hpp"
 
 namespace triskin::bridge {
 namespace {

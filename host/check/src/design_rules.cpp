@@ -54,11 +54,11 @@ class Fnv {
 // Kinds are in tables as numbers of three bits above ids of thirteen.
 void check_kinds(const CheckedDesign& d, Findings& f) {
   f.rule("kinds");
-  constexpr std::size_t kMostKinds = 7, kMostModules = 8192;
-  if (d.kinds.size() > kMostKinds || d.modules.size() > kMostModules) {
+  constexpr std::size_t kMaxKinds = 7, kMaxModules = 8192;
+  if (d.kinds.size() > kMaxKinds || d.modules.size() > kMaxModules) {
     f.broken("kinds", "design",
              fmt::format("{} kinds and {} modules; a table holds {} and {}", d.kinds.size(), d.modules.size(),
-                         kMostKinds, kMostModules));
+                         kMaxKinds, kMaxModules));
   }
   for (std::size_t k = 0; k < d.kinds.size(); ++k) {
     const auto& kind = d.kinds[k];

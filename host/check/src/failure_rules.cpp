@@ -123,9 +123,9 @@ class FailureRules {
     std::map<int, std::size_t> adopter;
     std::map<std::size_t, int> taken;
     for (const auto& [child, parent] : x.adopted) {
-      const bool orphan =
+      const bool unreachable_module =
           p_.find(child) != nullptr && !alive.contains(child) && !dead(x, child) && !adopter.contains(child);
-      if (!orphan || !modules_.contains(parent) || !joined(x, child, parent)) {
+      if (!unreachable_module || !modules_.contains(parent) || !joined(x, child, parent)) {
         broken("adoption", x, fmt::format("module {} cannot be read over module {}", child, parent));
         continue;
       }

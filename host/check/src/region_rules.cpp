@@ -15,8 +15,8 @@ namespace {
 constexpr double kPlaceStep_mm = 0.9;   // between places that must be covered
 constexpr double kPlaceSlack_mm = 1.0;  // by which a place may be farther off: solver and checker look at other places
 constexpr double kStatedReach_mm = 0.15;
-constexpr double kMostParts = 5000.0;  // of a side of a face: no cover is larger than 5 m
-constexpr double kSheet_mm = 8.0;      // of height over a module
+constexpr double kMaxParts = 5000.0;  // of a side of a face: no cover is larger than 5 m
+constexpr double kSheet_mm = 8.0;     // of height over a module
 
 double distance_to_edge(const P3& p, const P3& a, const P3& b) {
   const P3 d = b - a;
@@ -63,7 +63,7 @@ class RegionArea {
       const P3 a = corner(0), u = corner(1) - a, v = corner(2) - a;
       const double longest = std::max({u.norm(), v.norm(), (u - v).norm()});
       if (depth(a + (u + v) / 3.0, f) < -longest) continue;
-      const int n = static_cast<int>(std::ceil(std::min(longest / step, kMostParts)));
+      const int n = static_cast<int>(std::ceil(std::min(longest / step, kMaxParts)));
       for (int i = 0; i < n; ++i) {
         for (int j = 0; j < n - i; ++j) {
           const P3 p = a + (i + 1.0 / 3.0) / n * u + (j + 1.0 / 3.0) / n * v;

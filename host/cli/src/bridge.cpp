@@ -15,14 +15,14 @@
 
 #include "bridge_services.hpp"
 #include "contacts.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/base/wall_clock.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/base/interrupt.hpp"
-#include "triskin/base/wall_clock.hpp"
+#include "triskin/robot/robot.hpp"
 #include "triskin/skin/rest_store.hpp"
 #include "triskin/skin/touch_map.hpp"
-#include "triskin/robot/robot.hpp"
 
 namespace triskin::cli::bridge_command {
 namespace {
@@ -85,8 +85,9 @@ bridge::BridgeOptions with_unit(bridge::BridgeOptions options, const design::Ski
 // One cover: its topics, and what presses it.
 class CoverFeed {
  public:
-  CoverFeed(const robot::CoverOnBus& cover, bridge::Domain& domain, const bridge::BridgeOptions& options, bool services,
-            std::span<const wire::NodeClaim> claims, design::SkinCalibration calibration, std::uint64_t now_ns)
+  CoverFeed(const robot::CoverConfig& cover, bridge::Domain& domain, const bridge::BridgeOptions& options,
+            bool services, std::span<const wire::NodeClaim> claims, design::SkinCalibration calibration,
+            std::uint64_t now_ns)
       : cover_(cover),
         part_(options.part),
         touches_(cover.design, device::RestStore(cover.design, claims).read()),
@@ -95,7 +96,7 @@ class CoverFeed {
     if (services) services_.emplace(domain, part_, cover.design, touches_);
   }
 
-  void add(const device::ModuleFrame& f, std::uint64_t sampled_ns) {
+  void add(const device::ModuleSample& f, std::uint64_t sampled_ns) {
     touches_.add(f);
     if (services_) services_->add(f);
     bridge_.add({f.module, f.link_time_us, f.sample, sampled_ns, f.sampled.error_us});
@@ -113,7 +114,7 @@ class CoverFeed {
     report_ = report;
   }
   // Adds what is told of the cover; returns the exit status.
-  int tell(const robot::BusSite& bus, nlohmann::json& rows, Output& output) const {
+  int print_report(const robot::BusConfig& bus, nlohmann::json& rows, Output& output) const {
     nlohmann::json row = keys_of(bus, cover_);
     const bridge::Published& p = bridge_.published();
     for (const std::string& line : sentences(report_)) output.say(prefix_of(cover_) + line);
@@ -132,7 +133,7 @@ class CoverFeed {
   }
 
  private:
-  const robot::CoverOnBus& cover_;
+  const robot::CoverConfig& cover_;
   std::string part_;
   device::TouchMap touches_;
   design::SkinCalibration calibration_;
@@ -144,7 +145,7 @@ class CoverFeed {
 // One bus: from its stream to the topics of its covers.
 class BusFeed {
  public:
-  BusFeed(const Options& options, const robot::BusSite& site) : options_(options), site_(site) {}
+  BusFeed(const Options& options, const robot::BusConfig& site) : options_(options), site_(site) {}
 
   void run(device::Link& link, bridge::Domain& domain, const std::vector<bridge::BridgeOptions>& by_cover,
            const Output& output) {
@@ -153,7 +154,7 @@ class BusFeed {
     start_us_ = bus.now_us();
     start_ns_ = unix_ns();
     std::vector<const design::Design*> designs;
-    for (const robot::CoverOnBus& cover : site_.covers) {
+    for (const robot::CoverConfig& cover : site_.covers) {
       if (!cover.chosen) continue;
       covers_.push_back(std::make_unique<CoverFeed>(
           cover, domain, by_cover[static_cast<std::size_t>(cover.cover)], options_.services, claims,
@@ -162,7 +163,7 @@ class BusFeed {
     }
     device::Stream stream(
         bus, designs,
-        [this](const device::ModuleFrame& f) {
+        [this](const device::ModuleSample& f) {
           covers_[static_cast<std::size_t>(f.cover)]->add(f, ns_of(f.sampled.link_us));
         },
         robot::stream_options(site_, designs, speaking(options_.stream)));
@@ -171,9 +172,9 @@ class BusFeed {
     for (std::size_t c = 0; c < covers_.size(); ++c)
       covers_[c]->end(stream.report(static_cast<int>(c)), ns_of(bus.now_us()));
   }
-  int tell(nlohmann::json& rows, Output& output) const {
+  int print_report(nlohmann::json& rows, Output& output) const {
     int status = 0;
-    for (const auto& cover : covers_) status = std::max(status, cover->tell(site_, rows, output));
+    for (const auto& cover : covers_) status = std::max(status, cover->print_report(site_, rows, output));
     return status;
   }
 
@@ -201,7 +202,7 @@ class BusFeed {
   }
 
   const Options& options_;
-  const robot::BusSite& site_;
+  const robot::BusConfig& site_;
   std::vector<std::unique_ptr<CoverFeed>> covers_;
   std::uint64_t start_us_ = 0, start_ns_ = 0;
 };
@@ -239,14 +240,14 @@ int run(const Options& options, Output& output) {
   OpenSite open{std::move(site), {}};
   open.links = device::open_buses(open.site, options.site.link);
   std::deque<BusFeed> feeds;
-  for (const robot::BusSite& bus : open.site.buses) feeds.emplace_back(options, bus);
+  for (const robot::BusConfig& bus : open.site.buses) feeds.emplace_back(options, bus);
   output.say(fmt::format("publishing /skin/… in domain {}; end with Ctrl-C", options.domain));
-  on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+  on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
     feeds[static_cast<std::size_t>(&bus - open.site.buses.data())].run(link, *domain, by_cover, output);
   });
   nlohmann::json rows = nlohmann::json::array();
   int status = 0;
-  for (const BusFeed& feed : feeds) status = std::max(status, feed.tell(rows, output));
+  for (const BusFeed& feed : feeds) status = std::max(status, feed.print_report(rows, output));
   if (open.site.is_robot)
     output.result = {{"covers", std::move(rows)}};
   else

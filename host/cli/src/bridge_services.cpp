@@ -45,7 +45,7 @@ CoverServices::CoverServices(bridge::Domain& domain, const std::string& part, co
       identify_(domain, part),
       valid_since_tare_(design.layout.modules.size()) {}
 
-void CoverServices::add(const device::ModuleFrame& frame) {
+void CoverServices::add(const device::ModuleSample& frame) {
   valid_since_tare_.at(static_cast<std::size_t>(frame.module)) |= frame.sample.valid;
 }
 

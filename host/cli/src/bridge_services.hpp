@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "triskin/bridge/services.hpp"
-#include "triskin/skin/touch_map.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/stream.hpp"
+#include "triskin/skin/touch_map.hpp"
 
 namespace triskin::cli {
 
@@ -20,7 +20,7 @@ class CoverServices {
   CoverServices(bridge::Domain& domain, const std::string& part, const design::Design& design,
                 device::TouchMap& touches);
   /// A sample came that `touches` has.
-  void add(const device::ModuleFrame& frame);
+  void add(const device::ModuleSample& frame);
   /// Does what was asked since the last call; talks to controllers. Throws DeviceError when DDS fails.
   void step(device::Bus& bus);
 

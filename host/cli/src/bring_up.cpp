@@ -8,8 +8,8 @@
 #include <iostream>
 #include <memory>
 
-#include "triskin/cli/link_options.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/cli/link_options.hpp"
 
 namespace triskin::cli::bring_up_command {
 namespace {

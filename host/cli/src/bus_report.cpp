@@ -24,14 +24,14 @@ void add_bus_keys(std::size_t modules, Output& output) {
   constexpr wire::BitRates kClassic{wire::kControllerRates.nominal, 0};
   const double can_fd = full_load(modules);
   output.result["bus"] = {{"can_fd", can_fd},
-                          {"every", device::least_every(can_fd)},
+                          {"every", device::min_every(can_fd)},
                           {"icub", wire::stream_load(modules, wire::icub_sample_ns(kClassic), kIcubPeriod_us)}};
 }
 
 void report_bus(std::size_t modules, Output& output) {
   add_bus_keys(modules, output);
   const double load = full_load(modules);
-  const int every = device::least_every(load);
+  const int every = device::min_every(load);
   if (every == 1) return;
   output.say(fmt::format(
       "every sample of all {} modules is {:.0f} % of one bus with 1 and 2 Mbit/s: one sample in {} fits, or "

@@ -7,16 +7,16 @@
 #include <iostream>
 #include <memory>
 
-#include "triskin/cli/site_options.hpp"
-#include "triskin/cli/stream_options.hpp"
-#include "triskin/design/outline.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/base/wall_clock.hpp"
-#include "triskin/session/controller_calibration.hpp"
-#include "triskin/skin/rest_store.hpp"
+#include "triskin/cli/site_options.hpp"
+#include "triskin/cli/stream_options.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/link/cover_link.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/controller_calibration.hpp"
+#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::cli::calibrate_command {
 namespace {
@@ -32,7 +32,7 @@ struct Options {
 
 constexpr double kNewtonPerGram = 9.80665e-3;
 constexpr double kKpaPerNewtonPerMm2 = 1000.0;
-constexpr std::size_t kMostNamed = 12;  // taxels that are listed one by one
+constexpr std::size_t kMaxNamed = 12;  // taxels that are listed one by one
 
 // Pressure of a weight of 1 g on the foot.
 double kpa_per_gram(const Options& options, const design::Design& design) {
@@ -89,24 +89,24 @@ device::CalibrationOutcome measure(const Options& options, const design::Design&
   return outcome;
 }
 
-void tell(const device::CalibrationOutcome& outcome, Output& output) {
+void print_report(const device::CalibrationOutcome& outcome, Output& output) {
   const design::CalibrationQuality& q = outcome.quality;
   output.say(
       fmt::format("{} of {} taxels calibrated up to {:g} kPa; error of a sensitivity {:.2g} % (median), {:.2g} % "
                   "(worst), 95 % bound; farthest from the line {:.2g} kPa",
-                  q.taxels, q.taxels + q.missing, q.most_kpa, q.median_percent, q.worst_percent, q.residual_kpa));
-  for (std::size_t k = 0; k < std::min(kMostNamed, outcome.without.size()); ++k)
+                  q.taxels, q.taxels + q.missing, q.max_kpa, q.median_percent, q.worst_percent, q.residual_kpa));
+  for (std::size_t k = 0; k < std::min(kMaxNamed, outcome.without.size()); ++k)
     output.say(fmt::format("module {} taxel {}: not calibrated: it does not follow the pressure; run triskin verify",
                            outcome.without[k].first, outcome.without[k].second));
-  if (outcome.without.size() > kMostNamed)
-    output.say(fmt::format("… and {} taxels more", outcome.without.size() - kMostNamed));
+  if (outcome.without.size() > kMaxNamed)
+    output.say(fmt::format("… and {} taxels more", outcome.without.size() - kMaxNamed));
   nlohmann::json without = nlohmann::json::array();
   for (const auto& [module, taxel] : outcome.without) without.push_back({{"module", module}, {"taxel", taxel}});
   output.result = {{"taxels", q.taxels},
                    {"median_percent", q.median_percent},
                    {"worst_percent", q.worst_percent},
                    {"residual_kpa", q.residual_kpa},
-                   {"most_kpa", q.most_kpa},
+                   {"most_kpa", q.max_kpa},
                    {"without", std::move(without)}};
 }
 
@@ -195,8 +195,8 @@ int run(const Options& options, Output& output) {
   if (ways != 1)
     throw InputError("calibrate: say what presses, with one of --steps, --weights and --ramp; or --from, or --forget");
   OpenSite open = open_site(options.site);
-  const robot::BusSite& site = open.site.buses[0];
-  const robot::CoverOnBus& cover = one_cover(open.site, "calibrate");
+  const robot::BusConfig& site = open.site.buses[0];
+  const robot::CoverConfig& cover = one_cover(open.site, "calibrate");
   device::CoverLink link(*open.links[0], cover.first_module);
   device::Bus bus(link);
   if (options.forget) return forget(cover.design, bus, output);
@@ -205,7 +205,7 @@ int run(const Options& options, Output& output) {
   const std::array streamed{&cover.design};
   own.calibrate.stream = robot::stream_options(site, streamed, own.calibrate.stream);
   device::CalibrationOutcome outcome = measure(own, cover.design, link, bus);
-  tell(outcome, output);
+  print_report(outcome, output);
   if (outcome.quality.taxels == 0) {
     output.say("no taxel followed the pressure: nothing was kept");
     return 1;
@@ -245,7 +245,7 @@ const Registration kCalibrate{{
                      "error of gauge or weights; it is added to that of every taxel")
           ->check(CLI::Range(0.0, 50.0))
           ->capture_default_str();
-      app.add_option("--most-error-percent", options->calibrate.most_error_percent,
+      app.add_option("--most-error-percent", options->calibrate.max_error_percent,
                      "a taxel with a larger error is left without a calibration")
           ->check(CLI::Range(0.01, 100.0))
           ->capture_default_str();

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "triskin/skin/calibrate.hpp"
 #include "triskin/session/controller_calibration.hpp"
+#include "triskin/skin/calibrate.hpp"
 
 namespace triskin::cli {
 
@@ -35,7 +35,7 @@ std::string version_of(const device::FoundCalibration& found, const std::string&
 }  // namespace
 
 design::SkinCalibration calibration_for(const CalibrationOptions& options, device::Bus& bus,
-                                        const robot::CoverOnBus& cover, std::span<const wire::NodeClaim> claims,
+                                        const robot::CoverConfig& cover, std::span<const wire::NodeClaim> claims,
                                         const Output& output) {
   if (options.file == "none") return {};
   std::vector<design::BoardCalibration> boards;
@@ -50,7 +50,7 @@ design::SkinCalibration calibration_for(const CalibrationOptions& options, devic
     output.say(fmt::format(
         "{}calibrated: {} taxels, error of a pressure {:.2g} % (median), {:.2g} % (worst), up to "
         "{:g} kPa; {}",
-        prefix_of(cover), q.taxels, q.median_percent, q.worst_percent, q.most_kpa, version_of(found, options.file)));
+        prefix_of(cover), q.taxels, q.median_percent, q.worst_percent, q.max_kpa, version_of(found, options.file)));
     return std::move(calibration);
   }
   if (calibration.missing() > 0) {
@@ -82,7 +82,7 @@ nlohmann::json calibration_keys(const design::SkinCalibration& calibration) {
           {"median_percent", q.median_percent},
           {"worst_percent", q.worst_percent},
           {"residual_kpa", q.residual_kpa},
-          {"most_kpa", q.most_kpa}};
+          {"most_kpa", q.max_kpa}};
 }
 
 }  // namespace triskin::cli

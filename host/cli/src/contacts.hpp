@@ -4,8 +4,8 @@
 
 #include "triskin/design/calibration.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/skin/touch_map.hpp"
 #include "triskin/recording/messages.hpp"
+#include "triskin/skin/touch_map.hpp"
 
 namespace triskin::cli {
 

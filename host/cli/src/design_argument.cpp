@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "triskin/design/design.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/design.hpp"
 
 namespace triskin::cli {
 namespace {

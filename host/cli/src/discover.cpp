@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "topology_report.hpp"
-#include "triskin/cli/site_options.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/board_shape.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/session/controller.hpp"
@@ -102,10 +102,10 @@ std::vector<wire::NodeClaim> claims_on(device::Bus& bus) {
 }
 
 // The cover and patch that a controller serves; a bus has few covers.
-std::string place_on(const robot::BusSite& site, nlohmann::json& j) {
+std::string place_on(const robot::BusConfig& site, nlohmann::json& j) {
   if (!j.contains("design_id")) return "";
   const std::string id = j["design_id"].get<std::string>();
-  for (const robot::CoverOnBus& cover : site.covers) {
+  for (const robot::CoverConfig& cover : site.covers) {
     const int patch = design::patch_at(cover.design, j["node_address"].get<int>());
     if (patch < 0 || id != fmt::format("{:016x}", cover.design.design_id)) continue;
     j["cover"] = cover.name;
@@ -115,7 +115,7 @@ std::string place_on(const robot::BusSite& site, nlohmann::json& j) {
   return "  of no cover here";
 }
 
-Found look_at(const robot::BusSite& site, device::Link& link) {
+Found look_at(const robot::BusConfig& site, device::Link& link) {
   Found found;
   device::Bus bus(link);
   const auto claims = claims_on(bus);
@@ -155,7 +155,7 @@ int run_robot(const Options& options, Output& output) {
   if (options.topology) throw InputError("discover: --topology looks at one link; give --link and --design");
   OpenSite open = open_site({options.robot, "", options.link});
   std::vector<Found> buses(open.site.buses.size());
-  on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+  on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
     buses[static_cast<std::size_t>(bus.number)] = look_at(bus, link);
   });
   nlohmann::json controllers = nlohmann::json::array();

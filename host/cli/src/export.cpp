@@ -7,12 +7,12 @@
 #include <map>
 #include <memory>
 
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/recorded_track.hpp"
 #include "triskin/export/icub_files.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/sheet/sheet.hpp"
 #include "triskin/view/frame_track.hpp"
@@ -92,7 +92,7 @@ std::string recorded_page(const Options& options, Output& output) {
   if (options.format != "html")
     throw InputError(fmt::format(
         "{}: a recording is exported as a page only: --format html; other formats take a design", options.design));
-  const RecordedTrack track = read_track(options.design, view::FrameTrack::kMostInFile_bytes);
+  const RecordedTrack track = read_track(options.design, view::FrameTrack::kMaxInFile_bytes);
   if (!track.remark.empty()) output.say(track.remark);
   return view::page_html(track.skin.design, track.frames, track.skin.calibration);
 }

@@ -17,13 +17,13 @@
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/board_file.hpp"
-#include "triskin/skin/calibrate.hpp"
-#include "triskin/session/controller_calibration.hpp"
 #include "triskin/deploy/firmware_update.hpp"
 #include "triskin/diagnose/offset_report.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/link/cover_link.hpp"
 #include "triskin/link/link_kind.hpp"
+#include "triskin/session/controller_calibration.hpp"
+#include "triskin/skin/calibrate.hpp"
 
 namespace triskin::cli::flash_command {
 namespace {
@@ -41,8 +41,8 @@ struct Options {
 
 // What became of a bus.
 struct BusOutcome {
-  const robot::BusSite* bus = nullptr;
-  std::vector<std::pair<const robot::CoverOnBus*, device::FlashResult>> covers;
+  const robot::BusConfig* bus = nullptr;
+  std::vector<std::pair<const robot::CoverConfig*, device::FlashResult>> covers;
   std::map<std::string, int> ended;  // calibrations that went with an old table: revision by serial number
 };
 
@@ -73,18 +73,18 @@ void wait_for_offsets(device::Bus& bus, const design::Design& design) {
 
 // Its finger counts the modules of this cover.
 struct CoverBus {
-  CoverBus(device::Link& link, const robot::CoverOnBus& own) : cover(own), view(link, own.first_module) {}
-  const robot::CoverOnBus& cover;
+  CoverBus(device::Link& link, const robot::CoverConfig& own) : cover(own), view(link, own.first_module) {}
+  const robot::CoverConfig& cover;
   device::CoverLink view;
   device::Bus bus{view};
 };
 
 // All covers of a bus in one pass. `outcome` has what is done, also when this throws.
-void flash_covers(const robot::BusSite& site, device::Link& link, const Options& options, const ProgressSink& progress,
-                  BusOutcome& outcome) {
+void flash_covers(const robot::BusConfig& site, device::Link& link, const Options& options,
+                  const ProgressSink& progress, BusOutcome& outcome) {
   std::deque<CoverBus> covers;
   std::vector<device::FlashPart> parts;
-  for (const robot::CoverOnBus& cover : site.covers) {
+  for (const robot::CoverConfig& cover : site.covers) {
     if (!cover.chosen) continue;
     covers.emplace_back(link, cover);
     parts.push_back({&covers.back().bus, &cover.design, robot::flash_options(site, cover, options.flash),
@@ -104,7 +104,7 @@ void flash_covers(const robot::BusSite& site, device::Link& link, const Options&
   take();
 }
 
-void flash_bus(const robot::BusSite& site, device::Link& link, const Options& options, const ProgressSink& progress,
+void flash_bus(const robot::BusConfig& site, device::Link& link, const Options& options, const ProgressSink& progress,
                BusOutcome& outcome) {
   outcome.bus = &site;
   device::Bus all(link);
@@ -120,7 +120,7 @@ void flash_bus(const robot::BusSite& site, device::Link& link, const Options& op
   for (const auto& [serial, revision] : device::kept_revisions(all)) outcome.ended.erase(serial);
 }
 
-nlohmann::json patch_rows(const robot::CoverOnBus& cover, const device::FlashResult& r,
+nlohmann::json patch_rows(const robot::CoverConfig& cover, const device::FlashResult& r,
                           const std::map<std::string, int>& ended, bool dry_run, Output& output) {
   nlohmann::json patches = nlohmann::json::array();
   const device::CalibrationStore calibrations;
@@ -193,7 +193,7 @@ void require_cover(const Options& options, const robot::Site& site) {
 void add_board_file(Options& options, const robot::Site& site) {
   if (options.assign_file.empty()) return;
   const auto& covers = site.buses.at(0).covers;
-  const auto cover = std::ranges::find_if(covers, [](const robot::CoverOnBus& c) { return c.chosen; });
+  const auto cover = std::ranges::find_if(covers, [](const robot::CoverConfig& c) { return c.chosen; });
   if (cover == covers.end()) throw InputError("--assign-file: the cover has nothing on this bus");
   for (const auto& a : device::read_board_file(options.assign_file, cover->design).boards) {
     const bool named = std::ranges::any_of(
@@ -239,7 +239,7 @@ int run(Options options, Output& output) {
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), output);
   };
   try {
-    on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+    on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
       flash_bus(bus, link, options, progress, buses[static_cast<std::size_t>(&bus - open.site.buses.data())]);
     });
     // Controllers have addresses of their own by now: the tables were written before.
@@ -280,7 +280,7 @@ const Registration kFlash{{
                      "PATCH=SERIAL: the controller with this serial number serves the patch, whatever it holds; may be "
                      "given several times");
       app.add_option("--assign-file", options->assign_file,
-                     "the same from a file that triskin identify wrote (docs/device.md)");
+                     "the same from a file that triskin identify wrote (docs/which_board.md)");
       app.add_flag(
           "--by-serial", options->by_serial,
           "fresh controllers get the patches in the order of their serial numbers; else they are told apart by "

@@ -57,7 +57,7 @@ void restore_calibrations(std::span<const device::BoardBackup> boards, std::span
 void add_backup_options(CLI::App& app, BackupOptions& options) {
   app.add_option("--save", options.save, "before anything is written: keep what the controllers hold in this file");
   app.add_option("--restore", options.restore,
-                 "write back what --save kept, in place of the design's tables (docs/device.md says what that is)");
+                 "write back what --save kept, in place of the design's tables (docs/backup.md says what that is)");
   app.add_option("--onto", options.onto,
                  "with --restore: OLD=NEW, serial numbers: controller NEW takes the place of OLD; may be given several "
                  "times");
@@ -66,7 +66,7 @@ void add_backup_options(CLI::App& app, BackupOptions& options) {
 void save_backup(OpenSite& open, const BackupOptions& options, Output& output) {
   const auto say = [](const std::string& text) { std::fputs(("triskin: " + text + "\n").c_str(), stderr); };
   std::vector<std::vector<device::BoardBackup>> buses(open.site.buses.size());
-  on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+  on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
     device::Bus own(link);
     buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = device::save_boards(own, say);
   });

@@ -67,7 +67,7 @@ std::vector<std::unique_ptr<device::Bus>> buses_of(std::span<const std::unique_p
   return buses;
 }
 
-void tell(const device::BoardUpdate& b, FirmwareReport& report, Output& output) {
+void print_report(const device::BoardUpdate& b, FirmwareReport& report, Output& output) {
   add_row(report, b.serial, b.outcome, b.slot, b.bytes, b.why);
   std::string text(device::outcome_name(b.outcome));
   if (b.outcome == UpdateOutcome::kUpdated) text = runs(b.bytes, b.slot);
@@ -118,7 +118,7 @@ FirmwareReport flash_firmware(std::span<const std::unique_ptr<device::Link>> lin
       if (board.outcome == UpdateOutcome::kByLoader)
         update_left_out(*b.bus, board, package, flash, report, output);
       else
-        tell(board, report, output);
+        print_report(board, report, output);
     }
   }
   if (r.frames > 0) output.say(fmt::format("{} data frames, {} of them again, {:.2f} s", r.frames, r.again, r.link_s));

@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "triskin/cli/site_options.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/link/cover_link.hpp"
@@ -89,7 +89,7 @@ int conclude(const std::vector<device::IdentifiedBoard>& boards, const Options& 
 
 int run(Options options, Output& output) {
   OpenSite open = open_site(options.site);
-  const robot::CoverOnBus& cover = one_cover(open.site, "identify");
+  const robot::CoverConfig& cover = one_cover(open.site, "identify");
   Notes notes(options.output, cover.design);
   device::CoverLink link(*open.links[0], cover.first_module);
   device::Bus bus(link);

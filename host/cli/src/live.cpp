@@ -11,14 +11,14 @@
 #include "live_icub.hpp"
 #include "live_robot.hpp"
 #include "offset_lines.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/base/interrupt.hpp"
-#include "triskin/skin/live_monitor.hpp"
-#include "triskin/skin/rest_store.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/link/cover_link.hpp"
+#include "triskin/skin/live_monitor.hpp"
+#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::cli::live_command {
 namespace {
@@ -166,7 +166,7 @@ class Show {
 };
 
 // One cover, with its picture.
-int show_cover(const Options& options, const robot::BusSite& site, const robot::CoverOnBus& cover,
+int show_cover(const Options& options, const robot::BusConfig& site, const robot::CoverConfig& cover,
                device::Link& bus_link, Output& output) {
   const design::Design& design = cover.design;
   const int modules = static_cast<int>(design.layout.modules.size());
@@ -183,7 +183,7 @@ int show_cover(const Options& options, const robot::BusSite& site, const robot::
                               calibration_for(options.calibration, bus, cover, boards, output));
   const std::array streamed{&design};
   device::Stream stream(
-      bus, design, [&](const device::ModuleFrame& f) { monitor.add(f); },
+      bus, design, [&](const device::ModuleSample& f) { monitor.add(f); },
       robot::stream_options(site, streamed, speaking(options.stream)));
   const int status = Show(options, design, link, bus, stream, monitor, store).run(output);
   output.result["offsets"] = std::move(offsets);
@@ -197,10 +197,10 @@ int run(const Options& options, Output& output) {
     throw InputError("live: give the design file or robot file; only --protocol icub works without");
   OpenSite open = open_site(options.site);
   const bool one =
-      open.site.buses.size() == 1 && std::ranges::count_if(open.site.buses[0].covers, &robot::CoverOnBus::chosen) == 1;
+      open.site.buses.size() == 1 && std::ranges::count_if(open.site.buses[0].covers, &robot::CoverConfig::chosen) == 1;
   if (one) {
     const auto& covers = open.site.buses[0].covers;
-    return show_cover(options, open.site.buses[0], *std::ranges::find_if(covers, &robot::CoverOnBus::chosen),
+    return show_cover(options, open.site.buses[0], *std::ranges::find_if(covers, &robot::CoverConfig::chosen),
                       *open.links[0], output);
   }
   if (options.press >= 0 || options.tare)

@@ -100,11 +100,11 @@ class Screen final : public LiveDisplay {
     lines.emplace_back();
     for (std::string& line : monitor.picture(patch_, unit(monitor), true)) lines.push_back(std::move(line));
     lines.emplace_back();
-    constexpr std::size_t kMostTaxels = 5;
+    constexpr std::size_t kMaxTaxels = 5;
     const auto pressed = monitor.touches().pressed();
-    for (std::size_t k = 0; k < std::min(kMostTaxels, pressed.size()); ++k)
+    for (std::size_t k = 0; k < std::min(kMaxTaxels, pressed.size()); ++k)
       lines.push_back(place_text(monitor, pressed[k]));
-    if (pressed.size() > kMostTaxels) lines.push_back(fmt::format("+{} taxels", pressed.size() - kMostTaxels));
+    if (pressed.size() > kMaxTaxels) lines.push_back(fmt::format("+{} taxels", pressed.size() - kMaxTaxels));
     for (const device::AdoptedCounts& a : state.adopted)
       lines.push_back(fmt::format("module {} is read by the controller of patch {}", a.module, a.patch));
     if (!state.note.empty()) lines.push_back(state.note);

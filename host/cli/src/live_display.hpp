@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "triskin/cli/command.hpp"
-#include "triskin/skin/live_monitor.hpp"
 #include "triskin/session/stream_report.hpp"
+#include "triskin/skin/live_monitor.hpp"
 
 namespace triskin::cli {
 

@@ -7,8 +7,8 @@
 #include <mutex>
 
 #include "live_display.hpp"
-#include "triskin/cli/stream_options.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/cli/stream_options.hpp"
 #include "triskin/skin/live_monitor.hpp"
 #include "triskin/skin/rest_store.hpp"
 
@@ -20,11 +20,11 @@ constexpr std::uint64_t kRobotLine_us = 200'000;
 // The covers of one bus while their samples come.
 class BusShow {
  public:
-  BusShow(const robot::BusSite& site, device::Link& link, device::StreamOptions options,
+  BusShow(const robot::BusConfig& site, device::Link& link, device::StreamOptions options,
           const CalibrationOptions& calibration, const Output& output)
       : site_(site), bus_(link), options_(std::move(options)) {
     const auto claims = bus_.discover();
-    for (const robot::CoverOnBus& cover : site.covers) {
+    for (const robot::CoverConfig& cover : site.covers) {
       if (!cover.chosen) continue;
       covers_.push_back(&cover);
       designs_.push_back(&cover.design);
@@ -37,7 +37,7 @@ class BusShow {
   // `mutex` guards `output`.
   void run(double seconds, Output& output, std::mutex& mutex) {
     device::Stream stream(
-        bus_, designs_, [this](const device::ModuleFrame& f) { monitors_[static_cast<std::size_t>(f.cover)].add(f); },
+        bus_, designs_, [this](const device::ModuleSample& f) { monitors_[static_cast<std::size_t>(f.cover)].add(f); },
         options_);
     const std::uint64_t start_us = bus_.now_us();
     const auto end_us = seconds > 0.0 ? start_us + static_cast<std::uint64_t>(seconds * 1e6) : UINT64_MAX;
@@ -55,7 +55,7 @@ class BusShow {
   }
 
   // What became of each cover.
-  [[nodiscard]] bool tell(nlohmann::json& rows, Output& output) const {
+  [[nodiscard]] bool print_report(nlohmann::json& rows, Output& output) const {
     bool complete = true;
     for (std::size_t c = 0; c < covers_.size(); ++c) {
       nlohmann::json row = keys_of(site_, *covers_[c]);
@@ -88,10 +88,10 @@ class BusShow {
     output.each(object);
   }
 
-  const robot::BusSite& site_;
+  const robot::BusConfig& site_;
   device::Bus bus_;
   device::StreamOptions options_;
-  std::vector<const robot::CoverOnBus*> covers_;
+  std::vector<const robot::CoverConfig*> covers_;
   std::vector<const design::Design*> designs_;
   std::vector<device::LiveMonitor> monitors_;
   std::vector<device::StreamReport> reports_;
@@ -106,14 +106,14 @@ int live_robot(OpenSite& open, const device::StreamOptions& options, const Calib
     shows.push_back(
         std::make_unique<BusShow>(open.site.buses[b], *open.links[b], speaking(options), calibration, output));
   std::mutex mutex;
-  on_each_bus(open, [&](const robot::BusSite& bus, device::Link&) {
+  on_each_bus(open, [&](const robot::BusConfig& bus, device::Link&) {
     shows[static_cast<std::size_t>(&bus - open.site.buses.data())]->run(seconds, output, mutex);
   });
   device::SampleCounts sum;
   nlohmann::json covers = nlohmann::json::array();
   bool complete = true;
   for (const auto& show : shows) {
-    complete = show->tell(covers, output) && complete;
+    complete = show->print_report(covers, output) && complete;
     for (const device::StreamReport& r : show->reports()) sum += r.total;
   }
   output.result = {{"samples", sum.received}, {"expected", sum.expected}, {"lost", sum.lost()}, {"covers", covers}};

@@ -2,6 +2,6 @@
 #include "triskin/cli/program.hpp"
 
 int main(int argc, char** argv) {
-  return triskin::cli::run_program("triskin: robot skin from the CAD mesh of a body part to a verified, streaming patch", argc,
-                                   argv);
+  return triskin::cli::run_program(
+      "triskin: robot skin from the CAD mesh of a body part to a verified, streaming patch", argc, argv);
 }

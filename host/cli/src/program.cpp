@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/cli/program.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +12,6 @@
 #include <new>
 
 #include "did_you_mean.hpp"
-#include "triskin/cli/program.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/interrupt.hpp"
 
@@ -56,8 +57,7 @@ int unless_ended(int status) {
 int run_entry(const Entry& entry) {
   try {
     const std::string file = output_of(*entry.app);
-    if (file == "-" && entry.json)
-      throw InputError("-o - and --json both want standard output; leave one out");
+    if (file == "-" && entry.json) throw InputError("-o - and --json both want standard output; leave one out");
     require_other_than_inputs(*entry.app, file);
     Output output(entry.json, file == "-");
     const int status = entry.run(output);

@@ -9,20 +9,20 @@
 #include <span>
 
 #include "contacts.hpp"
+#include "triskin/base/files.hpp"
+#include "triskin/base/interrupt.hpp"
+#include "triskin/base/wall_clock.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
 #include "triskin/hdf5/recording.hpp"
 #include "triskin/hdf5/taxel_table.hpp"
-#include "triskin/base/files.hpp"
-#include "triskin/base/interrupt.hpp"
-#include "triskin/base/wall_clock.hpp"
-#include "triskin/skin/rest_store.hpp"
-#include "triskin/skin/touch_map.hpp"
 #include "triskin/recording/recorder.hpp"
 #include "triskin/recording/recording.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/firmware_version.hpp"
+#include "triskin/skin/rest_store.hpp"
+#include "triskin/skin/touch_map.hpp"
 
 namespace triskin::cli::record_command {
 namespace {
@@ -75,7 +75,7 @@ std::string firmware_of(device::Bus& bus, std::uint8_t node) {
 // The recording of one cover.
 class CoverFile {
  public:
-  CoverFile(const robot::CoverOnBus& cover, const std::string& path, Format format)
+  CoverFile(const robot::CoverConfig& cover, const std::string& path, Format format)
       : cover_(cover), format_(format), file_(path) {}
 
   void describe(device::Bus& bus, std::span<const wire::NodeClaim> claims, const Options& options,
@@ -107,9 +107,9 @@ class CoverFile {
       recorder_ = recording::make_recorder(format_ == Format::kCsv ? recording::Format::kCsv : recording::Format::kMcap,
                                            file_, cover_.design, origin_);
   }
-  [[nodiscard]] bool begun() const { return recorder_ != nullptr; }
+  [[nodiscard]] bool started() const { return recorder_ != nullptr; }
 
-  void add(const device::ModuleFrame& f) {
+  void add(const device::ModuleSample& f) {
     begin();
     recorder_->add({f.module, f.link_time_us, f.sample, unix_ns_of(f.sampled.link_us), f.sampled.error_us});
     touches_->add(f);
@@ -138,12 +138,12 @@ class CoverFile {
     file_.close();
   }
 
-  [[nodiscard]] const robot::CoverOnBus& cover() const { return cover_; }
+  [[nodiscard]] const robot::CoverConfig& cover() const { return cover_; }
   [[nodiscard]] std::uint64_t samples() const { return samples_; }
   [[nodiscard]] const std::string& name() const { return file_.name(); }
 
  private:
-  const robot::CoverOnBus& cover_;
+  const robot::CoverConfig& cover_;
   Format format_;
   recording::OutputFile file_;
   std::optional<device::TouchMap> touches_;  // from describe() on
@@ -155,7 +155,8 @@ class CoverFile {
 };
 
 // FOLDER/COVER.mcap of a robot; one whose controllers hang on several buses has a file for each.
-std::string file_of(const Options& options, Format format, const robot::CoverOnBus& cover, const robot::BusSite& bus) {
+std::string file_of(const Options& options, Format format, const robot::CoverConfig& cover,
+                    const robot::BusConfig& bus) {
   if (cover.name.empty()) return options.output;
   const bool divided = cover.design.patches.size() != design::patches_here(cover.design).size();
   return (std::filesystem::path(options.output) /
@@ -167,8 +168,8 @@ std::string file_of(const Options& options, Format format, const robot::CoverOnB
 class BusRecording {
  public:
   // Files are opened before anything is asked of the controllers.
-  BusRecording(const Options& options, const robot::BusSite& site, Format format) : options_(options), site_(site) {
-    for (const robot::CoverOnBus& cover : site.covers) {
+  BusRecording(const Options& options, const robot::BusConfig& site, Format format) : options_(options), site_(site) {
+    for (const robot::CoverConfig& cover : site.covers) {
       if (!cover.chosen) continue;
       files_.push_back(std::make_unique<CoverFile>(cover, file_of(options, format, cover, site), format));
       designs_.push_back(&cover.design);
@@ -183,7 +184,7 @@ class BusRecording {
     try {
       receive(bus, progress);
     } catch (const DeviceError& e) {
-      if (!files_.front()->begun()) throw;  // the recording had not begun
+      if (!files_.front()->started()) throw;  // the recording had not begun
       trouble_ = e.what();
     }
     seconds_ = static_cast<double>(bus.now_us() - start_us_) * 1e-6;
@@ -192,7 +193,7 @@ class BusRecording {
   }
 
   // Adds what is told of each cover; returns the exit status.
-  int tell(nlohmann::json& rows, Output& output) const {
+  int print_report(nlohmann::json& rows, Output& output) const {
     int status = trouble_ ? 3 : 0;
     for (std::size_t c = 0; c < files_.size(); ++c) {
       const CoverFile& file = *files_[c];
@@ -227,7 +228,7 @@ class BusRecording {
  private:
   void receive(device::Bus& bus, const ProgressSink& progress) {
     const auto stream_options = robot::stream_options(site_, designs_, speaking(options_.stream));
-    const auto add = [&](const device::ModuleFrame& f) { files_[static_cast<std::size_t>(f.cover)]->add(f); };
+    const auto add = [&](const device::ModuleSample& f) { files_[static_cast<std::size_t>(f.cover)]->add(f); };
     device::Stream stream(bus, designs_, add, stream_options);
     for (const auto& file : files_) file->begin();
     const std::uint64_t end_us = start_us_ + static_cast<std::uint64_t>(options_.seconds * 1e6);
@@ -249,7 +250,7 @@ class BusRecording {
   }
 
   const Options& options_;
-  const robot::BusSite& site_;
+  const robot::BusConfig& site_;
   std::vector<std::unique_ptr<CoverFile>> files_;
   std::vector<const design::Design*> designs_;
   std::vector<device::StreamReport> reports_;  // by cover
@@ -259,8 +260,8 @@ class BusRecording {
 };
 
 void require_modules(const robot::Site& site) {
-  for (const robot::BusSite& bus : site.buses) {
-    for (const robot::CoverOnBus& cover : bus.covers) {
+  for (const robot::BusConfig& bus : site.buses) {
+    for (const robot::CoverConfig& cover : bus.covers) {
       if (cover.design.layout.modules.empty())
         throw InputError(
             fmt::format("{}: the design has no modules: there is nothing to record", cover.design_file.string()));
@@ -293,7 +294,7 @@ int conclude_all(const std::vector<std::unique_ptr<BusRecording>>& buses, bool i
   int status = 0;
   std::string trouble;
   for (const auto& bus : buses) {
-    status = std::max(status, bus->tell(covers, output));
+    status = std::max(status, bus->print_report(covers, output));
     if (const auto t = bus->trouble()) trouble += (trouble.empty() ? "" : "\n") + *t;
   }
   if (is_robot) {
@@ -321,11 +322,11 @@ int run(const Options& options, Output& output) {
   if (site.is_robot) make_folder(options.output);
   OpenSite open{std::move(site), {}};
   std::vector<std::unique_ptr<BusRecording>> buses;
-  for (const robot::BusSite& bus : open.site.buses)
+  for (const robot::BusConfig& bus : open.site.buses)
     buses.push_back(std::make_unique<BusRecording>(options, bus, format));
   open.links = device::open_buses(open.site, options.site.link);
   const ProgressSink progress = output.progress();
-  on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+  on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
     buses[static_cast<std::size_t>(&bus - open.site.buses.data())]->run(link, progress, output);
   });
   return conclude_all(buses, open.site.is_robot, output);

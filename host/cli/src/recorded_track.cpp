@@ -5,10 +5,10 @@
 
 #include <filesystem>
 
-#include "triskin/design/design_text.hpp"
 #include "triskin/base/error.hpp"
-#include "triskin/skin/touch_map.hpp"
+#include "triskin/design/design_text.hpp"
 #include "triskin/recording/recording.hpp"
+#include "triskin/skin/touch_map.hpp"
 #include "triskin/view/frame_track.hpp"
 
 namespace triskin::cli {
@@ -37,11 +37,11 @@ RecordedSkin recorded_skin(const std::string& file) {
   return skin;
 }
 
-RecordedTrack read_track(const std::string& file, std::size_t most_bytes) {
+RecordedTrack read_track(const std::string& file, std::size_t max_bytes) {
   RecordedTrack recorded{recorded_skin(file), {}, {}};
   const std::size_t modules = recorded.skin.design.layout.modules.size();
   device::TouchMap touches(recorded.skin.design, recorded.skin.rest);
-  view::FrameTrack track(modules, most_bytes);
+  view::FrameTrack track(modules, max_bytes);
   const recording::Summary summary = recording::read_recording(file, [&](const recording::ModuleSample& s) {
     if (static_cast<std::size_t>(s.module) >= modules) return;
     touches.add({s.module, s.link_time_us, s.sample});
@@ -53,9 +53,8 @@ RecordedTrack read_track(const std::string& file, std::size_t most_bytes) {
   if (!summary.file.complete)
     recorded.remark = fmt::format("the recording {}; triskin recover makes it whole", summary.file.problem);
   if (track.is_cut())
-    recorded.remark =
-        fmt::format("{}: the page holds only its first {} MB; record less, or play it with triskin replay", file,
-                    most_bytes >> 20U);
+    recorded.remark = fmt::format(
+        "{}: the page holds only its first {} MB; record less, or play it with triskin replay", file, max_bytes >> 20U);
   return recorded;
 }
 

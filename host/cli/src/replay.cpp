@@ -8,9 +8,9 @@
 
 #include "live_display.hpp"
 #include "replay_link.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/cli/recorded_track.hpp"
-#include "triskin/base/interrupt.hpp"
 #include "triskin/recording/recording.hpp"
 
 namespace triskin::cli::replay_command {

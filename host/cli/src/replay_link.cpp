@@ -9,15 +9,15 @@
 #include <set>
 #include <utility>
 
-#include "triskin/cli/recorded_track.hpp"
 #include "triskin/base/interrupt.hpp"
+#include "triskin/cli/recorded_track.hpp"
 #include "triskin/deploy/board_file.hpp"
 #include "triskin/deploy/flash.hpp"
 #include "triskin/layout/rest.hpp"
 #include "triskin/recording/recording.hpp"
-#include "triskin/session/controller.hpp"
 #include "triskin/scene/sim_link.hpp"
 #include "triskin/scene/skin_server.hpp"
+#include "triskin/session/controller.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -74,11 +74,11 @@ class LinkPlayer {
     while (skin_.bus_frames() == before) run_us(kReplaySlice_us);
   }
   void play() {
-    bool begun = false;
+    bool started = false;
     std::uint64_t shown_us = 0;
     (void)recording::read_recording(options_.file, [&](const recording::ModuleSample& s) {
-      if (!begun) shown_us = s.link_time_us;
-      begun = true;
+      if (!started) shown_us = s.link_time_us;
+      started = true;
       if (s.link_time_us > shown_us) {
         due_us_ += static_cast<double>(s.link_time_us - shown_us) / options_.speed;
         shown_us = s.link_time_us;

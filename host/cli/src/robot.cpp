@@ -9,9 +9,9 @@
 #include <numbers>
 #include <set>
 
-#include "triskin/cli/command.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/cli/command.hpp"
 #include "triskin/robot/assembly.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/robot/registration.hpp"
@@ -272,7 +272,8 @@ std::string doubt(const robot::Registration& r, const Options& options) {
   return "";
 }
 
-void tell(const robot::Registration& r, std::size_t touches, double moved_mm, const Options& options, Output& output) {
+void print_report(const robot::Registration& r, std::size_t touches, double moved_mm, const Options& options,
+                  Output& output) {
   output.result = {{"cover", options.name},  {"touches", touches},
                    {"rms_mm", r.fit.rms_mm}, {"max_mm", r.fit.max_mm},
                    {"worst", r.fit.worst},   {"mirror_rms_mm", r.mirror_rms_mm},
@@ -308,7 +309,7 @@ int run_register(const Options& options, Output& output) {
   const robot::Registration r = robot::register_cover(own, others, touches);
   const std::string against = doubt(r, options);
   const double moved_mm = (r.fit.pose.translation() - cover->pose.translation()).norm();
-  tell(r, touches.size(), moved_mm, options, output);
+  print_report(r, touches.size(), moved_mm, options, output);
   output.result["written"] = against.empty() && !options.dry_run;
   if (!against.empty()) {
     output.say(against + "; the robot file stays as it is");

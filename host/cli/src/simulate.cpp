@@ -5,13 +5,13 @@
 #include <memory>
 #include <optional>
 
-#include "triskin/cli/command.hpp"
 #include "triskin/base/interrupt.hpp"
-#include "triskin/robot/bus_threads.hpp"
-#include "triskin/session/controller.hpp"
+#include "triskin/cli/command.hpp"
 #include "triskin/connect/open_bus.hpp"
+#include "triskin/robot/bus_threads.hpp"
 #include "triskin/scene/sim_server.hpp"
 #include "triskin/scene/skin_server.hpp"
+#include "triskin/session/controller.hpp"
 
 namespace triskin::cli::simulate_command {
 namespace {
@@ -56,7 +56,7 @@ std::vector<SimulatedBus> buses_of(const Options& options) {
     return buses;
   }
   const robot::Site site = robot::read_site(options.scene);
-  for (const robot::BusSite& bus : site.buses) {
+  for (const robot::BusConfig& bus : site.buses) {
     const auto folder = options.fresh ? std::filesystem::path{} : device::state_folder_of(site, bus);
     buses.push_back(
         {bus.name,

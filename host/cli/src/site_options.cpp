@@ -18,11 +18,11 @@ OpenSite open_site(const SiteOptions& options) {
   return open;
 }
 
-const robot::CoverOnBus& one_cover(const robot::Site& site, std::string_view command) {
+const robot::CoverConfig& one_cover(const robot::Site& site, std::string_view command) {
   std::size_t covers = 0;
-  const robot::CoverOnBus* chosen = nullptr;
-  for (const robot::BusSite& bus : site.buses) {
-    for (const robot::CoverOnBus& c : bus.covers) {
+  const robot::CoverConfig* chosen = nullptr;
+  for (const robot::BusConfig& bus : site.buses) {
+    for (const robot::CoverConfig& c : bus.covers) {
       if (!c.chosen) continue;
       chosen = &c;
       ++covers;
@@ -33,17 +33,17 @@ const robot::CoverOnBus& one_cover(const robot::Site& site, std::string_view com
   return *chosen;
 }
 
-void on_each_bus(OpenSite& open, const std::function<void(const robot::BusSite&, device::Link&)>& work) {
+void on_each_bus(OpenSite& open, const std::function<void(const robot::BusConfig&, device::Link&)>& work) {
   std::vector<std::string> names;
-  for (const robot::BusSite& bus : open.site.buses) names.push_back(bus.name);
+  for (const robot::BusConfig& bus : open.site.buses) names.push_back(bus.name);
   robot::on_each_bus(names, [&](std::size_t k) { work(open.site.buses[k], *open.links[k]); });
 }
 
-std::string prefix_of(const robot::CoverOnBus& cover) {
+std::string prefix_of(const robot::CoverConfig& cover) {
   return cover.name.empty() ? "" : cover.name + ": ";
 }
 
-ProgressSink progress_of(const robot::BusSite& bus, const robot::CoverOnBus& cover, ProgressSink sink) {
+ProgressSink progress_of(const robot::BusConfig& bus, const robot::CoverConfig& cover, ProgressSink sink) {
   if (cover.name.empty() || !sink) return sink;
   constexpr int kPartsPerCover = 1 << 8;  // more than a bus has controllers
   constexpr int kPartsPerBus = kPartsPerCover << 8;
@@ -53,7 +53,7 @@ ProgressSink progress_of(const robot::BusSite& bus, const robot::CoverOnBus& cov
   };
 }
 
-nlohmann::json keys_of(const robot::BusSite& bus, const robot::CoverOnBus& cover) {
+nlohmann::json keys_of(const robot::BusConfig& bus, const robot::CoverConfig& cover) {
   if (cover.name.empty()) return nlohmann::json::object();
   return {{"cover", cover.name}, {"bus", bus.name}};
 }

@@ -42,9 +42,9 @@ json route_json(const wire::ActiveRoute& a) {
                       {"parent", a.parent[r] == wire::kNoRow ? json(nullptr) : json(a.parent[r])},
                       {"parent_port", a.parent_port[r]}});
   }
-  return {{"active", a.complete},           {"as_table", a.as_table},   {"least_depth", a.least_depth},
+  return {{"active", a.complete},           {"as_table", a.as_table},   {"least_depth", a.min_depth},
           {"second_cable", a.second_cable}, {"max_depth", a.max_depth}, {"shorts", a.shorts},
-          {"unknown_modules", a.unknown},   {"looks", a.heals},         {"repairs", a.repairs},
+          {"unknown_modules", a.unknown},   {"looks", a.reroutes},      {"repairs", a.repairs},
           {"seconds", a.last_us * 1e-6},    {"rows", std::move(rows)}};
 }
 

@@ -13,15 +13,15 @@
 #include <utility>
 
 #include "offset_lines.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
-#include "triskin/session/controller_calibration.hpp"
 #include "triskin/diagnose/repair.hpp"
 #include "triskin/diagnose/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
+#include "triskin/session/controller_calibration.hpp"
 
 namespace triskin::cli::verify_command {
 namespace {
@@ -67,7 +67,7 @@ void check_report(const std::string& file) {
 }
 
 // FILE.html of a robot becomes FILE_COVER.html.
-std::string report_file(const std::string& file, const robot::CoverOnBus& cover, const robot::BusSite& bus) {
+std::string report_file(const std::string& file, const robot::CoverConfig& cover, const robot::BusConfig& bus) {
   const std::filesystem::path path(file);
   if (file.empty() || cover.name.empty()) return file;
   const bool divided = cover.design.patches.size() != design::patches_here(cover.design).size();
@@ -103,7 +103,7 @@ struct Told {
 };
 
 // What stands behind `triskin flash` and `triskin verify` in the steps of a repair.
-std::string arguments_of(const Options& options, const robot::CoverOnBus& cover) {
+std::string arguments_of(const Options& options, const robot::CoverConfig& cover) {
   const device::LinkOptions& link = options.site.link;
   return options.site.file + (cover.name.empty() ? "" : " --cover " + cover.name) +
          (link.chosen || cover.name.empty() ? " --link " + link.link : "") +
@@ -111,7 +111,8 @@ std::string arguments_of(const Options& options, const robot::CoverOnBus& cover)
 }
 
 // One repair at a time: the steps of the first finding are said, those of all stand in --json and in the report.
-Told tell(const robot::CoverOnBus& cover, device::VerifyResult r, device::Bus& bus, const std::string& arguments) {
+Told print_report(const robot::CoverConfig& cover, device::VerifyResult r, device::Bus& bus,
+                  const std::string& arguments) {
   Told told;
   const std::string name = prefix_of(cover);
   nlohmann::json findings = nlohmann::json::array(), earlier = nlohmann::json::array();
@@ -134,7 +135,7 @@ Told tell(const robot::CoverOnBus& cover, device::VerifyResult r, device::Bus& b
     calibrations.push_back({{"serial", b.serial}, {"revision", b.revision}, {"made", b.made}});
     rest.push_back(fmt::format("controller {} keeps revision {} of its calibration, made {} with {} up to {:g} kPa",
                                b.serial, b.revision, b.made, design::kCalibrationMethodNames.name(b.method),
-                               b.most_kpa));
+                               b.max_kpa));
   }
   told.keys = {{"modules_ok", r.modules_ok},
                {"modules", r.modules},
@@ -155,10 +156,10 @@ Told tell(const robot::CoverOnBus& cover, device::VerifyResult r, device::Bus& b
 }
 
 // `patch` ≥ 0: its findings first, and a person is asked for its modules only.
-std::vector<Told> verify_bus(const robot::BusSite& site, device::Link& link, const Options& options, int patch,
+std::vector<Told> verify_bus(const robot::BusConfig& site, device::Link& link, const Options& options, int patch,
                              const ProgressSink& progress) {
   std::vector<Told> all;
-  for (const robot::CoverOnBus& cover : site.covers) {
+  for (const robot::CoverConfig& cover : site.covers) {
     if (!cover.chosen) continue;
     device::CoverLink own(link, cover.first_module);
     device::Bus bus(own);
@@ -175,7 +176,7 @@ std::vector<Told> verify_bus(const robot::BusSite& site, device::Link& link, con
     device::VerifyResult result = device::verify(bus, cover.design, verify, progress_of(site, cover, progress));
     if (patch >= 0) std::ranges::stable_partition(result.findings, [=](const auto& f) { return f.patch == patch; });
     const std::string arguments = arguments_of(options, cover);
-    all.push_back(tell(cover, std::move(result), bus, arguments));
+    all.push_back(print_report(cover, std::move(result), bus, arguments));
     all.back().keys.update(keys_of(site, cover));
     write_report(report_file(options.report, cover, site), cover.design, all.back().result, all.back().keys, arguments);
   }
@@ -217,7 +218,7 @@ int run(Options options, Output& output) {
   std::vector<std::vector<Told>> buses(open.site.buses.size());
   const ProgressSink progress = output.progress();
   try {
-    on_each_bus(open, [&](const robot::BusSite& bus, device::Link& link) {
+    on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
       buses[static_cast<std::size_t>(&bus - open.site.buses.data())] = verify_bus(bus, link, options, patch, progress);
     });
   } catch (const Error&) {

@@ -8,16 +8,16 @@
 #include <optional>
 #include <thread>
 
+#include "triskin/base/error.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/cli/calibration_options.hpp"
 #include "triskin/cli/design_argument.hpp"
 #include "triskin/cli/link_options.hpp"
 #include "triskin/cli/recorded_track.hpp"
 #include "triskin/cli/stream_options.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/interrupt.hpp"
+#include "triskin/connect/open_bus.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/session/bus.hpp"
-#include "triskin/connect/open_bus.hpp"
 #include "triskin/view/frame_track.hpp"
 #include "view_feed.hpp"
 

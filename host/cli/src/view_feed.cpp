@@ -7,10 +7,10 @@
 #include <thread>
 
 #include "triskin/base/interrupt.hpp"
-#include "triskin/skin/rest_store.hpp"
-#include "triskin/skin/touch_map.hpp"
 #include "triskin/robot/bus_threads.hpp"
 #include "triskin/session/stream.hpp"
+#include "triskin/skin/rest_store.hpp"
+#include "triskin/skin/touch_map.hpp"
 
 namespace triskin::cli {
 namespace {
@@ -20,7 +20,7 @@ using Clock = std::chrono::system_clock;
 
 constexpr std::uint64_t kSlice_us = 10'000;
 constexpr microseconds kHealthEvery{250'000}, kRetryAfter{1'000'000}, kPoll{50'000};
-constexpr std::int64_t kMostBehind_us = 200'000;
+constexpr std::int64_t kMaxBehind_us = 200'000;
 
 std::int64_t wall_us() {
   return std::chrono::duration_cast<microseconds>(Clock::now().time_since_epoch()).count();
@@ -37,7 +37,7 @@ class Pace {
   void hold(std::uint64_t link_us) {
     const std::int64_t ahead_us = wall_of(link_us) - wall_us();
     if (ahead_us > 0) std::this_thread::sleep_for(microseconds(ahead_us));
-    if (ahead_us < -kMostBehind_us) anchor(link_us);
+    if (ahead_us < -kMaxBehind_us) anchor(link_us);
   }
 
  private:
@@ -86,7 +86,7 @@ class CoverTouches {
   CoverTouches(const design::Design& design, std::span<const wire::NodeClaim> claims)
       : store_(design, claims), touches_(design, store_.read()) {}
 
-  view::PressureSample take(const device::ModuleFrame& f) {
+  view::PressureSample take(const device::ModuleSample& f) {
     touches_.add(f);
     return {f.sample.state, f.sample.valid, touches_.change(f.module)};
   }
@@ -136,7 +136,7 @@ class Feed {
         live_(live),
         health_(health),
         commands_(commands) {
-    for (const robot::CoverOnBus& cover : site.buses[bus].covers) {
+    for (const robot::CoverConfig& cover : site.buses[bus].covers) {
       if (!cover.chosen) continue;
       covers_.push_back(&cover);
       designs_.push_back(&cover.design);
@@ -155,7 +155,7 @@ class Feed {
     const auto stream_options = robot::stream_options(site_.buses[bus_], designs_, stream_options_);
     device::Stream stream(
         bus, designs_,
-        [&](const device::ModuleFrame& f) {
+        [&](const device::ModuleSample& f) {
           const auto cover = static_cast<std::size_t>(f.cover);
           live_.add(first_[cover] + f.module, touches_[cover].take(f), pace.wall_of(f.link_time_us));
         },
@@ -203,7 +203,7 @@ class Feed {
   const device::StreamOptions& stream_options_;
   const robot::Site& site_;
   std::size_t bus_;
-  std::vector<const robot::CoverOnBus*> covers_;
+  std::vector<const robot::CoverConfig*> covers_;
   std::vector<const design::Design*> designs_;
   std::vector<int> first_;             // of each cover's modules on the page
   std::vector<CoverTouches> touches_;  // by cover, while the link is open
@@ -240,7 +240,7 @@ std::optional<view::Command> CommandQueue::pop(int reader) {
 FeedTotals feed(const device::LinkOptions& options, const device::StreamOptions& stream, const robot::Site& site,
                 const std::vector<design::CoverOffset>& offsets, view::LiveSkin& live, CommandQueue& commands) {
   std::vector<std::string> names;
-  for (const robot::BusSite& bus : site.buses) names.push_back(bus.name);
+  for (const robot::BusConfig& bus : site.buses) names.push_back(bus.name);
   const bool by_file = site.is_robot && !options.chosen;
   Health health(by_file ? site.name : options.link, names.size(), live);
   std::vector<FeedTotals> totals(names.size());

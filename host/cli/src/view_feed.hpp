@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "triskin/connect/open_bus.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/session/stream.hpp"
-#include "triskin/connect/open_bus.hpp"
 #include "triskin/view/live_skin.hpp"
 #include "triskin/view/server.hpp"
 

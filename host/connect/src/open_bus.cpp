@@ -5,9 +5,9 @@
 
 #include "triskin/base/interrupt.hpp"
 #include "triskin/link/link_kind.hpp"
+#include "triskin/scene/tcp_link.hpp"
 #include "triskin/scene/virtual_skin.hpp"
 #include "triskin/session/controller.hpp"
-#include "triskin/scene/tcp_link.hpp"
 
 namespace triskin::device {
 namespace {
@@ -28,9 +28,9 @@ std::string link_of(const robot::Site& site, std::size_t bus, const LinkOptions&
 
 }  // namespace
 
-scene::Scene scene_of(const robot::BusSite& bus, bool switched, std::optional<std::uint64_t> board_seed) {
+scene::Scene scene_of(const robot::BusConfig& bus, bool switched, std::optional<std::uint64_t> board_seed) {
   std::vector<scene::SimulatedCover> covers;
-  for (const robot::CoverOnBus& c : bus.covers) {
+  for (const robot::CoverConfig& c : bus.covers) {
     scene::SimulatedCover cover{c.name, &c.design, {}};
     for (const std::string& serial : c.serials) cover.boards.push_back(to_unique_id(serial));
     covers.push_back(std::move(cover));
@@ -40,7 +40,7 @@ scene::Scene scene_of(const robot::BusSite& bus, bool switched, std::optional<st
   return scene;
 }
 
-std::filesystem::path state_folder_of(const robot::Site& site, const robot::BusSite& bus) {
+std::filesystem::path state_folder_of(const robot::Site& site, const robot::BusConfig& bus) {
   return scene::state_folder() / ("robot_" + site.name) / bus.name;
 }
 
@@ -51,7 +51,7 @@ std::vector<std::unique_ptr<Link>> open_buses(const robot::Site& site, const Lin
 }
 
 std::unique_ptr<Link> open_bus(const robot::Site& site, std::size_t bus, const LinkOptions& options) {
-  const robot::BusSite& entry = site.buses.at(bus);
+  const robot::BusConfig& entry = site.buses.at(bus);
   if (!site.is_robot) return open_link(options, &entry.covers.front().design);
   if (!options.scene.empty()) throw InputError("--scene is for a design file; a robot is simulated untouched");
   LinkOptions own = options;

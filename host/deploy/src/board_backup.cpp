@@ -8,11 +8,11 @@
 #include <set>
 
 #include "address_moves.hpp"
-#include "triskin/session/address_users.hpp"
 #include "table_writer.hpp"
-#include "triskin/design/json_fields.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/deploy/board_file.hpp"
+#include "triskin/design/json_fields.hpp"
+#include "triskin/session/address_users.hpp"
 #include "triskin/session/controller_calibration.hpp"
 #include "triskin/session/scheduler.hpp"
 #include "triskin/wire/calibration.hpp"
@@ -77,7 +77,7 @@ using design::JsonValue;
 
 constexpr const char* kBackupFormat = "triskin-board-backup";
 constexpr int kBackupVersion = 1;
-constexpr const char* kBackupPage = "docs/device.md";
+constexpr const char* kBackupPage = "docs/backup.md";
 
 nlohmann::ordered_json board_json(const BoardBackup& b) {
   nlohmann::ordered_json values = nlohmann::ordered_json::object(), faults = nlohmann::ordered_json::array();

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "triskin/design/json_fields.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/json_fields.hpp"
 
 namespace triskin::device {
 namespace {
@@ -15,7 +15,7 @@ using design::JsonValue;
 
 constexpr const char* kBoardFormat = "triskin-boards";
 constexpr int kBoardVersion = 1;
-constexpr const char* kBoardPage = "docs/device.md";
+constexpr const char* kBoardPage = "docs/which_board.md";
 
 FlashOptions::Assignment assignment_in(const JsonValue& v, const design::Design& design) {
   design::only_keys(v, {"patch", "serial"}, kBoardPage);

@@ -9,8 +9,8 @@
 #include <map>
 #include <set>
 
-#include "triskin/session/address_users.hpp"
 #include "touch_finder.hpp"
+#include "triskin/session/address_users.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/session/scheduler.hpp"

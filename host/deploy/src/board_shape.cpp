@@ -8,8 +8,8 @@
 #include <map>
 
 #include "address_moves.hpp"
-#include "triskin/session/address_users.hpp"
 #include "triskin/diagnose/topology.hpp"
+#include "triskin/session/address_users.hpp"
 
 namespace triskin::device {
 namespace {

@@ -8,12 +8,12 @@
 #include <map>
 #include <optional>
 
-#include "triskin/session/address_users.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/deploy/flash.hpp"
 #include "triskin/diagnose/offset_report.hpp"
 #include "triskin/diagnose/verify.hpp"
 #include "triskin/link/link_kind.hpp"
+#include "triskin/session/address_users.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/session/stream.hpp"
@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kLastToOpen = 8;                    // CAN or USB
 constexpr std::uint64_t kOffsets_us = 2'000'000;  // until every converter has its offsets
-constexpr double kMostNoise = 10.0;               // counts RMS; 0.5 … 1.9 by the data sheet
+constexpr double kMaxNoise = 10.0;                // counts RMS; 0.5 … 1.9 by the data sheet
 
 StepAnswer passed(std::string found) {
   return {StepOutcome::kPassed, std::move(found)};
@@ -38,7 +38,7 @@ StepAnswer skipped(std::string why) {
 /// Mean and deviation of each taxel of a module while nothing touches it.
 class Rest {
  public:
-  void add(const ModuleFrame& f) {
+  void add(const ModuleSample& f) {
     ++samples_;
     for (std::size_t t = 0; t < sum_.size(); ++t) {
       if ((f.sample.valid >> t & 1) == 0) continue;
@@ -188,7 +188,7 @@ class Session {
     bus_->listen(bus_->now_us() + kOffsets_us);
     std::map<int, Rest> rest;
     {
-      Stream stream(*bus_, design_, [&](const ModuleFrame& f) { rest[f.module].add(f); });
+      Stream stream(*bus_, design_, [&](const ModuleSample& f) { rest[f.module].add(f); });
       stream.run_until(bus_->now_us() + static_cast<std::uint64_t>(options_.stream_s * 1e6));
       lost_ = stream.lost();
     }
@@ -196,10 +196,10 @@ class Session {
   }
 
   StepAnswer judge(const std::map<int, Rest>& rest) {
-    double worst_noise = 0.0, least_rate = rest.empty() ? 0.0 : 1e9;
+    double worst_noise = 0.0, min_rate = rest.empty() ? 0.0 : 1e9;
     std::string outside;
     for (const auto& [module, r] : rest) {
-      least_rate = std::min(least_rate, r.samples() / options_.stream_s);
+      min_rate = std::min(min_rate, r.samples() / options_.stream_s);
       for (std::size_t t = 0; t < layout::kTaxelsPerModule; ++t) {
         worst_noise = std::max(worst_noise, r.noise(t));
         if (!r.in_middle_third(t))
@@ -209,11 +209,11 @@ class Session {
     std::string found = fmt::format(
         "{} of {} modules stream, at least {:.1f} samples/s each, {} lost, noise at most {:.2f} "
         "counts RMS{}",
-        rest.size(), design_.layout.modules.size(), least_rate, lost_, worst_noise, outside);
+        rest.size(), design_.layout.modules.size(), min_rate, lost_, worst_noise, outside);
     for (const PatchOffsets& p : read_offsets(*bus_, design_)) {
       for (const std::string& line : describe(p)) found += "; " + line;
     }
-    const bool good = rest.size() == design_.layout.modules.size() && outside.empty() && worst_noise < kMostNoise;
+    const bool good = rest.size() == design_.layout.modules.size() && outside.empty() && worst_noise < kMaxNoise;
     return good ? passed(found) : failed(found);
   }
 

@@ -9,7 +9,7 @@
 #include <deque>
 #include <thread>
 
-#include "cover_pass.hpp"
+#include "cover_flash.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/patch_table.hpp"
@@ -18,7 +18,7 @@
 namespace triskin::device {
 namespace {
 
-using Failure = CoverPass::Failure;
+using Failure = CoverFlash::Failure;
 
 template <class Kind>
 bool is_a(const Failure& f) {
@@ -62,9 +62,9 @@ std::vector<std::vector<std::uint8_t>> images_of(const design::Design& design, c
 }
 
 // All covers of a bus, until their tables are written or nobody comes back.
-class Together {
+class FlashSession {
  public:
-  Together(std::span<const FlashPart> parts, std::vector<FlashResult>& results) : parts_(parts), results_(results) {
+  FlashSession(std::span<const FlashPart> parts, std::vector<FlashResult>& results) : parts_(parts), results_(results) {
     results_.assign(parts.size(), {});
     for (const FlashPart& p : parts_)
       images_.push_back(images_of(*p.design, p.options.route, p.options.positive_input));
@@ -89,12 +89,12 @@ class Together {
  private:
   // First which board is whose, then all tables at once.
   void pass() {
-    std::deque<CoverPass> covers;
+    std::deque<CoverFlash> covers;
     std::vector<FlashOptions::Neighbour> settled;
     BusBoards known;
     std::vector<Failure> failures;
     for (std::size_t k = 0; k < parts_.size() && failures.empty(); ++k) {
-      CoverPass cover(parts_[k], images_[k], results_[k].patches);
+      CoverFlash cover(parts_[k], images_[k], results_[k].patches);
       try {
         cover.plan(settled, known);
       } catch (const Unreachable&) {
@@ -108,12 +108,12 @@ class Together {
       for (auto& n : cover.settled()) settled.push_back(std::move(n));
       covers.push_back(std::move(cover));
     }
-    CoverPass::give_addresses(covers, known);
+    CoverFlash::give_addresses(covers, known);
     write(covers, failures);
   }
-  void write(std::deque<CoverPass>& covers, std::vector<Failure>& failures) {
+  void write(std::deque<CoverFlash>& covers, std::vector<Failure>& failures) {
     std::vector<Task> tasks;
-    for (CoverPass& c : covers) c.add_tasks(tasks);
+    for (CoverFlash& c : covers) c.add_tasks(tasks);
     const std::vector<std::exception_ptr> outcomes =
         run_tasks(parts_.front().bus->link(), tasks, parts_.front().options.per_wire);
     std::size_t at = 0;
@@ -185,7 +185,7 @@ void flash_together(std::span<const FlashPart> parts, std::vector<FlashResult>& 
     for (FlashResult& r : results) sum_up(r, static_cast<double>(bus.now_us() - start_us) * 1e-6);
   };
   try {
-    Together(parts, results).run();
+    FlashSession(parts, results).run();
   } catch (...) {
     sum_up_all();
     throw;

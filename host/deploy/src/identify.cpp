@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "triskin/session/address_users.hpp"
 #include "touch_finder.hpp"
+#include "triskin/session/address_users.hpp"
 
 namespace triskin::device {
 namespace {
@@ -65,7 +65,7 @@ class Identification {
       if (patch < 0)
         rest.push_back(std::move(boards_[k]));
       else
-        tell(patch, boards_[k], FoundBy::kShape, open);
+        assign(patch, boards_[k], FoundBy::kShape, open);
     }
     boards_ = std::move(rest);
   }
@@ -73,21 +73,21 @@ class Identification {
   void touch(std::vector<int>& open) {
     const bool all = options_.patch < 0 && boards_.size() == open.size();
     if (open.empty() || boards_.empty()) return;
-    if (all && open.size() == 1) return tell(open[0], boards_[0], FoundBy::kOnly, open);
+    if (all && open.size() == 1) return assign(open[0], boards_[0], FoundBy::kOnly, open);
     TouchFinder finder(bus_, design_, boards_, options_);
     std::vector<bool> taken(boards_.size(), false);
     for (const int patch : std::vector<int>(open)) {
       const auto last = std::ranges::find(taken, false) - taken.begin();
       if (all && open.size() == 1 && std::ranges::count(taken, false) == 1)
-        return tell(patch, boards_[static_cast<std::size_t>(last)], FoundBy::kOnly, open);
+        return assign(patch, boards_[static_cast<std::size_t>(last)], FoundBy::kOnly, open);
       const auto board = finder.find(patch);
       if (!board) continue;
       taken[*board] = true;
-      tell(patch, boards_[*board], FoundBy::kTouch, open);
+      assign(patch, boards_[*board], FoundBy::kTouch, open);
     }
   }
 
-  void tell(int patch, const FeelingBoard& board, FoundBy by, std::vector<int>& open) {
+  void assign(int patch, const FeelingBoard& board, FoundBy by, std::vector<int>& open) {
     result_.push_back({patch, to_text(board.claim.unique_id), by});
     std::erase(open, patch);
     if (found_) found_(result_.back());

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kLook_us = 50'000;
 constexpr std::uint64_t kSample_us = 85'000;  // a conversion and a reading
-constexpr std::uint64_t kMostOffsets_us = 1'500'000;
+constexpr std::uint64_t kMaxOffsets_us = 1'500'000;
 constexpr double kFelt_counts = 400.0;  // sum over the taxels of a module; noise is a few counts a taxel
 constexpr double kClearly = 3.0;        // times stronger than on any other board
 constexpr int kLooks = 2;               // in a row: one may be a glitch
@@ -89,7 +89,7 @@ void TouchFinder::let_sample(Probe& probe) {
 
 // Taxels wander while the offsets of their converters are searched.
 void TouchFinder::settle() {
-  const std::uint64_t end_us = bus_.now_us() + kMostOffsets_us;
+  const std::uint64_t end_us = bus_.now_us() + kMaxOffsets_us;
   const auto busy = [&](const Probe& p) {
     return p.samples && searching(Controller(bus_, p.board.claim.node_address).offsets());
   };

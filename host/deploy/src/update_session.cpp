@@ -25,10 +25,10 @@ constexpr std::uint64_t kBetweenPolls_us = 25'000;
 constexpr std::uint64_t kErasePatience_us = 2'000'000, kCheckPatience_us = 1'500'000, kStartPatience_us = 2'000'000;
 constexpr std::uint64_t kStarts_us = 40'000;        // queue, loader's window, check of both slots
 constexpr std::uint64_t kConfirmed_us = 2'500'000;  // an application has proved itself by then
-constexpr int kTries = 3, kMostRounds = 25;
+constexpr int kTries = 3, kMaxRounds = 25;
 // A board that is slow, or whose answers were lost, has so many rounds to say what it misses.
 constexpr int kSilentRounds = 3;
-constexpr std::uint64_t kMostLag_us = 2'000;  // that sending catches up
+constexpr std::uint64_t kMaxLag_us = 2'000;  // that sending catches up
 
 std::string version_text(std::uint32_t v) {
   return fmt::format("{}.{}.{}.{}", v >> 24, v >> 16 & 255, v >> 8 & 255, v & 255);
@@ -334,7 +334,7 @@ void UpdateSession::send_units(std::array<Units, 2> units, const char* stage) {
     const Bytes bytes = package_.image(second ? 1 : 0).subspan(s.units[s.at] * kUnitBytes, n * kUnitBytes);
     const wire::CanFrame frame = wire::update::encode_data(second ? 1 : 0, s.units[s.at], bytes);
     const std::uint64_t now_us = bus_.now_us();
-    bus_us = std::max({bus_us, s.next_us, now_us > kMostLag_us ? now_us - kMostLag_us : 0});
+    bus_us = std::max({bus_us, s.next_us, now_us > kMaxLag_us ? now_us - kMaxLag_us : 0});
     listen(bus_us);
     bus_.link().send(frame);
     ++frames_;
@@ -398,7 +398,7 @@ void UpdateSession::send_missing() {
       }
       if (!any) continue;
       still.push_back(at);
-      if (rounds_ >= kMostRounds)
+      if (rounds_ >= kMaxRounds)
         give_up(b, UpdateOutcome::kGivenUp, "loses too many frames; check its cable and termination");
     }
     open = std::move(still);

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "triskin/design/json_fields.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/json_fields.hpp"
 
 namespace triskin::design {
 namespace {
@@ -14,8 +14,8 @@ namespace {
 constexpr const char* kCalibrationFormat = "triskin-calibration";
 constexpr int kCalibrationVersion = 1;
 constexpr const char* kCalibrationPage = "docs/calibration.md";
-constexpr double kMostCountsPerKpa = 65'535.0;
-constexpr double kMostPressure_kpa = 1e4;
+constexpr double kMaxCountsPerKpa = 65'535.0;
+constexpr double kMaxPressure_kpa = 1e4;
 
 nlohmann::ordered_json place_json(const PlaceCalibration& place) {
   nlohmann::ordered_json counts = nlohmann::ordered_json::array(), error = counts, residual = counts;
@@ -38,9 +38,9 @@ PlaceCalibration place_in(const JsonValue& v) {
   place.address = v["address"].integer(0, layout::kAddressesPerLine - 1);
   for (const char* key : {"counts_per_kpa", "error_percent", "residual_kpa"}) v[key].require_size(place.taxels.size());
   for (std::size_t t = 0; t < place.taxels.size(); ++t) {
-    place.taxels[t].counts_per_kpa = number_in(v["counts_per_kpa"].at(t), 0.0, kMostCountsPerKpa);
+    place.taxels[t].counts_per_kpa = number_in(v["counts_per_kpa"].at(t), 0.0, kMaxCountsPerKpa);
     place.taxels[t].error_percent = number_in(v["error_percent"].at(t), 0.0, 1e6);
-    place.taxels[t].residual_kpa = number_in(v["residual_kpa"].at(t), 0.0, kMostPressure_kpa);
+    place.taxels[t].residual_kpa = number_in(v["residual_kpa"].at(t), 0.0, kMaxPressure_kpa);
   }
   return place;
 }
@@ -59,7 +59,7 @@ BoardCalibration board_in(const JsonValue& v) {
   const auto method = kCalibrationMethodNames.value(v["method"].text());
   if (!method) v["method"].fail("must be " + kCalibrationMethodNames.list());
   board.method = *method;
-  board.most_kpa = number_in(v["most_kpa"], 0.0, kMostPressure_kpa);
+  board.max_kpa = number_in(v["most_kpa"], 0.0, kMaxPressure_kpa);
   board.taxel_area_mm2 = number_in(v["taxel_area_mm2"], 1e-3, 1e6);
   const JsonValue places = v["places"];
   for (std::size_t k = 0; k < places.size(); ++k) {
@@ -90,7 +90,7 @@ std::string calibration_text(std::span<const BoardCalibration> boards) {
                     {"revision", b.revision},
                     {"made", b.made},
                     {"method", kCalibrationMethodNames.name(b.method)},
-                    {"most_kpa", b.most_kpa},
+                    {"most_kpa", b.max_kpa},
                     {"taxel_area_mm2", b.taxel_area_mm2},
                     {"places", std::move(places)}});
   }
@@ -127,7 +127,7 @@ CalibrationQuality quality_of(std::span<const BoardCalibration> boards) {
   CalibrationQuality q;
   std::vector<double> errors;
   for (const BoardCalibration& b : boards) {
-    q.most_kpa = &b == boards.data() ? b.most_kpa : std::min(q.most_kpa, b.most_kpa);
+    q.max_kpa = &b == boards.data() ? b.max_kpa : std::min(q.max_kpa, b.max_kpa);
     for (const PlaceCalibration& place : b.places) {
       for (std::size_t t = 0; t < place.taxels.size(); ++t) {
         const TaxelSensitivity& taxel = place.taxels[t];

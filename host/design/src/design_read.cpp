@@ -4,11 +4,11 @@
 
 #include "alternatives_json.hpp"
 #include "regions_json.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/base/files.hpp"
 
 namespace triskin::design {
 namespace {
@@ -174,8 +174,8 @@ Patch read_patch(const JsonValue& v, std::size_t id, const JsonValue& modules) {
 double read_corner_cut(const JsonValue& v) {
   if (!v.raw().contains("corner_cut_mm")) return 0.0;
   const double cut_mm = v["corner_cut_mm"].number();
-  if (!(cut_mm > 0.0 && cut_mm <= kMostCornerCut_mm))
-    v["corner_cut_mm"].fail(fmt::format("must be above 0 and at most {}", kMostCornerCut_mm));
+  if (!(cut_mm > 0.0 && cut_mm <= kMaxCornerCut_mm))
+    v["corner_cut_mm"].fail(fmt::format("must be above 0 and at most {}", kMaxCornerCut_mm));
   return cut_mm;
 }
 

@@ -6,8 +6,8 @@
 
 #include "alternatives_json.hpp"
 #include "regions_json.hpp"
-#include "triskin/design/design.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/design.hpp"
 
 namespace triskin::design {
 namespace {

@@ -3,15 +3,15 @@
 
 #include <algorithm>
 
-#include "triskin/design/json_fields.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/json_fields.hpp"
 #include "triskin/layout/patch_image.hpp"
 
 namespace triskin::design {
 namespace {
 
 constexpr const char* kKindsPage = "docs/kinds.md";
-constexpr double kMostSensitivity = 1e6;
+constexpr double kMaxSensitivity = 1e6;
 
 ModuleKind read_kind(const JsonValue& v) {
   only_keys(v, {"name", "taxels", "dielectric", "sensitivity_counts_per_kpa"}, kKindsPage);
@@ -23,7 +23,7 @@ ModuleKind read_kind(const JsonValue& v) {
   if (has(v, "taxels")) k.taxels = v["taxels"].integer(1, layout::kTaxelsPerModule);
   if (has(v, "dielectric")) k.dielectric = v["dielectric"].text();
   if (has(v, "sensitivity_counts_per_kpa"))
-    k.sensitivity_counts_per_kpa = number_in(v["sensitivity_counts_per_kpa"], 0.0, kMostSensitivity);
+    k.sensitivity_counts_per_kpa = number_in(v["sensitivity_counts_per_kpa"], 0.0, kMaxSensitivity);
   return k;
 }
 

@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "triskin/design/json_value.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/json_value.hpp"
 
 namespace triskin::design {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "regions_json.hpp"
 
+#include "triskin/base/files.hpp"
 #include "triskin/design/design_text.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/design/region_file.hpp"
-#include "triskin/base/files.hpp"
 
 namespace triskin::design {
 namespace {
@@ -94,21 +94,21 @@ void write_regions(const Design& design, json& document) {
     uncovered.push_back(std::move(j));
   }
   document["regions"] = {{"elsewhere", design.regions.elsewhere}, {"list", std::move(list)}};
-  document["report"]["worth"] = design.report.worth;
+  document["report"]["worth"] = design.report.module_value;
   document["report"]["uncovered"] = std::move(uncovered);
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
     document["modules"][k]["keep_out_mm"] = design.layout.modules[k].keep_out_mm;
   for (std::size_t k = 0; k < design.alternatives.size(); ++k)
-    document["alternatives"][k]["worth"] = design.alternatives[k].worth;
+    document["alternatives"][k]["worth"] = design.alternatives[k].module_value;
 }
 
 void read_regions(const JsonValue& v, Design& design) {
-  for (Alternative& a : design.alternatives) a.worth = static_cast<double>(a.layout.modules.size());
-  design.report.worth = static_cast<double>(design.layout.modules.size());
+  for (Alternative& a : design.alternatives) a.module_value = static_cast<double>(a.layout.modules.size());
+  design.report.module_value = static_cast<double>(design.layout.modules.size());
   if (!has(v, "regions")) return;
   design.regions.elsewhere = v["regions"]["elsewhere"].number();
   for (WantedRegion& wanted : read_list(v["regions"]["list"])) design.regions.list.push_back(std::move(wanted.region));
-  design.report.worth = v["report"]["worth"].number();
+  design.report.module_value = v["report"]["worth"].number();
   const JsonValue uncovered = v["report"]["uncovered"];
   for (std::size_t k = 0; k < uncovered.size(); ++k) {
     const JsonValue u = uncovered.at(k);
@@ -119,7 +119,7 @@ void read_regions(const JsonValue& v, Design& design) {
   for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
     design.layout.modules[k].keep_out_mm = v["modules"].at(k)["keep_out_mm"].number();
   for (std::size_t k = 0; k < design.alternatives.size(); ++k)
-    design.alternatives[k].worth = v["alternatives"].at(k)["worth"].number();
+    design.alternatives[k].module_value = v["alternatives"].at(k)["worth"].number();
 }
 
 }  // namespace triskin::design

@@ -10,7 +10,7 @@ using wire::ModuleState;
 
 namespace {
 
-constexpr int kLeastExplained = 3;  // fewer look like exchanged or wrongly strapped modules
+constexpr int kMinExplained = 3;  // fewer look like exchanged or wrongly strapped modules
 
 std::size_t index(int n) {
   return static_cast<std::size_t>(n);
@@ -172,8 +172,8 @@ std::vector<CableExplanation> explain_cables(CableMap& map, const design::Design
                                              const std::vector<TouchOutcome>& touches) {
   std::vector<CableExplanation> found;
   int wrong = wrong_places(read_through(map, design, patches, touches));
-  const auto tries = wrong >= kLeastExplained ? candidates(patches) : std::vector<CableExplanation>{};
-  while (wrong >= kLeastExplained) {
+  const auto tries = wrong >= kMinExplained ? candidates(patches) : std::vector<CableExplanation>{};
+  while (wrong >= kMinExplained) {
     CableExplanation best;
     for (CableExplanation c : tries) {
       CableMap guess = map;
@@ -181,7 +181,7 @@ std::vector<CableExplanation> explain_cables(CableMap& map, const design::Design
       c.modules = wrong - wrong_places(read_through(guess, design, patches, touches));
       if (c.modules > best.modules) best = c;
     }
-    if (best.modules < kLeastExplained) break;
+    if (best.modules < kMinExplained) break;
     apply(map, best);
     wrong -= best.modules;
     found.push_back(best);

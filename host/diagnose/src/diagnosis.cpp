@@ -8,7 +8,7 @@
 
 #include "cover_place.hpp"
 #include "triskin/diagnose/topology.hpp"
-#include "triskin/session/guest_modules.hpp"
+#include "triskin/session/adopted_modules.hpp"
 #include "verification.hpp"
 
 namespace triskin::device {
@@ -96,7 +96,7 @@ void Diagnosis::examine_adoption() {
   for (const PatchState& p : patches_) {
     std::vector<int> rows;
     for (std::size_t row = 0; row < p.image.module_count; ++row) rows.push_back(p.module(row));
-    for (const int m : guest_modules(ends, rows, p.adoption)) {
+    for (const int m : adopted_modules(ends, rows, p.adoption)) {
       if (m < 0 || !adopter_.emplace(m, p.patch).second) continue;
       const int own = wiring_[static_cast<std::size_t>(m)].patch;
       add(FindingKind::kAdoptedModule, m, own,
@@ -280,8 +280,8 @@ std::vector<Diagnosis::Place> Diagnosis::unexpected(const PatchState& p) const {
       if ((p.lines[static_cast<std::size_t>(l)].answers >> a & 1) == 0) continue;
       const bool in_table =
           std::ranges::any_of(p.image.rows(), [&](const auto& row) { return row.line == l && row.address == a; });
-      const bool guest = p.guest_places.test(static_cast<std::size_t>(layout::kAddressesPerLine * l + a));
-      if (!in_table && !guest) places.push_back({l, a});
+      const bool adopted_module = p.adopted_places.test(static_cast<std::size_t>(layout::kAddressesPerLine * l + a));
+      if (!in_table && !adopted_module) places.push_back({l, a});
     }
   }
   return places;

@@ -27,11 +27,12 @@ struct PatchState {
   wire::LiveTaxels now, rest;
   wire::FoundTopology topology;  ///< of switched modules
   wire::ActiveRoute route;
-  wire::Adoption adoption;                                               ///< when the samples were read
-  std::bitset<layout::kLines * layout::kAddressesPerLine> guest_places;  ///< where guests answer, then and before
+  wire::Adoption adoption;  ///< when the samples were read
+  std::bitset<layout::kLines * layout::kAddressesPerLine>
+      adopted_places;  ///< where adopted modules answer, then and before
   void note(const wire::Adoption& told) {
     adoption = told;
-    for (const wire::Guest& g : told.list_of_guests()) guest_places.set(g.place);
+    for (const wire::AdoptedModule& g : told.list_of_adopted()) adopted_places.set(g.place);
   }
 
   [[nodiscard]] Controller controller(Bus& bus) const { return {bus, image.node_address}; }

@@ -168,13 +168,13 @@ void start_patch(Bus& bus, PatchState& p) {
 }
 
 // Modules that were taken in belong to another patch: what was found of this one is the rest.
-wire::FoundTopology without_guests(const wire::FoundTopology& found, const wire::Adoption& adoption) {
-  const auto is_guest = [&](std::size_t m) { return found.row[m] != wire::kNoRow && found.row[m] >= adoption.rows; };
+wire::FoundTopology without_adopted(const wire::FoundTopology& found, const wire::Adoption& adoption) {
+  const auto is_adopted = [&](std::size_t m) { return found.row[m] != wire::kNoRow && found.row[m] >= adoption.rows; };
   if (adoption.count == 0) return found;
   std::array<std::uint8_t, layout::kMaxModules> number{};
   wire::FoundTopology own = found;
   own.count = 0;
-  for (std::size_t m = 0; m < found.count; ++m) number[m] = is_guest(m) ? wire::kNoRow : own.count++;
+  for (std::size_t m = 0; m < found.count; ++m) number[m] = is_adopted(m) ? wire::kNoRow : own.count++;
   for (std::size_t m = 0; m < found.count; ++m) {
     if (number[m] == wire::kNoRow) continue;
     own.row[number[m]] = found.row[m];
@@ -193,7 +193,7 @@ void find_topology(Bus& bus, PatchState& p) {
   Controller c = p.controller(bus);
   c.reroute();
   p.note(c.adoption());
-  p.topology = without_guests(c.topology(), p.adoption);
+  p.topology = without_adopted(c.topology(), p.adoption);
   p.route = c.route();
 }
 

@@ -7,8 +7,8 @@
 #include <map>
 #include <vector>
 
-#include "triskin/design/tile.hpp"
 #include "triskin/base/markup.hpp"
+#include "triskin/design/tile.hpp"
 #include "triskin/diagnose/repair.hpp"
 
 namespace triskin::device {

@@ -15,7 +15,7 @@ constexpr std::uint64_t kPersonLimit_us = 15'000'000;
 constexpr std::uint64_t kPersonPoll_us = 50'000;
 constexpr double kTaxelChange = 60.0;    // counts; noise of the converter is a few counts
 constexpr double kModuleChange = 400.0;  // sum over the taxels of a module
-constexpr int kMostTaxels = 7;           // of ten: then the whole module was pressed
+constexpr int kMaxTaxels = 7;            // of ten: then the whole module was pressed
 constexpr double kTip_mm = 2.5;          // what the tip of a finger reaches
 
 // Which taxel lies under a tip, when the module is turned by 0, 120 and 240°; −1: the turns cannot be told apart.
@@ -104,7 +104,7 @@ int TouchTest::turned(Finger& finger, int module, const PatchState& patch) {
 // Most presses are answered in the patch they were meant for; the others are asked only when not.
 TouchTest::Response TouchTest::strongest_anywhere(const PatchState& first) {
   Response best = strongest(first);
-  if (std::popcount(best.changed) >= kMostTaxels) return best;
+  if (std::popcount(best.changed) >= kMaxTaxels) return best;
   for (const PatchState& p : patches_) {
     if (!p.usable || &p == &first) continue;
     const Response r = strongest(p);
@@ -130,7 +130,7 @@ std::optional<TouchOutcome> TouchTest::press(int module, const PatchState& patch
     const Response settled = strongest_anywhere(patch);
     if (settled.strength > best.strength) best = settled;
   }
-  const bool whole = std::popcount(best.changed) >= kMostTaxels;
+  const bool whole = std::popcount(best.changed) >= kMaxTaxels;
   TouchOutcome outcome{module, best.strength >= kModuleChange ? best.module : -1, whole, 0, 0};
   if (outcome.answered == module && whole) {
     for (unsigned t = 0; t < layout::kTaxelsPerModule; ++t) {

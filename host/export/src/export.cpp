@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "triskin/design/outline.hpp"
 #include "triskin/base/markup.hpp"
+#include "triskin/design/outline.hpp"
 
 namespace triskin::design {
 namespace {

@@ -8,10 +8,10 @@
 #include <ranges>
 
 #include "metres.hpp"
-#include "triskin/export/export.hpp"
-#include "triskin/design/outline.hpp"
 #include "triskin/base/base64.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/outline.hpp"
+#include "triskin/export/export.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::design {

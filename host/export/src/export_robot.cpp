@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "metres.hpp"
-#include "triskin/export/export.hpp"
-#include "triskin/design/outline.hpp"
 #include "triskin/base/markup.hpp"
+#include "triskin/design/outline.hpp"
+#include "triskin/export/export.hpp"
 #include "triskin/layout/module.hpp"
 
 namespace triskin::design {

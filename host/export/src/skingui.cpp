@@ -10,9 +10,9 @@
 #include <set>
 #include <sstream>
 
-#include "triskin/design/json_value.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/design/json_value.hpp"
 
 namespace triskin::design {
 namespace {

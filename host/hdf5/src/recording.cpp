@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "triskin/hdf5/recording.hpp"
 
-#include "triskin/hdf5/taxel_table.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/hdf5/taxel_table.hpp"
 
 #ifdef TRISKIN_HDF5
 #include <array>
@@ -17,7 +17,7 @@ namespace triskin::hdf5 {
 namespace {
 
 constexpr std::size_t kBlockRows = 4096;
-constexpr std::uint64_t kMostWait_us = 500'000;
+constexpr std::uint64_t kMaxWait_us = 500'000;
 
 // A table that grows: N rows of `columns` numbers.
 struct Column {
@@ -110,7 +110,7 @@ class Hdf5Recorder {
     if (block_.module.size() >= kBlockRows) flush();
   }
   void tick(std::uint64_t steady_us) {
-    if (steady_us - flushed_us_ < kMostWait_us) return;
+    if (steady_us - flushed_us_ < kMaxWait_us) return;
     flushed_us_ = steady_us;
     flush();
   }

@@ -9,8 +9,8 @@
 
 #include "net.hpp"
 #include "overlap.hpp"
-#include "triskin/lattice/map_modules.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/lattice/map_modules.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -20,7 +20,7 @@ using surface_lattice::Triangle;
 constexpr double kFinalMargin = 0.98;  // another measurement must agree
 constexpr double kSnap_mm = 7.0;       // neighbours in the lattice whose corners lie nearer pull the module to them
 constexpr double kOutward = 0.6;       // cosine between module and surface, as the growth has it
-constexpr double kMostLift_mm = 1.5;   // of the corners off the surface
+constexpr double kMaxLift_mm = 1.5;    // of the corners off the surface
 constexpr double kFirstStep = 1.0, kLastStep = 0.02;  // mm
 constexpr double kNear_mm = 45.0;                     // centres of modules that may overlap
 constexpr double kEnough = 0.9;                       // of every limit: no need to go on
@@ -158,7 +158,7 @@ class ModulePlacer {
         for (const double by : {step, -step}) {
           std::array<double, 4> y = x;
           y[k] += by;
-          if (y[3] < 0.0 || y[3] > kMostLift_mm) continue;
+          if (y[3] < 0.0 || y[3] > kMaxLift_mm) continue;
           Judged trial = judged(start, y);
           if (trial.cost() >= best.cost() - 1e-9) continue;
           best = std::move(trial);

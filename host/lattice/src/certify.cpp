@@ -4,14 +4,14 @@
 #include <vector>
 
 #include "kept_modules.hpp"
-#include "worst_places.hpp"
 #include "triskin/base/parallel.hpp"
+#include "worst_places.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {
 
 // Module k is triangle triangle_of[k] of the net.
-ModuleLayout layout_of(const LatticeNet& net, std::vector<int>& triangle_of) {
+ModuleLayout layout_of(const LatticeMesh& net, std::vector<int>& triangle_of) {
   ModuleLayout layout;
   layout.method = LayoutMethod::kSurface;
   layout.corner_cut_mm = net.corner_cut_mm();
@@ -75,7 +75,7 @@ void Certifier::measure_on_surface(ModuleLayout& layout, Known& own, int threads
   for (const PlacedModule* m : unknown) own.emplace(corners_of(*m), *m);
 }
 
-ModuleLayout Certifier::certified(LatticeNet net, Known& own, int threads) const {
+ModuleLayout Certifier::certified(LatticeMesh net, Known& own, int threads) const {
   for (;;) {
     net.separate();
     std::vector<int> triangle_of;

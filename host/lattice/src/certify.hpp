@@ -5,8 +5,8 @@
 
 #include "canonical.hpp"
 #include "net.hpp"
-#include "triskin/lattice/map_modules.hpp"
 #include "triskin/lattice/grow_lattice.hpp"
+#include "triskin/lattice/map_modules.hpp"
 
 namespace triskin::geometry::surface_lattice {
 
@@ -22,9 +22,9 @@ class Certifier {
       : surface_(original), copy_(copy), limits_(limits), options_(options) {}
 
   /// Uses all threads. Cost: some 0.1 ms a module.
-  [[nodiscard]] ModuleLayout first(LatticeNet net) { return certified(std::move(net), known_, options_.threads); }
+  [[nodiscard]] ModuleLayout first(LatticeMesh net) { return certified(std::move(net), known_, options_.threads); }
   /// On the calling thread; thread-safe after first().
-  [[nodiscard]] ModuleLayout other(const LatticeNet& net) const {
+  [[nodiscard]] ModuleLayout other(const LatticeMesh& net) const {
     Known own;
     return certified(net, own, 1);
   }
@@ -32,7 +32,7 @@ class Certifier {
  private:
   using Corners = std::array<double, 9>;
   using Known = std::map<Corners, PlacedModule>;
-  [[nodiscard]] ModuleLayout certified(LatticeNet net, Known& own, int threads) const;
+  [[nodiscard]] ModuleLayout certified(LatticeMesh net, Known& own, int threads) const;
   void measure_on_surface(ModuleLayout& layout, Known& own, int threads) const;
 
   const Surface& surface_;

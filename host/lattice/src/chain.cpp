@@ -11,18 +11,18 @@ namespace {
 constexpr int kStepsAStart = 30;
 constexpr double kStartsShare = 0.08;  // of the time, at most
 constexpr double kRaceHeat = 0.1;
-constexpr int kStepsAModule = 40, kMostRuns = 20;  // of one annealing
-constexpr double kHot = 0.6, kCold = 0.05;         // modules a step may lose, at the start and at the end
-constexpr int kSmallIsland = 8;                    // modules: such an island may go as a whole
-constexpr double kIslandShare = 0.15;              // of the steps in which one goes, where tries find one
+constexpr int kStepsAModule = 40, kMaxRuns = 20;  // of one annealing
+constexpr double kHot = 0.6, kCold = 0.05;        // modules a step may lose, at the start and at the end
+constexpr int kSmallIsland = 8;                   // modules: such an island may go as a whole
+constexpr double kIslandShare = 0.15;             // of the steps in which one goes, where tries find one
 constexpr int kTriesForIsland = 9, kTriesForPlace = 8;
 constexpr double kMargin_mm = 40.0;  // round what was removed, in which islands grow
 
 }  // namespace
 
-// Measured (docs/surface_lattice.md): in a small part few islands can be divided as the rounded price hopes, and its
-// steps part layouts from each other; in a large one steps are few, so that they are better spent on one layout than on
-// a race.
+// Measured (docs/measurements/lattice.md): in a small part few islands can be divided as the rounded price hopes, and
+// its steps part layouts from each other; in a large one steps are few, so that they are better spent on one layout
+// than on a race.
 SearchPlan SearchPlan::of(double room_modules) {
   constexpr double kNever = 2.0;
   if (room_modules < kRoundedModules) return {12, 0.08, 1.0, kNever};
@@ -30,9 +30,9 @@ SearchPlan SearchPlan::of(double room_modules) {
   return {6, 0.03, 0.25, 0.8};
 }
 
-Value GrowthTask::value(LatticeNet& net, NetPrice& price, PlaceValue& worth) const {
+Value GrowthTask::value(LatticeMesh& net, NetPrice& price, PlaceValue& module_value) const {
   if (net.size() == 0) return {};  // one module is better, although its controller costs more
-  return {worth(net) + options.hinge_reward * net.joints(), price(net)};
+  return {module_value(net) + options.hinge_reward * net.joints(), price(net)};
 }
 
 double GrowthTask::fraction(int steps) const {
@@ -56,7 +56,7 @@ void Chain::build() {
   for (int k = 0; k < most; ++k) {
     if (k > 0 && iterations == 0 && task_.fraction(0) > kStartsShare) break;
     start_anew();
-    starts.push_back({std::make_shared<const LatticeNet>(now_), kept_value()});
+    starts.push_back({std::make_shared<const LatticeMesh>(now_), kept_value()});
   }
   const auto keep_best = [&starts](std::size_t count) {
     std::ranges::stable_sort(starts, std::greater{}, &FoundLayout::value);
@@ -87,7 +87,7 @@ void Chain::adopt(const NetCopy& net) {
 void Chain::work_in(const Zone& zone, const Chain& leader) {
   schedule_ = leader.schedule_;
   steps_ = leader.steps_;
-  LatticeNet net = leader.now_;
+  LatticeMesh net = leader.now_;
   pinned_ = pin_outside(net, zone);
   set(std::move(net));
   confine(zone);
@@ -101,7 +101,7 @@ void Chain::confine(const Zone& zone) {
   }
 }
 
-void Chain::take_merged(LatticeNet net) {
+void Chain::take_merged(LatticeMesh net) {
   pinned_.clear();
   confine({});
   if (grower_.remove_overrunning(net)) net.separate();
@@ -109,14 +109,14 @@ void Chain::take_merged(LatticeNet net) {
   if (would_be_kept()) keep();
 }
 
-void Chain::set(LatticeNet net) {
+void Chain::set(LatticeMesh net) {
   now_ = std::move(net);
   price_.forget();
   value_ = task_.value(now_, price_, worth_);
 }
 
 void Chain::start_anew() {
-  LatticeNet net = task_.begun;
+  LatticeMesh net = task_.started;
   if (net.size() > 0) grower_.grow(net, {}, random_);
   grower_.fill(net, {}, random_, static_cast<int>(task_.samples.size()) / 2);
   (void)grower_.remove_overrunning(net);
@@ -145,7 +145,7 @@ void Chain::plan_runs(int chains) {
   const double steps_left = task_.options.iterations > 0
                                 ? task_.options.iterations - steps_
                                 : steps_ / std::max(1e-6, schedule_.begun_at - raced_from_) * left;
-  schedule_.runs = std::clamp(static_cast<int>(chains * steps_left / (kStepsAModule * best_->size())), 1, kMostRuns);
+  schedule_.runs = std::clamp(static_cast<int>(chains * steps_left / (kStepsAModule * best_->size())), 1, kMaxRuns);
 }
 
 // Annealings, with the part of the current one.
@@ -209,7 +209,7 @@ Value Chain::ruin_and_recreate() {
 
 // The best of all, and the best of each number of modules near it.
 void Chain::keep() {
-  auto net = std::make_shared<LatticeNet>(now_);
+  auto net = std::make_shared<LatticeMesh>(now_);
   unpin(*net, pinned_);
   const NetCopy copy = std::move(net);
   front_.keep(copy, kept_value());

@@ -17,12 +17,12 @@ inline constexpr double kNothing = -1e300;  // value of no layout
 
 /// Of a layout: its worth less its price, in the forms that the search compares.
 struct Value {
-  double worth = kNothing;  ///< of the modules and joints, in modules
+  double module_value = kNothing;  ///< of the modules and joints, in modules
   EstimatedPrice price;
-  [[nodiscard]] double rounded() const { return worth - price.rounded; }
+  [[nodiscard]] double rounded() const { return module_value - price.rounded; }
   /// `share`: of what joins the controllers, 0 … 1.
   [[nodiscard]] double relaxed(double share = 1.0) const {
-    return worth - price.relaxed.controllers - share * price.relaxed.joining;
+    return module_value - price.relaxed.controllers - share * price.relaxed.joining;
   }
 };
 
@@ -48,12 +48,12 @@ struct GrowthTask {
   const std::vector<Sample>& samples;
   const CopiedRegions& regions;
   double jumper_mm, corner_lift_mm;
-  const LatticeNet& begun;  ///< the modules that are kept, or none
+  const LatticeMesh& started;  ///< the modules that are kept, or none
   Grower::Clock::time_point start, end;
   SearchPlan plan;
 
   [[nodiscard]] Grower::Clock::time_point now() const { return options.now ? options.now() : Grower::Clock::now(); }
-  [[nodiscard]] Value value(LatticeNet& net, NetPrice& price, PlaceValue& worth) const;
+  [[nodiscard]] Value value(LatticeMesh& net, NetPrice& price, PlaceValue& module_value) const;
   [[nodiscard]] double kept_value(const Value& value) const {
     return plan.rounded_from <= 1.0 ? value.rounded() : value.relaxed();
   }
@@ -82,9 +82,9 @@ class Chain {
   void work_in(const Zone& zone, const Chain& leader);
   [[nodiscard]] ZoneNet zone_net() const { return {now_, pinned_}; }
   /// Takes the merged layout of a team as its own, and all of space as its zone.
-  void take_merged(LatticeNet net);
+  void take_merged(LatticeMesh net);
 
-  [[nodiscard]] const LatticeNet& now() const { return now_; }
+  [[nodiscard]] const LatticeMesh& now() const { return now_; }
   [[nodiscard]] const NetCopy& best() const { return best_; }
   [[nodiscard]] double best_value() const { return best_value_; }
   [[nodiscard]] const LayoutFront& front() const { return front_; }
@@ -98,7 +98,7 @@ class Chain {
     double begun_at = 0.0;  // fraction of the search
     int runs = 1, run = 0;
   };
-  void set(LatticeNet net);
+  void set(LatticeMesh net);
   void confine(const Zone& zone);
   void start_anew();
   void take(const FoundLayout& found);
@@ -126,7 +126,7 @@ class Chain {
   Grower grower_;
   std::vector<int> samples_;  // of the task, in the zone
   std::vector<int> pinned_;   // triangles outside the zone
-  LatticeNet now_;            // what price_ knows
+  LatticeMesh now_;           // what price_ knows
   NetCopy best_;
   LayoutFront front_;
   Value value_;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "triskin/lattice/grow_lattice.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,11 +14,10 @@
 #include "chain.hpp"
 #include "kept_modules.hpp"
 #include "team.hpp"
-#include "triskin/design/outline.hpp"
-#include "triskin/lattice/map_modules.hpp"
-#include "triskin/lattice/grow_lattice.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/parallel.hpp"
+#include "triskin/design/outline.hpp"
+#include "triskin/lattice/map_modules.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -48,8 +49,8 @@ void check_options(const LayoutLimits& l, const SurfaceLatticeOptions& o) {
       throw InputError(
           "lattice: the cost of an island, controller or jumper and the reward of a joint must be 0 … 16 modules");
   }
-  if (!(o.corner_cut_mm >= 0.0 && o.corner_cut_mm <= design::kMostCornerCut_mm))
-    throw InputError(fmt::format("lattice: the corner cut must be 0 … {} mm", design::kMostCornerCut_mm));
+  if (!(o.corner_cut_mm >= 0.0 && o.corner_cut_mm <= design::kMaxCornerCut_mm))
+    throw InputError(fmt::format("lattice: the corner cut must be 0 … {} mm", design::kMaxCornerCut_mm));
   if (!(o.corner_lift_mm >= 0.0)) throw InputError("lattice: the corner lift must not be negative");
   for (const double v : {l.edge_error_mm, l.hinge_gap_mm, l.center_gap_mm, l.fold_rad, l.penetration_mm, l.overrun_mm,
                          l.lift_mm, l.depth_mm}) {
@@ -64,7 +65,7 @@ const Chain& best_of(const std::deque<Chain>& chains) {
 
 // The best of all chains for each number of modules, most modules first, then the most valuable of the others, with as
 // many modules on more or fewer islands; not the best of all, which is kept anyway.
-std::vector<const LatticeNet*> front_of(const std::deque<Chain>& chains) {
+std::vector<const LatticeMesh*> front_of(const std::deque<Chain>& chains) {
   std::map<std::pair<int, int>, const FoundLayout*, std::greater<>> found;
   for (const Chain& chain : chains) {
     for (const auto& [numbers, of_chain] : chain.front().found()) {
@@ -72,33 +73,33 @@ std::vector<const LatticeNet*> front_of(const std::deque<Chain>& chains) {
       if (best == nullptr || of_chain.value > best->value) best = &of_chain;
     }
   }
-  const LatticeNet* const best = best_of(chains).best().get();
+  const LatticeMesh* const best = best_of(chains).best().get();
   std::vector<const FoundLayout*> by_value;
   for (const auto& [numbers, of_numbers] : found) {
     if (numbers.first >= best->size() - kFront && of_numbers->net.get() != best) by_value.push_back(of_numbers);
   }
   std::ranges::stable_sort(by_value, std::greater{}, &FoundLayout::value);
-  std::map<int, const LatticeNet*, std::greater<>> by_size;
-  std::vector<const LatticeNet*> more;
+  std::map<int, const LatticeMesh*, std::greater<>> by_size;
+  std::vector<const LatticeMesh*> more;
   for (const FoundLayout* f : by_value) {
-    const LatticeNet* const net = f->net.get();
+    const LatticeMesh* const net = f->net.get();
     const bool is_first = net->size() != best->size() && by_size.try_emplace(net->size(), net).second;
     if (!is_first && more.size() < kMore) more.push_back(net);
   }
-  std::vector<const LatticeNet*> nets;
+  std::vector<const LatticeMesh*> nets;
   for (const auto& [size, net] : by_size) nets.push_back(net);
   nets.insert(nets.end(), more.begin(), more.end());
   return nets;
 }
 
 // Rounds of all teams side by side, until time or steps are over.
-void search(const GrowthTask& task, std::deque<Chain>& chains, int most_in_a_team, const ProgressSink& progress) {
+void search(const GrowthTask& task, std::deque<Chain>& chains, int max_in_a_team, const ProgressSink& progress) {
   const int iterations = task.options.iterations;
   const auto each = [](auto& items, const auto& work) {
     in_parallel(static_cast<int>(items.size()), items.size(), [&](std::size_t k) { work(items[k]); });
   };
   each(chains, [](Chain& c) { c.build(); });
-  std::vector<Team> teams = teams_of(task, chains, most_in_a_team);
+  std::vector<Team> teams = teams_of(task, chains, max_in_a_team);
   const Chain& leader = chains.front();
   for (int round = 1; task.now() < task.end && !interrupt_request() && (iterations == 0 || leader.steps() < iterations);
        ++round) {
@@ -115,7 +116,7 @@ void search(const GrowthTask& task, std::deque<Chain>& chains, int most_in_a_tea
 }
 
 // Counts, for the report, the limits that refuse further modules; a module that fits after all is kept.
-void count_refusals(const GrowthTask& task, LatticeNet& net, ModuleLayout& layout) {
+void count_refusals(const GrowthTask& task, LatticeMesh& net, ModuleLayout& layout) {
   Dice random(task.options.seed);
   Grower grower(task.surface, task.rules, task.samples, task.corner_lift_mm, Grower::Clock::time_point::max());
   grower.grow(net, {}, random);
@@ -126,12 +127,12 @@ void count_refusals(const GrowthTask& task, LatticeNet& net, ModuleLayout& layou
 
 // Appends layouts made of the best one, with fewer islands and a controller less, and the others that were found, as
 // far as the time goes.
-void certify_others(const GrowthTask& task, const Certifier& certifier, const LatticeNet& best,
-                    const std::vector<const LatticeNet*>& found, std::vector<ModuleLayout>& layouts) {
+void certify_others(const GrowthTask& task, const Certifier& certifier, const LatticeMesh& best,
+                    const std::vector<const LatticeMesh*>& found, std::vector<ModuleLayout>& layouts) {
   const int full = (best.size() - 1) / kModulesAController * kModulesAController;  // what a controller less reads
-  const std::vector<LatticeNet> less = thinned(best, full, kThinned);
-  std::vector<const LatticeNet*> others;
-  for (const LatticeNet& l : less) others.push_back(&l);
+  const std::vector<LatticeMesh> less = thinned(best, full, kThinned);
+  std::vector<const LatticeMesh*> others;
+  for (const LatticeMesh& l : less) others.push_back(&l);
   others.insert(others.end(), found.begin(), found.end());
   std::vector<std::optional<ModuleLayout>> front(others.size());
   const auto end = task.end + duration_of(kFrontShare * task.options.time_limit_s);
@@ -160,7 +161,7 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   const LayoutLimits searched = options.solver == nullptr ? limits : limits_on(*options.solver, limits);
   const Rules rules(surface, searched, regions.free_points());
   const std::vector<Sample> samples = spread_samples(surface, kSampleArea_mm2, options.seed);
-  const LatticeNet begun = net_of_kept(surface, copy, options.kept, options.corner_cut_mm);
+  const LatticeMesh started = net_of_kept(surface, copy, options.kept, options.corner_cut_mm);
   const double room = surface.area_mm2() / kModuleArea_mm2;
   const GrowthTask task{surface,
                         rules,
@@ -169,7 +170,7 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
                         regions,
                         limits.jumper_mm,
                         corner_lift_of(limits, options),
-                        begun,
+                        started,
                         start,
                         end,
                         SearchPlan::of(room)};
@@ -177,8 +178,8 @@ std::vector<ModuleLayout> grow_front(const Surface& original, const LayoutLimits
   for (int k = 0; k < options.threads; ++k)
     chains.emplace_back(task, options.seed * 1000003 + static_cast<std::uint64_t>(k));
   search(task, chains, std::max(1, static_cast<int>(room / kModulesAChain)), progress);
-  const LatticeNet& best = *best_of(chains).best();
-  LatticeNet net = best;
+  const LatticeMesh& best = *best_of(chains).best();
+  LatticeMesh net = best;
   ModuleLayout refusals;
   count_refusals(task, net, refusals);
   Certifier certifier(original, copy, limits, options);

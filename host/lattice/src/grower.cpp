@@ -75,7 +75,7 @@ bool Grower::roll(const Vec3& a, const Vec3& b, const Vec3& away, Foot& apex) {
   return std::abs((apex.point - middle).norm() - kHeight_mm) < kShort_mm;
 }
 
-bool Grower::try_side(LatticeNet& net, Side side) {
+bool Grower::try_side(LatticeMesh& net, Side side) {
   const NetTriangle t = net.triangles()[at(side.triangle)];
   const TileSide next = across(t.tile, side.side);
   if (net.has_tile(t.island, next.tile)) return false;
@@ -111,7 +111,7 @@ bool Grower::try_side(LatticeNet& net, Side side) {
   return try_corner(net, side, net.add_vertex(apex.point, apex.normal, label[0], label[1]));
 }
 
-bool Grower::try_corner(LatticeNet& net, Side side, int apex) {
+bool Grower::try_corner(LatticeMesh& net, Side side, int apex) {
   const NetTriangle& t = net.triangles()[at(side.triangle)];
   const TileSide next = across(t.tile, side.side);
   std::array<int, 3> v{};
@@ -123,7 +123,7 @@ bool Grower::try_corner(LatticeNet& net, Side side, int apex) {
 
 // A module that is refused after a hopeful start, beside others of its island, is tried again with more around it
 // giving way.
-bool Grower::keep_or_revert(LatticeNet& net, int triangle) {
+bool Grower::keep_or_revert(LatticeMesh& net, int triangle) {
   Refusal refusal = refusal_of(net, triangle, kRelaxRadius_mm, kRelaxSteps);
   const bool was_hopeful = !relaxer_.changed().empty();
   if (refusal != Refusal::kNone && was_hopeful && net.island_sizes()[at(net.triangles()[at(triangle)].island)] > 1) {
@@ -137,20 +137,20 @@ bool Grower::keep_or_revert(LatticeNet& net, int triangle) {
   return false;
 }
 
-Refusal Grower::refusal_of(LatticeNet& net, int triangle, double radius_mm, int steps) {
+Refusal Grower::refusal_of(LatticeMesh& net, int triangle, double radius_mm, int steps) {
   if (!relaxer_.relax(net, triangle, radius_mm, steps)) return Refusal::kPenetration;
   return rules_.evaluate(surface_, net, relaxer_.changed(), relaxer_.pairs(), known_sides_);
 }
 
 // Hopeless places are found before the costly relaxing.
-bool Grower::crowded(const LatticeNet& net, const Triangle& corners, int beside) const {
+bool Grower::crowded(const LatticeMesh& net, const Triangle& corners, int beside) const {
   const NetTriangle candidate = loose(corners, net.corner_cut_mm());
   return net.any_near(candidate.center, kReach_mm, [&](int k) {
     return k != beside && overlap_of(candidate, net.triangles()[at(k)]).depth_mm > kCrowded_mm;
   });
 }
 
-bool Grower::try_seed(LatticeNet& net, const Triangle& corners) {
+bool Grower::try_seed(LatticeMesh& net, const Triangle& corners) {
   if (!zone_.holds((corners[0] + corners[1] + corners[2]) / 3.0) || crowded(net, corners, -1)) return false;
   const int island = net.new_island();
   const Tile tile;
@@ -163,7 +163,7 @@ bool Grower::try_seed(LatticeNet& net, const Triangle& corners) {
   return keep_or_revert(net, net.add_triangle(island, tile, v));
 }
 
-bool Grower::seed_at_side(LatticeNet& net, Side side) {
+bool Grower::seed_at_side(LatticeMesh& net, Side side) {
   const NetTriangle& t = net.triangles()[at(side.triangle)];
   const Vec3 a = t.rigid[at(side.side)], b = t.rigid[at((side.side + 1) % 3)], far = t.rigid[at((side.side + 2) % 3)];
   Foot apex;
@@ -171,7 +171,7 @@ bool Grower::seed_at_side(LatticeNet& net, Side side) {
   return try_seed(net, {b, a, apex.point});
 }
 
-bool Grower::seed_at_sample(LatticeNet& net, const Sample& sample, Dice& random) {
+bool Grower::seed_at_sample(LatticeMesh& net, const Sample& sample, Dice& random) {
   const Vec3 x = sample.normal.unitOrthogonal(), y = sample.normal.cross(x);
   const double turn = 2.0 * M_PI * random.unit();
   Triangle corners;
@@ -183,7 +183,7 @@ bool Grower::seed_at_sample(LatticeNet& net, const Sample& sample, Dice& random)
 }
 
 // One side along the nearest border, counter-clockwise seen from outside.
-bool Grower::seed_at_border(LatticeNet& net, const Sample& sample) {
+bool Grower::seed_at_border(LatticeMesh& net, const Sample& sample) {
   const double reach = surface_.surface().border_distance(sample.point);
   if (!(reach < 20.0)) return false;
   constexpr double kProbe_mm = 0.5;
@@ -196,7 +196,7 @@ bool Grower::seed_at_border(LatticeNet& net, const Sample& sample) {
   return try_seed(net, {Vec3(foot - 15.0 * along), Vec3(foot + 15.0 * along), Vec3(foot + kHeight_mm * in)});
 }
 
-std::vector<Grower::Side> Grower::open_sides(const LatticeNet& net, const Ball& ball) const {
+std::vector<Grower::Side> Grower::open_sides(const LatticeMesh& net, const Ball& ball) const {
   std::vector<Side> sides;
   std::vector<int> inside;
   net.near(ball.center, ball.radius_mm, inside);
@@ -208,12 +208,12 @@ std::vector<Grower::Side> Grower::open_sides(const LatticeNet& net, const Ball& 
   return sides;
 }
 
-void Grower::grow(LatticeNet& net, const Ball& ball, Dice& random) {
+void Grower::grow(LatticeMesh& net, const Ball& ball, Dice& random) {
   grow_from(net, open_sides(net, ball), ball, random);
 }
 
 // Sides with small keys first: near the start, with noise so that each growth is another one.
-void Grower::grow_from(LatticeNet& net, const std::vector<Side>& front, const Ball& ball, Dice& random) {
+void Grower::grow_from(LatticeMesh& net, const std::vector<Side>& front, const Ball& ball, Dice& random) {
   struct Entry {
     double key;
     Side side;
@@ -248,12 +248,12 @@ void Grower::grow_from(LatticeNet& net, const std::vector<Side>& front, const Ba
 }
 
 // Where the centre of a module at a side would come to lie, but for the fold.
-Vec3 Grower::place_beside(const LatticeNet& net, Side side) {
+Vec3 Grower::place_beside(const LatticeMesh& net, Side side) {
   const NetTriangle& t = net.triangles()[at(side.triangle)];
   return t.rigid[at(side.side)] + t.rigid[at((side.side + 1) % 3)] - t.center;
 }
 
-std::uint64_t Grower::surroundings_of(const LatticeNet& net, Side side) const {
+std::uint64_t Grower::surroundings_of(const LatticeMesh& net, Side side) const {
   return net.signature(place_beside(net, side), kSurroundings_mm);
 }
 
@@ -262,7 +262,7 @@ std::uint64_t& Grower::last_failure(std::vector<std::array<std::uint64_t, 3>>& f
   return failures[at(side.triangle)][at(side.side)];
 }
 
-void Grower::fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts) {
+void Grower::fill(LatticeMesh& net, const Ball& ball, Dice& random, int attempts) {
   const auto grow_newest = [&](int before) {
     if (net.size() == before) return;
     std::vector<Side> sides = open_sides(net, ball);
@@ -295,7 +295,7 @@ void Grower::fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts)
   }
 }
 
-bool Grower::remove_overrunning(LatticeNet& net) {
+bool Grower::remove_overrunning(LatticeMesh& net) {
   bool any = false;
   known_within_.resize(std::max(known_within_.size(), net.triangles().size()), kNowhere);
   for (int t = 0; t < static_cast<int>(net.triangles().size()); ++t) {
@@ -311,7 +311,7 @@ bool Grower::remove_overrunning(LatticeNet& net) {
   return any;
 }
 
-bool Grower::covered(const LatticeNet& net, const Vec3& p) const {
+bool Grower::covered(const LatticeMesh& net, const Vec3& p) const {
   return net.any_near(p, kModuleReach_mm, [&](int t) { return lies_over(net.triangles()[at(t)], p); });
 }
 

@@ -38,25 +38,25 @@ class Grower {
     [[nodiscard]] bool holds(const Vec3& p) const { return (p - center).squaredNorm() < radius_mm * radius_mm; }
   };
   /// Grows the islands that reach into the ball over their open sides, until nothing more fits.
-  void grow(LatticeNet& net, const Ball& ball, Dice& random);
+  void grow(LatticeMesh& net, const Ball& ball, Dice& random);
   /// Starts islands on what is uncovered in the ball and grows each.
-  void fill(LatticeNet& net, const Ball& ball, Dice& random, int attempts);
+  void fill(LatticeMesh& net, const Ball& ball, Dice& random, int attempts);
 
   /// From here on adds modules only where their centres lie in the zone.
   void confine(const Zone& zone) { zone_ = zone; }
   [[nodiscard]] const Zone& zone() const { return zone_; }
 
   /// Begins an island with a module at three corners, if it keeps the rules.
-  bool try_seed(LatticeNet& net, const Triangle& corners);
+  bool try_seed(LatticeMesh& net, const Triangle& corners);
 
   /// Removes what stands over the border by more than is allowed, as it is measured at the end, but for fixed
   /// triangles: whether there was any. The net has to be separated afterwards. Measures what moved since the last call.
-  bool remove_overrunning(LatticeNet& net);
+  bool remove_overrunning(LatticeMesh& net);
 
-  [[nodiscard]] bool covered(const LatticeNet& net, const Vec3& p) const;
+  [[nodiscard]] bool covered(const LatticeMesh& net, const Vec3& p) const;
   [[nodiscard]] bool late() const { return (now_ ? now_() : Clock::now()) > end_ || interrupt_request(); }
   /// As late, but on a slow machine the time does not end the search for the first module: no module is no answer.
-  [[nodiscard]] bool late(const LatticeNet& net) const { return (net.size() > 0 && late()) || interrupt_request(); }
+  [[nodiscard]] bool late(const LatticeMesh& net) const { return (net.size() > 0 && late()) || interrupt_request(); }
   /// Number of refusals by limit since the last reset.
   std::array<int, kRefusals> refused{};
 
@@ -65,19 +65,19 @@ class Grower {
     int triangle, side;
   };
   bool roll(const Vec3& a, const Vec3& b, const Vec3& away, Foot& apex);
-  bool try_side(LatticeNet& net, Side side);
-  bool try_corner(LatticeNet& net, Side side, int apex);
-  bool seed_at_side(LatticeNet& net, Side side);
-  bool seed_at_sample(LatticeNet& net, const Sample& sample, Dice& random);
-  bool seed_at_border(LatticeNet& net, const Sample& sample);
-  [[nodiscard]] bool crowded(const LatticeNet& net, const Triangle& corners, int beside) const;
-  bool keep_or_revert(LatticeNet& net, int triangle);
-  [[nodiscard]] Refusal refusal_of(LatticeNet& net, int triangle, double radius_mm, int steps);
-  [[nodiscard]] std::vector<Side> open_sides(const LatticeNet& net, const Ball& ball) const;
-  [[nodiscard]] static Vec3 place_beside(const LatticeNet& net, Side side);
-  [[nodiscard]] std::uint64_t surroundings_of(const LatticeNet& net, Side side) const;
+  bool try_side(LatticeMesh& net, Side side);
+  bool try_corner(LatticeMesh& net, Side side, int apex);
+  bool seed_at_side(LatticeMesh& net, Side side);
+  bool seed_at_sample(LatticeMesh& net, const Sample& sample, Dice& random);
+  bool seed_at_border(LatticeMesh& net, const Sample& sample);
+  [[nodiscard]] bool crowded(const LatticeMesh& net, const Triangle& corners, int beside) const;
+  bool keep_or_revert(LatticeMesh& net, int triangle);
+  [[nodiscard]] Refusal refusal_of(LatticeMesh& net, int triangle, double radius_mm, int steps);
+  [[nodiscard]] std::vector<Side> open_sides(const LatticeMesh& net, const Ball& ball) const;
+  [[nodiscard]] static Vec3 place_beside(const LatticeMesh& net, Side side);
+  [[nodiscard]] std::uint64_t surroundings_of(const LatticeMesh& net, Side side) const;
   [[nodiscard]] std::uint64_t& last_failure(std::vector<std::array<std::uint64_t, 3>>& failures, Side side);
-  void grow_from(LatticeNet& net, const std::vector<Side>& front, const Ball& ball, Dice& random);
+  void grow_from(LatticeMesh& net, const std::vector<Side>& front, const Ball& ball, Dice& random);
 
   NearSurface surface_;
   const Rules& rules_;

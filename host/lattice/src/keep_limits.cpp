@@ -8,8 +8,8 @@
 #include <map>
 #include <string>
 
-#include "triskin/base/index.hpp"
 #include "overlapping_pairs.hpp"
+#include "triskin/base/index.hpp"
 #include "triskin/lattice/map_modules.hpp"
 #include "worst_places.hpp"
 

@@ -8,9 +8,9 @@
 namespace triskin::geometry::surface_lattice {
 
 // Corners that modules share by their joints are one vertex, in the middle of them.
-LatticeNet net_of_kept(const Surface& surface, const CanonicalCopy& copy, const std::vector<PlacedModule>& kept,
-                       double corner_cut_mm) {
-  LatticeNet net(surface.mesh().vertices, corner_cut_mm);
+LatticeMesh net_of_kept(const Surface& surface, const CanonicalCopy& copy, const std::vector<PlacedModule>& kept,
+                        double corner_cut_mm) {
+  LatticeMesh net(surface.mesh().vertices, corner_cut_mm);
   const auto count = static_cast<int>(kept.size());
   std::vector<PlacedModule> modules;
   for (const PlacedModule& m : kept) modules.push_back(copy.carried_there(m));

@@ -10,8 +10,8 @@ namespace triskin::geometry::surface_lattice {
 
 /// A net of fixed modules alone: kept[k] (of the original, neighbours among `kept`) is triangle k. `surface`: of the
 /// copy.
-[[nodiscard]] LatticeNet net_of_kept(const Surface& surface, const CanonicalCopy& copy,
-                                     const std::vector<PlacedModule>& kept, double corner_cut_mm);
+[[nodiscard]] LatticeMesh net_of_kept(const Surface& surface, const CanonicalCopy& copy,
+                                      const std::vector<PlacedModule>& kept, double corner_cut_mm);
 
 /// Of a layout that was carried back and whose first modules are those that were kept: they stand as they were given,
 /// to the last digit, are of the same kind, and have among each other the joints that they had.

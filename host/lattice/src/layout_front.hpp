@@ -12,7 +12,7 @@ namespace triskin::geometry::surface_lattice {
 /// Layouts with up to so many modules fewer than the best are kept beside it.
 inline constexpr int kFront = 12;
 
-using NetCopy = std::shared_ptr<const LatticeNet>;
+using NetCopy = std::shared_ptr<const LatticeMesh>;
 
 /// A layout and what the growth takes it to be worth.
 struct FoundLayout {
@@ -21,15 +21,15 @@ struct FoundLayout {
 };
 
 /// The most valuable layout found for each number of modules and of islands: the price of the growth is not that of the
-/// wired layout, and islands are what the two see most differently. Together they have at most `most_modules` modules,
+/// wired layout, and islands are what the two see most differently. Together they have at most `max_modules` modules,
 /// or are one layout: where there are more, the least valuable go. Work of one thread.
 class LayoutFront {
  public:
-  using Numbers = std::pair<int, int>;          // modules, islands
-  static constexpr int kMostModules = 200'000;  ///< some 100 MB
-  explicit LayoutFront(int most_modules = kMostModules) : most_modules_(most_modules) {}
+  using Numbers = std::pair<int, int>;         // modules, islands
+  static constexpr int kMaxModules = 200'000;  ///< some 100 MB
+  explicit LayoutFront(int max_modules = kMaxModules) : max_modules_(max_modules) {}
 
-  [[nodiscard]] bool would_keep(const LatticeNet& net, double value) const;
+  [[nodiscard]] bool would_keep(const LatticeMesh& net, double value) const;
   /// Keeps the layout where would_keep() says so. Cost: the number of layouts where some have to go.
   void keep(const NetCopy& net, double value);
   /// Layouts of fewer modules go.
@@ -37,15 +37,15 @@ class LayoutFront {
   [[nodiscard]] const std::map<Numbers, FoundLayout>& found() const { return found_; }
 
  private:
-  [[nodiscard]] std::map<Numbers, FoundLayout>::const_iterator least_valuable() const;
+  [[nodiscard]] std::map<Numbers, FoundLayout>::const_iterator min_valuable() const;
 
-  int most_modules_, modules_ = 0;  // of all
+  int max_modules_, modules_ = 0;  // of all
   std::map<Numbers, FoundLayout> found_;
 };
 
 /// Cheaper layouts made of one, `layouts` ≥ 1 of them at most: islands of up to sixteen modules go, the smallest
 /// first, until `modules` are left or fewer; those with fixed modules stay. The one with fewest modules comes first.
 /// The other end of the choice, where a search ends at many modules. Cost: O(n) a layout.
-[[nodiscard]] std::vector<LatticeNet> thinned(const LatticeNet& net, int modules, std::size_t layouts);
+[[nodiscard]] std::vector<LatticeMesh> thinned(const LatticeMesh& net, int modules, std::size_t layouts);
 
 }  // namespace triskin::geometry::surface_lattice

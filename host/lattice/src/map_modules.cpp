@@ -10,9 +10,9 @@
 #include <optional>
 #include <set>
 
-#include "triskin/base/index.hpp"
 #include "keep_limits.hpp"
 #include "rigid.hpp"
+#include "triskin/base/index.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -97,7 +97,7 @@ class PieceMap {
       const double total = area(t[1] - t[0], t[2] - t[0]);
       const Vec3 w(area(t[1] - p, t[2] - p) / total, area(t[2] - p, t[0] - p) / total,
                    area(t[0] - p, t[1] - p) / total);
-      const double inside = overhang_mm_ > 0.0 ? least_height_mm(t, w, total) : w.minCoeff();
+      const double inside = overhang_mm_ > 0.0 ? min_height_mm(t, w, total) : w.minCoeff();
       if (inside > best) {
         best = inside;
         best_weights = w;
@@ -111,7 +111,7 @@ class PieceMap {
 
   // How far inside a triangle a point with these weights lies, negative outside: small triangles near the point must
   // not lose against large ones far away.
-  static double least_height_mm(const std::array<Vec2, 3>& t, const Vec3& weights, double twice_area) {
+  static double min_height_mm(const std::array<Vec2, 3>& t, const Vec3& weights, double twice_area) {
     double least = 1e300;
     for (int k = 0; k < 3; ++k)
       least = std::min(least, weights[k] * std::abs(twice_area) / (t[at((k + 2) % 3)] - t[at((k + 1) % 3)]).norm());

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "triskin/base/index.hpp"
 #include "overlapping_pairs.hpp"
 #include "overrun.hpp"
-#include "rigid.hpp"
 #include "point_grid.hpp"
+#include "rigid.hpp"
+#include "triskin/base/index.hpp"
 #include "triskin/design/outline.hpp"
 #include "triskin/lattice/map_modules.hpp"
 

@@ -30,10 +30,10 @@ Triangle fit_rigid(const Triangle& target) {
   return {Vec3(center - kCos * right - 0.5 * up), Vec3(center + kCos * right - 0.5 * up), Vec3(center + up)};
 }
 
-LatticeNet::LatticeNet(const std::vector<Vec3>& around, double corner_cut_mm)
+LatticeMesh::LatticeMesh(const std::vector<Vec3>& around, double corner_cut_mm)
     : corner_cut_mm_(corner_cut_mm), grid_(around, kCell_mm) {}
 
-NetVertex& LatticeNet::edit_vertex(int vertex) {
+NetVertex& LatticeMesh::edit_vertex(int vertex) {
   if (is_recording_ && at(vertex) < vertices_before_ && vertex_saved_in_[at(vertex)] != recording_) {
     vertex_saved_in_[at(vertex)] = recording_;
     old_vertices_.emplace_back(vertex, vertices_[at(vertex)]);
@@ -42,31 +42,31 @@ NetVertex& LatticeNet::edit_vertex(int vertex) {
 }
 
 // Before every change of a triangle.
-void LatticeNet::touch(int triangle) {
+void LatticeMesh::touch(int triangle) {
   if (!is_recording_ || at(triangle) >= triangles_before_ || triangle_saved_in_[at(triangle)] == recording_) return;
   triangle_saved_in_[at(triangle)] = recording_;
   old_triangles_.emplace_back(triangle, triangles_[at(triangle)]);
 }
 
-int LatticeNet::islands() const {
+int LatticeMesh::islands() const {
   return static_cast<int>(std::ranges::count_if(island_size_, [](int size) { return size > 0; }));
 }
 
-int LatticeNet::new_island() {
+int LatticeMesh::new_island() {
   const int free = free_islands_.pop([&](int k) { return island_size_[at(k)] == 0; });
   if (free >= 0) return free;
   island_size_.push_back(0);
   return static_cast<int>(island_size_.size()) - 1;
 }
 
-int LatticeNet::tile_bucket(int island, const Tile& tile) const {
+int LatticeMesh::tile_bucket(int island, const Tile& tile) const {
   std::uint64_t h = static_cast<std::uint32_t>(island);
   for (const int part : {tile.i, tile.j, tile.up ? 1 : 0})
     h = (h ^ static_cast<std::uint32_t>(part)) * 0x9E3779B97F4A7C15ULL;
   return static_cast<int>((h ^ (h >> 32)) & static_cast<std::uint64_t>(tiles_.count() - 1));
 }
 
-bool LatticeNet::has_tile(int island, const Tile& tile) const {
+bool LatticeMesh::has_tile(int island, const Tile& tile) const {
   for (int t = tiles_.first(tile_bucket(island, tile)); t >= 0; t = tiles_.next(t)) {
     if (triangles_[at(t)].island == island && triangles_[at(t)].tile == tile) return true;
   }
@@ -74,14 +74,14 @@ bool LatticeNet::has_tile(int island, const Tile& tile) const {
 }
 
 // Twice as many buckets: a power of two.
-void LatticeNet::grow_tiles() {
+void LatticeMesh::grow_tiles() {
   tiles_ = Buckets(2 * tiles_.count());
   for (int t = 0; t < static_cast<int>(triangles_.size()); ++t) {
     if (grid_.holds(t)) tiles_.add(t, tile_bucket(triangles_[at(t)].island, triangles_[at(t)].tile));
   }
 }
 
-void LatticeNet::index(int triangle) {
+void LatticeMesh::index(int triangle) {
   const NetTriangle& t = triangles_[at(triangle)];
   centers_[at(triangle)] = t.center;
   grid_.add(triangle, t.center);
@@ -89,7 +89,7 @@ void LatticeNet::index(int triangle) {
   ++island_size_[at(t.island)];
 }
 
-void LatticeNet::remove_from_index(int triangle) {
+void LatticeMesh::remove_from_index(int triangle) {
   centers_[at(triangle)] = kNowhere;
   grid_.remove(triangle);
   tiles_.remove(triangle);
@@ -97,21 +97,21 @@ void LatticeNet::remove_from_index(int triangle) {
   if (--island_size_[at(island)] == 0) free_islands_.push(island);
 }
 
-void LatticeNet::mark_changed(int triangle) {
+void LatticeMesh::mark_changed(int triangle) {
   if (is_changed_.size() < triangles_.size()) is_changed_.resize(triangles_.size(), 0);
   if (is_changed_[at(triangle)]) return;
   is_changed_[at(triangle)] = 1;
   changed_.push_back(triangle);
 }
 
-void LatticeNet::mark_with_neighbours(int triangle) {
+void LatticeMesh::mark_with_neighbours(int triangle) {
   mark_changed(triangle);
   for (int s = 0; s < 3; ++s) {
     if (const int n = neighbour(triangle, s); n >= 0) mark_changed(n);
   }
 }
 
-void LatticeNet::take_changed(std::vector<int>& changed) {
+void LatticeMesh::take_changed(std::vector<int>& changed) {
   changed.clear();
   for (const int t : changed_) {
     is_changed_[at(t)] = 0;
@@ -120,7 +120,7 @@ void LatticeNet::take_changed(std::vector<int>& changed) {
   changed_.clear();
 }
 
-int LatticeNet::neighbour(int triangle, int side) const {
+int LatticeMesh::neighbour(int triangle, int side) const {
   const auto& v = triangles_[at(triangle)].vertex;
   const NetVertex& a = vertices_[at(v[at(side)])];
   const int b = v[at((side + 1) % 3)];
@@ -133,13 +133,13 @@ int LatticeNet::neighbour(int triangle, int side) const {
   return -1;
 }
 
-bool LatticeNet::joined(int a, int b) const {
+bool LatticeMesh::joined(int a, int b) const {
   const auto &v = triangles_[at(a)].vertex, &w = triangles_[at(b)].vertex;
   const auto has = [&w](int corner) { return w[0] == corner || w[1] == corner || w[2] == corner ? 1 : 0; };
   return has(v[0]) + has(v[1]) + has(v[2]) >= 2;
 }
 
-bool LatticeNet::in_fan(int a, int b) const {
+bool LatticeMesh::in_fan(int a, int b) const {
   const auto &v = triangles_[at(a)].vertex, &w = triangles_[at(b)].vertex;
   for (const int corner : v) {
     if (w[0] != corner && w[1] != corner && w[2] != corner) continue;
@@ -152,7 +152,7 @@ bool LatticeNet::in_fan(int a, int b) const {
   return false;
 }
 
-int LatticeNet::add_vertex(const Vec3& point, const Vec3& normal, int i, int j) {
+int LatticeMesh::add_vertex(const Vec3& point, const Vec3& normal, int i, int j) {
   int vertex = free_vertices_.pop([&](int v) { return at(v) < vertices_.size() && !vertices_[at(v)].used; });
   if (vertex < 0) {
     vertex = static_cast<int>(vertices_.size());
@@ -169,7 +169,7 @@ int LatticeNet::add_vertex(const Vec3& point, const Vec3& normal, int i, int j) 
 }
 
 // The number, or for −1 the one that became free last; numbers that are left out become free.
-int LatticeNet::take_number(int number) {
+int LatticeMesh::take_number(int number) {
   if (number < 0 && free_triangles_.empty()) number = static_cast<int>(triangles_.size());
   if (number < 0) number = free_triangles_.back();
   while (static_cast<int>(triangles_.size()) <= number) {
@@ -184,7 +184,7 @@ int LatticeNet::take_number(int number) {
   return number;
 }
 
-int LatticeNet::add_triangle(int island, const Tile& tile, const std::array<int, 3>& vertex, int number) {
+int LatticeMesh::add_triangle(int island, const Tile& tile, const std::array<int, 3>& vertex, int number) {
   const int triangle = take_number(number);
   if (static_cast<int>(triangles_.size()) > tiles_.count()) grow_tiles();
   touch(triangle);
@@ -206,14 +206,14 @@ int LatticeNet::add_triangle(int island, const Tile& tile, const std::array<int,
   return triangle;
 }
 
-void LatticeNet::remove_triangle(int triangle) {
+void LatticeMesh::remove_triangle(int triangle) {
   for (int s = 0; s < 3; ++s) {
     if (const int n = neighbour(triangle, s); n >= 0) beside_removed_.push_back(n);
   }
   take_back(triangle);
 }
 
-void LatticeNet::take_back(int triangle) {
+void LatticeMesh::take_back(int triangle) {
   mark_with_neighbours(triangle);
   for (int s = 0; s < 3; ++s) joints_ -= neighbour(triangle, s) >= 0 ? 1 : 0;
   remove_from_index(triangle);
@@ -231,14 +231,14 @@ void LatticeNet::take_back(int triangle) {
   --size_;
 }
 
-void LatticeNet::pin(int triangle, const Triangle& corners) {
+void LatticeMesh::pin(int triangle, const Triangle& corners) {
   set_rigid(triangle, corners);
   note_moved(triangle);
   triangles_[at(triangle)].is_fixed = true;
   for (const int v : triangles_[at(triangle)].vertex) edit_vertex(v).is_fixed = true;
 }
 
-void LatticeNet::unpin(int triangle) {
+void LatticeMesh::unpin(int triangle) {
   triangles_[at(triangle)].is_fixed = false;
   for (const int v : triangles_[at(triangle)].vertex) {
     NetVertex& w = edit_vertex(v);
@@ -247,20 +247,20 @@ void LatticeNet::unpin(int triangle) {
   }
 }
 
-void LatticeNet::fit(int triangle) {
+void LatticeMesh::fit(int triangle) {
   if (triangles_[at(triangle)].is_fixed) return;
   fit_for_now(triangle);
   note_moved(triangle);
 }
 
-void LatticeNet::fit_for_now(int triangle) {
+void LatticeMesh::fit_for_now(int triangle) {
   const NetTriangle& t = triangles_[at(triangle)];
   if (t.is_fixed) return;
   set_rigid(triangle, fit_rigid({vertices_[at(t.vertex[0])].point, vertices_[at(t.vertex[1])].point,
                                  vertices_[at(t.vertex[2])].point}));
 }
 
-void LatticeNet::set_rigid(int triangle, const Triangle& corners) {
+void LatticeMesh::set_rigid(int triangle, const Triangle& corners) {
   touch(triangle);
   NetTriangle& t = triangles_[at(triangle)];
   t.rigid = corners;
@@ -268,18 +268,18 @@ void LatticeNet::set_rigid(int triangle, const Triangle& corners) {
   t.normal = (t.rigid[1] - t.rigid[0]).cross(t.rigid[2] - t.rigid[0]) / (kSide_mm * kHeight_mm);
 }
 
-void LatticeNet::set_back(int triangle, const ModuleShape& shape) {
+void LatticeMesh::set_back(int triangle, const ModuleShape& shape) {
   static_cast<ModuleShape&>(triangles_[at(triangle)]) = shape;
 }
 
-void LatticeNet::note_moved(int triangle) {
+void LatticeMesh::note_moved(int triangle) {
   const Vec3& center = triangles_[at(triangle)].center;
   centers_[at(triangle)] = center;
   grid_.move(triangle, center);
   mark_changed(triangle);
 }
 
-void LatticeNet::near(const Vec3& place, double radius_mm, std::vector<int>& found) const {
+void LatticeMesh::near(const Vec3& place, double radius_mm, std::vector<int>& found) const {
   const auto before = static_cast<std::ptrdiff_t>(found.size());
   (void)any_near(place, radius_mm, [&](int t) {
     found.push_back(t);
@@ -288,7 +288,7 @@ void LatticeNet::near(const Vec3& place, double radius_mm, std::vector<int>& fou
   std::sort(found.begin() + before, found.end());
 }
 
-std::uint64_t LatticeNet::signature(const Vec3& place, double radius_mm) const {
+std::uint64_t LatticeMesh::signature(const Vec3& place, double radius_mm) const {
   constexpr double kStep_mm = 0.2;
   std::uint64_t sum = 0;
   (void)any_near(place, radius_mm, [&](int t) {
@@ -301,7 +301,7 @@ std::uint64_t LatticeNet::signature(const Vec3& place, double radius_mm) const {
   return sum;
 }
 
-void LatticeNet::begin() {
+void LatticeMesh::begin() {
   is_recording_ = true;
   ++recording_;
   vertices_before_ = vertices_.size();
@@ -315,7 +315,7 @@ void LatticeNet::begin() {
   joints_before_ = joints_;
 }
 
-void LatticeNet::roll_back() {
+void LatticeMesh::roll_back() {
   is_recording_ = false;
   std::vector<int> touched;
   for (const auto& [t, old] : old_triangles_) touched.push_back(t);

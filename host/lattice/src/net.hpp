@@ -7,8 +7,8 @@
 
 #include "buckets.hpp"
 #include "free_numbers.hpp"
-#include "triskin/base/index.hpp"
 #include "point_grid.hpp"
+#include "triskin/base/index.hpp"
 #include "triskin/design/design_types.hpp"
 
 namespace triskin::geometry::surface_lattice {
@@ -48,12 +48,12 @@ struct NetTriangle : ModuleShape {
 /// Triangles over shared vertices that unfold into isometric lattices, one lattice an island. Value type: copies are
 /// independent. What a change costs depends on what it changes, not on the size of the net: places are found by a grid,
 /// tiles by a table, and a step of the search is taken back instead of being tried on a copy.
-class LatticeNet {
+class LatticeMesh {
  public:
-  LatticeNet() = default;
+  LatticeMesh() = default;
   /// For modules in the box that holds `around`; elsewhere they are found more slowly. `corner_cut_mm` of every module
   /// (design/outline.hpp).
-  LatticeNet(const std::vector<Vec3>& around, double corner_cut_mm);
+  LatticeMesh(const std::vector<Vec3>& around, double corner_cut_mm);
 
   [[nodiscard]] const std::vector<NetVertex>& vertices() const { return vertices_; }
   [[nodiscard]] const std::vector<NetTriangle>& triangles() const { return triangles_; }

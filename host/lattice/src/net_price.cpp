@@ -53,7 +53,7 @@ void NetPrice::unlink(int triangle) {
 }
 
 // Free sides of both that face each other within the reach.
-bool NetPrice::can_be_joined(const LatticeNet& net, int a, int b) const {
+bool NetPrice::can_be_joined(const LatticeMesh& net, int a, int b) const {
   const double reach = kStraight * jumper_mm_;
   for (int s = 0; s < 3; ++s) {
     if (net.neighbour(a, s) >= 0) continue;
@@ -67,7 +67,7 @@ bool NetPrice::can_be_joined(const LatticeNet& net, int a, int b) const {
   return false;
 }
 
-void NetPrice::link(const LatticeNet& net, int triangle) {
+void NetPrice::link(const LatticeMesh& net, int triangle) {
   if (net.neighbour(triangle, 0) >= 0 && net.neighbour(triangle, 1) >= 0 && net.neighbour(triangle, 2) >= 0) return;
   (void)net.any_near(net.center(triangle), kStraight * jumper_mm_ + kCenters_mm, [&](int other) {
     if (other == triangle || std::ranges::find(linked_[at(triangle)], other) != linked_[at(triangle)].end())
@@ -79,7 +79,7 @@ void NetPrice::link(const LatticeNet& net, int triangle) {
   });
 }
 
-void NetPrice::follow(LatticeNet& net) {
+void NetPrice::follow(LatticeMesh& net) {
   net.take_changed(changed_);
   if (!knows_net_) {
     linked_.clear();
@@ -94,7 +94,7 @@ void NetPrice::follow(LatticeNet& net) {
   }
 }
 
-EstimatedPrice NetPrice::operator()(LatticeNet& net) {
+EstimatedPrice NetPrice::operator()(LatticeMesh& net) {
   const std::vector<int>& by_id = net.island_sizes();
   islands_.reset(by_id.size());
   if (jumper_mm_ > 0.0 && price_.jumper < price_.controller) {

@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "triskin/base/disjoint_sets.hpp"
 #include "net.hpp"
+#include "triskin/base/disjoint_sets.hpp"
 
 namespace triskin::geometry::surface_lattice {
 
@@ -39,14 +39,14 @@ class NetPrice {
  public:
   NetPrice(const Price& price, double jumper_mm) : price_(price), jumper_mm_(jumper_mm) {}
   /// Of the net of the last call, changed since, or after forget() of any net. Takes its list of changes.
-  [[nodiscard]] EstimatedPrice operator()(LatticeNet& net);
+  [[nodiscard]] EstimatedPrice operator()(LatticeMesh& net);
   void forget() { knows_net_ = false; }
 
  private:
-  void follow(LatticeNet& net);
-  void link(const LatticeNet& net, int triangle);
+  void follow(LatticeMesh& net);
+  void link(const LatticeMesh& net, int triangle);
   void unlink(int triangle);
-  [[nodiscard]] bool can_be_joined(const LatticeNet& net, int a, int b) const;
+  [[nodiscard]] bool can_be_joined(const LatticeMesh& net, int a, int b) const;
 
   Price price_;
   double jumper_mm_;

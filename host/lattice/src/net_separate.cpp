@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "triskin/base/disjoint_sets.hpp"
 #include "net.hpp"
+#include "triskin/base/disjoint_sets.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 class IslandSearch {
  public:
   // `search_of`: by triangle, −1 in all; it is so again afterwards.
-  IslandSearch(const LatticeNet& net, std::vector<int>& search_of, const std::vector<int>& from)
+  IslandSearch(const LatticeMesh& net, std::vector<int>& search_of, const std::vector<int>& from)
       : net_(net), search_of_(search_of), searches_(from.size()), met_(from.size()) {
     for (int k = 0; k < count(); ++k) reach(k, from[at(k)]);
   }
@@ -78,7 +78,7 @@ class IslandSearch {
     return false;
   }
 
-  const LatticeNet& net_;
+  const LatticeMesh& net_;
   std::vector<int>& search_of_;
   std::vector<Search> searches_;
   DisjointSets met_;
@@ -86,7 +86,7 @@ class IslandSearch {
 
 }  // namespace
 
-void LatticeNet::separate() {
+void LatticeMesh::separate() {
   std::ranges::sort(loose_vertices_);
   const auto twice = std::ranges::unique(loose_vertices_);
   loose_vertices_.erase(twice.begin(), twice.end());
@@ -98,7 +98,7 @@ void LatticeNet::separate() {
 }
 
 // Triangles round a vertex that are not joined side by side get copies of it.
-void LatticeNet::split_fans(int vertex) {
+void LatticeMesh::split_fans(int vertex) {
   std::vector<int> rest(vertices_[at(vertex)].triangles.begin(),
                         vertices_[at(vertex)].triangles.begin() + vertices_[at(vertex)].valence);
   bool first = true;
@@ -130,7 +130,7 @@ void LatticeNet::split_fans(int vertex) {
 }
 
 // An island hangs together as before unless triangles were removed from it: then what stood beside them is asked.
-void LatticeNet::part_islands() {
+void LatticeMesh::part_islands() {
   std::erase_if(beside_removed_, [&](int t) { return !used(t); });
   std::ranges::sort(beside_removed_, {}, [&](int t) { return std::pair(triangles_[at(t)].island, t); });
   const auto twice = std::ranges::unique(beside_removed_);
@@ -146,12 +146,12 @@ void LatticeNet::part_islands() {
   beside_removed_.clear();
 }
 
-void LatticeNet::part_island(const std::vector<int>& beside_removed) {
+void LatticeMesh::part_island(const std::vector<int>& beside_removed) {
   IslandSearch search(*this, search_of_, beside_removed);
   for (const std::vector<int>& part : search.parts()) give_island(part, new_island());
 }
 
-void LatticeNet::give_island(const std::vector<int>& triangles, int island) {
+void LatticeMesh::give_island(const std::vector<int>& triangles, int island) {
   for (const int t : triangles) {
     remove_from_index(t);
     touch(t);

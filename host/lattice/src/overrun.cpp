@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/base/index.hpp"
 #include "search_bound.hpp"
+#include "triskin/base/index.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -130,8 +130,8 @@ class OverrunSearch {
   }
   void walk(const Vec3& from, const Vec3& to, const Near& near);
   bool may_exceed(std::span<const Vec3> part, const Vec3& p, const Stand& s, double reach);
-  [[nodiscard]] double most_across(const BorderPoint& b, std::span<const Vec3> part, const Vec3& off,
-                                   double reach) const;
+  [[nodiscard]] double max_across(const BorderPoint& b, std::span<const Vec3> part, const Vec3& off,
+                                  double reach) const;
   [[nodiscard]] double past_end(const Vec3& end, int beyond, const Vec3& way, std::span<const Vec3> part,
                                 double from_line) const;
   [[nodiscard]] std::pair<const Vec3&, const Vec3&> ends_of(const BorderPoint& b) const;
@@ -156,7 +156,7 @@ bool OverrunSearch::may_exceed(std::span<const Vec3> part, const Vec3& p, const 
   return std::ranges::any_of(near_, [&](const BorderPoint& b) {
     if (way_to_nearer(p, s.foot.position_mm, b.point.position_mm) > reach) return false;
     const Vec3 off = p - b.point.position_mm;
-    if (most_across(b, part, off, reach) <= best_.mm + kStep_mm) return false;
+    if (max_across(b, part, off, reach) <= best_.mm + kStep_mm) return false;
     const auto [from, to] = ends_of(b);
     const Vec3 out = (to - from).cross(surface_.face_normal(b.point.face)).normalized();
     return off.dot(out) >= -2.0 * reach;
@@ -167,8 +167,8 @@ bool OverrunSearch::may_exceed(std::span<const Vec3> part, const Vec3& p, const 
 // `off` to its middle from the edge's point b. A point that just leaves the surface may at once stand over the border
 // by as much as the normals of vertices are turned from the face's: such slivers are searched for. Three: the normal
 // turns along the border, too. The way across a fixed normal is largest at a corner; what the normal turns is added.
-double OverrunSearch::most_across(const BorderPoint& b, std::span<const Vec3> part, const Vec3& off,
-                                  double reach) const {
+double OverrunSearch::max_across(const BorderPoint& b, std::span<const Vec3> part, const Vec3& off,
+                                 double reach) const {
   const Vec3 n = surface_.normal_at(b.point);
   const auto [from, to] = ends_of(b);
   const Vec3 edge = to - from;

@@ -18,29 +18,29 @@ CopiedRegions::CopiedRegions(const SurfaceRegions* regions, const CanonicalCopy&
   for (auto& place : must_cover_) place.point_mm = copy_.to_copy(place.point_mm);
 }
 
-bool PlaceValue::covered(const LatticeNet& net, const SurfaceRegions::MustCover& place) {
+bool PlaceValue::covered(const LatticeMesh& net, const SurfaceRegions::MustCover& place) {
   return net.any_near(place.point_mm, kModuleReach_mm + place.within_mm, [&](int t) {
     const NetTriangle& triangle = net.triangles()[at(t)];
     return distance_beside(triangle.rigid, triangle.corner_cut_mm, place.point_mm) <= place.within_mm;
   });
 }
 
-double PlaceValue::operator()(const LatticeNet& net) {
-  double worth = net.size();
+double PlaceValue::operator()(const LatticeMesh& net) {
+  double module_value = net.size();
   if (regions_.has_weights()) {
-    worth = 0.0;
+    module_value = 0.0;
     if (known_.size() < net.triangles().size()) known_.resize(net.triangles().size());
     for (int t = 0; t < static_cast<int>(net.triangles().size()); ++t) {
       if (!net.used(t)) continue;
       Known& known = known_[at(t)];
       if (known.center != net.center(t)) known = {net.center(t), regions_.weight_at(net.center(t))};
-      worth += known.weight;
+      module_value += known.weight;
     }
   }
   for (const auto& place : regions_.must_cover()) {
-    if (!covered(net, place)) worth -= kUncoveredCost * place.share;
+    if (!covered(net, place)) module_value -= kUncoveredCost * place.share;
   }
-  return worth;
+  return module_value;
 }
 
 }  // namespace triskin::geometry::surface_lattice

@@ -34,9 +34,9 @@ class CopiedRegions {
 class PlaceValue {
  public:
   explicit PlaceValue(const CopiedRegions& regions) : regions_(regions) {}
-  [[nodiscard]] double operator()(const LatticeNet& net);
+  [[nodiscard]] double operator()(const LatticeMesh& net);
   /// Whether a module lies near enough to a place that must be covered.
-  [[nodiscard]] static bool covered(const LatticeNet& net, const SurfaceRegions::MustCover& place);
+  [[nodiscard]] static bool covered(const LatticeMesh& net, const SurfaceRegions::MustCover& place);
 
  private:
   struct Known {

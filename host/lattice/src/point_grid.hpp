@@ -15,7 +15,7 @@ namespace triskin::geometry::surface_lattice {
 class PointGrid {
  public:
   PointGrid() = default;
-  /// Over the box that holds `around`; cubes of `cell_mm`, larger where there would be more than kMostCells of them.
+  /// Over the box that holds `around`; cubes of `cell_mm`, larger where there would be more than kMaxCells of them.
   PointGrid(const std::vector<Vec3>& around, double cell_mm) {
     Vec3 high = around.empty() ? Vec3::Zero().eval() : around.front();
     low_ = high;
@@ -26,7 +26,7 @@ class PointGrid {
     for (;; cell_mm *= 1.25) {
       double cells = 1.0;
       for (int k = 0; k < 3; ++k) cells *= 1.0 + std::floor((high[k] - low_[k]) / cell_mm);
-      if (cells <= kMostCells) break;
+      if (cells <= kMaxCells) break;
     }
     for (int k = 0; k < 3; ++k) cells_[at(k)] = 1 + static_cast<int>((high[k] - low_[k]) / cell_mm);
     per_mm_ = 1.0 / cell_mm;
@@ -62,7 +62,7 @@ class PointGrid {
   }
 
  private:
-  static constexpr double kMostCells = 400'000.0;  // 1.6 MB
+  static constexpr double kMaxCells = 400'000.0;  // 1.6 MB
 
   // Points outside the box count to the cubes at its border; so does what is asked for there.
   [[nodiscard]] std::array<int, 3> cube_at(const Vec3& place) const {

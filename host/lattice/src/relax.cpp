@@ -33,7 +33,7 @@ double squared_way(const Vec3& chord, double cosine) {
 
 }  // namespace
 
-bool Relaxer::relax(LatticeNet& net, int triangle, double radius_mm, int steps) {
+bool Relaxer::relax(LatticeMesh& net, int triangle, double radius_mm, int steps) {
   overhang_mm_ = design::cut_height_mm(net.corner_cut_mm());
   choose(net, triangle, radius_mm);
   find_pairs(net);
@@ -47,14 +47,14 @@ bool Relaxer::relax(LatticeNet& net, int triangle, double radius_mm, int steps) 
   return hope;
 }
 
-bool Relaxer::overlaps(const LatticeNet& net, int triangle, double depth_mm) {
+bool Relaxer::overlaps(const LatticeMesh& net, int triangle, double depth_mm) {
   return std::ranges::any_of(pairs_, [&](Pair& pair) {
     return (pair.a == triangle || pair.b == triangle) &&
            overlap_of(net.triangles()[at(pair.a)], net.triangles()[at(pair.b)], pair.axis).depth_mm > depth_mm;
   });
 }
 
-void Relaxer::choose(const LatticeNet& net, int triangle, double radius_mm) {
+void Relaxer::choose(const LatticeMesh& net, int triangle, double radius_mm) {
   const Vec3 place = net.triangles()[at(triangle)].center, normal = net.triangles()[at(triangle)].normal;
   for (const Moving& m : moving_) local_[at(m.vertex)] = -1;
   for (const int t : triangles_) is_local_[at(t)] = 0;
@@ -99,7 +99,7 @@ void Relaxer::choose(const LatticeNet& net, int triangle, double radius_mm) {
   for (std::size_t k = 0; k < moving_.size(); ++k) local_[at(moving_[k].vertex)] = static_cast<int>(k);
 }
 
-void Relaxer::find_pairs(const LatticeNet& net) {
+void Relaxer::find_pairs(const LatticeMesh& net) {
   pairs_.clear();
   for (const int a : triangles_) {
     for (const int b : near_) {
@@ -129,7 +129,7 @@ void Relaxer::add_residual(double value, double weight, const std::array<int, 2>
 }
 
 // Long and short edges weigh more, so that the largest error falls; a module is easier to part than to push together.
-void Relaxer::add_edges(const LatticeNet& net) {
+void Relaxer::add_edges(const LatticeMesh& net) {
   for (const int t : triangles_) {
     const auto& v = net.triangles()[at(t)].vertex;
     for (std::size_t s = 0; s < 3; ++s) {
@@ -142,7 +142,7 @@ void Relaxer::add_edges(const LatticeNet& net) {
   }
 }
 
-void Relaxer::add_pairs(const LatticeNet& net) {
+void Relaxer::add_pairs(const LatticeMesh& net) {
   for (Pair& pair : pairs_) {
     if (pair.in_fan) continue;
     const NetTriangle &p = net.triangles()[at(pair.a)], &q = net.triangles()[at(pair.b)];
@@ -155,7 +155,7 @@ void Relaxer::add_pairs(const LatticeNet& net) {
 }
 
 // Sides of modules near the border: what stands over it is pushed back through the corners of the side.
-void Relaxer::add_border(const LatticeNet& net) {
+void Relaxer::add_border(const LatticeMesh& net) {
   for (const Moving& m : moving_) {
     const NetVertex& v = net.vertices()[at(m.vertex)];
     if (v.on_border) add_residual(0.0, 6.0, {m.vertex, -1}, {v.outward, Vec3::Zero()});
@@ -225,7 +225,7 @@ void Relaxer::solve() {
   system_.solve();
 }
 
-double Relaxer::step(LatticeNet& net) {
+double Relaxer::step(LatticeMesh& net) {
   if (moving_.empty()) return 0.0;
   for (Moving& m : moving_) {
     m.x = net.vertices()[at(m.vertex)].normal.unitOrthogonal();
@@ -250,7 +250,7 @@ double Relaxer::step(LatticeNet& net) {
   return largest;
 }
 
-void Relaxer::move(LatticeNet& net, const Moving& moving, const Vec3& by) {
+void Relaxer::move(LatticeMesh& net, const Moving& moving, const Vec3& by) {
   NetVertex& v = net.edit_vertex(moving.vertex);
   const Vec3 wanted = v.point - v.lift_mm * v.normal + by;
   const Foot foot = surface_.closest(wanted);
@@ -266,7 +266,7 @@ void Relaxer::move(LatticeNet& net, const Moving& moving, const Vec3& by) {
 }
 
 // Modules that bridge a strong convex bend dip under it at the centre: their corners stand off a little.
-void Relaxer::adapt_lift(LatticeNet& net) {
+void Relaxer::adapt_lift(LatticeMesh& net) {
   if (lift_mm_ <= 0.0) return;
   bool any = false;
   for (Moving& m : moving_) {
@@ -299,7 +299,7 @@ double Relaxer::height_of_surface(int t, const NetTriangle& triangle) {
   return foot.distance_mm < kWantedGap_mm ? 0.0 : (foot.point - triangle.center).dot(triangle.normal);
 }
 
-void Relaxer::apply_lift(LatticeNet& net) {
+void Relaxer::apply_lift(LatticeMesh& net) {
   for (Moving& m : moving_) {
     const double by = m.wanted_lift_mm - net.vertices()[at(m.vertex)].lift_mm;
     m.is_lifted = by != 0.0;
@@ -315,7 +315,7 @@ void Relaxer::apply_lift(LatticeNet& net) {
 }
 
 // Corners that hardly moved go back, so that their modules need no new evaluation.
-void Relaxer::settle(LatticeNet& net, int triangle) {
+void Relaxer::settle(LatticeMesh& net, int triangle) {
   for (Moving& m : moving_) {
     NetVertex& v = net.edit_vertex(m.vertex);
     const bool moved = (v.point - m.saved_point).squaredNorm() > kMoved_mm * kMoved_mm;
@@ -335,7 +335,7 @@ void Relaxer::settle(LatticeNet& net, int triangle) {
   }
 }
 
-void Relaxer::undo(LatticeNet& net) const {
+void Relaxer::undo(LatticeMesh& net) const {
   for (const Moving& m : moving_) {
     NetVertex& v = net.edit_vertex(m.vertex);
     v.point = m.saved_point;

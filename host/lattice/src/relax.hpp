@@ -18,9 +18,9 @@ class Relaxer {
 
   /// Moves the vertices within `radius_mm` of a triangle that was just added. Afterwards `changed()` lists it and the
   /// triangles that moved. False: it cannot fit; the remaining steps are skipped and `changed()` is empty.
-  bool relax(LatticeNet& net, int triangle, double radius_mm, int steps);
+  bool relax(LatticeMesh& net, int triangle, double radius_mm, int steps);
   /// Takes back the last relax (triangles added before it stay).
-  void undo(LatticeNet& net) const;
+  void undo(LatticeMesh& net) const;
   [[nodiscard]] const std::vector<int>& changed() const { return changed_; }
   /// Pairs of triangles, not joined, of which one may have moved and that are near enough to overlap.
   [[nodiscard]] std::vector<Pair>& pairs() { return pairs_; }
@@ -44,22 +44,22 @@ class Relaxer {
     std::array<int, 2> local;  // moving vertices, −1: fixed; the first is never −1
     std::array<std::array<double, 2>, 2> gradient;
   };
-  void choose(const LatticeNet& net, int triangle, double radius_mm);
-  void find_pairs(const LatticeNet& net);
-  [[nodiscard]] bool overlaps(const LatticeNet& net, int triangle, double depth_mm);
-  double step(LatticeNet& net);
-  void add_edges(const LatticeNet& net);
-  void add_pairs(const LatticeNet& net);
-  void add_border(const LatticeNet& net);
+  void choose(const LatticeMesh& net, int triangle, double radius_mm);
+  void find_pairs(const LatticeMesh& net);
+  [[nodiscard]] bool overlaps(const LatticeMesh& net, int triangle, double depth_mm);
+  double step(LatticeMesh& net);
+  void add_edges(const LatticeMesh& net);
+  void add_pairs(const LatticeMesh& net);
+  void add_border(const LatticeMesh& net);
   void add_side_at_border(const NetTriangle& triangle, std::size_t side);
   double add_point_at_border(const NetTriangle& triangle, std::size_t side, double x);
   void add_residual(double value, double weight, const std::array<int, 2>& vertex, const std::array<Vec3, 2>& gradient);
   void solve();
-  void move(LatticeNet& net, const Moving& moving, const Vec3& by);
-  void adapt_lift(LatticeNet& net);
+  void move(LatticeMesh& net, const Moving& moving, const Vec3& by);
+  void adapt_lift(LatticeMesh& net);
   [[nodiscard]] double height_of_surface(int t, const NetTriangle& triangle);
-  void apply_lift(LatticeNet& net);
-  void settle(LatticeNet& net, int triangle);
+  void apply_lift(LatticeMesh& net);
+  void settle(LatticeMesh& net, int triangle);
 
   NearSurface& surface_;
   double lift_mm_;

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "overrun.hpp"
 #include "overlap.hpp"
+#include "overrun.hpp"
 #include "triskin/design/outline.hpp"
 
 namespace triskin::geometry::surface_lattice {
@@ -31,7 +31,7 @@ LayoutLimits with_margin(LayoutLimits l) {
   return l;
 }
 
-Vec3 corner_at(const LatticeNet& net, int triangle, int vertex) {
+Vec3 corner_at(const LatticeMesh& net, int triangle, int vertex) {
   const NetTriangle& t = net.triangles()[at(triangle)];
   return t.vertex[0] == vertex ? t.rigid[0] : t.vertex[1] == vertex ? t.rigid[1] : t.rigid[2];
 }
@@ -85,7 +85,7 @@ Rules::Rules(const Surface& surface, const LayoutLimits& limits, const std::vect
   }
 }
 
-Refusal Rules::evaluate(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles,
+Refusal Rules::evaluate(NearSurface& surface, const LatticeMesh& net, const std::vector<int>& triangles,
                         std::vector<Pair>& pairs, std::vector<KnownSides>& known) const {
   for (const int t : triangles) {
     if (const Refusal r = evaluate_joints(net, t); r != Refusal::kNone) return r;
@@ -114,7 +114,7 @@ Refusal Rules::evaluate(NearSurface& surface, const LatticeNet& net, const std::
   return Refusal::kNone;
 }
 
-Refusal Rules::evaluate_joints(const LatticeNet& net, int triangle) const {
+Refusal Rules::evaluate_joints(const LatticeMesh& net, int triangle) const {
   const NetTriangle& t = net.triangles()[at(triangle)];
   for (int s = 0; s < 3; ++s) {
     const int other = net.neighbour(triangle, s);
@@ -138,7 +138,7 @@ Refusal Rules::evaluate_sides(NearSurface& surface, const NetTriangle& t, KnownS
   for (std::size_t k = 0; k < 3; ++k) moved = std::max(moved, (t.rigid[k] - known.rigid[k]).squaredNorm());
   if (moved <= kSafeMove * kSafeMove * known.room_mm * known.room_mm) return Refusal::kNone;
   const design::Outline outline = design::outline_of(t.rigid, t.corner_cut_mm);
-  double least_room = std::min(limits_.lift_mm, limits_.depth_mm);
+  double min_room = std::min(limits_.lift_mm, limits_.depth_mm);
   for (std::size_t s = 0; s < outline.size; ++s) {
     const Vec3& from = outline.point[s];
     const Vec3 side = outline.point[(s + 1) % outline.size] - from;
@@ -149,11 +149,11 @@ Refusal Rules::evaluate_sides(NearSurface& surface, const NetTriangle& t, KnownS
       const double height = (p - foot.point).dot(foot.normal);
       const double room = std::min(limits_.lift_mm - height, limits_.depth_mm + height);
       if (room < 0.0) return height > 0.0 ? Refusal::kLift : Refusal::kDepth;
-      least_room = std::min(least_room, room);
+      min_room = std::min(min_room, room);
       x += std::max(kSideStep_mm, kSafeMove * room);
     }
   }
-  known = {t.rigid, least_room};
+  known = {t.rigid, min_room};
   return Refusal::kNone;
 }
 
@@ -180,7 +180,7 @@ bool Rules::overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const
   return o.depth_mm > limits_.penetration_mm || pierced(a.rigid, b.rigid, a.corner_cut_mm, limits_.penetration_mm);
 }
 
-bool Rules::over_border(NearSurface& surface, const LatticeNet& net, int triangle) const {
+bool Rules::over_border(NearSurface& surface, const LatticeMesh& net, int triangle) const {
   const NetTriangle& t = net.triangles()[at(triangle)];
   if (surface.border_at_least(t.center) >= kBorderFar_mm) return false;
   for (std::size_t s = 0; s < 3; ++s) {

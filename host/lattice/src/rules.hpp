@@ -47,7 +47,7 @@ class Rules {
   [[nodiscard]] const LayoutLimits& limits() const { return limits_; }
   /// The first limit that one of the triangles breaks, cheapest limits first. `pairs`: all that may overlap and are not
   /// joined; `known`, by triangle, is work of one thread. Cost: about 1 µs a triangle, ten times that at the border.
-  [[nodiscard]] Refusal evaluate(NearSurface& surface, const LatticeNet& net, const std::vector<int>& triangles,
+  [[nodiscard]] Refusal evaluate(NearSurface& surface, const LatticeMesh& net, const std::vector<int>& triangles,
                                  std::vector<Pair>& pairs, std::vector<KnownSides>& known) const;
 
   /// Whether a side stands over the border by more than is allowed, as it is measured at the end: evaluate() looks at
@@ -55,10 +55,10 @@ class Rules {
   [[nodiscard]] bool exceeds_overrun(NearSurface& surface, const NetTriangle& triangle) const;
 
  private:
-  [[nodiscard]] Refusal evaluate_joints(const LatticeNet& net, int triangle) const;
+  [[nodiscard]] Refusal evaluate_joints(const LatticeMesh& net, int triangle) const;
   [[nodiscard]] bool overlap(const NetTriangle& a, const NetTriangle& b, int& axis) const;
   [[nodiscard]] Refusal evaluate_sides(NearSurface& surface, const NetTriangle& triangle, KnownSides& known) const;
-  [[nodiscard]] bool over_border(NearSurface& surface, const LatticeNet& net, int triangle) const;
+  [[nodiscard]] bool over_border(NearSurface& surface, const LatticeMesh& net, int triangle) const;
   [[nodiscard]] bool side_over_border(NearSurface& surface, const Vec3& from, const Vec3& to, double length_mm) const;
   [[nodiscard]] bool cut_sides_over_border(NearSurface& surface, const NetTriangle& triangle, std::size_t side,
                                            bool is_free) const;

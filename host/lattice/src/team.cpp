@@ -7,8 +7,8 @@
 namespace triskin::geometry::surface_lattice {
 namespace {
 
-constexpr int kLeastInAZone = 32;  // modules, the half of the band round it with them
-constexpr double kBehind = 0.5;    // modules, that the last annealing hardly makes good
+constexpr int kMinInAZone = 32;  // modules, the half of the band round it with them
+constexpr double kBehind = 0.5;  // modules, that the last annealing hardly makes good
 
 }  // namespace
 
@@ -23,7 +23,7 @@ Team::Team(const GrowthTask& task, std::deque<Chain>& chains, std::size_t first,
 void Team::divide_work() {
   Chain& leader = chain(0);
   leader.begin_due_run();
-  working_ = std::clamp<std::size_t>(at(leader.now().size() / kLeastInAZone), 1, count_);
+  working_ = std::clamp<std::size_t>(at(leader.now().size() / kMinInAZone), 1, count_);
   if (working_ == 1) return;
   const std::vector<Zone> zones = divide(leader.now(), static_cast<int>(working_), leader.random());
   for (std::size_t k = working_; k-- > 0;) chain(k).work_in(zones[k], leader);
@@ -33,7 +33,7 @@ void Team::merge() {
   if (working_ == 1) return;
   std::vector<ZoneNet> nets;
   for (std::size_t k = 0; k < working_; ++k) nets.push_back(chain(k).zone_net());
-  const LatticeNet empty(task_.surface.mesh().vertices, task_.options.corner_cut_mm);
+  const LatticeMesh empty(task_.surface.mesh().vertices, task_.options.corner_cut_mm);
   chain(0).take_merged(merge_zones(empty, nets));
 }
 

@@ -36,7 +36,7 @@ std::string why_uncovered(const Surface& surface, const LayoutLimits& limits, co
         for (int k = 0; k < 3; ++k)
           corners[at(k)] =
               center + around(2.0 * M_PI * (k + turn / static_cast<double>(kTurns)) / 3.0, 2.0 * kHeight_mm / 3.0);
-        LatticeNet net(surface.mesh().vertices, options.corner_cut_mm);
+        LatticeMesh net(surface.mesh().vertices, options.corner_cut_mm);
         if (!grower.try_seed(net, corners)) continue;
         if (distance_beside(net.triangles()[0].rigid, options.corner_cut_mm, place_mm) <= within_mm) return "room";
         ++grower.refused[static_cast<std::size_t>(Refusal::kOverrun)];  // the border pushed it away

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "triskin/base/index.hpp"
 #include "overlap.hpp"
 #include "point_grid.hpp"
+#include "triskin/base/index.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "triskin/base/disjoint_sets.hpp"
 #include "overlap.hpp"
+#include "triskin/base/disjoint_sets.hpp"
 
 namespace triskin::geometry::surface_lattice {
 namespace {
@@ -41,12 +41,12 @@ void divide_further(std::vector<Vec3> centers, const Zone& zone, int count, Dice
 // The triangles of all zones, and which of their corners are one vertex.
 class Merge {
  public:
-  Merge(LatticeNet empty, const std::vector<ZoneNet>& zones) : net_(std::move(empty)), zones_(zones) {
+  Merge(LatticeMesh empty, const std::vector<ZoneNet>& zones) : net_(std::move(empty)), zones_(zones) {
     collect();
     join_corners();
   }
 
-  LatticeNet merged() {
+  LatticeMesh merged() {
     give_numbers();
     find_islands();
     add_triangles();
@@ -64,7 +64,7 @@ class Merge {
     int island = -1;  // an entry of the same island: its leader
   };
 
-  [[nodiscard]] const LatticeNet& net_of(const Entry& e) const { return zones_[at(std::max(e.zone, 0))].net; }
+  [[nodiscard]] const LatticeMesh& net_of(const Entry& e) const { return zones_[at(std::max(e.zone, 0))].net; }
   [[nodiscard]] const NetTriangle& triangle_of(const Entry& e) const { return net_of(e).triangles()[at(e.triangle)]; }
 
   // A fixed triangle is one that no zone changes, unless it is another zone's.
@@ -78,7 +78,7 @@ class Merge {
       if (is_kept || pinned_in[at(t)] == static_cast<int>(zones_.size())) entries_.push_back({kShared, t});
     }
     for (int z = 0; z < static_cast<int>(zones_.size()); ++z) {
-      const LatticeNet& net = zones_[at(z)].net;
+      const LatticeMesh& net = zones_[at(z)].net;
       for (int t = 0; t < static_cast<int>(net.triangles().size()); ++t) {
         if (net.used(t) && !net.triangles()[at(t)].is_fixed) entries_.push_back({z, t});
       }
@@ -187,7 +187,7 @@ class Merge {
     for (const int t : conflicts) net_.remove_triangle(t);
   }
 
-  LatticeNet net_;
+  LatticeMesh net_;
   const std::vector<ZoneNet>& zones_;
   std::vector<Entry> entries_;
   std::vector<int> first_corner_;  // by zone
@@ -196,7 +196,7 @@ class Merge {
 
 }  // namespace
 
-std::vector<Zone> divide(const LatticeNet& net, int count, Dice& random) {
+std::vector<Zone> divide(const LatticeMesh& net, int count, Dice& random) {
   std::vector<Vec3> centers;
   for (int t = 0; t < static_cast<int>(net.triangles().size()); ++t) {
     if (net.used(t)) centers.push_back(net.center(t));
@@ -206,7 +206,7 @@ std::vector<Zone> divide(const LatticeNet& net, int count, Dice& random) {
   return zones;
 }
 
-std::vector<int> pin_outside(LatticeNet& net, const Zone& zone) {
+std::vector<int> pin_outside(LatticeMesh& net, const Zone& zone) {
   std::vector<int> pinned;
   for (int t = 0; t < static_cast<int>(net.triangles().size()); ++t) {
     if (!net.used(t) || net.triangles()[at(t)].is_fixed || zone.holds(net.center(t))) continue;
@@ -216,11 +216,11 @@ std::vector<int> pin_outside(LatticeNet& net, const Zone& zone) {
   return pinned;
 }
 
-void unpin(LatticeNet& net, const std::vector<int>& triangles) {
+void unpin(LatticeMesh& net, const std::vector<int>& triangles) {
   for (const int t : triangles) net.unpin(t);
 }
 
-LatticeNet merge_zones(LatticeNet empty, const std::vector<ZoneNet>& zones) {
+LatticeMesh merge_zones(LatticeMesh empty, const std::vector<ZoneNet>& zones) {
   return Merge(std::move(empty), zones).merged();
 }
 

@@ -27,18 +27,18 @@ struct Zone {
 inline constexpr double kHalfBand_mm = 30.0;
 
 /// `count` ≥ 1 zones with about as many modules in each, by planes of random directions. Cost: O(n log count).
-[[nodiscard]] std::vector<Zone> divide(const LatticeNet& net, int count, Dice& random);
+[[nodiscard]] std::vector<Zone> divide(const LatticeMesh& net, int count, Dice& random);
 
-/// Makes what lies outside a zone fixed (LatticeNet::pin); its triangles, ascending, without those that were fixed
+/// Makes what lies outside a zone fixed (LatticeMesh::pin); its triangles, ascending, without those that were fixed
 /// before.
-[[nodiscard]] std::vector<int> pin_outside(LatticeNet& net, const Zone& zone);
+[[nodiscard]] std::vector<int> pin_outside(LatticeMesh& net, const Zone& zone);
 
 /// Takes that back.
-void unpin(LatticeNet& net, const std::vector<int>& triangles);
+void unpin(LatticeMesh& net, const std::vector<int>& triangles);
 
 /// A net that was changed in one zone only.
 struct ZoneNet {
-  const LatticeNet& net;
+  const LatticeMesh& net;
   const std::vector<int>& pinned;  ///< what pin_outside() gave
 };
 
@@ -46,6 +46,6 @@ struct ZoneNet {
 /// that net. Triangles keep their numbers where these are free. `empty`: where the triangles are put, a net of none.
 /// Where islands of two zones come to hold the same tile of one lattice, or modules of two zones slid within reach of
 /// each other, that of the later zone goes. Cost: O(n log n).
-[[nodiscard]] LatticeNet merge_zones(LatticeNet empty, const std::vector<ZoneNet>& zones);
+[[nodiscard]] LatticeMesh merge_zones(LatticeMesh empty, const std::vector<ZoneNet>& zones);
 
 }  // namespace triskin::geometry::surface_lattice

@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "skin.hpp"
-#include "triskin/skin/calibrate.hpp"
-#include "triskin/session/controller_calibration.hpp"
-#include "triskin/skin/rest_store.hpp"
+#include "triskin/connect/open_bus.hpp"
 #include "triskin/diagnose/verify.hpp"
 #include "triskin/diagnose/verify_report.hpp"
 #include "triskin/link/cover_link.hpp"
-#include "triskin/connect/open_bus.hpp"
+#include "triskin/session/controller_calibration.hpp"
+#include "triskin/skin/calibrate.hpp"
+#include "triskin/skin/rest_store.hpp"
 
 namespace triskin::library {
 namespace {
@@ -40,16 +40,16 @@ double BusReader::unix_s(std::uint64_t link_us) const {
 
 void BusReader::start(const device::StreamOptions& options, OnSample on_sample) {
   std::vector<const design::Design*> covers;
-  for (const robot::CoverOnBus& cover : site_.covers) covers.push_back(&cover.design);
+  for (const robot::CoverConfig& cover : site_.covers) covers.push_back(&cover.design);
   stream_ = std::make_unique<device::Stream>(
       bus_, covers,
-      [this, on_sample = std::move(on_sample)](const device::ModuleFrame& frame) { take(frame, on_sample); },
+      [this, on_sample = std::move(on_sample)](const device::ModuleSample& frame) { take(frame, on_sample); },
       robot::stream_options(site_, covers, options));
 }
 
-void BusReader::take(const device::ModuleFrame& f, const OnSample& on_sample) const {
+void BusReader::take(const device::ModuleSample& f, const OnSample& on_sample) const {
   const int cover = site_.covers[static_cast<std::size_t>(f.cover)].cover;
-  device::ModuleFrame frame = f;
+  device::ModuleSample frame = f;
   frame.module += source_.offsets[static_cast<std::size_t>(cover)].module;
   triskin_sample s{};
   s.time_s = unix_s(f.sampled.link_us);
@@ -73,7 +73,7 @@ void BusReader::stop() {
 
 void BusReader::set_rest(device::TouchMap& touches) {
   const auto claims = bus_.discover();
-  for (const robot::CoverOnBus& cover : site_.covers)
+  for (const robot::CoverConfig& cover : site_.covers)
     touches.set_rest(device::RestStore(cover.design, claims).read(),
                      source_.offsets[static_cast<std::size_t>(cover.cover)].module);
 }
@@ -81,7 +81,7 @@ void BusReader::set_rest(device::TouchMap& touches) {
 void BusReader::calibrate(std::vector<ModuleCalibration>& modules) {
   const auto claims = bus_.discover();
   const device::CalibrationStore store;
-  for (const robot::CoverOnBus& cover : site_.covers) {
+  for (const robot::CoverConfig& cover : site_.covers) {
     const design::SkinCalibration skin =
         device::calibration_of(cover.design, claims, {}, device::kept_in_controllers(bus_, cover.design, claims), store)
             .skin;
@@ -101,7 +101,7 @@ void BusReader::calibrate(std::vector<ModuleCalibration>& modules) {
 
 bool BusReader::verify(std::string& report) {
   bool good = true;
-  for (const robot::CoverOnBus& cover : site_.covers) {
+  for (const robot::CoverConfig& cover : site_.covers) {
     device::CoverLink own(*link_, cover.first_module);
     device::Bus bus(own);
     device::VerifyOptions options;

@@ -36,7 +36,7 @@ device::LinkOptions link_options(const triskin_options& options) {
 bool has_virtual_time(const Source& source) {
   std::size_t here = 0;
   const bool by_file = source.site.is_robot && !source.link.chosen;
-  for (const robot::BusSite& bus : source.site.buses)
+  for (const robot::BusConfig& bus : source.site.buses)
     here += device::is_in_process(by_file ? bus.link : source.link.link) ? 1 : 0;
   if (here != 0 && here != source.site.buses.size())
     throw InputError(fmt::format(
@@ -101,7 +101,7 @@ void Skin::start() {
     }
     for (std::size_t b = 0; b < buses_.size(); ++b) {
       fresh_[b].clear();
-      buses_[b]->start(stream_options_, [this, b](const triskin_sample& sample, const device::ModuleFrame& frame) {
+      buses_[b]->start(stream_options_, [this, b](const triskin_sample& sample, const device::ModuleSample& frame) {
         fresh_[b].push_back(sample);
         const std::lock_guard lock(mutex_);
         touches_.add(frame);

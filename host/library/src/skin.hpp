@@ -11,14 +11,14 @@
 #include <thread>
 #include <vector>
 
+#include "triskin/connect/open_link.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/side_by_side.hpp"
-#include "triskin/skin/touch_map.hpp"
 #include "triskin/link/link.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/stream.hpp"
-#include "triskin/connect/open_link.hpp"
+#include "triskin/skin/touch_map.hpp"
 #include "triskin/triskin.h"
 
 namespace triskin::library {
@@ -44,7 +44,7 @@ struct ModuleCalibration {
 /// One bus with what hangs on it. Threads: that of the bus, and nobody else while it runs.
 class BusReader {
  public:
-  using OnSample = std::function<void(const triskin_sample& sample, const device::ModuleFrame& frame)>;
+  using OnSample = std::function<void(const triskin_sample& sample, const device::ModuleSample& frame)>;
   /// Opens the link; `source` outlives it. Throws InputError, DeviceError.
   BusReader(const Source& source, std::size_t bus);
   /// Begins the stream; samples have module numbers of Source::design, and so has the frame that `on_sample` gets.
@@ -69,10 +69,10 @@ class BusReader {
   [[nodiscard]] std::string name() const { return bus_.name(); }
 
  private:
-  void take(const device::ModuleFrame& frame, const OnSample& on_sample) const;
+  void take(const device::ModuleSample& frame, const OnSample& on_sample) const;
 
   const Source& source_;
-  const robot::BusSite& site_;
+  const robot::BusConfig& site_;
   const std::unique_ptr<device::Link> link_;
   device::Bus bus_;
   double unix_start_s_;

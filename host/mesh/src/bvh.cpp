@@ -17,7 +17,7 @@ constexpr std::size_t kChunks = 256;           // of a level, that threads take 
 
 }  // namespace
 
-BoxTree::BoxTree(const std::vector<Extent>& extents, int threads) {
+Bvh::Bvh(const std::vector<Extent>& extents, int threads) {
   if (extents.empty()) return;
   items_.resize(extents.size());
   std::iota(items_.begin(), items_.end(), 0);
@@ -45,7 +45,7 @@ BoxTree::BoxTree(const std::vector<Extent>& extents, int threads) {
 }
 
 // The items of the lower half along the longest side come first.
-void BoxTree::bound_and_part(Box& box, const std::vector<Extent>& extents) {
+void Bvh::bound_and_part(Box& box, const std::vector<Extent>& extents) {
   Eigen::Array3d low = extents[at(items_[at(box.first)])][0], high = extents[at(items_[at(box.first)])][1];
   for (int k = box.first; k < box.end; ++k) {
     low = low.min(extents[at(items_[at(k)])][0]);

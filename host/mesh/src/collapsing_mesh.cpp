@@ -57,11 +57,11 @@ bool CollapsingMesh::ring_of(int vertex, Ring& ring) const {
   for (std::size_t turns = 0;; ++turns) {  // clockwise to the border, or once round
     const int before = neighbours_[at(first)][corner_in(faces_[at(first)], vertex)];
     if (before < 0 || before == any) break;
-    if (turns > FlatStar::kMostCorners) return false;
+    if (turns > FlatStar::kMaxCorners) return false;
     first = before;
   }
   ring.n_faces = ring.n_corners = 0;
-  for (int f = first; ring.n_corners + 2 < FlatStar::kMostCorners;) {
+  for (int f = first; ring.n_corners + 2 < FlatStar::kMaxCorners;) {
     const auto& face = faces_[at(f)];
     const std::size_t c = corner_in(face, vertex);
     ring.faces[ring.n_faces++] = f;
@@ -79,7 +79,7 @@ CollapsingMesh::Move CollapsingMesh::best_move(int vertex, double deviation_mm, 
   best.needs_mm = std::numeric_limits<double>::infinity();
   Ring ring;
   if (!ring_of(vertex, ring) || ring.n_faces < 2) return best;
-  std::array<Vec3, FlatStar::kMostCorners> around;
+  std::array<Vec3, FlatStar::kMaxCorners> around;
   for (std::size_t k = 0; k < ring.n_corners; ++k) around[k] = place(ring.corners[k]);
   const FlatStar star(place(vertex), {around.data(), ring.n_corners}, ring.is_open());
   if (!star.is_flat()) return best;
@@ -89,7 +89,7 @@ CollapsingMesh::Move CollapsingMesh::best_move(int vertex, double deviation_mm, 
   // A border edge begins at the middle, and one at the neighbour before it.
   const int last = ring.corners[ring.n_corners - 1];
   if (ring.is_open()) border_before_mm = static_cast<double>(std::max(border_[at(vertex)], border_[at(last)]));
-  double best_worth = -1.0;
+  double best_value = -1.0;
   for (std::size_t j = 0; j < ring.n_corners; j += ring.is_open() ? ring.n_corners - 1 : 1) {
     if (is_locked_[at(ring.corners[j])]) continue;
     const auto change = star.onto(j);
@@ -98,9 +98,9 @@ CollapsingMesh::Move CollapsingMesh::best_move(int vertex, double deviation_mm, 
     if (ring.is_open() && border > border_mm) continue;
     const double deviation = before_mm + change->deviation_mm + kRounding_mm;
     best.needs_mm = std::min(best.needs_mm, deviation);
-    const double worth = change->shape / (1.0 + kPrefersFlat * change->deviation_mm / deviation_mm);
-    if (deviation > deviation_mm || worth <= best_worth || !keeps_edges_single(vertex, ring, j)) continue;
-    best_worth = worth;
+    const double value = change->shape / (1.0 + kPrefersFlat * change->deviation_mm / deviation_mm);
+    if (deviation > deviation_mm || value <= best_value || !keeps_edges_single(vertex, ring, j)) continue;
+    best_value = value;
     best.onto = ring.corners[j];
     best.deviation_mm = deviation;
     best.border_mm = border;

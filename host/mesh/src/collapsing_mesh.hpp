@@ -17,7 +17,7 @@ class CollapsingMesh {
 
   /// The faces round a corner, counter-clockwise, and its neighbours: of an open ring one more.
   struct Ring {
-    std::array<int, FlatStar::kMostCorners> faces, corners;
+    std::array<int, FlatStar::kMaxCorners> faces, corners;
     std::size_t n_faces = 0, n_corners = 0;
     [[nodiscard]] bool is_open() const { return n_corners > n_faces; }
   };

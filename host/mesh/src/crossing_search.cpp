@@ -11,8 +11,8 @@
 #include <numeric>
 #include <span>
 
-#include "triskin/base/index.hpp"
 #include "triangle_tree.hpp"
+#include "triskin/base/index.hpp"
 #include "triskin/base/parallel.hpp"
 
 namespace triskin::geometry {
@@ -203,8 +203,8 @@ class Searcher {
 
   const Mesh& mesh_;
   const CrossingSearch& search_;
-  std::vector<BoxTree::Extent> extents_;
-  BoxTree tree_;
+  std::vector<Bvh::Extent> extents_;
+  Bvh tree_;
   std::mutex mutex_;
   Crossings found_;
 };

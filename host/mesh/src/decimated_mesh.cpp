@@ -19,7 +19,7 @@ constexpr std::size_t kFewFaces = 5000;
 constexpr double kWideFace_mm2 = 4.0;  // as wide as the cells in which closest points are looked for
 constexpr double kWorthwhile = 0.5;    // of the faces, that must be left at most
 constexpr double kOfLimit = 0.05;      // of the narrowest limit, that the deviation may take
-constexpr double kLeastLimit = 0.5;    // of a limit, that is left
+constexpr double kMinLimit = 0.5;      // of a limit, that is left
 
 // Takes corners out in rounds: of each round no two are neighbours, so that what is known of one stays true when others
 // go. A corner that cannot go is not asked again until the faces round it change, or more deviation is allowed.
@@ -33,7 +33,7 @@ class Reducer {
         is_waiting_(needs_mm_.size(), 0),
         is_blocked_(needs_mm_.size(), 0) {}
 
-  SolverMesh run(double deviation_mm, std::size_t enough_faces) {
+  DecimatedMesh run(double deviation_mm, std::size_t enough_faces) {
     double share = 1.0;
     for (int level = 1; level < kLevels; ++level) share /= kBetweenLevels;
     for (int level = 0; level < kLevels && mesh_.n_faces() > enough_faces; ++level, share *= kBetweenLevels)
@@ -112,27 +112,27 @@ class Reducer {
 
 }  // namespace
 
-SolverMesh reduce(const Surface& surface, double deviation_mm, double border_mm, int threads,
-                  std::size_t enough_faces) {
+DecimatedMesh decimate(const Surface& surface, double deviation_mm, double border_mm, int threads,
+                       std::size_t enough_faces) {
   return Reducer(surface, border_mm, threads).run(deviation_mm, enough_faces);
 }
 
-std::optional<SolverMesh> solver_mesh_of(const Surface& surface, const LayoutLimits& limits, double deviation_mm,
-                                         int threads) {
+std::optional<DecimatedMesh> solver_mesh_of(const Surface& surface, const LayoutLimits& limits, double deviation_mm,
+                                            int threads) {
   const std::size_t faces = surface.mesh().faces.size();
   if (!(deviation_mm > 0.0) || faces < kFewFaces || surface.area_mm2() > kWideFace_mm2 * static_cast<double>(faces))
     return std::nullopt;
   const double narrowest_mm = std::min({limits.lift_mm, limits.depth_mm, limits.center_gap_mm});
-  SolverMesh solver = reduce(surface, std::min(deviation_mm, kOfLimit * narrowest_mm),
-                             std::min({deviation_mm, kSolverBorder_mm, kOfLimit * limits.overrun_mm}), threads);
+  DecimatedMesh solver = decimate(surface, std::min(deviation_mm, kOfLimit * narrowest_mm),
+                                  std::min({deviation_mm, kSolverBorder_mm, kOfLimit * limits.overrun_mm}), threads);
   if (static_cast<double>(solver.mesh.faces.size()) > kWorthwhile * static_cast<double>(faces)) return std::nullopt;
   return solver;
 }
 
-LayoutLimits limits_on(const SolverMesh& solver, LayoutLimits limits) {
+LayoutLimits limits_on(const DecimatedMesh& solver, LayoutLimits limits) {
   for (double* limit : {&limits.lift_mm, &limits.depth_mm, &limits.center_gap_mm})
-    *limit = std::max(kLeastLimit * *limit, *limit - solver.deviation_mm);
-  limits.overrun_mm = std::max(kLeastLimit * limits.overrun_mm, limits.overrun_mm - solver.border_mm);
+    *limit = std::max(kMinLimit * *limit, *limit - solver.deviation_mm);
+  limits.overrun_mm = std::max(kMinLimit * limits.overrun_mm, limits.overrun_mm - solver.border_mm);
   return limits;
 }
 

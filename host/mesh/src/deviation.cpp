@@ -13,16 +13,16 @@
 #include <vector>
 
 #include "extract_steps.hpp"
-#include "triskin/base/index.hpp"
 #include "triangle_tree.hpp"
+#include "triskin/base/index.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-constexpr double kTolerance_mm = 0.02;       // by which the stated bound may exceed the largest distance
-constexpr int kMostDivisions = 40'000;       // of triangles, in all; after that the bound is coarser, and still a bound
-constexpr std::size_t kBatch = 64;           // divided side by side, at least
-constexpr std::size_t kLeastSteps = 20'000;  // before the clock is asked: some 0.1 s, and the bound is no guess
+constexpr double kTolerance_mm = 0.02;     // by which the stated bound may exceed the largest distance
+constexpr int kMaxDivisions = 40'000;      // of triangles, in all; after that the bound is coarser, and still a bound
+constexpr std::size_t kBatch = 64;         // divided side by side, at least
+constexpr std::size_t kMinSteps = 20'000;  // before the clock is asked: some 0.1 s, and the bound is no guess
 constexpr std::size_t kMeanSamples = 20'000;  // middles of triangles for the mean
 
 using Triangle = std::array<Vec3, 3>;
@@ -192,8 +192,8 @@ class Search {
 
   void run(const IsLate& is_late) {
     std::size_t steps = 0;
-    for (int divisions = 0; divisions < kMostDivisions;) {
-      if (steps > kLeastSteps && is_late && is_late()) break;
+    for (int divisions = 0; divisions < kMaxDivisions;) {
+      if (steps > kMinSteps && is_late && is_late()) break;
       std::vector<Open> parts;
       const std::size_t batch = std::max(kBatch, open_.size() / 16);
       std::size_t taken = 0;

@@ -9,8 +9,8 @@
 #include <tuple>
 #include <utility>
 
-#include "triskin/base/index.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/index.hpp"
 
 namespace triskin::geometry {
 

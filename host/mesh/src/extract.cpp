@@ -11,11 +11,11 @@
 
 #include "edge_sides.hpp"
 #include "extract_steps.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/design_types.hpp"
 #include "triskin/mesh/decimated_mesh.hpp"
 #include "triskin/mesh/surface.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -51,7 +51,7 @@ class Extractor {
     const EdgeSides sides(mesh_);
     sides.each_edge([&](std::span<const EdgeSide> edge) {
       if (edge.size() < 2) return;
-      report_.crowded_edges += edge.size() > 2 ? 1 : 0;
+      report_.non_manifold_edges += edge.size() > 2 ? 1 : 0;
       has_unjoined_ = has_unjoined_ || edge.size() > 2 || edge[0].low == edge[0].high || edge[0].face == edge[1].face;
       const auto [first, second] = flattest_pair(edge);
       const EdgeSide &a = edge[first], &b = edge[second];
@@ -228,7 +228,7 @@ class Extractor {
 constexpr unsigned kWrap_s = 600;            // processor time
 constexpr double kShattered = 0.6;           // share of the area that the largest part should have
 constexpr double kRepairedFaces = 20'000.0;  // a second of the repair, measured: 44 µs of processor time each
-constexpr double kMostReduced_mm = 1.0, kLooseShare = 0.05;  // of the area, that small parts may be
+constexpr double kMaxReduced_mm = 1.0, kLooseShare = 0.05;  // of the area, that small parts may be
 
 double largest_share(const Mesh& mesh) {
   const Surface surface(mesh);
@@ -260,7 +260,7 @@ void repair_again(Extraction& e, const Mesh& mesh, const char* step) {
   e.report.removed_components += before.removed_components;
   e.report.removed_faces += before.removed_faces;
   e.report.flipped_faces += before.flipped_faces;
-  e.report.crowded_edges = before.crowded_edges;
+  e.report.non_manifold_edges = before.non_manifold_edges;
   e.report.outer = before.outer;
   e.report.wrapped = before.wrapped;
   e.report.repair = before.repair;
@@ -269,14 +269,14 @@ void repair_again(Extraction& e, const Mesh& mesh, const char* step) {
 }
 
 bool messy(const ExtractReport& r) {
-  return r.components > 1 || r.crowded_edges > 0;
+  return r.components > 1 || r.non_manifold_edges > 0;
 }
 
 void drop_hidden(Extraction& e, const ExtractOptions& options, const ProgressSink& progress) {
   report(progress, "looking for the outside", 0.3);
   const std::size_t before = e.surface.faces.size();
   e.report.outer = true;
-  repair_again(e, outer_faces(e.surface, options.sky_fraction, kSkyTimeShare * options.repair_s),
+  repair_again(e, outer_faces(e.surface, options.visibility_fraction, kVisibilityTimeShare * options.repair_s),
                "dropping the faces that see little of the sky");
   e.report.removed_faces += static_cast<int>(before - e.surface.faces.size());
 }
@@ -284,7 +284,7 @@ void drop_hidden(Extraction& e, const ExtractOptions& options, const ProgressSin
 // The steps that were asked for, as they are; the result may be one that design() refuses.
 Extraction stepwise(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
   using When = ExtractOptions::When;
-  Extraction e = joined(mesh);
+  Extraction e = repair_topology(mesh);
   const bool was_messy = messy(e.report);
   if (options.outer == When::kAlways || (options.outer == When::kWhenNeeded && was_messy))
     drop_hidden(e, options, progress);
@@ -318,20 +318,20 @@ Extraction stepwise_or_repaired(const Mesh& mesh, const ExtractOptions& options,
 
 // A mesh with fewer faces where what can be joined of it has more than the repair has time for; none where it has not,
 // or too much would be missing.
-std::optional<SolverMesh> reduced(const Mesh& mesh, const std::optional<Extraction>& joined, std::size_t most) {
+std::optional<DecimatedMesh> decimated(const Mesh& mesh, const std::optional<Extraction>& joined, std::size_t most) {
   if (!joined || joined->surface.faces.size() <= most || area_of(joined->surface) < (1.0 - kLooseShare) * area_of(mesh))
     return std::nullopt;
-  return reduce(Surface(joined->surface), kMostReduced_mm, kMostReduced_mm, all_threads(), most);
+  return decimate(Surface(joined->surface), kMaxReduced_mm, kMaxReduced_mm, all_threads(), most);
 }
 
 // What the report of a repair says of the mesh that it began with.
-void add_reduction(ExtractReport& report, const ExtractReport& before, const SolverMesh& reduction) {
+void add_reduction(ExtractReport& report, const ExtractReport& before, const DecimatedMesh& reduction) {
   report.reduced_mm = std::max(reduction.deviation_mm, reduction.border_mm);
   report.deviation.largest_mm += report.reduced_mm;
   report.deviation.mean_mm += report.reduced_mm;
   report.removed_components += before.removed_components;
   report.flipped_faces += before.flipped_faces;
-  report.crowded_edges = before.crowded_edges;
+  report.non_manifold_edges = before.non_manifold_edges;
 }
 
 Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
@@ -346,7 +346,7 @@ Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const Progres
   // What is broken is mostly found soon; where nothing is, the repair needs no time.
   if (options.keep_usable || mesh.faces.size() > most) test = test_usable(mesh, time.part(1.0));
   if (test.is_usable && options.keep_usable) return std::move(*test.joined);
-  const auto reduction = test.is_usable ? std::nullopt : reduced(mesh, test.joined, most);
+  const auto reduction = test.is_usable ? std::nullopt : decimated(mesh, test.joined, most);
   if (!reduction) return stepwise_or_repaired(mesh, options, time, progress);
   Extraction e = stepwise_or_repaired(reduction->mesh, options, time, progress);
   add_reduction(e.report, test.joined->report, *reduction);
@@ -355,13 +355,13 @@ Extraction chosen(const Mesh& mesh, const ExtractOptions& options, const Progres
 
 }  // namespace
 
-Extraction joined(const Mesh& mesh) {
+Extraction repair_topology(const Mesh& mesh) {
   return Extractor(mesh).run();
 }
 
 Extraction extract(const Mesh& mesh, const ProgressSink& progress) {
   report(progress, "extracting", 0.0);
-  return joined(mesh);
+  return repair_topology(mesh);
 }
 
 Extraction extract(const Mesh& mesh, const ExtractOptions& options, const ProgressSink& progress) {
@@ -372,7 +372,8 @@ Extraction extract(const Mesh& mesh, const ExtractOptions& options, const Progre
     const double before_mm2 = area_of(e.surface);
     const Mesh kept = without_keep_outs(e.surface, options);
     repair_again(e, kept, "taking the keep-outs away");
-    if (options.repair && !usable(e.surface)) e.surface = settled(e.surface, kSkyTimeShare * options.repair_s).surface;
+    if (options.repair && !usable(e.surface))
+      e.surface = remove_crossings(e.surface, kVisibilityTimeShare * options.repair_s).surface;
     e.report.kept_out_mm2 = before_mm2 - area_of(e.surface);
   }
   if (options.repair && options.outer != ExtractOptions::When::kNever) {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/mesh/extract.hpp"
 #include "triskin/base/parallel.hpp"
+#include "triskin/mesh/extract.hpp"
 
 namespace triskin::geometry {
 
@@ -32,33 +32,36 @@ class RepairTime {
 };
 
 /// Rays for each side of a face that is asked what it sees of the sky.
-inline constexpr int kSkyRays = 64, kFewestSkyRays = 8;
+inline constexpr int kVisibilityRays = 64, kMinVisibilityRays = 8;
 
 /// Cosine-weighted share of the sky that each of these faces sees above its front and its back (directions that
 /// repeat). Cost: 2 · `rays` > 0 rays a face asked, on all cores.
-struct Sky {
+struct Visibility {
   double front = 0.0, back = 0.0;
 };
-[[nodiscard]] std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces, int rays = kSkyRays);
+[[nodiscard]] std::vector<Visibility> visibility_of(const Mesh& mesh, const std::vector<int>& faces,
+                                                    int rays = kVisibilityRays);
 
-/// Number of faces that sky_of() answers for in about `cpu_s` seconds of processor time, counted as at least 0.2 s.
+/// Number of faces that visibility_of() answers for in about `cpu_s` seconds of processor time, counted as at least 0.2
+/// s.
 [[nodiscard]] std::size_t faces_asked_in(double cpu_s);
 
-/// Rays for each side of so many faces that fit into `cpu_s` seconds of processor time: kFewestSkyRays … kSkyRays. A
-/// soup has too many faces of which none stands for another: eight rays still tell inside from outside.
+/// Rays for each side of so many faces that fit into `cpu_s` seconds of processor time: kMinVisibilityRays …
+/// kVisibilityRays. A soup has too many faces of which none stands for another: eight rays still tell inside from
+/// outside.
 [[nodiscard]] int rays_for(std::size_t faces, double cpu_s);
 
 /// The same of all faces in about `cpu_s` > 0 seconds of processor time, at least 0.2 s: of a mesh with too many faces
 /// for that, neighbours that face much the same way share the answer of one of them, and where those are still too many
 /// each sends fewer rays. Depends on no clock.
-[[nodiscard]] std::vector<Sky> sky_of_all(const Mesh& mesh, double cpu_s);
+[[nodiscard]] std::vector<Visibility> visibility_of_all(const Mesh& mesh, double cpu_s);
 
 /// Parts that see more with their back are turned; faces that see less than the fraction go, ragged rims evened out.
-/// Cost: sky_of_all().
-[[nodiscard]] Mesh outer_faces(const Mesh& mesh, double sky_fraction, double cpu_s);
+/// Cost: visibility_of_all().
+[[nodiscard]] Mesh outer_faces(const Mesh& mesh, double visibility_fraction, double cpu_s);
 
 /// Share of ExtractOptions::repair_s that one look at the sky of all faces may take: up to three are taken.
-inline constexpr double kSkyTimeShare = 0.12;
+inline constexpr double kVisibilityTimeShare = 0.12;
 
 /// Closed surface around the mesh (CGAL's alpha wrap), made in a child process; nothing when that needs more than
 /// `cpu_s` seconds of processor time, is late, or fails.
@@ -89,7 +92,7 @@ inline constexpr double kSkyTimeShare = 0.12;
                                           const IsLate& is_late = {});
 
 /// Repair of the topology alone, the first step of extract(). Errors: InputError when no part is as large as a module.
-[[nodiscard]] Extraction joined(const Mesh& mesh);
+[[nodiscard]] Extraction repair_topology(const Mesh& mesh);
 
 /// What the test of usable() finds. Late, it says so in the report (`tested`) and takes what it did not find for
 /// absent.
@@ -102,8 +105,8 @@ struct UsableTest {
 /// Makes what design() takes: moves corners apart that only touch, then drops faces that still cross, until none does:
 /// of two the one that sees less of the sky, when late the smaller one. Then closes slits, when late all or none.
 /// Errors: InputError when nothing is left. Cost: a search for crossings a round; each round drops a face, of looks at
-/// the sky `sky_s` s a round at most.
-[[nodiscard]] Extraction settled(const Mesh& mesh, double sky_s, const IsLate& is_late = {});
+/// the sky `visibility_s` s a round at most.
+[[nodiscard]] Extraction remove_crossings(const Mesh& mesh, double visibility_s, const IsLate& is_late = {});
 
 /// Repairs so that usable() holds; fills the report's repair and deviation. Each part gives up in its share of `time`;
 /// what is made when all of it is over is the first surface that is usable.

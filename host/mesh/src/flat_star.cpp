@@ -32,7 +32,7 @@ double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
 
 FlatStar::FlatStar(const Vec3& middle, std::span<const Vec3> ring, bool is_open)
     : size_(ring.size()), is_open_(is_open) {
-  std::array<Vec3, kMostCorners> spoke;
+  std::array<Vec3, kMaxCorners> spoke;
   for (std::size_t k = 0; k < size_; ++k) spoke[k] = ring[k] - middle;
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < faces(); ++k) sum += spoke[k].cross(spoke[next(k)]);

@@ -12,9 +12,9 @@ namespace triskin::geometry {
 /// drawn onto one of its neighbours.
 class FlatStar {
  public:
-  static constexpr std::size_t kMostCorners = 48;  ///< round the middle
+  static constexpr std::size_t kMaxCorners = 48;  ///< round the middle
 
-  /// `ring`: the neighbours of the middle, counter-clockwise, at most kMostCorners; of an open star (at a border) from
+  /// `ring`: the neighbours of the middle, counter-clockwise, at most kMaxCorners; of an open star (at a border) from
   /// one border edge to the other.
   FlatStar(const Vec3& middle, std::span<const Vec3> ring, bool is_open);
 
@@ -50,7 +50,7 @@ class FlatStar {
 
   std::size_t size_;
   bool is_open_, is_flat_ = false;
-  std::array<Corner, kMostCorners> ring_;
+  std::array<Corner, kMaxCorners> ring_;
   double old_shape_ = 1.0, old_lean_ = 1.0;  // of the worst old face
   double border_mm_ = 0.0;                   // from the middle to the edge that replaces its two border edges
 };

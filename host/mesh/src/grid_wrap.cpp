@@ -11,8 +11,8 @@
 #include <unordered_map>
 
 #include "extract_steps.hpp"
-#include "triskin/base/index.hpp"
 #include "triangle_tree.hpp"
+#include "triskin/base/index.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -25,9 +25,9 @@ using Tree =
 
 constexpr double kStart_mm = 0.05;  // above the face
 constexpr int kEvenPasses = 4;
-constexpr double kRaysPer_s = 8e5;      // of processor time, measured on scans of 50,000 … 120,000 faces
-constexpr double kLeastSky_s = 0.2;     // of processor time: faces up to 1,250 are each asked
-constexpr double kSameDirection = 0.8;  // cosine between the normals of faces that share an answer
+constexpr double kRaysPer_s = 8e5;        // of processor time, measured on scans of 50,000 … 120,000 faces
+constexpr double kMinVisibility_s = 0.2;  // of processor time: faces up to 1,250 are each asked
+constexpr double kSameDirection = 0.8;    // cosine between the normals of faces that share an answer
 
 Kernel::Point_3 point(const Vec3& p) {
   return {p.x(), p.y(), p.z()};
@@ -112,7 +112,7 @@ std::vector<std::vector<int>> groups_of(const Mesh& mesh, std::size_t most) {
 }
 
 // Whole parts may be stored inside out: what sees more with its back is turned.
-void turn_parts(Mesh& mesh, std::vector<Sky>& sky, const std::vector<std::array<int, 3>>& neighbour) {
+void turn_parts(Mesh& mesh, std::vector<Visibility>& visibility, const std::vector<std::array<int, 3>>& neighbour) {
   std::vector<bool> seen(mesh.faces.size(), false);
   for (std::size_t first = 0; first < mesh.faces.size(); ++first) {
     if (seen[first]) continue;
@@ -121,8 +121,8 @@ void turn_parts(Mesh& mesh, std::vector<Sky>& sky, const std::vector<std::array<
     double front = 0.0, back = 0.0;
     for (std::size_t q = 0; q < part.size(); ++q) {
       const double area = cross_of(mesh, at(part[q])).norm();
-      front += area * sky[at(part[q])].front;
-      back += area * sky[at(part[q])].back;
+      front += area * visibility[at(part[q])].front;
+      back += area * visibility[at(part[q])].back;
       for (const int n : neighbour[at(part[q])]) {
         if (n < 0 || seen[at(n)]) continue;
         seen[at(n)] = true;
@@ -132,7 +132,7 @@ void turn_parts(Mesh& mesh, std::vector<Sky>& sky, const std::vector<std::array<
     if (back <= front) continue;
     for (const int f : part) {
       std::swap(mesh.faces[at(f)][1], mesh.faces[at(f)][2]);
-      std::swap(sky[at(f)].front, sky[at(f)].back);
+      std::swap(visibility[at(f)].front, visibility[at(f)].back);
     }
   }
 }
@@ -145,7 +145,7 @@ double area_of(const Mesh& mesh) {
   return area;
 }
 
-std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces, int rays) {
+std::vector<Visibility> visibility_of(const Mesh& mesh, const std::vector<int>& faces, int rays) {
   Triangles triangles;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     const auto c = corners_of(mesh, f);
@@ -154,46 +154,46 @@ std::vector<Sky> sky_of(const Mesh& mesh, const std::vector<int>& faces, int ray
   Tree tree(triangles.cbegin(), triangles.cend());
   tree.build();
   const std::vector<Vec3> up = directions(rays);
-  std::vector<Sky> sky(faces.size());
+  std::vector<Visibility> visibility(faces.size());
   tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t k) {
     const std::size_t f = at(faces[k]);
     const auto c = corners_of(mesh, f);
     const Vec3 normal = cross_of(mesh, f).normalized(), middle = (c[0] + c[1] + c[2]) / 3.0;
     if (!(normal.squaredNorm() > 0.5)) return;
-    sky[k] = {share_free(tree, up, middle, normal), share_free(tree, up, middle, -normal)};
+    visibility[k] = {share_free(tree, up, middle, normal), share_free(tree, up, middle, -normal)};
   });
-  return sky;
+  return visibility;
 }
 
 std::size_t faces_asked_in(double cpu_s) {
-  return static_cast<std::size_t>(kRaysPer_s * std::max(cpu_s, kLeastSky_s) / (2.0 * kSkyRays));
+  return static_cast<std::size_t>(kRaysPer_s * std::max(cpu_s, kMinVisibility_s) / (2.0 * kVisibilityRays));
 }
 
 int rays_for(std::size_t faces, double cpu_s) {
-  const std::size_t fitting = kSkyRays * faces_asked_in(cpu_s) / std::max<std::size_t>(1, faces);
-  return static_cast<int>(std::clamp<std::size_t>(fitting, kFewestSkyRays, kSkyRays));
+  const std::size_t fitting = kVisibilityRays * faces_asked_in(cpu_s) / std::max<std::size_t>(1, faces);
+  return static_cast<int>(std::clamp<std::size_t>(fitting, kMinVisibilityRays, kVisibilityRays));
 }
 
-std::vector<Sky> sky_of_all(const Mesh& mesh, double cpu_s) {
+std::vector<Visibility> visibility_of_all(const Mesh& mesh, double cpu_s) {
   const std::size_t asked_of = faces_asked_in(cpu_s);
   const auto groups = groups_of(mesh, std::max<std::size_t>(1, (mesh.faces.size() + asked_of - 1) / asked_of));
   std::vector<int> asked;
   for (const auto& group : groups) asked.push_back(group.front());
-  const std::vector<Sky> answers = sky_of(mesh, asked, rays_for(asked.size(), cpu_s));
-  std::vector<Sky> sky(mesh.faces.size());
+  const std::vector<Visibility> answers = visibility_of(mesh, asked, rays_for(asked.size(), cpu_s));
+  std::vector<Visibility> visibility(mesh.faces.size());
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    for (const int f : groups[g]) sky[at(f)] = answers[g];
+    for (const int f : groups[g]) visibility[at(f)] = answers[g];
   }
-  return sky;
+  return visibility;
 }
 
-Mesh outer_faces(const Mesh& mesh, double sky_fraction, double cpu_s) {
+Mesh outer_faces(const Mesh& mesh, double visibility_fraction, double cpu_s) {
   Mesh result = mesh;
-  std::vector<Sky> sky = sky_of_all(mesh, cpu_s);
+  std::vector<Visibility> visibility = visibility_of_all(mesh, cpu_s);
   const auto neighbour = pairs_across(mesh);
-  turn_parts(result, sky, neighbour);
+  turn_parts(result, visibility, neighbour);
   std::vector<bool> kept(mesh.faces.size());
-  for (std::size_t f = 0; f < kept.size(); ++f) kept[f] = sky[f].front >= sky_fraction;
+  for (std::size_t f = 0; f < kept.size(); ++f) kept[f] = visibility[f].front >= visibility_fraction;
   for (int pass = 0; pass < kEvenPasses; ++pass) {
     const std::vector<bool> before = kept;
     for (std::size_t f = 0; f < kept.size(); ++f) {

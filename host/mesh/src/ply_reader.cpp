@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/base/index.hpp"
 #include "polygon_faces.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/index.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -9,7 +9,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr std::size_t kMostCorners = 300;  // ears of more would take too long
+constexpr std::size_t kMaxCorners = 300;  // ears of more would take too long
 
 Vec3 normal_of(const Mesh& mesh, const std::vector<int>& corners) {
   Vec3 sum = Vec3::Zero();
@@ -36,7 +36,7 @@ bool is_ear(const Mesh& mesh, const std::vector<int>& corners, std::size_t k, co
 
 void add_polygon(Mesh& mesh, std::vector<int> corners) {
   if (corners.size() < 3) return;
-  if (corners.size() > kMostCorners) {
+  if (corners.size() > kMaxCorners) {
     for (std::size_t k = 2; k < corners.size(); ++k) mesh.faces.push_back({corners[0], corners[k - 1], corners[k]});
     return;
   }

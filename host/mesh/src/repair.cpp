@@ -16,32 +16,32 @@
 #include "crossing_search.hpp"
 #include "edge_sides.hpp"
 #include "extract_steps.hpp"
-#include "triskin/base/index.hpp"
 #include "isolated.hpp"
 #include "polygon_faces.hpp"
 #include "triangle_tree.hpp"
-#include "triskin/mesh/surface.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/index.hpp"
+#include "triskin/mesh/surface.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-constexpr double kApart_mm = 0.01;       // between corners that would only touch
-constexpr int kRoundsApart = 5;          // of moving corners; after that what touches is dropped
-constexpr int kRoundsDivided = 3;        // of dividing: rounded coordinates may cross again
-constexpr double kHiddenSky = 0.05;      // a part of the arrangement that sees less is inside
-constexpr std::size_t kSkySamples = 48;  // faces of a part that are asked
+constexpr double kApart_mm = 0.01;              // between corners that would only touch
+constexpr int kRoundsApart = 5;                 // of moving corners; after that what touches is dropped
+constexpr int kRoundsDivided = 3;               // of dividing: rounded coordinates may cross again
+constexpr double kHiddenVisibility = 0.05;      // a part of the arrangement that sees less is inside
+constexpr std::size_t kVisibilitySamples = 48;  // faces of a part that are asked
 constexpr double kLooseShare = 0.05;  // of the area that may go with small parts before the input counts as shattered
 constexpr double kGoodDeviation_mm = 5.0, kGoodMean_mm = 0.2;  // up to which the next way is not tried
 constexpr double kSlitWidth_mm = 0.1;  // area of a border loop to its length: a hole of 0.4 mm across has this
-constexpr std::size_t kMostSlitCorners = 60, kMostSlits = 10;
+constexpr std::size_t kMaxSlitCorners = 60, kMaxSlits = 10;
 constexpr double kGridNodes = 1.5e6;
 constexpr double kGridCost_s = 1e-4;  // for each cell² of the area, with all that follows, measured
-constexpr double kLeastCell_mm = 1.0;
+constexpr double kMinCell_mm = 1.0;
 // Of the time, what each part may take at most; together more than all, since few meshes need all of them. That of the
 // dividing, on which the others rest, is processor time: on a busy machine it may take all the time.
 constexpr double kDivideShare = 0.4, kWrapShare = 0.4, kNearShare = 0.15, kSettleShare = 0.25, kMeasureShare = 0.12;
-constexpr double kLeastGridShare = 0.2;
+constexpr double kMinGridShare = 0.2;
 constexpr double kNeedle = 1e-5;        // twice the area to the square of the longest side
 constexpr int kRoundsNear = 6;          // of drawing a grid's surface to the input
 constexpr double kWrapCost_s = 1.2e-3;  // of processor time for each alpha² of the area; measured: 0.1e-3 … 1.1e-3
@@ -114,7 +114,7 @@ std::vector<std::vector<int>> slits_of(const Mesh& mesh) {
   std::vector<std::vector<int>> slits;
   const Surface surface(mesh);
   for (std::vector<int> loop : surface.border_loops()) {
-    if (loop.size() < 3 || loop.size() > kMostSlitCorners) continue;
+    if (loop.size() < 3 || loop.size() > kMaxSlitCorners) continue;
     Vec3 twice = Vec3::Zero();
     double around_mm = 0.0;
     for (std::size_t k = 0; k < loop.size(); ++k) {
@@ -142,32 +142,33 @@ void close_slits(Mesh& mesh, const IsLate& is_late) {
     mesh = std::move(all);
     return;
   }
-  for (std::size_t k = 0; k < std::min(slits.size(), kMostSlits) && !late(is_late); ++k) {
+  for (std::size_t k = 0; k < std::min(slits.size(), kMaxSlits) && !late(is_late); ++k) {
     Mesh one = closed(mesh, slits[k]);
     if (usable(one)) mesh = std::move(one);
   }
 }
 
 // What decides which of two faces that cross goes: the sky that each sees, or where that is not asked, its area.
-std::map<int, double> worth_of(const Mesh& mesh, const Pairs& crossings, double sky_s, bool is_late) {
+std::map<int, double> values_of(const Mesh& mesh, const Pairs& crossings, double visibility_s, bool is_late) {
   std::vector<int> asked;
   for (const auto& [a, b] : crossings) asked.insert(asked.end(), {a, b});
   std::ranges::sort(asked);
   asked.erase(std::ranges::unique(asked).begin(), asked.end());
-  const bool asks_sky = !is_late && asked.size() <= faces_asked_in(sky_s);
-  const std::vector<Sky> sky = asks_sky ? sky_of(mesh, asked) : std::vector<Sky>{};
-  std::map<int, double> worth;
+  const bool asks_visibility = !is_late && asked.size() <= faces_asked_in(visibility_s);
+  const std::vector<Visibility> visibility = asks_visibility ? visibility_of(mesh, asked) : std::vector<Visibility>{};
+  std::map<int, double> value;
   for (std::size_t k = 0; k < asked.size(); ++k)
-    worth[asked[k]] = asks_sky ? std::max(sky[k].front, sky[k].back) : area_of_face(mesh, asked[k]);
-  return worth;
+    value[asked[k]] =
+        asks_visibility ? std::max(visibility[k].front, visibility[k].back) : area_of_face(mesh, asked[k]);
+  return value;
 }
 
 // Of two faces that cross the one of less worth goes.
-Mesh without_crossings(const Mesh& mesh, const Pairs& crossings, double sky_s, bool is_late) {
-  const std::map<int, double> worth = worth_of(mesh, crossings, sky_s, is_late);
+Mesh without_crossings(const Mesh& mesh, const Pairs& crossings, double visibility_s, bool is_late) {
+  const std::map<int, double> value = values_of(mesh, crossings, visibility_s, is_late);
   std::vector<bool> gone(mesh.faces.size(), false);
   for (const auto& [a, b] : crossings) {
-    if (!gone[at(a)] && !gone[at(b)]) gone[at(worth.at(a) < worth.at(b) ? a : b)] = true;
+    if (!gone[at(a)] && !gone[at(b)]) gone[at(value.at(a) < value.at(b) ? a : b)] = true;
   }
   Mesh result{mesh.vertices, {}};
   for (std::size_t f = 0; f < gone.size(); ++f) {
@@ -184,7 +185,7 @@ std::optional<Mesh> divided(const Mesh& mesh, const RepairTime& time) {
   const auto work = [&] {
     Mesh m = mesh;
     for (int round = 0; round < kRoundsDivided && (round == 0 || used_s() < half_s); ++round) {
-      const Mesh whole = joined(m).surface;
+      const Mesh whole = repair_topology(m).surface;
       const Pairs crossings = crossing_faces(whole, 1);
       if (crossings.empty()) break;
       Mesh next = arranged(whole, crossings);
@@ -246,17 +247,17 @@ std::vector<int> samples_of(const Mesh& mesh, std::vector<int> part, std::size_t
 }
 
 // Parts whose better side sees next to nothing, in the mean over their samples, are inside. Many parts have fewer
-// samples each; where they are too many for one each in `sky_s`, those of most faces are asked.
-Mesh without_hidden_parts(const Mesh& mesh, double sky_s) {
+// samples each; where they are too many for one each in `visibility_s`, those of most faces are asked.
+Mesh without_hidden_parts(const Mesh& mesh, double visibility_s) {
   auto parts = parts_of(mesh);
   if (parts.size() < 2) return mesh;
   std::ranges::stable_sort(parts, std::greater<>(), [](const auto& part) { return part.size(); });
-  const std::size_t most = faces_asked_in(sky_s);
+  const std::size_t most = faces_asked_in(visibility_s);
   const auto asked_of = [&](std::size_t each) {
     return std::accumulate(parts.begin(), parts.end(), std::size_t{0},
                            [each](std::size_t sum, const auto& part) { return sum + std::min(part.size(), each); });
   };
-  std::size_t each = kSkySamples;
+  std::size_t each = kVisibilitySamples;
   while (each > 1 && asked_of(each) > most) each /= 2;
   std::vector<int> asked;
   std::vector<std::size_t> first;
@@ -266,16 +267,16 @@ Mesh without_hidden_parts(const Mesh& mesh, double sky_s) {
     asked.insert(asked.end(), samples.begin(), samples.end());
   }
   first.push_back(asked.size());
-  const std::vector<Sky> sky = sky_of(mesh, asked);
+  const std::vector<Visibility> visibility = visibility_of(mesh, asked);
   Mesh result{mesh.vertices, {}};
   for (std::size_t p = 0; p < parts.size(); ++p) {
     double sum = 0.0, total = 0.0;
     for (std::size_t k = first[p]; k < first[p + 1]; ++k) {
       const double area = area_of_face(mesh, asked[k]);
-      sum += area * std::max(sky[k].front, sky[k].back);
+      sum += area * std::max(visibility[k].front, visibility[k].back);
       total += area;
     }
-    if (sum < kHiddenSky * total) continue;  // not so where none was asked
+    if (sum < kHiddenVisibility * total) continue;  // not so where none was asked
     for (const int f : parts[p]) result.faces.push_back(mesh.faces[at(f)]);
   }
   return result.faces.empty() ? mesh : result;
@@ -287,9 +288,10 @@ struct Reference {
   std::vector<bool> outside;
 };
 
-Reference reference_of(Mesh mesh, double sky_fraction, double cpu_s) {
+Reference reference_of(Mesh mesh, double visibility_fraction, double cpu_s) {
   Reference r{std::move(mesh), {}};
-  for (const Sky& s : sky_of_all(r.mesh, cpu_s)) r.outside.push_back(std::max(s.front, s.back) >= sky_fraction);
+  for (const Visibility& s : visibility_of_all(r.mesh, cpu_s))
+    r.outside.push_back(std::max(s.front, s.back) >= visibility_fraction);
   return r;
 }
 
@@ -360,13 +362,13 @@ class Repairer {
     const Deviation& d = best_->report.deviation;
     return d.largest_mm <= kGoodDeviation_mm || d.mean_mm <= kGoodMean_mm;
   }
-  [[nodiscard]] double sky_s() const { return kSkyTimeShare * options_.repair_s; }
+  [[nodiscard]] double visibility_s() const { return kVisibilityTimeShare * options_.repair_s; }
 
   void local() {
     report(progress_, "dividing faces that cross", 0.1);
     Mesh input = mesh_;
     try {
-      Extraction e = joined(mesh_);
+      Extraction e = repair_topology(mesh_);
       crossings_ = static_cast<int>(crossing_faces(e.surface).size());
       before_ = e.report;
       if (area_of(e.surface) >= (1.0 - kLooseShare) * area_of(mesh_)) input = std::move(e.surface);
@@ -375,15 +377,15 @@ class Repairer {
       crossings_ = static_cast<int>(crossing_faces(mesh_).size());
     }
     const auto parts = divided(input, time_);
-    reference_ = reference_of(parts ? *parts : input, options_.sky_fraction, sky_s());
-    try_settling(without_hidden_parts(reference_.mesh, sky_s()), Repair::kLocal,
+    reference_ = reference_of(parts ? *parts : input, options_.visibility_fraction, visibility_s());
+    try_settling(without_hidden_parts(reference_.mesh, visibility_s()), Repair::kLocal,
                  options_.outer == ExtractOptions::When::kAlways);
   }
 
   // What follows a wrap takes as long again as its share; what is left of the time must hold both.
   void wrap(double alpha_mm) {
-    const double most_s = std::min(kWrapShare * options_.repair_s, 0.5 * time_.left_s());
-    if (kWrapCost_s * area_of(reference_.mesh) / (alpha_mm * alpha_mm) > most_s) return;
+    const double max_s = std::min(kWrapShare * options_.repair_s, 0.5 * time_.left_s());
+    if (kWrapCost_s * area_of(reference_.mesh) / (alpha_mm * alpha_mm) > max_s) return;
     report(progress_, "wrapping", 0.5);
     const auto mesh =
         wrapped(reference_.mesh, alpha_mm, options_.wrap_offset_mm, time_.cpu_s(kWrapShare), time_.part(kWrapShare));
@@ -392,16 +394,16 @@ class Repairer {
 
   // As fine as the time allows that is left. A repair that has nothing yet takes a little more.
   void grid() {
-    const double least_s = best_ ? 0.0 : kLeastGridShare * options_.repair_s;
-    const double left_s = std::max(least_s, time_.left_s());
-    if (best_ && left_s < kLeastGridShare * options_.repair_s) return;
+    const double min_s = best_ ? 0.0 : kMinGridShare * options_.repair_s;
+    const double left_s = std::max(min_s, time_.left_s());
+    if (best_ && left_s < kMinGridShare * options_.repair_s) return;
     report(progress_, "wrapping on a grid", 0.8);
     Eigen::AlignedBox3d box;
     for (const Vec3& v : reference_.mesh.vertices) box.extend(v);
     const double least = 0.02 * box.sizes().maxCoeff();
     const double volume = box.sizes().cwiseMax(least).prod();
     const double cell_mm = std::max(
-        {kLeastCell_mm, std::cbrt(volume / kGridNodes), std::sqrt(kGridCost_s * area_of(reference_.mesh) / left_s)});
+        {kMinCell_mm, std::cbrt(volume / kGridNodes), std::sqrt(kGridCost_s * area_of(reference_.mesh) / left_s)});
     const Mesh wrap = grid_wrapped(reference_.mesh, cell_mm);
     try_settling(drawn_near(wrap, reference_.mesh, options_.wrap_offset_mm, time_.part(kNearShare)), Repair::kGrid,
                  false);
@@ -410,12 +412,13 @@ class Repairer {
   void try_settling(const Mesh& mesh, Repair way, bool outer) {
     try {
       report(progress_, "settling the repair", -1.0);
-      const Mesh seen = outer ? outer_faces(joined(mesh).surface, options_.sky_fraction, sky_s()) : mesh;
-      Extraction e = settled(seen, sky_s(), time_.part(kSettleShare));
+      const Mesh seen =
+          outer ? outer_faces(repair_topology(mesh).surface, options_.visibility_fraction, visibility_s()) : mesh;
+      Extraction e = remove_crossings(seen, visibility_s(), time_.part(kSettleShare));
       ExtractReport& r = e.report;
       r.removed_components += before_.removed_components;
       r.flipped_faces += before_.flipped_faces;
-      r.crowded_edges = before_.crowded_edges;
+      r.non_manifold_edges = before_.non_manifold_edges;
       r.outer = outer;
       r.wrapped = way != Repair::kLocal;
       r.repair = way;
@@ -445,12 +448,12 @@ UsableTest test_usable(const Mesh& mesh, const IsLate& is_late) {
   UsableTest test;
   if (mesh.faces.empty()) return test;
   try {
-    test.joined = joined(mesh);
+    test.joined = repair_topology(mesh);
   } catch (const InputError&) {
     return test;
   }
   ExtractReport& r = test.joined->report;
-  if (r.crowded_edges > 0 || changed_by_cleaning(mesh)) return test;
+  if (r.non_manifold_edges > 0 || changed_by_cleaning(mesh)) return test;
   const Mesh& surface = test.joined->surface;
   const Crossings found = find_crossings(surface, {.threads = all_threads(), .any_one = true, .is_late = is_late});
   test.is_usable = found.pairs.empty();
@@ -462,16 +465,16 @@ bool usable(const Mesh& mesh) {
   return test_usable(mesh).is_usable;
 }
 
-Extraction settled(const Mesh& mesh, double sky_s, const IsLate& is_late) {
+Extraction remove_crossings(const Mesh& mesh, double visibility_s, const IsLate& is_late) {
   Mesh m = mesh;
   for (int round = 0;; ++round) {
     MeshReadReport changes;
     clean(m, changes);
-    Extraction e = joined(m);
+    Extraction e = repair_topology(m);
     if (round < kRoundsApart) draw_apart(e.surface);
     const Pairs crossings = crossing_faces(e.surface);
     if (!crossings.empty()) {
-      m = without_crossings(e.surface, crossings, sky_s, late(is_late));
+      m = without_crossings(e.surface, crossings, visibility_s, late(is_late));
     } else if (!usable(e.surface)) {
       m = std::move(e.surface);
     } else {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "edge_sides.hpp"
-#include "triskin/base/index.hpp"
 #include "triangle_tree.hpp"
+#include "triskin/base/index.hpp"
 #include "triskin/base/parallel.hpp"
 
 namespace triskin::geometry {
@@ -96,13 +96,13 @@ void Surface::find_border() {
 
 void Surface::build_trees() {
   face_tree_ = tree_of_faces(mesh_, all_threads());
-  std::vector<BoxTree::Extent> extents;
+  std::vector<Bvh::Extent> extents;
   for (const auto& [face, side, beyond] : border_sides_) {
     const auto& f = mesh_.faces[at(face)];
     const auto a = mesh_.vertices[at(f[at(side)])].array(), b = mesh_.vertices[at(f[at((side + 1) % 3)])].array();
     extents.push_back({Eigen::Array3d(a.min(b)), Eigen::Array3d(a.max(b))});
   }
-  border_tree_ = BoxTree(extents);
+  border_tree_ = Bvh(extents);
 }
 
 SurfacePoint Surface::closest(const Vec3& query_mm, double within_mm) const {

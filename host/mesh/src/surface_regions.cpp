@@ -9,9 +9,9 @@
 #include <limits>
 #include <set>
 
+#include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/outline.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -233,7 +233,7 @@ double SurfaceRegions::weight_of(const ModuleLayout& layout) const {
   return sum;
 }
 
-double SurfaceRegions::worth(const ModuleLayout& layout) const {
+double SurfaceRegions::module_value(const ModuleLayout& layout) const {
   double sum = weight_of(layout);
   for (const design::Uncovered& u : uncovered(layout, kWorthStep_mm)) sum -= kUncoveredCost * u.share;
   return sum;

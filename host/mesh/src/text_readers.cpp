@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/base/index.hpp"
 #include "lower_case.hpp"
 #include "polygon_faces.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/index.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -13,17 +13,17 @@
 #include <string_view>
 #include <vector>
 
-#include "triskin/base/index.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/index.hpp"
 #include "xml_tag.hpp"
 
 namespace triskin::geometry {
 namespace {
 
 constexpr const char* kRootModel = "/3D/3dmodel.model";
-constexpr std::size_t kMostBytes = 2'000'000'000, kMostFaces = 50'000'000;  // of what is unpacked
-constexpr int kMostShown = 1'000'000;                                       // objects, each time that one is shown
-constexpr int kMostDepth = 32;                                              // of components in components
+constexpr std::size_t kMaxBytes = 2'000'000'000, kMaxFaces = 50'000'000;  // of what is unpacked
+constexpr int kMaxShown = 1'000'000;                                      // objects, each time that one is shown
+constexpr int kMaxDepth = 32;                                             // of components in components
 
 struct UnitRow {
   std::string_view name;
@@ -77,7 +77,7 @@ class PackageReader {
     int got = 0;
     while ((got = unzReadCurrentFile(zip_.get(), buffer.data(), static_cast<unsigned>(buffer.size()))) > 0) {
       bytes.append(buffer.data(), static_cast<std::size_t>(got));
-      if (bytes.size() > kMostBytes) fail("it is too large");
+      if (bytes.size() > kMaxBytes) fail("it is too large");
     }
     unzCloseCurrentFile(zip_.get());
     if (got < 0) fail(fmt::format("its part {} is damaged", name.substr(0, 80)));
@@ -152,7 +152,7 @@ class PackageReader {
   }
 
   void show(const Shown& item, const Eigen::Affine3d& parent, bool is_in, int depth) {
-    if (depth > kMostDepth || ++shown_ > kMostShown) fail("its components have no end");
+    if (depth > kMaxDepth || ++shown_ > kMaxShown) fail("its components have no end");
     const Model& in = model(item.part);
     const auto found = in.objects.find(item.id);
     if (found == in.objects.end()) fail(fmt::format("it has no object {}", item.id.substr(0, 20)));
@@ -165,7 +165,7 @@ class PackageReader {
 
   void append(const Mesh& mesh, const Eigen::Affine3d& place) {
     const int first = static_cast<int>(result_.mesh.vertices.size());
-    if (result_.mesh.faces.size() + mesh.faces.size() > kMostFaces) fail("it is too large");
+    if (result_.mesh.faces.size() + mesh.faces.size() > kMaxFaces) fail("it is too large");
     for (const Vec3& v : mesh.vertices) result_.mesh.vertices.push_back(place * v);
     for (const auto& f : mesh.faces) {
       for (const int v : f) {

@@ -7,8 +7,8 @@
 
 namespace triskin::geometry {
 
-std::vector<BoxTree::Extent> extents_of_faces(const Mesh& mesh) {
-  std::vector<BoxTree::Extent> extents;
+std::vector<Bvh::Extent> extents_of_faces(const Mesh& mesh) {
+  std::vector<Bvh::Extent> extents;
   extents.reserve(mesh.faces.size());
   for (const auto& f : mesh.faces) {
     const auto a = mesh.vertices[at(f[0])].array(), b = mesh.vertices[at(f[1])].array(),
@@ -18,11 +18,11 @@ std::vector<BoxTree::Extent> extents_of_faces(const Mesh& mesh) {
   return extents;
 }
 
-BoxTree tree_of_faces(const Mesh& mesh, int threads) {
-  return BoxTree(extents_of_faces(mesh), threads);
+Bvh tree_of_faces(const Mesh& mesh, int threads) {
+  return Bvh(extents_of_faces(mesh), threads);
 }
 
-SurfacePoint closest_face_point(const BoxTree& tree, const Mesh& mesh, const Vec3& query_mm, double within_mm) {
+SurfacePoint closest_face_point(const Bvh& tree, const Mesh& mesh, const Vec3& query_mm, double within_mm) {
   SurfacePoint best;
   double best_squared = within_mm * within_mm;
   tree.nearest(query_mm, best_squared, [&](int face) {

@@ -9,13 +9,13 @@
 namespace triskin::geometry {
 
 /// Boxes of the faces of a mesh.
-[[nodiscard]] std::vector<BoxTree::Extent> extents_of_faces(const Mesh& mesh);
+[[nodiscard]] std::vector<Bvh::Extent> extents_of_faces(const Mesh& mesh);
 /// Tree of them, made on `threads` (≥ 1).
-[[nodiscard]] BoxTree tree_of_faces(const Mesh& mesh, int threads = 1);
+[[nodiscard]] Bvh tree_of_faces(const Mesh& mesh, int threads = 1);
 
 /// Closest point of the mesh that `tree` was made of, of those nearer than within_mm. Without any: face -1 and distance
 /// infinity.
-[[nodiscard]] SurfacePoint closest_face_point(const BoxTree& tree, const Mesh& mesh, const Vec3& query_mm,
+[[nodiscard]] SurfacePoint closest_face_point(const Bvh& tree, const Mesh& mesh, const Vec3& query_mm,
                                               double within_mm = std::numeric_limits<double>::infinity());
 
 /// Closest points of any triangles, a surface or not. The mesh must outlive it. Queries are thread-safe.
@@ -29,7 +29,7 @@ class TriangleTree {
 
  private:
   const Mesh& mesh_;
-  BoxTree tree_;
+  Bvh tree_;
 };
 
 }  // namespace triskin::geometry

@@ -8,10 +8,10 @@
 #include "crossing_search.hpp"
 #include "edge_sides.hpp"
 #include "extract_steps.hpp"
-#include "triskin/base/index.hpp"
-#include "triskin/mesh/extract.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/index.hpp"
 #include "triskin/base/parallel.hpp"
+#include "triskin/mesh/extract.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "triskin/base/parallel.hpp"
 #include "triskin/design/module_graph.hpp"
 #include "triskin/routing/jumpers.hpp"
-#include "triskin/base/parallel.hpp"
 
 namespace triskin::pipeline {
 
@@ -14,7 +14,8 @@ WiredLayout priced(const geometry::Surface& surface, design::ModuleLayout layout
                    const geometry::RoutingOptions& routing, const geometry::SurfaceRegions* regions) {
   WiredLayout wired;
   wired.layout = std::move(layout);
-  wired.worth = regions == nullptr ? static_cast<double>(wired.layout.modules.size()) : regions->worth(wired.layout);
+  wired.module_value =
+      regions == nullptr ? static_cast<double>(wired.layout.modules.size()) : regions->module_value(wired.layout);
   wired.places = geometry::find_jumpers(surface, wired.layout, limits);
   geometry::RoutingOptions quick = routing;
   quick.failure_analysis = false;
@@ -48,12 +49,12 @@ std::vector<design::Alternative> front_of(const std::vector<WiredLayout>& wired)
   std::vector<const WiredLayout*> sorted;
   for (const WiredLayout& w : wired) sorted.push_back(&w);
   std::ranges::stable_sort(sorted, [](const WiredLayout* a, const WiredLayout* b) {
-    return a->worth != b->worth ? a->worth > b->worth : a->price < b->price;
+    return a->module_value != b->module_value ? a->module_value > b->module_value : a->price < b->price;
   });
   std::vector<design::Alternative> front;
   for (const WiredLayout* w : sorted) {
     if (w->layout.modules.empty() || (!front.empty() && w->price >= front.back().price - 1e-9)) continue;
-    front.push_back({w->layout, w->patches, w->jumpers, w->price, w->worth});
+    front.push_back({w->layout, w->patches, w->jumpers, w->price, w->module_value});
   }
   return front;
 }

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
-#include "triskin/routing/routing.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/mesh/surface_regions.hpp"
+#include "triskin/routing/routing.hpp"
 
 namespace triskin::pipeline {
 
@@ -17,9 +17,9 @@ struct WiredLayout {
   std::shared_ptr<const geometry::Division> division;  ///< of the modules among controllers, with jumpers at the places
   int patches = 0, jumpers = 0;                        ///< the cheapest found
   double price = 0.0;                                  ///< of them and of the islands
-  double worth = 0.0;                                  ///< of the modules: their number without regions
+  double module_value = 0.0;                           ///< of the modules: their number without regions
   /// Worth − price; of no module less than anything, since a cover was asked for.
-  [[nodiscard]] double value() const { return layout.modules.empty() ? -1e300 : worth - price; }
+  [[nodiscard]] double value() const { return layout.modules.empty() ? -1e300 : module_value - price; }
 };
 
 /// Finds the places of jumpers and the cheapest controllers of a layout. `regions` of the surface, or null. Cost: about

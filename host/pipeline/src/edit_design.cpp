@@ -10,13 +10,13 @@
 
 #include "choose_layout.hpp"
 #include "seconds_since.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/lattice/add_module.hpp"
-#include "triskin/routing/jumpers.hpp"
+#include "triskin/lattice/grow_lattice.hpp"
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/mesh/decimated_mesh.hpp"
-#include "triskin/lattice/grow_lattice.hpp"
-#include "triskin/base/error.hpp"
 #include "triskin/pipeline/make_design.hpp"
+#include "triskin/routing/jumpers.hpp"
 #include "wire_design.hpp"
 
 namespace triskin::pipeline {

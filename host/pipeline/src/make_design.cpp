@@ -11,17 +11,19 @@
 #include "choose_layout.hpp"
 #include "resolve_regions.hpp"
 #include "seconds_since.hpp"
-#include "triskin/design/outline.hpp"
-#include "triskin/unfolding/bend_seams.hpp"
-#include "triskin/mesh/extract.hpp"
-#include "triskin/routing/jumpers.hpp"
-#include "triskin/lattice/map_modules.hpp"
-#include "triskin/placement/polygon_io.hpp"
-#include "triskin/routing/routing.hpp"
-#include "triskin/mesh/decimated_mesh.hpp"
-#include "triskin/mesh/surface.hpp"
-#include "triskin/lattice/grow_lattice.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/outline.hpp"
+#include "triskin/lattice/grow_lattice.hpp"
+#include "triskin/lattice/map_modules.hpp"
+#include "triskin/mesh/decimated_mesh.hpp"
+#include "triskin/mesh/extract.hpp"
+#include "triskin/mesh/surface.hpp"
+#include "triskin/placement/placement.hpp"
+#include "triskin/placement/polygon_io.hpp"
+#include "triskin/routing/jumpers.hpp"
+#include "triskin/routing/routing.hpp"
+#include "triskin/unfolding/bend_seams.hpp"
+#include "triskin/unfolding/unfolding.hpp"
 #include "wire_design.hpp"
 
 namespace triskin::pipeline {
@@ -31,18 +33,18 @@ constexpr double kRepairShare = 0.4;                             // of the time
 constexpr double kShortRepair_s = 2.0, kShortRepairShare = 0.7;  // what a short limit has for it: that, or that share
 constexpr double kUnfoldingShare = 0.3;                          // of what reading and repair leave
 constexpr double kUnfoldedFaces = 10'000.0;  // a second of the limit, above which it is less: most are given up
-constexpr double kMostUnfolded = 2.0;        // times that, above which the first step would already take longer
+constexpr double kMaxUnfolded = 2.0;         // times that, above which the first step would already take longer
 constexpr double kPiecesShare = 0.12;        // of the time; what the growth has left after it
 constexpr double kPieceLeast_s = 0.1;        // a piece gets, or what a short limit has for it
 constexpr double kMapped_s = 2.5e-4;         // of a module on a piece: its mapping and what follows; measured
 constexpr double kPlacingEnd = 0.65, kMappingEnd = 0.85;   // of the time: what is not begun by then is left out
 constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;  // up to which the limit binds
-constexpr double kMostOver = 0.12, kLeastGrowth_s = 0.1;   // of the limit, that it may be passed by for that share
+constexpr double kMaxOver = 0.12, kMinGrowth_s = 0.1;      // of the limit, that it may be passed by for that share
 constexpr double kWorthGrowing = 0.1;                      // of the surface, uncovered by the pieces: all of that share
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
 // Of the layouts of a growth, for each module that the area has room for; measured: half of it.
 constexpr double kRoutingLeast_s = 0.3, kRouting_s = 6.5e-3;
-constexpr double kMostGrowth = 3.0;  // that the growth has so many times the modules of the pieces, at most
+constexpr double kMaxGrowth = 3.0;  // that the growth has so many times the modules of the pieces, at most
 // What follows the growth beside the division among controllers, in times of the mapping and pricing of as many modules
 // on pieces: its measurement; the wiring, with its failures, and the writing.
 constexpr double kMeasuringShare = 0.25, kWiringShare = 0.25;
@@ -83,12 +85,12 @@ double area_of(const geometry::Mesh& mesh) {
 geometry::Net pieces_of(const geometry::Surface& surface, const DesignOptions& options, Clock::time_point start,
                         const ProgressSink& progress) {
   const double faces = static_cast<double>(surface.mesh().faces.size());
-  const double most_faces = kUnfoldedFaces * options.time_limit_s;
-  if (options.iterations == 0 && faces > kMostUnfolded * most_faces) return {};
+  const double max_faces = kUnfoldedFaces * options.time_limit_s;
+  if (options.iterations == 0 && faces > kMaxUnfolded * max_faces) return {};
   geometry::UnfoldingOptions unfolding;
   unfolding.edge_error_mm = options.limits.edge_error_mm;
   if (options.bend_radius_mm > 0.0) unfolding.seams = geometry::seams_along_bends(surface, options.bend_radius_mm);
-  const double share = kUnfoldingShare * std::min(1.0, most_faces / std::max(faces, 1.0));
+  const double share = kUnfoldingShare * std::min(1.0, max_faces / std::max(faces, 1.0));
   const double end_s = seconds_since(start) + share * std::max(0.0, options.time_limit_s - seconds_since(start));
   unfolding.give_up = give_up_at(start, end_s, options.iterations);
   return geometry::unfold(surface, unfolding, progress);
@@ -155,7 +157,7 @@ PiecesDone pieces_done(const geometry::Surface& surface, std::size_t modules, do
   const double at_most = surface.area_mm2() / design::kModuleArea_mm2;
   const double writing_s = kWritingShare * reading_s;
   if (modules == 0) return {at_most, 1.0, 0.0, kPricing_s * at_most, writing_s + kWriting_s * at_most};
-  const double more = std::clamp(at_most / static_cast<double>(modules), 1.0, kMostGrowth);
+  const double more = std::clamp(at_most / static_cast<double>(modules), 1.0, kMaxGrowth);
   return {at_most, std::max(0.0, 1.0 - covered_mm2 / surface.area_mm2()), more * mapping_s, more * pricing_s,
           writing_s + more * kWriting_s * static_cast<double>(modules)};
 }
@@ -170,11 +172,11 @@ class SearchedSurface {
   }
 
   [[nodiscard]] const geometry::Surface& surface() const { return reduced_ ? *reduced_ : original_; }
-  [[nodiscard]] const geometry::SolverMesh* solver() const { return solver_ ? &*solver_ : nullptr; }
+  [[nodiscard]] const geometry::DecimatedMesh* solver() const { return solver_ ? &*solver_ : nullptr; }
 
  private:
   const geometry::Surface& original_;
-  std::optional<geometry::SolverMesh> solver_;
+  std::optional<geometry::DecimatedMesh> solver_;
   std::optional<geometry::Surface> reduced_;
 };
 
@@ -182,7 +184,7 @@ class SearchedSurface {
 design::ModuleLayout mapped_layout(const geometry::Surface& original, const SearchedSurface& searched,
                                    const std::vector<geometry::TiledPiece>& placed, const DesignOptions& options,
                                    const geometry::SurfaceRegions* regions, Clock::time_point start) {
-  const geometry::SolverMesh* const solver = searched.solver();
+  const geometry::DecimatedMesh* const solver = searched.solver();
   design::ModuleLayout layout = geometry::map_modules(
       searched.surface(), placed, solver == nullptr ? options.limits : geometry::limits_on(*solver, options.limits),
       options.corner_cut_mm, regions, give_up_at(start, kMappingEnd * options.time_limit_s, options.iterations));
@@ -193,7 +195,7 @@ design::ModuleLayout mapped_layout(const geometry::Surface& original, const Sear
 // The layouts grown on the surface, best first. The pieces of a fine mesh may take longer than the whole limit on a
 // busy machine: the growth keeps its share all the same, but for pieces that leave it next to nothing to gain. It is
 // left out, none returned, where the time is over, what may be passed included, and the pieces have a layout.
-std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const geometry::SolverMesh* solver,
+std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const geometry::DecimatedMesh* solver,
                                        const DesignOptions& options, const geometry::SurfaceRegions* regions,
                                        Clock::time_point start, const PiecesDone& pieces,
                                        const ProgressSink& progress) {
@@ -208,13 +210,13 @@ std::vector<design::ModuleLayout> grow(const geometry::Surface& surface, const g
   lattice.front = options.iterations > 0 || options.time_limit_s > kShortLimit_s;
   const double share = kGrowthShare * std::min(1.0, pieces.uncovered / kWorthGrowing);
   const double left_s = options.time_limit_s - pieces.after_growth_s(options.time_limit_s) - seconds_since(start);
-  const double most_s = left_s + kMostOver * options.time_limit_s;
-  if (options.iterations == 0 && most_s < 0.0 && pieces.uncovered < 1.0) {
+  const double max_s = left_s + kMaxOver * options.time_limit_s;
+  if (options.iterations == 0 && max_s < 0.0 && pieces.uncovered < 1.0) {
     report(progress, "leaving out the growth on the surface", -1.0, "no time is left");
     return {};
   }
   lattice.time_limit_s =
-      std::max({kLeastGrowth_s, left_s, std::min(most_s, share * (options.time_limit_s - kShortLimit_s))});
+      std::max({kMinGrowth_s, left_s, std::min(max_s, share * (options.time_limit_s - kShortLimit_s))});
   return geometry::grow_front(surface, options.limits, lattice, progress);
 }
 

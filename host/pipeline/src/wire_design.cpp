@@ -38,9 +38,9 @@ void state_taken(design::Design& design) {
 }
 
 void report_regions(design::Design& design, const geometry::Surface& surface, const geometry::SurfaceRegions* regions) {
-  design.report.worth = static_cast<double>(design.layout.modules.size());
+  design.report.module_value = static_cast<double>(design.layout.modules.size());
   if (regions == nullptr) return;
-  design.report.worth = regions->weight_of(design.layout);
+  design.report.module_value = regions->weight_of(design.layout);
   design.report.uncovered = regions->uncovered(design.layout);
   geometry::SurfaceLatticeOptions lattice;
   lattice.corner_cut_mm = design.layout.corner_cut_mm;

@@ -3,11 +3,11 @@
 #include <memory>
 #include <vector>
 
+#include "triskin/base/progress.hpp"
 #include "triskin/design/design.hpp"
-#include "triskin/routing/routing.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/mesh/surface_regions.hpp"
-#include "triskin/base/progress.hpp"
+#include "triskin/routing/routing.hpp"
 
 namespace triskin::pipeline {
 

@@ -10,7 +10,7 @@
 namespace triskin::recording::mcap {
 namespace {
 
-constexpr std::uint64_t kMostBytes = std::uint64_t{256} << 20;  // of one record
+constexpr std::uint64_t kMaxBytes = std::uint64_t{256} << 20;  // of one record
 
 class Reading {
  public:
@@ -56,7 +56,7 @@ class Reading {
   bool read(const Place& place) {
     if (place.kind == Kind::kMessageIndex) return read_index(place);
     due_.clear();  // other writers may leave the index out
-    if (place.length > kMostBytes) return fail(place, "a record is too long");
+    if (place.length > kMaxBytes) return fail(place, "a record is too long");
     const auto contents = contents_of(source_, place);
     if (contents.size() != place.length) return fail(place, "a record cannot be read");
     if (place.kind == Kind::kChunk) return read_chunk(place, contents);

@@ -8,7 +8,7 @@
 namespace triskin::recording {
 namespace {
 
-constexpr std::uint64_t kMostWait_us = 500'000;
+constexpr std::uint64_t kMaxWait_us = 500'000;
 
 mcap::TextMap qos() {
   return {{"offered_qos_profiles", ""}};
@@ -93,7 +93,7 @@ void McapRecorder::add_contacts(std::uint64_t link_time_us, std::span<const Cont
 void McapRecorder::tick(std::uint64_t steady_us) {
   if (!waiting_) return;
   if (!waiting_since_us_) waiting_since_us_ = steady_us;
-  if (steady_us - *waiting_since_us_ < kMostWait_us) return;
+  if (steady_us - *waiting_since_us_ < kMaxWait_us) return;
   frames_.flush();
   writer_.flush();
   waiting_ = false;

@@ -28,14 +28,14 @@ class CsvRecorder final : public Recorder {
       fmt::format_to(std::back_inserter(text_), ",{},{}", s.sampled_ns, s.error_us);
     const Reader reader = readers_.of(s);
     fmt::format_to(std::back_inserter(text_), ",{},{}\n", reader.patch, reader.node);
-    if (text_.size() >= kMostBytes) flush();
+    if (text_.size() >= kMaxBytes) flush();
   }
   void add_contacts(std::uint64_t /*link_time_us*/, std::span<const Contact> /*contacts*/) override {}
   void tick(std::uint64_t /*steady_us*/) override { flush(); }
   void finish(const std::map<std::string, std::string>& /*result*/) override { flush(); }
 
  private:
-  static constexpr std::size_t kMostBytes = std::size_t{64} << 10;
+  static constexpr std::size_t kMaxBytes = std::size_t{64} << 10;
   void flush() {
     file_.write({reinterpret_cast<const std::uint8_t*>(text_.data()), text_.size()});
     text_.clear();

@@ -12,7 +12,7 @@ namespace triskin::recording {
 namespace {
 
 // A writer that was killed leaves at most one open chunk and its index behind the last whole one.
-constexpr std::uint64_t kMostOpenBytes = std::uint64_t{4} << 20;
+constexpr std::uint64_t kMaxOpenBytes = std::uint64_t{4} << 20;
 
 class Samples final : public mcap::Visitor {
  public:
@@ -152,7 +152,7 @@ Recovery recover(const std::filesystem::path& path, const std::filesystem::path&
     complete(file, index);
     return r;
   }
-  if (r.dropped_bytes > kMostOpenBytes && !in_summary)
+  if (r.dropped_bytes > kMaxOpenBytes && !in_summary)
     throw InputError(
         fmt::format("{}: {}, and {} bytes follow: this is damage, not a cut; give -o NEW, which gets what "
                     "stands before it",

@@ -55,7 +55,7 @@ std::vector<BusLoad> bus_loads(const Assembly& a) {
     }
   }
   for (BusLoad& load : loads) {
-    load.every = device::least_every(load.full);
+    load.every = device::min_every(load.full);
     load.rate_hz = 1e6 / wire::sequence_us(wire::Decimation::k256) / load.every;
   }
   return loads;

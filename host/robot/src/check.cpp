@@ -16,9 +16,9 @@ namespace {
 
 // CAN at 1 Mbit/s, in inverse proportion to the bit rate (CiA 301: 25 m; stubs of 1.5 m, together 7.5 m, as makers of
 // CAN devices give them); USB 2.0 full speed: 5 m.
-constexpr double kMostCan_mm = 25'000.0, kMostStub_mm = 1'500.0, kMostStubs_mm = 7'500.0, kMostUsb_mm = 5'000.0;
+constexpr double kMaxCan_mm = 25'000.0, kMaxStub_mm = 1'500.0, kMaxStubs_mm = 7'500.0, kMaxUsb_mm = 5'000.0;
 constexpr double kCableRate = 1e6;
-constexpr int kMostEvery = 255;  // that a reader may ask for
+constexpr int kMaxEvery = 255;  // that a reader may ask for
 
 class Checker {
  public:
@@ -59,11 +59,11 @@ class Checker {
           add("bus " + bus.name, fmt::format("opens {}, which bus {} opens too", link, first->second),
               "give each bus a link of its own");
       }
-      const double most_mm = kMostCan_mm * kCableRate / bus.rates.nominal;
-      if (!device::is_usb(bus.link) && bus.cable_mm > most_mm)
+      const double max_mm = kMaxCan_mm * kCableRate / bus.rates.nominal;
+      if (!device::is_usb(bus.link) && bus.cable_mm > max_mm)
         add("bus " + bus.name,
             fmt::format("its cable of {:.1f} m is longer than {:.1f} m, the most at {} kbit/s", bus.cable_mm / 1e3,
-                        most_mm / 1e3, bus.rates.nominal / 1000),
+                        max_mm / 1e3, bus.rates.nominal / 1000),
             "divide the bus, or lower its bit rate");
     }
   }
@@ -127,17 +127,17 @@ class Checker {
     if (!fresh)
       add(place, fmt::format("node address {} of bus {} is also that of {}", e.node, bus.name, first->second),
           "give one of them a free address");
-    if (device::is_usb(bus.link) && e.cable_mm > kMostUsb_mm)
+    if (device::is_usb(bus.link) && e.cable_mm > kMaxUsb_mm)
       add(place, fmt::format("its USB cable of {:.1f} m is longer than 5 m", e.cable_mm / 1e3),
           "put a hub nearer to it");
   }
 
   void check_budget() {
     for (std::size_t b = 0; b < robot_.buses.size(); ++b) {
-      if (loads_[b].every > kMostEvery)
+      if (loads_[b].every > kMaxEvery)
         add("bus " + robot_.buses[b].name,
             fmt::format("{} modules on {} controllers are {:.0f} % of it by every sample: not even each {}th fits",
-                        loads_[b].modules, loads_[b].controllers, 100.0 * loads_[b].full, kMostEvery),
+                        loads_[b].modules, loads_[b].controllers, 100.0 * loads_[b].full, kMaxEvery),
             "divide the bus, or raise its data bit rate");
     }
     for (const CoverEntry& cover : robot_.covers) {
@@ -163,19 +163,19 @@ class Checker {
         const int index = bus_of(robot_, cover, e);
         if (index < 0 || device::is_usb(robot_.buses[static_cast<std::size_t>(index)].link)) continue;
         sums_mm[index] += e.cable_mm;
-        const double most_mm = kMostStub_mm * share(index);
-        if (e.cable_mm > most_mm)
+        const double max_mm = kMaxStub_mm * share(index);
+        if (e.cable_mm > max_mm)
           add(fmt::format("cover {}, patch {}", cover.name, e.patch),
               fmt::format("its stub of {:.2f} m is longer than {:.2f} m, the most on bus {}", e.cable_mm / 1e3,
-                          most_mm / 1e3, robot_.buses[static_cast<std::size_t>(index)].name),
+                          max_mm / 1e3, robot_.buses[static_cast<std::size_t>(index)].name),
               "lead the bus past the controller");
       }
     }
     for (const auto& [index, sum_mm] : sums_mm) {
-      if (sum_mm > kMostStubs_mm * share(index))
+      if (sum_mm > kMaxStubs_mm * share(index))
         add("bus " + robot_.buses[static_cast<std::size_t>(index)].name,
             fmt::format("its stubs are {:.2f} m together, {:.2f} m are the most", sum_mm / 1e3,
-                        kMostStubs_mm * share(index) / 1e3),
+                        kMaxStubs_mm * share(index) / 1e3),
             "shorten the stubs, or divide the bus");
     }
   }

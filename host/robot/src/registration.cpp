@@ -20,10 +20,10 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Points = std::span<const Vector3d>;
 
-constexpr double kBetter = 0.5;             // another explanation must have at most this part of the residual
-constexpr double kExact_mm = 1.0;           // a touch is hardly better
-constexpr double kLeastWidth_mm = 1.0;      // of the touches across their longest line
-constexpr double kLeastThickness_mm = 3.0;  // less than a touch is exact to: their mirror image looks the same
+constexpr double kBetter = 0.5;           // another explanation must have at most this part of the residual
+constexpr double kExact_mm = 1.0;         // a touch is hardly better
+constexpr double kMinWidth_mm = 1.0;      // of the touches across their longest line
+constexpr double kMinThickness_mm = 3.0;  // less than a touch is exact to: their mirror image looks the same
 
 Vector3d mean_of(Points points) {
   Vector3d sum = Vector3d::Zero();
@@ -106,7 +106,7 @@ std::vector<Touch> read_touches(const std::string& text, const std::string& file
 
 Fit fit_pose(Points from, Points to, bool mirrored) {
   if (from.size() != to.size() || from.size() < 3) throw InputError("a pose needs three pairs of points or more");
-  if (extents_of(from)[1] < kLeastWidth_mm || extents_of(to)[1] < kLeastWidth_mm)
+  if (extents_of(from)[1] < kMinWidth_mm || extents_of(to)[1] < kMinWidth_mm)
     throw InputError("the touches lie on one line, which leaves the turn about it open; touch the cover all over");
   const Vector3d from_mean = mean_of(from), to_mean = mean_of(to);
   Matrix3d covariance = Matrix3d::Zero();
@@ -123,9 +123,9 @@ Fit fit_pose(Points from, Points to, bool mirrored) {
 
 Registration register_cover(const NamedDesign& cover, std::span<const NamedDesign> others,
                             std::span<const Touch> touches) {
-  if (touches.size() < kLeastTouches)
+  if (touches.size() < kMinTouches)
     throw InputError(fmt::format("cover {}: {} touches; {} or more are needed, spread over the cover", cover.name,
-                                 touches.size(), kLeastTouches));
+                                 touches.size(), kMinTouches));
   const auto places = places_of(*cover.design, touches);
   if (!places)
     throw InputError(
@@ -136,13 +136,13 @@ Registration register_cover(const NamedDesign& cover, std::span<const NamedDesig
   r.fit = fit_pose(*places, in_link);
   r.mirror_rms_mm = fit_pose(*places, in_link, true).rms_mm;
   r.thickness_mm = std::min(extents_of(*places)[2], extents_of(in_link)[2]);
-  r.mirror_unknown = r.thickness_mm < kLeastThickness_mm;
+  r.mirror_unknown = r.thickness_mm < kMinThickness_mm;
   if (r.fit.rms_mm < kExact_mm) return r;  // nothing is left to explain
   double best_mm = kBetter * r.fit.rms_mm;
   r.mirrored = !r.mirror_unknown && r.mirror_rms_mm < best_mm;
   for (const NamedDesign& other : others) {
     const auto theirs = places_of(*other.design, touches);
-    if (!theirs || extents_of(*theirs)[1] < kLeastWidth_mm) continue;
+    if (!theirs || extents_of(*theirs)[1] < kMinWidth_mm) continue;
     const double rms_mm = fit_pose(*theirs, in_link).rms_mm;
     if (rms_mm >= best_mm) continue;
     best_mm = rms_mm;

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cctype>
 
-#include "triskin/design/json_fields.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/deploy/board_file.hpp"
+#include "triskin/design/json_fields.hpp"
 #include "triskin/robot/robot.hpp"
 
 namespace triskin::robot {
@@ -16,8 +16,8 @@ using design::number_in;
 
 constexpr const char* kFormat = "triskin-robot";
 constexpr const char* kPage = "docs/robot_file.md";
-constexpr double kMostCable_mm = 1e6, kMostPlace_mm = 1e5, kMostAngle_rad = 100.0, kMostRate_hz = 1000.0;
-constexpr int kMostBitRate = 10'000'000;
+constexpr double kMaxCable_mm = 1e6, kMaxPlace_mm = 1e5, kMaxAngle_rad = 100.0, kMaxRate_hz = 1000.0;
+constexpr int kMaxBitRate = 10'000'000;
 
 std::string name_in(const JsonValue& v) {
   std::string name = v.text();
@@ -30,7 +30,7 @@ std::string text_or(const JsonValue& v, const char* key, const std::string& othe
 }
 
 double length_or_none(const JsonValue& v, const char* key) {
-  return has(v, key) ? number_in(v[key], 0.0, kMostCable_mm) : 0.0;
+  return has(v, key) ? number_in(v[key], 0.0, kMaxCable_mm) : 0.0;
 }
 
 std::string serial_in(const JsonValue& v) {
@@ -45,7 +45,7 @@ BusEntry read_bus(const JsonValue& v) {
   bus.name = name_in(v["name"]);
   bus.link = text_or(v, "link", bus.link);
   const auto rate = [&](const char* key, std::uint32_t otherwise) {
-    return has(v, key) ? static_cast<std::uint32_t>(v[key].integer(10'000, kMostBitRate)) : otherwise;
+    return has(v, key) ? static_cast<std::uint32_t>(v[key].integer(10'000, kMaxBitRate)) : otherwise;
   };
   bus.rates = {rate("bit_rate", bus.rates.nominal), rate("data_bit_rate", bus.rates.data)};
   if (has(v, "first_node")) bus.first_node = v["first_node"].integer(layout::kFirstNode, layout::kLastNode);
@@ -63,7 +63,7 @@ Eigen::Isometry3d read_matrix(const JsonValue& v) {
     const JsonValue r = v.at(static_cast<std::size_t>(row));
     r.require_size(4);
     for (int column = 0; column < 4; ++column)
-      m(row, column) = number_in(r.at(static_cast<std::size_t>(column)), -kMostPlace_mm, kMostPlace_mm);
+      m(row, column) = number_in(r.at(static_cast<std::size_t>(column)), -kMaxPlace_mm, kMaxPlace_mm);
   }
   if (m.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) v.at(3).fail("must be 0, 0, 0, 1");
   const Eigen::Matrix3d turn = m.topLeftCorner<3, 3>();
@@ -87,8 +87,8 @@ void read_pose(const JsonValue& v, CoverEntry& cover) {
   only_keys(v, {"xyz_mm", "rpy_rad"}, kPage);
   std::array<double, 6> numbers{};
   for (std::size_t k = 0; k < 3; ++k) {
-    if (has(v, "xyz_mm")) numbers[k] = number_in(v["xyz_mm"].at(k), -kMostPlace_mm, kMostPlace_mm);
-    if (has(v, "rpy_rad")) numbers[3 + k] = number_in(v["rpy_rad"].at(k), -kMostAngle_rad, kMostAngle_rad);
+    if (has(v, "xyz_mm")) numbers[k] = number_in(v["xyz_mm"].at(k), -kMaxPlace_mm, kMaxPlace_mm);
+    if (has(v, "rpy_rad")) numbers[3 + k] = number_in(v["rpy_rad"].at(k), -kMaxAngle_rad, kMaxAngle_rad);
   }
   for (const char* key : {"xyz_mm", "rpy_rad"}) {
     if (has(v, key)) v[key].require_size(3);
@@ -120,9 +120,9 @@ CoverEntry read_cover(const JsonValue& v) {
   if (has(v, "measured")) {
     only_keys(v["measured"], {"points", "rms_mm"}, kPage);
     cover.measured = {v["measured"]["points"].integer(0, design::kMaxCount),
-                      number_in(v["measured"]["rms_mm"], 0.0, kMostPlace_mm)};
+                      number_in(v["measured"]["rms_mm"], 0.0, kMaxPlace_mm)};
   }
-  if (has(v, "rate_hz")) cover.rate_hz = number_in(v["rate_hz"], 0.0, kMostRate_hz);
+  if (has(v, "rate_hz")) cover.rate_hz = number_in(v["rate_hz"], 0.0, kMaxRate_hz);
   const JsonValue controllers = v["controllers"];
   for (std::size_t k = 0; k < controllers.size(); ++k) cover.controllers.push_back(read_controller(controllers.at(k)));
   return cover;
@@ -166,9 +166,9 @@ class FormatFinder final : public nlohmann::json::json_sax_t {
 }  // namespace
 
 bool is_name(const std::string& text) {
-  constexpr std::size_t kMostLetters = 64;
+  constexpr std::size_t kMaxLetters = 64;
   const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; };
-  return !text.empty() && text.size() <= kMostLetters && std::isalpha(static_cast<unsigned char>(text[0])) != 0 &&
+  return !text.empty() && text.size() <= kMaxLetters && std::isalpha(static_cast<unsigned char>(text[0])) != 0 &&
          std::ranges::all_of(text, allowed);
 }
 

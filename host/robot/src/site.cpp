@@ -15,7 +15,7 @@ namespace triskin::robot {
 namespace {
 
 Site design_site(const std::filesystem::path& path) {
-  CoverOnBus cover{"", path, design::read_intact_design(path), {}, 0, 0, true};
+  CoverConfig cover{"", path, design::read_intact_design(path), {}, 0, 0, true};
   cover.serials.resize(cover.design.patches.size());
   Site site{path, cover.design.name, false, {}};
   site.buses.emplace_back();
@@ -24,21 +24,21 @@ Site design_site(const std::filesystem::path& path) {
 }
 
 void require_sound(const Assembly& a) {
-  constexpr std::size_t kMostShown = 5;
+  constexpr std::size_t kMaxShown = 5;
   const std::vector<Problem> problems = check(a);
   if (problems.empty()) return;
   std::string text = fmt::format("{}: {} problem{}", a.file.string(), problems.size(), problems.size() == 1 ? "" : "s");
-  for (std::size_t k = 0; k < std::min(kMostShown, problems.size()); ++k)
+  for (std::size_t k = 0; k < std::min(kMaxShown, problems.size()); ++k)
     text += fmt::format("\n  {}: {}; {}", problems[k].place, problems[k].text, problems[k].remedy);
-  if (problems.size() > kMostShown) text += fmt::format("\n  … triskin robot show {} lists all", a.file.string());
+  if (problems.size() > kMaxShown) text += fmt::format("\n  … triskin robot show {} lists all", a.file.string());
   throw InputError(text);
 }
 
 // Empty: nothing of this cover hangs on the bus.
-std::optional<CoverOnBus> on_bus(const Assembly& a, std::size_t index, int bus) {
+std::optional<CoverConfig> on_bus(const Assembly& a, std::size_t index, int bus) {
   const CoverEntry& entry = a.robot.covers[index];
-  CoverOnBus cover{entry.name, a.file.parent_path() / entry.design, a.designs[index], {}, static_cast<int>(index), 0,
-                   true};
+  CoverConfig cover{entry.name, a.file.parent_path() / entry.design, a.designs[index], {}, static_cast<int>(index), 0,
+                    true};
   cover.design.name = entry.name;
   cover.design.node_addresses.assign(cover.design.patches.size(), 0);
   cover.serials.resize(cover.design.patches.size());
@@ -52,7 +52,7 @@ std::optional<CoverOnBus> on_bus(const Assembly& a, std::size_t index, int bus) 
   return any ? std::optional(std::move(cover)) : std::nullopt;
 }
 
-void append(BusSite& bus, CoverOnBus cover) {
+void append(BusConfig& bus, CoverConfig cover) {
   if (!bus.covers.empty())
     cover.first_module =
         bus.covers.back().first_module + static_cast<int>(bus.covers.back().design.layout.modules.size());
@@ -60,9 +60,9 @@ void append(BusSite& bus, CoverOnBus cover) {
 }
 
 // A bus has one rate: that of the cover that wants most, and none is chosen while a cover leaves it open.
-int every_for(const Assembly& a, const BusSite& bus) {
+int every_for(const Assembly& a, const BusConfig& bus) {
   double wanted_hz = 0.0;
-  for (const CoverOnBus& c : bus.covers) {
+  for (const CoverConfig& c : bus.covers) {
     const double rate_hz = a.robot.covers[static_cast<std::size_t>(c.cover)].rate_hz;
     if (rate_hz <= 0.0) return 0;
     wanted_hz = std::max(wanted_hz, rate_hz);
@@ -78,7 +78,7 @@ Site site_of(const Assembly& a) {
   Site site{a.file, a.robot.name, true, {}};
   for (std::size_t b = 0; b < a.robot.buses.size(); ++b) {
     const BusEntry& entry = a.robot.buses[b];
-    BusSite bus{static_cast<int>(site.buses.size()), entry.name, entry.link, entry.rates, 0, {}};
+    BusConfig bus{static_cast<int>(site.buses.size()), entry.name, entry.link, entry.rates, 0, {}};
     for (std::size_t c = 0; c < a.robot.covers.size(); ++c) {
       if (auto cover = on_bus(a, c, static_cast<int>(b))) append(bus, std::move(*cover));
     }
@@ -97,8 +97,8 @@ Site read_site(const std::filesystem::path& path) {
 void choose(Site& site, const std::string& name) {
   if (name.empty()) return;
   std::set<std::string> names;
-  for (BusSite& bus : site.buses) {
-    for (CoverOnBus& cover : bus.covers) {
+  for (BusConfig& bus : site.buses) {
+    for (CoverConfig& cover : bus.covers) {
       names.insert(cover.name);
       cover.chosen = cover.name == name;
     }
@@ -108,16 +108,17 @@ void choose(Site& site, const std::string& name) {
         site.is_robot
             ? fmt::format("--cover {}: {} has {}", name, site.file.string(), fmt::join(names, ", "))
             : fmt::format("--cover {}: {} is a design file; only a robot file has covers", name, site.file.string()));
-  std::erase_if(site.buses, [](const BusSite& bus) { return std::ranges::none_of(bus.covers, &CoverOnBus::chosen); });
+  std::erase_if(site.buses,
+                [](const BusConfig& bus) { return std::ranges::none_of(bus.covers, &CoverConfig::chosen); });
 }
 
-device::FlashOptions flash_options(const BusSite& bus, const CoverOnBus& cover, device::FlashOptions options) {
+device::FlashOptions flash_options(const BusConfig& bus, const CoverConfig& cover, device::FlashOptions options) {
   for (const int patch : design::patches_here(cover.design)) {
     const std::string& serial = cover.serials[static_cast<std::size_t>(patch)];
     const bool named = std::ranges::any_of(options.assign, [&](const auto& a) { return a.patch == patch; });
     if (!serial.empty() && !named) options.assign.push_back({patch, serial});
   }
-  for (const CoverOnBus& other : bus.covers) {
+  for (const CoverConfig& other : bus.covers) {
     if (&other == &cover) continue;
     for (const int patch : design::patches_here(other.design))
       options.neighbours.push_back({static_cast<std::uint8_t>(design::node_address_of(other.design, patch)),
@@ -127,9 +128,9 @@ device::FlashOptions flash_options(const BusSite& bus, const CoverOnBus& cover, 
   return options;
 }
 
-std::vector<device::StreamDemand> other_demands(const BusSite& bus, std::span<const design::Design* const> streamed) {
+std::vector<device::StreamDemand> other_demands(const BusConfig& bus, std::span<const design::Design* const> streamed) {
   std::vector<device::StreamDemand> demands;
-  for (const CoverOnBus& cover : bus.covers) {
+  for (const CoverConfig& cover : bus.covers) {
     if (std::ranges::find(streamed, &cover.design) != streamed.end()) continue;
     for (const int patch : design::patches_here(cover.design))
       demands.push_back({static_cast<std::uint8_t>(design::node_address_of(cover.design, patch)),
@@ -138,7 +139,7 @@ std::vector<device::StreamDemand> other_demands(const BusSite& bus, std::span<co
   return demands;
 }
 
-device::StreamOptions stream_options(const BusSite& bus, std::span<const design::Design* const> streamed,
+device::StreamOptions stream_options(const BusConfig& bus, std::span<const design::Design* const> streamed,
                                      device::StreamOptions options) {
   options.neighbours = other_demands(bus, streamed);
   if (options.every == 0) options.every = bus.every;

@@ -187,7 +187,7 @@ class PatchAnalysis {
     rejoin(f);
   }
 
-  // The joint from the shallowest live module to an orphan, again and again.
+  // The joint from the shallowest live module to an unreachable module, again and again.
   void rejoin(const Failure& f) {
     for (;;) {
       std::tuple<int, int, int> best{1 << 20, -1, -1};
@@ -208,7 +208,7 @@ class PatchAnalysis {
     std::vector<int> adopter(at(g_.size()), -1), depth(at(g_.size()), 0);
     std::vector<std::array<int, 2>> taken;  // (patch, modules)
     for (;;) {
-      std::tuple<int, int, int> best{1 << 20, -1, -1};  // depth, orphan, parent node
+      std::tuple<int, int, int> best{1 << 20, -1, -1};  // depth, unreachable module, parent node
       for (int v = 0; v < g_.size(); ++v) {
         if (depth_[at(v)] >= 0 || v == f.dead || adopter[at(v)] >= 0) continue;
         for (const int node : graph_.nodes[at(g_.node[at(v)])].neighbour)

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "triskin/base/disjoint_sets.hpp"
 #include "frontier_blocks.hpp"
+#include "triskin/base/disjoint_sets.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -12,7 +12,7 @@ namespace triskin::geometry {
 
 /// A set of islands, one bit each.
 using IslandSet = std::uint64_t;
-inline constexpr int kMostIslands = 64;
+inline constexpr int kMaxIslands = 64;
 
 /// Islands that jumpers can join.
 struct IslandGraph {
@@ -34,7 +34,7 @@ class IslandGroups {
     std::vector<IslandSet> groups;
   };
 
-  /// At most kMostIslands islands, connected. Divisions that cost `limit` or more are left out. Cost: up to `budget`
+  /// At most kMaxIslands islands, connected. Divisions that cost `limit` or more are left out. Cost: up to `budget`
   /// transitions between states.
   IslandGroups(IslandGraph graph, int capacity, const IntegerPrice& price, std::int64_t limit, long budget);
 

@@ -5,14 +5,14 @@
 #include <bit>
 #include <unordered_map>
 
-#include "triskin/base/disjoint_sets.hpp"
 #include "jumper_state.hpp"
+#include "triskin/base/disjoint_sets.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-constexpr int kStarts = 24;     // of orders of the nodes
-constexpr int kMostUnits = 40;  // of all slots, in the choice of an order
+constexpr int kStarts = 24;    // of orders of the nodes
+constexpr int kMaxUnits = 40;  // of all slots, in the choice of an order
 
 // What a slot costs in the choice of an order; jumpers count less than joints since most of them are not fitted.
 struct SlotUnits {
@@ -44,7 +44,7 @@ class SlotOrder {
       placed_[at(v)] = true;
       order.nodes.push_back(v);
       units += next.first;
-      order.cost += 1L << std::min(units, kMostUnits);
+      order.cost += 1L << std::min(units, kMaxUnits);
       for (const int w : g_.joined.neighbour[at(v)]) {
         if (w >= 0 && !placed_[at(w)] && std::ranges::count(border, w) == 0) border.push_back(w);
       }
@@ -135,7 +135,7 @@ class CheapestPartition {
  private:
   bool add(int v) {
     const Step step = prepare(v);
-    if (slots_.size() > at(kMostSlots)) return false;
+    if (slots_.size() > at(kMaxSlots)) return false;
     buckets_.clear();
     lists_.clear();
     const std::vector<JumperState>& now = layers_.back();
@@ -180,12 +180,12 @@ class CheapestPartition {
   }
   void count_islands(int v, Step& step) {
     --left_of_island_[at(island_of_[at(v)])];
-    int begun = 0;
+    int started = 0;
     for (std::size_t k = 0; k < island_size_.size(); ++k) {
       step.islands_to_come += left_of_island_[k] == island_size_[k] ? 1 : 0;
-      begun += left_of_island_[k] > 0 && left_of_island_[k] < island_size_[k] ? 1 : 0;
+      started += left_of_island_[k] > 0 && left_of_island_[k] < island_size_[k] ? 1 : 0;
     }
-    step.between = begun == 0 && step.islands_to_come > 0;
+    step.between = started == 0 && step.islands_to_come > 0;
   }
   [[nodiscard]] bool has_joint_to_come(int v) const {
     return std::ranges::any_of(graph_.apart.neighbour[at(v)], [&](int w) { return w >= 0 && !placed_[at(w)]; });
@@ -232,8 +232,8 @@ class CheapestPartition {
     s.before = index;
     s.joined = static_cast<std::uint8_t>(choice.sides);
     const bool full = choice.weight == capacity_;
-    const int fresh = kMostBlocks;  // the node's block
-    std::array<int, kMostBlocks + 1> renamed{};
+    const int fresh = kMaxBlocks;  // the node's block
+    std::array<int, kMaxBlocks + 1> renamed{};
     renamed.fill(-1);
     int slot = 0, open_weight = 0, mine_open = std::popcount(choice.fitted), open = mine_open;  // jumpers
     const auto label = [&](int b) {
@@ -242,7 +242,7 @@ class CheapestPartition {
         renamed[at(b)] = s.blocks++;
         const int w = b == fresh ? choice.weight : before.weight(b);
         open_weight += w;
-        if (s.blocks <= kMostBlocks) s.weights |= static_cast<std::uint64_t>(w) << (5 * renamed[at(b)]);
+        if (s.blocks <= kMaxBlocks) s.weights |= static_cast<std::uint64_t>(w) << (5 * renamed[at(b)]);
       }
       s.labels.set(slot++, renamed[at(b)]);
     };
@@ -264,7 +264,7 @@ class CheapestPartition {
     s.cost = before.cost + price_.part * closed + price_.jumper * std::popcount(choice.fitted);
     const int parts_to_come = (open_weight + to_come_ + capacity_ - 1) / capacity_;
     if (s.cost + price_.of(parts_to_come, std::max(0, step.islands_to_come - open)) >= limit_) return;
-    too_many_blocks_ = too_many_blocks_ || s.blocks > kMostBlocks;
+    too_many_blocks_ = too_many_blocks_ || s.blocks > kMaxBlocks;
     keep(s);
   }
 

@@ -31,7 +31,7 @@ class JumperPartitioner {
         islands_(components(g.apart)) {}
 
   JumperPartition run() {
-    const Partition together = partition(g_.joined, capacity_, seed_, 0.0, give_up_);
+    const Partition together = partition(g_.joined, capacity_, seed_, give_up_);
     divide_islands();
     best_.offer(g_, price_, together.part_of, together.parts);
     bound_ = price_.jumpers_pay() ? price_.of(together.lower_bound, std::max(0, pieces_bound_ - together.lower_bound))
@@ -58,7 +58,7 @@ class JumperPartitioner {
     std::vector<int> part_of(at(g_.apart.size()), -1);
     int parts = 0;
     for (const std::vector<int>& island : islands_) {
-      const Partition p = partition(part_of_graph(g_, island).apart, capacity_, seed_, 0.0, give_up_);
+      const Partition p = partition(part_of_graph(g_, island).apart, capacity_, seed_, give_up_);
       pieces_bound_ += p.lower_bound;
       alone_.push_back(p.lower_bound);
       for (std::size_t k = 0; k < island.size(); ++k) part_of[at(island[k])] = parts + p.part_of[k];
@@ -76,7 +76,7 @@ class JumperPartitioner {
   }
 
   void bound_by_groups(long budget, std::optional<IslandGroups>& groups) {
-    if (met() || is_late() || islands_.size() > at(kMostIslands)) return;
+    if (met() || is_late() || islands_.size() > at(kMaxIslands)) return;
     groups.emplace(island_graph(), capacity_, price_, cost(), budget);
     bound_ = std::max(bound_, groups->least().value_or(bound_));
   }

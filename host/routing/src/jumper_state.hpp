@@ -10,7 +10,7 @@
 /// join: a placed node over a joint, or the far end of a jumper. A block is a part that can still grow.
 namespace triskin::geometry {
 
-inline constexpr int kMostSlots = 32, kMostBlocks = 12;
+inline constexpr int kMaxSlots = 32, kMaxBlocks = 12;
 inline constexpr int kNoBlock =
     15;  ///< label of a slot that cannot be joined: its part is full, or its jumper not fitted
 

@@ -70,7 +70,7 @@ void LineAssigner::solve(const std::vector<int>& parent) {
   if (tables_[0].back().empty()) throw std::logic_error("line assignment: more nodes than the lines carry");
 }
 
-int LineAssigner::least_hops(const std::vector<int>& parent) {
+int LineAssigner::min_hops(const std::vector<int>& parent) {
   solve(parent);
   return std::ranges::min_element(tables_[0].back(), {}, by_cost)->cost;
 }

@@ -20,9 +20,9 @@ struct LineAssignment {
 class LineAssigner {
  public:
   LineAssigner(int lines, int per_line) : lines_(lines), per_line_(per_line) {}
-  [[nodiscard]] int least_hops(const std::vector<int>& parent);
+  [[nodiscard]] int min_hops(const std::vector<int>& parent);
   [[nodiscard]] LineAssignment assign(const std::vector<int>& parent);
-  /// Σ over edges of ⌈size below / per_line⌉ ≤ least_hops.
+  /// Σ over edges of ⌈size below / per_line⌉ ≤ min_hops.
   [[nodiscard]] int bound(const std::vector<int>& parent) const;
 
  private:

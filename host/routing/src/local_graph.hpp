@@ -3,9 +3,9 @@
 #include <array>
 #include <vector>
 
+#include "triskin/base/dice.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/routing/routing.hpp"
-#include "triskin/base/dice.hpp"
 
 namespace triskin::geometry {
 

@@ -15,11 +15,7 @@ constexpr long kExactBudget = 2'000'000;  // state transitions: about 0.3 s
 class Partitioner {
  public:
   Partitioner(const LocalGraph& g, int capacity, std::uint64_t seed, const std::function<bool()>& give_up)
-      : g_(g),
-        capacity_(capacity),
-        give_up_(give_up),
-        random_(seed),
-        whole_(at(g.size()), 0) {}
+      : g_(g), capacity_(capacity), give_up_(give_up), random_(seed), whole_(at(g.size()), 0) {}
 
   Partition run() {
     const int by_size = (g_.size() + capacity_ - 1) / capacity_;
@@ -120,8 +116,7 @@ int cut_tree(const LocalGraph& g, const SpanningTree& tree, int capacity, std::v
   return parts;
 }
 
-Partition partition(const LocalGraph& g, int capacity, std::uint64_t seed,
-                    const std::function<bool()>& give_up) {
+Partition partition(const LocalGraph& g, int capacity, std::uint64_t seed, const std::function<bool()>& give_up) {
   return Partitioner(g, capacity, seed, give_up).run();
 }
 

@@ -5,21 +5,21 @@
 #include <chrono>
 #include <string_view>
 
-#include "triskin/base/disjoint_sets.hpp"
 #include "failures.hpp"
 #include "jumper_partition.hpp"
 #include "partition.hpp"
 #include "recombination.hpp"
-#include "triskin/design/module_graph.hpp"
-#include "triskin/routing/routing.hpp"
+#include "triskin/base/disjoint_sets.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/parallel.hpp"
+#include "triskin/design/module_graph.hpp"
+#include "triskin/routing/routing.hpp"
 #include "wiring.hpp"
 
 namespace triskin::geometry {
 namespace {
 
-constexpr int kMostMoves = 5000;          // of recombination, an island: bounds the time of very large ones
+constexpr int kMaxMoves = 5000;  // of recombination, an island: bounds the time of very large ones
 
 void require_joints(const ModuleGraph& graph) {
   const int n = static_cast<int>(graph.nodes.size());
@@ -138,7 +138,7 @@ class Router {
     const LocalGraph g = localize(graph_, nodes);
     Partition p = as_partition(division);
     Dice random(options_.seed + 1);
-    recombine(graph_, g, options_, std::min(kMostMoves, options_.recombinations * p.parts), random, p);
+    recombine(graph_, g, options_, std::min(kMaxMoves, options_.recombinations * p.parts), random, p);
     wire_parts(g, p);
   }
 
@@ -147,7 +147,7 @@ class Router {
     const JumperGraph g = jumper_graph(graph_, apart_, nodes);
     Partition p = as_partition(division);
     Dice random(options_.seed + 1);
-    recombine(graph_, g.joined, options_, std::min(kMostMoves, options_.recombinations * p.parts), random, p,
+    recombine(graph_, g.joined, options_, std::min(kMaxMoves, options_.recombinations * p.parts), random, p,
               &g.over_jumper);
     const std::vector<Jumper> kept = fitted_jumpers(g, fitted_, p.part_of);
     fit(kept);

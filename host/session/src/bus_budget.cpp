@@ -12,7 +12,7 @@
 namespace triskin::device {
 namespace {
 
-constexpr int kMostEvery = 255;
+constexpr int kMaxEvery = 255;
 
 double load_of(const Link& link, const StreamDemand& d) {
   return kFastestClock * wire::stream_load(d.modules, link.sample_ns(d.node), d.interval_us);
@@ -26,7 +26,7 @@ std::uint64_t share_us(const Link& link, const WireLoad& wire) {
 
 }  // namespace
 
-int least_every(double full) {
+int min_every(double full) {
   return std::max(1, static_cast<int>(std::ceil(std::min(1e6, full / wire::kStreamShare) - 1e-9)));
 }
 
@@ -41,8 +41,8 @@ BusBudget make_budget(const Link& link, std::span<const StreamDemand> demands, i
   BusBudget b;
   for (auto& [number, wire] : wires) b.wires.push_back(std::move(wire));
   for (const WireLoad& wire : b.wires) b.full = std::max(b.full, wire.full);
-  const int needed = least_every(b.full);
-  b.every = every > 0 ? every : std::min(needed, kMostEvery);
+  const int needed = min_every(b.full);
+  b.every = every > 0 ? every : std::min(needed, kMaxEvery);
   b.load = b.full / b.every;
   b.fits = b.every >= needed;
   for (const WireLoad& wire : b.wires) {
@@ -59,7 +59,7 @@ std::string describe(const BusBudget& b) {
                                  fullest->nodes.size(), 100.0 * b.load);
   if (!b.fits) {
     text += fmt::format(", {:.0f} % fit; use --every {} or more, a higher data bit rate, or a second bus",
-                        100.0 * wire::kStreamShare, least_every(b.full));
+                        100.0 * wire::kStreamShare, min_every(b.full));
   }
   return text;
 }

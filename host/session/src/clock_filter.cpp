@@ -24,7 +24,7 @@ double since(std::uint64_t origin_us, std::uint64_t us) {
 }  // namespace
 
 double ClockFilter::wander_us(double seconds) const {
-  return 0.5 * most_drift_ppm_ * kWanderShare_per_s * seconds * seconds;
+  return 0.5 * max_drift_ppm_ * kWanderShare_per_s * seconds * seconds;
 }
 
 ClockFilter::Fact ClockFilter::fact(std::uint64_t device_us, double link_us) const {
@@ -33,7 +33,7 @@ ClockFilter::Fact ClockFilter::fact(std::uint64_t device_us, double link_us) con
 }
 
 void ClockFilter::forget() {
-  begun_ = false;
+  started_ = false;
   before_.clear();
   after_.clear();
   polygon_.clear();
@@ -42,12 +42,12 @@ void ClockFilter::forget() {
 
 // A clock that went back is that of a controller that has started anew.
 void ClockFilter::begin(std::uint64_t device_us, std::uint64_t link_us) {
-  if (begun_ && since(device_origin_us_, device_us) / kSecond_us + kBack_s < newest_s_) {
+  if (started_ && since(device_origin_us_, device_us) / kSecond_us + kBack_s < newest_s_) {
     forget();
     ++restarts_;
   }
-  if (begun_) return;
-  begun_ = true;
+  if (started_) return;
+  started_ = true;
   device_origin_us_ = device_us;
   link_origin_us_ = link_us;
   newest_s_ = reference_s_ = 0.0;
@@ -68,7 +68,7 @@ void ClockFilter::note(const Fact& before) {
   }
   const auto tightness = [this](const Fact& f) { return f.difference_us - best_.drift_ppm * f.device_s; };
   if (tightness(before) < tightness(before_.back())) before_.back() = before;
-  if (before.difference_us + kResolution_us >= range(before.device_s).most_us) return;
+  if (before.difference_us + kResolution_us >= range(before.device_s).max_us) return;
   clip(before, 1.0, 0.0);
   if (polygon_.empty()) return contradicted();
   choose();
@@ -96,7 +96,7 @@ void ClockFilter::rebuild() {
 void ClockFilter::build(double since_s) {
   reference_s_ = newest_s_;
   const double middle = before_.empty() ? after_.back().difference_us : before_.back().difference_us;
-  const double low = middle - kFar_us, high = middle + kFar_us, d = most_drift_ppm_;
+  const double low = middle - kFar_us, high = middle + kFar_us, d = max_drift_ppm_;
   polygon_ = {{low, -d}, {high, -d}, {high, d}, {low, d}};
   for (const auto& [facts, sign] : {std::pair{&before_, 1.0}, std::pair{&after_, -1.0}}) {
     for (const Fact& f : *facts) {
@@ -131,7 +131,7 @@ void ClockFilter::choose() {
   const auto height = [middle_s](const Line& l) { return l.offset_us + l.drift_ppm * middle_s; };
   double top = -std::numeric_limits<double>::infinity();
   for (const Line& l : polygon_) top = std::max(top, height(l));
-  double least = most_drift_ppm_, most = -most_drift_ppm_;
+  double least = max_drift_ppm_, most = -max_drift_ppm_;
   for (const Line& l : polygon_) {
     if (height(l) < top - kResolution_us) continue;
     least = std::min(least, l.drift_ppm);
@@ -144,7 +144,7 @@ void ClockFilter::choose() {
 // Facts that no line explains: the older ones may be of another time. What then still contradicts is another clock.
 void ClockFilter::contradicted() {
   ++restarts_;
-  if (++contradictions_ > kPatience) most_drift_ppm_ = kInternal_ppm;
+  if (++contradictions_ > kPatience) max_drift_ppm_ = kInternal_ppm;
   for (double span_s = kWindow_s / 2; span_s > 0.0; span_s = span_s > kBucket_s ? span_s / 2 : 0.0) {
     const double since_s = newest_s_ - span_s;
     build(since_s);
@@ -163,8 +163,8 @@ ClockFilter::Range ClockFilter::range(double device_s) const {
   Range r{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const Line& l : polygon_) {
     const double v = l.offset_us + l.drift_ppm * (device_s - reference_s_);
-    r.least_us = std::min(r.least_us, v);
-    r.most_us = std::max(r.most_us, v);
+    r.min_us = std::min(r.min_us, v);
+    r.max_us = std::max(r.max_us, v);
   }
   return r;
 }
@@ -174,16 +174,16 @@ LinkTime ClockFilter::at(std::uint64_t device_us) const {
 }
 
 LinkTime ClockFilter::at(std::uint64_t device_us, std::uint64_t link_us) const {
-  if (!begun_) return {link_us == std::numeric_limits<std::uint64_t>::max() ? 0 : link_us, LinkTime::kUnbounded};
+  if (!started_) return {link_us == std::numeric_limits<std::uint64_t>::max() ? 0 : link_us, LinkTime::kUnbounded};
   const double device = since(device_origin_us_, device_us), at_s = device / kSecond_us;
   const double wander = wander_us(std::max(0.0, at_s - reference_s_));
   Range r = range(at_s);
   double best = best_.offset_us + best_.drift_ppm * (at_s - reference_s_);
   if (link_us != std::numeric_limits<std::uint64_t>::max()) {
-    r.most_us = std::min(r.most_us + wander, since(link_origin_us_, link_us) - device);
-    best = std::min(best, r.most_us);
+    r.max_us = std::min(r.max_us + wander, since(link_origin_us_, link_us) - device);
+    best = std::min(best, r.max_us);
   }
-  const double error = std::max(r.most_us - best, best - r.least_us) + wander + kResolution_us;
+  const double error = std::max(r.max_us - best, best - r.min_us) + wander + kResolution_us;
   const double link = std::max(0.0, static_cast<double>(link_origin_us_) + device + best);
   const auto us = static_cast<std::uint64_t>(std::llround(link));
   if (!bounded() || error >= static_cast<double>(LinkTime::kUnbounded)) return {us, LinkTime::kUnbounded};

@@ -126,7 +126,7 @@ Controller::Message Controller::read(std::uint16_t did) {
 template <class Value>
 void Controller::write(const Value& value) {
   unlock(wire::Session::kExtended);
-  std::array<std::uint8_t, Value::kMostBytes> bytes{};
+  std::array<std::uint8_t, Value::kMaxBytes> bytes{};
   ByteWriter out(bytes);
   value.encode(out);
   const auto head = {wire::service::kWrite, high(Value::kId), low(Value::kId)};
@@ -323,7 +323,7 @@ std::optional<wire::Calibration> Controller::calibration() {
 
 bool Controller::set_calibration(const wire::Calibration& calibration) {
   unlock(wire::Session::kExtended);
-  std::array<std::uint8_t, wire::Calibration::kMostBytes> value{};
+  std::array<std::uint8_t, wire::Calibration::kMaxBytes> value{};
   ByteWriter out(value);
   calibration.encode(out);
   constexpr std::uint16_t kId = wire::Calibration::kId;

@@ -9,18 +9,18 @@
 #include <cstdio>
 #include <ctime>
 
+#include "triskin/base/wall_clock.hpp"
 #include "triskin/session/address_users.hpp"
-#include "triskin/skin/calibrate.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::device {
 namespace {
 
-constexpr double kMost16 = 65535.0;
+constexpr double kMax16 = 65535.0;
 constexpr double kErrorStep_percent = 0.01, kPaPerKpa = 1000.0, kAreaStep_mm2 = 1e-4;
 
 std::uint16_t rounded_up(double value, double step) {
-  return static_cast<std::uint16_t>(std::clamp(std::ceil(value / step - 1e-9), 0.0, kMost16));
+  return static_cast<std::uint16_t>(std::clamp(std::ceil(value / step - 1e-9), 0.0, kMax16));
 }
 std::uint32_t in_steps(double value, double step) {
   return static_cast<std::uint32_t>(std::clamp(std::round(value / step), 0.0, 4294967295.0));
@@ -43,7 +43,7 @@ std::uint8_t exponent_for(const design::BoardCalibration& board) {
     for (const auto& t : place.taxels) greatest = std::max(greatest, t.counts_per_kpa);
   }
   std::uint8_t exponent = 0;
-  while (exponent < wire::Calibration::kMostExponent && std::ldexp(greatest, exponent + 1) <= kMost16) ++exponent;
+  while (exponent < wire::Calibration::kMaxExponent && std::ldexp(greatest, exponent + 1) <= kMax16) ++exponent;
   return exponent;
 }
 
@@ -54,7 +54,7 @@ wire::PlaceSensitivity row_of(const design::PlaceCalibration& place, int exponen
     const design::TaxelSensitivity& taxel = place.taxels[t];
     if (taxel.counts_per_kpa <= 0.0) continue;
     const double steps = std::round(std::ldexp(taxel.counts_per_kpa, exponent));
-    row.sensitivity[t] = static_cast<std::uint16_t>(std::clamp(steps, 1.0, kMost16));  // 0 would say: none
+    row.sensitivity[t] = static_cast<std::uint16_t>(std::clamp(steps, 1.0, kMax16));  // 0 would say: none
     row.error = std::max(row.error, rounded_up(taxel.error_percent, kErrorStep_percent));
     row.residual_pa = std::max(row.residual_pa, rounded_up(taxel.residual_kpa * kPaPerKpa, 1.0));
   }
@@ -71,7 +71,7 @@ wire::Calibration to_wire(const design::BoardCalibration& board) {
   c.patch = static_cast<std::uint16_t>(board.patch);
   c.made_unix_s = unix_of(board.made);
   c.method = board.method;
-  c.most_pa = in_steps(board.most_kpa, 1.0 / kPaPerKpa);
+  c.max_pa = in_steps(board.max_kpa, 1.0 / kPaPerKpa);
   c.taxel_area = std::max(1U, in_steps(board.taxel_area_mm2, kAreaStep_mm2));
   for (const design::PlaceCalibration& place : board.places) {
     if (c.count < c.places.size()) c.places[c.count++] = row_of(place, c.exponent);
@@ -87,7 +87,7 @@ design::BoardCalibration from_wire(const wire::Calibration& kept, const std::str
   board.revision = kept.revision;
   board.made = utc_text(kept.made_unix_s);
   board.method = kept.method;
-  board.most_kpa = kept.most_pa / kPaPerKpa;
+  board.max_kpa = kept.max_pa / kPaPerKpa;
   board.taxel_area_mm2 = kept.taxel_area * kAreaStep_mm2;
   for (const wire::PlaceSensitivity& row : kept.rows()) {
     design::PlaceCalibration& place = board.places.emplace_back();

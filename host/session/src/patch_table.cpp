@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "triskin/design/joint.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/joint.hpp"
 
 namespace triskin::device {
 namespace {

@@ -22,7 +22,7 @@ SampleCounts& SampleCounts::operator+=(const SampleCounts& other) {
 }
 
 void SampleAccount::begin(std::uint8_t starts, const wire::RowAccount& account, std::uint64_t now_us) {
-  begun_ = true;
+  started_ = true;
   starts_ = starts;
   first_ = last_ = {account.number, account.unread, account.dropped};
   newest_ = account.number;
@@ -50,7 +50,7 @@ SampleCounts SampleAccount::since_start() const {
 
 SampleCounts SampleAccount::counts() const {
   SampleCounts c = before_;
-  if (begun_) c += since_start();
+  if (started_) c += since_start();
   return c;
 }
 
@@ -69,8 +69,8 @@ void SampleAccount::restart(std::uint8_t starts, std::uint32_t number, std::uint
   received_ = with_data_ = 0;
 }
 
-bool SampleAccount::add(const wire::FullTaxels& sample, std::uint64_t now_us) {
-  if (!begun_) return false;
+bool SampleAccount::add(const wire::TaxelFrame& sample, std::uint64_t now_us) {
+  if (!started_) return false;
   const bool anew = sample.starts != starts_ || (sample.sample <= newest_ && sample.device_time_us < device_time_us_);
   if (anew && !ended_) restart(sample.starts, sample.sample, now_us);
   if (anew && ended_) return false;
@@ -90,7 +90,7 @@ bool SampleAccount::add(const wire::FullTaxels& sample, std::uint64_t now_us) {
 }
 
 void SampleAccount::end(std::uint8_t starts, const wire::RowAccount& account, std::uint64_t now_us) {
-  if (!begun_ || ended_) return;
+  if (!started_ || ended_) return;
   // Samples taken after the answer was composed may have come before it: a number that is a little behind is no
   // restart.
   const std::uint64_t answer = interval_us_ == 0 ? 1 : 1 + kAnswer_us / interval_us_;
@@ -100,13 +100,13 @@ void SampleAccount::end(std::uint8_t starts, const wire::RowAccount& account, st
 }
 
 void SampleAccount::end_silent(std::uint64_t now_us) {
-  if (!begun_ || ended_) return;
+  if (!started_ || ended_) return;
   restart(starts_, 0, now_us);
   ended_ = true;
 }
 
 bool SampleAccount::complete() const {
-  return !begun_ || last_.number - last_.number % static_cast<std::uint32_t>(every_) <= newest_;
+  return !started_ || last_.number - last_.number % static_cast<std::uint32_t>(every_) <= newest_;
 }
 
 }  // namespace triskin::device

@@ -24,7 +24,7 @@ constexpr std::uint64_t kRest_us = 300'000;
 constexpr std::uint64_t kAskClock_us = 1'000'000, kAskClockAgain_us = 100'000;
 constexpr std::uint64_t kSettle_us = 2'000;  // a lease is on its way
 constexpr int kAttempts = 5;
-constexpr std::size_t kMostEarly = 512;  // samples of 16 modules in 0.3 s: far more than an answer takes
+constexpr std::size_t kMaxEarly = 512;  // samples of 16 modules in 0.3 s: far more than an answer takes
 
 std::uint32_t draw_reader() {
   std::random_device random;
@@ -33,7 +33,7 @@ std::uint32_t draw_reader() {
   return number;
 }
 
-// A guest that is in several lists of one controller is one row.
+// A adopted module that is in several lists of one controller is one row.
 void add_adopted(std::vector<AdoptedCounts>& list, const AdoptedCounts& one) {
   const auto same = std::ranges::find_if(list, [&](const AdoptedCounts& a) {
     return a.module == one.module && a.patch == one.patch && a.cover == one.cover;
@@ -152,7 +152,7 @@ void Stream::begin(std::uint8_t address, Node& node) {
         node.counts[k].begin(account.starts, account.modules[k], bus_.now_us());
       node.begin_device_us = account.time_us;
       node.heard_us = bus_.now_us();
-      node.begun = true;
+      node.started = true;
       for (const auto& [frame, heard_us] : std::exchange(node.early, {})) take(node, frame, heard_us);
       return;
     }
@@ -183,7 +183,7 @@ void Stream::run_until(std::uint64_t until_us) {
     bus_.poll();
     watch();
     ask_clocks();
-    ask_guests();
+    ask_adopted();
   } while (bus_.now_us() < until_us);
 }
 
@@ -239,17 +239,17 @@ void Stream::handle(const wire::CanFrame& frame) {
   if (found == nodes_.end()) return;
   Node& node = found->second;
   // The answer that begins the account comes in several frames: samples that it does not count arrive between them.
-  if (!node.begun) {
-    if (node.early.size() == kMostEarly) node.early.pop_front();
+  if (!node.started) {
+    if (node.early.size() == kMaxEarly) node.early.pop_front();
     node.early.emplace_back(*decoded, bus_.now_us());
     return;
   }
   take(node, *decoded, bus_.now_us());
 }
 
-void Stream::take(Node& node, const wire::FullTaxels& sample, std::uint64_t heard_us) {
+void Stream::take(Node& node, const wire::TaxelFrame& sample, std::uint64_t heard_us) {
   node.heard_us = std::max(node.heard_us, heard_us);
-  if (sample.module >= node.modules.size()) return take_guest(node, sample, heard_us);
+  if (sample.module >= node.modules.size()) return take_adopted(node, sample, heard_us);
   if (!node.counts[sample.module].add(sample, heard_us)) return;
   ++frames_;
   // Its own controller says that it does not reach the module; who reads it says more.
@@ -261,8 +261,8 @@ void Stream::take(Node& node, const wire::FullTaxels& sample, std::uint64_t hear
         {node.modules[sample.module], heard_us, sample, node.cover, node.clock.at(sample.device_time_us, heard_us)});
 }
 
-void Stream::take_guest(Node& node, const wire::FullTaxels& sample, std::uint64_t heard_us) {
-  const int module = node.guests.add(sample.module - node.modules.size(), sample, heard_us);
+void Stream::take_adopted(Node& node, const wire::TaxelFrame& sample, std::uint64_t heard_us) {
+  const int module = node.adopted_modules.add(sample.module - node.modules.size(), sample, heard_us);
   if (module < 0) return;
   ++frames_;
   if (handler_)
@@ -272,23 +272,23 @@ void Stream::take_guest(Node& node, const wire::FullTaxels& sample, std::uint64_
 bool Stream::read_by_another(const Node& node, int module) const {
   const std::uint64_t since_us = bus_.now_us() - std::min(bus_.now_us(), silence_us(node));
   return std::ranges::any_of(nodes_, [&](const auto& entry) {
-    return entry.second.cover == node.cover && entry.second.guests.reads(module, since_us);
+    return entry.second.cover == node.cover && entry.second.adopted_modules.reads(module, since_us);
   });
 }
 
-// Samples of guests came whose list is not known here.
-void Stream::ask_guests() {
+// Samples of adopted modules came whose list is not known here.
+void Stream::ask_adopted() {
   for (auto& [address, node] : nodes_) {
-    if (!node.guests.wants_list() || node.silent) continue;
+    if (!node.adopted_modules.wants_list() || node.silent) continue;
     wire::Adoption adoption;
     try {
       adoption = Controller(bus_, address).adoption();
     } catch (const NoAnswer&) {
       continue;  // asked again with the next slice
     }
-    const auto modules = guest_modules(ends_[static_cast<std::size_t>(node.cover)], node.modules, adoption);
-    for (const auto& [sample, heard_us] : node.guests.set(adoption, modules, budget_.every, node.interval_us))
-      take_guest(node, sample, heard_us);
+    const auto modules = adopted_modules(ends_[static_cast<std::size_t>(node.cover)], node.modules, adoption);
+    for (const auto& [sample, heard_us] : node.adopted_modules.set(adoption, modules, budget_.every, node.interval_us))
+      take_adopted(node, sample, heard_us);
   }
 }
 
@@ -355,8 +355,8 @@ StreamReport Stream::report_of(int cover) const {
       const bool slow = 10 * (c.expected + 2) < 9 * node.due;
       r.modules.push_back({node.modules[k], node.patch, c, slow, node.cover});
     }
-    for (const GuestReader::Read& g : node.guests.all()) {
-      const bool now = node.guests.reads(g.module, bus_.now_us() - std::min(bus_.now_us(), silence_us(node)));
+    for (const AdoptedReader::Read& g : node.adopted_modules.all()) {
+      const bool now = node.adopted_modules.reads(g.module, bus_.now_us() - std::min(bus_.now_us(), silence_us(node)));
       add_adopted(r.adopted, {g.module, node.patch, g.counts.counts(), now, node.cover});
     }
     if (node.silent) r.silent.push_back(node.patch);

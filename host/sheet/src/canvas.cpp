@@ -31,7 +31,7 @@ cairo_status_t append(void* text, const unsigned char* bytes, unsigned int count
 struct Canvas::Cairo {
   Kind kind;
   std::vector<Vec2> sizes_mm;
-  std::size_t begun = 0;
+  std::size_t started = 0;
   std::string bytes;
   cairo_surface_t* surface = nullptr;
   cairo_t* context = nullptr;
@@ -88,21 +88,21 @@ bool Canvas::is_built() {
 
 void Canvas::next_page() {
   Cairo& c = *cairo_;
-  const Vec2 size_mm = c.sizes_mm.at(c.begun);
+  const Vec2 size_mm = c.sizes_mm.at(c.started);
   cairo_identity_matrix(c.context);
   if (c.kind == Kind::kPdf) {
-    if (c.begun > 0) cairo_show_page(c.context);
+    if (c.started > 0) cairo_show_page(c.context);
     cairo_pdf_surface_set_size(c.surface, size_mm.x() / kPoint_mm, size_mm.y() / kPoint_mm);
     cairo_scale(c.context, 1.0 / kPoint_mm, 1.0 / kPoint_mm);
   } else {
     double above_mm = 0.0;
-    for (std::size_t k = 0; k < c.begun; ++k) above_mm += c.sizes_mm[k].y();
+    for (std::size_t k = 0; k < c.started; ++k) above_mm += c.sizes_mm[k].y();
     cairo_translate(c.context, 0.0, above_mm);
     fill_rectangle({0, 0}, size_mm, kWhite);
     rectangle({0, 0}, size_mm, {0.1, kPale, 0.0});
   }
   cairo_set_line_join(c.context, CAIRO_LINE_JOIN_MITER);
-  ++c.begun;
+  ++c.started;
 }
 
 void Canvas::line(const Vec2& from, const Vec2& to, const Pen& pen) {

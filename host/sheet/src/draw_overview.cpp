@@ -46,7 +46,7 @@ Vec3 normal_of(const std::array<Vec3, 3>& p) {
 
 // A mesh of more faces is drawn as a picture: the generated forearm, six times 3,840 faces, was 4.5 MB of SVG, 0.2 kB a
 // face. At six dots a mm the eye sees none at arm's length.
-constexpr std::size_t kMostDrawnFaces = 1000;
+constexpr std::size_t kMaxDrawnFaces = 1000;
 constexpr double kDotsPerMm = 6.0;
 
 void draw_surface(const Drawing& d, const View& view) {
@@ -60,7 +60,7 @@ void draw_surface(const Drawing& d, const View& view) {
         {view.toward.dot(p[0] + p[1] + p[2]), {view.flat(p[0]), view.flat(p[1]), view.flat(p[2])}, {grey, grey, grey}});
   }
   std::ranges::stable_sort(shapes, {}, &Shape::height);
-  const bool as_picture = shapes.size() > kMostDrawnFaces;
+  const bool as_picture = shapes.size() > kMaxDrawnFaces;
   if (as_picture) {
     Box box;
     for (const Shape& s : shapes) {

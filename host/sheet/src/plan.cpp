@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "pages.hpp"
-#include "triskin/design/outline.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/design/outline.hpp"
 
 namespace triskin::sheet {
 namespace {

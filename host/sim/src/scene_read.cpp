@@ -8,9 +8,9 @@
 #include <string_view>
 #include <utility>
 
+#include "triskin/base/files.hpp"
 #include "triskin/design/json_fields.hpp"
 #include "triskin/design/module_graph.hpp"
-#include "triskin/base/files.hpp"
 #include "triskin/scene/scene.hpp"
 
 namespace triskin::scene {

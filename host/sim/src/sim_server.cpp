@@ -14,8 +14,8 @@
 #include <cerrno>
 #include <cstring>
 
-#include "triskin/core/bytes.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/layout/patch_image.hpp"
 
 namespace triskin::device {

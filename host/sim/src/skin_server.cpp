@@ -12,7 +12,7 @@ namespace triskin::device {
 
 void SkinServer::run(const std::atomic<bool>& stop, double seconds) {
   using Clock = std::chrono::steady_clock;
-  constexpr std::uint64_t kMostAtOnce_us = 20'000;
+  constexpr std::uint64_t kMaxAtOnce_us = 20'000;
   const auto wall_us = [] {
     return static_cast<std::uint64_t>(
         std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch()).count());
@@ -22,7 +22,7 @@ void SkinServer::run(const std::atomic<bool>& stop, double seconds) {
   while (!stop) {
     const std::uint64_t now_us = wall_us();
     if (seconds > 0.0 && now_us - start_us >= end_us) break;
-    skin_.run_until(skin_.now_us() + std::min(now_us - last_us, kMostAtOnce_us));
+    skin_.run_until(skin_.now_us() + std::min(now_us - last_us, kMaxAtOnce_us));
     last_us = now_us;
     flush();
     wait(kStep_us);

@@ -14,8 +14,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "triskin/core/bytes.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/core/bytes.hpp"
 
 namespace triskin::device {
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kHeadBytes = 48;
 constexpr std::uint32_t kSubmit = 1, kUnlink = 2, kSubmitReply = 3, kUnlinkReply = 4;
-constexpr std::size_t kMostBytes = 1 << 20;  // of one transfer
+constexpr std::size_t kMaxBytes = 1 << 20;  // of one transfer
 constexpr int kFullSpeed = 2, kBus = 1, kFreePort = 4;
 
 // A free port for devices up to high speed: the controller's folder and the number.
@@ -97,7 +97,7 @@ bool VhciDevice::take_request() {
   if (command == kSubmit) {
     const bool to_device = ByteReader(head.subspan(12)).be32() == 0;
     const std::size_t length = ByteReader(head.subspan(24)).be32();
-    if (length > kMostBytes) alive_ = false;
+    if (length > kMaxBytes) alive_ = false;
     if (to_device) data_bytes = length;
   } else if (command != kUnlink) {
     alive_ = false;

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <ctime>
 
-#include "triskin/design/outline.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/wall_clock.hpp"
-#include "triskin/session/controller_calibration.hpp"
+#include "triskin/design/outline.hpp"
 #include "triskin/session/controller.hpp"
+#include "triskin/session/controller_calibration.hpp"
 #include "triskin/session/stream.hpp"
 
 namespace triskin::device {
@@ -30,7 +30,7 @@ class TaxelMeans {
  public:
   explicit TaxelMeans(std::size_t modules) : modules_(modules), pads_(modules) {}
 
-  void add(const ModuleFrame& f, std::size_t bin, double pressure_kpa) {
+  void add(const ModuleSample& f, std::size_t bin, double pressure_kpa) {
     Module& module = modules_.at(static_cast<std::size_t>(f.module));
     const double warming_counts = warming_of(f);
     for (std::size_t t = 0; t < module.size(); ++t) {
@@ -54,7 +54,7 @@ class TaxelMeans {
 
  private:
   // By how much the pads that feel the temperature and no pressure read below what they read first, as in TouchMap.
-  double warming_of(const ModuleFrame& f) {
+  double warming_of(const ModuleSample& f) {
     auto& first = pads_.at(static_cast<std::size_t>(f.module));
     double sum = 0.0;
     int known = 0;
@@ -81,7 +81,7 @@ class Fit {
 
   [[nodiscard]] TaxelMeans& means() { return means_; }
 
-  CalibrationOutcome finish(double most_kpa) {
+  CalibrationOutcome finish(double max_kpa) {
     outcome_.rest.resize(design_.layout.modules.size());
     for (auto& module : outcome_.rest) module.fill(layout::kRestCounts);
     const auto claims = bus_.discover();
@@ -94,7 +94,7 @@ class Fit {
       board.design_id = design_.design_id;
       board.patch = patch;
       board.method = options_.method;
-      board.most_kpa = most_kpa;
+      board.max_kpa = max_kpa;
       board.taxel_area_mm2 = design::module_area_mm2(design_.layout.corner_cut_mm) / layout::kPressureTaxelsPerModule;
       for (const design::RoutedModule& routed : design_.patches[static_cast<std::size_t>(patch)].modules)
         board.places.push_back(fit(routed));
@@ -114,7 +114,7 @@ class Fit {
       if (!layout::measures_pressure(t)) continue;
       auto line = fit_sensitivity(points);
       if (line) line->sensitivity.error_percent += options_.gauge_percent;
-      if (!line || line->sensitivity.error_percent > options_.most_error_percent) {
+      if (!line || line->sensitivity.error_percent > options_.max_error_percent) {
         outcome_.without.emplace_back(routed.node, static_cast<int>(t));
         continue;
       }
@@ -148,7 +148,7 @@ CalibrationOutcome calibrate_by_steps(Bus& bus, const design::Design& design, st
     const PressureStep& step = steps[bin];
     if (options.apply) options.apply(step);
     std::uint64_t from_us = ~std::uint64_t{0};
-    const auto take = [&](const ModuleFrame& f) {
+    const auto take = [&](const ModuleSample& f) {
       if (step.module >= 0 && f.module != step.module) return;
       if (f.sampled.link_us >= from_us) fit.means().add(f, bin, step.pressure_kpa);
     };
@@ -168,14 +168,14 @@ CalibrationOutcome calibrate_by_ramp(Bus& bus, const design::Design& design, con
   if (time_s(bus.now_us()) >= ramp.last_s())
     throw InputError(fmt::format("the ramp ended {:.1f} s ago; a ramp has to run while triskin calibrate does",
                                  time_s(bus.now_us()) - ramp.last_s()));
-  const double most_kpa = ramp.most_kpa();
+  const double max_kpa = ramp.max_kpa();
   Fit fit(bus, design, options);
   {
-    const auto take = [&](const ModuleFrame& f) {
+    const auto take = [&](const ModuleSample& f) {
       const auto kpa = ramp.kpa(time_s(f.sampled.link_us));
       if (!kpa) return;
       // Rest has a bin of its own, so that it stays exactly 0.
-      const double share = most_kpa > 0.0 ? *kpa / most_kpa : 0.0;
+      const double share = max_kpa > 0.0 ? *kpa / max_kpa : 0.0;
       const auto bin = *kpa == 0.0 ? 0U : 1U + std::min(kRampBins - 1, static_cast<std::size_t>(share * kRampBins));
       fit.means().add(f, bin, *kpa);
     };
@@ -184,7 +184,7 @@ CalibrationOutcome calibrate_by_ramp(Bus& bus, const design::Design& design, con
       stream.run_until(bus.now_us() + std::min(kUsPerS / 2, us_of(ramp.last_s() - time_s(bus.now_us())) + 1));
     stream.finish();
   }
-  return fit.finish(most_kpa);
+  return fit.finish(max_kpa);
 }
 
 CalibrationStore::CalibrationStore(std::filesystem::path folder)
@@ -222,14 +222,6 @@ design::BoardCalibration CalibrationStore::renew(design::BoardCalibration board,
 bool CalibrationStore::forget(const std::string& serial) const {
   std::error_code none;
   return std::filesystem::remove(file_of(serial), none);
-}
-
-std::string utc_text(std::uint64_t unix_s) {
-  const auto time = static_cast<std::time_t>(unix_s);
-  std::tm utc{};
-  gmtime_r(&time, &utc);
-  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday,
-                     utc.tm_hour, utc.tm_min, utc.tm_sec);
 }
 
 FoundCalibration calibration_of(const design::Design& design, std::span<const wire::NodeClaim> claims,

@@ -83,7 +83,7 @@ const std::vector<design::RoutedModule>& LiveMonitor::modules_of(int patch) cons
   return design_.patches.at(static_cast<std::size_t>(patch)).modules;
 }
 
-void LiveMonitor::add(const ModuleFrame& frame) {
+void LiveMonitor::add(const ModuleSample& frame) {
   touches_.add(frame);
   Module& m = modules_[static_cast<std::size_t>(frame.module)];
   m.state = frame.sample.state;

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "triskin/core/bytes.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/core/bytes.hpp"
 
 namespace triskin::device {
 

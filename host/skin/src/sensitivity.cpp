@@ -106,7 +106,7 @@ PressureRamp::PressureRamp(const std::filesystem::path& file) {
   if (points_.size() < 2) throw InputError(name + ": needs two lines of times and pressures at least");
 }
 
-double PressureRamp::most_kpa() const {
+double PressureRamp::max_kpa() const {
   double most = 0.0;
   for (const auto& [time_s, kpa] : points_) most = std::max(most, kpa);
   return most;

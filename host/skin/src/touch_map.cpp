@@ -54,7 +54,7 @@ void TouchMap::take(const Module& module, Taxel& taxel, double value) {
 }
 
 // No finger reaches them, so whatever they read first is their rest.
-void TouchMap::take_pads(Module& module, const wire::FullTaxels& sample) {
+void TouchMap::take_pads(Module& module, const wire::TaxelFrame& sample) {
   double sum = 0.0;
   int known = 0;
   for (const std::size_t t : layout::kTemperaturePads) {
@@ -73,7 +73,7 @@ void TouchMap::take_pads(Module& module, const wire::FullTaxels& sample) {
   if (known > 0) module.warming_counts = sum / known;
 }
 
-void TouchMap::add(const ModuleFrame& frame) {
+void TouchMap::add(const ModuleSample& frame) {
   Module& module = modules_[static_cast<std::size_t>(frame.module)];
   take_pads(module, frame.sample);
   for (std::size_t t = 0; t < module.taxels.size(); ++t) {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "triskin/base/error.hpp"
 #include "triskin/base/index.hpp"
 #include "triskin/design/design_types.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

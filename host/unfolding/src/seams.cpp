@@ -10,9 +10,9 @@
 #include <queue>
 #include <sstream>
 
-#include "triskin/base/index.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/base/index.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -12,11 +12,11 @@
 
 #include "dart.hpp"
 #include "flatten.hpp"
-#include "triskin/base/index.hpp"
 #include "merge_pieces.hpp"
+#include "triskin/base/error.hpp"
+#include "triskin/base/index.hpp"
 #include "triskin/placement/polygon_io.hpp"
 #include "triskin/unfolding/unfolding.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
 namespace {

@@ -4,10 +4,10 @@
 namespace triskin::view {
 
 void FrameTrack::add(int module, const PressureSample& sample, std::int64_t time_us) {
-  if (!begun_) {
+  if (!started_) {
     start_us_ = time_us;
     due_us_ = time_us + kStep_us;
-    begun_ = true;
+    started_ = true;
   }
   if (time_us >= due_us_) {
     flush();
@@ -19,7 +19,7 @@ void FrameTrack::add(int module, const PressureSample& sample, std::int64_t time
 void FrameTrack::flush() {
   const std::string frame = live_.frame_since(seen_);
   if (frame.empty()) return;
-  if (bytes_.size() + frame.size() + 4 > most_bytes_) {
+  if (bytes_.size() + frame.size() + 4 > max_bytes_) {
     is_cut_ = true;
     return;
   }

@@ -8,7 +8,7 @@
 
 namespace triskin::view {
 
-/// Command of a message from the page (docs/view.md). Empty: it is none.
+/// Command of a message from the page (docs/view_server.md). Empty: it is none.
 [[nodiscard]] std::optional<Command> command_of(std::string_view text);
 
 /// Status message for the page.

@@ -8,7 +8,7 @@
 namespace triskin::machine {
 namespace {
 
-constexpr std::uint32_t kMaster = 1U << 2, kEnable = 1U << 6, kPhasePolarity = 3, kLeastFirst = 1U << 7,
+constexpr std::uint32_t kMaster = 1U << 2, kEnable = 1U << 6, kPhasePolarity = 3, kMinFirst = 1U << 7,
                         kSelectedHigh = 3U << 8;
 constexpr std::uint32_t kDataSize = 15U << 8, kEightBits = 7U << 8, kReceiveByte = 1U << 12;
 
@@ -75,7 +75,7 @@ void SpiController::write_control(std::uint32_t value) {
     around_.violation("SPI switched off while it is busy");
   control1_ = value;
   if ((value & kEnable) == 0) return;
-  if ((value & kMaster) == 0 || (value & (kPhasePolarity | kLeastFirst)) != 0)
+  if ((value & kMaster) == 0 || (value & (kPhasePolarity | kMinFirst)) != 0)
     around_.violation("SPI: only a master in mode 0, most significant bit first, is modelled");
   if ((value & kSelectedHigh) != kSelectedHigh)
     around_.violation("SPI: a master without NSS pin needs SSM and SSI, or it faults (MODF)");

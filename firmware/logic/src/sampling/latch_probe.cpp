@@ -24,7 +24,7 @@ void LatchProbe::compare(const ad7147::Results& before, const ad7147::Results& a
     latching_ = wire::Latching::kEachStage;
   else if (from_after > kClear * from_before + kNoise)
     latching_ = wire::Latching::kEndOfSequence;
-  else if (++probes_ >= kMostProbes)
+  else if (++probes_ >= kMaxProbes)
     latching_ = wire::Latching::kEachStage;
 }
 

@@ -22,7 +22,7 @@ std::uint8_t OffsetSearch::better(std::uint8_t offset, std::int32_t excess_count
   constexpr std::int32_t kHalf = ad7147::kOffsetCounts / 2;
   const std::int32_t far = at_end ? kFarStep : (std::abs(excess_counts) + kHalf) / ad7147::kOffsetCounts;
   const std::int32_t moved = offset + (excess_counts < 0 ? -far : far);
-  return static_cast<std::uint8_t>(std::clamp<std::int32_t>(moved, 0, ad7147::kMostOffset));
+  return static_cast<std::uint8_t>(std::clamp<std::int32_t>(moved, 0, ad7147::kMaxOffset));
 }
 
 bool OffsetSearch::adjust(const ad7147::Results& results, Ad7147::Polarity polarity) {
@@ -38,7 +38,7 @@ bool OffsetSearch::adjust(const ad7147::Results& results, Ad7147::Polarity polar
     changed = changed || offset != offsets_[t];
     offsets_[t] = offset;
   }
-  return ++rounds_ < kMostRounds && changed;
+  return ++rounds_ < kMaxRounds && changed;
 }
 
 }  // namespace triskin::fw

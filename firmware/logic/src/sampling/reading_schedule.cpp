@@ -48,13 +48,13 @@ void ReadingSchedule::replace_from(std::size_t first, std::size_t stations) {
   count_ = stations;
 }
 
-void ReadingSchedule::plan_errand(std::size_t station, std::uint64_t at_us, std::uint64_t length_us) {
-  plans_[station].errand_us = at_us;
-  plans_[station].errand_length_us = length_us;
+void ReadingSchedule::plan_transaction(std::size_t station, std::uint64_t at_us, std::uint64_t length_us) {
+  plans_[station].transaction_us = at_us;
+  plans_[station].transaction_length_us = length_us;
 }
 
-void ReadingSchedule::cancel_errand(std::size_t station) {
-  plans_[station].errand_us = kNever_us;
+void ReadingSchedule::cancel_transaction(std::size_t station) {
+  plans_[station].transaction_us = kNever_us;
 }
 
 void ReadingSchedule::start(std::size_t station, std::uint64_t at_us, wire::Latching latching) {
@@ -78,7 +78,7 @@ void ReadingSchedule::stop(std::size_t station) {
 
 void ReadingSchedule::take_up(std::size_t station) {
   plans_[station].running = true;
-  cancel_errand(station);
+  cancel_transaction(station);
 }
 
 void ReadingSchedule::forget_status(std::size_t station) {
@@ -92,18 +92,18 @@ std::uint64_t ReadingSchedule::reading_us(const Plan& plan) {
 
 // What can be done between readings.
 std::uint64_t ReadingSchedule::other_us(const Plan& plan) {
-  if (plan.errand_us != kNever_us) return plan.errand_us;
+  if (plan.transaction_us != kNever_us) return plan.transaction_us;
   if (plan.restart_wanted) return plan.restart_us;
   if (plan.clear_wanted) return plan.clock.began_us();
   return plan.status_us != 0 ? refine_start_us(plan) : kNever_us;
 }
 
 std::uint64_t ReadingSchedule::other_length_us(const Plan& plan) {
-  return plan.errand_us != kNever_us ? plan.errand_length_us : kShort_us;
+  return plan.transaction_us != kNever_us ? plan.transaction_length_us : kShort_us;
 }
 
 ReadingSchedule::Action ReadingSchedule::other_action(const Plan& plan) {
-  if (plan.errand_us != kNever_us) return Action::kErrand;
+  if (plan.transaction_us != kNever_us) return Action::kTransaction;
   return plan.restart_wanted ? Action::kRestart : Action::kStatus;
 }
 

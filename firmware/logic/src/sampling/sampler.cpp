@@ -12,7 +12,7 @@ namespace {
 
 // The longest that transfers whose moment counts last while nobody slows them down: 57 and 47 bits at 290 kHz.
 constexpr std::uint64_t kStatus_us = 200, kRestart_us = 170;
-constexpr int kMostRepeats = 3;  // on a line that is slower the moment of a start is not known better
+constexpr int kMaxRepeats = 3;  // on a line that is slower the moment of a start is not known better
 
 }  // namespace
 
@@ -30,28 +30,28 @@ void LineSampler::begin(I2cLine& line, std::uint8_t line_index, const Patch& pat
   chip_.set_decimation(sampling.decimation);
   for (std::size_t k = 0; k < patch.rows.size(); ++k) {
     if (patch.rows[k].line != line_index) continue;
-    Station& station = stations_[station_count_++];
+    ChipState& station = stations_[station_count_++];
     station.row = table_row(k);
     station.address = patch.rows[k].address;
   }
   schedule_.begin(station_count_, sequence_us(), sampling.every);
-  for (Station& station : stations()) find(station, now_us);
+  for (ChipState& station : stations()) find(station, now_us);
 }
 
 // Guests are the last stations, so the others keep their numbers.
-void LineSampler::replace_guests(std::size_t own_rows, std::span<const wire::Guest> guests, std::size_t kept,
-                                 std::uint64_t now_us) {
+void LineSampler::replace_adopted(std::size_t own_rows, std::span<const wire::AdoptedModule> adopted_modules,
+                                  std::size_t kept, std::uint64_t now_us) {
   while (station_count_ > 0 && index_of(stations_[station_count_ - 1].row) >= own_rows + kept) --station_count_;
   const std::size_t first = station_count_;
-  for (std::size_t k = kept; k < guests.size(); ++k) {
-    if (guests[k].line() != line_index_) continue;
-    Station& station = stations_[station_count_++];
+  for (std::size_t k = kept; k < adopted_modules.size(); ++k) {
+    if (adopted_modules[k].line() != line_index_) continue;
+    ChipState& station = stations_[station_count_++];
     station = {};
     station.row = table_row(own_rows + k);
-    station.address = guests[k].address();
+    station.address = adopted_modules[k].address();
   }
   schedule_.replace_from(first, station_count_);
-  for (Station& station : stations().subspan(first)) {
+  for (ChipState& station : stations().subspan(first)) {
     place_of(station).known = false;  // what is kept of the place is another chip's
     find(station, now_us);
   }
@@ -64,7 +64,7 @@ void LineSampler::request_scan() {
 }
 
 void LineSampler::request_check() {
-  for (Station& station : stations()) {
+  for (ChipState& station : stations()) {
     find(station, 0);
     station.duplicates.forget();
     station.latch.forget();
@@ -74,13 +74,13 @@ void LineSampler::request_check() {
 }
 
 void LineSampler::request_offsets() {
-  for (Station& station : stations()) place_of(station).known = false;
+  for (ChipState& station : stations()) place_of(station).known = false;
   request_check();
 }
 
 bool LineSampler::checked() const {
   return std::ranges::all_of(
-      stations(), [&](const Station& s) { return samples_[index_of(s.row)].state != ModuleState::kUnknown; });
+      stations(), [&](const ChipState& s) { return samples_[index_of(s.row)].state != ModuleState::kUnknown; });
 }
 
 bool LineSampler::pause() {
@@ -93,7 +93,7 @@ void LineSampler::resume(std::uint64_t now_us) {
   pausing_ = false;
   recovery_.restart();
   idle_until_us_ = 0;
-  for (Station& station : stations()) {
+  for (ChipState& station : stations()) {
     if (station.phase == Phase::kFind) find(station, 0);
     if (station.phase == Phase::kFind && station.presence.lost_recently(now_us)) {
       station.phase = Phase::kRun;
@@ -146,8 +146,8 @@ void LineSampler::start_next(std::uint64_t now_us) {
       return;
     case ReadingSchedule::Action::kRead:
       return start(Job::kRead);
-    case ReadingSchedule::Action::kErrand:
-      return start_errand();
+    case ReadingSchedule::Action::kTransaction:
+      return start_transaction();
     case ReadingSchedule::Action::kRestart:
       return start(Job::kRestart);
     case ReadingSchedule::Action::kStatus:
@@ -155,7 +155,7 @@ void LineSampler::start_next(std::uint64_t now_us) {
   }
 }
 
-void LineSampler::start_errand() {
+void LineSampler::start_transaction() {
   switch (current().phase) {
     case Phase::kFind:
       return start(Job::kIdentify);
@@ -195,7 +195,7 @@ void LineSampler::start(Job job) {
 }
 
 void LineSampler::begin_configuration(std::uint8_t address) {
-  const Station& station = current();
+  const ChipState& station = current();
   const Ad7147::Stages stages{polarity(station.after_configuration), offsets_for(station.after_configuration)};
   if (station.offsets_only) return chip_.begin_offsets(*line_, address, station.configuration_step, stages);
   chip_.begin_configure(*line_, address, station.configuration_step, stages);
@@ -290,16 +290,16 @@ void LineSampler::finish_job(Job job, std::uint64_t now_us) {
 }
 
 // The chip is not read until it has been found; it is asked for from `at_us` on.
-void LineSampler::find(Station& station, std::uint64_t at_us) {
+void LineSampler::find(ChipState& station, std::uint64_t at_us) {
   station.phase = Phase::kFind;
   station.presence.ask_at(at_us);
   schedule_.stop(number_of(station));
-  schedule_.plan_errand(number_of(station), at_us, ReadingSchedule::kShort_us);
+  schedule_.plan_transaction(number_of(station), at_us, ReadingSchedule::kShort_us);
 }
 
 // The module has no data until it has been found again.
 void LineSampler::give_up(ModuleState state, std::uint64_t now_us) {
-  Station& station = current();
+  ChipState& station = current();
   station.presence.failed(job_start_us_, now_us, sequence_us());
   find(station, station.presence.ask_us());
   sample_of(station).store_failure(state);
@@ -328,7 +328,7 @@ void LineSampler::begin_offsets() {
 
 // One chip answers and its offsets stand.
 void LineSampler::settle_offsets() {
-  const Station& station = current();
+  const ChipState& station = current();
   PlaceOffsets& place = place_of(station);
   place.outside = station.offsets.outside();
   place.latching = station.latch.latching();
@@ -347,20 +347,20 @@ void LineSampler::settle_offsets() {
 
 // When the sequence began is known by the end of the transfer, unless that was slowed down.
 bool LineSampler::must_repeat_start() {
-  if (lasted_us() > kRestart_us && ++repeats_ < kMostRepeats) return true;
+  if (lasted_us() > kRestart_us && ++repeats_ < kMaxRepeats) return true;
   repeats_ = 0;
   return false;
 }
 
 // Step by step, between the readings of the line's other chips.
 void LineSampler::configure(Phase next) {
-  Station& station = current();
+  ChipState& station = current();
   station.phase = Phase::kConfigure;
   station.after_configuration = next;
   station.configuration_step = 0;
   station.offsets_only = false;
   schedule_.stop(current_);
-  schedule_.plan_errand(current_, 0, ReadingSchedule::kLong_us);
+  schedule_.plan_transaction(current_, 0, ReadingSchedule::kLong_us);
 }
 
 // The same, for the first stages' offsets alone.
@@ -370,7 +370,7 @@ void LineSampler::configure_offsets(Phase next) {
 }
 
 void LineSampler::finish_configure() {
-  Station& station = current();
+  ChipState& station = current();
   if (station.phase != Phase::kConfigure) return;  // a new check was asked for meanwhile
   const bool last = station.configuration_step + 1 == configuration_steps();
   if (last && must_repeat_start()) return;
@@ -386,28 +386,29 @@ void LineSampler::finish_configure() {
 // The offsets have just changed, and no sequence has ended since the results were read: now these show whether they
 // change stage by stage.
 void LineSampler::plan_probe() {
-  Station& station = current();
+  ChipState& station = current();
   station.latch.skip();
   const std::uint64_t shortest_us = sequence_us() / 100 * LatchProbe::kEnd_percent;
   if (!station.offsets_only || line_->ended_us() - station.offsets_begun_us > shortest_us) return;
   const std::uint64_t after_us = sequence_us() / 100 * LatchProbe::kBegin_percent;
-  schedule_.plan_errand(current_, line_->ended_us() + after_us, ReadingSchedule::kBurst_us);
+  schedule_.plan_transaction(current_, line_->ended_us() + after_us, ReadingSchedule::kBurst_us);
 }
 
 void LineSampler::start_probe() {
   const std::uint64_t late_us = sequence_us() / 100 * (LatchProbe::kEnd_percent - LatchProbe::kBegin_percent);
-  if (job_start_us_ + ReadingSchedule::kBurst_us <= schedule_.errand_us(current_) + late_us) return start(Job::kProbe);
-  schedule_.cancel_errand(current_);
+  if (job_start_us_ + ReadingSchedule::kBurst_us <= schedule_.transaction_us(current_) + late_us)
+    return start(Job::kProbe);
+  schedule_.cancel_transaction(current_);
 }
 
 void LineSampler::finish_probe() {
   if (current().phase != Phase::kFirst) return;  // a new check was asked for meanwhile
   if (lasted_us() <= ReadingSchedule::kBurst_us) current().latch.store(chip_.results());
-  schedule_.cancel_errand(current_);
+  schedule_.cancel_transaction(current_);
 }
 
 void LineSampler::finish_read(std::uint64_t now_us) {
-  Station& station = current();
+  ChipState& station = current();
   results_ = chip_.results();
   read_ended_us_ = line_->ended_us();
   burst_us_ = std::min(burst_us_, static_cast<std::uint32_t>(lasted_us()));
@@ -430,14 +431,14 @@ void LineSampler::finish_read(std::uint64_t now_us) {
     for (std::uint16_t& r : results_) r = static_cast<std::uint16_t>(~r);
   }
   if (station.configuration.needed_for(results_)) return start(Job::kVerifyReading);
-  if (station.configuration.due_after_reading()) schedule_.plan_errand(current_, 0, ReadingSchedule::kShort_us);
+  if (station.configuration.due_after_reading()) schedule_.plan_transaction(current_, 0, ReadingSchedule::kShort_us);
   use_results(now_us);
 }
 
 // True: the results count; a check that is done once more, or failed, has none.
 bool LineSampler::finish_first_reading(std::uint64_t now_us) {
-  Station& station = current();
-  schedule_.cancel_errand(current_);
+  ChipState& station = current();
+  schedule_.cancel_transaction(current_);
   if (station.duplicates.passed() && station.latch.wanted()) {
     finish_probing(now_us);
     return false;
@@ -471,7 +472,7 @@ bool LineSampler::finish_first_reading(std::uint64_t now_us) {
 
 // While it was not known how the chip shows its results they may be of two sequences: they are not published.
 void LineSampler::finish_probing(std::uint64_t now_us) {
-  Station& station = current();
+  ChipState& station = current();
   station.latch.compare(station.duplicates.other(), results_);
   if (station.latch.wanted()) return configure_offsets(Phase::kShifted);
   begin_run();
@@ -488,12 +489,12 @@ void LineSampler::finish_verify(Job job, std::uint64_t now_us) {
   if (current().phase != Phase::kRun) return;                                  // a new check was asked for meanwhile
   if (!chip_.configuration_holds()) return start(Job::kIdentifyUnconfigured);  // a power dip, or another chip
   current().configuration.confirmed();
-  schedule_.cancel_errand(current_);
+  schedule_.cancel_transaction(current_);
   if (job == Job::kVerifyReading) use_results(now_us);
 }
 
 void LineSampler::use_results(std::uint64_t now_us) {
-  Station& station = current();
+  ChipState& station = current();
   const bool whole = schedule_.in_time(current_, read_ended_us_, burst_us_);
   const std::optional<std::uint64_t> end_us = schedule_.read(current_, now_us);
   if (!end_us) return;

@@ -37,7 +37,7 @@ std::uint64_t SequenceClock::wander(std::uint64_t sequences) const {
 
 std::uint32_t SequenceClock::may_pass(std::uint32_t most) const {
   std::uint32_t count = most;
-  while (count > 1 && (longest_ - shortest_ + 2 * wander(count)) * count > kMostGrowth_us << kFraction) count /= 2;
+  while (count > 1 && (longest_ - shortest_ + 2 * wander(count)) * count > kMaxGrowth_us << kFraction) count /= 2;
   return count;
 }
 

@@ -47,7 +47,7 @@ void OffsetStore::read(std::size_t page, std::size_t slot, OffsetBook& book) {
   PlaceOffsets& p = book[place];
   if (p.to_store) return;  // newer ones wait to be written
   p.device_id = r.le16();
-  for (std::uint8_t& s : p.steps) s = std::min(r.u8(), ad7147::kMostOffset);
+  for (std::uint8_t& s : p.steps) s = std::min(r.u8(), ad7147::kMaxOffset);
   p.known = true;
 }
 

@@ -85,14 +85,14 @@ void FullStream::tick(std::uint64_t now_us) {
 
 // Numbers that were left out belong to sequences that nobody read.
 void FullStream::count_unread(wire::RowAccount& row, std::uint32_t next_number) const {
-  constexpr std::uint32_t kMostAtOnce = 10'000;  // six minutes: more were due while nobody read
-  if (next_number - row.number > kMostAtOnce) return;
+  constexpr std::uint32_t kMaxAtOnce = 10'000;  // six minutes: more were due while nobody read
+  if (next_number - row.number > kMaxAtOnce) return;
   for (std::uint32_t n = row.number + 1; n != next_number; ++n) {
     if (want(n)) ++row.unread;
   }
 }
 
-void FullStream::add(const wire::FullTaxels& sample, std::size_t rows, bool pausing) {
+void FullStream::add(const wire::TaxelFrame& sample, std::size_t rows, bool pausing) {
   wire::RowAccount& row = rows_[sample.module];
   if (active()) count_unread(row, sample.sample);
   row.number = sample.sample;
@@ -102,7 +102,7 @@ void FullStream::add(const wire::FullTaxels& sample, std::size_t rows, bool paus
     ++dropped_;
     return;
   }
-  wire::FullTaxels& last = waiting_[place(sample.module, row.waiting)];
+  wire::TaxelFrame& last = waiting_[place(sample.module, row.waiting)];
   last = sample;
   last.dropped = row.dropped;
   last.unread = static_cast<std::uint16_t>(row.unread);

@@ -9,10 +9,10 @@ bool Neighbours::any() const {
   return std::ranges::any_of(offers_, [](const Offer& o) { return o.node != 0; });
 }
 
-void Neighbours::hear(const wire::Reach& reach, std::uint8_t own_node, bool guests, std::uint64_t now_us) {
+void Neighbours::receive(const wire::Reach& reach, std::uint8_t own_node, bool adopted_modules, std::uint64_t now_us) {
   auto offer = std::ranges::find(offers_, reach.node_address, &Offer::node);
   if (reach.out_of_reach == 0) {
-    if (offer != offers_.end()) end(*offer, guests, now_us);
+    if (offer != offers_.end()) end(*offer, adopted_modules, now_us);
     return;
   }
   if (offer == offers_.end()) offer = std::ranges::find(offers_, std::uint8_t{0}, &Offer::node);
@@ -21,22 +21,23 @@ void Neighbours::hear(const wire::Reach& reach, std::uint8_t own_node, bool gues
   *offer = {reach.node_address, reach.out_of_reach, now_us + kForget_us};
   if (!more) return;
   // Two that look at once would take modules from each other, and both would find less.
-  if (!guests) layers_ = 1;
+  if (!adopted_modules) layers_ = 1;
   look_us_ = std::min(look_us_, std::max(now_us, away_until_us_) + kTurn_us * (1U + own_node % kTurns));
 }
 
-void Neighbours::tick(bool guests, std::uint64_t now_us) {
+void Neighbours::tick(bool adopted_modules, std::uint64_t now_us) {
   for (Offer& o : offers_) {
-    if (o.node != 0 && now_us >= o.until_us) end(o, guests, now_us);
+    if (o.node != 0 && now_us >= o.until_us) end(o, adopted_modules, now_us);
   }
 }
 
-// Whose the guests are nobody here knows: all are given back, and those that others still offer are looked for later.
-void Neighbours::end(Offer& offer, bool guests, std::uint64_t now_us) {
+// Whose the adopted modules are nobody here knows: all are given back, and those that others still offer are looked for
+// later.
+void Neighbours::end(Offer& offer, bool adopted_modules, std::uint64_t now_us) {
   offer = {};
   away_until_us_ = now_us + kKeepAway_us;
   layers_ = 1;
-  if (guests)
+  if (adopted_modules)
     look_us_ = now_us;
   else if (!any())
     look_us_ = kNever_us;

@@ -7,9 +7,9 @@ namespace triskin::fw {
 
 void RouteKeeper::begin(const layout::PatchImage* table) {
   table_ = table == nullptr ? Topology::Table{} : Topology::table_of(*table);
-  const std::uint32_t heals = route_.heals, repairs = route_.repairs;
+  const std::uint32_t reroutes = route_.reroutes, repairs = route_.repairs;
   route_ = {};
-  route_.heals = heals;
+  route_.reroutes = reroutes;
   route_.repairs = repairs;
   adoption_.rows = table_.graph.count;
   if (adoption_.count > 0 || adoption_.out_of_reach != 0) tell_at_us_ = 0;
@@ -21,7 +21,7 @@ void RouteKeeper::begin(const layout::PatchImage* table) {
 
 void RouteKeeper::request() {
   if (!present_) return;
-  heal_at_us_ = 0;
+  reroute_at_us_ = 0;
   pause_us_ = kFirstPause_us;
   route_.busy = true;
   beyond_ = true;
@@ -32,19 +32,19 @@ void RouteKeeper::line_state(std::uint8_t line, bool held) {
   if (!held) held_lines_ = static_cast<std::uint8_t>(held_lines_ & ~bit);
   if (!held || !switched() || (held_lines_ & bit) != 0) return;
   held_lines_ = static_cast<std::uint8_t>(held_lines_ | bit);
-  heal_at_us_ = 0;
+  reroute_at_us_ = 0;
   route_.busy = true;
 }
 
 void RouteKeeper::nothing_answers(std::uint64_t now_us) {
-  if (!present_ || switched() || heal_at_us_ != UINT64_MAX) return;
-  heal_at_us_ = now_us + pause_us_;
+  if (!present_ || switched() || reroute_at_us_ != UINT64_MAX) return;
+  reroute_at_us_ = now_us + pause_us_;
   pause_us_ = std::min(2 * pause_us_, kLongestPause_us);
 }
 
-void RouteKeeper::heal(const Clock& clock) {
+void RouteKeeper::reroute(const Clock& clock) {
   const std::uint64_t start_us = clock.now_us();
-  const std::uint32_t heals = route_.heals + 1, repairs = route_.repairs;
+  const std::uint32_t reroutes = route_.reroutes + 1, repairs = route_.repairs;
   const bool was_switched = route_.switched;
   const bool has_table = table_.graph.count > 0;
   const bool was_whole = whole();
@@ -52,9 +52,10 @@ void RouteKeeper::heal(const Clock& clock) {
                     : beyond_                                     ? Topology::Look::kBeyond
                                                                   : Topology::Look::kOwn;
   beyond_ = false;
-  const Topology::Report report = has_table ? topology_.heal(table_, look, neighbours_.layers()) : topology_.discover();
+  const Topology::Report report =
+      has_table ? topology_.reroute(table_, look, neighbours_.layers()) : topology_.discover();
   route_ = {};
-  route_.heals = heals;
+  route_.reroutes = reroutes;
   route_.repairs = repairs;
   route_.switched =
       topology_.graph().count > 0 || was_switched;  // a patch that has gone silent is still a switched one
@@ -66,8 +67,8 @@ void RouteKeeper::heal(const Clock& clock) {
   route_.last_us = static_cast<std::uint32_t>(clock.now_us() - start_us);
   plan_next(clock.now_us());
   if (has_table && route_.switched) offer(report, clock.now_us());
-  if (has_table) note_guests();
-  if (report.more_guests) neighbours_.look_further(clock.now_us());
+  if (has_table) note_adopted();
+  if (report.more_adopted) neighbours_.look_further(clock.now_us());
   if (!was_whole && whole()) neighbours_.look_again(clock.now_us());
 }
 
@@ -83,7 +84,7 @@ void RouteKeeper::offer(const Topology::Report& report, std::uint64_t now_us) {
   returned_ = report.held != 0 && !returned_;
   const auto missing = static_cast<std::uint16_t>(all & ~route_.alive);
   if (returned_) {
-    heal_at_us_ = now_us + Neighbours::kHandBack_us;
+    reroute_at_us_ = now_us + Neighbours::kHandBack_us;
     pause_us_ = std::max(pause_us_ / 2, kFirstPause_us);  // this look and the next one are one try
     route_.busy = true;
     tell_at_us_ = 0;  // also when nothing was offered: since a restart the neighbours know more than this one
@@ -96,28 +97,29 @@ void RouteKeeper::set_offered(std::uint16_t rows) {
   adoption_.out_of_reach = rows;
 }
 
-// A list that is as before keeps its number. The samples of guests that are in both lists, before all others, go on.
-void RouteKeeper::note_guests() {
-  const std::uint8_t guests = topology_.guest_count();
-  kept_guests_ = 0;
-  for (std::uint8_t k = 0; k < guests; ++k) {
-    const wire::Guest guest = topology_.guest(k);
-    if (k == kept_guests_ && k < adoption_.count && adoption_.guests[k] == guest) ++kept_guests_;
-    adoption_.guests[k] = guest;
+// A list that is as before keeps its number. The samples of adopted modules that are in both lists, before all others,
+// go on.
+void RouteKeeper::note_adopted() {
+  const std::uint8_t adopted_modules = topology_.adopted_count();
+  kept_adopted_ = 0;
+  for (std::uint8_t k = 0; k < adopted_modules; ++k) {
+    const wire::AdoptedModule adopted_module = topology_.adopted_module(k);
+    if (k == kept_adopted_ && k < adoption_.count && adoption_.adopted_modules[k] == adopted_module) ++kept_adopted_;
+    adoption_.adopted_modules[k] = adopted_module;
   }
-  if (guests == adoption_.count && guests == kept_guests_) return;
-  adoption_.count = guests;
+  if (adopted_modules == adoption_.count && adopted_modules == kept_adopted_) return;
+  adoption_.count = adopted_modules;
   adoption_.list = static_cast<std::uint8_t>(adoption_.list == 255 ? 1 : adoption_.list + 1);
   tell_at_us_ = 0;
 }
 
-bool RouteKeeper::hear(const wire::CanFrame& frame, std::uint8_t own_node, std::uint64_t now_us) {
+bool RouteKeeper::receive(const wire::CanFrame& frame, std::uint8_t own_node, std::uint64_t now_us) {
   const auto reach = wire::decode_reach(frame);
-  if (reach && reach->node_address != own_node) neighbours_.hear(*reach, own_node, adoption_.count > 0, now_us);
+  if (reach && reach->node_address != own_node) neighbours_.receive(*reach, own_node, adoption_.count > 0, now_us);
   return reach.has_value();
 }
 
-void RouteKeeper::tell(CanPort& port, std::uint8_t own_node, std::uint64_t now_us) {
+void RouteKeeper::send_status(CanPort& port, std::uint8_t own_node, std::uint64_t now_us) {
   if (now_us < tell_at_us_) return;
   constexpr std::uint64_t kNoRoom_us = 1'000;
   const bool quiet = adoption_.out_of_reach == 0 && adoption_.count == 0;
@@ -130,7 +132,7 @@ void RouteKeeper::tell(CanPort& port, std::uint8_t own_node, std::uint64_t now_u
 void RouteKeeper::note(const Topology::Report& report) {
   route_.complete = report.complete;
   route_.as_table = report.as_table;
-  route_.least_depth = report.least_depth;
+  route_.min_depth = report.min_depth;
   route_.second_cable = report.second_cable;
   route_.shorts = report.shorts;
   route_.unknown = report.unknown;
@@ -147,17 +149,17 @@ void RouteKeeper::note(const Topology::Report& report) {
   }
 }
 
-// A missing module may come back: the next healing, each time after twice the pause.
+// A missing module may come back: the next rerouting, each time after twice the pause.
 void RouteKeeper::plan_next(std::uint64_t now_us) {
   check_at_us_ = now_us + kCheckEvery_us;
-  heal_at_us_ = UINT64_MAX;
+  reroute_at_us_ = UINT64_MAX;
   const auto all = static_cast<std::uint16_t>((1U << table_.graph.count) - 1U);
   if (!route_.switched || table_.graph.count == 0) return;
   if (route_.alive == all) {
     pause_us_ = kFirstPause_us;
     return;
   }
-  heal_at_us_ = now_us + pause_us_;
+  reroute_at_us_ = now_us + pause_us_;
   pause_us_ = std::min(2 * pause_us_, kLongestPause_us);
 }
 
@@ -170,7 +172,7 @@ bool RouteKeeper::check(std::uint64_t now_us) {
   if (topology_.refresh()) {
     ++route_.repairs;
   } else {
-    heal_at_us_ = 0;
+    reroute_at_us_ = 0;
     route_.busy = true;
   }
   return false;
@@ -178,7 +180,7 @@ bool RouteKeeper::check(std::uint64_t now_us) {
 
 std::uint64_t RouteKeeper::next_event_us() const {
   if (!present_) return UINT64_MAX;
-  const std::uint64_t next_us = std::min(heal_at_us_, tell_at_us_);
+  const std::uint64_t next_us = std::min(reroute_at_us_, tell_at_us_);
   if (!switched() || table_.graph.count == 0) return next_us;
   return std::min(next_us, std::min(check_at_us_, look_because_of_others_us()));
 }

@@ -4,7 +4,7 @@
 namespace triskin::fw {
 namespace {
 
-constexpr int kMostPasses = 64;  // every pass but the last leaves one more port closed; 48 ports exist
+constexpr int kMaxPasses = 64;  // every pass but the last leaves one more port closed; 48 ports exist
 
 constexpr bool has(std::uint16_t set, std::uint8_t k) {
   return ((set >> k) & 1U) != 0;
@@ -33,7 +33,7 @@ Topology::Report Topology::discover(const Table* table, Look look) {
   bad_.fill(0);
   shorts_ = 0;
   bool asked_again = false;
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
     Pass result = explore();
     if (result == Pass::kDone) result = match();
     if (result == Pass::kAgain) continue;
@@ -344,8 +344,8 @@ Topology::Table Topology::table_of(const layout::PatchImage& image) {
   return table;
 }
 
-Topology::Report Topology::heal(const Table& table, Look look, std::uint8_t layers) {
-  guest_count_ = 0;
+Topology::Report Topology::reroute(const Table& table, Look look, std::uint8_t layers) {
+  adopted_count_ = 0;
   if (look == Look::kAdopt && table.graph.count == layout::kMaxModules) look = Look::kOwn;  // no address is free
   Report report = find(table, look);
   if (more_behind_second(table, report)) {
@@ -369,7 +369,7 @@ Topology::Report Topology::heal(const Table& table, Look look, std::uint8_t laye
     chain_.silence();  // nothing of a half-open tree may answer
     return report;
   }
-  for (std::uint8_t m = 0; m < graph_.count - guest_count_; ++m) {
+  for (std::uint8_t m = 0; m < graph_.count - adopted_count_; ++m) {
     if (!has(chain_.members(), m))
       parent_[m] = {};
     else if (table_index_[m] != kNoModule)
@@ -462,7 +462,7 @@ bool Topology::table_tree(const Table& table) {
 }
 
 // False: no module of the table is there.
-bool Topology::least_depth_tree(const Table& table) {
+bool Topology::min_depth_tree(const Table& table) {
   std::array<std::uint8_t, layout::kMaxModules> queue{};
   std::size_t n = 0;
   if (table_index_[0] == kNoModule) return false;
@@ -492,17 +492,17 @@ bool Topology::activate(const Table& table, Report& report) {
     }
     return rebuild_all() && lines_free();
   };
-  if (!least_depth_tree(table)) return false;
+  if (!min_depth_tree(table)) return false;
   const std::uint8_t least = depth();
   const auto shallow = parent_;
   if (table_tree(table) && up()) {
     report.as_table = true;
-    report.least_depth = depth() == least;
+    report.min_depth = depth() == least;
     return true;
   }
   parent_ = shallow;
   if (up()) {
-    report.least_depth = true;
+    report.min_depth = true;
     return true;
   }
   parent_ = as_found;  // every one of these joints has just carried a module

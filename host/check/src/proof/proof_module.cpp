@@ -17,7 +17,7 @@ ProofModule triangle() {
           .offset = {inradius, inradius, inradius},
           .inradius_low_mm = 8.66,
           .circumradius_high_mm = 17.321,
-          .least_pitch_mm = kModuleSide_mm,
+          .min_pitch_mm = kModuleSide_mm,
           .row_height = kHalfRoot3,
           .row_shift = 0.5,
           .period_high_rad = kSixth_rad};
@@ -53,7 +53,7 @@ ProofModule square() {
           .offset = std::vector<Interval>(4, kHalfSide_mm),
           .inradius_low_mm = 15.0,
           .circumradius_high_mm = 21.214,
-          .least_pitch_mm = kModuleSide_mm,
+          .min_pitch_mm = kModuleSide_mm,
           .row_height = 1.0,
           .row_shift = 0.0,
           .period_high_rad = kQuarter_rad};
@@ -74,7 +74,7 @@ ProofModule hexagon() {
           .offset = std::vector<Interval>(6, inradius),
           .inradius_low_mm = 25.98,
           .circumradius_high_mm = 30.001,
-          .least_pitch_mm = 51.9615242270663,
+          .min_pitch_mm = 51.9615242270663,
           .row_height = kHalfRoot3,
           .row_shift = 0.5,
           .period_high_rad = kSixth_rad};

@@ -17,7 +17,7 @@ struct ProofModule {
   std::vector<Interval> offset;  ///< of each side from the centre
   double inradius_low_mm = 0.0,  ///< least offset
       circumradius_high_mm = 0.0;
-  double least_pitch_mm = 0.0;   ///< below it modules would overlap
+  double min_pitch_mm = 0.0;     ///< below it modules would overlap
   Interval row_height;           ///< of the pitch
   double row_shift = 0.0;        ///< of the pitch
   double period_high_rad = 0.0;  ///< the grid is its own image after this turn, a hair less
@@ -26,9 +26,9 @@ struct ProofModule {
 };
 
 /// The module of a shape, with sides of 30 mm. Of triangles the corners may be cut off, `corner_cut_mm` along each
-/// side, 0 … kMostProofCut_mm; of the others the cut is not looked at. Any number of threads.
+/// side, 0 … kMaxProofCut_mm; of the others the cut is not looked at. Any number of threads.
 [[nodiscard]] ProofModule proof_module(ProofShape shape, double corner_cut_mm);
 /// With a larger cut the short sides would come nearer to the centre than the long ones.
-inline constexpr double kMostProofCut_mm = 10.0;
+inline constexpr double kMaxProofCut_mm = 10.0;
 
 }  // namespace triskin::check

@@ -7,11 +7,11 @@
 
 namespace triskin::cli {
 
-/// Adds --corner-cut-mm, 0 … design::kMostCornerCut_mm.
+/// Adds --corner-cut-mm, 0 … design::kMaxCornerCut_mm.
 inline void add_corner_cut(CLI::App& app, double& corner_cut_mm) {
   app.add_option("--corner-cut-mm", corner_cut_mm,
                  "cut off along each side from every corner of a module; above 6.9 taxels would be cut off")
-      ->check(CLI::Range(0.0, design::kMostCornerCut_mm))
+      ->check(CLI::Range(0.0, design::kMaxCornerCut_mm))
       ->capture_default_str();
 }
 

@@ -10,9 +10,9 @@
 #include "design_edit.hpp"
 #include "mesh_options.hpp"
 #include "repair_text.hpp"
+#include "triskin/base/interrupt.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
-#include "triskin/base/interrupt.hpp"
 #include "triskin/pipeline/make_design.hpp"
 
 namespace triskin::cli::design_command {

@@ -13,7 +13,7 @@
 namespace triskin::cli {
 namespace {
 
-constexpr int kMostId = 9'999'999;
+constexpr int kMaxId = 9'999'999;
 
 std::vector<std::string> parts_of(const std::string& text, char separator) {
   std::vector<std::string> parts;
@@ -39,9 +39,9 @@ std::vector<int> ids_of(const std::string& option, const std::string& text) {
   for (const std::string& part : parts_of(text, ',')) {
     const std::size_t dash = part.find('-');
     int first = 0, last = 0;
-    const bool is_read = dash == std::string::npos ? read_whole(part, 0, kMostId, first)
-                                                   : read_whole(part.substr(0, dash), 0, kMostId, first) &&
-                                                         read_whole(part.substr(dash + 1), first, kMostId, last);
+    const bool is_read = dash == std::string::npos ? read_whole(part, 0, kMaxId, first)
+                                                   : read_whole(part.substr(0, dash), 0, kMaxId, first) &&
+                                                         read_whole(part.substr(dash + 1), first, kMaxId, last);
     if (!is_read) refuse(option, part, "give module ids and ranges of them, as 3,7-9");
     for (int id = first; id <= std::max(first, last); ++id) ids.push_back(id);
   }
@@ -54,7 +54,7 @@ pipeline::NewPlace place_of(const std::string& part) {
   if (const std::size_t colon = part.find(':'); colon != std::string::npos) {
     const std::vector<std::string> tile = parts_of(part.substr(colon + 1), '/');
     pipeline::TileOfIsland place;
-    if (tile.size() != 3 || !read_whole(part.substr(0, colon), 0, kMostId, place.island) ||
+    if (tile.size() != 3 || !read_whole(part.substr(0, colon), 0, kMaxId, place.island) ||
         !read_whole(tile[0], -design::kMaxLattice, design::kMaxLattice, place.tile.i) ||
         !read_whole(tile[1], -design::kMaxLattice, design::kMaxLattice, place.tile.j) ||
         (tile[2] != "up" && tile[2] != "down"))
@@ -64,7 +64,7 @@ pipeline::NewPlace place_of(const std::string& part) {
   }
   pipeline::BesideModule place;
   const std::vector<std::string> side = parts_of(part, '.');
-  if (side.size() != 2 || !read_whole(side[0], 0, kMostId, place.module) || !read_whole(side[1], 0, 2, place.side))
+  if (side.size() != 2 || !read_whole(side[0], 0, kMaxId, place.module) || !read_whole(side[1], 0, 2, place.side))
     refuse("--add", part, remedy);
   return place;
 }
@@ -183,9 +183,9 @@ void EditOptions::require_fitting(const CLI::App& app, const std::string& from) 
 
 bool report_regions(const design::Design& d, Output& output) {
   if (d.regions.empty()) return true;
-  output.result["worth"] = d.report.worth;
+  output.result["worth"] = d.report.module_value;
   output.result["uncovered"] = nlohmann::json::array();
-  output.say(fmt::format("{} regions: the modules are worth {:.2f}", d.regions.list.size(), d.report.worth));
+  output.say(fmt::format("{} regions: the modules are worth {:.2f}", d.regions.list.size(), d.report.module_value));
   for (const design::Uncovered& u : d.report.uncovered) {
     const auto& p = u.place_mm;
     const std::string why = u.why == "room" ? "a module fits there, but not beside the others" : u.why + " refuses any";
@@ -224,11 +224,11 @@ void report_alternatives(const design::Design& d, Output& output) {
                                              {"jumpers", a.jumpers},
                                              {"islands", a.layout.islands},
                                              {"price", a.price},
-                                             {"worth", a.worth}});
+                                             {"worth", a.module_value}});
     output.say(
         fmt::format("{} alternative {}: {} modules, {} controllers, {} jumpers, {} islands: price {:.2f}, value {:.2f}",
                     static_cast<int>(k) == d.taken ? "*" : " ", k, n, a.patches, a.jumpers, a.layout.islands, a.price,
-                    a.worth - a.price));
+                    a.module_value - a.price));
   }
 }
 

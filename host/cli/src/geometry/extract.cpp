@@ -13,9 +13,9 @@
 
 #include "mesh_options.hpp"
 #include "repair_text.hpp"
+#include "triskin/base/error.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/mesh/surface.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::cli::extract_command {
 namespace {
@@ -76,7 +76,7 @@ int run(Options options, Output& output) {
                    {"boundary_loops", e.report.boundary_loops},
                    {"flipped_faces", e.report.flipped_faces},
                    {"components", e.report.components},
-                   {"crowded_edges", e.report.crowded_edges},
+                   {"crowded_edges", e.report.non_manifold_edges},
                    {"outer", e.report.outer},
                    {"wrapped", e.report.wrapped},
                    {"kept_out_cm2", e.report.kept_out_mm2 / 100.0},
@@ -114,7 +114,7 @@ const Registration kExtract{{
       app.add_option("--outer", s.outer,
                      "drop hidden faces: never, auto (several parts, or edges with more than two faces), always")
           ->transform(one_of(when));
-      app.add_option("--sky", s.sky_fraction, "share of the sky that an outer face sees")
+      app.add_option("--sky", s.visibility_fraction, "share of the sky that an outer face sees")
           ->check(CLI::Range(0.0, 1.0))
           ->capture_default_str();
       app.add_option("--wrap", s.wrap, "shrink-wrap: never, auto (what is left is shattered or crosses itself), always")

@@ -5,9 +5,9 @@
 
 #include <memory>
 
+#include "triskin/base/error.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/mesh/mesh_io.hpp"
-#include "triskin/base/error.hpp"
 
 namespace triskin::cli::generate_command {
 namespace {

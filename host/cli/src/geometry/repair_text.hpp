@@ -42,8 +42,8 @@ namespace triskin::cli {
   if (r.repair == geometry::Repair::kNone) return text;
   const geometry::Deviation& d = r.deviation;
   const std::string reason =
-      r.crossings + r.crowded_edges > 0
-          ? fmt::format("{} pairs of faces cross, {} edges have more than two faces", r.crossings, r.crowded_edges)
+      r.crossings + r.non_manifold_edges > 0
+          ? fmt::format("{} pairs of faces cross, {} edges have more than two faces", r.crossings, r.non_manifold_edges)
           : "its parts are smaller than a module, or touch without being joined";
   if (!text.empty()) text += "; ";
   return text + fmt::format(

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <memory>
 
+#include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/check/routing_rules.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/design/design.hpp"
@@ -13,8 +15,6 @@
 #include "triskin/export/skingui.hpp"
 #include "triskin/routing/jumpers.hpp"
 #include "triskin/routing/routing.hpp"
-#include "triskin/base/error.hpp"
-#include "triskin/base/files.hpp"
 
 namespace triskin::cli::route_command {
 namespace {

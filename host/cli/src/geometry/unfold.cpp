@@ -7,11 +7,11 @@
 
 #include "mesh_options.hpp"
 #include "net_picture.hpp"
-#include "triskin/cli/command.hpp"
-#include "triskin/unfolding/bend_seams.hpp"
-#include "triskin/mesh/extract.hpp"
-#include "triskin/unfolding/unfolding.hpp"
 #include "triskin/base/files.hpp"
+#include "triskin/cli/command.hpp"
+#include "triskin/mesh/extract.hpp"
+#include "triskin/unfolding/bend_seams.hpp"
+#include "triskin/unfolding/unfolding.hpp"
 
 namespace triskin::cli::unfold_command {
 namespace {

@@ -14,7 +14,7 @@ namespace triskin::geometry {
 namespace {
 
 constexpr double kSmallest_mm = 20.0, kLargest_mm = 5000.0;
-constexpr int kFewestFaces = 50, kMostFaces = 2'000'000;
+constexpr int kMinFaces = 50, kMaxFaces = 2'000'000;
 // Faces that the defects make of one face of the clean cover.
 constexpr double kDirtyFaces = 2.25, kNearDegenerateFaces = 1.52;
 
@@ -44,8 +44,8 @@ void require_range(const GenerateOptions& options) {
   if (options.size_mm != 0.0 && !(options.size_mm >= kSmallest_mm && options.size_mm <= kLargest_mm))
     throw InputError(
         fmt::format("generate: size {} mm is not in {} … {} mm", options.size_mm, kSmallest_mm, kLargest_mm));
-  if (options.faces != 0 && !(options.faces >= kFewestFaces && options.faces <= kMostFaces))
-    throw InputError(fmt::format("generate: {} faces are not in {} … {}", options.faces, kFewestFaces, kMostFaces));
+  if (options.faces != 0 && !(options.faces >= kMinFaces && options.faces <= kMaxFaces))
+    throw InputError(fmt::format("generate: {} faces are not in {} … {}", options.faces, kMinFaces, kMaxFaces));
 }
 
 int share(int faces, double of_one) {

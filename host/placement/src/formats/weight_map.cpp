@@ -7,10 +7,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "triskin/placement/weight_regions.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/base/json_cause.hpp"
+#include "triskin/placement/weight_regions.hpp"
 
 namespace triskin::geometry {
 namespace {
@@ -51,7 +51,7 @@ std::pair<double, double> nearest_on_face(const Vec2& p, const std::array<Weight
 
 WeightMap WeightMap::of_mesh(const std::vector<Vertex>& vertices, const std::vector<std::array<int, 3>>& faces,
                              double step_mm) {
-  constexpr double kMostPoints = 1e6;
+  constexpr double kMaxPoints = 1e6;
   if (!(step_mm > 0.0)) throw InputError(fmt::format("weights: step {} mm must be positive", step_mm));
   if (faces.empty()) throw InputError("weights: the mesh has no faces");
   std::vector<std::array<Vertex, 3>> triangles;
@@ -70,9 +70,9 @@ WeightMap WeightMap::of_mesh(const std::vector<Vertex>& vertices, const std::vec
     triangles.push_back(triangle);
   }
   const Vec2 count = ((high - low) / step_mm).array().ceil() + 1.0;
-  if (count.prod() > kMostPoints)
+  if (count.prod() > kMaxPoints)
     throw InputError(fmt::format("weights: a step of {} mm gives {:.0f} points, more than {:.0g}; take a longer step",
-                                 step_mm, count.prod(), kMostPoints));
+                                 step_mm, count.prod(), kMaxPoints));
   std::vector<std::vector<double>> values(static_cast<std::size_t>(count.y()),
                                           std::vector<double>(static_cast<std::size_t>(count.x())));
   for (std::size_t r = 0; r < values.size(); ++r) {
@@ -121,8 +121,8 @@ WeightMap::WeightMap(const Vec2& origin_mm, double step_mm, const std::vector<st
       dxy = std::max(dxy, std::abs(control(c + 1, r + 1) - right - above + here));
     }
   }
-  most_slope_ = std::hypot(dx, dy) / step_;
-  most_curvature_ = std::sqrt(dxx * dxx + 2.0 * dxy * dxy + dyy * dyy) / (step_ * step_);
+  max_slope_ = std::hypot(dx, dy) / step_;
+  max_curvature_ = std::sqrt(dxx * dxx + 2.0 * dxy * dxy + dyy * dyy) / (step_ * step_);
 }
 
 double WeightMap::control(int column, int row) const {

@@ -11,7 +11,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kMostPoints = 1e6, kMostWeight = 1e12;
+constexpr double kMaxPoints = 1e6, kMaxWeight = 1e12;
 constexpr double kRim = 3.0;  // steps of raster around the regions: beyond it the map goes on as at its rim
 
 bool contains(const std::vector<Vec2>& ring, const Vec2& p) {
@@ -25,7 +25,7 @@ bool contains(const std::vector<Vec2>& ring, const Vec2& p) {
 }
 
 void require_weight(const std::string& name, double weight) {
-  if (!(weight >= 0.0 && weight <= kMostWeight))
+  if (!(weight >= 0.0 && weight <= kMaxWeight))
     throw InputError(fmt::format("weights: {} is {}; it must be in 0 … 1e12", name, weight));
 }
 
@@ -45,11 +45,11 @@ void require_regions(const WeightRegions& w) {
 }
 
 double worth_at(const WeightRegions& w, const Vec2& p) {
-  double worth = w.elsewhere;
+  double value = w.elsewhere;
   for (const auto& region : w.regions) {
-    if (contains(region.outline_mm, p)) worth = region.weight;
+    if (contains(region.outline_mm, p)) value = region.weight;
   }
-  return std::max(0.0, worth - w.module_weight);
+  return std::max(0.0, value - w.module_weight);
 }
 
 }  // namespace
@@ -66,9 +66,9 @@ WeightMap weight_map_of(const WeightRegions& w) {
   low -= Vec2::Constant(kRim * w.step_mm);
   high += Vec2::Constant(kRim * w.step_mm);
   const Vec2 count = ((high - low) / w.step_mm).array().ceil() + 1.0;
-  if (!(count.prod() <= kMostPoints))
+  if (!(count.prod() <= kMaxPoints))
     throw InputError(fmt::format("weights: a step of {} mm gives {:.0f} points, more than {:.0g}; take a longer step",
-                                 w.step_mm, count.prod(), kMostPoints));
+                                 w.step_mm, count.prod(), kMaxPoints));
   std::vector<std::vector<double>> values(static_cast<std::size_t>(count.y()));
   for (std::size_t r = 0; r < values.size(); ++r) {
     for (std::size_t c = 0; c < static_cast<std::size_t>(count.x()); ++c)

@@ -6,14 +6,14 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kLeastBucket_mm = 8.0;
-constexpr int kMostBuckets = 512;
+constexpr double kMinBucket_mm = 8.0;
+constexpr int kMaxBuckets = 512;
 
 }  // namespace
 
 EdgeGrid::EdgeGrid(const PreparedPolygon& polygon, double reach_mm) : reach_mm_(reach_mm) {
   const double extent = polygon.radius_mm + reach_mm;
-  const double size = std::max(kLeastBucket_mm, 2.0 * extent / kMostBuckets), far = reach_mm + 0.75 * size;
+  const double size = std::max(kMinBucket_mm, 2.0 * extent / kMaxBuckets), far = reach_mm + 0.75 * size;
   origin_ = -extent;
   scale_ = 1.0 / size;
   buckets_ = static_cast<int>(std::ceil(2.0 * extent * scale_)) + 1;

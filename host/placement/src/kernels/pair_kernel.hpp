@@ -44,7 +44,7 @@ struct CellFrame {
   void set(const PreparedPolygon& polygon, const TileGrid& grid, const MotionBox& box, double inset, double sufficient);
 };
 
-inline constexpr std::size_t kLanes = 8, kMostCorners = 6;
+inline constexpr std::size_t kLanes = 8, kMaxCorners = 6;
 /// Result for a block of pairs. The edge does not cut the tile where it lies beyond a side of the tile,
 /// or where the tile lies on one side of the edge's line: these are the directions.
 struct PairBlock {
@@ -54,10 +54,10 @@ struct PairBlock {
   alignas(64) std::array<double, kLanes> value;   ///< separation at the centre
 
   /// Directions: [0] tile left of the line, [1] right of it, [2 + k] beyond side k. Negative room: it holds nowhere.
-  alignas(64) std::array<std::array<double, kLanes>, 2 + kMostCorners> room;
+  alignas(64) std::array<std::array<double, kLanes>, 2 + kMaxCorners> room;
   /// Constraints at the centre and their slopes by theta: [j] corner j over the line (direction 0; negated: 1), then
   /// two for each side, one for each end of the edge.
-  alignas(64) std::array<std::array<double, kLanes>, 3 * kMostCorners> level, slope;
+  alignas(64) std::array<std::array<double, kLanes>, 3 * kMaxCorners> level, slope;
 };
 
 /// Evaluates up to kLanes pairs at once. The widest instruction set of the processor is chosen at the first call; all

@@ -37,7 +37,7 @@ WeightedTiles::Term WeightedTiles::term(const CellFrame& f, const Vec2& center) 
   const double far = slide + lever * f.half[2], bend = (0.5 * lever * f.half[2] + slide) * f.half[2];
   return {jet.value,
           {-turned.x(), -turned.y(), jet.slope_per_mm.x() * q.y() - jet.slope_per_mm.y() * q.x()},
-          map_.most_slope_per_mm() * bend + 0.5 * map_.most_curvature_per_mm2() * far * far};
+          map_.max_slope_per_mm() * bend + 0.5 * map_.max_curvature_per_mm2() * far * far};
 }
 
 double WeightedTiles::bound(const CellFrame& f, const std::vector<OpenTile>& certain,

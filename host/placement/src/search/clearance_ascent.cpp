@@ -7,9 +7,9 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kFirstRadius_mm = 1.0, kLargestRadius_mm = 4.0, kLeastRadius_mm = 1e-5;
-constexpr double kLeastGain_mm = 1e-5;
-constexpr int kMostSteps = 60;
+constexpr double kFirstRadius_mm = 1.0, kLargestRadius_mm = 4.0, kMinRadius_mm = 1e-5;
+constexpr double kMinGain_mm = 1e-5;
+constexpr int kMaxSteps = 60;
 constexpr double kApart_mm = 0.05;  // motions that are closer climb to the same place
 
 }  // namespace
@@ -22,12 +22,11 @@ ClearanceAscent::ClearanceAscent(const PreparedPolygon& polygon, const TileGrid&
       edges_(polygon, grid.circumradius_mm + grid.inradius_mm + 3.0 * kLargestRadius_mm),
       modules_(static_cast<std::size_t>(modules)) {}
 
-std::vector<Motion> ClearanceAscent::most_promising(const std::vector<Motion>& motions, std::size_t n,
-                                                    double least_mm) {
+std::vector<Motion> ClearanceAscent::max_promising(const std::vector<Motion>& motions, std::size_t n, double min_mm) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t k = motions.size(); k-- > 0;) {
-    const double separation = choose_tiles(motions[k], least_mm);
-    if (separation >= least_mm) order.emplace_back(separation, k);
+    const double separation = choose_tiles(motions[k], min_mm);
+    if (separation >= min_mm) order.emplace_back(separation, k);
   }
   std::ranges::sort(order, std::greater<>());
   std::vector<Motion> best;
@@ -49,7 +48,7 @@ double ClearanceAscent::choose_tiles(const Motion& motion, double inset_mm) {
   if (found.size() < modules_) return -grid_.inradius_mm;
   tiles_.clear();
   for (const Tile& t : found) tiles_.push_back({grid_.center(t), t, true, 0, 0});
-  double least = least_separation(motion, false);
+  double least = min_separation(motion, false);
   if (found.size() == modules_) return least;
   std::vector<std::size_t> order(tiles_.size());
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
@@ -72,7 +71,7 @@ void ClearanceAscent::list_pairs(const Motion& motion) {
   }
 }
 
-double ClearanceAscent::least_separation(const Motion& motion, bool collect) {
+double ClearanceAscent::min_separation(const Motion& motion, bool collect) {
   list_pairs(motion);
   const std::array<double, 3> at{motion.x, motion.y, motion.theta};
   frame_.set(polygon_, grid_, {at, at}, 0.0, 0.0);
@@ -132,13 +131,13 @@ double ClearanceAscent::climb(Motion& motion, double inset_mm) {
   const double start = choose_tiles(motion, inset_mm);
   if (start < inset_mm - 1e-6) return -grid_.inradius_mm;
   double reached = start, radius = kFirstRadius_mm;
-  for (int k = 0; k < kMostSteps && radius > kLeastRadius_mm; ++k) {
-    least_separation(motion, true);
+  for (int k = 0; k < kMaxSteps && radius > kMinRadius_mm; ++k) {
+    min_separation(motion, true);
     std::array<double, 4> move{};
-    if (!step(radius, move) || move[3] < reached + kLeastGain_mm) break;
+    if (!step(radius, move) || move[3] < reached + kMinGain_mm) break;
     const Motion next{motion.x + move[0], motion.y + move[1],
                       motion.theta + move[2] / std::max(1.0, polygon_.radius_mm)};
-    const double there = least_separation(next, false), gain = there - reached, promised = move[3] - reached;
+    const double there = min_separation(next, false), gain = there - reached, promised = move[3] - reached;
     if (gain > 0.1 * promised) {
       motion = next;
       reached = there;

@@ -12,9 +12,9 @@ class ClearanceAscent {
  public:
   ClearanceAscent(const PreparedPolygon& polygon, const TileGrid& grid, int modules);
 
-  /// Of the motions at which the tiles hold with `least_mm` the `n` with the largest clearance, no two of them close
+  /// Of the motions at which the tiles hold with `min_mm` the `n` with the largest clearance, no two of them close
   /// together.
-  std::vector<Motion> most_promising(const std::vector<Motion>& motions, std::size_t n, double least_mm);
+  std::vector<Motion> max_promising(const std::vector<Motion>& motions, std::size_t n, double min_mm);
 
   /// The inset at which `modules` tiles hold at `motion`, after it was moved to a local maximum of that; −inradius
   /// when fewer hold with `inset_mm`. Linear programs in trust regions: each step widens the narrowest places of the
@@ -24,7 +24,7 @@ class ClearanceAscent {
  private:
   double choose_tiles(const Motion& motion, double inset_mm);
   void list_pairs(const Motion& motion);
-  double least_separation(const Motion& motion, bool collect_rows);
+  double min_separation(const Motion& motion, bool collect_rows);
   void collect_rows(std::size_t pair, std::size_t lane);
   [[nodiscard]] bool step(double radius_mm, std::array<double, 4>& move);
   double counted(const Motion& motion, double reached, double least);

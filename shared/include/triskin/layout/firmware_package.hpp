@@ -15,7 +15,7 @@ inline constexpr std::uint32_t kFlashPageBytes = 2048;
 inline constexpr std::array<std::uint8_t, 4> kPackageMagic{'T', 'S', 'K', 'F'};
 inline constexpr std::uint16_t kPackageVersion = 1;
 inline constexpr std::size_t kPackageHeadBytes = 32;
-inline constexpr std::uint32_t kMostImageBytes = 0x3C000 - kFlashPageBytes;
+inline constexpr std::uint32_t kMaxFirmwareImageBytes = 0x3C000 - kFlashPageBytes;
 
 struct PackageHead {
   std::uint32_t firmware_version = 0;
@@ -42,7 +42,7 @@ struct PackageHead {
   for (std::uint32_t& v : head.crc) v = r.le32();
   if (r.le32() != crc32(bytes.first(kPackageHeadBytes - 4))) return std::unexpected(Status::kBadCrc);
   for (const std::uint32_t size : head.size_bytes) {
-    if (size < 512 || size > kMostImageBytes || size % 8 != 0) return std::unexpected(Status::kOutOfRange);
+    if (size < 512 || size > kMaxFirmwareImageBytes || size % 8 != 0) return std::unexpected(Status::kOutOfRange);
   }
   return head;
 }

@@ -7,7 +7,7 @@
 
 namespace triskin::sim {
 
-/// The scan chain of switched modules as its master sees it. Implemented by the virtual hardware (host/scene), driven
+/// The scan chain of switched modules as its master sees it. Implemented by the virtual hardware (host/sim), driven
 /// by board/posix. Times are what the real chain needs: the caller lets them pass.
 class ChainModel {
  public:

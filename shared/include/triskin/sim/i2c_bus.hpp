@@ -4,7 +4,7 @@
 
 namespace triskin::sim {
 
-/// One I²C line as its master sees it, byte by byte (UM10204). Implemented by the virtual hardware (host/scene),
+/// One I²C line as its master sees it, byte by byte (UM10204). Implemented by the virtual hardware (host/sim),
 /// driven by board/posix and by the modelled machine. `now_us` is virtual time at the end of the operation and
 /// never decreases. A line that is stuck answers no start; `scl`/`sda` give the levels.
 class I2cBus {
@@ -23,6 +23,8 @@ class I2cBus {
   [[nodiscard]] virtual bool scl() const = 0;
   /// True when SDA is high.
   [[nodiscard]] virtual bool sda() const = 0;
+  /// The controller's own weak pull-ups are on or off: a line without others floats without them.
+  virtual void controller_pulls_up(bool) {}
   /// One SCL pulse of the bus-clear procedure (UM10204 §3.1.16).
   virtual void pulse_scl(std::uint64_t now_us) = 0;
 };

@@ -11,7 +11,7 @@
 #include "triskin/wire/identifiers.hpp"
 
 /// What a controller of switched modules does not reach of its own patch, and which modules of a neighbouring patch it
-/// reads. docs/switched_module.md, "Adoption".
+/// reads. docs/adoption.md.
 namespace triskin::wire {
 
 inline constexpr std::uint32_t kReachBase = 0x18E3FF00;
@@ -19,13 +19,13 @@ inline constexpr std::uint32_t kReachBase = 0x18E3FF00;
 /// Event: sent by a controller when one of the fields changes, and each second while one of the first two is not 0.
 struct Reach {
   std::uint8_t node_address = 0;
-  std::uint16_t out_of_reach = 0;  ///< bit r: row r of its table hangs on nobody; neighbours may take it in
-  std::uint8_t guests = 0;         ///< modules of other patches that it reads
-  std::uint8_t list = 0;           ///< Adoption::list
+  std::uint16_t out_of_reach = 0;    ///< bit r: row r of its table hangs on nobody; neighbours may take it in
+  std::uint8_t adopted_modules = 0;  ///< modules of other patches that it reads
+  std::uint8_t list = 0;             ///< Adoption::list
   bool operator==(const Reach&) const = default;
 };
 
-/// A classic frame of 4 bytes at kReachBase + node address: rows (2), guests (1), list (1).
+/// A classic frame of 4 bytes at kReachBase + node address: rows (2), adopted modules (1), list (1).
 [[nodiscard]] constexpr CanFrame encode_reach(const Reach& r) {
   CanFrame f;
   f.id = kReachBase | r.node_address;
@@ -33,52 +33,57 @@ struct Reach {
   f.size = 4;
   f.data[0] = static_cast<std::uint8_t>(r.out_of_reach);
   f.data[1] = static_cast<std::uint8_t>(r.out_of_reach >> 8);
-  f.data[2] = r.guests;
+  f.data[2] = r.adopted_modules;
   f.data[3] = r.list;
   return f;
 }
 
-/// Errors: kOutOfRange (another identifier, no node address, more guests than a patch has modules), kBadLength.
+/// Errors: kOutOfRange (another identifier, no node address, more adopted modules than a patch has modules),
+/// kBadLength.
 [[nodiscard]] constexpr Result<Reach> decode_reach(const CanFrame& f) {
   const auto node = static_cast<std::uint8_t>(f.id);
   if (!f.extended || (f.id & ~std::uint32_t{0xFF}) != kReachBase || !layout::is_node_address(node))
     return std::unexpected(Status::kOutOfRange);
   if (f.size != 4) return std::unexpected(Status::kBadLength);
   const Reach reach{node, static_cast<std::uint16_t>(f.data[0] | f.data[1] << 8), f.data[2], f.data[3]};
-  if (reach.guests >= layout::kMaxModules) return std::unexpected(Status::kOutOfRange);
+  if (reach.adopted_modules >= layout::kMaxModules) return std::unexpected(Status::kOutOfRange);
   return reach;
 }
 
 /// A module of another patch that a controller reads: where it hangs, which tells what module it is.
-struct Guest {
-  std::uint8_t parent = 0;       ///< row of the table, or of a guest before this one
-  std::uint8_t parent_port = 0;  ///< 0..2: of the parent, leads to the guest
-  std::uint8_t port = 0;         ///< 0..2: of the guest, leads to the parent
+struct AdoptedModule {
+  std::uint8_t parent = 0;       ///< row of the table, or of a adopted module before this one
+  std::uint8_t parent_port = 0;  ///< 0..2: of the parent, leads to the adopted module
+  std::uint8_t port = 0;         ///< 0..2: of the adopted module, leads to the parent
   std::uint8_t place = 0;        ///< 0..15: 4 × line + address
   [[nodiscard]] constexpr std::uint8_t line() const { return place / layout::kAddressesPerLine; }
   [[nodiscard]] constexpr std::uint8_t address() const { return place % layout::kAddressesPerLine; }
-  bool operator==(const Guest&) const = default;
+  bool operator==(const AdoptedModule&) const = default;
 };
 
-/// FD0E: see Reach; guest k has row `rows of the table` + k in the full stream. FD0C has rows of the table only.
+/// FD0E: see Reach; adopted module k has row `rows of the table` + k in the full stream. FD0C has rows of the table
+/// only.
 struct Adoption {
   static constexpr std::uint16_t kId = did::kAdoption;
-  static constexpr std::size_t kLeastBytes = 4, kGuestBytes = 4, kMostGuests = layout::kMaxModules - 1,
-                               kMostBytes = kLeastBytes + kGuestBytes * kMostGuests;
+  static constexpr std::size_t kMinBytes = 4, kAdoptedBytes = 4, kMaxAdopteds = layout::kMaxModules - 1,
+                               kMaxBytes = kMinBytes + kAdoptedBytes * kMaxAdopteds;
   std::uint8_t rows = 0;  ///< of the table
   std::uint16_t out_of_reach = 0;
-  std::uint8_t list = 0;  ///< number of the list of guests, 1 … 255 and again; samples of guests carry it. 0: none
+  std::uint8_t list =
+      0;  ///< number of the list of adopted modules, 1 … 255 and again; samples of adopted modules carry it. 0: none
   std::uint8_t count = 0;
-  std::array<Guest, kMostGuests> guests{};
+  std::array<AdoptedModule, kMaxAdopteds> adopted_modules{};
 
-  [[nodiscard]] constexpr std::span<const Guest> list_of_guests() const { return {guests.data(), count}; }
+  [[nodiscard]] constexpr std::span<const AdoptedModule> list_of_adopted() const {
+    return {adopted_modules.data(), count};
+  }
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     out.u8(rows);
     out.le16(out_of_reach);
     out.u8(list);
-    for (const Guest& g : list_of_guests()) {
+    for (const AdoptedModule& g : list_of_adopted()) {
       out.u8(g.parent);
       out.u8(g.parent_port);
       out.u8(g.port);
@@ -86,21 +91,21 @@ struct Adoption {
     }
   }
   /// Errors: kTooShort, kBadLength, kOutOfRange (more modules than a controller reads, a parent that is not before the
-  /// guest, a port or place that does not exist), kDuplicate (two guests at one place).
+  /// adopted module, a port or place that does not exist), kDuplicate (two adopted modules at one place).
   [[nodiscard]] static constexpr Result<Adoption> decode(Bytes bytes) {
-    if (bytes.size() < kLeastBytes) return std::unexpected(Status::kTooShort);
-    if (bytes.size() > kMostBytes || (bytes.size() - kLeastBytes) % kGuestBytes != 0)
+    if (bytes.size() < kMinBytes) return std::unexpected(Status::kTooShort);
+    if (bytes.size() > kMaxBytes || (bytes.size() - kMinBytes) % kAdoptedBytes != 0)
       return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     Adoption a;
     a.rows = r.u8();
     a.out_of_reach = r.le16();
     a.list = r.u8();
-    a.count = static_cast<std::uint8_t>((bytes.size() - kLeastBytes) / kGuestBytes);
+    a.count = static_cast<std::uint8_t>((bytes.size() - kMinBytes) / kAdoptedBytes);
     if (a.rows + a.count > layout::kMaxModules) return std::unexpected(Status::kOutOfRange);
     std::uint32_t places = 0;
     for (std::size_t k = 0; k < a.count; ++k) {
-      Guest& g = a.guests[k];
+      AdoptedModule& g = a.adopted_modules[k];
       g.parent = r.u8();
       g.parent_port = r.u8();
       g.port = r.u8();

@@ -34,16 +34,16 @@ struct PlaceSensitivity {
 struct Calibration {
   static constexpr std::uint16_t kId = did::kCalibration;
   static constexpr std::uint8_t kVersion = 1;  ///< of the value; others are refused
-  static constexpr std::uint8_t kMostExponent = 30;
+  static constexpr std::uint8_t kMaxExponent = 30;
   static constexpr std::size_t kHeadBytes = 27, kRowBytes = 5 + 2 * layout::kTaxelsPerModule;
-  static constexpr std::size_t kLeastBytes = kHeadBytes, kMostBytes = kHeadBytes + kRowBytes * layout::kMaxModules;
-  std::uint8_t exponent = 0;    ///< 0 … kMostExponent, of the sensitivities
+  static constexpr std::size_t kMinBytes = kHeadBytes, kMaxBytes = kHeadBytes + kRowBytes * layout::kMaxModules;
+  std::uint8_t exponent = 0;    ///< 0 … kMaxExponent, of the sensitivities
   std::uint16_t revision = 1;   ///< ≥ 1, one more with each calibration of the controller
   std::uint64_t design_id = 0;  ///< of the table that it was made with
   std::uint16_t patch = 0;      ///< of that design, from 0
   std::uint32_t made_unix_s = 0;
   CalibrationMethod method = CalibrationMethod::kSteps;
-  std::uint32_t most_pa = 0;     ///< largest pressure that was applied
+  std::uint32_t max_pa = 0;      ///< largest pressure that was applied
   std::uint32_t taxel_area = 1;  ///< skin that a taxel stands for, 10⁻⁴ mm², ≥ 1
   std::uint8_t count = 0;        ///< 0 … kMaxModules
   std::array<PlaceSensitivity, layout::kMaxModules> places{};
@@ -59,7 +59,7 @@ struct Calibration {
     out.le16(patch);
     out.le32(made_unix_s);
     out.u8(wire_number(method));
-    out.le32(most_pa);
+    out.le32(max_pa);
     out.le32(taxel_area);
     for (const PlaceSensitivity& p : rows()) {
       out.u8(p.place);
@@ -71,7 +71,7 @@ struct Calibration {
   /// Errors: kBadLength (no whole row, too many), kBadVersion, kOutOfRange (no such exponent, revision, method, area or
   /// place), kDuplicate (a place twice).
   [[nodiscard]] static constexpr Result<Calibration> decode(Bytes bytes) {
-    if (bytes.size() < kLeastBytes || bytes.size() > kMostBytes || (bytes.size() - kHeadBytes) % kRowBytes != 0)
+    if (bytes.size() < kMinBytes || bytes.size() > kMaxBytes || (bytes.size() - kHeadBytes) % kRowBytes != 0)
       return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     if (r.u8() != kVersion) return std::unexpected(Status::kBadVersion);
@@ -82,9 +82,9 @@ struct Calibration {
     c.patch = r.le16();
     c.made_unix_s = r.le32();
     const auto method = to_calibration_method(r.u8());
-    c.most_pa = r.le32();
+    c.max_pa = r.le32();
     c.taxel_area = r.le32();
-    if (!method || c.exponent > kMostExponent || c.revision == 0 || c.taxel_area == 0)
+    if (!method || c.exponent > kMaxExponent || c.revision == 0 || c.taxel_area == 0)
       return std::unexpected(Status::kOutOfRange);
     c.method = *method;
     std::uint32_t taken = 0;

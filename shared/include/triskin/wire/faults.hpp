@@ -54,14 +54,14 @@ constexpr void encode_dtc(std::uint32_t dtc, ByteWriter& out) {
 /// Answer to 19 02, after the sub-function: which status bits there are, then the faults.
 struct FaultList {
   static constexpr std::size_t kRecordBytes = 4, kFaultsPerModule = kModuleStateCount - 2;
-  static constexpr std::size_t kMostRecords = kFaultsPerModule * layout::kMaxModules;
+  static constexpr std::size_t kMaxRecords = kFaultsPerModule * layout::kMaxModules;
   std::uint8_t available = fault_status::kAvailable;
-  std::uint8_t count = 0;  ///< 0 … kMostRecords
-  std::array<FaultRecord, kMostRecords> records{};
+  std::uint8_t count = 0;  ///< 0 … kMaxRecords
+  std::array<FaultRecord, kMaxRecords> records{};
 
   /// The records in use.
   [[nodiscard]] constexpr std::span<const FaultRecord> faults() const { return std::span(records).first(count); }
-  /// Appends a record; there must be room (kMostRecords).
+  /// Appends a record; there must be room (kMaxRecords).
   constexpr void add(const FaultRecord& r) { records[count++] = r; }
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
@@ -77,7 +77,7 @@ struct FaultList {
   /// status without one of the bits).
   [[nodiscard]] static constexpr Result<FaultList> decode(Bytes bytes) {
     if (bytes.empty()) return std::unexpected(Status::kTooShort);
-    if ((bytes.size() - 1) % kRecordBytes != 0 || bytes.size() > 1 + kRecordBytes * kMostRecords)
+    if ((bytes.size() - 1) % kRecordBytes != 0 || bytes.size() > 1 + kRecordBytes * kMaxRecords)
       return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     FaultList list;

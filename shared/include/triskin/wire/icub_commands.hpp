@@ -56,7 +56,7 @@ enum class SkinType : std::uint8_t {
 /// FD30: how the controller stands towards iCub hosts.
 struct State {
   static constexpr std::uint16_t kId = did::kIcub;
-  static constexpr std::size_t kLeastBytes = 9, kMostBytes = 9;
+  static constexpr std::size_t kMinBytes = 9, kMaxBytes = 9;
   static constexpr std::uint8_t kNoBoard = 1, kOffsetRefused = 2, kAddressRefused = 4, kCommandRefused = 8;
   static constexpr std::uint8_t kAllFlags = 15;
   std::uint8_t flags = 0;
@@ -72,7 +72,7 @@ struct State {
   }
   /// Errors: kBadLength, kOutOfRange (a flag that does not exist).
   [[nodiscard]] static constexpr Result<State> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     State s;
     for (std::uint8_t* b : {&s.flags, &s.last_refused, &s.refused, &s.skin_type, &s.period_ms, &s.no_load, &s.shift})

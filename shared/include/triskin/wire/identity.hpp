@@ -28,14 +28,14 @@ enum class Session : std::uint8_t { kDefault = 1, kProgramming = 2, kExtended = 
 /// F186.
 struct ActiveSession {
   static constexpr std::uint16_t kId = did::kActiveSession;
-  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
+  static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   Session session = Session::kDefault;
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(session)); }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<ActiveSession> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     const auto session = to_session(bytes[0]);
     if (!session) return std::unexpected(session.error());
     return ActiveSession{*session};
@@ -47,7 +47,7 @@ static_assert(kLengthsAsInTable<ActiveSession>);
 /// F18C.
 struct SerialNumber {
   static constexpr std::uint16_t kId = did::kSerialNumber;
-  static constexpr std::size_t kLeastBytes = UniqueId{}.size(), kMostBytes = kLeastBytes;
+  static constexpr std::size_t kMinBytes = UniqueId{}.size(), kMaxBytes = kMinBytes;
   UniqueId unique_id{};
 
   /// Appends the value as it stands on the wire.
@@ -66,13 +66,13 @@ static_assert(kLengthsAsInTable<SerialNumber>);
 
 /// F190 and F191: the same text on every board of this kind.
 inline constexpr std::array<std::uint8_t, 8> kPartNumber{'T', 'R', 'I', 'S', 'K', 'I', 'N', '1'};
-static_assert(identifier(did::kPartNumber).most_bytes == kPartNumber.size());
-static_assert(identifier(did::kHardware).most_bytes == kPartNumber.size());
+static_assert(identifier(did::kPartNumber).max_bytes == kPartNumber.size());
+static_assert(identifier(did::kHardware).max_bytes == kPartNumber.size());
 
 /// F195: big-endian, so that the bytes are major, minor, patch, build.
 struct FirmwareVersion {
   static constexpr std::uint16_t kId = did::kFirmware;
-  static constexpr std::size_t kLeastBytes = 4, kMostBytes = 4;
+  static constexpr std::size_t kMinBytes = 4, kMaxBytes = 4;
   std::uint32_t version = 0;  ///< major in the highest byte
 
   /// Appends the value as it stands on the wire.
@@ -80,7 +80,7 @@ struct FirmwareVersion {
   /// Value of these bytes.
   /// Error: kBadLength.
   [[nodiscard]] static constexpr Result<FirmwareVersion> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     return FirmwareVersion{ByteReader(bytes).be32()};
   }
   bool operator==(const FirmwareVersion&) const = default;
@@ -90,7 +90,7 @@ static_assert(kLengthsAsInTable<FirmwareVersion>);
 /// FD00: what a host must know before it says anything else.
 struct Hello {
   static constexpr std::uint16_t kId = did::kHello;
-  static constexpr std::size_t kLeastBytes = 23, kMostBytes = 23;
+  static constexpr std::size_t kMinBytes = 23, kMaxBytes = 23;
   static constexpr std::size_t kFixedBytes = 21;  ///< up to the unique id: the same in every wire version
   std::uint16_t wire_version = kWireVersion, layout_version = layout::kLayoutVersion;
   std::uint32_t firmware_version = 0;
@@ -123,7 +123,7 @@ struct Hello {
     h.max_modules = h.taxels_per_module = 0;
     if (!layout::is_node_address(h.node_address)) return std::unexpected(Status::kOutOfRange);
     if (h.wire_version != kWireVersion) return h;
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     h.max_modules = r.u8();
     h.taxels_per_module = r.u8();
     if (h.max_modules < 1 || h.max_modules > layout::kMaxModules || h.taxels_per_module != layout::kTaxelsPerModule)
@@ -137,14 +137,14 @@ static_assert(kLengthsAsInTable<Hello>);
 /// FD01.
 struct NodeAddress {
   static constexpr std::uint16_t kId = did::kNodeAddress;
-  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
+  static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   std::uint8_t address = layout::kFirstNode;
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.u8(address); }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<NodeAddress> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     if (!layout::is_node_address(bytes[0])) return std::unexpected(Status::kOutOfRange);
     return NodeAddress{bytes[0]};
   }
@@ -155,7 +155,7 @@ static_assert(kLengthsAsInTable<NodeAddress>);
 /// FD09: the firmware image that runs.
 struct ImageState {
   static constexpr std::uint16_t kId = did::kImageState;
-  static constexpr std::size_t kLeastBytes = 14, kMostBytes = 14;
+  static constexpr std::size_t kMinBytes = 14, kMaxBytes = 14;
   std::uint8_t slot = 0;         ///< 0 or 1
   bool confirmed = false;        ///< it has said that it works
   std::uint32_t sequence = 0;    ///< one more than the other slot's
@@ -172,7 +172,7 @@ struct ImageState {
   }
   /// Errors: kBadLength, kOutOfRange (a third slot; neither confirmed nor not).
   [[nodiscard]] static constexpr Result<ImageState> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     ImageState s;
     s.slot = r.u8();

@@ -27,7 +27,7 @@ inline constexpr std::uint32_t kCommandId = 0x1BF40000;
 /// Data: kDataBase | slot << 16 | number of the first unit. Lower in priority than samples and requests.
 inline constexpr std::uint32_t kDataBase = 0x1BF80000, kDataMask = 0x1FFE0000;
 inline constexpr std::size_t kUnitBytes = 8;  ///< of the flash
-inline constexpr std::size_t kMostUnits = layout::kMostImageBytes / kUnitBytes;
+inline constexpr std::size_t kMaxUnits = layout::kMaxFirmwareImageBytes / kUnitBytes;
 /// A session ends after so much silence.
 inline constexpr std::uint64_t kPatience_us = 10'000'000;
 /// Between two data frames for one slot, for each unit of the first: the flash takes 82 µs, and the lines are served.
@@ -112,7 +112,7 @@ struct Order {
 struct Offer {
   std::uint8_t slot = 0;
   bool may_be_older = false;
-  std::uint32_t size_bytes = 0;  ///< a multiple of kUnitBytes, 512 … layout::kMostImageBytes
+  std::uint32_t size_bytes = 0;  ///< a multiple of kUnitBytes, 512 … layout::kMaxFirmwareImageBytes
   std::uint32_t firmware_version = 0;
   std::uint32_t hardware_crc = 0;  ///< CRC-32 of the part number
   std::uint32_t image_crc = 0;
@@ -347,19 +347,19 @@ constexpr Status decode_missing(Bytes bytes, Found found) {
   if (!list && bytes[0] != wire_number(Answer::kBitmap)) return Status::kBadMagic;
   std::size_t unit = ByteReader(bytes.subspan(1)).le16();
   const Bytes rest = bytes.subspan(MissingPart::kHead);
-  const auto tell = [&](std::size_t u) {
-    if (u < kMostUnits) found(static_cast<std::uint16_t>(u));
-    return u < kMostUnits;
+  const auto add_unit = [&](std::size_t u) {
+    if (u < kMaxUnits) found(static_cast<std::uint16_t>(u));
+    return u < kMaxUnits;
   };
   if (list) {
-    if (!tell(unit)) return Status::kOutOfRange;
+    if (!add_unit(unit)) return Status::kOutOfRange;
     for (std::size_t k = 0; k < rest.size() && rest[k] != 0; ++k) {
-      if (!tell(unit += rest[k])) return Status::kOutOfRange;
+      if (!add_unit(unit += rest[k])) return Status::kOutOfRange;
     }
     return Status::kOk;
   }
   for (std::size_t k = 0; k < 8 * rest.size(); ++k) {
-    if ((rest[k / 8] >> k % 8 & 1) != 0 && !tell(unit + k)) return Status::kOutOfRange;
+    if ((rest[k / 8] >> k % 8 & 1) != 0 && !add_unit(unit + k)) return Status::kOutOfRange;
   }
   return Status::kOk;
 }

@@ -20,7 +20,7 @@ struct LineState {
 /// FD06.
 struct LineStates {
   static constexpr std::uint16_t kId = did::kLineStates;
-  static constexpr std::size_t kMostBytes = 5 * layout::kLines, kLeastBytes = kMostBytes;
+  static constexpr std::size_t kMaxBytes = 5 * layout::kLines, kMinBytes = kMaxBytes;
   std::array<LineState, layout::kLines> lines{};
 
   /// Appends the value as it stands on the wire.
@@ -32,7 +32,7 @@ struct LineStates {
   }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<LineStates> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     LineStates s;
     for (LineState& l : s.lines) {
@@ -57,7 +57,7 @@ struct LineReport {
 /// Routine 0201.
 struct Discovery {
   static constexpr std::uint16_t kId = routine::kDiscover;
-  static constexpr std::size_t kMostBytes = 1 + 3 * layout::kLines, kLeastBytes = kMostBytes;
+  static constexpr std::size_t kMaxBytes = 1 + 3 * layout::kLines, kMinBytes = kMaxBytes;
   bool done = false;
   std::array<LineReport, layout::kLines> lines{};
 
@@ -72,7 +72,7 @@ struct Discovery {
   }
   /// Errors: kBadLength, kOutOfRange (an address that a line does not have; a wrong id where nobody answers).
   [[nodiscard]] static constexpr Result<Discovery> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     const auto done = checked_bool(r.u8());
     if (!done) return std::unexpected(done.error());

@@ -23,8 +23,8 @@ struct ModuleTaxels {
 /// FD10: the latest readings of all modules of the table, whatever is streamed.
 struct LiveTaxels {
   static constexpr std::uint16_t kId = did::kLiveTaxels;
-  static constexpr std::size_t kLeastBytes = 12, kModuleBytes = 2 + 2 * layout::kTaxelsPerModule,
-                               kMostBytes = kLeastBytes + kModuleBytes * layout::kMaxModules;
+  static constexpr std::size_t kMinBytes = 12, kModuleBytes = 2 + 2 * layout::kTaxelsPerModule,
+                               kMaxBytes = kMinBytes + kModuleBytes * layout::kMaxModules;
   std::uint32_t sequences = 0;  ///< nominal sequences since power-up
   std::uint64_t time_us = 0;    ///< the controller's clock, at the answer
   std::uint8_t count = 0;       ///< modules of the table, 0 … kMaxModules
@@ -43,13 +43,13 @@ struct LiveTaxels {
   }
   /// Errors: kBadLength (no whole number of modules, or too many), kOutOfRange (a taxel that a module does not have).
   [[nodiscard]] static constexpr Result<LiveTaxels> decode(Bytes bytes) {
-    if (bytes.size() < kLeastBytes || bytes.size() > kMostBytes || (bytes.size() - kLeastBytes) % kModuleBytes != 0)
+    if (bytes.size() < kMinBytes || bytes.size() > kMaxBytes || (bytes.size() - kMinBytes) % kModuleBytes != 0)
       return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     LiveTaxels t;
     t.sequences = r.le32();
     t.time_us = r.le64();
-    t.count = static_cast<std::uint8_t>((bytes.size() - kLeastBytes) / kModuleBytes);
+    t.count = static_cast<std::uint8_t>((bytes.size() - kMinBytes) / kModuleBytes);
     for (ModuleTaxels& m : std::span(t.modules).first(t.count)) {
       m.valid = r.le16();
       if (m.valid > layout::kAllTaxels) return std::unexpected(Status::kOutOfRange);

@@ -36,7 +36,7 @@ inline constexpr ModuleState kFirstFaultState = ModuleState::kAbsent;  ///< stat
 /// FD03: the state of each module, in order of the rows of the table.
 struct ModuleStates {
   static constexpr std::uint16_t kId = did::kModuleStates;
-  static constexpr std::size_t kLeastBytes = 1, kMostBytes = layout::kMaxModules;
+  static constexpr std::size_t kMinBytes = 1, kMaxBytes = layout::kMaxModules;
   std::uint8_t count = 0;  ///< 0 … kMaxModules
   std::array<ModuleState, layout::kMaxModules> state{};
 
@@ -50,7 +50,7 @@ struct ModuleStates {
   }
   /// Errors: kBadLength (more than kMaxModules), kOutOfRange (no such state).
   [[nodiscard]] static constexpr Result<ModuleStates> decode(Bytes bytes) {
-    if (bytes.size() > kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() > kMaxBytes) return std::unexpected(Status::kBadLength);
     ModuleStates states;
     for (const std::uint8_t number : bytes) {
       const auto state = to_module_state(number);
@@ -66,7 +66,7 @@ static_assert(kLengthsAsInTable<ModuleStates>);
 /// Routine 0202: whether every module was looked at, and what was found.
 struct SelfTestResult {
   static constexpr std::uint16_t kId = routine::kSelfTest;
-  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1 + ModuleStates::kMostBytes;
+  static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1 + ModuleStates::kMaxBytes;
   bool done = false;
   ModuleStates modules;
 

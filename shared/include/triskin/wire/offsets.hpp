@@ -38,7 +38,7 @@ enum class Latching : std::uint8_t {
   return checked_enum(number, Latching::kEndOfSequence);
 }
 
-inline constexpr std::uint8_t kMostOffset = 63;     ///< steps
+inline constexpr std::uint8_t kMaxOffset = 63;      ///< steps
 inline constexpr double kOffsetStep_pF = 0.32;      ///< capacitance that a step takes away, nominally
 inline constexpr std::uint16_t kRestLeast = 21846;  ///< the middle third of the results: a taxel rests from here
 inline constexpr std::uint16_t kRestMost = 43690;   ///< to here
@@ -48,7 +48,7 @@ struct ModuleOffsets {
   OffsetState state = OffsetState::kNone;
   Latching latching = Latching::kUnknown;
   std::uint16_t outside = 0;  ///< bit t: taxel t rested outside the middle third when that was looked at last
-  std::array<std::uint8_t, layout::kTaxelsPerModule> steps{};  ///< 0 … kMostOffset
+  std::array<std::uint8_t, layout::kTaxelsPerModule> steps{};  ///< 0 … kMaxOffset
   bool operator==(const ModuleOffsets&) const = default;
 };
 
@@ -56,7 +56,7 @@ struct ModuleOffsets {
 struct Offsets {
   static constexpr std::uint16_t kId = did::kOffsets;
   static constexpr std::size_t kRowBytes = 4 + layout::kTaxelsPerModule;
-  static constexpr std::size_t kLeastBytes = 5, kMostBytes = kLeastBytes + kRowBytes * layout::kMaxModules;
+  static constexpr std::size_t kMinBytes = 5, kMaxBytes = kMinBytes + kRowBytes * layout::kMaxModules;
   bool positive_input = false;  ///< the electrodes hang on the positive input; the controller turns the results round
   std::uint32_t searches = 0;   ///< completed since power-up, of any module
   std::uint8_t count = 0;       ///< 0 … kMaxModules
@@ -76,9 +76,9 @@ struct Offsets {
     }
   }
   /// Errors: kBadLength (no whole row, too many), kOutOfRange (no such state, latching or taxel; a step beyond
-  /// kMostOffset).
+  /// kMaxOffset).
   [[nodiscard]] static constexpr Result<Offsets> decode(Bytes bytes) {
-    if (bytes.size() < kLeastBytes || bytes.size() > kMostBytes || (bytes.size() - kLeastBytes) % kRowBytes != 0)
+    if (bytes.size() < kMinBytes || bytes.size() > kMaxBytes || (bytes.size() - kMinBytes) % kRowBytes != 0)
       return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     Offsets o;
@@ -104,7 +104,7 @@ struct Offsets {
     bool fits = m.outside <= layout::kAllTaxels;
     for (std::uint8_t& s : m.steps) {
       s = r.u8();
-      fits = fits && s <= kMostOffset;
+      fits = fits && s <= kMaxOffset;
     }
     if (!state || !latching || !fits) return std::unexpected(Status::kOutOfRange);
     m.state = *state;
@@ -117,14 +117,14 @@ static_assert(kLengthsAsInTable<Offsets>);
 /// Routine 0206: whether every module has its offsets.
 struct OffsetResult {
   static constexpr std::uint16_t kId = routine::kOffsets;
-  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
+  static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   bool done = false;
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.u8(done ? 1 : 0); }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<OffsetResult> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     const auto done = checked_bool(bytes[0]);
     if (!done) return std::unexpected(done.error());
     return OffsetResult{*done};

@@ -55,14 +55,14 @@ enum class TaxelOutput : std::uint8_t {
 /// FD05.
 struct StreamSetting {
   static constexpr std::uint16_t kId = did::kStream;
-  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
+  static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   StreamMode mode = StreamMode::kOff;
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(mode)); }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<StreamSetting> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     const auto mode = to_stream_mode(bytes[0]);
     if (!mode) return std::unexpected(mode.error());
     return StreamSetting{*mode};
@@ -74,7 +74,7 @@ static_assert(kLengthsAsInTable<StreamSetting>);
 /// FD0A. After power-up as here.
 struct SamplingSetting {
   static constexpr std::uint16_t kId = did::kSampling;
-  static constexpr std::size_t kLeastBytes = 3, kMostBytes = 3;
+  static constexpr std::size_t kMinBytes = 3, kMaxBytes = 3;
   Decimation decimation = Decimation::k256;
   std::uint8_t every = 1;  ///< 1 … 255: each n-th sequence is read
   TaxelOutput output = TaxelOutput::kRaw;
@@ -87,7 +87,7 @@ struct SamplingSetting {
   }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<SamplingSetting> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     const auto decimation = to_decimation(bytes[0]);
     const auto output = to_taxel_output(bytes[2]);
     if (!decimation || !output || bytes[1] == 0) return std::unexpected(Status::kOutOfRange);

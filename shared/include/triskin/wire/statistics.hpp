@@ -11,7 +11,7 @@ namespace triskin::wire {
 /// FD04: counts since power-up; each begins anew after 2^32 − 1.
 struct Statistics {
   static constexpr std::uint16_t kId = did::kStatistics;
-  static constexpr std::size_t kLeastBytes = 16, kMostBytes = 16;
+  static constexpr std::size_t kMinBytes = 16, kMaxBytes = 16;
   std::uint32_t sequences = 0;    ///< nominal sequences of the converters
   std::uint32_t bus_errors = 0;   ///< transfers without acknowledgement, all lines
   std::uint32_t recoveries = 0;   ///< of lines that were held low
@@ -24,7 +24,7 @@ struct Statistics {
   /// Value of these bytes.
   /// Error: kBadLength.
   [[nodiscard]] static constexpr Result<Statistics> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     Statistics s;
     for (std::uint32_t* v : {&s.sequences, &s.bus_errors, &s.recoveries, &s.lost_frames}) *v = r.le32();

@@ -27,8 +27,8 @@ struct RowAccount {
 /// FD0C: account of the stream over the port that asks.
 struct StreamAccount {
   static constexpr std::uint16_t kId = did::kStreamAccount;
-  static constexpr std::size_t kHeadBytes = 10, kLeaseBytes = 4, kLeastBytes = kHeadBytes,
-                               kMostBytes =
+  static constexpr std::size_t kHeadBytes = 10, kLeaseBytes = 4, kMinBytes = kHeadBytes,
+                               kMaxBytes =
                                    kHeadBytes + kLeaseBytes * kMaxLeases + RowAccount::kBytes * layout::kMaxModules;
   std::uint8_t starts = 0;    ///< sampling began anew so often since power-up, modulo 256: numbers start at 1 again
   std::uint64_t time_us = 0;  ///< the controller's clock, at the answer
@@ -59,7 +59,7 @@ struct StreamAccount {
   }
   /// Errors: kBadLength (no whole number of modules, or too many), kOutOfRange (more leases than there can be).
   [[nodiscard]] static constexpr Result<StreamAccount> decode(Bytes bytes) {
-    if (bytes.size() < kLeastBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() < kMinBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     StreamAccount a;
     a.starts = r.u8();

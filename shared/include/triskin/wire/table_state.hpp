@@ -13,7 +13,7 @@ namespace triskin::wire {
 /// FD02. Without a table everything but the status is 0.
 struct ActiveTable {
   static constexpr std::uint16_t kId = did::kActiveTable;
-  static constexpr std::size_t kLeastBytes = 18, kMostBytes = 18;
+  static constexpr std::size_t kMinBytes = 18, kMaxBytes = 18;
   Status status = Status::kEmpty;  ///< kOk: there is one
   std::uint32_t sequence = 0;      ///< counts activations
   std::uint64_t design_id = 0;
@@ -32,7 +32,7 @@ struct ActiveTable {
   }
   /// Errors: kBadLength, kOutOfRange (no such status; modules without a table, or a table without).
   [[nodiscard]] static constexpr Result<ActiveTable> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     ByteReader r(bytes);
     const auto status = to_status(r.u8());
     if (!status) return std::unexpected(status.error());
@@ -52,14 +52,14 @@ static_assert(kLengthsAsInTable<ActiveTable>);
 /// Routine 0205: kOk, or why the table stays as it was.
 struct ActivationResult {
   static constexpr std::uint16_t kId = routine::kActivate;
-  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
+  static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   Status status = Status::kEmpty;
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.u8(wire_number(status)); }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<ActivationResult> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     const auto status = to_status(bytes[0]);
     if (!status) return std::unexpected(status.error());
     return ActivationResult{*status};

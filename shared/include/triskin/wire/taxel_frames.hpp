@@ -59,9 +59,9 @@ inline constexpr std::uint8_t kIcubFirst = 0x40, kIcubSecond = 0xC0;
 }
 
 /// One module of one sample in full: a 48-byte CAN FD frame (fits no classic frame), id 0x18F0‹node›‹module›.
-struct FullTaxels {
+struct TaxelFrame {
   std::uint8_t node_address = 0;
-  std::uint8_t module = 0;   ///< row in the table; from the number of its rows on a guest (Adoption)
+  std::uint8_t module = 0;   ///< row in the table; from the number of its rows on a adopted module (Adoption)
   std::uint32_t sample = 0;  ///< counts the module's samples that were due: a gap is a lost sample
   std::uint64_t device_time_us = 0;
   std::uint16_t valid = 0;  ///< bit t: taxel t
@@ -71,14 +71,15 @@ struct FullTaxels {
   std::uint32_t dropped = 0;  ///< samples of this module that found no room before this one (RowAccount::dropped)
   std::uint16_t unread = 0;   ///< those that were not read in time, modulo 65536 (RowAccount::unread)
   std::uint8_t starts = 0;    ///< how often sampling began anew, modulo 256 (StreamAccount::starts)
-  std::uint8_t guests = 0;    ///< of a guest: the list that `module` refers to (Adoption::list); of a row: 0
-  bool operator==(const FullTaxels&) const = default;
+  std::uint8_t adopted_modules =
+      0;  ///< of a adopted module: the list that `module` refers to (Adoption::list); of a row: 0
+  bool operator==(const TaxelFrame&) const = default;
 };
 inline constexpr std::uint32_t kFullBase = 0x18F00000;
 inline constexpr std::uint8_t kFullBytes = 48;
 
 /// The frame of a module in the full stream (CAN FD).
-[[nodiscard]] constexpr CanFrame encode_full(const FullTaxels& t) {
+[[nodiscard]] constexpr CanFrame encode_full(const TaxelFrame& t) {
   CanFrame f;
   f.id = kFullBase | static_cast<std::uint32_t>(t.node_address) << 8 | t.module;
   f.extended = f.fd = f.bit_rate_switch = true;
@@ -93,15 +94,15 @@ inline constexpr std::uint8_t kFullBytes = 48;
   w.le32(t.dropped);
   w.le16(t.unread);
   w.u8(t.starts);
-  w.u8(t.guests);
+  w.u8(t.adopted_modules);
   return f;
 }
 
 /// Errors: kBadLength, kOutOfRange (another identifier, a taxel, state or row that does not exist).
-[[nodiscard]] constexpr Result<FullTaxels> decode_full(const CanFrame& f) {
+[[nodiscard]] constexpr Result<TaxelFrame> decode_full(const CanFrame& f) {
   if (!f.extended || !f.fd || (f.id & 0x1FFF0000U) != kFullBase) return std::unexpected(Status::kOutOfRange);
   if (f.size != kFullBytes) return std::unexpected(Status::kBadLength);
-  FullTaxels t;
+  TaxelFrame t;
   t.node_address = static_cast<std::uint8_t>(f.id >> 8);
   ByteReader r(f.payload());
   t.sample = r.le32();
@@ -116,7 +117,7 @@ inline constexpr std::uint8_t kFullBytes = 48;
   t.dropped = r.le32();
   t.unread = r.le16();
   t.starts = r.u8();
-  t.guests = r.u8();
+  t.adopted_modules = r.u8();
   return t;
 }
 

@@ -17,8 +17,8 @@ inline constexpr std::uint8_t kNoRow = 0xFF;
 /// FD07: modules and joints as found on the chain; module 0 is the entry. Numbers are those of the discovery.
 struct FoundTopology {
   static constexpr std::uint16_t kId = did::kTopology;
-  static constexpr std::size_t kLeastBytes = 3, kModuleBytes = layout::kPorts + 1,
-                               kMostBytes = kLeastBytes + kModuleBytes * layout::kMaxModules;
+  static constexpr std::size_t kMinBytes = 3, kModuleBytes = layout::kPorts + 1,
+                               kMaxBytes = kMinBytes + kModuleBytes * layout::kMaxModules;
   bool switched = false;      ///< false: nobody answers on the chain; strapped modules, or no power
   bool complete = false;      ///< false: the chain would not settle; what is here is certain, more may be there
   bool second_cable = false;  ///< module 0 is the second entry: nobody, or too few, answered at the first
@@ -26,7 +26,8 @@ struct FoundTopology {
   std::uint8_t cable_port = 0;  ///< of module 0
   /// layout::joint_to of the far end, 0: none.
   std::array<std::array<std::uint8_t, layout::kPorts>, layout::kMaxModules> joints{};
-  std::array<std::uint8_t, layout::kMaxModules> row{};  ///< of the table, or a guest's (Adoption); kNoRow: neither
+  std::array<std::uint8_t, layout::kMaxModules>
+      row{};  ///< of the table, or a adopted module's (Adoption); kNoRow: neither
 
   /// Flags, count, cable port, then per module the far ends and the row.
   constexpr void encode(ByteWriter& out) const {
@@ -48,19 +49,18 @@ static_assert(kLengthsAsInTable<FoundTopology>);
 /// FD08: the tree that is active, and how it came about.
 struct ActiveRoute {
   static constexpr std::uint16_t kId = did::kRoute;
-  static constexpr std::size_t kLeastBytes = 18, kRowBytes = 2,
-                               kMostBytes = kLeastBytes + kRowBytes * layout::kMaxModules;
+  static constexpr std::size_t kMinBytes = 18, kRowBytes = 2, kMaxBytes = kMinBytes + kRowBytes * layout::kMaxModules;
   bool switched = false;
   bool busy = false;          ///< a new route is being looked for
   bool complete = false;      ///< a tree is up
   bool as_table = false;      ///< it is the table's
-  bool least_depth = false;   ///< no tree over the joints found is less deep
+  bool min_depth = false;     ///< no tree over the joints found is less deep
   bool second_cable = false;  ///< the tree hangs on the second entry
   std::uint8_t shorts = 0;    ///< ports left closed because opening them broke the chain or held a line
   std::uint8_t unknown = 0;   ///< modules found that the table does not know; left closed
   std::uint8_t max_depth = 0;
   std::uint16_t alive = 0;                                      ///< bit r: row r is in the tree
-  std::uint32_t heals = 0;                                      ///< since power-up
+  std::uint32_t reroutes = 0;                                   ///< since power-up
   std::uint32_t repairs = 0;                                    ///< registers that had to be written again; no new tree
   std::uint32_t last_us = 0;                                    ///< how long the last one took
   std::uint8_t rows = 0;                                        ///< of the table; 0: none
@@ -70,12 +70,12 @@ struct ActiveRoute {
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const {
     out.u8(static_cast<std::uint8_t>((switched ? 1 : 0) | (busy ? 2 : 0) | (complete ? 4 : 0) | (as_table ? 8 : 0) |
-                                     (least_depth ? 16 : 0) | (second_cable ? 32 : 0)));
+                                     (min_depth ? 16 : 0) | (second_cable ? 32 : 0)));
     out.u8(shorts);
     out.u8(unknown);
     out.u8(max_depth);
     out.le16(alive);
-    out.le32(heals);
+    out.le32(reroutes);
     out.le32(repairs);
     out.le32(last_us);
     for (std::size_t k = 0; k < rows; ++k) {
@@ -90,7 +90,7 @@ struct ActiveRoute {
 static_assert(kLengthsAsInTable<ActiveRoute>);
 
 constexpr Result<FoundTopology> FoundTopology::decode(Bytes bytes) {
-  if (bytes.size() < kLeastBytes) return std::unexpected(Status::kTooShort);
+  if (bytes.size() < kMinBytes) return std::unexpected(Status::kTooShort);
   ByteReader r(bytes);
   FoundTopology t;
   const std::uint8_t flags = r.u8();
@@ -102,9 +102,9 @@ constexpr Result<FoundTopology> FoundTopology::decode(Bytes bytes) {
   if (flags > 7 || t.count > layout::kMaxModules || t.cable_port >= layout::kPorts)
     return std::unexpected(Status::kOutOfRange);
   const std::size_t count = t.count;
-  if (bytes.size() != kLeastBytes + kModuleBytes * count) return std::unexpected(Status::kBadLength);
+  if (bytes.size() != kMinBytes + kModuleBytes * count) return std::unexpected(Status::kBadLength);
   for (std::size_t m = 0; m < count; ++m) {
-    const Bytes module = bytes.subspan(kLeastBytes + kModuleBytes * m, kModuleBytes);
+    const Bytes module = bytes.subspan(kMinBytes + kModuleBytes * m, kModuleBytes);
     std::ranges::copy(module.first(layout::kPorts), t.joints[m].begin());
     for (const std::uint8_t j : t.joints[m]) {
       if (j != 0 && layout::joint_row(j) >= count) return std::unexpected(Status::kOutOfRange);
@@ -124,8 +124,8 @@ constexpr Result<FoundTopology> FoundTopology::decode(Bytes bytes) {
 }
 
 constexpr Result<ActiveRoute> ActiveRoute::decode(Bytes bytes) {
-  if (bytes.size() < kLeastBytes) return std::unexpected(Status::kTooShort);
-  if (bytes.size() > kMostBytes || (bytes.size() - kLeastBytes) % kRowBytes != 0)
+  if (bytes.size() < kMinBytes) return std::unexpected(Status::kTooShort);
+  if (bytes.size() > kMaxBytes || (bytes.size() - kMinBytes) % kRowBytes != 0)
     return std::unexpected(Status::kBadLength);
   ByteReader r(bytes);
   ActiveRoute a;
@@ -135,16 +135,16 @@ constexpr Result<ActiveRoute> ActiveRoute::decode(Bytes bytes) {
   a.busy = (flags & 2) != 0;
   a.complete = (flags & 4) != 0;
   a.as_table = (flags & 8) != 0;
-  a.least_depth = (flags & 16) != 0;
+  a.min_depth = (flags & 16) != 0;
   a.second_cable = (flags & 32) != 0;
   a.shorts = r.u8();
   a.unknown = r.u8();
   a.max_depth = r.u8();
   a.alive = r.le16();
-  a.heals = r.le32();
+  a.reroutes = r.le32();
   a.repairs = r.le32();
   a.last_us = r.le32();
-  a.rows = static_cast<std::uint8_t>((bytes.size() - kLeastBytes) / kRowBytes);
+  a.rows = static_cast<std::uint8_t>((bytes.size() - kMinBytes) / kRowBytes);
   a.parent.fill(kNoRow);
   a.parent_port.fill(layout::kCable);
   const std::size_t rows = a.rows;
@@ -160,14 +160,14 @@ constexpr Result<ActiveRoute> ActiveRoute::decode(Bytes bytes) {
 /// Routine 0204: whether the new tree is up, as far as it can be.
 struct RerouteResult {
   static constexpr std::uint16_t kId = routine::kReroute;
-  static constexpr std::size_t kLeastBytes = 1, kMostBytes = 1;
+  static constexpr std::size_t kMinBytes = 1, kMaxBytes = 1;
   bool done = false;
 
   /// Appends the value as it stands on the wire.
   constexpr void encode(ByteWriter& out) const { out.u8(done ? 1 : 0); }
   /// Errors: kBadLength, kOutOfRange.
   [[nodiscard]] static constexpr Result<RerouteResult> decode(Bytes bytes) {
-    if (bytes.size() != kMostBytes) return std::unexpected(Status::kBadLength);
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
     const auto done = checked_bool(bytes[0]);
     if (!done) return std::unexpected(done.error());
     return RerouteResult{*done};

@@ -7,15 +7,15 @@
 
 #include "triskin/app/identifiers.hpp"
 #include "triskin/logic/diagnostics/fault_memory.hpp"
-#include "triskin/logic/stream/full_stream.hpp"
+#include "triskin/logic/diagnostics/uds_server.hpp"
 #include "triskin/logic/icub/icub_board.hpp"
 #include "triskin/logic/icub/icub_triangles.hpp"
-#include "triskin/logic/storage/offset_store.hpp"
-#include "triskin/logic/switched/route_keeper.hpp"
 #include "triskin/logic/sampling/sampler.hpp"
-#include "triskin/logic/stream/stream_queue.hpp"
+#include "triskin/logic/storage/offset_store.hpp"
 #include "triskin/logic/storage/table_store.hpp"
-#include "triskin/logic/diagnostics/uds_server.hpp"
+#include "triskin/logic/stream/full_stream.hpp"
+#include "triskin/logic/stream/stream_queue.hpp"
+#include "triskin/logic/switched/route_keeper.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/iso_tp.hpp"
 #include "triskin/wire/node_claim.hpp"
@@ -55,7 +55,7 @@ class Application final : private UdsHost, private PatchControl {
   Status set_calibration(Bytes value) override { return tables_.set_calibration(value); }
   [[nodiscard]] wire::StreamAccount stream_account() const override;
   [[nodiscard]] std::uint32_t dropped_samples() const override;
-  Status clear_faults() override { return faults_.clear() ? Status::kOk : Status::kFlashFailed; }
+  Status clear_faults() override;
   void read_faults(std::uint8_t mask, ByteWriter& out) override { faults_.report(mask, out); }
   bool read_fault(std::uint32_t dtc, ByteWriter& out) override;
   void request_reset() override { reset_requested_ = through_loader_ = true; }
@@ -74,11 +74,13 @@ class Application final : private UdsHost, private PatchControl {
   static constexpr std::size_t kCan = 0;
 
   void restart();
+  /// The image has done its work once: it has read a module, or a host has reached it and may replace it.
+  void prove();
   void reset_when_answered();
   void restart_sampling();
   void keep_route();
   void forget_samples(std::size_t first);
-  void seat_guests();
+  void place_adopted();
   void invalidate_samples();
   [[nodiscard]] std::span<Channel> channels() { return std::span(channels_).first(ports_.usb != nullptr ? 2 : 1); }
   [[nodiscard]] std::span<const Channel> channels() const {
@@ -97,7 +99,7 @@ class Application final : private UdsHost, private PatchControl {
   void tick();
   void stream_full(TableRow row);
   [[nodiscard]] std::size_t rows() const { return tables_.has_table() ? tables_.table().module_count : 0; }
-  /// Rows and guests.
+  /// Rows and adopted modules.
   [[nodiscard]] std::size_t modules() const { return rows() + route_.adoption().count; }
   void queue_icub();
   void calibrate();
@@ -116,8 +118,8 @@ class Application final : private UdsHost, private PatchControl {
   std::array<ModuleSample, layout::kMaxModules> samples_{};
   std::array<ModuleSample, layout::kMaxModules> published_{};
   RouteKeeper route_;
-  std::uint8_t guest_list_ = 0;  // wire::Adoption::list that is sampled
-  bool pausing_ = false;         ///< the lines end their transfers and begin none
+  std::uint8_t adopted_list_ = 0;  // wire::Adoption::list that is sampled
+  bool pausing_ = false;           ///< the lines end their transfers and begin none
   Sampling sampling_;
   wire::TaxelOutput output_ = wire::TaxelOutput::kRaw;
   std::uint64_t next_tick_us_ = 0;
@@ -126,6 +128,7 @@ class Application final : private UdsHost, private PatchControl {
   StreamQueue stream_queue_;  // of the iCub stream
   std::uint8_t starts_ = 0;   // of the sampling since power-up, modulo 256
   bool reset_requested_ = false, through_loader_ = false;
+  bool read_a_module_ = false, proved_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;
   IcubTriangles icub_triangles_;

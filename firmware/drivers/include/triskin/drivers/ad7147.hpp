@@ -29,7 +29,7 @@ inline constexpr std::uint16_t kStageStride = 8, kOffsetInStage = 2;
 inline constexpr std::uint16_t kConvReset = 0x8000;
 /// Offset of each stage, in steps of 0.32 pF: what the converter takes away from the electrode's capacitance.
 using Offsets = std::array<std::uint8_t, kStages>;
-inline constexpr std::uint8_t kMostOffset = 63;
+inline constexpr std::uint8_t kMaxOffset = 63;
 inline constexpr unsigned kPositiveOffset = 8;       ///< bit of the register where the positive input's begins
 inline constexpr std::int32_t kOffsetCounts = 1311;  ///< by which a step moves the result: 0.32 pF of 8 pF / 32768
 /// Conversion time of twelve stages (data sheet table 11), µs.
@@ -60,7 +60,7 @@ class Ad7147 {
   /// What the stages are set up for.
   struct Stages {
     Polarity polarity = Polarity::kNegative;
-    ad7147::Offsets offsets{};  ///< 0 … kMostOffset each
+    ad7147::Offsets offsets{};  ///< 0 … kMaxOffset each
   };
   /// Writes configuration in `kConfigurationSteps` transfers: stages first, then power and calibration, at last the
   /// restart of the sequence. A write to power control may, on its own, leave the sequence anywhere.

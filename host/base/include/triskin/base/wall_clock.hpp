@@ -2,6 +2,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <string>
 
 namespace triskin {
 
@@ -10,5 +11,8 @@ namespace triskin {
   using namespace std::chrono;
   return static_cast<std::uint64_t>(duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count());
 }
+
+/// A time in seconds since 1970 as ISO 8601 text in UTC: "2026-11-22T17:30:00Z". Constant cost.
+[[nodiscard]] std::string utc_text(std::uint64_t unix_s);
 
 }  // namespace triskin

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "triskin/core/bytes.hpp"
 #include "triskin/bridge/ros_types.hpp"
+#include "triskin/core/bytes.hpp"
 
 /// Publishing on DDS (OMG DDS 1.4, DDSI-RTPS 2.5) by Eclipse Cyclone DDS, with the names and settings of ROS 2. The
 /// messages come in CDR, as host/recording writes them: no type is described a second time.

@@ -24,14 +24,14 @@ void add_calibration_options(CLI::App& app, CalibrationOptions& options);
 /// The calibration of a cover on the controllers `claims` of `bus`, which are asked for theirs. One that lacks some
 /// modules is left out whole, and said with `output`. Throws InputError for a file that cannot be used.
 [[nodiscard]] design::SkinCalibration calibration_for(const CalibrationOptions& options, device::Bus& bus,
-                                                      const robot::CoverOnBus& cover,
+                                                      const robot::CoverConfig& cover,
                                                       std::span<const wire::NodeClaim> claims, const Output& output);
 
 /// Says that a calibration is of other modules than those that its controller serves now.
 [[nodiscard]] std::string note_of_other(const design::BoardCalibration& board);
 
 /// The key "calibration" of --json: null, or `boards` (each `serial`, `revision`, `made`), `median_percent`,
-/// `worst_percent`, `residual_kpa`, `most_kpa`.
+/// `worst_percent`, `residual_kpa`, `max_kpa`.
 [[nodiscard]] nlohmann::json calibration_keys(const design::SkinCalibration& calibration);
 
 }  // namespace triskin::cli

@@ -32,8 +32,8 @@ struct RecordedTrack {
 /// calibration or rest values. Cost: reads the first part of the file.
 [[nodiscard]] RecordedSkin recorded_skin(const std::string& file);
 
-/// Reads a recording. `most_bytes`: of the frames; later ones are dropped. Throws InputError when it is no recording of
+/// Reads a recording. `max_bytes`: of the frames; later ones are dropped. Throws InputError when it is no recording of
 /// triskin, or holds no design or no sample. Cost: reads the file.
-[[nodiscard]] RecordedTrack read_track(const std::string& file, std::size_t most_bytes);
+[[nodiscard]] RecordedTrack read_track(const std::string& file, std::size_t max_bytes);
 
 }  // namespace triskin::cli

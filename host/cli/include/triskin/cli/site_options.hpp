@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "triskin/cli/link_options.hpp"
-#include "triskin/robot/site.hpp"
 #include "triskin/connect/open_bus.hpp"
+#include "triskin/robot/site.hpp"
 
 namespace triskin::cli {
 
@@ -29,18 +29,18 @@ struct OpenSite {
 [[nodiscard]] OpenSite open_site(const SiteOptions& options);
 
 /// The one cover that is chosen of a site with one bus. Throws InputError naming `command` where there are several.
-[[nodiscard]] const robot::CoverOnBus& one_cover(const robot::Site& site, std::string_view command);
+[[nodiscard]] const robot::CoverConfig& one_cover(const robot::Site& site, std::string_view command);
 
 /// Runs `work` for each bus, side by side. Throws as robot::on_each_bus does.
-void on_each_bus(OpenSite& open, const std::function<void(const robot::BusSite& bus, device::Link& link)>& work);
+void on_each_bus(OpenSite& open, const std::function<void(const robot::BusConfig& bus, device::Link& link)>& work);
 
 /// "COVER: " before what is said of a cover of a robot; nothing for a design file.
-[[nodiscard]] std::string prefix_of(const robot::CoverOnBus& cover);
+[[nodiscard]] std::string prefix_of(const robot::CoverConfig& cover);
 
 /// Progress of one cover of a robot: with its name, and parts of its own. `sink` as it is for a design file.
-[[nodiscard]] ProgressSink progress_of(const robot::BusSite& bus, const robot::CoverOnBus& cover, ProgressSink sink);
+[[nodiscard]] ProgressSink progress_of(const robot::BusConfig& bus, const robot::CoverConfig& cover, ProgressSink sink);
 
 /// Keys "cover" and "bus" of what is told of a cover; an empty object for a design file.
-[[nodiscard]] nlohmann::json keys_of(const robot::BusSite& bus, const robot::CoverOnBus& cover);
+[[nodiscard]] nlohmann::json keys_of(const robot::BusConfig& bus, const robot::CoverConfig& cover);
 
 }  // namespace triskin::cli

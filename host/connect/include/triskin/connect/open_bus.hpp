@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "triskin/connect/open_link.hpp"
 #include "triskin/robot/site.hpp"
 #include "triskin/scene/joint_scene.hpp"
-#include "triskin/connect/open_link.hpp"
 
 namespace triskin::device {
 
@@ -24,8 +24,9 @@ namespace triskin::device {
 
 /// The simulation of a bus of a robot: its covers with nobody touching them. `board_seed` as LinkOptions::board_seed.
 /// Throws as scene::join_covers.
-[[nodiscard]] scene::Scene scene_of(const robot::BusSite& bus, bool switched, std::optional<std::uint64_t> board_seed);
+[[nodiscard]] scene::Scene scene_of(const robot::BusConfig& bus, bool switched,
+                                    std::optional<std::uint64_t> board_seed);
 /// Folder that keeps the flash of its simulated controllers, by unique id.
-[[nodiscard]] std::filesystem::path state_folder_of(const robot::Site& site, const robot::BusSite& bus);
+[[nodiscard]] std::filesystem::path state_folder_of(const robot::Site& site, const robot::BusConfig& bus);
 
 }  // namespace triskin::device

@@ -15,7 +15,7 @@
 
 namespace triskin::device {
 
-/// What a controller holds, as far as its protocol reads it (docs/device.md says what of it can be written back).
+/// What a controller holds, as far as its protocol reads it (docs/backup.md says what of it can be written back).
 struct BoardBackup {
   /// A fault that the controller remembers, with what was noted when it occurred first.
   struct Fault {

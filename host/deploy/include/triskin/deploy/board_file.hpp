@@ -9,7 +9,7 @@
 
 namespace triskin::device {
 
-/// Which controller serves which patch of a design, as `triskin identify` writes it (docs/device.md).
+/// Which controller serves which patch of a design, as `triskin identify` writes it (docs/which_board.md).
 struct BoardFile {
   std::uint64_t design_id = 0;
   std::vector<FlashOptions::Assignment> boards;  ///< by patch, ascending; each patch and each controller once

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/design/design.hpp"
 #include "triskin/base/names.hpp"
+#include "triskin/design/design.hpp"
 #include "triskin/session/controller.hpp"
 
 namespace triskin::device {

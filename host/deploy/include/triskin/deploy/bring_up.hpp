@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/design/design.hpp"
 #include "triskin/base/names.hpp"
 #include "triskin/base/progress.hpp"
+#include "triskin/design/design.hpp"
 #include "triskin/link/link.hpp"
 
 namespace triskin::device {

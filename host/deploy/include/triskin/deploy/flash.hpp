@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "triskin/design/design.hpp"
 #include "triskin/base/progress.hpp"
 #include "triskin/deploy/board_shape.hpp"
+#include "triskin/design/design.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/patch_table.hpp"
 #include "triskin/session/scheduler.hpp"

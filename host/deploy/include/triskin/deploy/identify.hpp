@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "triskin/design/design.hpp"
 #include "triskin/base/progress.hpp"
 #include "triskin/deploy/board_shape.hpp"
+#include "triskin/design/design.hpp"
 #include "triskin/session/bus.hpp"
 
 namespace triskin::device {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "triskin/design/design.hpp"
 #include "triskin/base/names.hpp"
+#include "triskin/design/design.hpp"
 #include "triskin/layout/module.hpp"
 #include "triskin/wire/calibration.hpp"
 
@@ -45,7 +45,7 @@ struct BoardCalibration {
   int revision = 1;             ///< ≥ 1, one more with each calibration of this controller
   std::string made;             ///< when, UTC: "2026-11-22T17:30:00Z"
   wire::CalibrationMethod method = wire::CalibrationMethod::kSteps;
-  double most_kpa = 0;          ///< largest pressure that was applied: beyond it nothing was measured
+  double max_kpa = 0;           ///< largest pressure that was applied: beyond it nothing was measured
   double taxel_area_mm2 = 0.0;  ///< skin that a taxel for pressure stands for, > 0
   std::vector<PlaceCalibration> places;
   bool operator==(const BoardCalibration&) const = default;
@@ -69,7 +69,7 @@ struct CalibrationQuality {
   double median_percent = 0.0;  ///< of error_percent
   double worst_percent = 0.0;   ///< of error_percent
   double residual_kpa = 0.0;    ///< largest
-  double most_kpa = 0.0;        ///< least of the boards' largest pressures
+  double max_kpa = 0.0;         ///< least of the boards' largest pressures
 };
 /// Quality over all places of `boards`. Cost: O(n log n) in taxels.
 [[nodiscard]] CalibrationQuality quality_of(std::span<const BoardCalibration> boards);

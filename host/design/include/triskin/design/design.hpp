@@ -22,8 +22,8 @@ struct Alternative {
   ModuleLayout layout;  ///< modules without metrics, no jumpers: both are computed when it is taken
   int patches = 0;
   int jumpers = 0;
-  double price = 0.0;  ///< in modules, by Design::price
-  double worth = 0.0;  ///< of its modules by Design::regions; their number without regions
+  double price = 0.0;         ///< in modules, by Design::price
+  double module_value = 0.0;  ///< of its modules by Design::regions; their number without regions
 };
 
 /// Design of a cover: the only thing that passes between geometry and the device side (docs/design_file.md has the
@@ -37,14 +37,14 @@ struct Design {
   struct Report {
     double area_cm2 = 0.0;
     double coverage = 0.0;  ///< modules · 389.7 mm² / area
-    int upper_bound = 0;    ///< modules by area, a yardstick and no proof (docs/surface_lattice.md), ≥ their number
+    int upper_bound = 0;    ///< modules by area, a yardstick and no proof (docs/lattice.md), ≥ their number
     int patches_lower_bound = 0;
     int jumpers_lower_bound = 0;  ///< with as many patches no fewer jumpers do; in the file only beside jumpers
     double max_edge_error_mm = 0.0, max_hinge_gap_mm = 0.0, max_center_gap_mm = 0.0;
     /// Of corners and sides, above and under the surface; in the file beside their limits only.
     double max_edge_lift_mm = 0.0, max_edge_depth_mm = 0.0;
     double seconds = 0.0;
-    double worth = 0.0;                ///< of the modules by Design::regions; in the file beside regions only
+    double module_value = 0.0;         ///< of the modules by Design::regions; in the file beside regions only
     std::vector<Uncovered> uncovered;  ///< must-cover regions that are not covered; in the file beside regions only
     double coverage_cut = 0.0;  ///< modules · what corner cuts leave of 389.7 mm² / area; in the file only with a cut
   };

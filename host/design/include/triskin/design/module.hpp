@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "triskin/base/names.hpp"
 #include "triskin/design/jumper.hpp"
 #include "triskin/design/mesh.hpp"
 #include "triskin/design/tile.hpp"
-#include "triskin/base/names.hpp"
 
 namespace triskin::design {
 

@@ -13,7 +13,7 @@
 namespace triskin::design {
 
 /// The largest cut that a module may have: at 6.93 mm the centres of three taxels lie on the short sides.
-inline constexpr double kMostCornerCut_mm = 6.9;
+inline constexpr double kMaxCornerCut_mm = 6.9;
 /// Up to here every taxel is as far from the short sides as from the long ones (3 mm): no pad can be cut.
 inline constexpr double kHarmlessCornerCut_mm = 3.4;
 
@@ -41,7 +41,7 @@ struct Outline {
 
 /// Outline of the module with these corners (of the whole triangle, tile order). With a cut, point 2k lies on side k
 /// near corner k and point 2k + 1 on side k near corner k + 1: even sides of the outline are long, odd ones short.
-/// `corner_cut_mm`: 0 … kMostCornerCut_mm, not checked.
+/// `corner_cut_mm`: 0 … kMaxCornerCut_mm, not checked.
 [[nodiscard]] inline Outline outline_of(const std::array<Vec3, 3>& corner_mm, double corner_cut_mm) {
   Outline o;
   if (corner_cut_mm <= 0.0) {

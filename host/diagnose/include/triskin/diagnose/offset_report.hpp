@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "triskin/design/design.hpp"
 #include "triskin/base/names.hpp"
+#include "triskin/design/design.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/wire/offsets.hpp"
 

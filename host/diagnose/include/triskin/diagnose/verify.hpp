@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "triskin/design/design.hpp"
 #include "triskin/base/progress.hpp"
+#include "triskin/design/design.hpp"
 #include "triskin/diagnose/finding_kind.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/stream_report.hpp"

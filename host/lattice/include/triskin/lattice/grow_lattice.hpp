@@ -5,11 +5,11 @@
 #include <functional>
 #include <vector>
 
+#include "triskin/base/progress.hpp"
 #include "triskin/design/design_types.hpp"
 #include "triskin/mesh/decimated_mesh.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/mesh/surface_regions.hpp"
-#include "triskin/base/progress.hpp"
 
 namespace triskin::geometry {
 
@@ -28,13 +28,13 @@ struct SurfaceLatticeOptions {
   bool front = true;            ///< of grow_front(): layouts with other numbers of modules as well
   double corner_lift_mm = 1.5;  ///< ≥ 0: how far corners may stand off a convex surface, so that the gap under the
                                 ///< centre stays in its limit
-  double corner_cut_mm = 0.0;   ///< 0 … design::kMostCornerCut_mm: cut off along each side from every corner; overlap
+  double corner_cut_mm = 0.0;   ///< 0 … design::kMaxCornerCut_mm: cut off along each side from every corner; overlap
                                 ///< and border are then those of what is left
   const SurfaceRegions* regions = nullptr;  ///< of this surface, not owned: worth of places, what stays free, what must
                                             ///< be covered; none: every place is worth 1 module
   /// Of this surface, not owned: the search works on it in place of the surface and keeps the limits less its
   /// deviation; the layouts are measured on the surface itself. None: the search works on the surface.
-  const SolverMesh* solver = nullptr;
+  const DecimatedMesh* solver = nullptr;
   /// Modules that stay exactly where they are, with the joints among them: the first modules of every layout, in this
   /// order. They must keep the limits and have the corner cut of the others.
   std::vector<PlacedModule> kept;
@@ -42,7 +42,7 @@ struct SurfaceLatticeOptions {
   std::function<std::chrono::steady_clock::time_point()> now{};
 };
 
-/// Grows the isometric lattice directly on the surface (docs/surface_lattice.md): triangles are added edge by edge,
+/// Grows the isometric lattice directly on the surface (docs/lattice.md): triangles are added edge by edge,
 /// their shared corners slide on the surface until every rigid module keeps the limits; what is left is filled with
 /// further islands; then parts are removed and regrown as long as time permits. Every module of the result keeps every
 /// limit, measured by `measure` (map_modules.hpp). Deterministic for seed, threads and iterations when the time

@@ -3,10 +3,8 @@
 #include <functional>
 
 #include "triskin/design/design_types.hpp"
-#include "triskin/placement/placement.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/mesh/surface_regions.hpp"
-#include "triskin/unfolding/unfolding.hpp"
 
 namespace triskin::geometry {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "triskin/core/bytes.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/wire/can_frame.hpp"
 
 namespace triskin::device {

@@ -15,13 +15,13 @@ namespace triskin::geometry {
 /// with CGAL's tree and must not share code with the solver; and it is faster (200,000 queries about 4 mm off the
 /// forearm and torso covers: 2.5 and 3.1 µs, CGAL's tree 3.8 and 4.4 µs with the same distances to 6e-14 mm).
 /// Immutable after construction; queries are const and thread-safe.
-class BoxTree {
+class Bvh {
  public:
   using Extent = std::array<Eigen::Array3d, 2>;  ///< low ≤ high corner of an item's box, mm
 
-  BoxTree() = default;
+  Bvh() = default;
   /// Of items 0 … n − 1, on `threads` (≥ 1), of which nothing depends. Cost: O(n log n).
-  explicit BoxTree(const std::vector<Extent>& extents, int threads = 1);
+  explicit Bvh(const std::vector<Extent>& extents, int threads = 1);
 
   /// Calls `visit(item)` for each item whose box is nearer to the query than √best_squared (mm²), near boxes first;
   /// `visit` may lower best_squared. Cost: O(log n + items visited) typical.
@@ -87,7 +87,7 @@ class BoxTree {
   std::vector<int> leaves_;  // boxes, in the order of their items
 };
 
-inline double BoxTree::distance_squared(const Box& box, const Vec3& q) {
+inline double Bvh::distance_squared(const Box& box, const Vec3& q) {
   const double x = std::max(std::max(box.low[0] - q[0], q[0] - box.high[0]), 0.0);
   const double y = std::max(std::max(box.low[1] - q[1], q[1] - box.high[1]), 0.0);
   const double z = std::max(std::max(box.low[2] - q[2], q[2] - box.high[2]), 0.0);

@@ -15,7 +15,7 @@ inline constexpr double kSolverBorder_mm = 0.01;
 
 /// A mesh with fewer faces for the solvers, whose cost follows the area and the shape of a surface and not its faces.
 /// Its corners are corners of the surface; parts, holes and handles are the same.
-struct SolverMesh {
+struct DecimatedMesh {
   Mesh mesh;
   /// No point of either is farther from the other: a proved bound, but for rounding (1e-9 mm a step), and at most what
   /// was asked for.
@@ -31,18 +31,19 @@ struct SolverMesh {
 /// deviation of 0 nothing is taken out. The bound of the deviation grows in steps, each four times the one before; with
 /// `enough_faces` no further step begins when no more are left. Deterministic, whatever the number of threads. Uses
 /// `threads` (≥ 1); thread-safe. Cost: O(n), 2 … 3 µs of processor time a face that goes, 60 bytes a face.
-[[nodiscard]] SolverMesh reduce(const Surface& surface, double deviation_mm = kSolverDeviation_mm,
-                                double border_mm = kSolverBorder_mm, int threads = 2, std::size_t enough_faces = 0);
+[[nodiscard]] DecimatedMesh decimate(const Surface& surface, double deviation_mm = kSolverDeviation_mm,
+                                     double border_mm = kSolverBorder_mm, int threads = 2,
+                                     std::size_t enough_faces = 0);
 
 /// The mesh on which the solvers work with these limits in place of a surface with more faces than they need; none
 /// where the surface itself serves: fewer than 5,000 faces or more than 4 mm² a face on the mean, `deviation_mm` <= 0,
 /// or no more than half of the faces can go. Against a narrow limit of lift, depth, centre gap or overrun the deviation
 /// is smaller than asked: a twentieth of it. Cost: that of reduce(), or nothing.
-[[nodiscard]] std::optional<SolverMesh> solver_mesh_of(const Surface& surface, const LayoutLimits& limits,
-                                                       double deviation_mm = kSolverDeviation_mm, int threads = 2);
+[[nodiscard]] std::optional<DecimatedMesh> solver_mesh_of(const Surface& surface, const LayoutLimits& limits,
+                                                          double deviation_mm = kSolverDeviation_mm, int threads = 2);
 
 /// The limits that a module has to keep on the solver's mesh so that it keeps the given ones on the surface: lift,
 /// depth and centre gap less the deviation, overrun less that of the border; at least half of each.
-[[nodiscard]] LayoutLimits limits_on(const SolverMesh& solver, LayoutLimits limits);
+[[nodiscard]] LayoutLimits limits_on(const DecimatedMesh& solver, LayoutLimits limits);
 
 }  // namespace triskin::geometry

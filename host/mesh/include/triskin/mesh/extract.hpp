@@ -9,14 +9,14 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/design/design_types.hpp"
 #include "triskin/base/names.hpp"
 #include "triskin/base/progress.hpp"
+#include "triskin/design/design_types.hpp"
 
 namespace triskin::geometry {
 
 /// How far a repaired surface is from the outside of its input: from the faces of the input that see the share
-/// `sky_fraction` of the sky to the surface, and from all of the surface to the input.
+/// `visibility_fraction` of the sky to the surface, and from all of the surface to the input.
 struct Deviation {
   double mean_mm = 0.0;     ///< over the area, of the direction in which it is larger
   double largest_mm = 0.0;  ///< no point is farther: a proved bound
@@ -42,7 +42,7 @@ struct ExtractReport {
   int removed_faces = 0;                ///< faces at edges with more than two faces, hidden faces
   int flipped_faces = 0;                ///< faces turned so that neighbours agree
   int boundary_loops = 0;               ///< borders of the result
-  int crowded_edges = 0;                ///< edges of the raw mesh with more than two faces
+  int non_manifold_edges = 0;           ///< edges of the raw mesh with more than two faces
   int components = 0;                   ///< connected parts that are left
   int enclosed_components = 0;          ///< parts in a closed part, dropped (beside removed_components); only with
                                         ///< ExtractOptions::repair, and `outer` not kNever
@@ -76,9 +76,10 @@ struct ExtractOptions {
   double repair_s = 60.0;    ///< > 0: time of the repair; a coarser one where it does not suffice
   std::function<double()> clock_s{};  ///< seconds, from any start, for `repair_s`; none: the steady clock of this
                                       ///< computer. One that stands still makes the result independent of the load
-  When outer = When::kNever;    ///< drop what sees little of the sky; needed: several large parts, or edges with more
-                                ///< than two faces. With `repair` also what lies in a closed part, unless kNever
-  double sky_fraction = 0.25;   ///< 0 … 1: cosine-weighted share of the half sphere above a face that must be free
+  When outer = When::kNever;  ///< drop what sees little of the sky; needed: several large parts, or edges with more
+                              ///< than two faces. With `repair` also what lies in a closed part, unless kNever
+  double visibility_fraction =
+      0.25;                     ///< 0 … 1: cosine-weighted share of the half sphere above a face that must be free
   When wrap = When::kNever;     ///< shrink-wrap first; needed: what is left crosses itself, or is shattered
   double wrap_alpha_mm = 6.0;   ///< openings narrower than this are closed
   double wrap_offset_mm = 0.2;  ///< the wrap lies this far outside

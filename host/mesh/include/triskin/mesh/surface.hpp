@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/mesh/bvh.hpp"
 #include "triskin/design/design_types.hpp"
+#include "triskin/mesh/bvh.hpp"
 
 namespace triskin::geometry {
 
@@ -84,7 +84,7 @@ class Surface {
   };
   std::vector<BorderSide> border_sides_;
   double area_mm2_ = 0.0;
-  BoxTree face_tree_, border_tree_;
+  Bvh face_tree_, border_tree_;
 };
 
 /// Closest point of triangle (a, b, c) to p as barycentric weights (>= 0, sum 1). Constant cost. Source: C. Ericson,

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "triskin/design/regions.hpp"
 #include "triskin/design/design_types.hpp"
+#include "triskin/design/regions.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::geometry {
@@ -48,7 +48,7 @@ class SurfaceRegions {
   [[nodiscard]] double weight_of(const ModuleLayout& layout) const;
   /// weight_of(), less kUncoveredCost modules for each share of a must-cover region that is not
   /// covered, at places 3 mm apart.
-  [[nodiscard]] double worth(const ModuleLayout& layout) const;
+  [[nodiscard]] double module_value(const ModuleLayout& layout) const;
 
  private:
   struct Group {  // of a face set: its faces, and the edges that part it from the others

@@ -4,9 +4,9 @@
 #include <variant>
 #include <vector>
 
+#include "triskin/base/progress.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/mirror.hpp"
-#include "triskin/base/progress.hpp"
 
 namespace triskin::pipeline {
 

@@ -5,12 +5,12 @@
 #include <optional>
 #include <string>
 
+#include "triskin/base/progress.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/region_file.hpp"
+#include "triskin/mesh/decimated_mesh.hpp"
 #include "triskin/mesh/extract.hpp"
 #include "triskin/mesh/mesh_io.hpp"
-#include "triskin/mesh/decimated_mesh.hpp"
-#include "triskin/base/progress.hpp"
 
 namespace triskin::pipeline {
 
@@ -29,9 +29,9 @@ struct DesignOptions {
   std::uint64_t seed = 1;       ///< of every random choice
   design::LayoutLimits limits;  ///< each > 0
   double bend_radius_mm = 0.0;  ///< > 0: pieces are parted from what bends more (bend_seams.hpp); 0: not for that alone
-  double corner_cut_mm = 0.0;   ///< 0 … design::kMostCornerCut_mm: of every module
+  double corner_cut_mm = 0.0;   ///< 0 … design::kMaxCornerCut_mm: of every module
   /// >= 0: how far the mesh on which pieces and growth are searched may be from a surface with more faces than it needs
-  /// (solver_mesh.hpp); 0: they are searched on the surface.
+  /// (decimated_mesh.hpp); 0: they are searched on the surface.
   double solver_deviation_mm = geometry::kSolverDeviation_mm;
   std::optional<design::RegionFile> regions;  ///< worth of places, keep-outs, what must be covered (docs/regions.md)
   int iterations = 0;   ///< ≥ 0; > 0: the growth ends after so many steps: repeatable whatever the machine's load

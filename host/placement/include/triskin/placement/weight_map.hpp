@@ -39,9 +39,9 @@ class WeightMap {
   /// Upper bound of all values.
   [[nodiscard]] double most() const { return most_; }
   /// Upper bound of the length of the gradient, per mm.
-  [[nodiscard]] double most_slope_per_mm() const { return most_slope_; }
+  [[nodiscard]] double max_slope_per_mm() const { return max_slope_; }
   /// Upper bound of the second derivative in every direction, per mm².
-  [[nodiscard]] double most_curvature_per_mm2() const { return most_curvature_; }
+  [[nodiscard]] double max_curvature_per_mm2() const { return max_curvature_; }
 
  private:
   [[nodiscard]] double control(int column, int row) const;
@@ -50,7 +50,7 @@ class WeightMap {
   double step_;
   int columns_ = 0, rows_ = 0;
   std::vector<double> control_;
-  double most_ = 0.0, most_slope_ = 0.0, most_curvature_ = 0.0;
+  double most_ = 0.0, max_slope_ = 0.0, max_curvature_ = 0.0;
 };
 
 /// Reads {"origin_mm": [x, y], "step_mm": s, "rows": [[…], …]}, rows upwards, or {"step_mm": s, "vertices": [[x, y,

@@ -72,11 +72,11 @@ class CdrReader {
     at_ += n;
     return text;
   }
-  /// Takes the number of elements of a sequence whose elements take `least_bytes` or more; 0 and not ok when they
+  /// Takes the number of elements of a sequence whose elements take `min_bytes` or more; 0 and not ok when they
   /// cannot be there.
-  std::size_t count(std::size_t least_bytes) {
+  std::size_t count(std::size_t min_bytes) {
     const std::uint32_t n = u32();
-    if (ok_ && n <= (in_.size() - at_) / least_bytes) return n;
+    if (ok_ && n <= (in_.size() - at_) / min_bytes) return n;
     ok_ = false;
     return 0;
   }

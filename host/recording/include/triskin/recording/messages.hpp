@@ -20,7 +20,7 @@ class CdrWriter;
 struct ModuleSample {
   int module = 0;                  ///< id in the design
   std::uint64_t link_time_us = 0;  ///< when it came, clock of the link
-  wire::FullTaxels sample;         ///< `sample.module` is the row in the controller's table
+  wire::TaxelFrame sample;         ///< `sample.module` is the row in the controller's table
   std::uint64_t sampled_ns = 0;    ///< when it was taken, since 1970, within ± error_us; 0: not known
   std::uint32_t error_us = kNoBound;
   static constexpr std::uint32_t kNoBound = UINT32_MAX;

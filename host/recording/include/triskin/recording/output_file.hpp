@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "triskin/core/bytes.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/recording/byte_source.hpp"
 
 namespace triskin::recording {

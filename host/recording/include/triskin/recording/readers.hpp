@@ -19,7 +19,7 @@ struct Reader {
 };
 
 /// Which controller reads each module, by the samples that come: its own, until one comes from another, which has
-/// adopted it (docs/switched_module.md). Threads: one.
+/// adopted it (docs/adoption.md). Threads: one.
 class Readers {
  public:
   /// Each module is read by its own controller. Throws std::out_of_range as design::wiring_of. Cost: linear.

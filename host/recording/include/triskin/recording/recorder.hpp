@@ -10,8 +10,8 @@
 #include <string_view>
 #include <utility>
 
-#include "triskin/design/design.hpp"
 #include "triskin/base/names.hpp"
+#include "triskin/design/design.hpp"
 #include "triskin/recording/messages.hpp"
 #include "triskin/recording/output_file.hpp"
 

@@ -15,7 +15,7 @@ struct Touch {
   int module = 0, taxel = 0;
   Eigen::Vector3d in_link_mm{0, 0, 0};
 };
-inline constexpr std::size_t kLeastTouches = 6;  ///< three fix a pose; the others show whether it is right
+inline constexpr std::size_t kMinTouches = 6;  ///< three fix a pose; the others show whether it is right
 
 /// Touches from CSV with the columns module, taxel, x_mm, y_mm, z_mm (a head line is allowed, "#" begins a comment).
 /// Throws InputError naming file and line.
@@ -54,7 +54,7 @@ struct Registration {
   }
 };
 /// Registers `cover` by touches; `others` are the covers that it may have been exchanged with. Another explanation is
-/// taken when its residual is less than half. Throws InputError: fewer than kLeastTouches, a module or taxel that the
+/// taken when its residual is less than half. Throws InputError: fewer than kMinTouches, a module or taxel that the
 /// design lacks, touches on one line. Cost: linear for each cover.
 [[nodiscard]] Registration register_cover(const NamedDesign& cover, std::span<const NamedDesign> others,
                                           std::span<const Touch> touches);

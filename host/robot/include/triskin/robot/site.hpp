@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "triskin/deploy/flash.hpp"
 #include "triskin/design/design.hpp"
 #include "triskin/design/side_by_side.hpp"
-#include "triskin/deploy/flash.hpp"
 #include "triskin/robot/assembly.hpp"
 #include "triskin/session/stream.hpp"
 
 namespace triskin::robot {
 
 /// What of a cover hangs on one bus.
-struct CoverOnBus {
+struct CoverConfig {
   std::string name;  ///< on the robot; empty for a design file
   std::filesystem::path design_file;
   design::Design design;             ///< with the node addresses of this bus, and the cover's name
@@ -26,13 +26,13 @@ struct CoverOnBus {
 };
 
 /// One bus and what hangs on it.
-struct BusSite {
+struct BusConfig {
   int number = 0;    ///< 0-based, over the buses of the robot that have something on them
   std::string name;  ///< empty for a design file
   std::string link;  ///< as --link has it; empty for a design file
   wire::BitRates rates;
   int every = 0;  ///< each n-th sample gives what the covers want; 0: as many as fit
-  std::vector<CoverOnBus> covers;
+  std::vector<CoverConfig> covers;
 };
 
 /// What device commands work on: the buses of a robot file, or the one bus of a design file. This is the only place
@@ -41,7 +41,7 @@ struct Site {
   std::filesystem::path file;
   std::string name;
   bool is_robot = false;
-  std::vector<BusSite> buses;  ///< with something on them
+  std::vector<BusConfig> buses;  ///< with something on them
 };
 /// Reads a robot file or a design file that is to be deployed. Throws InputError as read_assembly and
 /// read_intact_design do, and listing the problems of a robot that check() finds.
@@ -55,17 +55,18 @@ void choose(Site& site, const std::string& name);
 
 /// `options` for one cover of a bus: its serial numbers as assignments, the other covers as neighbours. Throws
 /// std::out_of_range where serials or addresses do not match the patches, which read_site excludes; as those below.
-[[nodiscard]] device::FlashOptions flash_options(const BusSite& bus, const CoverOnBus& cover,
+[[nodiscard]] device::FlashOptions flash_options(const BusConfig& bus, const CoverConfig& cover,
                                                  device::FlashOptions options);
 
 /// Controllers of the bus that `streamed` leaves out: they stream as well (device::StreamOptions::neighbours).
 /// Throws as flash_options.
-[[nodiscard]] std::vector<device::StreamDemand> other_demands(const BusSite& bus,
+[[nodiscard]] std::vector<device::StreamDemand> other_demands(const BusConfig& bus,
                                                               std::span<const design::Design* const> streamed);
 
 /// `options` for a stream of `streamed`: the other covers as neighbours, and the rate that the robot file wants where
 /// `options` leaves it open. Throws as flash_options.
-[[nodiscard]] device::StreamOptions stream_options(const BusSite& bus, std::span<const design::Design* const> streamed,
+[[nodiscard]] device::StreamOptions stream_options(const BusConfig& bus,
+                                                   std::span<const design::Design* const> streamed,
                                                    device::StreamOptions options);
 
 /// All covers of a robot in the frame of its base (joints at 0), for pictures and exports; cover c of the robot file is

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "triskin/design/design_types.hpp"
 #include "triskin/base/names.hpp"
 #include "triskin/base/progress.hpp"
+#include "triskin/design/design_types.hpp"
 
 namespace triskin::geometry {
 
@@ -46,7 +46,7 @@ struct RoutingOptions {
   RouteObjective objective = RouteObjective::kLossFirst;
   ElectricalModel electrical;
   bool second_entry = true;                  ///< plan a second connector where it saves modules
-  bool adoption = true;                      ///< let neighbouring patches with free addresses read orphans
+  bool adoption = true;                      ///< let neighbouring patches with free addresses read unreachable modules
   int recombinations = 60;                   ///< secondary-cost moves a patch; 0: keep the first partition
   bool has_controller_place = false;         ///< cable lengths count in the secondary cost
   std::array<double, 3> controller_mm{};     ///< mesh frame
@@ -70,7 +70,7 @@ inline constexpr NameTable kPartitionProofNames{
     std::array<std::pair<PartitionProof, std::string_view>, 4>{{{PartitionProof::kSize, "size"},
                                                                 {PartitionProof::kFolding, "folding"},
                                                                 {PartitionProof::kFrontier, "frontier"},
-                                                                
+
                                                                 {PartitionProof::kOpen, ""}}}};
 
 /// Result of route(). Every node is an index in the nodes of the graph that was given.
@@ -97,9 +97,9 @@ struct RoutingResult {
 
 /// Divides the graph into the fewest connected patches and wires each one: border entry, then least lines against the
 /// electrical rule, least expected loss (sum of depths), least line hops, least depth; exact over all trees and
-/// entries. Deterministic for a seed on every machine and compiler, except where `give_up` says so. Errors: InputError naming the node for joints that are not symmetric or stand twice,
-/// and for options out of range or a division of another graph. Thread-safe. Cost: about 0.1 s for 142 modules, 1 s for
-/// 2600. Sources: docs/routing.md.
+/// entries. Deterministic for a seed on every machine and compiler, except where `give_up` says so. Errors: InputError
+/// naming the node for joints that are not symmetric or stand twice, and for options out of range or a division of
+/// another graph. Thread-safe. Cost: about 0.1 s for 142 modules, 1 s for 2600. Sources: docs/routing.md.
 [[nodiscard]] RoutingResult route(const ModuleGraph& graph, const RoutingOptions& options = {},
                                   const ProgressSink& progress = {});
 /// The same where jumpers may join islands: `places` as find_jumpers() lists them for the layout that `graph` shows

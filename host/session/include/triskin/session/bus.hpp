@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "triskin/core/bytes.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/core/bytes.hpp"
 #include "triskin/link/link.hpp"
 #include "triskin/wire/iso_tp.hpp"
 #include "triskin/wire/node_claim.hpp"

@@ -38,7 +38,7 @@ struct BusBudget {
 inline constexpr double kFastestClock = 1.04;
 
 /// The smallest n ≥ 1 whose n-th samples fit a wire that all samples would load by `full`, 1 = all; at most 10⁶.
-[[nodiscard]] int least_every(double full);
+[[nodiscard]] int min_every(double full);
 
 /// Budget of each n-th sample. `every` 0: the smallest 1 … 255 that fits, 255 when none does.
 [[nodiscard]] BusBudget make_budget(const Link& link, std::span<const StreamDemand> demands, int every);

@@ -54,7 +54,7 @@ class ClockFilter {
     double device_s = 0.0, difference_us = 0.0;
   };
   struct Range {
-    double least_us = 0.0, most_us = 0.0;
+    double min_us = 0.0, max_us = 0.0;
   };
   void forget();
   void begin(std::uint64_t device_us, std::uint64_t link_us);
@@ -68,8 +68,8 @@ class ClockFilter {
   [[nodiscard]] Range range(double device_s) const;
   [[nodiscard]] double wander_us(double seconds) const;
 
-  double most_drift_ppm_ = 200.0;
-  bool begun_ = false;
+  double max_drift_ppm_ = 200.0;
+  bool started_ = false;
   std::uint64_t device_origin_us_ = 0, link_origin_us_ = 0;
   double newest_s_ = 0.0, reference_s_ = 0.0, bucket_s_ = 0.0;
   std::deque<Fact> before_;    // the tightest of each quarter second: the difference is at most this

@@ -37,7 +37,7 @@ class SampleAccount {
   void begin(std::uint8_t starts, const wire::RowAccount& account, std::uint64_t now_us);
   /// A sample came at `now_us`. False: it is none of the lease (before its beginning, after its end, not a multiple, or
   /// it came before), and counts for nothing.
-  bool add(const wire::FullTaxels& sample, std::uint64_t now_us);
+  bool add(const wire::TaxelFrame& sample, std::uint64_t now_us);
   /// The lease ends with the sample `account.number`; samples up to it may still come.
   void end(std::uint8_t starts, const wire::RowAccount& account, std::uint64_t now_us);
   /// The lease ends and the controller does not say how: what was due since it was heard last counts as lost.
@@ -47,7 +47,7 @@ class SampleAccount {
   /// Counts up to the latest sample that came; after the end, of the whole lease.
   [[nodiscard]] SampleCounts counts() const;
   /// True after begin().
-  [[nodiscard]] bool begun() const { return begun_; }
+  [[nodiscard]] bool started() const { return started_; }
 
  private:
   struct Counters {
@@ -59,7 +59,7 @@ class SampleAccount {
 
   int every_ = 1;
   std::uint64_t interval_us_ = 0;
-  bool begun_ = false, ended_ = false;
+  bool started_ = false, ended_ = false;
   std::uint8_t starts_ = 0;
   Counters first_, last_;
   std::uint32_t newest_ = 0;  // number of the latest sample that came

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "triskin/design/design.hpp"
+#include "triskin/session/adopted_modules.hpp"
 #include "triskin/session/bus.hpp"
 #include "triskin/session/bus_budget.hpp"
 #include "triskin/session/clock_filter.hpp"
-#include "triskin/session/guest_modules.hpp"
 #include "triskin/session/sample_account.hpp"
 #include "triskin/session/stream_report.hpp"
 #include "triskin/wire/sampling.hpp"
@@ -25,10 +25,10 @@ namespace triskin::device {
 class Controller;
 
 /// A sample of one module as it came over the wire, with the module that it belongs to in the design.
-struct ModuleFrame {
+struct ModuleSample {
   int module = 0;                  ///< id in the design; in the frame it is a row of the controller's table
   std::uint64_t link_time_us = 0;  ///< clock of the link when the frame came
-  wire::FullTaxels sample;
+  wire::TaxelFrame sample;
   int cover = 0;       ///< which of the stream's designs
   LinkTime sampled{};  ///< when the controller took it (ClockFilter)
   int adopter = -1;    ///< patch whose controller read it in place of the module's own; −1: its own did
@@ -54,7 +54,7 @@ struct StreamOptions {
 /// each sample has a time and a bound.
 class Stream {
  public:
-  using OnFrame = std::function<void(const ModuleFrame&)>;
+  using OnFrame = std::function<void(const ModuleSample&)>;
 
   /// Takes a lease from every controller of the design. `bus` outlives the stream; `handler` is called inside the
   /// waiting calls of the bus, with samples of the lease only. Throws DeviceError when a controller is missing, holds
@@ -63,7 +63,7 @@ class Stream {
   /// cannot carry the full stream (no FD frames) or what `options` asks for does not fit the bus.
   Stream(Bus& bus, const design::Design& design, OnFrame handler, StreamOptions options = {});
   /// The same for several designs (docs/robot_file.md), one rate and one budget for all of them: `covers` need not
-  /// outlive the call, their names stand in messages. ModuleFrame::cover and ModuleCounts::cover count in their order.
+  /// outlive the call, their names stand in messages. ModuleSample::cover and ModuleCounts::cover count in their order.
   Stream(Bus& bus, std::span<const design::Design* const> covers, OnFrame handler, StreamOptions options = {});
   /// Gives the lease back, if the link still works.
   ~Stream();
@@ -102,10 +102,10 @@ class Stream {
     std::uint64_t asked_us = 0;          // clock of the link when its clock was asked for last
     std::uint64_t newest_device_us = 0;  // time stamp of its newest sample
     std::uint64_t due = 0;               // samples of a module by the rate, known at the end
-    GuestReader guests;
+    AdoptedReader adopted_modules;
     bool silent = false;
-    bool begun = false;
-    std::deque<std::pair<wire::FullTaxels, std::uint64_t>> early;  // before the account has begun, and when they came
+    bool started = false;
+    std::deque<std::pair<wire::TaxelFrame, std::uint64_t>> early;  // before the account has begun, and when they came
   };
   void find_controllers(const design::Design& design, int cover, std::optional<wire::Decimation> decimation);
   wire::SamplingSetting set_decimation(Controller& controller, const Node& node, wire::Decimation decimation);
@@ -120,9 +120,9 @@ class Stream {
   void ask_clocks();
   void ask_clock(std::uint8_t address, Node& node);
   void handle(const wire::CanFrame& frame);
-  void take(Node& node, const wire::FullTaxels& sample, std::uint64_t heard_us);
-  void take_guest(Node& node, const wire::FullTaxels& sample, std::uint64_t heard_us);
-  void ask_guests();
+  void take(Node& node, const wire::TaxelFrame& sample, std::uint64_t heard_us);
+  void take_adopted(Node& node, const wire::TaxelFrame& sample, std::uint64_t heard_us);
+  void ask_adopted();
   [[nodiscard]] bool read_by_another(const Node& node, int module) const;
   void end(std::uint8_t address, Node& node);
   void wait_for_rest();

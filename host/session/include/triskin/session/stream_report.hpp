@@ -19,7 +19,7 @@ struct ModuleCounts {
   [[nodiscard]] bool never_heard() const { return counts.expected > 0 && counts.with_data == 0; }
 };
 
-/// Account of a module that the controller of another patch read for a time (docs/switched_module.md, "Adoption").
+/// Account of a module that the controller of another patch read for a time (docs/adoption.md).
 /// Beside it the module has its account in StreamReport::modules, of its own controller.
 struct AdoptedCounts {
   int module = -1;  ///< id in the design; −1: the design has no module there

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "triskin/design/design.hpp"
 #include "triskin/base/names.hpp"
+#include "triskin/design/design.hpp"
 #include "triskin/scene/ad7147.hpp"
 #include "triskin/wire/unique_id.hpp"
 

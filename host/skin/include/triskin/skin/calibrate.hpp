@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "triskin/design/calibration.hpp"
-#include "triskin/skin/touch_map.hpp"
 #include "triskin/session/bus.hpp"
+#include "triskin/skin/touch_map.hpp"
 
 /// Makes calibrations of a skin, from pressures that are known (docs/calibration.md).
 namespace triskin::device {
@@ -50,7 +50,7 @@ class PressureRamp {
   [[nodiscard]] double first_s() const { return points_.front().first; }
   [[nodiscard]] double last_s() const { return points_.back().first; }
   /// Largest pressure, kPa.
-  [[nodiscard]] double most_kpa() const;
+  [[nodiscard]] double max_kpa() const;
   /// Pressure at a time, between two lines linear; nullopt outside them.
   [[nodiscard]] std::optional<double> kpa(double time_s) const;
 
@@ -63,7 +63,7 @@ struct CalibrateOptions {
   double settle_s = 0.5;                 ///< a step is left alone for so long before samples count
   double hold_s = 1.0;                   ///< samples of a step count for so long, > 0
   double gauge_percent = 0.0;            ///< error of the pressures themselves, added to that of every taxel
-  double most_error_percent = 10.0;      ///< a taxel whose error is larger is left without a calibration
+  double max_error_percent = 10.0;       ///< a taxel whose error is larger is left without a calibration
   std::uint64_t unix_minus_link_ns = 0;  ///< calendar time of the link's time 0, for ramps by calendar
   StreamOptions stream;                  ///< how samples are read
   wire::CalibrationMethod method = wire::CalibrationMethod::kSteps;  ///< stands in the calibration
@@ -123,7 +123,5 @@ struct FoundCalibration {
                                               std::span<const design::BoardCalibration> boards,
                                               std::span<const design::BoardCalibration> kept,
                                               const CalibrationStore& store);
-/// Seconds since 1970 as a calibration says when it was made: "2026-11-22T17:30:00Z".
-[[nodiscard]] std::string utc_text(std::uint64_t unix_s);
 
 }  // namespace triskin::device

@@ -24,7 +24,7 @@ class LiveMonitor {
   explicit LiveMonitor(const design::Design& design, const design::RestValues& rest = {},
                        design::SkinCalibration calibration = {});
   /// Takes a sample.
-  void add(const ModuleFrame& frame);
+  void add(const ModuleSample& frame);
   [[nodiscard]] TouchMap& touches() { return touches_; }
   [[nodiscard]] const TouchMap& touches() const { return touches_; }
   /// What the counts are worth.

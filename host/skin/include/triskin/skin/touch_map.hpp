@@ -35,7 +35,7 @@ class TouchMap {
   /// Gives the rest values of the modules from `first_module` on; the others stay as they are.
   void set_rest(const design::RestValues& rest, int first_module);
   /// Takes a sample; invalid values are ignored.
-  void add(const ModuleFrame& frame);
+  void add(const ModuleSample& frame);
   /// From now on the median of the next three valid samples of each taxel is its rest value: nothing may touch the
   /// skin.
   void tare();
@@ -61,7 +61,7 @@ class TouchMap {
     double warming_counts = 0.0;  // by how much the pads for temperature read below their rest
     bool by_design = true;        // its rest values are judged by the design
   };
-  static void take_pads(Module& module, const wire::FullTaxels& sample);
+  static void take_pads(Module& module, const wire::TaxelFrame& sample);
   static void take(const Module& module, Taxel& taxel, double value);
   [[nodiscard]] static bool may_rest(double value);
   static void settle(const Module& module, Taxel& taxel);

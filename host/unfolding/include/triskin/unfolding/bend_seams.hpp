@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "triskin/unfolding/seams.hpp"
 #include "triskin/mesh/surface.hpp"
+#include "triskin/unfolding/seams.hpp"
 
 namespace triskin::geometry {
 
@@ -16,7 +16,7 @@ namespace triskin::geometry {
 /// Edges for UnfoldingOptions::seams that part what bends more than `radius_mm` > 0 from the rest, as the reference
 /// paper cuts parts (Section VI-A, Fig. 17). Parts smaller than a module do not count: they go to what surrounds them.
 /// Empty where nothing or everything bends so. Errors: InputError for a radius that is not positive. Deterministic.
-/// Cost: that of bending_radii(). Source: docs/surface_lattice.md, limits of bending.
+/// Cost: that of bending_radii(). Source: docs/bending.md, limits of bending.
 [[nodiscard]] std::vector<SurfaceEdge> seams_along_bends(const Surface& surface, double radius_mm);
 
 }  // namespace triskin::geometry

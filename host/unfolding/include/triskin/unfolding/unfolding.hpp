@@ -4,10 +4,10 @@
 #include <functional>
 #include <vector>
 
-#include "triskin/design/design_types.hpp"
-#include "triskin/unfolding/seams.hpp"
-#include "triskin/mesh/surface.hpp"
 #include "triskin/base/progress.hpp"
+#include "triskin/design/design_types.hpp"
+#include "triskin/mesh/surface.hpp"
+#include "triskin/unfolding/seams.hpp"
 
 namespace triskin::geometry {
 

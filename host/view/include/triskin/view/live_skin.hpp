@@ -23,7 +23,7 @@ struct PressureSample {
 /// fixed: a slow reader skips samples, it never makes a queue grow. Thread-safe.
 class LiveSkin {
  public:
-  /// Bytes before the records of a frame, and of one record (docs/view.md).
+  /// Bytes before the records of a frame, and of one record (docs/view_server.md).
   static constexpr std::size_t kHeaderBytes = 16, kRecordBytes = 32;
   /// First two bytes of a frame: what it is, and the version of its layout.
   static constexpr std::uint8_t kFrameKind = 1, kFrameVersion = 1;

@@ -36,7 +36,8 @@ struct Command {
 
 /// Serves a site and the live skin to browsers on this computer: HTTP and a WebSocket on 127.0.0.1, in its own thread.
 /// A request is answered only with the token in its path, the right Host and, where there is one, the right Origin; so
-/// neither other users of the computer nor other pages of the browser read the skin. docs/view.md has the limits.
+/// neither other users of the computer nor other pages of the browser read the skin. docs/view_server.md has the
+/// limits.
 class Server {
  public:
   /// Limits; each > 0. The defaults suit browsers on the same computer.

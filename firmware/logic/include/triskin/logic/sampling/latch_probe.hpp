@@ -16,7 +16,7 @@ class LatchProbe {
   static constexpr std::uint32_t kBegin_percent = 55;  ///< of the nominal sequence after its start: the probe may begin
   static constexpr std::uint32_t kEnd_percent = 96;    ///< the end of the sequence of the fastest oscillator
   static constexpr int kStages = Ad7147::kOffsetStages;  ///< first stages, which have ended by then
-  static constexpr int kMostProbes = 3;
+  static constexpr int kMaxProbes = 3;
 
   /// Nothing is known about the chip.
   void forget() { *this = {}; }
@@ -28,7 +28,7 @@ class LatchProbe {
   void store(const ad7147::Results& results);
   /// The sequence ended without a reading in its middle, or another one begins.
   void skip() { probed_ = false; }
-  /// Results before the change of the configuration and at the end of the sequence. After kMostProbes without a
+  /// Results before the change of the configuration and at the end of the sequence. After kMaxProbes without a
   /// verdict the chip is taken for one that shows each result at the end of its stage.
   void compare(const ad7147::Results& before, const ad7147::Results& after);
 

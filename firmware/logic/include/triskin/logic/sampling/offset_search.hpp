@@ -15,7 +15,7 @@ class OffsetSearch {
  public:
   static constexpr std::uint8_t kFirst = 31;    ///< 9.92 pF: a converter sees 1.92 … 17.92 pF
   static constexpr std::uint8_t kFarStep = 25;  ///< 8 pF: beyond the end of the range
-  static constexpr int kMostRounds = 8;         ///< readings: what does not settle is not one chip
+  static constexpr int kMaxRounds = 8;          ///< readings: what does not settle is not one chip
   static constexpr int kCenteringRounds = 4;    ///< … of a search without known offsets that go for the middle
   static constexpr std::int32_t kThird = 0x8000 / 3;
 
@@ -27,7 +27,7 @@ class OffsetSearch {
   /// again. False: they stand; outside() tells which taxels could not be brought where they belong.
   [[nodiscard]] bool adjust(const ad7147::Results& results, Ad7147::Polarity polarity);
 
-  /// Steps of each stage, 0 … ad7147::kMostOffset.
+  /// Steps of each stage, 0 … ad7147::kMaxOffset.
   [[nodiscard]] const ad7147::Offsets& offsets() const { return offsets_; }
   /// Bit t: taxel t rested outside the middle third in the last reading.
   [[nodiscard]] std::uint16_t outside() const { return outside_; }
@@ -41,7 +41,7 @@ class OffsetSearch {
   bool known_ = false;
 };
 
-static_assert(wire::kMostOffset == ad7147::kMostOffset);
+static_assert(wire::kMaxOffset == ad7147::kMaxOffset);
 static_assert(wire::kRestLeast == ad7147::kMidScale - OffsetSearch::kThird);
 static_assert(wire::kRestMost == ad7147::kMidScale + OffsetSearch::kThird);
 

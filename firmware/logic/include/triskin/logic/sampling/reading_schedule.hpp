@@ -14,13 +14,13 @@ namespace triskin::fw {
 
 /// Divides the time of one line among its chips: it says which transfer is due and learns how each one ended. Each
 /// chip is read once a sequence, in the window in which its twelve results belong together (SequenceClock). Everything
-/// else on the line begins only when no window opens before its end: errands of the caller (identify, configure,
+/// else on the line begins only when no window opens before its end: transactions of the caller (identify, configure,
 /// verify), restarts of a sequence, and readings of the status, which refine the clocks. When three chips of a line
 /// come to end at the same time, so that one could not be read in its window, one begins its next sequence anew a
 /// little later.
 ///
 /// Pure: it makes no transfer and knows no clock but `now_us`. Stations are numbered from 0 in the order in which the
-/// caller keeps them; a station that is neither started nor has an errand asks for nothing. The earliest end goes
+/// caller keeps them; a station that is neither started nor has an transaction asks for nothing. The earliest end goes
 /// first among readings, the lowest number among other transfers. Cost: no call but read() visits more than the four
 /// stations; read() tries up to 185 moments for a restart.
 class ReadingSchedule {
@@ -28,15 +28,16 @@ class ReadingSchedule {
   static constexpr std::size_t kStations = layout::kAddressesPerLine;
   static constexpr std::uint64_t kNever_us = UINT64_MAX;
   static constexpr std::uint64_t kBurst_us = 800;  ///< a reading, and until the next transfer can begin
-  static constexpr std::uint64_t kShort_us = 250;  ///< a restart, a reading of the status, an errand of a few bytes
-  static constexpr std::uint64_t kLong_us = 500;   ///< an errand that writes the setup of a stage
+  static constexpr std::uint64_t kShort_us =
+      250;                                        ///< a restart, a reading of the status, an transaction of a few bytes
+  static constexpr std::uint64_t kLong_us = 500;  ///< an transaction that writes the setup of a stage
 
   enum class Action : std::uint8_t {
     kNothing,
-    kRead,     ///< twelve results: then read(), or nothing when they do not count
-    kErrand,   ///< what the caller planned for the station: it stays planned until it is changed or cancelled
-    kRestart,  ///< of the sequence: then restarted()
-    kStatus,   ///< the stage-complete status: then status_read()
+    kRead,         ///< twelve results: then read(), or nothing when they do not count
+    kTransaction,  ///< what the caller planned for the station: it stays planned until it is changed or cancelled
+    kRestart,      ///< of the sequence: then restarted()
+    kStatus,       ///< the stage-complete status: then status_read()
   };
   struct Due {
     Action action = Action::kNothing;
@@ -53,13 +54,13 @@ class ReadingSchedule {
 
   /// The station asks for a transfer of the caller's, not before `at_us`, that takes `length_us` at most. One at a
   /// time: the last one counts.
-  void plan_errand(std::size_t station, std::uint64_t at_us, std::uint64_t length_us);
-  /// When the errand of the station may begin; kNever_us: it has none.
-  [[nodiscard]] std::uint64_t errand_us(std::size_t station) const { return plans_[station].errand_us; }
-  /// The station asks for no errand any more.
-  void cancel_errand(std::size_t station);
+  void plan_transaction(std::size_t station, std::uint64_t at_us, std::uint64_t length_us);
+  /// When the transaction of the station may begin; kNever_us: it has none.
+  [[nodiscard]] std::uint64_t transaction_us(std::size_t station) const { return plans_[station].transaction_us; }
+  /// The station asks for no transaction any more.
+  void cancel_transaction(std::size_t station);
 
-  /// The chip's first sequence was started at `at_us`; nothing is known about its oscillator. No errand is left.
+  /// The chip's first sequence was started at `at_us`; nothing is known about its oscillator. No transaction is left.
   /// `latching`: when it shows its results.
   void start(std::size_t station, std::uint64_t at_us, wire::Latching latching = wire::Latching::kEachStage);
   /// When the chip shows its results, which was not known at its start.
@@ -105,7 +106,7 @@ class ReadingSchedule {
     std::uint32_t missed = 0;      // see take_missed()
     std::uint64_t status_us = 0;   // when the status was read, and so cleared, in this sequence; 0: not yet
     std::uint64_t restart_us = 0;  // when to begin the sequence anew
-    std::uint64_t errand_us = kNever_us, errand_length_us = 0;
+    std::uint64_t transaction_us = kNever_us, transaction_length_us = 0;
     SequenceClock clock;
     // What the clock says, asked once after each change: due() compares all the time, and the clock divides.
     std::uint64_t open_us = 0, close_us = 0, end_us = 0;  // window of the reading; end of the present sequence

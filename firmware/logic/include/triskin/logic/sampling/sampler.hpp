@@ -13,10 +13,10 @@
 #include "triskin/logic/sampling/line_recovery.hpp"
 #include "triskin/logic/sampling/module_sample.hpp"
 #include "triskin/logic/sampling/offset_search.hpp"
-#include "triskin/logic/storage/offset_store.hpp"
 #include "triskin/logic/sampling/presence.hpp"
 #include "triskin/logic/sampling/reading_schedule.hpp"
 #include "triskin/logic/sampling/table_row.hpp"
+#include "triskin/logic/storage/offset_store.hpp"
 #include "triskin/ports/ports.hpp"
 #include "triskin/wire/adoption.hpp"
 #include "triskin/wire/uds.hpp"
@@ -47,11 +47,11 @@ class LineSampler {
   /// Forgets everything but the offsets and starts anew with those modules of the table that hang on this line.
   void begin(I2cLine& line, std::uint8_t line_index, const Patch& patch, const Sampling& sampling,
              std::uint64_t now_us);
-  /// Replaces the modules that the table does not know: guest k has row `own_rows` + k and is read where it says. The
-  /// modules of the table and the first `kept` guests go on as they were. Between pause() and resume(), when no
-  /// transfer is under way.
-  void replace_guests(std::size_t own_rows, std::span<const wire::Guest> guests, std::size_t kept,
-                      std::uint64_t now_us);
+  /// Replaces the modules that the table does not know: adopted module k has row `own_rows` + k and is read where it
+  /// says. The modules of the table and the first `kept` adopted modules go on as they were. Between pause() and
+  /// resume(), when no transfer is under way.
+  void replace_adopted(std::size_t own_rows, std::span<const wire::AdoptedModule> adopted_modules, std::size_t kept,
+                       std::uint64_t now_us);
   /// Also without a table: finds what answers at the four addresses; scan() has the result.
   void request_scan();
   /// Finds, configures and checks every chip of the line again.
@@ -97,7 +97,7 @@ class LineSampler {
   // other offsets) and kFirst (as it is used) are not published: they belong to the checks.
   enum class Phase : std::uint8_t { kFind, kConfigure, kOther, kShifted, kFirst, kRun };
   // One address of the line that the table has a module at.
-  struct Station {
+  struct ChipState {
     TableRow row{};
     std::uint8_t address = 0;  // on the line, 0..3
     Phase phase = Phase::kFind, after_configuration = Phase::kFind;
@@ -115,7 +115,7 @@ class LineSampler {
   [[nodiscard]] std::uint64_t lasted_us() const { return line_->ended_us() - line_->started_us(); }
   [[nodiscard]] bool must_repeat_start();
   void start_next(std::uint64_t now_us);
-  void start_errand();
+  void start_transaction();
   void start(Job job);
   void finish(Status status, std::uint64_t now_us);
   void abandon_transfer();
@@ -136,7 +136,7 @@ class LineSampler {
   void finish_verify(Job job, std::uint64_t now_us);
   void use_results(std::uint64_t now_us);
   void count_missed();
-  void find(Station& station, std::uint64_t at_us);
+  void find(ChipState& station, std::uint64_t at_us);
   void configure(Phase next);
   void configure_offsets(Phase next);
   [[nodiscard]] int configuration_steps() {
@@ -144,20 +144,20 @@ class LineSampler {
   }
   void begin_configuration(std::uint8_t address);
   void give_up(wire::ModuleState state, std::uint64_t now_us);
-  [[nodiscard]] Station& current() { return stations_[current_]; }
+  [[nodiscard]] ChipState& current() { return stations_[current_]; }
   [[nodiscard]] Ad7147::Polarity polarity(Phase phase) const;
   [[nodiscard]] ad7147::Offsets offsets_for(Phase phase);
-  [[nodiscard]] PlaceOffsets& place_of(const Station& station) {
+  [[nodiscard]] PlaceOffsets& place_of(const ChipState& station) {
     return (*offsets_)[static_cast<std::size_t>(line_index_) * layout::kAddressesPerLine + station.address];
   }
-  [[nodiscard]] ModuleSample& sample_of(const Station& station) { return samples_[index_of(station.row)]; }
-  [[nodiscard]] std::size_t number_of(const Station& station) const {
+  [[nodiscard]] ModuleSample& sample_of(const ChipState& station) { return samples_[index_of(station.row)]; }
+  [[nodiscard]] std::size_t number_of(const ChipState& station) const {
     return static_cast<std::size_t>(&station - stations_.data());
   }
   [[nodiscard]] std::uint8_t chip_address() const;
   [[nodiscard]] std::uint32_t sequence_us() const { return ad7147::sequence_us(sampling_.decimation); }
-  [[nodiscard]] std::span<Station> stations() { return {stations_.data(), station_count_}; }
-  [[nodiscard]] std::span<const Station> stations() const { return {stations_.data(), station_count_}; }
+  [[nodiscard]] std::span<ChipState> stations() { return {stations_.data(), station_count_}; }
+  [[nodiscard]] std::span<const ChipState> stations() const { return {stations_.data(), station_count_}; }
 
   I2cLine* line_ = nullptr;
   std::uint8_t line_index_ = 0;
@@ -165,7 +165,7 @@ class LineSampler {
   OffsetBook* offsets_ = nullptr;
   bool positive_input_ = false;
   Sampling sampling_;
-  std::array<Station, layout::kAddressesPerLine> stations_{};
+  std::array<ChipState, layout::kAddressesPerLine> stations_{};
   std::size_t station_count_ = 0, current_ = 0;  // current: whose transfer is under way
   Ad7147 chip_;
   ad7147::Results results_{};

@@ -66,7 +66,7 @@ class SequenceClock {
   static constexpr std::uint64_t kMargin_us = 25;  // between what is known and the first and last burst
   static constexpr std::uint64_t kSlack = 25ULL
                                           << kFraction;  // error of the time of a start or of a reading of the status
-  static constexpr std::uint64_t kWanted_us = 120, kMostGrowth_us = 300;
+  static constexpr std::uint64_t kWanted_us = 120, kMaxGrowth_us = 300;
   static constexpr std::uint64_t kWander_ppm_per_s = 80;  // an oscillator that warms up
   static constexpr std::uint32_t kAnchorFor = 64;         // sequences over which the period is measured
   static constexpr int kMaxContradictions = 4;

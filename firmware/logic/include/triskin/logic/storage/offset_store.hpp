@@ -17,7 +17,7 @@ namespace triskin::fw {
 struct PlaceOffsets {
   bool known = false;           ///< `steps` were right once
   std::uint16_t device_id = 0;  ///< of the chip that they were found for
-  ad7147::Offsets steps{};      ///< 0 … ad7147::kMostOffset
+  ad7147::Offsets steps{};      ///< 0 … ad7147::kMaxOffset
   bool to_store = false;        ///< newer than in the flash
   wire::OffsetState state = wire::OffsetState::kNone;
   wire::Latching latching = wire::Latching::kUnknown;

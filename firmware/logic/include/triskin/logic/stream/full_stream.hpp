@@ -58,7 +58,7 @@ class FullStream {
   void tick(std::uint64_t now_us);
   /// A sample of the module in `row` stands, or could not be read. `rows`: modules of the table. The frame waits when a
   /// reader wants it and there is room; `pausing`: it is dropped in any case.
-  void add(const wire::FullTaxels& sample, std::size_t rows, bool pausing);
+  void add(const wire::TaxelFrame& sample, std::size_t rows, bool pausing);
 
   /// True when the next frame may be sent now.
   [[nodiscard]] bool due(std::uint64_t now_us) const { return size_ > 0 && now_us >= next_us_; }
@@ -84,7 +84,7 @@ class FullStream {
 
   StreamLeases leases_;
   bool held_ = false;
-  std::array<wire::FullTaxels, kCapacity> waiting_{};  // a ring of kPerRow for each row
+  std::array<wire::TaxelFrame, kCapacity> waiting_{};  // a ring of kPerRow for each row
   std::array<std::uint8_t, layout::kMaxModules> first_{};
   std::size_t size_ = 0;
   std::size_t turn_ = layout::kMaxModules - 1;  // row that sent last

@@ -9,7 +9,7 @@
 namespace triskin::fw {
 
 /// What the controllers of neighbouring patches offer, and when a look at the patch is due because of it. A look while
-/// open() may take in their modules. Pure: time comes as an argument. docs/switched_module.md, "Adoption".
+/// open() may take in their modules. Pure: time comes as an argument. docs/adoption.md.
 class Neighbours {
  public:
   static constexpr std::uint64_t kRepeat_us = 1'000'000;  ///< between two frames of an owner that offers modules
@@ -19,10 +19,11 @@ class Neighbours {
   static constexpr std::uint64_t kKeepAway_us = 300'000;  ///< nobody takes them in meanwhile: kHandBack_us and a look
   static constexpr std::uint64_t kNever_us = UINT64_MAX;
 
-  /// A frame of another controller came. `own_node`: decides whose turn it is. `guests`: modules are taken in now.
-  void hear(const wire::Reach& reach, std::uint8_t own_node, bool guests, std::uint64_t now_us);
+  /// A frame of another controller came. `own_node`: decides whose turn it is. `adopted modules`: modules are taken in
+  /// now.
+  void receive(const wire::Reach& reach, std::uint8_t own_node, bool adopted_modules, std::uint64_t now_us);
   /// Offers that were not repeated end. Call it a few times a second.
-  void tick(bool guests, std::uint64_t now_us);
+  void tick(bool adopted_modules, std::uint64_t now_us);
   /// A look begins. True: it may take modules in; else what was taken in is given back.
   [[nodiscard]] bool begin_look(std::uint64_t now_us);
   /// A look that could take nothing in has shown that the next one may.
@@ -41,11 +42,11 @@ class Neighbours {
     std::uint16_t rows = 0;
     std::uint64_t until_us = 0;
   };
-  static constexpr std::size_t kMostOffers = 4;  // a fifth owner is heard when one of these has got its modules back
+  static constexpr std::size_t kMaxOffers = 4;  // a fifth owner is heard when one of these has got its modules back
   [[nodiscard]] bool any() const;
-  void end(Offer& offer, bool guests, std::uint64_t now_us);
+  void end(Offer& offer, bool adopted_modules, std::uint64_t now_us);
 
-  std::array<Offer, kMostOffers> offers_{};
+  std::array<Offer, kMaxOffers> offers_{};
   static constexpr std::uint8_t kTurns = 4;
   std::uint8_t layers_ = 1;
   std::uint64_t look_us_ = kNever_us, away_until_us_ = 0;

@@ -23,23 +23,24 @@ class RouteKeeper {
   explicit RouteKeeper(RouteChain* chain)
       : topology_(chain == nullptr ? absent_ : *chain), present_(chain != nullptr) {}
 
-  /// After power-up or a new table (null: none). A healing is due.
+  /// After power-up or a new table (null: none). A rerouting is due.
   void begin(const layout::PatchImage* table);
-  /// On command: a healing is due now, and pauses begin anew.
+  /// On command: a rerouting is due now, and pauses begin anew.
   void request();
-  /// A line stays low, or is free again. A held one makes a healing due, once: what could not be freed is left alone.
+  /// A line stays low, or is free again. A held one makes a rerouting due, once: what could not be freed is left alone.
   void line_state(std::uint8_t line, bool held);
-  /// No module of the table answers: perhaps a switched patch that has power only now. A healing is due after a pause.
+  /// No module of the table answers: perhaps a switched patch that has power only now. A rerouting is due after a
+  /// pause.
   void nothing_answers(std::uint64_t now_us);
-  /// True when sampling must pause and heal() be called then.
+  /// True when sampling must pause and reroute() be called then.
   [[nodiscard]] bool due(std::uint64_t now_us) const {
-    return present_ && (now_us >= heal_at_us_ || now_us >= look_because_of_others_us());
+    return present_ && (now_us >= reroute_at_us_ || now_us >= look_because_of_others_us());
   }
   /// Takes up to about 60 ms with 16 modules.
-  void heal(const Clock& clock);
+  void reroute(const Clock& clock);
   /// True when a module answers on the chain.
   [[nodiscard]] bool switched() const { return route_.switched; }
-  /// Reads the chain back. False: what was read since the last check does not count; a healing may be due then.
+  /// Reads the chain back. False: what was read since the last check does not count; a rerouting may be due then.
   bool check(std::uint64_t now_us);
   /// True when the chain has to be checked at `now_us`.
   [[nodiscard]] bool check_due(std::uint64_t now_us) const { return switched() && now_us >= check_at_us_; }
@@ -47,13 +48,13 @@ class RouteKeeper {
   [[nodiscard]] std::uint64_t next_event_us() const;
 
   /// False: the frame is no wire::Reach. `own_node`: node address of this controller.
-  bool hear(const wire::CanFrame& frame, std::uint8_t own_node, std::uint64_t now_us);
+  bool receive(const wire::CanFrame& frame, std::uint8_t own_node, std::uint64_t now_us);
   /// Sends to the others what they are to know, when that is due. Where the port has no room it is tried again.
-  void tell(CanPort& port, std::uint8_t own_node, std::uint64_t now_us);
+  void send_status(CanPort& port, std::uint8_t own_node, std::uint64_t now_us);
   /// What is offered and what was taken in, as FD0E reports it.
   [[nodiscard]] const wire::Adoption& adoption() const { return adoption_; }
-  /// The first so many guests of the list were there in the list before it, in the same places.
-  [[nodiscard]] std::uint8_t kept_guests() const { return kept_guests_; }
+  /// The first so many adopted modules of the list were there in the list before it, in the same places.
+  [[nodiscard]] std::uint8_t kept_adopted() const { return kept_adopted_; }
 
   /// What is routed now, as FD08 reports it.
   [[nodiscard]] const wire::ActiveRoute& route() const { return route_; }
@@ -71,7 +72,7 @@ class RouteKeeper {
     [[nodiscard]] std::uint8_t stuck_lines() override { return 0; }
   };
   void note(const Topology::Report& report);
-  void note_guests();
+  void note_adopted();
   [[nodiscard]] bool whole() const;
   [[nodiscard]] std::uint64_t look_because_of_others_us() const { return whole() ? neighbours_.look_us() : UINT64_MAX; }
   void offer(const Topology::Report& report, std::uint64_t now_us);
@@ -85,13 +86,13 @@ class RouteKeeper {
   wire::ActiveRoute route_;
   Neighbours neighbours_;
   wire::Adoption adoption_;
-  std::uint8_t kept_guests_ = 0;
+  std::uint8_t kept_adopted_ = 0;
   bool beyond_ = false;    // the next look is on command
   bool returned_ = false;  // neighbours were asked to give modules back before this look
   std::uint64_t tell_at_us_ = UINT64_MAX;
   bool complete_discovery_ = false;
   std::uint8_t held_lines_ = 0;  // reported already
-  std::uint64_t heal_at_us_ = UINT64_MAX, check_at_us_ = 0;
+  std::uint64_t reroute_at_us_ = UINT64_MAX, check_at_us_ = 0;
   std::uint64_t pause_us_ = kFirstPause_us;
 };
 

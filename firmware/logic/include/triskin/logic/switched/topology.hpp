@@ -83,14 +83,14 @@ class Topology {
   struct Report {
     bool complete = false;       ///< false: the chain would not settle; the graph is what was certain
     std::uint8_t shorts = 0;     ///< ports left closed because opening them broke the chain or held a line
-    std::uint16_t alive = 0;     ///< heal(): bit m: module m of the table is in the tree
+    std::uint16_t alive = 0;     ///< reroute(): bit m: module m of the table is in the tree
     std::uint8_t max_depth = 0;  ///< of the active tree
-    bool least_depth = false;    ///< heal(): no tree over the joints that were found is less deep
-    bool as_table = false;       ///< heal(): the table's tree is up
+    bool min_depth = false;      ///< reroute(): no tree over the joints that were found is less deep
+    bool as_table = false;       ///< reroute(): the table's tree is up
     bool second_cable = false;   ///< module 0 is the one at the second cable
-    std::uint8_t unknown = 0;    ///< heal(): modules found at places that the table does not know; left closed
-    std::uint16_t held = 0;      ///< heal(): bit m: module m of the table is there, and another controller holds it
-    bool more_guests = false;    ///< heal(): behind the layers that were asked for is one more, and room for it
+    std::uint8_t unknown = 0;    ///< reroute(): modules found at places that the table does not know; left closed
+    std::uint16_t held = 0;      ///< reroute(): bit m: module m of the table is there, and another controller holds it
+    bool more_adopted = false;   ///< reroute(): behind the layers that were asked for is one more, and room for it
   };
 
   /// How far a look goes beyond the joints of the table. Ports to a neighbouring patch have none.
@@ -123,23 +123,23 @@ class Topology {
   /// Discovers anew and activates the table's tree where all of it is there, else the tree of least depth over the
   /// joints of the table that survive. A module keeps its address. Where no tree comes up, no module is reached. The
   /// second cable serves when nobody answers at the first, or less than half of the table does and more is behind the
-  /// second. Guests are left out where the tree does not come up with them. `layers`: how many guests may hang one
-  /// behind the other, 1 or more.
-  Report heal(const Table& table, Look look = Look::kBeyond, std::uint8_t layers = kAllLayers);
+  /// second. Guests are left out where the tree does not come up with them. `layers`: how many adopted modules may hang
+  /// one behind the other, 1 or more.
+  Report reroute(const Table& table, Look look = Look::kBeyond, std::uint8_t layers = kAllLayers);
   static constexpr std::uint8_t kAllLayers = layout::kMaxModules;
-  /// Cheap check before and after a sampling cycle; false: samples of the cycle are not to be trusted, heal.
+  /// Cheap check before and after a sampling cycle; false: samples of the cycle are not to be trusted, reroute.
   bool intact() { return chain_.check(); }
   /// After intact() failed: writes the registers again. True: that was all; the same modules are in the tree.
   bool refresh() { return chain_.check() && chain_.settle() && chain_.check(); }
-  /// Row of a module of graph() after heal(); of guest k the number of rows of the table + k; kNoTableRow for any other
-  /// that the table does not know. Guests stand last in graph(), a parent before its children.
+  /// Row of a module of graph() after reroute(); of adopted module k the number of rows of the table + k; kNoTableRow
+  /// for any other that the table does not know. Guests stand last in graph(), a parent before its children.
   [[nodiscard]] TableRow row_of(std::uint8_t module) const { return table_row(table_index_[module]); }
   /// Module of graph() and its output port on which a module of graph() hangs in the active tree.
   [[nodiscard]] JointEnd parent_of(std::uint8_t module) const { return parent_[module]; }
   /// Modules that were taken in and that the table does not know.
-  [[nodiscard]] std::uint8_t guest_count() const { return guest_count_; }
-  /// Where guest `k` < guest_count() hangs and is read.
-  [[nodiscard]] wire::Guest guest(std::uint8_t k) const;
+  [[nodiscard]] std::uint8_t adopted_count() const { return adopted_count_; }
+  /// Where adopted module `k` < guest_count() hangs and is read.
+  [[nodiscard]] wire::AdoptedModule adopted_module(std::uint8_t k) const;
 
  private:
   // kBeyond: a module that nobody holds is behind, and the table has no joint there or no number is left for it.
@@ -156,9 +156,9 @@ class Topology {
   [[nodiscard]] std::uint16_t held_rows(const Table& table) const;
   [[nodiscard]] bool may_adopt(const Table& table, const Report& report) const;
   bool adopt(const Table& table, std::uint8_t layers, Report& report);
-  void release_guests();
+  void release_adopted();
   bool take_in(std::uint8_t module, std::uint8_t port, std::uint8_t place);
-  bool ask(std::uint8_t guest, std::uint8_t port);
+  bool ask(std::uint8_t adopted_module, std::uint8_t port);
   bool rebuild_all() { return rebuild(0xFFFF, true); }
   [[nodiscard]] bool more_behind_second(const Table& table, const Report& report) const;
   Pass probe(std::uint8_t module, std::uint8_t port);
@@ -181,7 +181,7 @@ class Topology {
   [[nodiscard]] bool in_table(const PatchGraph& table, std::uint8_t module, std::uint8_t port) const;
   [[nodiscard]] bool lines_free() const { return (chain_.stuck_lines() & ~held_lines_) == 0; }
   bool table_tree(const Table& table);
-  bool least_depth_tree(const Table& table);
+  bool min_depth_tree(const Table& table);
   bool activate(const Table& table, Report& report);
   [[nodiscard]] std::uint8_t depth() const;
   bool exclude(std::uint8_t module, std::uint8_t port);
@@ -200,7 +200,7 @@ class Topology {
   const Table* expected_table_ = nullptr;     // during discover(); null: none
   Look look_ = Look::kBeyond;
   std::array<std::uint8_t, layout::kMaxModules> expected_{};  // row by the table, if all is as it says; no module: none
-  std::uint8_t guest_count_ = 0;
+  std::uint8_t adopted_count_ = 0;
   std::array<std::uint8_t, layout::kMaxModules> table_index_{};
   std::array<LineAddress, layout::kMaxModules> address_{};  // by discovery number
 };

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triskin/session/guest_modules.hpp"
+#include "triskin/session/adopted_modules.hpp"
 
 #include <algorithm>
 #include <map>
 
 namespace triskin::device {
 
-std::vector<int> guest_modules(const ModuleEnds& ends, std::span<const int> rows, const wire::Adoption& adoption) {
+std::vector<int> adopted_modules(const ModuleEnds& ends, std::span<const int> rows, const wire::Adoption& adoption) {
   std::vector<int> modules(rows.begin(), rows.end());
-  for (const wire::Guest& g : adoption.list_of_guests()) {
+  for (const wire::AdoptedModule& g : adoption.list_of_adopted()) {
     const int parent = g.parent < modules.size() ? modules[g.parent] : -1;
     const auto end = parent < 0 ? design::ModuleEnd{} : ends.at(static_cast<std::size_t>(parent)).at(g.parent_port);
     modules.push_back(end.port == g.port ? end.module : -1);
@@ -17,11 +17,11 @@ std::vector<int> guest_modules(const ModuleEnds& ends, std::span<const int> rows
   return modules;
 }
 
-std::deque<GuestReader::Waiting> GuestReader::set(const wire::Adoption& adoption, std::span<const int> modules,
-                                                  int every, std::uint64_t interval_us) {
+std::deque<AdoptedReader::Waiting> AdoptedReader::set(const wire::Adoption& adoption, std::span<const int> modules,
+                                                      int every, std::uint64_t interval_us) {
   std::deque<Waiting> mine;
   for (const Waiting& w : waiting_) {
-    if (w.sample.guests == adoption.list)
+    if (w.sample.adopted_modules == adoption.list)
       mine.push_back(w);
     else
       ++dropped_;
@@ -37,12 +37,12 @@ std::deque<GuestReader::Waiting> GuestReader::set(const wire::Adoption& adoption
   return mine;
 }
 
-// What a guest gave before its first sample came here is not known: its account begins with that.
-int GuestReader::add(std::size_t row, const wire::FullTaxels& sample, std::uint64_t now_us) {
-  constexpr std::size_t kMostWaiting = 512;
-  if (sample.guests == 0) return -1;
-  if (sample.guests != list_ || list_ == 0) {
-    if (waiting_.size() == kMostWaiting) {
+// What a adopted module gave before its first sample came here is not known: its account begins with that.
+int AdoptedReader::add(std::size_t row, const wire::TaxelFrame& sample, std::uint64_t now_us) {
+  constexpr std::size_t kMaxWaiting = 512;
+  if (sample.adopted_modules == 0) return -1;
+  if (sample.adopted_modules != list_ || list_ == 0) {
+    if (waiting_.size() == kMaxWaiting) {
       waiting_.pop_front();
       ++dropped_;
     }
@@ -51,13 +51,13 @@ int GuestReader::add(std::size_t row, const wire::FullTaxels& sample, std::uint6
   }
   if (first_ + row >= read_.size()) return -1;
   Read& r = read_[first_ + row];
-  if (!r.counts.begun()) r.counts.begin(sample.starts, {sample.sample - 1, sample.unread, sample.dropped}, now_us);
+  if (!r.counts.started()) r.counts.begin(sample.starts, {sample.sample - 1, sample.unread, sample.dropped}, now_us);
   if (!r.counts.add(sample, now_us)) return -1;
   r.heard_us = now_us;
   return r.module;
 }
 
-bool GuestReader::reads(int module, std::uint64_t since_us) const {
+bool AdoptedReader::reads(int module, std::uint64_t since_us) const {
   return std::any_of(read_.begin() + static_cast<std::ptrdiff_t>(first_), read_.end(),
                      [&](const Read& r) { return r.module == module && r.heard_us >= since_us && r.heard_us > 0; });
 }

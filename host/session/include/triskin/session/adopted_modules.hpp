@@ -16,20 +16,21 @@ namespace triskin::device {
 /// Far ends of all ports of a design: design::module_ends.
 using ModuleEnds = std::vector<std::array<design::ModuleEnd, layout::kPorts>>;
 
-/// Which modules of the design the guests of a controller are: what lies behind the ports that they hang on. `rows`:
-/// modules of its table, by row. −1 where the design has no module, or one that is turned otherwise. Cost: linear.
-[[nodiscard]] std::vector<int> guest_modules(const ModuleEnds& ends, std::span<const int> rows,
-                                             const wire::Adoption& adoption);
+/// Which modules of the design the adopted modules of a controller are: what lies behind the ports that they hang on.
+/// `rows`: modules of its table, by row. −1 where the design has no module, or one that is turned otherwise. Cost:
+/// linear.
+[[nodiscard]] std::vector<int> adopted_modules(const ModuleEnds& ends, std::span<const int> rows,
+                                               const wire::Adoption& adoption);
 
 /// Modules of other patches that one controller reads, as a reader of its stream sees them: samples of a list that is
 /// not known yet wait until it is. Threads: one.
-class GuestReader {
+class AdoptedReader {
  public:
   struct Waiting {
-    wire::FullTaxels sample;
+    wire::TaxelFrame sample;
     std::uint64_t heard_us = 0;
   };
-  /// Account of a module as long as it was a guest.
+  /// Account of a module as long as it was a adopted module.
   struct Read {
     int module = -1;
     SampleAccount counts;
@@ -38,13 +39,13 @@ class GuestReader {
 
   /// True: samples wait for a list; ask FD0E, then set().
   [[nodiscard]] bool wants_list() const { return !waiting_.empty(); }
-  /// Accounts from now on are those of `adoption`, whose guests are `modules`. Result: the samples of it that waited.
-  /// Those of other lists came too late to be asked for: dropped().
+  /// Accounts from now on are those of `adoption`, whose adopted modules are `modules`. Result: the samples of it that
+  /// waited. Those of other lists came too late to be asked for: dropped().
   std::deque<Waiting> set(const wire::Adoption& adoption, std::span<const int> modules, int every,
                           std::uint64_t interval_us);
-  /// Counts a sample of a guest; `row`: of the guest among the guests. Result: the module that it belongs to, when the
-  /// sample counts. −1: none; it may wait for its list.
-  int add(std::size_t row, const wire::FullTaxels& sample, std::uint64_t now_us);
+  /// Counts a sample of a adopted module; `row`: of the adopted module among the adopted modules. Result: the module
+  /// that it belongs to, when the sample counts. −1: none; it may wait for its list.
+  int add(std::size_t row, const wire::TaxelFrame& sample, std::uint64_t now_us);
   /// True: a sample of the module came since `since_us`.
   [[nodiscard]] bool reads(int module, std::uint64_t since_us) const;
   /// What was read so far, earlier lists first.

@@ -13,11 +13,11 @@
 namespace triskin::device {
 
 /// One cover in one pass of flash_together: first its boards, then the conversations that write their tables.
-class CoverPass {
+class CoverFlash {
  public:
   /// `images`: by patch. All outlive the pass; `patches` has what is done, also of passes before.
-  CoverPass(const FlashPart& part, const std::vector<std::vector<std::uint8_t>>& images,
-            std::vector<FlashResult::Patch>& patches)
+  CoverFlash(const FlashPart& part, const std::vector<std::vector<std::uint8_t>>& images,
+             std::vector<FlashResult::Patch>& patches)
       : bus_(*part.bus),
         design_(*part.design),
         options_(part.options),
@@ -31,7 +31,7 @@ class CoverPass {
   void plan(std::span<const FlashOptions::Neighbour> settled, BusBoards& known);
   /// Gives the boards of all covers of a pass the addresses of their patches; one that nobody needs and that sits there
   /// moves to a free one. In a dry run nothing is done. Throws DeviceError as assign_addresses.
-  static void give_addresses(const std::deque<CoverPass>& covers, BusBoards& known);
+  static void give_addresses(const std::deque<CoverFlash>& covers, BusBoards& known);
   /// The boards of this cover, for those that are planned after it.
   [[nodiscard]] std::vector<FlashOptions::Neighbour> settled() const;
   /// Controllers that answered.

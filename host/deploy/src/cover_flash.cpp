@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cover_pass.hpp"
+#include "cover_flash.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -66,7 +66,7 @@ void check_identity(Controller& controller, const Bus& bus, const FlashResult::P
 
 }  // namespace
 
-void CoverPass::plan(std::span<const FlashOptions::Neighbour> settled, BusBoards& known) {
+void CoverFlash::plan(std::span<const FlashOptions::Neighbour> settled, BusBoards& known) {
   for (FlashOptions::Neighbour& n : options_.neighbours) {
     const auto same =
         std::ranges::find_if(settled, [&](const auto& s) { return s.node == n.node && s.design_id == n.design_id; });
@@ -95,7 +95,7 @@ void CoverPass::plan(std::span<const FlashOptions::Neighbour> settled, BusBoards
   }
 }
 
-void CoverPass::give_addresses(const std::deque<CoverPass>& covers, BusBoards& known) {
+void CoverFlash::give_addresses(const std::deque<CoverFlash>& covers, BusBoards& known) {
   if (covers.empty() || covers.front().options_.dry_run) return;
   Bus& bus = covers.front().bus_;
   FreeAddresses free(bus, covers.front().design_, covers.front().options_);
@@ -103,7 +103,7 @@ void CoverPass::give_addresses(const std::deque<CoverPass>& covers, BusBoards& k
   std::map<wire::UniqueId, int> present, wanted;
   for (const wire::NodeClaim& c : known.claims) present[c.unique_id] = c.node_address;
   std::set<int> needed;
-  for (const CoverPass& cover : covers) {
+  for (const CoverFlash& cover : covers) {
     for (const Board& b : cover.boards_) {
       const int address = cover.address_of(b);
       const auto at = present.find(b.claim.unique_id);
@@ -120,7 +120,7 @@ void CoverPass::give_addresses(const std::deque<CoverPass>& covers, BusBoards& k
   if (!wanted.empty()) known.claims = assign_addresses(bus, std::move(wanted));
 }
 
-void CoverPass::find(std::vector<wire::NodeClaim>& claims) {
+void CoverFlash::find(std::vector<wire::NodeClaim>& claims) {
   if (claims.empty()) claims = bus_.discover();
   found_ = claims.size();
   if (options_.dry_run) return;
@@ -131,19 +131,19 @@ void CoverPass::find(std::vector<wire::NodeClaim>& claims) {
   if (options_.recognise && many) claims = put_apart(bus_, std::move(claims), options_.take_over);
 }
 
-std::vector<FlashOptions::Neighbour> CoverPass::settled() const {
+std::vector<FlashOptions::Neighbour> CoverFlash::settled() const {
   std::vector<FlashOptions::Neighbour> list;
   for (const Board& b : boards_)
     list.push_back({address_of(b), design_.design_id, to_text(b.claim.unique_id), &design_, b.patch});
   return list;
 }
 
-std::uint8_t CoverPass::address_of(const Board& board) const {
+std::uint8_t CoverFlash::address_of(const Board& board) const {
   return static_cast<std::uint8_t>(design::node_address_of(design_, board.patch));
 }
 
 // A patch that was written before the cable was pulled stays written.
-void CoverPass::begin(FlashResult::Patch& r, const Board& board) const {
+void CoverFlash::begin(FlashResult::Patch& r, const Board& board) const {
   if (r.written) return;
   r = {};
   r.patch = board.patch;
@@ -155,11 +155,11 @@ void CoverPass::begin(FlashResult::Patch& r, const Board& board) const {
   r.bytes = images_[static_cast<std::size_t>(board.patch)].size();
 }
 
-void CoverPass::step(int patch, const char* what, double fraction) const {
+void CoverFlash::step(int patch, const char* what, double fraction) const {
   report(progress_, what, fraction, fmt::format("patch {}", patch), patch);
 }
 
-void CoverPass::add_tasks(std::vector<Task>& tasks) {
+void CoverFlash::add_tasks(std::vector<Task>& tasks) {
   for (std::size_t k = 0; k < boards_.size(); ++k) {
     const auto node = options_.dry_run ? boards_[k].claim.node_address : address_of(boards_[k]);
     tasks.push_back({node, [this, k](Bus& bus) { serve(bus, boards_[k], patches_[k]); }});
@@ -168,7 +168,7 @@ void CoverPass::add_tasks(std::vector<Task>& tasks) {
 
 // Where the first frame of a long answer is lost, the board waits for the flow control and drops what it is asked
 // meanwhile: by the second conversation it has given that up.
-void CoverPass::serve(Bus& bus, const Board& board, FlashResult::Patch& r) const {
+void CoverFlash::serve(Bus& bus, const Board& board, FlashResult::Patch& r) const {
   bool began_to_write = false;
   try {
     return converse(bus, board, r, began_to_write);
@@ -178,7 +178,7 @@ void CoverPass::serve(Bus& bus, const Board& board, FlashResult::Patch& r) const
   converse(bus, board, r, began_to_write);
 }
 
-void CoverPass::converse(Bus& bus, const Board& board, FlashResult::Patch& r, bool& began_to_write) const {
+void CoverFlash::converse(Bus& bus, const Board& board, FlashResult::Patch& r, bool& began_to_write) const {
   const Bytes image = images_[static_cast<std::size_t>(board.patch)];
   step(r.patch, "asking", 0.0);
   if (options_.dry_run) {
@@ -201,7 +201,7 @@ void CoverPass::converse(Bus& bus, const Board& board, FlashResult::Patch& r, bo
   step(r.patch, "done", 1.0);
 }
 
-std::string CoverPass::Failure::text() const {
+std::string CoverFlash::Failure::text() const {
   try {
     std::rethrow_exception(what);
   } catch (const std::exception& e) {
@@ -209,7 +209,7 @@ std::string CoverPass::Failure::text() const {
   }
 }
 
-std::vector<CoverPass::Failure> CoverPass::failures(std::span<const std::exception_ptr> outcomes) {
+std::vector<CoverFlash::Failure> CoverFlash::failures(std::span<const std::exception_ptr> outcomes) {
   std::vector<Failure> list;
   for (std::size_t k = 0; k < boards_.size(); ++k) {
     if (!outcomes[k]) continue;
@@ -221,7 +221,7 @@ std::vector<CoverPass::Failure> CoverPass::failures(std::span<const std::excepti
   return list;
 }
 
-std::string CoverPass::what_is_done() const {
+std::string CoverFlash::what_is_done() const {
   std::vector<int> done;
   for (const FlashResult::Patch& r : patches_) {
     if (r.equal || r.written) done.push_back(r.patch);
