@@ -21,6 +21,7 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using nlohmann::json;
 constexpr double kLargestCoordinate_mm = 1e8;
+constexpr double kTouching_mm = 1e-9;  // far below every tolerance
 
 std::string ring_name(std::size_t ring) {
   return ring == 0 ? "outer ring" : fmt::format("hole {}", ring - 1);
@@ -224,12 +225,26 @@ CGAL::Orientation side(const Edge& e, const Vec2& p) {
                            Kernel::Point_2(p.x(), p.y()));
 }
 
+double distance_mm(const Edge& e, const Vec2& p) {
+  const Vec2 along = e.b - e.a;
+  const double square = along.squaredNorm(),
+               t = square > 0.0 ? std::clamp((p - e.a).dot(along) / square, 0.0, 1.0) : 0.0;
+  return (p - e.a - t * along).norm();
+}
+
+// A vertex that was put on an edge and then rounded lies beside it by a few units in the last place.
+bool touches(const Edge& e, const Vec2& p) {
+  const double largest = std::max({e.a.cwiseAbs().maxCoeff(), e.b.cwiseAbs().maxCoeff(), p.cwiseAbs().maxCoeff()});
+  return distance_mm(e, p) <= std::max(kTouching_mm, 4.0 * 0x1p-52 * largest);
+}
+
 // Interiors cross: the ends of each edge lie strictly on both sides of the other. Touching is allowed.
 bool cross(const Edge& e, const Edge& f) {
   const auto s1 = side(e, f.a), s2 = side(e, f.b);
   if (s1 == CGAL::COLLINEAR || s1 == s2 || s2 == CGAL::COLLINEAR) return false;
   const auto s3 = side(f, e.a), s4 = side(f, e.b);
-  return s3 != CGAL::COLLINEAR && s4 != CGAL::COLLINEAR && s3 != s4;
+  if (s3 == CGAL::COLLINEAR || s4 == CGAL::COLLINEAR || s3 == s4) return false;
+  return !touches(e, f.a) && !touches(e, f.b) && !touches(f, e.a) && !touches(f, e.b);
 }
 
 void require_no_crossing(const Polygon& polygon, const std::string& name) {
@@ -258,7 +273,7 @@ bool inside_or_on(const std::vector<Vec2>& ring, const Vec2& p) {
   for (std::size_t k = 0; k < ring.size(); ++k) {
     const Edge e{ring[k], ring[(k + 1) % ring.size()], 0, 0};
     const auto s = side(e, p);
-    if (s == CGAL::COLLINEAR && (p - e.a).dot(p - e.b) <= 0.0) return true;
+    if (touches(e, p)) return true;
     if ((e.a.y() > p.y()) != (e.b.y() > p.y()) && (s == CGAL::LEFT_TURN) == (e.b.y() > e.a.y())) inside = !inside;
   }
   return inside;

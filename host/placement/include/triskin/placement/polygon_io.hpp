@@ -25,7 +25,8 @@ namespace triskin::geometry {
 [[nodiscard]] std::vector<Polygon> parse_polygons(const std::string& text, const std::string& name);
 
 /// Drops closing and repeated vertices, orients the outer ring counter-clockwise and holes clockwise. Edges of one
-/// polygon may touch (a crack of zero width is a cut), but not cross. Errors: InputError naming `name`, ring and vertex
+/// polygon may touch (a crack of zero width is a cut; what crosses by no more than 1e-9 mm, or by the rounding of its
+/// coordinates, touches), but not cross. Errors: InputError naming `name`, ring and vertex
 /// for rings of fewer than three points, zero area, coordinates that are not finite or beyond ±1e8 mm, rings that
 /// cross, and holes outside the outer ring. Cost: O(n log n) for typical outlines, O(n²) at worst.
 [[nodiscard]] Polygon normalize_polygon(Polygon polygon, const std::string& name);
