@@ -90,7 +90,7 @@ class Grower {
   // again.
   std::vector<std::array<std::uint64_t, 3>> failed_join_, failed_seed_;
   std::vector<KnownSides> known_sides_;
-  std::vector<Triangle> known_within_;  // by triangle: where it was last seen to keep within the border
+  std::vector<Triangle> known_within_;  // Indexed by triangle: where it was last seen to keep within the border.
   Clock::time_point end_;
   std::function<Clock::time_point()> now_;
 };

@@ -17,7 +17,7 @@ using Triangle = std::array<Vec3, 3>;
 
 /// Corner of the net, shared by all triangles joined at it. Its lattice index (i, j) counts within its island.
 struct NetVertex {
-  Vec3 point = Vec3::Zero();  ///< on the surface, or `lift_mm` above it
+  Vec3 point = Vec3::Zero();  ///< lies on the surface, or `lift_mm` above it
   Vec3 normal = Vec3::UnitZ();
   double lift_mm = 0.0;
   int i = 0, j = 0;
@@ -144,8 +144,8 @@ class LatticeMesh {
   int size_ = 0, joints_ = 0;
   std::vector<int> free_triangles_;
   std::vector<Vec3> centers_;
-  PointGrid grid_;     // of the centres
-  Buckets tiles_{64};  // triangles by a hash of island and tile
+  PointGrid grid_;     // Holds the centres of the triangles.
+  Buckets tiles_{64};  // Triangles, found by a hash of island and tile.
   std::vector<int> island_size_;
   FreeNumbers free_vertices_, free_islands_;
   std::vector<int> loose_vertices_;  // whose triangles changed since separate()
