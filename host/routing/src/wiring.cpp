@@ -15,7 +15,7 @@ using Key = std::array<int, 5>;
 struct RootedTree {
   std::vector<int> order;   // local nodes, parents first
   std::vector<int> parent;  // positions in `order`
-  std::vector<int> depth;   // by position
+  std::vector<int> depth;   // indexed by position in `order`
   int sum_of_depths = 0;
   int max_depth = 0;
 };
@@ -163,7 +163,7 @@ class Wirer {
   LocalGraph g_;
   const RoutingOptions& options_;
   LineAssigner& lines_;
-  std::vector<Jumper> jumpers_;  // that begin in this part
+  std::vector<Jumper> jumpers_;  // Jumpers that begin in this part.
   std::vector<std::vector<int>> tree_;
   bool has_border_ = false, found_ = false;
   RootedTree now_, best_;
