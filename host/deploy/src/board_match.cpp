@@ -31,7 +31,7 @@ enum class Owner {
 struct Candidate {
   Board board;
   Owner owner = Owner::kNobody;
-  wire::ActiveTable table;  // where it could be asked
+  wire::ActiveTable table;  // Set only if the board could be asked.
 };
 
 class Matcher {
@@ -142,7 +142,7 @@ class Matcher {
       if (wanted(a.patch))
         give(*named, a.patch, FoundBy::kName);
       else
-        named->owner = Owner::kNeighbour;  // of a patch that is not asked for
+        named->owner = Owner::kNeighbour;  // The board belongs to a patch that is not requested.
     }
   }
   void keep_own() {
@@ -210,7 +210,7 @@ class Matcher {
     }
     Undecided alike;
     for (std::size_t k = 0; k < free.size(); ++k) {
-      std::vector<int> likely;  // of this design
+      std::vector<int> likely;  // Only patches of this design.
       for (const int seat : by_shape.likely[k]) {
         if (static_cast<std::size_t>(seat) < open.size()) likely.push_back(open[static_cast<std::size_t>(seat)]);
       }

@@ -14,7 +14,7 @@
 namespace triskin::device {
 namespace {
 
-using Edges = std::vector<std::vector<int>>;  // by board: numbers of seats, ascending
+using Edges = std::vector<std::vector<int>>;  // Seat numbers of each board, ascending.
 
 // A largest matching of boards and seats, by augmenting paths.
 class Matching {

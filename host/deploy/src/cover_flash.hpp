@@ -42,7 +42,7 @@ class CoverFlash {
   struct Failure {
     std::string who;  ///< patch and controller
     std::exception_ptr what;
-    [[nodiscard]] std::string text() const;  ///< of what was thrown
+    [[nodiscard]] std::string text() const;  ///< message of the exception
   };
   /// Patches without their table, in their order: `outcomes` of the tasks, and those that have no board.
   [[nodiscard]] std::vector<Failure> failures(std::span<const std::exception_ptr> outcomes);
@@ -64,9 +64,9 @@ class CoverFlash {
   FlashOptions options_;
   const ProgressSink& progress_;
   const std::vector<std::vector<std::uint8_t>>& images_;
-  std::vector<FlashResult::Patch>& patches_;  // those with a board, then those without
-  std::vector<Board> boards_;                 // by patch
-  std::vector<MissingBoard> missing_;         // by patch
+  std::vector<FlashResult::Patch>& patches_;  // Patches with a board come first, then those without.
+  std::vector<Board> boards_;                 // Sorted by patch.
+  std::vector<MissingBoard> missing_;         // Sorted by patch.
   std::size_t found_ = 0;
 };
 

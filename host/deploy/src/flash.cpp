@@ -161,7 +161,7 @@ class FlashSession {
 
   std::span<const FlashPart> parts_;
   std::vector<FlashResult>& results_;
-  std::vector<std::vector<std::vector<std::uint8_t>>> images_;  // by part and patch
+  std::vector<std::vector<std::vector<std::uint8_t>>> images_;  // Indexed by part and patch.
   std::size_t found_ = 0;
 };
 

@@ -32,7 +32,7 @@ struct FlashOptions {
   /// Controller of another design on the same bus, as a robot file names it.
   struct Neighbour {
     std::uint8_t node = 0;        ///< its node address
-    std::uint64_t design_id = 0;  ///< of its table
+    std::uint64_t design_id = 0;  ///< design of its table
     std::string serial;           ///< unique id as in Assignment; empty: not known
     /// Where its design is at hand: fresh controllers that could be this one are told from those of the own patches.
     const design::Design* design = nullptr;
