@@ -18,8 +18,8 @@ namespace {
 constexpr std::uint8_t kLease_10ms = 100;
 constexpr std::uint64_t kLease_us = std::uint64_t{kLease_10ms} * 10'000;
 constexpr std::uint64_t kRenew_us = 200'000;
-constexpr std::uint64_t kSlice_us = 50'000;     // between two looks for silent controllers
-constexpr std::uint64_t kSilence_us = 400'000;  // with a slice below half a second
+constexpr std::uint64_t kSlice_us = 50'000;     // Time between two checks for silent controllers.
+constexpr std::uint64_t kSilence_us = 400'000;  // A slice and this time together stay below half a second.
 constexpr std::uint64_t kRest_us = 300'000;
 constexpr std::uint64_t kAskClock_us = 1'000'000, kAskClockAgain_us = 100'000;
 constexpr std::uint64_t kSettle_us = 2'000;  // a lease is on its way

@@ -55,7 +55,7 @@ class AdoptedReader {
 
  private:
   std::uint8_t list_ = 0;
-  std::size_t first_ = 0;  // of the present list, in read_
+  std::size_t first_ = 0;  // Start of the present list in read_.
   std::vector<Read> read_;
   std::deque<Waiting> waiting_;
   std::uint64_t dropped_ = 0;

@@ -72,9 +72,9 @@ class ClockFilter {
   bool started_ = false;
   std::uint64_t device_origin_us_ = 0, link_origin_us_ = 0;
   double newest_s_ = 0.0, reference_s_ = 0.0, bucket_s_ = 0.0;
-  std::deque<Fact> before_;    // the tightest of each quarter second: the difference is at most this
-  std::deque<Fact> after_;     // of answers: at least this
-  std::vector<Line> polygon_;  // corners of what is possible
+  std::deque<Fact> before_;    // The tightest of each quarter second: the difference is at most this.
+  std::deque<Fact> after_;     // Answers: the difference is at least this.
+  std::vector<Line> polygon_;  // Corners of the region that is possible.
   Line best_;
   int restarts_ = 0, contradictions_ = 0;
 };
