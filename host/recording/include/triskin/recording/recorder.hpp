@@ -30,9 +30,9 @@ inline constexpr NameTable kFormatNames{
 struct Origin {
   std::string design_text;                   ///< the design file as it is
   std::uint64_t link_start_us = 0;           ///< clock of the link at the start
-  std::uint64_t unix_start_ns = 0;           ///< at the same moment, since 1970
+  std::uint64_t unix_start_ns = 0;           ///< time of that moment since 1970
   std::map<std::string, std::string> facts;  ///< further entries of the metadata: link, versions, firmware
-  std::uint64_t cloud_period_us = 0;         ///< between two point clouds; 0: none
+  std::uint64_t cloud_period_us = 0;         ///< time between two point clouds; 0: none
   /// The calibration file of the skin (docs/calibration.md), by which contacts have their force_n; empty: none, and
   /// forces are in counts.
   std::string calibration_text;
