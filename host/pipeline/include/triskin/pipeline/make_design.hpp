@@ -22,11 +22,11 @@ enum class RepairMode : std::uint8_t {
 
 /// Options of make_design(). Out of range: InputError.
 struct DesignOptions {
-  std::optional<geometry::LengthUnit> unit;  ///< of the mesh file; none: its own or mm
-  std::string object;                        ///< of a mesh file with several, by its name; empty: all
+  std::optional<geometry::LengthUnit> unit;  ///< unit of the mesh file; none: the file's own unit, or mm
+  std::string object;                        ///< name of one object in a mesh file with several; empty: all
   RepairMode repair = RepairMode::kAuto;
-  double time_limit_s = 20.0;   ///< > 0, of all steps together; what placement and wiring leave goes to the growth
-  std::uint64_t seed = 1;       ///< of every random choice
+  double time_limit_s = 20.0;   ///< > 0, limit for all steps together; the growth gets what placement and wiring leave
+  std::uint64_t seed = 1;       ///< seed of every random choice
   design::LayoutLimits limits;  ///< each > 0
   double bend_radius_mm = 0.0;  ///< > 0: pieces are parted from what bends more (bend_seams.hpp); 0: not for that alone
   double corner_cut_mm = 0.0;   ///< 0 … design::kMaxCornerCut_mm: of every module
@@ -44,9 +44,9 @@ struct DesignOptions {
 /// How a design came about: number of modules that each method gave (design::LayoutMethod), what was made of the mesh.
 struct DesignNotes {
   int pieces = 0, surface = 0;
-  int solver_faces = 0;              ///< of the mesh that was searched on; of the surface where that was it
-  double solver_deviation_mm = 0.0;  ///< of that mesh from the surface, proved; 0 where it is the surface
-  int pieces_left_out = 0;           ///< pieces that no time was left to place
+  int solver_faces = 0;              ///< faces of the mesh that was searched, which may be the surface itself
+  double solver_deviation_mm = 0.0;  ///< proved deviation of that mesh from the surface; 0 if it is the surface
+  int pieces_left_out = 0;           ///< pieces that were not placed because the time was over
   bool growth_left_out = false;      ///< no time was left for the growth
   geometry::ExtractReport extract;
 };
