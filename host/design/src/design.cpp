@@ -47,7 +47,7 @@ void add_kinds(const Design& design, Hash& hash) {
       for (const char c : text) hash.add(static_cast<int>(static_cast<unsigned char>(c)));
     }
     hash.add(k.taxels);
-    hash.add_length(k.sensitivity_counts_per_kpa);  // to 0.001
+    hash.add_length(k.sensitivity_counts_per_kpa);  // The hash uses the value rounded to 0.001.
   }
   for (const PlacedModule& m : design.layout.modules) hash.add(m.kind);
 }
