@@ -77,8 +77,8 @@ class SimUsbLink final : public InProcessLink {
 
   std::deque<wire::CanFrame> inbox_;
   NodeMap nodes_;
-  std::vector<int> sessions_;  // by device; changes when it plugs itself in anew
-  std::size_t next_ = 0;       // device that is asked first
+  std::vector<int> sessions_;  // Indexed by device; the number changes when the device reconnects.
+  std::size_t next_ = 0;       // Device that is asked first.
   std::uint64_t hub_free_ns_ = 0;
   std::uint64_t packets_ = 0;
 };

@@ -131,7 +131,7 @@ class VirtualSkin {
   OnFrame on_frame_;
   Hears hears_;
   std::deque<Pending> pending_;
-  std::vector<Pending> on_wire_;  // at most one frame, that occupies the bus until wire_free_us_
+  std::vector<Pending> on_wire_;  // Holds at most one frame, which occupies the bus until wire_free_us_.
   std::uint64_t wire_free_us_ = 0;
   std::uint64_t now_us_ = 0;
   std::uint64_t bus_frames_ = 0;
