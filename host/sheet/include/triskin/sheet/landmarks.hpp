@@ -12,7 +12,7 @@ namespace triskin::sheet {
 struct Landmark {
   std::string name;  ///< R1, R2, … on a rim; S1, … on a part without a rim
   design::Vec3 at_mm;
-  std::string where;  ///< for a person: which point of which rim it is
+  std::string where;  ///< text that says which point of which rim it is
 };
 
 /// Landmarks of a surface: of every rim (closed chain of edges with one face) of at least 30 mm the points farthest
