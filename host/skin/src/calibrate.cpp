@@ -68,7 +68,7 @@ class TaxelMeans {
     return known > 0 ? sum / known : 0.0;
   }
 
-  using Sum = CalibrationPoint;  // of samples instead of their mean
+  using Sum = CalibrationPoint;  // Holds sums of samples instead of their mean.
   using Module = std::array<std::vector<Sum>, layout::kTaxelsPerModule>;
   std::vector<Module> modules_;
   std::vector<std::array<std::optional<double>, layout::kTemperaturePads.size()>> pads_;

@@ -19,7 +19,7 @@ namespace triskin::device {
 struct CalibrationPoint {
   double pressure_kpa = 0.0;
   double value_counts = 0.0;  ///< mean; pressure lowers it
-  double samples = 0.0;       ///< that the mean was made of, > 0: its weight
+  double samples = 0.0;       ///< number of samples in the mean, > 0: its weight
 };
 /// A line through such points.
 struct SensitivityLine {
