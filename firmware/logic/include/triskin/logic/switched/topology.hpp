@@ -17,7 +17,7 @@ using layout::kNoModule;
 /// Modules of a patch and the joints between their ports; module 0 has the cable. Symmetric.
 struct PatchGraph {
   std::uint8_t count = 0;
-  std::uint8_t cable_port = 0;  ///< of module 0
+  std::uint8_t cable_port = 0;  ///< port of module 0 where the cable is connected
   std::array<std::array<JointEnd, layout::kPorts>, layout::kMaxModules> joint{};
   bool operator==(const PatchGraph&) const = default;
 };
@@ -84,7 +84,7 @@ class Topology {
     bool complete = false;       ///< false: the chain would not settle; the graph is what was certain
     std::uint8_t shorts = 0;     ///< ports left closed because opening them broke the chain or held a line
     std::uint16_t alive = 0;     ///< reroute(): bit m: module m of the table is in the tree
-    std::uint8_t max_depth = 0;  ///< of the active tree
+    std::uint8_t max_depth = 0;  ///< depth of the active tree
     bool min_depth = false;      ///< reroute(): no tree over the joints that were found is less deep
     bool as_table = false;       ///< reroute(): the table's tree is up
     bool second_cable = false;   ///< module 0 is the one at the second cable
@@ -195,14 +195,14 @@ class Topology {
   Exclusions bad_{};                                        // ports by discovery number, which repeats
   std::uint8_t shorts_ = 0, ends_left_ = 0;
   std::uint8_t first_tried_ = 0, cable_ = 0;  // cables: where explore() begins, and where it got in
-  std::uint8_t held_lines_ = 0;               // low already with the entry module alone
-  bool entry_held_ = false;                   // by another controller, at the first cable
-  const Table* expected_table_ = nullptr;     // during discover(); null: none
+  std::uint8_t held_lines_ = 0;               // Lines that were already low with the entry module alone.
+  bool entry_held_ = false;                   // Another controller holds the entry at the first cable.
+  const Table* expected_table_ = nullptr;     // Set during discover(); null: none.
   Look look_ = Look::kBeyond;
   std::array<std::uint8_t, layout::kMaxModules> expected_{};  // row by the table, if all is as it says; no module: none
   std::uint8_t adopted_count_ = 0;
   std::array<std::uint8_t, layout::kMaxModules> table_index_{};
-  std::array<LineAddress, layout::kMaxModules> address_{};  // by discovery number
+  std::array<LineAddress, layout::kMaxModules> address_{};  // Indexed by discovery number.
 };
 
 }  // namespace triskin::fw
