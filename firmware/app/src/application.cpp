@@ -153,7 +153,8 @@ void Application::reset_when_answered() {
   reset_at_us_ = UINT64_MAX;
   reset_requested_ = through_loader_ = false;
   stream_ = StreamMode::kOff;
-  for (Channel& c : channels()) ::new (static_cast<void*>(&c.stream)) FullStream;  // in place, as a link
+  // Constructed in place like the links, since a copy would need too much of the stack.
+  for (Channel& c : channels()) ::new (static_cast<void*>(&c.stream)) FullStream;
   sampling_ = {};
   output_ = wire::TaxelOutput::kRaw;
   server_.restart();

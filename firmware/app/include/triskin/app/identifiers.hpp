@@ -22,7 +22,8 @@
 
 namespace triskin::fw {
 
-inline constexpr std::uint32_t kFirmwareVersion = TRISKIN_FIRMWARE_VERSION;  ///< of the project (CMakeLists.txt)
+/// Version of the project (CMakeLists.txt).
+inline constexpr std::uint32_t kFirmwareVersion = TRISKIN_FIRMWARE_VERSION;
 
 /// What the identifiers read. Everything outlives them.
 struct PatchParts {
@@ -30,8 +31,9 @@ struct PatchParts {
   const TableStore& tables;
   const RouteKeeper& route;
   const std::array<LineSampler, layout::kLines>& lines;
-  const std::array<ModuleSample, layout::kMaxModules>& samples;    ///< as read last
-  const std::array<ModuleSample, layout::kMaxModules>& published;  ///< read before the last good check of the chain
+  const std::array<ModuleSample, layout::kMaxModules>& samples;  ///< latest samples
+  /// Samples read before the last good check of the chain.
+  const std::array<ModuleSample, layout::kMaxModules>& published;
   const OffsetBook& offsets;
   const wire::StreamMode& stream;
   const Sampling& sampling;

@@ -9,7 +9,7 @@
 
 namespace triskin::boot {
 
-inline constexpr int kMaxStarts = 3;  ///< of an application that does not confirm itself
+inline constexpr int kMaxStarts = 3;  ///< starts allowed to an application that does not confirm itself
 
 struct SlotState {
   bool valid = false;      ///< committed, CRC right, vectors point into the slot

@@ -31,7 +31,7 @@ inline constexpr std::uint16_t kConvReset = 0x8000;
 using Offsets = std::array<std::uint8_t, kStages>;
 inline constexpr std::uint8_t kMaxOffset = 63;
 inline constexpr unsigned kPositiveOffset = 8;       ///< bit of the register where the positive input's begins
-inline constexpr std::int32_t kOffsetCounts = 1311;  ///< by which a step moves the result: 0.32 pF of 8 pF / 32768
+inline constexpr std::int32_t kOffsetCounts = 1311;  ///< one step moves the result by this: 0.32 pF of 8 pF / 32768
 /// Conversion time of twelve stages (data sheet table 11), µs.
 [[nodiscard]] constexpr std::uint32_t sequence_us(wire::Decimation d) {
   return wire::sequence_us(d);

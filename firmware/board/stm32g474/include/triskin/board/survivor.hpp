@@ -19,9 +19,9 @@ struct Survivor {
   std::uint32_t running;         ///< a mark: an application was started and has not ended on purpose
   std::uint32_t reset_flags;     ///< RCC_CSR as the last reset left it
   std::uint32_t crashes_in_row;  ///< set to 0 by an application that has worked for a minute
-  std::uint32_t crashes;         ///< since power-up
-  std::uint32_t crashes_seen;    ///< of these, by the loader
-  std::uint32_t uptime_ms;       ///< of the application, as of its last second
+  std::uint32_t crashes;         ///< number since power-up
+  std::uint32_t crashes_seen;    ///< number of crashes that the loader has seen
+  std::uint32_t uptime_ms;       ///< uptime of the application in its last second
   wire::ClockState clock;        ///< what start_clocks() chose
   wire::Crash crash;             ///< the last one; its cause is kNone when there was none
 };
