@@ -19,11 +19,11 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kTolerance_mm = 0.02;     // by which the stated bound may exceed the largest distance
-constexpr int kMaxDivisions = 40'000;      // of triangles, in all; after that the bound is coarser, and still a bound
-constexpr std::size_t kBatch = 64;         // divided side by side, at least
-constexpr std::size_t kMinSteps = 20'000;  // before the clock is asked: some 0.1 s, and the bound is no guess
-constexpr std::size_t kMeanSamples = 20'000;  // middles of triangles for the mean
+constexpr double kTolerance_mm = 0.02;  // The stated bound may exceed the largest distance by this much.
+constexpr int kMaxDivisions = 40'000;   // After so many divisions of triangles the bound is coarser, and still a bound.
+constexpr std::size_t kBatch = 64;      // At least this many are divided side by side.
+constexpr std::size_t kMinSteps = 20'000;     // The clock is not read before: some 0.1 s, and the bound is no guess.
+constexpr std::size_t kMeanSamples = 20'000;  // Middles of triangles for the mean.
 
 using Triangle = std::array<Vec3, 3>;
 

@@ -99,7 +99,8 @@ class Collector {
 std::string library_answer(const std::string& bytes, const std::string& extension, double dae_unit_mm,
                            ObjectFilter objects) {
   Assimp::Importer importer;
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // as RViz and MoveIt read it
+  // RViz and MoveIt read such files in the same way.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate,
                                                      extension.empty() ? "" : extension.c_str() + 1);
   if (scene == nullptr || scene->mRootNode == nullptr) return "!";

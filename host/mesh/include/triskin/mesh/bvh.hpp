@@ -72,7 +72,7 @@ class Bvh {
  private:
   struct Box {
     int first = 0, end = 0;  ///< its items: [first, end)
-    int left = -1;           ///< of its two children, which are beside each other; −1: a leaf
+    int left = -1;           ///< index of the left child, which the right one follows; −1: a leaf
     Eigen::Array3d low = Eigen::Array3d::Zero(), high = Eigen::Array3d::Zero();
   };
   static double distance_squared(const Box& box, const Vec3& q);
