@@ -38,8 +38,8 @@ struct Lines {
 };
 
 struct Figures {
-  Vector left, right, low, high;  // boxes, mm
-  Vector first, rows;             // in the raster
+  Vector left, right, low, high;  // Boxes, mm.
+  Vector first, rows;             // Positions in the raster.
   Lines lower, upper;
 };
 

@@ -62,7 +62,7 @@ class SliceRaster {
   double step_x_ = 0.0, step_y_ = 0.0;
   EdgeArrays edges_;
   std::array<Kind, 2> kinds_;
-  std::vector<int> row_of_;  // of each vertex: the first row of samples that is not above it
+  std::vector<int> row_of_;  // Indexed by vertex: the first row of samples that is not above it.
   std::vector<Border> border_;
   int certain_ = 0;
   std::array<BitCounts, 2> sums_;  // even and odd rows of tiles

@@ -19,7 +19,7 @@ struct PreparedPolygon {
   /// that starts at the second end.
   std::vector<double> x, y, normal_x, normal_y, line_offset;
   std::vector<std::uint32_t> next;
-  double radius_mm = 0.0;  ///< of a circle around the centre that holds the polygon
+  double radius_mm = 0.0;  ///< radius of a circle around the centre that holds the polygon
   /// Edges per horizontal slab, so that a point-in-polygon test reads only those that its ray may meet.
   double slab_low = 0.0, slab_height = 1.0;
   std::vector<std::vector<int>> slabs;

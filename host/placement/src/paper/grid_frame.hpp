@@ -37,7 +37,7 @@ class GridFrame {
  private:
   void turn(double theta);
 
-  std::vector<Vec2> vertices_;  // from the first vertex of the outer ring
+  std::vector<Vec2> vertices_;  // Begins with the first vertex of the outer ring.
   std::vector<std::size_t> begin_;
   Vec2 first_;
   double touch_mm_;

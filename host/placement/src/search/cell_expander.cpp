@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kMaxPasses = 4;
 constexpr double kWorthAnotherPass = 0.7;
-constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // in one child
-constexpr int kWellFilled = 2;                            // one of so many parts open: a box is not divided further
+constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // Limits for the parts of one child.
+constexpr int kWellFilled = 2;  // A box is not divided further if one of so many parts is open.
 
 using Index = std::array<int, 3>;
 

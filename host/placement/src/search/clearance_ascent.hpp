@@ -35,7 +35,7 @@ class ClearanceAscent {
   EdgeGrid edges_;
   std::size_t modules_;
   std::vector<OpenTile> tiles_;
-  std::vector<double> separation_;  // of each tile
+  std::vector<double> separation_;  // Separation of each tile.
   std::vector<Pair> pairs_;
   CellFrame frame_;
   PairBlock block_;
