@@ -35,7 +35,7 @@ struct Need {
   std::uint32_t edge = 0;
   IntervalPoint normal, point;  ///< normal of about unit length
   Interval constant;
-  double farthest_mm = 0.0;  ///< of the vector that the normal is multiplied with
+  double farthest_mm = 0.0;  ///< length of the longest vector that the normal is multiplied with
 };
 
 /// The problem in the checker's own terms.
