@@ -20,8 +20,8 @@ inline constexpr std::uint8_t kCable = kPorts;  ///< parent_port of the entry mo
 inline constexpr std::size_t kHeaderBytes = 32;
 inline constexpr std::size_t kRowBytes = 12;
 inline constexpr std::uint8_t kPositiveInput = 1;  ///< flag of the header
-/// Of a design with kinds of modules the three high bits of a module id are the number of the kind; a controller takes
-/// the whole as a number that means nothing to it.
+/// The three high bits of a module id are the number of the kind if the design has kinds; a controller does not
+/// interpret the id.
 inline constexpr unsigned kKindShift = 13;
 inline constexpr std::size_t kMaxKinds = 8;  ///< includes kind 0, the standard kind
 /// Number of module ids that a design with kinds can have.

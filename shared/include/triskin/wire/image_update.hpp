@@ -30,7 +30,7 @@ inline constexpr std::size_t kUnitBytes = 8;  ///< size of the flash's programmi
 inline constexpr std::size_t kMaxUnits = layout::kMaxFirmwareImageBytes / kUnitBytes;
 /// A session ends after so much silence.
 inline constexpr std::uint64_t kPatience_us = 10'000'000;
-/// Between two data frames for one slot, for each unit of the first: the flash takes 82 µs, and the lines are served.
+/// Pause per unit between two data frames for one slot: the flash takes 82 µs, and the lines must be served.
 inline constexpr std::uint64_t kUnit_us = 110;
 
 enum class Command : std::uint8_t {
@@ -211,7 +211,7 @@ struct Who {
   std::uint32_t firmware_version = 0;
   bool operator==(const Who&) const = default;
 };
-/// Which image runs on a controller, to compare it with another.
+/// Identifies the image on a controller, to compare it with another.
 struct Image {
   std::uint32_t record_crc = 0;  ///< layout::slot_crc of it
   std::uint32_t sequence = 0;    ///< sequence number in its commit record, modulo 2^24

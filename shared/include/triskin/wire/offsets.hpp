@@ -12,7 +12,7 @@
 /// Offsets of the converters (FD0B) and the routine that searches them anew (0206). docs/protocol.md.
 namespace triskin::wire {
 
-/// Where the offsets of a chip come from.
+/// Source of a chip's offsets.
 enum class OffsetState : std::uint8_t {
   kNone = 0,       ///< no chip was found at this place since power-up, and none before
   kSearching = 1,  ///< they are being looked for
