@@ -189,7 +189,7 @@ class ModulePlacer {
     return j;
   }
 
-  // Over the border a corner goes on as its plane does.
+  // A corner beyond the border lies on the continued plane.
   [[nodiscard]] Vec3 on_surface(const Vec3& p, const Vec3& normal, double lift_mm) const {
     const SurfacePoint foot = surface_.closest(p);
     const Vec3 off = p - foot.position_mm;

@@ -15,7 +15,7 @@ namespace triskin::geometry::surface_lattice {
 
 inline constexpr double kNothing = -1e300;  // value of no layout
 
-/// Of a layout: its worth less its price, in the forms that the search compares.
+/// Value of a layout less its price, in the forms that the search compares.
 struct Value {
   double module_value = kNothing;  ///< value of the modules and joints, in modules
   EstimatedPrice price;
@@ -78,7 +78,7 @@ class Chain {
   /// Takes over a layout of another chain.
   void adopt(const NetCopy& net);
 
-  /// From here on changes only what lies in the zone, in a copy of the leader's layout.
+  /// Makes this chain change only what lies in the zone, in a copy of the leader's layout.
   void work_in(const Zone& zone, const Chain& leader);
   [[nodiscard]] ZoneNet zone_net() const { return {now_, pinned_}; }
   /// Takes the merged layout of a team as its own, and all of space as its zone.
@@ -90,7 +90,7 @@ class Chain {
   [[nodiscard]] const LayoutFront& front() const { return front_; }
   [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] Dice& random() { return random_; }
-  /// In the last of its annealings: what others found may be taken over.
+  /// True in the last annealing, when results of other chains may be taken over.
   [[nodiscard]] bool in_last_run() const { return schedule_.run == schedule_.runs - 1; }
 
  private:

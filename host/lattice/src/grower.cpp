@@ -247,7 +247,7 @@ void Grower::grow_from(LatticeMesh& net, const std::vector<Side>& front, const B
   }
 }
 
-// Where the centre of a module at a side would come to lie, but for the fold.
+// Centre of a module at a side, if there were no fold.
 Vec3 Grower::place_beside(const LatticeMesh& net, Side side) {
   const NetTriangle& t = net.triangles()[at(side.triangle)];
   return t.rigid[at(side.side)] + t.rigid[at((side.side + 1) % 3)] - t.center;

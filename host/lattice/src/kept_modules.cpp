@@ -50,7 +50,7 @@ LatticeMesh net_of_kept(const Surface& surface, const CanonicalCopy& copy, const
   return net;
 }
 
-// Where a ring of modules is closed round a slit, the net joins its two sides.
+// If a ring of modules is closed around a slit, the lattice joins both sides of the slit.
 void restore_kept(const std::vector<PlacedModule>& kept, ModuleLayout& layout) {
   const auto count = static_cast<int>(kept.size());
   for (std::size_t k = 0; k < kept.size(); ++k) {

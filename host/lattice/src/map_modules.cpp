@@ -55,7 +55,7 @@ class TriangleGrid {
   }
 
  private:
-  // Of points outside: the one at the border of the grid.
+  // A point outside gets the nearest square at the border of the grid.
   [[nodiscard]] std::array<int, 2> square_of(const Vec2& p) const {
     std::array<int, 2> square{};
     for (int k = 0; k < 2; ++k) {

@@ -41,7 +41,7 @@ NetVertex& LatticeMesh::edit_vertex(int vertex) {
   return vertices_[at(vertex)];
 }
 
-// Before every change of a triangle.
+// Must be called before every change of a triangle.
 void LatticeMesh::touch(int triangle) {
   if (!is_recording_ || at(triangle) >= triangles_before_ || triangle_saved_in_[at(triangle)] == recording_) return;
   triangle_saved_in_[at(triangle)] = recording_;

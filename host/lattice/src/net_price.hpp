@@ -38,7 +38,7 @@ struct EstimatedPrice {
 class NetPrice {
  public:
   NetPrice(const Price& price, double jumper_mm) : price_(price), jumper_mm_(jumper_mm) {}
-  /// Of the net of the last call, changed since, or after forget() of any net. Takes its list of changes.
+  /// Prices the net of the last call after changes or, after forget(), any net. Consumes its list of changes.
   [[nodiscard]] EstimatedPrice operator()(LatticeMesh& net);
   void forget() { knows_net_ = false; }
 

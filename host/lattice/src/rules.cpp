@@ -40,7 +40,7 @@ Vec3 corner_at(const LatticeMesh& net, int triangle, int vertex) {
   return t.vertex[0] == vertex ? t.rigid[0] : t.vertex[1] == vertex ? t.rigid[1] : t.rigid[2];
 }
 
-// Of a point over the whole triangle.
+// True if a point over the whole triangle lies in a corner that is cut off.
 bool in_cut_corner(const NetTriangle& t, const Vec3& p) {
   constexpr double kCircumradius_mm = 2.0 * kHeight_mm / 3.0;
   const double limit = kCircumradius_mm * design::short_side_offset_mm(t.corner_cut_mm);

@@ -60,7 +60,7 @@ std::vector<WorstModule> broken_most(const ModuleLayout& layout, const LayoutLim
   return worst;
 }
 
-// Of a pair whose other module goes anyway none more goes.
+// If the other module of a pair is removed anyway, no further one is.
 std::vector<WorstModule> piercing(const ModuleLayout& layout, double allowed_mm, std::size_t kept) {
   std::vector<Vec3> centers;
   for (const PlacedModule& m : layout.modules) centers.push_back(center_of(m));

@@ -34,8 +34,8 @@ struct SurfaceLatticeOptions {
   /// Regions of this surface (values, places that stay free, places that must be covered), not owned; null: every place
   /// is worth 1 module.
   const SurfaceRegions* regions = nullptr;
-  /// Of this surface, not owned: the search works on it in place of the surface and keeps the limits less its
-  /// deviation; the layouts are measured on the surface itself. None: the search works on the surface.
+  /// Decimated mesh of this surface, not owned. The search works on it and keeps the limits less its deviation; the
+  /// layouts are measured on the surface itself. Null: the search works on the surface.
   const DecimatedMesh* solver = nullptr;
   /// Modules that stay exactly where they are, with the joints among them: the first modules of every layout, in this
   /// order. They must keep the limits and have the corner cut of the others.
