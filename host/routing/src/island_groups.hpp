@@ -34,13 +34,13 @@ class IslandGroups {
     std::vector<IslandSet> groups;
   };
 
-  /// At most kMaxIslands islands, connected. Divisions that cost `limit` or more are left out. Cost: up to `budget`
-  /// transitions between states.
+  /// The graph is connected and has no more than kMaxIslands islands. Divisions that cost `limit` or more are left
+  /// out. Cost: up to `budget` transitions between states.
   IslandGroups(IslandGraph graph, int capacity, const IntegerPrice& price, std::int64_t limit, long budget);
 
   /// The least price by weights alone, or the limit; none where the budget ended first.
   [[nodiscard]] std::optional<std::int64_t> least() const;
-  /// Of one group, by its weight.
+  /// Price of one group, by its weight.
   [[nodiscard]] std::int64_t price_of(IslandSet group) const;
   /// The cheapest division below `limit`, which may not rise; without groups where there is none. Nothing where least()
   /// has no value or the budget, which is counted down, ended first.

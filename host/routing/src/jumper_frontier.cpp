@@ -53,7 +53,7 @@ class SlotOrder {
   }
 
  private:
-  // Of the units of all slots when v is placed.
+  // Change of the units of all slots when v is placed.
   [[nodiscard]] int change(int v) const {
     int units = 0;
     bool stays = false;
@@ -268,7 +268,7 @@ class CheapestPartition {
     keep(s);
   }
 
-  // Of equal labels those stay that none beats.
+  // Keeps only states that no state with equal labels beats.
   void keep(const JumperState& s) {
     --budget_;
     const auto [found, is_new] = buckets_.try_emplace(s.labels, static_cast<int>(lists_.size()));
@@ -319,7 +319,7 @@ class CheapestPartition {
 
 }  // namespace
 
-// Which order is good shows only in trying: all with a small budget, those that got far with a larger one.
+// Only trying shows which order is good: all get a small budget, those that got far a larger one.
 CheapestParts cheapest_parts(const JumperGraph& g, int capacity, const IntegerPrice& price, std::int64_t limit,
                              long& budget) {
   std::vector<NodeOrder> orders;

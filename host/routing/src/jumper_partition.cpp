@@ -46,7 +46,7 @@ class JumperPartitioner {
   [[nodiscard]] std::int64_t cost() const { return price_.of(best_.parts, best_.jumpers); }
   [[nodiscard]] bool met() const { return cost() <= bound_; }
   [[nodiscard]] bool is_late() const { return give_up_ && give_up_(); }
-  // For as many parts as the best has.
+  // Lower bound of the jumpers for as many parts as the best has.
   [[nodiscard]] int jumpers_bound() const {
     const std::int64_t of_jumpers = bound_ - price_.of(best_.parts, 0);
     const std::int64_t by_price = of_jumpers <= 0 ? 0 : (of_jumpers + price_.jumper - 1) / price_.jumper;

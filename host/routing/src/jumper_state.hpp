@@ -37,7 +37,7 @@ struct JumperState {
   std::uint8_t joined = 0;  ///< sides over which the node joined a neighbour's part
 
   [[nodiscard]] int weight(int block) const { return static_cast<int>(weights >> (5 * block) & 31); }
-  /// With the same labels: whatever completes `other` completes this at no higher price.
+  /// True if, with the same labels, whatever completes `other` completes this at no higher price.
   [[nodiscard]] bool beats(const JumperState& other) const {
     constexpr std::uint64_t kGuards = 0x0842108421084210ULL;  // bit 4 of each of 12 fields
     return cost <= other.cost && (((other.weights | kGuards) - weights) & kGuards) == kGuards;

@@ -115,7 +115,7 @@ class Wirer {
     return state;
   }
 
-  // Of the joint from each node of the tree to its parent; -1: no jumper. Empty: none at all.
+  // Jumper length of the joint from each node of the tree to its parent; -1: no jumper. Empty: none at all.
   [[nodiscard]] std::vector<double> jumper_lengths_m() const {
     if (jumpers_.empty()) return {};
     std::vector<double> length_m(now_.order.size(), -1.0);
