@@ -48,7 +48,7 @@ class CoverFlash {
   [[nodiscard]] std::vector<Failure> failures(std::span<const std::exception_ptr> outcomes);
   /// How many conversations add_tasks appended.
   [[nodiscard]] std::size_t tasks() const { return boards_.size(); }
-  /// Which patches have their table.
+  /// Names the patches that have their table.
   [[nodiscard]] std::string what_is_done() const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace triskin::device {
 
-/// Which controller serves which patch of a design, as `triskin identify` writes it (docs/which_board.md).
+/// Controller of each patch of a design, as `triskin identify` writes it (docs/which_board.md).
 struct BoardFile {
   std::uint64_t design_id = 0;
   std::vector<FlashOptions::Assignment> boards;  ///< sorted by patch; each patch and each controller occurs once

@@ -62,7 +62,7 @@ struct Seat {
   int patch = 0;  ///< 0-based in its design
 };
 
-/// Which board serves which seat, as far as shapes say it. Seats are meant by their number in the list.
+/// Seat of each board, if its shape settles it. Seats are numbered as in the list.
 struct ShapeAssignment {
   std::vector<int> seat;                 ///< seat of each board; −1: the shapes do not settle it
   std::vector<std::vector<int>> likely;  ///< seats that each board may have, ascending; empty: it looks like none
