@@ -9,7 +9,7 @@
 
 namespace triskin::recording::mcap {
 
-/// Where a record lies in a file.
+/// Position of a record in a file.
 struct Place {
   Kind kind{};
   std::uint64_t offset = 0;  ///< start of its head

@@ -24,7 +24,7 @@ struct ModuleSample {
   std::uint64_t sampled_ns = 0;    ///< when it was taken, since 1970, within ± error_us; 0: not known
   std::uint32_t error_us = kNoBound;
   static constexpr std::uint32_t kNoBound = UINT32_MAX;
-  /// Of a recording that is read: patch whose controller read it in place of the module's own; -1: its own did, or the
+  /// Patch whose controller read the module in place of its own, in a recording that is read; -1: its own did, or the
   /// recording does not say so.
   int adopter = -1;
   bool operator==(const ModuleSample&) const = default;

@@ -18,7 +18,7 @@ struct Reader {
   bool operator==(const Reader&) const = default;
 };
 
-/// Which controller reads each module, by the samples that come: its own, until one comes from another, which has
+/// Controller that reads each module, learned from the samples: its own, until one arrives from another, which has
 /// adopted it (docs/adoption.md). Threads: one.
 class Readers {
  public:
@@ -30,7 +30,7 @@ class Readers {
   [[nodiscard]] Reader of(const ModuleSample& sample) const {
     return {patch_at_[sample.sample.node_address], sample.sample.node_address};
   }
-  /// By module; valid as long as this.
+  /// Indexed by module; valid as long as this object.
   [[nodiscard]] std::span<const Reader> all() const { return readers_; }
 
  private:

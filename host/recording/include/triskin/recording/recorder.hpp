@@ -49,7 +49,7 @@ class Recorder {
   virtual void add(const ModuleSample& sample) = 0;
   /// Takes the taxels under pressure at a time of the link. Formats without contacts do nothing.
   virtual void add_contacts(std::uint64_t link_time_us, std::span<const Contact> contacts) = 0;
-  /// To be called now and then with a clock that always runs, µs: what has waited for 0.5 s is written.
+  /// Writes what has waited for 0.5 s. Call it regularly with a monotonic clock, µs.
   virtual void tick(std::uint64_t steady_us) = 0;
   /// Writes what waits and ends the file. `result` tells how the recording went. To be called once, also after a
   /// failure of the link.
