@@ -48,12 +48,13 @@ constexpr double kMaxOver = 0.12, kMinGrowth_s = 0.1;
 // The growth gets all of its share if the pieces leave this much of the surface uncovered.
 constexpr double kWorthGrowing = 0.1;
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
-// Of the layouts of a growth, for each module that the area has room for; measured: half of it.
+// Routing the layouts of a growth takes about 3 ms per module that the area has room for (measured); we reserve twice
+// that.
 constexpr double kRoutingLeast_s = 0.3, kRouting_s = 6.5e-3;
 // We assume that the growth finds at most this many times the modules of the pieces.
 constexpr double kMaxGrowth = 3.0;
-// What follows the growth beside the division among controllers, in times of the mapping and pricing of as many modules
-// on pieces: its measurement; the wiring, with its failures, and the writing.
+// Measuring and wiring the grown layout (with its failures) each take this multiple of the time that mapping and
+// pricing take for as many modules on pieces.
 constexpr double kMeasuringShare = 0.25, kWiringShare = 0.25;
 constexpr double kWritingShare = 0.8;  // Writing the surface takes 80 % of the time that reading took (measured).
 constexpr double kWriting_s = 5e-5;    // Measured time to write a module with its alternatives, 4 kB each.

@@ -37,7 +37,7 @@ struct DesignOptions {
   int iterations = 0;   ///< ≥ 0; > 0: the growth ends after so many steps: repeatable whatever the machine's load
   int threads = 2;      ///< 1 … 256 chains of the growth; part of what a result depends on
   design::Price price;  ///< each 0 … 16 modules; jumpers may be as long as limits.jumper_mm
-  /// Of the modules by place: spheres and boxes alone, since modules and islands have no numbers before.
+  /// Kinds of the modules by place. Only spheres and boxes are possible, since modules have no numbers yet.
   design::KindPlan kinds;
 };
 
