@@ -32,7 +32,7 @@ class Hash {
     }
   }
   void add(int value) { add(static_cast<std::uint64_t>(static_cast<std::int64_t>(value))); }
-  // To 1 µm, so that the last bits of a length do not make another design.
+  // Lengths are rounded to 1 µm, so that their last bits do not make another design.
   void add_length(double value_mm) { add(static_cast<std::uint64_t>(std::llround(value_mm * 1000.0))); }
   [[nodiscard]] std::uint64_t value() const { return state_; }
 

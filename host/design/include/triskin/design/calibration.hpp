@@ -50,7 +50,7 @@ struct BoardCalibration {
   std::vector<PlaceCalibration> places;
   bool operator==(const BoardCalibration&) const = default;
 
-  /// That of the module at a line and an address; null: it has none. Valid while `places` stays as it is.
+  /// Calibration of the module at a line and an address; null: it has none. Valid while `places` stays as it is.
   [[nodiscard]] const PlaceCalibration* at(int line, int address) const;
 };
 

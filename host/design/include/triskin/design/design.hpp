@@ -43,7 +43,7 @@ struct Design {
     /// No division into as many patches needs fewer jumpers; in the file only beside jumpers.
     int jumpers_lower_bound = 0;
     double max_edge_error_mm = 0.0, max_hinge_gap_mm = 0.0, max_center_gap_mm = 0.0;
-    /// Of corners and sides, above and under the surface; in the file beside their limits only.
+    /// Largest distances of corners and sides above and under the surface; in the file beside their limits only.
     double max_edge_lift_mm = 0.0, max_edge_depth_mm = 0.0;
     double seconds = 0.0;
     double module_value = 0.0;         ///< value of the modules, by Design::regions; in the file only beside regions
