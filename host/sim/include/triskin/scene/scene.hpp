@@ -42,7 +42,7 @@ class PressureCurve {
   explicit PressureCurve(std::vector<Point> points) : points_(std::move(points)) {}
   /// Pressure at a time, kPa. Cost: O(log points).
   [[nodiscard]] double kpa(std::uint64_t at_us) const;
-  /// From `at_us` on it is `kpa`, whatever was planned; times before stay as they were.
+  /// Sets the pressure to `kpa` from `at_us` on and drops later steps; earlier times keep their values.
   void step(std::uint64_t at_us, double kpa);
   [[nodiscard]] bool empty() const { return points_.empty(); }
 
