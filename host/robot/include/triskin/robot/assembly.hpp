@@ -43,7 +43,7 @@ struct BusLoad {
   int every = 1;         ///< the smallest n whose n-th samples fit
   double rate_hz = 0.0;  ///< samples a second of each module that this gives
 };
-/// By bus. Cost: linear.
+/// Indexed by bus. Cost: linear.
 [[nodiscard]] std::vector<BusLoad> bus_loads(const Assembly& assembly);
 
 }  // namespace triskin::robot

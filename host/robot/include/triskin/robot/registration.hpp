@@ -39,7 +39,7 @@ struct NamedDesign {
   std::string name;
   const design::Design* design = nullptr;
 };
-/// Where a cover lies by touches, and what else they could mean.
+/// Pose of a cover found from touches, and what else they could mean.
 struct Registration {
   Fit fit;
   double mirror_rms_mm = 0.0;  ///< rms_mm of the best fit of the mirror image
