@@ -21,7 +21,7 @@ struct Landmark {
 /// O(faces log faces).
 [[nodiscard]] std::vector<Landmark> landmarks_of(const design::Mesh& surface);
 
-/// Where a point lies: straight distances, as calipers measure them, from two landmarks.
+/// Position of a point by its straight distances from two landmarks, as calipers measure them.
 struct Fix {
   std::array<int, 2> landmark{-1, -1};  ///< index in landmarks_of(), −1: there are fewer
   std::array<double, 2> distance_mm{};
