@@ -24,7 +24,7 @@ class CableMap {
   void exchange_patches(int p, int q);
   /// Lines `a` and `b` of patch `p` are exchanged.
   void exchange_lines(int p, int a, int b);
-  /// Where the module of a place of the design is read.
+  /// Place where the module of a place in the design is actually read.
   [[nodiscard]] Site seen_at(const Site& meant) const;
   /// The inverse: whose place is read there.
   [[nodiscard]] Site meant_by(const Site& seen) const;
