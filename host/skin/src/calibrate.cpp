@@ -53,7 +53,7 @@ class TaxelMeans {
   }
 
  private:
-  // By how much the pads that feel the temperature and no pressure read below what they read first, as in TouchMap.
+  // How far the pads that feel only the temperature read below their first value, as in TouchMap.
   double warming_of(const ModuleSample& f) {
     auto& first = pads_.at(static_cast<std::size_t>(f.module));
     double sum = 0.0;

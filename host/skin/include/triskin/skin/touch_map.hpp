@@ -36,8 +36,7 @@ class TouchMap {
   void set_rest(const design::RestValues& rest, int first_module);
   /// Takes a sample; invalid values are ignored.
   void add(const ModuleSample& frame);
-  /// From now on the median of the next three valid samples of each taxel is its rest value: nothing may touch the
-  /// skin.
+  /// Takes the median of the next three valid samples of each taxel as its rest value. Nothing may touch the skin.
   void tare();
   /// True when every taxel that gave valid samples since tare() has its rest value.
   [[nodiscard]] bool tared() const;
