@@ -65,7 +65,7 @@ struct Identify {
   };
 };
 
-/// Which request an answer is for.
+/// Identifies the request that an answer belongs to.
 struct RequestId {
   std::uint64_t client = 0, number = 0;
   bool operator==(const RequestId&) const = default;
