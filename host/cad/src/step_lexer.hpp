@@ -30,9 +30,9 @@ struct StepToken {
   std::string problem;    ///< message of kBad: a sentence
 
   [[nodiscard]] bool is_value() const { return kind >= Kind::kReference && kind <= Kind::kDerived; }
-  /// In upper case.
+  /// Text in upper case.
   [[nodiscard]] std::string upper() const;
-  /// For a message: at most 24 characters, without control characters.
+  /// Text for a message: no more than 24 characters, without control characters.
   [[nodiscard]] std::string shown() const;
 };
 

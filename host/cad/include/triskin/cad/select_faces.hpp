@@ -8,7 +8,7 @@
 
 namespace triskin::cad {
 
-/// Which faces of a part are meant. Values in one list are alternatives; lists that are not empty must all be met.
+/// Selects faces of a part. Values in one list are alternatives; lists that are not empty must all be met.
 struct FaceSelection {
   std::vector<int> indices;        ///< indices into Part::faces
   std::vector<std::string> names;  ///< whole names of faces
