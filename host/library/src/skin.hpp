@@ -55,7 +55,7 @@ class BusReader {
   void run_until(std::uint64_t until_us) { stream_->run_until(until_us); }
   /// Ends the stream; its account stays.
   void stop();
-  /// Of the stream that runs, or of the last one.
+  /// Counts of the running stream, or of the last one.
   [[nodiscard]] device::SampleCounts counts() const { return stream_ ? stream_->report().total : counts_; }
   [[nodiscard]] std::uint64_t now_us() const { return link_->now_us(); }
   /// Time of the link, s since 1970.
@@ -103,7 +103,7 @@ class Skin {
   /// Throws DeviceError when no sample came.
   void tare();
   [[nodiscard]] std::array<double, layout::kTaxelsPerModule> change_counts(int module);
-  /// By module. Throws InputError while a stream runs, DeviceError.
+  /// Indexed by module. Throws InputError while a stream runs, DeviceError.
   [[nodiscard]] std::vector<ModuleCalibration> calibration();
   /// The report of a verification, and whether there is a finding. Throws InputError while a stream runs.
   std::pair<std::string, bool> verify();
