@@ -466,7 +466,7 @@ void Machine::Core::make(Trouble trouble) {
   time_.after(17 * kMicrosecond, [this, trouble] { make(trouble); });
 }
 
-// On whichever line is busy.
+// Disturbs whichever line is busy.
 bool Machine::Core::disturb_any(Trouble trouble) {
   if (trouble == Trouble::kCanError) return spoil_frame();
   const std::size_t first = random_() % i2c_.size();
