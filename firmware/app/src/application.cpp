@@ -33,13 +33,13 @@ Application::Application(const Ports& ports)
   restart();
 }
 
-// As after power-up: the newest table, nothing known about the modules.
+// Restores the state after power-up: the newest table, nothing known about the modules.
 void Application::restart() {
   tables_.load();
   faults_.load();
   offset_store_.load(offsets_);
   for (Channel& c : channels()) {
-    // In place: a copy would take two kilobytes of the stack.
+    // Constructed in place: a copy would take two kilobytes of the stack.
     ::new (static_cast<void*>(&c.link)) wire::IsoTp(make_link(tables_.node_address(), c.port->frame_bytes()));
     c.held.reset();
   }

@@ -182,7 +182,7 @@ void nmi_handler() {
   asm volatile("dsb" ::: "memory");  // the flag has fallen before the handler returns, else it would run again
 }
 
-// On a stack of its own, with the stack pointer of the fault as the argument.
+// Runs on its own stack and passes the stack pointer of the fault as the argument.
 [[gnu::naked]] void hard_fault_handler() {
   asm volatile(
       "mov r0, sp\n"

@@ -159,7 +159,7 @@ ReadingSchedule::Due ReadingSchedule::due(std::uint64_t now_us) {
   return reading;
 }
 
-// Of the readings that are due, the one whose sequence ends first.
+// Returns the due reading whose sequence ends first.
 ReadingSchedule::Due ReadingSchedule::due_reading(std::uint64_t now_us) const {
   Due first;
   std::uint64_t first_end_us = kNever_us;
@@ -198,7 +198,7 @@ void ReadingSchedule::pass_missed(Plan& plan, std::uint64_t now_us) const {
   plan.restart_us = now_us;
 }
 
-// On to the sequence that is to be sampled, or one before it when the period is not known that well.
+// Moves on to the sequence to be sampled, or the one before it if the period is not known well enough.
 void ReadingSchedule::advance(Plan& plan) {
   plan.passed = plan.clock.may_pass(std::max(plan.to_pass, std::uint32_t{1}));
   plan.to_pass -= std::min(plan.to_pass, plan.passed);

@@ -48,8 +48,8 @@ class PatchControl {
   virtual ~PatchControl() = default;
   /// Takes effect after the answer. Errors: kFlashFailed.
   virtual Status set_node_address(std::uint8_t address) = 0;
-  /// To the port that asked. Errors: kOutOfRange (the full stream on a classic bus; the iCub stream with a node
-  /// address above 14).
+  /// Streams to the port that sent the request. Errors: kOutOfRange (the full stream on a classic bus; the iCub stream
+  /// with a node address above 14).
   virtual Status set_stream(wire::StreamMode mode) = 0;
   /// Takes effect at once: every converter is configured anew. kOk always; the decoder has refused what cannot be set.
   virtual Status set_sampling(const wire::SamplingSetting& setting) = 0;

@@ -95,11 +95,11 @@ class Restart {
 class BoardMonitor {
  public:
   virtual ~BoardMonitor() = default;
-  /// As it is now.
+  /// Returns the present state.
   [[nodiscard]] virtual wire::BoardHealth health() const = 0;
   /// What stopped the controller last. Empty: nothing since power-up, or it was forgotten.
   [[nodiscard]] virtual std::optional<wire::Crash> crash() const = 0;
-  /// With the fault memory, on a host's request.
+  /// Called when a host clears the fault memory.
   virtual void forget_crash() = 0;
 };
 

@@ -37,7 +37,7 @@ void open_survivor();
 void note_application_starts();
 /// True when the reset pin was pressed twice: the second time before end_double_reset(). Asked once after a reset.
 [[nodiscard]] bool take_double_reset();
-/// From now on a reset by the pin is the first of two.
+/// Makes the next reset by the pin the first of two.
 void end_double_reset();
 
 /// Crash records of the image that runs; each resets the controller.

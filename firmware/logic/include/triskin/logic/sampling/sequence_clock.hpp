@@ -73,7 +73,7 @@ class SequenceClock {
   static constexpr std::uint32_t kAnchorFor = 64;         // sequences over which the period is measured
   static constexpr int kMaxContradictions = 4;
 
-  // Of 32 bits: the loop asks for it all the time, and the core divides no wider ones.
+  // 32 bits are used because the loop reads it all the time, and the core cannot divide wider numbers.
   [[nodiscard]] std::uint32_t stage_us() const { return sequence_us() / kStages; }
   [[nodiscard]] std::uint32_t sequence_us() const { return static_cast<std::uint32_t>(shortest_ >> kFraction); }
   [[nodiscard]] bool stage_by_stage() const { return latching_ == wire::Latching::kEachStage; }

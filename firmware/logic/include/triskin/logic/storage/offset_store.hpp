@@ -24,7 +24,7 @@ struct PlaceOffsets {
   std::uint16_t outside = 0;   ///< bit t: taxel t rests outside the middle third
   std::uint32_t searches = 0;  ///< number of searches that ended since power-up
 };
-/// By place: kAddressesPerLine · line + address.
+/// Indexed by place: kAddressesPerLine · line + address.
 using OffsetBook = std::array<PlaceOffsets, layout::kMaxModules>;
 
 /// Keeps the offsets in flash: a log of records on two pages that are filled in turn (docs/flash_layout.md). The newest

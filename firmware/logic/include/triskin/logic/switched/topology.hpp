@@ -22,7 +22,7 @@ struct PatchGraph {
   bool operator==(const PatchGraph&) const = default;
 };
 
-/// Where a module is read: line and address on it. Unchanged when the tree changes.
+/// Line, and address on it, at which a module is read. They stay the same when the tree changes.
 struct LineAddress {
   std::uint8_t line = 0, address = 0;
 };
@@ -35,7 +35,7 @@ class ChainDriver {
   explicit ChainDriver(RouteChain& port) : port_(port) {}
   /// Closes everything, then lets the module at a cable (0, 1) in. False: no module answers.
   bool restart(std::uint8_t cable);
-  /// After restart() failed: a module is at that cable, and another controller holds it.
+  /// True if restart() failed because another controller holds the module at that cable.
   [[nodiscard]] bool refused() const { return refused_; }
   void set_address(std::uint8_t module, LineAddress address);
   /// Opens a port that is last in the chain; when a module comes in it gets the number `child`.
@@ -129,7 +129,7 @@ class Topology {
   static constexpr std::uint8_t kAllLayers = layout::kMaxModules;
   /// Cheap check before and after a sampling cycle; false: samples of the cycle are not to be trusted, reroute.
   bool intact() { return chain_.check(); }
-  /// After intact() failed: writes the registers again. True: that was all; the same modules are in the tree.
+  /// Writes the registers again after intact() failed. True: this was enough, and the tree has the same modules.
   bool refresh() { return chain_.check() && chain_.settle() && chain_.check(); }
   /// Row of a module of graph() after reroute(); of adopted module k the number of rows of the table + k; kNoTableRow
   /// for any other that the table does not know. Guests stand last in graph(), a parent before its children.
@@ -138,7 +138,7 @@ class Topology {
   [[nodiscard]] JointEnd parent_of(std::uint8_t module) const { return parent_[module]; }
   /// Modules that were taken in and that the table does not know.
   [[nodiscard]] std::uint8_t adopted_count() const { return adopted_count_; }
-  /// Where adopted module `k` < guest_count() hangs and is read.
+  /// Joint and address of adopted module `k` < guest_count().
   [[nodiscard]] wire::AdoptedModule adopted_module(std::uint8_t k) const;
 
  private:
