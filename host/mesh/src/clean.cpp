@@ -23,7 +23,7 @@ std::size_t hash_of(const auto& three) {
 // reading a million faces.
 class NumberTable {
  public:
-  /// For `most` numbers.
+  /// Has room for `most` numbers.
   explicit NumberTable(std::size_t most) : slots_(std::bit_ceil(2 * most + 1), -1) {}
 
   /// The number that is there and equal, or `number`, which is put there.

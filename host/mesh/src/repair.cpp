@@ -163,7 +163,7 @@ std::map<int, double> values_of(const Mesh& mesh, const Pairs& crossings, double
   return value;
 }
 
-// Of two faces that cross the one of less worth goes.
+// Removes the less valuable face of each crossing pair.
 Mesh without_crossings(const Mesh& mesh, const Pairs& crossings, double visibility_s, bool is_late) {
   const std::map<int, double> value = values_of(mesh, crossings, visibility_s, is_late);
   std::vector<bool> gone(mesh.faces.size(), false);

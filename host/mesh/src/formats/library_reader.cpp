@@ -22,7 +22,7 @@
 namespace triskin::geometry {
 namespace {
 
-// Of formats whose unit assimp hands over as a property of the scene. 0: none.
+// Unit of formats for which assimp reports it as a property of the scene. 0: none.
 double unit_of_scene_mm(const aiScene& scene) {
   double centimetres = 0.0;
   float single = 0.0F;

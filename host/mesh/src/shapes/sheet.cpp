@@ -72,7 +72,7 @@ class Grid {
     return uv_[at(a)] + t * (to - uv_[at(a)]);
   }
 
-  // Where `keep` changes its sign between a and b, as a share of the way.
+  // Share of the way from a to b at which `keep` changes its sign.
   [[nodiscard]] double root(int a, int b) const {
     double low = 0.0, high = 1.0;
     for (int k = 0; k < 40; ++k) {

@@ -20,7 +20,8 @@ class Bvh {
   using Extent = std::array<Eigen::Array3d, 2>;  ///< low ≤ high corner of an item's box, mm
 
   Bvh() = default;
-  /// Of items 0 … n − 1, on `threads` (≥ 1), of which nothing depends. Cost: O(n log n).
+  /// Builds the tree of items 0 … n − 1 on `threads` (≥ 1); the result does not depend on their number. Cost:
+  /// O(n log n).
   explicit Bvh(const std::vector<Extent>& extents, int threads = 1);
 
   /// Calls `visit(item)` for each item whose box is nearer to the query than √best_squared (mm²), near boxes first;
