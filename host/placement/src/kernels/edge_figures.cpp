@@ -43,7 +43,7 @@ struct Figures {
   Lines lower, upper;
 };
 
-// By reference: vectors passed by value would depend on the instruction set.
+// Passed by reference: vectors passed by value would depend on the instruction set.
 [[gnu::always_inline]] inline void load(const std::vector<double>& from, std::size_t at, Vector& to) {
   std::memcpy(&to, from.data() + at, sizeof to);
 }
@@ -56,7 +56,7 @@ struct Figures {
 [[gnu::always_inline]] inline void size_of(const Vector& v, Vector& to) {
   to = v < Vector{} ? -v : v;
 }
-// Of numbers over 0.
+// Requires numbers over 0.
 [[gnu::always_inline]] inline void round_down(const Vector& v, Vector& to) {
   to = __builtin_convertvector(__builtin_convertvector(v, Index), Vector);
 }

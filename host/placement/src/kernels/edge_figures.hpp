@@ -18,7 +18,7 @@ struct EdgeArrays {
   void move(const PreparedPolygon& polygon, const CellFrame& frame);
 };
 
-/// Where the centres of one kind of tiles are sampled, and how edge and tile may move against each other.
+/// Sampled positions of the centres of one kind of tiles, and the relative motion of edge and tile.
 struct FigureTerms {
   double sign = 1.0;                 ///< +1 up tiles, −1 down tiles
   double column0 = 0.0, row0 = 0.0;  ///< a point has the column column0 − x/step_x and the row row0 − y/step_y

@@ -30,7 +30,7 @@ class SliceRaster {
   /// `frame`: of the slice, all translations of one lattice period. Counts the tiles that may hold in each part; a
   /// bound needs no more.
   void scan(const CellFrame& frame);
-  /// After scan() of the same frame: finds the tiles that hold in all parts and those that do not do the same in all.
+  /// Finds, after scan() of the same frame, the tiles that hold in all parts and those that do not do the same in all.
   void collect(const CellFrame& frame);
 
   /// Tiles that hold in all parts; 0 before collect().

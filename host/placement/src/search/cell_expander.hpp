@@ -21,7 +21,7 @@ struct Cell {
   int bound = 0;                         ///< no motion in it has a higher value
   std::shared_ptr<const CellList> list;  ///< none: a slice
   double reach_mm = 0.0;                 ///< > 0: the list has no edges yet, those within this of each tile may cut it
-  /// Of a slice whose bound is the highest of its parts: the middle of such a part. None: not bounded yet.
+  /// Middle of the part that gives a slice its bound. None: not bounded yet.
   std::optional<Motion> promising = std::nullopt;
 };
 

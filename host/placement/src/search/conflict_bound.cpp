@@ -144,7 +144,7 @@ bool ConflictBound::opposed(const Row& a, const Row& b) {
   return a.by_side == b.by_side && a.edge != b.edge && a.normal.dot(b.normal) <= kOpposed;
 }
 
-// At least so many of the tiles can hold together, as far as the constraints tell; ends below `need`.
+// Upper bound of the tiles that can hold together by the constraints; ends below `need`.
 int ConflictBound::survivors(const CellList& list, double softness, int need) {
   std::ranges::fill(dead_, 0);
   int alive = static_cast<int>(list.tiles.size());
@@ -201,7 +201,7 @@ void ConflictBound::add_triples_of(std::size_t first, std::size_t last, double s
   }
 }
 
-// Where level + slope * sigma < 0 the constraints of the sum exclude each other.
+// The constraints of the sum exclude each other if level + slope * sigma < 0.
 void ConflictBound::add_sum(double level, double slope) {
   double low = -sigma_, high = sigma_;
   const double end = -level;  // At this value of slope * sigma the sum is 0.

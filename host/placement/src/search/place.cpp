@@ -160,7 +160,7 @@ struct Placing {
     return c;
   }
 
-  // Of all placements of `modules` tiles one with the largest inset.
+  // Finds the placement of `modules` tiles with the largest inset.
   void enlarge_clearance() {
     const Clearance c =
         clearance_of(result.modules, -options.tolerance_mm, grid.inradius_mm, motion, std::move(as_good), &tied_slices);
