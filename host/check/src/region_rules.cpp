@@ -104,7 +104,7 @@ double reach_into(const RegionArea& area, const SurfaceIndex& surface, const Out
   return most;
 }
 
-// From a module, seen along its normal; infinite for one on another sheet.
+// Distance from a module, seen along its normal; infinite for a place on another sheet.
 double distance_from(const Outline3& outline, const P3& place) {
   const P3 n = (outline[1] - outline[0]).cross(outline[2] - outline[0]).normalized();
   const double height = n.dot(place - outline[0]);
