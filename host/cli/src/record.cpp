@@ -269,7 +269,7 @@ void require_modules(const robot::Site& site) {
   }
 }
 
-// Before the hardware is asked.
+// Checked before the hardware is used.
 void require_hdf5(const std::string& path) {
   if (!hdf5::can_write())
     throw InputError(

@@ -60,7 +60,7 @@ Shown shown_of(const std::string& file, bool has_link) {
   return {has_link ? design::read_intact_design(file) : design::read_design(file), {{}}};
 }
 
-// Where the page begins: at the entry of the controller that a code names.
+// Place where the page begins: the entry of the controller that a code names.
 std::string place_of(const DesignArgument& argument, const design::Design& design) {
   if (!argument.code || argument.code->patch < 0) return {};
   const auto patch = static_cast<std::size_t>(argument.code->patch);

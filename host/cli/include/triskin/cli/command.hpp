@@ -24,7 +24,7 @@ class Output {
 
   /// True with --json: only the object may go to standard output.
   [[nodiscard]] bool json() const { return json_; }
-  /// With --json: one object on a line of its own, at once; for commands that answer while they run.
+  /// Prints one object on its own line at once (--json), for commands that answer while they run.
   void each(const nlohmann::json& object) const;
   /// One line for a person: standard output, or standard error where the other is taken.
   void say(const std::string& line) const;
