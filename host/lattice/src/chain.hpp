@@ -13,7 +13,7 @@
 
 namespace triskin::geometry::surface_lattice {
 
-inline constexpr double kNothing = -1e300;  // value of no layout
+inline constexpr double kNothing = -1e300;  // Value if there is no layout.
 
 /// Value of a layout less its price, in the forms that the search compares.
 struct Value {
@@ -95,7 +95,7 @@ class Chain {
 
  private:
   struct Schedule {
-    double begun_at = 0.0;  // fraction of the search
+    double begun_at = 0.0;  // Share of the search at which it began.
     int runs = 1, run = 0;
   };
   void set(LatticeMesh net);
@@ -126,7 +126,7 @@ class Chain {
   Grower grower_;
   std::vector<int> samples_;  // Samples of the task that lie in the zone.
   std::vector<int> pinned_;   // Triangles outside the zone.
-  LatticeMesh now_;           // what price_ knows
+  LatticeMesh now_;           // The lattice that price_ knows.
   NetCopy best_;
   LayoutFront front_;
   Value value_;

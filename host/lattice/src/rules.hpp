@@ -65,7 +65,7 @@ class Rules {
 
   LayoutLimits limits_;  // The margin is already taken off.
   double fold_cosine_;
-  std::vector<Vec3> probes_;  // points just outside the border: no module may cover one
+  std::vector<Vec3> probes_;  // Points just outside the border, which no module may cover.
   PointGrid probe_grid_;
   std::vector<Vec3> free_points_;
   PointGrid free_grid_;

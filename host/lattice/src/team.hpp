@@ -27,7 +27,7 @@ class Team {
   const GrowthTask& task_;
   std::deque<Chain>& chains_;
   std::size_t first_, count_;
-  std::size_t working_ = 1;  // chains in this round
+  std::size_t working_ = 1;  // Number of chains in this round.
 };
 
 /// The chains in teams of at most `most` ≥ 1, the last one of what is left.
