@@ -7,7 +7,7 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr int kLeft = -1;  // part number of what is left
+constexpr int kLeft = -1;  // Part number of unassigned nodes.
 
 class Peeler {
  public:
@@ -27,7 +27,7 @@ class Peeler {
       if (done) continue;
       ++stuck;
       give_back(1 + stuck % 3);
-      if (stuck % 24 == 0) give_back(k_);  // start afresh around here
+      if (stuck % 24 == 0) give_back(k_);  // Start afresh in this region.
     }
     if (left_ == 0) return true;
     if (unused_.empty()) return false;
