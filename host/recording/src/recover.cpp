@@ -119,7 +119,7 @@ class Rescue {
   const mcap::Salvage& found_;
   OutputFile& file_;
   std::set<std::uint16_t> schemas_, channels_;
-  std::set<std::pair<mcap::Kind, std::uint16_t>> put_;  // definitions that are in the new file
+  std::set<std::pair<mcap::Kind, std::uint16_t>> put_;  // Definitions that the new file already has.
   std::uint64_t unreachable_ = 0;
 };
 
