@@ -126,7 +126,7 @@ std::vector<geometry::TiledPiece> place_pieces(design::Design& design, const geo
                  0.7 * (kPiecesShare * options.time_limit_s - seconds_since(start)) * area / std::max(area_left, 1.0));
     area_left -= area;
     geometry::PlacementResult result;
-    result.proved = true;  // a piece smaller than a module holds none
+    result.proved = true;  // A piece smaller than a module holds none.
     if (area >= design::module_area_mm2(options.corner_cut_mm)) result = geometry::place(piece.outline, p);
     report(progress, "placing", -1.0,
            fmt::format("{} modules on piece {} of {}", result.modules, design.pieces.size() + 1, net.pieces.size()));
