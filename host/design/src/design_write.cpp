@@ -181,7 +181,7 @@ void write_design(const std::filesystem::path& path, const Design& design) {
     file["report"]["max_edge_lift_mm"] = design.report.max_edge_lift_mm;
     file["report"]["max_edge_depth_mm"] = design.report.max_edge_depth_mm;
   }
-  if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // files without a cut stay as they were
+  if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // Files without a cut keep their format.
   if (!design.kinds.empty()) {                                      // nor has a file without kinds a key of them
     file["kinds"] = kind_plan_json(design.kinds);
     for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
