@@ -106,12 +106,12 @@ class VirtualSkin {
     sim::VirtualBoard board;
     std::unique_ptr<sim::VirtualController> controller;
     std::uint64_t run_again_us = 0;
-    std::size_t in_buffers = 0;  // frames that it has given to the bus and that wait for it
+    std::size_t in_buffers = 0;  // Frames given to the bus that still wait for it.
   };
   static constexpr std::size_t kBuffers = 3;
   struct Pending {
     wire::CanFrame frame;
-    std::size_t from;  // node, or kHost
+    std::size_t from;  // Number of a node, or kHost.
   };
   static constexpr std::size_t kHost = ~std::size_t{0};
 
