@@ -74,7 +74,7 @@ class TouchTest {
   struct Response {
     int module = -1;
     double strength = 0.0;
-    unsigned changed = 0;  // bit t
+    unsigned changed = 0;  // Bit t stands for taxel t.
     int taxel = -1;        // Taxel that changed most.
     double taxel_counts = 0.0;
   };
@@ -144,8 +144,8 @@ class Diagnosis {
   std::vector<TouchOutcome> touches_;
   std::vector<design::ModuleWiring> wiring_;
   std::vector<Finding> findings_;
-  std::set<int> bad_;           // modules that are not ok
-  std::set<int> explained_;     // modules whose missing touch response has a finding already
+  std::set<int> bad_;           // Modules that are not ok.
+  std::set<int> explained_;     // Modules whose missing touch response already has a finding.
   std::map<int, int> adopter_;  // Patch whose controller reads the module, for modules that were adopted.
 };
 
