@@ -29,7 +29,7 @@ class Buffer {
     json low = json::array(), high = json::array();
     for (int x = 0; x < 3; ++x) {
       const auto stored = points | std::views::transform([x](const Vec3& p) { return static_cast<float>(p[x]); });
-      low.push_back(std::ranges::min(stored));  // the bounds are those of the values that are stored
+      low.push_back(std::ranges::min(stored));  // The bounds are those of the values that are stored.
       high.push_back(std::ranges::max(stored));
     }
     const std::size_t start = bytes_.size();
