@@ -74,7 +74,7 @@ class IcubBoard {
   std::uint16_t enabled_ = 0xFFFF;
   std::uint64_t next_us_ = 0;
   std::uint8_t flags_ = 0, last_refused_ = 0, refused_ = 0;
-  std::array<wire::CanFrame, 16> replies_{};  // what finds no room is not answered: the host asks again
+  std::array<wire::CanFrame, 16> replies_{};  // A request that finds no room gets no answer: the host asks again.
   std::size_t reply_at_ = 0, reply_count_ = 0;
 };
 
