@@ -159,7 +159,7 @@ double scale_of(LengthUnit unit) {
 
 MeshFile read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit, const std::string& object) {
   const std::string name = path == "-" ? "standard input" : path.string();
-  const std::string bytes = without_utf16(read_file(path));  // once: it may be a pipe
+  const std::string bytes = without_utf16(read_file(path));  // Read only once, as it may be a pipe.
   if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty", name));
   if (const std::string what = foreign_content(bytes); !what.empty())
     throw InputError(fmt::format("{}: is {}", name, what));
