@@ -10,6 +10,7 @@
 #include "design_edit.hpp"
 #include "mesh_options.hpp"
 #include "repair_text.hpp"
+#include "side_option.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
@@ -21,6 +22,7 @@ namespace {
 struct Options {
   std::string mesh, output, regions;
   UnitOption unit;
+  SideOption side;
   pipeline::DesignOptions design;
   EditOptions edit;
 };
@@ -84,6 +86,8 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
   const auto& r = d.report;
   if (const std::string shortage = shortage_text(notes.extract); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(notes.extract, "repair"); !change.empty()) output.say(change);
+  if (const std::string side = side_text(notes.side); !side.empty()) output.say(side);
+  if (const std::string holes = bridge_text(notes.bridges); !holes.empty()) output.say(holes);
   if (notes.solver_deviation_mm > 0.0) {
     output.say(fmt::format("searched on {} of {} faces, which deviate by at most {:.3f} mm; measured on all",
                            notes.solver_faces, d.surface.faces.size(), notes.solver_deviation_mm));
@@ -120,11 +124,16 @@ int run(Options options, Output& output) {
   options.design.unit = options.unit.unit;
   if (!options.regions.empty()) options.design.regions = design::read_region_file(options.regions);
   options.design.kinds = options.edit.kind_plan();
+  options.design.side = options.side.options();
+  options.design.bridge_mm = options.side.bridge_mm();
   pipeline::DesignNotes notes;
   const design::Design d = pipeline::make_design(options.mesh, options.design, output.progress(), &notes);
+  if (notes.side.is_undecided) return report_undecided(notes.part, notes.side, options.output + ".svg", output);
   const bool nothing = d.layout.modules.empty();
   if (!nothing) design::write_design(options.output, d);
   output.result = keys_of(d, notes);
+  add_side_keys(notes.side, output);
+  if (options.design.bridge_mm > 0.0) output.result["bridged_holes"] = notes.bridges.bridged;
   say_layout(d, notes, output);
   if (nothing) {
     const std::string reason = reason_of_nothing(d, options.unit.unit.has_value());
@@ -210,6 +219,7 @@ const Registration kDesign{{
       app.add_option("--seed", options->design.seed, "of every random choice")->capture_default_str();
       options->unit.add_to(app);
       add_object_option(app, options->design.object);
+      options->side.add_to(app);
       add_limits(app, options->design.limits);
       add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--bend-radius-mm", options->design.bend_radius_mm,

@@ -4,16 +4,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <map>
 #include <memory>
 #include <vector>
 
 #include "mesh_options.hpp"
+#include "number_list.hpp"
 #include "repair_text.hpp"
+#include "side_option.hpp"
+#include "side_picture.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
 #include "triskin/mesh/surface.hpp"
 
@@ -23,25 +25,12 @@ namespace {
 using When = geometry::ExtractOptions::When;
 
 struct Options {
-  std::string mesh, output, object, keep_out;
+  std::string mesh, output, object, keep_out, picture;
+  SideOption side;
   UnitOption unit;
   geometry::ExtractOptions steps;
   std::vector<std::string> spheres, boxes;
 };
-
-// Numbers between commas, all of the text; empty when it is not that.
-std::vector<double> numbers_of(const std::string& text) {
-  std::vector<double> numbers;
-  for (std::size_t from = 0; from <= text.size();) {
-    const std::size_t end = std::min(text.find(',', from), text.size());
-    double value = 0.0;
-    const auto [rest, error] = std::from_chars(text.data() + from, text.data() + end, value);
-    if (error != std::errc{} || rest != text.data() + end || !std::isfinite(value)) return {};
-    numbers.push_back(value);
-    from = end + 1;
-  }
-  return numbers;
-}
 
 void take_keep_outs(Options& o) {
   for (const std::string& text : o.spheres) {
@@ -63,17 +52,27 @@ void take_keep_outs(Options& o) {
 
 int run(Options options, Output& output) {
   take_keep_outs(options);
+  const geometry::SideOptions side_options = options.side.options();
   const auto start = std::chrono::steady_clock::now();
   const geometry::MeshFile file = geometry::read_mesh(options.mesh, options.unit.unit, options.object);
   const geometry::Extraction e = geometry::extract(file.mesh, options.steps, output.progress());
-  geometry::write_obj(options.output, e.surface);
-  const double area_cm2 = geometry::Surface(e.surface).area_mm2() / 100.0;
+  geometry::TakenSide taken = geometry::take_side(e.surface, side_options);
+  if (taken.is_undecided)
+    return report_undecided(e.surface, taken, options.picture.empty() ? options.output + ".svg" : options.picture,
+                            output);
+  if (!options.picture.empty()) write_output(options.picture, side_svg(e.surface, taken.choice));
+  geometry::BridgeReport bridges;
+  if (options.side.bridge_mm() > 0.0)
+    bridges = geometry::bridge_holes(taken.surface, e.surface, options.side.bridge_mm());
+  geometry::write_obj(options.output, taken.surface);
+  const geometry::Surface surface(taken.surface);
+  const double area_cm2 = surface.area_mm2() / 100.0;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  output.result = {{"faces", e.surface.faces.size()},
+  output.result = {{"faces", taken.surface.faces.size()},
                    {"area_cm2", area_cm2},
                    {"removed_components", e.report.removed_components},
                    {"enclosed_components", e.report.enclosed_components},
-                   {"boundary_loops", e.report.boundary_loops},
+                   {"boundary_loops", surface.border_loops().size()},
                    {"flipped_faces", e.report.flipped_faces},
                    {"components", e.report.components},
                    {"crowded_edges", e.report.non_manifold_edges},
@@ -88,11 +87,15 @@ int run(Options options, Output& output) {
                    {"reduced_mm", e.report.reduced_mm},
                    {"crossing_tested", e.report.tested},
                    {"seconds", seconds}};
+  add_side_keys(taken, output);
+  output.result["bridged_holes"] = bridges.bridged;
   if (const std::string shortage = shortage_text(e.report); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(e.report, "outer"); !change.empty()) output.say(change);
+  if (const std::string side = side_text(taken); !side.empty()) output.say(side);
+  if (const std::string holes = bridge_text(bridges); !holes.empty()) output.say(holes);
   output.say(fmt::format("{} faces, {:.1f} cm², {} border loops; {} parts removed, {} faces turned; {:.2f} s",
-                         e.surface.faces.size(), area_cm2, e.report.boundary_loops, e.report.removed_components,
-                         e.report.flipped_faces, seconds));
+                         taken.surface.faces.size(), area_cm2, surface.border_loops().size(),
+                         e.report.removed_components, e.report.flipped_faces, seconds));
   return 0;
 }
 
@@ -106,6 +109,8 @@ const Registration kExtract{{
       app.add_option("-o,--output", options->output, "surface (OBJ, mm)")->required();
       options->unit.add_to(app);
       add_object_option(app, options->object);
+      options->side.add_to(app);
+      app.add_option("--picture", options->picture, "SVG of the part with its sides coloured");
       const std::map<std::string, When> when{
           {"never", When::kNever}, {"auto", When::kWhenNeeded}, {"always", When::kAlways}};
       auto& s = options->steps;
