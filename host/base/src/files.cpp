@@ -7,12 +7,14 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <climits>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iostream>
 #include <iterator>
 
+#include "output_target.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin {
@@ -70,10 +72,8 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
-  std::string temporary = path.string() + ".XXXXXX";
-  const int fd = ::mkstemp(temporary.data());
+  const auto [fd, temporary] = create_beside(path);
   if (fd < 0) fail_write(path, "create", errno);
-  ::fchmod(fd, 0644);
   const int cause = write_all(fd, bytes);
   ::close(fd);
   if (cause != 0) {
@@ -94,8 +94,7 @@ void write_output(const std::filesystem::path& path, std::string_view bytes) {
   const fs::file_status status = fs::status(path, ignored);
   if (fs::is_directory(status)) throw InputError(fmt::format("{}: is a folder; give a file", path.string()));
   if (!fs::exists(status) || fs::is_regular_file(status)) {
-    const fs::path target = fs::is_symlink(path, ignored) ? fs::weakly_canonical(path, ignored) : path;
-    return write_file_atomically(target.empty() ? path : target, bytes);
+    return write_file_atomically(target_of(path), bytes);
   }
   const int fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (fd < 0) fail_write(path, "open", errno);
@@ -108,6 +107,24 @@ void write_output(const std::filesystem::path& path, std::string_view bytes) {
   ::close(fd);
 }
 
+void require_writable(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  if (path == "-") return;
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::is_directory(status)) throw InputError(fmt::format("{}: is a folder; give a file", path.string()));
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    if (::access(path.c_str(), W_OK) != 0) fail_write(path, "open", errno);
+    return;
+  }
+  const fs::path target = target_of(path);
+  if (target.filename().string().size() > NAME_MAX) fail_write(path, "create", ENAMETOOLONG);
+  const auto [fd, temporary] = create_beside(target);
+  if (fd < 0) fail_write(path, "create", errno);
+  ::close(fd);
+  ::unlink(temporary.c_str());
+}
+
 std::filesystem::path state_home() {
   std::filesystem::path base;
   if (const char* xdg = std::getenv("XDG_STATE_HOME"); xdg != nullptr && *xdg != '\0') {
@@ -117,8 +134,11 @@ std::filesystem::path state_home() {
   }
   std::error_code error;
   if (!base.empty()) std::filesystem::create_directories(base, error);
-  if (base.empty() || error) base = std::filesystem::temp_directory_path();
-  return base / "triskin";
+  if (!base.empty() && !error) return base / "triskin";
+  // Shared by all users of the computer, so that each has a folder of his own there.
+  base = std::filesystem::temp_directory_path(error);
+  if (error) base = "/tmp";
+  return base / fmt::format("triskin-{}", ::getuid());
 }
 
 }  // namespace triskin

@@ -12,9 +12,13 @@
 #include <vector>
 
 #include "mesh_options.hpp"
+#include "read_text.hpp"
 #include "repair_text.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+#include "triskin/mesh/open_side.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::cli::extract_command {
@@ -27,6 +31,7 @@ struct Options {
   UnitOption unit;
   geometry::ExtractOptions steps;
   std::vector<std::string> spheres, boxes;
+  bool flip = false;
 };
 
 // Numbers between commas, all of the text; empty when it is not that.
@@ -62,11 +67,16 @@ void take_keep_outs(Options& o) {
 }
 
 int run(Options options, Output& output) {
+  geometry::require_mesh_output(options.output);
+  require_writable(options.output);
   take_keep_outs(options);
   const auto start = std::chrono::steady_clock::now();
   const geometry::MeshFile file = geometry::read_mesh(options.mesh, options.unit.unit, options.object);
-  const geometry::Extraction e = geometry::extract(file.mesh, options.steps, output.progress());
-  geometry::write_obj(options.output, e.surface);
+  say_notes(options.mesh, file.report.notes, output);
+  geometry::Extraction e = geometry::extract(file.mesh, options.steps, output.progress());
+  if (options.flip) geometry::turn_over(e.surface);
+  const geometry::OpenSide side = geometry::open_side_of(e.surface);
+  geometry::write_mesh(options.output, e.surface);
   const double area_cm2 = geometry::Surface(e.surface).area_mm2() / 100.0;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   output.result = {{"faces", e.surface.faces.size()},
@@ -87,7 +97,11 @@ int run(Options options, Output& output) {
                    {"mean_deviation_mm", e.report.deviation.mean_mm},
                    {"reduced_mm", e.report.reduced_mm},
                    {"crossing_tested", e.report.tested},
+                   {"notes", file.report.notes},
+                   {"open", side.is_open},
+                   {"toward_middle", side.toward_middle},
                    {"seconds", seconds}};
+  if (const std::string text = side_text_of(side); !text.empty()) output.say(text);
   if (const std::string shortage = shortage_text(e.report); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(e.report, "outer"); !change.empty()) output.say(change);
   output.say(fmt::format("{} faces, {:.1f} cm², {} border loops; {} parts removed, {} faces turned; {:.2f} s",
@@ -103,9 +117,10 @@ const Registration kExtract{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF")->required();
-      app.add_option("-o,--output", options->output, "surface (OBJ, mm)")->required();
+      app.add_option("-o,--output", options->output, "surface (OBJ or STL, mm)")->required();
       options->unit.add_to(app);
       add_object_option(app, options->object);
+      app.add_flag("--flip", options->flip, "turn all faces over: the other side of an open part");
       const std::map<std::string, When> when{
           {"never", When::kNever}, {"auto", When::kWhenNeeded}, {"always", When::kAlways}};
       auto& s = options->steps;
