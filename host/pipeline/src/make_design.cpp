@@ -18,6 +18,7 @@
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/mesh/decimated_mesh.hpp"
 #include "triskin/mesh/extract.hpp"
+#include "triskin/mesh/open_side.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
@@ -264,6 +265,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit, options.object);
   const double reading_s = seconds_since(start);
   design.scale_to_mm = file.report.scale_to_mm;
+  if (notes != nullptr) notes->reading = file.report.notes;
   // Smaller than a module: nothing fits, whatever its faces do, and that is an answer.
   if (const double area_mm2 = area_of(file.mesh); area_mm2 < design::kModuleArea_mm2) {
     design.surface = file.mesh;
@@ -272,6 +274,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
     return design;
   }
   geometry::Extraction extraction = surface_of(file.mesh, mesh.string(), options, start, progress);
+  if (options.flip) geometry::turn_over(extraction.surface);
   if (notes != nullptr) notes->extract = extraction.report;
   if (!take_surface(extraction, options, design, notes)) return design;
   if (options.regions) design.regions = resolve_regions(mesh, file, extraction, *options.regions);

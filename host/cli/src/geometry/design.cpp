@@ -9,8 +9,10 @@
 #include "corner_cut_option.hpp"
 #include "design_edit.hpp"
 #include "mesh_options.hpp"
+#include "read_text.hpp"
 #include "repair_text.hpp"
 #include "side_option.hpp"
+#include "triskin/base/files.hpp"
 #include "triskin/base/interrupt.hpp"
 #include "triskin/cli/bus_report.hpp"
 #include "triskin/cli/command.hpp"
@@ -35,11 +37,17 @@ std::string reason_of_nothing(const design::Design& d, bool unit_given) {
     high = high.cwiseMax(v);
   }
   const design::Vec3 size = d.surface.vertices.empty() ? design::Vec3::Zero() : design::Vec3(high - low);
+  const geometry::OpenSide side = geometry::open_side_of(d.surface);
+  const std::string inward =
+      side.is_open && side.toward_middle > 0.5
+          ? "; its faces look at its own middle, where modules have less room: --flip takes the other side"
+          : "";
   return fmt::format(
-      "no module fits: the surface measures {:.4g} × {:.4g} × {:.4g} mm, a module is a triangle with sides of "
-      "30 mm{}; no design was written",
-      size.x(), size.y(), size.z(),
-      unit_given ? "" : "; the mesh was taken for mm: say --unit cm or --unit m if it is not");
+             "no module fits: the surface measures {:.4g} × {:.4g} × {:.4g} mm, a module is a triangle with sides of "
+             "30 mm{}; no design was written",
+             size.x(), size.y(), size.z(),
+             unit_given ? "" : "; the mesh was taken for mm: say --unit cm, m or in if it is not") +
+         inward;
 }
 
 nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& notes) {
@@ -74,6 +82,7 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
                          {"crossing_tested", notes.extract.tested},
                          {"solver_faces", notes.solver_faces},
                          {"solver_deviation_mm", notes.solver_deviation_mm},
+                         {"notes", notes.reading},
                          {"seconds", r.seconds}};
   if (d.layout.corner_cut_mm > 0.0) {
     keys["corner_cut_mm"] = d.layout.corner_cut_mm;
@@ -84,6 +93,8 @@ nlohmann::json keys_of(const design::Design& d, const pipeline::DesignNotes& not
 
 void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Output& output) {
   const auto& r = d.report;
+  for (const std::string& note : notes.reading) output.say(note);
+  if (const std::string side = side_text_of(geometry::open_side_of(d.surface)); !side.empty()) output.say(side);
   if (const std::string shortage = shortage_text(notes.extract); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(notes.extract, "repair"); !change.empty()) output.say(change);
   if (const std::string side = side_text(notes.side); !side.empty()) output.say(side);
@@ -119,6 +130,7 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
 
 int run(Options options, Output& output) {
   catch_interrupts();
+  require_writable(options.output);
   if (options.edit.wanted(options.mesh))
     return edit(options.mesh, options.output, options.edit, options.design, output);
   options.design.unit = options.unit.unit;
@@ -220,6 +232,7 @@ const Registration kDesign{{
       options->unit.add_to(app);
       add_object_option(app, options->design.object);
       options->side.add_to(app);
+      app.add_flag("--flip", options->design.flip, "turn all faces over: the other side of an open part");
       add_limits(app, options->design.limits);
       add_corner_cut(app, options->design.corner_cut_mm);
       app.add_option("--bend-radius-mm", options->design.bend_radius_mm,

@@ -11,12 +11,15 @@
 
 #include "mesh_options.hpp"
 #include "number_list.hpp"
+#include "read_text.hpp"
 #include "repair_text.hpp"
 #include "side_option.hpp"
 #include "side_picture.hpp"
 #include "triskin/base/error.hpp"
 #include "triskin/base/files.hpp"
 #include "triskin/cli/command.hpp"
+#include "triskin/mesh/mesh_io.hpp"
+#include "triskin/mesh/open_side.hpp"
 #include "triskin/mesh/surface.hpp"
 
 namespace triskin::cli::extract_command {
@@ -30,6 +33,7 @@ struct Options {
   UnitOption unit;
   geometry::ExtractOptions steps;
   std::vector<std::string> spheres, boxes;
+  bool flip = false;
 };
 
 void take_keep_outs(Options& o) {
@@ -51,11 +55,15 @@ void take_keep_outs(Options& o) {
 }
 
 int run(Options options, Output& output) {
+  geometry::require_mesh_output(options.output);
+  require_writable(options.output);
   take_keep_outs(options);
   const geometry::SideOptions side_options = options.side.options();
   const auto start = std::chrono::steady_clock::now();
   const geometry::MeshFile file = geometry::read_mesh(options.mesh, options.unit.unit, options.object);
-  const geometry::Extraction e = geometry::extract(file.mesh, options.steps, output.progress());
+  say_notes(options.mesh, file.report.notes, output);
+  geometry::Extraction e = geometry::extract(file.mesh, options.steps, output.progress());
+  if (options.flip) geometry::turn_over(e.surface);
   geometry::TakenSide taken = geometry::take_side(e.surface, side_options);
   if (taken.is_undecided)
     return report_undecided(e.surface, taken, options.picture.empty() ? options.output + ".svg" : options.picture,
@@ -64,7 +72,8 @@ int run(Options options, Output& output) {
   geometry::BridgeReport bridges;
   if (options.side.bridge_mm() > 0.0)
     bridges = geometry::bridge_holes(taken.surface, e.surface, options.side.bridge_mm());
-  geometry::write_obj(options.output, taken.surface);
+  const geometry::OpenSide open_side = geometry::open_side_of(taken.surface);
+  geometry::write_mesh(options.output, taken.surface);
   const geometry::Surface surface(taken.surface);
   const double area_cm2 = surface.area_mm2() / 100.0;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -86,9 +95,13 @@ int run(Options options, Output& output) {
                    {"mean_deviation_mm", e.report.deviation.mean_mm},
                    {"reduced_mm", e.report.reduced_mm},
                    {"crossing_tested", e.report.tested},
+                   {"notes", file.report.notes},
+                   {"open", open_side.is_open},
+                   {"toward_middle", open_side.toward_middle},
                    {"seconds", seconds}};
   add_side_keys(taken, output);
   output.result["bridged_holes"] = bridges.bridged;
+  if (const std::string text = side_text_of(open_side); !text.empty()) output.say(text);
   if (const std::string shortage = shortage_text(e.report); !shortage.empty()) output.say(shortage);
   if (const std::string change = repair_text(e.report, "outer"); !change.empty()) output.say(change);
   if (const std::string side = side_text(taken); !side.empty()) output.say(side);
@@ -106,11 +119,12 @@ const Registration kExtract{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("MESH", options->mesh, "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF")->required();
-      app.add_option("-o,--output", options->output, "surface (OBJ, mm)")->required();
+      app.add_option("-o,--output", options->output, "surface (OBJ or STL, mm)")->required();
       options->unit.add_to(app);
       add_object_option(app, options->object);
       options->side.add_to(app);
       app.add_option("--picture", options->picture, "SVG of the part with its sides coloured");
+      app.add_flag("--flip", options->flip, "turn all faces over: the other side of an open part");
       const std::map<std::string, When> when{
           {"never", When::kNever}, {"auto", When::kWhenNeeded}, {"always", When::kAlways}};
       auto& s = options->steps;

@@ -26,6 +26,7 @@ enum class RepairMode : std::uint8_t {
 struct DesignOptions {
   std::optional<geometry::LengthUnit> unit;  ///< of the mesh file; none: its own or mm
   std::string object;                        ///< of a mesh file with several, by its name; empty: all
+  bool flip = false;                         ///< turns all faces over: the other side of an open part
   RepairMode repair = RepairMode::kAuto;
   geometry::SideOptions side;   ///< of a part with a wall
   double bridge_mm = 0.0;       ///< >= 0: holes up to this diameter are closed; 0: none
@@ -47,6 +48,7 @@ struct DesignOptions {
 
 /// How a design came about: number of modules that each method gave (design::LayoutMethod), what was made of the mesh.
 struct DesignNotes {
+  std::vector<std::string> reading;  ///< what the reader of the mesh file noted (mesh_io.hpp)
   int pieces = 0, surface = 0;
   int solver_faces = 0;              ///< of the mesh that was searched on; of the surface where that was it
   double solver_deviation_mm = 0.0;  ///< of that mesh from the surface, proved; 0 where it is the surface
