@@ -62,6 +62,7 @@ std::optional<std::uint32_t> measure_crystal_hz() {
   kCcmr1.write(kCaptureFromInput | kEachEighthEdge);
   kCcer.write(kCaptureOn);
   kCr1.write(kEnable);
+  kSr.write(0);       // edges that came before
   (void)next_edge();  // may be one of before the edges counted
   const auto first = next_edge();
   auto last = first;
