@@ -153,7 +153,7 @@ int run_robot(const Options& options, Output& output) {
   if (!robot::is_robot_file(options.robot))
     throw InputError(fmt::format("{}: is no robot file; give designs with --design", options.robot));
   if (options.topology) throw InputError("discover: --topology looks at one link; give --link and --design");
-  OpenSite open = open_site({options.robot, "", options.link});
+  OpenSite open = open_site({options.robot, "", options.link}, output);
   std::vector<Found> buses(open.site.buses.size());
   on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
     buses[static_cast<std::size_t>(bus.number)] = look_at(bus, link);
@@ -182,6 +182,7 @@ int run_link(const Options& options, Output& output) {
   for (const std::string& file : options.designs) designs.emplace_back(file, design::read_intact_design(file));
   const bool simulated = options.link.scene.empty() && !designs.empty();
   const auto link = device::open_link(options.link, simulated ? &designs[0].second : nullptr);
+  say_simulated(*link, output);
   device::Bus bus(*link);
   auto claims = claims_on(bus);
   if (options.topology) claims = device::put_apart(bus, std::move(claims), false);
@@ -224,6 +225,7 @@ const Registration kDiscover{{
           "design files that the topology is compared with; also recognizes patches that were never flashed");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kHardware,
 }};
 
 }  // namespace

@@ -38,6 +38,7 @@ const Registration kRecover{{
       app.add_option("-o,--output", options->output, "new file; default: FILE itself is completed");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kData,
 }};
 
 }  // namespace

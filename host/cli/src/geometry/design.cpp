@@ -237,6 +237,7 @@ const Registration kDesign{{
         return run(*options, output);
       };
     },
+    Group::kDesign,
 }};
 
 }  // namespace

@@ -247,6 +247,7 @@ const Registration kPlace{{
         return run(*options, output);
       };
     },
+    Group::kDesign,
 }};
 
 }  // namespace
