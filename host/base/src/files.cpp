@@ -12,6 +12,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <utility>
 
 #include "triskin/base/error.hpp"
 
@@ -40,6 +41,13 @@ int write_bytes(int fd, std::string_view bytes) {
 int write_all(int fd, std::string_view bytes) {
   const int cause = write_bytes(fd, bytes);
   return cause != 0 || ::fsync(fd) == 0 ? cause : errno;
+}
+
+void rename_or_remove(const std::string& temporary, const std::filesystem::path& path) {
+  if (::rename(temporary.c_str(), path.c_str()) == 0) return;
+  const int why = errno;
+  ::unlink(temporary.c_str());
+  fail_write(path, "rename", why);
 }
 
 void write_into(int fd, const std::filesystem::path& path, std::string_view bytes) {
@@ -80,32 +88,56 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
     ::unlink(temporary.c_str());
     fail_write(path, "write", cause);
   }
-  if (::rename(temporary.c_str(), path.c_str()) != 0) {
-    const int why = errno;
-    ::unlink(temporary.c_str());
-    fail_write(path, "rename", why);
-  }
+  rename_or_remove(temporary, path);
 }
 
 void write_output(const std::filesystem::path& path, std::string_view bytes) {
+  OutputFile file(path);
+  file.write(bytes);
+  file.commit();
+}
+
+OutputFile::OutputFile(const std::filesystem::path& path) : path_(path) {
   namespace fs = std::filesystem;
-  if (path == "-") return write_into(STDOUT_FILENO, "standard output", bytes);
+  if (path == "-") {
+    path_ = "standard output";
+    fd_ = STDOUT_FILENO;
+    return;
+  }
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   if (fs::is_directory(status)) throw InputError(fmt::format("{}: is a folder; give a file", path.string()));
-  if (!fs::exists(status) || fs::is_regular_file(status)) {
-    const fs::path target = fs::is_symlink(path, ignored) ? fs::weakly_canonical(path, ignored) : path;
-    return write_file_atomically(target.empty() ? path : target, bytes);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    fd_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (fd_ < 0) fail_write(path, "open", errno);
+    return;
   }
-  const int fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-  if (fd < 0) fail_write(path, "open", errno);
-  try {
-    write_into(fd, path, bytes);
-  } catch (...) {
-    ::close(fd);
-    throw;
+  target_ = fs::is_symlink(path, ignored) ? fs::weakly_canonical(path, ignored) : path;
+  if (target_.empty()) target_ = path;
+  temporary_ = target_.string() + ".XXXXXX";
+  fd_ = ::mkstemp(temporary_.data());
+  if (fd_ < 0) {
+    temporary_.clear();
+    fail_write(target_, "create", errno);
   }
-  ::close(fd);
+  ::fchmod(fd_, 0644);
+}
+
+OutputFile::~OutputFile() {
+  if (fd_ >= 0 && fd_ != STDOUT_FILENO) ::close(fd_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void OutputFile::write(std::string_view bytes) {
+  if (temporary_.empty()) return write_into(fd_, path_, bytes);
+  if (const int cause = write_bytes(fd_, bytes); cause != 0) fail_write(target_, "write", cause);
+}
+
+void OutputFile::commit() {
+  if (temporary_.empty()) return;
+  if (::fsync(fd_) != 0) fail_write(target_, "write", errno);
+  ::close(std::exchange(fd_, -1));
+  rename_or_remove(std::exchange(temporary_, {}), target_);
 }
 
 std::filesystem::path state_home() {

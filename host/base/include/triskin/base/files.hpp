@@ -18,6 +18,27 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
 /// Throws InputError naming the file and the cause, also for a folder.
 void write_output(const std::filesystem::path& path, std::string_view bytes);
 
+/// The same for text that is made part by part. Without commit() a file is as it was before; what went to standard
+/// output, a device or a pipe stays there. One thread.
+class OutputFile {
+ public:
+  /// Throws as write_output().
+  explicit OutputFile(const std::filesystem::path& path);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// Throws InputError naming the file and the cause.
+  void write(std::string_view bytes);
+  /// After it the file is whole. Throws as write().
+  void commit();
+
+ private:
+  std::filesystem::path path_, target_;
+  std::string temporary_;  // empty: written in place
+  int fd_ = -1;
+};
+
 /// Folder for what the program keeps on this computer between two runs: $XDG_STATE_HOME/triskin, else
 /// ~/.local/state/triskin, else triskin in the temporary folder. The folder above it is made if it is not there.
 [[nodiscard]] std::filesystem::path state_home();
