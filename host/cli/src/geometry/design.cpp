@@ -260,6 +260,7 @@ const Registration kDesign{{
         return run(*options, output);
       };
     },
+    Group::kDesign,
 }};
 
 }  // namespace

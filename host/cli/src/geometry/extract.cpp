@@ -153,6 +153,7 @@ const Registration kExtract{{
           ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kDesign,
 }};
 
 }  // namespace

@@ -111,6 +111,7 @@ const Registration kUnfold{{
       add_object_option(app, options->object);
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kDesign,
 }};
 
 }  // namespace
