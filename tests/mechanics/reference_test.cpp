@@ -30,9 +30,9 @@ struct Case {
 };
 
 struct Errors {
-  double number = 0.0;  // of indentation, radius and peak pressure, relative
-  double taxel = 0.0;   // of the peak of dC/C
-  double field = 0.0;   // displacement and base pressure, of their values in the centre
+  double number = 0.0;  // Relative errors of indentation, radius and peak pressure.
+  double taxel = 0.0;   // Error relative to the peak of dC/C.
+  double field = 0.0;   // Errors of displacement and base pressure, relative to their values in the centre.
 };
 
 double value(const nlohmann::json& truth, const char* key) {

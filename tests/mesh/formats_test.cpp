@@ -277,7 +277,7 @@ TEST_F(Formats, GltfAndGlbAreInMetres) {
 "bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"byteLength":36{}}}]}})",
         uri);
   };
-  const std::string base64 = "AAAAAAAAAAAAAAAAzczMPQAAAAAAAAAAAAAAAM3MzD0AAAAA";  // of `raw`
+  const std::string base64 = "AAAAAAAAAAAAAAAAzczMPQAAAAAAAAAAAAAAAM3MzD0AAAAA";  // Encodes `raw`.
   std::string json = scene("");
   json.resize((json.size() + 3) / 4 * 4, ' ');
   std::string glb = "glTF";
@@ -351,7 +351,7 @@ TEST_F(Formats, PlyStripsAreTriangles) {
   const Mesh m = read_mesh(file("y.ply", text)).mesh;
   ASSERT_EQ(m.faces.size(), 3U);
   EXPECT_EQ(m.faces[0], (std::array{0, 1, 2}));
-  EXPECT_EQ(m.faces[1], (std::array{1, 3, 2}));  // as the first, seen from above
+  EXPECT_EQ(m.faces[1], (std::array{1, 3, 2}));  // It has the same orientation as the first, seen from above.
   EXPECT_EQ(m.faces[2], (std::array{3, 2, 0}));
 }
 

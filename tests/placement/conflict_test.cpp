@@ -11,7 +11,8 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr std::int64_t kMaxCells = 60'000;  // without contradictions some of these take millions and do not end
+// Without contradictions some of these take millions of cells and do not end.
+constexpr std::int64_t kMaxCells = 60'000;
 
 std::string wkt(const Polygon& p) {
   std::string text = "POLYGON ((";

@@ -167,7 +167,7 @@ TEST(Recording, a_recovered_file_is_the_file_that_was_cut) {
   const Folder folder("recording");
   record_samples(folder / "r.mcap", strip(2), 200);
   const std::string whole = triskin::read_file(folder / "r.mcap");
-  write_file_atomically(folder / "cut.mcap", whole.substr(0, whole.size() - 30));  // in the footer
+  write_file_atomically(folder / "cut.mcap", whole.substr(0, whole.size() - 30));  // The cut lies in the footer.
   EXPECT_EQ(recover(folder / "cut.mcap", folder / "new.mcap").messages, recover(folder / "r.mcap", {}).messages);
   std::string recovered = triskin::read_file(folder / "new.mcap");
   ASSERT_EQ(recovered.size(), whole.size());

@@ -191,7 +191,7 @@ TEST_F(Salvaged, messages_without_the_definition_of_their_channel_are_counted) {
   const auto records = records_of(whole_);
   const auto channel = std::ranges::find(records, mcap::Kind::kChannel, &Span::kind);
   std::string cut = whole_.substr(0, chunks_[5].from);
-  cut.erase(channel->from, channel->to - channel->from);  // without a summary nobody has it
+  cut.erase(channel->from, channel->to - channel->from);  // No summary holds a second copy of it.
   write_file_atomically(folder_ / "damaged.mcap", cut);
   const Recovery r = recover(folder_ / "damaged.mcap", folder_ / "new.mcap");
   ASSERT_FALSE(r.losses.empty());

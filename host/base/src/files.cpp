@@ -69,7 +69,7 @@ std::string read_file(const std::filesystem::path& path) {
   }
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(fmt::format("{}: cannot read ({})", path.string(), std::strerror(errno)));
-  std::string bytes;  // in one piece where the size is known, as it is not of a pipe
+  std::string bytes;  // Filled in one piece if the size is known, which it is not for a pipe.
   if (const auto size = std::filesystem::file_size(path, ec); !ec) {
     bytes.resize(static_cast<std::size_t>(size));
     in.read(bytes.data(), static_cast<std::streamsize>(size));

@@ -58,7 +58,7 @@ void set_limit(int resource, std::uint64_t soft, std::uint64_t hard) {
   (void)::setrlimit(static_cast<__rlimit_resource_t>(resource), &limit);
 }
 
-// Between fork and exec of a program with threads only calls that are safe in a signal handler may stand.
+// Between fork and exec of a program with threads only calls that are safe in a signal handler are allowed.
 [[noreturn]] void become(const char* program, char* const* arguments, int in, int out, const ProcessLimits& limits,
                          pid_t parent) {
   (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);

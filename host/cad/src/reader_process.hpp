@@ -13,7 +13,7 @@ namespace triskin::cad {
 struct ProcessLimits {
   double wall_s = 60.0;
   double processor_s = 60.0;
-  std::uint64_t memory_bytes = 0;  ///< of its address space
+  std::uint64_t memory_bytes = 0;  ///< limit of its address space
 };
 
 /// How a process ended.
@@ -22,7 +22,7 @@ enum class ProcessEnd : std::uint8_t { kDone, kFailed, kCrashed, kOutOfTime };
 /// What a process wrote, and how it ended.
 struct ProcessResult {
   ProcessEnd end = ProcessEnd::kDone;
-  int signal = 0;  ///< of kCrashed
+  int signal = 0;  ///< signal of kCrashed
   std::string output;
 };
 

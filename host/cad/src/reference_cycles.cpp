@@ -47,7 +47,7 @@ std::vector<ReferenceGraph::Step> ReferenceGraph::circle() {
   struct Visit {
     std::size_t first, node, reference;
   };
-  std::vector<State> states(nodes_.size(), State::kNew);  // by the first node of an id
+  std::vector<State> states(nodes_.size(), State::kNew);  // Indexed by the first node of an id.
   std::vector<Visit> path;
   for (std::size_t root = 0; root < nodes_.size(); ++root) {
     const std::size_t start = first_of(nodes_[root].id);

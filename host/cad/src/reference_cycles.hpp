@@ -12,7 +12,7 @@ class ReferenceGraph {
  public:
   struct Step {
     std::int64_t id = 0;
-    std::int64_t label = 0;  ///< as given to add() for the reference that leaves it
+    std::int64_t label = 0;  ///< label given to add() for the reference that leaves it
   };
 
   /// Notes that `id` refers to these; `label` stands for it in circle().
@@ -28,7 +28,7 @@ class ReferenceGraph {
  private:
   struct Node {
     std::int64_t id, label;
-    std::size_t first, count;  // in references_
+    std::size_t first, count;  // Range in references_.
   };
   void sort();
   [[nodiscard]] std::size_t first_of(std::int64_t id) const;

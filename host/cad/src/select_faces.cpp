@@ -95,7 +95,7 @@ int nearest_face(const Part& part, const Vec3& point) {
 // Pairs of faces that meet along sides which all turn less than the limit.
 std::vector<std::pair<int, int>> smooth_neighbours(const Part& part, double smooth_deg) {
   std::map<std::pair<int, int>, std::size_t> first_side;
-  std::map<std::pair<int, int>, double> sharpest;  // by two faces: least cosine between their normals
+  std::map<std::pair<int, int>, double> sharpest;  // Keyed by two faces: least cosine between their normals.
   const auto normal = [&](std::size_t t) {
     const auto& f = part.mesh.faces[t];
     const auto at = [&](std::size_t k) { return part.mesh.vertices[static_cast<std::size_t>(f[k])]; };

@@ -26,13 +26,13 @@ struct StepToken {
     kSemicolon,
   };
   Kind kind = Kind::kEnd;
-  std::string_view text;  ///< as in the file; of a string what is between its quotes
-  std::string problem;    ///< of kBad: a sentence
+  std::string_view text;  ///< text in the file; for a string, what is between its quotes
+  std::string problem;    ///< message of kBad: a sentence
 
   [[nodiscard]] bool is_value() const { return kind >= Kind::kReference && kind <= Kind::kDerived; }
-  /// In upper case.
+  /// Text in upper case.
   [[nodiscard]] std::string upper() const;
-  /// For a message: at most 24 characters, without control characters.
+  /// Text for a message: no more than 24 characters, without control characters.
   [[nodiscard]] std::string shown() const;
 };
 

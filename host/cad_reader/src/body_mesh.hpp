@@ -16,9 +16,9 @@ using Vec3 = Eigen::Vector3d;  ///< mm
 
 /// A triangle of one face, counter-clockwise seen from outside.
 struct Triangle {
-  std::array<int, 3> corners{};  ///< in BodyMesh::points
-  std::array<Vec2, 3> uv;        ///< of the corners on the surface of the face
-  int face = 0;                  ///< in BodyMesh::faces
+  std::array<int, 3> corners{};  ///< indices into BodyMesh::points
+  std::array<Vec2, 3> uv;        ///< positions of the corners on the surface of the face
+  int face = 0;                  ///< index into BodyMesh::faces
 };
 
 /// An exact face and what was measured of its triangles.

@@ -23,9 +23,9 @@ struct PlacedBody {
 /// Bodies of a file with what it says of their faces.
 struct Document {
   std::string unit;      ///< name of the unit of length in the file; empty: none
-  double unit_mm = 1.0;  ///< that the kernel applied
+  double unit_mm = 1.0;  ///< length of one unit that the kernel applied
   std::vector<PlacedBody> bodies;
-  std::unordered_map<const void*, Label> labels;  ///< by the shared shape of a face
+  std::unordered_map<const void*, Label> labels;  ///< keyed by the shared shape of a face
   std::vector<std::string> faults;                ///< one sentence each: entities that gave no shape
 };
 

@@ -33,9 +33,9 @@ class EdgeNodes {
 
   std::vector<Vec3>& points_;
   TopTools_IndexedMapOfShape edges_, vertices_;
-  std::vector<std::vector<int>> nodes_;          // by edge
-  std::vector<std::vector<double>> parameters_;  // by edge
-  std::vector<int> vertex_nodes_;                // by vertex
+  std::vector<std::vector<int>> nodes_;          // Indexed by edge.
+  std::vector<std::vector<double>> parameters_;  // Indexed by edge.
+  std::vector<int> vertex_nodes_;                // Indexed by vertex.
 };
 
 }  // namespace triskin::cad_reader

@@ -7,7 +7,7 @@ namespace triskin::cad_reader {
 
 /// How a part is meshed.
 struct BuildOptions {
-  double unit_mm = 0.0;            ///< of the file's numbers; 0: as the file says
+  double unit_mm = 0.0;            ///< length of one unit in the file; 0: the file says it
   double max_deviation_mm = 0.05;  ///< > 0
 };
 

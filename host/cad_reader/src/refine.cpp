@@ -149,7 +149,7 @@ class Refiner {
     face.deviation_mm = d.worst;
     face.worst_mm = d.worst_place;
   }
-  // Where the file's edge lies beside the surface, dividing does not help.
+  // Dividing does not help if the file's edge lies beside the surface.
   bool mark_sides(const Triangle& t, const ExactFace& face, const Distances& d) {
     const double limit = std::max(limit_mm_, kGapFactor * corner_gap(t, face));
     bool is_marked = false;

@@ -19,9 +19,9 @@ constexpr std::size_t kMaxParts = 300'000;  // A hundred times what a module amo
 
 // A border edge seen from a point.
 struct Sight {
-  double along;  // of the foot: 0 at a, 1 at b, clamped
-  P3 off;        // from the foot to the point
-  P3 normal;     // of the surface at the foot, unit
+  double along;  // Position of the foot: 0 at a, 1 at b, clamped.
+  P3 off;        // Vector from the foot to the point.
+  P3 normal;     // Unit normal of the surface at the foot.
 };
 
 Sight sight_of(const BorderEdge& e, const P3& p) {
@@ -114,7 +114,7 @@ class OverrunSearch {
       const double distance = s.off.norm(), out = s.off.dot(e->out);
       if (distance > nearest + kTouch_mm) continue;
       past =
-          std::abs(distance - nearest) <= kTouch_mm ? std::max(past, out) : out;  // at a corner two edges are nearest
+          std::abs(distance - nearest) <= kTouch_mm ? std::max(past, out) : out;  // At a corner two edges are nearest.
       if (distance >= nearest) continue;
       nearest = distance;
       over = across(s.off, s.normal);
@@ -200,7 +200,7 @@ class OverrunSearch {
     if (!more || radius < kSmallest_mm) return;
     if (is_close(hit.face, part)) return;
     const Triangle3 face = surface_.triangle(hit.face);
-    constexpr double kWorth = 0.25;  // of the area: below, halves find faces that cover more of them
+    constexpr double kWorth = 0.25;  // Below a quarter of the area, halves find faces that cover more of them.
     const Division by_face = divide_by(face, part);
     if (area_in_space(by_face.over) > kWorth * area_in_space(part) &&
         (is_close(hit.face, by_face.over) || is_covered(face, by_face.over, near))) {

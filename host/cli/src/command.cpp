@@ -56,7 +56,7 @@ class Bar {
   }
 
  private:
-  // To the first line, all lines empty.
+  // Moves to the first line and clears all lines.
   [[nodiscard]] std::string back() const {
     return lines_ > 1 ? fmt::format("\r\033[{}A\033[J", lines_ - 1) : "\r\033[J";
   }

@@ -147,7 +147,7 @@ class CoverFile {
   const robot::CoverConfig& cover_;
   Format format_;
   recording::OutputFile file_;
-  std::optional<device::TouchMap> touches_;  // from describe() on
+  std::optional<device::TouchMap> touches_;  // Set by describe().
   design::SkinCalibration calibration_;
   recording::Origin origin_;
   std::unique_ptr<recording::Recorder> recorder_;
@@ -254,7 +254,7 @@ class BusRecording {
   const robot::BusConfig& site_;
   std::vector<std::unique_ptr<CoverFile>> files_;
   std::vector<const design::Design*> designs_;
-  std::vector<device::StreamReport> reports_;  // by cover
+  std::vector<device::StreamReport> reports_;  // Indexed by cover.
   std::uint64_t start_us_ = 0, lost_ = 0;
   std::optional<std::string> trouble_;
   double seconds_ = 0.0;
@@ -270,7 +270,7 @@ void require_modules(const robot::Site& site) {
   }
 }
 
-// Before the hardware is asked.
+// Checked before the hardware is used.
 void require_hdf5(const std::string& path) {
   if (!hdf5::can_write())
     throw InputError(

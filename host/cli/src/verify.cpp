@@ -59,7 +59,7 @@ std::string extension_of(const std::string& file) {
   return std::filesystem::path(file).extension().string();
 }
 
-// Before the hardware is asked: minutes of pressing are not lost for a wrong name.
+// Checked before the hardware is used, so that a wrong name does not cost minutes of pressing.
 void check_report(const std::string& file) {
   const std::string extension = extension_of(file);
   if (file.empty() || extension == ".txt" || extension == ".html" || extension == ".json") return;

@@ -49,7 +49,7 @@ void wait_for_interrupt() {
 // What the page shows: a design as it is, the covers of a robot in the frame of its base.
 struct Shown {
   design::Design design;
-  std::vector<design::CoverOffset> offsets;  // by cover
+  std::vector<design::CoverOffset> offsets;  // Indexed by cover.
 };
 
 Shown shown_of(const std::string& file, bool has_link) {

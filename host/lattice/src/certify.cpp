@@ -16,7 +16,7 @@ ModuleLayout layout_of(const LatticeMesh& net, std::vector<int>& triangle_of) {
   ModuleLayout layout;
   layout.method = LayoutMethod::kSurface;
   layout.corner_cut_mm = net.corner_cut_mm();
-  std::vector<int> number(net.island_sizes().size(), -1);  // of islands, as their first modules come
+  std::vector<int> number(net.island_sizes().size(), -1);  // Islands are numbered in the order of their first modules.
   int numbers = 0;
   layout.islands = net.islands();
   std::vector<int> index(net.triangles().size(), -1);

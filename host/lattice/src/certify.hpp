@@ -24,7 +24,7 @@ class Certifier {
 
   /// Uses all threads. Cost: some 0.1 ms a module.
   [[nodiscard]] ModuleLayout first(LatticeMesh net) { return certified(std::move(net), known_, options_.threads); }
-  /// On the calling thread; thread-safe after first().
+  /// Runs on the calling thread; thread-safe after first().
   [[nodiscard]] ModuleLayout other(const LatticeMesh& net) const {
     Known own;
     return certified(net, own, 1);

@@ -46,7 +46,8 @@ class Keeper {
 
   // First joints (they become slits), then modules; a margin of 2 % keeps another measurement from disagreeing.
   void give_up_bad() {
-    std::vector<OverlappingPair> pairs = overlapping_pairs(layout_);  // as nothing moves, they only go
+    // Measured once: nothing moves below, so pairs can only disappear.
+    std::vector<OverlappingPair> pairs = overlapping_pairs(layout_);
     for (;;) {
       measure_between(layout_, pairs);
       if (open_bad_joints()) continue;

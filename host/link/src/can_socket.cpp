@@ -142,7 +142,7 @@ void CanSocket::send(const wire::CanFrame& frame) {
   }
 }
 
-// With each frame the kernel says how many found the queue full until then.
+// The kernel adds to each frame the number of frames that were dropped so far because the queue was full.
 ssize_t CanSocket::read_frame(canfd_frame* frame) {
   iovec bytes{frame, sizeof *frame};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::uint32_t))> control{};

@@ -18,8 +18,8 @@ struct FitPriors {
 
 struct Fit {
   std::vector<FitContact> contacts;
-  Eigen::MatrixXd covariance;  // of the four parameters of each contact
-  double residual_sum = 0.0;   // of squares, without priors
+  Eigen::MatrixXd covariance;  // Covariance of the four parameters of each contact.
+  double residual_sum = 0.0;   // Sum of squares, without priors.
   double objective = 0.0;      // (residual / noise)² and the priors
 };
 

@@ -6,7 +6,7 @@
 namespace triskin::mechanics {
 
 struct DiscPoint {
-  Eigen::Vector2d position;  // in radii of the disc
+  Eigen::Vector2d position;  // Position in radii of the disc.
   double weight;             // all add up to 1
 };
 

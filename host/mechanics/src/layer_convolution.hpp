@@ -24,7 +24,7 @@ class LayerConvolution {
   [[nodiscard]] Eigen::ArrayXXd backward(Spectrum spectrum);
 
   int points_x_, points_y_;
-  Eigen::ArrayXXd compliance_, base_;  // over half of the wave numbers in x
+  Eigen::ArrayXXd compliance_, base_;  // Values for half of the wave numbers in x.
   Eigen::FFT<double> real_transform_, transform_;
 };
 

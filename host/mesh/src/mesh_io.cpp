@@ -27,7 +27,7 @@ namespace triskin::geometry {
 namespace {
 
 constexpr double kSmallestPart_mm = 20.0;
-constexpr double kLargestGuess_mm = 3000.0;  // without a unit
+constexpr double kLargestGuess_mm = 3000.0;  // Used for files without a unit.
 constexpr double kLargestPart_mm = 5000.0;
 
 // A double still resolves 2 µm there; `check` has the same bound.

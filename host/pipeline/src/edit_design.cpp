@@ -38,7 +38,7 @@ void finish(design::Design& d, const geometry::Surface& surface, const geometry:
   d.report.seconds = seconds_since(start);
 }
 
-// By id: whether it is named, or with `others` whether it is not.
+// Indexed by id: true if it is named or, with `others`, if it is not.
 std::vector<bool> marked(const design::Design& d, const std::vector<int>& ids, bool others = false) {
   std::vector<bool> mark(d.layout.modules.size(), others);
   for (const int id : ids) {

@@ -31,28 +31,36 @@
 namespace triskin::pipeline {
 namespace {
 
-constexpr double kRepairShare = 0.4;                             // of the time
-constexpr double kShortRepair_s = 2.0, kShortRepairShare = 0.7;  // what a short limit has for it: that, or that share
-constexpr double kUnfoldingShare = 0.3;                          // of what reading and repair leave
-constexpr double kUnfoldedFaces = 10'000.0;  // a second of the limit, above which it is less: most are given up
-constexpr double kMaxUnfolded = 2.0;         // times that, above which the first step would already take longer
-constexpr double kPiecesShare = 0.12;        // of the time; what the growth has left after it
-constexpr double kPieceLeast_s = 0.1;        // a piece gets, or what a short limit has for it
-constexpr double kMapped_s = 2.5e-4;         // of a module on a piece: its mapping and what follows; measured
-constexpr double kPlacingEnd = 0.65, kMappingEnd = 0.85;   // of the time: what is not begun by then is left out
-constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;  // up to which the limit binds
-constexpr double kMaxOver = 0.12, kMinGrowth_s = 0.1;      // of the limit, that it may be passed by for that share
-constexpr double kWorthGrowing = 0.1;                      // of the surface, uncovered by the pieces: all of that share
+constexpr double kRepairShare = 0.4;  // Repair gets this share of the time.
+// With a short limit, repair gets this time, or this share of the limit.
+constexpr double kShortRepair_s = 2.0, kShortRepairShare = 0.7;
+constexpr double kUnfoldingShare = 0.3;  // Unfolding gets this share of what reading and repair leave.
+// Above this many faces per second of the limit the share shrinks, since most such meshes are given up.
+constexpr double kUnfoldedFaces = 10'000.0;
+constexpr double kMaxUnfolded = 2.0;   // Above this multiple the first step alone would take longer.
+constexpr double kPiecesShare = 0.12;  // Pieces get this share of the time; the growth gets what is left after them.
+constexpr double kPieceLeast_s = 0.1;  // Each piece gets at least this time, or what a short limit allows.
+constexpr double kMapped_s = 2.5e-4;   // Measured time to map a module on a piece, with the steps that follow.
+// Work that has not started by this share of the time is left out.
+constexpr double kPlacingEnd = 0.65, kMappingEnd = 0.85;
+// The growth gets half of the time; a limit up to 3 s is binding for it.
+constexpr double kGrowthShare = 0.5, kShortLimit_s = 3.0;
+// To give the growth its share, the limit may be exceeded by 12 %.
+constexpr double kMaxOver = 0.12, kMinGrowth_s = 0.1;
+// The growth gets all of its share if the pieces leave this much of the surface uncovered.
+constexpr double kWorthGrowing = 0.1;
 constexpr double kRoutingShare = 0.1, kRoutingMost_s = 2.0;
-// Of the layouts of a growth, for each module that the area has room for; measured: half of it.
+// Routing the layouts of a growth takes about 3 ms per module that the area has room for (measured); we reserve twice
+// that.
 constexpr double kRoutingLeast_s = 0.3, kRouting_s = 6.5e-3;
-constexpr double kMaxGrowth = 3.0;  // that the growth has so many times the modules of the pieces, at most
-// What follows the growth beside the division among controllers, in times of the mapping and pricing of as many modules
-// on pieces: its measurement; the wiring, with its failures, and the writing.
+// We assume that the growth finds at most this many times the modules of the pieces.
+constexpr double kMaxGrowth = 3.0;
+// Measuring and wiring the grown layout (with its failures) each take this multiple of the time that mapping and
+// pricing take for as many modules on pieces.
 constexpr double kMeasuringShare = 0.25, kWiringShare = 0.25;
-constexpr double kWritingShare = 0.8;  // of the time that reading took, that writing the surface takes; measured
-constexpr double kWriting_s = 5e-5;    // of a module with its alternatives; measured: 4 kB each
-constexpr double kPricing_s = 1.2e-4;  // of a module where no piece tells: its mapping and pricing; measured
+constexpr double kWritingShare = 0.8;  // Writing the surface takes 80 % of the time that reading took (measured).
+constexpr double kWriting_s = 5e-5;    // Measured time to write a module with its alternatives, 4 kB each.
+constexpr double kPricing_s = 1.2e-4;  // Measured time to map and price a module, used if no piece was timed.
 
 // With a fixed number of steps the repair's clock stands still: its result must not depend on the time.
 geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& name, const DesignOptions& options,
@@ -167,10 +175,10 @@ void require_places(const design::KindPlan& plan) {
 
 // What the pieces gave, from which the time of the growth and of what follows is told.
 struct PiecesDone {
-  double at_most;               // modules, by area
-  double uncovered;             // share of the surface, 0 … 1
-  double mapping_s, pricing_s;  // that a layout of the growth would take, were it like that of the pieces
-  double writing_s;             // of the design file
+  double at_most;               // Upper bound of the modules, by area.
+  double uncovered;             // Share of the surface, 0 … 1.
+  double mapping_s, pricing_s;  // Estimated for a layout of the growth, from the layout of the pieces.
+  double writing_s;             // Time to write the design file.
 
   [[nodiscard]] double wiring_s() const { return kWiringShare * (mapping_s + pricing_s) + writing_s; }
   [[nodiscard]] double after_growth_s(double limit_s) const {
@@ -292,7 +300,8 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   report(progress, "mapping to the surface", -1.0);
   const double mapping_from_s = seconds_since(start);
   design::ModuleLayout mapped = mapped_layout(surface, searched, placed, options, regions, start);
-  if (searched.solver() != nullptr) design.pieces.clear();  // of faces that the design has not
+  // The pieces name faces of the solver's mesh, which the design does not contain.
+  if (searched.solver() != nullptr) design.pieces.clear();
   const double pricing_from_s = seconds_since(start);
   geometry::RoutingOptions routing = routing_options(design);
   routing.threads = options.threads;

@@ -65,7 +65,7 @@ class Samples final : public mcap::Visitor {
   const std::function<void(const ModuleSample&)>& handler_;
   std::map<std::uint16_t, std::string> schemas_;
   std::uint16_t raw_ = 0, readers_channel_ = 0;
-  std::vector<Reader> own_, readers_;  // by module; empty: the recording says nothing of it
+  std::vector<Reader> own_, readers_;  // Indexed by module; empty: the recording does not name the readers.
 };
 
 struct Reached {};  // ends read_origin

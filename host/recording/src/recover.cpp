@@ -149,7 +149,7 @@ std::string problem_of(const mcap::Salvage& found, std::uint64_t file_bytes) {
   return "a byte outside the chunks is another one: the CRC of the whole is wrong";
 }
 
-// Behind the last whole record nothing is left but what a writer that was ended leaves.
+// True if the file is intact up to its last whole record, as when a writer was killed.
 bool is_only_cut(const mcap::Salvage& found, std::uint64_t file_bytes) {
   if (found.has_footer || found.is_checksum_wrong) return false;
   const auto reaches_end = [&](const Loss& loss) { return loss.offset + loss.bytes == file_bytes; };
@@ -218,7 +218,8 @@ Recovery recover(const std::filesystem::path& path, const std::filesystem::path&
   file.close();
   r.messages -= unreachable_modules;
   if (unreachable_modules > 0) {
-    r.losses.push_back({0, 0, fmt::format("{} messages whose channel has lost its definition", unreachable_modules), false});
+    r.losses.push_back(
+        {0, 0, fmt::format("{} messages whose channel has lost its definition", unreachable_modules), false});
   }
   return r;
 }

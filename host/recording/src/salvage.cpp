@@ -223,7 +223,7 @@ class Walk {
     return check_index(place, contents);
   }
 
-  // Where the index of a chunk is not whole it can be made again, so that nothing is lost.
+  // An incomplete index of a chunk can be rebuilt, so nothing is lost.
   std::uint64_t check_index(const Place& chunk, Bytes contents) {
     ChunkHead head;
     (void)decode(contents, head);
@@ -263,7 +263,7 @@ class Walk {
     return entries;
   }
 
-  // Behind the message indexes from `at` on, which belong to a chunk that is lost where `is_lost`.
+  // Position after the message indexes that begin at `at`; `is_lost`: their chunk is lost.
   std::uint64_t skip_indexes(std::uint64_t at, bool is_lost = true) {
     for (auto place = place_at(source_, at); place && place->kind == Kind::kMessageIndex;
          place = place_at(source_, at)) {

@@ -14,11 +14,11 @@ namespace triskin::recording::mcap {
 
 /// What is whole in a file of the format MCAP, also behind damage. Every chunk in it has the CRC that it states.
 struct Salvage {
-  std::vector<Place> records;  ///< of the data section, in the order of the file; message indexes are left out
+  std::vector<Place> records;  ///< records of the data section in the order of the file; message indexes are left out
   std::vector<Loss> losses;    ///< what is damaged, in the order of the file
-  std::map<std::uint16_t, Buffer> schemas, channels;  ///< contents that only the summary still has, by id
-  std::uint64_t messages = 0;                         ///< in the chunks, and alone
-  std::uint64_t data_end = 0;      ///< where the data section ends in order (end record, or the end of the file)
+  std::map<std::uint16_t, Buffer> schemas, channels;  ///< contents that only the summary still has, keyed by id
+  std::uint64_t messages = 0;                         ///< number of messages in and outside the chunks
+  std::uint64_t data_end = 0;      ///< end of the intact data section (end record, or the end of the file)
   bool has_data_end = false;       ///< the end record of the data section was found
   bool has_footer = false;         ///< the file was closed: footer and magic bytes stand at its end
   bool has_summary = false;        ///< and the summary before it has the CRC that it states

@@ -11,7 +11,7 @@ namespace triskin::machine {
 /// What hangs at the pins of the crystal.
 struct CrystalSetup {
   std::uint64_t hz = 8'000'000;  ///< 0: none, or one that does not start
-  Time fails_at = kNever;        ///< since power-up: it stops for ever
+  Time fails_at = kNever;        ///< time after power-up when it stops for ever
 };
 
 /// Reset and clock control with power control's boost bit (RM0440 §7.4, §6.4). Oscillators need their start-up

@@ -146,7 +146,7 @@ namespace {
 
 void start_up() {
   using namespace triskin::board;
-  core_reg::kCpacr.set(core_reg::kFpuFull);  // before anything that may use it (ARMv7-M, B1.4.7)
+  core_reg::kCpacr.set(core_reg::kFpuFull);  // The FPU is enabled before any code may use it (ARMv7-M, B1.4.7).
   asm volatile("dsb\n isb" ::: "memory");
   core_reg::kVtor.write(reinterpret_cast<std::uint32_t>(&triskin_vectors));
   copy(&triskin_code_load, &triskin_code_start, &triskin_code_end);
@@ -182,7 +182,7 @@ void nmi_handler() {
   asm volatile("dsb" ::: "memory");  // the flag has fallen before the handler returns, else it would run again
 }
 
-// On a stack of its own, with the stack pointer of the fault as the argument.
+// Runs on its own stack and passes the stack pointer of the fault as the argument.
 [[gnu::naked]] void hard_fault_handler() {
   asm volatile(
       "mov r0, sp\n"

@@ -8,9 +8,9 @@ namespace triskin::check {
 namespace {
 
 constexpr double kOpposed = -0.998;      // cosine of two normals
-constexpr double kMinMultiplier = 0.04;  // of the needs of a triple
-constexpr int kMaxHalvings = 16;         // of the angles of a region
-constexpr std::size_t kMaxNeeds = 30;    // of a module: more would be triples without end
+constexpr double kMinMultiplier = 0.04;  // Needs of a triple with a smaller multiplier are ignored.
+constexpr int kMaxHalvings = 16;         // Bounds the halvings of a region's angles.
+constexpr std::size_t kMaxNeeds = 30;    // More needs of a module would give too many triples.
 
 double middle(const Interval& i) {
   return 0.5 * (i.low + i.high);

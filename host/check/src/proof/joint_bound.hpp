@@ -35,7 +35,7 @@ class JointBound {
   bool rematch(std::size_t module, std::vector<bool>& asked);
 
   const MotionRegion& region_;
-  std::vector<std::vector<Need>> needs_;  // by module of the list
+  std::vector<std::vector<Need>> needs_;  // Indexed by module of the list.
   std::vector<bool> dead_;
   std::vector<AngleNeed> sums_;
   std::vector<std::vector<std::size_t>> rivals_;

@@ -62,7 +62,7 @@ bool ProofPolygon::contains(double x, double y) const {
 }
 
 struct MotionRegion::Moved {
-  std::array<IntervalPoint, 2> end, end_turn;  // at the middle; derivative by the angle over the region
+  std::array<IntervalPoint, 2> end, end_turn;  // Values at the middle; derivative by the angle over the region.
   IntervalPoint normal, normal_range, normal_turn;
 };
 

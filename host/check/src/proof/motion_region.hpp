@@ -35,7 +35,7 @@ struct Need {
   std::uint32_t edge = 0;
   IntervalPoint normal, point;  ///< normal of about unit length
   Interval constant;
-  double farthest_mm = 0.0;  ///< of the vector that the normal is multiplied with
+  double farthest_mm = 0.0;  ///< length of the longest vector that the normal is multiplied with
 };
 
 /// The problem in the checker's own terms.
@@ -78,7 +78,7 @@ class MotionRegion {
   void add_needs(const Candidate& module, std::uint32_t edge, std::vector<Need>& needs) const;
   /// Is the need met nowhere in the region?
   [[nodiscard]] bool never_met(const Need& need) const;
-  /// For a region of one motion: does the module lie inside when it may stand over by `tolerance_mm`?
+  /// True if the module lies inside and stands over by no more than `tolerance_mm`. The region must be one motion.
   [[nodiscard]] bool holds(const ProofTile& tile, double tolerance_mm) const;
 
  private:

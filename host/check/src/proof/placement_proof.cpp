@@ -16,7 +16,7 @@
 namespace triskin::check {
 namespace {
 
-constexpr double kListReach_mm = 40.0;  // above it the list of modules would be longer than the work it saves
+constexpr double kListReach_mm = 40.0;  // Above it the list of modules would take longer than the work it saves.
 constexpr int kDeepest = 26;            // halvings of one cell of the log
 constexpr int kJointEvery = 3;          // halvings between two looks for contradictions
 constexpr int kJointCredit = 6;         // looks at every region after one that helped

@@ -25,7 +25,7 @@ struct Options {
   std::string proof;
   std::string weights;
   std::string output;
-  int piece = -1;  // of a net; −1: all
+  int piece = -1;  // Number of a piece of the net; −1: all.
   std::vector<int> node{0, 0};
   geometry::PlacementOptions placement;
 };

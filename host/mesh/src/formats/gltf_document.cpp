@@ -23,7 +23,7 @@ constexpr std::size_t kMaxElements = 100'000'000;
 // Component types by their numbers in the standard (that of OpenGL).
 struct TypeRow {
   std::size_t number, bytes;
-  double largest;  // of a normalized integer; 0: not an integer
+  double largest;  // Largest value of a normalized integer; 0: not an integer.
   bool is_signed;
 };
 constexpr std::array<TypeRow, 6> kTypes{{{5120, 1, 127.0, true},

@@ -22,7 +22,7 @@
 namespace triskin::geometry {
 namespace {
 
-// Of formats whose unit assimp hands over as a property of the scene. 0: none.
+// Unit of formats for which assimp reports it as a property of the scene. 0: none.
 double unit_of_scene_mm(const aiScene& scene) {
   double centimetres = 0.0;
   float single = 0.0F;
@@ -99,7 +99,8 @@ class Collector {
 std::string library_answer(const std::string& bytes, const std::string& extension, double dae_unit_mm,
                            ObjectFilter objects) {
   Assimp::Importer importer;
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // as RViz and MoveIt read it
+  // RViz and MoveIt read such files in the same way.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate,
                                                      extension.empty() ? "" : extension.c_str() + 1);
   if (scene == nullptr || scene->mRootNode == nullptr) return "!";

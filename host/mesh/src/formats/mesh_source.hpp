@@ -11,9 +11,10 @@ namespace triskin::geometry {
 
 /// A mesh file that is in memory, for the reader of its format.
 struct MeshSource {
-  const std::string& bytes;      ///< text is UTF-8
-  std::string name;              ///< for messages
-  std::filesystem::path folder;  ///< where files beside it are looked for; empty: it came from a pipe, there are none
+  const std::string& bytes;  ///< text is UTF-8
+  std::string name;          ///< name for messages
+  /// Folder in which files beside it are looked for; empty: it came from a pipe, there are none.
+  std::filesystem::path folder;
   ObjectFilter& objects;
   std::vector<std::string>& notes;  ///< sentences for the user: what may be missing, what was left out
 };
@@ -21,7 +22,7 @@ struct MeshSource {
 /// Faces in the unit of a file, and that unit.
 struct MeshInUnit {
   Mesh mesh;
-  double unit_mm = 0.0;  ///< that the file or its format says; 0: none
+  double unit_mm = 0.0;  ///< unit that the file or its format says; 0: none
 };
 
 }  // namespace triskin::geometry

@@ -138,8 +138,8 @@ class ObjReader {
   const MeshSource& source_;
   LineReader lines_;
   Mesh mesh_;
-  std::vector<bool> is_used_;    // by vertex
-  std::array<bool, 2> is_in_{};  // the wanted object; one of the wanted groups
+  std::vector<bool> is_used_;    // Indexed by vertex.
+  std::array<bool, 2> is_in_{};  // The wanted object, and one of the wanted groups.
   std::string_view last_;
   int free_forms_ = 0, unknown_ = 0;
   std::string first_unknown_;

@@ -5,10 +5,10 @@
 
 namespace triskin::geometry {
 
-/// Which object of a mesh file is read, and the names that a reader met.
+/// Object of a mesh file to be read, and the names that a reader met.
 struct ObjectFilter {
   std::string wanted;           ///< empty: all
-  std::set<std::string> names;  ///< of objects, groups, solids or nodes with faces
+  std::set<std::string> names;  ///< names of objects, groups, solids or nodes with faces
 
   /// Notes a name; true when it is the wanted one.
   bool meets(const std::string& name) {

@@ -42,7 +42,7 @@ constexpr std::array<TypeRow, 8> kTypes{{{"char", "int8", Kind::kInt8, 1},
 struct Property {
   std::string name;
   const TypeRow* type = nullptr;
-  const TypeRow* count = nullptr;  // of a list
+  const TypeRow* count = nullptr;  // Type of a list's length.
 };
 struct Element {
   std::string name;

@@ -28,8 +28,8 @@ constexpr std::array<std::string_view, 4> kHarmless{
     kCore, kProduction, "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
     "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
 constexpr std::size_t kMaxFaces = 50'000'000;
-constexpr int kMaxShown = 1'000'000;  // objects, each time that one is shown
-constexpr int kMaxDepth = 32;         // of components in components
+constexpr int kMaxShown = 1'000'000;  // Objects, each counted whenever it is shown.
+constexpr int kMaxDepth = 32;         // Components may contain components this deep.
 
 struct UnitRow {
   std::string_view name;
@@ -50,7 +50,7 @@ struct Object {
 };
 struct Model {
   double unit_mm = 1.0;
-  std::map<std::string, Object> objects;  // by id
+  std::map<std::string, Object> objects;  // Keyed by id.
   std::vector<Shown> build;
 };
 
@@ -141,7 +141,7 @@ class ModelReader {
   }
 
   std::string file_, part_;
-  std::map<std::string, std::string> spaces_;  // by prefix
+  std::map<std::string, std::string> spaces_;  // Keyed by prefix.
   Model model_;
   Object* object_ = nullptr;
   long line_ = 0;
@@ -223,8 +223,8 @@ class ThreeMf {
 
   const MeshSource& source_;
   Package package_;
-  std::map<std::string, Model> models_;  // by part
-  std::map<std::string, int> left_out_;  // objects by their type
+  std::map<std::string, Model> models_;  // Keyed by part.
+  std::map<std::string, int> left_out_;  // Objects, counted by type.
   int shown_ = 0;
   MeshInUnit result_;
 };

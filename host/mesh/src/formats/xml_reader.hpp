@@ -11,8 +11,8 @@ namespace triskin::geometry {
 /// The start tag of an XML element, with its namespace resolved. Valid during the call that gets it.
 struct XmlTag {
   std::string_view space;                                                 ///< URI of the namespace; empty: none
-  std::string_view name;                                                  ///< without a prefix
-  long line = 0;                                                          ///< in the file, 1-based
+  std::string_view name;                                                  ///< name without prefix
+  long line = 0;                                                          ///< line in the file, 1-based
   std::vector<std::pair<std::string_view, std::string_view>> attributes;  ///< "URI\nname" or "name", and the value
 
   /// Value of an attribute, `space` empty for one without a prefix; nullptr data where the tag has none.
@@ -23,8 +23,9 @@ struct XmlTag {
 struct XmlHandler {
   std::function<void(const XmlTag&)> start;
   std::function<void(std::string_view space, std::string_view name)> end;
-  std::function<void(std::string_view)> text;                                  ///< in pieces
-  std::function<void(std::string_view prefix, std::string_view uri)> declare;  ///< before the tag that declares it
+  std::function<void(std::string_view)> text;  ///< called for each piece of text
+  /// Called ahead of the tag that declares it.
+  std::function<void(std::string_view prefix, std::string_view uri)> declare;
 };
 
 /// Parses XML 1.0 in UTF-8 or UTF-16 with namespaces (expat). Comments, processing instructions and CDATA are what the

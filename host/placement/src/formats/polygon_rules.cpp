@@ -43,7 +43,7 @@ bool is_before(const Vec2& p, const Vec2& q) {
   return std::pair(p.x(), p.y()) < std::pair(q.x(), q.y());
 }
 
-// Of a point on the line of an edge: does it lie on the edge?
+// True if a point on the line of an edge lies on the edge.
 bool is_within(const Edge& e, const Vec2& p) {
   const auto& [low, high] = is_before(e.a, e.b) ? std::pair(e.a, e.b) : std::pair(e.b, e.a);
   return !is_before(p, low) && !is_before(high, p);

@@ -17,7 +17,7 @@ struct Lanes {
       normal_y[kLanes], offset[kLanes];
 };
 
-// By reference: vectors passed by value would depend on the instruction set.
+// Passed by reference: vectors passed by value would depend on the instruction set.
 [[gnu::always_inline]] inline Vector& vector_at(double* lanes) {
   return *reinterpret_cast<Vector*>(lanes);
 }

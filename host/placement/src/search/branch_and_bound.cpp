@@ -17,10 +17,10 @@ namespace {
 
 constexpr std::size_t kMaxAsGood = 64;
 constexpr double kReach_mm = 9.0;   // how far from a tile its edges are looked up; children of slices move less
-constexpr double kSlice_mm = 2.5;   // how far the farthest vertex moves from one side of a slice to the other
-constexpr std::size_t kBatch = 16;  // cells refined together: fixed, so that the search does not depend on the threads
-constexpr double kLogged_s = 1.5e-6;  // to write a cell to the log (measured: 0.7e-6)
-constexpr std::int64_t kLong = 2000;  // cells after which a search looks for constraints that contradict each other
+constexpr double kSlice_mm = 2.5;   // The farthest vertex moves this far from one side of a slice to the other.
+constexpr std::size_t kBatch = 16;  // Cells refined together: fixed, so that the search does not depend on the threads.
+constexpr double kLogged_s = 1.5e-6;  // Measured: 0.7e-6 s to write a cell to the log; we reserve twice that.
+constexpr std::int64_t kLong = 2000;  // After so many cells a search looks for constraints that contradict each other.
 constexpr std::size_t kTried = 16;    // slices whose most promising motion is tried before any is divided
 
 class BranchAndBound {

@@ -29,8 +29,8 @@ struct SearchGoal {
   const std::vector<MotionBox>* slices = nullptr;
   int threads = 0;  ///< 0: all cores; no answer depends on it
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
-  double memory_limit_bytes = 2e9;      ///< of the cells that are open
-  std::int64_t max_closed = INT64_MAX;  ///< calls of `closed`, at most about so many
+  double memory_limit_bytes = 2e9;      ///< memory of the cells that are open
+  std::int64_t max_closed = INT64_MAX;  ///< calls of `closed`, limited to about this number
 };
 
 struct SearchResult {

@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kMaxPasses = 4;
 constexpr double kWorthAnotherPass = 0.7;
-constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // in one child
-constexpr int kWellFilled = 2;                            // one of so many parts open: a box is not divided further
+constexpr int kMaxPartsOfSlice = 8, kMaxPartsOfCube = 8;  // Limits for the parts of one child.
+constexpr int kWellFilled = 2;  // A box is not divided further if one of so many parts is open.
 
 using Index = std::array<int, 3>;
 
@@ -183,7 +183,7 @@ int CellExpander::choose_border(const Index& low, const Index& high, std::size_t
   return certain;
 }
 
-// Of most children the best value found meanwhile makes an end: edges are looked up when one is opened.
+// Edges are looked up when a child is opened, since most children are pruned before by a better value.
 void CellExpander::add_slice_child(const Cell& cell, const MotionBox& box, const OpenParts& open,
                                    std::size_t first_chosen, int certain) {
   auto list = std::make_shared<CellList>();
@@ -283,7 +283,7 @@ bool CellExpander::closed_by_conflicts(Cell& cell, CellList& list) {
   return true;
 }
 
-// Of the list and of halves_, which has the constraints of the same tiles in the same order.
+// Applies to the list and to halves_, which has the constraints of the same tiles in the same order.
 void CellExpander::drop_dead(CellList& list) {
   const std::vector<std::uint8_t>& dead = conflicts_.dead();
   if (std::ranges::none_of(dead, [](std::uint8_t d) { return d != 0; })) return;

@@ -21,7 +21,7 @@ struct Cell {
   int bound = 0;                         ///< no motion in it has a higher value
   std::shared_ptr<const CellList> list;  ///< none: a slice
   double reach_mm = 0.0;                 ///< > 0: the list has no edges yet, those within this of each tile may cut it
-  /// Of a slice whose bound is the highest of its parts: the middle of such a part. None: not bounded yet.
+  /// Middle of the part that gives a slice its bound. None: not bounded yet.
   std::optional<Motion> promising = std::nullopt;
 };
 
@@ -37,12 +37,12 @@ struct Demand {
 /// Result of expanding one cell.
 struct Expansion {
   std::vector<Cell> children;
-  std::vector<MotionBox> closed;               ///< with the children they cover the cell; only when asked for
+  std::vector<MotionBox> closed;               ///< together with the children they cover the cell; only on request
   std::vector<Motion> as_good;                 ///< motions that reach `best` in the filtered lists; not counted exactly
   std::vector<std::pair<int, Motion>> better;  ///< counted, rising values
   std::vector<std::pair<int, MotionBox>> tied_slices;  ///< slices that may hold `best` tiles or more, with their bound
-  int best = 0;                                        ///< to which as_good refers
-  int unresolved_bound = 0;                            ///< of parts that are too small to be split
+  int best = 0;                                        ///< value to which as_good refers
+  int unresolved_bound = 0;                            ///< bound of the parts that are too small to be split
   int passes = 0;
 };
 
@@ -107,8 +107,8 @@ class CellExpander {
   std::vector<HalfSpace> halves_;
   Lookahead lookahead_;
   std::vector<PartWord> words_;
-  std::vector<std::uint32_t> chosen_;  // stack of lists of tiles: those undecided in the parts that are being divided
-  std::array<int, 3> parts_{};         // per axis
+  std::vector<std::uint32_t> chosen_;  // Stack of lists of tiles: those undecided in the parts that are being divided.
+  std::array<int, 3> parts_{};         // Number of parts per axis.
   Demand demand_;
   int best_ = 0;
   bool keep_closed_ = false;

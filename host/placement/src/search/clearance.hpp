@@ -19,9 +19,9 @@ struct ClearanceGoal {
   std::optional<Motion> known;  ///< here Evaluator counts `modules` tiles with min_inset_mm: an answer, if the worst
   std::vector<Motion> starts;   ///< motions to climb from
   const std::vector<MotionBox>* slices =
-      nullptr;      ///< set: only these are searched; outside them no inset ≥ 0 lets `modules` tiles fit
+      nullptr;      ///< if set, only these are searched; outside them no inset ≥ 0 lets `modules` tiles fit
   int threads = 0;  ///< 0: all cores; the answer does not depend on it
-  double memory_limit_bytes = 2e9;  ///< of the cells that are open
+  double memory_limit_bytes = 2e9;  ///< memory of the cells that are open
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 };
 

@@ -8,9 +8,9 @@
 namespace triskin::geometry {
 namespace {
 
-constexpr double kOpposed = -0.999;      // cosine below which two normals are taken as opposed
-constexpr double kFacing = 0.1;          // a side that faces an edge has a normal with at least this against it
-constexpr double kMinMultiplier = 0.05;  // of three constraints: smaller ones magnify rounding
+constexpr double kOpposed = -0.999;      // Two normals with a smaller cosine count as opposed.
+constexpr double kFacing = 0.1;          // A side that faces an edge has a normal with at least this against it.
+constexpr double kMinMultiplier = 0.05;  // Smaller multipliers of three constraints magnify rounding.
 constexpr std::size_t kMaxRowsOfTile = 24;
 
 Vec2 quarter_turn(const Vec2& v) {
@@ -144,7 +144,7 @@ bool ConflictBound::opposed(const Row& a, const Row& b) {
   return a.by_side == b.by_side && a.edge != b.edge && a.normal.dot(b.normal) <= kOpposed;
 }
 
-// At least so many of the tiles can hold together, as far as the constraints tell; ends below `need`.
+// Upper bound of the tiles that can hold together by the constraints; ends below `need`.
 int ConflictBound::survivors(const CellList& list, double softness, int need) {
   std::ranges::fill(dead_, 0);
   int alive = static_cast<int>(list.tiles.size());
@@ -201,10 +201,10 @@ void ConflictBound::add_triples_of(std::size_t first, std::size_t last, double s
   }
 }
 
-// Where level + slope * sigma < 0 the constraints of the sum exclude each other.
+// The constraints of the sum exclude each other if level + slope * sigma < 0.
 void ConflictBound::add_sum(double level, double slope) {
   double low = -sigma_, high = sigma_;
-  const double end = -level;  // of slope * sigma
+  const double end = -level;  // At this value of slope * sigma the sum is 0.
   if (std::abs(slope) * sigma_ <= 1e-15) {
     if (level >= -1e-14) return;
   } else if (slope > 0.0) {

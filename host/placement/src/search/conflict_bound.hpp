@@ -35,7 +35,7 @@ class ConflictBound {
   /// level - normal.w + slope * sigma >= 0, up to `soft`, which vanishes with the range of angles.
   struct Row {
     std::uint32_t tile = 0, edge = 0;
-    bool by_side = false;  // of the tile: an end of the edge is the point, and the translation turns against the normal
+    bool by_side = false;  // The point is an end of the edge, and the translation turns against the side's normal.
     Vec2 normal;
     double level = 0.0, slope = 0.0, soft = 0.0;
   };
@@ -69,9 +69,9 @@ class ConflictBound {
   double sigma_ = 0.0, curve_ = 0.0, slide_ = 0.0, shift_ = 0.0;  // ranges: sin phi, 1 - cos phi, translation, w
   std::vector<Row> rows_;                                         // those of one tile stand together
   std::vector<std::uint8_t> dead_;
-  std::vector<Interval> excluded_;  // ranges of sigma
+  std::vector<Interval> excluded_;  // Ranges of sigma.
   std::vector<std::uint32_t> by_edge_;
-  std::vector<std::vector<std::uint32_t>> conflicts_;  // by tile
+  std::vector<std::vector<std::uint32_t>> conflicts_;  // Indexed by tile.
   std::vector<std::int32_t> side_, mate_;
   std::vector<std::uint8_t> seen_;
 };

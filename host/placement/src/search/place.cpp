@@ -23,7 +23,8 @@ using Clock = std::chrono::steady_clock;
 constexpr double kMaxCellText_bytes = 150.0;  // six numbers of up to 24 characters
 constexpr double kMaxRadius_mm = 1e6;
 constexpr double kMaxTiles = 1e6;
-constexpr double kMaxDeficit = 0.8;  // of the inradius: what is left of a module beyond that is not worth the search
+// Share of the inradius: what is left of a module beyond that is not worth the search.
+constexpr double kMaxDeficit = 0.8;
 
 Clock::time_point deadline_after(double seconds) {
   if (seconds <= 0.0) return Clock::time_point::max();
@@ -98,7 +99,7 @@ struct Placing {
   const PlacementOptions& options;
   const ProgressSink& progress;
   Clock::time_point start, deadline;
-  double area_mm2;  // of the polygon
+  double area_mm2;  // Area of the polygon.
   PlacementResult result;
   Motion motion;
   std::vector<Motion> as_good;         // other motions that seem to hold as many tiles
@@ -159,7 +160,7 @@ struct Placing {
     return c;
   }
 
-  // Of all placements of `modules` tiles one with the largest inset.
+  // Finds the placement of `modules` tiles with the largest inset.
   void enlarge_clearance() {
     const Clearance c =
         clearance_of(result.modules, -options.tolerance_mm, grid.inradius_mm, motion, std::move(as_good), &tied_slices);

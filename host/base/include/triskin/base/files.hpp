@@ -31,7 +31,7 @@ class OutputFile {
 
   /// Throws InputError naming the file and the cause.
   void write(std::string_view bytes);
-  /// After it the file is whole. Throws as write().
+  /// Completes the file. Throws the same as write().
   void commit();
 
  private:

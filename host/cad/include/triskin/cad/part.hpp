@@ -57,10 +57,10 @@ struct Face {
   SurfaceKind kind = SurfaceKind::kOther;
   FaceSide side = FaceSide::kUndecided;
   int body = 0;            ///< index in Part::bodies
-  double area_mm2 = 0.0;   ///< of the exact face
+  double area_mm2 = 0.0;   ///< area of the exact face
   double radius_mm = 0.0;  ///< cylinder, sphere, torus (of its tube); 0 for other kinds
-  double hole_diameter_mm =
-      0.0;  ///< of a round hole whose wall this is: cylinder or cone all round, seen from its hollow side; 0: none
+  /// Diameter of the round hole that this face bounds (cylinder or cone all round, seen from its hollow side); 0: none.
+  double hole_diameter_mm = 0.0;
   design::Vec3 place_mm{0, 0, 0};  ///< a point of the mesh of the face, near its middle
   design::Vec3 normal{0, 0, 0};    ///< mean outward normal, of unit length; zero for a closed face
   double deviation_mm = 0.0;       ///< largest distance found between its triangles and the exact surface
@@ -69,8 +69,8 @@ struct Face {
 
 /// A solid, or faces that hang together without closing. Its faces follow each other in Part::faces.
 struct Body {
-  std::string name;  ///< of the product in the file
-  std::string path;  ///< names of the assemblies that hold it and its own, joined by '/'
+  std::string name;  ///< name of the product in the file
+  std::string path;  ///< names of the assemblies that hold it and its own name, joined by '/'
   std::string colour;
   bool is_solid = false;
   int first_face = 0, face_count = 0;
@@ -82,10 +82,10 @@ struct Body {
 /// What a CAD file holds, and its mesh.
 struct Part {
   std::string format;        ///< "STEP AP214" and the like, or "IGES"
-  std::string unit;          ///< as the file says it ("millimetre"); empty: it says none
+  std::string unit;          ///< name in the file ("millimetre"); empty: the file has none
   double unit_mm = 1.0;      ///< length of one unit of the file's numbers that was applied
   bool unit_given = false;   ///< the caller gave the unit
-  std::vector<Body> bodies;  ///< in the order of the file
+  std::vector<Body> bodies;  ///< same order as in the file
   std::vector<Face> faces;
   design::Mesh mesh;                  ///< mm; corners shared along edges of one body, never between bodies
   std::vector<int> face_of_triangle;  ///< index in `faces` for each face of `mesh`

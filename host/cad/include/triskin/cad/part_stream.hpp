@@ -32,7 +32,7 @@ enum class FrameKind : char {
 /// All that a reader process said.
 struct ReaderOutput {
   std::string stage;                 ///< the last one
-  std::optional<std::string> error;  ///< of kError
+  std::optional<std::string> error;  ///< message of kError
   std::optional<std::string> part;   ///< payload of kPart
 };
 /// Takes the frames apart; what follows an incomplete one is dropped. Cost: linear.

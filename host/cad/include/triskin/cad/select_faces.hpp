@@ -8,10 +8,10 @@
 
 namespace triskin::cad {
 
-/// Which faces of a part are meant. Values in one list are alternatives; lists that are not empty must all be met.
+/// Selects faces of a part. Values in one list are alternatives; lists that are not empty must all be met.
 struct FaceSelection {
-  std::vector<int> indices;        ///< of Part::faces
-  std::vector<std::string> names;  ///< of faces, whole
+  std::vector<int> indices;        ///< indices into Part::faces
+  std::vector<std::string> names;  ///< whole names of faces
   std::vector<std::string>
       colours;  ///< "#rrggbb", or red, green, blue, yellow, cyan, magenta, black, white, grey, orange
   std::vector<SurfaceKind> kinds;

@@ -20,10 +20,10 @@ struct ProofReport {
   double gap_mm = 0.0;  ///< free space between facing sides of modules
   double corner_cut_mm = 0.0;     ///< cut off along each side from every corner
   std::string weights = "none";   ///< a proof is always about the number of modules
-  double outline_area_mm2 = 0.0;  ///< of the polygon's file, less its holes
-  std::string outline_hash;       ///< of its edges (FNV-1a, 64 bits): equal for equal outlines, however rings begin
-  std::int64_t cells = 0;         ///< cells of the log
-  std::int64_t regions = 0;       ///< boxes of motions whose bound was computed here
+  double outline_area_mm2 = 0.0;  ///< area of the polygon in the file, less its holes
+  std::string outline_hash;  ///< hash of its edges (FNV-1a, 64 bits): equal for equal outlines, however rings begin
+  std::int64_t cells = 0;    ///< number of cells in the log
+  std::int64_t regions = 0;  ///< boxes of motions whose bound was computed here
   double seconds = 0.0;
 };
 

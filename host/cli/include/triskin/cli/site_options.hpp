@@ -23,7 +23,7 @@ void add_site_options(CLI::App& app, SiteOptions& options);
 /// A site with its links open.
 struct OpenSite {
   robot::Site site;
-  std::vector<std::unique_ptr<device::Link>> links;  ///< by bus
+  std::vector<std::unique_ptr<device::Link>> links;  ///< indexed by bus
 };
 /// Reads the file, opens the links, and says where one is a simulation. Throws as robot::read_site and device::open_bus
 /// do.

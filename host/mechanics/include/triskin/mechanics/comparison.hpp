@@ -33,7 +33,7 @@ struct LevelCost {
 /// The grid of layer_patch.hpp against the exact solution of a sphere.
 struct PatchRow {
   double poisson = 0.0, points_per_radius = 0.0;
-  int points = 0;  ///< on a side of the patch
+  int points = 0;  ///< points on a side of the patch
   double milliseconds = 0.0;
   LevelErrors errors;
 };
@@ -42,9 +42,9 @@ struct Comparison {
   std::vector<ComparisonRow> rows;
   std::vector<LevelCost> costs;
   std::vector<PatchRow> patches;
-  double table_seconds = 0.0;  ///< to make the table of one Poisson's ratio
-  int contacts = 0;            ///< that the exact solution answered
-  int left_out = 0;            ///< that would press the layer to more than 0.6 of its thickness
+  double table_seconds = 0.0;  ///< time to make the table of one Poisson's ratio
+  int contacts = 0;            ///< contacts that the exact solution answered
+  int left_out = 0;            ///< contacts that would press the layer to more than 0.6 of its thickness
 };
 
 /// Compares the levels on spheres of 3 … 50 mm, flat punches and lines, 0.1 … 20 N, layers of 1 … 3 mm, ν 0.1

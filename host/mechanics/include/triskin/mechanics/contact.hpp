@@ -18,7 +18,7 @@ enum class Shape {
 /// A rigid body that a force presses on the layer without friction.
 struct Indenter {
   Shape shape = Shape::kSphere;
-  double radius_mm = 5.0;  ///< of curvature, or of the punch
+  double radius_mm = 5.0;  ///< radius of curvature, or of the punch
 };
 
 /// Throws InputError unless the radius is positive and finite.
@@ -39,9 +39,9 @@ class ContactField {
 
 /// One contact on a layer.
 struct Contact {
-  double force = 0.0;              ///< N; of a line N/mm
+  double force = 0.0;              ///< N; for a line N/mm
   double indentation_mm = 0.0;     ///< how far the indenter moved after it first touched
-  double contact_radius_mm = 0.0;  ///< of a line its half width
+  double contact_radius_mm = 0.0;  ///< half width for a line
   double peak_pressure_kpa = 0.0;  ///< pressure in the centre; that of a flat punch is infinite at its edge
   bool is_line = false;
   std::shared_ptr<const ContactField> field;

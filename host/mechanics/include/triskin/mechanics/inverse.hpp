@@ -36,7 +36,7 @@ struct ContactEstimate {
 
 struct InverseResult {
   std::vector<ContactEstimate> contacts;  ///< the strongest first
-  double noise_dc_over_c = 0.0;           ///< as given, or as found
+  double noise_dc_over_c = 0.0;           ///< value given, or value found
   double residual_dc_over_c = 0.0;        ///< root mean square of what the contacts do not explain
 };
 

@@ -21,7 +21,8 @@ class Bvh {
   using Extent = std::array<Eigen::Array3d, 2>;  ///< low ≤ high corner of an item's box, mm
 
   Bvh() = default;
-  /// Of items 0 … n − 1, on `threads` (≥ 1), of which nothing depends. Cost: O(n log n).
+  /// Builds the tree of items 0 … n − 1 on `threads` (≥ 1); the result does not depend on their number. Cost:
+  /// O(n log n).
   explicit Bvh(const std::vector<Extent>& extents, int threads = 1);
 
   /// Calls `visit(item)` for each item whose box is nearer to the query than √best_squared (mm²), near boxes first;
@@ -96,7 +97,7 @@ class Bvh {
  private:
   struct Box {
     int first = 0, end = 0;  ///< its items: [first, end)
-    int left = -1;           ///< of its two children, which are beside each other; −1: a leaf
+    int left = -1;           ///< index of the left child, which the right one follows; −1: a leaf
     Eigen::Array3d low = Eigen::Array3d::Zero(), high = Eigen::Array3d::Zero();
   };
   static double distance_squared(const Box& box, const Vec3& q);

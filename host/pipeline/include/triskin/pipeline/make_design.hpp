@@ -42,7 +42,7 @@ struct DesignOptions {
   int iterations = 0;   ///< ≥ 0; > 0: the growth ends after so many steps: repeatable whatever the machine's load
   int threads = 2;      ///< 1 … 256 chains of the growth; part of what a result depends on
   design::Price price;  ///< each 0 … 16 modules; jumpers may be as long as limits.jumper_mm
-  /// Of the modules by place: spheres and boxes alone, since modules and islands have no numbers before.
+  /// Kinds of the modules by place. Only spheres and boxes are possible, since modules have no numbers yet.
   design::KindPlan kinds;
 };
 
@@ -50,9 +50,9 @@ struct DesignOptions {
 struct DesignNotes {
   std::vector<std::string> reading;  ///< what the reader of the mesh file noted (mesh_io.hpp)
   int pieces = 0, surface = 0;
-  int solver_faces = 0;              ///< of the mesh that was searched on; of the surface where that was it
-  double solver_deviation_mm = 0.0;  ///< of that mesh from the surface, proved; 0 where it is the surface
-  int pieces_left_out = 0;           ///< pieces that no time was left to place
+  int solver_faces = 0;              ///< faces of the mesh that was searched, which may be the surface itself
+  double solver_deviation_mm = 0.0;  ///< proved deviation of that mesh from the surface; 0 if it is the surface
+  int pieces_left_out = 0;           ///< pieces that were not placed because the time was over
   bool growth_left_out = false;      ///< no time was left for the growth
   geometry::ExtractReport extract;
   geometry::TakenSide side;

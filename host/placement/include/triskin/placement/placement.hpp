@@ -111,17 +111,17 @@ struct PlacementResult {
   /// inradius, or not asked for); with less than deficit_bound_mm, in the separations of docs/placement.md, none does.
   std::optional<double> deficit_mm;
   double deficit_bound_mm = 0.0;
-  Placement deficit_placement;  ///< where one module more would fit
-  double weight = 0.0;          ///< with weights: their sum, to 1e-5 of it as large as any
+  Placement deficit_placement;  ///< place where one module more would fit
+  double weight = 0.0;          ///< sum of the weights, within 1e-5 of the largest
   double weight_bound = 0.0;    ///< no placement has more
   double tolerance_mm = 0.0;
   Placement placement;
-  std::optional<paper::PivotedPlacement> pivoted;  ///< methods R1 … R7: the placement as the paper has it
+  std::optional<paper::PivotedPlacement> pivoted;  ///< methods R1 … R7: the placement in the paper's form
   std::vector<Tile> tiles;                         ///< grid triangles wholly inside, sorted
-  std::vector<double> tile_weights;                ///< with weights: that of each of `tiles`
+  std::vector<double> tile_weights;                ///< weight of each of `tiles`, if weights are given
   std::int64_t evaluations = 0;
   std::int64_t cells = 0;
-  double search_seconds = 0.0;  ///< of that until value and bound stood
+  double search_seconds = 0.0;  ///< time until value and bound stood, which is part of `seconds`
   double seconds = 0.0;
   PlacementProof proof;
 };
