@@ -11,6 +11,7 @@ followed into every class of the image whose table holds, at that place, a funct
 there (-g1 tells the line). Other calls through pointers stand in POINTERS. A call that cannot be followed and a
 recursion are errors: the bound is never a guess.
 """
+import bisect
 import os
 import pathlib
 import re
@@ -28,7 +29,7 @@ POINTERS = {
     r"Identifiers4read": r"Identifiers5Table(4read|11part_number|11calibration)",
     r"Identifiers5write": r"Identifiers(5Table(5write|15set_calibration)|3Row6refuse)",
     r"wait_through_erase": r"kSampling|_FUN",
-    r"start_newest": None,  # starts the application, with a stack of its own
+    r"start_image": None,  # starts the application, with a stack of its own
 }
 # Handlers by the name of their priority in PRIORITY_HEADER. The NMI is above all; a hard fault ends in a reset.
 HANDLERS = {
@@ -200,15 +201,27 @@ def virtual_tables(elf: Elf, addresses: dict[int, str]) -> list[tuple[int, str]]
     return out
 
 
-def require_rules(elf: Elf, addresses: dict[int, str], tables: list[tuple[int, str]]) -> None:
+def instructions(objdump: str, path: str) -> set[int]:
+    """Addresses of the words that are instructions of a function: such a word may look like an address."""
+    text = subprocess.run([objdump, "-d", "--no-show-raw-insn", path], check=True, capture_output=True, text=True).stdout
+    found = re.findall(r"^\s*([0-9a-f]+):\s+(\S+)", text, re.M)
+    return {int(at, 16) & ~3 for at, operation in found if operation != ".word"}
+
+
+def require_rules(elf: Elf, addresses: dict[int, str], tables: list[tuple[int, str]], code: set[int]) -> None:
     """Every function whose address stands somewhere is one that a call through a pointer is followed into."""
     known = {name for _, name in tables}
+    ranges = sorted((a & ~1, (a & ~1) + size) for _, a, size in elf.symbols(functions=True) if size > 0)
+    starts = [start for start, _ in ranges]
     veneers = {address & ~1 for name, address, _ in elf.symbols() if name.endswith("_veneer")}
     for at, word in elf.words():
         name = addresses.get(word & ~1) if word & 1 else None
         if name is None or name in known or at - 4 in veneers or re.search(NEVER_CALLED, name):
             continue
         if name.endswith("_handler"):  # the vectors
+            continue
+        k = bisect.bisect_right(starts, at) - 1
+        if k >= 0 and at < ranges[k][1] and at in code:
             continue
         if not any(rule is not None and re.search(rule, name) for rule in POINTERS.values()):
             raise Unbounded(f"{name}: its address stands at {at:08x}, and no rule of POINTERS says who calls it")
@@ -269,7 +282,7 @@ def bound(objdump: str, addr2line: str, elf_path: str, header: str) -> tuple[int
     addresses = {address & ~1: name for name, address, _ in elf.symbols(functions=True)}
     functions = disassemble(objdump, elf_path)
     tables = virtual_tables(elf, addresses)
-    require_rules(elf, addresses, tables)
+    require_rules(elf, addresses, tables, instructions(objdump, elf_path))
     called = [address for f in functions.values() for address, _ in f.pointers]
     resolve(functions, names_called(addr2line, elf_path, called), tables)
     known: dict[str, tuple[int, list[str]]] = {}

@@ -235,7 +235,7 @@ TEST(RosTypes, hashes_are_those_of_the_definitions) {
 }
 
 std::string msg_file(const std::string& name) {
-  return read_file(std::filesystem::path(test::source_folder()) / "ros/triskin_msgs/msg" / (name + ".msg"));
+  return read_file(std::filesystem::path(test::source_folder()) / "host/bridge/ros/triskin_msgs/msg" / (name + ".msg"));
 }
 
 // The package that ROS nodes build has the same messages.

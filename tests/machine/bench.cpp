@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "triskin/core/bytes.hpp"
+#include "triskin/wire/identity.hpp"
 #include "triskin/wire/iso_tp.hpp"
 
 namespace triskin::machine {
@@ -53,7 +54,8 @@ void Bench::power_up(bool will_be_cut) {
   setup.unique_id = id;
   setup.on_can = [this](const wire::CanFrame& f, std::uint64_t) { frames.push_back(f); };
   setup.trace = trace;
-  setup.crystal_works = crystal_works;
+  setup.crystal_hz = crystal_hz;
+  setup.crystal_fails_at_us = crystal_fails_at_us;
   setup.will_be_cut = will_be_cut;
   setup.watch_reads = watch_reads;
   setup.boot_pin_high = boot_pin_high;
@@ -119,6 +121,48 @@ void Bench::unlock() {
                      static_cast<std::uint8_t>(k >> 8), static_cast<std::uint8_t>(k)})
                 .at(0),
             0x67);
+}
+
+bool Bench::flash_table(const layout::PatchImage& image) {
+  std::vector<std::uint8_t> bytes(layout::kMaxImageBytes);
+  bytes.resize(layout::encode(image, bytes).value());
+  unlock();
+  if (HasFatalFailure()) return false;
+  const auto size = static_cast<std::uint8_t>(bytes.size());
+  if (request({0x34, 0x00, 0x44, 0x00, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, size}).at(0) != 0x74) return false;
+  std::uint8_t block = 0;
+  for (std::size_t at = 0; at < bytes.size(); at += 64) {
+    std::vector<std::uint8_t> transfer{0x36, ++block};
+    for (std::size_t k = at; k < std::min(at + 64, bytes.size()); ++k) transfer.push_back(bytes[k]);
+    if (request(transfer).at(0) != 0x76) return false;
+  }
+  if (request({0x37}).at(0) != 0x77) return false;
+  const auto activated = request({0x31, 0x01, 0x02, 0x05});
+  return activated.size() >= 5 && activated[0] == 0x71 && activated[4] == 0;
+}
+
+namespace {
+
+template <class Value>
+std::optional<Value> value_of(const std::vector<std::uint8_t>& reply) {
+  if (reply.size() < 3 || reply[0] != 0x62) return std::nullopt;
+  const auto value = Value::decode(Bytes(reply).subspan(3));
+  return value ? std::optional(*value) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<wire::BoardHealth> Bench::health() {
+  return value_of<wire::BoardHealth>(request({0x22, 0xFD, 0x11}));
+}
+
+std::optional<wire::Crash> Bench::crash() {
+  return value_of<wire::Crash>(request({0x22, 0xFD, 0x12}));
+}
+
+bool Bench::confirmed() {
+  const auto state = value_of<wire::ImageState>(request({0x22, 0xFD, 0x09}));
+  return state && state->confirmed;
 }
 
 void Bench::self_test() {

@@ -15,6 +15,7 @@
 #include "triskin/layout/patch_image.hpp"
 #include "triskin/machine/machine.hpp"
 #include "triskin/sim/virtual_controller.hpp"
+#include "triskin/wire/health.hpp"
 #include "triskin/wire/uds.hpp"
 
 namespace triskin::machine {
@@ -55,10 +56,9 @@ class Bench : public ::testing::Test {
     for (int k = 0; k < layout::kMaxModules; ++k)
       lines[static_cast<std::size_t>(k % layout::kLines)].add(static_cast<std::uint8_t>(k / layout::kLines), k);
     behave(wanted_behaviour());
-    flash.store(read_elf(firmware("triskin_loader.elf")));
-    flash.options &= ~(1U << 26);  // nSWBOOT0 = 0: the board was brought up (docs/bring_up.md)
+    flash.program_file(firmware(running_slot == 0 ? "triskin_factory.hex" : "triskin_factory_b.hex"));
+    flash.options = (flash.options & ~(1U << 26 | 7U << 8)) | 4U << 8;  // the board was brought up (docs/bring_up.md)
     application = read_elf(firmware(running_slot == 0 ? "triskin_app_a.elf" : "triskin_app_b.elf"));
-    flash.store_application(application, 0x3C000, 1);
   }
   void power_up(bool will_be_cut = false);
   /// All chips behave so. Before power-up.
@@ -74,6 +74,13 @@ class Bench : public ::testing::Test {
   void deliver(const wire::CanFrame& frame) { on_posix ? posix->receive(frame) : machine->receive(frame); }
   /// Puts a table into flash as if it had been activated.
   void store_table(const layout::PatchImage& image, std::uint32_t sequence = 1);
+  /// Downloads a table and activates it; true: the controller says that it is active.
+  bool flash_table(const layout::PatchImage& image);
+  /// FD11 and FD12; empty: the controller does not answer, or has nothing to say.
+  std::optional<wire::BoardHealth> health();
+  std::optional<wire::Crash> crash();
+  /// FD09: the running image has confirmed itself.
+  bool confirmed();
   /// One UDS request over ISO-TP; the response, empty after so much silence.
   std::vector<std::uint8_t> request(const std::vector<std::uint8_t>& bytes, std::uint64_t patience_us = 200'000);
   /// All modules are looked for anew: two at one address are told apart then.
@@ -92,7 +99,8 @@ class Bench : public ::testing::Test {
   ElfImage application;
   std::vector<wire::CanFrame> frames;  ///< sent by the controller
   VcdTrace* trace = nullptr;
-  bool crystal_works = true;
+  std::uint64_t crystal_hz = 8'000'000;
+  std::uint64_t crystal_fails_at_us = ~std::uint64_t{0};
   bool boot_pin_high = true;
   Disturbances disturbances;
   std::uint32_t scl_rise_ns = wanted_rise_ns();

@@ -5,6 +5,7 @@
 #include "failure.hpp"
 #include "sampling_bench.hpp"
 #include "triskin/board/budget.hpp"
+#include "usb_stream.hpp"
 
 namespace triskin::machine {
 namespace {
@@ -67,6 +68,48 @@ TEST_P(Erase, OfAPageWhileStreamingLosesNoSequenceBeyondTheOneUnderWay) {
   EXPECT_EQ(budget(offsetof(board::Budget, can_lost)), 0U);
   std::printf("slot %c: %ld erases while streaming, longest time between two readings %.1f ms\n", "AB"[running_slot],
               erases(), static_cast<double>(worst_gap_us()) / 1000);
+  expect_no_violation();
+}
+
+// The same with the stream over USB, which a host reads all the time. From slot B the code that sends its packets lay
+// in the bank that is erased, and everything stood for 22 ms.
+TEST_P(Erase, OfAPageWhileAUsbHostReadsLosesNoSequenceBeyondTheOneUnderWay) {
+  flash.log = &operations;
+  store_table(patch(16));
+  power_up();
+  UsbStream usb(*machine);
+  ASSERT_TRUE(usb.open());
+  ASSERT_TRUE(usb.unlock_and_stream());
+  const auto listen = [&](std::uint64_t us) {
+    for (const std::uint64_t until = now_us() + us; now_us() < until;) {
+      if (const auto frame = usb.next()) frames.push_back(*frame);
+    }
+  };
+  listen(1'000'000);
+  const auto record_and_clear = [&](std::uint64_t phase_us) {
+    inject(Failure::kSaturated, line_of(kFaultyModule), kFaultyModule, now_us());
+    listen(200'000);
+    repair(Failure::kSaturated, line_of(kFaultyModule), kFaultyModule);
+    listen(200'000 + phase_us);
+    usb.ask({0x14, 0xFF, 0xFF, 0xFF}, frames);
+    listen(50'000);
+  };
+  record_and_clear(0);
+  operations.clear();
+  frames.clear();
+  const Time stalled_before = machine->counts().flash_stall;
+  constexpr int kErases = 6;
+  for (int k = 0; k < kErases; ++k) record_and_clear(static_cast<std::uint64_t>(k) * 1'700);
+  EXPECT_EQ(erases(), kErases);
+  EXPECT_EQ(samples().size(), 16U);
+  EXPECT_LE(worst_gap_us(), 2 * kSequence_us);
+  for (const auto& [m, list] : samples()) {
+    for (std::size_t k = 1; k < list.size(); ++k) EXPECT_LE(list[k].sample, list[k - 1].sample + 2) << m;
+  }
+  EXPECT_EQ(machine->counts().flash_stall, stalled_before) << "code or constants in the bank that is erased";
+  EXPECT_EQ(machine->counts().flash_read_stalls, 0U);
+  std::printf("slot %c: %ld erases while a USB host reads, longest time between two readings %.1f ms\n",
+              "AB"[running_slot], erases(), static_cast<double>(worst_gap_us()) / 1000);
   expect_no_violation();
 }
 

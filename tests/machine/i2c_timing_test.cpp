@@ -6,18 +6,28 @@
 namespace triskin::board {
 namespace {
 
-// By hand for 170 MHz (5.882 ns). Data set-up needs 400 ns in at most 16 units, so a unit is at least 25 ns: prescaler
-// 4, 29.41 ns, 14 units. Both edges' synchronization is 2 · (50 + 2 · 5.882) = 123.5 ns; 2376.5 ns remain for low and
-// high: 81 units. Low needs 45 (1300 ns), high 21 (600 ns); the spare 15 are shared 10 : 5.
-TEST(I2cTiming, WorkedByHandAt170MHz) {
+// By hand for 160 MHz (6.25 ns). Data set-up needs 400 ns in at most 16 units, so a unit is at least 25 ns: prescaler
+// 3, 16 units. Both edges' synchronization is 2 · (50 + 2 · 6.25) = 125 ns; 2375 ns remain for low and high: 95
+// units. Low needs 52 (1300 ns), high 24 (600 ns); of the spare 19 high gets a third, 6. The longest fall of fast
+// mode, 300 ns, less what the filter and three clocks hide, 68.75 ns: 231.25 ns are 10 units of data hold. Data are
+// valid after
+// 250 + 260 + 25 + 300 = 835 ns, within 900.
+TEST(I2cTiming, WorkedByHandAt160MHz) {
   const auto t = compute_i2c_timing({});
   ASSERT_TRUE(t.has_value());
-  EXPECT_EQ(t->prescaler, 4);
-  EXPECT_EQ(t->low + 1, 55);
-  EXPECT_EQ(t->high + 1, 26);
-  EXPECT_EQ(t->data_setup + 1, 14);
-  EXPECT_EQ(t->data_delay, 0);
-  EXPECT_EQ(t->value(), 4U << 28 | 13U << 20 | 25U << 8 | 54U);
+  EXPECT_EQ(t->prescaler, 3);
+  EXPECT_EQ(t->low + 1, 65);
+  EXPECT_EQ(t->high + 1, 30);
+  EXPECT_EQ(t->data_setup + 1, 16);
+  EXPECT_EQ(t->data_delay, 10);
+  EXPECT_EQ(t->period_ns, 2500U);
+  EXPECT_EQ(t->value(), 3U << 28 | 15U << 20 | 10U << 16 | 29U << 8 | 64U);
+}
+
+// Holding the data for the longest fall costs no speed.
+TEST(I2cTiming, FallsOfFastModeHaveTheSamePeriod) {
+  for (const std::uint32_t fall_ns : {20U, 100U, 300U})
+    EXPECT_EQ(compute_i2c_timing({kSysclk_hz, 400'000, 300, fall_ns})->period_ns, 2500U) << fall_ns;
 }
 
 TEST(I2cTiming, KeepsTheLimitsOfFastModeForEveryClock) {
@@ -35,10 +45,10 @@ TEST(I2cTiming, KeepsTheLimitsOfFastModeForEveryClock) {
 }
 
 TEST(I2cTiming, RefusesWhatFastModeDoesNotHave) {
-  EXPECT_EQ(compute_i2c_timing({170'000'000, 0, 300, 20}).error(), Status::kOutOfRange);
-  EXPECT_EQ(compute_i2c_timing({170'000'000, 1'000'000, 300, 20}).error(), Status::kOutOfRange);
+  EXPECT_EQ(compute_i2c_timing({160'000'000, 0, 300, 20}).error(), Status::kOutOfRange);
+  EXPECT_EQ(compute_i2c_timing({160'000'000, 1'000'000, 300, 20}).error(), Status::kOutOfRange);
   EXPECT_EQ(compute_i2c_timing({4'000'000, 400'000, 300, 20}).error(), Status::kOutOfRange);
-  EXPECT_EQ(compute_i2c_timing({170'000'000, 400'000, 900, 20}).error(), Status::kOutOfRange);  // data would be late
+  EXPECT_EQ(compute_i2c_timing({160'000'000, 400'000, 900, 20}).error(), Status::kOutOfRange);  // data would be late
 }
 
 }  // namespace

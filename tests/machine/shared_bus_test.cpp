@@ -29,10 +29,9 @@ struct MachineBoard {
   std::uint8_t number;
   bool alive = false;
 
-  MachineBoard(std::uint8_t board_number, const ElfImage& loader, const ElfImage& application) : number(board_number) {
-    flash.store(loader);
-    flash.options &= ~(1U << 26);
-    flash.store_application(application, 0x3C000, 1);
+  MachineBoard(std::uint8_t board_number, const std::filesystem::path& factory_file) : number(board_number) {
+    flash.program_file(factory_file);
+    flash.options = (flash.options & ~(1U << 26 | 7U << 8)) | 4U << 8;
     power_up();
   }
   void power_up() {
@@ -115,7 +114,7 @@ TEST(UpdateOfSixteenBoards, with_losses_one_dead_one_cut_one_old_reaches_all_oth
   ASSERT_GE(count, 2U);
   ASSERT_LE(count, kBoards - 2);
   const std::array images{read_elf(firmware("triskin_app_a.elf")), read_elf(firmware("triskin_app_b.elf"))};
-  const ElfImage loader = read_elf(firmware("triskin_loader.elf"));
+  const std::array factory_files{firmware("triskin_factory.hex"), firmware("triskin_factory_b.hex")};
   const auto package = package_of(images[0], images[1]);
 
   scene::Scene scene;
@@ -129,7 +128,7 @@ TEST(UpdateOfSixteenBoards, with_losses_one_dead_one_cut_one_old_reaches_all_oth
                   test::make_firmware(
                       {.size_bytes = 2048, .fill = 1, .labelled = p != old, .version = package.head.firmware_version}));
   std::deque<MachineBoard> machines;
-  for (std::size_t k = 0; k < count; ++k) machines.emplace_back(static_cast<std::uint8_t>(k), loader, images[k % 2]);
+  for (std::size_t k = 0; k < count; ++k) machines.emplace_back(static_cast<std::uint8_t>(k), factory_files[k % 2]);
   SharedBus bus_link(skin, machines);
   device::Bus bus(bus_link);
   bus.listen(100'000);

@@ -45,6 +45,7 @@ class SkinLine final : public sim::I2cBus {
  public:
   std::vector<std::unique_ptr<SkinModule>> modules;
   bool sda_held = false, scl_held = false;
+  bool pull_ups = true;        ///< resistors on the line; without any it floats, which reads low here
   int frees_after_pulses = 0;  ///< 0: never
   int pulses = 0, stops = 0;
   std::uint64_t bytes = 0;
@@ -64,11 +65,14 @@ class SkinLine final : public sim::I2cBus {
   bool write(std::uint8_t byte, std::uint64_t now_us) override;
   std::uint8_t read(bool acknowledge, std::uint64_t now_us) override;
   void stop(std::uint64_t now_us) override;
-  [[nodiscard]] bool scl() const override { return !scl_held; }
-  [[nodiscard]] bool sda() const override { return !sda_held; }
+  [[nodiscard]] bool scl() const override { return !scl_held && !floats(); }
+  [[nodiscard]] bool sda() const override { return !sda_held && !floats(); }
+  void controller_pulls_up(bool on) override { weak_pull_ups_ = on; }
   void pulse_scl(std::uint64_t now_us) override;
 
  private:
+  [[nodiscard]] bool floats() const { return !pull_ups && !weak_pull_ups_; }
+  bool weak_pull_ups_ = false;
   std::vector<SkinModule*> selected_;
   std::uint8_t address_ = 0;
   std::uint16_t register_ = 0;

@@ -10,34 +10,6 @@ namespace {
 
 class Table : public Bench {
  protected:
-  std::vector<std::uint8_t> encoded(const layout::PatchImage& image) const {
-    std::vector<std::uint8_t> out(layout::kMaxImageBytes);
-    out.resize(layout::encode(image, out).value());
-    return out;
-  }
-  // Downloads and activates; true: the controller said that it is active.
-  bool flash_table(const layout::PatchImage& image) {
-    const std::vector<std::uint8_t> bytes = encoded(image);
-    if (request({0x10, 0x03}).empty()) return false;
-    const auto seed = request({0x27, 0x01});
-    if (seed.size() != 6) return false;
-    std::uint32_t s = 0;
-    for (std::size_t k = 2; k < 6; ++k) s = s << 8 | seed[k];
-    const std::uint32_t key = wire::security_key(s);
-    (void)request({0x27, 0x02, static_cast<std::uint8_t>(key >> 24), static_cast<std::uint8_t>(key >> 16),
-                   static_cast<std::uint8_t>(key >> 8), static_cast<std::uint8_t>(key)});
-    const auto size = static_cast<std::uint8_t>(bytes.size());
-    if (request({0x34, 0x00, 0x44, 0x00, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, size}).at(0) != 0x74) return false;
-    std::uint8_t block = 0;
-    for (std::size_t at = 0; at < bytes.size(); at += 64) {
-      std::vector<std::uint8_t> transfer{0x36, ++block};
-      for (std::size_t k = at; k < std::min(at + 64, bytes.size()); ++k) transfer.push_back(bytes[k]);
-      if (request(transfer).at(0) != 0x76) return false;
-    }
-    if (request({0x37}).at(0) != 0x77) return false;
-    const auto activated = request({0x31, 0x01, 0x02, 0x05});
-    return activated.size() >= 5 && activated[0] == 0x71 && activated[4] == 0;
-  }
   // Modules of the active table; 0: none.
   int modules() {
     const auto reply = request({0x22, 0xFD, 0x02});

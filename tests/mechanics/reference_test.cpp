@@ -114,8 +114,8 @@ TEST_F(Reference, TableAgreesWithinOnePart) {
   }
 }
 
-// The table of design/mechanics.md: Winkler's foundation at ν 0.3 and a/h above 1.5 is within a few percent, at ν 0.45
-// it is not. A foundation that agreed there would be the reference under another name.
+// The table of design/mechanics.md: Winkler's foundation at ν 0.3 and a/h above 1.5 is within a few percent, at ν
+// 0.45 it is not. A foundation that agreed there would be the reference under another name.
 TEST_F(Reference, FoundationIsGoodForCompressibleLayersOnly) {
   for (const Case& c : read_cases()) {
     if (c.indenter.shape != Shape::kSphere) continue;

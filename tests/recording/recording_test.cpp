@@ -204,9 +204,9 @@ TEST(Recording, damage_that_is_no_cut_is_not_dropped_in_place) {
   EXPECT_THROW((void)recover(folder / "r.mcap", {}), InputError);
   EXPECT_EQ(triskin::read_file(folder / "r.mcap"), bytes);
   const Recovery r = recover(folder / "r.mcap", folder / "new.mcap");
-  EXPECT_GT(r.dropped_bytes, std::size_t{4} << 20);
+  EXPECT_LT(r.dropped_bytes, std::size_t{2} << 20) << "one chunk and its index";
   Summary summary;
-  EXPECT_GT(samples_of(folder / "new.mcap", &summary).size(), 1'000U);
+  EXPECT_GT(samples_of(folder / "new.mcap", &summary).size(), 64U * 2'000U);
   EXPECT_TRUE(summary.file.complete);
 }
 

@@ -9,6 +9,7 @@
 #include "triskin/wire/adoption.hpp"
 #include "triskin/wire/calibration.hpp"
 #include "triskin/wire/faults.hpp"
+#include "triskin/wire/health.hpp"
 #include "triskin/wire/icub_commands.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
@@ -98,6 +99,40 @@ LiveTaxels live_taxels(const Vector& v) {
   const auto values = test::numbers(v.one("values"), 10);
   for (std::size_t k = 0; k < values.size(); ++k) t.modules[0].value.at(k) = static_cast<std::uint16_t>(values[k]);
   return t;
+}
+BoardHealth health(const Vector& v) {
+  BoardHealth h;
+  h.clock = {static_cast<Crystal>(byte(v, "crystal")), byte(v, "crystal_mhz"),
+             number<std::uint16_t>(v, "measured_khz")};
+  h.reset_cause = byte(v, "reset_cause");
+  h.findings = number<std::uint16_t>(v, "findings");
+  h.crashes_in_row = byte(v, "crashes_in_row");
+  const auto can = test::numbers(v.one("can"), 10);
+  std::uint8_t* const bytes[] = {&h.can_send_errors, &h.can_receive_errors, &h.can_state, &h.can_last_error};
+  for (std::size_t k = 0; k < std::size(bytes); ++k) *bytes[k] = static_cast<std::uint8_t>(can.at(k));
+  h.bus_offs = word(v, "bus_offs");
+  h.can_lost = word(v, "can_lost");
+  h.can_ram_failures = number<std::uint16_t>(v, "can_ram_failures");
+  const auto counts = test::numbers(v.one("words"), 10);
+  std::uint32_t* const words[] = {&h.ecc_corrected, &h.ecc_detected, &h.flash_errors, &h.worst_loop_us,
+                                  &h.worst_interrupt_us};
+  for (std::size_t k = 0; k < std::size(words); ++k) *words[k] = static_cast<std::uint32_t>(counts.at(k));
+  const auto shares = test::numbers(v.one("halves"), 10);
+  std::uint16_t* const halves[] = {&h.stack_bytes, &h.stack_free_bytes, &h.idle_permille};
+  for (std::size_t k = 0; k < std::size(halves); ++k) *halves[k] = static_cast<std::uint16_t>(shares.at(k));
+  return h;
+}
+Crash crash(const Vector& v) {
+  Crash c;
+  c.cause = static_cast<CrashCause>(byte(v, "cause"));
+  c.while_erasing = v.number("erasing") != 0;
+  c.exception = number<std::uint16_t>(v, "exception");
+  const auto values = test::numbers(v.one("words"), 10);
+  std::uint32_t* const words[] = {
+      &c.pc,     &c.lr,    &c.sp, &c.fault_status, &c.hard_fault_status, &c.address, &c.uptime_ms, &c.firmware_version,
+      &c.origin, &c.number};
+  for (std::size_t k = 0; k < std::size(words); ++k) *words[k] = static_cast<std::uint32_t>(values.at(k));
+  return c;
 }
 Offsets offsets(const Vector& v) {
   Offsets o{v.number("positive") != 0, word(v, "searches"), 0, {}};
@@ -262,6 +297,8 @@ const std::map<std::string, Check> kChecks{{"session", checked<ActiveSession, se
                                            {"sampling", checked<SamplingSetting, sampling>},
                                            {"image_state", checked<ImageState, image_state>},
                                            {"live_taxels", checked<LiveTaxels, live_taxels>},
+                                           {"health", checked<BoardHealth, health>},
+                                           {"crash", checked<Crash, crash>},
                                            {"offsets", checked<Offsets, offsets>},
                                            {"calibration", checked<Calibration, calibration>},
                                            {"offset_result", checked<OffsetResult, offset_result>},

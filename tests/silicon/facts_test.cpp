@@ -18,6 +18,7 @@
 #include "triskin/board/registers/pins.hpp"
 #include "triskin/board/registers/spi.hpp"
 #include "triskin/board/registers/system.hpp"
+#include "triskin/board/registers/timer16.hpp"
 #include "triskin/board/registers/usb.hpp"
 #include "triskin/drivers/ad7147.hpp"
 #include "triskin/machine/machine.hpp"

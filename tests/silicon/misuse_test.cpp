@@ -2,6 +2,7 @@
 // What the chip would not forgive is a violation in the machine, and the right order is none.
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,7 +55,7 @@ class FlashMisuse : public ::testing::Test {
   }
   Around around;
   FlashChip chip;
-  Rcc rcc{around, true};
+  Rcc rcc{around, {}};
   FlashController flash{around, chip, rcc, [](std::uint32_t, std::uint32_t) {}};
 };
 
@@ -150,6 +151,48 @@ TEST(Misuse, VectorsThatAreNotAligned) {
   around.expect("VTOR");
 }
 
+// A PLL that is asked for what its oscillator cannot give never gets ready, and the question is a violation: 24 MHz by
+// 2 times 85 is 1,020 MHz.
+class PllMisuse : public ::testing::Test {
+ protected:
+  static constexpr std::uint32_t kCr = 0x00, kPll = 0x0C, kHse = 1U << 16, kPllOn = 1U << 24, kPllReady = 1U << 25;
+  void start_pll(std::uint64_t crystal_hz, std::uint32_t divider, std::uint32_t factor) {
+    rcc.emplace(around, CrystalSetup{.hz = crystal_hz});
+    rcc->write(kCr, 0x500 | kHse, 4);
+    around.pass(10'000 * kMicrosecond);
+    rcc->write(kPll, 3 | (divider - 1) << 4 | factor << 8 | 1U << 24, 4);
+    rcc->write(kCr, 0x500 | kHse | kPllOn, 4);
+    around.pass(10'000 * kMicrosecond);
+  }
+  [[nodiscard]] bool ready() { return (rcc->read(kCr, 4) & kPllReady) != 0; }
+  Around around;
+  std::optional<Rcc> rcc;
+};
+
+TEST_F(PllMisuse, TheRightSettingIsNone) {
+  start_pll(24'000'000, 3, 40);
+  EXPECT_TRUE(ready());
+  EXPECT_TRUE(around.violations.empty());
+}
+
+TEST_F(PllMisuse, OscillatorOutsideItsLimits) {
+  start_pll(24'000'000, 2, 85);
+  EXPECT_FALSE(ready());
+  around.expect("1020000000 Hz");
+}
+
+TEST_F(PllMisuse, InputOutsideItsLimits) {
+  start_pll(25'000'000, 10, 127);
+  EXPECT_FALSE(ready());
+  around.expect("input of 2500000 Hz");
+}
+
+TEST_F(PllMisuse, NoCrystal) {
+  start_pll(0, 1, 40);
+  EXPECT_FALSE(ready());
+  around.expect("without a clock");
+}
+
 TEST(Misuse, DelayCompensationWithALargeDataPrescaler) {
   Around around;
   bool pins = true;
@@ -174,7 +217,7 @@ TEST(Misuse, DelayCompensationWithALargeDataPrescaler) {
 // Lines 1 and 2 have function 4, lines 3 and 4 have function 8; all open drain.
 TEST(Misuse, LineStartedWhileItsPinsAreSomethingElse) {
   Around around;
-  Rcc rcc(around, true);
+  Rcc rcc(around, {});
   rcc.write(0x4C, 7, 4);
   std::array<QuietLine, 4> buses;
   RouteChainPins chain(nullptr);

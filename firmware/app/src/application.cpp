@@ -117,11 +117,17 @@ void Application::step() {
   if (pausing_) keep_route();
   if (now_us() >= next_tick_us_) tick();
   take_samples();
+  if (read_a_module_) prove();  // not inside publish(): the flash may be busy there
   offset_store_.step(offsets_);
   send_pending();
   route_.send_status(*ports_.can, tables_.node_address(), now_us());
   if (ports_.update != nullptr) ports_.update->step(*ports_.can, now_us());
   reset_when_answered();
+}
+
+void Application::prove() {
+  if (!proved_ && ports_.restart != nullptr) ports_.restart->confirm();
+  proved_ = true;
 }
 
 // Units of an image go into the flash one in a step: the lines are served between them.
@@ -174,7 +180,10 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
     if (c.port == ports_.can) handle_icub_frame(frame);
     return;
   }
-  if (ports_.update != nullptr && c.port == ports_.can && ports_.update->handle(frame, now_us())) return;
+  if (ports_.update != nullptr && c.port == ports_.can && ports_.update->handle(frame, now_us())) {
+    prove();
+    return;
+  }
   if (handle_claim_frame(c, frame)) return;
   if (const auto lease = wire::decode_lease(frame)) {
     if (c.port->fd()) c.stream.renew(*lease, now_us());
@@ -195,6 +204,7 @@ void Application::handle_frame(Channel& c, const wire::CanFrame& frame) {
 
 void Application::answer(Channel& c, Bytes request, bool functional) {
   asking_ = c.port;
+  prove();  // first: the answer may be about that
   const Bytes response = server_.handle(request, functional);
   if (!response.empty()) (void)c.link.send(response, now_us());
 }
@@ -265,8 +275,19 @@ bool Application::frames_wait() const {
          (!stream_queue_.empty() && stream_port_->has_room());
 }
 
+Application::Condition Application::condition() const {
+  if (!tables_.has_table()) return Condition::kNoTable;
+  const auto own = std::span(samples_).first(rows());
+  if (std::ranges::any_of(
+          own, [](const ModuleSample& s) { return s.state != ModuleState::kOk && s.state != ModuleState::kUnknown; }))
+    return Condition::kFault;
+  const bool leased = std::ranges::any_of(channels(), [](const Channel& c) { return c.stream.active(); });
+  return leased || stream_ != StreamMode::kOff ? Condition::kStreaming : Condition::kSampling;
+}
+
 void Application::publish(std::size_t module) {
   samples_[module].fresh = false;
+  read_a_module_ = read_a_module_ || samples_[module].valid != 0;
   published_[module] = samples_[module];
   if (module < rows()) icub_triangles_.read(module, samples_[module]);
   stream_full(table_row(module));
@@ -355,6 +376,11 @@ void Application::queue_icub() {
 void Application::calibrate() {
   for (ModuleSample& s : samples_) s.compensation.restart();  // the next reading becomes the baseline
   icub_triangles_.calibrate();
+}
+
+Status Application::clear_faults() {
+  if (ports_.monitor != nullptr) ports_.monitor->forget_crash();
+  return faults_.clear() ? Status::kOk : Status::kFlashFailed;
 }
 
 bool Application::read_fault(std::uint32_t dtc, ByteWriter& out) {

@@ -81,6 +81,8 @@ struct Identifiers::Table {
       Row{wire::did::kCalibration, calibration, set_calibration},
       Row{wire::did::kAdoption, read<&Identifiers::adoption>},
       Row{wire::did::kLiveTaxels, read<&Identifiers::live_taxels>},
+      Row{wire::did::kBoardHealth, read<&Identifiers::health>},
+      Row{wire::did::kCrash, read<&Identifiers::crash>},
       Row{wire::did::kIcub, read<&Identifiers::icub>},
   };
   /// Every identifier of the wire that is not the server's or of freeze data has its row, in order, and may be written
@@ -181,6 +183,16 @@ wire::ActiveRoute Identifiers::route() const {
 std::optional<wire::ImageState> Identifiers::image_state() const {
   if (parts_.ports.restart == nullptr) return std::nullopt;
   return parts_.ports.restart->image_state();
+}
+
+std::optional<wire::BoardHealth> Identifiers::health() const {
+  if (parts_.ports.monitor == nullptr) return std::nullopt;
+  return parts_.ports.monitor->health();
+}
+
+std::optional<wire::Crash> Identifiers::crash() const {
+  if (parts_.ports.monitor == nullptr) return std::nullopt;
+  return parts_.ports.monitor->crash();
 }
 
 wire::SamplingSetting Identifiers::sampling() const {

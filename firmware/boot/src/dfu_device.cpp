@@ -9,7 +9,9 @@ namespace {
 constexpr std::uint8_t kClassOut = 0x21, kClassIn = 0xA1;
 constexpr std::uint8_t kDetach = 0, kDownload = 1, kUpload = 2, kGetStatus = 3, kClearStatus = 4, kGetState = 5,
                        kAbort = 6;
-constexpr std::uint8_t kPoll_ms = 5;
+// A block of 1 KB takes 10.5 ms to program and every second one an erase of 22 ms (DS12288): all of it is over when the
+// host may ask for the status again. The commit reads the image twice.
+constexpr std::uint8_t kPoll_ms = 35;
 constexpr std::size_t kUnit = 8;
 
 }  // namespace
@@ -71,7 +73,17 @@ DfuDevice::Error DfuDevice::begin(Bytes head) {
   committed_ = false;
   head_ = *decoded;
   slot_ = slots_.choose() == 0 ? 1 : 0;
-  return slots_.erase(slot_) == Status::kOk ? Error::kNone : Error::kErase;
+  erased_pages_ = 0;
+  return slots_.erase_page(slot_, slots_.records(slot_)) ? Error::kNone : Error::kErase;
+}
+
+// Page by page, as the image grows: an erase of the whole slot would hold up one control transfer for 2.6 s, and hosts
+// give up after five.
+DfuDevice::Error DfuDevice::erase_up_to(std::size_t end) {
+  for (; erased_pages_ * slots_.page_bytes() < end; ++erased_pages_) {
+    if (!slots_.erase_page(slot_, erased_pages_ * slots_.page_bytes())) return Error::kErase;
+  }
+  return Error::kNone;
 }
 
 // Bytes of the package in order; only the image for the free slot is stored. What follows the package (the suffix) is
@@ -82,6 +94,9 @@ DfuDevice::Error DfuDevice::take(Bytes data) {
   }
   const std::uint32_t first = head_.offset(slot_), end = first + head_.size_bytes[static_cast<std::size_t>(slot_)];
   const std::uint32_t from = std::max(at_, first), to = std::min(at_ + static_cast<std::uint32_t>(data.size()), end);
+  if (from < to) {
+    if (const Error error = erase_up_to(to - first); error != Error::kNone) return error;
+  }
   for (std::uint32_t p = from; p < to; p += kUnit) {
     if (p % kUnit != 0 || p + kUnit > at_ + data.size()) return Error::kFile;  // blocks are multiples of a unit
     if (slots_.program(slot_, p - first, data.subspan(p - at_, kUnit)) != Status::kOk) return Error::kWrite;
@@ -121,7 +136,7 @@ Bytes DfuDevice::status() {
 void DfuDevice::tick(std::uint64_t now_us) {
   if (heard_) last_us_ = now_us;
   heard_ = false;
-  if (now_us >= last_us_ + patience_us()) leave_ = true;
+  if (!stays() && now_us >= last_us_ + patience_us()) leave_ = true;
 }
 
 }  // namespace triskin::boot

@@ -63,12 +63,14 @@ SlotState SlotStore::peek(int slot) const {
 }
 
 int SlotStore::choose() const {
-  int best = -1;
+  int best = -1, best_rank = 0;
   std::uint32_t sequence = 0;
   for (int slot = 0; slot < 2; ++slot) {
     const SlotState s = inspect(slot);
-    if (!s.startable() || (best >= 0 && s.sequence <= sequence)) continue;
+    const int rank = s.startable() ? 2 : s.valid ? 1 : 0;
+    if (rank == 0 || rank < best_rank || (rank == best_rank && s.sequence <= sequence)) continue;
     best = slot;
+    best_rank = rank;
     sequence = s.sequence;
   }
   return best;

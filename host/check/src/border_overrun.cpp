@@ -12,6 +12,10 @@ namespace {
 
 constexpr double kTouch_mm = 1e-7;     // distances to surface and border that count as equal
 constexpr double kSmallest_mm = 1e-3;  // parts of a module are not divided below this radius
+// Three halvings at most halve the radius of a part, and a module is at most 120 mm across (surface_rules.cpp), so that
+// 3 log2(120 mm / 1 µm) = 51 of them end every branch; a face that divides a part may stand between two halvings.
+constexpr int kMaxDepth = 128;
+constexpr std::size_t kMaxParts = 300'000;  // A hundred times what a module among many sheets needs.
 
 // A border edge seen from a point.
 struct Sight {
@@ -96,7 +100,8 @@ class OverrunSearch {
       const P3 middle = (module[k] + module[(k + 1) % n]) / 2;
       visit(middle, surface_.distance(middle), near);
     }
-    divide(module, near);
+    divide(module, near, 0);
+    if (is_cut_off_) best_ = std::numeric_limits<double>::infinity();
     return {best_, points_};
   }
 
@@ -174,7 +179,9 @@ class OverrunSearch {
     });
   }
 
-  void divide(const Outline3& part, const std::vector<const BorderEdge*>& candidates) {
+  void divide(const Outline3& part, const std::vector<const BorderEdge*>& candidates, int depth) {
+    if (depth > kMaxDepth || ++parts_ > kMaxParts) is_cut_off_ = true;
+    if (is_cut_off_ || part.size() < 3) return;
     P3 m = P3::Zero();
     for (const P3& q : part) m += q / static_cast<double>(part.size());
     double radius = 0.0;
@@ -197,16 +204,17 @@ class OverrunSearch {
     const Division by_face = divide_by(face, part);
     if (area_in_space(by_face.over) > kWorth * area_in_space(part) &&
         (is_close(hit.face, by_face.over) || is_covered(face, by_face.over, near))) {
-      for (const Outline3& beside : by_face.beside) divide(beside, near);
+      for (const Outline3& beside : by_face.beside) divide(beside, near, depth + 1);
       return;
     }
-    for (const Outline3& half : halved(part, m)) divide(half, near);
+    for (const Outline3& half : halved(part, m)) divide(half, near, depth + 1);
   }
 
   const SurfaceIndex& surface_;
   double past_mm_, lack_mm_;
   double best_ = 0.0;
-  std::size_t points_ = 0;
+  std::size_t points_ = 0, parts_ = 0;
+  bool is_cut_off_ = false;  // The bounds did not close in kMaxParts parts: the value is not known.
 };
 
 }  // namespace

@@ -59,6 +59,7 @@ class SurfaceIndex {
 /// is worth stating, but two: the largest over the points that are past the border by `past_mm` = kPast_mm at least,
 /// and with -kPast_mm also over those that lack no more to be past it.
 inline constexpr double kOverrunStep_mm = 0.002, kPast_mm = 0.02;
+/// Its recursion is bounded by construction: a module on which the bounds do not close has an infinite overrun.
 struct Overrun {
   double mm = 0.0;
   std::size_t points = 0;  ///< of the module that were compared with surface and border

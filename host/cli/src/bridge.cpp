@@ -239,6 +239,7 @@ int run(const Options& options, Output& output) {
   const auto domain = bridge::join_domain(options.domain);
   OpenSite open{std::move(site), {}};
   open.links = device::open_buses(open.site, options.site.link);
+  say_simulated(open.links, output);
   std::deque<BusFeed> feeds;
   for (const robot::BusConfig& bus : open.site.buses) feeds.emplace_back(options, bus);
   output.say(fmt::format("publishing /skin/… in domain {}; end with Ctrl-C", options.domain));
@@ -289,6 +290,7 @@ const Registration kBridge{{
           ->check(CLI::Range(0.0, 1e7));
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kData,
 }};
 
 }  // namespace

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "triskin/cli/command.hpp"
 #include "triskin/base/error.hpp"
+#include "triskin/cli/command.hpp"
 #include "triskin/mechanics/comparison.hpp"
 #include "triskin/mechanics/inverse_file.hpp"
 #include "triskin/mechanics/taxel.hpp"

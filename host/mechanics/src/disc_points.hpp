@@ -10,8 +10,8 @@ struct DiscPoint {
   double weight;             // all add up to 1
 };
 
-/// Points whose weighted sum is the mean over a disc: six rings of Gauss in r² with sixteen points each, turned against
-/// each other.
+/// Points whose weighted sum is the mean over a disc: six rings of Gauss in r² with sixteen points each, turned
+/// against each other.
 [[nodiscard]] const std::vector<DiscPoint>& disc_points();
 
 }  // namespace triskin::mechanics

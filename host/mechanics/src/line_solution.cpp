@@ -107,7 +107,8 @@ double LineSolution::smooth_part(double x) const {
 }
 
 double LineSolution::displacement_outside(double x) const {
-  // On the far side X = x/a > 1 the integrals are −π ln((X + √(X² − 1)) / 2) and π/2n · (X − √(X² − 1))²ⁿ.
+  // On the far side X = x/a > 1 the integrals are −π ln((X + √(X² − 1)) / 2) and π/2n · (X − √(X² −
+  // 1))²ⁿ.
   const double ratio = x / half_width_;
   const double larger = ratio + std::sqrt(ratio * ratio - 1.0);
   double sum = -coefficients_[0] * std::numbers::pi * std::log(half_width_ * larger / 2.0);

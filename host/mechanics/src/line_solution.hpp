@@ -7,8 +7,8 @@
 namespace triskin::mechanics {
 
 // Line contact of half width a on the bonded layer in plane strain; units as in radial_solution.hpp. The pressure is
-// Σ bₙ T₂ₙ(x/a) / √(1 − (x/a)²). The kernel −ln|x| is diagonal in these polynomials, and what the layer adds to it is
-// smooth (Jaffar, Int. J. Mech. Sci. 31 (1989) 229 solves the same equation).
+// Σ bₙ T₂ₙ(x/a) / √(1 − (x/a)²). The kernel −ln|x| is diagonal in these polynomials, and what the layer
+// adds to it is smooth (Jaffar, Int. J. Mech. Sci. 31 (1989) 229 solves the same equation).
 
 /// Solution under the parabola x² / 2 · curvature that presses with no pressure at its edges.
 class LineSolution {

@@ -15,8 +15,8 @@ struct Quadrature {
 /// `count` intervals of equal length with `order` nodes each.
 [[nodiscard]] Quadrature gauss_legendre_panels(int count, int order, double from, double to);
 
-/// Rule for integrands that behave like a square root at either end: the substitution x = (1 − cos πv) / 2 makes them
-/// smooth.
+/// Rule for integrands that behave like a square root at either end: the substitution x = (1 − cos πv) / 2 makes
+/// them smooth.
 [[nodiscard]] Quadrature square_root_rule(int order, double from, double to);
 
 /// Rule over wave numbers 0 … `cutoff` that resolves cos(kx) for |x| up to `reach`.

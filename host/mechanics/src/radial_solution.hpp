@@ -10,10 +10,11 @@ namespace triskin::mechanics {
 // Axisymmetric contact of radius a on the bonded layer. Lengths are in thicknesses of the layer, pressures in
 // E / (2(1 − ν²)), so that ν and a alone remain.
 //
-// The transform of the pressure is p̂(k) = ∫₀ᵃ g(t) cos(kt) dt. Abel's inversion of "displacement = δ − gap for r < a"
-// (Lebedev and Ufliand, PMM 22 (1958) 442) leaves a Fredholm equation of the second kind with a smooth kernel:
-//   g(t) − 2/π ∫₀ᵃ g(s) ∫₀^∞ N(k) cos(kt) cos(ks) dk ds = 2/π · (δ − G(t)),   G(t) = d/dt ∫₀ᵗ r·gap(r) / √(t² − r²) dr,
-// where N = 1 − compliance_ratio. Gauss nodes in t and k solve it to about ten digits.
+// The transform of the pressure is p̂(k) = ∫₀ᵃ g(t) cos(kt) dt. Abel's inversion of "displacement = δ − gap
+// for r < a" (Lebedev and Ufliand, PMM 22 (1958) 442) leaves a Fredholm equation of the second kind with a smooth
+// kernel: g(t) − 2/π ∫₀ᵃ g(s) ∫₀^∞ N(k) cos(kt) cos(ks) dk ds = 2/π · (δ − G(t)), G(t) = d/dt
+// ∫₀ᵗ r·gap(r) / √(t² − r²) dr, where N = 1 − compliance_ratio. Gauss nodes in t and k solve it to
+// about ten digits.
 
 /// Gap of an indenter: gap(r), G(t) as above, and G′(t) / t.
 struct RadialGap {
@@ -75,7 +76,8 @@ class RadialField {
   /// Displacement at r outside the contact; inside it is δ − gap.
   [[nodiscard]] double displacement_outside(double r) const;
   [[nodiscard]] double base_pressure(double r) const;
-  /// Displacement outside on a half-space; displacement_outside() takes Σ deficit_terms · J0(wave_numbers · r) off it.
+  /// Displacement outside on a half-space; displacement_outside() takes Σ deficit_terms · J0(wave_numbers · r) off
+  /// it.
   [[nodiscard]] double half_space_displacement(double r) const;
   [[nodiscard]] const Eigen::ArrayXd& wave_numbers() const { return wave_numbers_; }
   [[nodiscard]] const Eigen::ArrayXd& deficit_terms() const { return deficit_terms_; }

@@ -75,6 +75,10 @@ struct Hooks {
     c.counts_.flash_stall += c.time_.now() - begin;
     ++c.counts_.flash_read_stalls;
   }
+  static bool unmapped(uc_engine*, uc_mem_type, std::uint64_t address, int, std::int64_t, void* user) {
+    core(user).fault_address_ = static_cast<std::uint32_t>(address);
+    return false;
+  }
   static void torn_read(uc_engine*, uc_mem_type, std::uint64_t address, int, std::int64_t, void* user) {
     core(user).flash_.torn_read(static_cast<std::uint32_t>((address - FlashChip::kBase) / FlashChip::kUnit));
   }
@@ -101,9 +105,11 @@ struct Hooks {
 Machine::Core::Core(const MachineSetup& setup)
     : setup_(setup),
       nvic_(*this),
-      rcc_(*this, setup.crystal_works),
+      rcc_(*this, {setup.crystal_hz,
+                   setup.crystal_fails_at_us == ~std::uint64_t{0} ? kNever : setup.crystal_fails_at_us * kMicrosecond}),
       pwr_(*this, rcc_),
       tim2_(*this),
+      tim16_(*this, rcc_),
       iwdg_(*this),
       flash_(*this, *setup.flash, rcc_,
              [this](std::uint32_t address, std::uint32_t size) { cells_changed(address, size); }),
@@ -152,6 +158,7 @@ Machine::Core::Core(const MachineSetup& setup)
               {i2c_[2].get(), map::kI2c3, 0x400, map::kApb1, map::kI2c3Bit, "I2C3"},
               {i2c_[3].get(), map::kI2c4, 0x400, map::kApb1Second, map::kI2c4Bit, "I2C4"},
               {&can_ram_, map::kFdcanRam, 0x400, map::kApb1, map::kFdcanBit, "FDCAN RAM"},
+              {&tim16_, map::kTim16, 0x400, map::kApb2, map::kTim16Bit, "TIM16"},
               {&rcc_, map::kRcc, 0x400, 0, 0, "RCC"},
               {&flash_, map::kFlash, 0x400, map::kAhb1, map::kFlashBit, "FLASH"},
               {&dma_, map::kDma1, 0x400, map::kAhb1, map::kDma1Bit, "DMA1"},
@@ -202,6 +209,8 @@ void Machine::Core::add_hooks() {
     check(uc_hook_add(uc_, &h, UC_HOOK_MEM_READ, reinterpret_cast<void*>(&Hooks::watched_read), this, kSystemMemory,
                       kSystemMemory),
           "read hook");
+  check(uc_hook_add(uc_, &h, UC_HOOK_MEM_UNMAPPED, reinterpret_cast<void*>(&Hooks::unmapped), this, 1, 0),
+        "unmapped hook");
   watch_torn_units();
 }
 
@@ -242,6 +251,10 @@ void Machine::Core::power_cycle(const FlashChip& cells) {
   check(uc_mem_write(uc_, map::kCodeRam, lost.data(), lost.size()), "CCM RAM");
   rcc_.note_reset(3U << 26);
   reset_core();
+}
+
+void Machine::Core::press_reset() {
+  request_reset(1U << 26);
 }
 
 // RM0440 table 5. Boot from RAM (nBOOT1 = 0) is not modelled.
@@ -303,12 +316,19 @@ void Machine::Core::store(std::uint32_t address, std::uint32_t value) {
   std::memcpy(memory_at(address), &value, sizeof value);
 }
 
+// Through Unicorn, which forgets what it has translated from there.
+void Machine::Core::overwrite(std::uint32_t address, std::uint32_t value) {
+  (void)memory_at(address);
+  check(uc_mem_write(uc_, address, &value, sizeof value), "memory");
+  std::ranges::fill(code_ram_blocks_, Block{});
+}
+
 void Machine::Core::violation(std::string what) {
   violations_.push_back({time_.now_us(), fmt::format("{} (code near {:#x})", what, last_block_pc_)});
 }
 
 void Machine::Core::request_reset(std::uint32_t cause) {
-  rcc_.note_reset(cause);
+  rcc_.note_reset(cause | 1U << 26);  // the chip pulls its own reset pin low
   reset_wanted_ = true;
 }
 
@@ -392,6 +412,10 @@ void Machine::Core::run_until(Time until) {
     if (reset_wanted_) {
       ++counts_.resets;
       reset_core();
+    }
+    if (rcc_.stopped()) {
+      time_.advance_to(std::min(time_.next(), until));
+      continue;
     }
     if (std::exchange(stalled_, false)) {
       wait_for_flash(until);
@@ -532,6 +556,7 @@ void Machine::Core::after_execution(uc_err error) {
     violation(error != UC_ERR_OK ? fmt::format("fault at {:#x}: {}", pc, uc_strerror(error))
                                  : fmt::format("exception {} at {:#x}", interrupt_code_, pc));
     if (nvic_.running_priority() <= -1) throw DeviceError(fmt::format("modelled machine: lock-up at {:#x}", pc));
+    note_fault(error, pc);
     nvic_.pend(Nvic::kHardFault);
     return;
   }
@@ -540,6 +565,16 @@ void Machine::Core::after_execution(uc_err error) {
     sleeping_ = waits;
     if (sleeping_ && setup_.trace != nullptr) setup_.trace->sleeping(true, time_.now());
   }
+}
+
+// ARMv7-M B3.2.15: what the processor could not do, precise; each escalates to a hard fault.
+void Machine::Core::note_fault(uc_err error, std::uint32_t pc) {
+  constexpr std::uint32_t kPrecise = 1U << 9 | 1U << 15, kFetch = 1U << 8, kUndefined = 1U << 16;
+  const bool access = error == UC_ERR_READ_UNMAPPED || error == UC_ERR_WRITE_UNMAPPED || error == UC_ERR_READ_PROT ||
+                      error == UC_ERR_WRITE_PROT;
+  const bool fetch = error == UC_ERR_FETCH_UNMAPPED || error == UC_ERR_FETCH_PROT;
+  (void)pc;
+  nvic_.note_fault(access ? kPrecise : fetch ? kFetch : kUndefined, access ? fault_address_ : 0);
 }
 
 // Takes back what the stores did to the memory, then lets the controller decide.

@@ -25,11 +25,14 @@ class Machine::Core final : public Surroundings {
 
   void run_until(Time until);
   void power_cycle(const FlashChip& cells);
+  void press_reset();
+  [[nodiscard]] Gpio& gpio() { return gpio_; }
   void receive(const wire::CanFrame& frame) { can_.from_bus(frame); }
   [[nodiscard]] std::size_t frames_waiting() const { return can_.waiting(); }
   bool disturb(std::size_t line, Trouble trouble, Time stretch);
   [[nodiscard]] UsbWire& usb() { return usb_; }
   [[nodiscard]] std::uint32_t load(std::uint32_t address);
+  void overwrite(std::uint32_t address, std::uint32_t value);
   [[nodiscard]] std::uint32_t peek(std::uint32_t address);
 
   Scheduler& time() override { return time_; }
@@ -86,11 +89,13 @@ class Machine::Core final : public Surroundings {
   void wait_for_flash(Time until);
   void finish_it_block();
   void after_execution(uc_err error);
+  void note_fault(uc_err error, std::uint32_t pc);
   void apply_flash_writes();
   void take_exception();
   void enter_exception(int exception);
   void leave_exception(std::uint32_t code);
-  void push_frame(bool extended);
+  bool push_frame(bool extended);
+  [[nodiscard]] bool in_memory(std::uint32_t address, std::uint32_t bytes) const;
   [[nodiscard]] int mask_priority() const;
   const Block& block_at(std::uint32_t address, std::uint32_t size);
   [[nodiscard]] Block decode_block(std::uint32_t address, std::uint32_t size) const;
@@ -107,6 +112,7 @@ class Machine::Core final : public Surroundings {
   Rcc rcc_;
   Pwr pwr_;
   Tim2 tim2_;
+  Tim16 tim16_;
   Iwdg iwdg_;
   FlashController flash_;
   RouteChainPins chain_;
@@ -131,7 +137,7 @@ class Machine::Core final : public Surroundings {
   bool in_rom_loader_ = false, stalled_ = false, stopped_before_block_ = false, one_block_ = false,
        block_begun_ = false, waits_behind_mask_ = false, sleeping_ = false, reset_wanted_ = false, fp_active_ = false,
        nmi_ = false;
-  std::uint32_t interrupt_code_ = ~0U, last_block_pc_ = 0;
+  std::uint32_t interrupt_code_ = ~0U, last_block_pc_ = 0, fault_address_ = 0;
   std::uint32_t wait_end_ = 0;  // address behind the WFI that the last block of this run ended in; 0: in none
 };
 

@@ -14,6 +14,13 @@ constexpr Time kEntryCycles = 12, kReturnCycles = 12;
 
 }  // namespace
 
+bool Machine::Core::in_memory(std::uint32_t address, std::uint32_t bytes) const {
+  const auto inside = [&](std::uint32_t base, std::uint32_t size) {
+    return address >= base && address + bytes <= base + size;
+  };
+  return inside(map::kRam, map::kRamBytes) || inside(map::kCodeRam, map::kCodeRamBytes);
+}
+
 int Machine::Core::mask_priority() const {
   int p = nvic_.running_priority();
   if ((reg(UC_ARM_REG_PRIMASK) & 1) != 0) p = std::min(p, 0);
@@ -37,10 +44,18 @@ void Machine::Core::take_exception() {
     waits_behind_mask_ = nvic_.priority(e) < nvic_.running_priority();
 }
 
-void Machine::Core::push_frame(bool extended) {
+// False: the stack has left its memory. Then nothing of the frame is there, and what is entered is a hard fault
+// (ARMv7-M B1.5.11).
+bool Machine::Core::push_frame(bool extended) {
   const std::uint32_t sp = reg(UC_ARM_REG_SP);
   const bool pad = (sp & 4) != 0;
   const std::uint32_t frame = sp - (pad ? 4 : 0) - (extended ? kExtendedFrame : kBasicFrame);
+  if (!in_memory(frame, extended ? kExtendedFrame : kBasicFrame)) {
+    constexpr std::uint32_t kStacking = 1U << 12;
+    nvic_.note_fault(kStacking, 0);
+    reg(UC_ARM_REG_SP, frame);
+    return false;
+  }
   std::uint32_t at = frame;
   for (const int id : kStacked) {
     store(at, reg(id));
@@ -55,13 +70,17 @@ void Machine::Core::push_frame(bool extended) {
     store(frame + 0x60, reg(UC_ARM_REG_FPSCR));
   }
   reg(UC_ARM_REG_SP, frame);
+  return true;
 }
 
 // Unicorn banks the stack pointers when IPSR is written, so the frame is pushed on the current stack before.
 void Machine::Core::enter_exception(int exception) {
   const bool thread = nvic_.running() == 0, process_stack = thread && (reg(UC_ARM_REG_CONTROL) & 2) != 0,
              extended = fp_active_;
-  push_frame(extended);
+  if (!push_frame(extended) && exception != Nvic::kHardFault) {
+    violation("the stack of an exception frame has left its memory");
+    exception = Nvic::kHardFault;
+  }
   fp_active_ = false;
   exception_entry_.push_back(time_.now());
   nvic_.enter(exception);

@@ -5,13 +5,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 
 #include "triskin/base/error.hpp"
-#include "triskin/core/bytes.hpp"
 
 namespace triskin::machine {
 namespace {
@@ -100,19 +99,51 @@ void FlashChip::apply(const FlashOperation& operation, bool is_torn) {
   if (is_torn) torn.insert(operation.index);
 }
 
-// The records of docs/firmware_board.md: commit, three starts, confirmation.
-void FlashChip::store_application(const ElfImage& image, std::uint32_t slot_bytes, std::uint32_t sequence) {
-  store(image);
-  const std::vector<std::uint8_t> flat = image.flat();
-  std::array<std::uint8_t, 16> commit{};
-  ByteWriter w(commit);
-  w.le32(0x4D4D4F43);
-  w.le32(sequence);
-  w.le32(static_cast<std::uint32_t>(flat.size()));
-  w.le32(crc32(flat, crc32(w.written())));
-  const std::uint32_t records = image.origin() + slot_bytes - kPage;
-  store(records, {commit.begin(), commit.end()});
-  store(records + 5 * kUnit, std::vector<std::uint8_t>(kUnit, 0));
+namespace {
+
+std::vector<std::uint8_t> record_bytes(const std::string& line, const std::string& where) {
+  const auto bad = [&where](const char* what) {
+    return InputError(fmt::format("{}: {}; build the factory file again", where, what));
+  };
+  if (line.size() < 11 || line.size() % 2 == 0 || line[0] != ':') throw bad("no record of an Intel hex file");
+  std::vector<std::uint8_t> bytes;
+  unsigned sum = 0;
+  for (std::size_t k = 1; k < line.size(); k += 2) {
+    unsigned value = 0;
+    const auto [end, error] = std::from_chars(line.data() + k, line.data() + k + 2, value, 16);
+    if (error != std::errc{} || end != line.data() + k + 2) throw bad("not hexadecimal");
+    bytes.push_back(static_cast<std::uint8_t>(value));
+    sum += value;
+  }
+  if ((sum & 0xFF) != 0 || bytes[0] + 5U != bytes.size()) throw bad("length or check sum is wrong");
+  return bytes;
+}
+
+}  // namespace
+
+void FlashChip::program_file(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError(fmt::format("{}: cannot be read; build the preset 'firmware'", path.string()));
+  std::ranges::fill(bytes, std::uint8_t{0xFF});
+  used.assign(used.size(), false);
+  torn.clear();
+  if (path.extension() != ".hex") return store(kBase, {std::istreambuf_iterator<char>(in), {}});
+  constexpr std::uint8_t kData = 0, kEnd = 1, kUpperAddress = 4, kEntry = 5;
+  std::uint32_t upper = 0;
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    const std::string where = fmt::format("{}:{}", path.string(), ++number);
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    const std::vector<std::uint8_t> record = record_bytes(line, where);
+    const std::uint8_t kind = record[3];
+    if (kind == kEnd) return;
+    if (kind == kUpperAddress) upper = static_cast<std::uint32_t>(record[4] << 8 | record[5]) << 16;
+    if (kind == kData)
+      store(upper | static_cast<std::uint32_t>(record[1] << 8 | record[2]), {record.begin() + 4, record.end() - 1});
+    else if (kind != kUpperAddress && kind != kEntry)
+      throw InputError(fmt::format("{}: record type {} is not written by the build", where, kind));
+  }
+  throw InputError(fmt::format("{}: ends without its last record; build the factory file again", path.string()));
 }
 
 }  // namespace triskin::machine

@@ -27,6 +27,7 @@ void Gpio::reset() {
   ports_[1].moder = 0xFFFFFEBF;
   ports_[1].ospeedr = 0x000000C0;
   ports_[1].pupdr = 0x00000100;
+  follow_pulls();
   follow_chain();
 }
 
@@ -65,6 +66,7 @@ bool Gpio::drives_low(unsigned port, unsigned pin) const {
 
 std::uint32_t Gpio::levels(unsigned port) const {
   std::uint32_t v = 0xFFFF;
+  if (port == 2 && !button_) v &= ~(1U << 13);
   for (unsigned pin = 0; pin < 16; ++pin) {
     if (drives_low(port, pin)) v &= ~(1U << pin);
   }
@@ -99,6 +101,15 @@ std::uint32_t Gpio::read(std::uint32_t offset, unsigned) {
       return p.afrh;
     default:
       return 0;
+  }
+}
+
+// A line without pull-ups of its own floats, unless the chip pulls it up.
+void Gpio::follow_pulls() {
+  const auto up = [this](unsigned port, unsigned pin) { return (ports_[port].pupdr >> (2 * pin) & 3) == 1; };
+  for (std::size_t k = 0; k < kLines.size(); ++k) {
+    const LinePins& l = kLines[k];
+    buses_[k]->controller_pulls_up(up(l.scl_port, l.scl) && up(l.sda_port, l.sda));
   }
 }
 
@@ -153,6 +164,7 @@ void Gpio::write(std::uint32_t offset, std::uint32_t value, unsigned) {
     default:
       around_.violation(fmt::format("GPIO register {:#x} is not modelled", offset % 0x400));
   }
+  follow_pulls();
   follow_lines(before);
   follow_chain();
 }

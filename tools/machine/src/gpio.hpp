@@ -23,6 +23,7 @@ class Gpio final : public Peripheral {
   /// SCL and SDA of a line are open drain and belong to its I²C block.
   [[nodiscard]] bool line_ready(std::size_t line) const;
   [[nodiscard]] bool can_ready() const;
+  void hold_button(bool pressed) { button_ = pressed; }
   void set_boot_pin(bool high) { boot_pin_high_ = high; }
 
  private:
@@ -34,12 +35,13 @@ class Gpio final : public Peripheral {
   [[nodiscard]] bool drives_high(unsigned port, unsigned pin) const;
   void follow_lines(const std::array<Port, 3>& before);
   void follow_chain();
+  void follow_pulls();
 
   Rcc& rcc_;
   std::array<sim::I2cBus*, 4> buses_;
   RouteChainPins& chain_;
   std::uint8_t cables_ = 0;
-  bool latch_high_ = false, boot_pin_high_ = true;
+  bool latch_high_ = false, boot_pin_high_ = true, button_ = false;
   std::array<Port, 3> ports_;
 };
 

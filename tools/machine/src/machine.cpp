@@ -16,6 +16,12 @@ void Machine::run_until(std::uint64_t us) {
 void Machine::power_cycle(const FlashChip& cells) {
   core_->power_cycle(cells);
 }
+void Machine::press_reset() {
+  core_->press_reset();
+}
+void Machine::hold_button(bool pressed) {
+  core_->gpio().hold_button(pressed);
+}
 std::uint64_t Machine::now_us() const {
   return core_->time().now_us();
 }
@@ -36,6 +42,9 @@ UsbWire& Machine::usb() {
 }
 std::uint32_t Machine::read_word(std::uint32_t address) const {
   return core_->load(address);
+}
+void Machine::write_word(std::uint32_t address, std::uint32_t value) {
+  core_->overwrite(address, value);
 }
 std::uint32_t Machine::read_register(std::uint32_t address) const {
   return core_->peek(address);

@@ -10,6 +10,7 @@ void Nvic::reset() {
   priority_ = {};
   active_.clear();
   vtor_ = image_ = map::kFlashCells;  // the alias at 0 that BOOT0 selects
+  cfsr_ = hfsr_ = bfar_ = 0;
   cpacr_ = tick_control_ = tick_reload_ = 0;
   ++tick_generation_;
   poked = true;
@@ -95,6 +96,13 @@ std::uint32_t Nvic::read(std::uint32_t offset, unsigned) {
       return static_cast<std::uint32_t>(running());
     case 0xD08:
       return vtor_;
+    case 0xD28:
+      return cfsr_;
+    case 0xD2C:
+      return hfsr_;
+    case 0xD34:
+    case 0xD38:
+      return bfar_;
     case 0xD88:
       return cpacr_;
     default:

@@ -36,6 +36,13 @@ class Nvic final : public Peripheral {
   /// Vectors in flash that VTOR last pointed to; the image may have copied them to RAM since.
   [[nodiscard]] std::uint32_t image() const { return image_; }
   [[nodiscard]] bool fpu_on() const { return (cpacr_ >> 20 & 0xF) == 0xF; }
+  /// Fault status as the processor leaves it for the handler of the hard fault: bits of CFSR, and the address of a
+  /// precise access.
+  void note_fault(std::uint32_t status, std::uint32_t address) {
+    cfsr_ |= status;
+    hfsr_ |= 1U << 30;  // forced: the configurable handlers are off
+    if (address != 0) bfar_ = address;
+  }
   /// Something changed that the core must look at.
   bool poked = false;
 
@@ -49,7 +56,7 @@ class Nvic final : public Peripheral {
   std::array<bool, kExceptions> pending_{}, enabled_{}, level_{}, is_active_{};
   std::array<std::uint8_t, kExceptions> priority_{};
   std::vector<int> active_;
-  std::uint32_t vtor_ = 0, image_ = 0, cpacr_ = 0, tick_control_ = 0, tick_reload_ = 0;
+  std::uint32_t vtor_ = 0, image_ = 0, cpacr_ = 0, cfsr_ = 0, hfsr_ = 0, bfar_ = 0, tick_control_ = 0, tick_reload_ = 0;
   Time tick_base_ = 0;
   std::uint64_t tick_generation_ = 0;
 };

@@ -8,10 +8,18 @@
 
 namespace triskin::machine {
 
-/// Reset and clock control with power control's boost bit (RM0440 §7.4, §6.4). Oscillators need their start-up times.
+/// What hangs at the pins of the crystal.
+struct CrystalSetup {
+  std::uint64_t hz = 8'000'000;  ///< 0: none, or one that does not start
+  Time fails_at = kNever;        ///< since power-up: it stops for ever
+};
+
+/// Reset and clock control with power control's boost bit (RM0440 §7.4, §6.4). Oscillators need their start-up
+/// times. A crystal that stops takes the core with it, unless clock security is on: then the core goes on with the
+/// internal oscillator and gets an NMI (§7.2.10).
 class Rcc final : public Peripheral {
  public:
-  Rcc(Surroundings& around, bool crystal_works) : Peripheral(around), crystal_works_(crystal_works) { reset(); }
+  Rcc(Surroundings& around, const CrystalSetup& crystal) : Peripheral(around), crystal_(crystal) { reset(); }
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void reset() override;
@@ -21,15 +29,21 @@ class Rcc final : public Peripheral {
   /// HSI48 runs and is what USB gets (CRRCR, CCIPR.CLK48SEL).
   [[nodiscard]] bool clock_48_ready() const { return (regs_[0x98 / 4] & 2) != 0 && (regs_[0x88 / 4] >> 26 & 3) == 0; }
   void note_reset(std::uint32_t cause) { csr_flags_ |= cause; }
+  /// Frequency of the crystal as it reaches the chip now; 0: it is off, does not swing yet, or has stopped.
+  [[nodiscard]] std::uint64_t crystal_hz() const;
+  /// The core has no clock: only the watchdog is left.
+  [[nodiscard]] bool stopped() const { return stopped_; }
   void set_wait_states(std::uint32_t states) { wait_states_ = states; }
   void set_boost(bool boost) { boost_ = boost; }
 
  private:
   void switch_clock();
   void write_control(std::uint32_t value);
+  void start_pll(std::uint32_t before);
+  void lose_crystal();
   std::array<std::uint32_t, 64> regs_{};
-  bool crystal_works_;
-  bool boost_ = false;
+  CrystalSetup crystal_;
+  bool boost_ = false, stopped_ = false;
   std::uint32_t wait_states_ = 0, csr_flags_ = 3U << 26;  // brown-out and pin, at power-up
   std::uint64_t sysclk_hz_ = 16'000'000, generation_ = 0;
 };
@@ -47,7 +61,24 @@ class Pwr final : public Peripheral {
   std::array<std::uint32_t, 64> regs_{};
 };
 
-/// TIM2 as a free-running counter with one compare interrupt (§29.4).
+/// TIM16 as far as it measures the crystal: the count at each eighth edge of the crystal by 32 (RM0440 chapter 31).
+class Tim16 final : public Peripheral {
+ public:
+  Tim16(Surroundings& around, const Rcc& rcc) : Peripheral(around), rcc_(rcc) { reset(); }
+  std::uint32_t read(std::uint32_t offset, unsigned size) override;
+  void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
+  void reset() override;
+
+ private:
+  void catch_up();
+  [[nodiscard]] bool captures() const;
+  const Rcc& rcc_;
+  std::array<std::uint32_t, 64> regs_{};
+  Time started_ = 0;
+  std::uint64_t captured_ = 0;  // edges since the start
+};
+
+/// TIM2 as a free-running counter with two compare interrupts (RM0440 chapter 30).
 class Tim2 final : public Peripheral {
  public:
   explicit Tim2(Surroundings& around) : Peripheral(around) { reset(); }
@@ -58,13 +89,15 @@ class Tim2 final : public Peripheral {
  private:
   [[nodiscard]] std::uint64_t count() const;
   void book_compare();
+  void book_compare(std::size_t channel);
   void update_irq() { around_.set_irq(map::kTim2Irq, (status_ & interrupts_) != 0); }
-  std::uint32_t control_ = 0, interrupts_ = 0, status_ = 0, prescaler_ = 0, prescaler_next_ = 0, compare_ = 0;
+  std::uint32_t control_ = 0, interrupts_ = 0, status_ = 0, prescaler_ = 0, prescaler_next_ = 0;
+  std::array<std::uint32_t, 2> compare_{};
   Time base_ = 0;
   std::uint64_t generation_ = 0;
 };
 
-/// Independent watchdog (§42.4): 32 kHz; once started only a reset stops it.
+/// Independent watchdog (RM0440 §35.4): 32 kHz; once started only a reset stops it.
 class Iwdg final : public Peripheral {
  public:
   explicit Iwdg(Surroundings& around) : Peripheral(around) { reset(); }

@@ -198,7 +198,7 @@ class TimedFlash final : public fw::FlashArea {
 // Where the slots of the microcontroller stand: images are linked for these addresses.
 constexpr std::array<std::uint32_t, 2> kSlotOrigins{0x08004000, 0x08040000};
 
-class Controller final : public VirtualController, private fw::Restart {
+class Controller final : public VirtualController, private fw::Restart, private fw::BoardMonitor {
  public:
   explicit Controller(const VirtualBoard& board)
       : board_(board),
@@ -244,7 +244,7 @@ class Controller final : public VirtualController, private fw::Restart {
     if (dfu_) return dfu_->wants_to_reconnect() ? clock_.now : dfu_->next_event_us();
     if (loader_) return loader_end_us();
     if (usb_->frame_waits() || wants_dfu() || application_->frames_wait()) return clock_.now;
-    std::uint64_t next = std::min(application_->next_event_us(), confirm_at_us_);
+    std::uint64_t next = application_->next_event_us();
     for (const VirtualI2cLine& line : lines_) next = std::min(next, line.done_us());
     return next;
   }
@@ -252,10 +252,6 @@ class Controller final : public VirtualController, private fw::Restart {
     if (dfu_) return step_dfu();
     if (loader_) return step_loader();
     application_->step();
-    if (clock_.now >= confirm_at_us_) {
-      slots_.confirm(running_slot_);
-      confirm_at_us_ = UINT64_MAX;
-    }
     if (!wants_dfu()) return;
     application_.reset();
     ++usb_session_;
@@ -282,11 +278,7 @@ class Controller final : public VirtualController, private fw::Restart {
   void start_application() {
     loader_.reset();
     running_slot_ = board_.slots != nullptr ? slots_.choose() : -1;
-    confirm_at_us_ = UINT64_MAX;
-    if (running_slot_ >= 0 && !slots_.inspect(running_slot_).confirmed) {
-      (void)slots_.note_start(running_slot_);
-      confirm_at_us_ = clock_.now + kConfirmAfter_us;
-    }
+    if (running_slot_ >= 0 && !slots_.inspect(running_slot_).confirmed) (void)slots_.note_start(running_slot_);
     ++usb_session_;
     usb_.emplace(board_.unique_id);
     receiver_.reset();
@@ -303,7 +295,8 @@ class Controller final : public VirtualController, private fw::Restart {
                                    &*usb_,
                                    board_.chain != nullptr ? &chain_ : nullptr,
                                    board_.slots != nullptr ? this : nullptr,
-                                   receiver_ ? &*receiver_ : nullptr});
+                                   receiver_ ? &*receiver_ : nullptr,
+                                   this});
   }
   [[nodiscard]] std::optional<layout::ImageLabel> running_label() const {
     if (running_slot_ < 0) return std::nullopt;
@@ -328,12 +321,18 @@ class Controller final : public VirtualController, private fw::Restart {
     loader_.emplace(slots_, can_, board_.unique_id);
     window_end_us_ = clock_.now + wire::loader::kWindow_us;
   }
+  void confirm() override {
+    if (running_slot_ >= 0) slots_.confirm(running_slot_);
+  }
   std::optional<wire::ImageState> image_state() override {
     if (running_slot_ < 0) return std::nullopt;
     return boot::image_state_of(running_slot_, slots_.inspect(running_slot_));
   }
 
-  static constexpr std::uint64_t kConfirmAfter_us = 2'000'000;
+  // fw::BoardMonitor
+  [[nodiscard]] wire::BoardHealth health() const override { return board_.health; }
+  [[nodiscard]] std::optional<wire::Crash> crash() const override { return board_.crash; }
+  void forget_crash() override { board_.crash.reset(); }
 
   VirtualBoard board_;
   VirtualClock clock_;
@@ -351,7 +350,7 @@ class Controller final : public VirtualController, private fw::Restart {
   std::optional<fw::Application> application_;
   std::optional<boot::Loader> loader_;
   std::optional<boot::DfuDevice> dfu_;
-  std::uint64_t window_end_us_ = 0, confirm_at_us_ = UINT64_MAX;
+  std::uint64_t window_end_us_ = 0;
   int running_slot_ = -1, usb_session_ = 0;
 };
 

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "can.hpp"
 
+#include <algorithm>
+
 #include "interrupt_timer.hpp"
+#include "triskin/board/board.hpp"
+#include "triskin/board/budget.hpp"
+#include "triskin/board/clock_plan.hpp"
 #include "triskin/board/priorities.hpp"
 #include "triskin/board/registers/fdcan.hpp"
 #include "triskin/board/registers/pins.hpp"
@@ -26,13 +31,31 @@ constinit Queue<32> received;
 constinit Queue<16> waiting;
 
 constexpr std::array<std::uint8_t, 16> kSizes{0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
-// 170 MHz: nominal 10 · (1 + 13 + 3) = 170 clocks a bit, sample point 82 %; data 5 · (1 + 13 + 3) = 85 clocks, 2
-// Mbit/s. No transmitter delay compensation: M_CAN allows it with a data prescaler of 1 or 2 only, and a data bit of
-// 500 ns whose sample point lies 412 ns after its start waits for a transceiver's loop delay of 255 ns anyway.
-constexpr std::uint32_t kNominalTiming = (3U - 1U) << kNominalJumpShift | (10U - 1U) << kNominalPrescalerShift |
-                                         (13U - 1U) << kNominalBeforeShift | (3U - 1U);
-constexpr std::uint32_t kDataTiming =
-    (5U - 1U) << kDataPrescalerShift | (13U - 1U) << kDataBeforeShift | (3U - 1U) << kDataAfterShift | (3U - 1U);
+// Both phases have the same time quantum, as CiA's "Generic bit-timing settings for CAN FD" asks for: then a node loses
+// no part of a quantum where the rate switches. 160 MHz by 2 are 80 quanta of 12.5 ns in a nominal bit and 40 in one of
+// the data phase; all of them before the sample point but a fifth.
+constexpr std::uint32_t kPrescaler = 2;
+struct BitTiming {
+  std::uint32_t bit_hz, prescaler, before, after;  // quanta up to the sample point without the first, and after it
+  [[nodiscard]] constexpr std::uint32_t quanta() const { return 1 + before + after; }
+};
+constexpr BitTiming kNominal{1'000'000, kPrescaler, 63, 16}, kData{2'000'000, kPrescaler, 31, 8};
+static_assert(kNominal.prescaler == kData.prescaler);
+static_assert(kNominal.quanta() * kNominal.prescaler * kNominal.bit_hz == kSysclk_hz);
+static_assert(kData.quanta() * kData.prescaler * kData.bit_hz == kSysclk_hz);
+static_assert((1 + kNominal.before) * kData.quanta() ==
+              (1 + kData.before) * kNominal.quanta());  // the same sample point
+// The loop delay of the transceiver is measured in each frame and the second sample point lies as far behind it as the
+// sample point lies in a bit, in clocks of the block. M_CAN allows this with a data prescaler of 1 or 2 only.
+static_assert(kData.prescaler <= 2);
+constexpr std::uint32_t kDelayOffset = (1 + kData.before) * kData.prescaler << kDelayOffsetShift;
+
+constexpr std::uint32_t kNominalTiming = (kNominal.after - 1) << kNominalJumpShift |
+                                         (kNominal.prescaler - 1) << kNominalPrescalerShift |
+                                         (kNominal.before - 1) << kNominalBeforeShift | (kNominal.after - 1);
+constexpr std::uint32_t kDataTiming = kDelayCompensation | (kData.prescaler - 1) << kDataPrescalerShift |
+                                      (kData.before - 1) << kDataBeforeShift | (kData.after - 1) << kDataAfterShift |
+                                      (kData.after - 1);
 
 std::uint32_t word(std::uint32_t offset) {
   return Register(kRam + offset).read();
@@ -91,7 +114,9 @@ void write_filters(CanFilters filters) {
                kRefuseOther << kOtherExtendedShift | kRefuseRemote);
 }
 
+// Away from the bus nothing may be asked for: frames wait.
 void fill_transmit_buffers() {
+  if (kCccr.any(kInit)) return;
   while (waiting.head != waiting.tail) {
     const std::uint32_t state = kTxfqs.read();
     if ((state & kTxFull) != 0) return;
@@ -121,11 +146,12 @@ void Stm32CanPort::open(CanFilters filters) {
   kCccr.set(kFdOperation | kBitRateSwitch);
   kNbtp.write(kNominalTiming);
   kDbtp.write(kDataTiming);
+  kTdcr.write(kDelayOffset);
   for (std::uint32_t k = 0; k < kRamBytes; k += 4) word(k, 0);
   write_filters(filters);
   kTxbc.write(0);  // FIFO: frames leave in the order they came
   kTxbtie.write(7);
-  kIe.write(kRxNew | kRxLost | kTxDone | kBusOff);
+  kIe.write(kRxNew | kRxLost | kTxDone | kRamFailed | kBusOff);
   kIle.write(1);
   kCccr.clear(kInit);
   while (kCccr.any(kInit)) {
@@ -159,11 +185,50 @@ std::optional<wire::CanFrame> Stm32CanPort::receive() {
   return frame;
 }
 
+void Stm32CanPort::note_bus_off() {
+  constexpr std::uint64_t kFirstPause_us = 10'000, kMaxPause_us = 1'000'000, kCalm_us = 5'000'000;
+  const std::uint64_t now_us = microseconds();
+  bus_offs_ = bus_offs_ + 1;
+  const bool calm = pause_us_ == 0 || now_us > joined_at_us_ + kCalm_us;
+  pause_us_ = calm ? kFirstPause_us : std::min(2 * pause_us_, kMaxPause_us);
+  rejoin_at_us_ = now_us + pause_us_;
+}
+
+// The block sends again when it has seen 129 times eleven recessive bits (§44.3.3).
+void Stm32CanPort::step(std::uint64_t now_us) {
+  const InterruptLock lock;
+  if (now_us < rejoin_at_us_) return;
+  rejoin_at_us_ = UINT64_MAX;
+  joined_at_us_ = now_us;
+  kCccr.clear(kInit);
+  while (kCccr.any(kInit)) {  // the block takes some clocks of its own to follow
+  }
+  fill_transmit_buffers();
+}
+
+void Stm32CanPort::describe(wire::BoardHealth& h) const {
+  const std::uint32_t counters = kEcr.read(), status = kPsr.read();
+  h.can_send_errors = static_cast<std::uint8_t>(counters & kSendErrorsMask);
+  h.can_receive_errors = static_cast<std::uint8_t>(counters >> kReceiveErrorsShift & kReceiveErrorsMask);
+  h.can_last_error = static_cast<std::uint8_t>(status & kLastErrorMask);
+  h.can_state = static_cast<std::uint8_t>(((status & kPsrWarning) != 0 ? wire::can_state::kWarning : 0) |
+                                          ((status & kPsrPassive) != 0 ? wire::can_state::kErrorPassive : 0) |
+                                          ((status & kPsrBusOff) != 0 ? wire::can_state::kBusOff : 0));
+  h.bus_offs = bus_offs_;
+  h.can_ram_failures = ram_failures_;
+  h.can_lost = triskin_budget.can_lost;
+}
+
 void Stm32CanPort::on_interrupt() {
   const std::uint32_t flags = kIr.read();
   kIr.write(flags);
   if ((flags & kRxLost) != 0) ++triskin_budget.can_lost;
-  if ((flags & kBusOff) != 0) kCccr.clear(kInit);  // joins again after 128 idle sequences (§44.3.3)
+  if ((flags & kRamFailed) != 0) {
+    ram_failures_ = static_cast<std::uint16_t>(ram_failures_ + 1);
+    // the block sets it by itself, and would neither acknowledge nor send for ever (§44.3.3)
+    kCccr.clear(kRestricted);
+  }
+  if ((flags & kBusOff) != 0 && kPsr.any(kPsrBusOff)) note_bus_off();
   for (std::uint32_t state = kRxf0s.read(); (state & kFifoLevelMask) != 0; state = kRxf0s.read()) {
     const std::uint32_t index = state >> kFifoGetShift & kFifoIndexMask;
     if (received.full()) {

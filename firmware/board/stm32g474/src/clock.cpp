@@ -1,14 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <optional>
+
+#include "crash.hpp"
 #include "triskin/board/board.hpp"
+#include "triskin/board/clock_plan.hpp"
 #include "triskin/board/priorities.hpp"
 #include "triskin/board/registers/system.hpp"
+#include "triskin/board/registers/timer16.hpp"
+#include "triskin/board/survivor.hpp"
 
-extern "C" void tim2_handler();
+extern "C" {
+void tim2_handler();
+void serve_timer(const std::uint32_t* frame);
+}
 
 namespace triskin::board {
 namespace {
 
-constexpr std::uint32_t kHseWaitLoops = 200'000;  // crystals start within 10 ms
+// Bounds of what is waited for, in looks of some five cycles at 16 MHz. A clock that does not come must not keep the
+// loader from a host that could help.
+constexpr std::uint32_t kCrystalLooks = 200'000;  // 60 ms; crystals start within 10 ms
+constexpr std::uint32_t kPllLooks = 10'000;       // 3 ms; the PLL locks within 40 µs (DS12288)
+constexpr std::uint32_t kCaptureLooks = 1'000;    // 300 µs; eight periods of the slowest crystal by 32 are 64 µs
 
 void raise_core_voltage() {
   rcc_reg::kApb1Enr1.set(rcc_reg::kPwr);
@@ -16,30 +30,88 @@ void raise_core_voltage() {
   pwr_reg::kCr5.clear(pwr_reg::kNoBoost);
 }
 
-bool start_crystal() {
-  rcc_reg::kCr.set(rcc_reg::kHseOn);
-  for (std::uint32_t k = 0; k < kHseWaitLoops; ++k) {
-    if (rcc_reg::kCr.any(rcc_reg::kHseReady)) return true;
+bool wait_for(Register reg, std::uint32_t mask, std::uint32_t looks) {
+  for (std::uint32_t k = 0; k < looks; ++k) {
+    if (reg.any(mask)) return true;
   }
   return false;
 }
 
-// Crystal or 16 MHz oscillator, divided to 4 MHz, · 85 / 2 = 170 MHz (R = 2 is 0 in bits 25–26).
-static_assert(TRISKIN_CRYSTAL_MHZ % 4 == 0 && TRISKIN_CRYSTAL_MHZ >= 4 && TRISKIN_CRYSTAL_MHZ <= 48);
-constexpr std::uint32_t kPllCommon = 85U << rcc_reg::kPllNShift | rcc_reg::kPllREnable;
-constexpr std::uint32_t kPllCrystal =
-    rcc_reg::kPllFromHse | (TRISKIN_CRYSTAL_MHZ / 4 - 1U) << rcc_reg::kPllMShift | kPllCommon;
-constexpr std::uint32_t kPllInternal = rcc_reg::kPllFromHsi | (4U - 1U) << rcc_reg::kPllMShift | kPllCommon;
+bool start_crystal() {
+  rcc_reg::kCr.set(rcc_reg::kHseOn);
+  return wait_for(rcc_reg::kCr, rcc_reg::kHseReady, kCrystalLooks);
+}
 
-}  // namespace
+// The count at the next captured edge, every eighth of the crystal by 32. Empty: none came, or one was missed.
+std::optional<std::uint16_t> next_edge() {
+  using namespace tim16_reg;
+  if (!wait_for(kSr, kCaptured, kCaptureLooks)) return std::nullopt;
+  const auto count = static_cast<std::uint16_t>(kCcr1.read());  // reading takes the flag back
+  if (kSr.any(kOvercaptured)) return std::nullopt;
+  return count;
+}
 
-void start_clocks() {
-  if ((rcc_reg::kCfgr.read() >> rcc_reg::kStatusShift & 3U) == rcc_reg::kSwitchPll) return;  // the loader did it
-  raise_core_voltage();
-  rcc_reg::kPllCfgr.write(start_crystal() ? kPllCrystal : kPllInternal);
+// The core runs from the internal oscillator of 16 MHz now, and so does TIM16. 256 periods of the crystal by 32 are
+// counted: 2 ms with 4 MHz, which the sixteen bits of the counter hold, and 5,243 counts with 25 MHz.
+std::optional<std::uint32_t> measure_crystal_hz() {
+  using namespace tim16_reg;
+  constexpr std::uint32_t kCaptures = 32, kCycles = kCaptures * 8 * 32;
+  rcc_reg::kApb2Enr.set(rcc_reg::kTim16);
+  (void)rcc_reg::kApb2Enr.read();
+  kTisel.write(kCrystalBy32);
+  kCcmr1.write(kCaptureFromInput | kEachEighthEdge);
+  kCcer.write(kCaptureOn);
+  kCr1.write(kEnable);
+  kSr.write(0);       // edges that came before
+  (void)next_edge();  // may be one of before the edges counted
+  const auto first = next_edge();
+  auto last = first;
+  for (std::uint32_t k = 0; k < kCaptures && last; ++k) last = next_edge();
+  kCr1.write(0);
+  rcc_reg::kApb2Enr.clear(rcc_reg::kTim16);
+  if (!first || !last) return std::nullopt;
+  const auto counts = static_cast<std::uint16_t>(*last - *first);
+  constexpr std::uint64_t kInternal_hz = 16'000'000;
+  return counts == 0 ? std::nullopt : std::optional(static_cast<std::uint32_t>(kCycles * kInternal_hz / counts));
+}
+
+bool start_pll(std::uint32_t source, PllSetting setting) {
+  rcc_reg::kPllCfgr.write(source | (setting.divider - 1) << rcc_reg::kPllMShift |
+                          setting.factor << rcc_reg::kPllNShift |
+                          rcc_reg::kPllREnable);  // R = 2 is 0 in bits 25 and 26
   rcc_reg::kCr.set(rcc_reg::kPllOn);
-  while (!rcc_reg::kCr.any(rcc_reg::kPllReady)) {
+  if (wait_for(rcc_reg::kCr, rcc_reg::kPllReady, kPllLooks)) return true;
+  rcc_reg::kCr.clear(rcc_reg::kPllOn);
+  for (std::uint32_t k = 0; k < kPllLooks && rcc_reg::kCr.any(rcc_reg::kPllReady); ++k) {
   }
+  return false;
+}
+
+// From the crystal when there is one that can be used. The reason why not stands in the result.
+wire::ClockState choose_pll() {
+  constexpr PllSetting kInternal = pll_setting(16'000'000).value();
+  wire::ClockState state;
+  if (!start_crystal()) {
+    state.crystal = wire::Crystal::kSilent;
+  } else if (const auto measured = measure_crystal_hz(); !measured) {
+    state.crystal = wire::Crystal::kNotMeasured;
+  } else {
+    state.measured_khz = static_cast<std::uint16_t>(std::min<std::uint32_t>(*measured / 1000, 0xFFFF));
+    const auto crystal_hz = crystal_near(*measured);
+    state.crystal = crystal_hz ? wire::Crystal::kUsed : wire::Crystal::kUnknown;
+    if (crystal_hz && start_pll(rcc_reg::kPllFromHse, *pll_setting(*crystal_hz))) {
+      state.crystal_mhz = static_cast<std::uint8_t>(*crystal_hz / 1'000'000);
+      rcc_reg::kCr.set(rcc_reg::kClockSecurity);  // a crystal that stops ends in an NMI, not in silence
+      return state;
+    }
+    if (crystal_hz) state.crystal = wire::Crystal::kNoLock;
+  }
+  rcc_reg::kCr.clear(rcc_reg::kHseOn);
+  if (!start_pll(rcc_reg::kPllFromHsi, kInternal)) state.crystal = wire::Crystal::kNoPll;
+  return state;
+}
+
+void switch_to_pll() {
   // The other bits stay: without DBG_SWEN (1 at reset) a debugger is shut out (§3.7.1).
   flash_reg::kAcr.modify(flash_reg::kLatencyMask, flash_reg::kLatency4 | flash_reg::kPrefetch |
                                                       flash_reg::kInstructionCache | flash_reg::kDataCache);
@@ -54,19 +126,31 @@ void start_clocks() {
   rcc_reg::kCfgr.clear(rcc_reg::kAhbMask);
 }
 
+}  // namespace
+
+void start_clocks() {
+  if ((rcc_reg::kCfgr.read() >> rcc_reg::kStatusShift & 3U) == rcc_reg::kSwitchPll) return;  // the loader did it
+  raise_core_voltage();
+  survivor().clock = choose_pll();
+  if (survivor().clock.crystal == wire::Crystal::kNoPll) fail(wire::CrashCause::kClock);
+  switch_to_pll();
+}
+
 namespace {
 std::uint32_t last_count = 0;
 std::uint32_t wraps = 0;
+bool counting = false;
 }  // namespace
 
 void start_microseconds() {
   rcc_reg::kApb1Enr1.set(rcc_reg::kTim2);
   (void)rcc_reg::kApb1Enr1.read();
-  tim2_reg::kPsc.write(170 - 1);
+  tim2_reg::kPsc.write(kSysclk_hz / 1'000'000 - 1);
   tim2_reg::kArr.write(0xFFFFFFFF);
   tim2_reg::kEgr.write(tim2_reg::kUpdate);  // loads the prescaler
   tim2_reg::kSr.write(0);
   tim2_reg::kCr1.write(tim2_reg::kEnable);
+  counting = true;
   core_reg::set_priority(tim2_reg::kIrq, priority::kTimer);
   core_reg::enable_interrupt(tim2_reg::kIrq);
 }
@@ -80,9 +164,10 @@ std::uint64_t microseconds() {
 }
 
 void wake_at(std::uint64_t at_us) {
+  const InterruptLock lock;  // the handler changes the same registers
   tim2_reg::kCcr1.write(static_cast<std::uint32_t>(at_us));
   tim2_reg::kSr.write(~tim2_reg::kCompare1);
-  tim2_reg::kDier.write(tim2_reg::kCompare1);
+  tim2_reg::kDier.set(tim2_reg::kCompare1);
   // A time that has just passed would be missed for a whole turn of the counter.
   if (microseconds() >= at_us) tim2_reg::kEgr.write(tim2_reg::kCompare1);
 }
@@ -97,8 +182,15 @@ void start_watchdog() {
   iwdg_reg::kKr.write(iwdg_reg::kReload);
 }
 
+// The watchdog's oscillator may be as fast as 34 kHz (DS12288): then it bites after 1.88 s.
 void feed_watchdog() {
+  constexpr std::uint32_t kWarning_us = 1'700'000;
   iwdg_reg::kKr.write(iwdg_reg::kReload);
+  if (!counting) return;
+  const InterruptLock lock;
+  tim2_reg::kCcr2.write(tim2_reg::kCnt.read() + kWarning_us);
+  tim2_reg::kSr.write(~tim2_reg::kCompare2);
+  tim2_reg::kDier.set(tim2_reg::kCompare2);
 }
 
 wire::UniqueId unique_id() {
@@ -112,9 +204,15 @@ wire::UniqueId unique_id() {
 
 }  // namespace triskin::board
 
-extern "C" void tim2_handler() {
+// The frame of the exception says where the program was.
+extern "C" [[gnu::naked]] void tim2_handler() {
+  asm volatile("mov r0, sp\n b serve_timer");
+}
+
+extern "C" void serve_timer(const std::uint32_t* frame) {
   using namespace triskin::board;
-  tim2_reg::kSr.write(0);
-  tim2_reg::kDier.write(0);
+  if ((tim2_reg::kSr.read() & tim2_reg::kDier.read() & tim2_reg::kCompare2) != 0) note_hang(frame);
+  tim2_reg::kSr.write(~tim2_reg::kCompare1);
+  tim2_reg::kDier.clear(tim2_reg::kCompare1);
   asm volatile("dsb" ::: "memory");  // a store may not overlap the return (Cortex-M4 erratum 838869)
 }

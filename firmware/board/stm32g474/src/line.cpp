@@ -27,8 +27,8 @@ constexpr LinePlace kPlaces[4] = {
 constexpr std::uint32_t kInterrupts = kNackInterrupt | kStopInterrupt | kCompleteInterrupt | kErrorInterrupt;
 constexpr auto kTiming = compute_i2c_timing({});
 static_assert(kTiming.has_value());
-constexpr std::uint64_t kSlack_us = 800;      // above the bytes: slow edges, clock stretching, interrupt latency
-constexpr std::uint32_t kSclLowTimeout = 82;  // (82 + 1) · 2048 / 170 MHz = 1.0 ms of SCL low
+constexpr std::uint64_t kSlack_us = 800;  // above the bytes: slow edges, clock stretching, interrupt latency
+constexpr std::uint32_t kSclLowTimeout = kSysclk_hz / 1000 / 2048;  // 1.0 ms of SCL low, in units of 2048 clocks
 // The counters of the DMA stand still while two bytes that it sent ahead, an address and the first byte read are on the
 // line: four times 27 µs, and the 1.0 ms for which a chip may hold SCL low after each.
 constexpr std::uint64_t kStill_us = 4'200;
@@ -77,7 +77,7 @@ void Stm32I2cLine::open(const LinePlace& place) {
 void Stm32I2cLine::pins_to_bus() const {
   for (const Pin pin : {place_.scl, place_.sda}) {
     const Gpio g(pin);
-    g.no_pull();  // PA15 has the debugger's pull-up after a reset
+    g.pull_up();  // 40 kΩ beside the line's own: a line that nobody uses must not float, or it is found held low
     g.open_drain();
     g.alternate(place_.alternate);
     g.mode(PinMode::kAlternate);
@@ -85,13 +85,13 @@ void Stm32I2cLine::pins_to_bus() const {
 }
 
 void Stm32I2cLine::enable() {
-  reg(kTimingr).write(kTiming->value());  // only while the block is off (§41.9.5)
+  reg(kTimingr).write(kTiming->value());  // only while the block is off (§39.9.5)
   reg(kTimeoutr).write(kSclLowTimeout);
   reg(kTimeoutr).write(kSclLowTimeout | kTimeoutEnable);
   reg(kCr1).write(kEnable | kInterrupts | kSendByDma | kReceiveByDma);
 }
 
-// Clearing PE is the block's reset; it must stay off for three bus clocks (§41.4.6).
+// Clearing PE is the block's reset; it must stay off for three bus clocks (§39.4.6).
 void Stm32I2cLine::disable() {
   reg(kCr1).write(0);
   (void)reg(kCr1).read();

@@ -6,9 +6,11 @@
 
 #include "can.hpp"
 #include "flash_area.hpp"
+#include "light.hpp"
 #include "triskin/board/board.hpp"
 #include "triskin/board/flash_map.hpp"
 #include "triskin/board/registers/system.hpp"
+#include "triskin/board/survivor.hpp"
 #include "triskin/boot/dfu_device.hpp"
 #include "triskin/boot/loader.hpp"
 #include "usb.hpp"
@@ -27,19 +29,37 @@ constexpr std::uint64_t kLook_us = 10'000;
   __builtin_unreachable();
 }
 
-void start_newest() {
+// The image to start; -1: none. An image that has crashed so often is left for the other one, and after as many crashes
+// of that one the loader waits for a host, or for the next power-up.
+int slot_to_start() {
   const int slot = application_slots.choose();
+  const std::uint32_t crashes = survivor().crashes_in_row;
+  if (slot < 0 || crashes < kMaxCrashesInRow) return slot;
+  const bool other = application_slots.inspect(1 - slot).valid;
+  return other && crashes < 2 * kMaxCrashesInRow ? 1 - slot : -1;
+}
+
+void start_image() {
+  const int slot = slot_to_start();
   if (slot < 0) return;
-  if (!application_slots.inspect(slot).confirmed && !application_slots.note_start(slot)) return;
-  start_watchdog();  // a new application that hangs comes back here
+  if (!application_slots.inspect(slot).confirmed) (void)application_slots.note_start(slot);
+  feed_watchdog();  // a new application that hangs comes back here
+  note_application_starts();
   core_reg::reset_peripherals();
   start(slot);
 }
 
+// A host asks for it: it may have brought an image that does not crash.
+void start_on_request() {
+  survivor().crashes_in_row = 0;
+  start_image();
+}
+
 // Back to the application; without one the loader begins anew, and so does a host that has not given up.
-[[noreturn]] void leave_dfu() {
+[[noreturn]] void leave_dfu(bool committed) {
   usb.close();
-  start_newest();
+  if (committed) survivor().crashes_in_row = 0;
+  start_image();
   core_reg::reset();
 }
 
@@ -56,35 +76,67 @@ void sleep_until(std::uint64_t at_us) {
 }  // namespace
 }  // namespace triskin::board
 
+namespace triskin::board {
+namespace {
+
+// What the loader does until an application starts.
+class Waiting {
+ public:
+  Waiting() : loader_(application_slots, can, unique_id()), window_end_us_(microseconds() + wire::loader::kWindow_us) {}
+
+  [[noreturn]] void run(bool dfu_wanted) {
+    if (dfu_wanted) open_dfu(true);
+    for (;;) {
+      while (const auto frame = can.receive()) {
+        if (loader_.handle(*frame, microseconds())) start_on_request();
+      }
+      usb.serve();
+      can.step(microseconds());
+      const std::uint64_t end_us = std::max(window_end_us_, loader_.stays_until_us());
+      if (dfu_)
+        serve_dfu(end_us);
+      else if (microseconds() >= end_us)
+        start_or_wait();
+      if (dfu_) show(Light::kLoader, microseconds());
+      feed_watchdog();
+      sleep_until(dfu_ ? std::max(end_us, dfu_->next_event_us()) : end_us);
+    }
+  }
+
+ private:
+  void open_dfu(bool leaves) {
+    dfu_.emplace(application_slots, unique_id(), leaves);
+    dfu_->tick(microseconds());
+    usb.open(*dfu_, false);
+  }
+  void start_or_wait() {
+    start_image();
+    open_dfu(false);  // there is none that may start: it waits for as long as it takes
+  }
+  void serve_dfu(std::uint64_t can_until_us) {
+    dfu_->tick(microseconds());
+    const bool host_on_can = microseconds() < can_until_us;
+    if (dfu_->wants_to_reconnect() && usb.idle() && !host_on_can) leave_dfu(dfu_->committed());
+  }
+
+  boot::Loader loader_;
+  std::optional<boot::DfuDevice> dfu_;
+  std::uint64_t window_end_us_;
+};
+
+}  // namespace
+}  // namespace triskin::board
+
 int main() {
   using namespace triskin::board;
+  open_survivor();
+  start_watchdog();
   start_clocks();
   start_microseconds();
+  open_light();
+  const bool wanted = take_dfu_request();
+  const bool pressed = take_double_reset();
   can.open(CanFilters::kLoader);
-  triskin::boot::Loader loader(application_slots, can, unique_id());
-  static std::optional<triskin::boot::DfuDevice> dfu;
-  bool dfu_wanted = take_dfu_request();
-  const std::uint64_t window_end = microseconds() + triskin::wire::loader::kWindow_us;
-  for (;;) {
-    while (const auto frame = can.receive()) {
-      if (loader.handle(*frame, microseconds())) start_newest();
-    }
-    if (dfu_wanted && !dfu) {
-      dfu.emplace(application_slots, unique_id());
-      dfu->tick(microseconds());
-      usb.open(*dfu, false);
-    }
-    usb.serve();
-    std::uint64_t end = std::max(window_end, loader.stays_until_us());
-    if (dfu) {
-      dfu->tick(microseconds());
-      end = std::max(end, dfu->next_event_us());
-      if (dfu->wants_to_reconnect() && usb.idle()) leave_dfu();
-    } else if (microseconds() >= end) {
-      start_newest();
-      dfu_wanted = true;  // there is none
-    }
-    feed_watchdog();
-    sleep_until(end);
-  }
+  static Waiting waiting;
+  waiting.run(wanted || pressed);
 }

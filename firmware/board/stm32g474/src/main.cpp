@@ -5,25 +5,26 @@
 #include "can.hpp"
 #include "chain.hpp"
 #include "flash_area.hpp"
+#include "health.hpp"
+#include "light.hpp"
 #include "line.hpp"
 #include "triskin/app/application.hpp"
 #include "triskin/board/board.hpp"
 #include "triskin/board/budget.hpp"
 #include "triskin/board/flash_map.hpp"
 #include "triskin/board/registers/system.hpp"
+#include "triskin/board/survivor.hpp"
 #include "triskin/boot/image_receiver.hpp"
 #include "triskin/layout/image_label.hpp"
 #include "triskin/logic/usb/usb_device.hpp"
 #include "usb.hpp"
 
-extern "C" std::uint32_t triskin_stack_bottom, triskin_stack_top;
-
 namespace triskin::board {
 namespace {
 
 constexpr std::uint64_t kLongestSleep_us = 100'000;    // the watchdog is fed at least this often
-constexpr std::uint64_t kConfirmAfter_us = 2'000'000;  // a new application that lived so long keeps its slot
-constexpr std::uint32_t kStackPaint = 0x5AFE5AFE;
+constexpr std::uint64_t kSupplyStands_us = 2'000'000;  // since power-up
+constexpr std::uint64_t kWorksWell_us = 60'000'000;    // crashes before this are in a row
 
 class Stm32Clock final : public fw::Clock {
  public:
@@ -32,7 +33,13 @@ class Stm32Clock final : public fw::Clock {
 
 class Stm32Restart final : public fw::Restart {
  public:
-  void restart() override { core_reg::reset(); }
+  void restart() override {
+    survivor().running = 0;
+    core_reg::reset();
+  }
+  void confirm() override {
+    if (const int slot = running_slot(); slot >= 0) application_slots.confirm(slot);
+  }
   std::optional<wire::ImageState> image_state() override {
     const int slot = running_slot();
     if (slot < 0) return std::nullopt;
@@ -42,12 +49,6 @@ class Stm32Restart final : public fw::Restart {
 
 Stm32Clock system_clock;
 Stm32Restart stm32_restart;
-
-std::uint32_t untouched_stack() {
-  const std::uint32_t* p = &triskin_stack_bottom;
-  while (p < &triskin_stack_top && *p == kStackPaint) ++p;
-  return static_cast<std::uint32_t>(p - &triskin_stack_bottom) * 4;
-}
 
 // What the image says about itself (layout/image_label.hpp).
 struct Label {
@@ -64,13 +65,17 @@ extern "C" const char triskin_vectors;
 
 // The application inside whose step() an erase goes on.
 fw::Application* sampling = nullptr;
-constexpr BusyWork kSampling{[] { sampling->step_during_flash(); },
+constexpr BusyWork kSampling{[] {
+                               sampling->step_during_flash();
+                               usb.stream();
+                             },
                              [] {
                                if (std::ranges::any_of(lines, [](const Stm32I2cLine& l) { return l.finished(); }))
                                  return std::uint64_t{0};
                                std::uint64_t next = sampling->next_during_flash_us();
                                for (const Stm32I2cLine& line : lines) next = std::min(next, line.deadline_us());
-                               return next;
+                               const std::uint64_t look_us = usb.stream_again_us();
+                               return look_us == UINT64_MAX ? next : std::min(next, microseconds() + look_us);
                              }};
 
 bool work_waits(const fw::Application& application) {
@@ -104,25 +109,60 @@ void sleep_until(std::uint64_t at_us, const fw::Application& application) {
   core_reg::reset();
 }
 
+// Once each: what is set in the life of a board is set when its supply stands; crashes after a minute of work are no
+// loop.
+class Milestones {
+ public:
+  void look(std::uint64_t now_us) {
+    if (!options_set_ && now_us > kSupplyStands_us) {
+      if ((triskin_budget.findings & kMendable) != 0) (void)set_options_of_a_board();
+      options_set_ = true;
+    }
+    if (!counted_ && now_us > kWorksWell_us) {
+      survivor().crashes_in_row = 0;
+      counted_ = true;
+    }
+    if (now_us > kDoubleReset_us) end_double_reset();
+    survivor().uptime_ms = static_cast<std::uint32_t>(now_us / 1000);
+  }
+
+ private:
+  static constexpr std::uint32_t kMendable = finding::kBootByPin | finding::kLowBrownOut;
+  static constexpr std::uint64_t kDoubleReset_us = 500'000;
+  bool options_set_ = false, counted_ = false;
+};
+
+Light light_of(fw::Application::Condition condition) {
+  using enum fw::Application::Condition;
+  switch (condition) {
+    case kNoTable:
+      return Light::kNoTable;
+    case kSampling:
+      return Light::kSampling;
+    case kStreaming:
+      return Light::kStreaming;
+    case kFault:
+      break;
+  }
+  return Light::kFault;
+}
+
 [[noreturn]] void run(fw::Application& application, fw::UsbDevice& device) {
-  bool confirmed = false;
+  Milestones milestones;
   for (;;) {
     const std::uint64_t start = microseconds();
     usb.serve();
+    can.step(start);
     application.step();
     usb.send();
     if (device.wants_to_reconnect() && usb.idle()) enter_dfu();
     feed_watchdog();
-    if (!confirmed && start > kConfirmAfter_us) {
-      if (const int slot = running_slot(); slot >= 0) application_slots.confirm(slot);
-      // The supply has stood for two seconds. Once in the life of a board.
-      if ((triskin_budget.findings & finding::kBootByPin) != 0) (void)boot_from_flash_always();
-      confirmed = true;
-    }
-    std::uint64_t next = std::min(application.next_event_us(), start + kLongestSleep_us);
+    milestones.look(start);
+    show(light_of(application.condition()), start);
+    std::uint64_t next = std::min({application.next_event_us(), start + kLongestSleep_us, can.next_event_us()});
     for (const Stm32I2cLine& line : lines) next = std::min(next, line.deadline_us());
     ++triskin_budget.loops;
-    if (triskin_budget.loops % 1024 == 0) triskin_budget.stack_free_bytes = untouched_stack();
+    if (triskin_budget.loops % 1024 == 0) measure_stack();
     triskin_budget.worst_loop_us =
         std::max(triskin_budget.worst_loop_us, static_cast<std::uint32_t>(microseconds() - start));
     sleep_until(next, application);
@@ -134,12 +174,13 @@ void sleep_until(std::uint64_t at_us, const fw::Application& application) {
 
 int main() {
   using namespace triskin::board;
-  triskin_budget.reset_cause = rcc_reg::kCsr.read();
-  rcc_reg::kCsr.set(rcc_reg::kRemoveResetFlags);
+  open_survivor();
+  triskin_budget.reset_cause = survivor().reset_flags;
   start_clocks();
   start_microseconds();
   start_watchdog();
   triskin_budget.findings = inspect_board();
+  open_light();
   open_lines();
   can.open(CanFilters::kApplication);
   route_chain.open();
@@ -155,7 +196,8 @@ int main() {
                                                &device,
                                                &route_chain,
                                                &stm32_restart,
-                                               running_slot() >= 0 ? &receiver : nullptr});
+                                               running_slot() >= 0 ? &receiver : nullptr,
+                                               &monitor});
   sampling = &application;
   do_while_erasing(&kSampling);
   run(application, device);

@@ -3,6 +3,7 @@
 #include "triskin/board/budget.hpp"
 #include "triskin/board/registers/pins.hpp"
 #include "triskin/board/registers/system.hpp"
+#include "triskin/board/survivor.hpp"
 
 namespace triskin::board {
 
@@ -20,15 +21,17 @@ std::uint32_t inspect_board() {
   if ((options & kDualBank) == 0) found |= finding::kSingleBank;
   if ((options & kBootByPin) != 0) found |= finding::kBootByPin;
   if (boot_pin.level()) found |= finding::kBootPinHigh;
+  if ((options & kBrownOutMask) < kBrownOut28) found |= finding::kLowBrownOut;
+  if (survivor().clock.crystal != wire::Crystal::kUsed) found |= finding::kNoCrystal;
   if ((options & kReadProtectionMask) != kNotProtected) found |= finding::kOptionsProtected;
   return found;
 }
 
 // RM0440 §3.4.2. The chip follows the new bytes after its next power-up.
-bool boot_from_flash_always() {
+bool set_options_of_a_board() {
   const std::uint32_t options = kOptr.read();
   if ((options & kReadProtectionMask) != kNotProtected || (options & kDualBank) == 0) return false;
-  return write_flash_options((options & ~kBootByPin) | kBootOptionFlash);
+  return write_flash_options((options & ~(kBootByPin | kBrownOutMask)) | kBootOptionFlash | kBrownOut28);
 }
 
 }  // namespace triskin::board

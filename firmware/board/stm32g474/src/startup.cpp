@@ -11,6 +11,7 @@
 #include "triskin/board/registers/i2c.hpp"
 #include "triskin/board/registers/system.hpp"
 #include "triskin/board/registers/usb.hpp"
+#include "triskin/board/survivor.hpp"
 #include "triskin/layout/image_label.hpp"
 
 extern "C" {
@@ -26,7 +27,8 @@ void reset_handler();
 [[noreturn]] void start_up();
 int main();
 void nmi_handler();
-[[noreturn]] void hard_fault_handler();
+void hard_fault_handler();
+void note_fault(const std::uint32_t* frame);
 void default_handler();
 // A part of the board overrides the handlers that it owns.
 #define TRISKIN_HANDLER(name) void name() __attribute__((weak, alias("default_handler")))
@@ -46,23 +48,25 @@ TRISKIN_HANDLER(i2c4_error_handler);
 
 triskin::board::Budget triskin_budget;
 
-// Survives every reset but power-off: the loader and the application agree on its place through the linker script.
 extern "C" {
-[[gnu::section(".survivor")]] std::uint32_t triskin_last_failure[4];
+// The linker scripts of the loader and of the application put it at the same place, right behind the stack.
+[[gnu::section(".survivor")]] triskin::board::Survivor triskin_survivor;
+// A stack that has overflowed cannot serve the handler of the fault.
+alignas(8) std::uint32_t triskin_fault_stack[128];
 // Objects live for ever: nothing is destroyed at an exit that does not come, and there is no heap to give back to.
 void* __dso_handle = nullptr;
 int __cxa_atexit(void (*)(void*), void*, void*) {
   return 0;
 }
 [[noreturn]] void __cxa_pure_virtual() {
-  triskin::board::fail(2);
+  triskin::board::fail(triskin::wire::CrashCause::kProgram);
 }
 }
 void operator delete(void*) noexcept {
-  triskin::board::fail(3);
+  triskin::board::fail(triskin::wire::CrashCause::kProgram);
 }
 void operator delete(void*, std::size_t) noexcept {
-  triskin::board::fail(3);
+  triskin::board::fail(triskin::wire::CrashCause::kProgram);
 }
 
 namespace triskin::board {
@@ -70,7 +74,6 @@ namespace {
 
 using Handler = void (*)();
 constexpr int kInterrupts = 102;  // RM0440 table 97
-constexpr std::uint32_t kFailureMark = 0xFA11ED00, kDfuMark = 0xDF0DF0DF;
 constexpr std::uint32_t kStackPaint = 0x5AFE5AFE;
 
 struct Vectors {
@@ -111,19 +114,6 @@ constinit const Vectors triskin_vectors = make_vectors();
 
 std::uint32_t image_origin() {
   return reinterpret_cast<std::uint32_t>(&triskin_vectors);
-}
-
-void request_dfu() {
-  triskin_last_failure[3] = kDfuMark;
-}
-bool take_dfu_request() {
-  return std::exchange(triskin_last_failure[3], 0U) == kDfuMark;
-}
-
-void fail(std::uint32_t reason) {
-  triskin_last_failure[0] = kFailureMark;
-  triskin_last_failure[1] = reason;
-  core_reg::reset();
 }
 
 }  // namespace triskin::board
@@ -174,20 +164,34 @@ void start_up() {
   for (const Constructor* c = &triskin_constructors_start; c < &triskin_constructors_end; ++c) (*c)();
   asm volatile("cpsie i" ::: "memory");
   main();
-  fail(0);
+  fail(triskin::wire::CrashCause::kProgram);
 }
 
-// The only source in use is the flash: a unit with two wrong bits, which a power cut left behind. Whoever reads it
-// checks a CRC, so it is counted and reading goes on (RM0440 §3.3.9).
+// Two things raise it. A unit of the flash with two wrong bits, which a power cut left behind: whoever reads it checks
+// a CRC, so it is counted and reading goes on (RM0440 §3.3.9). And the crystal when it stops: the core runs from the
+// internal oscillator now, at a tenth of its speed, and the loader starts the clocks anew.
 void nmi_handler() {
   using namespace triskin::board;
-  flash_reg::kEccr.write(flash_reg::kEccDetected);
-  ++triskin_budget.ecc_faults;
+  if (rcc_reg::kCifr.any(rcc_reg::kCrystalFailed)) {
+    rcc_reg::kCicr.write(rcc_reg::kCrystalFailed);
+    fail(triskin::wire::CrashCause::kClock);
+  }
+  const std::uint32_t ecc = flash_reg::kEccr.read();
+  flash_reg::kEccr.write(ecc & (flash_reg::kEccDetected | flash_reg::kEccDetectedHigh));
+  if ((ecc & (flash_reg::kEccDetected | flash_reg::kEccDetectedHigh)) != 0) ++triskin_budget.ecc_faults;
+  asm volatile("dsb" ::: "memory");  // the flag has fallen before the handler returns, else it would run again
 }
 
-void hard_fault_handler() {
-  triskin::board::fail(triskin::board::core_reg::kCfsr.read() | 1U);
+// On a stack of its own, with the stack pointer of the fault as the argument.
+[[gnu::naked]] void hard_fault_handler() {
+  asm volatile(
+      "mov r0, sp\n"
+      "ldr r1, =triskin_fault_stack + 512\n"
+      "msr msp, r1\n"
+      "b note_fault\n .ltorg");
 }
+static_assert(sizeof triskin_fault_stack == 512);
+
 void default_handler() {
-  triskin::board::fail(triskin::board::core_reg::kIcsr.read() & triskin::board::core_reg::kActiveMask);
+  triskin::board::fail(triskin::wire::CrashCause::kInterrupt);
 }

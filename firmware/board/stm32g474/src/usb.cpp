@@ -174,6 +174,25 @@ void Stm32Usb::send() {
   }
 }
 
+void Stm32Usb::stream() {
+  if (function_ == nullptr || !data_endpoints_) return;
+  for (std::size_t n = 1; n < kEndpoints; ++n) {
+    if (!endpoint(n).any(kSent)) continue;
+    clear_flag(n, kSent);
+    busy_[n] = false;
+  }
+  send();
+}
+
+// A full packet takes 50 µs on the bus.
+std::uint64_t Stm32Usb::stream_again_us() const {
+  constexpr std::uint64_t kLook_us = 100;
+  for (std::size_t n = 1; n < kEndpoints; ++n) {
+    if (busy_[n]) return kLook_us;
+  }
+  return UINT64_MAX;
+}
+
 // What was sent comes before what was received: a host begins the next stage only then.
 void Stm32Usb::serve_control(std::uint32_t state) {
   if ((state & kSent) != 0) {

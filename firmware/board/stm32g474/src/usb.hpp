@@ -23,6 +23,11 @@ class Stm32Usb {
   void serve();
   /// Hands packets that wait to end points that are free.
   void send();
+  /// While a page of the flash is erased: takes back end points whose packet has left, and gives them the next one.
+  /// What came waits for serve(). Neither reads the flash.
+  void stream();
+  /// When stream() may have work, µs from now: packets leave without an interrupt then. UINT64_MAX: none is under way.
+  [[nodiscard]] std::uint64_t stream_again_us() const;
   /// serve() has something to do.
   [[nodiscard]] bool work_waits() const { return pending_; }
   /// No control transfer is under way: its answer has reached the host.

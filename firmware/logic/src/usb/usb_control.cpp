@@ -45,8 +45,8 @@ std::optional<Bytes> UsbControl::handle(const wire::UsbSetup& s) {
   if (s.request == kGetDescriptor && (s.type == kDeviceIn || s.type == kInterfaceIn)) return descriptor(s);
   if (s.type == kVendorIn && s.request == usb::kMicrosoftCode && s.index == usb::kMicrosoftSet)
     return usb::microsoft_set(dfu_mode_);
-  if (s.request == kGetStatus && (s.type == kDeviceIn || s.type == kInterfaceIn || s.type == kEndpointIn))
-    return answer({0, 0});
+  if (s.request == kGetStatus && s.type == kDeviceIn) return answer({1, 0});  // self-powered
+  if (s.request == kGetStatus && (s.type == kInterfaceIn || s.type == kEndpointIn)) return answer({0, 0});
   if (s.type == kDeviceIn && s.request == kGetConfiguration) return answer({configuration_});
   if (s.type == kDeviceOut && s.request == kSetConfiguration) {
     if (s.value > 1) return std::nullopt;

@@ -12,6 +12,8 @@ namespace triskin::geometry {
 struct PreparedPolygon {
   Vec2 first = Vec2::Zero();   ///< subtracted first: inputs may lie 1e6 mm away
   Vec2 center = Vec2::Zero();  ///< subtracted next: a short lever arm keeps rotation bounds tight
+  /// Of a separation, mm: 1e-9, and in proportion to the radius where that is more than some 100 m.
+  double rounding_mm = 1e-9;
   std::vector<std::array<Vec2, 2>> edges;
   /// Edges as arrays, in the order of `edges`: first end, left unit normal, its product with the first end, the edge
   /// that starts at the second end.

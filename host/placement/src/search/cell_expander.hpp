@@ -9,6 +9,7 @@
 #include "kernels/evaluator.hpp"
 #include "kernels/slice_raster.hpp"
 #include "search/cell_list.hpp"
+#include "search/conflict_bound.hpp"
 
 namespace triskin::geometry {
 
@@ -30,6 +31,7 @@ struct Demand {
   double inset_mm = 0.0, tolerance_mm = 0.0, resolution_mm = 0.0;
   double last_inset_mm = 0.0;  ///< the inset may be raised up to this: tiles that hold with less are kept in the lists
   bool rising = false;         ///< the inset is raised when more than `best` tiles hold; `best` stays
+  bool conflicts = false;      ///< constraints that contradict each other are looked for: worth it in long searches
 };
 
 /// Result of expanding one cell.
@@ -53,6 +55,7 @@ class CellExpander {
         filter_(polygon, grid),
         raster_(polygon, grid),
         evaluator_(polygon, grid),
+        conflicts_(polygon, grid),
         grid_(grid) {}
 
   /// Children are the parts of the cell that may hold more than `best` tiles.
@@ -67,6 +70,10 @@ class CellExpander {
   void close_clipped(MotionBox whole, const MotionBox& clipped);
   void bound_slice(Cell& cell);
   void refine_slice(Cell& cell);
+  [[nodiscard]] bool closed_by_conflicts(Cell& cell, CellList& list);
+  void drop_dead(CellList& list);
+  void halve_angles(const Cell& cell, const CellList& list);
+  [[nodiscard]] bool unresolved(const Cell& cell);
   void look_ahead(Cell& cell, const CellList& list);
   struct OpenParts;
   void note_tie(const Cell& cell);
@@ -91,6 +98,7 @@ class CellExpander {
   CellFilter filter_;
   SliceRaster raster_;
   Evaluator evaluator_;
+  ConflictBound conflicts_;
   const TileGrid& grid_;
   CellFrame frame_;
   std::array<CellList, 2> lists_;

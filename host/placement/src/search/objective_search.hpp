@@ -24,9 +24,15 @@ class Objective {
   [[nodiscard]] virtual double slack(double value) const = 0;
 };
 
+struct ObjectiveLimits {
+  std::chrono::steady_clock::time_point deadline;
+  double memory_bytes = 0.0;  ///< of the cells that are open
+};
+
 struct ObjectiveResult {
   double value = 0.0, bound = 0.0;
   bool proved = false;
+  SearchStop stopped = SearchStop::kNone;
   Motion motion;
   std::int64_t cells = 0;
 };
@@ -37,7 +43,7 @@ struct ObjectiveResult {
 /// some microseconds a tile and cell.
 [[nodiscard]] ObjectiveResult search_objective(const PreparedPolygon& polygon, const TileGrid& grid,
                                                Objective& objective, double tolerance_mm, const Motion& first,
-                                               double bound, std::chrono::steady_clock::time_point deadline,
+                                               double bound, const ObjectiveLimits& limits,
                                                const ProgressSink& progress);
 
 }  // namespace triskin::geometry

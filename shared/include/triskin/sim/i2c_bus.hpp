@@ -23,6 +23,8 @@ class I2cBus {
   [[nodiscard]] virtual bool scl() const = 0;
   /// True when SDA is high.
   [[nodiscard]] virtual bool sda() const = 0;
+  /// The controller's own weak pull-ups are on or off: a line without others floats without them.
+  virtual void controller_pulls_up(bool) {}
   /// One SCL pulse of the bus-clear procedure (UM10204 §3.1.16).
   virtual void pulse_scl(std::uint64_t now_us) = 0;
 };

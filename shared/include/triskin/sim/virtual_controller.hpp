@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "triskin/layout/module.hpp"
 #include "triskin/sim/chain_model.hpp"
 #include "triskin/sim/flash_model.hpp"
 #include "triskin/sim/i2c_bus.hpp"
 #include "triskin/wire/can_frame.hpp"
+#include "triskin/wire/health.hpp"
 #include "triskin/wire/unique_id.hpp"
 #include "triskin/wire/usb_function.hpp"
 
@@ -24,7 +26,16 @@ struct VirtualBoard {
   bool can_fd = true;                               ///< the bus carries FD frames
   ChainModel* chain = nullptr;                      ///< of switched modules; null: the board has no chain
   FlashModel* slots = nullptr;  ///< the two application slots, one after the other; null: no loader, no firmware update
-  std::function<bool()> room{};  ///< a transmit buffer is free; empty: there is always one
+  std::function<bool()> room{};          ///< a transmit buffer is free; empty: there is always one
+  wire::BoardHealth health = healthy();  ///< what the board says about itself
+  std::optional<wire::Crash> crash{};    ///< what stopped it last, until a host clears the fault memory
+
+  [[nodiscard]] static wire::BoardHealth healthy() {
+    wire::BoardHealth h;
+    h.clock = {wire::Crystal::kUsed, 8, 8000};
+    h.reset_cause = wire::reset_cause::kPower;
+    return h;
+  }
 };
 
 /// Bytes of the two application slots.

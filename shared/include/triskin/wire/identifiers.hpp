@@ -16,8 +16,8 @@ inline constexpr std::uint16_t kActiveSession = 0xF186, kSerialNumber = 0xF18C, 
                                kActiveTable = 0xFD02, kModuleStates = 0xFD03, kStatistics = 0xFD04, kStream = 0xFD05,
                                kLineStates = 0xFD06, kTopology = 0xFD07, kRoute = 0xFD08, kImageState = 0xFD09,
                                kSampling = 0xFD0A, kOffsets = 0xFD0B, kStreamAccount = 0xFD0C, kCalibration = 0xFD0D,
-                               kAdoption = 0xFD0E, kLiveTaxels = 0xFD10, kFreezeTime = 0xFD21, kFreezeSample = 0xFD22,
-                               kIcub = 0xFD30;
+                               kAdoption = 0xFD0E, kLiveTaxels = 0xFD10, kBoardHealth = 0xFD11, kCrash = 0xFD12,
+                               kFreezeTime = 0xFD21, kFreezeSample = 0xFD22, kIcub = 0xFD30;
 }  // namespace did
 
 namespace routine {
@@ -40,7 +40,7 @@ struct Identifier {
   std::string_view value;            ///< fields in order, (bytes of each); little-endian where nothing is said
 };
 
-inline constexpr std::array<Identifier, 24> kIdentifiers{{
+inline constexpr std::array<Identifier, 26> kIdentifiers{{
     {did::kActiveSession, Access::kRead, 1, 1, "identity.hpp", "session (1): 1 default, 2 programming, 3 extended"},
     {did::kSerialNumber, Access::kRead, 12, 12, "identity.hpp", "unique id (12)"},
     {did::kPartNumber, Access::kRead, 8, 8, "identity.hpp", "\"TRISKIN1\""},
@@ -99,6 +99,20 @@ inline constexpr std::array<Identifier, 24> kIdentifiers{{
     {did::kLiveTaxels, Access::kRead, 12, 428, "live_taxels.hpp",
      "nominal sequences since power-up (4), time in µs (8), then per row of the table: valid taxels (2, a bit each), "
      "12 values of the converter (2 each)"},
+    {did::kBoardHealth, Access::kRead, 54, 54, "health.hpp",
+     "crystal (1): 0 used, 1 silent, 2 not measured, 3 unknown frequency, 4 no lock, 5 no PLL, 6 not said; its "
+     "frequency in MHz (1; 0: the internal oscillator is used), as measured in kHz (2); cause of the last reset (1; 1 "
+     "power, 2 pin, 4 software, 8 watchdog, 10 options), findings (2, a bit each: docs/bring_up.md), crashes in a row "
+     "(1); CAN: send and receive error counters (1 each), state (1; 1 warning, 2 error passive, 4 bus-off), last "
+     "error (1), times bus-off (4), received frames lost (4), message RAM failures (2); flash units with one wrong bit "
+     "(4), with two (4), writes refused (4); longest pass of the loop and longest interrupt in µs (4 each); stack: "
+     "bytes reserved, bytes never used (2 each); idle time in ‰ (2); reserved (6); refused where the board has none "
+     "of it"},
+    {did::kCrash, Access::kRead, 44, 44, "health.hpp",
+     "what stopped the controller last: cause (1): 1 fault, 2 stack overflow, 3 watchdog, 4 clock, 5 interrupt, 6 "
+     "program; a page was being erased (1), exception that ran (2; 0 the loop), PC, LR, SP, CFSR, HFSR, address of the "
+     "access, ms since its start, firmware version, origin of the image, crashes since power-up (4 each); lost with "
+     "the power; refused without one"},
     {did::kIcub, Access::kRead, 9, 9, "icub_commands.hpp",
      "flags (1; 1: the node address is above 14, so this is no iCub board, 2: an offset of the converter was asked for "
      "and not written, 4: an address was refused, 8: a command was refused), command refused last (1), commands "

@@ -39,6 +39,9 @@ class Application final : private UdsHost, private PatchControl {
   [[nodiscard]] std::uint64_t next_during_flash_us() const;
   /// Earliest time at which step() has work, not counting frames and line transfers, whose ends the board reports.
   [[nodiscard]] std::uint64_t next_event_us() const;
+  /// What a light of the board can show: a module that is not in order comes before everything else.
+  enum class Condition : std::uint8_t { kNoTable, kSampling, kStreaming, kFault };
+  [[nodiscard]] Condition condition() const;
   /// Frames wait for room in the CAN port: step() again when there is some.
   [[nodiscard]] bool frames_wait() const;
 
@@ -55,7 +58,7 @@ class Application final : private UdsHost, private PatchControl {
   Status set_calibration(Bytes value) override { return tables_.set_calibration(value); }
   [[nodiscard]] wire::StreamAccount stream_account() const override;
   [[nodiscard]] std::uint32_t dropped_samples() const override;
-  Status clear_faults() override { return faults_.clear() ? Status::kOk : Status::kFlashFailed; }
+  Status clear_faults() override;
   void read_faults(std::uint8_t mask, ByteWriter& out) override { faults_.report(mask, out); }
   bool read_fault(std::uint32_t dtc, ByteWriter& out) override;
   void request_reset() override { reset_requested_ = through_loader_ = true; }
@@ -74,6 +77,8 @@ class Application final : private UdsHost, private PatchControl {
   static constexpr std::size_t kCan = 0;
 
   void restart();
+  /// The image has done its work once: it has read a module, or a host has reached it and may replace it.
+  void prove();
   void reset_when_answered();
   void restart_sampling();
   void keep_route();
@@ -126,6 +131,7 @@ class Application final : private UdsHost, private PatchControl {
   StreamQueue stream_queue_;  // of the iCub stream
   std::uint8_t starts_ = 0;   // of the sampling since power-up, modulo 256
   bool reset_requested_ = false, through_loader_ = false;
+  bool read_a_module_ = false, proved_ = false;
   std::uint64_t reset_at_us_ = UINT64_MAX;
   IcubBoard icub_;
   IcubTriangles icub_triangles_;

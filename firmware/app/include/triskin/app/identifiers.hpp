@@ -10,6 +10,7 @@
 #include "triskin/logic/storage/table_store.hpp"
 #include "triskin/logic/switched/route_keeper.hpp"
 #include "triskin/ports/ports.hpp"
+#include "triskin/wire/health.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
@@ -93,6 +94,8 @@ class Identifiers {
   [[nodiscard]] wire::Offsets offsets() const;
   [[nodiscard]] const wire::Adoption& adoption() const { return parts_.route.adoption(); }
   [[nodiscard]] wire::LiveTaxels live_taxels() const;
+  [[nodiscard]] std::optional<wire::BoardHealth> health() const;
+  [[nodiscard]] std::optional<wire::Crash> crash() const;
   [[nodiscard]] wire::icub::State icub() const { return parts_.icub.state(parts_.tables.node_address()); }
   [[nodiscard]] wire::Discovery discovery() const;
   [[nodiscard]] wire::SelfTestResult self_test() const;

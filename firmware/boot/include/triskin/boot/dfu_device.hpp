@@ -16,8 +16,10 @@ class DfuDevice final : public wire::UsbFunction {
   /// Silence after which it goes back to the application: dfu-util waits 5 s before its first request.
   static constexpr std::uint64_t kPatience_us = 15'000'000, kAfterCommit_us = 3'000'000;
 
-  /// `slots` must outlive the device; `unique_id` becomes the serial number.
-  DfuDevice(SlotStore& slots, const wire::UniqueId& unique_id) : slots_(slots), control_(unique_id, true) {}
+  /// `slots` must outlive the device; `unique_id` becomes the serial number. `leaves`: silence sends it back to an
+  /// application; without one that could start it stays.
+  DfuDevice(SlotStore& slots, const wire::UniqueId& unique_id, bool leaves = true)
+      : slots_(slots), control_(unique_id, true), leaves_(leaves) {}
 
   void reset() override { control_.reset(); }
   std::optional<Bytes> control(const wire::UsbSetup& setup, Bytes out) override;
@@ -28,7 +30,11 @@ class DfuDevice final : public wire::UsbFunction {
   /// Time goes on. A device that was asked to leave, or that a host has been silent to, wants to reconnect.
   void tick(std::uint64_t now_us);
   /// Time at which tick() has work, µs of the port's clock; UINT64_MAX: never.
-  [[nodiscard]] std::uint64_t next_event_us() const { return leave_ ? UINT64_MAX : last_us_ + patience_us(); }
+  [[nodiscard]] std::uint64_t next_event_us() const {
+    return leave_ || stays() ? UINT64_MAX : last_us_ + patience_us();
+  }
+  /// An image was taken whole since the last download began.
+  [[nodiscard]] bool committed() const { return committed_; }
 
  private:
   enum class State : std::uint8_t { kIdle = 2, kDownloadSync = 3, kDownloadIdle = 5, kManifestSync = 6, kError = 10 };
@@ -43,10 +49,12 @@ class DfuDevice final : public wire::UsbFunction {
     kStalled = 15
   };
 
+  [[nodiscard]] bool stays() const { return !leaves_ && !committed_; }
   [[nodiscard]] std::uint64_t patience_us() const { return committed_ ? kAfterCommit_us : kPatience_us; }
   std::optional<Bytes> download(const wire::UsbSetup& setup, Bytes data);
   std::optional<Bytes> fail(Error error);
   Error take(Bytes data);
+  Error erase_up_to(std::size_t end);
   Error begin(Bytes head);
   Error manifest();
   Bytes status();
@@ -60,6 +68,8 @@ class DfuDevice final : public wire::UsbFunction {
   std::uint32_t at_ = 0;  // bytes of the package that came
   std::array<std::uint8_t, 6> reply_{};
   std::uint64_t last_us_ = 0;
+  std::size_t erased_pages_ = 0;  // of the image's slot, besides that of the records
+  bool leaves_;
   bool heard_ = true, leave_ = false, committed_ = false;
 };
 

@@ -17,7 +17,7 @@ struct SlotState {
   int starts = 0;
   std::uint32_t sequence = 0, size_bytes = 0;
   std::uint32_t record_crc = 0;  ///< slot_crc() of what was committed
-  /// Whether the loader may start it: valid, and confirmed or tried fewer than kMaxStarts times.
+  /// Whether it comes before the other slot: valid, and confirmed or tried fewer than kMaxStarts times.
   [[nodiscard]] bool startable() const { return valid && (confirmed || starts < kMaxStarts); }
 };
 
@@ -39,9 +39,10 @@ class SlotStore {
   [[nodiscard]] SlotState inspect(int slot) const;
   /// Sequence and marks of a slot, without its CRC: for one that is known to be valid.
   [[nodiscard]] SlotState peek(int slot) const;
-  /// The newest startable slot; -1 when there is none.
+  /// The slot to start: the newest startable one; without any the newest valid one, for a board whose only image was
+  /// never confirmed must not be stranded by three power cuts. -1: none is valid.
   [[nodiscard]] int choose() const;
-  /// Before an unconfirmed application starts. False: no record could be written.
+  /// Before an unconfirmed application starts. False: all records are used, or the flash refused.
   bool note_start(int slot);
   /// Erases the records first, so that the slot does not count from the first moment.
   [[nodiscard]] Status erase(int slot);

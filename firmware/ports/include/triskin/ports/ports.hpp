@@ -11,6 +11,7 @@
 #include "triskin/layout/module.hpp"
 #include "triskin/ports/route_chain.hpp"
 #include "triskin/wire/can_frame.hpp"
+#include "triskin/wire/health.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/unique_id.hpp"
 
@@ -84,8 +85,22 @@ class Restart {
   virtual ~Restart() = default;
   /// May return when the board needs some time; the application does nothing more.
   virtual void restart() = 0;
+  /// The image that runs has done its work once and keeps its slot. Writes one unit of the flash, the first time.
+  virtual void confirm() {}
   /// The image that runs. Empty: not started from a slot.
   virtual std::optional<wire::ImageState> image_state() = 0;
+};
+
+/// What a board knows about itself. Boards that know nothing have none.
+class BoardMonitor {
+ public:
+  virtual ~BoardMonitor() = default;
+  /// As it is now.
+  [[nodiscard]] virtual wire::BoardHealth health() const = 0;
+  /// What stopped the controller last. Empty: nothing since power-up, or it was forgotten.
+  [[nodiscard]] virtual std::optional<wire::Crash> crash() const = 0;
+  /// With the fault memory, on a host's request.
+  virtual void forget_crash() = 0;
 };
 
 /// Takes another image of the application while this one runs (wire/image_update.hpp). Its calls and the work inside
@@ -110,10 +125,11 @@ struct Ports {
   CanPort* can;
   FlashArea* flash;
   wire::UniqueId unique_id;
-  CanPort* usb = nullptr;         ///< null: a board without
-  RouteChain* chain = nullptr;    ///< of switched modules; null on a board without
-  Restart* restart = nullptr;     ///< null: a reset only starts the application anew
-  ImageUpdate* update = nullptr;  ///< null: new images come by the loader alone
+  CanPort* usb = nullptr;           ///< null: a board without
+  RouteChain* chain = nullptr;      ///< of switched modules; null on a board without
+  Restart* restart = nullptr;       ///< null: a reset only starts the application anew
+  ImageUpdate* update = nullptr;    ///< null: new images come by the loader alone
+  BoardMonitor* monitor = nullptr;  ///< null: nothing to say about the board
 };
 
 }  // namespace triskin::fw

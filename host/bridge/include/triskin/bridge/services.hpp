@@ -11,8 +11,8 @@
 #include "triskin/bridge/dds.hpp"
 #include "triskin/recording/cdr.hpp"
 
-/// Services of the bridge, with the definitions of ros/triskin_msgs/srv. On the wire a request and its answer begin
-/// with who asks and the number of the request, 8 bytes each, as rmw_cyclonedds writes them.
+/// Services of the bridge, with the definitions of host/bridge/ros/triskin_msgs/srv. On the wire a request and its
+/// answer begin with who asks and the number of the request, 8 bytes each, as rmw_cyclonedds writes them.
 namespace triskin::bridge {
 
 /// Takes the present values of the taxels for those of a skin that nobody touches.

@@ -47,8 +47,8 @@ struct Comparison {
   int left_out = 0;            ///< that would press the layer to more than 0.6 of its thickness
 };
 
-/// Compares the levels on spheres of 3 … 50 mm, flat punches and lines, 0.1 … 20 N, layers of 1 … 3 mm, ν 0.1 … 0.45,
-/// E 100 kPa. Cost: some 10 s.
+/// Compares the levels on spheres of 3 … 50 mm, flat punches and lines, 0.1 … 20 N, layers of 1 … 3 mm, ν 0.1
+/// … 0.45, E 100 kPa. Cost: some 10 s.
 [[nodiscard]] Comparison compare_levels();
 
 /// The comparison as Markdown tables.

@@ -48,16 +48,28 @@ Summary read_recording(const std::filesystem::path& path, const std::function<vo
 /// The design and the facts, without the samples: reads up to the first sample. Throws InputError.
 [[nodiscard]] Summary read_origin(const std::filesystem::path& path);
 
+/// A place of a recording that is damaged.
+struct Loss {
+  std::uint64_t offset = 0, bytes = 0;  ///< in the damaged file
+  std::string what;                     ///< "a chunk", "the index of a chunk" …
+  bool is_mended = false;               ///< it could be made again from what is whole, so nothing is missing
+  double from_s = 0.0, to_s = 0.0;      ///< since the first message: the last one before it, the first one behind it;
+                                        ///< `to_s` < 0: none is behind it
+};
+
 /// What `recover` did.
 struct Recovery {
   bool was_complete = false;  ///< nothing had to be done
   std::uint64_t messages = 0, kept_bytes = 0, dropped_bytes = 0;
-  std::string problem;  ///< where the file was cut
+  std::string problem;       ///< where the file was cut or damaged
+  std::vector<Loss> losses;  ///< in the order of the file
 };
-/// Makes a recording that was cut whole: keeps everything up to its last whole chunk and writes the index. With an
-/// empty `output` in the file itself, which then ends at the cut; else into a new file. Throws InputError when `path`
-/// is no MCAP file, when there is no whole chunk, or when more is damaged than the end (then it demands `output`);
-/// WriteFailed.
+/// Makes a damaged recording whole: keeps every chunk whose CRC holds, before and behind the damage, and writes the
+/// indexes and the summary again. A file that was only cut is completed in place when `output` is empty. Damage
+/// elsewhere, and a file that was closed, need `output`, so that no byte of the original is lost. Definitions of types
+/// and channels that are damaged come from the summary when its CRC holds; without them the messages of their channels
+/// are left out and counted as losses. Throws InputError when `path` is no MCAP file, is compressed, holds no whole
+/// message, or needs `output`; WriteFailed. Cost: linear; memory: one record. Threads: one.
 Recovery recover(const std::filesystem::path& path, const std::filesystem::path& output);
 
 }  // namespace triskin::recording

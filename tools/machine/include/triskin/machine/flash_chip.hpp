@@ -34,13 +34,13 @@ class FlashChip {
   static constexpr std::uint32_t kBase = 0x08000000, kBytes = 512 * 1024, kPage = 2048, kUnit = 8;
 
   FlashChip() : bytes(kBytes, 0xFF), used(kBytes / kUnit, false) {}
-  /// As a programmer at the factory does it. Throws InputError when the image is not inside the flash.
+  /// The segments of an image, and nothing else. Throws InputError when it is not inside the flash.
   void store(const ElfImage& image);
   /// Bytes at an address of the microcontroller. Throws InputError when they are not inside the flash.
   void store(std::uint32_t address, const std::vector<std::uint8_t>& data);
-  /// Stores an application for a slot of `slot_bytes` (last page: records) with its commit record of this sequence
-  /// number and its confirmation. Throws InputError when the image is not inside the flash.
-  void store_application(const ElfImage& image, std::uint32_t slot_bytes, std::uint32_t sequence);
+  /// Writes a file as a programmer does, which erases the chip first: `.hex` in Intel's format, whose records say where
+  /// their bytes go; anything else is bytes from the start of the flash. Throws InputError naming file and line.
+  void program_file(const std::filesystem::path& path);
 
   /// Power fails in the middle of the operation (erase of a page or program of a unit) after the next `more` ones.
   void cut_power_after(std::uint64_t more) { cut_at = operations + more; }

@@ -44,7 +44,8 @@ struct MachineSetup {
   std::array<std::uint8_t, 12> unique_id{};
   std::function<void(const wire::CanFrame&, std::uint64_t now_us)> on_can;  ///< a frame has left the controller
   VcdTrace* trace = nullptr;                                                ///< may be null
-  bool crystal_works = true;
+  std::uint64_t crystal_hz = 8'000'000;                                     ///< 0: none, or one that does not start
+  std::uint64_t crystal_fails_at_us = ~std::uint64_t{0};                    ///< since power-up: it stops for ever
   bool will_be_cut = false;          ///< power_cycle() will be used: reading is slower
   bool watch_reads = false;          ///< loads from a bank that is written stall, too: reading is slower
   sim::ChainModel* chain = nullptr;  ///< of switched modules; may be null
@@ -84,6 +85,10 @@ class Machine {
   void run_until(std::uint64_t us);
   /// Power goes and comes back, with these cells in the flash: RAM has lost what it held. Faster than a new machine.
   void power_cycle(const FlashChip& cells);
+  /// The reset pin is pulled low for a moment: RAM keeps what it holds.
+  void press_reset();
+  /// The button at PC13 of a Nucleo board, high while it is pressed.
+  void hold_button(bool pressed);
   /// Virtual time since power-up, µs.
   [[nodiscard]] std::uint64_t now_us() const;
   /// A frame on the CAN bus, after those given before.
@@ -101,6 +106,8 @@ class Machine {
   /// Word at an address of flash or RAM, as the core reads it, without side effects. The tests read symbols of the ELF
   /// with it.
   [[nodiscard]] std::uint32_t read_word(std::uint32_t address) const;
+  /// Changes a word of RAM, data or code, as nothing on the chip would: tests make the image fail with it.
+  void write_word(std::uint32_t address, std::uint32_t value);
   /// A register of a block as a load of 32 bits finds it, its clock on or off; of a data register this takes a byte.
   [[nodiscard]] std::uint32_t read_register(std::uint32_t address) const;
   /// What the image has done so far that the silicon would refuse, in order of time; empty: nothing.

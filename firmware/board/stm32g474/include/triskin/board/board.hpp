@@ -8,9 +8,10 @@
 /// Low-level parts that the loader and the application share.
 namespace triskin::board {
 
-/// HSE (TRISKIN_CRYSTAL_MHZ), PLL 340 MHz, SYSCLK = HCLK = PCLK = 170 MHz, range 1 boost, four wait states (RM0440
-/// §6.1.5, §7.2.4, §3.3.3). Without a crystal the PLL runs from HSI16 (± 1 %: enough for I²C and, as a rule, for
-/// classic CAN). Waits for the oscillators (start-up only).
+/// Measures the crystal against the internal oscillator and runs the PLL at 320 MHz from it; SYSCLK = HCLK = PCLK =
+/// 160 MHz, range 1 boost, four wait states (RM0440 §6.1.5, §7.2.4, §3.3.3). From the internal oscillator (± 1 %:
+/// enough for I²C and, as a rule, for classic CAN) when the crystal is missing, unknown or fails. Says in
+/// survivor().clock what was chosen and why. At most 70 ms; does nothing when the loader has done it.
 void start_clocks();
 
 /// TIM2 at 1 MHz: 32 bits in hardware, extended to 64 on each reading; must be read at least every 71 minutes.
@@ -22,7 +23,9 @@ void wake_at(std::uint64_t at_us);
 
 /// IWDG, 32 kHz / 32 · 2000 = 2 s. Cannot be stopped.
 void start_watchdog();
-void feed_watchdog();  ///< harmless before the start
+/// Harmless before the start. 1.7 s after the last call an interrupt notes where the program hangs and resets the
+/// controller; the watchdog itself is for a program that has switched interrupts off.
+void feed_watchdog();
 
 /// The 96-bit device id of this chip, as its bytes stand in memory.
 [[nodiscard]] wire::UniqueId unique_id();
@@ -36,10 +39,10 @@ void feed_watchdog();  ///< harmless before the start
 
 /// What is wrong with this board: bits of `finding`. Reads the option bytes and the boot pin; at start, before CAN.
 [[nodiscard]] std::uint32_t inspect_board();
-/// Sets the option bits that start the flash whatever the boot pin says (nSWBOOT0 = 0, nBOOT0 = 1); they count from the
-/// next power-up. A power cut within its 25 ms may leave the chip read protected: only while the supply stands. False:
-/// not allowed on this chip, or refused.
-[[nodiscard]] bool boot_from_flash_always();
+/// Sets the option bits that start the flash whatever the boot pin says (nSWBOOT0 = 0, nBOOT0 = 1) and those that hold
+/// the chip in reset below 2.8 V: converters need 2.6 V. They count from the next power-up. A power cut within its 25
+/// ms may leave the chip read protected: only while the supply stands. False: not allowed on this chip, or refused.
+[[nodiscard]] bool set_options_of_a_board();
 [[nodiscard]] bool write_flash_options(std::uint32_t options);
 
 /// What goes on while an erase lasts. Neither function may read the flash or write it.
@@ -57,8 +60,5 @@ void do_while_erasing(const BusyWork* work);
 void request_dfu();
 /// True once after request_dfu() and a reset; false after power-up.
 [[nodiscard]] bool take_dfu_request();
-
-/// Stops with a reason that survives the reset.
-[[noreturn]] void fail(std::uint32_t reason);
 
 }  // namespace triskin::board

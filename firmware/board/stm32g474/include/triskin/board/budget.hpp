@@ -10,6 +10,8 @@ inline constexpr std::uint32_t kSingleBank = 1;   ///< DBANK = 0: the flash has 
 inline constexpr std::uint32_t kBootByPin = 2;    ///< nSWBOOT0 = 1: an idle CAN bus at BOOT0 starts the ROM's loader
 inline constexpr std::uint32_t kBootPinHigh = 4;  ///< PB8 was high at start
 inline constexpr std::uint32_t kOptionsProtected = 8;  ///< read protected: the options are left alone
+inline constexpr std::uint32_t kNoCrystal = 16;        ///< the clock is not the crystal's: FD11 says why
+inline constexpr std::uint32_t kLowBrownOut = 32;      ///< the chip would run below 2.8 V, where converters do not
 }  // namespace finding
 
 /// What the firmware measures about itself. At a fixed symbol (`triskin_budget`), so that a debugger or the modelled
@@ -27,6 +29,7 @@ struct Budget {
   std::uint32_t bus_errors = 0;          ///< I²C bus errors seen in transfers that went on: spurious (ES0430, 2.15.2)
   std::uint32_t options = 0;             ///< FLASH_OPTR as found at start
   std::uint32_t findings = 0;            ///< bits of `finding`
+  std::uint32_t ecc_corrected = 0;       ///< flash units read with one wrong bit
   std::uint32_t arbitration_losses = 0;  ///< I²C transfers that were made again: a disturbance looked like a master
 };
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <expected>
 
+#include "triskin/board/clock_plan.hpp"
 #include "triskin/core/status.hpp"
 
 namespace triskin::board {
@@ -15,13 +16,13 @@ inline constexpr std::uint64_t kFilterMin_ns = 50, kFilterMax_ns = 260;
 
 /// What the wires and the clock allow. All times in ns.
 struct I2cTimingInput {
-  std::uint32_t kernel_hz = 170'000'000;  ///< clock of the I²C block
-  std::uint32_t bus_hz = 400'000;         ///< wanted, at most 400 kHz
-  std::uint32_t rise_ns = 300;            ///< longest rise time of the line
-  std::uint32_t fall_ns = 20;             ///< shortest … longest: the slowest fall of the pins
+  std::uint32_t kernel_hz = kSysclk_hz;  ///< clock of the I²C block
+  std::uint32_t bus_hz = 400'000;        ///< wanted, at most 400 kHz
+  std::uint32_t rise_ns = 300;           ///< longest rise time of the line
+  std::uint32_t fall_ns = 300;           ///< longest fall time of the line: data are held for as long
 };
 
-/// Fields of I2C_TIMINGR (RM0440 §41.9.5) and what they amount to.
+/// Fields of I2C_TIMINGR (RM0440 §39.9.5) and what they amount to.
 struct I2cTiming {
   std::uint8_t prescaler = 0, data_delay = 0, data_setup = 0, high = 0, low = 0;
   std::uint32_t low_ns = 0, high_ns = 0, period_ns = 0;
@@ -34,7 +35,7 @@ struct I2cTiming {
 
 /// Fast mode (UM10204 table 10): SCL low ≥ 1300 ns, high ≥ 600 ns, data set up ≥ 100 ns, data valid ≤ 900 ns.
 /// SCL's period also holds the synchronization of both edges: analog filter 50 … 260 ns and two to three kernel
-/// clocks each (§41.4.10); the shortest of these is counted, so that the bus never exceeds bus_hz. Tries prescalers
+/// clocks each (§39.4.10); the shortest of these is counted, so that the bus never exceeds bus_hz. Tries prescalers
 /// from the finest. Errors: kOutOfRange when the clock cannot give it, or bus_hz is 0 or above 400 kHz.
 [[nodiscard]] constexpr Result<I2cTiming> compute_i2c_timing(const I2cTimingInput& in) {
   using namespace i2c_limits;
@@ -53,7 +54,7 @@ struct I2cTiming {
       high += spare / 3;
     }
     const std::uint64_t setup = units((in.rise_ns + kSetup_ns) * 1000);
-    // The data hold: longer than the fall that the filter may hide, shorter than what keeps data valid (§41.4.5).
+    // The data hold: longer than the fall that the filter may hide, shorter than what keeps data valid (§39.4.5).
     const std::uint64_t hidden_ps = kFilterMin_ns * 1000 + 3 * clock_ps;
     const std::uint64_t hold = in.fall_ns * 1000 > hidden_ps ? units(in.fall_ns * 1000 - hidden_ps) : 0;
     const std::uint64_t latest_ps = hold * unit_ps + kFilterMax_ns * 1000 + 4 * clock_ps + in.rise_ns * 1000;

@@ -8,17 +8,23 @@ namespace triskin::board::fdcan_reg {
 
 inline constexpr std::uint32_t kBase = 0x40006400, kRam = 0x4000A400;
 inline constexpr Register kDbtp{kBase + 0x0C}, kCccr{kBase + 0x18}, kNbtp{kBase + 0x1C}, kEcr{kBase + 0x40},
-    kPsr{kBase + 0x44}, kIr{kBase + 0x50}, kIe{kBase + 0x54}, kIls{kBase + 0x58}, kIle{kBase + 0x5C},
-    kRxgfc{kBase + 0x80}, kRxf0s{kBase + 0x90}, kRxf0a{kBase + 0x94}, kTxbc{kBase + 0xC0}, kTxfqs{kBase + 0xC4},
-    kTxbar{kBase + 0xCC}, kTxbtie{kBase + 0xDC}, kCkdiv{kBase + 0x100};
+    kPsr{kBase + 0x44}, kTdcr{kBase + 0x48}, kIr{kBase + 0x50}, kIe{kBase + 0x54}, kIls{kBase + 0x58},
+    kIle{kBase + 0x5C}, kRxgfc{kBase + 0x80}, kRxf0s{kBase + 0x90}, kRxf0a{kBase + 0x94}, kTxbc{kBase + 0xC0},
+    kTxfqs{kBase + 0xC4}, kTxbar{kBase + 0xCC}, kTxbtie{kBase + 0xDC}, kCkdiv{kBase + 0x100};
 
 // CCCR
-inline constexpr std::uint32_t kInit = bit(0), kConfigure = bit(1), kFdOperation = bit(8), kBitRateSwitch = bit(9);
+inline constexpr std::uint32_t kInit = bit(0), kConfigure = bit(1), kRestricted = bit(2), kFdOperation = bit(8),
+                               kBitRateSwitch = bit(9);
 // IR and IE
-inline constexpr std::uint32_t kRxNew = bit(0), kRxLost = bit(2), kTxDone = bit(7), kBusOff = bit(19);
+inline constexpr std::uint32_t kRxNew = bit(0), kRxLost = bit(2), kTxDone = bit(7), kRamFailed = bit(14),
+                               kBusOff = bit(19);
+// ECR, PSR
+inline constexpr std::uint32_t kSendErrorsMask = 0xFF, kReceiveErrorsShift = 8, kReceiveErrorsMask = 0x7F,
+                               kLastErrorMask = 7, kPsrPassive = bit(5), kPsrWarning = bit(6), kPsrBusOff = bit(7);
 // Shifts: NBTP, DBTP (one less than the value stands there), RXGFC
 inline constexpr std::uint32_t kNominalJumpShift = 25, kNominalPrescalerShift = 16, kNominalBeforeShift = 8,
-                               kDataPrescalerShift = 16, kDataBeforeShift = 8, kDataAfterShift = 4;
+                               kDataPrescalerShift = 16, kDataBeforeShift = 8, kDataAfterShift = 4,
+                               kDelayCompensation = bit(23), kDelayOffsetShift = 8;  // DBTP, TDCR
 inline constexpr std::uint32_t kExtendedCountShift = 24, kStandardCountShift = 16, kOtherStandardShift = 4,
                                kOtherExtendedShift = 2, kRefuseRemote = 3;
 inline constexpr std::uint32_t kFifoLevelMask = 0xF, kFifoGetShift = 8, kFifoIndexMask = 3;  // RXF0S

@@ -9,8 +9,8 @@ namespace gpio_reg {
 inline constexpr std::uint32_t kBase = 0x48000000, kStride = 0x400;
 inline constexpr std::uint32_t kModer = 0x00, kOtyper = 0x04, kOspeedr = 0x08, kPupdr = 0x0C, kIdr = 0x10, kBsrr = 0x18,
                                kAfrl = 0x20, kAfrh = 0x24;
-inline constexpr std::uint32_t kFieldMask = 3, kPullNone = 0, kPullDown = 2, kVeryHighSpeed = 3;  // fields of two bits
-inline constexpr std::uint32_t kResetShift = 16;                                                  // BSRR
+inline constexpr std::uint32_t kFieldMask = 3, kPullUp = 1, kPullDown = 2, kVeryHighSpeed = 3;  // fields of two bits
+inline constexpr std::uint32_t kResetShift = 16;                                                // BSRR
 }  // namespace gpio_reg
 
 struct Pin {
@@ -33,8 +33,8 @@ class Gpio {
   }
   /// The pin only pulls low; the line's resistor pulls it high.
   void open_drain() const { Register(base_ + gpio_reg::kOtyper).set(bit(n_)); }
-  /// Neither up nor down: PA15 comes out of reset with a pull-up, for the debugger (§9.4.4).
-  void no_pull() const { field(gpio_reg::kPupdr, gpio_reg::kPullNone); }
+  /// Internal pull-up, about 40 kΩ.
+  void pull_up() const { field(gpio_reg::kPupdr, gpio_reg::kPullUp); }
   /// Internal pull-down, about 40 kΩ.
   void pull_down() const { field(gpio_reg::kPupdr, gpio_reg::kPullDown); }
   /// Steepest edges; for clocks above some MHz.

@@ -20,10 +20,13 @@ inline constexpr std::uint32_t kErrors = bit(1) | bit(3) | bit(4) | bit(5) | bit
 // CR
 inline constexpr std::uint32_t kProgram = bit(0), kPageErase = bit(1), kPageShift = 3, kBank2 = bit(11),
                                kStart = bit(16), kOptionStart = bit(17), kOptionLock = bit(30), kLock = bit(31);
-inline constexpr std::uint32_t kEccDetected = bit(31);  // ECCR: two bits wrong, NMI
+// ECCR: two bits wrong, NMI; one bit wrong, corrected. The second ones are of the upper half with DBANK = 0.
+inline constexpr std::uint32_t kEccDetected = bit(31), kEccCorrected = bit(30), kEccDetectedHigh = bit(29),
+                               kEccCorrectedHigh = bit(28);
 // OPTR: read protection, two banks; BOOT0 from the pin; BOOT0 of the option (inverted)
 inline constexpr std::uint32_t kReadProtectionMask = 0xFF, kNotProtected = 0xAA, kDualBank = bit(22),
-                               kBootByPin = bit(26), kBootOptionFlash = bit(27);
+                               kBootByPin = bit(26), kBootOptionFlash = bit(27), kBrownOutMask = 7U << 8,
+                               kBrownOut28 = 4U << 8;  // level 4: about 2.8 V
 }  // namespace flash_reg
 
 /// Power control, §6.4.
@@ -38,27 +41,33 @@ namespace rcc_reg {
 inline constexpr std::uint32_t kBase = 0x40021000;
 inline constexpr Register kCr{kBase + 0x00}, kCfgr{kBase + 0x08}, kPllCfgr{kBase + 0x0C}, kAhb1Enr{kBase + 0x48},
     kAhb2Enr{kBase + 0x4C}, kApb1Enr1{kBase + 0x58}, kApb1Enr2{kBase + 0x5C}, kApb2Enr{kBase + 0x60},
-    kApb1Rstr1{kBase + 0x38}, kCcipr{kBase + 0x88}, kCsr{kBase + 0x94}, kCrrcr{kBase + 0x98}, kCcipr2{kBase + 0x9C};
-inline constexpr std::uint32_t kHseOn = bit(16), kHseReady = bit(17), kPllOn = bit(24), kPllReady = bit(25);
+    kApb1Rstr1{kBase + 0x38}, kApb2Rstr{kBase + 0x40}, kCifr{kBase + 0x1C}, kCicr{kBase + 0x20}, kCcipr{kBase + 0x88},
+    kCsr{kBase + 0x94}, kCrrcr{kBase + 0x98}, kCcipr2{kBase + 0x9C};
+inline constexpr std::uint32_t kHseOn = bit(16), kHseReady = bit(17), kClockSecurity = bit(19), kPllOn = bit(24),
+                               kPllReady = bit(25);
+inline constexpr std::uint32_t kCrystalFailed = bit(8);  // CIFR and CICR
 inline constexpr std::uint32_t kSwitchMask = 3, kSwitchHsi = 1, kSwitchHse = 2, kSwitchPll = 3, kStatusShift = 2,
                                kAhbMask = 0xF0, kAhbHalf = 0x80;
-inline constexpr std::uint32_t kPllFromHse = 3, kPllFromHsi = 2, kPllMShift = 4, kPllNShift = 8, kPllREnable = bit(24);
+inline constexpr std::uint32_t kPllFromHse = 3, kPllFromHsi = 2, kPllMShift = 4, kPllNShift = 8, kPllREnable = bit(24),
+                               kPllSourceMask = 3, kPllMMask = 0xF, kPllNMask = 0x7F;
 inline constexpr std::uint32_t kDma1 = bit(0), kDmaMux = bit(2), kFlashClock = bit(8), kGpioA = bit(0), kGpioB = bit(1),
                                kGpioC = bit(2);
 inline constexpr std::uint32_t kTim2 = bit(0), kCrs = bit(8), kSpi2 = bit(14), kI2c1 = bit(21), kI2c2 = bit(22),
                                kUsb = bit(23), kFdcan = bit(25), kPwr = bit(28), kI2c3 = bit(30);  // APB1ENR1
 inline constexpr std::uint32_t kI2c4 = bit(1);                                                     // APB1ENR2
+inline constexpr std::uint32_t kTim16 = bit(17);                                                   // APB2ENR
 inline constexpr std::uint32_t kFdcanFromPclk1 = 2U << 24;                                         // CCIPR.FDCANSEL
 inline constexpr std::uint32_t kHsi48On = bit(0), kHsi48Ready = bit(1);
-inline constexpr std::uint32_t kRemoveResetFlags = bit(23), kWatchdogReset = bit(29);
+inline constexpr std::uint32_t kRemoveResetFlags = bit(23), kOptionReset = bit(25), kPinReset = bit(26),
+                               kPowerReset = bit(27), kSoftwareReset = bit(28), kWatchdogReset = bit(29);
 }  // namespace rcc_reg
 
 /// General-purpose timer with 32 bits, §30.5 (TIM2).
 namespace tim2_reg {
 inline constexpr std::uint32_t kBase = 0x40000000;
 inline constexpr Register kCr1{kBase + 0x00}, kDier{kBase + 0x0C}, kSr{kBase + 0x10}, kEgr{kBase + 0x14},
-    kCnt{kBase + 0x24}, kPsc{kBase + 0x28}, kArr{kBase + 0x2C}, kCcr1{kBase + 0x34};
-inline constexpr std::uint32_t kEnable = bit(0), kCompare1 = bit(1), kUpdate = bit(0);
+    kCnt{kBase + 0x24}, kPsc{kBase + 0x28}, kArr{kBase + 0x2C}, kCcr1{kBase + 0x34}, kCcr2{kBase + 0x38};
+inline constexpr std::uint32_t kEnable = bit(0), kCompare1 = bit(1), kCompare2 = bit(2), kUpdate = bit(0);
 inline constexpr int kIrq = 28;
 }  // namespace tim2_reg
 
@@ -76,10 +85,14 @@ inline constexpr std::uint32_t kUniqueIdAddress = 0x1FFF7590;
 /// Cortex-M4 system control space (ARMv7-M architecture reference manual, B3.2 … B3.4).
 namespace core_reg {
 inline constexpr Register kSysTickCsr{0xE000E010}, kSysTickRvr{0xE000E014}, kSysTickCvr{0xE000E018}, kIcsr{0xE000ED04},
-    kVtor{0xE000ED08}, kAircr{0xE000ED0C}, kCpacr{0xE000ED88}, kCfsr{0xE000ED28}, kHfsr{0xE000ED2C};
+    kVtor{0xE000ED08}, kAircr{0xE000ED0C}, kCpacr{0xE000ED88}, kCfsr{0xE000ED28}, kHfsr{0xE000ED2C}, kMmfar{0xE000ED34},
+    kBfar{0xE000ED38};
 inline constexpr Register kEnableFirst{0xE000E100}, kDisableFirst{0xE000E180}, kUnpendFirst{0xE000E280},
     kPriorityFirst{0xE000E400};
 inline constexpr std::uint32_t kResetRequest = 0x05FA0004, kFpuFull = 0xFU << 20, kActiveMask = 0x1FF;
+// CFSR: the frame could not be pushed; MMFAR, BFAR hold the address
+inline constexpr std::uint32_t kStackingFailed = bit(12) | bit(4), kMmfarValid = bit(7), kBfarValid = bit(15);
+inline constexpr std::uint32_t kExtendedFrame = bit(4);  // EXC_RETURN: 0 with the registers of the FPU
 /// Lets interrupt `irq` (0..101, RM0440 chapter 14) through the NVIC.
 inline void enable_interrupt(int irq) {
   Register(kEnableFirst.address() + 4U * static_cast<unsigned>(irq / 32)).write(bit(static_cast<unsigned>(irq % 32)));

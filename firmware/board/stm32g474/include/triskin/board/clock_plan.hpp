@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+
+/// How the PLL makes the core's clock from the crystal that is found. Pure arithmetic, tested on the host.
+namespace triskin::board {
+
+/// Clock of the core, of both buses, of I²C and of CAN. 160 MHz gives CAN FD equal time quanta in both phases.
+inline constexpr std::uint32_t kSysclk_hz = 160'000'000;
+/// Output of the PLL's oscillator; the core gets half of it.
+inline constexpr std::uint32_t kVco_hz = 2 * kSysclk_hz;
+
+/// Limits of the PLL (data sheet DS12288, PLL characteristics).
+namespace pll_limits {
+inline constexpr std::uint32_t kMinInput_hz = 2'660'000, kMaxInput_hz = 16'000'000, kMinVco_hz = 96'000'000,
+                               kMaxVco_hz = 344'000'000, kMaxDivider = 16, kMinFactor = 8, kMaxFactor = 127;
+}  // namespace pll_limits
+static_assert(kVco_hz >= pll_limits::kMinVco_hz && kVco_hz <= pll_limits::kMaxVco_hz);
+
+/// The PLL multiplies its input by `factor` after dividing it by `divider`.
+struct PllSetting {
+  std::uint32_t divider = 0, factor = 0;
+  bool operator==(const PllSetting&) const = default;
+};
+
+/// Setting that makes exactly kVco_hz from `source_hz`, with the fastest input of the PLL that its limits allow (the
+/// least jitter). Empty: none does.
+[[nodiscard]] constexpr std::optional<PllSetting> pll_setting(std::uint32_t source_hz) {
+  using namespace pll_limits;
+  for (std::uint32_t divider = 1; divider <= kMaxDivider; ++divider) {
+    if (source_hz % divider != 0) continue;
+    const std::uint32_t input_hz = source_hz / divider;
+    if (input_hz < kMinInput_hz || input_hz > kMaxInput_hz || kVco_hz % input_hz != 0) continue;
+    const std::uint32_t factor = kVco_hz / input_hz;
+    if (factor >= kMinFactor && factor <= kMaxFactor) return PllSetting{divider, factor};
+  }
+  return std::nullopt;
+}
+
+/// Crystals that a board may carry, MHz. The closest two, 24 and 25, are 4 % apart.
+inline constexpr std::array<std::uint32_t, 11> kCrystals_mhz{4, 5, 8, 10, 12, 16, 20, 24, 25, 32, 40};
+
+/// The crystal that a measurement against the internal oscillator means, Hz. That oscillator is within 2 % over the
+/// whole range of temperature (DS12288), so a crystal counts when it is within 2 %. Empty: no crystal of the list, for
+/// example one that swings at an overtone.
+[[nodiscard]] constexpr std::optional<std::uint32_t> crystal_near(std::uint32_t measured_hz) {
+  constexpr std::uint32_t kMaxErrorPercent = 2;
+  for (const std::uint32_t mhz : kCrystals_mhz) {
+    const std::uint32_t hz = mhz * 1'000'000, error_hz = measured_hz > hz ? measured_hz - hz : hz - measured_hz;
+    if (error_hz <= hz / 100 * kMaxErrorPercent) return hz;
+  }
+  return std::nullopt;
+}
+
+/// Every crystal of the list has its setting.
+[[nodiscard]] consteval bool all_crystals_have_settings() {
+  for (const std::uint32_t mhz : kCrystals_mhz) {
+    if (!pll_setting(mhz * 1'000'000)) return false;
+  }
+  return true;
+}
+static_assert(all_crystals_have_settings());
+
+}  // namespace triskin::board

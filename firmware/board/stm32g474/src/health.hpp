@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "triskin/ports/ports.hpp"
+
+namespace triskin::board {
+
+/// What this board tells about itself: FD11 and FD12.
+class Stm32Monitor final : public fw::BoardMonitor {
+ public:
+  [[nodiscard]] wire::BoardHealth health() const override;
+  [[nodiscard]] std::optional<wire::Crash> crash() const override;
+  void forget_crash() override;
+};
+
+extern Stm32Monitor monitor;
+
+/// Notes how much of the stack was never touched. Cost: a look at each word of that.
+void measure_stack();
+
+}  // namespace triskin::board

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "triskin/core/bytes.hpp"
+#include "triskin/core/status.hpp"
+#include "triskin/wire/checked_enum.hpp"
+#include "triskin/wire/identifiers.hpp"
+
+/// How the board itself is (FD11), and what stopped it last (FD12). docs/protocol.md.
+namespace triskin::wire {
+
+/// What the controller found out about its crystal.
+enum class Crystal : std::uint8_t {
+  kUsed,         ///< measured, known, and the source of every clock
+  kSilent,       ///< does not start: missing, broken, or badly loaded
+  kNotMeasured,  ///< runs, but its edges did not reach the timer
+  kUnknown,      ///< runs at a frequency that no crystal of the list has
+  kNoLock,       ///< the PLL did not lock to it
+  kNoPll,        ///< the PLL does not lock to the internal oscillator either
+  kNotSaid,      ///< an older loader started the clocks
+};
+
+/// Where the clock of the controller comes from: the crystal with Crystal::kUsed, else the internal oscillator (± 1
+/// %).
+struct ClockState {
+  Crystal crystal = Crystal::kNotSaid;
+  std::uint8_t crystal_mhz = 0;    ///< 0: the internal oscillator is used
+  std::uint16_t measured_khz = 0;  ///< of the crystal against the internal oscillator; 0: not measured
+  bool operator==(const ClockState&) const = default;
+};
+
+/// Bits of BoardHealth::reset_cause. Several may be set.
+namespace reset_cause {
+inline constexpr std::uint8_t kPower = 1, kPin = 2, kSoftware = 4, kWatchdog = 8, kOptions = 16;
+}  // namespace reset_cause
+
+/// Bits of BoardHealth::can_state.
+namespace can_state {
+inline constexpr std::uint8_t kWarning = 1, kErrorPassive = 2, kBusOff = 4;
+}  // namespace can_state
+
+/// FD11. Counters are since the last reset and begin anew after their type's largest value.
+struct BoardHealth {
+  static constexpr std::uint16_t kId = did::kBoardHealth;
+  static constexpr std::size_t kMinBytes = 54, kMaxBytes = kMinBytes;
+  ClockState clock;
+  std::uint8_t reset_cause = 0;                              ///< bits of wire::reset_cause, of the last reset
+  std::uint16_t findings = 0;                                ///< bits, docs/bring_up.md
+  std::uint8_t crashes_in_row = 0;                           ///< without a minute of work between them
+  std::uint8_t can_send_errors = 0, can_receive_errors = 0;  ///< error counters of ISO 11898-1
+  std::uint8_t can_state = 0;                                ///< bits of wire::can_state
+  std::uint8_t can_last_error = 0;                           ///< code of the CAN controller, 0 none … 6, 7 none since
+  std::uint32_t bus_offs = 0;
+  std::uint32_t can_lost = 0;                         ///< received frames that found no room
+  std::uint16_t can_ram_failures = 0;                 ///< the controller could not reach its message RAM
+  std::uint32_t ecc_corrected = 0, ecc_detected = 0;  ///< flash units with one wrong bit, with two
+  std::uint32_t flash_errors = 0;                     ///< erase or program refused
+  std::uint32_t worst_loop_us = 0, worst_interrupt_us = 0;
+  std::uint16_t stack_bytes = 0, stack_free_bytes = 0;  ///< reserved, and never touched so far
+  std::uint16_t idle_permille = 0;                      ///< of the time since the last reset
+
+  /// Appends the value as it stands on the wire.
+  constexpr void encode(ByteWriter& out) const {
+    out.u8(wire_number(clock.crystal));
+    out.u8(clock.crystal_mhz);
+    out.le16(clock.measured_khz);
+    out.u8(reset_cause);
+    out.le16(findings);
+    for (const std::uint8_t v : {crashes_in_row, can_send_errors, can_receive_errors, can_state, can_last_error})
+      out.u8(v);
+    out.le32(bus_offs);
+    out.le32(can_lost);
+    out.le16(can_ram_failures);
+    for (const std::uint32_t v : {ecc_corrected, ecc_detected, flash_errors, worst_loop_us, worst_interrupt_us})
+      out.le32(v);
+    for (const std::uint16_t v : {stack_bytes, stack_free_bytes, idle_permille}) out.le16(v);
+    for (int k = 0; k < 6; ++k) out.u8(0);
+  }
+  /// Errors: kBadLength, kOutOfRange (an unknown state of the crystal). The last six bytes are reserved and ignored.
+  [[nodiscard]] static constexpr Result<BoardHealth> decode(Bytes bytes) {
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    BoardHealth h;
+    const auto crystal = checked_enum(r.u8(), Crystal::kNotSaid);
+    if (!crystal) return std::unexpected(crystal.error());
+    h.clock.crystal = *crystal;
+    h.clock.crystal_mhz = r.u8();
+    h.clock.measured_khz = r.le16();
+    h.reset_cause = r.u8();
+    h.findings = r.le16();
+    for (std::uint8_t* v :
+         {&h.crashes_in_row, &h.can_send_errors, &h.can_receive_errors, &h.can_state, &h.can_last_error})
+      *v = r.u8();
+    h.bus_offs = r.le32();
+    h.can_lost = r.le32();
+    h.can_ram_failures = r.le16();
+    for (std::uint32_t* v :
+         {&h.ecc_corrected, &h.ecc_detected, &h.flash_errors, &h.worst_loop_us, &h.worst_interrupt_us})
+      *v = r.le32();
+    for (std::uint16_t* v : {&h.stack_bytes, &h.stack_free_bytes, &h.idle_permille}) *v = r.le16();
+    return h;
+  }
+  bool operator==(const BoardHealth&) const = default;
+};
+static_assert(kLengthsAsInTable<BoardHealth>);
+
+/// What stopped the controller.
+enum class CrashCause : std::uint8_t {
+  kNone,
+  kFault,          ///< the processor refused an instruction or an access
+  kStackOverflow,  ///< the stack left its memory
+  kWatchdog,       ///< the loop did not come round for two seconds
+  kClock,          ///< the crystal stopped, or no clock came
+  kInterrupt,      ///< an interrupt that nobody asked for
+  kProgram,        ///< the program stopped itself: a call of nothing, the end of main
+};
+
+/// FD12: kept over resets, lost with the power.
+struct Crash {
+  static constexpr std::uint16_t kId = did::kCrash;
+  static constexpr std::size_t kMinBytes = 44, kMaxBytes = kMinBytes;
+  CrashCause cause = CrashCause::kNone;
+  bool while_erasing = false;                             ///< a page of the flash was being erased
+  std::uint16_t exception = 0;                            ///< number of the exception that ran, 0: the loop
+  std::uint32_t pc = 0, lr = 0;                           ///< addresses in the image at `origin`; 0: not known
+  std::uint32_t sp = 0;                                   ///< stack pointer before the fault
+  std::uint32_t fault_status = 0, hard_fault_status = 0;  ///< CFSR and HFSR of the processor
+  std::uint32_t address = 0;  ///< that could not be accessed, when fault_status says that it is valid; else 0
+  std::uint32_t uptime_ms = 0;
+  std::uint32_t firmware_version = 0;
+  std::uint32_t origin = 0;  ///< address that the image is linked for
+  std::uint32_t number = 0;  ///< crashes since power-up
+
+  /// Appends the value as it stands on the wire.
+  constexpr void encode(ByteWriter& out) const {
+    out.u8(wire_number(cause));
+    out.u8(while_erasing ? 1 : 0);
+    out.le16(exception);
+    for (const std::uint32_t v :
+         {pc, lr, sp, fault_status, hard_fault_status, address, uptime_ms, firmware_version, origin, number})
+      out.le32(v);
+  }
+  /// Errors: kBadLength, kOutOfRange (an unknown cause).
+  [[nodiscard]] static constexpr Result<Crash> decode(Bytes bytes) {
+    if (bytes.size() != kMaxBytes) return std::unexpected(Status::kBadLength);
+    ByteReader r(bytes);
+    Crash c;
+    const auto cause = checked_enum(r.u8(), CrashCause::kProgram);
+    const auto erasing = checked_bool(r.u8());
+    if (!cause || !erasing) return std::unexpected(Status::kOutOfRange);
+    c.cause = *cause;
+    c.while_erasing = *erasing;
+    c.exception = r.le16();
+    for (std::uint32_t* v : {&c.pc, &c.lr, &c.sp, &c.fault_status, &c.hard_fault_status, &c.address, &c.uptime_ms,
+                             &c.firmware_version, &c.origin, &c.number})
+      *v = r.le32();
+    return c;
+  }
+  bool operator==(const Crash&) const = default;
+};
+static_assert(kLengthsAsInTable<Crash>);
+
+}  // namespace triskin::wire

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A new board: an erased chip, the factory file as a programmer writes it, and everything that happens to a board in
+// its first half minute.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <random>
+
+#include "sampling_bench.hpp"
+#include "triskin/board/budget.hpp"
+
+namespace triskin::machine {
+namespace {
+
+constexpr std::uint32_t kSlotA = 0x08004000;
+
+struct Crystal {
+  const char* name;
+  std::uint64_t hz;
+  wire::Crystal state;
+};
+constexpr std::array kCrystals{
+    Crystal{"8MHz", 8'000'000, wire::Crystal::kUsed},        Crystal{"16MHz", 16'000'000, wire::Crystal::kUsed},
+    Crystal{"24MHz", 24'000'000, wire::Crystal::kUsed},      Crystal{"25MHz", 25'000'000, wire::Crystal::kUsed},
+    Crystal{"40MHz", 40'000'000, wire::Crystal::kUsed},      Crystal{"missing", 0, wire::Crystal::kSilent},
+    Crystal{"overtone", 18'432'000, wire::Crystal::kUnknown}};
+
+class NewBoard : public Sampling,
+                 public ::testing::WithParamInterface<std::tuple<std::size_t, const char*, const char*>> {
+ protected:
+  void SetUp() override {
+    running_slot = 0;
+    Bench::SetUp();
+    behave(behaviour_named(std::get<2>(GetParam())));
+    crystal_hz = crystal().hz;
+    flash = FlashChip{};
+    flash.program_file(firmware(std::get<1>(GetParam())));
+    flash.options &= ~(1U << 26);
+  }
+  [[nodiscard]] static const Crystal& crystal() { return kCrystals.at(std::get<0>(GetParam())); }
+};
+
+// The whole way of the bring-up guide, with each crystal, from either file, with chips that begin their sequence anew
+// on a write to power control and with chips that do not.
+TEST_P(NewBoard, FromTheFactoryFileToTheStream) {
+  power_up();
+  run_for(200'000);
+  EXPECT_EQ(machine->vector_table(), kSlotA);
+  EXPECT_EQ(machine->sysclk_hz(), 160'000'000U);
+  const auto state = health();
+  ASSERT_TRUE(state.has_value());
+  EXPECT_EQ(state->clock.crystal, crystal().state);
+  const bool used = crystal().state == wire::Crystal::kUsed;
+  EXPECT_EQ(state->clock.crystal_mhz, used ? crystal().hz / 1'000'000 : 0U);
+  EXPECT_NEAR(state->clock.measured_khz, static_cast<double>(crystal().hz) / 1000,
+              0.001 * static_cast<double>(crystal().hz) / 1000);
+  EXPECT_EQ((state->findings & board::finding::kNoCrystal) != 0, !used);
+  EXPECT_EQ(state->reset_cause, wire::reset_cause::kPower);
+  run_for(10'000);
+  EXPECT_TRUE(confirmed()) << "it has answered a request";
+  ASSERT_TRUE(flash_table(patch(4)));
+  ASSERT_EQ(request({0x2E, 0xFD, 0x05, 0x02}).at(0), 0x6E);
+  run_for(500'000);
+  EXPECT_EQ(samples().size(), 4U);
+  expect_no_violation();
+}
+
+INSTANTIATE_TEST_SUITE_P(Crystals, NewBoard,
+                         ::testing::Combine(::testing::Range(std::size_t{0}, kCrystals.size()),
+                                            ::testing::Values("triskin_factory.hex", "triskin_factory.bin"),
+                                            ::testing::Values("ConvReset", "PowerRestarts")),
+                         [](const auto& tested) {
+                           const std::string file = std::get<1>(tested.param);
+                           return fmt::format("{}_{}_{}", kCrystals.at(std::get<0>(tested.param)).name,
+                                              file.substr(file.size() - 3), std::get<2>(tested.param));
+                         });
+
+class FirstStart : public Sampling {
+ protected:
+  void SetUp() override {
+    running_slot = 0;
+    Bench::SetUp();
+  }
+};
+
+// Three of these left the board in its loader for ever: its only image had not been confirmed.
+TEST_F(FirstStart, PowerCutsBeforeItHasWorkedStrandNobody) {
+  for (int start = 1; start <= 8; ++start) {
+    power_up();
+    run_for(100'000);
+    EXPECT_EQ(machine->vector_table(), kSlotA) << start;
+  }
+  expect_no_violation();
+}
+
+// Uptime alone proves nothing: without a table and without a host the image has done nothing.
+TEST_F(FirstStart, UptimeConfirmsNothing) {
+  power_up();
+  run_for(5'000'000);
+  const std::uint32_t confirmation = kSlotA + 0x3B800 + 5 * 8;
+  EXPECT_EQ(machine->read_word(confirmation), 0xFFFFFFFFU);
+  EXPECT_FALSE(request({0x22, 0xFD, 0x00}).empty());
+  run_for(10'000);
+  EXPECT_EQ(machine->read_word(confirmation), 0U);
+}
+
+TEST_F(FirstStart, CompletedReadingsConfirmWithoutAHost) {
+  store_table(patch(4));
+  power_up();
+  run_for(1'000'000);
+  EXPECT_EQ(machine->read_word(kSlotA + 0x3B800 + 5 * 8), 0U);
+}
+
+// 200 boards, each reset or cut off from power up to five times within its first 30 s.
+TEST_F(FirstStart, RandomResetsAndPowerCutsEndInTheApplication) {
+  constexpr unsigned kSeed = 40;
+  constexpr int kBoards = 200;
+  std::mt19937 random(kSeed);
+  const FlashChip fresh = flash;
+  int resets = 0, cuts = 0;
+  power_up(true);
+  for (int board = 0; board < kBoards; ++board) {
+    flash.cut_at = ~std::uint64_t{0};
+    machine->power_cycle(fresh);
+    const std::uint64_t begin_us = now_us();
+    for (unsigned k = 1 + random() % 5; k > 0; --k) {
+      // Most while something is written and decided, which is soon after a start; some anywhere in the half minute.
+      run_for(random() % 4 == 0 ? random() % 6'000'000 : random() % 60'000);
+      if (now_us() > begin_us + 30'000'000) break;
+      if (random() % 2 == 0) {
+        machine->press_reset();
+        ++resets;
+        continue;
+      }
+      const FlashChip left = flash;
+      machine->power_cycle(left);
+      ++cuts;
+    }
+    // A double reset leads into the loader, which goes on after 15 s without a host.
+    run_for(200'000);
+    if (machine->vector_table() != kSlotA) run_for(16'000'000);
+    ASSERT_EQ(machine->vector_table(), kSlotA) << "board " << board << " of seed " << kSeed;
+  }
+  std::printf("%d boards, %d resets and %d power cuts: all end in the application\n", kBoards, resets, cuts);
+  EXPECT_GT(resets, kBoards);
+  EXPECT_GT(cuts, kBoards);
+}
+
+TEST_F(FirstStart, CrystalThatStopsLeavesTheBoardWithItsInternalOscillator) {
+  crystal_fails_at_us = 500'000;
+  power_up();
+  run_for(400'000);
+  EXPECT_EQ(health().value().clock.crystal, wire::Crystal::kUsed);
+  run_for(400'000);
+  const auto state = health();
+  ASSERT_TRUE(state.has_value());
+  EXPECT_EQ(machine->sysclk_hz(), 160'000'000U);
+  EXPECT_EQ(state->clock.crystal, wire::Crystal::kSilent);
+  EXPECT_EQ(crash().value().cause, wire::CrashCause::kClock);
+  EXPECT_EQ(machine->counts().resets, 1);
+  expect_no_violation();
+}
+
+// An unused line without resistors floats; it was "found held low" for ever.
+TEST_F(FirstStart, LineWithoutPullUpsIsNoFault) {
+  lines[3].pull_ups = false;
+  lines[3].modules.clear();
+  store_table(patch(3));
+  power_up();
+  run_for(1'000'000);
+  const auto states = request({0x22, 0xFD, 0x06});
+  ASSERT_EQ(states.size(), 23U);
+  EXPECT_EQ(states[3 + 15], 0) << "line 4 is held low";
+  expect_no_violation();
+}
+
+}  // namespace
+}  // namespace triskin::machine
