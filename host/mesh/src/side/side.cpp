@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "edge_sides.hpp"
+#include "extract_steps.hpp"
 #include "ray_caster.hpp"
 #include "side_decision.hpp"
 #include "side_evidence.hpp"
@@ -29,6 +30,8 @@ double median_wall(const std::vector<WallSample>& samples) {
 
 // An open surface with less of a wall than this is a sheet with folds; a tenth below what the decision asks for.
 constexpr double kMinWalledOpen = 0.15;
+
+constexpr double kVisibility_s = 0.2;  // processor time for the view of faces that cross, of which there are hardly any
 
 bool has_border(const std::vector<std::array<int, 3>>& neighbours) {
   return std::ranges::any_of(neighbours, [](const auto& n) { return n[0] < 0 || n[1] < 0 || n[2] < 0; });
@@ -105,6 +108,8 @@ TakenSide take_side(const Mesh& part, const SideOptions& options) {
   if (kept.faces.empty())
     throw InputError("side: nothing of the part lies on the side that was asked for; try --side both, or --from X,Y,Z");
   taken.surface = extract(kept).surface;
+  // Where only a corner joined two outer faces, their corners lie on each other now.
+  if (!usable(taken.surface)) taken.surface = remove_crossings(taken.surface, kVisibility_s).surface;
   return taken;
 }
 
