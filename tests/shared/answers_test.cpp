@@ -102,7 +102,8 @@ LiveTaxels live_taxels(const Vector& v) {
 }
 BoardHealth health(const Vector& v) {
   BoardHealth h;
-  h.clock = {static_cast<Crystal>(byte(v, "crystal")), byte(v, "crystal_mhz"), number<std::uint16_t>(v, "measured_khz")};
+  h.clock = {static_cast<Crystal>(byte(v, "crystal")), byte(v, "crystal_mhz"),
+             number<std::uint16_t>(v, "measured_khz")};
   h.reset_cause = byte(v, "reset_cause");
   h.findings = number<std::uint16_t>(v, "findings");
   h.crashes_in_row = byte(v, "crashes_in_row");
@@ -127,8 +128,9 @@ Crash crash(const Vector& v) {
   c.while_erasing = v.number("erasing") != 0;
   c.exception = number<std::uint16_t>(v, "exception");
   const auto values = test::numbers(v.one("words"), 10);
-  std::uint32_t* const words[] = {&c.pc,      &c.lr,        &c.sp,               &c.fault_status, &c.hard_fault_status,
-                                  &c.address, &c.uptime_ms, &c.firmware_version, &c.origin,       &c.number};
+  std::uint32_t* const words[] = {
+      &c.pc,     &c.lr,    &c.sp, &c.fault_status, &c.hard_fault_status, &c.address, &c.uptime_ms, &c.firmware_version,
+      &c.origin, &c.number};
   for (std::size_t k = 0; k < std::size(words); ++k) *words[k] = static_cast<std::uint32_t>(values.at(k));
   return c;
 }

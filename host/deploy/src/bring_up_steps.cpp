@@ -15,18 +15,19 @@ const std::array<BringUpStep, 12>& bring_up_steps() {
        "DBANK (22) = 1, RDP (7…0) = AA",
        "DBANK = 0: set it, which needs a mass erase; RDP not AA: the firmware cannot set the options"},
       {4, "Set nSWBOOT0 = 0, nBOOT0 = 1 and BOR_LEV = 4, cycle the power, read again.", "FLASH_OPTR",
-       "0xFBEFFCAA on a new chip",
-       "otherwise an idle CAN bus starts the ROM's loader and the board looks dead"},
+       "0xFBEFFCAA on a new chip", "otherwise an idle CAN bus starts the ROM's loader and the board looks dead"},
       {5,
        "Erase the chip and program triskin_factory.hex: openocd -f firmware/board/stm32g474/openocd.cfg -c "
-       "\"triskin_program build/firmware/bin/triskin_factory.hex\"; docs/bring_up.md has the lines for probe-rs, pyOCD, "
+       "\"triskin_program build/firmware/bin/triskin_factory.hex\"; docs/bring_up.md has the lines for probe-rs, "
+       "pyOCD, "
        "st-flash and STM32CubeProgrammer.",
        "triskin_budget by the debugger", "loops counts up, findings is 0 or 4",
        "1: DBANK; 2 or 32: cycle the power; 8: read protected; 16: the crystal; loops stands: triskin_survivor has the "
        "crash record"},
       {6, "Look at the crystal.", "what triskin discover says of it, or OSC_OUT with a 1:10 probe",
        "its frequency, within 2 %",
-       "silent: missing, broken or badly loaded; unknown: an overtone; the firmware runs from the RC oscillator then, do "
+       "silent: missing, broken or badly loaded; unknown: an overtone; the firmware runs from the RC oscillator then, "
+       "do "
        "not ship"},
       {7, "Connect CAN, 120 Ω at both ends.", "controllers that answer, versions, frames of a second",
        "every controller answers, with an address of its own",

@@ -14,7 +14,7 @@ struct CrystalSetup {
   Time fails_at = kNever;        ///< since power-up: it stops for ever
 };
 
-/// Reset and clock control with power control's boost bit (RM0440 §7.4, §6.4). Oscillators need their start-up times. A
+/// Reset and clock control with power control's boost bit (RM0440 §7.4, §6.4). Oscillators need start-up times. A
 /// crystal that stops takes the core with it, unless clock security is on: then the core goes on with the internal
 /// oscillator and gets an NMI (§7.2.10).
 class Rcc final : public Peripheral {

@@ -26,7 +26,7 @@ struct VirtualBoard {
   bool can_fd = true;                               ///< the bus carries FD frames
   ChainModel* chain = nullptr;                      ///< of switched modules; null: the board has no chain
   FlashModel* slots = nullptr;  ///< the two application slots, one after the other; null: no loader, no firmware update
-  std::function<bool()> room{};  ///< a transmit buffer is free; empty: there is always one
+  std::function<bool()> room{};          ///< a transmit buffer is free; empty: there is always one
   wire::BoardHealth health = healthy();  ///< what the board says about itself
   std::optional<wire::Crash> crash{};    ///< what stopped it last, until a host clears the fault memory
 

@@ -21,7 +21,7 @@ enum class Crystal : std::uint8_t {
   kNotSaid,      ///< an older loader started the clocks
 };
 
-/// Where the clock of the controller comes from: the crystal with Crystal::kUsed, else the internal oscillator (± 1 %).
+/// Where the clock of the controller comes from: the crystal with Crystal::kUsed, else the internal oscillator.
 struct ClockState {
   Crystal crystal = Crystal::kNotSaid;
   std::uint8_t crystal_mhz = 0;    ///< 0: the internal oscillator is used
