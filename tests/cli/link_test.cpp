@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which link a device command works on, and that a simulation is never taken for hardware.
 #include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "cli/shell_case.hpp"
@@ -73,6 +76,30 @@ TEST_F(Links, a_recording_says_that_it_is_of_a_simulation) {
   ASSERT_EQ(run("record strip.json --link sim -o r.mcap --seconds 0.2").status, 0);
   const std::string bytes = read_file(folder_ / "r.mcap");
   EXPECT_THAT(bytes, HasSubstr("simulated"));
+}
+
+// Ends a command by Ctrl-C when it has printed `sign`; returns its status.
+int status_after_interrupt(const std::string& command, const std::filesystem::path& log, const std::string& sign) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execl("/bin/sh", "sh", "-c", (command + " >'" + log.string() + "' 2>&1").c_str(), static_cast<char*>(nullptr));
+    std::_Exit(127);
+  }
+  while (!std::filesystem::exists(log) || read_file(log).find(sign) == std::string::npos) ::usleep(10'000);
+  ::kill(child, SIGINT);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST_F(Links, ctrl_c_is_the_usual_end_of_live_and_view) {
+  ASSERT_EQ(run("flash strip.json --link sim").status, 0);
+  EXPECT_EQ(status_after_interrupt(line("live strip.json --link sim --json"), folder_ / "live", "frames"), 0);
+  EXPECT_EQ(status_after_interrupt(line("view strip.json --link sim --no-open"), folder_ / "view", "http://"), 0);
+}
+
+TEST_F(Links, a_missing_interface_leads_to_the_doctor) {
+  EXPECT_THAT(run("discover --link can:nowhere").messages, HasSubstr("run: triskin doctor"));
 }
 
 }  // namespace

@@ -233,6 +233,7 @@ std::vector<bridge::BridgeOptions> options_of(const Options& options, const robo
 }
 
 int run(const Options& options, Output& output) {
+  output.expect_interrupt();
   robot::Site site = robot::read_site(options.site.file);
   robot::choose(site, options.site.cover);
   const std::vector<bridge::BridgeOptions> by_cover = options_of(options, site);

@@ -192,6 +192,7 @@ int show_cover(const Options& options, const robot::BusConfig& site, const robot
 }
 
 int run(const Options& options, Output& output) {
+  output.expect_interrupt();
   if (options.protocol == "icub") return run_icub(options, output);
   if (options.site.file.empty())
     throw InputError("live: give the design file or robot file; only --protocol icub works without");

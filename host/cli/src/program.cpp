@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -15,6 +16,7 @@
 
 #include "did_you_mean.hpp"
 #include "error_words.hpp"
+#include "generate_docs.hpp"
 #include "help_command.hpp"
 #include "help_format.hpp"
 #include "triskin/base/error.hpp"
@@ -70,7 +72,7 @@ int run_entry(const Entry& entry) {
     if (entry.json) std::fputs((output.result.dump() + "\n").c_str(), stdout);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       return fail("standard output: cannot write; check the disk or the pipe", 2);
-    return unless_ended(status);
+    return output.expects_interrupt() && interrupt_signal() == SIGINT ? status : unless_ended(status);
   } catch (const Error& e) {
     return unless_ended(fail(e.what(), e.exit_status()));
   } catch (const std::bad_alloc&) {
@@ -123,6 +125,7 @@ int run_program(const std::string& description, int argc, char** argv) {
   program.footer("triskin help COMMAND shows its options and an example; triskin help links,\nwhat --link takes.");
   const auto entries = add_commands(program);
   if (const auto status = answer_help(program, argc, argv)) return *status;
+  if (const auto status = answer_generate_docs(program, argc, argv)) return *status;
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

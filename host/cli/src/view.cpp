@@ -111,6 +111,7 @@ int play(const Options& options, Output& output) {
 }
 
 int run(const Options& options, Output& output) {
+  output.expect_interrupt();
   if (is_recording(options.design)) return play(options, output);
   const DesignArgument argument = find_design(options.design);
   const bool has_link = options.link.link != "none";

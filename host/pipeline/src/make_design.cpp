@@ -170,7 +170,7 @@ void require_places(const design::KindPlan& plan) {
   if (std::ranges::all_of(plan.regions, [](const auto& r) { return design::is_place(r.region); })) return;
   throw InputError(
       "kinds: a region names modules or an island, which have numbers only when the design is there; make it without "
-      "--kinds, then run triskin design DESIGN --kinds");
+      "--kinds, then run triskin edit DESIGN --kinds");
 }
 
 // What the pieces gave, from which the time of the growth and of what follows is told.

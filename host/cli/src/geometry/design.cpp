@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <map>
 #include <memory>
 #include <string>
@@ -131,8 +132,11 @@ void say_layout(const design::Design& d, const pipeline::DesignNotes& notes, Out
 int run(Options options, Output& output) {
   catch_interrupts();
   require_writable(options.output);
-  if (options.edit.wanted(options.mesh))
+  if (options.edit.wanted(options.mesh)) {
+    std::fputs("triskin: a design is changed by triskin edit, with the same options; design loses them with 0.4\n",
+               stderr);
     return edit(options.mesh, options.output, options.edit, options.design, output);
+  }
   options.design.unit = options.unit.unit;
   if (!options.regions.empty()) options.design.regions = design::read_region_file(options.regions);
   options.design.kinds = options.edit.kind_plan();
@@ -214,12 +218,11 @@ const Registration kDesign{{
     [](CLI::App& app) -> Run {
       auto options = std::make_shared<Options>();
       app.add_option("MESH", options->mesh,
-                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise; with --take, "
-                     "--remove, --add, --keep or --mirror a "
-                     "design")
+                     "OBJ, STL, PLY, OFF, DAE, glTF, GLB or 3MF; mm unless --unit says otherwise")
           ->required();
       app.add_option("-o,--output", options->output, "design file")->required();
       options->edit.add_to(app);
+      EditOptions::hide(app);
       app.add_option("--repair", options->design.repair,
                      "auto: a mesh that crosses itself or is no manifold is made one that can be covered; never: it is "
                      "refused")

@@ -29,6 +29,9 @@ class Output {
   void mark_simulated(const std::string& link);
   /// The same for a command that has said it by itself.
   void mark_quietly_simulated() { simulated_ = true; }
+  /// Ctrl-C is the usual end of the command: its status stays what the command returns.
+  void expect_interrupt() { expects_interrupt_ = true; }
+  [[nodiscard]] bool expects_interrupt() const { return expects_interrupt_; }
   [[nodiscard]] bool simulated() const { return simulated_; }
   /// With --json: one object on a line of its own, at once; for commands that answer while they run.
   void each(const nlohmann::json& object) const;
@@ -40,6 +43,7 @@ class Output {
  private:
   bool json_, messages_aside_;
   bool simulated_ = false;
+  bool expects_interrupt_ = false;
 };
 
 /// Validator of an option that takes one of the names of `values`, in any case. --help lists the names, not the numbers
