@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds in the graph of calls what runs while a page of the flash is erased, and places it in RAM.
 
-  place_ram_code.py place OBJDUMP ADDR2LINE ELF MAP OUTPUT.ld    ELF: linked with nothing in RAM
-  place_ram_code.py check OBJDUMP ADDR2LINE ELF OUTPUT.txt       the image itself
+  place_ram_code.py place OBJDUMP ADDR2LINE ELF MAP OUTPUT       ELF: linked with nothing in RAM
+  place_ram_code.py check OBJDUMP ADDR2LINE ELF OUTPUT           the image itself
 
 The bank that is erased stalls whoever reads it for 22 ms (RM0440 3.3.5). Running meanwhile are the functions that begin
 an erase and wait for it, all interrupt handlers, and whatever these call: tools/check_stack.py follows the calls. Their

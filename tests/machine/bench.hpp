@@ -57,7 +57,7 @@ class Bench : public ::testing::Test {
       lines[static_cast<std::size_t>(k % layout::kLines)].add(static_cast<std::uint8_t>(k / layout::kLines), k);
     behave(wanted_behaviour());
     flash.program_file(firmware(running_slot == 0 ? "triskin_factory.hex" : "triskin_factory_b.hex"));
-    flash.options &= ~(1U << 26);  // nSWBOOT0 = 0: the board was brought up (docs/bring_up.md)
+    flash.options = (flash.options & ~(1U << 26 | 7U << 8)) | 4U << 8;  // the board was brought up (docs/bring_up.md)
     application = read_elf(firmware(running_slot == 0 ? "triskin_app_a.elf" : "triskin_app_b.elf"));
   }
   void power_up(bool will_be_cut = false);

@@ -27,6 +27,36 @@ TEST_F(Bench, AnswersUdsOnCan) {
   expect_no_violation();
 }
 
+// The light of the board, a look each 100 ms of a second: how often it is on.
+TEST_F(Bench, LightSaysWhatTheBoardDoes) {
+  constexpr std::uint32_t kOutputsOfA = 0x48000014, kLight = 1U << 5;
+  const auto on = [&] {
+    int count = 0;
+    for (int k = 0; k < 10; ++k) {
+      run_for(100'000);
+      count += (machine->read_register(kOutputsOfA) & kLight) != 0 ? 1 : 0;
+    }
+    return count;
+  };
+  power_up();
+  run_for(50'000);
+  EXPECT_EQ(on(), 1) << "no table";
+  store_table(patch(4));
+  power_up();
+  run_for(1'050'000);
+  EXPECT_EQ(on(), 5) << "samples";
+  unlock();
+  ASSERT_EQ(request({0x2E, 0xFD, 0x05, 0x02}).at(0), 0x6E);
+  run_for(100'000);
+  EXPECT_EQ(on(), 9) << "streams";
+  module_at(2).present = false;
+  run_for(1'000'000);
+  const int faulty = on();
+  EXPECT_GE(faulty, 4) << "a module is missing";
+  EXPECT_LE(faulty, 6);
+  expect_no_violation();
+}
+
 constexpr std::uint32_t kFromFactory = 0xFFEFF8AA, kBootByPin = 1U << 26, kBootOptionFlash = 1U << 27,
                         kTwoBanks = 1U << 22, kBrownOutMask = 7U << 8, kBrownOut28 = 4U << 8;
 

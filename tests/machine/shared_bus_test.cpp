@@ -31,7 +31,7 @@ struct MachineBoard {
 
   MachineBoard(std::uint8_t board_number, const std::filesystem::path& factory_file) : number(board_number) {
     flash.program_file(factory_file);
-    flash.options &= ~(1U << 26);
+    flash.options = (flash.options & ~(1U << 26 | 7U << 8)) | 4U << 8;
     power_up();
   }
   void power_up() {

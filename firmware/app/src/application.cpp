@@ -277,6 +277,16 @@ bool Application::frames_wait() const {
          (!stream_queue_.empty() && stream_port_->has_room());
 }
 
+Application::Condition Application::condition() const {
+  if (!tables_.has_table()) return Condition::kNoTable;
+  const auto own = std::span(samples_).first(rows());
+  if (std::ranges::any_of(
+          own, [](const ModuleSample& s) { return s.state != ModuleState::kOk && s.state != ModuleState::kUnknown; }))
+    return Condition::kFault;
+  const bool leased = std::ranges::any_of(channels(), [](const Channel& c) { return c.stream.active(); });
+  return leased || stream_ != StreamMode::kOff ? Condition::kStreaming : Condition::kSampling;
+}
+
 void Application::publish(std::size_t module) {
   samples_[module].fresh = false;
   read_a_module_ = read_a_module_ || samples_[module].valid != 0;

@@ -7,6 +7,7 @@ add_library(triskin_fw_board STATIC ${triskin_board}/src/clock.cpp ${triskin_boa
 target_include_directories(triskin_fw_board PUBLIC ${triskin_board}/include ${triskin_board}/src)
 target_link_libraries(triskin_fw_board PUBLIC triskin_fw_boot)
 add_dependencies(triskin_fw_board triskin_layering)
+set_target_properties(triskin_fw_board PROPERTIES UNITY_BUILD OFF)  # blocks have registers and bits of the same names
 
 # The graph of calls is taken from an image with nothing in RAM; what runs during an erase goes there in the images below.
 set(triskin_ram_code ${CMAKE_CURRENT_BINARY_DIR}/ram_code)
@@ -19,7 +20,7 @@ set(triskin_place ${Python3_EXECUTABLE} ${CMAKE_SOURCE_DIR}/tools/place_ram_code
 function(triskin_image name)
   cmake_parse_arguments(arg "" "SCRIPT;FLASH_CEILING;RAM_CEILING" "SOURCES;LIBS" ${ARGN})
   add_executable(${name} ${triskin_board}/src/startup.cpp ${triskin_board}/src/memory.cpp ${arg_SOURCES})
-  set_target_properties(${name} PROPERTIES SUFFIX .elf LINK_DEPENDS "${triskin_board}/${arg_SCRIPT};${triskin_board}/sections.ld;${triskin_board}/app_sections.ld;${CMAKE_SOURCE_DIR}/tools/check_stack.py")
+  set_target_properties(${name} PROPERTIES UNITY_BUILD OFF SUFFIX .elf LINK_DEPENDS "${triskin_board}/${arg_SCRIPT};${triskin_board}/sections.ld;${triskin_board}/app_sections.ld;${CMAKE_SOURCE_DIR}/tools/check_stack.py")
   target_link_libraries(${name} PRIVATE ${arg_LIBS} triskin_fw_board)
   target_link_options(${name} PRIVATE -L${triskin_board} -T${triskin_board}/${arg_SCRIPT} -Wl,-Map=$<TARGET_FILE:${name}>.map)
   add_custom_command(TARGET ${name} POST_BUILD
@@ -31,7 +32,7 @@ function(triskin_image name)
 endfunction()
 
 add_executable(triskin_app_graph ${triskin_board}/src/startup.cpp ${triskin_board}/src/memory.cpp ${triskin_board}/src/main.cpp)
-set_target_properties(triskin_app_graph PROPERTIES SUFFIX .elf LINK_DEPENDS "${triskin_board}/slot_a.ld;${triskin_board}/app_sections.ld")
+set_target_properties(triskin_app_graph PROPERTIES UNITY_BUILD OFF SUFFIX .elf LINK_DEPENDS "${triskin_board}/slot_a.ld;${triskin_board}/app_sections.ld")
 target_link_libraries(triskin_app_graph PRIVATE triskin_fw_app triskin_fw_board)
 target_link_options(triskin_app_graph PRIVATE -L${triskin_no_ram_code} -L${triskin_board} -T${triskin_board}/slot_a.ld -Wl,-Map=$<TARGET_FILE:triskin_app_graph>.map)
 add_custom_command(OUTPUT ${triskin_ram_code}/ram_code.ld

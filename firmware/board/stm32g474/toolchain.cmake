@@ -14,4 +14,4 @@ set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 # The lines in the ELF files are for tools/check_stack.py and for debuggers; what is flashed has none. An option of the
 # folder, since the flags above reach new build folders only.
-add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-g1>)
+add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-g3>)

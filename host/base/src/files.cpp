@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <climits>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -14,6 +15,7 @@
 #include <iterator>
 #include <utility>
 
+#include "output_target.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin {
@@ -79,10 +81,8 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
-  std::string temporary = path.string() + ".XXXXXX";
-  const int fd = ::mkstemp(temporary.data());
+  const auto [fd, temporary] = create_beside(path);
   if (fd < 0) fail_write(path, "create", errno);
-  ::fchmod(fd, 0644);
   const int cause = write_all(fd, bytes);
   ::close(fd);
   if (cause != 0) {
@@ -113,15 +113,11 @@ OutputFile::OutputFile(const std::filesystem::path& path) : path_(path) {
     if (fd_ < 0) fail_write(path, "open", errno);
     return;
   }
-  target_ = fs::is_symlink(path, ignored) ? fs::weakly_canonical(path, ignored) : path;
-  if (target_.empty()) target_ = path;
-  temporary_ = target_.string() + ".XXXXXX";
-  fd_ = ::mkstemp(temporary_.data());
-  if (fd_ < 0) {
-    temporary_.clear();
-    fail_write(target_, "create", errno);
-  }
-  ::fchmod(fd_, 0644);
+  target_ = target_of(path);
+  const auto [fd, temporary] = create_beside(target_);
+  if (fd < 0) fail_write(target_, "create", errno);
+  fd_ = fd;
+  temporary_ = temporary;
 }
 
 OutputFile::~OutputFile() {
@@ -141,6 +137,24 @@ void OutputFile::commit() {
   rename_or_remove(std::exchange(temporary_, {}), target_);
 }
 
+void require_writable(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  if (path == "-") return;
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::is_directory(status)) throw InputError(fmt::format("{}: is a folder; give a file", path.string()));
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    if (::access(path.c_str(), W_OK) != 0) fail_write(path, "open", errno);
+    return;
+  }
+  const fs::path target = target_of(path);
+  if (target.filename().string().size() > NAME_MAX) fail_write(path, "create", ENAMETOOLONG);
+  const auto [fd, temporary] = create_beside(target);
+  if (fd < 0) fail_write(path, "create", errno);
+  ::close(fd);
+  ::unlink(temporary.c_str());
+}
+
 std::filesystem::path state_home() {
   std::filesystem::path base;
   if (const char* xdg = std::getenv("XDG_STATE_HOME"); xdg != nullptr && *xdg != '\0') {
@@ -150,8 +164,11 @@ std::filesystem::path state_home() {
   }
   std::error_code error;
   if (!base.empty()) std::filesystem::create_directories(base, error);
-  if (base.empty() || error) base = std::filesystem::temp_directory_path();
-  return base / "triskin";
+  if (!base.empty() && !error) return base / "triskin";
+  // Shared by all users of the computer, so that each has a folder of his own there.
+  base = std::filesystem::temp_directory_path(error);
+  if (error) base = "/tmp";
+  return base / fmt::format("triskin-{}", ::getuid());
 }
 
 }  // namespace triskin

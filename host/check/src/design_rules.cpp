@@ -171,6 +171,7 @@ DesignReport check_design(const std::filesystem::path& path) {
   check_limits(design.limits, !design.jumpers.empty(), report, findings);
   check_modules(design, findings);
   check_surface(design, findings);
+  check_side(design, findings);
   check_pieces(design, findings);
   check_jumpers(design, findings);
   check_regions(design, findings);

@@ -73,6 +73,17 @@ double corner_cut(double value) {
   return value;
 }
 
+void read_side(const json& j, CheckedDesign& d) {
+  d.side = j.at("taken").get<std::string>();
+  d.is_side_certain = j.at("certain").get<bool>();
+  if (!j.contains("part")) return;
+  d.part_vertices = all(j.at("part").at("vertices"), p3);
+  d.part_faces = all(j.at("part").at("faces"), three_ints);
+  for (const auto& f : d.part_faces) {
+    for (const int v : f) bounded(v, 0, static_cast<int>(d.part_vertices.size()) - 1, "vertex of the part");
+  }
+}
+
 CheckedDesign::Module read_module(const json& j, int n, bool with_lift) {
   CheckedDesign::Module m{};
   m.island = integer(j.at("island"));
@@ -225,6 +236,7 @@ CheckedDesign read_all(const json& j) {
     for (const int v : f) bounded(v, 0, n_vertices - 1, "vertex");
   }
   if (d.faces.empty()) throw InputError("the surface has no faces");
+  if (j.contains("side")) read_side(j.at("side"), d);
   const json& l = j.at("limits");
   const bool with_lift = l.contains("lift_mm") || l.contains("depth_mm");  // both, or a file of before them
   d.limits = {number(l.at("edge_error_mm")),

@@ -10,6 +10,7 @@
 #include "triskin/base/files.hpp"
 #include "triskin/cli/site_options.hpp"
 #include "triskin/deploy/board_shape.hpp"
+#include "triskin/diagnose/board_report.hpp"
 #include "triskin/robot/edit.hpp"
 #include "triskin/session/controller.hpp"
 #include "triskin/session/firmware_version.hpp"
@@ -18,7 +19,7 @@ namespace triskin::cli::discover_command {
 namespace {
 
 struct Options {
-  std::string robot;
+  std::string robot, elf;
   device::LinkOptions link;
   bool topology = false, note = false;
   std::vector<std::string> designs;
@@ -31,7 +32,17 @@ struct Found {
   bool kernel = false;
 };
 
-nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim) {
+// How the board is; nothing from a controller whose firmware does not know.
+void add_board(nlohmann::json& j, device::Controller& c, const std::string& elf) {
+  const device::BoardReport report = device::report_board(c);
+  if (!report.health) return;
+  j["clock"] = device::clock_text(report.health->clock);
+  j["bus_offs"] = report.health->bus_offs;
+  j["crashed"] = report.crash.has_value();
+  j["remarks"] = device::board_remarks(report, elf);
+}
+
+nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim, const std::string& elf) {
   device::Controller c(bus, claim.node_address);
   const wire::Hello hello = c.hello();
   const wire::ActiveTable table = c.active_table();
@@ -55,6 +66,7 @@ nlohmann::json ask(device::Bus& bus, const wire::NodeClaim& claim) {
   }
   j["chips"] = std::move(chips);
   j["stuck_lines"] = std::move(stuck);
+  add_board(j, c, elf);
   return j;
 }
 
@@ -72,8 +84,8 @@ std::map<int, int> users_of(const std::vector<wire::NodeClaim>& claims) {
 }
 
 // Several controllers at one address would all answer: they can be told apart, but not asked.
-nlohmann::json describe(device::Bus& bus, const wire::NodeClaim& claim, bool unique) {
-  nlohmann::json j = unique ? ask(bus, claim) : nlohmann::json::object();
+nlohmann::json describe(device::Bus& bus, const wire::NodeClaim& claim, bool unique, const std::string& elf) {
+  nlohmann::json j = unique ? ask(bus, claim, elf) : nlohmann::json::object();
   j["serial"] = device::to_text(claim.unique_id);
   j["node_address"] = claim.node_address;
   j["flashed"] = claim.has_table;
@@ -83,10 +95,11 @@ nlohmann::json describe(device::Bus& bus, const wire::NodeClaim& claim, bool uni
 
 std::string line_of(const nlohmann::json& j, const std::string& place) {
   const bool unique = j["address_unique"].get<bool>();
-  return fmt::format("controller {}  node address {}{}  {}{}{}", j["serial"].get<std::string>(),
+  return fmt::format("controller {}  node address {}{}  {}{}{}{}", j["serial"].get<std::string>(),
                      j["node_address"].get<int>(), unique ? "" : " (shared)",
                      j["flashed"].get<bool>() ? "flashed" : "not flashed",
-                     unique ? fmt::format("  {} chips", j["chips"].size()) : std::string(), place);
+                     unique ? fmt::format("  {} chips", j["chips"].size()) : std::string(),
+                     j.contains("clock") ? "  " + j["clock"].get<std::string>() : std::string(), place);
 }
 
 bool opens_in_kernel(device::Link& link) {
@@ -115,16 +128,22 @@ std::string place_on(const robot::BusConfig& site, nlohmann::json& j) {
   return "  of no cover here";
 }
 
-Found look_at(const robot::BusConfig& site, device::Link& link) {
+// What the board says of itself that is not as it should be, a line each.
+std::vector<std::string> remarks_of(const nlohmann::json& j) {
+  return j.contains("remarks") ? j["remarks"].get<std::vector<std::string>>() : std::vector<std::string>{};
+}
+
+Found look_at(const robot::BusConfig& site, device::Link& link, const std::string& elf) {
   Found found;
   device::Bus bus(link);
   const auto claims = claims_on(bus);
   auto users = users_of(claims);
   for (const auto& claim : claims) {
-    nlohmann::json j = describe(bus, claim, users[claim.node_address] == 1);
+    nlohmann::json j = describe(bus, claim, users[claim.node_address] == 1, elf);
     j["bus"] = site.name;
     const std::string place = place_on(site, j);
     found.lines.push_back(line_of(j, place));
+    for (const std::string& remark : remarks_of(j)) found.lines.push_back("  " + remark);
     found.controllers.push_back(std::move(j));
   }
   found.kernel = opens_in_kernel(link);
@@ -153,10 +172,10 @@ int run_robot(const Options& options, Output& output) {
   if (!robot::is_robot_file(options.robot))
     throw InputError(fmt::format("{}: is no robot file; give designs with --design", options.robot));
   if (options.topology) throw InputError("discover: --topology looks at one link; give --link and --design");
-  OpenSite open = open_site({options.robot, "", options.link});
+  OpenSite open = open_site({options.robot, "", options.link}, output);
   std::vector<Found> buses(open.site.buses.size());
   on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
-    buses[static_cast<std::size_t>(bus.number)] = look_at(bus, link);
+    buses[static_cast<std::size_t>(bus.number)] = look_at(bus, link, options.elf);
   });
   nlohmann::json controllers = nlohmann::json::array();
   bool kernel = false;
@@ -182,6 +201,7 @@ int run_link(const Options& options, Output& output) {
   for (const std::string& file : options.designs) designs.emplace_back(file, design::read_intact_design(file));
   const bool simulated = options.link.scene.empty() && !designs.empty();
   const auto link = device::open_link(options.link, simulated ? &designs[0].second : nullptr);
+  say_simulated(*link, output);
   device::Bus bus(*link);
   auto claims = claims_on(bus);
   if (options.topology) claims = device::put_apart(bus, std::move(claims), false);
@@ -190,8 +210,9 @@ int run_link(const Options& options, Output& output) {
   bool bad = false;
   for (const auto& claim : claims) {
     const bool unique = users[claim.node_address] == 1;
-    nlohmann::json j = describe(bus, claim, unique);
+    nlohmann::json j = describe(bus, claim, unique, options.elf);
     output.say(line_of(j, ""));
+    for (const std::string& remark : remarks_of(j)) output.say("  " + remark);
     if (options.topology && unique) {
       j["topology"] = ask_topology(bus, claim, designs, output);
       bad = bad || differs(j["topology"]);
@@ -222,8 +243,11 @@ const Registration kDiscover{{
       app.add_option(
           "--design", options->designs,
           "design files that the topology is compared with; also recognizes patches that were never flashed");
+      app.add_option("--elf", options->elf,
+                     "image of the firmware (triskin_app_a.elf or _b): names function and line of a crash");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kHardware,
 }};
 
 }  // namespace

@@ -82,6 +82,7 @@ class CoverFile {
                 const Output& output) {
     origin_.design_text = read_file(cover_.design_file);
     origin_.facts["link"] = bus.name();
+    if (device::is_simulated(bus.name())) origin_.facts["simulated"] = "true";
     origin_.facts["program"] = fmt::format("triskin {}", TRISKIN_VERSION);
     if (!cover_.name.empty()) origin_.facts["cover"] = cover_.name;
     for (const int patch : design::patches_here(cover_.design)) {
@@ -320,11 +321,13 @@ int run(const Options& options, Output& output) {
   require_modules(site);
   if (format == Format::kHdf5) require_hdf5(options.output);
   if (site.is_robot) make_folder(options.output);
+  if (!site.is_robot) device::require_link(options.site.link);
   OpenSite open{std::move(site), {}};
   std::vector<std::unique_ptr<BusRecording>> buses;
   for (const robot::BusConfig& bus : open.site.buses)
     buses.push_back(std::make_unique<BusRecording>(options, bus, format));
   open.links = device::open_buses(open.site, options.site.link);
+  say_simulated(open.links, output);
   const ProgressSink progress = output.progress();
   on_each_bus(open, [&](const robot::BusConfig& bus, device::Link& link) {
     buses[static_cast<std::size_t>(&bus - open.site.buses.data())]->run(link, progress, output);
@@ -355,6 +358,7 @@ const Registration kRecord{{
           ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kData,
 }};
 
 }  // namespace

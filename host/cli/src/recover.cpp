@@ -62,6 +62,7 @@ const Registration kRecover{{
       app.add_option("-o,--output", options->output, "new file; default: FILE itself is completed, if it was only cut");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kData,
 }};
 
 }  // namespace

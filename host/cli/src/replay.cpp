@@ -140,6 +140,7 @@ const Registration kReplay{{
       app.add_flag("--loop", options->loop, "with --listen: from the beginning again, until Ctrl-C");
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kData,
 }};
 
 }  // namespace

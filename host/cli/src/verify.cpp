@@ -213,7 +213,7 @@ int run(Options options, Output& output) {
   check_report(options.report);
   const DesignArgument argument = find_design(options.site.file);
   options.site.file = argument.path;
-  OpenSite open = open_site(options.site);
+  OpenSite open = open_site(options.site, output);
   const int patch = patch_of(argument, open.site.buses[0].covers[0].design, output);
   std::vector<std::vector<Told>> buses(open.site.buses.size());
   const ProgressSink progress = output.progress();
@@ -244,6 +244,7 @@ const Registration kVerify{{
           ->capture_default_str();
       return [options](Output& output) { return run(*options, output); };
     },
+    Group::kHardware,
 }};
 
 }  // namespace

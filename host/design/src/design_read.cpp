@@ -91,6 +91,15 @@ Mesh read_surface(const JsonValue& v) {
   return mesh;
 }
 
+PartSide read_side(const JsonValue& v) {
+  PartSide side;
+  side.taken = v["taken"].text();
+  side.is_certain = v["certain"].boolean();
+  side.wall_mm = v["wall_mm"].number();
+  if (has(v, "part")) side.part = read_surface(v["part"]);
+  return side;
+}
+
 PlacedPiece read_piece(const JsonValue& v, std::size_t n_faces) {
   PlacedPiece p;
   p.piece.outline.outer = list(v["outline"], vec2);
@@ -248,6 +257,7 @@ Design parse_design(const std::string& text, const std::string& file) {
   d.source_file = v["source"]["file"].text();
   d.scale_to_mm = number(v["source"]["scale_to_mm"]);
   d.surface = read_surface(v["surface"]);
+  if (has(v, "side")) d.side = read_side(v["side"]);
   read_limits(v["limits"], d.limits);
   d.pieces = list(v["pieces"], [&](const JsonValue& p) { return read_piece(p, d.surface.faces.size()); });
   d.layout.method = read_method(v["method"]);

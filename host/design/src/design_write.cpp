@@ -32,6 +32,12 @@ json surface_json(const Mesh& mesh) {
   return {{"vertices", list(mesh.vertices)}, {"faces", mesh.faces}};
 }
 
+json side_json(const PartSide& side) {
+  json j = {{"taken", side.taken}, {"certain", side.is_certain}, {"wall_mm", side.wall_mm}};
+  if (!side.part.faces.empty()) j["part"] = surface_json(side.part);
+  return j;
+}
+
 // Files of before these limits stay as they were.
 bool limits_sides(const LayoutLimits& l) {
   return std::isfinite(l.lift_mm) && std::isfinite(l.depth_mm);
@@ -181,8 +187,9 @@ void write_design(const std::filesystem::path& path, const Design& design) {
     file["report"]["max_edge_lift_mm"] = design.report.max_edge_lift_mm;
     file["report"]["max_edge_depth_mm"] = design.report.max_edge_depth_mm;
   }
+  if (design.side) file["side"] = side_json(*design.side);
   if (is_cut) file["corner_cut_mm"] = design.layout.corner_cut_mm;  // Files without a cut keep their format.
-  if (!design.kinds.empty()) {                                      // nor has a file without kinds a key of them
+  if (!design.kinds.empty()) {                                      // A file without kinds has no key of them.
     file["kinds"] = kind_plan_json(design.kinds);
     for (std::size_t k = 0; k < design.layout.modules.size(); ++k)
       file["modules"][k]["kind"] = kind_of(design.kinds, design.layout.modules[k].kind).name;

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <map>
+#include <vector>
 
 #include "canonical.hpp"
 #include "net.hpp"
@@ -33,6 +34,7 @@ class Certifier {
   using Corners = std::array<double, 9>;
   using Known = std::map<Corners, PlacedModule>;
   [[nodiscard]] ModuleLayout certified(LatticeMesh net, Known& own, int threads) const;
+  [[nodiscard]] std::vector<int> turned_modules(const ModuleLayout& layout) const;
   void measure_on_surface(ModuleLayout& layout, Known& own, int threads) const;
 
   const Surface& surface_;

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace triskin::mechanics {
@@ -81,8 +82,13 @@ class Search {
   }
   [[nodiscard]] Fit result() const {
     const Eigen::Index n = at_.size();
-    return {contacts_from(at_), normal_matrix().ldlt().solve(Eigen::MatrixXd::Identity(n, n)), residual_.squaredNorm(),
-            objective_};
+    Fit fit;
+    fit.contacts = contacts_from(at_);
+    fit.covariance = normal_matrix().ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+    fit.residual_sum = residual_.squaredNorm();
+    fit.objective = objective_;
+    fit.noise = noise_;
+    return fit;
   }
 
  private:
@@ -118,13 +124,26 @@ class Search {
 
 }  // namespace
 
-std::optional<Fit> fit_contacts(const TaxelModel& model, const Eigen::VectorXd& observed, std::vector<FitContact> start,
+std::optional<Fit> fit_contacts(const TaxelModel& model, const Eigen::VectorXd& observed,
+                                const std::vector<FitContact>& start, const std::vector<FitContact>& prior_centres,
                                 double noise, const FitPriors& priors) {
-  Search search(model, observed, prior_of(start, priors), noise);
+  Search search(model, observed, prior_of(prior_centres, priors), noise);
   if (!search.start(parameters(start))) return std::nullopt;
   for (int step = 0; step < kMaxSteps && search.improve(); ++step) {
   }
-  return search.result();
+  Fit fit = search.result();
+  fit.prior_centres = prior_centres;
+  return fit;
+}
+
+double posterior_objective(const TaxelModel& model, const Eigen::VectorXd& observed,
+                           const std::vector<FitContact>& contacts, const std::vector<FitContact>& prior_centres,
+                           double noise, const FitPriors& priors) {
+  const auto response = model.respond(contacts, false);
+  if (!response) return std::numeric_limits<double>::infinity();
+  const Prior prior = prior_of(prior_centres, priors);
+  return (response->values - observed).squaredNorm() / (noise * noise) +
+         prior.weight.dot((parameters(contacts) - prior.centre).cwiseAbs2());
 }
 
 }  // namespace triskin::mechanics

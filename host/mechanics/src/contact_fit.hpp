@@ -18,14 +18,24 @@ struct FitPriors {
 
 struct Fit {
   std::vector<FitContact> contacts;
+  std::vector<FitContact> prior_centres;
+  double noise = 0.0;
   Eigen::MatrixXd covariance;  // Covariance of the four parameters of each contact.
   double residual_sum = 0.0;   // Sum of squares, without priors.
   double objective = 0.0;      // (residual / noise)² and the priors
 };
 
-/// Levenberg-Marquardt from `start`, whose positions and forces are the centres of the priors. Nothing where the start
-/// itself is impossible.
+/// Levenberg-Marquardt from `start`; positions and forces of `prior_centres` are the centres of the priors. Nothing
+/// where the start itself is impossible.
 [[nodiscard]] std::optional<Fit> fit_contacts(const TaxelModel& model, const Eigen::VectorXd& observed,
-                                              std::vector<FitContact> start, double noise, const FitPriors& priors);
+                                              const std::vector<FitContact>& start,
+                                              const std::vector<FitContact>& prior_centres, double noise,
+                                              const FitPriors& priors);
+
+/// Twice the negative logarithm of the posterior of `contacts`, but for a constant; infinite where they are impossible.
+[[nodiscard]] double posterior_objective(const TaxelModel& model, const Eigen::VectorXd& observed,
+                                         const std::vector<FitContact>& contacts,
+                                         const std::vector<FitContact>& prior_centres, double noise,
+                                         const FitPriors& priors);
 
 }  // namespace triskin::mechanics

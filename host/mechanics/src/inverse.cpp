@@ -10,6 +10,7 @@
 
 #include "contact_fit.hpp"
 #include "contact_guess.hpp"
+#include "contact_posterior.hpp"
 #include "taxel_model.hpp"
 #include "triskin/base/error.hpp"
 
@@ -18,6 +19,10 @@ namespace {
 
 // The table and the superposition are exact to about this share of the peak; smaller residuals say nothing.
 constexpr double kModelErrorShare = 1e-3;
+// The table is exact to about this share, so no fit is trusted further.
+constexpr double kTableErrorShare = 5e-5;
+// Beyond these deviations the posterior is no longer normal, and samples take the place of the Gauss-Newton matrix.
+constexpr double kWidePosition_mm = 0.3, kWideLogForce = 0.1;
 // Noise that is assumed in the first fits where none is stated, as a share of the peak.
 constexpr double kFirstNoiseShare = 0.01;
 constexpr double kSignalShare = 0.02;
@@ -70,7 +75,7 @@ class ContactSearch {
   ContactSearch(const TaxelModel& model, Eigen::VectorXd observed, const InverseOptions& options)
       : model_(model), observed_(std::move(observed)), options_(options) {
     peak_ = observed_.size() == 0 ? 0.0 : std::max(0.0, observed_.maxCoeff());
-    noise_ = std::max(options.noise_dc_over_c.value_or(kFirstNoiseShare * peak_), kModelErrorShare * peak_);
+    noise_ = std::max(options.noise_dc_over_c.value_or(kFirstNoiseShare * peak_), kTableErrorShare * peak_);
     if (options.tip_radius_mm) {
       priors_.log_radius = std::log(*options.tip_radius_mm);
       priors_.log_radius_sd = kKnownRadiusSd;
@@ -86,6 +91,7 @@ class ContactSearch {
   [[nodiscard]] Starts added(const Fit& fewer) const;
   [[nodiscard]] std::vector<double> radii(std::size_t count) const;
   [[nodiscard]] std::optional<Fit> best_fit(const Starts& starts, double noise) const;
+  [[nodiscard]] ContactMoments moments(const Fit& fit, std::size_t contact) const;
   [[nodiscard]] InverseResult report(const Fit& fit) const;
   [[nodiscard]] double found_noise(const Fit& fit) const;
 
@@ -97,12 +103,13 @@ class ContactSearch {
   std::vector<ForceGuess> guesses_;
 };
 
-// Bayes' information criterion. The error of the model stands beside the noise, so that exact data does not call for
-// more and more contacts.
+// Extended Bayesian information criterion (Chen and Chen, Biometrika 95 (2008) 759): a new contact may appear at any
+// taxel, which costs 2 ln n beside its parameters. The error of the model stands beside the noise, so that exact data
+// does not call for more and more contacts.
 double ContactSearch::criterion(double residual_sum, int contacts) const {
   const auto n = static_cast<double>(observed_.size());
   const double floor = kModelErrorShare * peak_;
-  const double penalty = kParametersPerContact * contacts * std::log(n);
+  const double penalty = (kParametersPerContact + 2) * contacts * std::log(n);
   if (options_.noise_dc_over_c) return residual_sum / (stated_noise() * stated_noise() + floor * floor) + penalty;
   return n * std::log(residual_sum / n + floor * floor) + penalty;
 }
@@ -159,7 +166,7 @@ std::optional<Fit> ContactSearch::best_fit(const Starts& starts, double noise) c
     std::optional<Fit> fit;
     // A guess of the force may push a small tip through the layer: a blunter one holds it.
     for (int attempt = 0; attempt < 6 && !fit; ++attempt) {
-      fit = fit_contacts(model_, observed_, start, noise, priors_);
+      fit = fit_contacts(model_, observed_, start, start, noise, priors_);
       for (FitContact& c : start)
         (options_.tip_radius_mm ? c.log_force : c.log_radius) += options_.tip_radius_mm ? -0.5 : 0.6;
     }
@@ -175,18 +182,28 @@ double ContactSearch::found_noise(const Fit& fit) const {
   return std::sqrt(fit.residual_sum / std::max(1.0, freedom));
 }
 
+ContactMoments ContactSearch::moments(const Fit& fit, std::size_t contact) const {
+  const FitContact& k = fit.contacts[contact];
+  const auto block = static_cast<Eigen::Index>(kParametersPerContact * contact);
+  const Eigen::Vector4d sd = fit.covariance.diagonal().segment<4>(block).cwiseSqrt();
+  if (sd.head<2>().maxCoeff() > kWidePosition_mm || sd[2] > kWideLogForce) {
+    if (const auto sampled = sample_posterior(model_, observed_, fit, contact, priors_)) return *sampled;
+  }
+  const double force = std::exp(k.log_force), radius = std::exp(k.log_radius);
+  return {{k.position_mm.x(), k.position_mm.y(), force, radius}, {sd[0], sd[1], force * sd[2], radius * sd[3]}};
+}
+
 InverseResult ContactSearch::report(const Fit& fit) const {
   InverseResult result;
   result.noise_dc_over_c = found_noise(fit);
   result.residual_dc_over_c =
       std::sqrt(fit.residual_sum / static_cast<double>(std::max<Eigen::Index>(1, observed_.size())));
   for (std::size_t c = 0; c < fit.contacts.size(); ++c) {
+    const ContactMoments m = moments(fit, c);
     const FitContact& k = fit.contacts[c];
-    const Eigen::Vector4d sd = fit.covariance.diagonal().segment<4>(static_cast<Eigen::Index>(4 * c)).cwiseSqrt();
-    const double force = std::exp(k.log_force), radius = std::exp(k.log_radius);
-    const Contact pressed = model_.table().press({Shape::kSphere, radius}, force);
-    result.contacts.push_back({k.position_mm, sd.head<2>(), force, force * sd[2], radius, radius * sd[3],
-                               pressed.contact_radius_mm, pressed.indentation_mm});
+    const Contact pressed = model_.table().press({Shape::kSphere, std::exp(k.log_radius)}, std::exp(k.log_force));
+    result.contacts.push_back({m.mean.head<2>(), m.deviation.head<2>(), m.mean[2], m.deviation[2], m.mean[3],
+                               m.deviation[3], pressed.contact_radius_mm, pressed.indentation_mm});
   }
   std::sort(result.contacts.begin(), result.contacts.end(),
             [](const ContactEstimate& a, const ContactEstimate& b) { return a.force_n > b.force_n; });
@@ -215,8 +232,8 @@ InverseResult ContactSearch::run() {
   }
   if (best.contacts.empty() && options_.contacts && fewer) best = *fewer;
   if (!options_.noise_dc_over_c && !best.contacts.empty()) {
-    const double noise = std::max(found_noise(best), kModelErrorShare * peak_);
-    if (auto again = best_fit({best.contacts}, noise)) best = *again;
+    const double noise = std::max(found_noise(best), kTableErrorShare * peak_);
+    if (auto again = fit_contacts(model_, observed_, best.contacts, best.prior_centres, noise, priors_)) best = *again;
   }
   return report(best);
 }

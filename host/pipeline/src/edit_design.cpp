@@ -222,6 +222,7 @@ EditedDesign mirror_design(const design::Design& design, const design::MirrorPla
   else
     d.name += kMirroredSuffix;
   d.surface = design::mirrored(d.surface, plane);
+  if (d.side) d.side->part = design::mirrored(d.side->part, plane);
   for (design::PlacedPiece& piece : d.pieces) piece = design::turned_over(std::move(piece));
   d.layout = design::mirrored(d.layout, plane);
   for (design::Alternative& a : d.alternatives) a.layout = design::mirrored(a.layout, plane);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <utility>
 
 #include "choose_layout.hpp"
 #include "resolve_regions.hpp"
@@ -17,6 +18,7 @@
 #include "triskin/lattice/map_modules.hpp"
 #include "triskin/mesh/decimated_mesh.hpp"
 #include "triskin/mesh/extract.hpp"
+#include "triskin/mesh/open_side.hpp"
 #include "triskin/mesh/surface.hpp"
 #include "triskin/placement/placement.hpp"
 #include "triskin/placement/polygon_io.hpp"
@@ -76,6 +78,33 @@ geometry::Extraction surface_of(const geometry::Mesh& mesh, const std::string& n
   steps.repair_s = std::max(kRepairShare * limit_s, std::min(kShortRepair_s, kShortRepairShare * limit_s));
   steps.clock_s = [start, stands = options.iterations > 0] { return stands ? 0.0 : seconds_since(start); };
   return geometry::extract(mesh, steps, progress);
+}
+
+// The side that is covered, with its holes bridged; what it was taken from goes into the design, for the checker. False
+// where both sides look alike: the caller asks, and nothing is covered.
+bool take_surface(geometry::Extraction& extraction, const DesignOptions& options, design::Design& design,
+                  DesignNotes* notes) {
+  geometry::TakenSide taken = geometry::take_side(extraction.surface, options.side);
+  if (taken.is_undecided) {
+    if (notes == nullptr)
+      throw InputError("both sides of the part's wall look alike; say which one is wanted (DesignOptions::side)");
+    notes->side = std::move(taken);
+    notes->part = std::move(extraction.surface);
+    return false;
+  }
+  const geometry::Mesh part = std::exchange(extraction.surface, std::exchange(taken.surface, {}));
+  if (options.bridge_mm > 0.0) {
+    const geometry::BridgeReport bridges = geometry::bridge_holes(extraction.surface, part, options.bridge_mm);
+    if (notes != nullptr) notes->bridges = bridges;
+  }
+  if (taken.choice.has_wall) {
+    const bool both = options.side.wanted == geometry::SideWanted::kBoth;
+    design.side = design::PartSide{geometry::side_name(taken), taken.choice.is_certain, taken.choice.wall_mm,
+                   both ? geometry::Mesh{} : part};
+  }
+  design.surface = extraction.surface;
+  if (notes != nullptr) notes->side = std::move(taken);
+  return true;
 }
 
 double area_of(const geometry::Mesh& mesh) {
@@ -141,7 +170,7 @@ void require_places(const design::KindPlan& plan) {
   if (std::ranges::all_of(plan.regions, [](const auto& r) { return design::is_place(r.region); })) return;
   throw InputError(
       "kinds: a region names modules or an island, which have numbers only when the design is there; make it without "
-      "--kinds, then run triskin design DESIGN --kinds");
+      "--kinds, then run triskin edit DESIGN --kinds");
 }
 
 // What the pieces gave, from which the time of the growth and of what follows is told.
@@ -244,6 +273,7 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
   const geometry::MeshFile file = geometry::read_mesh(mesh, options.unit, options.object);
   const double reading_s = seconds_since(start);
   design.scale_to_mm = file.report.scale_to_mm;
+  if (notes != nullptr) notes->reading = file.report.notes;
   // Smaller than a module: nothing fits, whatever its faces do, and that is an answer.
   if (const double area_mm2 = area_of(file.mesh); area_mm2 < design::kModuleArea_mm2) {
     design.surface = file.mesh;
@@ -252,8 +282,9 @@ design::Design make_design(const std::filesystem::path& mesh, const DesignOption
     return design;
   }
   geometry::Extraction extraction = surface_of(file.mesh, mesh.string(), options, start, progress);
-  design.surface = extraction.surface;
+  if (options.flip) geometry::turn_over(extraction.surface);
   if (notes != nullptr) notes->extract = extraction.report;
+  if (!take_surface(extraction, options, design, notes)) return design;
   if (options.regions) design.regions = resolve_regions(mesh, file, extraction, *options.regions);
   const geometry::Surface surface(design.surface);
   const auto of_surface = regions_of(surface, design);

@@ -276,6 +276,14 @@ std::optional<wire::ImageState> Controller::image_state() {
   return unless_unknown([&] { return value<wire::ImageState>("firmware"); });
 }
 
+std::optional<wire::BoardHealth> Controller::health() {
+  return unless_unknown([&] { return value<wire::BoardHealth>("health"); });
+}
+
+std::optional<wire::Crash> Controller::crash() {
+  return unless_unknown([&] { return value<wire::Crash>("crash"); });
+}
+
 void Controller::reset() {
   (void)bus_.request(node_, request_of({wire::service::kReset, 0x01}), Repeat::kNever);
 }

@@ -114,7 +114,9 @@ void write_filters(CanFilters filters) {
                kRefuseOther << kOtherExtendedShift | kRefuseRemote);
 }
 
+// Away from the bus nothing may be asked for: frames wait.
 void fill_transmit_buffers() {
+  if (kCccr.any(kInit)) return;
   while (waiting.head != waiting.tail) {
     const std::uint32_t state = kTxfqs.read();
     if ((state & kTxFull) != 0) return;
@@ -199,6 +201,9 @@ void Stm32CanPort::step(std::uint64_t now_us) {
   rejoin_at_us_ = UINT64_MAX;
   joined_at_us_ = now_us;
   kCccr.clear(kInit);
+  while (kCccr.any(kInit)) {  // the block takes some clocks of its own to follow
+  }
+  fill_transmit_buffers();
 }
 
 void Stm32CanPort::describe(wire::BoardHealth& h) const {

@@ -62,6 +62,7 @@ std::optional<std::uint32_t> measure_crystal_hz() {
   kCcmr1.write(kCaptureFromInput | kEachEighthEdge);
   kCcer.write(kCaptureOn);
   kCr1.write(kEnable);
+  kSr.write(0);       // Clears edges that came before.
   (void)next_edge();  // This edge may precede the ones counted.
   const auto first = next_edge();
   auto last = first;

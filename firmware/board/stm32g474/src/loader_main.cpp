@@ -6,6 +6,7 @@
 
 #include "can.hpp"
 #include "flash_area.hpp"
+#include "light.hpp"
 #include "triskin/board/board.hpp"
 #include "triskin/board/flash_map.hpp"
 #include "triskin/board/registers/system.hpp"
@@ -96,6 +97,7 @@ class Waiting {
         serve_dfu(end_us);
       else if (microseconds() >= end_us)
         start_or_wait();
+      if (dfu_) show(Light::kLoader, microseconds());
       feed_watchdog();
       sleep_until(dfu_ ? std::max(end_us, dfu_->next_event_us()) : end_us);
     }
@@ -131,6 +133,7 @@ int main() {
   start_watchdog();
   start_clocks();
   start_microseconds();
+  open_light();
   const bool wanted = take_dfu_request();
   const bool pressed = take_double_reset();
   can.open(CanFilters::kLoader);

@@ -6,6 +6,7 @@
 #include "chain.hpp"
 #include "flash_area.hpp"
 #include "health.hpp"
+#include "light.hpp"
 #include "line.hpp"
 #include "triskin/app/application.hpp"
 #include "triskin/board/board.hpp"
@@ -131,6 +132,21 @@ class Milestones {
   bool options_set_ = false, counted_ = false;
 };
 
+Light light_of(fw::Application::Condition condition) {
+  using enum fw::Application::Condition;
+  switch (condition) {
+    case kNoTable:
+      return Light::kNoTable;
+    case kSampling:
+      return Light::kSampling;
+    case kStreaming:
+      return Light::kStreaming;
+    case kFault:
+      break;
+  }
+  return Light::kFault;
+}
+
 [[noreturn]] void run(fw::Application& application, fw::UsbDevice& device) {
   Milestones milestones;
   for (;;) {
@@ -142,6 +158,7 @@ class Milestones {
     if (device.wants_to_reconnect() && usb.idle()) enter_dfu();
     feed_watchdog();
     milestones.look(start);
+    show(light_of(application.condition()), start);
     std::uint64_t next = std::min({application.next_event_us(), start + kLongestSleep_us, can.next_event_us()});
     for (const Stm32I2cLine& line : lines) next = std::min(next, line.deadline_us());
     ++triskin_budget.loops;
@@ -163,6 +180,7 @@ int main() {
   start_microseconds();
   start_watchdog();
   triskin_budget.findings = inspect_board();
+  open_light();
   open_lines();
   can.open(CanFilters::kApplication);
   route_chain.open();

@@ -9,7 +9,7 @@ namespace {
 constexpr std::uint16_t kMagic = 0x464F;  // "OF"
 constexpr std::size_t kSealed = OffsetStore::kRecordBytes - 4;
 
-bool erased(Bytes bytes) {
+bool all_ones(Bytes bytes) {
   return std::ranges::all_of(bytes, [](std::uint8_t b) { return b == 0xFF; });
 }
 
@@ -59,7 +59,7 @@ void OffsetStore::find_end() {
   }
   if (page_ == 1) elsewhere_ = static_cast<std::uint16_t>(present & ~elsewhere_);
   for (used_ = slots(); used_ > 0; --used_) {
-    if (!erased(flash_.bytes().subspan(offset_of(page_, used_ - 1), kRecordBytes))) return;
+    if (!all_ones(flash_.bytes().subspan(offset_of(page_, used_ - 1), kRecordBytes))) return;
   }
 }
 

@@ -289,6 +289,7 @@ const Registration kPlace{{
         return run(*options, output);
       };
     },
+    Group::kDesign,
 }};
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -85,15 +86,15 @@ class PlyReader {
     if (next_line() != "ply") fail("it is not PLY");
     for (std::string line = next_line(); line != "end_header"; line = next_line()) header_line(line);
   }
-  // Lines end as the first one does: behind a CR the byte of a binary number may look like a LF.
+  // Behind a CR a binary number may begin with a byte that looks like a LF, so that files with CR alone are told by
+  // their first line.
   std::string next_line() {
     const std::size_t end = bytes_.find_first_of("\r\n", at_);
     if (end == std::string::npos) fail("its header has no end");
-    if (line_end_.empty()) line_end_ = bytes_.compare(end, 2, "\r\n") == 0 ? "\r\n" : bytes_.substr(end, 1);
-    if (bytes_.compare(end, line_end_.size(), line_end_) != 0 && bytes_[end] != '\n')
-      fail("mixed line ends in its header");
+    const bool is_pair = bytes_.compare(end, 2, "\r\n") == 0;
+    if (!ends_in_cr_) ends_in_cr_ = bytes_[end] == '\r' && !is_pair;
     std::string line = bytes_.substr(at_, end - at_);
-    at_ = end + (bytes_.compare(end, line_end_.size(), line_end_) == 0 ? line_end_.size() : 1);
+    at_ = end + (is_pair && !*ends_in_cr_ ? 2 : 1);
     while (!line.empty() && line.back() == ' ') line.pop_back();
     return line;
   }
@@ -244,7 +245,8 @@ class PlyReader {
   const std::string& bytes_;
   const std::string& file_;
   std::vector<std::string>& notes_;
-  std::string format_, line_end_;
+  std::string format_;
+  std::optional<bool> ends_in_cr_;  // of its first line
   std::size_t at_ = 0;
   bool text_ = false, swapped_ = false;
   std::vector<Element> elements_;

@@ -37,8 +37,8 @@ std::size_t facets_of(const MeshSource& source) {
     return held;
   }
   if (held < count) {
-    throw InputError(fmt::format("{}: the file ends in triangle {} of {}: it was cut; copy or export it again",
-                                 source.name, held + 1, count));
+    throw InputError(
+        fmt::format("{}: it was cut: it holds {} of {} triangles; copy or export it again", source.name, held, count));
   }
   const std::size_t behind = source.bytes.size() - kHeaderBytes - kFacetBytes * std::size_t{count};
   if (behind > 0) {

@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <exception>
 #include <memory>
+#include <tuple>
 #include <type_traits>
 
+#include "lower_case.hpp"
 #include "triskin/base/error.hpp"
 
 namespace triskin::geometry {
@@ -22,11 +24,17 @@ std::pair<std::string_view, std::string_view> split(std::string_view full) {
   return {full.substr(0, at), full.substr(at + 1)};
 }
 
+// Text that was UTF-16 and is UTF-8 now still says what it was.
+bool was_utf16(std::string_view bytes) {
+  const std::string head = lower_case(bytes.substr(0, std::min<std::size_t>(bytes.find("?>"), 200)));
+  return head.starts_with("<?xml") && head.find("utf-16") != std::string::npos;
+}
+
 // The library calls C functions, which no exception may leave.
 class Parse {
  public:
-  Parse(const std::string& name, const XmlHandler& handler)
-      : name_(name), handler_(handler), parser_(XML_ParserCreateNS(nullptr, kSeparator), &XML_ParserFree) {
+  Parse(const std::string& name, const XmlHandler& handler, const char* encoding)
+      : name_(name), handler_(handler), parser_(XML_ParserCreateNS(encoding, kSeparator), &XML_ParserFree) {
     XML_SetUserData(parser_.get(), this);
     XML_SetElementHandler(
         parser_.get(),
@@ -150,7 +158,7 @@ std::string_view XmlTag::attribute(std::string_view wanted, std::string_view in_
 }
 
 void parse_xml(std::string_view bytes, const std::string& name, const XmlHandler& handler) {
-  Parse(name, handler).run(bytes);
+  Parse(name, handler, was_utf16(bytes) ? "UTF-8" : nullptr).run(bytes);
 }
 
 }  // namespace triskin::geometry

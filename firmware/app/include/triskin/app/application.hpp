@@ -39,6 +39,9 @@ class Application final : private UdsHost, private PatchControl {
   [[nodiscard]] std::uint64_t next_during_flash_us() const;
   /// Earliest time at which step() has work, not counting frames and line transfers, whose ends the board reports.
   [[nodiscard]] std::uint64_t next_event_us() const;
+  /// What a light of the board can show: a module that is not in order comes before everything else.
+  enum class Condition : std::uint8_t { kNoTable, kSampling, kStreaming, kFault };
+  [[nodiscard]] Condition condition() const;
   /// Frames wait for room in the CAN port: step() again when there is some.
   [[nodiscard]] bool frames_wait() const;
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,14 @@ struct Alternative {
   int jumpers = 0;
   double price = 0.0;         ///< price in modules, by Design::price
   double module_value = 0.0;  ///< value of its modules, by Design::regions; without regions, their number
+};
+
+/// Side of a part with a wall that the surface of a design was taken from (docs/side.md).
+struct PartSide {
+  std::string taken;  ///< outer, inner, both, 1 or 2 (of a picture), or from (what is seen from a point)
+  bool is_certain = true;
+  double wall_mm = 0.0;
+  Mesh part;  ///< the whole part, mm; empty with `both`
 };
 
 /// Design of a cover: the only thing that passes between geometry and the device side (docs/design_file.md has the
@@ -57,6 +66,7 @@ struct Design {
   double scale_to_mm = 1.0;
   std::uint64_t seed = 1;
   Mesh surface;  ///< mm
+  std::optional<PartSide> side;  ///< none, and no key in the file: the surface has no wall
   LayoutLimits limits;
   std::vector<PlacedPiece> pieces;
   ModuleLayout layout;  ///< module index = id

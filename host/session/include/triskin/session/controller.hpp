@@ -11,6 +11,7 @@
 #include "triskin/wire/adoption.hpp"
 #include "triskin/wire/calibration.hpp"
 #include "triskin/wire/faults.hpp"
+#include "triskin/wire/health.hpp"
 #include "triskin/wire/identity.hpp"
 #include "triskin/wire/lines.hpp"
 #include "triskin/wire/live_taxels.hpp"
@@ -47,6 +48,10 @@ class Controller {
 
   /// The firmware that runs; empty: it was not started from a slot.
   std::optional<wire::ImageState> image_state();
+  /// How its board is: clock, CAN, flash, stack. Empty: its firmware does not know that.
+  std::optional<wire::BoardHealth> health();
+  /// What stopped it last. Empty: nothing since power-up, or its firmware does not know that.
+  std::optional<wire::Crash> crash();
   /// Restarts the controller through its loader; returns when the request is confirmed, before the restart.
   void reset();
 

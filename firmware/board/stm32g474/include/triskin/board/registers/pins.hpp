@@ -13,5 +13,6 @@ inline constexpr std::uint32_t kFunctionCan = 9;
 inline constexpr Pin kChainClock{'B', 13}, kChainIn{'B', 14}, kChainOut{'B', 15}, kChainEnable{'B', 12},
     kChainEnable2{'B', 10}, kChainLatch{'B', 11};
 inline constexpr std::uint32_t kFunctionSpi2 = 5;
+inline constexpr Pin kLight{'A', 5};  // LD2 of a Nucleo board
 
 }  // namespace triskin::board::pins
